@@ -1,0 +1,115 @@
+//! Young's modulus from measured shapes under known loads: eq. (11) of Xu et al. (2021).
+
+use crate::Kinematics;
+use crate::finger::Finger;
+use crate::measurement::Measurement;
+use crate::mesh::{Load, Mesh};
+use crate::statics::{self, StaticsError};
+
+/// A finger under a known load, and what was measured of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CalibrationCase {
+    /// The load.
+    pub load: Load,
+    /// The measured displacements.
+    pub measurement: Measurement,
+}
+
+/// Modulus of the finger as a factor on what its description says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ModulusEstimate {
+    /// Factor on all moduli of the finger.
+    pub factor: f64,
+    /// Its standard deviation, from the scatter of the residuals.
+    pub sigma: f64,
+    /// Mean distance between measured and computed nodes, mm.
+    pub mean_distance_mm: f64,
+    /// Number of measured nodes, over all cases.
+    pub node_count: usize,
+}
+
+/// Why no modulus can be told.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum CalibrationError {
+    /// The finger under a load could not be solved.
+    #[error(transparent)]
+    Statics(#[from] StaticsError),
+    /// No load moves any measured node.
+    #[error("not identifiable: no load of the measurements moves a measured node")]
+    NothingMoves,
+    /// The nodes move against the loads.
+    #[error(
+        "the measured nodes do not move with the loads (best compliance factor {compliance_factor:.3e}): are signs and units right?"
+    )]
+    WrongWay {
+        /// Measured over computed displacement.
+        compliance_factor: f64,
+    },
+}
+
+/// Halvings of the bracket: enough to exhaust double precision.
+const BISECTIONS: usize = 200;
+
+/// Young's modulus of the linear finger by eq. (11): the factor on all moduli for which the sum of the distances
+/// between measured and computed nodes, over all nodes and cases, is smallest.
+///
+/// Computed displacements v are proportional to c = 1 / factor, so the sum of |m - c v| is convex in c alone, and its
+/// derivative, which grows with c, is bisected. Sums of distances (not of their squares) forgive single bad markers.
+/// The standard deviation is the sandwich estimate of an M-estimator, sqrt(sum g^2) / sum h with g and h the first and
+/// second derivative of each node's distance (Huber 1967).
+///
+/// # Errors
+/// [`CalibrationError`] when no factor follows from the measurements.
+pub fn youngs_modulus(finger: &Finger, cases: &[CalibrationCase]) -> Result<ModulusEstimate, CalibrationError> {
+    let mesh = Mesh::key_nodes(finger);
+    let mut nodes = Vec::new();
+    for case in cases {
+        let shape = statics::solve(&mesh, &[case.load], Kinematics::Linear)?;
+        for marker in case.measurement.markers() {
+            nodes.push((marker.displacement, shape.motion(marker.node).displacement, marker.weight));
+        }
+    }
+    // Each node alone would choose its own c; the best for all lies between the extremes.
+    let alone = nodes.iter().filter(|(_, v, _)| v.norm_squared() > 0.0).map(|(m, v, _)| m.dot(v) / v.norm_squared());
+    let (mut low, mut high) = alone.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| (l.min(c), h.max(c)));
+    if !(low.is_finite() && high.is_finite()) {
+        return Err(CalibrationError::NothingMoves);
+    }
+    let slope = |c: f64| -> f64 {
+        nodes
+            .iter()
+            .map(|(m, v, weight)| {
+                let away = v * c - m;
+                let distance = away.norm();
+                if distance > 0.0 { weight * v.dot(&away) / distance } else { 0.0 }
+            })
+            .sum()
+    };
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (low + high);
+        if slope(middle) < 0.0 { low = middle } else { high = middle }
+    }
+    let c = 0.5 * (low + high);
+    if !(c > 0.0) {
+        return Err(CalibrationError::WrongWay { compliance_factor: c });
+    }
+    let (mut scatter, mut curvature, mut distances) = (0.0, 0.0, 0.0);
+    for (m, v, weight) in &nodes {
+        let away = v * c - m;
+        let distance = away.norm();
+        distances += distance;
+        // Below rounding of the displacements a residual has no direction: such data fit perfectly.
+        if distance > 1e-14 * m.norm() {
+            let gradient = weight * v.dot(&away) / distance;
+            scatter += gradient * gradient;
+            curvature += weight * (v.norm_squared() - (v.dot(&away) / distance).powi(2)) / distance;
+        }
+    }
+    let sigma_c = if curvature > 0.0 { scatter.sqrt() / curvature } else { 0.0 };
+    Ok(ModulusEstimate {
+        factor: 1.0 / c,
+        sigma: sigma_c / (c * c),
+        mean_distance_mm: distances / nodes.len() as f64,
+        node_count: nodes.len(),
+    })
+}

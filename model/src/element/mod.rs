@@ -1,0 +1,93 @@
+//! One plane beam element: its elastic energy, nodal forces and tangent stiffness.
+//!
+//! An element knows nothing of the structure around it. It sees the motion of its two ends and answers with a
+//! [`Response`]; [`crate::frame`] connects ends to nodes through arms, pins and rigid links.
+
+mod chord;
+mod interior;
+mod natural;
+
+pub use chord::Chord;
+
+use crate::Vector;
+use nalgebra::{SMatrix, SVector};
+
+/// How displacements become deformations, and hence which finger is solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Kinematics {
+    /// Small displacements: Xu et al. (2021), eqs (1) to (5).
+    Linear,
+    /// Large rotations, with the axial strain of a shallow arch: bending shortens the chord.
+    Corotational,
+    /// Large rotations, with the plain strain of the chord, as OpenSees' `Corotational` transformation has it.
+    CorotationalChord,
+}
+
+/// Order of an element's six coordinates: x, y (mm) and rotation (rad) of the first end, then of the second.
+pub type ElementVector = SVector<f64, 6>;
+/// Second derivatives with respect to the coordinates of an [`ElementVector`].
+pub type ElementMatrix = SMatrix<f64, 6, 6>;
+
+/// Motion of one end: displacement in mm, rotation in rad, finger frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EndMotion {
+    /// Displacement from the undeformed place, mm.
+    pub displacement: Vector,
+    /// Rotation from the undeformed direction, rad.
+    pub rotation: f64,
+}
+
+/// A scalar of the element (energy or work, N mm) with its first and second derivatives by the end motions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Response {
+    /// Elastic energy of the element, or work of a load on it, N mm.
+    pub energy: f64,
+    /// First derivatives: nodal forces in N and moments in N mm.
+    pub gradient: ElementVector,
+    /// Second derivatives: the consistent tangent stiffness, symmetric.
+    pub tangent: ElementMatrix,
+}
+
+/// A straight, slender (Euler-Bernoulli) beam with constant section.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Beam {
+    /// Unit vector from the first to the second end, undeformed.
+    pub direction: Vector,
+    /// Undeformed length, mm.
+    pub length_mm: f64,
+    /// EA, N.
+    pub axial_rigidity_n: f64,
+    /// EI, N mm^2.
+    pub bending_rigidity_nmm2: f64,
+}
+
+impl Beam {
+    /// Energy, nodal forces and tangent stiffness at the given motion of the two ends.
+    ///
+    /// Every kinematics follows one pattern. The end motions give three natural deformations, the elongation of the
+    /// chord e and the rotations phi_a, phi_b of the two ends against it (Argyris' natural modes); the energy
+    /// [U(e, phi_a, phi_b)](Beam::natural_response) is that of a beam fixed to its chord; the chain rule brings its
+    /// derivatives back. Written with `d` for the 3 x 6 derivative of the natural deformations,
+    ///
+    /// gradient = d^T U',   tangent = d^T U'' d + sum_i U'_i (second derivative of deformation i).
+    ///
+    /// Source: Crisfield, Non-linear Finite Element Analysis of Solids and Structures, vol. 1, sec. 7.3.
+    pub fn response(&self, kinematics: Kinematics, motion: &[EndMotion; 2]) -> Response {
+        match kinematics {
+            Kinematics::Linear => {
+                let chord = Chord::undeformed(self);
+                let local = self.natural_response(false, chord.linear_deformation(motion));
+                // U is quadratic and the deformations are linear: no second derivative of theirs exists.
+                local.pulled_back(&chord.gradients())
+            }
+            Kinematics::Corotational | Kinematics::CorotationalChord => {
+                let chord = Chord::deformed(self, motion);
+                let bowing = kinematics == Kinematics::Corotational;
+                let local = self.natural_response(bowing, chord.deformation(motion));
+                let mut response = local.pulled_back(&chord.gradients());
+                response.tangent += chord.geometric_stiffness(local.axial_force(), local.end_moments());
+                response
+            }
+        }
+    }
+}

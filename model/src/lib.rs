@@ -1,0 +1,41 @@
+//! Beam model of a compliant fin-ray finger, and force sensing through its deformation.
+//!
+//! Data flows one way: a [`Scene`] describes a [`Finger`], a [`Mesh`] divides it into beam elements, [`statics`] finds
+//! its equilibrium under [`Load`]s, [`measurement`] keeps what a camera sees of it, and [`sensing`] goes back from
+//! there to the contact forces.
+//!
+//! Units are N, mm, MPa and rad throughout. The finger frame has its origin in the middle of the base line, x from the
+//! base towards the tip, y along the base line towards the front plate (the contact side); rotations count from x to y.
+//!
+//! The crate is pure: it reads no files, prints nothing, knows no clock and draws no random numbers.
+//!
+//! ```
+//! use finray_model::{Kinematics, Load, Mesh, NodeId, Scene, statics};
+//!
+//! let scene = Scene::from_toml(include_str!("../../fixtures/scenes/paper.toml"))?;
+//! let mesh = Mesh::key_nodes(&scene.finger);
+//! let load = Load::at_node(NodeId(19), scene.finger.direction(0.0) * 2.0);
+//! let shape = statics::solve(&mesh, &[load], Kinematics::Corotational)?;
+//! assert!(shape.motion(NodeId(19)).displacement.norm() > 1.0); // it gives way by more than a millimetre
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+#![forbid(unsafe_code)]
+
+pub mod calibration;
+pub mod compliance;
+pub mod element;
+pub mod finger;
+pub mod frame;
+pub mod measurement;
+pub mod mesh;
+pub mod scene;
+pub mod sensing;
+pub mod statics;
+
+pub use element::Kinematics;
+pub use finger::{Finger, NodeId};
+pub use mesh::{Load, Mesh};
+pub use scene::Scene;
+
+/// A position, displacement or force in the plane of the finger (mm or N, finger frame).
+pub type Vector = nalgebra::Vector2<f64>;

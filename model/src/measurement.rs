@@ -1,0 +1,123 @@
+//! What a camera sees of a deformed finger: displacements of key nodes, without rotations.
+
+use crate::Vector;
+use crate::finger::{Finger, NodeId};
+use crate::mesh::FingerShape;
+
+/// One measured node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Marker {
+    /// The node.
+    pub node: NodeId,
+    /// Measured displacement, mm, finger frame.
+    pub displacement: Vector,
+    /// How much the marker counts: its coordinates have the standard deviation noise / weight. 1 for all alike.
+    pub weight: f64,
+}
+
+/// Measured displacements of some of a finger's free key nodes, each at most once.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measurement {
+    markers: Vec<Marker>,
+}
+
+/// A measurement that does not belong to the finger.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum MeasurementError {
+    /// No such node.
+    #[error("node {node} does not exist: the finger has the key nodes 1 to {key_nodes}")]
+    UnknownNode {
+        /// The node named.
+        node: NodeId,
+        /// Number of key nodes.
+        key_nodes: usize,
+    },
+    /// A node stands there twice.
+    #[error("node {node} is listed twice")]
+    Repeated {
+        /// The node named.
+        node: NodeId,
+    },
+    /// A coordinate or weight is not a finite number.
+    #[error("node {node}: expected finite numbers")]
+    NotFinite {
+        /// The node named.
+        node: NodeId,
+    },
+    /// A clamped node moved.
+    #[error("node {node} is clamped, so its displacement must be zero: are the rows numbered in another way?")]
+    ClampedMoves {
+        /// The node named.
+        node: NodeId,
+    },
+}
+
+impl Measurement {
+    /// Checks markers against a finger. Clamped nodes at zero are left out.
+    ///
+    /// # Errors
+    /// [`MeasurementError`] for the first marker that is unknown, repeated, not finite, or clamped and yet moving.
+    pub fn new(finger: &Finger, markers: impl IntoIterator<Item = Marker>) -> Result<Measurement, MeasurementError> {
+        let mut measurement = Measurement { markers: Vec::new() };
+        for marker in markers {
+            measurement.add(finger, marker)?;
+        }
+        Ok(measurement)
+    }
+
+    /// Adds one marker; see [`Measurement::new`].
+    ///
+    /// # Errors
+    /// [`MeasurementError`], with the measurement unchanged.
+    pub fn add(&mut self, finger: &Finger, marker: Marker) -> Result<(), MeasurementError> {
+        let node = marker.node;
+        let key_nodes = finger.key_node_count();
+        if !(1..=key_nodes).contains(&node.0) {
+            return Err(MeasurementError::UnknownNode { node, key_nodes });
+        }
+        let finite = marker.displacement.iter().all(|u| u.is_finite());
+        if !finite || !(marker.weight.is_finite() && marker.weight > 0.0) {
+            return Err(MeasurementError::NotFinite { node });
+        }
+        if finger.clamped_nodes().contains(&node) {
+            return match marker.displacement == Vector::zeros() {
+                true => Ok(()),
+                false => Err(MeasurementError::ClampedMoves { node }),
+            };
+        }
+        if self.markers.iter().any(|other| other.node == node) {
+            return Err(MeasurementError::Repeated { node });
+        }
+        self.markers.push(marker);
+        Ok(())
+    }
+
+    /// All free nodes of a computed shape, as a camera without noise would see them.
+    pub fn of_shape(finger: &Finger, shape: &FingerShape) -> Measurement {
+        let marker = |node| Marker { node, displacement: shape.motion(node).displacement, weight: 1.0 };
+        Measurement { markers: finger.free_nodes().map(marker).collect() }
+    }
+
+    /// The same measurement without the markers of hidden nodes.
+    pub fn without(mut self, hidden: &[NodeId]) -> Measurement {
+        self.markers.retain(|marker| !hidden.contains(&marker.node));
+        self
+    }
+
+    /// Adds noise to every coordinate: `standard_normal` is called for each and scaled with `noise_mm` / weight.
+    pub fn add_noise(&mut self, noise_mm: f64, mut standard_normal: impl FnMut() -> f64) {
+        for marker in &mut self.markers {
+            marker.displacement += Vector::new(standard_normal(), standard_normal()) * (noise_mm / marker.weight);
+        }
+    }
+
+    /// The markers.
+    pub fn markers(&self) -> &[Marker] {
+        &self.markers
+    }
+
+    /// Number of measured coordinates, two a marker.
+    pub fn coordinate_count(&self) -> usize {
+        2 * self.markers.len()
+    }
+}

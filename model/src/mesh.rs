@@ -1,0 +1,413 @@
+//! A finger divided into beam elements.
+//!
+//! Members are the stretches of plate between key nodes, and the ribs. Each is divided evenly between its rigid arms.
+//! Node `n` of the finger is node `n - 1` of the frame; nodes made by refinement come after the key nodes.
+
+mod apportion;
+
+use crate::Vector;
+use crate::finger::{Finger, Joints, NodeId, Part, Plate, Zone};
+use crate::frame::{BeamEnd, FrameMotion, NodeIndex, PlaneFrame, Section};
+use crate::statics::FrameLoad;
+
+/// A dead load on a finger, in the finger frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Load {
+    /// Force (N) and moment (N mm) on a key node.
+    Node {
+        /// The node.
+        node: NodeId,
+        /// Force, N.
+        force: Vector,
+        /// Moment, N mm, from x to y.
+        moment_nmm: f64,
+    },
+    /// Force (N) at a place of the front plate.
+    Front {
+        /// Place along the plate from the front base, mm.
+        s_mm: f64,
+        /// Force, N.
+        force: Vector,
+    },
+}
+
+impl Load {
+    /// A force on a node, without moment.
+    pub fn at_node(node: NodeId, force: Vector) -> Load {
+        Load::Node { node, force, moment_nmm: 0.0 }
+    }
+
+    /// A force at a place of the front plate.
+    pub fn at_place(s_mm: f64, force: Vector) -> Load {
+        Load::Front { s_mm, force }
+    }
+}
+
+/// A load that the finger cannot take.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum LoadError {
+    /// No such node.
+    #[error("node {node} does not exist: the finger has the key nodes 1 to {key_nodes}")]
+    NodeMissing {
+        /// The node asked for.
+        node: NodeId,
+        /// Number of key nodes.
+        key_nodes: usize,
+    },
+    /// The node is held.
+    #[error("node {node} is clamped: a load there moves nothing and cannot be felt")]
+    NodeClamped {
+        /// The node asked for.
+        node: NodeId,
+    },
+    /// The place is not on the free front plate.
+    #[error(
+        "the place s = {s_mm} mm is not on the front plate, which reaches from 0 (clamped) to {length_mm} mm (tip)"
+    )]
+    PlaceOffPlate {
+        /// The place asked for, mm.
+        s_mm: f64,
+        /// Length of the front plate, mm.
+        length_mm: f64,
+    },
+}
+
+/// Too few or too many nodes for a mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("expected {fewest} (the key nodes alone) to {MOST_NODES} mesh nodes, found {found}")]
+pub struct MeshSizeError {
+    /// The smallest mesh of this finger.
+    pub fewest: usize,
+    /// What was asked for.
+    pub found: usize,
+}
+
+/// Largest mesh that is made, far beyond any use.
+const MOST_NODES: usize = 1_000_000;
+
+/// A stretch of plate or a rib, as the nodes along it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Line {
+    /// What it is a stretch of.
+    pub part: Part,
+    /// Frame nodes from one key node to the other, both included.
+    pub nodes: Vec<NodeIndex>,
+    /// Its elements in the same order, as members of the frame; empty for a rib that does not deform.
+    pub members: std::ops::Range<usize>,
+}
+
+/// A stretch of the front plate that a load may stand on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum FrontStretch {
+    /// A rigid arm and the node it belongs to.
+    Arm { end: BeamEnd, node_mm: f64 },
+    /// An elastic element.
+    Element { member: usize, from_mm: f64, to_mm: f64 },
+}
+
+/// A finger divided into elements.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mesh {
+    finger: Finger,
+    frame: PlaneFrame,
+    lines: Vec<Line>,
+    /// Stretches of the front plate from base to tip, each with the place where it ends.
+    front: Vec<(f64, FrontStretch)>,
+    node_count: usize,
+}
+
+impl Mesh {
+    /// The coarsest mesh: one element a member, 25 nodes for the paper's finger.
+    pub fn key_nodes(finger: &Finger) -> Mesh {
+        Mesh::build(finger, &vec![1; line_lengths(finger).len()])
+    }
+
+    /// A mesh of `nodes` nodes. The members and the base line share `nodes - key nodes + lines` elements in proportion
+    /// to their length, by largest remainder, at least one each; the base line lies between two clamps, so its elements
+    /// are only counted.
+    ///
+    /// # Errors
+    /// [`MeshSizeError`] for fewer nodes than key nodes, or absurdly many.
+    pub fn with_nodes(finger: &Finger, nodes: usize) -> Result<Mesh, MeshSizeError> {
+        let fewest = finger.key_node_count();
+        if !(fewest..=MOST_NODES).contains(&nodes) {
+            return Err(MeshSizeError { fewest, found: nodes });
+        }
+        let lengths = line_lengths(finger);
+        Ok(Mesh::build(finger, &apportion::by_largest_remainder(nodes - fewest + lengths.len(), &lengths)))
+    }
+
+    /// A mesh with the same number of elements in every member.
+    pub fn with_elements_per_member(finger: &Finger, elements: usize) -> Mesh {
+        Mesh::build(finger, &vec![elements.max(1); line_lengths(finger).len()])
+    }
+
+    /// The finger that is meshed.
+    pub fn finger(&self) -> &Finger {
+        &self.finger
+    }
+
+    /// The frame that stands for the finger.
+    pub fn frame(&self) -> &PlaneFrame {
+        &self.frame
+    }
+
+    /// The members of the finger, for drawing.
+    pub fn lines(&self) -> &[Line] {
+        &self.lines
+    }
+
+    /// Number of nodes, those of the base line and of undeformable ribs counted too.
+    pub fn node_count(&self) -> usize {
+        self.node_count
+    }
+
+    /// The frame node of a key node.
+    pub fn frame_node(&self, node: NodeId) -> NodeIndex {
+        node.0 - 1
+    }
+
+    /// Places a load on the frame.
+    ///
+    /// # Errors
+    /// [`LoadError`] for a node that is missing or clamped, or a place that is not on the front plate.
+    pub fn frame_load(&self, load: &Load) -> Result<FrameLoad, LoadError> {
+        match *load {
+            Load::Node { node, force, moment_nmm } => {
+                let key_nodes = self.finger.key_node_count();
+                if !(1..=key_nodes).contains(&node.0) {
+                    Err(LoadError::NodeMissing { node, key_nodes })
+                } else if self.finger.clamped_nodes().contains(&node) {
+                    Err(LoadError::NodeClamped { node })
+                } else {
+                    Ok(FrameLoad::Node { node: self.frame_node(node), force, moment_nmm })
+                }
+            }
+            Load::Front { s_mm, force } => {
+                let length_mm = self.finger.plate_length_mm(Plate::Front);
+                let stretch = (s_mm > 0.0).then(|| self.front.iter().find(|(end, _)| s_mm <= *end)).flatten();
+                let Some((_, stretch)) = stretch else {
+                    return Err(LoadError::PlaceOffPlate { s_mm, length_mm });
+                };
+                Ok(match *stretch {
+                    FrontStretch::Arm { end, node_mm } => {
+                        let arm = self.finger.front_tangent() * (s_mm - node_mm);
+                        FrameLoad::Arm { end: BeamEnd { arm, ..end }, force }
+                    }
+                    FrontStretch::Element { member, from_mm, to_mm } => {
+                        FrameLoad::Interior { member, xi: (s_mm - from_mm) / (to_mm - from_mm), force }
+                    }
+                })
+            }
+        }
+    }
+
+    /// What the key nodes do in a motion of the frame.
+    pub fn shape(&self, motion: &FrameMotion) -> FingerShape {
+        let motions = (1..=self.finger.key_node_count())
+            .map(NodeId)
+            .map(|node| {
+                let index = self.frame_node(node);
+                NodeMotion {
+                    node,
+                    position: self.frame.position(index),
+                    displacement: motion.displacements[index],
+                    rotation: motion.rotations[self.frame.rotation_of(index)],
+                }
+            })
+            .collect();
+        FingerShape { motions }
+    }
+
+    fn build(finger: &Finger, elements: &[usize]) -> Mesh {
+        let mut frame = PlaneFrame::new();
+        for node in (1..=finger.key_node_count()).map(NodeId) {
+            frame.add_node(finger.position(node));
+        }
+        for node in finger.clamped_nodes() {
+            frame.support(node.0 - 1, [true; 3]);
+        }
+        // Links first: they decide which rotation the beams at a node are clamped to.
+        let rigid_ribs = finger.description().ribs.strip.is_none();
+        let hinged = finger.description().ribs.joints == Joints::Hinged;
+        if rigid_ribs {
+            for rib in 0..finger.rib_count() {
+                let [front, back] = finger.rib_nodes(rib);
+                frame.link_rigidly(back.0 - 1, front.0 - 1, hinged);
+            }
+        }
+        let mut mesh = Mesh {
+            finger: finger.clone(),
+            frame,
+            lines: Vec::new(),
+            front: Vec::new(),
+            node_count: finger.key_node_count() + elements.iter().map(|n| n - 1).sum::<usize>(),
+        };
+        let mut elements = elements.iter().copied();
+        let mut next = || elements.next().unwrap_or(1);
+        for plate in [Plate::Back, Plate::Front] {
+            let places = finger.plate_places_mm(plate);
+            let nodes = finger.plate_nodes(plate);
+            for (place, node) in places.windows(2).zip(nodes.windows(2)) {
+                mesh.add_plate_stretch(plate, [node[0], node[1]], [place[0], place[1]], next());
+            }
+        }
+        for rib in 0..finger.rib_count() {
+            mesh.add_rib(rib, next());
+        }
+        mesh
+    }
+
+    fn add_plate_stretch(&mut self, plate: Plate, nodes: [NodeId; 2], places: [f64; 2], elements: usize) {
+        let arm = self.finger.description().rod_arm_mm;
+        let along = (self.finger.plate_point(plate, 1.0) - self.finger.base(plate)).normalize();
+        let [from, to] = nodes.map(|node| self.frame_node(node));
+        let ends = [
+            BeamEnd { arm: along * arm, ..self.frame.clamped_end(from) },
+            BeamEnd { arm: along * -arm, ..self.frame.clamped_end(to) },
+        ];
+        let free = [places[0] + arm, places[1] - arm];
+        // `section` is there for plates by construction.
+        let Some(section) = self.finger.section(plate.into()) else { return };
+        let zones: Vec<Zone> =
+            self.finger.description().zones.iter().filter(|zone| zone.part == Part::from(plate)).copied().collect();
+        let place = |i: usize| free[0] + (free[1] - free[0]) * i as f64 / elements as f64;
+        let sections: Vec<Section> =
+            (0..elements).map(|i| section.scaled(1.0 / mean_compliance(&zones, place(i), place(i + 1)))).collect();
+        let first_member = self.frame.members().len();
+        self.add_line(plate.into(), ends, &sections);
+        if plate == Plate::Front {
+            if arm > 0.0 {
+                self.front.push((free[0], FrontStretch::Arm { end: ends[0], node_mm: places[0] }));
+            }
+            for i in 0..elements {
+                let member = first_member + i;
+                let stretch = FrontStretch::Element { member, from_mm: place(i), to_mm: place(i + 1) };
+                self.front.push((place(i + 1), stretch));
+            }
+            if arm > 0.0 {
+                self.front.push((places[1], FrontStretch::Arm { end: ends[1], node_mm: places[1] }));
+            }
+        }
+    }
+
+    fn add_rib(&mut self, rib: usize, elements: usize) {
+        let [front, back] = self.finger.rib_nodes(rib).map(|node| self.frame_node(node));
+        let Some(section) = self.finger.section(Part::Ribs) else {
+            let at = self.frame.members().len();
+            self.lines.push(Line { part: Part::Ribs, nodes: vec![back, front], members: at..at });
+            return;
+        };
+        let along = (self.frame.position(front) - self.frame.position(back)).normalize();
+        let arm = along * self.finger.description().rod_arm_mm;
+        let hinged = self.finger.description().ribs.joints == Joints::Hinged;
+        let ends = [(back, arm), (front, -arm)].map(|(node, arm)| {
+            let rotation = if hinged { self.frame.add_rotation() } else { self.frame.rotation_of(node) };
+            BeamEnd { node, rotation, arm }
+        });
+        let place = self.finger.plate_places_mm(Plate::Front)[rib + 1];
+        let factor: f64 = self
+            .finger
+            .description()
+            .zones
+            .iter()
+            .filter(|zone| zone.part == Part::Ribs && zone.from_mm <= place && place <= zone.to_mm)
+            .map(|zone| zone.modulus_factor)
+            .product();
+        self.add_line(Part::Ribs, ends, &vec![section.scaled(factor); elements]);
+    }
+
+    /// Adds a straight chain of equal elements between two ends, one section each.
+    fn add_line(&mut self, part: Part, ends: [BeamEnd; 2], sections: &[Section]) {
+        let [from, to] = ends.map(|end| self.frame.position(end.node) + end.arm);
+        let first_member = self.frame.members().len();
+        let mut nodes = vec![ends[0].node];
+        let mut before = ends[0];
+        for (i, section) in sections.iter().enumerate() {
+            let after = if i + 1 == sections.len() {
+                ends[1]
+            } else {
+                let node = self.frame.add_node(from + (to - from) * ((i + 1) as f64 / sections.len() as f64));
+                self.frame.clamped_end(node)
+            };
+            self.frame.add_member([before, after], *section);
+            nodes.push(after.node);
+            before = after;
+        }
+        self.lines.push(Line { part, nodes, members: first_member..self.frame.members().len() });
+    }
+}
+
+/// Lengths of the lines that share the elements: back plate and front plate from base to tip, ribs from base to tip,
+/// base line.
+fn line_lengths(finger: &Finger) -> Vec<f64> {
+    let plates = [Plate::Back, Plate::Front].into_iter().flat_map(|plate| {
+        let places = finger.plate_places_mm(plate);
+        places.windows(2).map(|w| w[1] - w[0]).collect::<Vec<_>>()
+    });
+    let ribs = (0..finger.rib_count()).map(|rib| {
+        let [front, back] = finger.rib_nodes(rib).map(|node| finger.position(node));
+        (front - back).norm()
+    });
+    plates.chain(ribs).chain(std::iter::once(finger.description().base_width_mm)).collect()
+}
+
+/// Length-weighted mean of 1 / (product of the zones' factors) over a stretch of plate.
+fn mean_compliance(zones: &[Zone], from_mm: f64, to_mm: f64) -> f64 {
+    let mut cuts: Vec<f64> = zones
+        .iter()
+        .flat_map(|zone| [zone.from_mm, zone.to_mm])
+        .filter(|cut| *cut > from_mm && *cut < to_mm)
+        .chain([from_mm, to_mm])
+        .collect();
+    cuts.sort_by(f64::total_cmp);
+    let sum: f64 = cuts
+        .windows(2)
+        .map(|w| {
+            let middle = 0.5 * (w[0] + w[1]);
+            let factor: f64 = zones
+                .iter()
+                .filter(|zone| zone.from_mm <= middle && middle <= zone.to_mm)
+                .map(|zone| zone.modulus_factor)
+                .product();
+            (w[1] - w[0]) / factor
+        })
+        .sum();
+    sum / (to_mm - from_mm)
+}
+
+/// What one key node does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NodeMotion {
+    /// The node.
+    pub node: NodeId,
+    /// Undeformed position, mm.
+    pub position: Vector,
+    /// Displacement, mm.
+    pub displacement: Vector,
+    /// Rotation, rad; at a hinge the plate's.
+    pub rotation: f64,
+}
+
+/// The key nodes of a deformed finger, in their order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FingerShape {
+    motions: Vec<NodeMotion>,
+}
+
+impl FingerShape {
+    /// All key nodes in their order.
+    pub fn motions(&self) -> &[NodeMotion] {
+        &self.motions
+    }
+
+    /// One key node, which must be one of the finger's.
+    pub fn motion(&self, node: NodeId) -> &NodeMotion {
+        &self.motions[node.0 - 1]
+    }
+
+    /// Largest displacement of a key node, mm.
+    pub fn largest_displacement_mm(&self) -> f64 {
+        self.motions.iter().map(|m| m.displacement.norm()).fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,43 @@
+//! Sharing a number of elements among lines.
+
+/// Shares `total` among the lines in proportion to their length, by largest remainder (Hamilton's method), at least one
+/// each. Equal remainders go to the earlier line. `total` is at least the number of lines.
+pub(super) fn by_largest_remainder(total: usize, lengths: &[f64]) -> Vec<usize> {
+    // Lines that deserve less than one get one; the others share the rest, which may push further ones below one.
+    let mut shares = vec![1; lengths.len()];
+    let mut sharing: Vec<usize> = (0..lengths.len()).collect();
+    loop {
+        let left = total - (lengths.len() - sharing.len());
+        let length: f64 = sharing.iter().map(|&i| lengths[i]).sum();
+        let quota = |i: usize| left as f64 * lengths[i] / length;
+        let (enough, too_short): (Vec<usize>, Vec<usize>) = sharing.iter().partition(|&&i| quota(i) >= 1.0);
+        if too_short.is_empty() || enough.is_empty() {
+            for &i in &sharing {
+                shares[i] = (quota(i).floor() as usize).max(1);
+            }
+            let mut by_remainder = sharing.clone();
+            // Lengths of equal plates differ by rounding; remainders closer than that count as equal.
+            let remainder = |i: usize| (quota(i).fract() * 1e9).round() as i64;
+            by_remainder.sort_by_key(|&i| (-remainder(i), i));
+            let given: usize = sharing.iter().map(|&i| shares[i]).sum();
+            for &i in by_remainder.iter().take(left.saturating_sub(given)) {
+                shares[i] += 1;
+            }
+            return shares;
+        }
+        sharing = enough;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_add_up_and_follow_length() {
+        assert_eq!(by_largest_remainder(10, &[1.0, 2.0, 7.0]), [1, 2, 7]);
+        assert_eq!(by_largest_remainder(10, &[1.0, 1.0, 1.0]), [4, 3, 3]);
+        assert_eq!(by_largest_remainder(4, &[1e-9, 1.0, 2.0]), [1, 1, 2]);
+        assert_eq!(by_largest_remainder(3, &[1e-9, 1.0, 1e-3]), [1, 1, 1]);
+    }
+}

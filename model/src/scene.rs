@@ -1,0 +1,142 @@
+//! The scene file: TOML text to a checked [`Finger`].
+
+mod reader;
+
+use crate::finger::{Finger, FingerDescription, Joints, Part, RibDescription, RibPlaces, Strip, Zone};
+use reader::{Document, TableReader};
+
+/// What a scene file describes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// Its name.
+    pub name: String,
+    /// The finger.
+    pub finger: Finger,
+    /// The camera, where the scene has one.
+    pub camera: Option<Camera>,
+}
+
+/// The camera that measures the nodes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    /// Standard deviation of one measured coordinate, mm.
+    pub noise_mm: f64,
+}
+
+/// A scene text that cannot be used.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("line {line}: {message}")]
+pub struct SceneError {
+    /// Line of the text, from 1.
+    pub line: usize,
+    /// The key and what was expected.
+    pub message: String,
+}
+
+impl Scene {
+    /// Reads a scene from TOML text. Every key is checked: unknown keys, missing keys, values of another type and
+    /// impossible geometry are refused.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the line, the key and what was expected.
+    pub fn from_toml(text: &str) -> Result<Scene, SceneError> {
+        let document = Document::parse(text)?;
+        let top = document.top(&["name", "finger", "camera"])?;
+        let name = top.text("name")?;
+        let finger = read_finger(&top.table(
+            "finger",
+            &[
+                "base_width_mm",
+                "front_length_mm",
+                "back_length_mm",
+                "depth_mm",
+                "rod_arm_mm",
+                "poissons_ratio",
+                "front",
+                "back",
+                "ribs",
+                "zone",
+            ],
+        )?)?;
+        let finger = Finger::new(finger).map_err(|impossible| SceneError {
+            line: document.line_of(&impossible.key),
+            message: impossible.to_string(),
+        })?;
+        let camera = match top.optional_table("camera", &["noise_mm"])? {
+            None => None,
+            Some(table) => {
+                let noise_mm = table.number("noise_mm", "length in mm")?;
+                if !(noise_mm.is_finite() && noise_mm >= 0.0) {
+                    return Err(table.wrong("noise_mm", "a length in mm, zero or more", &noise_mm.to_string()));
+                }
+                Some(Camera { noise_mm })
+            }
+        };
+        Ok(Scene { name, finger, camera })
+    }
+}
+
+fn read_finger(table: &TableReader) -> Result<FingerDescription, SceneError> {
+    Ok(FingerDescription {
+        base_width_mm: table.number("base_width_mm", "length in mm")?,
+        front_length_mm: table.number("front_length_mm", "length in mm")?,
+        back_length_mm: table.number("back_length_mm", "length in mm")?,
+        depth_mm: table.number("depth_mm", "length in mm")?,
+        rod_arm_mm: table.optional_number("rod_arm_mm", "length in mm")?.unwrap_or(0.0),
+        poissons_ratio: table.optional_number("poissons_ratio", "ratio")?.unwrap_or(0.0),
+        front: read_strip(&table.table("front", &STRIP_KEYS)?)?,
+        back: read_strip(&table.table("back", &STRIP_KEYS)?)?,
+        ribs: read_ribs(
+            &table
+                .table("ribs", &["count", "positions_mm", "joints", "rigid", "thickness_mm", "youngs_modulus_mpa"])?,
+        )?,
+        zones: table
+            .tables("zone", &["plate", "from_mm", "to_mm", "modulus_factor"])?
+            .iter()
+            .map(read_zone)
+            .collect::<Result<_, _>>()?,
+    })
+}
+
+const STRIP_KEYS: [&str; 2] = ["thickness_mm", "youngs_modulus_mpa"];
+
+fn read_strip(table: &TableReader) -> Result<Strip, SceneError> {
+    Ok(Strip {
+        thickness_mm: table.number("thickness_mm", "length in mm")?,
+        youngs_modulus_mpa: table.number("youngs_modulus_mpa", "modulus in MPa")?,
+    })
+}
+
+fn read_ribs(table: &TableReader) -> Result<RibDescription, SceneError> {
+    let places = match (table.optional_count("count")?, table.optional_pairs("positions_mm")?) {
+        (Some(count), None) => RibPlaces::Count(count),
+        (None, Some(positions)) => RibPlaces::Positions(positions),
+        (Some(_), Some(_)) => return Err(table.wrong("positions_mm", "either count or positions_mm", "both")),
+        (None, None) => return Err(table.missing("count", "the number of ribs, or positions_mm")),
+    };
+    let joints = table.choice("joints", &[("rigid", Joints::Rigid), ("hinged", Joints::Hinged)])?;
+    let rigid = table.optional_switch("rigid")?.unwrap_or(false);
+    let none = places == RibPlaces::Count(0) || places == RibPlaces::Positions(Vec::new());
+    let given = STRIP_KEYS.iter().any(|key| table.has(key));
+    let strip = if rigid || (none && !given) {
+        // Ribs that do not deform have no use for a material, but one that stands there must make sense.
+        for key in STRIP_KEYS {
+            if table.optional_number(key, "number")?.is_some_and(|value| !(value.is_normal() && value > 0.0)) {
+                return Err(table.wrong(key, "a positive number", "something else"));
+            }
+        }
+        None
+    } else {
+        Some(read_strip(table)?)
+    };
+    Ok(RibDescription { places, joints, strip })
+}
+
+fn read_zone(table: &TableReader) -> Result<Zone, SceneError> {
+    Ok(Zone {
+        part: table.choice("plate", &[("front", Part::Front), ("back", Part::Back), ("ribs", Part::Ribs)])?,
+        from_mm: table.number("from_mm", "place in mm")?,
+        to_mm: table.number("to_mm", "place in mm")?,
+        modulus_factor: table.number("modulus_factor", "factor")?,
+    })
+}

@@ -1,0 +1,171 @@
+//! From measured displacements back to contact forces.
+
+mod linear;
+
+pub use linear::{LinearEstimator, Prior};
+
+use crate::Vector;
+use crate::finger::{Finger, NodeId, Plate};
+use crate::mesh::{Load, LoadError};
+
+/// Where a force acts on the front plate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ContactPlace {
+    /// At a contact node: from the tip to the last node before the front base.
+    Node(NodeId),
+    /// At a distance from the front base along the plate, mm.
+    Place(f64),
+}
+
+/// A contact whose force is sought: its place and direction are known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// Where it acts.
+    pub place: ContactPlace,
+    /// Direction of the force, degrees from the undeformed inward normal, positive towards the tip.
+    pub angle_deg: f64,
+}
+
+impl Contact {
+    /// The contact's force of 1 N as a load.
+    pub fn unit_load(&self, finger: &Finger) -> Load {
+        self.load(finger, 1.0)
+    }
+
+    /// The contact's force as a load.
+    pub fn load(&self, finger: &Finger, force_n: f64) -> Load {
+        let force: Vector = finger.direction(self.angle_deg) * force_n;
+        match self.place {
+            ContactPlace::Node(node) => Load::at_node(node, force),
+            ContactPlace::Place(s_mm) => Load::at_place(s_mm, force),
+        }
+    }
+
+    /// Place along the front plate, mm from the base; `None` for a node that is not on it.
+    pub fn place_mm(&self, finger: &Finger) -> Option<f64> {
+        match self.place {
+            ContactPlace::Node(node) => finger.front_place_mm(node),
+            ContactPlace::Place(s_mm) => Some(s_mm),
+        }
+    }
+}
+
+/// Why forces cannot be told from a measurement.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SensingError {
+    /// A contact is not on the free front plate.
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    /// A contact node that is not on the front plate.
+    #[error("node {node} is not a contact node: contacts lie on the front plate, nodes {first} (tip) to {last}")]
+    NotAContactNode {
+        /// The node asked for.
+        node: NodeId,
+        /// The tip.
+        first: NodeId,
+        /// The last node before the front base.
+        last: NodeId,
+    },
+    /// The direction is not a finite number.
+    #[error("the direction of contact {contact} is not a finite angle")]
+    AngleNotFinite {
+        /// Position of the contact in the list, from 1.
+        contact: usize,
+    },
+    /// No contacts were asked for.
+    #[error("no contact was given: nothing to estimate")]
+    NoContact,
+    /// The same unknown twice.
+    #[error("contacts {first} and {second} are the same place and direction: their forces cannot be told apart")]
+    SameContact {
+        /// Position in the list, from 1.
+        first: usize,
+        /// Position in the list, from 1.
+        second: usize,
+    },
+    /// More unknowns than numbers measured.
+    #[error("not identifiable: {unknowns} unknown forces, but only {coordinates} measured coordinates")]
+    TooFewMarkers {
+        /// Number of forces.
+        unknowns: usize,
+        /// Number of measured coordinates.
+        coordinates: usize,
+    },
+    /// The data hardly change with some combination of the forces.
+    #[error(
+        "not identifiable: the scaled singular values span {span:.1e}, more than {limit:.0e}: the measured nodes do \
+         not tell the forces apart (contact {weakest} least)"
+    )]
+    IllConditioned {
+        /// Ratio of largest to smallest scaled singular value.
+        span: f64,
+        /// Largest ratio that is accepted.
+        limit: f64,
+        /// Contact that takes part most in the combination that cannot be seen, from 1.
+        weakest: usize,
+    },
+    /// The finger itself could not be solved.
+    #[error(transparent)]
+    Statics(#[from] crate::statics::StaticsError),
+}
+
+/// Largest span of the scaled singular values at which forces are still told apart.
+pub const LARGEST_SPAN: f64 = 1e8;
+
+/// Checks that contacts lie on the free front plate, have finite angles and differ from each other.
+///
+/// # Errors
+/// [`SensingError`] naming the first contact that is wrong.
+pub fn check_contacts(finger: &Finger, contacts: &[Contact]) -> Result<(), SensingError> {
+    if contacts.is_empty() {
+        return Err(SensingError::NoContact);
+    }
+    let [_, front_base] = finger.clamped_nodes();
+    let (first, last) = (finger.tip(), NodeId(front_base.0 - 1));
+    for (i, contact) in contacts.iter().enumerate() {
+        match contact.place {
+            ContactPlace::Node(node) => {
+                if !(1..=front_base.0).contains(&node.0) {
+                    return Err(LoadError::NodeMissing { node, key_nodes: front_base.0 }.into());
+                }
+                if finger.clamped_nodes().contains(&node) {
+                    return Err(LoadError::NodeClamped { node }.into());
+                }
+                if !(first..=last).contains(&node) {
+                    return Err(SensingError::NotAContactNode { node, first, last });
+                }
+            }
+            ContactPlace::Place(s_mm) => {
+                let length_mm = finger.plate_length_mm(Plate::Front);
+                if !(s_mm > 0.0 && s_mm <= length_mm) {
+                    return Err(LoadError::PlaceOffPlate { s_mm, length_mm }.into());
+                }
+            }
+        }
+        if !contact.angle_deg.is_finite() {
+            return Err(SensingError::AngleNotFinite { contact: i + 1 });
+        }
+        let same = |other: &Contact| {
+            other.angle_deg == contact.angle_deg && other.place_mm(finger) == contact.place_mm(finger)
+        };
+        if let Some(j) = contacts[..i].iter().position(same) {
+            return Err(SensingError::SameContact { first: j + 1, second: i + 1 });
+        }
+    }
+    Ok(())
+}
+
+/// Sensed forces with what is known of their error.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// Force of each contact along its direction, N, in the order of the contacts; may be negative.
+    pub forces_n: Vec<f64>,
+    /// Standard deviation of each force, N. Infinite where the noise is unknown and nothing is left to estimate it from.
+    pub sigmas_n: Vec<f64>,
+    /// Standard deviation of one measured coordinate that the sigmas rest on, mm.
+    pub noise_mm: f64,
+    /// Root mean square of the weighted residual, mm.
+    pub residual_rms_mm: f64,
+    /// Singular values of the weighted compliance, mm/N, in falling order.
+    pub singular_values: Vec<f64>,
+}

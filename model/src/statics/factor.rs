@@ -1,0 +1,58 @@
+//! Sparse Cholesky factorisation of the tangent stiffness (faer), the ordering found once per frame.
+
+use faer::Side;
+use faer::linalg::solvers::Solve;
+use faer::mat::MatMut;
+use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use sprs::CsMat;
+
+/// A fill-reducing order of the unknowns and, after [`factorise`](Factor::factorise), the factor L of K = L L^T.
+#[derive(Debug, Clone)]
+pub struct Factor {
+    symbolic: Option<SymbolicLlt<usize>>,
+    numeric: Option<Llt<usize, f64>>,
+}
+
+impl Factor {
+    /// An empty factor; the order is found at the first factorisation.
+    pub fn new() -> Factor {
+        Factor { symbolic: None, numeric: None }
+    }
+
+    /// Factorises a symmetric matrix; `false` if it is not positive definite (or not finite), which leaves no factor.
+    ///
+    /// A tangent stiffness that is not positive definite belongs to a shape that is not stable.
+    pub fn factorise(&mut self, matrix: &CsMat<f64>) -> bool {
+        self.numeric = None;
+        let count = matrix.rows();
+        let indptr = matrix.indptr();
+        let pattern = SymbolicSparseColMatRef::new_checked(count, count, indptr.raw_storage(), None, matrix.indices());
+        if self.symbolic.is_none() {
+            self.symbolic = SymbolicLlt::try_new(pattern, Side::Lower).ok();
+        }
+        let values = SparseColMatRef::new(pattern, matrix.data());
+        self.numeric =
+            self.symbolic.clone().and_then(|symbolic| Llt::try_new_with_symbolic(symbolic, values, Side::Lower).ok());
+        self.numeric.is_some()
+    }
+
+    /// Overwrites each column of `columns` (stored one after the other) with K^-1 times it.
+    ///
+    /// Returns `false`, leaving the columns alone, if there is no factor or a result is not finite.
+    pub fn solve_in_place(&self, columns: &mut [f64], unknowns: usize) -> bool {
+        let Some(numeric) = &self.numeric else { return false };
+        if unknowns == 0 {
+            return true;
+        }
+        let count = columns.len() / unknowns;
+        numeric.solve_in_place(MatMut::from_column_major_slice_mut(columns, unknowns, count));
+        columns.iter().all(|value| value.is_finite())
+    }
+}
+
+impl Default for Factor {
+    fn default() -> Factor {
+        Factor::new()
+    }
+}
