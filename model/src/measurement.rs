@@ -58,11 +58,16 @@ impl Measurement {
     /// # Errors
     /// [`MeasurementError`] for the first marker that is unknown, repeated, not finite, or clamped and yet moving.
     pub fn new(finger: &Finger, markers: impl IntoIterator<Item = Marker>) -> Result<Measurement, MeasurementError> {
-        let mut measurement = Measurement { markers: Vec::new() };
+        let mut measurement = Measurement::empty();
         for marker in markers {
             measurement.add(finger, marker)?;
         }
         Ok(measurement)
+    }
+
+    /// A measurement in which no node is seen yet.
+    pub fn empty() -> Measurement {
+        Measurement { markers: Vec::new() }
     }
 
     /// Adds one marker; see [`Measurement::new`].

@@ -1,1 +1,16 @@
-//! x
+//! Cross-checks and accuracy maps of fin-ray force sensing, and the report that shows them.
+//!
+//! [`problems`] holds reference problems with known answers, [`truth`] the fingers that sensing is put to the test on,
+//! [`map`] and [`table_one`] what is asked of them, [`report`] the page. [`files`] reads and writes what users bring
+//! and take away; physics lives in [`finray_model`].
+#![forbid(unsafe_code)]
+
+pub mod check;
+pub mod files;
+pub mod fixtures;
+pub mod map;
+pub mod problems;
+pub mod report;
+pub mod study;
+pub mod table_one;
+pub mod truth;

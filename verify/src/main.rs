@@ -1,1 +1,54 @@
-fn main() {}
+//! `finray`: arguments in, files out. Physics lives in `finray_model`, checks and maps in `finray_verify`.
+#![forbid(unsafe_code)]
+
+mod commands;
+
+use clap::{CommandFactory, Parser, Subcommand};
+use commands::{calibrate, map, report, sense, solve};
+use std::process::ExitCode;
+
+/// Force sensing with compliant fin-ray fingers: solve, sense, and see where sensing can be trusted.
+///
+/// A finger is described by a scene file (TOML); start from fixtures/scenes/paper.toml. Lengths are in mm, forces in N,
+/// moduli in MPa, angles of forces in degrees from the front plate's inward normal, positive towards the tip.
+///
+/// Exit codes: 0 done; 1 a valid question that could not be computed; 2 bad input, or a question without a unique
+/// answer.
+#[derive(Parser)]
+#[command(name = "finray", version, arg_required_else_help = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Report(report::Arguments),
+    Solve(solve::Arguments),
+    Sense(sense::Arguments),
+    Calibrate(calibrate::Arguments),
+    Map(map::Arguments),
+    /// Print a completion script for your shell, for instance: finray completions bash > ~/.finray.bash
+    Completions {
+        /// The shell.
+        shell: clap_complete::Shell,
+    },
+}
+
+fn main() -> ExitCode {
+    let outcome = match Arguments::parse().command {
+        Command::Report(arguments) => report::run(&arguments),
+        Command::Solve(arguments) => solve::run(&arguments),
+        Command::Sense(arguments) => sense::run(&arguments),
+        Command::Calibrate(arguments) => calibrate::run(&arguments),
+        Command::Map(arguments) => map::run(&arguments),
+        Command::Completions { shell } => {
+            clap_complete::generate(shell, &mut Arguments::command(), "finray", &mut std::io::stdout());
+            Ok(())
+        }
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

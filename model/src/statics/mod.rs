@@ -3,10 +3,12 @@
 mod assembly;
 mod factor;
 mod newton;
+mod reactions;
 
 pub use assembly::{Assembly, FrameLoad};
 pub use factor::Factor;
 pub use newton::{Equilibrium, Statics};
+pub use reactions::{Reaction, reaction};
 
 use crate::mesh::{FingerShape, Load, LoadError, Mesh};
 use crate::{Kinematics, frame::PlaneFrame};

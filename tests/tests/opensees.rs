@@ -1,0 +1,52 @@
+//! Other fingers than the paper's, against OpenSees: unequal plates, zones, hinges, ribs that do not deform, rigid arms.
+//!
+//! The files say how they were made and how far they can be trusted: `fixtures/opensees/README.md`.
+
+use finray_model::{Kinematics, Scene};
+use finray_verify::problems::opensees::{COROTATIONAL_TOLERANCE, CaseDeviation, LINEAR_TOLERANCE, deviations};
+
+/// Linear fine meshes carry rounding that grows with the fourth power of the node count; a finger whose plates are
+/// thousands of times stiffer in tension than in bending (spring steel) carries more of it.
+const STEEL_LINEAR_TOLERANCE: f64 = 1e-7;
+
+fn worst_deviation(scene: &str, csv: &str, linear_tolerance: f64) {
+    let finger = Scene::from_toml(scene).expect("fixture scene").finger;
+    let cases = deviations(&finger, csv).expect("fixture cases are solved");
+    assert!(cases.len() >= 20, "expected the file's cases, found {}", cases.len());
+    for CaseDeviation { case, kinematics, mesh_nodes, displacement, rotation_rad, .. } in cases {
+        let tolerance = if kinematics == Kinematics::Linear { linear_tolerance } else { COROTATIONAL_TOLERANCE };
+        assert!(
+            displacement <= tolerance && rotation_rad <= tolerance,
+            "case {case} ({kinematics:?}, {mesh_nodes} nodes): displacements differ by {displacement:e} of the largest, \
+             rotations by {rotation_rad:e} rad"
+        );
+    }
+}
+
+macro_rules! finger {
+    ($name:ident, $file:literal, $tolerance:expr) => {
+        #[test]
+        fn $name() {
+            worst_deviation(
+                include_str!(concat!("../../fixtures/opensees/", $file, ".toml")),
+                include_str!(concat!("../../fixtures/opensees/", $file, ".csv")),
+                $tolerance,
+            );
+        }
+    };
+}
+
+finger!(unequal_plates_with_zones, "asymmetric", LINEAR_TOLERANCE);
+finger!(hinged_ribs, "hinged", LINEAR_TOLERANCE);
+finger!(undeformable_ribs, "rigid-ribs", LINEAR_TOLERANCE);
+finger!(undeformable_hinged_ribs, "hinged-rigid", STEEL_LINEAR_TOLERANCE);
+finger!(rigid_arms, "arms", LINEAR_TOLERANCE);
+
+#[test]
+fn paper_finger() {
+    worst_deviation(
+        include_str!("../../fixtures/scenes/paper.toml"),
+        include_str!("../../fixtures/opensees/paper.csv"),
+        LINEAR_TOLERANCE,
+    );
+}

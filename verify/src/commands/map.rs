@@ -1,0 +1,102 @@
+//! `finray map`
+
+use super::Failure;
+use super::parse::{not_negative, positive};
+use super::progress;
+use clap::ValueEnum;
+use finray_model::{Finger, Kinematics, Mesh};
+use finray_verify::files::{load_scene, write_all_or_nothing, write_text};
+use finray_verify::map::{AccuracyMap, Estimator, MapRequest, accuracy_maps};
+use finray_verify::truth::{MeshTruth, fine_mesh};
+use std::path::{Path, PathBuf};
+
+/// Map where a finger can be trusted to feel: error of the sensed force by place and direction.
+///
+/// A force of known place and direction is put on the true finger, its size is sensed with the linear model from the
+/// displacements of the key nodes, and the error |sensed / true - 1| is averaged over the camera noise. Writes
+/// s_mm,angle_deg,force_n,mean_error,bias,spread, and the picture beside it as SVG.
+///
+/// Example:
+///   finray map fixtures/scenes/paper.toml --noise-mm 0.067 --out map.csv      (and map.svg)
+#[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct Arguments {
+    /// Scene file (TOML); - for standard input
+    scene: PathBuf,
+    /// The finger that is sensed
+    #[arg(long, value_enum, default_value_t = TruthArgument::Corotational)]
+    truth: TruthArgument,
+    /// How forces are sensed
+    #[arg(long, value_enum, default_value_t = Estimator::LeastSquares)]
+    estimator: Estimator,
+    /// Size of the force, N
+    #[arg(long, value_name = "F", default_value_t = 3.0, value_parser = positive)]
+    force_n: f64,
+    /// Standard deviation of one measured coordinate, mm; the scene's [camera] if not given, else none
+    #[arg(long, value_name = "S", value_parser = not_negative)]
+    noise_mm: Option<f64>,
+    /// Number of noise pictures that a cell's error is averaged over
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    seeds: u32,
+    /// First seed of the noise
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// Result file (CSV; the picture takes its name with .svg); - for the CSV on standard output
+    #[arg(long, value_name = "FILE", default_value = "-")]
+    out: PathBuf,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum TruthArgument {
+    /// The linear finger
+    Linear,
+    /// The finger with large rotations, on 684 nodes or four elements a member if that is more
+    Corotational,
+}
+
+/// Places between two nodes, and degrees between two directions.
+const RESOLUTION: (usize, f64) = (4, 5.0);
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let scene = load_scene(&arguments.scene)?;
+    let finger = &scene.finger;
+    let (places_mm, angles_deg) = MapRequest::grid(finger, RESOLUTION.0, RESOLUTION.1);
+    let request = MapRequest {
+        places_mm,
+        angles_deg,
+        forces_n: vec![arguments.force_n],
+        noise_levels_mm: vec![arguments.noise_mm.or(scene.camera.map(|camera| camera.noise_mm)).unwrap_or(0.0)],
+        noise_pictures: arguments.seeds as usize,
+        seed: arguments.seed,
+        estimator: arguments.estimator,
+    };
+    let map = compute(finger, arguments.truth, &request)?;
+    let csv = map.to_csv()?;
+    if finray_verify::files::is_standard_stream(&arguments.out) {
+        write_text(&arguments.out, &csv)?;
+        return Ok(());
+    }
+    let picture = finray_verify::report::map_picture(finger, &map, None)
+        .map_err(|error| Failure::NotComputed(error.to_string()))?;
+    let (csv_path, svg_path) = (named(&arguments.out, "csv"), arguments.out.with_extension("svg"));
+    write_all_or_nothing(&[(csv_path, &csv), (svg_path, &picture)])?;
+    Ok(())
+}
+
+/// The path itself, unless it would be the picture's.
+fn named(out: &Path, extension: &str) -> PathBuf {
+    if out.extension().is_some_and(|e| e == "svg") { out.with_extension(extension) } else { out.to_owned() }
+}
+
+fn compute(finger: &Finger, truth: TruthArgument, request: &MapRequest) -> Result<AccuracyMap, Failure> {
+    let (mesh, name, kinematics) = match truth {
+        TruthArgument::Linear => (Mesh::key_nodes(finger), "linear", Kinematics::Linear),
+        TruthArgument::Corotational => (fine_mesh(finger)?, "corotational", Kinematics::Corotational),
+    };
+    let truth = MeshTruth::new(name, &mesh, kinematics)?;
+    let bar = progress::bar((request.places_mm.len() * request.angles_deg.len()) as u64, "map");
+    let mut maps = accuracy_maps(finger, &truth, request, &|| bar.inc(1));
+    bar.finish_and_clear();
+    // One noise level was asked for.
+    Ok(maps.swap_remove(0))
+}

@@ -1,0 +1,76 @@
+//! The commands: what each takes, reads and writes.
+
+pub mod calibrate;
+pub mod map;
+pub mod report;
+pub mod sense;
+pub mod solve;
+
+mod parse;
+mod progress;
+
+use finray_model::sensing::SensingError;
+use finray_model::statics::StaticsError;
+use finray_verify::files::FileError;
+use std::process::ExitCode;
+
+/// Why a command ends without a result.
+pub enum Failure {
+    /// Bad input, or a question without a unique answer: exit code 2.
+    BadInput(String),
+    /// A valid question that could not be computed, or a result that could not be written: exit code 1.
+    NotComputed(String),
+}
+
+impl Failure {
+    /// One message on standard error, and the exit code.
+    pub fn report(&self) -> ExitCode {
+        let (message, code) = match self {
+            Failure::BadInput(message) => (message, 2),
+            Failure::NotComputed(message) => (message, 1),
+        };
+        eprintln!("error: {message}");
+        ExitCode::from(code)
+    }
+}
+
+impl From<FileError> for Failure {
+    fn from(error: FileError) -> Failure {
+        if error.is_bad_input() {
+            Failure::BadInput(error.to_string())
+        } else {
+            Failure::NotComputed(error.to_string())
+        }
+    }
+}
+
+impl From<StaticsError> for Failure {
+    fn from(error: StaticsError) -> Failure {
+        match error {
+            StaticsError::Load(_) | StaticsError::LoadNotFinite => Failure::BadInput(error.to_string()),
+            StaticsError::NotHeld | StaticsError::NoEquilibrium { .. } => Failure::NotComputed(error.to_string()),
+        }
+    }
+}
+
+impl From<SensingError> for Failure {
+    fn from(error: SensingError) -> Failure {
+        match error {
+            SensingError::Statics(inner) => inner.into(),
+            other => Failure::BadInput(other.to_string()),
+        }
+    }
+}
+
+impl From<finray_model::mesh::MeshSizeError> for Failure {
+    fn from(error: finray_model::mesh::MeshSizeError) -> Failure {
+        Failure::BadInput(format!("--mesh-nodes: {error}"))
+    }
+}
+
+/// Results are made in memory, so a CSV writer has nothing to fail on but memory.
+impl From<csv::Error> for Failure {
+    fn from(error: csv::Error) -> Failure {
+        Failure::NotComputed(error.to_string())
+    }
+}

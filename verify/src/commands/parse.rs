@@ -1,0 +1,90 @@
+//! The small languages of the command line: loads, contacts, plain numbers.
+
+use finray_model::sensing::{Contact, ContactPlace};
+use finray_model::{NodeId, Vector};
+
+/// `NODE:FX,FY[,M]`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NodeLoad {
+    pub node: NodeId,
+    pub force: Vector,
+    pub moment_nmm: f64,
+}
+
+/// `S_MM:FORCE,ANGLE_DEG`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlaceLoad {
+    pub s_mm: f64,
+    pub force_n: f64,
+    pub angle_deg: f64,
+}
+
+pub fn finite(text: &str) -> Result<f64, String> {
+    text.trim()
+        .parse()
+        .ok()
+        .filter(|x: &f64| x.is_finite())
+        .ok_or_else(|| format!("expected a finite number, found \"{text}\""))
+}
+
+/// A number that is zero or more, as for a standard deviation.
+pub fn not_negative(text: &str) -> Result<f64, String> {
+    finite(text).and_then(|x| if x >= 0.0 { Ok(x) } else { Err(format!("expected zero or more, found {x}")) })
+}
+
+pub fn positive(text: &str) -> Result<f64, String> {
+    finite(text).and_then(|x| if x > 0.0 { Ok(x) } else { Err(format!("expected more than zero, found {x}")) })
+}
+
+fn node(text: &str) -> Result<NodeId, String> {
+    text.trim().parse().map(NodeId).map_err(|_| format!("expected the number of a node, found \"{text}\""))
+}
+
+pub fn node_load(text: &str) -> Result<NodeLoad, String> {
+    let expected = || format!("expected NODE:FX,FY or NODE:FX,FY,M, for instance 19:-0.4,-2, found \"{text}\"");
+    let (place, rest) = text.split_once(':').ok_or_else(expected)?;
+    let numbers = rest.split(',').map(finite).collect::<Result<Vec<_>, _>>()?;
+    let (fx, fy, moment_nmm) = match numbers[..] {
+        [fx, fy] => (fx, fy, 0.0),
+        [fx, fy, moment] => (fx, fy, moment),
+        _ => return Err(expected()),
+    };
+    Ok(NodeLoad { node: node(place)?, force: Vector::new(fx, fy), moment_nmm })
+}
+
+pub fn place_load(text: &str) -> Result<PlaceLoad, String> {
+    let expected = || format!("expected S_MM:FORCE,ANGLE_DEG, for instance 80.5:2,-20, found \"{text}\"");
+    let (place, rest) = text.split_once(':').ok_or_else(expected)?;
+    let (force, angle) = rest.split_once(',').unwrap_or((rest, "0"));
+    Ok(PlaceLoad { s_mm: finite(place)?, force_n: finite(force)?, angle_deg: finite(angle)? })
+}
+
+/// Angle after an `@`, degrees; 0 without one.
+fn angle(text: Option<&str>) -> Result<f64, String> {
+    match text.map(str::trim) {
+        None => Ok(0.0),
+        Some(word @ ("normal" | "auto")) => Err(format!(
+            "the direction `{word}` needs an estimator that follows large rotations; give an angle in degrees"
+        )),
+        Some(number) => finite(number),
+    }
+}
+
+/// `NODE[@ANGLE_DEG]`.
+pub fn contact_at_node(text: &str) -> Result<Contact, String> {
+    let (place, direction) = split_at_sign(text);
+    Ok(Contact { place: ContactPlace::Node(node(place)?), angle_deg: angle(direction)? })
+}
+
+/// `S_MM[@ANGLE_DEG]`.
+pub fn contact_at_place(text: &str) -> Result<Contact, String> {
+    let (place, direction) = split_at_sign(text);
+    if place.trim() == "auto" {
+        return Err("the place `auto` needs an estimator that follows large rotations; give s in mm".to_owned());
+    }
+    Ok(Contact { place: ContactPlace::Place(finite(place)?), angle_deg: angle(direction)? })
+}
+
+fn split_at_sign(text: &str) -> (&str, Option<&str>) {
+    text.split_once('@').map_or((text, None), |(place, direction)| (place, Some(direction)))
+}

@@ -1,0 +1,94 @@
+//! `finray sense`
+
+use super::Failure;
+use super::parse::{contact_at_node, contact_at_place, not_negative};
+use finray_model::Finger;
+use finray_model::sensing::{Contact, ContactPlace, Estimate, LinearEstimator, check_contacts};
+use finray_verify::files::{csv_text, displacements, load_scene, write_text};
+use finray_verify::map::Estimator;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Sense contact forces from measured displacements, with their uncertainty.
+///
+/// Reads node,ux_mm,uy_mm (further columns are ignored, nodes may be missing) and writes
+/// contact,s_mm,angle_deg,force_n,sigma_n, a row a contact. The direction of each force is an angle from the front
+/// plate's undeformed inward normal, positive towards the tip; 0 if left out. Give a node twice with two angles to ask
+/// for two components. Uncertainty comes from --noise-mm, else from the scene's [camera], else from the residual.
+///
+/// Examples:
+///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact 19
+///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact 16@-20 --contact 20@10 --noise-mm 0.067
+///   finray solve fixtures/scenes/paper.toml --kinematics linear --load 19:-0.38,-1.96 |
+///       finray sense fixtures/scenes/paper.toml --displacements - --contact 19
+#[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct Arguments {
+    /// Scene file (TOML); - for standard input
+    scene: PathBuf,
+    /// Measured displacements (CSV); - for standard input
+    #[arg(long, value_name = "FILE")]
+    displacements: PathBuf,
+    /// Contact at a node of the front plate, tip included
+    #[arg(long, value_name = "NODE[@ANGLE_DEG]", value_parser = contact_at_node, num_args = 1..)]
+    contact: Vec<Contact>,
+    /// Contact at a place along the front plate, mm from its base
+    #[arg(long, value_name = "S_MM[@ANGLE_DEG]", value_parser = contact_at_place, num_args = 1..)]
+    contact_at: Vec<Contact>,
+    /// How forces are sensed
+    #[arg(long, value_enum, default_value_t = Estimator::LeastSquares)]
+    estimator: Estimator,
+    /// Standard deviation of one measured coordinate, mm
+    #[arg(long, value_name = "S", value_parser = not_negative)]
+    noise_mm: Option<f64>,
+    /// Result file; - for standard output
+    #[arg(long, value_name = "FILE", default_value = "-")]
+    out: PathBuf,
+}
+
+#[derive(Serialize)]
+struct Row {
+    contact: String,
+    s_mm: f64,
+    angle_deg: f64,
+    force_n: f64,
+    sigma_n: f64,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let scene = load_scene(&arguments.scene)?;
+    let finger = &scene.finger;
+    let contacts: Vec<Contact> = arguments.contact.iter().chain(&arguments.contact_at).copied().collect();
+    check_contacts(finger, &contacts)?;
+    let measurement = displacements::load(&arguments.displacements, finger)?;
+    let noise_mm = arguments.noise_mm.or(scene.camera.map(|camera| camera.noise_mm));
+    let estimator = LinearEstimator::new(finger, &contacts, &measurement)?;
+    let estimate = estimator.estimate(&measurement, noise_mm, arguments.estimator.prior());
+    if estimate.noise_mm.is_infinite() {
+        eprintln!(
+            "note: as many forces as measured coordinates leave no residual to estimate the noise from; give --noise-mm \
+             for a finite sigma_n"
+        );
+    }
+    write_text(&arguments.out, &csv_text(rows(finger, &contacts, &estimate))?)?;
+    Ok(())
+}
+
+fn rows(finger: &Finger, contacts: &[Contact], estimate: &Estimate) -> Vec<Row> {
+    let forces = estimate.forces_n.iter().zip(&estimate.sigmas_n);
+    contacts
+        .iter()
+        .zip(forces)
+        .map(|(contact, (&force_n, &sigma_n))| Row {
+            contact: match contact.place {
+                ContactPlace::Node(node) => node.to_string(),
+                ContactPlace::Place(_) => "at".to_owned(),
+            },
+            // Contacts were checked: each has a place on the front plate.
+            s_mm: contact.place_mm(finger).unwrap_or(f64::NAN),
+            angle_deg: contact.angle_deg,
+            force_n,
+            sigma_n,
+        })
+        .collect()
+}

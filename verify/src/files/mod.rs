@@ -1,0 +1,78 @@
+//! What users bring and take away: scenes, displacements and measurements as text, results as whole files.
+
+mod output;
+mod scene;
+mod table;
+
+pub mod displacements;
+pub mod measurements;
+
+pub use output::{csv_text, write_all_or_nothing, write_folder, write_text};
+pub use scene::load_scene;
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// A file that cannot be read, understood or written.
+#[derive(Debug, thiserror::Error)]
+pub enum FileError {
+    /// It cannot be read.
+    #[error("{}: cannot be read: {reason}", shown(path))]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        reason: std::io::Error,
+    },
+    /// Its content is not what it should be.
+    #[error("{}: {message}", shown(path))]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// Line, key or column, and what was expected.
+        message: String,
+    },
+    /// It cannot be written.
+    #[error("{}: cannot be written: {reason}", shown(path))]
+    Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        reason: std::io::Error,
+    },
+}
+
+impl FileError {
+    fn content(path: &Path, message: impl ToString) -> FileError {
+        FileError::Content { path: path.to_owned(), message: message.to_string() }
+    }
+
+    /// Whether the user's input is at fault (and not the writing of results).
+    pub fn is_bad_input(&self) -> bool {
+        !matches!(self, FileError::Unwritable { .. })
+    }
+}
+
+/// Whether a path stands for standard input or output.
+pub fn is_standard_stream(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+fn shown(path: &Path) -> String {
+    if is_standard_stream(path) { "standard input".to_owned() } else { path.display().to_string() }
+}
+
+/// Text of a file, or of standard input for `-`.
+pub(crate) fn read_text(path: &Path) -> Result<String, FileError> {
+    let unreadable = |reason| FileError::Unreadable { path: path.to_owned(), reason };
+    let mut bytes = Vec::new();
+    if is_standard_stream(path) {
+        std::io::stdin().lock().read_to_end(&mut bytes).map_err(unreadable)?;
+    } else {
+        bytes = std::fs::read(path).map_err(unreadable)?;
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let line = 1 + error.as_bytes()[..error.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n').count();
+        FileError::content(path, format!("line {line}: expected text in UTF-8"))
+    })
+}

@@ -1,0 +1,80 @@
+//! Results are written whole or not at all.
+
+use super::{FileError, is_standard_stream};
+use serde::Serialize;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Rows as CSV text with a header from the field names; numbers in the shortest form that reads back the same.
+///
+/// # Errors
+/// None in memory; the signature is the CSV writer's.
+pub fn csv_text<R: Serialize>(rows: impl IntoIterator<Item = R>) -> Result<String, csv::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        writer.serialize(row)?;
+    }
+    let bytes = writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+/// Writes text to a file, or to standard output for `-`.
+///
+/// # Errors
+/// [`FileError::Unwritable`], with the file as it was before.
+pub fn write_text(path: &Path, text: &str) -> Result<(), FileError> {
+    if is_standard_stream(path) {
+        let unwritable = |reason| FileError::Unwritable { path: PathBuf::from("standard output"), reason };
+        let mut out = std::io::stdout().lock();
+        return out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(unwritable);
+    }
+    write_all_or_nothing(&[(path.to_owned(), text)])
+}
+
+/// Writes several files: each first under a temporary name beside its place, then all are moved there.
+///
+/// # Errors
+/// [`FileError::Unwritable`] for the first file that cannot be written; no file is left half-written.
+pub fn write_all_or_nothing(files: &[(PathBuf, &str)]) -> Result<(), FileError> {
+    let mut ready = Vec::with_capacity(files.len());
+    for (path, text) in files {
+        let unwritable = |reason| FileError::Unwritable { path: path.clone(), reason };
+        // A device or pipe is written to; replacing it by a file would take it away.
+        if path.metadata().is_ok_and(|existing| !existing.is_file()) {
+            std::fs::write(path, text).map_err(unwritable)?;
+            continue;
+        }
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let mut file = tempfile::Builder::new().prefix(".finray-").tempfile_in(folder).map_err(unwritable)?;
+        file.write_all(text.as_bytes()).map_err(unwritable)?;
+        ready.push((file, path));
+    }
+    for (file, path) in ready {
+        let unwritable = |reason| FileError::Unwritable { path: path.clone(), reason };
+        make_readable(file.as_file()).map_err(unwritable)?;
+        file.persist(path).map_err(|error| unwritable(error.error))?;
+    }
+    Ok(())
+}
+
+/// Temporary files are private to their owner; results are ordinary files.
+#[cfg(unix)]
+fn make_readable(file: &std::fs::File) -> std::io::Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    file.set_permissions(std::fs::Permissions::from_mode(0o644))
+}
+
+#[cfg(not(unix))]
+fn make_readable(_: &std::fs::File) -> std::io::Result<()> {
+    Ok(())
+}
+
+/// Writes files into a folder, which is made if it does not exist; either all of them or none.
+///
+/// # Errors
+/// [`FileError::Unwritable`] for the first file that cannot be written.
+pub fn write_folder(folder: &Path, files: &[(PathBuf, String)]) -> Result<(), FileError> {
+    std::fs::create_dir_all(folder).map_err(|reason| FileError::Unwritable { path: folder.to_owned(), reason })?;
+    let files: Vec<_> = files.iter().map(|(name, text)| (folder.join(name), text.as_str())).collect();
+    write_all_or_nothing(&files)
+}

@@ -1,0 +1,67 @@
+//! Clamped inextensible cantilever under a dead tip load, also oblique: the elastica.
+//!
+//! Source: `fixtures/elastica.csv`, by shooting and by elliptic integrals to 1e-7; equal to Mattiasson, Int. J. Numer.
+//! Methods Eng. 17 (1981) where he lists the case. L = EI = 1.
+
+use super::ProblemError;
+use crate::check::Check;
+use crate::fixtures;
+use finray_model::frame::{PlaneFrame, Section};
+use finray_model::statics::{FrameLoad, solve_frame};
+use finray_model::{Kinematics, Vector};
+use serde::Deserialize;
+
+/// Elements of the cantilever.
+const ELEMENTS: usize = 400;
+/// EA L^2 / EI: the reference beam does not stretch; 1e6 would still leave 8e-6.
+const AXIAL_RIGIDITY: f64 = 1e9;
+/// Largest difference of a deflection (of the length) or rotation (rad).
+pub const TOLERANCE: f64 = 1e-5;
+
+/// One row of the reference.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+struct Row {
+    load_pl2_ei: f64,
+    angle_deg: f64,
+    w_over_l: f64,
+    u_over_l: f64,
+    theta_rad: f64,
+}
+
+/// Deflection across (w) and shortening along (u) the beam, and rotation of its end.
+fn solve(load: f64, angle_deg: f64) -> Result<[f64; 3], ProblemError> {
+    let mut frame = PlaneFrame::new();
+    let section = Section { axial_rigidity_n: AXIAL_RIGIDITY, bending_rigidity_nmm2: 1.0 };
+    let clamp = frame.add_node(Vector::zeros());
+    frame.support(clamp, [true; 3]);
+    let mut end = clamp;
+    for i in 1..=ELEMENTS {
+        let next = frame.add_node(Vector::new(i as f64 / ELEMENTS as f64, 0.0));
+        frame.add_beam(end, next, section);
+        end = next;
+    }
+    let (sin, cos) = angle_deg.to_radians().sin_cos();
+    let load = FrameLoad::Node { node: end, force: Vector::new(cos, sin) * load, moment_nmm: 0.0 };
+    let motion = solve_frame(&frame, &[load], Kinematics::Corotational)?;
+    let u = motion.displacements[end];
+    Ok([u.y, -u.x, motion.rotations[frame.rotation_of(end)]])
+}
+
+/// Three checks for each row of the reference.
+///
+/// # Errors
+/// [`ProblemError`] if a load has no equilibrium.
+pub fn checks() -> Result<Vec<Check>, ProblemError> {
+    let rows: Vec<Row> =
+        csv::Reader::from_reader(fixtures::ELASTICA.as_bytes()).deserialize().collect::<Result<_, _>>()?;
+    let mut checks = Vec::new();
+    for row in rows {
+        let ours = solve(row.load_pl2_ei, row.angle_deg)?;
+        let problem = format!("cantilever, P L^2 / EI = {}, {} deg from the axis", row.load_pl2_ei, row.angle_deg);
+        let theirs = [("w / L", row.w_over_l), ("u / L", row.u_over_l), ("tip rotation (rad)", row.theta_rad)];
+        for ((quantity, reference), ours) in theirs.into_iter().zip(ours) {
+            checks.push(Check::new(problem.clone(), "elastica", quantity, reference, ours, TOLERANCE));
+        }
+    }
+    Ok(checks)
+}

@@ -1,0 +1,30 @@
+//! Reference problems: one short file each, with its source, its reference values and its tolerance.
+//!
+//! Every problem answers with [`Check`](crate::check::Check)s (promises) or [`Comparison`](crate::check::Comparison)s. The report shows them
+//! and the tests demand that they pass.
+
+pub mod elastica;
+pub mod opensees;
+pub mod refinement;
+
+use finray_model::statics::StaticsError;
+
+/// A reference problem that could not be computed at all.
+#[derive(Debug, thiserror::Error)]
+pub enum ProblemError {
+    /// A shipped reference file is not what it should be.
+    #[error("reference data: {0}")]
+    Reference(String),
+    /// The problem's own finger or frame has no solution.
+    #[error(transparent)]
+    Statics(#[from] StaticsError),
+    /// The problem's own mesh cannot be made.
+    #[error(transparent)]
+    Mesh(#[from] finray_model::mesh::MeshSizeError),
+}
+
+impl From<csv::Error> for ProblemError {
+    fn from(error: csv::Error) -> ProblemError {
+        ProblemError::Reference(error.to_string())
+    }
+}

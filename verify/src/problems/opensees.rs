@@ -1,0 +1,143 @@
+//! Fingers solved by OpenSees 3.7.1 (elasticBeamColumn; Linear and Corotational transformations).
+//!
+//! OpenSees shares the theory (Euler-Bernoulli beams, co-rotation, strain of the chord) but none of the code, so the
+//! two must agree to the digits printed.
+
+use super::ProblemError;
+use crate::check::{Check, Comparison};
+use crate::fixtures;
+use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector, statics};
+use serde::Deserialize;
+
+/// Largest difference of a linear displacement, as a share of the case's largest: OpenSees prints nine digits.
+pub const LINEAR_TOLERANCE: f64 = 1e-8;
+/// Largest difference of a co-rotational displacement: both Newton iterations stop below 1e-9 of the solution.
+pub const COROTATIONAL_TOLERANCE: f64 = 1e-6;
+
+/// One row of a reference file: a key node in a load case.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+struct Row {
+    case: usize,
+    kinematics: String,
+    mesh_nodes: usize,
+    load: usize,
+    fx_n: f64,
+    fy_n: f64,
+    #[serde(default)]
+    m_nmm: f64,
+    node: usize,
+    ux_mm: f64,
+    uy_mm: f64,
+    theta_rad: f64,
+}
+
+/// A load case and how far we are from it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CaseDeviation {
+    /// Number of the case in its file.
+    pub case: usize,
+    /// Kinematics of the case.
+    pub kinematics: Kinematics,
+    /// Nodes of the mesh.
+    pub mesh_nodes: usize,
+    /// Loaded node.
+    pub load_node: NodeId,
+    /// Force, N.
+    pub force: Vector,
+    /// Largest difference of a key node's displacement, as a share of the largest displacement.
+    pub displacement: f64,
+    /// Largest difference of a key node's rotation, rad.
+    pub rotation_rad: f64,
+}
+
+/// Solves every case of a reference file with the model.
+///
+/// # Errors
+/// [`ProblemError`] if the file is not one of OpenSees' or a case cannot be solved.
+pub fn deviations(finger: &Finger, reference_csv: &str) -> Result<Vec<CaseDeviation>, ProblemError> {
+    let rows: Vec<Row> = csv::Reader::from_reader(reference_csv.as_bytes()).deserialize().collect::<Result<_, _>>()?;
+    rows.chunk_by(|a, b| a.case == b.case).map(|case| deviation(finger, case)).collect()
+}
+
+fn deviation(finger: &Finger, rows: &[Row]) -> Result<CaseDeviation, ProblemError> {
+    let first = &rows[0];
+    let kinematics = match first.kinematics.as_str() {
+        "linear" => Kinematics::Linear,
+        "corotational" => Kinematics::CorotationalChord,
+        other => return Err(ProblemError::Reference(format!("unknown kinematics {other}"))),
+    };
+    let (load_node, force) = (NodeId(first.load), Vector::new(first.fx_n, first.fy_n));
+    let mesh = Mesh::with_nodes(finger, first.mesh_nodes)?;
+    let load = Load::Node { node: load_node, force, moment_nmm: first.m_nmm };
+    let shape = statics::solve(&mesh, &[load], kinematics)?;
+    let (mut largest, mut displacement, mut rotation_rad) = (0.0, 0.0, 0.0);
+    for row in rows {
+        let ours = shape.motion(NodeId(row.node));
+        let theirs = Vector::new(row.ux_mm, row.uy_mm);
+        largest = f64::max(largest, theirs.norm());
+        displacement = f64::max(displacement, (ours.displacement - theirs).norm());
+        rotation_rad = f64::max(rotation_rad, (ours.rotation - row.theta_rad).abs());
+    }
+    Ok(CaseDeviation {
+        case: first.case,
+        kinematics,
+        mesh_nodes: first.mesh_nodes,
+        load_node,
+        force,
+        displacement: displacement / largest,
+        rotation_rad,
+    })
+}
+
+/// The paper's finger on the paper's two meshes: a check for each kinematics and mesh, over its worst case.
+///
+/// # Errors
+/// See [`deviations`].
+pub fn paper_checks(paper: &Finger) -> Result<Vec<Check>, ProblemError> {
+    let deviations = deviations(paper, fixtures::OPENSEES_PAPER)?;
+    let mut groups: Vec<(Kinematics, usize)> = deviations.iter().map(|d| (d.kinematics, d.mesh_nodes)).collect();
+    groups.dedup();
+    Ok(groups
+        .into_iter()
+        .flat_map(|(kinematics, mesh_nodes)| {
+            let group = deviations.iter().filter(|d| d.kinematics == kinematics && d.mesh_nodes == mesh_nodes);
+            let (name, tolerance) = match kinematics {
+                Kinematics::Linear => ("linear", LINEAR_TOLERANCE),
+                _ => ("co-rotational (chord strain)", COROTATIONAL_TOLERANCE),
+            };
+            let problem = format!("paper finger, {name}, {mesh_nodes} nodes, {} load cases", group.clone().count());
+            let worst = |figure: fn(&CaseDeviation) -> f64| group.clone().map(figure).fold(0.0, f64::max);
+            [
+                ("largest displacement difference / largest displacement", worst(|d| d.displacement)),
+                ("largest rotation difference (rad)", worst(|d| d.rotation_rad)),
+            ]
+            .map(|(quantity, ours)| Check::new(problem.clone(), "OpenSees", quantity, 0.0, ours, tolerance))
+        })
+        .collect())
+}
+
+/// How far the linear finger is from the large-rotation one, for each fine co-rotational case: not a promise, but why
+/// linear sensing errs.
+///
+/// # Errors
+/// See [`deviations`].
+pub fn linear_against_large_rotation(paper: &Finger) -> Result<Vec<Comparison>, ProblemError> {
+    let rows: Vec<Row> =
+        csv::Reader::from_reader(fixtures::OPENSEES_PAPER.as_bytes()).deserialize().collect::<Result<_, _>>()?;
+    let mesh = Mesh::key_nodes(paper);
+    let mut comparisons = Vec::new();
+    for case in rows.chunk_by(|a, b| a.case == b.case).filter(|case| case[0].kinematics == "corotational") {
+        let force = Vector::new(case[0].fx_n, case[0].fy_n);
+        let node = NodeId(case[0].load);
+        let linear = statics::solve(&mesh, &[Load::at_node(node, force)], Kinematics::Linear)?;
+        let Some(loaded) = case.iter().find(|row| row.node == node.0) else { continue };
+        comparisons.push(Comparison {
+            problem: format!("paper finger, {:.2} N at node {node}: linear against large rotation", force.norm()),
+            source: "OpenSees".to_owned(),
+            quantity: "displacement of the loaded node (mm)".to_owned(),
+            reference: Vector::new(loaded.ux_mm, loaded.uy_mm).norm(),
+            ours: linear.motion(node).displacement.norm(),
+        });
+    }
+    Ok(comparisons)
+}

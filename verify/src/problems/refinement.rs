@@ -1,0 +1,78 @@
+//! The paper's two meshes against each other: 25 and 684 nodes.
+//!
+//! Linear frame theory is exact at the nodes, so refinement must change nothing but rounding. The paper found its two
+//! commercial meshes within 0.26 % of each other (sec. III).
+
+use super::ProblemError;
+use crate::check::{Check, Comparison};
+use crate::truth::FINE_MESH_NODES;
+use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, statics};
+
+/// Rounding of a double-precision solution on 684 nodes, which grows about as the fourth power of the node count.
+pub const ROUNDING_TOLERANCE: f64 = 1e-8;
+/// Force of each load, N.
+const FORCE_N: f64 = 3.0;
+/// Directions, degrees from the inward normal.
+const ANGLES_DEG: [f64; 3] = [-45.0, 0.0, 45.0];
+
+/// Largest difference between a mesh and a finer one at a key node, as a share of the largest displacement, under 3 N
+/// at a node, over three directions.
+fn difference(finger: &Finger, meshes: [&Mesh; 2], node: NodeId, kinematics: Kinematics) -> Result<f64, ProblemError> {
+    let mut worst: f64 = 0.0;
+    for angle_deg in ANGLES_DEG {
+        let load = Load::at_node(node, finger.direction(angle_deg) * FORCE_N);
+        let coarse = statics::solve(meshes[0], &[load], kinematics)?;
+        let fine = statics::solve(meshes[1], &[load], kinematics)?;
+        for (a, b) in coarse.motions().iter().zip(fine.motions()) {
+            worst = worst.max((a.displacement - b.displacement).norm() / fine.largest_displacement_mm());
+        }
+    }
+    Ok(worst)
+}
+
+/// The linear finger does not change with the mesh.
+///
+/// # Errors
+/// [`ProblemError`] if the finger cannot be solved.
+pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
+    let (coarse, fine) = (Mesh::key_nodes(finger), Mesh::with_nodes(finger, FINE_MESH_NODES)?);
+    let mut worst: f64 = 0.0;
+    for node in finger.contact_nodes() {
+        worst = worst.max(difference(finger, [&coarse, &fine], node, Kinematics::Linear)?);
+    }
+    Ok(vec![Check::new(
+        format!("{} against {FINE_MESH_NODES} nodes, linear, all contact nodes", finger.key_node_count()),
+        "nodal exactness of linear frames",
+        "largest displacement difference / largest displacement",
+        0.0,
+        worst,
+        ROUNDING_TOLERANCE,
+    )])
+}
+
+/// How far coarse large-rotation meshes are from the fine one, by loaded node.
+///
+/// # Errors
+/// [`ProblemError`] if the finger cannot be solved.
+pub fn comparisons(finger: &Finger) -> Result<Vec<Comparison>, ProblemError> {
+    let (coarse, fine) = (Mesh::key_nodes(finger), Mesh::with_nodes(finger, FINE_MESH_NODES)?);
+    let mut comparisons = Vec::new();
+    for (kinematics, name) in
+        [(Kinematics::CorotationalChord, "chord strain"), (Kinematics::Corotational, "shallow-arch strain")]
+    {
+        for node in finger.contact_nodes() {
+            let Ok(ours) = difference(finger, [&coarse, &fine], node, kinematics) else { continue };
+            comparisons.push(Comparison {
+                problem: format!(
+                    "{} against {FINE_MESH_NODES} nodes, co-rotational ({name}), {FORCE_N} N at node {node}",
+                    finger.key_node_count()
+                ),
+                source: "own fine mesh".to_owned(),
+                quantity: "largest displacement difference / largest displacement".to_owned(),
+                reference: 0.0,
+                ours,
+            });
+        }
+    }
+    Ok(comparisons)
+}

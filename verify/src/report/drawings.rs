@@ -1,0 +1,190 @@
+//! Pictures of a study: its numbers arranged for [`figures`](super::figures).
+
+use super::figures::{
+    self, Arrow, Axis, BarGroup, ColourScale, Dash, FigureError, FingerDrawing, Frame, GroupedBars, HeatMap, Hue,
+    LineChart, NodeMark, PlaceMark, Reference, Series, Shape, Shapes,
+};
+use crate::map::AccuracyMap;
+use crate::study::Study;
+use crate::table_one::TableOne;
+use finray_model::finger::Plate;
+use finray_model::{Finger, Kinematics, Vector};
+
+/// The paper's two shades: grey above 10 %, dark above 25 %.
+const PAPER_SHADES_PERCENT: [f64; 2] = [10.0, 25.0];
+/// One colour scale for all maps, %.
+const ERROR_SCALE_PERCENT: [f64; 2] = [0.1, 100.0];
+const ALONG_AXIS: &str = "base to tip, mm";
+const ACROSS_AXIS: &str = "back to front, mm";
+
+fn point(v: &Vector) -> [f64; 2] {
+    [v.x, v.y]
+}
+
+/// Accuracy map of one force, or of the mean over all.
+///
+/// # Errors
+/// [`FigureError`] if the map has no cells.
+pub fn map_picture(finger: &Finger, map: &AccuracyMap, force_n: Option<f64>) -> Result<String, FigureError> {
+    let force = force_n.map_or_else(
+        || match map.request.forces_n[..] {
+            [one] => format!("{one} N"),
+            _ => "mean over all forces".to_owned(),
+        },
+        |f| format!("{f} N"),
+    );
+    let noise = if map.noise_mm > 0.0 { format!("{} mm noise", map.noise_mm) } else { "no noise".to_owned() };
+    let title = format!("{} truth, {noise}, {force}", map.truth);
+    let alt = format!(
+        "Error of the sensed force by place along the front plate and direction: {title}, {} estimator.",
+        map.request.estimator.name()
+    );
+    let percent = |error: Option<f64>| error.map(|e| 100.0 * e);
+    figures::heat_map(&HeatMap {
+        frame: Frame::half(title, alt),
+        x_label: "place along the front plate from the base, mm".to_owned(),
+        x: map.request.places_mm.clone(),
+        y_label: "force direction, deg from normal (+ to tip)".to_owned(),
+        y: map.request.angles_deg.clone(),
+        y_ticks: Some((-4..=4).map(|i| f64::from(i) * 20.0).collect()),
+        values: map.errors(force_n).into_iter().map(|row| row.into_iter().map(percent).collect()).collect(),
+        value_label: "error |sensed / true - 1|, %".to_owned(),
+        colours: ColourScale::log(ERROR_SCALE_PERCENT[0], ERROR_SCALE_PERCENT[1]),
+        contours: PAPER_SHADES_PERCENT.to_vec(),
+        contour_unit: " %".to_owned(),
+        missing_label: "no equilibrium".to_owned(),
+        marks_label: "node".to_owned(),
+        marks: node_marks(finger),
+    })
+}
+
+/// Node numbers along the front plate, thinned so that they do not run into each other.
+fn node_marks(finger: &Finger) -> Vec<PlaceMark> {
+    let every = finger.contact_nodes().len().div_ceil(13);
+    let marks = finger.contact_nodes().rev().step_by(every);
+    marks.filter_map(|node| Some(PlaceMark { x: finger.front_place_mm(node)?, label: node.to_string() })).collect()
+}
+
+/// Error along the front plate for forces along the normal, one line a force.
+pub(super) fn errors_along_the_normal(map: &AccuracyMap) -> Result<String, FigureError> {
+    let title = format!(
+        "Force along the normal, {} truth, {}",
+        map.truth,
+        if map.noise_mm > 0.0 { format!("{} mm noise", map.noise_mm) } else { "no noise".to_owned() }
+    );
+    let series = map
+        .request
+        .forces_n
+        .iter()
+        .enumerate()
+        .map(|(n, &force_n)| {
+            let cells = map.cells.iter().filter(|c| c.force_n == force_n && c.angle_deg == 0.0);
+            let points = cells.filter_map(|c| Some([c.s_mm, 100.0 * c.mean_error?])).collect();
+            Series { marker: None, ..Series::nth(n, format!("{force_n} N"), points) }
+        })
+        .collect();
+    figures::lines(&LineChart {
+        frame: Frame::half(title.clone(), format!("{title}: error of the sensed force by place, one line a force.")),
+        x: Axis::linear("place along the front plate from the base, mm"),
+        y: Axis::linear("error |sensed / true - 1|, %"),
+        series,
+        references: PAPER_SHADES_PERCENT
+            .map(|value| Reference { value, label: format!("{value} %") })
+            .into_iter()
+            .take(1)
+            .collect(),
+    })
+}
+
+/// The finger with its node numbers.
+pub(super) fn finger(study: &Study) -> Result<String, FigureError> {
+    let finger = &study.finger;
+    let places = |plate| finger.plate_nodes(plate).iter().map(|&n| point(&finger.position(n))).collect::<Vec<_>>();
+    let nodes: Vec<NodeMark> = (1..=finger.key_node_count())
+        .map(finray_model::NodeId)
+        .map(|node| NodeMark {
+            number: node.0,
+            at: point(&finger.position(node)),
+            clamped: finger.clamped_nodes().contains(&node),
+        })
+        .collect();
+    // An arrow on the middle of the front plate shows what an angle of zero means.
+    let length = finger.plate_length_mm(Plate::Front);
+    let middle = finger.plate_point(Plate::Front, 0.54 * length);
+    let arrow = |angle_deg: f64, label: &str, hue| Arrow {
+        from: point(&(middle - finger.direction(angle_deg) * (0.14 * length))),
+        to: point(&middle),
+        label: label.to_owned(),
+        hue,
+    };
+    figures::finger(&FingerDrawing {
+        frame: Frame::full(
+            "",
+            "The finger with its numbered key nodes; the base is on the left, the tip on the right.",
+        ),
+        x_label: ALONG_AXIS.to_owned(),
+        y_label: ACROSS_AXIS.to_owned(),
+        front: places(Plate::Front),
+        back: places(Plate::Back),
+        ribs: (0..finger.rib_count())
+            .map(|rib| finger.rib_nodes(rib).map(|node| point(&finger.position(node))).to_vec())
+            .collect(),
+        nodes,
+        arrows: vec![arrow(0.0, "0 deg", Hue::Blue), arrow(40.0, "+40 deg", Hue::Vermilion)],
+    })
+}
+
+/// The finger at rest and bent.
+pub(super) fn bent(study: &Study) -> Result<String, FigureError> {
+    let finger = &study.finger;
+    let at_rest = |plate| finger.plate_nodes(plate).iter().map(|&n| point(&finger.position(n))).collect::<Vec<_>>();
+    let ribs =
+        (0..finger.rib_count()).map(|rib| finger.rib_nodes(rib).map(|node| point(&finger.position(node))).to_vec());
+    let deformed = study.bent.iter().enumerate().map(|(n, bent)| Shape {
+        label: bent.label.clone(),
+        lines: bent.lines.iter().map(|line| line.iter().map(point).collect()).collect(),
+        hue: Hue::nth(n / 2),
+        dash: if bent.kinematics == Kinematics::Linear { Dash::Dotted } else { Dash::Solid },
+    });
+    let arrows = study.bent.iter().enumerate().filter(|(_, bent)| bent.kinematics != Kinematics::Linear);
+    let arrows = arrows.map(|(n, bent)| {
+        let reach = bent.force.normalize() * (0.1 * finger.plate_length_mm(Plate::Front));
+        Arrow { from: point(&(bent.at - reach)), to: point(&bent.at), label: String::new(), hue: Hue::nth(n / 2) }
+    });
+    figures::deformed_shapes(&Shapes {
+        frame: Frame::full(
+            "",
+            "The finger at rest and bent by a force at three nodes, linear and with large rotations.",
+        ),
+        x_label: ALONG_AXIS.to_owned(),
+        y_label: ACROSS_AXIS.to_owned(),
+        undeformed: [at_rest(Plate::Front), at_rest(Plate::Back)].into_iter().chain(ribs).collect(),
+        undeformed_label: "at rest".to_owned(),
+        deformed: deformed.collect(),
+        arrows: arrows.collect(),
+    })
+}
+
+/// Table I as bars: the paper's mean errors and ours.
+pub(super) fn table_one(tables: &[TableOne]) -> Result<String, FigureError> {
+    let rows = tables.first().map_or(&[][..], |table| &table.rows[..]);
+    let percent = |error: f64| Some((1000.0 * error).round() / 10.0);
+    let paper = BarGroup {
+        label: "paper".to_owned(),
+        hue: Hue::Neutral,
+        values: rows.iter().map(|row| percent(row.paper_mean_error)).collect(),
+    };
+    let ours = tables.iter().take(2).enumerate().map(|(n, table)| BarGroup {
+        label: format!("large rotation, weights at {} deg", table.angle_deg),
+        hue: Hue::nth(n),
+        values: table.rows.iter().map(|row| percent(row.mean_error)).collect(),
+    });
+    figures::bars(&GroupedBars {
+        frame: Frame::full("", "Mean error of the sensed force at six nodes: the paper's Table I and ours."),
+        category_label: "loaded node".to_owned(),
+        categories: rows.iter().map(|row| row.node.to_string()).collect(),
+        y: Axis::linear("mean error, %"),
+        groups: std::iter::once(paper).chain(ours).collect(),
+        references: PAPER_SHADES_PERCENT.map(|value| Reference { value, label: format!("{value} %") }).into(),
+    })
+}

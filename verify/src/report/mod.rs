@@ -1,0 +1,48 @@
+//! From a [`Study`] to what a person looks at: page, pictures, tables and the summary for machines. Nothing is computed
+//! here.
+
+pub mod figures;
+pub mod page;
+
+mod drawings;
+mod sections;
+mod summary;
+mod tables;
+mod words;
+
+pub use drawings::map_picture;
+pub use summary::Summary;
+
+use crate::study::Study;
+use figures::FigureError;
+use std::path::PathBuf;
+
+/// Why a report could not be put together.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// A figure could not be drawn.
+    #[error(transparent)]
+    Figure(#[from] FigureError),
+    /// The page could not be filled in.
+    #[error("page: {0}")]
+    Page(#[from] minijinja::Error),
+    /// A table could not be written.
+    #[error(transparent)]
+    Csv(#[from] csv::Error),
+    /// The summary could not be written.
+    #[error("summary: {0}")]
+    Summary(#[from] serde_json::Error),
+}
+
+/// The files of a report, by name within its folder: `index.html`, `summary.json` and a CSV behind every figure.
+///
+/// # Errors
+/// [`ReportError`] if a figure has nothing to draw.
+pub fn files(study: &Study) -> Result<Vec<(PathBuf, String)>, ReportError> {
+    let mut files = tables::csv_files(study)?;
+    let summary = Summary::of(study);
+    files.push(("summary.json".into(), serde_json::to_string_pretty(&summary)? + "\n"));
+    let page = sections::page(study, &summary)?;
+    files.push(("index.html".into(), page::render(&page)?));
+    Ok(files)
+}

@@ -1,0 +1,251 @@
+//! The report as one HTML page that needs nothing but itself.
+//!
+//! A page is built from plain data and rendered through one template; the
+//! figures' SVG goes in as it is, every other text is escaped.
+
+use minijinja::syntax::SyntaxConfig;
+use minijinja::value::Serde;
+use minijinja::{AutoEscape, Environment, context};
+use serde::Serialize;
+
+/// A whole page.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Page {
+    /// Name of the page.
+    pub title: String,
+    /// One sentence under the title.
+    pub subtitle: String,
+    /// What was found, in sentences; shown before everything else.
+    pub verdict: Vec<String>,
+    /// The sections, listed in the table of contents.
+    pub sections: Vec<Section>,
+    /// Small print at the end.
+    pub footer: String,
+}
+
+/// A part of the page under its own heading.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Section {
+    /// Anchor for links within the page.
+    pub id: String,
+    /// Heading, also shown in the table of contents.
+    pub heading: String,
+    /// What the section is made of, in order.
+    pub blocks: Vec<Block>,
+}
+
+/// One thing in a section.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Block {
+    /// A paragraph.
+    Text {
+        /// Its words.
+        paragraph: String,
+    },
+    /// Several points, one below the other.
+    List {
+        /// The points' words.
+        items: Vec<String>,
+    },
+    /// A figure on its own.
+    Figure(Figure),
+    /// Figures side by side, one below the other where the screen is narrow.
+    Figures {
+        /// The figures.
+        figures: Vec<Figure>,
+    },
+    /// A table.
+    Table(Table),
+    /// Blocks that are shown when asked for (and in print).
+    Details {
+        /// The line that is always shown.
+        summary: String,
+        /// What it hides.
+        blocks: Vec<Block>,
+    },
+}
+
+/// A drawing with words below it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Figure {
+    /// The drawing; put into the page as it is, so it must come from our own code.
+    pub svg: String,
+    /// Words below the drawing.
+    pub caption: String,
+    /// Where the drawn numbers lie, seen from the page.
+    pub csv: Option<String>,
+    /// A wide drawing is scrolled sideways on a narrow screen rather than shrunk beyond reading.
+    pub wide: bool,
+}
+
+/// Numbers in rows and columns.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Table {
+    /// Words above the table.
+    pub caption: String,
+    /// The columns.
+    pub columns: Vec<Column>,
+    /// The rows, each with one cell a column.
+    pub rows: Vec<Row>,
+    /// Where the same numbers lie as a file, seen from the page.
+    pub csv: Option<String>,
+}
+
+/// A column of a table.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Column {
+    /// Its heading.
+    pub name: String,
+    /// Numbers are set flush right, words flush left.
+    pub numeric: bool,
+}
+
+/// A row of a table.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Row {
+    /// Its cells.
+    pub cells: Vec<Cell>,
+}
+
+/// A cell of a table.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Cell {
+    /// What stands in it.
+    pub text: String,
+    /// Its background.
+    pub shade: Option<Shade>,
+}
+
+/// What a cell's background says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Shade {
+    /// Green: as it should be.
+    Pass,
+    /// Red: not as it should be.
+    Fail,
+    /// Grey: an error of more than a tenth.
+    Grey,
+    /// Dark: an error of more than a quarter.
+    Dark,
+}
+
+impl Column {
+    /// A column of words.
+    pub fn words(name: impl Into<String>) -> Self {
+        let name = name.into();
+        Self { name, numeric: false }
+    }
+
+    /// A column of numbers.
+    pub fn numbers(name: impl Into<String>) -> Self {
+        let name = name.into();
+        Self { name, numeric: true }
+    }
+}
+
+impl Cell {
+    /// A cell without background.
+    pub fn plain(text: impl Into<String>) -> Self {
+        let text = text.into();
+        Self { text, shade: None }
+    }
+
+    /// A cell with a background.
+    pub fn shaded(text: impl Into<String>, shade: Shade) -> Self {
+        let text = text.into();
+        let shade = Some(shade);
+        Self { text, shade }
+    }
+}
+
+/// The page as HTML.
+pub fn render(page: &Page) -> Result<String, minijinja::Error> {
+    let mut environment = Environment::new();
+    environment.set_auto_escape_callback(|_| AutoEscape::Html);
+    // Lines that hold only a template's instructions leave no empty line behind.
+    let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?;
+    environment.set_syntax(syntax);
+    environment.add_template("page.html", include_str!("page.html"))?;
+    environment.get_template("page.html")?.render(context! { page => Serde(page) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn page() -> Page {
+        let figure = |csv: Option<&str>| Figure {
+            svg: "<svg viewBox=\"0 0 1 1\"></svg>".into(),
+            caption: "force & place".into(),
+            csv: csv.map(str::to_owned),
+            wide: true,
+        };
+        let table = Table {
+            caption: "Errors".into(),
+            columns: vec![Column::words("node"), Column::numbers("error, %")],
+            rows: vec![Row { cells: vec![Cell::plain("24"), Cell::shaded("12 < 25", Shade::Grey)] }],
+            csv: Some("errors.csv".into()),
+        };
+        Page {
+            title: "Truth <b>".into(),
+            subtitle: "under the title".into(),
+            verdict: vec!["It <em>works</em>.".into()],
+            sections: vec![Section {
+                id: "maps".into(),
+                heading: "Maps".into(),
+                blocks: vec![
+                    Block::Text { paragraph: "a <script> b".into() },
+                    Block::Figure(figure(Some("map.csv"))),
+                    Block::Figures { figures: vec![figure(None), figure(None)] },
+                    Block::Details {
+                        summary: "More".into(),
+                        blocks: vec![Block::Table(table), Block::List { items: vec!["one point".into()] }],
+                    },
+                ],
+            }],
+            footer: "the end".into(),
+        }
+    }
+
+    #[test]
+    fn words_are_escaped_and_drawings_are_not() {
+        let html = render(&page()).unwrap();
+        assert!(html.contains("a &lt;script&gt; b"));
+        assert!(
+            html.contains("It &lt;em&gt;works&lt;&#x2f;em&gt;.") || html.contains("It &lt;em&gt;works&lt;/em&gt;.")
+        );
+        assert!(html.contains("<title>Truth &lt;b&gt;</title>"));
+        assert!(!html.contains("<script") && !html.contains("<em>"));
+        assert_eq!(html.matches("<svg viewBox=\"0 0 1 1\"></svg>").count(), 3);
+    }
+
+    #[test]
+    fn every_block_is_shown_also_within_details() {
+        let html = render(&page()).unwrap();
+        for part in [
+            "<details",
+            "<summary>More</summary>",
+            "<li>one point</li>",
+            "12 &lt; 25",
+            "class=\"number grey\"",
+            "href=\"errors.csv\"",
+            "href=\"map.csv\"",
+            "href=\"#maps\"",
+            "id=\"maps\"",
+            "the end",
+        ] {
+            assert!(html.contains(part), "{part}");
+        }
+    }
+
+    #[test]
+    fn the_page_needs_nothing_but_itself() {
+        let html = render(&page()).unwrap();
+        for outside in ["http://", "https://", "src=", "@import", "url("] {
+            assert!(!html.contains(outside), "{outside}");
+        }
+        assert!(html.contains("<html lang=\"en\">") && html.contains("name=\"viewport\""));
+    }
+}

@@ -1,0 +1,55 @@
+//! `summary.json`: every figure that the page shows, for machines.
+
+use super::{tables, words};
+use crate::check::{Check, Comparison};
+use crate::map::MapSummary;
+use crate::study::{DRAWN_FORCE_N, Study};
+use crate::table_one::TableOne;
+use serde::Serialize;
+
+/// A map in a few figures, and where its cells are.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MapEntry {
+    /// The figures.
+    #[serde(flatten)]
+    pub figures: MapSummary,
+    /// File with the cells, beside the summary.
+    pub csv: String,
+}
+
+/// What the page shows, as data.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    /// Name of the scene.
+    pub scene: String,
+    /// Version of finray that made it.
+    pub version: &'static str,
+    /// What the numbers say.
+    pub verdict: Vec<String>,
+    /// Promises.
+    pub checks: Vec<Check>,
+    /// Differences that are expected.
+    pub comparisons: Vec<Comparison>,
+    /// Maps at the drawn force and over all forces.
+    pub maps: Vec<MapEntry>,
+    /// Table I of the paper, for each assumed direction.
+    pub table_one: Vec<TableOne>,
+}
+
+impl Summary {
+    /// Collects a study.
+    pub fn of(study: &Study) -> Summary {
+        let entry = |force_n| {
+            study.maps.iter().map(move |map| MapEntry { figures: map.summary(force_n), csv: tables::map_csv_name(map) })
+        };
+        Summary {
+            scene: study.scene.clone(),
+            version: env!("CARGO_PKG_VERSION"),
+            verdict: words::verdict(study),
+            checks: study.checks.clone(),
+            comparisons: study.comparisons.clone(),
+            maps: entry(Some(DRAWN_FORCE_N)).chain(entry(None)).collect(),
+            table_one: study.tables_one.clone(),
+        }
+    }
+}

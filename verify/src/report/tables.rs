@@ -1,0 +1,230 @@
+//! Rows for the page's tables, and the CSV files behind figures and tables.
+
+use super::page::{Cell, Column, Row, Shade, Table};
+use crate::check::{Check, Comparison, Verdict};
+use crate::files::csv_text;
+use crate::map::AccuracyMap;
+use crate::study::Study;
+use crate::table_one::{TableOne, WEIGHTS_G};
+use finray_model::finger::Plate;
+use serde::Serialize;
+use std::path::PathBuf;
+
+pub(super) const CHECKS_CSV: &str = "checks.csv";
+pub(super) const COMPARISONS_CSV: &str = "comparisons.csv";
+pub(super) const TABLE_ONE_CSV: &str = "table_one.csv";
+pub(super) const FINGER_CSV: &str = "finger.csv";
+pub(super) const SHAPES_CSV: &str = "shapes.csv";
+
+/// File of a map's cells.
+pub(super) fn map_csv_name(map: &AccuracyMap) -> String {
+    let noise = if map.noise_mm > 0.0 { "with_noise" } else { "without_noise" };
+    format!("map_{}_{noise}.csv", map.truth)
+}
+
+#[derive(Serialize)]
+struct TableOneCell {
+    angle_deg: f64,
+    node: usize,
+    weight_g: f64,
+    error: f64,
+    mean_error: f64,
+    paper_mean_error: f64,
+    modulus_factor: f64,
+}
+
+#[derive(Serialize)]
+struct NodeRow {
+    node: usize,
+    x_mm: f64,
+    y_mm: f64,
+    s_front_mm: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct ShapeRow<'a> {
+    shape: &'a str,
+    line: usize,
+    x_mm: f64,
+    y_mm: f64,
+}
+
+/// All CSV files of a report.
+pub(super) fn csv_files(study: &Study) -> Result<Vec<(PathBuf, String)>, csv::Error> {
+    let table_one = study.tables_one.iter().flat_map(|table| {
+        table.rows.iter().flat_map(|row| {
+            row.errors.iter().zip(WEIGHTS_G).map(|(&error, weight_g)| TableOneCell {
+                angle_deg: table.angle_deg,
+                node: row.node,
+                weight_g,
+                error,
+                mean_error: row.mean_error,
+                paper_mean_error: row.paper_mean_error,
+                modulus_factor: table.modulus_factor,
+            })
+        })
+    });
+    let finger = &study.finger;
+    let nodes =
+        finger.plate_nodes(Plate::Back).into_iter().chain(finger.plate_nodes(Plate::Front).into_iter().rev().skip(1));
+    let nodes = nodes.map(|node| {
+        let at = finger.position(node);
+        NodeRow { node: node.0, x_mm: at.x, y_mm: at.y, s_front_mm: finger.front_place_mm(node) }
+    });
+    let shapes = study.bent.iter().flat_map(|bent| {
+        bent.lines.iter().enumerate().flat_map(move |(line, points)| {
+            points.iter().map(move |p| ShapeRow { shape: &bent.label, line: line + 1, x_mm: p.x, y_mm: p.y })
+        })
+    });
+    let mut files: Vec<(PathBuf, String)> = vec![
+        (CHECKS_CSV.into(), csv_text(&study.checks)?),
+        (COMPARISONS_CSV.into(), csv_text(&study.comparisons)?),
+        (FINGER_CSV.into(), csv_text(nodes)?),
+        (SHAPES_CSV.into(), csv_text(shapes)?),
+    ];
+    if !study.tables_one.is_empty() {
+        files.push((TABLE_ONE_CSV.into(), csv_text(table_one)?));
+    }
+    for map in &study.maps {
+        files.push((map_csv_name(map).into(), map.to_csv()?));
+    }
+    Ok(files)
+}
+
+/// A figure for reading: four significant digits, powers of ten where it is very small or large.
+pub(super) fn figure(value: f64) -> String {
+    let size = value.abs();
+    if size != 0.0 && !(1e-3..1e5).contains(&size) {
+        return format!("{value:.2e}");
+    }
+    let digits = if size == 0.0 { 0 } else { (3 - size.log10().floor() as i32).clamp(0, 7) as usize };
+    format!("{value:.digits$}")
+}
+
+pub(super) fn percent(share: f64) -> String {
+    match 100.0 * share.abs() {
+        p if p < 0.05 && p > 0.0 => format!("{:.0e} %", 100.0 * share),
+        p if p < 9.95 => format!("{:.1} %", 100.0 * share),
+        _ => format!("{:.0} %", 100.0 * share),
+    }
+}
+
+pub(super) fn checks(checks: &[Check]) -> Table {
+    let row = |check: &Check| {
+        let verdict = match check.verdict {
+            Verdict::Pass => Cell::shaded("pass", Shade::Pass),
+            Verdict::Fail => Cell::shaded("fail", Shade::Fail),
+        };
+        let words = [&check.problem, &check.source, &check.quantity].map(Cell::plain);
+        let numbers = [check.reference, check.ours].map(|x| Cell::plain(reference_digits(x, check.tolerance)));
+        let tolerance = Cell::plain(format!("{:.0e}", check.tolerance));
+        Row { cells: words.into_iter().chain(numbers).chain([tolerance, verdict]).collect() }
+    };
+    Table {
+        caption: "Promises: our figure against a reference, and the largest difference that passes".to_owned(),
+        columns: ["problem", "source", "quantity"]
+            .map(Column::words)
+            .into_iter()
+            .chain(["reference", "ours", "tolerance"].map(Column::numbers))
+            .chain([Column::words("verdict")])
+            .collect(),
+        rows: checks.iter().map(row).collect(),
+        csv: Some(CHECKS_CSV.to_owned()),
+    }
+}
+
+/// As many decimals as the tolerance speaks of, so that small differences can be seen.
+fn reference_digits(value: f64, tolerance: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    if value.abs() < 10.0 * tolerance {
+        return format!("{value:.1e}");
+    }
+    let decimals = (1.0 - tolerance.log10()).clamp(0.0, 12.0) as usize;
+    format!("{value:.decimals$}")
+}
+
+pub(super) fn comparisons(comparisons: &[Comparison]) -> Table {
+    let row = |c: &Comparison| Row {
+        cells: [&c.problem, &c.source, &c.quantity]
+            .map(Cell::plain)
+            .into_iter()
+            .chain([c.reference, c.ours].map(|x| Cell::plain(figure(x))))
+            .collect(),
+    };
+    Table {
+        caption: "Where a difference is expected and nothing is promised".to_owned(),
+        columns: ["problem", "source", "quantity"]
+            .map(Column::words)
+            .into_iter()
+            .chain(["reference", "ours"].map(Column::numbers))
+            .collect(),
+        rows: comparisons.iter().map(row).collect(),
+        csv: Some(COMPARISONS_CSV.to_owned()),
+    }
+}
+
+/// Table I: mean error by node, the paper's and ours for each assumed direction, shaded as the paper shades it.
+pub(super) fn table_one(tables: &[TableOne]) -> Table {
+    let shaded = |error: f64| match error {
+        e if e > 0.25 => Cell::shaded(percent(e), Shade::Dark),
+        e if e > 0.10 => Cell::shaded(percent(e), Shade::Grey),
+        e => Cell::plain(percent(e)),
+    };
+    let nodes: Vec<(usize, f64)> =
+        tables.first().map_or_else(Vec::new, |t| t.rows.iter().map(|r| (r.node, r.paper_mean_error)).collect());
+    let rows = nodes
+        .iter()
+        .enumerate()
+        .map(|(i, &(node, paper))| {
+            let ours = tables.iter().map(|table| shaded(table.rows[i].mean_error));
+            Row { cells: [Cell::plain(node.to_string()), shaded(paper)].into_iter().chain(ours).collect() }
+        })
+        .collect();
+    let ours = tables.iter().map(|table| Column::numbers(format!("ours, {} deg", table.angle_deg)));
+    Table {
+        caption: "Mean error of the sensed force over six weights (50 to 300 g) by loaded node; grey above 10 %, dark \
+                  above 25 %, as in the paper's Table I"
+            .to_owned(),
+        columns: [Column::numbers("node"), Column::numbers("paper")].into_iter().chain(ours).collect(),
+        rows,
+        csv: Some(TABLE_ONE_CSV.to_owned()),
+    }
+}
+
+/// The maps in a few figures each.
+pub(super) fn maps(summary: &super::Summary) -> Table {
+    let rows = summary.maps.iter().map(|entry| {
+        let m = &entry.figures;
+        let forces = match m.forces_n[..] {
+            [one] => format!("{one} N"),
+            _ => {
+                format!("mean over {}", m.forces_n.iter().map(|f| format!("{f}")).collect::<Vec<_>>().join(", ") + " N")
+            }
+        };
+        let cells = [
+            m.truth.clone(),
+            format!("{} mm", m.noise_mm),
+            forces,
+            percent(m.mean_error),
+            percent(m.largest_error),
+            percent(m.share_above_10),
+            percent(m.share_above_25),
+            m.cells_without_equilibrium.to_string(),
+        ];
+        Row { cells: cells.map(Cell::plain).into() }
+    });
+    Table {
+        caption: "The maps in figures (all cells count alike)".to_owned(),
+        columns: ["truth", "noise", "force"]
+            .map(Column::words)
+            .into_iter()
+            .chain(
+                ["mean error", "largest", "cells above 10 %", "above 25 %", "without equilibrium"].map(Column::numbers),
+            )
+            .collect(),
+        rows: rows.collect(),
+        csv: None,
+    }
+}

@@ -1,0 +1,122 @@
+//! What the numbers say, in sentences made from the numbers.
+
+use super::tables::percent;
+use crate::map::{AccuracyMap, Cell};
+use crate::study::{DRAWN_FORCE_N, Study};
+use finray_model::Finger;
+
+/// Where a map is worst among some of its cells.
+struct Worst {
+    error: f64,
+    s_mm: f64,
+    angle_deg: f64,
+}
+
+fn worst(map: &AccuracyMap, among: impl Fn(&Cell) -> bool) -> Option<Worst> {
+    map.cells
+        .iter()
+        .filter(|cell| among(cell))
+        .filter_map(|cell| Some(Worst { error: cell.mean_error?, s_mm: cell.s_mm, angle_deg: cell.angle_deg }))
+        .max_by(|a, b| a.error.total_cmp(&b.error))
+}
+
+/// The place in words: how far along the plate, and which node is next to it.
+fn place(finger: &Finger, s_mm: f64) -> String {
+    let distance = |node| finger.front_place_mm(node).map_or(f64::INFINITY, |at: f64| (at - s_mm).abs());
+    let nearest = finger.contact_nodes().min_by(|a, b| distance(*a).total_cmp(&distance(*b)));
+    nearest.map_or_else(|| format!("s = {s_mm:.0} mm"), |node| format!("s = {s_mm:.0} mm, near node {node}"))
+}
+
+fn drawn(cell: &Cell) -> bool {
+    cell.force_n == DRAWN_FORCE_N
+}
+
+/// The sentences at the head of the page.
+pub(super) fn verdict(study: &Study) -> Vec<String> {
+    let mut sentences = Vec::new();
+    let finger = &study.finger;
+    if let Some(map) = study.map("corotational", false) {
+        let summary = map.summary(Some(DRAWN_FORCE_N));
+        if let Some(worst) = worst(map, |cell| drawn(cell) && cell.angle_deg == 0.0) {
+            sentences.push(format!(
+                "Without noise, linear sensing of {DRAWN_FORCE_N} N along the normal of the large-rotation finger errs by \
+                 up to {} (at {}); over all places and directions {} of the cells err by more than 10 % and {} by more \
+                 than 25 %.",
+                percent(worst.error),
+                place(finger, worst.s_mm),
+                percent(summary.share_above_10),
+                percent(summary.share_above_25)
+            ));
+        }
+        if let Some(worst) = worst(map, drawn) {
+            sentences.push(format!(
+                "Over all directions it fails most at {:.0} deg, at {}: {}.",
+                worst.angle_deg,
+                place(finger, worst.s_mm),
+                percent(worst.error)
+            ));
+        }
+        if summary.cells_without_equilibrium > 0 {
+            sentences.push(format!(
+                "In {} of {} cells the finger cannot carry {DRAWN_FORCE_N} N: it folds or snaps through before.",
+                summary.cells_without_equilibrium, summary.cells
+            ));
+        }
+    }
+    if let Some(map) = study.map("linear", true) {
+        let smallest = map.request.forces_n.first().copied().unwrap_or(DRAWN_FORCE_N);
+        let along_normal = |cell: &Cell| cell.force_n == smallest && cell.angle_deg == 0.0;
+        let best = map
+            .cells
+            .iter()
+            .filter(|c| along_normal(c))
+            .filter_map(|c| Some((c.mean_error?, c.s_mm)))
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        if let (Some(worst), Some(best)) = (worst(map, along_normal), best) {
+            sentences.push(format!(
+                "Camera noise alone ({} mm a coordinate, linear truth) costs {smallest} N along the normal between {} (at {}) \
+                 and {} (at {}).",
+                map.noise_mm,
+                percent(best.0),
+                place(finger, best.1),
+                percent(worst.error),
+                place(finger, worst.s_mm)
+            ));
+        }
+    }
+    sentences.extend(table_one(study));
+    let passed = study.checks.iter().filter(|check| check.passes()).count();
+    sentences.push(format!("{passed} of {} checks against other parties hold their promise.", study.checks.len()));
+    sentences
+}
+
+/// How far large rotation explains the paper's Table I.
+pub(super) fn table_one(study: &Study) -> Option<String> {
+    let table = study.tables_one.first()?;
+    let (explained, open): (Vec<_>, Vec<_>) = table
+        .rows
+        .iter()
+        .filter(|row| row.paper_mean_error > 0.10)
+        .partition(|row| row.mean_error > 0.5 * row.paper_mean_error);
+    let list = |rows: &[&crate::table_one::TableOneRow]| {
+        let items: Vec<_> = rows
+            .iter()
+            .map(|row| {
+                format!("node {} (paper {}, ours {})", row.node, percent(row.paper_mean_error), percent(row.mean_error))
+            })
+            .collect();
+        items.join(", ")
+    };
+    Some(match (&explained[..], &open[..]) {
+        ([], open) => format!(
+            "Large rotation does not explain the paper's large errors in Table I: {}. Something else is at work there.",
+            list(open)
+        ),
+        (explained, []) => format!("Large rotation explains the paper's large errors in Table I: {}.", list(explained)),
+        (explained, open) => format!(
+            "Large rotation explains the paper's large errors in Table I at {}, but not at {}.",
+            list(explained),
+            list(open)
+        ),
+    })
+}

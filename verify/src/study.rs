@@ -1,0 +1,199 @@
+//! Everything that the report shows, computed: checks, maps, Table I and example shapes of one scene.
+
+use crate::check::{Check, Comparison};
+use crate::fixtures;
+use crate::map::{AccuracyMap, Estimator, MapRequest, accuracy_maps};
+use crate::problems::{self, ProblemError};
+use crate::table_one::{TableOne, TableOneError, table_one};
+use crate::truth::{MeshTruth, fine_mesh};
+use finray_model::sensing::{Contact, ContactPlace};
+use finray_model::statics::{StaticsError, solve_frame};
+use finray_model::{Finger, Kinematics, Load, Mesh, Scene, Vector};
+
+/// Noise of one measured coordinate, mm: the paper's worst position error of 0.2 mm (sec. IV-B) taken as three standard
+/// deviations.
+pub const CAMERA_NOISE_MM: f64 = 0.067;
+/// Forces of the maps, N: the range of the paper's gripper experiments (sec. V-C).
+pub const MAP_FORCES_N: [f64; 4] = [0.5, 1.0, 2.0, 3.0];
+/// The force at which maps are drawn, N.
+pub const DRAWN_FORCE_N: f64 = 3.0;
+/// Directions assumed for the paper's "vertical" weights, degrees from the inward normal. 10.9 is vertical when the
+/// finger's axis lies level: asin(29 / 153).
+pub const TABLE_ONE_ANGLES_DEG: [f64; 5] = [0.0, 10.9, -20.0, 20.0, 40.0];
+
+/// How much is computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Effort {
+    /// Coarse maps, for a look or a test.
+    Quick,
+    /// Fine maps.
+    Full,
+}
+
+impl Effort {
+    /// Places between two nodes, degrees between two directions, and noise pictures a cell.
+    fn resolution(self) -> (usize, f64, usize) {
+        match self {
+            Effort::Quick => (2, 20.0, 100),
+            Effort::Full => (4, 5.0, 400),
+        }
+    }
+}
+
+/// A bent finger, for drawing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BentFinger {
+    /// What bends it and how it was solved.
+    pub label: String,
+    /// Kinematics it was solved with.
+    pub kinematics: Kinematics,
+    /// The force, N, and where it acts in the deformed place, mm.
+    pub force: Vector,
+    /// Where the force acts.
+    pub at: Vector,
+    /// Nodes along every member, mm.
+    pub lines: Vec<Vec<Vector>>,
+}
+
+/// All results for one scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Study {
+    /// Name of the scene.
+    pub scene: String,
+    /// Its finger.
+    pub finger: Finger,
+    /// Whether it is the paper's finger: only then there are reference values.
+    pub is_paper: bool,
+    /// Promises.
+    pub checks: Vec<Check>,
+    /// Differences that are expected.
+    pub comparisons: Vec<Comparison>,
+    /// Maps: linear truth without and with noise, large-rotation truth without and with noise.
+    pub maps: Vec<AccuracyMap>,
+    /// Table I for each assumed direction, for the paper's finger.
+    pub tables_one: Vec<TableOne>,
+    /// Example shapes.
+    pub bent: Vec<BentFinger>,
+}
+
+/// Why a study could not be finished.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    /// A reference problem failed to compute.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+    /// Table I failed to compute.
+    #[error("Table I: {0}")]
+    TableOne(#[from] TableOneError),
+    /// The finger could not be solved.
+    #[error(transparent)]
+    Statics(#[from] StaticsError),
+    /// The finger could not be meshed.
+    #[error(transparent)]
+    Mesh(#[from] finray_model::mesh::MeshSizeError),
+}
+
+/// Told how far a study is: steps in all, once at the start of each part with its name, and one by one.
+pub trait Progress: Sync {
+    /// A part begins.
+    fn part(&self, name: &str, steps: usize);
+    /// One step of the part is done.
+    fn step(&self);
+}
+
+impl Study {
+    /// Computes everything for a scene.
+    ///
+    /// # Errors
+    /// [`StudyError`] if a reference problem or the finger at rest cannot be solved. Loads that a finger cannot carry
+    /// leave gaps in the maps instead.
+    pub fn run(scene: &Scene, effort: Effort, progress: &dyn Progress) -> Result<Study, StudyError> {
+        let finger = &scene.finger;
+        // Reference values were made for this finger, whatever a scene calls itself.
+        let is_paper = Scene::from_toml(fixtures::PAPER_SCENE).is_ok_and(|paper| paper.finger == *finger);
+        let noise_mm = scene.camera.map_or(CAMERA_NOISE_MM, |camera| camera.noise_mm);
+
+        progress.part("cross-checks", 1);
+        let mut checks = problems::elastica::checks()?;
+        checks.extend(problems::refinement::checks(finger)?);
+        let mut comparisons = problems::refinement::comparisons(finger)?;
+        if is_paper {
+            checks.extend(problems::opensees::paper_checks(finger)?);
+            comparisons.extend(problems::opensees::linear_against_large_rotation(finger)?);
+        }
+        progress.step();
+
+        let (coarse, fine) = (Mesh::key_nodes(finger), fine_mesh(finger)?);
+        let linear = MeshTruth::new("linear", &coarse, Kinematics::Linear)?;
+        let corotational = MeshTruth::new("corotational", &fine, Kinematics::Corotational)?;
+        let (per_stretch, step_deg, noise_pictures) = effort.resolution();
+        let (places_mm, angles_deg) = MapRequest::grid(finger, per_stretch, step_deg);
+        let cells = places_mm.len() * angles_deg.len();
+        let request = MapRequest {
+            places_mm,
+            angles_deg,
+            forces_n: MAP_FORCES_N.to_vec(),
+            noise_levels_mm: vec![0.0, noise_mm],
+            noise_pictures,
+            seed: 1,
+            estimator: Estimator::LeastSquares,
+        };
+        let mut maps = Vec::new();
+        for (name, truth) in [("map, linear", &linear), ("map, large rotation", &corotational)] {
+            progress.part(name, cells);
+            maps.extend(accuracy_maps(finger, truth, &request, &|| progress.step()));
+        }
+
+        let mut tables_one = Vec::new();
+        if is_paper {
+            progress.part("Table I", TABLE_ONE_ANGLES_DEG.len());
+            for angle_deg in TABLE_ONE_ANGLES_DEG {
+                tables_one.push(table_one(finger, &corotational, angle_deg)?);
+                progress.step();
+            }
+        }
+        let bent = bent_fingers(finger, &fine);
+        Ok(Study {
+            scene: scene.name.clone(),
+            finger: finger.clone(),
+            is_paper,
+            checks,
+            comparisons,
+            maps,
+            tables_one,
+            bent,
+        })
+    }
+
+    /// The map of one truth, without or with noise.
+    pub fn map(&self, truth: &str, noisy: bool) -> Option<&AccuracyMap> {
+        self.maps.iter().find(|map| map.truth == truth && (map.noise_mm > 0.0) == noisy)
+    }
+}
+
+/// The finger under the drawn force at three nodes, linear and with large rotations; what has no equilibrium is left
+/// out.
+fn bent_fingers(finger: &Finger, mesh: &Mesh) -> Vec<BentFinger> {
+    let nodes: Vec<_> = finger.contact_nodes().collect();
+    let chosen = [nodes.len() / 8, nodes.len() / 2, nodes.len() - 1].map(|i| nodes[i]);
+    let mut chosen = chosen.to_vec();
+    chosen.dedup();
+    let mut bent = Vec::new();
+    for node in chosen {
+        for (kinematics, name) in [(Kinematics::Linear, "linear"), (Kinematics::Corotational, "large rotation")] {
+            let contact = Contact { place: ContactPlace::Node(node), angle_deg: 0.0 };
+            let load: Load = contact.load(finger, DRAWN_FORCE_N);
+            let Ok(frame_load) = mesh.frame_load(&load) else { continue };
+            let Ok(motion) = solve_frame(mesh.frame(), &[frame_load], kinematics) else { continue };
+            let place = |&index: &usize| mesh.frame().position(index) + motion.displacements[index];
+            bent.push(BentFinger {
+                label: format!("{DRAWN_FORCE_N} N at node {node}, {name}"),
+                kinematics,
+                force: finger.direction(0.0) * DRAWN_FORCE_N,
+                at: place(&mesh.frame_node(node)),
+                lines: mesh.lines().iter().map(|line| line.nodes.iter().map(place).collect()).collect(),
+            });
+        }
+    }
+    bent
+}

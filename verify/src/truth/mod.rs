@@ -1,0 +1,19 @@
+//! The fingers that sensing is put to the test on, behind one small trait.
+
+mod mesh;
+
+pub use mesh::{FINE_MESH_NODES, MeshTruth, fine_mesh};
+
+use finray_model::mesh::FingerShape;
+use finray_model::sensing::Contact;
+
+/// A finger that answers to a force with a shape.
+pub trait Truth: Sync {
+    /// What it is, for file names, tables and captions.
+    fn name(&self) -> &str;
+
+    /// Shapes of the key nodes under growing forces (N) at one contact, each followed from the one before it.
+    ///
+    /// The list ends before the first force that the finger cannot carry.
+    fn shapes(&self, contact: &Contact, forces_n: &[f64]) -> Vec<FingerShape>;
+}
