@@ -1,1 +1,14 @@
-//! x
+//! What the benches time, set up once and the same way: the finger of the paper and its loads.
+
+use finray_model::{Finger, Load, NodeId, Scene};
+use finray_verify::fixtures;
+
+/// The paper's finger.
+pub fn paper() -> Finger {
+    Scene::from_toml(fixtures::PAPER_SCENE).expect("the embedded scene is valid").finger
+}
+
+/// A force along the inward normal of a node.
+pub fn push(finger: &Finger, node: usize, force_n: f64) -> Load {
+    Load::at_node(NodeId(node), finger.direction(0.0) * force_n)
+}

@@ -90,7 +90,7 @@ pub fn youngs_modulus(finger: &Finger, cases: &[CalibrationCase]) -> Result<Modu
         if slope(middle) < 0.0 { low = middle } else { high = middle }
     }
     let c = 0.5 * (low + high);
-    if !(c > 0.0) {
+    if c.is_nan() || c <= 0.0 {
         return Err(CalibrationError::WrongWay { compliance_factor: c });
     }
     let (mut scatter, mut curvature, mut distances) = (0.0, 0.0, 0.0);

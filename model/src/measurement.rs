@@ -80,8 +80,8 @@ impl Measurement {
         if !(1..=key_nodes).contains(&node.0) {
             return Err(MeasurementError::UnknownNode { node, key_nodes });
         }
-        let finite = marker.displacement.iter().all(|u| u.is_finite());
-        if !finite || !(marker.weight.is_finite() && marker.weight > 0.0) {
+        let finite = marker.displacement.iter().all(|u| u.is_finite()) && marker.weight.is_finite();
+        if !finite || marker.weight <= 0.0 {
             return Err(MeasurementError::NotFinite { node });
         }
         if finger.clamped_nodes().contains(&node) {

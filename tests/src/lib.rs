@@ -3,6 +3,18 @@
 use finray_model::finger::{FingerDescription, Joints, Part, Plate, RibDescription, RibPlaces, Strip, Zone};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector, statics};
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+
+/// Settings of the property tests: the same random cases on every run, others with `FINRAY_TEST_SEED=<number>`.
+pub fn cases(count: u32) -> ProptestConfig {
+    let seed = std::env::var("FINRAY_TEST_SEED").ok().and_then(|seed| seed.parse().ok()).unwrap_or(2021);
+    ProptestConfig {
+        cases: count,
+        rng_seed: RngSeed::Fixed(seed),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    }
+}
 
 fn strip() -> impl Strategy<Value = Strip> {
     (0.5..3.0, 5.0..500.0).prop_map(|(thickness_mm, youngs_modulus_mpa)| Strip { thickness_mm, youngs_modulus_mpa })

@@ -3,13 +3,13 @@
 use finray_model::frame::FrameMotion;
 use finray_model::statics::{FrameLoad, Statics, reaction, solve};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
-use finray_tests::{contact_node, finger, finger_with_zones, force_for_deflection};
+use finray_tests::{cases, contact_node, finger, finger_with_zones, force_for_deflection};
 use proptest::prelude::*;
 
 /// Rounding of a linear solution on a coarse mesh, where stretching is up to 1e5 times stiffer than bending.
 const ROUNDING: f64 = 1e-9;
-/// Rounding on 684 nodes grows about as the fourth power of the node count.
-const FINE_ROUNDING: f64 = 1e-6;
+/// Rounding of a fine mesh, refined by its residual.
+const FINE_ROUNDING: f64 = 1e-8;
 const KINEMATICS: [Kinematics; 3] = [Kinematics::Linear, Kinematics::Corotational, Kinematics::CorotationalChord];
 
 fn displacements(finger: &Finger, loads: &[Load]) -> Vec<Vector> {
@@ -18,7 +18,7 @@ fn displacements(finger: &Finger, loads: &[Load]) -> Vec<Vector> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(128))]
+    #![proptest_config(cases(128))]
 
     /// Maxwell and Betti: a unit force at A moves B along b as much as a unit force along b at B moves A along a.
     #[test]
@@ -110,7 +110,7 @@ proptest! {
     }
 
     /// The elastic energy of the large-rotation finger is the work of its load along the path, by Simpson's rule over
-    /// the force; the rule's own error is seen from half as many steps.
+    /// the force; how far the rule can be trusted is seen from half as many steps (near a snap it is not smooth).
     #[test]
     fn large_rotation_energy_is_the_work_of_the_load(finger in finger_with_zones(), at in 0.0..1.0, angle in -60.0..60.0) {
         const STEPS: usize = 64;
@@ -132,32 +132,57 @@ proptest! {
         };
         let (work, rough) = (work(1), work(2));
         let energy = path[STEPS - 1].elastic_energy_nmm;
-        prop_assert!((energy - work).abs() <= 1e-6 * work + (work - rough).abs(), "{energy} against {work} ({rough})");
+        prop_assert!((energy - work).abs() <= 1e-6 * work + 5.0 * (work - rough).abs(), "{energy} against {work} ({rough})");
     }
 
-    /// Linear frames are exact at their nodes: refinement to 684 nodes changes rounding alone.
+    /// The full load at once leads to the same equilibrium as 100 small steps; where the small steps meet a limit load,
+    /// the full load is refused too. (Without a rule against it, one finger in a hundred jumps over a buckling load.)
+    #[test]
+    fn no_limit_load_is_jumped_over(finger in finger_with_zones(), at in 0.0..1.0, angle in -80.0..80.0, share in 0.005..0.03) {
+        let mesh = Mesh::key_nodes(&finger);
+        let node = contact_node(&finger, at);
+        let force = force_for_deflection(&finger, node, angle, share);
+        let load = mesh.frame_load(&Load::at_node(node, force)).expect("a contact node");
+        let mut statics = Statics::new(mesh.frame(), Kinematics::Corotational);
+        let multiples: Vec<f64> = (1..=100).map(|i| f64::from(i) / 100.0).collect();
+        let (path, limit) = statics.path(&[load], &multiples);
+        match (statics.equilibrium(&[load]), limit) {
+            (Ok(at_once), None) => {
+                let slowly = &path[path.len() - 1].motion;
+                let largest = slowly.largest_displacement();
+                for (a, b) in at_once.motion.displacements.iter().zip(&slowly.displacements) {
+                    prop_assert!((a - b).norm() <= 1e-7 * largest);
+                }
+            }
+            (Ok(_), Some(limit)) => prop_assert!(false, "jumped over: {limit}"),
+            (Err(_), _) => {}
+        }
+    }
+
+    /// Linear frames are exact at their nodes: refinement changes rounding alone.
     #[test]
     fn refinement_changes_nothing_linear(finger in finger(), at in 0.0..1.0, angle in -90.0..90.0) {
         let node = contact_node(&finger, at);
         let load = Load::at_node(node, finger.direction(angle));
         let coarse = solve(&Mesh::key_nodes(&finger), &[load], Kinematics::Linear).expect("linear solution");
-        let fine = Mesh::with_nodes(&finger, 684).expect("a fine mesh");
+        let fine = Mesh::with_nodes(&finger, 300).expect("a fine mesh");
         let fine = solve(&fine, &[load], Kinematics::Linear).expect("linear solution");
         for (a, b) in coarse.motions().iter().zip(fine.motions()) {
             prop_assert!((a.displacement - b.displacement).norm() <= FINE_ROUNDING * coarse.largest_displacement_mm());
         }
     }
 
-    /// A load between nodes acts as the same load on a node put there by refinement.
+    /// A load between nodes acts as the same load on a node put there by refinement. Not next to the clamp, where
+    /// nothing moves but rounding.
     #[test]
-    fn consistent_loads_are_exact_at_the_nodes(finger in finger(), at in 0.01..1.0, angle in -90.0..90.0) {
+    fn consistent_loads_are_exact_at_the_nodes(finger in finger(), at in 0.08..1.0, angle in -90.0..90.0) {
         let s_mm = at * finger.description().front_length_mm;
         let load = Load::at_place(s_mm, finger.direction(angle));
         let coarse = solve(&Mesh::key_nodes(&finger), &[load], Kinematics::Linear).expect("linear solution");
         for elements in [3, 8] {
             let fine = solve(&Mesh::with_elements_per_member(&finger, elements), &[load], Kinematics::Linear).expect("linear solution");
             for (a, b) in coarse.motions().iter().zip(fine.motions()) {
-                prop_assert!((a.displacement - b.displacement).norm() <= ROUNDING.sqrt() * 1e-2 * coarse.largest_displacement_mm());
+                prop_assert!((a.displacement - b.displacement).norm() <= FINE_ROUNDING * coarse.largest_displacement_mm());
             }
         }
     }

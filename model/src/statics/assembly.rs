@@ -152,14 +152,6 @@ impl<'f> Assembly<'f> {
         }
     }
 
-    /// Forces that a unit of the load puts on the unknowns at rest: the right-hand side of a linear solution.
-    pub fn load_vector(&self, load: &FrameLoad) -> Vec<f64> {
-        let mut scratch = Assembly { energy: 0.0, ..self.clone() };
-        scratch.gradient.fill(0.0);
-        scratch.add_load(&FrameMotion::at_rest(self.frame), load, -1.0);
-        scratch.gradient
-    }
-
     /// Subtracts a load from residual and tangent.
     fn add_load(&mut self, motion: &FrameMotion, load: &FrameLoad, factor: f64) {
         let frame = self.frame;

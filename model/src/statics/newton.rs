@@ -15,8 +15,14 @@ const CORRECTION_TOLERANCE: f64 = 1e-9;
 const STAGNATION_TOLERANCE: f64 = 1e-6;
 /// More iterations than this mean that the step was too long.
 const MAX_ITERATIONS: usize = 20;
+/// Corrections of a linear solution by its residual.
+const REFINEMENTS: usize = 1;
 /// Rotation of a node in one load step, rad, beyond which another branch might be met.
 const MAX_STEP_ROTATION: f64 = 0.8;
+/// A load step may turn no node further from what the tangent at its start predicts than this share of the largest
+/// rotation predicted. On a smooth path that holds for every step that is short enough; a snap to another branch hardly
+/// ever passes: of 4500 random fingers, 71 jumped over a limit load without this rule, one with it.
+const MAX_PREDICTION_ERROR: f64 = 0.5;
 /// Load steps that converge in this many iterations are doubled.
 const EASY_ITERATIONS: usize = 6;
 /// Smallest load step, as a share of the whole load.
@@ -154,9 +160,13 @@ impl<'f> Statics<'f> {
         let mut motion = start.clone();
         let mut correction = vec![0.0; self.assembly.equations().count()];
         let mut previous = f64::INFINITY;
+        let (mut predicted, mut predicted_turn) = (Vec::new(), 0.0);
         for iteration in 1..=MAX_ITERATIONS {
             self.assembly.evaluate(&motion, loads, multiple);
-            if !self.factor.factorise(self.assembly.stiffness()) {
+            // The linear stiffness stays; further iterations refine its solution, because the residual, formed from the
+            // deformations of the elements, keeps digits that the factor of a fine mesh loses.
+            let keep_factor = linear && iteration > 1;
+            if !keep_factor && !self.factor.factorise(self.assembly.stiffness()) {
                 return Err(Rejected::NotPositiveDefinite);
             }
             for (c, r) in correction.iter_mut().zip(self.assembly.residual()) {
@@ -168,45 +178,54 @@ impl<'f> Statics<'f> {
             let work: f64 = correction.iter().zip(self.assembly.residual()).map(|(c, r)| -c * r).sum();
             let scale = 2.0 * self.assembly.elastic_energy();
             self.assembly.equations().advance(frame, &mut motion, &correction, linear);
-            if linear {
-                self.assembly.evaluate(&motion, loads, multiple);
-                return Ok((motion, iteration));
+            let turned = largest_difference(&motion.rotations, &start.rotations);
+            if iteration == 1 {
+                predicted.clone_from(&motion.rotations);
+                predicted_turn = turned;
             }
-            let turn =
-                motion.rotations.iter().zip(&start.rotations).map(|(now, then)| (now - then).abs()).fold(0.0, f64::max);
-            if !(turn <= MAX_STEP_ROTATION) {
+            let near_enough = linear || turned <= MAX_STEP_ROTATION;
+            if !near_enough {
                 return Err(Rejected::TooFar);
             }
             let relative = (work / scale).max(0.0).sqrt();
-            if work <= 0.0
-                || relative <= CORRECTION_TOLERANCE
-                || (relative <= STAGNATION_TOLERANCE && relative > 0.25 * previous)
-            {
-                return Ok((motion, iteration));
+            let stagnates = relative <= STAGNATION_TOLERANCE && relative > 0.25 * previous;
+            if work <= 0.0 || relative <= CORRECTION_TOLERANCE || stagnates {
+                let surprise = largest_difference(&motion.rotations, &predicted);
+                let follows = linear || surprise <= MAX_PREDICTION_ERROR * predicted_turn;
+                return if follows { Ok((motion, iteration)) } else { Err(Rejected::TooFar) };
             }
             previous = relative;
         }
         Err(Rejected::TooFar)
     }
 
-    /// Motions of the frame at rest under each load alone, to first order: columns of the compliance.
+    /// Motions of the linear frame under each load alone: columns of its compliance, by one factorisation.
     ///
     /// # Errors
     /// [`StaticsError::NotHeld`] if the frame has no stiffness against some motion.
-    pub fn linear_motions(&mut self, loads: &[FrameLoad]) -> Result<Vec<FrameMotion>, StaticsError> {
-        let frame = self.assembly.frame();
-        let rest = FrameMotion::at_rest(frame);
-        self.assembly.evaluate(&rest, &[], 0.0);
-        let unknowns = self.assembly.equations().count();
-        let mut columns: Vec<f64> = loads.iter().flat_map(|load| self.assembly.load_vector(load)).collect();
-        if !(self.factor.factorise(self.assembly.stiffness()) && self.factor.solve_in_place(&mut columns, unknowns)) {
-            return Err(StaticsError::NotHeld);
-        }
-        let motion = |column: &[f64]| {
-            let mut motion = rest.clone();
-            self.assembly.equations().advance(frame, &mut motion, column, true);
-            motion
+    pub fn linear_motions(frame: &'f PlaneFrame, loads: &[FrameLoad]) -> Result<Vec<FrameMotion>, StaticsError> {
+        let mut statics = Statics::new(frame, Kinematics::Linear);
+        statics.equilibrium(&[])?;
+        let unknowns = statics.assembly.equations().count();
+        let motion_under = |load: &FrameLoad| {
+            let mut motion = FrameMotion::at_rest(frame);
+            let mut correction = vec![0.0; unknowns];
+            for _ in 0..=REFINEMENTS {
+                statics.assembly.evaluate(&motion, std::slice::from_ref(load), 1.0);
+                for (c, r) in correction.iter_mut().zip(statics.assembly.residual()) {
+                    *c = -r;
+                }
+                if !statics.factor.solve_in_place(&mut correction, unknowns) {
+                    return Err(StaticsError::NotHeld);
+                }
+                statics.assembly.equations().advance(frame, &mut motion, &correction, true);
+            }
+            Ok(motion)
         };
-        Ok(columns.chunks_exact(unknowns).map(motion).collect())
+        loads.iter().map(motion_under).collect()
     }
+}
+
+fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }

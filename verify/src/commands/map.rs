@@ -7,6 +7,7 @@ use clap::ValueEnum;
 use finray_model::{Finger, Kinematics, Mesh};
 use finray_verify::files::{load_scene, write_all_or_nothing, write_text};
 use finray_verify::map::{AccuracyMap, Estimator, MapRequest, accuracy_maps};
+use finray_verify::report::{map_picture, standalone};
 use finray_verify::truth::{MeshTruth, fine_mesh};
 use std::path::{Path, PathBuf};
 
@@ -76,8 +77,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         write_text(&arguments.out, &csv)?;
         return Ok(());
     }
-    let picture = finray_verify::report::map_picture(finger, &map, None)
-        .map_err(|error| Failure::NotComputed(error.to_string()))?;
+    let picture = map_picture(finger, &map, None).map_err(|error| Failure::NotComputed(error.to_string()))?;
+    let picture = standalone(&picture);
     let (csv_path, svg_path) = (named(&arguments.out, "csv"), arguments.out.with_extension("svg"));
     write_all_or_nothing(&[(csv_path, &csv), (svg_path, &picture)])?;
     Ok(())

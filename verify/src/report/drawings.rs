@@ -17,6 +17,22 @@ const ERROR_SCALE_PERCENT: [f64; 2] = [0.1, 100.0];
 const ALONG_AXIS: &str = "base to tip, mm";
 const ACROSS_AXIS: &str = "back to front, mm";
 
+/// The truth of a map, for people.
+pub(super) fn truth_in_words(map: &AccuracyMap) -> &str {
+    match map.truth.as_str() {
+        "corotational" => "large-rotation",
+        other => other,
+    }
+}
+
+/// The same drawing as a file of its own: dark ink on white, where a page would lend its colours.
+pub fn standalone(svg: &str) -> String {
+    let head = svg.find('>').map_or(0, |end| end + 1);
+    let (open, rest) = svg.split_at(head);
+    let open = open.replacen("<svg ", "<svg color=\"#1b1f24\" ", 1);
+    format!("{open}<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>{rest}")
+}
+
 fn point(v: &Vector) -> [f64; 2] {
     [v.x, v.y]
 }
@@ -34,7 +50,7 @@ pub fn map_picture(finger: &Finger, map: &AccuracyMap, force_n: Option<f64>) -> 
         |f| format!("{f} N"),
     );
     let noise = if map.noise_mm > 0.0 { format!("{} mm noise", map.noise_mm) } else { "no noise".to_owned() };
-    let title = format!("{} truth, {noise}, {force}", map.truth);
+    let title = format!("{} truth, {noise}, {force}", truth_in_words(map));
     let alt = format!(
         "Error of the sensed force by place along the front plate and direction: {title}, {} estimator.",
         map.request.estimator.name()
@@ -68,8 +84,8 @@ fn node_marks(finger: &Finger) -> Vec<PlaceMark> {
 /// Error along the front plate for forces along the normal, one line a force.
 pub(super) fn errors_along_the_normal(map: &AccuracyMap) -> Result<String, FigureError> {
     let title = format!(
-        "Force along the normal, {} truth, {}",
-        map.truth,
+        "Along the normal, {} truth, {}",
+        truth_in_words(map),
         if map.noise_mm > 0.0 { format!("{} mm noise", map.noise_mm) } else { "no noise".to_owned() }
     );
     let series = map

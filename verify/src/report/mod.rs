@@ -10,7 +10,7 @@ mod summary;
 mod tables;
 mod words;
 
-pub use drawings::map_picture;
+pub use drawings::{map_picture, standalone};
 pub use summary::Summary;
 
 use crate::study::Study;

@@ -55,8 +55,10 @@ fn map_figure(study: &Study, map: &AccuracyMap, force_n: Option<f64>) -> Result<
 }
 
 fn maps(study: &Study, summary: &Summary) -> Result<Section, ReportError> {
-    let pictures =
-        |force_n| study.maps.iter().rev().map(|map| map_figure(study, map, force_n)).collect::<Result<_, _>>();
+    // Large rotation first: it is what a real finger does.
+    let of = |truth: &'static str| study.maps.iter().filter(move |map| map.truth == truth);
+    let ordered: Vec<&AccuracyMap> = of("corotational").chain(of("linear")).collect();
+    let pictures = |force_n| ordered.iter().map(|map| map_figure(study, map, force_n)).collect::<Result<_, _>>();
     let forces = MAP_FORCES_N.map(|f| f.to_string()).join(", ");
     let mut blocks = vec![
         text(
@@ -67,14 +69,11 @@ fn maps(study: &Study, summary: &Summary) -> Result<Section, ReportError> {
         ),
         Block::Figures { figures: pictures(Some(DRAWN_FORCE_N))? },
     ];
-    let lines = study
-        .maps
-        .iter()
-        .filter(|map| map.truth == "corotational" || map.noise_mm > 0.0)
+    let lines = of("corotational")
         .map(|map| {
             Ok(Figure {
                 svg: drawings::errors_along_the_normal(map)?,
-                caption: format!("The same along the normal, for each force; {} truth.", map.truth),
+                caption: "The same along the normal, for each force.".to_owned(),
                 csv: Some(tables::map_csv_name(map)),
                 wide: false,
             })

@@ -199,13 +199,11 @@ pub(super) fn maps(summary: &super::Summary) -> Table {
         let m = &entry.figures;
         let forces = match m.forces_n[..] {
             [one] => format!("{one} N"),
-            _ => {
-                format!("mean over {}", m.forces_n.iter().map(|f| format!("{f}")).collect::<Vec<_>>().join(", ") + " N")
-            }
+            _ => "mean over all".to_owned(),
         };
         let cells = [
             m.truth.clone(),
-            format!("{} mm", m.noise_mm),
+            m.noise_mm.to_string(),
             forces,
             percent(m.mean_error),
             percent(m.largest_error),
@@ -217,12 +215,10 @@ pub(super) fn maps(summary: &super::Summary) -> Table {
     });
     Table {
         caption: "The maps in figures (all cells count alike)".to_owned(),
-        columns: ["truth", "noise", "force"]
+        columns: ["truth", "noise, mm", "force"]
             .map(Column::words)
             .into_iter()
-            .chain(
-                ["mean error", "largest", "cells above 10 %", "above 25 %", "without equilibrium"].map(Column::numbers),
-            )
+            .chain(["mean error", "largest", "above 10 %", "above 25 %", "no equilibrium"].map(Column::numbers))
             .collect(),
         rows: rows.collect(),
         csv: None,
