@@ -1,24 +1,48 @@
-//! From force to shape: linear and large-rotation solutions on the paper's two meshes, general sparse path.
+//! From force to shape on the paper's two meshes: the ladder beside the general sparse path, and the cost of finer
+//! meshes.
 
-use criterion::{Criterion, criterion_group, criterion_main};
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use finray_bench::{paper, push};
 use finray_model::statics::Statics;
 use finray_model::{Kinematics, Mesh};
 use std::hint::black_box;
 
-fn forward(criterion: &mut Criterion) {
+/// Factor and solve under 3 N at node 19, from rest.
+fn solve(criterion: &mut Criterion) {
     let finger = paper();
-    for nodes in [25, 684] {
-        let mesh = Mesh::with_nodes(&finger, nodes).expect("mesh sizes of the paper");
-        let load = mesh.frame_load(&push(&finger, 19, 3.0)).expect("node 19 is free");
-        for (kinematics, name) in [(Kinematics::Linear, "linear"), (Kinematics::Corotational, "corotational")] {
-            let mut statics = Statics::new(mesh.frame(), kinematics);
-            criterion.bench_function(&format!("sparse/{name}/{nodes}"), |bencher| {
-                bencher.iter(|| statics.equilibrium(black_box(&[load])));
+    for (kinematics, name) in [(Kinematics::Linear, "linear"), (Kinematics::Corotational, "corotational")] {
+        let mut group = criterion.benchmark_group(name);
+        for nodes in [25, 684] {
+            let mesh = Mesh::with_nodes(&finger, nodes).expect("mesh sizes of the paper");
+            let load = mesh.frame_load(&push(&finger, 19, 3.0)).expect("node 19 is free");
+            let mut ladder = Statics::ladder(&mesh, kinematics);
+            group.bench_function(BenchmarkId::new("ladder", nodes), |bencher| {
+                bencher.iter(|| ladder.equilibrium(black_box(&[load])));
+            });
+            let mut sparse = Statics::sparse(mesh.frame(), kinematics);
+            group.bench_function(BenchmarkId::new("sparse", nodes), |bencher| {
+                bencher.iter(|| sparse.equilibrium(black_box(&[load])));
             });
         }
+        group.finish();
     }
 }
 
-criterion_group!(benches, forward);
+/// Cost by mesh size: it should grow with the number of nodes and no faster.
+fn mesh_size(criterion: &mut Criterion) {
+    let finger = paper();
+    let mut group = criterion.benchmark_group("mesh_size");
+    group.sample_size(10);
+    for nodes in [1_000, 10_000, 100_000] {
+        let mesh = Mesh::with_nodes(&finger, nodes).expect("mesh sizes");
+        let load = mesh.frame_load(&push(&finger, 19, 3.0)).expect("node 19 is free");
+        let mut ladder = Statics::ladder(&mesh, Kinematics::Corotational);
+        group.bench_function(BenchmarkId::from_parameter(nodes), |bencher| {
+            bencher.iter(|| ladder.equilibrium(black_box(&[load])));
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, solve, mesh_size);
 criterion_main!(benches);

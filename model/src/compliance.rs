@@ -2,10 +2,10 @@
 //!
 //! The linear finger is exact at its key nodes with one element a member, so the coarsest mesh serves.
 
-use crate::Vector;
 use crate::finger::{Finger, NodeId};
 use crate::mesh::{Load, Mesh};
 use crate::statics::{Statics, StaticsError};
+use crate::{Kinematics, Vector};
 
 /// Displacement of every key node under each of some unit loads, mm per N (and per N mm of a moment).
 #[derive(Debug, Clone, PartialEq)]
@@ -22,7 +22,7 @@ impl Compliance {
     pub fn new(finger: &Finger, loads: &[Load]) -> Result<Compliance, StaticsError> {
         let mesh = Mesh::key_nodes(finger);
         let frame_loads = loads.iter().map(|load| mesh.frame_load(load)).collect::<Result<Vec<_>, _>>()?;
-        let motions = Statics::linear_motions(mesh.frame(), &frame_loads)?;
+        let motions = Statics::ladder(&mesh, Kinematics::Linear).unit_motions(&frame_loads)?;
         let key_nodes = finger.key_node_count();
         Ok(Compliance { columns: motions.into_iter().map(|m| m.displacements[..key_nodes].to_vec()).collect() })
     }

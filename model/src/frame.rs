@@ -8,7 +8,7 @@
 //! undeformable members are exact, without penalty stiffness.
 
 use crate::Vector;
-use crate::element::{Beam, EndMotion, Response};
+use crate::element::{Beam, EndMotion, Kinematics, Response};
 use nalgebra::{SMatrix, SVector};
 
 /// Index of a node of a frame, from 0.
@@ -155,6 +155,16 @@ impl PlaneFrame {
         self.nodes.len()
     }
 
+    /// Moves linked nodes to where their masters and links carry them.
+    pub(crate) fn follow_links(&self, motion: &mut FrameMotion, linear: bool) {
+        for (n, node) in self.nodes.iter().enumerate() {
+            if let Some(link) = node.link {
+                motion.displacements[n] =
+                    motion.displacements[link.master] + swing(link.lever, motion.rotations[link.rotation], linear);
+            }
+        }
+    }
+
     /// Undeformed position of a node, mm.
     pub fn position(&self, node: NodeIndex) -> Vector {
         self.nodes[node].position
@@ -195,26 +205,11 @@ impl FrameMotion {
     }
 }
 
-/// Coordinates on which the motion of a beam end may depend: x and y of its node (or of the node's master), the
-/// rotation it is clamped to, the rotation of the node's rigid link.
-const END_COORDINATES: usize = 4;
-/// Coordinates of both ends.
-pub(crate) const MEMBER_COORDINATES: usize = 2 * END_COORDINATES;
-
-/// A point fixed rigidly to a node: its position depends on the node's translation, on `rotation` through `arm`, and on
-/// the rotation of the rigid link that may carry the node.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Attachment {
-    pub node: NodeIndex,
-    pub rotation: RotationSlot,
-    pub arm: Vector,
-}
-
-impl From<BeamEnd> for Attachment {
-    fn from(end: BeamEnd) -> Attachment {
-        Attachment { node: end.node, rotation: end.rotation, arm: end.arm }
-    }
-}
+/// Coordinates on which the motion of a node may depend: its x and y (or its master's), its rotation, the rotation of
+/// its rigid link.
+const NODE_COORDINATES: usize = 4;
+/// Coordinates of two nodes.
+pub(crate) const MEMBER_COORDINATES: usize = 2 * NODE_COORDINATES;
 
 /// Numbers the unknowns of a frame: equation of each free translation and rotation, `None` where it is held.
 #[derive(Debug, Clone, PartialEq)]
@@ -274,25 +269,20 @@ impl Equations {
         for (value, equation) in motion.rotations.iter_mut().zip(&self.rotations) {
             *value += equation.map_or(0.0, |e| correction[e]);
         }
-        for (n, node) in frame.nodes.iter().enumerate() {
-            if let Some(link) = node.link {
-                motion.displacements[n] =
-                    motion.displacements[link.master] + swing(link.lever, motion.rotations[link.rotation], linear);
-            }
-        }
+        frame.follow_links(motion, linear);
     }
 
-    /// Equations of the coordinates that an attachment depends on.
-    fn of_attachment(&self, frame: &PlaneFrame, at: &Attachment) -> [Option<usize>; END_COORDINATES] {
-        let node = &frame.nodes[at.node];
-        let carrier = node.link.map_or(at.node, |link| link.master);
+    /// Equations of the coordinates that a beam end depends on.
+    fn of_end(&self, frame: &PlaneFrame, end: &BeamEnd) -> [Option<usize>; NODE_COORDINATES] {
+        let node = &frame.nodes[end.node];
+        let carrier = node.link.map_or(end.node, |link| link.master);
         let [x, y] = self.translations[carrier];
-        [x, y, self.rotations[at.rotation], node.link.and_then(|link| self.rotations[link.rotation])]
+        [x, y, self.rotations[end.rotation], node.link.and_then(|link| self.rotations[link.rotation])]
     }
 
-    /// Equations of the coordinates of a pair of attachments.
-    pub(crate) fn of_pair(&self, frame: &PlaneFrame, ends: &[Attachment; 2]) -> [Option<usize>; MEMBER_COORDINATES] {
-        let [a, b] = ends.map(|end| self.of_attachment(frame, &end));
+    /// Equations of the coordinates of two beam ends.
+    pub(crate) fn of_ends(&self, frame: &PlaneFrame, ends: &[BeamEnd; 2]) -> [Option<usize>; MEMBER_COORDINATES] {
+        let [a, b] = ends.map(|end| self.of_end(frame, &end));
         [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]]
     }
 }
@@ -313,60 +303,129 @@ fn turned(lever: Vector, rotation: f64, linear: bool) -> Vector {
 }
 
 impl PlaneFrame {
-    /// Motion of an attached point.
-    pub(crate) fn motion_at(&self, motion: &FrameMotion, at: &Attachment, linear: bool) -> EndMotion {
-        let rotation = motion.rotations[at.rotation];
-        EndMotion { displacement: motion.displacements[at.node] + swing(at.arm, rotation, linear), rotation }
+    /// Motion of the elastic part's two ends.
+    pub(crate) fn end_motions(&self, motion: &FrameMotion, ends: &[BeamEnd; 2], linear: bool) -> [EndMotion; 2] {
+        ends.map(|end| {
+            let rotation = motion.rotations[end.rotation];
+            let mut displacement = motion.displacements[end.node];
+            if end.arm != Vector::zeros() {
+                displacement += swing(end.arm, rotation, linear);
+            }
+            EndMotion { displacement, rotation }
+        })
     }
 
-    /// First derivatives of an attached point's x, y and rotation by its [`END_COORDINATES`], and the two levers,
-    /// turned, that its second derivatives are made of.
-    fn attachment_derivatives(
-        &self,
-        motion: &FrameMotion,
-        at: &Attachment,
-        linear: bool,
-    ) -> (SMatrix<f64, 3, END_COORDINATES>, [Vector; 2]) {
-        let arm = turned(at.arm, motion.rotations[at.rotation], linear);
-        let lever = self.nodes[at.node]
-            .link
-            .map_or(Vector::zeros(), |link| turned(link.lever, motion.rotations[link.rotation], linear));
-        let first = SMatrix::<f64, 3, END_COORDINATES>::new(
-            1.0, 0.0, -arm.y, -lever.y, //
-            0.0, 1.0, arm.x, lever.x, //
-            0.0, 0.0, 1.0, 0.0,
-        );
-        (first, [arm, lever])
+    /// Energy, nodal forces and tangent of a member by the motions of its two nodes, arms included.
+    pub(crate) fn member_response(&self, motion: &FrameMotion, member: &Member, kinematics: Kinematics) -> Response {
+        let linear = kinematics == Kinematics::Linear;
+        let motions = self.end_motions(motion, &member.ends, linear);
+        let mut response = member.beam.response(kinematics, &motions);
+        self.carry_over_arms(motion, &member.ends, &mut response, linear);
+        response
     }
 
-    /// Chain rule from the motions of two attached points to the coordinates of the frame.
+    /// Chain rule from the ends of the elastic part over the arms to the nodes.
     ///
-    /// The points move on circles about their nodes, so a turned lever v adds -f . v to the second derivative by its
-    /// rotation, f the gradient at the point.
-    pub(crate) fn pull_back(
+    /// The end of an arm v moves on a circle about its node, so it adds -f . v to the second derivative by the
+    /// rotation, f the gradient at the end.
+    pub(crate) fn carry_over_arms(
         &self,
         motion: &FrameMotion,
-        ends: &[Attachment; 2],
+        ends: &[BeamEnd; 2],
+        response: &mut Response,
+        linear: bool,
+    ) {
+        for (i, end) in ends.iter().enumerate().filter(|(_, end)| end.arm != Vector::zeros()) {
+            let arm = turned(end.arm, motion.rotations[end.rotation], linear);
+            let (x, y, theta) = (3 * i, 3 * i + 1, 3 * i + 2);
+            let force = Vector::new(response.gradient[x], response.gradient[y]);
+            response.gradient[theta] += arm.perp(&force);
+            // Rotating by the node adds -arm.y times the row of x and arm.x times that of y; likewise the columns.
+            let tangent = &mut response.tangent;
+            for k in 0..6 {
+                tangent[(theta, k)] += arm.x * tangent[(y, k)] - arm.y * tangent[(x, k)];
+            }
+            for k in 0..6 {
+                tangent[(k, theta)] += arm.x * tangent[(k, y)] - arm.y * tangent[(k, x)];
+            }
+            if !linear {
+                tangent[(theta, theta)] -= force.dot(&arm);
+            }
+        }
+    }
+
+    /// The lever that carries a linked node, in its current direction, and the slot it turns with.
+    pub(crate) fn link_of(
+        &self,
+        node: NodeIndex,
+        motion: &FrameMotion,
+        linear: bool,
+    ) -> Option<(RotationSlot, Vector)> {
+        let link = self.nodes[node].link?;
+        Some((link.rotation, turned(link.lever, motion.rotations[link.rotation], linear)))
+    }
+
+    /// Chain rule from two nodes to the coordinates of the frame, over the rigid links that may carry them; the second
+    /// derivatives are those of [`carry_over_arms`](PlaneFrame::carry_over_arms).
+    pub(crate) fn carry_over_links(
+        &self,
+        motion: &FrameMotion,
+        nodes: [NodeIndex; 2],
         response: &Response,
         linear: bool,
     ) -> (SVector<f64, MEMBER_COORDINATES>, SMatrix<f64, MEMBER_COORDINATES, MEMBER_COORDINATES>) {
         let mut first = SMatrix::<f64, 6, MEMBER_COORDINATES>::zeros();
-        let mut second = SVector::<f64, MEMBER_COORDINATES>::zeros();
-        for (i, end) in ends.iter().enumerate() {
-            let (derivatives, levers) = self.attachment_derivatives(motion, end, linear);
-            first.fixed_view_mut::<3, END_COORDINATES>(3 * i, END_COORDINATES * i).copy_from(&derivatives);
-            if !linear {
-                let force = Vector::new(response.gradient[3 * i], response.gradient[3 * i + 1]);
-                for (k, lever) in levers.iter().enumerate() {
-                    second[END_COORDINATES * i + 2 + k] = -force.dot(lever);
+        let mut second = [0.0; 2];
+        for (i, node) in nodes.into_iter().enumerate() {
+            first.fixed_view_mut::<3, 3>(3 * i, NODE_COORDINATES * i).fill_with_identity();
+            if let Some((_, lever)) = self.link_of(node, motion, linear) {
+                let column = NODE_COORDINATES * i + 3;
+                first[(3 * i, column)] = -lever.y;
+                first[(3 * i + 1, column)] = lever.x;
+                if !linear {
+                    second[i] = -(response.gradient[3 * i] * lever.x + response.gradient[3 * i + 1] * lever.y);
                 }
             }
         }
-        let gradient = first.transpose() * response.gradient;
         let mut tangent = first.transpose() * response.tangent * first;
-        for k in 0..MEMBER_COORDINATES {
-            tangent[(k, k)] += second[k];
+        for (i, second) in second.into_iter().enumerate() {
+            tangent[(NODE_COORDINATES * i + 3, NODE_COORDINATES * i + 3)] += second;
         }
-        (gradient, tangent)
+        (first.transpose() * response.gradient, tangent)
+    }
+}
+
+/// Potentials of dead loads (minus their work), by the motions of the nodes that carry them.
+impl PlaneFrame {
+    /// Of a force between the ends of a member, by the motions of its two nodes.
+    pub(crate) fn interior_load(
+        &self,
+        motion: &FrameMotion,
+        member: usize,
+        kinematics: Kinematics,
+        xi: f64,
+        force: Vector,
+    ) -> Response {
+        let linear = kinematics == Kinematics::Linear;
+        let member = &self.members[member];
+        let motions = self.end_motions(motion, &member.ends, linear);
+        let mut potential = member.beam.interior_work(kinematics, xi, -force, &motions);
+        self.carry_over_arms(motion, &member.ends, &mut potential, linear);
+        potential
+    }
+
+    /// Of a force and moment at the end of an arm, by the motion of its node (the first three coordinates).
+    pub(crate) fn end_load(
+        &self,
+        motion: &FrameMotion,
+        end: BeamEnd,
+        force: Vector,
+        moment_nmm: f64,
+        linear: bool,
+    ) -> Response {
+        let mut potential = Response { energy: 0.0, gradient: SVector::zeros(), tangent: SMatrix::zeros() };
+        potential.gradient.fixed_rows_mut::<3>(0).copy_from_slice(&[-force.x, -force.y, -moment_nmm]);
+        self.carry_over_arms(motion, &[end, end], &mut potential, linear);
+        potential
     }
 }

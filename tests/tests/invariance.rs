@@ -123,8 +123,8 @@ proptest! {
         }
         motion.rotations.fill(turn);
         for kinematics in [Kinematics::Corotational, Kinematics::CorotationalChord] {
-            let statics = finray_model::statics::Statics::new(frame, kinematics);
-            let mut assembly = statics.assembly().clone();
+            let statics = finray_model::statics::Statics::sparse(frame, kinematics);
+            let mut assembly = statics.equations().assembly().clone();
             assembly.evaluate(&motion, &[], 0.0);
             // Against the forces that the same rotation would cause as a deformation.
             let stiffest = assembly.stiffness().data().iter().fold(0.0_f64, |m, k| m.max(k.abs()));

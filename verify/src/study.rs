@@ -7,7 +7,7 @@ use crate::problems::{self, ProblemError};
 use crate::table_one::{TableOne, TableOneError, table_one};
 use crate::truth::{MeshTruth, fine_mesh};
 use finray_model::sensing::{Contact, ContactPlace};
-use finray_model::statics::{StaticsError, solve_frame};
+use finray_model::statics::{Statics, StaticsError};
 use finray_model::{Finger, Kinematics, Load, Mesh, Scene, Vector};
 
 /// Noise of one measured coordinate, mm: the paper's worst position error of 0.2 mm (sec. IV-B) taken as three standard
@@ -184,7 +184,8 @@ fn bent_fingers(finger: &Finger, mesh: &Mesh) -> Vec<BentFinger> {
             let contact = Contact { place: ContactPlace::Node(node), angle_deg: 0.0 };
             let load: Load = contact.load(finger, DRAWN_FORCE_N);
             let Ok(frame_load) = mesh.frame_load(&load) else { continue };
-            let Ok(motion) = solve_frame(mesh.frame(), &[frame_load], kinematics) else { continue };
+            let Ok(equilibrium) = Statics::ladder(mesh, kinematics).equilibrium(&[frame_load]) else { continue };
+            let motion = equilibrium.motion;
             let place = |&index: &usize| mesh.frame().position(index) + motion.displacements[index];
             bent.push(BentFinger {
                 label: format!("{DRAWN_FORCE_N} N at node {node}, {name}"),

@@ -1,9 +1,8 @@
 //! From the elements to the energy, residual and tangent stiffness of the frame.
 
 use crate::element::{Kinematics, Response};
-use crate::frame::{Attachment, BeamEnd, Equations, FrameMotion, MEMBER_COORDINATES, PlaneFrame};
+use crate::frame::{BeamEnd, Equations, FrameMotion, MEMBER_COORDINATES, PlaneFrame};
 use crate::{Vector, frame::NodeIndex};
-use nalgebra::{SMatrix, SVector};
 use sprs::{CsMat, TriMat};
 
 /// A dead load on a frame: it keeps its direction whatever the frame does.
@@ -48,6 +47,15 @@ impl FrameLoad {
         }
     }
 
+    /// The beam end that carries the load, and its force and moment; an interior load counts at its member's first end.
+    pub(crate) fn at_end(&self, frame: &PlaneFrame) -> (BeamEnd, Vector, f64) {
+        match *self {
+            FrameLoad::Node { node, force, moment_nmm } => (frame.clamped_end(node), force, moment_nmm),
+            FrameLoad::Arm { end, force } => (end, force, 0.0),
+            FrameLoad::Interior { member, force, .. } => (frame.members()[member].ends[0], force, 0.0),
+        }
+    }
+
     /// Whether force, moment and place are finite numbers.
     pub fn is_finite(&self) -> bool {
         let force_is_finite = |force: &Vector| force.iter().all(|f| f.is_finite());
@@ -80,8 +88,7 @@ impl<'f> Assembly<'f> {
     pub fn new(frame: &'f PlaneFrame, kinematics: Kinematics) -> Assembly<'f> {
         let equations = Equations::of(frame);
         let count = equations.count();
-        let members: Vec<_> =
-            frame.members().iter().map(|member| equations.of_pair(frame, &member.ends.map(Attachment::from))).collect();
+        let members: Vec<_> = frame.members().iter().map(|member| equations.of_ends(frame, &member.ends)).collect();
         let mut pattern = TriMat::new((count, count));
         for coordinates in &members {
             for row in coordinates.iter().flatten() {
@@ -140,12 +147,9 @@ impl<'f> Assembly<'f> {
         self.energy = 0.0;
         let frame = self.frame;
         for (index, member) in frame.members().iter().enumerate() {
-            let ends = member.ends.map(Attachment::from);
-            let motions = ends.map(|end| frame.motion_at(motion, &end, self.linear()));
-            let response = member.beam.response(self.kinematics, &motions);
+            let response = frame.member_response(motion, member, self.kinematics);
             self.energy += response.energy;
-            let (gradient, tangent) = frame.pull_back(motion, &ends, &response, self.linear());
-            self.scatter_member(index, &gradient, &tangent);
+            self.scatter_member(motion, index, &response);
         }
         for load in loads {
             self.add_load(motion, load, factor);
@@ -157,30 +161,23 @@ impl<'f> Assembly<'f> {
         let frame = self.frame;
         match *load {
             FrameLoad::Node { node, force, moment_nmm } => {
-                let at = Attachment { node, rotation: frame.rotation_of(node), arm: Vector::zeros() };
-                self.add_point_load(motion, at, force * factor, moment_nmm * factor);
+                self.add_point_load(motion, frame.clamped_end(node), force * factor, moment_nmm * factor);
             }
-            FrameLoad::Arm { end, force } => self.add_point_load(motion, end.into(), force * factor, 0.0),
-            FrameLoad::Interior { member: index, xi, force } => {
-                let member = frame.members()[index];
-                let ends = member.ends.map(Attachment::from);
-                let motions = ends.map(|end| frame.motion_at(motion, &end, self.linear()));
-                let mut work = member.beam.interior_work(self.kinematics, xi, force * -factor, &motions);
-                work.energy = 0.0;
-                let (gradient, tangent) = frame.pull_back(motion, &ends, &work, self.linear());
-                self.scatter_member(index, &gradient, &tangent);
+            FrameLoad::Arm { end, force } => self.add_point_load(motion, end, force * factor, 0.0),
+            FrameLoad::Interior { member, xi, force } => {
+                let potential = frame.interior_load(motion, member, self.kinematics, xi, force * factor);
+                self.scatter_member(motion, member, &potential);
             }
         }
     }
 
-    fn add_point_load(&mut self, motion: &FrameMotion, at: Attachment, force: Vector, moment_nmm: f64) {
-        let mut work = Response { energy: 0.0, gradient: SVector::zeros(), tangent: SMatrix::zeros() };
-        work.gradient.fixed_rows_mut::<3>(0).copy_from_slice(&[-force.x, -force.y, -moment_nmm]);
-        let ends = [at, at];
-        let (gradient, tangent) = self.frame.pull_back(motion, &ends, &work, self.linear());
-        let coordinates = self.equations.of_pair(self.frame, &ends);
+    fn add_point_load(&mut self, motion: &FrameMotion, end: BeamEnd, force: Vector, moment_nmm: f64) {
+        let ends = [end, end];
+        let potential = self.frame.end_load(motion, end, force, moment_nmm, self.linear());
+        let nodes = ends.map(|end| end.node);
+        let (gradient, tangent) = self.frame.carry_over_links(motion, nodes, &potential, self.linear());
         // Only the diagonal of the tangent is there: the point moves on circles.
-        for (k, equation) in coordinates.iter().enumerate() {
+        for (k, equation) in self.equations.of_ends(self.frame, &ends).iter().enumerate() {
             if let Some(e) = *equation {
                 self.gradient[e] += gradient[k];
                 if let Some(index) = self.stiffness.nnz_index(e, e) {
@@ -190,20 +187,15 @@ impl<'f> Assembly<'f> {
         }
     }
 
-    fn scatter_member(
-        &mut self,
-        index: usize,
-        gradient: &SVector<f64, MEMBER_COORDINATES>,
-        tangent: &SMatrix<f64, MEMBER_COORDINATES, MEMBER_COORDINATES>,
-    ) {
-        let member = &self.frame.members()[index];
-        let coordinates = self.equations.of_pair(self.frame, &member.ends.map(Attachment::from));
-        let slots = &self.slots[index];
+    fn scatter_member(&mut self, motion: &FrameMotion, index: usize, response: &Response) {
+        let ends = self.frame.members()[index].ends;
+        let (gradient, tangent) =
+            self.frame.carry_over_links(motion, ends.map(|end| end.node), response, self.linear());
         let values = self.stiffness.data_mut();
-        for (row, equation) in coordinates.iter().enumerate() {
+        for (row, equation) in self.equations.of_ends(self.frame, &ends).iter().enumerate() {
             let Some(equation) = *equation else { continue };
             self.gradient[equation] += gradient[row];
-            for (column, &slot) in slots[row].iter().enumerate() {
+            for (column, &slot) in self.slots[index][row].iter().enumerate() {
                 if slot != ABSENT {
                     values[slot as usize] += tangent[(row, column)];
                 }

@@ -37,6 +37,11 @@ impl Factor {
         self.numeric.is_some()
     }
 
+    /// Whether the last factorisation succeeded.
+    pub fn is_there(&self) -> bool {
+        self.numeric.is_some()
+    }
+
     /// Overwrites each column of `columns` (stored one after the other) with K^-1 times it.
     ///
     /// Returns `false`, leaving the columns alone, if there is no factor or a result is not finite.

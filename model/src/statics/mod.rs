@@ -2,16 +2,20 @@
 
 mod assembly;
 mod factor;
+mod ladder;
 mod newton;
-mod reactions;
+mod outcome;
+mod sparse;
 
 pub use assembly::{Assembly, FrameLoad};
-pub use factor::Factor;
+pub use ladder::Ladder;
 pub use newton::{Equilibrium, Statics};
-pub use reactions::{Reaction, reaction};
+pub use outcome::{Reaction, elastic_energy, reaction};
+pub use sparse::SparseEquations;
 
+use crate::Kinematics;
+use crate::frame::{FrameMotion, PlaneFrame};
 use crate::mesh::{FingerShape, Load, LoadError, Mesh};
-use crate::{Kinematics, frame::PlaneFrame};
 
 /// Why no equilibrium was found.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -36,14 +40,33 @@ pub enum StaticsError {
     },
 }
 
+/// The equilibrium equations of a structure, as Newton's method sees them.
+pub trait EquilibriumEquations {
+    /// The structure at rest.
+    fn at_rest(&self) -> FrameMotion;
+
+    /// How displacements become deformations.
+    fn kinematics(&self) -> Kinematics;
+
+    /// Evaluates energy and residual at a motion under `factor` times the loads, and factors the tangent stiffness.
+    /// `false` if it is not positive definite: the motion is no stable shape.
+    fn linearise(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> bool;
+
+    /// Elastic energy at the last linearised motion, N mm.
+    fn elastic_energy(&self) -> f64;
+
+    /// Adds Newton's correction -K^-1 r to the linearised motion; returns its squared energy norm r K^-1 r, N mm.
+    fn correct(&mut self, motion: &mut FrameMotion) -> f64;
+}
+
 /// Shape of a finger under loads, from rest to the full load.
 ///
 /// # Errors
 /// [`StaticsError`] if there is no equilibrium to be found.
 pub fn solve(mesh: &Mesh, loads: &[Load], kinematics: Kinematics) -> Result<FingerShape, StaticsError> {
     let loads = loads.iter().map(|load| mesh.frame_load(load)).collect::<Result<Vec<_>, _>>()?;
-    let motion = solve_frame(mesh.frame(), &loads, kinematics)?;
-    Ok(mesh.shape(&motion))
+    let equilibrium = Statics::ladder(mesh, kinematics).equilibrium(&loads)?;
+    Ok(mesh.shape(&equilibrium.motion))
 }
 
 /// Motion of any plane frame under loads; see [`solve`].
@@ -54,8 +77,6 @@ pub fn solve_frame(
     frame: &PlaneFrame,
     loads: &[FrameLoad],
     kinematics: Kinematics,
-) -> Result<crate::frame::FrameMotion, StaticsError> {
-    let mut statics = Statics::new(frame, kinematics);
-    let equilibrium = statics.equilibrium(loads)?;
-    Ok(equilibrium.motion)
+) -> Result<FrameMotion, StaticsError> {
+    Ok(Statics::sparse(frame, kinematics).equilibrium(loads)?.motion)
 }

@@ -4,19 +4,20 @@
 //! stable equilibrium (positive definite tangent), so the solution stays on the branch that starts at rest; where that
 //! branch ends, the last load that could be carried is reported.
 
-use super::{Assembly, Factor, FrameLoad, StaticsError};
+use super::{EquilibriumEquations, FrameLoad, Ladder, SparseEquations, StaticsError};
 use crate::Kinematics;
 use crate::frame::{FrameMotion, PlaneFrame};
+use crate::mesh::Mesh;
 
-/// Newton has converged when the energy norm of its last correction is below this share of the solution's. Newton
-/// squares the error with every step, so applying that correction leaves rounding alone.
-const CORRECTION_TOLERANCE: f64 = 1e-9;
+/// Newton has converged when the energy norm of its *next* correction would be below this share of the solution's. The
+/// next correction is known from the last two: near the solution Newton squares the error, e' = c e^2.
+const CORRECTION_TOLERANCE: f64 = 1e-11;
+/// Corrections above this share of the solution are too large to conclude anything from.
+const QUADRATIC_RANGE: f64 = 1e-2;
 /// A correction this small that no longer shrinks is rounding noise of a fine mesh.
 const STAGNATION_TOLERANCE: f64 = 1e-6;
 /// More iterations than this mean that the step was too long.
 const MAX_ITERATIONS: usize = 20;
-/// Corrections of a linear solution by its residual.
-const REFINEMENTS: usize = 1;
 /// Rotation of a node in one load step, rad, beyond which another branch might be met.
 const MAX_STEP_ROTATION: f64 = 0.8;
 /// A load step may turn no node further from what the tangent at its start predicts than this share of the largest
@@ -33,19 +34,18 @@ const MIN_LOAD_STEP: f64 = 1e-6;
 pub struct Equilibrium {
     /// Displacements and rotations.
     pub motion: FrameMotion,
-    /// Elastic energy, N mm.
-    pub elastic_energy_nmm: f64,
     /// Newton iterations spent, over all load steps.
     pub iterations: usize,
     /// Load steps taken.
     pub load_steps: usize,
 }
 
-/// Solver for one frame and one kinematics; the pattern and order of the equations are kept between loads.
+/// Solver for one structure and one kinematics; what can be prepared once is kept between loads.
 #[derive(Debug, Clone)]
-pub struct Statics<'f> {
-    assembly: Assembly<'f>,
-    factor: Factor,
+pub struct Statics<E> {
+    equations: E,
+    /// Rotations that the tangent at the start of a load step predicts for its end.
+    predicted: Vec<f64>,
 }
 
 /// Why a load step was not taken.
@@ -54,15 +54,28 @@ enum Rejected {
     TooFar,
 }
 
-impl<'f> Statics<'f> {
-    /// Prepares the equations of a frame.
-    pub fn new(frame: &'f PlaneFrame, kinematics: Kinematics) -> Statics<'f> {
-        Statics { assembly: Assembly::new(frame, kinematics), factor: Factor::new() }
+impl<'f> Statics<SparseEquations<'f>> {
+    /// Prepares the equations of any frame: the general sparse path.
+    pub fn sparse(frame: &'f PlaneFrame, kinematics: Kinematics) -> Self {
+        Statics::new(SparseEquations::new(frame, kinematics))
+    }
+}
+
+impl<'m> Statics<Ladder<'m>> {
+    /// Prepares the equations of a finger: block elimination along the ladder.
+    pub fn ladder(mesh: &'m Mesh, kinematics: Kinematics) -> Self {
+        Statics::new(Ladder::new(mesh, kinematics))
+    }
+}
+
+impl<E: EquilibriumEquations> Statics<E> {
+    fn new(equations: E) -> Self {
+        Statics { equations, predicted: Vec::new() }
     }
 
-    /// The assembled equations.
-    pub fn assembly(&self) -> &Assembly<'f> {
-        &self.assembly
+    /// The equations that are solved.
+    pub fn equations(&self) -> &E {
+        &self.equations
     }
 
     /// Equilibrium under dead loads, followed from rest.
@@ -70,19 +83,15 @@ impl<'f> Statics<'f> {
     /// # Errors
     /// See [`StaticsError`].
     pub fn equilibrium(&mut self, loads: &[FrameLoad]) -> Result<Equilibrium, StaticsError> {
-        let rest = FrameMotion::at_rest(self.assembly.frame());
-        self.continued(&rest, loads, 0.0, 1.0)
+        self.continued(&self.equations.at_rest(), loads, 0.0, 1.0)
     }
 
     /// Equilibria under growing multiples of the loads, each followed from the one before it; the first from rest.
     ///
-    /// The result ends before the first multiple that has no equilibrium, and says why.
-    ///
-    /// # Errors
-    /// None as such: the reason why the list is short comes as its second part.
+    /// The list ends before the first multiple that has no equilibrium; the second part says why.
     pub fn path(&mut self, loads: &[FrameLoad], multiples: &[f64]) -> (Vec<Equilibrium>, Option<StaticsError>) {
         let mut found: Vec<Equilibrium> = Vec::with_capacity(multiples.len());
-        let mut motion = FrameMotion::at_rest(self.assembly.frame());
+        let mut motion = self.equations.at_rest();
         let mut from = 0.0;
         for &to in multiples {
             match self.continued(&motion, loads, from, to) {
@@ -112,13 +121,14 @@ impl<'f> Statics<'f> {
             return Err(StaticsError::LoadNotFinite);
         }
         let mut motion = start.clone();
+        let mut before = start.clone();
         let (mut done, mut step) = (0.0, 1.0);
         let (mut iterations, mut load_steps) = (0, 0);
         while done < 1.0 {
             let target = f64::min(done + step, 1.0);
-            match self.load_step(&motion, loads, from + (to - from) * target) {
-                Ok((next, spent)) => {
-                    motion = next;
+            match self.load_step(&mut motion, loads, from + (to - from) * target) {
+                Ok(spent) => {
+                    before.clone_from(&motion);
                     done = target;
                     iterations += spent;
                     load_steps += 1;
@@ -126,103 +136,70 @@ impl<'f> Statics<'f> {
                         step *= 2.0;
                     }
                 }
-                Err(Rejected::NotPositiveDefinite) if self.assembly.kinematics() == Kinematics::Linear => {
+                Err(Rejected::NotPositiveDefinite) if self.equations.kinematics() == Kinematics::Linear => {
                     return Err(StaticsError::NotHeld);
                 }
                 Err(_) if step < MIN_LOAD_STEP => {
                     let reached = from + (to - from) * done;
-                    return Err(if reached == 0.0 && !self.is_held(&motion) {
+                    return Err(if reached == 0.0 && !self.equations.linearise(&before, &[], 0.0) {
                         StaticsError::NotHeld
                     } else {
                         StaticsError::NoEquilibrium { converged_fraction: reached / to }
                     });
                 }
-                Err(_) => step = 0.5 * (target - done),
+                Err(_) => {
+                    motion.clone_from(&before);
+                    step = 0.5 * (target - done);
+                }
             }
         }
-        Ok(Equilibrium { motion, elastic_energy_nmm: self.assembly.elastic_energy(), iterations, load_steps })
+        Ok(Equilibrium { motion, iterations, load_steps })
     }
 
-    fn is_held(&mut self, motion: &FrameMotion) -> bool {
-        self.assembly.evaluate(motion, &[], 0.0);
-        self.factor.factorise(self.assembly.stiffness())
-    }
-
-    /// Newton's iteration at one load level. Leaves the factored tangent of the equilibrium behind.
-    fn load_step(
-        &mut self,
-        start: &FrameMotion,
-        loads: &[FrameLoad],
-        multiple: f64,
-    ) -> Result<(FrameMotion, usize), Rejected> {
-        let frame = self.assembly.frame();
-        let linear = self.assembly.kinematics() == Kinematics::Linear;
-        let mut motion = start.clone();
-        let mut correction = vec![0.0; self.assembly.equations().count()];
+    /// Newton's iteration at one load level, from the equilibrium before it. Leaves the factored tangent of the last
+    /// iterate behind, and `motion` anywhere if the step is rejected.
+    fn load_step(&mut self, motion: &mut FrameMotion, loads: &[FrameLoad], multiple: f64) -> Result<usize, Rejected> {
+        let linear = self.equations.kinematics() == Kinematics::Linear;
         let mut previous = f64::INFINITY;
-        let (mut predicted, mut predicted_turn) = (Vec::new(), 0.0);
+        let mut predicted_turn = 0.0;
         for iteration in 1..=MAX_ITERATIONS {
-            self.assembly.evaluate(&motion, loads, multiple);
-            // The linear stiffness stays; further iterations refine its solution, because the residual, formed from the
-            // deformations of the elements, keeps digits that the factor of a fine mesh loses.
-            let keep_factor = linear && iteration > 1;
-            if !keep_factor && !self.factor.factorise(self.assembly.stiffness()) {
+            if !self.equations.linearise(motion, loads, multiple) {
                 return Err(Rejected::NotPositiveDefinite);
             }
-            for (c, r) in correction.iter_mut().zip(self.assembly.residual()) {
-                *c = -r;
-            }
-            if !self.factor.solve_in_place(&mut correction, self.assembly.equations().count()) {
-                return Err(Rejected::NotPositiveDefinite);
-            }
-            let work: f64 = correction.iter().zip(self.assembly.residual()).map(|(c, r)| -c * r).sum();
-            let scale = 2.0 * self.assembly.elastic_energy();
-            self.assembly.equations().advance(frame, &mut motion, &correction, linear);
-            let turned = largest_difference(&motion.rotations, &start.rotations);
+            let scale = 2.0 * self.equations.elastic_energy();
             if iteration == 1 {
-                predicted.clone_from(&motion.rotations);
-                predicted_turn = turned;
+                self.predicted.clone_from(&motion.rotations);
             }
-            let near_enough = linear || turned <= MAX_STEP_ROTATION;
+            let work = self.equations.correct(motion);
+            if iteration == 1 {
+                // The first correction is what the tangent at the start predicts.
+                predicted_turn = largest_difference(&motion.rotations, &self.predicted);
+                self.predicted.clone_from(&motion.rotations);
+            }
+            let surprise = largest_difference(&motion.rotations, &self.predicted);
+            let near_enough = linear || predicted_turn + surprise <= MAX_STEP_ROTATION;
             if !near_enough {
                 return Err(Rejected::TooFar);
             }
             let relative = (work / scale).max(0.0).sqrt();
+            let next = relative.powi(3) / (previous * previous);
+            let converges = previous <= 1.0 && relative <= QUADRATIC_RANGE && next <= CORRECTION_TOLERANCE;
             let stagnates = relative <= STAGNATION_TOLERANCE && relative > 0.25 * previous;
-            if work <= 0.0 || relative <= CORRECTION_TOLERANCE || stagnates {
-                let surprise = largest_difference(&motion.rotations, &predicted);
+            if work <= 0.0 || converges || stagnates {
                 let follows = linear || surprise <= MAX_PREDICTION_ERROR * predicted_turn;
-                return if follows { Ok((motion, iteration)) } else { Err(Rejected::TooFar) };
+                return if follows { Ok(iteration) } else { Err(Rejected::TooFar) };
             }
             previous = relative;
         }
         Err(Rejected::TooFar)
     }
 
-    /// Motions of the linear frame under each load alone: columns of its compliance, by one factorisation.
+    /// Motions of the linear structure under each load alone: columns of its compliance.
     ///
     /// # Errors
-    /// [`StaticsError::NotHeld`] if the frame has no stiffness against some motion.
-    pub fn linear_motions(frame: &'f PlaneFrame, loads: &[FrameLoad]) -> Result<Vec<FrameMotion>, StaticsError> {
-        let mut statics = Statics::new(frame, Kinematics::Linear);
-        statics.equilibrium(&[])?;
-        let unknowns = statics.assembly.equations().count();
-        let motion_under = |load: &FrameLoad| {
-            let mut motion = FrameMotion::at_rest(frame);
-            let mut correction = vec![0.0; unknowns];
-            for _ in 0..=REFINEMENTS {
-                statics.assembly.evaluate(&motion, std::slice::from_ref(load), 1.0);
-                for (c, r) in correction.iter_mut().zip(statics.assembly.residual()) {
-                    *c = -r;
-                }
-                if !statics.factor.solve_in_place(&mut correction, unknowns) {
-                    return Err(StaticsError::NotHeld);
-                }
-                statics.assembly.equations().advance(frame, &mut motion, &correction, true);
-            }
-            Ok(motion)
-        };
-        loads.iter().map(motion_under).collect()
+    /// [`StaticsError::NotHeld`] if the structure has no stiffness against some motion.
+    pub fn unit_motions(&mut self, loads: &[FrameLoad]) -> Result<Vec<FrameMotion>, StaticsError> {
+        loads.iter().map(|load| self.equilibrium(std::slice::from_ref(load)).map(|found| found.motion)).collect()
     }
 }
 

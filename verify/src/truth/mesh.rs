@@ -3,7 +3,7 @@
 use super::Truth;
 use finray_model::mesh::{FingerShape, MeshSizeError};
 use finray_model::sensing::Contact;
-use finray_model::statics::{Statics, StaticsError};
+use finray_model::statics::{Ladder, Statics, StaticsError};
 use finray_model::{Finger, Kinematics, Mesh};
 
 /// Nodes of the paper's fine mesh (Xu et al. 2021, sec. III).
@@ -26,8 +26,8 @@ pub fn fine_mesh(finger: &Finger) -> Result<Mesh, MeshSizeError> {
 pub struct MeshTruth<'m> {
     name: &'static str,
     mesh: &'m Mesh,
-    /// Pattern and order of the equations, found once and copied for each contact.
-    prepared: Statics<'m>,
+    /// The equations, prepared once and copied for each contact.
+    prepared: Statics<Ladder<'m>>,
 }
 
 impl<'m> MeshTruth<'m> {
@@ -36,7 +36,7 @@ impl<'m> MeshTruth<'m> {
     /// # Errors
     /// [`StaticsError`] if the finger at rest cannot be factorised.
     pub fn new(name: &'static str, mesh: &'m Mesh, kinematics: Kinematics) -> Result<MeshTruth<'m>, StaticsError> {
-        let mut prepared = Statics::new(mesh.frame(), kinematics);
+        let mut prepared = Statics::ladder(mesh, kinematics);
         prepared.equilibrium(&[])?;
         Ok(MeshTruth { name, mesh, prepared })
     }

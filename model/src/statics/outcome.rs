@@ -1,8 +1,13 @@
-//! What the supports push back with.
+//! What an equilibrium holds: elastic energy, and the forces of the supports.
 
 use crate::Vector;
 use crate::element::Kinematics;
-use crate::frame::{Attachment, FrameMotion, NodeIndex, PlaneFrame};
+use crate::frame::{FrameMotion, NodeIndex, PlaneFrame};
+
+/// Elastic energy of a frame in a motion, N mm.
+pub fn elastic_energy(frame: &PlaneFrame, motion: &FrameMotion, kinematics: Kinematics) -> f64 {
+    frame.members().iter().map(|member| frame.member_response(motion, member, kinematics).energy).sum()
+}
 
 /// Force and moment that a support puts on the frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,14 +25,10 @@ pub struct Reaction {
 ///
 /// Beams are summed, so the node must not belong to a rigid link.
 pub fn reaction(frame: &PlaneFrame, motion: &FrameMotion, kinematics: Kinematics, node: NodeIndex) -> Reaction {
-    let linear = kinematics == Kinematics::Linear;
     let mut reaction = Reaction { node, force: Vector::zeros(), moment_nmm: 0.0 };
     for member in frame.members().iter().filter(|m| m.ends.iter().any(|end| end.node == node)) {
-        let ends = member.ends.map(Attachment::from);
-        let motions = ends.map(|end| frame.motion_at(motion, &end, linear));
-        let response = member.beam.response(kinematics, &motions);
-        let (gradient, _) = frame.pull_back(motion, &ends, &response, linear);
-        for (end, g) in ends.iter().zip([gradient.fixed_rows::<3>(0), gradient.fixed_rows::<3>(4)]) {
+        let g = frame.member_response(motion, member, kinematics).gradient;
+        for (end, g) in member.ends.iter().zip([[g[0], g[1], g[2]], [g[3], g[4], g[5]]]) {
             if end.node == node {
                 reaction.force += Vector::new(g[0], g[1]);
                 if end.rotation == frame.rotation_of(node) {

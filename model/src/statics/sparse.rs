@@ -1,0 +1,63 @@
+//! The general path: any frame, assembled into a sparse matrix (sprs) and factored by Cholesky (faer).
+
+use super::assembly::Assembly;
+use super::factor::Factor;
+use super::{EquilibriumEquations, FrameLoad};
+use crate::Kinematics;
+use crate::frame::{FrameMotion, PlaneFrame};
+
+/// Sparse equilibrium equations of any frame; pattern and order of the equations are found once.
+#[derive(Debug, Clone)]
+pub struct SparseEquations<'f> {
+    assembly: Assembly<'f>,
+    factor: Factor,
+    correction: Vec<f64>,
+}
+
+impl<'f> SparseEquations<'f> {
+    /// Numbers the unknowns and lays out the matrix.
+    pub fn new(frame: &'f PlaneFrame, kinematics: Kinematics) -> SparseEquations<'f> {
+        let assembly = Assembly::new(frame, kinematics);
+        let correction = vec![0.0; assembly.equations().count()];
+        SparseEquations { assembly, factor: Factor::new(), correction }
+    }
+
+    /// The assembled equations.
+    pub fn assembly(&self) -> &Assembly<'f> {
+        &self.assembly
+    }
+}
+
+impl EquilibriumEquations for SparseEquations<'_> {
+    fn at_rest(&self) -> FrameMotion {
+        FrameMotion::at_rest(self.assembly.frame())
+    }
+
+    fn kinematics(&self) -> Kinematics {
+        self.assembly.kinematics()
+    }
+
+    fn linearise(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> bool {
+        self.assembly.evaluate(motion, loads, factor);
+        // The linear stiffness never changes. Its solution is refined by the residual, which is formed from the
+        // deformations of the elements and keeps digits that the factor of a fine mesh loses.
+        let keep = self.kinematics() == Kinematics::Linear && self.factor.is_there();
+        if !keep && !self.factor.factorise(self.assembly.stiffness()) {
+            return false;
+        }
+        for (c, r) in self.correction.iter_mut().zip(self.assembly.residual()) {
+            *c = -r;
+        }
+        self.factor.solve_in_place(&mut self.correction, self.assembly.equations().count())
+    }
+
+    fn elastic_energy(&self) -> f64 {
+        self.assembly.elastic_energy()
+    }
+
+    fn correct(&mut self, motion: &mut FrameMotion) -> f64 {
+        let linear = self.kinematics() == Kinematics::Linear;
+        self.assembly.equations().advance(self.assembly.frame(), motion, &self.correction, linear);
+        self.correction.iter().zip(self.assembly.residual()).map(|(c, r)| -c * r).sum()
+    }
+}
