@@ -6,6 +6,7 @@ pub mod report;
 pub mod sense;
 pub mod solve;
 
+mod contacts;
 mod parse;
 mod progress;
 
