@@ -1,6 +1,6 @@
 //! `finray calibrate`
 
-use super::Failure;
+use super::{Failure, not_both_from_standard_input};
 use finray_model::calibration::{self, CalibrationError};
 use finray_model::finger::FingerDescription;
 use finray_verify::files::{csv_text, load_scene, measurements, write_text};
@@ -36,6 +36,7 @@ struct Row {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    not_both_from_standard_input(&arguments.scene, &arguments.measurements, "--measurements")?;
     let finger = load_scene(&arguments.scene)?.finger;
     let cases = measurements::load(&arguments.measurements, &finger)?;
     let estimate = calibration::youngs_modulus(&finger, &cases).map_err(|error| match error {

@@ -1,8 +1,8 @@
 //! `finray sense`
 
-use super::Failure;
 use super::contacts::Contacts;
 use super::parse::not_negative;
+use super::{Failure, not_both_from_standard_input};
 use finray_model::Finger;
 use finray_model::sensing::{Contact, ContactPlace, Estimate, LinearEstimator, check_contacts};
 use finray_verify::files::{csv_text, displacements, load_scene, write_text};
@@ -53,6 +53,7 @@ struct Row {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    not_both_from_standard_input(&arguments.scene, &arguments.displacements, "--displacements")?;
     let scene = load_scene(&arguments.scene)?;
     let finger = &scene.finger;
     let contacts = &arguments.contacts.0;
