@@ -43,6 +43,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         CalibrationError::Statics(inner) => inner.into(),
         other => Failure::BadInput(other.to_string()),
     })?;
+    if !(estimate.factor.is_finite() && estimate.sigma.is_finite()) {
+        return Err(Failure::BadInput(
+            "not identifiable: loads and displacements do not fit each other by hundreds of powers of ten: are the \
+             units right?"
+                .to_owned(),
+        ));
+    }
     let moduli = moduli(finger.description());
     let row = |parameter, scale: f64| Row { parameter, value: scale * estimate.factor, sigma: scale * estimate.sigma };
     let rows = moduli.into_iter().map(|(name, modulus)| row(name, modulus)).chain([row("modulus_factor", 1.0)]);

@@ -62,6 +62,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let noise_mm = arguments.noise_mm.or(scene.camera.map(|camera| camera.noise_mm));
     let estimator = LinearEstimator::new(finger, contacts, &measurement)?;
     let estimate = estimator.estimate(&measurement, noise_mm, arguments.estimator.prior());
+    if let Some(i) = estimate.forces_n.iter().position(|force| !force.is_finite()) {
+        return Err(Failure::BadInput(format!(
+            "not identifiable: a force at contact {} hardly moves the measured nodes, or the displacements are not \
+             those of a finger in mm",
+            i + 1
+        )));
+    }
     if estimate.noise_mm.is_infinite() {
         eprintln!(
             "note: as many forces as measured coordinates leave no residual to estimate the noise from; give --noise-mm \
