@@ -70,6 +70,12 @@ fn joined(path: &str, key: &str) -> String {
     if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
 }
 
+/// How near a key is to a known one: by letters in order, which sees typing errors, and by pairs of letters, which sees
+/// a part that was left out.
+fn likeness(known: &str, key: &str) -> f64 {
+    strsim::jaro_winkler(known, key) + strsim::sorensen_dice(known, key)
+}
+
 /// One table, all of whose keys are known.
 pub(super) struct TableReader<'d, 't> {
     document: &'d Document<'t>,
@@ -87,8 +93,7 @@ impl<'d, 't> TableReader<'d, 't> {
         for key in table.keys() {
             let name: &str = key.get_ref();
             if !known.contains(&name) {
-                let nearest =
-                    known.iter().max_by(|a, b| strsim::jaro_winkler(a, name).total_cmp(&strsim::jaro_winkler(b, name)));
+                let nearest = known.iter().max_by(|a, b| likeness(a, name).total_cmp(&likeness(b, name)));
                 let hint = nearest.map_or(String::new(), |nearest| format!("; the nearest known key is `{nearest}`"));
                 return Err(SceneError {
                     line: line_at(document.text, key.span().start),
