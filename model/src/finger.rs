@@ -139,10 +139,10 @@ impl Finger {
         require_positive("finger.back_length_mm", d.back_length_mm, "length in mm")?;
         require_positive("finger.depth_mm", d.depth_mm, "length in mm")?;
         require(d.rod_arm_mm.is_finite() && d.rod_arm_mm >= 0.0, "finger.rod_arm_mm", || {
-            format!("expected a length in mm, zero or more, found {}", d.rod_arm_mm)
+            format!("expected a length in mm, zero or more, found {:?}", d.rod_arm_mm)
         })?;
         require(d.poissons_ratio > -1.0 && d.poissons_ratio <= 0.5, "finger.poissons_ratio", || {
-            format!("expected a ratio above -1 and up to 0.5, found {}", d.poissons_ratio)
+            format!("expected a ratio above -1 and up to 0.5, found {:?}", d.poissons_ratio)
         })?;
         check_strip("finger.front", &d.front)?;
         check_strip("finger.back", &d.back)?;
@@ -306,7 +306,7 @@ impl Finger {
         });
         let shortest = plates.chain(ribs).fold(f64::INFINITY, f64::min);
         require(2.0 * arm < shortest * (1.0 - SMALLEST_SPACING), "finger.rod_arm_mm", || {
-            format!("expected less than half of the shortest member, {shortest} mm, found {arm}")
+            format!("expected less than half of the shortest member, {shortest:?} mm, found {arm:?}")
         })
     }
 }
@@ -333,9 +333,10 @@ fn require(holds: bool, key: &str, reason: impl FnOnce() -> String) -> Result<()
     if holds { Ok(()) } else { Err(ImpossibleFinger { key: key.to_owned(), reason: reason() }) }
 }
 
-/// Denormal numbers count as zero: nothing can be computed with them in double precision.
+/// Denormal numbers count as zero: nothing can be computed with them in double precision. Messages write numbers with
+/// `{:?}`, which gives such ones a power of ten.
 fn require_positive(key: &str, value: f64, unit: &str) -> Result<(), ImpossibleFinger> {
-    require(value.is_normal() && value > 0.0, key, || format!("expected a positive {unit}, found {value}"))
+    require(value.is_normal() && value > 0.0, key, || format!("expected a positive {unit}, found {value:?}"))
 }
 
 fn check_strip(key: &str, strip: &Strip) -> Result<(), ImpossibleFinger> {
@@ -355,8 +356,8 @@ fn place_tip(d: &FingerDescription) -> Result<Vector, ImpossibleFinger> {
     let [(a, longest), (b, _), (c, _)] = sides;
     require(c - (a - b) > a * SMALLEST_SPACING, longest, || {
         format!(
-            "expected less than {} mm, the other two sides together: base width {}, front plate {} and back plate {} \
-             make no triangle",
+            "expected less than {:?} mm, the other two sides together: base width {:?}, front plate {:?} and back plate \
+             {:?} make no triangle",
             b + c,
             d.base_width_mm,
             d.front_length_mm,
@@ -394,12 +395,12 @@ fn place_ribs(d: &FingerDescription) -> Result<Vec<[f64; 2]>, ImpossibleFinger> 
         for (i, rib) in ribs.iter().enumerate() {
             let place = rib[column];
             require(place.is_finite() && place > gap && place < length - gap, key, || {
-                format!("expected rib {} on the {plate} plate, between 0 and {length} mm, found {place}", i + 1)
+                format!("expected rib {} on the {plate} plate, between 0 and {length:?} mm, found {place:?}", i + 1)
             })?;
             require(place > before + gap, key, || {
                 format!(
                     "expected ribs from base to tip that neither cross nor touch: on the {plate} plate rib {} at \
-                     {place} mm does not follow the rib before it at {before} mm",
+                     {place:?} mm does not follow the rib before it at {before:?} mm",
                     i + 1
                 )
             })?;
@@ -414,10 +415,13 @@ fn check_zones(d: &FingerDescription) -> Result<(), ImpossibleFinger> {
         let key = |name: &str| format!("finger.zone[{}].{name}", i + 1);
         let length = if zone.part == Part::Back { d.back_length_mm } else { d.front_length_mm };
         require(zone.from_mm >= 0.0 && zone.from_mm < length, &key("from_mm"), || {
-            format!("expected a place on the plate, 0 to {length} mm, found {}", zone.from_mm)
+            format!("expected a place on the plate, 0 to {length:?} mm, found {:?}", zone.from_mm)
         })?;
         require(zone.to_mm > zone.from_mm && zone.to_mm <= length, &key("to_mm"), || {
-            format!("expected a place after from_mm = {} and up to {length} mm, found {}", zone.from_mm, zone.to_mm)
+            format!(
+                "expected a place after from_mm = {:?} and up to {length:?} mm, found {:?}",
+                zone.from_mm, zone.to_mm
+            )
         })?;
         require_positive(&key("modulus_factor"), zone.modulus_factor, "factor")?;
     }

@@ -271,7 +271,10 @@ impl Mesh {
         let Some(section) = self.finger.section(plate.into()) else { return };
         let zones: Vec<Zone> =
             self.finger.description().zones.iter().filter(|zone| zone.part == Part::from(plate)).copied().collect();
-        let place = |i: usize| free[0] + (free[1] - free[0]) * i as f64 / elements as f64;
+        // The last element ends where the stretch ends, without rounding: a load at the tip must find it.
+        let place = |i: usize| {
+            if i == elements { free[1] } else { free[0] + (free[1] - free[0]) * i as f64 / elements as f64 }
+        };
         let sections: Vec<Section> =
             (0..elements).map(|i| section.scaled(1.0 / mean_compliance(&zones, place(i), place(i + 1)))).collect();
         let first_member = self.frame.members().len();

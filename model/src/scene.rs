@@ -67,7 +67,7 @@ impl Scene {
             Some(table) => {
                 let noise_mm = table.number("noise_mm", "length in mm")?;
                 if !(noise_mm.is_finite() && noise_mm >= 0.0) {
-                    return Err(table.wrong("noise_mm", "a length in mm, zero or more", &noise_mm.to_string()));
+                    return Err(table.wrong("noise_mm", "a length in mm, zero or more", &format!("{noise_mm:?}")));
                 }
                 Some(Camera { noise_mm })
             }
@@ -121,8 +121,11 @@ fn read_ribs(table: &TableReader) -> Result<RibDescription, SceneError> {
     let strip = if rigid || (none && !given) {
         // Ribs that do not deform have no use for a material, but one that stands there must make sense.
         for key in STRIP_KEYS {
-            if table.optional_number(key, "number")?.is_some_and(|value| !(value.is_normal() && value > 0.0)) {
-                return Err(table.wrong(key, "a positive number", "something else"));
+            match table.optional_number(key, "number")? {
+                Some(value) if !(value.is_normal() && value > 0.0) => {
+                    return Err(table.wrong(key, "a positive number", &format!("{value:?}")));
+                }
+                _ => {}
             }
         }
         None

@@ -5,6 +5,8 @@ mod commands;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use commands::{calibrate, map, report, sense, solve};
+use finray_verify::files::write_text;
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Force sensing with compliant fin-ray fingers: solve, sense, and see where sensing can be trusted.
@@ -43,8 +45,9 @@ fn main() -> ExitCode {
         Command::Calibrate(arguments) => calibrate::run(&arguments),
         Command::Map(arguments) => map::run(&arguments),
         Command::Completions { shell } => {
-            clap_complete::generate(shell, &mut Arguments::command(), "finray", &mut std::io::stdout());
-            Ok(())
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Arguments::command(), "finray", &mut script);
+            write_text(Path::new("-"), &String::from_utf8_lossy(&script)).map_err(commands::Failure::from)
         }
     };
     match outcome {

@@ -70,6 +70,12 @@ fn joined(path: &str, key: &str) -> String {
     if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
 }
 
+/// How near a key is to a known one: by letters in order, which sees typing errors, and by pairs of letters, which sees
+/// a part that was left out.
+fn likeness(known: &str, key: &str) -> f64 {
+    strsim::jaro_winkler(known, key) + strsim::sorensen_dice(known, key)
+}
+
 /// One table, all of whose keys are known.
 pub(super) struct TableReader<'d, 't> {
     document: &'d Document<'t>,
@@ -87,12 +93,11 @@ impl<'d, 't> TableReader<'d, 't> {
         for key in table.keys() {
             let name: &str = key.get_ref();
             if !known.contains(&name) {
-                let nearest =
-                    known.iter().max_by(|a, b| strsim::jaro_winkler(a, name).total_cmp(&strsim::jaro_winkler(b, name)));
+                let nearest = known.iter().max_by(|a, b| likeness(a, name).total_cmp(&likeness(b, name)));
                 let hint = nearest.map_or(String::new(), |nearest| format!("; the nearest known key is `{nearest}`"));
                 return Err(SceneError {
                     line: line_at(document.text, key.span().start),
-                    message: format!("unknown key `{}`{hint}", joined(&path, name)),
+                    message: format!("unknown key `{}`{hint}", joined(&path, name).escape_debug()),
                 });
             }
         }
@@ -218,7 +223,13 @@ impl<'d, 't> TableReader<'d, 't> {
             DeValue::Array(items) => items.iter().map(|item| pair(item.get_ref())).collect::<Option<Vec<_>>>(),
             _ => None,
         };
-        pairs.map(Some).ok_or_else(|| self.wrong(key, "pairs [front, back] of places in mm", &described(value)))
+        pairs.map(Some).ok_or_else(|| {
+            let found = match value {
+                DeValue::Array(_) => "a list of something else".to_owned(),
+                other => described(other),
+            };
+            self.wrong(key, "a list of pairs [front, back], places in mm", &found)
+        })
     }
 
     /// One of several words.
@@ -244,14 +255,15 @@ fn number(value: &DeValue) -> Option<f64> {
     }
 }
 
+/// The value as it stands in the scene, on one line.
 fn described(value: &DeValue) -> String {
     match value {
-        DeValue::String(text) => format!("the text \"{text}\""),
+        DeValue::String(text) => format!("the text {text:?}"),
         DeValue::Integer(integer) => integer.as_str().to_owned(),
         DeValue::Float(float) => float.as_str().to_owned(),
         DeValue::Boolean(switch) => switch.to_string(),
         DeValue::Datetime(date) => format!("the date {date}"),
-        DeValue::Array(_) => "a list of something else".to_owned(),
+        DeValue::Array(_) => "a list".to_owned(),
         DeValue::Table(_) => "a table".to_owned(),
     }
 }

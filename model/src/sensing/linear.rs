@@ -165,6 +165,8 @@ fn identifiable(compliance: &DMatrix<f64>) -> Result<Vec<f64>, SensingError> {
     if smallest > 0.0 && largest / smallest <= LARGEST_SPAN {
         return Ok(values);
     }
+    // A force that moves no marker at all spans infinitely much, also if it is the only one.
+    let span = if smallest > 0.0 { largest / smallest } else { f64::INFINITY };
     let weakest = svd.v_t.map_or(0, |v_t| v_t.row(svd.singular_values.imin()).iamax_full().1);
-    Err(SensingError::IllConditioned { span: largest / smallest, limit: LARGEST_SPAN, weakest: weakest + 1 })
+    Err(SensingError::IllConditioned { span, limit: LARGEST_SPAN, weakest: weakest + 1 })
 }

@@ -1,6 +1,6 @@
 //! `finray calibrate`
 
-use super::Failure;
+use super::{Failure, not_both_from_standard_input};
 use finray_model::calibration::{self, CalibrationError};
 use finray_model::finger::FingerDescription;
 use finray_verify::files::{csv_text, load_scene, measurements, write_text};
@@ -36,12 +36,20 @@ struct Row {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    not_both_from_standard_input(&arguments.scene, &arguments.measurements, "--measurements")?;
     let finger = load_scene(&arguments.scene)?.finger;
     let cases = measurements::load(&arguments.measurements, &finger)?;
     let estimate = calibration::youngs_modulus(&finger, &cases).map_err(|error| match error {
         CalibrationError::Statics(inner) => inner.into(),
         other => Failure::BadInput(other.to_string()),
     })?;
+    if !(estimate.factor.is_finite() && estimate.sigma.is_finite()) {
+        return Err(Failure::BadInput(
+            "not identifiable: loads and displacements do not fit each other by hundreds of powers of ten: are the \
+             units right?"
+                .to_owned(),
+        ));
+    }
     let moduli = moduli(finger.description());
     let row = |parameter, scale: f64| Row { parameter, value: scale * estimate.factor, sigma: scale * estimate.sigma };
     let rows = moduli.into_iter().map(|(name, modulus)| row(name, modulus)).chain([row("modulus_factor", 1.0)]);

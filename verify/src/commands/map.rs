@@ -5,7 +5,7 @@ use super::parse::{not_negative, positive};
 use super::progress;
 use clap::ValueEnum;
 use finray_model::{Finger, Kinematics, Mesh};
-use finray_verify::files::{load_scene, write_all_or_nothing, write_text};
+use finray_verify::files::{is_standard_stream, load_scene, write_all_or_nothing, write_text};
 use finray_verify::map::{AccuracyMap, Estimator, MapRequest, accuracy_maps};
 use finray_verify::report::{map_picture, standalone};
 use finray_verify::truth::{MeshTruth, fine_mesh};
@@ -73,7 +73,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let map = compute(finger, arguments.truth, &request)?;
     let csv = map.to_csv()?;
-    if finray_verify::files::is_standard_stream(&arguments.out) {
+    if is_stream(&arguments.out) {
         write_text(&arguments.out, &csv)?;
         return Ok(());
     }
@@ -82,6 +82,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (csv_path, svg_path) = (named(&arguments.out, "csv"), arguments.out.with_extension("svg"));
     write_all_or_nothing(&[(csv_path, &csv), (svg_path, &picture)])?;
     Ok(())
+}
+
+/// Standard output, a device or a pipe: there the CSV goes alone, as nothing can stand beside it.
+fn is_stream(out: &Path) -> bool {
+    is_standard_stream(out) || out.metadata().is_ok_and(|there| !there.is_file() && !there.is_dir())
 }
 
 /// The path itself, unless it would be the picture's.

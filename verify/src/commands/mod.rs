@@ -6,12 +6,14 @@ pub mod report;
 pub mod sense;
 pub mod solve;
 
+mod contacts;
 mod parse;
 mod progress;
 
 use finray_model::sensing::SensingError;
 use finray_model::statics::StaticsError;
-use finray_verify::files::FileError;
+use finray_verify::files::{FileError, is_standard_stream};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Why a command ends without a result.
@@ -32,6 +34,15 @@ impl Failure {
         eprintln!("error: {message}");
         ExitCode::from(code)
     }
+}
+
+/// Refuses a scene and a further file that both come from standard input, which can be read only once.
+fn not_both_from_standard_input(scene: &Path, other: &Path, option: &str) -> Result<(), Failure> {
+    if is_standard_stream(scene) && is_standard_stream(other) {
+        let message = format!("the scene and {option} cannot both be -: standard input can be read only once");
+        return Err(Failure::BadInput(message));
+    }
+    Ok(())
 }
 
 impl From<FileError> for Failure {

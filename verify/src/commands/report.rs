@@ -2,12 +2,12 @@
 
 use super::{Failure, progress};
 use finray_model::Scene;
-use finray_verify::files::{load_scene, write_folder};
+use finray_verify::files::{load_scene, write_folder, write_text};
 use finray_verify::fixtures;
 use finray_verify::report;
 use finray_verify::study::{Effort, Progress, Study};
 use indicatif::ProgressBar;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 /// Run every cross-check and map, and write a page that shows them.
@@ -46,10 +46,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let files = report::files(&study).map_err(|error| Failure::NotComputed(error.to_string()))?;
     write_folder(&arguments.out, &files)?;
     let page = arguments.out.join("index.html");
-    for sentence in report::Summary::of(&study).verdict {
-        println!("{sentence}");
-    }
-    println!("The report is in {}", page.display());
+    let mut sentences = report::Summary::of(&study).verdict;
+    sentences.push(format!("The report is in {}\n", page.display()));
+    write_text(Path::new("-"), &sentences.join("\n"))?;
     if arguments.open {
         open::that_detached(&page)
             .map_err(|error| Failure::NotComputed(format!("{} cannot be opened: {error}", page.display())))?;

@@ -1,7 +1,8 @@
 //! `finray sense`
 
-use super::Failure;
-use super::parse::{contact_at_node, contact_at_place, not_negative};
+use super::contacts::Contacts;
+use super::parse::not_negative;
+use super::{Failure, not_both_from_standard_input};
 use finray_model::Finger;
 use finray_model::sensing::{Contact, ContactPlace, Estimate, LinearEstimator, check_contacts};
 use finray_verify::files::{csv_text, displacements, load_scene, write_text};
@@ -29,12 +30,8 @@ pub struct Arguments {
     /// Measured displacements (CSV); - for standard input
     #[arg(long, value_name = "FILE")]
     displacements: PathBuf,
-    /// Contact at a node of the front plate, tip included
-    #[arg(long, value_name = "NODE[@ANGLE_DEG]", value_parser = contact_at_node, num_args = 1..)]
-    contact: Vec<Contact>,
-    /// Contact at a place along the front plate, mm from its base
-    #[arg(long, value_name = "S_MM[@ANGLE_DEG]", value_parser = contact_at_place, num_args = 1..)]
-    contact_at: Vec<Contact>,
+    #[command(flatten)]
+    contacts: Contacts,
     /// How forces are sensed
     #[arg(long, value_enum, default_value_t = Estimator::LeastSquares)]
     estimator: Estimator,
@@ -56,21 +53,29 @@ struct Row {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    not_both_from_standard_input(&arguments.scene, &arguments.displacements, "--displacements")?;
     let scene = load_scene(&arguments.scene)?;
     let finger = &scene.finger;
-    let contacts: Vec<Contact> = arguments.contact.iter().chain(&arguments.contact_at).copied().collect();
-    check_contacts(finger, &contacts)?;
+    let contacts = &arguments.contacts.0;
+    check_contacts(finger, contacts)?;
     let measurement = displacements::load(&arguments.displacements, finger)?;
     let noise_mm = arguments.noise_mm.or(scene.camera.map(|camera| camera.noise_mm));
-    let estimator = LinearEstimator::new(finger, &contacts, &measurement)?;
+    let estimator = LinearEstimator::new(finger, contacts, &measurement)?;
     let estimate = estimator.estimate(&measurement, noise_mm, arguments.estimator.prior());
+    if let Some(i) = estimate.forces_n.iter().position(|force| !force.is_finite()) {
+        return Err(Failure::BadInput(format!(
+            "not identifiable: a force at contact {} hardly moves the measured nodes, or the displacements are not \
+             those of a finger in mm",
+            i + 1
+        )));
+    }
     if estimate.noise_mm.is_infinite() {
         eprintln!(
             "note: as many forces as measured coordinates leave no residual to estimate the noise from; give --noise-mm \
              for a finite sigma_n"
         );
     }
-    write_text(&arguments.out, &csv_text(rows(finger, &contacts, &estimate))?)?;
+    write_text(&arguments.out, &csv_text(rows(finger, contacts, &estimate))?)?;
     Ok(())
 }
 

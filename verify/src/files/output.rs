@@ -18,7 +18,8 @@ pub fn csv_text<R: Serialize>(rows: impl IntoIterator<Item = R>) -> Result<Strin
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// Writes text to a file, or to standard output for `-`.
+/// Writes text to a file, or to standard output for `-`. A reader of standard output that has seen enough, as `head`,
+/// is no error.
 ///
 /// # Errors
 /// [`FileError::Unwritable`], with the file as it was before.
@@ -26,7 +27,10 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), FileError> {
     if is_standard_stream(path) {
         let unwritable = |reason| FileError::Unwritable { path: PathBuf::from("standard output"), reason };
         let mut out = std::io::stdout().lock();
-        return out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(unwritable);
+        return match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+            Err(reason) if reason.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+            written => written.map_err(unwritable),
+        };
     }
     write_all_or_nothing(&[(path.to_owned(), text)])
 }

@@ -1,0 +1,51 @@
+//! The contacts of a command line, at nodes and at places.
+
+use super::parse::{contact_at_node, contact_at_place};
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
+use finray_model::sensing::Contact;
+
+const AT_NODES: &str = "contact";
+const AT_PLACES: &str = "contact-at";
+
+/// `--contact` and `--contact-at` in the order in which they are given, which clap's derive keeps for each alone.
+pub struct Contacts(pub Vec<Contact>);
+
+impl Args for Contacts {
+    fn augment_args(command: Command) -> Command {
+        let list = |name| Arg::new(name).long(name).num_args(1..).action(ArgAction::Append);
+        command
+            .arg(
+                list(AT_NODES)
+                    .value_name("NODE[@ANGLE_DEG]")
+                    .value_parser(contact_at_node)
+                    .help("Contact at a node of the front plate, tip included"),
+            )
+            .arg(
+                list(AT_PLACES)
+                    .value_name("S_MM[@ANGLE_DEG]")
+                    .value_parser(contact_at_place)
+                    .help("Contact at a place along the front plate, mm from its base"),
+            )
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Contacts::augment_args(command)
+    }
+}
+
+impl FromArgMatches for Contacts {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Contacts, clap::Error> {
+        let places_and_values = |name| {
+            let places = matches.indices_of(name).into_iter().flatten();
+            places.zip(matches.get_many::<Contact>(name).into_iter().flatten().copied())
+        };
+        let mut contacts: Vec<_> = places_and_values(AT_NODES).chain(places_and_values(AT_PLACES)).collect();
+        contacts.sort_by_key(|(place, _)| *place);
+        Ok(Contacts(contacts.into_iter().map(|(_, contact)| contact).collect()))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Contacts::from_arg_matches(matches)?;
+        Ok(())
+    }
+}

@@ -1,0 +1,241 @@
+//! `finray report`: the page, the summary for machines and a CSV behind every figure.
+
+mod common;
+
+use common::*;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+
+/// A report and what was said while it was made. Each takes seconds, so the tests share them.
+struct Report {
+    folder: PathBuf,
+    said: String,
+}
+
+static PAPERS: LazyLock<Report> = LazyLock::new(|| Report::of("paper", &[]));
+static SPRING_STEELS: LazyLock<Report> = LazyLock::new(|| Report::of("spring-steel", &[SPRING_STEEL]));
+
+impl Report {
+    fn of(name: &str, scene: &[&str]) -> Report {
+        let place = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("report-of-{name}"));
+        // From an earlier run, if there was one.
+        let _ = std::fs::remove_dir_all(&place);
+        // The folder is made, with those above it.
+        let folder = place.join("made/report");
+        let out = folder.to_str().expect("a UTF-8 path");
+        let said = finray(&[&["report"], scene, &["--quick", "--out", out]].concat()).done();
+        Report { folder, said }
+    }
+
+    fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    fn names(&self) -> Vec<String> {
+        names_in(&self.folder)
+    }
+
+    fn summary(&self) -> Value {
+        serde_json::from_str(&self.read("summary.json")).expect("JSON")
+    }
+
+    /// What the page links to: the values of `href`.
+    fn links(&self) -> Vec<String> {
+        let page = self.read("index.html");
+        page.split("href=\"").skip(1).map(|rest| rest.split('"').next().unwrap_or_default().to_owned()).collect()
+    }
+}
+
+#[track_caller]
+fn array<'v>(summary: &'v Value, key: &str) -> &'v Vec<Value> {
+    summary[key].as_array().unwrap_or_else(|| panic!("no array {key}"))
+}
+
+#[track_caller]
+fn assert_keys(entries: &[Value], texts: &[&str], numbers: &[&str]) {
+    assert!(!entries.is_empty());
+    for entry in entries {
+        for key in texts {
+            assert!(entry[key].as_str().is_some_and(|text| !text.is_empty()), "{key} in {entry}");
+        }
+        for key in numbers {
+            assert!(entry[key].as_f64().is_some_and(f64::is_finite), "{key} in {entry}");
+        }
+    }
+}
+
+fn verdicts_pass(summary: &Value) {
+    let checks = array(summary, "checks");
+    assert_keys(checks, &["problem", "source", "quantity", "verdict"], &["reference", "ours", "tolerance"]);
+    for check in checks {
+        assert_eq!(check["verdict"], "pass", "{check}");
+        let number = |key: &str| check[key].as_f64().expect("a number");
+        assert!((number("ours") - number("reference")).abs() <= number("tolerance"), "{check}");
+        assert!(number("tolerance") > 0.0);
+    }
+}
+
+fn sources(summary: &Value) -> Vec<&str> {
+    let mut sources: Vec<_> = array(summary, "checks").iter().filter_map(|check| check["source"].as_str()).collect();
+    sources.sort();
+    sources.dedup();
+    sources
+}
+
+#[test]
+fn every_check_of_the_papers_finger_passes() {
+    let summary = PAPERS.summary();
+    assert_eq!(summary["scene"], "paper");
+    verdicts_pass(&summary);
+    let sources = sources(&summary);
+    assert!(sources.contains(&"OpenSees") && sources.len() >= 3, "{sources:?}");
+}
+
+#[test]
+fn comparisons_promise_nothing() {
+    let summary = PAPERS.summary();
+    let comparisons = array(&summary, "comparisons");
+    assert_keys(comparisons, &["problem", "source", "quantity"], &["reference", "ours"]);
+    assert!(comparisons.iter().all(|entry| entry.get("verdict").is_none() && entry.get("tolerance").is_none()));
+}
+
+#[test]
+fn maps_come_with_their_figures_and_their_cells() {
+    for report in [&*PAPERS, &*SPRING_STEELS] {
+        let summary = report.summary();
+        let maps = array(&summary, "maps");
+        let numbers = ["noise_mm", "mean_error", "share_above_10", "share_above_25"];
+        assert_keys(maps, &["truth", "estimator", "csv"], &numbers);
+        for truth in ["linear", "corotational"] {
+            for noisy in [false, true] {
+                let wanted = |map: &&Value| map["truth"] == truth && (map["noise_mm"].as_f64() > Some(0.0)) == noisy;
+                assert!(maps.iter().any(|map| wanted(&map)), "{truth}, noise: {noisy}");
+            }
+        }
+        for map in maps {
+            let cells = Csv::of(&report.read(map["csv"].as_str().expect("a name")));
+            let forces: Vec<f64> =
+                map["forces_n"].as_array().expect("forces").iter().filter_map(Value::as_f64).collect();
+            if let [force] = forces[..] {
+                // The figures of one force follow from the cells.
+                let of_force = cells.numbers("force_n").into_iter().zip(cells.texts("mean_error"));
+                let errors: Vec<f64> =
+                    of_force.filter(|(f, _)| *f == force).filter_map(|(_, e)| e.parse().ok()).collect();
+                let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+                let above = |limit: f64| errors.iter().filter(|e| **e > limit).count() as f64 / errors.len() as f64;
+                let number = |key: &str| map[key].as_f64().expect("a number");
+                assert_close(&[number("mean_error")], &[mean], LINEAR_ROUNDING);
+                assert_eq!((number("share_above_10"), number("share_above_25")), (above(0.1), above(0.25)));
+            }
+        }
+    }
+}
+
+#[test]
+fn linear_sensing_of_the_linear_finger_errs_by_noise_alone() {
+    let summary = PAPERS.summary();
+    let error = |truth: &str, noisy: bool| {
+        let maps = array(&summary, "maps").iter();
+        let of_kind = maps.filter(|map| map["truth"] == truth && (map["noise_mm"].as_f64() > Some(0.0)) == noisy);
+        of_kind.filter_map(|map| map["mean_error"].as_f64()).fold(0.0, f64::max)
+    };
+    assert!(error("linear", false) < LINEAR_ROUNDING);
+    assert!(error("linear", true) > 1e-3 && error("corotational", false) > 1e-2);
+}
+
+#[test]
+fn every_file_that_the_page_names_is_there() {
+    for report in [&*PAPERS, &*SPRING_STEELS] {
+        let names = report.names();
+        assert!(names.contains(&"index.html".to_owned()) && names.contains(&"summary.json".to_owned()));
+        let page = report.read("index.html");
+        let (anchors, files): (Vec<_>, Vec<_>) = report.links().into_iter().partition(|link| link.starts_with('#'));
+        for anchor in &anchors {
+            assert!(page.contains(&format!("id=\"{}\"", &anchor[1..])), "{anchor}");
+        }
+        assert!(files.len() >= 6 && !anchors.is_empty());
+        for name in files.iter().filter(|link| !link.starts_with("https://")) {
+            assert!(names.contains(name), "{name} is not in {names:?}");
+            assert!(!Csv::of(&report.read(name)).rows.is_empty(), "{name}");
+        }
+        // And no table lies there that the page does not name.
+        for name in names.iter().filter(|name| name.ends_with(".csv")) {
+            assert!(files.contains(name), "{name} is named nowhere");
+        }
+        // Results are ordinary files, whole, and nothing else.
+        assert!(names.iter().all(|name| !name.starts_with('.')), "{names:?}");
+    }
+}
+
+#[test]
+fn the_page_needs_nothing_but_itself() {
+    for report in [&*PAPERS, &*SPRING_STEELS] {
+        // The name of SVG's namespace is no address that anything is loaded from.
+        let page = report.read("index.html").replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
+        for outside in ["http://", "src=", "@import", "url(http", "<script", "<link", "<iframe"] {
+            assert!(!page.contains(outside), "{outside}");
+        }
+        assert!(page.starts_with("<!DOCTYPE html>") || page.starts_with("<!doctype html>"));
+        let figures = page.matches("<svg").count();
+        assert!(figures >= 8 && figures == page.matches("</svg>").count(), "{figures} figures");
+        assert!(!page.contains("NaN"), "a figure holds no number");
+    }
+}
+
+#[test]
+fn what_exists_for_the_papers_finger_alone_is_left_out_for_others() {
+    let summary = SPRING_STEELS.summary();
+    assert_eq!(summary["scene"], "spring-steel");
+    verdicts_pass(&summary);
+    assert!(!sources(&summary).contains(&"OpenSees"));
+    let said =
+        "Reference values of other programs (OpenSees) and the paper's Table I exist for the paper's finger alone";
+    let page = SPRING_STEELS.read("index.html");
+    assert!(page.replace("&#x27;", "'").contains(said) && !page.contains("id=\"table-one\""));
+    assert!(!SPRING_STEELS.names().contains(&"table_one.csv".to_owned()));
+    let page = PAPERS.read("index.html");
+    assert!(!page.replace("&#x27;", "'").contains(said) && page.contains("id=\"table-one\""));
+    assert!(PAPERS.names().contains(&"table_one.csv".to_owned()));
+}
+
+#[test]
+fn what_was_found_is_said_on_page_summary_and_standard_output() {
+    for report in [&*PAPERS, &*SPRING_STEELS] {
+        let lines: Vec<_> = report.said.lines().collect();
+        let verdict: Vec<_> = report.summary()["verdict"].as_array().expect("sentences").to_vec();
+        assert!(verdict.len() >= 3);
+        assert_eq!(lines[..lines.len() - 1], verdict.iter().filter_map(Value::as_str).collect::<Vec<_>>());
+        assert!(lines[lines.len() - 1].ends_with("made/report/index.html"), "{lines:?}");
+        let page = report.read("index.html").replace("&#x27;", "'").replace("&quot;", "\"").replace("&#x2f;", "/");
+        for sentence in &lines[..lines.len() - 1] {
+            assert!(page.contains(sentence), "{sentence}");
+        }
+    }
+}
+
+#[test]
+fn a_report_that_cannot_be_made_leaves_nothing() {
+    let folder = Folder::new();
+    let bad = folder.put("bad.toml", paper_with(&[("58.0", "400.0")]));
+    let out = folder.path("report");
+    assert_says(&finray(&["report", &bad, "--quick", "--out", &out]).refused(), &["bad.toml: line 9"]);
+    let missing = folder.path("missing.toml");
+    assert_says(&finray(&["report", &missing, "--out", &out]).refused(), &["missing.toml: cannot be read"]);
+    // A finger so soft that its stiffness is nothing cannot be solved.
+    let soft = folder.put("soft.toml", paper_with(&[("47.976", "1e-307")]));
+    finray(&["report", &soft, "--quick", "--out", &out]).failed();
+    assert_eq!(folder.names(), ["bad.toml", "soft.toml"]);
+}
+
+#[test]
+fn a_folder_that_cannot_be_made_is_named() {
+    let folder = Folder::new();
+    let ribless = folder.put("scene.toml", paper_with(&[("count = 11", "count = 0"), ("47.976", "47976.0")]));
+    let file = folder.put("file", "kept");
+    for out in [file.clone(), folder.path("file/report")] {
+        assert_says(&finray(&["report", &ribless, "--quick", "--out", &out]).failed(), &[&out, "cannot be written"]);
+    }
+    assert_eq!(folder.names(), ["file", "scene.toml"]);
+    assert_eq!(folder.read("file"), "kept");
+}

@@ -1,0 +1,255 @@
+//! `finray sense`: displacements in, contact forces and their uncertainty out.
+
+mod common;
+
+use common::*;
+
+const HEADER: [&str; 5] = ["contact", "s_mm", "angle_deg", "force_n", "sigma_n"];
+/// Three true forces: node, angle in degrees, size in N; one pulls.
+const TRUTH: [(usize, f64, f64); 3] = [(16, -20.0, 1.5), (20, 10.0, -0.4), (23, 35.0, 2.25)];
+/// Forces from displacements lose the digits that the singular values span.
+const SENSED: f64 = 1e-9;
+/// A residual is what is left of larger numbers.
+const RESIDUAL: f64 = 1e-6;
+
+/// Displacements of the linear finger under forces, as `solve` writes them.
+fn linear_shape(forces: &[(usize, f64, f64)]) -> String {
+    let loads: Vec<_> = forces.iter().map(|&(node, angle, force)| paper_load(node, force, angle)).collect();
+    let loads = loads.iter().flat_map(|load| ["--load", load.as_str()]);
+    let arguments: Vec<_> = ["solve", PAPER, "--kinematics", "linear"].into_iter().chain(loads).collect();
+    finray(&arguments).done()
+}
+
+fn sense_text(displacements: &str, arguments: &[&str]) -> Answer {
+    let all = [&["sense", PAPER, "--displacements", "-"], arguments].concat();
+    finray_reading(displacements.as_bytes(), &all)
+}
+
+fn sense(displacements: &str, arguments: &[&str]) -> Csv {
+    Csv::of(&sense_text(displacements, arguments).done())
+}
+
+const CONTACTS: [&str; 6] = ["--contact", "16@-20", "--contact", "20@10", "--contact", "23@35"];
+
+#[test]
+fn what_solve_writes_sense_reads() {
+    let sensed = sense(&linear_shape(&TRUTH), &CONTACTS);
+    assert_eq!(sensed.header, HEADER);
+    assert_eq!(sensed.texts("contact"), ["16", "20", "23"]);
+    assert_close(&sensed.numbers("s_mm"), &[114.75, 63.75, 25.5], 1e-15);
+    assert_eq!(sensed.numbers("angle_deg"), TRUTH.map(|(_, angle, _)| angle));
+    assert_close(&sensed.numbers("force_n"), &TRUTH.map(|(_, _, force)| force), SENSED);
+    // A perfect fit leaves no residual, and so no noise.
+    assert!(sensed.numbers("sigma_n").iter().all(|sigma| (0.0..SENSED).contains(sigma)));
+}
+
+/// Hidden markers, another order, further columns, Windows line ends, a byte order mark, spaces, no last line end.
+#[test]
+fn a_measurement_may_be_written_in_many_ways() {
+    let shape = Csv::of(&linear_shape(&TRUTH));
+    let (node, ux, uy) = (shape.texts("node"), shape.texts("ux_mm"), shape.texts("uy_mm"));
+    let row = |i: usize| format!("{},a word,{} , {},{}", uy[i], node[i], ux[i], i as f64);
+    for hidden in [vec![], vec![3, 4, 11, 17], (6..25).collect::<Vec<_>>()] {
+        let mut rows: Vec<_> = (0..25).rev().filter(|i| !hidden.contains(i)).map(row).collect();
+        rows.rotate_left(2);
+        rows.swap(0, 3);
+        for line_end in ["\n", "\r\n"] {
+            let text = format!("\u{feff}uy_mm,remark, node ,ux_mm,weight{line_end}{}", rows.join(line_end));
+            let forces = sense(&text, &CONTACTS).numbers("force_n");
+            // Five markers at the back base tell the forces apart less well.
+            let lost = if hidden.len() > 10 { 1e4 } else { 1.0 };
+            assert_close(&forces, &TRUTH.map(|(_, _, force)| force), lost * SENSED);
+        }
+    }
+}
+
+#[test]
+fn rows_of_clamped_nodes_are_ignored_at_zero_and_refused_elsewhere() {
+    let shape = linear_shape(&TRUTH);
+    let free: String =
+        shape.lines().filter(|l| !l.starts_with("1,") && !l.starts_with("25,")).map(|l| format!("{l}\n")).collect();
+    assert_eq!(free.lines().count(), shape.lines().count() - 2);
+    assert_eq!(sense(&free, &CONTACTS), sense(&shape, &CONTACTS));
+    for moving in ["1,0,1e-9", "25,0.2,0", "25,-1,-1"] {
+        let text = format!("node,ux_mm,uy_mm\n7,0,-1\n{moving}\n8,0,-1\n");
+        let message = sense_text(&text, &["--contact", "19"]).refused();
+        assert_says(&message, &["standard input: line 3: node ", "is clamped, so its displacement must be zero"]);
+    }
+}
+
+#[test]
+fn contacts_keep_the_order_in_which_they_are_given() {
+    let shape = linear_shape(&TRUTH);
+    let order = ["--contact", "23@35", "--contact-at", "114.75@-20", "--contact", "20@10"];
+    let sensed = sense(&shape, &order);
+    assert_eq!(sensed.texts("contact"), ["23", "at", "20"]);
+    assert_close(&sensed.numbers("s_mm"), &[25.5, 114.75, 63.75], 1e-15);
+    assert_close(&sensed.numbers("force_n"), &[2.25, 1.5, -0.4], SENSED);
+    let together = sense(&shape, &["--contact-at", "25.5@35", "114.75@-20", "--contact", "20@10"]);
+    assert_eq!(together.texts("contact"), ["at", "at", "20"]);
+    assert_close(&together.numbers("force_n"), &[2.25, 1.5, -0.4], SENSED);
+}
+
+#[test]
+fn two_angles_on_a_node_ask_for_two_components() {
+    let shape = linear_shape(&[(18, 25.0, 2.0)]);
+    let sensed = sense(&shape, &["--contact", "18", "--contact", "18@90"]);
+    let angle = 25.0_f64.to_radians();
+    assert_close(&sensed.numbers("force_n"), &[2.0 * angle.cos(), 2.0 * angle.sin()], SENSED);
+}
+
+#[test]
+fn twelve_normal_forces_are_told_apart() {
+    let truth: Vec<_> = (13..=24).map(|node| (node, 0.0, 0.1 * (node as f64 - 12.0))).collect();
+    let contacts: Vec<_> = truth.iter().map(|(node, _, _)| node.to_string()).collect();
+    let arguments: Vec<_> = ["--contact"].into_iter().chain(contacts.iter().map(String::as_str)).collect();
+    let forces = sense(&linear_shape(&truth), &arguments).numbers("force_n");
+    assert_close(&forces, &truth.iter().map(|(_, _, force)| *force).collect::<Vec<_>>(), 100.0 * SENSED);
+}
+
+/// One contact, by hand: f = c.u / c.c and sigma = noise / |c|, with c the displacements under 1 N.
+#[test]
+fn force_and_sigma_are_those_of_least_squares() {
+    let unit = displacements(&Csv::of(&linear_shape(&[(17, -15.0, 1.0)])));
+    let large = finray(&["solve", PAPER, "--load", &paper_load(17, 3.0, -15.0)]).done();
+    let measured = displacements(&Csv::of(&large));
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let (cc, cu, uu) = (dot(&unit, &unit), dot(&unit, &measured), dot(&measured, &measured));
+    let contact = ["--contact", "17@-15"];
+    let check = |scene: &str, extra: &[&str], force: f64, noise: f64| {
+        let all = [&["sense", scene, "--displacements", "-"], &contact[..], extra].concat();
+        let sensed = Csv::of(&finray_reading(large.as_bytes(), &all).done());
+        assert_close(&sensed.numbers("force_n"), &[force], SENSED);
+        assert_close(&sensed.numbers("sigma_n"), &[noise / cc.sqrt()], RESIDUAL);
+    };
+    let force = cu / cc;
+    assert!((force - 3.0).abs() > 1e-3, "large rotations leave a residual");
+    check(PAPER, &["--noise-mm", "0.067"], force, 0.067);
+    let exact = sense(&large, &[&contact[..], &["--noise-mm", "0"]].concat());
+    assert_eq!(exact.numbers("sigma_n"), [0.0]);
+    // 23 free nodes measure 46 coordinates.
+    check(PAPER, &[], force, ((uu - cu * cu / cc) / 45.0).sqrt());
+    let folder = Folder::new();
+    let camera = folder.put("camera.toml", paper_with(&[]) + "\n[camera]\nnoise_mm = 0.2\n");
+    check(&camera, &[], force, 0.2);
+    check(&camera, &["--noise-mm", "0.067"], force, 0.067);
+
+    // Ridge: the prior of the paper's forces, 0 to 5 N, is worth (noise / (5 / sqrt 3))^2.
+    let prior = 25.0 / 3.0;
+    let noise: f64 = 20.0;
+    let weight = cc + noise * noise / prior;
+    let all = [&["--estimator", "ridge", "--noise-mm", "20"], &contact[..]].concat();
+    let ridge = sense(&large, &all);
+    assert_close(&ridge.numbers("force_n"), &[cu / weight], SENSED);
+    assert_close(&ridge.numbers("sigma_n"), &[noise / weight.sqrt()], SENSED);
+}
+
+#[test]
+fn without_a_residual_the_uncertainty_is_infinite_and_explained() {
+    let answer = sense_text("node,ux_mm,uy_mm\n7,0.1,-1\n", &["--contact", "16", "--contact", "20"]);
+    assert_eq!(answer.code, Some(0), "{}", answer.err);
+    assert_eq!(Csv::of(&answer.out).numbers("sigma_n"), [f64::INFINITY; 2]);
+    assert_says(&answer.err, &["note: ", "--noise-mm"]);
+    let known = sense("node,ux_mm,uy_mm\n7,0.1,-1\n", &["--contact", "16", "--contact", "20", "--noise-mm", "0.1"]);
+    assert!(known.numbers("sigma_n").iter().all(|sigma| sigma.is_finite()));
+}
+
+#[test]
+fn contacts_that_cannot_be_sensed_are_refused() {
+    let shape = linear_shape(&TRUTH);
+    for (contacts, expected) in [
+        (vec![], "no contact was given"),
+        (vec!["--contact", "1"], "node 1 is clamped"),
+        (vec!["--contact", "25"], "node 25 is clamped"),
+        (vec!["--contact", "26"], "node 26 does not exist"),
+        (vec!["--contact", "0"], "node 0 does not exist"),
+        (vec!["--contact", "12"], "contacts lie on the front plate, nodes 13 (tip) to 24"),
+        (vec!["--contact", "19", "--contact", "2"], "node 2 is not a contact node"),
+        (vec!["--contact", "19", "20", "19"], "contacts 1 and 3 are the same place and direction"),
+        (vec!["--contact", "19@5", "19@5.0"], "contacts 1 and 2 are the same place and direction"),
+        (vec!["--contact", "19", "--contact-at", "76.5"], "contacts 1 and 2 are the same place and direction"),
+        // A force and its opposite are one unknown, whatever they are called.
+        (vec!["--contact", "19", "19@180"], "not identifiable"),
+        (vec!["--contact", "19", "19@360"], "not identifiable"),
+        (vec!["--contact", "19", "19@30", "19@60"], "not identifiable"),
+        (vec!["--contact-at", "0"], "s = 0 mm is not on the front plate"),
+        (vec!["--contact-at", "153.1"], "s = 153.1 mm is not on the front plate"),
+        (vec!["--contact-at", "1e-300"], "not identifiable"),
+        (vec!["--contact", "19@normal"], "`normal` needs an estimator that follows large rotations"),
+        (vec!["--contact", "19@auto"], "`auto` needs an estimator that follows large rotations"),
+        (vec!["--contact-at", "auto"], "`auto` needs an estimator that follows large rotations"),
+        (vec!["--contact", "19@nan"], "expected a finite number"),
+        (vec!["--contact", "19@"], "expected a finite number"),
+        (vec!["--contact", "tip"], "expected the number of a node, found \"tip\""),
+        (vec!["--contact", "19", "--noise-mm=-0.1"], "expected zero or more"),
+        (vec!["--contact", "19", "--noise-mm", "nan"], "expected a finite number"),
+        (vec!["--contact", "19", "--estimator", "guess"], "least-squares"),
+    ] {
+        assert_says(&sense_text(&shape, &contacts).refused(), &[expected]);
+    }
+}
+
+#[test]
+fn a_contact_on_the_rigid_arm_of_the_clamp_moves_nothing() {
+    let folder = Folder::new();
+    let scene = folder.put("scene.toml", paper_with(&[("depth_mm = 20.0", "depth_mm = 20.0\nrod_arm_mm = 2.0")]));
+    let shape = linear_shape(&TRUTH);
+    for contacts in [vec!["--contact-at", "1.5"], vec!["--contact", "19", "--contact-at", "1.5"]] {
+        let all = [&["sense", &scene, "--displacements", "-"], &contacts[..]].concat();
+        let message = finray_reading(shape.as_bytes(), &all).refused();
+        assert_says(&message, &["not identifiable", &format!("contact {} least", contacts.len() / 2)]);
+        assert!(!message.contains("NaN"), "{message}");
+    }
+}
+
+#[test]
+fn measurements_that_cannot_be_read_are_refused_by_file_and_line() {
+    let folder = Folder::new();
+    for (text, expected) in [
+        ("", vec!["expected the columns node,ux_mm,uy_mm, found nothing"]),
+        ("\n\n", vec!["expected the columns node,ux_mm,uy_mm, found nothing"]),
+        ("node,ux_mm,uy_mm\n", vec!["expected rows of node,ux_mm,uy_mm, found none"]),
+        ("node,ux_mm\n7,0\n", vec!["line 1: expected a column uy_mm", "node,ux_mm"]),
+        ("7,0,-1\n8,0,-1\n", vec!["line 1: expected a column node"]),
+        ("node,ux_mm,uy_mm,uy_mm\n7,0,-1,2\n", vec!["line 1: the column uy_mm stands there twice"]),
+        ("node,ux_mm,uy_mm\n7,0,-1\n\n99,0,-1\n", vec!["line 4: node 99 does not exist", "1 to 25"]),
+        ("node,ux_mm,uy_mm\n0,0,-1\n", vec!["line 2: node 0 does not exist"]),
+        ("node,ux_mm,uy_mm\n7,0,-1\n8,0,-1\n7,0,-1\n", vec!["line 4: node 7 is listed twice"]),
+        (
+            "node,ux_mm,uy_mm\r\n7,0,-1\r\n8,left,-1\r\n",
+            vec!["line 3: ux_mm: expected a finite number, found \"left\""],
+        ),
+        ("node,ux_mm,uy_mm\n7,0,NaN\n", vec!["line 2: uy_mm: expected a finite number, found \"NaN\""]),
+        ("node,ux_mm,uy_mm\n7,-inf,0\n", vec!["line 2: ux_mm: expected a finite number"]),
+        ("node,ux_mm,uy_mm\n7,1e999,0\n", vec!["line 2: ux_mm: expected a finite number"]),
+        ("node,ux_mm,uy_mm\n7,,0\n", vec!["line 2: ux_mm: expected a finite number, found \"\""]),
+        ("node,ux_mm,uy_mm\n7.0,0,0\n", vec!["line 2: node: expected the number of a node, found \"7.0\""]),
+        ("node,ux_mm,uy_mm\n-7,0,0\n", vec!["line 2: node: expected the number of a node, found \"-7\""]),
+        ("node,ux_mm,uy_mm\n7,\"0\n0\",0\n", vec!["line 2: ux_mm: expected a finite number, found \"0\\n0\""]),
+        ("node,ux_mm,uy_mm\r\n7,0,-1\r\n8,0\r\n", vec!["line 3: expected 3 columns as in the header, found 2"]),
+        ("node,ux_mm,uy_mm\n7,0,-1\n8,0,-1,5\n", vec!["line 3: expected 3 columns as in the header, found 4"]),
+        ("node;ux_mm;uy_mm\n7;0;-1\n", vec!["line 1: expected a column node", "node;ux_mm;uy_mm"]),
+        ("node,ux_mm,uy_mm\n7,0,\"-1\n8,0,-1\n", vec!["line 2: uy_mm: expected a finite number, found \"-1\\n8,0,-1"]),
+    ] {
+        let path = folder.put("measured.csv", text);
+        let message = finray(&["sense", PAPER, "--displacements", &path, "--contact", "19"]).refused();
+        assert_says(&message, &[&[path.as_str()], &expected[..]].concat());
+    }
+    let path = folder.put("measured.csv", b"node,ux_mm,uy_mm\n7,0,-1\n\xff,0,0\n");
+    let message = finray(&["sense", PAPER, "--displacements", &path, "--contact", "19"]).refused();
+    assert_says(&message, &[&path, "line 3: expected text in UTF-8"]);
+    for path in [folder.path("missing.csv"), folder.path("")] {
+        let message = finray(&["sense", PAPER, "--displacements", &path, "--contact", "19"]).refused();
+        assert_says(&message, &[&path, "cannot be read"]);
+    }
+}
+
+#[test]
+fn more_unknowns_than_coordinates_are_refused() {
+    let two_markers = "node,ux_mm,uy_mm\n7,0,-1\n8,0,-1\n";
+    let five = ["--contact", "14", "16", "18", "20", "22"];
+    let message = sense_text(two_markers, &five).refused();
+    assert_says(&message, &["not identifiable", "5 unknown forces", "4 measured coordinates"]);
+    let message = sense_text("node,ux_mm,uy_mm\n1,0,0\n25,0,0\n", &["--contact", "19"]).refused();
+    assert_says(&message, &["1 unknown force", "0 measured coordinates"]);
+}
