@@ -105,7 +105,12 @@ pub fn youngs_modulus(finger: &Finger, cases: &[CalibrationCase]) -> Result<Modu
             curvature += weight * (v.norm_squared() - (v.dot(&away) / distance).powi(2)) / distance;
         }
     }
-    let sigma_c = if curvature > 0.0 { scatter.sqrt() / curvature } else { 0.0 };
+    let sigma_c = match nodes.len() {
+        // One node leaves no scatter to judge by.
+        1 => f64::INFINITY,
+        count if curvature > 0.0 => (scatter * count as f64 / (count as f64 - 1.0)).sqrt() / curvature,
+        _ => 0.0,
+    };
     Ok(ModulusEstimate {
         factor: 1.0 / c,
         sigma: sigma_c / (c * c),

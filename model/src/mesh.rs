@@ -83,7 +83,7 @@ pub struct MeshSizeError {
 }
 
 /// Largest mesh that is made, far beyond any use.
-const MOST_NODES: usize = 1_000_000;
+const MOST_NODES: usize = 200_000;
 
 /// A stretch of plate or a rib, as the nodes along it.
 #[derive(Debug, Clone, PartialEq)]
@@ -309,12 +309,13 @@ impl Mesh {
             BeamEnd { node, rotation, arm }
         });
         let place = self.finger.plate_places_mm(Plate::Front)[rib + 1];
+        // A rib on the border of two adjoining zones belongs to the one that begins there.
         let factor: f64 = self
             .finger
             .description()
             .zones
             .iter()
-            .filter(|zone| zone.part == Part::Ribs && zone.from_mm <= place && place <= zone.to_mm)
+            .filter(|zone| zone.part == Part::Ribs && zone.from_mm <= place && place < zone.to_mm)
             .map(|zone| zone.modulus_factor)
             .product();
         self.add_line(Part::Ribs, ends, &vec![section.scaled(factor); elements]);

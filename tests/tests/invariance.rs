@@ -109,9 +109,9 @@ proptest! {
         }
     }
 
-    /// A rigid motion of the whole frame strains nothing: no energy, no forces, from 1e-9 to pi.
+    /// A rigid motion of the whole frame strains nothing, from 1e-9 rad to more than a full turn.
     #[test]
-    fn rigid_rotation_costs_nothing(finger in finger(), exponent in -9.0..0.49, negative in any::<bool>(), shift in [-5.0..5.0, -5.0..5.0]) {
+    fn rigid_rotation_costs_nothing(finger in finger(), exponent in -9.0..0.9, negative in any::<bool>(), shift in [-5.0..5.0, -5.0..5.0]) {
         let turn = 10_f64.powf(exponent) * if negative { -1.0 } else { 1.0 };
         let mesh = Mesh::with_elements_per_member(&finger, 2);
         let frame = mesh.frame();

@@ -1,7 +1,8 @@
 //! What holds for every finger in equilibrium.
 
+use finray_model::finger::{FingerDescription, Joints, RibDescription, RibPlaces, Strip};
 use finray_model::frame::FrameMotion;
-use finray_model::statics::{FrameLoad, Statics, elastic_energy, reaction, solve};
+use finray_model::statics::{FrameLoad, Statics, StaticsError, elastic_energy, reaction, solve};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
 use finray_tests::{cases, contact_node, finger, finger_with_zones, force_for_deflection};
 use proptest::prelude::*;
@@ -66,34 +67,43 @@ proptest! {
         prop_assert!(work > 0.0);
     }
 
-    /// Forces and moments of loads and supports balance in the deformed place, for every kinematics.
+    /// Forces and moments of loads and supports balance in the deformed place, for every kinematics; with a moment, and
+    /// a load between nodes or on an arm.
     #[test]
-    fn loads_and_reactions_balance(finger in finger_with_zones(), at in 0.0..1.0, angle in -90.0..90.0, share in 0.001..0.06) {
+    fn loads_and_reactions_balance(
+        finger in finger_with_zones(),
+        at in [0.0..1.0, 0.03..1.0],
+        angle in -90.0..90.0,
+        share in 0.001..0.03,
+    ) {
         let mesh = Mesh::with_elements_per_member(&finger, 2);
-        let node = contact_node(&finger, at);
+        let node = contact_node(&finger, at[0]);
         let force = force_for_deflection(&finger, node, angle, share);
-        for kinematics in KINEMATICS {
-            let load = mesh.frame_load(&Load::at_node(node, force)).expect("a contact node");
-            let Ok(equilibrium) = Statics::sparse(mesh.frame(), kinematics).equilibrium(&[load]) else { continue };
-            // Small displacements balance in the undeformed place.
-            let place = |motion: &FrameMotion, index: usize| match kinematics {
-                Kinematics::Linear => mesh.frame().position(index),
-                _ => mesh.frame().position(index) + motion.displacements[index],
-            };
-            let motion = &equilibrium.motion;
-            let mut sum = force;
-            let mut moment = place(motion, mesh.frame_node(node)).perp(&force);
-            for clamp in finger.clamped_nodes() {
-                let index = mesh.frame_node(clamp);
-                let reaction = reaction(mesh.frame(), motion, kinematics, index);
-                sum += reaction.force;
-                moment += place(motion, index).perp(&reaction.force) + reaction.moment_nmm;
+        let length = finger.description().front_length_mm;
+        let at_node = Load::Node { node, force, moment_nmm: 0.01 * length * force.norm() };
+        for load in [at_node, Load::at_place(at[1] * length, force)] {
+            let load = mesh.frame_load(&load).expect("on the finger");
+            for kinematics in KINEMATICS {
+                let Ok(equilibrium) = Statics::sparse(mesh.frame(), kinematics).equilibrium(&[load]) else { continue };
+                let motion = &equilibrium.motion;
+                // Small displacements balance in the undeformed place.
+                let place = |index: usize| match kinematics {
+                    Kinematics::Linear => mesh.frame().position(index),
+                    _ => mesh.frame().position(index) + motion.displacements[index],
+                };
+                let reactions = finger.clamped_nodes().map(|clamp| {
+                    reaction(mesh.frame(), motion, kinematics, &[load], mesh.frame_node(clamp))
+                });
+                let sum: Vector = force + reactions[0].force + reactions[1].force;
+                let tolerance = 1e-7 * force.norm();
+                prop_assert!(sum.norm() <= tolerance, "{kinematics:?}: forces {sum}");
+                if let FrameLoad::Node { node, moment_nmm, .. } = load {
+                    let moment: f64 = place(node).perp(&force)
+                        + moment_nmm
+                        + reactions.iter().map(|r| place(r.node).perp(&r.force) + r.moment_nmm).sum::<f64>();
+                    prop_assert!(moment.abs() <= tolerance * length, "{kinematics:?}: moment {moment}");
+                }
             }
-            // Internal forces exceed the load by the ratio of length to thickness; rounding does too.
-            let tolerance = 1e-7 * force.norm();
-            prop_assert!(sum.norm() <= tolerance, "{kinematics:?}: forces {sum}");
-            let arm = finger.description().front_length_mm;
-            prop_assert!(moment.abs() <= tolerance * arm, "{kinematics:?}: moment {moment} against {}", force.norm() * arm);
         }
     }
 
@@ -137,7 +147,7 @@ proptest! {
     }
 
     /// The full load at once leads to the same equilibrium as 100 small steps; where the small steps meet a limit load,
-    /// the full load is refused too. (Without a rule against it, one finger in a hundred jumps over a buckling load.)
+    /// the full load is refused too.
     #[test]
     fn no_limit_load_is_jumped_over(finger in finger_with_zones(), at in 0.0..1.0, angle in -80.0..80.0, share in 0.005..0.03) {
         let mesh = Mesh::key_nodes(&finger);
@@ -252,4 +262,60 @@ fn paper_mesh_has_the_papers_size() {
     // 695 elements, those of the base line included, which lie between two clamps.
     assert_eq!(fine.frame().members().len() + base_line + 1, 695);
     assert_eq!(scene.finger.position(NodeId(13)), Vector::new((153.0_f64 * 153.0 - 29.0 * 29.0).sqrt(), 0.0));
+}
+
+/// A finger whose thin back plate buckles at 3.7 % of the load: taken at once, the whole load once led to a shape far
+/// beyond (found by turning the scene).
+#[test]
+fn a_buckling_load_is_not_jumped_over() {
+    let strip = |thickness_mm, youngs_modulus_mpa| Strip { thickness_mm, youngs_modulus_mpa };
+    let finger = Finger::new(FingerDescription {
+        base_width_mm: 40.0,
+        front_length_mm: 154.6877,
+        back_length_mm: 162.3778,
+        depth_mm: 8.0,
+        rod_arm_mm: 0.0,
+        poissons_ratio: 0.0,
+        front: strip(1.94819, 181.17),
+        back: strip(0.5, 353.372),
+        ribs: RibDescription {
+            places: RibPlaces::Positions(vec![[59.8018, 29.6223], [120.8031, 74.9941]]),
+            joints: Joints::Hinged,
+            strip: None,
+        },
+        zones: Vec::new(),
+    })
+    .expect("possible");
+    let mesh = Mesh::key_nodes(&finger);
+    let load = mesh.frame_load(&Load::at_node(NodeId(4), Vector::new(0.4211, -1.07))).expect("the tip");
+    let mut statics = Statics::ladder(&mesh, Kinematics::Corotational);
+    match statics.equilibrium(&[load]) {
+        Err(StaticsError::NoEquilibrium { converged_fraction }) => {
+            assert!((0.03..0.045).contains(&converged_fraction), "{converged_fraction}");
+        }
+        other => panic!("expected the buckling load, found {other:?}"),
+    }
+}
+
+/// The shallow-arch strain is what makes the coarse mesh accurate: at 3 N within 1 % of the fine mesh at every node,
+/// where the strain of the chord is several per cent off.
+#[test]
+fn shallow_arch_strain_makes_coarse_meshes_accurate() {
+    let finger =
+        finray_model::Scene::from_toml(include_str!("../../fixtures/scenes/paper.toml")).expect("paper scene").finger;
+    let coarse = Mesh::key_nodes(&finger);
+    let fine = Mesh::with_nodes(&finger, 684).expect("fine mesh");
+    let mut worst = [0.0_f64; 2];
+    for node in (14..=24).map(NodeId) {
+        let load = Load::at_node(node, finger.direction(0.0) * 3.0);
+        let reference = solve(&fine, &[load], Kinematics::Corotational).expect("3 N are carried");
+        for (worst, kinematics) in worst.iter_mut().zip([Kinematics::Corotational, Kinematics::CorotationalChord]) {
+            let ours = solve(&coarse, &[load], kinematics).expect("3 N are carried");
+            for (a, b) in ours.motions().iter().zip(reference.motions()) {
+                *worst = worst.max((a.displacement - b.displacement).norm() / reference.largest_displacement_mm());
+            }
+        }
+    }
+    assert!(worst[0] <= 0.01, "shallow arch: {}", worst[0]);
+    assert!((0.03..0.1).contains(&worst[1]), "chord: {}", worst[1]);
 }

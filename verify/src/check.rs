@@ -60,6 +60,11 @@ impl Check {
     }
 }
 
+/// The largest of some figures; not a number if one of them is not, so that it cannot hide behind the others.
+pub fn worst(figures: impl IntoIterator<Item = f64>) -> f64 {
+    figures.into_iter().fold(0.0, |worst: f64, figure| if worst.is_nan() || worst >= figure { worst } else { figure })
+}
+
 /// Two figures side by side where a difference is expected and nothing is promised.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {

@@ -21,7 +21,10 @@ use crate::mesh::{FingerShape, Load, LoadError, Mesh};
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum StaticsError {
     /// The frame can move without deforming, or its stiffness is not a number.
-    #[error("the frame is not held: it can move without deforming, or a stiffness in it is not a finite number")]
+    #[error(
+        "the linear equations have no solution in double precision: the frame can move without deforming, its mesh is too \
+         fine, or its stiffness or displacements are beyond the largest number"
+    )]
     NotHeld,
     /// The load is not on the finger.
     #[error(transparent)]

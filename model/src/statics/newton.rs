@@ -24,6 +24,8 @@ const MAX_STEP_ROTATION: f64 = 0.8;
 /// rotation predicted. On a smooth path that holds for every step that is short enough; a snap to another branch hardly
 /// ever passes: of 4500 random fingers, 71 jumped over a limit load without this rule, one with it.
 const MAX_PREDICTION_ERROR: f64 = 0.5;
+/// Rotations, rad, that count as none: a frame that only stretches turns by rounding alone.
+const ROTATION_NOISE: f64 = 1e-9;
 /// Load steps that converge in this many iterations are doubled.
 const EASY_ITERATIONS: usize = 6;
 /// Smallest load step, as a share of the whole load.
@@ -181,12 +183,15 @@ impl<E: EquilibriumEquations> Statics<E> {
             if !near_enough {
                 return Err(Rejected::TooFar);
             }
+            if work.is_nan() {
+                return Err(Rejected::TooFar);
+            }
             let relative = (work / scale).max(0.0).sqrt();
             let next = relative.powi(3) / (previous * previous);
             let converges = previous <= 1.0 && relative <= QUADRATIC_RANGE && next <= CORRECTION_TOLERANCE;
             let stagnates = relative <= STAGNATION_TOLERANCE && relative > 0.25 * previous;
             if work <= 0.0 || converges || stagnates {
-                let follows = linear || surprise <= MAX_PREDICTION_ERROR * predicted_turn;
+                let follows = linear || surprise <= MAX_PREDICTION_ERROR * predicted_turn + ROTATION_NOISE;
                 return if follows { Ok(iteration) } else { Err(Rejected::TooFar) };
             }
             previous = relative;

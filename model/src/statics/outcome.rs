@@ -1,8 +1,9 @@
 //! What an equilibrium holds: elastic energy, and the forces of the supports.
 
+use super::FrameLoad;
 use crate::Vector;
-use crate::element::Kinematics;
-use crate::frame::{FrameMotion, NodeIndex, PlaneFrame};
+use crate::element::{ElementVector, Kinematics};
+use crate::frame::{BeamEnd, FrameMotion, NodeIndex, PlaneFrame};
 
 /// Elastic energy of a frame in a motion, N mm.
 pub fn elastic_energy(frame: &PlaneFrame, motion: &FrameMotion, kinematics: Kinematics) -> f64 {
@@ -20,21 +21,42 @@ pub struct Reaction {
     pub moment_nmm: f64,
 }
 
-/// What must act on a node from outside for the beams that end there to be in equilibrium: at a support its reaction,
-/// at a free node the load on it.
+/// What must act on a node from outside, beside the loads, for all that ends there to be in equilibrium: at a support
+/// its reaction, at a free node nothing.
 ///
 /// Beams are summed, so the node must not belong to a rigid link.
-pub fn reaction(frame: &PlaneFrame, motion: &FrameMotion, kinematics: Kinematics, node: NodeIndex) -> Reaction {
+pub fn reaction(
+    frame: &PlaneFrame,
+    motion: &FrameMotion,
+    kinematics: Kinematics,
+    loads: &[FrameLoad],
+    node: NodeIndex,
+) -> Reaction {
     let mut reaction = Reaction { node, force: Vector::zeros(), moment_nmm: 0.0 };
-    for member in frame.members().iter().filter(|m| m.ends.iter().any(|end| end.node == node)) {
-        let g = frame.member_response(motion, member, kinematics).gradient;
-        for (end, g) in member.ends.iter().zip([[g[0], g[1], g[2]], [g[3], g[4], g[5]]]) {
+    let mut add = |ends: &[BeamEnd; 2], gradient: &ElementVector| {
+        for (end, g) in ends.iter().zip([gradient.fixed_rows::<3>(0), gradient.fixed_rows::<3>(3)]) {
             if end.node == node {
                 reaction.force += Vector::new(g[0], g[1]);
                 if end.rotation == frame.rotation_of(node) {
                     reaction.moment_nmm += g[2];
                 }
             }
+        }
+    };
+    for member in frame.members() {
+        if member.ends.iter().any(|end| end.node == node) {
+            add(&member.ends, &frame.member_response(motion, member, kinematics).gradient);
+        }
+    }
+    for load in loads {
+        if let FrameLoad::Interior { member, xi, force } = *load {
+            let potential = frame.interior_load(motion, member, kinematics, xi, force);
+            add(&frame.members()[member].ends, &potential.gradient);
+        } else {
+            let (end, force, moment_nmm) = load.at_end(frame);
+            let potential = frame.end_load(motion, end, force, moment_nmm, kinematics == Kinematics::Linear);
+            // The second end of the pair carries nothing.
+            add(&[end, end], &potential.gradient);
         }
     }
     reaction

@@ -4,7 +4,7 @@
 //! two must agree to the digits printed.
 
 use super::ProblemError;
-use crate::check::{Check, Comparison};
+use crate::check::{Check, Comparison, worst};
 use crate::fixtures;
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector, statics};
 use serde::Deserialize;
@@ -70,14 +70,11 @@ fn deviation(finger: &Finger, rows: &[Row]) -> Result<CaseDeviation, ProblemErro
     let mesh = Mesh::with_nodes(finger, first.mesh_nodes)?;
     let load = Load::Node { node: load_node, force, moment_nmm: first.m_nmm };
     let shape = statics::solve(&mesh, &[load], kinematics)?;
-    let (mut largest, mut displacement, mut rotation_rad) = (0.0, 0.0, 0.0);
-    for row in rows {
-        let ours = shape.motion(NodeId(row.node));
-        let theirs = Vector::new(row.ux_mm, row.uy_mm);
-        largest = f64::max(largest, theirs.norm());
-        displacement = f64::max(displacement, (ours.displacement - theirs).norm());
-        rotation_rad = f64::max(rotation_rad, (ours.rotation - row.theta_rad).abs());
-    }
+    let theirs = |row: &Row| Vector::new(row.ux_mm, row.uy_mm);
+    let ours = |row: &Row| shape.motion(NodeId(row.node));
+    let largest = worst(rows.iter().map(|row| theirs(row).norm()));
+    let displacement = worst(rows.iter().map(|row| (ours(row).displacement - theirs(row)).norm()));
+    let rotation_rad = worst(rows.iter().map(|row| (ours(row).rotation - row.theta_rad).abs()));
     Ok(CaseDeviation {
         case: first.case,
         kinematics,
@@ -106,10 +103,10 @@ pub fn paper_checks(paper: &Finger) -> Result<Vec<Check>, ProblemError> {
                 _ => ("co-rotational (chord strain)", COROTATIONAL_TOLERANCE),
             };
             let problem = format!("paper finger, {name}, {mesh_nodes} nodes, {} load cases", group.clone().count());
-            let worst = |figure: fn(&CaseDeviation) -> f64| group.clone().map(figure).fold(0.0, f64::max);
+            let over_all = |figure: fn(&CaseDeviation) -> f64| worst(group.clone().map(figure));
             [
-                ("largest displacement difference / largest displacement", worst(|d| d.displacement)),
-                ("largest rotation difference (rad)", worst(|d| d.rotation_rad)),
+                ("largest displacement difference / largest displacement", over_all(|d| d.displacement)),
+                ("largest rotation difference (rad)", over_all(|d| d.rotation_rad)),
             ]
             .map(|(quantity, ours)| Check::new(problem.clone(), "OpenSees", quantity, 0.0, ours, tolerance))
         })
