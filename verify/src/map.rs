@@ -62,14 +62,19 @@ pub struct MapRequest {
 }
 
 impl MapRequest {
-    /// Places that divide every stretch between two nodes of the front plate into `per_stretch`, up to the tip, and
-    /// directions from -80 to 80 degrees in steps of `step_deg`.
-    pub fn grid(finger: &Finger, per_stretch: usize, step_deg: f64) -> (Vec<f64>, Vec<f64>) {
+    /// About `places` places up to the tip, which divide every stretch between two nodes of the front plate alike (or
+    /// skip nodes where there are too many), and directions from -80 to 80 degrees in steps of `step_deg`.
+    pub fn grid(finger: &Finger, places: usize, step_deg: f64) -> (Vec<f64>, Vec<f64>) {
         let nodes = finger.plate_places_mm(Plate::Front);
-        let places = nodes
+        let stretches = nodes.len() - 1;
+        let per_stretch = (places / stretches).max(1);
+        let every = (stretches / places).max(1);
+        let divided = nodes
             .windows(2)
-            .flat_map(|w| (1..=per_stretch).map(move |i| w[0] + (w[1] - w[0]) * i as f64 / per_stretch as f64))
-            .collect();
+            .flat_map(|w| (1..=per_stretch).map(move |i| w[0] + (w[1] - w[0]) * i as f64 / per_stretch as f64));
+        // Counted from the tip, so that the tip is always among them.
+        let mut places: Vec<f64> = divided.collect::<Vec<_>>().into_iter().rev().step_by(every).collect();
+        places.reverse();
         let steps = (80.0 / step_deg).floor() as i32;
         (places, (-steps..=steps).map(|i| f64::from(i) * step_deg).collect())
     }

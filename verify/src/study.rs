@@ -31,11 +31,11 @@ pub enum Effort {
 }
 
 impl Effort {
-    /// Places between two nodes, degrees between two directions, and noise pictures a cell.
+    /// Places along the front plate, degrees between two directions, and noise pictures a cell.
     fn resolution(self) -> (usize, f64, usize) {
         match self {
-            Effort::Quick => (2, 20.0, 100),
-            Effort::Full => (4, 5.0, 400),
+            Effort::Quick => (24, 20.0, 100),
+            Effort::Full => (48, 5.0, 400),
         }
     }
 }
@@ -126,8 +126,8 @@ impl Study {
         let (coarse, fine) = (Mesh::key_nodes(finger), fine_mesh(finger)?);
         let linear = MeshTruth::new("linear", &coarse, Kinematics::Linear)?;
         let corotational = MeshTruth::new("corotational", &fine, Kinematics::Corotational)?;
-        let (per_stretch, step_deg, noise_pictures) = effort.resolution();
-        let (places_mm, angles_deg) = MapRequest::grid(finger, per_stretch, step_deg);
+        let (places, step_deg, noise_pictures) = effort.resolution();
+        let (places_mm, angles_deg) = MapRequest::grid(finger, places, step_deg);
         let cells = places_mm.len() * angles_deg.len();
         let request = MapRequest {
             places_mm,

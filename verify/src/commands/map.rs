@@ -55,8 +55,8 @@ enum TruthArgument {
     Corotational,
 }
 
-/// Places between two nodes, and degrees between two directions.
-const RESOLUTION: (usize, f64) = (4, 5.0);
+/// Places along the front plate, and degrees between two directions.
+const RESOLUTION: (usize, f64) = (48, 5.0);
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = load_scene(&arguments.scene)?;
