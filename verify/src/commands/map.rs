@@ -33,7 +33,7 @@ pub struct Arguments {
     /// Size of the force, N
     #[arg(long, value_name = "F", default_value_t = 3.0, value_parser = positive)]
     force_n: f64,
-    /// Standard deviation of one measured coordinate, mm; the scene's [camera] if not given, else none
+    /// Standard deviation of one measured coordinate, mm; the scene's camera table if not given, else none
     #[arg(long, value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
     /// Number of noise pictures that a cell's error is averaged over

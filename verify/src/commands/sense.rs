@@ -15,7 +15,7 @@ use std::path::PathBuf;
 /// Reads node,ux_mm,uy_mm (further columns are ignored, nodes may be missing) and writes
 /// contact,s_mm,angle_deg,force_n,sigma_n, a row a contact. The direction of each force is an angle from the front
 /// plate's undeformed inward normal, positive towards the tip; 0 if left out. Give a node twice with two angles to ask
-/// for two components. Uncertainty comes from --noise-mm, else from the scene's [camera], else from the residual.
+/// for two components. Uncertainty comes from --noise-mm, else from the scene's camera table, else from the residual.
 ///
 /// Examples:
 ///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact 19
