@@ -8,7 +8,8 @@
 //! undeformable members are exact, without penalty stiffness.
 
 use crate::Vector;
-use crate::element::{Beam, EndMotion, Kinematics, Response};
+use crate::element::{Beam, ElementVector, EndMotion, Kinematics, Response};
+use crate::statics::FrameLoad;
 use nalgebra::{SMatrix, SVector};
 
 /// Index of a node of a frame, from 0.
@@ -427,5 +428,47 @@ impl PlaneFrame {
         potential.gradient.fixed_rows_mut::<3>(0).copy_from_slice(&[-force.x, -force.y, -moment_nmm]);
         self.carry_over_arms(motion, &[end, end], &mut potential, linear);
         potential
+    }
+
+    /// How the forces of a load on its member's nodes change per mm that the load moves towards the second end.
+    pub(crate) fn interior_load_slope(
+        &self,
+        motion: &FrameMotion,
+        member: usize,
+        kinematics: Kinematics,
+        xi: f64,
+        force: Vector,
+    ) -> ElementVector {
+        let linear = kinematics == Kinematics::Linear;
+        let member = &self.members[member];
+        let motions = self.end_motions(motion, &member.ends, linear);
+        let gradient = member.beam.interior_load_slope(kinematics, xi, force, &motions);
+        let mut slope = Response { energy: 0.0, gradient, tangent: SMatrix::zeros() };
+        self.carry_over_arms(motion, &member.ends, &mut slope, linear);
+        slope.gradient
+    }
+
+    /// The same for a load on an arm that lengthens in the direction `along` (undeformed).
+    pub(crate) fn arm_load_slope(
+        &self,
+        motion: &FrameMotion,
+        end: BeamEnd,
+        along: Vector,
+        force: Vector,
+        linear: bool,
+    ) -> ElementVector {
+        let along = turned(along, motion.rotations[end.rotation], linear);
+        ElementVector::new(0.0, 0.0, along.perp(&force), 0.0, 0.0, 0.0)
+    }
+
+    /// Rotation of what carries a load, rad.
+    pub(crate) fn rotation_at(&self, motion: &FrameMotion, load: &FrameLoad) -> f64 {
+        match *load {
+            FrameLoad::Interior { member, xi, .. } => {
+                let member = &self.members[member];
+                member.beam.interior_rotation(xi, &self.end_motions(motion, &member.ends, false))
+            }
+            FrameLoad::Node { .. } | FrameLoad::Arm { .. } => motion.rotations[load.at_end(self).0.rotation],
+        }
     }
 }

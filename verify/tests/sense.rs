@@ -175,11 +175,11 @@ fn contacts_that_cannot_be_sensed_are_refused() {
         (vec!["--contact-at", "0"], "s = 0 mm is not on the front plate"),
         (vec!["--contact-at", "153.1"], "s = 153.1 mm is not on the front plate"),
         (vec!["--contact-at", "1e-300"], "not identifiable"),
-        (vec!["--contact", "19@normal"], "`normal` needs an estimator that follows large rotations"),
-        (vec!["--contact", "19@auto"], "`auto` needs an estimator that follows large rotations"),
-        (vec!["--contact-at", "auto"], "`auto` needs an estimator that follows large rotations"),
-        (vec!["--contact", "19@nan"], "expected a finite number"),
-        (vec!["--contact", "19@"], "expected a finite number"),
+        (vec!["--contact", "19@normal"], "`normal` or `auto` needs --estimator nonlinear"),
+        (vec!["--contact", "19@auto"], "`normal` or `auto` needs --estimator nonlinear"),
+        (vec!["--contact-at", "auto"], "`normal` or `auto` needs --estimator nonlinear"),
+        (vec!["--contact", "19@nan"], "expected an angle in degrees, `normal` or `auto`"),
+        (vec!["--contact", "19@"], "expected an angle in degrees, `normal` or `auto`"),
         (vec!["--contact", "tip"], "expected the number of a node, found \"tip\""),
         (vec!["--contact", "19", "--noise-mm=-0.1"], "expected zero or more"),
         (vec!["--contact", "19", "--noise-mm", "nan"], "expected a finite number"),
@@ -252,4 +252,20 @@ fn more_unknowns_than_coordinates_are_refused() {
     assert_says(&message, &["not identifiable", "5 unknown forces", "4 measured coordinates"]);
     let message = sense_text("node,ux_mm,uy_mm\n1,0,0\n25,0,0\n", &["--contact", "19"]).refused();
     assert_says(&message, &["1 unknown force", "0 measured coordinates"]);
+}
+
+/// The nonlinear estimator finds place and direction on the large-rotation finger.
+#[test]
+fn the_nonlinear_estimator_finds_place_and_direction() {
+    let folder = Folder::new();
+    let shape = folder.path("shape.csv");
+    finray(&["solve", PAPER, "--load-at", "80:2.5,15", "--mesh-nodes", "684", "--out", &shape]).done();
+    for contact in ["auto@15", "80@auto", "auto@auto"] {
+        let nonlinear =
+            ["sense", PAPER, "--displacements", &shape, "--estimator", "nonlinear", "--contact-at", contact];
+        let sensed = Csv::of(&finray(&nonlinear).done());
+        assert!((sensed.numbers("s_mm")[0] - 80.0).abs() < 0.05, "{contact}");
+        assert!((sensed.numbers("angle_deg")[0] - 15.0).abs() < 0.05, "{contact}");
+        assert_close(&sensed.numbers("force_n"), &[2.5], 2.5e-3);
+    }
 }

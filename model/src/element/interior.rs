@@ -3,6 +3,29 @@
 use super::{Beam, Chord, ElementMatrix, ElementVector, EndMotion, Kinematics, Response};
 use crate::Vector;
 
+/// How far a point between the ends follows the ends: shares of their displacements, and the levers (mm) with which
+/// their rotations against the chord lift it.
+#[derive(Debug, Clone, Copy)]
+struct Shape {
+    shares: [f64; 2],
+    levers: [f64; 2],
+}
+
+impl Shape {
+    /// The cubic beam at the fraction `xi` of its length.
+    fn at(xi: f64, length_mm: f64) -> Shape {
+        let rest = 1.0 - xi;
+        Shape { shares: [rest, xi], levers: [length_mm * xi * rest * rest, -length_mm * xi * xi * rest] }
+    }
+
+    /// Its derivative by `xi`.
+    fn slope_at(xi: f64, length_mm: f64) -> Shape {
+        let rest = 1.0 - xi;
+        let levers = [length_mm * rest * (1.0 - 3.0 * xi), -length_mm * xi * (2.0 - 3.0 * xi)];
+        Shape { shares: [-1.0, 1.0], levers }
+    }
+}
+
 impl Beam {
     /// Work of a dead force at the fraction `xi` (0..1) of the undeformed length, with its derivatives: the
     /// consistent nodal loads and their change with the motion.
@@ -11,22 +34,48 @@ impl Beam {
     /// w = L (phi_a xi (1 - xi)^2 - phi_b xi^2 (1 - xi)). With linear kinematics the derivatives are the well-known
     /// equivalent loads of the cubic beam, so displacements at the ends are exact.
     pub fn interior_work(&self, kinematics: Kinematics, xi: f64, force: Vector, motion: &[EndMotion; 2]) -> Response {
+        self.work_on(kinematics, Shape::at(xi, self.length_mm), force, motion)
+    }
+
+    /// Derivative of the nodal loads of [`interior_work`](Beam::interior_work) by the place of the force, per mm.
+    pub fn interior_load_slope(
+        &self,
+        kinematics: Kinematics,
+        xi: f64,
+        force: Vector,
+        motion: &[EndMotion; 2],
+    ) -> ElementVector {
+        // The work is linear in the shape, and so are its derivatives.
+        self.work_on(kinematics, Shape::slope_at(xi, self.length_mm), force, motion).gradient / self.length_mm
+    }
+
+    /// Rotation of the beam's axis at the fraction `xi` of its length, rad: the chord's plus the slope of the deflection.
+    pub fn interior_rotation(&self, xi: f64, motion: &[EndMotion; 2]) -> f64 {
+        let chord = Chord::deformed(self, motion);
+        let deformation = chord.deformation(motion);
+        let levers = Shape::slope_at(xi, self.length_mm).levers;
+        // Measured from the first end's rotation, which counts full turns; the chord's own does not.
+        let chord_rotation = motion[0].rotation - deformation[1];
+        chord_rotation + (levers[0] * deformation[1] + levers[1] * deformation[2]) / self.length_mm
+    }
+
+    fn work_on(&self, kinematics: Kinematics, shape: Shape, force: Vector, motion: &[EndMotion; 2]) -> Response {
         let linear = kinematics == Kinematics::Linear;
         let chord = if linear { Chord::undeformed(self) } else { Chord::deformed(self, motion) };
         let deformation = if linear { chord.linear_deformation(motion) } else { chord.deformation(motion) };
         let gradients = chord.gradients();
 
         // Deflection w and its gradient.
-        let lever = [self.length_mm * xi * (1.0 - xi).powi(2), -self.length_mm * xi.powi(2) * (1.0 - xi)];
-        let deflection = lever[0] * deformation[1] + lever[1] * deformation[2];
-        let by_deflection = (gradients.row(1) * lever[0] + gradients.row(2) * lever[1]).transpose();
+        let Shape { shares, levers } = shape;
+        let deflection = levers[0] * deformation[1] + levers[1] * deformation[2];
+        let by_deflection = (gradients.row(1) * levers[0] + gradients.row(2) * levers[1]).transpose();
 
         let (along, across) = (force.dot(&chord.along), force.dot(&chord.across));
-        let chord_point = motion[0].displacement * (1.0 - xi) + motion[1].displacement * xi;
-        let ends = force * (1.0 - xi);
+        let chord_point = motion[0].displacement * shares[0] + motion[1].displacement * shares[1];
+        let ends = shares.map(|share| force * share);
         let energy = force.dot(&chord_point) + across * deflection;
         let mut gradient =
-            ElementVector::new(ends.x, ends.y, 0.0, force.x * xi, force.y * xi, 0.0) + by_deflection * across;
+            ElementVector::new(ends[0].x, ends[0].y, 0.0, ends[1].x, ends[1].y, 0.0) + by_deflection * across;
         let mut tangent = ElementMatrix::zeros();
         if !linear {
             // The chord turns with the ends: d(across) = -along d(rotation), d(along) = across d(rotation); and the
@@ -35,7 +84,7 @@ impl Beam {
             gradient -= turning * (along * deflection);
             tangent = -(by_deflection * turning.transpose() + turning * by_deflection.transpose()) * along
                 - turning * turning.transpose() * (across * deflection)
-                - chord.rotation_hessian() * (along * deflection + across * (lever[0] + lever[1]));
+                - chord.rotation_hessian() * (along * deflection + across * (levers[0] + levers[1]));
         }
         Response { energy, gradient, tangent }
     }

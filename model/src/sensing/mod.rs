@@ -1,8 +1,10 @@
 //! From measured displacements back to contact forces.
 
 mod linear;
+mod nonlinear;
 
 pub use linear::{LinearEstimator, Prior};
+pub use nonlinear::{NonlinearEstimate, NonlinearEstimator, sense_refining};
 
 use crate::Vector;
 use crate::finger::{Finger, NodeId, Plate};
@@ -47,6 +49,42 @@ impl Contact {
             ContactPlace::Node(node) => finger.front_place_mm(node),
             ContactPlace::Place(s_mm) => Some(s_mm),
         }
+    }
+}
+
+/// Direction of a force that is asked about.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Direction {
+    /// Known, degrees from the undeformed inward normal, positive towards the tip.
+    Angle(f64),
+    /// Along the inward normal of the deformed plate.
+    Normal,
+    /// Unknown.
+    Auto,
+}
+
+/// A contact whose force is sought, and perhaps its place and direction too.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactQuestion {
+    /// Where it acts; `None` if unknown.
+    pub place: Option<ContactPlace>,
+    /// In which direction.
+    pub direction: Direction,
+}
+
+impl ContactQuestion {
+    /// The contact, if place and direction are known before measuring.
+    pub fn known(&self) -> Option<Contact> {
+        match (self.place, self.direction) {
+            (Some(place), Direction::Angle(angle_deg)) => Some(Contact { place, angle_deg }),
+            _ => None,
+        }
+    }
+}
+
+impl From<Contact> for ContactQuestion {
+    fn from(contact: Contact) -> ContactQuestion {
+        ContactQuestion { place: Some(contact.place), direction: Direction::Angle(contact.angle_deg) }
     }
 }
 
@@ -103,6 +141,31 @@ pub enum SensingError {
         limit: f64,
         /// Contact that takes part most in the combination that cannot be seen, from 1.
         weakest: usize,
+    },
+    /// A place or direction is asked for that the data do not tell.
+    #[error(
+        "not identifiable: {what} of contact {contact} is only known to {sigma:.2} {unit} (one standard deviation)"
+    )]
+    Undetermined {
+        /// "place" or "direction".
+        what: &'static str,
+        /// Position of the contact in the list, from 1.
+        contact: usize,
+        /// Its standard deviation.
+        sigma: f64,
+        /// The unit of the standard deviation.
+        unit: &'static str,
+    },
+    /// The search for forces that explain the measurement did not end.
+    #[error(
+        "the large-rotation model cannot explain the measurement: after {iterations} steps forces still change by \
+         {change_n:.2e} N"
+    )]
+    NotConverged {
+        /// Steps taken.
+        iterations: usize,
+        /// Last change of a force, N.
+        change_n: f64,
     },
     /// The finger itself could not be solved.
     #[error(transparent)]

@@ -29,6 +29,11 @@ const RAYLEIGH_MEDIAN: f64 = 1.177_410_022_515_474_6;
 /// A direction known to less than this, degrees, or a place to less than this share of the plate, is not known.
 const LARGEST_ANGLE_SIGMA_DEG: f64 = 30.0;
 const LARGEST_PLACE_SIGMA: f64 = 0.25;
+/// A minimum that leaves more than this share of the displacements, or this many standard deviations, unexplained may
+/// be a wrong one: the search starts again from the linear forces times other factors, and the best minimum counts.
+const POOR_FIT: f64 = 0.02;
+const POOR_FIT_SIGMAS: f64 = 3.0;
+const OTHER_STARTS: [f64; 4] = [1.0, -1.0, 0.3, -0.3];
 /// Change of a force between a mesh and one twice as fine at which refinement ends, as a share of the largest force.
 const REFINEMENT_TOLERANCE: f64 = 2e-3;
 /// Elements a member at which refinement begins and ends.
@@ -80,6 +85,13 @@ enum Unknown {
     Place(usize),
     /// The part of a force across its current direction, N: with it the direction turns.
     Across(usize),
+}
+
+/// Where a search ended.
+struct Found {
+    state: State,
+    linearised: Linearised,
+    steps: usize,
 }
 
 /// The problem linearised at a state: residual and derivatives, weighted.
@@ -147,19 +159,55 @@ impl<'m> NonlinearEstimator<'m> {
         if unknowns.len() > coordinates {
             return Err(SensingError::TooFewMarkers { unknowns: unknowns.len(), coordinates });
         }
-        let mut state = match self.last.take() {
-            Some(state) => state,
-            None => self.start(measurement)?,
-        };
+        let moved: f64 = measurement.markers().iter().map(|m| m.displacement.norm_squared()).sum();
+        let poor = (POOR_FIT * (moved / coordinates as f64).sqrt()).max(POOR_FIT_SIGMAS * noise_mm.unwrap_or(0.0));
+        let explains = |found: &Found| found.linearised.residual.norm() / (coordinates as f64).sqrt() <= poor;
+        let mut best: Option<Found> = None;
+        let mut failure = None;
+        let warm = self.last.take();
+        let starts = warm.is_some().then_some(None).into_iter().chain(OTHER_STARTS.map(Some));
+        for factor in starts {
+            let start = match factor {
+                None => warm.clone().map_or_else(|| self.start(measurement, 1.0), Ok),
+                Some(factor) => self.start(measurement, factor),
+            };
+            match start.and_then(|state| self.search(state, measurement, noise_mm, &unknowns)) {
+                Ok(found) => {
+                    let residual = found.linearised.residual.norm();
+                    if best.as_ref().is_none_or(|best| residual < best.linearised.residual.norm()) {
+                        best = Some(found);
+                    }
+                }
+                Err(error) => failure = failure.or(Some(error)),
+            }
+            if best.as_ref().is_some_and(explains) {
+                break;
+            }
+        }
+        let found = best.ok_or_else(|| failure.unwrap_or(SensingError::NoContact))?;
+        let estimate = self.judged(&found, &unknowns, noise_mm)?;
+        self.last = Some(found.state);
+        Ok(estimate)
+    }
+
+    /// Gauss-Newton from a start to the nearest minimum.
+    fn search(
+        &mut self,
+        start: State,
+        measurement: &Measurement,
+        noise_mm: Option<f64>,
+        unknowns: &[Unknown],
+    ) -> Result<Found, SensingError> {
+        let mut state = start;
         let mut damping = 0.0;
         let mut steps = 0;
         let mut weights = self.robust_weights(&state, measurement, noise_mm);
-        let mut linearised = self.linearise(&state, measurement, &weights, &unknowns)?;
+        let mut linearised = self.linearise(&state, measurement, &weights, unknowns)?;
         loop {
             steps += 1;
-            let step = damped_step(&linearised, &self.scales(&state, &unknowns), damping)?;
-            let change = self.relative_change(&state, &unknowns, &step);
-            let tried = self.advanced(&state, &unknowns, &step);
+            let step = damped_step(&linearised, &self.scales(&state, unknowns), damping)?;
+            let change = self.relative_change(&state, unknowns, &step);
+            let tried = self.advanced(&state, unknowns, &step);
             let better = match tried {
                 Ok(next) => {
                     let normals_settled = self.normals_settled(&state, &next);
@@ -178,7 +226,7 @@ impl<'m> NonlinearEstimator<'m> {
                 Some((next, next_weights, normals_settled)) => {
                     state = next;
                     weights = next_weights;
-                    linearised = self.linearise(&state, measurement, &weights, &unknowns)?;
+                    linearised = self.linearise(&state, measurement, &weights, unknowns)?;
                     damping = if damping > FIRST_DAMPING { 0.1 * damping } else { 0.0 };
                     if change <= STEP_TOLERANCE && normals_settled {
                         break;
@@ -192,13 +240,12 @@ impl<'m> NonlinearEstimator<'m> {
                 return Err(SensingError::NotConverged { iterations: steps, change_n });
             }
         }
-        let estimate = self.judged(&state, &linearised, &unknowns, noise_mm, steps)?;
-        self.last = Some(state);
-        Ok(estimate)
+        Ok(Found { state, linearised, steps })
     }
 
     /// Least squares on the linear finger, at the place along the plate where it explains the measurement best.
-    fn start(&mut self, measurement: &Measurement) -> Result<State, SensingError> {
+    /// The forces are multiplied by `factor`.
+    fn start(&mut self, measurement: &Measurement, factor: f64) -> Result<State, SensingError> {
         let finger = self.finger();
         // A contact of unknown place is tried at every node; several of them are tried one after the other.
         let mut places: Vec<Option<ContactPlace>> = self.questions.iter().map(|q| q.place).collect();
@@ -231,7 +278,7 @@ impl<'m> NonlinearEstimator<'m> {
                 }
             })
             .collect();
-        let mut forces_n = estimate.forces_n;
+        let mut forces_n: Vec<f64> = estimate.forces_n.iter().map(|f| f * factor).collect();
         // Linear forces may be beyond what the finger carries: halve them until it stands.
         for _ in 0..30 {
             let loads = self.loads(&contacts, &forces_n)?;
@@ -419,13 +466,11 @@ impl<'m> NonlinearEstimator<'m> {
     /// Standard deviations and refusals.
     fn judged(
         &self,
-        state: &State,
-        linearised: &Linearised,
+        found: &Found,
         unknowns: &[Unknown],
         noise_mm: Option<f64>,
-        steps: usize,
     ) -> Result<NonlinearEstimate, SensingError> {
-        let Linearised { residual, jacobian } = linearised;
+        let Found { state, linearised: Linearised { residual, jacobian }, steps } = found;
         let (coordinates, count) = jacobian.shape();
         let noise_mm = noise_mm.unwrap_or_else(|| match coordinates - count {
             0 => f64::INFINITY,
@@ -473,7 +518,7 @@ impl<'m> NonlinearEstimator<'m> {
                 .iter()
                 .map(|c| Contact { angle_deg: c.angle_deg - 360.0 * ((c.angle_deg + 180.0) / 360.0).floor(), ..*c })
                 .collect(),
-            steps,
+            steps: *steps,
         })
     }
 }

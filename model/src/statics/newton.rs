@@ -122,13 +122,30 @@ impl<E: EquilibriumEquations> Statics<E> {
         if !loads.iter().all(FrameLoad::is_finite) || !from.is_finite() || !to.is_finite() {
             return Err(StaticsError::LoadNotFinite);
         }
+        let reached = |done: f64| from + (to - from) * done;
+        self.follow(start, |statics, motion, share| statics.load_step(motion, loads, reached(share))).map_err(|error| {
+            match error {
+                StaticsError::NoEquilibrium { converged_fraction } => {
+                    StaticsError::NoEquilibrium { converged_fraction: reached(converged_fraction) / to }
+                }
+                other => other,
+            }
+        })
+    }
+
+    /// Takes load steps that adapt themselves until the whole way (`share` 0 to 1) is done.
+    fn follow(
+        &mut self,
+        start: &FrameMotion,
+        mut load_step: impl FnMut(&mut Self, &mut FrameMotion, f64) -> Result<usize, Rejected>,
+    ) -> Result<Equilibrium, StaticsError> {
         let mut motion = start.clone();
         let mut before = start.clone();
         let (mut done, mut step) = (0.0, 1.0);
         let (mut iterations, mut load_steps) = (0, 0);
         while done < 1.0 {
             let target = f64::min(done + step, 1.0);
-            match self.load_step(&mut motion, loads, from + (to - from) * target) {
+            match load_step(self, &mut motion, target) {
                 Ok(spent) => {
                     before.clone_from(&motion);
                     done = target;
@@ -142,11 +159,10 @@ impl<E: EquilibriumEquations> Statics<E> {
                     return Err(StaticsError::NotHeld);
                 }
                 Err(_) if step < MIN_LOAD_STEP => {
-                    let reached = from + (to - from) * done;
-                    return Err(if reached == 0.0 && !self.equations.linearise(&before, &[], 0.0) {
+                    return Err(if done == 0.0 && !self.equations.linearise(&before, &[], 0.0) {
                         StaticsError::NotHeld
                     } else {
-                        StaticsError::NoEquilibrium { converged_fraction: reached / to }
+                        StaticsError::NoEquilibrium { converged_fraction: done }
                     });
                 }
                 Err(_) => {
@@ -156,6 +172,36 @@ impl<E: EquilibriumEquations> Statics<E> {
             }
         }
         Ok(Equilibrium { motion, iterations, load_steps })
+    }
+
+    /// Equilibrium under the loads `to`, followed from one under the loads `from` while the first fade and the second
+    /// grow. The tangent of the new equilibrium is left factored.
+    ///
+    /// # Errors
+    /// See [`StaticsError`]; the converged fraction is that of the way.
+    pub fn shifted(
+        &mut self,
+        start: &FrameMotion,
+        from: &[FrameLoad],
+        to: &[FrameLoad],
+    ) -> Result<Equilibrium, StaticsError> {
+        if !from.iter().chain(to).all(FrameLoad::is_finite) {
+            return Err(StaticsError::LoadNotFinite);
+        }
+        let mut loads = Vec::with_capacity(from.len() + to.len());
+        self.follow(start, |statics, motion, share| {
+            loads.clear();
+            if share < 1.0 {
+                loads.extend(from.iter().map(|load| load.scaled(1.0 - share)));
+            }
+            loads.extend(to.iter().map(|load| load.scaled(share)));
+            statics.load_step(motion, &loads, 1.0)
+        })
+    }
+
+    /// Linearises the equations at a motion under loads; `false` if it is not a stable shape.
+    pub fn linearise(&mut self, motion: &FrameMotion, loads: &[FrameLoad]) -> bool {
+        self.equations.linearise(motion, loads, 1.0)
     }
 
     /// Newton's iteration at one load level, from the equilibrium before it. Leaves the factored tangent of the last

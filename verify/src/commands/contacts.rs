@@ -2,13 +2,13 @@
 
 use super::parse::{contact_at_node, contact_at_place};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
-use finray_model::sensing::Contact;
+use finray_model::sensing::ContactQuestion;
 
 const AT_NODES: &str = "contact";
 const AT_PLACES: &str = "contact-at";
 
 /// `--contact` and `--contact-at` in the order in which they are given, which clap's derive keeps for each alone.
-pub struct Contacts(pub Vec<Contact>);
+pub struct Contacts(pub Vec<ContactQuestion>);
 
 impl Args for Contacts {
     fn augment_args(command: Command) -> Command {
@@ -16,15 +16,15 @@ impl Args for Contacts {
         command
             .arg(
                 list(AT_NODES)
-                    .value_name("NODE[@ANGLE_DEG]")
+                    .value_name("NODE[@ANGLE_DEG|normal|auto]")
                     .value_parser(contact_at_node)
                     .help("Contact at a node of the front plate, tip included"),
             )
             .arg(
                 list(AT_PLACES)
-                    .value_name("S_MM[@ANGLE_DEG]")
+                    .value_name("S_MM|auto[@ANGLE_DEG|normal|auto]")
                     .value_parser(contact_at_place)
-                    .help("Contact at a place along the front plate, mm from its base"),
+                    .help("Contact at a place along the front plate, mm from its base, or at an unknown one"),
             )
     }
 
@@ -37,7 +37,7 @@ impl FromArgMatches for Contacts {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Contacts, clap::Error> {
         let places_and_values = |name| {
             let places = matches.indices_of(name).into_iter().flatten();
-            places.zip(matches.get_many::<Contact>(name).into_iter().flatten().copied())
+            places.zip(matches.get_many::<ContactQuestion>(name).into_iter().flatten().copied())
         };
         let mut contacts: Vec<_> = places_and_values(AT_NODES).chain(places_and_values(AT_PLACES)).collect();
         contacts.sort_by_key(|(place, _)| *place);

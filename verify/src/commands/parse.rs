@@ -1,6 +1,6 @@
 //! The small languages of the command line: loads, contacts, plain numbers.
 
-use finray_model::sensing::{Contact, ContactPlace};
+use finray_model::sensing::{ContactPlace, ContactQuestion, Direction};
 use finray_model::{NodeId, Vector};
 
 /// `NODE:FX,FY[,M]`.
@@ -59,30 +59,32 @@ pub fn place_load(text: &str) -> Result<PlaceLoad, String> {
     Ok(PlaceLoad { s_mm: finite(place)?, force_n: finite(force)?, angle_deg: finite(angle)? })
 }
 
-/// Angle after an `@`, degrees; 0 without one.
-fn angle(text: Option<&str>) -> Result<f64, String> {
+/// Direction after an `@`: degrees, `normal` or `auto`; 0 degrees without one.
+fn direction(text: Option<&str>) -> Result<Direction, String> {
     match text.map(str::trim) {
-        None => Ok(0.0),
-        Some(word @ ("normal" | "auto")) => Err(format!(
-            "the direction `{word}` needs an estimator that follows large rotations; give an angle in degrees"
-        )),
-        Some(number) => finite(number),
+        None => Ok(Direction::Angle(0.0)),
+        Some("normal") => Ok(Direction::Normal),
+        Some("auto") => Ok(Direction::Auto),
+        Some(number) => finite(number)
+            .map(Direction::Angle)
+            .map_err(|_| format!("expected an angle in degrees, `normal` or `auto`, found \"{number}\"")),
     }
 }
 
-/// `NODE[@ANGLE_DEG]`.
-pub fn contact_at_node(text: &str) -> Result<Contact, String> {
-    let (place, direction) = split_at_sign(text);
-    Ok(Contact { place: ContactPlace::Node(node(place)?), angle_deg: angle(direction)? })
+/// `NODE[@ANGLE_DEG|normal|auto]`.
+pub fn contact_at_node(text: &str) -> Result<ContactQuestion, String> {
+    let (place, towards) = split_at_sign(text);
+    Ok(ContactQuestion { place: Some(ContactPlace::Node(node(place)?)), direction: direction(towards)? })
 }
 
-/// `S_MM[@ANGLE_DEG]`.
-pub fn contact_at_place(text: &str) -> Result<Contact, String> {
-    let (place, direction) = split_at_sign(text);
-    if place.trim() == "auto" {
-        return Err("the place `auto` needs an estimator that follows large rotations; give s in mm".to_owned());
-    }
-    Ok(Contact { place: ContactPlace::Place(finite(place)?), angle_deg: angle(direction)? })
+/// `S_MM[@ANGLE_DEG|normal|auto]`, or `auto` for the place.
+pub fn contact_at_place(text: &str) -> Result<ContactQuestion, String> {
+    let (place, towards) = split_at_sign(text);
+    let place = match place.trim() {
+        "auto" => None,
+        number => Some(ContactPlace::Place(finite(number)?)),
+    };
+    Ok(ContactQuestion { place, direction: direction(towards)? })
 }
 
 fn split_at_sign(text: &str) -> (&str, Option<&str>) {

@@ -3,10 +3,14 @@
 use super::contacts::Contacts;
 use super::parse::not_negative;
 use super::{Failure, not_both_from_standard_input};
-use finray_model::Finger;
-use finray_model::sensing::{Contact, ContactPlace, Estimate, LinearEstimator, check_contacts};
+use clap::ValueEnum;
+use finray_model::measurement::Measurement;
+use finray_model::sensing::{
+    Contact, ContactPlace, ContactQuestion, Estimate, LinearEstimator, NonlinearEstimator, Prior, check_contacts,
+    sense_refining,
+};
+use finray_model::{Finger, Mesh};
 use finray_verify::files::{csv_text, displacements, load_scene, write_text};
-use finray_verify::map::Estimator;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -17,11 +21,16 @@ use std::path::PathBuf;
 /// plate's undeformed inward normal, positive towards the tip; 0 if left out. Give a node twice with two angles to ask
 /// for two components. Uncertainty comes from --noise-mm, else from the scene's camera table, else from the residual.
 ///
+/// The nonlinear estimator follows large rotations. It alone takes the directions `normal` (of the deformed plate) and
+/// `auto` (unknown), and the place `auto` (unknown); what the data cannot tell is refused. Unless told a mesh, it
+/// refines until doubling the mesh changes no force by more than 0.2 %.
+///
 /// Examples:
 ///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact 19
 ///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact 16@-20 --contact 20@10 --noise-mm 0.067
 ///   finray solve fixtures/scenes/paper.toml --kinematics linear --load 19:-0.38,-1.96 |
 ///       finray sense fixtures/scenes/paper.toml --displacements - --contact 19
+///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact-at auto@normal --estimator nonlinear
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Arguments {
@@ -33,14 +42,27 @@ pub struct Arguments {
     #[command(flatten)]
     contacts: Contacts,
     /// How forces are sensed
-    #[arg(long, value_enum, default_value_t = Estimator::LeastSquares)]
-    estimator: Estimator,
+    #[arg(long, value_enum, default_value_t = EstimatorArgument::LeastSquares)]
+    estimator: EstimatorArgument,
     /// Standard deviation of one measured coordinate, mm
     #[arg(long, value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
+    /// Nodes of the nonlinear estimator's mesh
+    #[arg(long, value_name = "N")]
+    mesh_nodes: Option<usize>,
     /// Result file; - for standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
     out: PathBuf,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum EstimatorArgument {
+    /// Linear least squares
+    LeastSquares,
+    /// Least squares with the paper's range of forces as a prior
+    Ridge,
+    /// Gauss-Newton on the finger with large rotations
+    Nonlinear,
 }
 
 #[derive(Serialize)]
@@ -56,12 +78,29 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     not_both_from_standard_input(&arguments.scene, &arguments.displacements, "--displacements")?;
     let scene = load_scene(&arguments.scene)?;
     let finger = &scene.finger;
-    let contacts = &arguments.contacts.0;
-    check_contacts(finger, contacts)?;
-    let measurement = displacements::load(&arguments.displacements, finger)?;
+    let questions = &arguments.contacts.0;
     let noise_mm = arguments.noise_mm.or(scene.camera.map(|camera| camera.noise_mm));
-    let estimator = LinearEstimator::new(finger, contacts, &measurement)?;
-    let estimate = estimator.estimate(&measurement, noise_mm, arguments.estimator.prior());
+    let (contacts, estimate) = match arguments.estimator {
+        EstimatorArgument::Nonlinear => {
+            let sensed = match arguments.mesh_nodes {
+                None => sense_refining(finger, questions, &measured(arguments, finger)?, noise_mm)?,
+                Some(nodes) => {
+                    let mesh = Mesh::with_nodes(finger, nodes)?;
+                    let mut estimator = NonlinearEstimator::new(&mesh, questions)?;
+                    estimator.estimate(&measured(arguments, finger)?, noise_mm)?
+                }
+            };
+            (sensed.contacts, sensed.forces)
+        }
+        linear => {
+            let contacts = known(questions)?;
+            check_contacts(finger, &contacts)?;
+            let measurement = measured(arguments, finger)?;
+            let prior = if linear == EstimatorArgument::Ridge { Prior::PAPER } else { Prior::None };
+            let estimator = LinearEstimator::new(finger, &contacts, &measurement)?;
+            (contacts, estimator.estimate(&measurement, noise_mm, prior))
+        }
+    };
     if let Some(i) = estimate.forces_n.iter().position(|force| !force.is_finite()) {
         return Err(Failure::BadInput(format!(
             "not identifiable: a force at contact {} hardly moves the measured nodes, or the displacements are not \
@@ -71,12 +110,22 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     if estimate.noise_mm.is_infinite() {
         eprintln!(
-            "note: as many forces as measured coordinates leave no residual to estimate the noise from; give --noise-mm \
-             for a finite sigma_n"
+            "note: as many unknowns as measured coordinates leave no residual to estimate the noise from; give \
+             --noise-mm for a finite sigma_n"
         );
     }
-    write_text(&arguments.out, &csv_text(rows(finger, contacts, &estimate))?)?;
+    write_text(&arguments.out, &csv_text(rows(finger, &contacts, &estimate))?)?;
     Ok(())
+}
+
+fn measured(arguments: &Arguments, finger: &Finger) -> Result<Measurement, Failure> {
+    Ok(displacements::load(&arguments.displacements, finger)?)
+}
+
+/// Contacts of known place and direction: all that a linear estimator can sense.
+fn known(questions: &[ContactQuestion]) -> Result<Vec<Contact>, Failure> {
+    let needs = "a place or direction that is `normal` or `auto` needs --estimator nonlinear";
+    questions.iter().map(|q| q.known().ok_or_else(|| Failure::BadInput(needs.to_owned()))).collect()
 }
 
 fn rows(finger: &Finger, contacts: &[Contact], estimate: &Estimate) -> Vec<Row> {

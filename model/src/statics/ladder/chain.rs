@@ -164,6 +164,25 @@ impl Chain {
         out
     }
 
+    /// Forces on the two ends that stand for forces on the two nodes of one element.
+    pub(super) fn condensed_forces(&self, element: usize, forces: [Vector3<f64>; 2]) -> [Vector3<f64>; 2] {
+        let mut first = Vector3::zeros();
+        let mut here = forces[0];
+        if element == 0 {
+            (first, here) = (forces[0], Vector3::zeros());
+        } else {
+            let node = &self.inner[element - 1];
+            first -= node.with_first.transpose() * here;
+            here = -(node.with_next.transpose() * here);
+        }
+        here += forces[1];
+        for node in self.inner.iter().skip(element) {
+            first -= node.with_first.transpose() * here;
+            here = -(node.with_next.transpose() * here);
+        }
+        [first, here]
+    }
+
     /// Carries the corrections of the two ends back to the nodes between them (and to the rotations of pinned ends).
     pub(super) fn correct(&self, motion: &mut FrameMotion, first: Vector3<f64>, second: Vector3<f64>) {
         let (mut first, mut next) = (first, second);

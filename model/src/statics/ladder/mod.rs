@@ -8,6 +8,7 @@
 
 mod chain;
 mod ldl;
+mod response;
 mod rung;
 
 use super::{EquilibriumEquations, FrameLoad};
@@ -48,6 +49,7 @@ pub struct Ladder<'m> {
     /// Corrections of the rungs' nodes and of the tip, kept for the way back along the chains.
     corrections: Vec<Vector6>,
     tip: TipElimination,
+    tip_factor: ldl::Ldl<3>,
 }
 
 /// How the tip moves: by itself, and with the nodes of the last rung (back, front).
@@ -86,6 +88,7 @@ impl<'m> Ladder<'m> {
             work: 0.0,
             corrections: vec![Vector6::zeros(); finger.rib_count()],
             tip: TipElimination { alone: Vector3::zeros(), with: [Matrix3::zeros(); 2] },
+            tip_factor: ldl::Ldl::of(&Matrix3::identity()),
         }
     }
 
@@ -207,6 +210,7 @@ impl EquilibriumEquations for Ladder<'_> {
         let couplings = self.stretches(count).map(|line| self.chains[line].condensed.ab);
         let alone = ldl.solve(&tip_gradient);
         self.work += tip_gradient.dot(&alone);
+        self.tip_factor = ldl;
         self.tip = TipElimination { alone, with: couplings.map(|ab| ldl.solve(&ab.transpose())) };
         if let Some(last) = self.rungs.last_mut() {
             last.subtract_tip(&couplings, &self.tip.with, &alone);

@@ -14,6 +14,9 @@ pub(super) struct Rung {
     gradient: Vector6,
     /// Gradient at the front node before anything was eliminated: what pulls at a rigid link.
     front_pull: Vector,
+    /// Factor of the block, in generalised coordinates where `spread` says how the nodes move with them.
+    factor: Ldl<6>,
+    spread: Option<Matrix6>,
     /// Motion by itself, and with the six of the rung below (in nodal coordinates, both).
     alone: Vector6,
     with_below: Matrix6,
@@ -28,6 +31,8 @@ impl Default for Rung {
             stiffness: Matrix6::zeros(),
             gradient: Vector6::zeros(),
             front_pull: Vector::zeros(),
+            factor: Ldl::of(&Matrix6::identity()),
+            spread: None,
             alone: Vector6::zeros(),
             with_below: Matrix6::zeros(),
             link: None,
@@ -110,6 +115,7 @@ impl Rung {
             self.alone = ldl.solve(&self.gradient);
             self.with_below = ldl.solve(&coupling);
             self.work = self.gradient.dot(&self.alone);
+            (self.factor, self.spread) = (ldl, None);
             return ldl.positive;
         };
         // Generalised coordinates: back x, y, rotation; rotation of the link; front rotation. The nodal motions are
@@ -136,6 +142,7 @@ impl Rung {
         self.work = gradient.dot(&alone);
         self.alone = spread * alone;
         self.with_below = spread * with_below;
+        (self.factor, self.spread) = (ldl, Some(spread));
         self.link = (!together).then(|| (alone[3], with_below.fixed_rows::<1>(3).into_owned()));
         ldl.positive
     }
@@ -144,5 +151,23 @@ impl Rung {
     pub(super) fn correction(&self, below: &Vector6) -> (Vector6, Option<f64>) {
         let link = self.link.map(|(alone, with)| -(alone + (with * below)[0]));
         (-(self.alone + self.with_below * below), link)
+    }
+
+    /// How the six nodal coordinates answer to forces on them, those of the rung below held.
+    pub(super) fn answer(&self, forces: &Vector6) -> Vector6 {
+        match &self.spread {
+            None => self.factor.solve(forces),
+            Some(spread) => spread * self.factor.solve(&(spread.transpose() * forces)),
+        }
+    }
+
+    /// What forces on this rung put on the one below.
+    pub(super) fn passed_down(&self, forces: &Vector6) -> Vector6 {
+        -(self.with_below.transpose() * forces)
+    }
+
+    /// How this rung moves with the one below.
+    pub(super) fn carried(&self, below: &Vector6) -> Vector6 {
+        -(self.with_below * below)
     }
 }
