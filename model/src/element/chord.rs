@@ -41,7 +41,8 @@ impl Chord {
         let relative = motion[1].displacement - motion[0].displacement;
         let forward = relative.dot(&beam.direction);
         let sideways = relative.dot(&quarter_turn(beam.direction));
-        let length_mm = (beam.length_mm + forward).hypot(sideways);
+        // Lengths of fingers are far from the ends of the number range: no need for hypot's care.
+        let length_mm = ((beam.length_mm + forward).powi(2) + sideways * sideways).sqrt();
         let elongation_mm =
             (forward * (2.0 * beam.length_mm + forward) + sideways * sideways) / (length_mm + beam.length_mm);
         let along = (beam.direction * beam.length_mm + relative) / length_mm;
@@ -95,13 +96,6 @@ impl Chord {
     pub(super) fn rotation_hessian(&self) -> ElementMatrix {
         let (along, across) = (self.length_gradient(), self.rotation_gradient());
         -(along * across.transpose() + across * along.transpose()) / self.length_mm
-    }
-
-    /// Second derivatives of the deformations, weighted with the axial force and the sum of the end moments: what an
-    /// axial force and the moments resist when the chord turns.
-    pub(super) fn geometric_stiffness(&self, axial_force: f64, end_moments: f64) -> ElementMatrix {
-        let turning = self.rotation_gradient();
-        turning * turning.transpose() * (axial_force * self.length_mm) - self.rotation_hessian() * end_moments
     }
 }
 

@@ -73,21 +73,12 @@ impl Beam {
     ///
     /// Source: Crisfield, Non-linear Finite Element Analysis of Solids and Structures, vol. 1, sec. 7.3.
     pub fn response(&self, kinematics: Kinematics, motion: &[EndMotion; 2]) -> Response {
-        match kinematics {
-            Kinematics::Linear => {
-                let chord = Chord::undeformed(self);
-                let local = self.natural_response(false, chord.linear_deformation(motion));
-                // U is quadratic and the deformations are linear: no second derivative of theirs exists.
-                local.pulled_back(&chord.gradients())
-            }
-            Kinematics::Corotational | Kinematics::CorotationalChord => {
-                let chord = Chord::deformed(self, motion);
-                let bowing = kinematics == Kinematics::Corotational;
-                let local = self.natural_response(bowing, chord.deformation(motion));
-                let mut response = local.pulled_back(&chord.gradients());
-                response.tangent += chord.geometric_stiffness(local.axial_force(), local.end_moments());
-                response
-            }
+        if kinematics == Kinematics::Linear {
+            let chord = Chord::undeformed(self);
+            return self.natural_response(false, chord.linear_deformation(motion)).on_chord(&chord, false);
         }
+        let chord = Chord::deformed(self, motion);
+        let bowing = kinematics == Kinematics::Corotational;
+        self.natural_response(bowing, chord.deformation(motion)).on_chord(&chord, true)
     }
 }

@@ -1,7 +1,7 @@
 //! The beam seen from its own chord: energy of elongation and end rotations.
 
-use super::{Beam, ElementMatrix, Response};
-use nalgebra::{Matrix3, SMatrix, Vector3};
+use super::{Beam, Chord, ElementMatrix, ElementVector, Response};
+use nalgebra::{Matrix3, Vector3};
 
 /// Natural deformations in their order: elongation of the chord (mm), rotation of the first and of the second end
 /// against the chord (rad).
@@ -59,18 +59,43 @@ impl Beam {
 }
 
 impl NaturalResponse {
-    pub(super) fn axial_force(&self) -> f64 {
-        self.gradient[0]
-    }
+    /// Chain rule to the six end coordinates.
+    ///
+    /// The energy depends on the displacement d of the second end against the first and on the two end rotations, so
+    /// four coordinates carry everything: d along and across the chord, theta_a, theta_b. By them the chord's length
+    /// has the derivative (1, 0, 0, 0) and its rotation (0, 1 / l, 0, 0); with the end rotations against the chord,
+    /// phi = theta - rotation, that gives all first derivatives. The second derivatives are those of the length,
+    /// 1 / l across-across, and of the rotation, -1 / l^2 along-across; `curved` chooses whether they count (the
+    /// linear beam has none).
+    pub(super) fn on_chord(&self, chord: &Chord, curved: bool) -> Response {
+        let [axial, a, b] = self.gradient.into();
+        let k = &self.stiffness;
+        let per_length = 1.0 / chord.length_mm;
+        let (axial_curvature, moment_curvature) =
+            if curved { (axial * per_length, (a + b) * per_length * per_length) } else { (0.0, 0.0) };
 
-    pub(super) fn end_moments(&self) -> f64 {
-        self.gradient[1] + self.gradient[2]
-    }
+        // By d: along, across; then mixed with each end rotation.
+        let along_along = k[(0, 0)];
+        let along_across = moment_curvature - (k[(0, 1)] + k[(0, 2)]) * per_length;
+        let across_across = (k[(1, 1)] + 2.0 * k[(1, 2)] + k[(2, 2)]) * per_length * per_length + axial_curvature;
+        let (e, n) = (chord.along, chord.across);
+        let xx = e.x * e.x * along_along + 2.0 * e.x * n.x * along_across + n.x * n.x * across_across;
+        let xy = e.x * e.y * along_along + (e.x * n.y + e.y * n.x) * along_across + n.x * n.y * across_across;
+        let yy = e.y * e.y * along_along + 2.0 * e.y * n.y * along_across + n.y * n.y * across_across;
+        let with_a = e * k[(0, 1)] - n * ((k[(1, 1)] + k[(1, 2)]) * per_length);
+        let with_b = e * k[(0, 2)] - n * ((k[(1, 2)] + k[(2, 2)]) * per_length);
+        let force = e * axial - n * ((a + b) * per_length);
 
-    /// Chain rule to the six end coordinates, without the second derivatives of the deformations.
-    pub(super) fn pulled_back(&self, deformation_gradients: &SMatrix<f64, 3, 6>) -> Response {
-        let transposed = deformation_gradients.transpose();
-        let tangent: ElementMatrix = transposed * self.stiffness * deformation_gradients;
-        Response { energy: self.energy, gradient: transposed * self.gradient, tangent }
+        #[rustfmt::skip]
+        let tangent = ElementMatrix::new(
+            xx, xy, -with_a.x, -xx, -xy, -with_b.x,
+            xy, yy, -with_a.y, -xy, -yy, -with_b.y,
+            -with_a.x, -with_a.y, k[(1, 1)], with_a.x, with_a.y, k[(1, 2)],
+            -xx, -xy, with_a.x, xx, xy, with_b.x,
+            -xy, -yy, with_a.y, xy, yy, with_b.y,
+            -with_b.x, -with_b.y, k[(1, 2)], with_b.x, with_b.y, k[(2, 2)],
+        );
+        let gradient = ElementVector::new(-force.x, -force.y, a, force.x, force.y, b);
+        Response { energy: self.energy, gradient, tangent }
     }
 }
