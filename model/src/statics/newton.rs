@@ -12,6 +12,8 @@ use crate::mesh::Mesh;
 /// Newton has converged when the energy norm of its *next* correction would be below this share of the solution's. The
 /// next correction is known from the last two: near the solution Newton squares the error, e' = c e^2.
 const CORRECTION_TOLERANCE: f64 = 1e-11;
+/// A linear solution that its residual corrects by less than this share has all its digits after that correction.
+const LINEAR_TOLERANCE: f64 = 1e-8;
 /// Corrections above this share of the solution are too large to conclude anything from.
 const QUADRATIC_RANGE: f64 = 1e-2;
 /// A correction this small that no longer shrinks is rounding noise of a fine mesh.
@@ -235,6 +237,8 @@ impl<E: EquilibriumEquations> Statics<E> {
             let relative = (work / scale).max(0.0).sqrt();
             let next = relative.powi(3) / (previous * previous);
             let converges = previous <= 1.0 && relative <= QUADRATIC_RANGE && next <= CORRECTION_TOLERANCE;
+            // One correction by the residual is all that a linear solution needs.
+            let converges = converges || (linear && relative <= LINEAR_TOLERANCE);
             let stagnates = relative <= STAGNATION_TOLERANCE && relative > 0.25 * previous;
             if work <= 0.0 || converges || stagnates {
                 let follows = linear || surprise <= MAX_PREDICTION_ERROR * predicted_turn + ROTATION_NOISE;

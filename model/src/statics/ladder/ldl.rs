@@ -5,31 +5,33 @@ use nalgebra::SMatrix;
 /// Unit lower triangle and diagonal of K = L D L^T.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ldl<const N: usize> {
-    lower: SMatrix<f64, N, N>,
+    /// Columns of L; what stands above the diagonal is not read.
+    lower: [[f64; N]; N],
     inverse_diagonal: [f64; N],
     /// Whether all pivots are positive: K is positive definite.
     pub positive: bool,
 }
 
 impl<const N: usize> Ldl<N> {
+    /// Factorises; only the lower triangle is read.
     pub(super) fn of(matrix: &SMatrix<f64, N, N>) -> Ldl<N> {
-        let mut lower = *matrix;
+        // Columns as plain arrays: indices that are known when compiling need no checks.
+        let mut lower = matrix.data.0;
         let mut inverse_diagonal = [0.0; N];
         let mut positive = true;
         for j in 0..N {
-            let pivot = lower[(j, j)];
+            let pivot = lower[j][j];
             // A pivot that is not a number compares as false.
             positive &= pivot > 0.0;
             let inverse = 1.0 / pivot;
             inverse_diagonal[j] = inverse;
-            for i in j + 1..N {
-                let factor = lower[(i, j)] * inverse;
-                for k in j + 1..=i {
-                    lower[(i, k)] -= factor * lower[(k, j)];
+            let column = lower[j];
+            for k in j + 1..N {
+                let factor = column[k] * inverse;
+                for i in k..N {
+                    lower[k][i] -= factor * column[i];
                 }
-            }
-            for i in j + 1..N {
-                lower[(i, j)] *= inverse;
+                lower[j][k] = factor;
             }
         }
         Ldl { lower, inverse_diagonal, positive }
@@ -37,23 +39,23 @@ impl<const N: usize> Ldl<N> {
 
     /// K^-1 times each column.
     pub(super) fn solve<const M: usize>(&self, right: &SMatrix<f64, N, M>) -> SMatrix<f64, N, M> {
-        let mut x = *right;
-        for column in 0..M {
-            for i in 1..N {
-                for j in 0..i {
-                    x[(i, column)] -= self.lower[(i, j)] * x[(j, column)];
+        let mut solution = *right;
+        for x in &mut solution.data.0 {
+            for j in 0..N {
+                let known = x[j];
+                for (x, l) in x[j + 1..].iter_mut().zip(&self.lower[j][j + 1..]) {
+                    *x -= l * known;
                 }
             }
-            for i in 0..N {
-                x[(i, column)] *= self.inverse_diagonal[i];
+            for (x, inverse) in x.iter_mut().zip(&self.inverse_diagonal) {
+                *x *= inverse;
             }
             for i in (0..N).rev() {
-                for j in i + 1..N {
-                    x[(i, column)] -= self.lower[(j, i)] * x[(j, column)];
-                }
+                let below: f64 = x[i + 1..].iter().zip(&self.lower[i][i + 1..]).map(|(x, l)| x * l).sum();
+                x[i] -= below;
             }
         }
-        x
+        solution
     }
 }
 
