@@ -176,7 +176,7 @@ proptest! {
         let node = contact_node(&finger, at);
         let load = Load::at_node(node, finger.direction(angle));
         let coarse = solve(&Mesh::key_nodes(&finger), &[load], Kinematics::Linear).expect("linear solution");
-        let fine = Mesh::with_nodes(&finger, 300).expect("a fine mesh");
+        let fine = Mesh::with_nodes(&finger, 684).expect("a fine mesh");
         let fine = solve(&fine, &[load], Kinematics::Linear).expect("linear solution");
         for (a, b) in coarse.motions().iter().zip(fine.motions()) {
             prop_assert!((a.displacement - b.displacement).norm() <= FINE_ROUNDING * coarse.largest_displacement_mm());
