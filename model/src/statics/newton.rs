@@ -177,7 +177,7 @@ impl<E: EquilibriumEquations> Statics<E> {
     }
 
     /// Equilibrium under the loads `to`, followed from one under the loads `from` while the first fade and the second
-    /// grow. The tangent of the new equilibrium is left factored.
+    /// grow.
     ///
     /// # Errors
     /// See [`StaticsError`]; the converged fraction is that of the way.

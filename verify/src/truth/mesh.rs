@@ -40,11 +40,6 @@ impl<'m> MeshTruth<'m> {
         prepared.equilibrium(&[])?;
         Ok(MeshTruth { name, mesh, prepared })
     }
-
-    /// The mesh.
-    pub fn mesh(&self) -> &'m Mesh {
-        self.mesh
-    }
 }
 
 impl Truth for MeshTruth<'_> {
