@@ -232,7 +232,7 @@ proptest! {
         let found = statics.equilibrium(&loads).expect("found before");
         prop_assert!(statics.linearise(&found.motion, &loads));
         let mut rates = vec![Vector::zeros(); finger.key_node_count()];
-        statics.equations().added_load(&found.motion, &bent, &mut rates);
+        statics.equations_mut().added_load(&found.motion, &bent, &mut rates);
         let largest = rates.iter().map(|u| u.norm()).fold(0.0, f64::max);
         for (node, rate) in rates.iter().enumerate() {
             let difference: Vector = (more[node] - less[node]) / (2.0 * step);
@@ -242,7 +242,7 @@ proptest! {
         let [FrameLoad::Interior { member: a, .. }, FrameLoad::Interior { member: b, .. }] =
             [place(s_mm + shift), place(s_mm - shift)] else { return Ok(()) };
         prop_assume!(a == b);
-        statics.equations().moved_load(&found.motion, &loads[1], &mut rates);
+        statics.equations_mut().moved_load(&found.motion, &loads[1], &mut rates);
         let largest = rates.iter().map(|u| u.norm()).fold(0.0, f64::max);
         for (node, rate) in rates.iter().enumerate() {
             let difference: Vector = (further[node] - nearer[node]) / (2.0 * shift);

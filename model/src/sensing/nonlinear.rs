@@ -376,7 +376,7 @@ impl<'m> NonlinearEstimator<'m> {
         let mut jacobian = DMatrix::zeros(measurement.coordinate_count(), unknowns.len());
         let mut moved = vec![Vector::zeros(); finger.key_node_count()];
         for (column, unknown) in unknowns.iter().enumerate() {
-            let ladder = self.statics.equations();
+            let ladder = self.statics.equations_mut();
             match *unknown {
                 Unknown::Force(i) => {
                     let unit = self.mesh.frame_load(&state.contacts[i].unit_load(finger))?;

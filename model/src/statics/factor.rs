@@ -37,6 +37,11 @@ impl Factor {
         self.numeric.is_some()
     }
 
+    /// Drops the factor and keeps the order.
+    pub fn forget(&mut self) {
+        self.numeric = None;
+    }
+
     /// Whether the last factorisation succeeded.
     pub fn is_there(&self) -> bool {
         self.numeric.is_some()

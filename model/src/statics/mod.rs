@@ -55,6 +55,9 @@ pub trait EquilibriumEquations {
     /// `false` if it is not positive definite: the motion is no stable shape.
     fn linearise(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> bool;
 
+    /// Drops a factor that is kept because it never changes: the linear one.
+    fn forget_factor(&mut self);
+
     /// Elastic energy at the last linearised motion, N mm.
     fn elastic_energy(&self) -> f64;
 

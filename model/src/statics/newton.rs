@@ -82,6 +82,17 @@ impl<E: EquilibriumEquations> Statics<E> {
         &self.equations
     }
 
+    /// The same, for sensitivities, which need room.
+    pub fn equations_mut(&mut self) -> &mut E {
+        &mut self.equations
+    }
+
+    /// Makes the next linear solution factorise again. Its stiffness never changes, so one factor serves all loads; this
+    /// is for timing a factorisation.
+    pub fn forget_factor(&mut self) {
+        self.equations.forget_factor();
+    }
+
     /// Equilibrium under dead loads, followed from rest.
     ///
     /// # Errors

@@ -51,6 +51,10 @@ impl EquilibriumEquations for SparseEquations<'_> {
         self.factor.solve_in_place(&mut self.correction, self.assembly.equations().count())
     }
 
+    fn forget_factor(&mut self) {
+        self.factor.forget();
+    }
+
     fn elastic_energy(&self) -> f64 {
         self.assembly.elastic_energy()
     }

@@ -3,47 +3,30 @@
 //! A chain of elements has its unknowns in a row. They are eliminated one node after the other, always between the
 //! first end and the next node, so the work is proportional to the number of elements.
 
-use super::ldl::Ldl;
+use super::block::Block;
+use crate::element::{ElementVector, Response};
 use crate::frame::{FrameMotion, PlaneFrame};
-use crate::{element::Response, mesh::Line};
-use nalgebra::{Matrix2, Matrix3, SMatrix, Vector2, Vector3};
+use crate::mesh::Line;
 
-/// Stiffness and gradient of a chain by the motions of its two ends, x, y and rotation each.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Condensed {
-    pub aa: Matrix3<f64>,
-    pub ab: Matrix3<f64>,
-    pub bb: Matrix3<f64>,
-    pub a: Vector3<f64>,
-    pub b: Vector3<f64>,
+/// x, y and rotation of a first end, then of a second.
+pub(super) type Ends = [f64; 6];
+/// Second derivatives by [`Ends`], symmetric and full.
+pub(super) type EndsMatrix = [[f64; 6]; 6];
+
+/// The two ends of [`Ends`].
+pub(super) fn halves(ends: &Ends) -> [[f64; 3]; 2] {
+    let [a, b, c, d, e, f] = *ends;
+    [[a, b, c], [d, e, f]]
 }
 
-impl Condensed {
-    pub(super) fn of(response: &Response) -> Condensed {
-        let k = &response.tangent;
-        Condensed {
-            aa: k.fixed_view::<3, 3>(0, 0).into_owned(),
-            ab: k.fixed_view::<3, 3>(0, 3).into_owned(),
-            bb: k.fixed_view::<3, 3>(3, 3).into_owned(),
-            a: response.gradient.fixed_rows::<3>(0).into_owned(),
-            b: response.gradient.fixed_rows::<3>(3).into_owned(),
-        }
-    }
+/// Two ends as [`Ends`].
+pub(super) fn joined(first: &[f64; 3], second: &[f64; 3]) -> Ends {
+    [first[0], first[1], first[2], second[0], second[1], second[2]]
 }
 
-/// How an eliminated node moves: by itself, and with the first end and the next node.
-#[derive(Debug, Clone, Copy)]
-struct Eliminated {
-    alone: Vector3<f64>,
-    with_first: Matrix3<f64>,
-    with_next: Matrix3<f64>,
-}
-
-/// How the rotations of a pinned member move: by themselves, and with the four displacements of its ends.
-#[derive(Debug, Clone, Copy)]
-struct PinnedRotations {
-    alone: Vector2<f64>,
-    with_ends: SMatrix<f64, 2, 4>,
+/// The numbers of an element's vector.
+pub(super) fn numbers(vector: &ElementVector) -> Ends {
+    vector.data.0[0]
 }
 
 /// The elimination of one chain, kept for the way back.
@@ -53,12 +36,16 @@ pub(super) struct Chain {
     nodes: Vec<usize>,
     /// Rotation slot of each of them: at a pinned end the pin's.
     rotations: Vec<usize>,
-    pinned: bool,
-    inner: Vec<Eliminated>,
-    ends: Option<PinnedRotations>,
-    pub condensed: Condensed,
+    /// The nodes between the elements, with the first end and the next node; and y = L^-1 g of each.
+    inner: Vec<(Block<3, 6>, [f64; 3])>,
+    /// The two end rotations of a pinned member, which belong to nothing else, with the ends' displacements.
+    pins: Option<(Block<2, 6>, [f64; 2])>,
+    /// What is left of the chain's stiffness.
+    pub stiffness: EndsMatrix,
+    /// What is left of its gradient.
+    pub gradient: Ends,
     /// Gradients at the two ends before anything was condensed onto them.
-    pub raw: [Vector3<f64>; 2],
+    pub raw: Ends,
     /// Work of the residual on the correction of what was eliminated, N mm.
     pub work: f64,
     pub positive: bool,
@@ -73,133 +60,147 @@ impl Chain {
             .chain(members.last().map(|member| member.ends[1].rotation))
             .collect();
         let pinned = members.first().is_some_and(|m| m.ends[0].rotation != frame.rotation_of(m.ends[0].node));
-        let zero = Condensed {
-            aa: Matrix3::zeros(),
-            ab: Matrix3::zeros(),
-            bb: Matrix3::zeros(),
-            a: Vector3::zeros(),
-            b: Vector3::zeros(),
-        };
         Chain {
             nodes: line.nodes.clone(),
             rotations,
-            pinned,
-            inner: Vec::with_capacity(line.members.len().saturating_sub(1)),
-            ends: None,
-            condensed: zero,
-            raw: [Vector3::zeros(); 2],
+            inner: vec![(Block::empty(), [0.0; 3]); line.members.len().saturating_sub(1)],
+            pins: pinned.then(|| (Block::empty(), [0.0; 2])),
+            stiffness: [[0.0; 6]; 6],
+            gradient: [0.0; 6],
+            raw: [0.0; 6],
             work: 0.0,
             positive: true,
         }
     }
 
-    /// Condenses the elements' responses, given from the first to the second end.
-    pub(super) fn condense(&mut self, elements: impl Iterator<Item = Condensed>) {
-        self.inner.clear();
+    /// Condenses the elements' stiffness and gradients, given from the first to the second end.
+    pub(super) fn condense(&mut self, mut elements: impl Iterator<Item = Response>) {
         self.work = 0.0;
         self.positive = true;
-        let mut elements = elements;
-        let Some(mut so_far) = elements.next() else { return };
-        let mut raw = [so_far.a, so_far.b];
-        for next in elements {
-            let ldl = Ldl::of(&(so_far.bb + next.aa));
-            self.positive &= ldl.positive;
-            let gradient = so_far.b + next.a;
-            let alone = ldl.solve(&gradient);
-            let with_first = ldl.solve(&so_far.ab.transpose());
-            let with_next = ldl.solve(&next.ab);
-            self.work += gradient.dot(&alone);
-            raw[1] = next.b;
-            so_far = Condensed {
-                aa: so_far.aa - so_far.ab * with_first,
-                ab: -so_far.ab * with_next,
-                bb: next.bb - next.ab.transpose() * with_next,
-                a: so_far.a - so_far.ab * alone,
-                b: next.b - next.ab.transpose() * alone,
-            };
-            self.inner.push(Eliminated { alone, with_first, with_next });
-        }
-        self.raw = raw;
-        self.condensed = if self.pinned { self.release(so_far) } else { so_far };
-    }
-
-    /// Eliminates the rotations of a pinned member, which belong to nothing else.
-    fn release(&mut self, c: Condensed) -> Condensed {
-        let rotations = Matrix2::new(c.aa[(2, 2)], c.ab[(2, 2)], c.ab[(2, 2)], c.bb[(2, 2)]);
-        let with = SMatrix::<f64, 2, 4>::new(
-            c.aa[(2, 0)],
-            c.aa[(2, 1)],
-            c.ab[(2, 0)],
-            c.ab[(2, 1)], //
-            c.ab[(0, 2)],
-            c.ab[(1, 2)],
-            c.bb[(2, 0)],
-            c.bb[(2, 1)],
-        );
-        let ldl = Ldl::of(&rotations);
-        self.positive &= ldl.positive;
-        let gradient = Vector2::new(c.a[2], c.b[2]);
-        let alone = ldl.solve(&gradient);
-        let with_ends = ldl.solve(&with);
-        self.work += gradient.dot(&alone);
-        self.ends = Some(PinnedRotations { alone, with_ends });
-        let less = with.transpose() * with_ends;
-        let less_gradient = with.transpose() * alone;
-        let mut out = Condensed {
-            aa: Matrix3::zeros(),
-            ab: Matrix3::zeros(),
-            bb: Matrix3::zeros(),
-            a: Vector3::zeros(),
-            b: Vector3::zeros(),
-        };
-        for i in 0..2 {
-            for j in 0..2 {
-                out.aa[(i, j)] = c.aa[(i, j)] - less[(i, j)];
-                out.ab[(i, j)] = c.ab[(i, j)] - less[(i, 2 + j)];
-                out.bb[(i, j)] = c.bb[(i, j)] - less[(2 + i, 2 + j)];
+        let Some(first) = elements.next() else { return };
+        // Symmetric: columns are rows.
+        let mut stiffness = first.tangent.data.0;
+        let mut gradient = numbers(&first.gradient);
+        self.raw = gradient;
+        for ((block, y), element) in self.inner.iter_mut().zip(elements) {
+            let (next, next_gradient) = (&element.tangent.data.0, numbers(&element.gradient));
+            let mut own = [[0.0; 3]; 3];
+            let mut coupling = [[0.0; 6]; 3];
+            for i in 0..3 {
+                for j in 0..3 {
+                    own[i][j] = stiffness[3 + i][3 + j] + next[i][j];
+                    coupling[i][j] = stiffness[3 + i][j];
+                    coupling[i][3 + j] = next[i][3 + j];
+                }
             }
-            out.a[i] = c.a[i] - less_gradient[i];
-            out.b[i] = c.b[i] - less_gradient[2 + i];
+            *block = Block::of(&own, &coupling);
+            self.positive &= block.positive();
+            for i in 0..3 {
+                for j in 0..3 {
+                    stiffness[i][3 + j] = 0.0;
+                    stiffness[3 + i][j] = 0.0;
+                    stiffness[3 + i][3 + j] = next[3 + i][3 + j];
+                }
+            }
+            block.reduce_stiffness(&mut stiffness);
+            *y = pass_node(block, &mut gradient, &next_gradient);
+            self.work += block.work(y);
+            self.raw = joined(&halves(&self.raw)[0], &halves(&next_gradient)[1]);
         }
-        out
+        if let Some((block, _)) = &mut self.pins {
+            *block = released(&mut stiffness);
+            self.positive &= block.positive();
+        }
+        self.stiffness = stiffness;
+        self.finish(gradient);
     }
 
-    /// Forces on the two ends that stand for forces on the two nodes of one element.
-    pub(super) fn condensed_forces(&self, element: usize, forces: [Vector3<f64>; 2]) -> [Vector3<f64>; 2] {
-        let mut first = Vector3::zeros();
-        let mut here = forces[0];
-        if element == 0 {
-            (first, here) = (forces[0], Vector3::zeros());
-        } else {
-            let node = &self.inner[element - 1];
-            first -= node.with_first.transpose() * here;
-            here = -(node.with_next.transpose() * here);
+    /// Condenses other gradients with the stiffness that is there.
+    pub(super) fn load(&mut self, mut gradients: impl Iterator<Item = Ends>) {
+        self.work = 0.0;
+        let Some(mut gradient) = gradients.next() else { return };
+        self.raw = gradient;
+        for ((block, y), next) in self.inner.iter_mut().zip(gradients) {
+            *y = pass_node(block, &mut gradient, &next);
+            self.work += block.work(y);
+            self.raw = joined(&halves(&self.raw)[0], &halves(&next)[1]);
         }
-        here += forces[1];
-        for node in self.inner.iter().skip(element) {
-            first -= node.with_first.transpose() * here;
-            here = -(node.with_next.transpose() * here);
+        self.finish(gradient);
+    }
+
+    /// Condenses the gradient of pinned ends, and keeps what is left.
+    fn finish(&mut self, mut gradient: Ends) {
+        if let Some((block, y)) = &mut self.pins {
+            *y = pass_pins(block, &mut gradient);
+            self.work += block.work(y);
         }
-        [first, here]
+        self.gradient = gradient;
+    }
+
+    /// Gradients at the two ends that stand for gradients at the two nodes of one element.
+    pub(super) fn condensed_gradient(&self, element: usize, on_element: Ends) -> Ends {
+        let mut gradient = on_element;
+        if element > 0 {
+            gradient = [0.0; 6];
+            pass_node(&self.inner[element - 1].0, &mut gradient, &on_element);
+        }
+        for (block, _) in self.inner.iter().skip(element) {
+            pass_node(block, &mut gradient, &[0.0; 6]);
+        }
+        if let Some((block, _)) = &self.pins {
+            pass_pins(block, &mut gradient);
+        }
+        gradient
     }
 
     /// Carries the corrections of the two ends back to the nodes between them (and to the rotations of pinned ends).
-    pub(super) fn correct(&self, motion: &mut FrameMotion, first: Vector3<f64>, second: Vector3<f64>) {
-        let (mut first, mut next) = (first, second);
-        let last = self.nodes.len() - 1;
-        if let Some(pins) = &self.ends {
-            let ends = nalgebra::Vector4::new(first[0], first[1], second[0], second[1]);
-            let turned = -(pins.alone + pins.with_ends * ends);
-            (first[2], next[2]) = (turned[0], turned[1]);
-            motion.rotations[self.rotations[0]] += turned[0];
-            motion.rotations[self.rotations[last]] += turned[1];
+    pub(super) fn correct(&self, motion: &mut FrameMotion, first: &[f64; 3], second: &[f64; 3]) {
+        let mut ends = joined(first, second);
+        if let Some((block, y)) = &self.pins {
+            [ends[2], ends[5]] = block.motion(y, &ends);
+            motion.rotations[self.rotations[0]] += ends[2];
+            motion.rotations[self.rotations[self.nodes.len() - 1]] += ends[5];
         }
-        for (i, node) in self.inner.iter().enumerate().rev() {
-            next = -(node.alone + node.with_first * first + node.with_next * next);
+        for (i, (block, y)) in self.inner.iter().enumerate().rev() {
+            let [x, y, rotation] = block.motion(y, &ends);
+            (ends[3], ends[4], ends[5]) = (x, y, rotation);
             let u = &mut motion.displacements[self.nodes[i + 1]];
-            u.x += next[0];
-            u.y += next[1];
-            motion.rotations[self.rotations[i + 1]] += next[2];
+            u.x += x;
+            u.y += y;
+            motion.rotations[self.rotations[i + 1]] += rotation;
         }
     }
+}
+
+/// Moves the gradient between the first end and a node on to the next node; returns y of the node.
+fn pass_node(block: &Block<3, 6>, gradient: &mut Ends, next: &Ends) -> [f64; 3] {
+    let [[a, b, c], [d, e, f]] = halves(gradient);
+    let y = block.forward(&[d + next[0], e + next[1], f + next[2]]);
+    *gradient = [a, b, c, next[3], next[4], next[5]];
+    block.reduce_gradient(&y, gradient);
+    y
+}
+
+/// Takes the pinned rotations out of the gradient of the ends; returns their y.
+fn pass_pins(block: &Block<2, 6>, gradient: &mut Ends) -> [f64; 2] {
+    let y = block.forward(&[gradient[2], gradient[5]]);
+    (gradient[2], gradient[5]) = (0.0, 0.0);
+    block.reduce_gradient(&y, gradient);
+    y
+}
+
+/// Takes the pinned rotations out of the stiffness of the ends.
+fn released(stiffness: &mut EndsMatrix) -> Block<2, 6> {
+    let own = [[stiffness[2][2], stiffness[2][5]], [stiffness[5][2], stiffness[5][5]]];
+    let mut coupling = [stiffness[2], stiffness[5]];
+    for row in &mut coupling {
+        (row[2], row[5]) = (0.0, 0.0);
+    }
+    for row in stiffness.iter_mut() {
+        (row[2], row[5]) = (0.0, 0.0);
+    }
+    (stiffness[2], stiffness[5]) = ([0.0; 6], [0.0; 6]);
+    let block = Block::of(&own, &coupling);
+    block.reduce_stiffness(stiffness);
+    block
 }

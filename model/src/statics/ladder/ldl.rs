@@ -1,61 +1,84 @@
 //! L D L^T of a small symmetric matrix, of a size known when compiling: no pivoting, no heap.
-
-use nalgebra::SMatrix;
+//!
+//! Matrices are plain arrays of rows: with sizes and indices known when compiling, nothing is checked or looped over
+//! when running.
 
 /// Unit lower triangle and diagonal of K = L D L^T.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ldl<const N: usize> {
-    /// Columns of L; what stands above the diagonal is not read.
-    lower: [[f64; N]; N],
+    /// Rows of L^T; what stands on and below the diagonal is not read.
+    upper: [[f64; N]; N],
     inverse_diagonal: [f64; N],
     /// Whether all pivots are positive: K is positive definite.
     pub positive: bool,
 }
 
 impl<const N: usize> Ldl<N> {
-    /// Factorises; only the lower triangle is read.
-    pub(super) fn of(matrix: &SMatrix<f64, N, N>) -> Ldl<N> {
-        // Columns as plain arrays: indices that are known when compiling need no checks.
-        let mut lower = matrix.data.0;
+    /// Factorises; only the upper triangle is read.
+    pub(super) fn of(matrix: &[[f64; N]; N]) -> Ldl<N> {
+        let mut upper = *matrix;
         let mut inverse_diagonal = [0.0; N];
         let mut positive = true;
         for j in 0..N {
-            let pivot = lower[j][j];
+            let row = upper[j];
             // A pivot that is not a number compares as false.
-            positive &= pivot > 0.0;
-            let inverse = 1.0 / pivot;
+            positive &= row[j] > 0.0;
+            let inverse = 1.0 / row[j];
             inverse_diagonal[j] = inverse;
-            let column = lower[j];
-            for k in j + 1..N {
-                let factor = column[k] * inverse;
-                for i in k..N {
-                    lower[k][i] -= factor * column[i];
+            for i in j + 1..N {
+                let factor = row[i] * inverse;
+                upper[j][i] = factor;
+                for k in i..N {
+                    upper[i][k] -= factor * row[k];
                 }
-                lower[j][k] = factor;
             }
         }
-        Ldl { lower, inverse_diagonal, positive }
+        Ldl { upper, inverse_diagonal, positive }
     }
 
-    /// K^-1 times each column.
-    pub(super) fn solve<const M: usize>(&self, right: &SMatrix<f64, N, M>) -> SMatrix<f64, N, M> {
-        let mut solution = *right;
-        for x in &mut solution.data.0 {
-            for j in 0..N {
-                let known = x[j];
-                for (x, l) in x[j + 1..].iter_mut().zip(&self.lower[j][j + 1..]) {
-                    *x -= l * known;
+    /// L^-1 times each of M columns.
+    pub(super) fn forward<const M: usize>(&self, right: &[[f64; M]; N]) -> [[f64; M]; N] {
+        let mut x = *right;
+        for j in 0..N {
+            let known = x[j];
+            for i in j + 1..N {
+                for (x, known) in x[i].iter_mut().zip(&known) {
+                    *x -= self.upper[j][i] * known;
                 }
             }
-            for (x, inverse) in x.iter_mut().zip(&self.inverse_diagonal) {
-                *x *= inverse;
-            }
-            for i in (0..N).rev() {
-                let below: f64 = x[i + 1..].iter().zip(&self.lower[i][i + 1..]).map(|(x, l)| x * l).sum();
-                x[i] -= below;
+        }
+        x
+    }
+
+    /// L^-1 times a vector.
+    pub(super) fn forward_vector(&self, right: &[f64; N]) -> [f64; N] {
+        let mut x = *right;
+        for j in 0..N {
+            for i in j + 1..N {
+                x[i] -= self.upper[j][i] * x[j];
             }
         }
-        solution
+        x
+    }
+
+    /// L^-T times a vector.
+    pub(super) fn backward(&self, right: &[f64; N]) -> [f64; N] {
+        let mut x = *right;
+        for i in (0..N).rev() {
+            for k in i + 1..N {
+                x[i] -= self.upper[i][k] * x[k];
+            }
+        }
+        x
+    }
+
+    /// D^-1 times a vector.
+    pub(super) fn divided(&self, right: &[f64; N]) -> [f64; N] {
+        let mut x = *right;
+        for (x, inverse) in x.iter_mut().zip(&self.inverse_diagonal) {
+            *x *= inverse;
+        }
+        x
     }
 }
 
@@ -64,17 +87,27 @@ mod tests {
     use super::*;
     use nalgebra::{Matrix3, Vector3};
 
+    fn rows(k: &Matrix3<f64>) -> [[f64; 3]; 3] {
+        k.transpose().data.0
+    }
+
+    fn solved(ldl: &Ldl<3>, right: Vector3<f64>) -> Vector3<f64> {
+        ldl.backward(&ldl.divided(&ldl.forward_vector(&right.into()))).into()
+    }
+
     #[test]
     fn solves_and_sees_the_sign() {
         let k = Matrix3::new(4.0, 1.0, -2.0, 1.0, 5.0, 0.5, -2.0, 0.5, 6.0);
         let x = Vector3::new(1.0, -2.0, 3.0);
-        let ldl = Ldl::of(&k);
+        let ldl = Ldl::of(&rows(&k));
         assert!(ldl.positive);
-        assert!((ldl.solve(&(k * x)) - x).norm() < 1e-14);
+        assert!((solved(&ldl, k * x) - x).norm() < 1e-14);
+        let columns = ldl.forward(&[[1.0, 7.0], [-2.0, 8.0], [3.0, 9.0]]);
+        assert_eq!(columns.map(|row| row[0]), ldl.forward_vector(&x.into()));
         let indefinite = k - Matrix3::identity() * 4.5;
-        let ldl = Ldl::of(&indefinite);
+        let ldl = Ldl::of(&rows(&indefinite));
         assert!(!ldl.positive);
-        assert!((ldl.solve(&(indefinite * x)) - x).norm() < 1e-13);
-        assert!(!Ldl::of(&(k * f64::NAN)).positive);
+        assert!((solved(&ldl, indefinite * x) - x).norm() < 1e-13);
+        assert!(!Ldl::of(&rows(&(k * f64::NAN))).positive);
     }
 }

@@ -6,18 +6,19 @@
 //! general sparse path ([`SparseEquations`](super::SparseEquations)) solves any frame and is what this one is checked
 //! against.
 
+mod block;
 mod chain;
 mod ldl;
 mod response;
 mod rung;
 
 use super::{EquilibriumEquations, FrameLoad};
-use crate::Kinematics;
 use crate::frame::{FrameMotion, PlaneFrame};
 use crate::mesh::Mesh;
-use chain::{Chain, Condensed};
-use nalgebra::{Matrix3, Vector3};
-use rung::{Rung, Vector6};
+use crate::{Kinematics, Vector};
+use block::Block;
+use chain::{Chain, Ends, EndsMatrix, halves, numbers};
+use rung::{RigidRib, Rung};
 
 /// Where a frame node is in the ladder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,19 +45,17 @@ pub struct Ladder<'m> {
     places: Vec<Place>,
     /// From the base to the tip.
     rungs: Vec<Rung>,
+    /// The tip, with the back and front node of the last rung; and y = L^-1 g of it.
+    tip: Block<3, 6>,
+    tip_y: [f64; 3],
+    /// Whether the stiffness is eliminated; the linear one never changes.
+    factored: bool,
     energy: f64,
     work: f64,
-    /// Corrections of the rungs' nodes and of the tip, kept for the way back along the chains.
-    corrections: Vec<Vector6>,
-    tip: TipElimination,
-    tip_factor: ldl::Ldl<3>,
-}
-
-/// How the tip moves: by itself, and with the nodes of the last rung (back, front).
-#[derive(Debug, Clone, Copy)]
-struct TipElimination {
-    alone: Vector3<f64>,
-    with: [Matrix3<f64>; 2],
+    /// One for each rung and one for the tip: their corrections on the way back.
+    corrections: Vec<Ends>,
+    /// One for each rung: what waits for the way back when loads are added.
+    waiting: Vec<Ends>,
 }
 
 impl<'m> Ladder<'m> {
@@ -83,12 +82,14 @@ impl<'m> Ladder<'m> {
             kinematics,
             chains,
             places,
-            rungs: vec![Rung::default(); finger.rib_count()],
+            rungs: vec![Rung::empty(); finger.rib_count()],
+            tip: Block::empty(),
+            tip_y: [0.0; 3],
+            factored: false,
             energy: 0.0,
             work: 0.0,
-            corrections: vec![Vector6::zeros(); finger.rib_count()],
-            tip: TipElimination { alone: Vector3::zeros(), with: [Matrix3::zeros(); 2] },
-            tip_factor: ldl::Ldl::of(&Matrix3::identity()),
+            corrections: vec![[0.0; 6]; finger.rib_count()],
+            waiting: vec![[0.0; 6]; finger.rib_count()],
         }
     }
 
@@ -106,12 +107,13 @@ impl<'m> Ladder<'m> {
         2 * (self.rungs.len() + 1) + rung
     }
 
-    /// Condenses every line with the loads that stand on it.
-    fn condense_lines(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) {
+    /// Condenses every line with the loads that stand on it; only the gradients if the stiffness is to be kept.
+    fn condense_lines(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64, keep_stiffness: bool) {
         let frame: &PlaneFrame = self.mesh.frame();
         let kinematics = self.kinematics;
         let linear = self.linear();
         let places = &self.places;
+        self.energy = 0.0;
         for (index, (chain, line)) in self.chains.iter_mut().zip(self.mesh.lines()).enumerate() {
             let mut energy = 0.0;
             let elements = line.members.clone().enumerate().map(|(i, member)| {
@@ -136,54 +138,147 @@ impl<'m> Ladder<'m> {
                     response.gradient += potential.gradient;
                     response.tangent += potential.tangent;
                 }
-                Condensed::of(&response)
+                response
             });
-            chain.condense(elements);
+            if keep_stiffness {
+                chain.load(elements.map(|response| numbers(&response.gradient)));
+            } else {
+                chain.condense(elements);
+            }
             self.energy += energy;
         }
     }
 
-    /// Adds what ends at the key nodes: condensed lines, and loads on the nodes themselves.
-    fn fill_rungs(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> (Matrix3<f64>, Vector3<f64>) {
-        let (mut tip, mut tip_gradient) = (Matrix3::zeros(), Vector3::zeros());
-        let count = self.rungs.len();
-        for (level, rung) in self.rungs.iter_mut().enumerate() {
-            *rung = Rung::default();
-            for (side, row) in [(0, 0), (1, 3)] {
-                let below = &self.chains[[level, count + 1 + level][side]];
-                rung.add_node(row, &below.condensed.bb, &below.condensed.b, &below.raw[1]);
-                let above = &self.chains[[level + 1, count + 2 + level][side]];
-                rung.add_node(row, &above.condensed.aa, &above.condensed.a, &above.raw[0]);
-            }
-            // Ribs run from the back to the front node; one that does not deform has no chain.
-            let rib = &self.chains[2 * (count + 1) + level];
-            rung.add_node(0, &rib.condensed.aa, &rib.condensed.a, &rib.raw[0]);
-            rung.add_node(3, &rib.condensed.bb, &rib.condensed.b, &rib.raw[1]);
-            rung.couple(&rib.condensed.ab);
-        }
-        for line in self.stretches(count) {
-            tip += self.chains[line].condensed.bb;
-            tip_gradient += self.chains[line].condensed.b;
-        }
+    /// Gradient of the loads that stand on the key nodes at a place (a rung's row or the tip), and its derivative by the
+    /// node's rotation: the end of an arm moves on a circle.
+    fn loads_at(&self, place: Place, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> ([f64; 3], f64) {
         let frame = self.mesh.frame();
-        for load in loads {
-            if matches!(load, FrameLoad::Interior { .. }) {
-                continue;
-            }
+        let (mut gradient, mut curvature) = ([0.0; 3], 0.0);
+        for load in loads.iter().filter(|load| !matches!(load, FrameLoad::Interior { .. })) {
             let (end, force, moment_nmm) = load.at_end(frame);
-            let potential = frame.end_load(motion, end, force * factor, moment_nmm * factor, self.linear());
-            let gradient = potential.gradient.fixed_rows::<3>(0).into_owned();
-            let tangent = potential.tangent.fixed_view::<3, 3>(0, 0).into_owned();
-            match self.places[end.node] {
-                Place::Clamped | Place::Inside { .. } => {}
-                Place::Tip => {
-                    tip += tangent;
-                    tip_gradient += gradient;
+            if self.places[end.node] == place {
+                let potential = frame.end_load(motion, end, force * factor, moment_nmm * factor, self.linear());
+                for (sum, part) in gradient.iter_mut().zip(&potential.gradient) {
+                    *sum += part;
                 }
-                Place::Rung { rung, row } => self.rungs[rung].add_node(row, &tangent, &gradient, &gradient),
+                curvature += potential.tangent[(2, 2)];
             }
         }
-        (tip, tip_gradient)
+        (gradient, curvature)
+    }
+
+    /// Lines that end at a rung, each with the row (0 or 3) of its end and the row of the rung's node.
+    fn lines_at(&self, level: usize) -> [(usize, usize, usize); 5] {
+        let [back_below, front_below] = self.stretches(level);
+        let [back_above, front_above] = self.stretches(level + 1);
+        // The fifth is the rib, which joins the rung's two nodes.
+        [(back_below, 3, 0), (front_below, 3, 3), (back_above, 0, 0), (front_above, 0, 3), (self.rib(level), 0, 0)]
+    }
+
+    /// Stiffness of a rung's two nodes before anything above it is eliminated.
+    fn rung_stiffness(&self, level: usize) -> EndsMatrix {
+        let [.., (rib, _, _)] = self.lines_at(level);
+        // One that does not deform has no stiffness of its own.
+        let mut stiffness = self.chains[rib].stiffness;
+        for (line, end, row) in self.lines_at(level).into_iter().take(4) {
+            for i in 0..3 {
+                for j in 0..3 {
+                    stiffness[row + i][row + j] += self.chains[line].stiffness[end + i][end + j];
+                }
+            }
+        }
+        stiffness
+    }
+
+    /// Sum over the lines that end at a rung of some gradient of theirs.
+    fn rung_gradient(&self, level: usize, of: impl Fn(&Chain) -> &Ends) -> Ends {
+        let [.., (rib, _, _)] = self.lines_at(level);
+        let mut gradient = *of(&self.chains[rib]);
+        for (line, end, row) in self.lines_at(level).into_iter().take(4) {
+            for i in 0..3 {
+                gradient[row + i] += of(&self.chains[line])[end + i];
+            }
+        }
+        gradient
+    }
+
+    /// The undeformable rib of a rung, if it has one.
+    fn rigid_rib(&self, level: usize, motion: &FrameMotion, front_load: &[f64; 3]) -> Option<RigidRib> {
+        let frame = self.mesh.frame();
+        let front = self.mesh.frame_node(self.mesh.finger().rib_nodes(level)[0]);
+        let (slot, lever) = frame.link_of(front, motion, self.linear())?;
+        let front_pull = if self.linear() {
+            Vector::zeros()
+        } else {
+            let raw = self.rung_gradient(level, |chain| &chain.raw);
+            Vector::new(raw[3] + front_load[0], raw[4] + front_load[1])
+        };
+        Some(RigidRib { lever, together: slot == frame.rotation_of(front), front_pull })
+    }
+
+    /// Eliminates the stiffness from tip to base; `false` if it is not positive definite.
+    fn eliminate_stiffness(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> bool {
+        let mut positive = self.chains.iter().all(|chain| chain.positive);
+        let count = self.rungs.len();
+        let [back, front] = self.stretches(count).map(|line| &self.chains[line].stiffness);
+        let mut tip = [[0.0; 3]; 3];
+        let mut coupling = [[0.0; 6]; 3];
+        for i in 0..3 {
+            for j in 0..3 {
+                tip[i][j] = back[3 + i][3 + j] + front[3 + i][3 + j];
+                coupling[i][j] = back[3 + i][j];
+                coupling[i][3 + j] = front[3 + i][j];
+            }
+        }
+        tip[2][2] += self.loads_at(Place::Tip, motion, loads, factor).1;
+        self.tip = Block::of(&tip, &coupling);
+        positive &= self.tip.positive();
+        for level in (0..count).rev() {
+            let mut stiffness = self.rung_stiffness(level);
+            match self.rungs.get(level + 1) {
+                Some(above) => above.reduce_stiffness(&mut stiffness),
+                None => self.tip.reduce_stiffness(&mut stiffness),
+            }
+            let mut front_load = [0.0; 3];
+            for row in [0, 3] {
+                let curvature;
+                (front_load, curvature) = self.loads_at(Place::Rung { rung: level, row }, motion, loads, factor);
+                stiffness[row + 2][row + 2] += curvature;
+            }
+            let rib = self.rigid_rib(level, motion, &front_load);
+            let [back, front] = self.stretches(level).map(|line| &self.chains[line].stiffness);
+            self.rungs[level].eliminate(rib, &stiffness, back, front);
+            positive &= self.rungs[level].positive();
+        }
+        positive
+    }
+
+    /// Eliminates the gradient from tip to base with the stiffness that is there.
+    fn eliminate_gradient(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) {
+        self.work = self.chains.iter().map(|chain| chain.work).sum();
+        let count = self.rungs.len();
+        let (mut tip, _) = self.loads_at(Place::Tip, motion, loads, factor);
+        for line in self.stretches(count) {
+            for (sum, part) in tip.iter_mut().zip(&self.chains[line].gradient[3..]) {
+                *sum += part;
+            }
+        }
+        self.tip_y = self.tip.forward(&tip);
+        self.work += self.tip.work(&self.tip_y);
+        for level in (0..count).rev() {
+            let mut gradient = self.rung_gradient(level, |chain| &chain.gradient);
+            match self.rungs.get(level + 1) {
+                Some(above) => above.reduce_gradient(above.y(), &mut gradient),
+                None => self.tip.reduce_gradient(&self.tip_y, &mut gradient),
+            }
+            for row in [0, 3] {
+                let (load, _) = self.loads_at(Place::Rung { rung: level, row }, motion, loads, factor);
+                for (sum, part) in gradient[row..].iter_mut().zip(&load) {
+                    *sum += part;
+                }
+            }
+            self.work += self.rungs[level].load(&gradient);
+        }
     }
 }
 
@@ -197,40 +292,17 @@ impl EquilibriumEquations for Ladder<'_> {
     }
 
     fn linearise(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> bool {
-        self.energy = 0.0;
-        self.condense_lines(motion, loads, factor);
-        let (tip, tip_gradient) = self.fill_rungs(motion, loads, factor);
-        self.work = self.chains.iter().map(|chain| chain.work).sum();
-        let mut positive = self.chains.iter().all(|chain| chain.positive);
+        let keep_stiffness = self.linear() && self.factored;
+        self.condense_lines(motion, loads, factor, keep_stiffness);
+        if !keep_stiffness {
+            self.factored = self.eliminate_stiffness(motion, loads, factor);
+        }
+        self.eliminate_gradient(motion, loads, factor);
+        self.factored
+    }
 
-        // The tip first: it couples to both nodes of the last rung.
-        let ldl = ldl::Ldl::of(&tip);
-        positive &= ldl.positive;
-        let count = self.rungs.len();
-        let couplings = self.stretches(count).map(|line| self.chains[line].condensed.ab);
-        let alone = ldl.solve(&tip_gradient);
-        self.work += tip_gradient.dot(&alone);
-        self.tip_factor = ldl;
-        self.tip = TipElimination { alone, with: couplings.map(|ab| ldl.solve(&ab.transpose())) };
-        if let Some(last) = self.rungs.last_mut() {
-            last.subtract_tip(&couplings, &self.tip.with, &alone);
-        }
-        let frame = self.mesh.frame();
-        let linear = self.linear();
-        for level in (0..count).rev() {
-            let [back, front] = self.stretches(level).map(|line| self.chains[line].condensed.ab);
-            let front_node = self.mesh.frame_node(self.mesh.finger().rib_nodes(level)[0]);
-            let link = frame.link_of(front_node, motion, linear);
-            let together = link.is_some_and(|(slot, _)| slot == frame.rotation_of(front_node));
-            let (rungs, above) = self.rungs.split_at_mut(level);
-            let rung = &mut above[0];
-            positive &= rung.eliminate(link.map(|(_, lever)| lever), together, linear, &back, &front);
-            self.work += rung.work;
-            if let Some(below) = rungs.last_mut() {
-                below.subtract(rung, &back, &front);
-            }
-        }
-        positive
+    fn forget_factor(&mut self) {
+        self.factored = false;
     }
 
     fn elastic_energy(&self) -> f64 {
@@ -241,9 +313,9 @@ impl EquilibriumEquations for Ladder<'_> {
         let frame = self.mesh.frame();
         let linear = self.linear();
         let count = self.rungs.len();
-        let mut below = Vector6::zeros();
+        let mut below = [0.0; 6];
         for (level, rung) in self.rungs.iter().enumerate() {
-            let (correction, link_rotation) = rung.correction(&below);
+            let (correction, link_rotation) = rung.motion(rung.y(), &below);
             self.corrections[level] = correction;
             let [front, back] = self.mesh.finger().rib_nodes(level).map(|node| self.mesh.frame_node(node));
             for (node, row) in [(back, 0), (front, 3)] {
@@ -260,28 +332,29 @@ impl EquilibriumEquations for Ladder<'_> {
             }
             below = correction;
         }
-        let halves = [below.fixed_rows::<3>(0).into_owned(), below.fixed_rows::<3>(3).into_owned()];
-        let tip = -(self.tip.alone + self.tip.with[0] * halves[0] + self.tip.with[1] * halves[1]);
+        let tip = self.tip.motion(&self.tip_y, &below);
         let tip_node = self.mesh.frame_node(self.mesh.finger().tip());
         let u = &mut motion.displacements[tip_node];
         u.x += tip[0];
         u.y += tip[1];
         motion.rotations[frame.rotation_of(tip_node)] += tip[2];
 
-        // Back along the chains, from the corrections of their ends.
-        let at = |level: usize, row: usize| match level {
-            0 => Vector3::zeros(),
-            level if level == count + 1 => tip,
-            level => self.corrections[level - 1].fixed_rows::<3>(row).into_owned(),
+        // Back along the chains, from the corrections of their ends (back, front).
+        let at = |level: usize| match level {
+            0 => [[0.0; 3]; 2],
+            level if level == count + 1 => [tip; 2],
+            level => halves(&self.corrections[level - 1]),
         };
         for level in 0..=count {
+            let (lower, upper) = (at(level), at(level + 1));
             for (side, line) in self.stretches(level).into_iter().enumerate() {
-                self.chains[line].correct(motion, at(level, 3 * side), at(level + 1, 3 * side));
+                self.chains[line].correct(motion, &lower[side], &upper[side]);
             }
         }
         for rung in 0..count {
             if !self.mesh.lines()[self.rib(rung)].members.is_empty() {
-                self.chains[self.rib(rung)].correct(motion, at(rung + 1, 0), at(rung + 1, 3));
+                let [back, front] = at(rung + 1);
+                self.chains[self.rib(rung)].correct(motion, &back, &front);
             }
         }
         frame.follow_links(motion, linear);

@@ -1,46 +1,37 @@
 //! What small added loads do to the finger in equilibrium: sensitivities from the factored tangent.
 
-use super::rung::Vector6;
+use super::chain::{Ends, joined, numbers};
 use super::{Ladder, Place};
 use crate::Vector;
-use crate::element::ElementVector;
 use crate::frame::FrameMotion;
 use crate::statics::FrameLoad;
-use nalgebra::Vector3;
 
-/// Forces on the two nodes of an element of a line.
+/// A gradient on the two nodes of an element of a line: minus the forces there.
 struct OnElement {
     line: usize,
     element: usize,
-    forces: [Vector3<f64>; 2],
-}
-
-impl OnElement {
-    fn new(line: usize, element: usize, forces: &ElementVector) -> OnElement {
-        let forces = [forces.fixed_rows::<3>(0).into_owned(), forces.fixed_rows::<3>(3).into_owned()];
-        OnElement { line, element, forces }
-    }
+    gradient: Ends,
 }
 
 impl Ladder<'_> {
     /// How the key nodes move, to first order, when a load is added to the finger in its last linearised `motion`: a
     /// column of the tangent compliance, mm per unit of the load.
-    pub fn added_load(&self, motion: &FrameMotion, load: &FrameLoad, out: &mut [Vector]) {
+    pub fn added_load(&mut self, motion: &FrameMotion, load: &FrameLoad, out: &mut [Vector]) {
         let frame = self.mesh.frame();
-        let forces = match *load {
+        let gradient = match *load {
             FrameLoad::Interior { member, xi, force } => {
-                -frame.interior_load(motion, member, self.kinematics, xi, force).gradient
+                frame.interior_load(motion, member, self.kinematics, xi, force).gradient
             }
             FrameLoad::Node { .. } | FrameLoad::Arm { .. } => {
                 let (end, force, moment_nmm) = load.at_end(frame);
-                -frame.end_load(motion, end, force, moment_nmm, self.linear()).gradient
+                frame.end_load(motion, end, force, moment_nmm, self.linear()).gradient
             }
         };
-        self.respond(&self.placed(load, &forces), out);
+        self.respond(&self.placed(load, numbers(&gradient)), out);
     }
 
     /// How the key nodes move, to first order, per mm that a load moves along the front plate towards the tip.
-    pub fn moved_load(&self, motion: &FrameMotion, load: &FrameLoad, out: &mut [Vector]) {
+    pub fn moved_load(&mut self, motion: &FrameMotion, load: &FrameLoad, out: &mut [Vector]) {
         let frame = self.mesh.frame();
         let slope = match *load {
             // Elements of the front plate run from the base to the tip.
@@ -52,77 +43,67 @@ impl Ladder<'_> {
                 frame.arm_load_slope(motion, end, self.mesh.finger().front_tangent(), force, self.linear())
             }
         };
-        self.respond(&self.placed(load, &slope), out);
+        self.respond(&self.placed(load, numbers(&-slope)), out);
     }
 
-    /// The element that takes the forces of a load: its own, or one that ends or begins at its node.
-    fn placed(&self, load: &FrameLoad, forces: &ElementVector) -> OnElement {
+    /// The element that takes the gradient of a load: its own, or one that ends or begins at its node.
+    fn placed(&self, load: &FrameLoad, gradient: Ends) -> OnElement {
         if let FrameLoad::Interior { member, .. } = *load {
             let lines = self.mesh.lines().iter().enumerate();
             let line = lines.filter(|(_, line)| line.members.contains(&member)).map(|(i, _)| i).next().unwrap_or(0);
-            return OnElement::new(line, member - self.mesh.lines()[line].members.start, forces);
+            return OnElement { line, element: member - self.mesh.lines()[line].members.start, gradient };
         }
         let (end, _, _) = load.at_end(self.mesh.frame());
         let count = self.rungs.len();
-        let (line, inside) = match self.places[end.node] {
-            Place::Inside { line, element } => (line, Some(element)),
-            Place::Tip => (self.stretches(count)[0], None),
-            Place::Rung { rung, row } => (self.stretches(rung)[row / 3], None),
+        let line = match self.places[end.node] {
+            Place::Inside { line, element } => return OnElement { line, element, gradient },
+            Place::Tip => self.stretches(count)[0],
+            Place::Rung { rung, row } => self.stretches(rung)[row / 3],
             // A load on a clamp moves nothing.
-            Place::Clamped => return OnElement::new(self.stretches(0)[0], 0, &ElementVector::zeros()),
+            Place::Clamped => return OnElement { line: self.stretches(0)[0], element: 0, gradient: [0.0; 6] },
         };
-        match inside {
-            Some(element) => OnElement::new(line, element, forces),
-            None => {
-                let last = self.mesh.lines()[line].members.len() - 1;
-                let at_end = [Vector3::zeros(), forces.fixed_rows::<3>(0).into_owned()];
-                OnElement { line, element: last, forces: at_end }
-            }
-        }
+        let [x, y, moment, ..] = gradient;
+        let element = self.mesh.lines()[line].members.len() - 1;
+        OnElement { line, element, gradient: joined(&[0.0; 3], &[x, y, moment]) }
     }
 
     /// One forward and one backward pass along the rungs with the factors that are there; nodes between the key nodes
     /// are not computed.
-    fn respond(&self, on: &OnElement, out: &mut [Vector]) {
-        let OnElement { line, element, forces } = *on;
+    fn respond(&mut self, on: &OnElement, out: &mut [Vector]) {
+        let OnElement { line, element, gradient } = *on;
         let count = self.rungs.len();
-        let [first, second] = self.chains[line].condensed_forces(element, forces);
-        // Levels and rows of the line's two ends.
+        let on_ends = self.chains[line].condensed_gradient(element, gradient);
+        // Level of the line's first end, and row of both in their rungs.
         let stretch = count + 1;
         let (level, row) = if line < stretch { (line, 0) } else { (line - stretch, 3) };
-        let force_at = |at: usize| {
-            let mut forces = Vector6::zeros();
-            for (end_level, force) in [(level, first), (level + 1, second)] {
+        let tip = if level == count { [on_ends[3], on_ends[4], on_ends[5]] } else { [0.0; 3] };
+        let tip_y = self.tip.forward(&tip);
+        for at in (0..count).rev() {
+            let mut gradient = [0.0; 6];
+            match self.rungs.get(at + 1) {
+                Some(above) => above.reduce_gradient(&self.waiting[at + 1], &mut gradient),
+                None => self.tip.reduce_gradient(&tip_y, &mut gradient),
+            }
+            // Level 0 is the base, so rung `at` is level `at + 1`.
+            for (end_level, end) in [(level, 0), (level + 1, 3)] {
                 if end_level == at + 1 {
-                    let mut part = forces.fixed_rows_mut::<3>(row);
-                    part += force;
+                    for i in 0..3 {
+                        gradient[row + i] += on_ends[end + i];
+                    }
                 }
             }
-            forces
-        };
-        let tip_force = if level == count { second } else { Vector3::zeros() };
-        let mut passed = Vector6::zeros();
-        for (side, with) in self.tip.with.iter().enumerate() {
-            passed.fixed_rows_mut::<3>(3 * side).copy_from(&(-(with.transpose() * tip_force)));
-        }
-        // The answers wait in `out` until what is below is known; forward from the tip.
-        let mut waiting = vec![Vector6::zeros(); count];
-        for at in (0..count).rev() {
-            let forces = force_at(at) + passed;
-            waiting[at] = self.rungs[at].answer(&forces);
-            passed = self.rungs[at].passed_down(&forces);
+            self.waiting[at] = self.rungs[at].forward(&gradient);
         }
         out.fill(Vector::zeros());
         let finger = self.mesh.finger();
-        let mut below = Vector6::zeros();
-        for (at, rung) in self.rungs.iter().enumerate() {
-            below = waiting[at] + rung.carried(&below);
+        let mut below = [0.0; 6];
+        for (at, (rung, waiting)) in self.rungs.iter().zip(&self.waiting).enumerate() {
+            (below, _) = rung.motion(waiting, &below);
             let [front, back] = finger.rib_nodes(at).map(|node| self.mesh.frame_node(node));
             out[back] = Vector::new(below[0], below[1]);
             out[front] = Vector::new(below[3], below[4]);
         }
-        let halves = [below.fixed_rows::<3>(0).into_owned(), below.fixed_rows::<3>(3).into_owned()];
-        let tip = self.tip_factor.solve(&tip_force) - self.tip.with[0] * halves[0] - self.tip.with[1] * halves[1];
-        out[self.mesh.frame_node(finger.tip())] = Vector::new(tip[0], tip[1]);
+        let [x, y, _] = self.tip.motion(&tip_y, &below);
+        out[self.mesh.frame_node(finger.tip())] = Vector::new(x, y);
     }
 }

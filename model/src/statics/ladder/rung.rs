@@ -1,173 +1,143 @@
 //! The back and front node of one rib: a block of six unknowns.
 
-use super::ldl::Ldl;
+use super::block::Block;
+use super::chain::{Ends, EndsMatrix};
 use crate::Vector;
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-pub(super) type Vector6 = SVector<f64, 6>;
-type Matrix6 = SMatrix<f64, 6, 6>;
-
-/// x, y, rotation of the back node, then of the front node; and after [`eliminate`](Rung::eliminate) how they move.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Rung {
-    stiffness: Matrix6,
-    gradient: Vector6,
-    /// Gradient at the front node before anything was eliminated: what pulls at a rigid link.
-    front_pull: Vector,
-    /// Factor of the block, in generalised coordinates where `spread` says how the nodes move with them.
-    factor: Ldl<6>,
-    spread: Option<Matrix6>,
-    /// Motion by itself, and with the six of the rung below (in nodal coordinates, both).
-    alone: Vector6,
-    with_below: Matrix6,
-    /// The same for the rotation of a hinged rigid link.
-    link: Option<(f64, SMatrix<f64, 1, 6>)>,
-    pub work: f64,
+/// How an undeformable rib joins the front node to the back node.
+///
+/// The rung's unknowns are then its generalised coordinates q: back x, y, rotation; rotation of the rib; rotation of
+/// the front node (the last two are not there if all turn together). Coordinates that are not needed stay in place with
+/// unit stiffness. The nodes move by u = T q.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct RigidRib {
+    /// From the back to the front node, in its current direction, mm.
+    pub lever: Vector,
+    /// Whether rib and both nodes turn together.
+    pub together: bool,
+    /// Pull of the elements on the front node, N, where it counts: as the lever turns, its end moves on a circle.
+    pub front_pull: Vector,
 }
 
-impl Default for Rung {
-    fn default() -> Rung {
-        Rung {
-            stiffness: Matrix6::zeros(),
-            gradient: Vector6::zeros(),
-            front_pull: Vector::zeros(),
-            factor: Ldl::of(&Matrix6::identity()),
-            spread: None,
-            alone: Vector6::zeros(),
-            with_below: Matrix6::zeros(),
-            link: None,
-            work: 0.0,
+impl RigidRib {
+    fn turn(&self) -> usize {
+        if self.together { 2 } else { 3 }
+    }
+
+    /// u = T q.
+    fn nodal(&self, q: &Ends) -> Ends {
+        let turn = q[self.turn()];
+        let front = if self.together { q[2] } else { q[4] };
+        [q[0], q[1], q[2], q[0] - self.lever.y * turn, q[1] + self.lever.x * turn, front]
+    }
+
+    /// T^T f.
+    fn generalised(&self, f: &Ends) -> Ends {
+        let moment = self.lever.x * f[4] - self.lever.y * f[3];
+        match self.together {
+            true => [f[0] + f[3], f[1] + f[4], f[2] + moment + f[5], 0.0, 0.0, 0.0],
+            false => [f[0] + f[3], f[1] + f[4], f[2], moment, f[5], 0.0],
         }
     }
+
+    /// T^T K T with what the turning lever adds.
+    fn generalised_stiffness(&self, stiffness: &EndsMatrix) -> EndsMatrix {
+        // T^T times the symmetric K is the transpose of K T; so T^T each row, and again each row of the transpose.
+        let half = transposed(&stiffness.map(|row| self.generalised(&row)));
+        let mut whole = half.map(|row| self.generalised(&row));
+        let turn = self.turn();
+        whole[turn][turn] -= self.front_pull.dot(&self.lever);
+        for unused in if self.together { 3..6 } else { 5..6 } {
+            whole[unused][unused] = 1.0;
+        }
+        whole
+    }
+}
+
+fn transposed(matrix: &EndsMatrix) -> EndsMatrix {
+    std::array::from_fn(|i| std::array::from_fn(|j| matrix[j][i]))
+}
+
+/// x, y, rotation of the back node, then of the front node, eliminated towards the rung below.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Rung {
+    block: Block<6, 6>,
+    rib: Option<RigidRib>,
+    /// y = L^-1 g, g the gradient in generalised coordinates.
+    y: Ends,
 }
 
 impl Rung {
-    /// Adds the end of a line (or a load) at the back (row 0) or front node (row 3).
-    pub(super) fn add_node(
-        &mut self,
-        row: usize,
-        stiffness: &Matrix3<f64>,
-        gradient: &Vector3<f64>,
-        raw: &Vector3<f64>,
-    ) {
-        let mut block = self.stiffness.fixed_view_mut::<3, 3>(row, row);
-        block += stiffness;
-        let mut part = self.gradient.fixed_rows_mut::<3>(row);
-        part += gradient;
-        if row == 3 {
-            self.front_pull += Vector::new(raw[0], raw[1]);
-        }
+    /// A rung to be overwritten.
+    pub(super) fn empty() -> Rung {
+        Rung { block: Block::empty(), rib: None, y: [0.0; 6] }
     }
 
-    /// Couples back and front node by a rib.
-    pub(super) fn couple(&mut self, back_front: &Matrix3<f64>) {
-        let mut upper = self.stiffness.fixed_view_mut::<3, 3>(0, 3);
-        upper += back_front;
-        let mut lower = self.stiffness.fixed_view_mut::<3, 3>(3, 0);
-        lower += back_front.transpose();
-    }
-
-    /// Takes the eliminated tip into account.
-    pub(super) fn subtract_tip(
-        &mut self,
-        couplings: &[Matrix3<f64>; 2],
-        with: &[Matrix3<f64>; 2],
-        alone: &Vector3<f64>,
-    ) {
-        for (i, coupling) in couplings.iter().enumerate() {
-            for (j, with) in with.iter().enumerate() {
-                let mut block = self.stiffness.fixed_view_mut::<3, 3>(3 * i, 3 * j);
-                block -= coupling * with;
-            }
-            let mut part = self.gradient.fixed_rows_mut::<3>(3 * i);
-            part -= coupling * alone;
-        }
-    }
-
-    /// Takes the eliminated rung above into account; `back` and `front` couple this rung (rows) to that one (columns).
-    pub(super) fn subtract(&mut self, above: &Rung, back: &Matrix3<f64>, front: &Matrix3<f64>) {
-        for (row, coupling) in [(0, back), (3, front)] {
-            let with = above.with_below.fixed_view::<3, 6>(row, 0);
-            let mut block = self.stiffness.fixed_view_mut::<3, 6>(row, 0);
-            block -= coupling * with;
-            let mut part = self.gradient.fixed_rows_mut::<3>(row);
-            part -= coupling * above.alone.fixed_rows::<3>(row);
-        }
-    }
-
-    /// Eliminates the block; `back` and `front` couple the rung below (rows) to this one (columns). `lever` runs from
-    /// the back to the front node where an undeformable rib joins them, and `together` says that they also turn
-    /// together. Returns whether the block is positive definite.
+    /// Eliminates the rung with this stiffness; `back` and `front` are the stretches of plate from the rung below (their
+    /// first ends) to this one.
     pub(super) fn eliminate(
         &mut self,
-        lever: Option<Vector>,
-        together: bool,
-        linear: bool,
-        back: &Matrix3<f64>,
-        front: &Matrix3<f64>,
-    ) -> bool {
-        // Rows of this rung, columns of the one below.
-        let mut coupling = Matrix6::zeros();
-        coupling.fixed_view_mut::<3, 3>(0, 0).copy_from(&back.transpose());
-        coupling.fixed_view_mut::<3, 3>(3, 3).copy_from(&front.transpose());
-        let Some(lever) = lever else {
-            let ldl = Ldl::of(&self.stiffness);
-            self.alone = ldl.solve(&self.gradient);
-            self.with_below = ldl.solve(&coupling);
-            self.work = self.gradient.dot(&self.alone);
-            (self.factor, self.spread) = (ldl, None);
-            return ldl.positive;
+        rib: Option<RigidRib>,
+        stiffness: &EndsMatrix,
+        back: &EndsMatrix,
+        front: &EndsMatrix,
+    ) {
+        let mut coupling = [[0.0; 6]; 6];
+        for i in 0..3 {
+            coupling[i][..3].copy_from_slice(&back[3 + i][..3]);
+            coupling[3 + i][3..].copy_from_slice(&front[3 + i][..3]);
+        }
+        self.rib = rib;
+        self.block = match rib {
+            None => Block::of(stiffness, &coupling),
+            Some(rib) => {
+                let coupling = transposed(&transposed(&coupling).map(|column| rib.generalised(&column)));
+                Block::of(&rib.generalised_stiffness(stiffness), &coupling)
+            }
         };
-        // Generalised coordinates: back x, y, rotation; rotation of the link; front rotation. The nodal motions are
-        // `spread` times these. Coordinates that are not needed stay in place with unit stiffness.
-        let mut spread = Matrix6::zeros();
-        spread.fixed_view_mut::<3, 3>(0, 0).fill_with_identity();
-        spread[(3, 0)] = 1.0;
-        spread[(4, 1)] = 1.0;
-        let turn = if together { 2 } else { 3 };
-        spread[(3, turn)] = -lever.y;
-        spread[(4, turn)] = lever.x;
-        spread[(5, if together { 2 } else { 4 })] = 1.0;
-        let mut stiffness = spread.transpose() * self.stiffness * spread;
-        if !linear {
-            stiffness[(turn, turn)] -= self.front_pull.dot(&lever);
-        }
-        for unused in if together { 3..6 } else { 5..6 } {
-            stiffness[(unused, unused)] = 1.0;
-        }
-        let gradient = spread.transpose() * self.gradient;
-        let ldl = Ldl::of(&stiffness);
-        let alone = ldl.solve(&gradient);
-        let with_below = ldl.solve(&(spread.transpose() * coupling));
-        self.work = gradient.dot(&alone);
-        self.alone = spread * alone;
-        self.with_below = spread * with_below;
-        (self.factor, self.spread) = (ldl, Some(spread));
-        self.link = (!together).then(|| (alone[3], with_below.fixed_rows::<1>(3).into_owned()));
-        ldl.positive
     }
 
-    /// Correction of the six nodal coordinates, and of the rotation of a hinged rigid link, from that of the rung below.
-    pub(super) fn correction(&self, below: &Vector6) -> (Vector6, Option<f64>) {
-        let link = self.link.map(|(alone, with)| -(alone + (with * below)[0]));
-        (-(self.alone + self.with_below * below), link)
+    /// Whether the block is positive definite.
+    pub(super) fn positive(&self) -> bool {
+        self.block.positive()
     }
 
-    /// How the six nodal coordinates answer to forces on them, those of the rung below held.
-    pub(super) fn answer(&self, forces: &Vector6) -> Vector6 {
-        match &self.spread {
-            None => self.factor.solve(forces),
-            Some(spread) => spread * self.factor.solve(&(spread.transpose() * forces)),
+    /// Takes what the eliminated rung does off the stiffness of the rung below.
+    pub(super) fn reduce_stiffness(&self, below: &mut EndsMatrix) {
+        self.block.reduce_stiffness(below);
+    }
+
+    /// y of a gradient on the rung's nodes.
+    pub(super) fn forward(&self, gradient: &Ends) -> Ends {
+        match self.rib {
+            None => self.block.forward(gradient),
+            Some(rib) => self.block.forward(&rib.generalised(gradient)),
         }
     }
 
-    /// What forces on this rung put on the one below.
-    pub(super) fn passed_down(&self, forces: &Vector6) -> Vector6 {
-        -(self.with_below.transpose() * forces)
+    /// Eliminates a gradient; returns the work of the residual on the correction of the rung, N mm.
+    pub(super) fn load(&mut self, gradient: &Ends) -> f64 {
+        self.y = self.forward(gradient);
+        self.block.work(&self.y)
     }
 
-    /// How this rung moves with the one below.
-    pub(super) fn carried(&self, below: &Vector6) -> Vector6 {
-        -(self.with_below * below)
+    /// The y of the last gradient loaded.
+    pub(super) fn y(&self) -> &Ends {
+        &self.y
+    }
+
+    /// Takes a gradient, by its y, off that of the rung below.
+    pub(super) fn reduce_gradient(&self, y: &Ends, below: &mut Ends) {
+        self.block.reduce_gradient(y, below);
+    }
+
+    /// Motion of the two nodes for a gradient, by its y, and a motion of the rung below; and the rotation of an
+    /// undeformable rib that is hinged.
+    pub(super) fn motion(&self, y: &Ends, below: &Ends) -> (Ends, Option<f64>) {
+        let q = self.block.motion(y, below);
+        match self.rib {
+            None => (q, None),
+            Some(rib) => (rib.nodal(&q), (!rib.together).then_some(q[3])),
+        }
     }
 }
