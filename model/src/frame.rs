@@ -298,6 +298,16 @@ fn swing(lever: Vector, rotation: f64, linear: bool) -> Vector {
     quarter * rotation.sin() - lever * (2.0 * half * half)
 }
 
+#[inline(always)]
+fn end_motion(motion: &FrameMotion, end: &BeamEnd, linear: bool) -> EndMotion {
+    let rotation = motion.rotations[end.rotation];
+    let mut displacement = motion.displacements[end.node];
+    if end.arm != Vector::zeros() {
+        displacement += swing(end.arm, rotation, linear);
+    }
+    EndMotion { displacement, rotation }
+}
+
 /// The lever turned by `rotation` (or left as it is), mm.
 fn turned(lever: Vector, rotation: f64, linear: bool) -> Vector {
     if linear { lever } else { lever + swing(lever, rotation, false) }
@@ -305,24 +315,30 @@ fn turned(lever: Vector, rotation: f64, linear: bool) -> Vector {
 
 impl PlaneFrame {
     /// Motion of the elastic part's two ends.
+    #[inline(always)]
     pub(crate) fn end_motions(&self, motion: &FrameMotion, ends: &[BeamEnd; 2], linear: bool) -> [EndMotion; 2] {
-        ends.map(|end| {
-            let rotation = motion.rotations[end.rotation];
-            let mut displacement = motion.displacements[end.node];
-            if end.arm != Vector::zeros() {
-                displacement += swing(end.arm, rotation, linear);
-            }
-            EndMotion { displacement, rotation }
-        })
+        // Not by `map`, which goes through memory.
+        [end_motion(motion, &ends[0], linear), end_motion(motion, &ends[1], linear)]
     }
 
     /// Energy, nodal forces and tangent of a member by the motions of its two nodes, arms included.
+    #[inline(always)]
     pub(crate) fn member_response(&self, motion: &FrameMotion, member: &Member, kinematics: Kinematics) -> Response {
         let linear = kinematics == Kinematics::Linear;
         let motions = self.end_motions(motion, &member.ends, linear);
         let mut response = member.beam.response(kinematics, &motions);
         self.carry_over_arms(motion, &member.ends, &mut response, linear);
         response
+    }
+
+    /// Energy and nodal forces of a member with small displacements, arms included.
+    pub(crate) fn member_linear_forces(&self, motion: &FrameMotion, member: &Member) -> (f64, ElementVector) {
+        let motions = self.end_motions(motion, &member.ends, true);
+        let (energy, mut gradient) = member.beam.linear_forces(&motions);
+        for (i, end) in member.ends.iter().enumerate() {
+            gradient[3 * i + 2] += end.arm.x * gradient[3 * i + 1] - end.arm.y * gradient[3 * i];
+        }
+        (energy, gradient)
     }
 
     /// Chain rule from the ends of the elastic part over the arms to the nodes.

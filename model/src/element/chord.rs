@@ -15,6 +15,8 @@ pub struct Chord {
     pub across: Vector,
     /// Current length, mm.
     pub length_mm: f64,
+    /// 1 / current length, 1/mm.
+    pub per_length: f64,
     /// Current minus undeformed length, mm.
     pub elongation_mm: f64,
     /// Rotation from the undeformed direction, rad, in (-pi, pi].
@@ -23,11 +25,13 @@ pub struct Chord {
 
 impl Chord {
     /// The chord of the beam at rest.
+    #[inline(always)]
     pub fn undeformed(beam: &Beam) -> Chord {
         Chord {
             along: beam.direction,
             across: quarter_turn(beam.direction),
             length_mm: beam.length_mm,
+            per_length: 1.0 / beam.length_mm,
             elongation_mm: 0.0,
             rotation: 0.0,
         }
@@ -37,6 +41,7 @@ impl Chord {
     ///
     /// Elongation and rotation are formed from the relative displacement of the ends rather than from differences of
     /// lengths and angles, so that displacements far smaller than the beam keep all their digits.
+    #[inline(always)]
     pub fn deformed(beam: &Beam, motion: &[EndMotion; 2]) -> Chord {
         let relative = motion[1].displacement - motion[0].displacement;
         let forward = relative.dot(&beam.direction);
@@ -45,17 +50,20 @@ impl Chord {
         let length_mm = ((beam.length_mm + forward).powi(2) + sideways * sideways).sqrt();
         let elongation_mm =
             (forward * (2.0 * beam.length_mm + forward) + sideways * sideways) / (length_mm + beam.length_mm);
-        let along = (beam.direction * beam.length_mm + relative) / length_mm;
+        let per_length = 1.0 / length_mm;
+        let along = (beam.direction * beam.length_mm + relative) * per_length;
         Chord {
             along,
             across: quarter_turn(along),
             length_mm,
+            per_length,
             elongation_mm,
             rotation: sideways.atan2(beam.length_mm + forward),
         }
     }
 
     /// Natural deformations; the end rotations are brought into (-pi, pi], so that a finger may turn any number of times.
+    #[inline(always)]
     pub(super) fn deformation(&self, motion: &[EndMotion; 2]) -> Deformation {
         Vector3::new(
             self.elongation_mm,
@@ -65,9 +73,10 @@ impl Chord {
     }
 
     /// Natural deformations for displacements small against the length: all linear.
+    #[inline(always)]
     pub(super) fn linear_deformation(&self, motion: &[EndMotion; 2]) -> Deformation {
         let relative = motion[1].displacement - motion[0].displacement;
-        let rotation = relative.dot(&self.across) / self.length_mm;
+        let rotation = relative.dot(&self.across) * self.per_length;
         Vector3::new(relative.dot(&self.along), motion[0].rotation - rotation, motion[1].rotation - rotation)
     }
 
@@ -78,7 +87,7 @@ impl Chord {
 
     /// Derivative of the chord's rotation by the end coordinates.
     pub(super) fn rotation_gradient(&self) -> ElementVector {
-        let v = self.across / self.length_mm;
+        let v = self.across * self.per_length;
         ElementVector::new(-v.x, -v.y, 0.0, v.x, v.y, 0.0)
     }
 
@@ -95,7 +104,7 @@ impl Chord {
     /// Second derivative of the chord's rotation.
     pub(super) fn rotation_hessian(&self) -> ElementMatrix {
         let (along, across) = (self.length_gradient(), self.rotation_gradient());
-        -(along * across.transpose() + across * along.transpose()) / self.length_mm
+        -(along * across.transpose() + across * along.transpose()) * self.per_length
     }
 }
 

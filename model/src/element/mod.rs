@@ -72,13 +72,14 @@ impl Beam {
     /// gradient = d^T U',   tangent = d^T U'' d + sum_i U'_i (second derivative of deformation i).
     ///
     /// Source: Crisfield, Non-linear Finite Element Analysis of Solids and Structures, vol. 1, sec. 7.3.
+    #[inline(always)]
     pub fn response(&self, kinematics: Kinematics, motion: &[EndMotion; 2]) -> Response {
         if kinematics == Kinematics::Linear {
             let chord = Chord::undeformed(self);
-            return self.natural_response(false, chord.linear_deformation(motion)).on_chord(&chord, false);
+            return self.natural_response(false, &chord.linear_deformation(motion)).on_chord(&chord, false);
         }
         let chord = Chord::deformed(self, motion);
         let bowing = kinematics == Kinematics::Corotational;
-        self.natural_response(bowing, chord.deformation(motion)).on_chord(&chord, true)
+        self.natural_response(bowing, &chord.deformation(motion)).on_chord(&chord, true)
     }
 }

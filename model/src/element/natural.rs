@@ -1,6 +1,6 @@
 //! The beam seen from its own chord: energy of elongation and end rotations.
 
-use super::{Beam, Chord, ElementMatrix, ElementVector, Response};
+use super::{Beam, Chord, ElementMatrix, ElementVector, EndMotion, Response};
 use nalgebra::{Matrix3, Vector3};
 
 /// Natural deformations in their order: elongation of the chord (mm), rotation of the first and of the second end
@@ -15,46 +15,94 @@ pub(super) struct NaturalResponse {
     stiffness: Matrix3<f64>,
 }
 
+/// The axial strain, and its derivatives by the two end rotations times the length.
+struct AxialStrain {
+    strain: f64,
+    by_rotations: [f64; 2],
+}
+
+/// 1 / 30 with bowing, 0 without.
+fn arch(bowing: bool) -> f64 {
+    if bowing { 1.0 / 30.0 } else { 0.0 }
+}
+
 impl Beam {
-    /// U = EA L eps^2 / 2 + 2 EI / L (phi_a^2 + phi_a phi_b + phi_b^2), with the axial strain
+    /// Divisions are slow: one for all.
+    #[inline(always)]
+    fn per_length(&self) -> f64 {
+        1.0 / self.length_mm
+    }
+
     /// eps = e / L + (2 phi_a^2 - phi_a phi_b + 2 phi_b^2) / 30.
     ///
-    /// The second part of the strain is the mean of w'^2 / 2 over the cubic deflection w (the shallow arch); without
-    /// `bowing` it is left out and the strain is the chord's.
-    pub(super) fn natural_response(&self, bowing: bool, deformation: Deformation) -> NaturalResponse {
-        let [elongation, a, b] = deformation.into();
-        let length = self.length_mm;
-        let ea = self.axial_rigidity_n;
-        let flexural = self.bending_rigidity_nmm2 / length;
-        let arch = if bowing { 1.0 / 30.0 } else { 0.0 };
+    /// The second part is the mean of w'^2 / 2 over the cubic deflection w (the shallow arch); without `bowing` it is
+    /// left out and the strain is the chord's.
+    #[inline(always)]
+    fn axial_strain(&self, bowing: bool, deformation: &Deformation) -> AxialStrain {
+        let (a, b) = (deformation[1], deformation[2]);
+        let arch = arch(bowing);
+        AxialStrain {
+            strain: deformation[0] * self.per_length() + arch * (2.0 * a * a - a * b + 2.0 * b * b),
+            by_rotations: [self.length_mm * arch * (4.0 * a - b), self.length_mm * arch * (4.0 * b - a)],
+        }
+    }
 
-        let strain = elongation / length + arch * (2.0 * a * a - a * b + 2.0 * b * b);
-        // Derivatives of the strain, times the length.
-        let by_a = length * arch * (4.0 * a - b);
-        let by_b = length * arch * (4.0 * b - a);
-        let axial_force = ea * strain;
-
-        let energy = 0.5 * axial_force * strain * length + 2.0 * flexural * (a * a + a * b + b * b);
+    /// U = EA L eps^2 / 2 + 2 EI / L (phi_a^2 + phi_a phi_b + phi_b^2) and its gradient: axial force (N) and end moments
+    /// (N mm).
+    #[inline(always)]
+    fn natural_forces(&self, axial: &AxialStrain, deformation: &Deformation) -> (f64, Vector3<f64>) {
+        let (a, b) = (deformation[1], deformation[2]);
+        let flexural = self.bending_rigidity_nmm2 * self.per_length();
+        let force = self.axial_rigidity_n * axial.strain;
+        let energy = 0.5 * force * axial.strain * self.length_mm + 2.0 * flexural * (a * a + a * b + b * b);
+        let [by_a, by_b] = axial.by_rotations;
         let gradient = Vector3::new(
-            axial_force,
-            axial_force * by_a + flexural * (4.0 * a + 2.0 * b),
-            axial_force * by_b + flexural * (2.0 * a + 4.0 * b),
+            force,
+            force * by_a + flexural * (4.0 * a + 2.0 * b),
+            force * by_b + flexural * (2.0 * a + 4.0 * b),
         );
-        let strain_gradient = Vector3::new(1.0, by_a, by_b);
-        let arch_curvature = axial_force * length * arch;
-        let stiffness = strain_gradient * strain_gradient.transpose() * (ea / length)
-            + Matrix3::new(
-                0.0,
-                0.0,
-                0.0,
-                0.0,
-                4.0 * (flexural + arch_curvature),
-                2.0 * flexural - arch_curvature,
-                0.0,
-                2.0 * flexural - arch_curvature,
-                4.0 * (flexural + arch_curvature),
-            );
+        (energy, gradient)
+    }
+
+    /// Energy U, its gradient and its second derivatives.
+    #[inline(always)]
+    pub(super) fn natural_response(&self, bowing: bool, deformation: &Deformation) -> NaturalResponse {
+        let axial = self.axial_strain(bowing, deformation);
+        let (energy, gradient) = self.natural_forces(&axial, deformation);
+        let [by_a, by_b] = axial.by_rotations;
+        let axial_stiffness = self.axial_rigidity_n * self.per_length();
+        let flexural = self.bending_rigidity_nmm2 * self.per_length();
+        let curvature = gradient[0] * self.length_mm * arch(bowing);
+        let (with_a, with_b) = (axial_stiffness * by_a, axial_stiffness * by_b);
+        let mixed = with_a * by_b + 2.0 * flexural - curvature;
+        let bending = 4.0 * (flexural + curvature);
+        #[rustfmt::skip]
+        let stiffness = Matrix3::new(
+            axial_stiffness, with_a, with_b,
+            with_a, with_a * by_a + bending, mixed,
+            with_b, mixed, with_b * by_b + bending,
+        );
         NaturalResponse { energy, gradient, stiffness }
+    }
+
+    /// Energy (N mm) and nodal forces of a beam with small displacements: what [`response`](Beam::response) gives beside
+    /// the tangent, which never changes.
+    #[inline(always)]
+    pub(crate) fn linear_forces(&self, motion: &[EndMotion; 2]) -> (f64, ElementVector) {
+        let chord = Chord::undeformed(self);
+        let deformation = chord.linear_deformation(motion);
+        let (energy, gradient) = self.natural_forces(&self.axial_strain(false, &deformation), &deformation);
+        (energy, chord.nodal_forces(&gradient))
+    }
+}
+
+impl Chord {
+    /// Nodal forces of the three natural ones.
+    #[inline(always)]
+    fn nodal_forces(&self, natural: &Vector3<f64>) -> ElementVector {
+        let [axial, a, b] = (*natural).into();
+        let force = self.along * axial - self.across * ((a + b) * self.per_length);
+        ElementVector::new(-force.x, -force.y, a, force.x, force.y, b)
     }
 }
 
@@ -67,10 +115,11 @@ impl NaturalResponse {
     /// phi = theta - rotation, that gives all first derivatives. The second derivatives are those of the length,
     /// 1 / l across-across, and of the rotation, -1 / l^2 along-across; `curved` chooses whether they count (the
     /// linear beam has none).
+    #[inline(always)]
     pub(super) fn on_chord(&self, chord: &Chord, curved: bool) -> Response {
         let [axial, a, b] = self.gradient.into();
         let k = &self.stiffness;
-        let per_length = 1.0 / chord.length_mm;
+        let per_length = chord.per_length;
         let (axial_curvature, moment_curvature) =
             if curved { (axial * per_length, (a + b) * per_length * per_length) } else { (0.0, 0.0) };
 
@@ -84,7 +133,6 @@ impl NaturalResponse {
         let yy = e.y * e.y * along_along + 2.0 * e.y * n.y * along_across + n.y * n.y * across_across;
         let with_a = e * k[(0, 1)] - n * ((k[(1, 1)] + k[(1, 2)]) * per_length);
         let with_b = e * k[(0, 2)] - n * ((k[(1, 2)] + k[(2, 2)]) * per_length);
-        let force = e * axial - n * ((a + b) * per_length);
 
         #[rustfmt::skip]
         let tangent = ElementMatrix::new(
@@ -95,7 +143,6 @@ impl NaturalResponse {
             -xy, -yy, with_a.y, xy, yy, with_b.y,
             -with_b.x, -with_b.y, k[(1, 2)], with_b.x, with_b.y, k[(2, 2)],
         );
-        let gradient = ElementVector::new(-force.x, -force.y, a, force.x, force.y, b);
-        Response { energy: self.energy, gradient, tangent }
+        Response { energy: self.energy, gradient: chord.nodal_forces(&self.gradient), tangent }
     }
 }

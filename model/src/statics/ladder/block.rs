@@ -16,15 +16,17 @@ pub(super) struct Block<const N: usize, const M: usize> {
 }
 
 impl<const N: usize, const M: usize> Block<N, M> {
-    /// A block without stiffness or coupling, to be overwritten.
+    /// A block that is not factored yet.
     pub(super) fn empty() -> Block<N, M> {
-        Block { factor: Ldl::of(&[[0.0; N]; N]), with: [[0.0; M]; N] }
+        Block { factor: Ldl::empty(), with: [[0.0; M]; N] }
     }
 
     /// Factorises; rows of `coupling` are the block's unknowns, columns the neighbours'.
-    pub(super) fn of(stiffness: &[[f64; N]; N], coupling: &[[f64; M]; N]) -> Block<N, M> {
-        let factor = Ldl::of(stiffness);
-        Block { factor, with: factor.forward(coupling) }
+    #[inline(always)]
+    pub(super) fn factorise(&mut self, stiffness: &[[f64; N]; N], coupling: &[[f64; M]; N]) {
+        self.factor.factorise(stiffness);
+        self.with = *coupling;
+        self.factor.forward(&mut self.with);
     }
 
     /// Whether the block is positive definite.
@@ -32,15 +34,20 @@ impl<const N: usize, const M: usize> Block<N, M> {
         self.factor.positive
     }
 
-    /// Takes C^T K^-1 C off the neighbours' stiffness.
+    /// Whether each pivot is larger than a limit of its own.
+    pub(super) fn pivots_exceed(&self, limits: &[f64; N]) -> bool {
+        self.factor.pivots_exceed(limits)
+    }
+
+    /// Takes C^T K^-1 C off the neighbours' stiffness, in its upper triangle.
+    #[inline(always)]
     pub(super) fn reduce_stiffness(&self, neighbours: &mut [[f64; M]; M]) {
-        let with = &self.with;
-        let divided: [[f64; N]; M] =
-            std::array::from_fn(|row| self.factor.divided(&std::array::from_fn(|i| with[i][row])));
-        for (target, divided) in neighbours.iter_mut().zip(&divided) {
-            for (weight, with) in divided.iter().zip(with) {
-                for (target, with) in target.iter_mut().zip(with) {
-                    *target -= weight * with;
+        for (row, target) in neighbours.iter_mut().enumerate() {
+            let weights: [f64; N] = self.factor.divided(&std::array::from_fn(|i| self.with[i][row]));
+            for (weight, with) in weights.iter().zip(&self.with) {
+                // From an even column: pairs of numbers go through one instruction.
+                for column in (row & !1)..M {
+                    target[column] -= weight * with[column];
                 }
             }
         }

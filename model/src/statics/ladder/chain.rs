@@ -10,7 +10,7 @@ use crate::mesh::Line;
 
 /// x, y and rotation of a first end, then of a second.
 pub(super) type Ends = [f64; 6];
-/// Second derivatives by [`Ends`], symmetric and full.
+/// Second derivatives by [`Ends`], symmetric: only the upper triangle is kept up to date.
 pub(super) type EndsMatrix = [[f64; 6]; 6];
 
 /// The two ends of [`Ends`].
@@ -49,6 +49,8 @@ pub(super) struct Chain {
     /// Work of the residual on the correction of what was eliminated, N mm.
     pub work: f64,
     pub positive: bool,
+    /// Stiffness of the two ends, its diagonal, before anything was condensed onto them.
+    pub raw_diagonal: Ends,
 }
 
 impl Chain {
@@ -70,71 +72,69 @@ impl Chain {
             raw: [0.0; 6],
             work: 0.0,
             positive: true,
+            raw_diagonal: [0.0; 6],
         }
     }
 
     /// Condenses the elements' stiffness and gradients, given from the first to the second end.
-    pub(super) fn condense(&mut self, mut elements: impl Iterator<Item = Response>) {
+    #[inline(always)]
+    pub(super) fn condense(&mut self, elements: impl Iterator<Item = Response>) {
         self.work = 0.0;
         self.positive = true;
-        let Some(first) = elements.next() else { return };
-        // Symmetric: columns are rows.
-        let mut stiffness = first.tangent.data.0;
-        let mut gradient = numbers(&first.gradient);
-        self.raw = gradient;
-        for ((block, y), element) in self.inner.iter_mut().zip(elements) {
+        for (i, element) in elements.enumerate() {
+            // Symmetric: columns are rows.
             let (next, next_gradient) = (&element.tangent.data.0, numbers(&element.gradient));
-            let mut own = [[0.0; 3]; 3];
-            let mut coupling = [[0.0; 6]; 3];
-            for i in 0..3 {
-                for j in 0..3 {
-                    own[i][j] = stiffness[3 + i][3 + j] + next[i][j];
-                    coupling[i][j] = stiffness[3 + i][j];
-                    coupling[i][3 + j] = next[i][3 + j];
+            for k in 3..6 {
+                self.raw_diagonal[k] = next[k][k];
+            }
+            match i.checked_sub(1).and_then(|before| self.inner.get_mut(before)) {
+                None => {
+                    for k in 0..3 {
+                        self.raw_diagonal[k] = next[k][k];
+                    }
+                    self.stiffness = *next;
+                    self.gradient = next_gradient;
+                    self.raw = next_gradient;
+                }
+                Some((block, y)) => {
+                    eliminate_node(block, &mut self.stiffness, next);
+                    self.positive &= block.positive();
+                    *y = pass_node(block, &mut self.gradient, &next_gradient);
+                    self.work += block.work(y);
+                    self.raw[3..].copy_from_slice(&next_gradient[3..]);
                 }
             }
-            *block = Block::of(&own, &coupling);
-            self.positive &= block.positive();
-            for i in 0..3 {
-                for j in 0..3 {
-                    stiffness[i][3 + j] = 0.0;
-                    stiffness[3 + i][j] = 0.0;
-                    stiffness[3 + i][3 + j] = next[3 + i][3 + j];
-                }
-            }
-            block.reduce_stiffness(&mut stiffness);
-            *y = pass_node(block, &mut gradient, &next_gradient);
-            self.work += block.work(y);
-            self.raw = joined(&halves(&self.raw)[0], &halves(&next_gradient)[1]);
         }
         if let Some((block, _)) = &mut self.pins {
-            *block = released(&mut stiffness);
+            eliminate_pins(block, &mut self.stiffness);
             self.positive &= block.positive();
         }
-        self.stiffness = stiffness;
-        self.finish(gradient);
+        self.release_pins();
     }
 
     /// Condenses other gradients with the stiffness that is there.
-    pub(super) fn load(&mut self, mut gradients: impl Iterator<Item = Ends>) {
+    #[inline(always)]
+    pub(super) fn load(&mut self, gradients: impl Iterator<Item = Ends>) {
         self.work = 0.0;
-        let Some(mut gradient) = gradients.next() else { return };
-        self.raw = gradient;
-        for ((block, y), next) in self.inner.iter_mut().zip(gradients) {
-            *y = pass_node(block, &mut gradient, &next);
-            self.work += block.work(y);
-            self.raw = joined(&halves(&self.raw)[0], &halves(&next)[1]);
+        for (i, next) in gradients.enumerate() {
+            match i.checked_sub(1).and_then(|before| self.inner.get_mut(before)) {
+                None => (self.gradient, self.raw) = (next, next),
+                Some((block, y)) => {
+                    *y = pass_node(block, &mut self.gradient, &next);
+                    self.work += block.work(y);
+                    self.raw[3..].copy_from_slice(&next[3..]);
+                }
+            }
         }
-        self.finish(gradient);
+        self.release_pins();
     }
 
-    /// Condenses the gradient of pinned ends, and keeps what is left.
-    fn finish(&mut self, mut gradient: Ends) {
+    /// Condenses the gradient of pinned ends.
+    fn release_pins(&mut self) {
         if let Some((block, y)) = &mut self.pins {
-            *y = pass_pins(block, &mut gradient);
+            *y = pass_pins(block, &mut self.gradient);
             self.work += block.work(y);
         }
-        self.gradient = gradient;
     }
 
     /// Gradients at the two ends that stand for gradients at the two nodes of one element.
@@ -189,18 +189,37 @@ fn pass_pins(block: &Block<2, 6>, gradient: &mut Ends) -> [f64; 2] {
     y
 }
 
-/// Takes the pinned rotations out of the stiffness of the ends.
-fn released(stiffness: &mut EndsMatrix) -> Block<2, 6> {
-    let own = [[stiffness[2][2], stiffness[2][5]], [stiffness[5][2], stiffness[5][5]]];
-    let mut coupling = [stiffness[2], stiffness[5]];
-    for row in &mut coupling {
-        (row[2], row[5]) = (0.0, 0.0);
+/// Eliminates the node between what is condensed so far and the next element; leaves the first end and the next node.
+#[inline(always)]
+fn eliminate_node(block: &mut Block<3, 6>, so_far: &mut EndsMatrix, next: &EndsMatrix) {
+    let mut own = [[0.0; 3]; 3];
+    let mut coupling = [[0.0; 6]; 3];
+    for i in 0..3 {
+        for j in 0..3 {
+            own[i][j] = so_far[3 + i][3 + j] + next[i][j];
+            coupling[i][j] = so_far[j][3 + i];
+            coupling[i][3 + j] = next[i][3 + j];
+        }
     }
-    for row in stiffness.iter_mut() {
+    block.factorise(&own, &coupling);
+    for i in 0..3 {
+        for j in 0..3 {
+            so_far[i][3 + j] = 0.0;
+            so_far[3 + i][3 + j] = next[3 + i][3 + j];
+        }
+    }
+    block.reduce_stiffness(so_far);
+}
+
+/// Takes the pinned rotations out of the stiffness of the ends.
+fn eliminate_pins(block: &mut Block<2, 6>, stiffness: &mut EndsMatrix) {
+    let own = [[stiffness[2][2], stiffness[2][5]], [0.0, stiffness[5][5]]];
+    let upper = |i: usize, j: usize| stiffness[i.min(j)][i.max(j)];
+    let mut coupling = [2, 5].map(|i| std::array::from_fn(|j| upper(i, j)));
+    for row in coupling.iter_mut().chain(stiffness.iter_mut()) {
         (row[2], row[5]) = (0.0, 0.0);
     }
     (stiffness[2], stiffness[5]) = ([0.0; 6], [0.0; 6]);
-    let block = Block::of(&own, &coupling);
+    block.factorise(&own, &coupling);
     block.reduce_stiffness(stiffness);
-    block
 }

@@ -14,40 +14,48 @@ pub(super) struct Ldl<const N: usize> {
 }
 
 impl<const N: usize> Ldl<N> {
-    /// Factorises; only the upper triangle is read.
-    pub(super) fn of(matrix: &[[f64; N]; N]) -> Ldl<N> {
-        let mut upper = *matrix;
-        let mut inverse_diagonal = [0.0; N];
-        let mut positive = true;
+    /// No factor yet.
+    pub(super) fn empty() -> Ldl<N> {
+        Ldl { upper: [[0.0; N]; N], inverse_diagonal: [0.0; N], positive: false }
+    }
+
+    /// Factorises; only the upper triangle is read. In place, since moving a factor costs as much as making it.
+    #[inline(always)]
+    pub(super) fn factorise(&mut self, matrix: &[[f64; N]; N]) {
+        self.upper = *matrix;
+        self.positive = true;
         for j in 0..N {
-            let row = upper[j];
+            let row = self.upper[j];
             // A pivot that is not a number compares as false.
-            positive &= row[j] > 0.0;
+            self.positive &= row[j] > 0.0;
             let inverse = 1.0 / row[j];
-            inverse_diagonal[j] = inverse;
+            self.inverse_diagonal[j] = inverse;
             for i in j + 1..N {
                 let factor = row[i] * inverse;
-                upper[j][i] = factor;
+                self.upper[j][i] = factor;
                 for k in i..N {
-                    upper[i][k] -= factor * row[k];
+                    self.upper[i][k] -= factor * row[k];
                 }
             }
         }
-        Ldl { upper, inverse_diagonal, positive }
     }
 
-    /// L^-1 times each of M columns.
-    pub(super) fn forward<const M: usize>(&self, right: &[[f64; M]; N]) -> [[f64; M]; N] {
-        let mut x = *right;
+    /// Overwrites each of M columns with L^-1 times it.
+    #[inline(always)]
+    pub(super) fn forward<const M: usize>(&self, columns: &mut [[f64; M]; N]) {
         for j in 0..N {
-            let known = x[j];
+            let known = columns[j];
             for i in j + 1..N {
-                for (x, known) in x[i].iter_mut().zip(&known) {
+                for (x, known) in columns[i].iter_mut().zip(&known) {
                     *x -= self.upper[j][i] * known;
                 }
             }
         }
-        x
+    }
+
+    /// Whether each pivot is larger than a limit of its own.
+    pub(super) fn pivots_exceed(&self, limits: &[f64; N]) -> bool {
+        self.inverse_diagonal.iter().zip(limits).all(|(inverse, limit)| inverse * limit < 1.0)
     }
 
     /// L^-1 times a vector.
@@ -99,15 +107,21 @@ mod tests {
     fn solves_and_sees_the_sign() {
         let k = Matrix3::new(4.0, 1.0, -2.0, 1.0, 5.0, 0.5, -2.0, 0.5, 6.0);
         let x = Vector3::new(1.0, -2.0, 3.0);
-        let ldl = Ldl::of(&rows(&k));
+        let mut ldl = Ldl::empty();
+        ldl.factorise(&rows(&k));
         assert!(ldl.positive);
         assert!((solved(&ldl, k * x) - x).norm() < 1e-14);
-        let columns = ldl.forward(&[[1.0, 7.0], [-2.0, 8.0], [3.0, 9.0]]);
+        let mut columns = [[1.0, 7.0], [-2.0, 8.0], [3.0, 9.0]];
+        ldl.forward(&mut columns);
         assert_eq!(columns.map(|row| row[0]), ldl.forward_vector(&x.into()));
         let indefinite = k - Matrix3::identity() * 4.5;
-        let ldl = Ldl::of(&rows(&indefinite));
+        ldl.factorise(&rows(&indefinite));
         assert!(!ldl.positive);
+        // The second row is the first but for 1e-3 of it.
+        ldl.factorise(&rows(&Matrix3::new(1.0, 1.0, 0.0, 1.0, 1.001, 0.0, 0.0, 0.0, 1.0)));
+        assert!(ldl.pivots_exceed(&[0.99, 0.99e-3, 0.99]) && !ldl.pivots_exceed(&[0.99, 1.01e-3, 0.99]));
         assert!((solved(&ldl, indefinite * x) - x).norm() < 1e-13);
-        assert!(!Ldl::of(&rows(&(k * f64::NAN))).positive);
+        ldl.factorise(&rows(&(k * f64::NAN)));
+        assert!(!ldl.positive);
     }
 }

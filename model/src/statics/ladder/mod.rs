@@ -13,12 +13,16 @@ mod response;
 mod rung;
 
 use super::{EquilibriumEquations, FrameLoad};
+use crate::element::{ElementMatrix, Response};
 use crate::frame::{FrameMotion, PlaneFrame};
 use crate::mesh::Mesh;
 use crate::{Kinematics, Vector};
 use block::Block;
 use chain::{Chain, Ends, EndsMatrix, halves, numbers};
 use rung::{RigidRib, Rung};
+
+/// A pivot below this share of what the elements put on its diagonal has lost half of its sixteen digits to cancellation.
+const SMALL_PIVOT: f64 = 1e-8;
 
 /// Where a frame node is in the ladder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,6 +45,8 @@ enum Place {
 pub struct Ladder<'m> {
     mesh: &'m Mesh,
     kinematics: Kinematics,
+    /// Tangents of the members at rest, where they never change: with linear kinematics.
+    rest: Vec<ElementMatrix>,
     chains: Vec<Chain>,
     places: Vec<Place>,
     /// From the base to the tip.
@@ -50,6 +56,8 @@ pub struct Ladder<'m> {
     tip_y: [f64; 3],
     /// Whether the stiffness is eliminated; the linear one never changes.
     factored: bool,
+    /// Whether no pivot of the elimination has lost more than half of its digits to cancellation.
+    accurate: bool,
     energy: f64,
     work: f64,
     /// One for each rung and one for the tip: their corrections on the way back.
@@ -77,15 +85,24 @@ impl<'m> Ladder<'m> {
                 }
             }
         }
+        let rest = match kinematics {
+            Kinematics::Linear => {
+                let at_rest = FrameMotion::at_rest(frame);
+                frame.members().iter().map(|m| frame.member_response(&at_rest, m, kinematics).tangent).collect()
+            }
+            Kinematics::Corotational | Kinematics::CorotationalChord => Vec::new(),
+        };
         Ladder {
             mesh,
             kinematics,
+            rest,
             chains,
             places,
             rungs: vec![Rung::empty(); finger.rib_count()],
             tip: Block::empty(),
             tip_y: [0.0; 3],
             factored: false,
+            accurate: false,
             energy: 0.0,
             work: 0.0,
             corrections: vec![[0.0; 6]; finger.rib_count()],
@@ -107,45 +124,47 @@ impl<'m> Ladder<'m> {
         2 * (self.rungs.len() + 1) + rung
     }
 
-    /// Condenses every line with the loads that stand on it; only the gradients if the stiffness is to be kept.
-    fn condense_lines(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64, keep_stiffness: bool) {
-        let frame: &PlaneFrame = self.mesh.frame();
-        let kinematics = self.kinematics;
-        let linear = self.linear();
-        let places = &self.places;
+    /// Condenses every line with the loads that stand on it.
+    fn condense_lines(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) {
+        let (frame, kinematics, places, rest) = (self.mesh.frame(), self.kinematics, &self.places, &self.rest);
         self.energy = 0.0;
         for (index, (chain, line)) in self.chains.iter_mut().zip(self.mesh.lines()).enumerate() {
-            let mut energy = 0.0;
-            let elements = line.members.clone().enumerate().map(|(i, member)| {
-                let mut response = frame.member_response(motion, &frame.members()[member], kinematics);
-                energy += response.energy;
-                for load in loads {
-                    let potential = match *load {
-                        FrameLoad::Interior { member: loaded, xi, force } if loaded == member => {
-                            frame.interior_load(motion, member, kinematics, xi, force * factor)
-                        }
-                        FrameLoad::Interior { .. } => continue,
-                        FrameLoad::Node { .. } | FrameLoad::Arm { .. } => {
-                            let (end, force, moment_nmm) = load.at_end(frame);
-                            // A node between two elements counts with the one that begins there.
-                            let here = Place::Inside { line: index, element: i };
-                            if places[end.node] != here {
-                                continue;
-                            }
-                            frame.end_load(motion, end, force * factor, moment_nmm * factor, linear)
-                        }
-                    };
+            let energy = &mut self.energy;
+            chain.condense(line.members.clone().enumerate().map(|(i, member)| {
+                let mut response = match rest.get(member) {
+                    None => frame.member_response(motion, &frame.members()[member], kinematics),
+                    Some(tangent) => {
+                        let (energy, gradient) = frame.member_linear_forces(motion, &frame.members()[member]);
+                        Response { energy, gradient, tangent: *tangent }
+                    }
+                };
+                *energy += response.energy;
+                let here = Place::Inside { line: index, element: i };
+                for load in loads.iter().filter(|load| stands_on(load, frame, places, member, here)) {
+                    let potential = inside_load(load, frame, kinematics, motion, factor);
                     response.gradient += potential.gradient;
                     response.tangent += potential.tangent;
                 }
                 response
-            });
-            if keep_stiffness {
-                chain.load(elements.map(|response| numbers(&response.gradient)));
-            } else {
-                chain.condense(elements);
-            }
-            self.energy += energy;
+            }));
+        }
+    }
+
+    /// Condenses the gradients of every line with the linear stiffness that is there.
+    fn load_lines(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) {
+        let (frame, places) = (self.mesh.frame(), &self.places);
+        self.energy = 0.0;
+        for (index, (chain, line)) in self.chains.iter_mut().zip(self.mesh.lines()).enumerate() {
+            let sum = &mut self.energy;
+            chain.load(line.members.clone().enumerate().map(|(i, member)| {
+                let (energy, mut gradient) = frame.member_linear_forces(motion, &frame.members()[member]);
+                *sum += energy;
+                let here = Place::Inside { line: index, element: i };
+                for load in loads.iter().filter(|load| stands_on(load, frame, places, member, here)) {
+                    gradient += inside_load(load, frame, Kinematics::Linear, motion, factor).gradient;
+                }
+                numbers(&gradient)
+            }));
         }
     }
 
@@ -182,7 +201,7 @@ impl<'m> Ladder<'m> {
         let mut stiffness = self.chains[rib].stiffness;
         for (line, end, row) in self.lines_at(level).into_iter().take(4) {
             for i in 0..3 {
-                for j in 0..3 {
+                for j in i..3 {
                     stiffness[row + i][row + j] += self.chains[line].stiffness[end + i][end + j];
                 }
             }
@@ -190,8 +209,8 @@ impl<'m> Ladder<'m> {
         stiffness
     }
 
-    /// Sum over the lines that end at a rung of some gradient of theirs.
-    fn rung_gradient(&self, level: usize, of: impl Fn(&Chain) -> &Ends) -> Ends {
+    /// Sum over the lines that end at a rung of something that they have at their ends.
+    fn rung_sum(&self, level: usize, of: impl Fn(&Chain) -> &Ends) -> Ends {
         let [.., (rib, _, _)] = self.lines_at(level);
         let mut gradient = *of(&self.chains[rib]);
         for (line, end, row) in self.lines_at(level).into_iter().take(4) {
@@ -210,7 +229,7 @@ impl<'m> Ladder<'m> {
         let front_pull = if self.linear() {
             Vector::zeros()
         } else {
-            let raw = self.rung_gradient(level, |chain| &chain.raw);
+            let raw = self.rung_sum(level, |chain| &chain.raw);
             Vector::new(raw[3] + front_load[0], raw[4] + front_load[1])
         };
         Some(RigidRib { lever, together: slot == frame.rotation_of(front), front_pull })
@@ -219,6 +238,7 @@ impl<'m> Ladder<'m> {
     /// Eliminates the stiffness from tip to base; `false` if it is not positive definite.
     fn eliminate_stiffness(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> bool {
         let mut positive = self.chains.iter().all(|chain| chain.positive);
+        self.accurate = true;
         let count = self.rungs.len();
         let [back, front] = self.stretches(count).map(|line| &self.chains[line].stiffness);
         let mut tip = [[0.0; 3]; 3];
@@ -226,13 +246,15 @@ impl<'m> Ladder<'m> {
         for i in 0..3 {
             for j in 0..3 {
                 tip[i][j] = back[3 + i][3 + j] + front[3 + i][3 + j];
-                coupling[i][j] = back[3 + i][j];
-                coupling[i][3 + j] = front[3 + i][j];
+                coupling[i][j] = back[j][3 + i];
+                coupling[i][3 + j] = front[j][3 + i];
             }
         }
         tip[2][2] += self.loads_at(Place::Tip, motion, loads, factor).1;
-        self.tip = Block::of(&tip, &coupling);
+        self.tip.factorise(&tip, &coupling);
         positive &= self.tip.positive();
+        let [back, front] = self.stretches(count).map(|line| &self.chains[line].raw_diagonal);
+        self.accurate &= self.tip.pivots_exceed(&[3, 4, 5].map(|i| SMALL_PIVOT * (back[i] + front[i])));
         for level in (0..count).rev() {
             let mut stiffness = self.rung_stiffness(level);
             match self.rungs.get(level + 1) {
@@ -249,6 +271,8 @@ impl<'m> Ladder<'m> {
             let [back, front] = self.stretches(level).map(|line| &self.chains[line].stiffness);
             self.rungs[level].eliminate(rib, &stiffness, back, front);
             positive &= self.rungs[level].positive();
+            let limits = self.rung_sum(level, |chain| &chain.raw_diagonal).map(|sum| SMALL_PIVOT * sum);
+            self.accurate &= self.rungs[level].pivots_exceed(&limits);
         }
         positive
     }
@@ -266,7 +290,7 @@ impl<'m> Ladder<'m> {
         self.tip_y = self.tip.forward(&tip);
         self.work += self.tip.work(&self.tip_y);
         for level in (0..count).rev() {
-            let mut gradient = self.rung_gradient(level, |chain| &chain.gradient);
+            let mut gradient = self.rung_sum(level, |chain| &chain.gradient);
             match self.rungs.get(level + 1) {
                 Some(above) => above.reduce_gradient(above.y(), &mut gradient),
                 None => self.tip.reduce_gradient(&self.tip_y, &mut gradient),
@@ -282,6 +306,30 @@ impl<'m> Ladder<'m> {
     }
 }
 
+/// Whether a load stands on a member between two key nodes: inside it, or on the node where it begins (`here`).
+fn stands_on(load: &FrameLoad, frame: &PlaneFrame, places: &[Place], member: usize, here: Place) -> bool {
+    match *load {
+        FrameLoad::Interior { member: loaded, .. } => loaded == member,
+        FrameLoad::Node { .. } | FrameLoad::Arm { .. } => places[load.at_end(frame).0.node] == here,
+    }
+}
+
+/// Potential of a load that stands on a member, by the motion of its nodes.
+#[cold]
+fn inside_load(
+    load: &FrameLoad,
+    frame: &PlaneFrame,
+    kinematics: Kinematics,
+    motion: &FrameMotion,
+    factor: f64,
+) -> Response {
+    if let FrameLoad::Interior { member, xi, force } = *load {
+        return frame.interior_load(motion, member, kinematics, xi, force * factor);
+    }
+    let (end, force, moment_nmm) = load.at_end(frame);
+    frame.end_load(motion, end, force * factor, moment_nmm * factor, kinematics == Kinematics::Linear)
+}
+
 impl EquilibriumEquations for Ladder<'_> {
     fn at_rest(&self) -> FrameMotion {
         FrameMotion::at_rest(self.mesh.frame())
@@ -292,13 +340,18 @@ impl EquilibriumEquations for Ladder<'_> {
     }
 
     fn linearise(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> bool {
-        let keep_stiffness = self.linear() && self.factored;
-        self.condense_lines(motion, loads, factor, keep_stiffness);
-        if !keep_stiffness {
+        if self.linear() && self.factored {
+            self.load_lines(motion, loads, factor);
+        } else {
+            self.condense_lines(motion, loads, factor);
             self.factored = self.eliminate_stiffness(motion, loads, factor);
         }
         self.eliminate_gradient(motion, loads, factor);
         self.factored
+    }
+
+    fn keeps_digits(&self) -> bool {
+        self.accurate
     }
 
     fn forget_factor(&mut self) {

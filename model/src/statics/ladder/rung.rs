@@ -42,8 +42,9 @@ impl RigidRib {
 
     /// T^T K T with what the turning lever adds.
     fn generalised_stiffness(&self, stiffness: &EndsMatrix) -> EndsMatrix {
+        let full: EndsMatrix = std::array::from_fn(|i| std::array::from_fn(|j| stiffness[i.min(j)][i.max(j)]));
         // T^T times the symmetric K is the transpose of K T; so T^T each row, and again each row of the transpose.
-        let half = transposed(&stiffness.map(|row| self.generalised(&row)));
+        let half = transposed(&full.map(|row| self.generalised(&row)));
         let mut whole = half.map(|row| self.generalised(&row));
         let turn = self.turn();
         whole[turn][turn] -= self.front_pull.dot(&self.lever);
@@ -84,22 +85,28 @@ impl Rung {
     ) {
         let mut coupling = [[0.0; 6]; 6];
         for i in 0..3 {
-            coupling[i][..3].copy_from_slice(&back[3 + i][..3]);
-            coupling[3 + i][3..].copy_from_slice(&front[3 + i][..3]);
+            for j in 0..3 {
+                coupling[i][j] = back[j][3 + i];
+                coupling[3 + i][3 + j] = front[j][3 + i];
+            }
         }
         self.rib = rib;
-        self.block = match rib {
-            None => Block::of(stiffness, &coupling),
-            Some(rib) => {
-                let coupling = transposed(&transposed(&coupling).map(|column| rib.generalised(&column)));
-                Block::of(&rib.generalised_stiffness(stiffness), &coupling)
-            }
-        };
+        if let Some(rib) = rib {
+            coupling = transposed(&transposed(&coupling).map(|column| rib.generalised(&column)));
+            self.block.factorise(&rib.generalised_stiffness(stiffness), &coupling);
+        } else {
+            self.block.factorise(stiffness, &coupling);
+        }
     }
 
     /// Whether the block is positive definite.
     pub(super) fn positive(&self) -> bool {
         self.block.positive()
+    }
+
+    /// Whether each pivot is larger than a limit of its own; `false` with an undeformable rib, whose unknowns are others.
+    pub(super) fn pivots_exceed(&self, limits: &Ends) -> bool {
+        self.rib.is_none() && self.block.pivots_exceed(limits)
     }
 
     /// Takes what the eliminated rung does off the stiffness of the rung below.
