@@ -186,39 +186,33 @@ impl<'m> Ladder<'m> {
         (gradient, curvature)
     }
 
-    /// Lines that end at a rung, each with the row (0 or 3) of its end and the row of the rung's node.
-    fn lines_at(&self, level: usize) -> [(usize, usize, usize); 5] {
-        let [back_below, front_below] = self.stretches(level);
-        let [back_above, front_above] = self.stretches(level + 1);
-        // The fifth is the rib, which joins the rung's two nodes.
-        [(back_below, 3, 0), (front_below, 3, 3), (back_above, 0, 0), (front_above, 0, 3), (self.rib(level), 0, 0)]
-    }
-
     /// Stiffness of a rung's two nodes before anything above it is eliminated.
+    #[inline(always)]
     fn rung_stiffness(&self, level: usize) -> EndsMatrix {
-        let [.., (rib, _, _)] = self.lines_at(level);
-        // One that does not deform has no stiffness of its own.
-        let mut stiffness = self.chains[rib].stiffness;
-        for (line, end, row) in self.lines_at(level).into_iter().take(4) {
-            for i in 0..3 {
-                for j in i..3 {
-                    stiffness[row + i][row + j] += self.chains[line].stiffness[end + i][end + j];
-                }
+        let stiffness = |line: usize| &self.chains[line].stiffness;
+        let [below, above] = [self.stretches(level), self.stretches(level + 1)];
+        // A rib joins the rung's two nodes; one that does not deform has no stiffness of its own.
+        let mut sum = *stiffness(self.rib(level));
+        for i in 0..3 {
+            for j in i..3 {
+                sum[i][j] += stiffness(below[0])[3 + i][3 + j] + stiffness(above[0])[i][j];
+                sum[3 + i][3 + j] += stiffness(below[1])[3 + i][3 + j] + stiffness(above[1])[i][j];
             }
         }
-        stiffness
+        sum
     }
 
     /// Sum over the lines that end at a rung of something that they have at their ends.
+    #[inline(always)]
     fn rung_sum(&self, level: usize, of: impl Fn(&Chain) -> &Ends) -> Ends {
-        let [.., (rib, _, _)] = self.lines_at(level);
-        let mut gradient = *of(&self.chains[rib]);
-        for (line, end, row) in self.lines_at(level).into_iter().take(4) {
-            for i in 0..3 {
-                gradient[row + i] += of(&self.chains[line])[end + i];
-            }
+        let at_ends = |line: usize| of(&self.chains[line]);
+        let [below, above] = [self.stretches(level), self.stretches(level + 1)];
+        let mut sum = *at_ends(self.rib(level));
+        for i in 0..3 {
+            sum[i] += at_ends(below[0])[3 + i] + at_ends(above[0])[i];
+            sum[3 + i] += at_ends(below[1])[3 + i] + at_ends(above[1])[i];
         }
-        gradient
+        sum
     }
 
     /// The undeformable rib of a rung, if it has one.
