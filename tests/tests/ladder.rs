@@ -47,7 +47,10 @@ proptest! {
             for (a, b) in ladder.motion.rotations.iter().zip(&sparse.motion.rotations) {
                 prop_assert!((a - b).abs() <= AGREEMENT * largest.max(1.0));
             }
-            prop_assert_eq!(ladder.iterations, sparse.iterations, "the same Newton steps");
+            // A linear solution is corrected by its residual only where the ladder sees that digits were lost.
+            if kinematics != Kinematics::Linear {
+                prop_assert_eq!(ladder.iterations, sparse.iterations, "the same Newton steps");
+            }
         }
     }
 }
