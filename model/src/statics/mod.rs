@@ -55,8 +55,8 @@ pub trait EquilibriumEquations {
     /// `false` if it is not positive definite: the motion is no stable shape.
     fn linearise(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> bool;
 
-    /// Whether no pivot of the last factorisation lost more than half of its digits to cancellation, so that a correction by
-    /// the residual would change nothing that counts. `false` where that is not known.
+    /// Whether no pivot of the last factorisation lost more than three of its digits to cancellation, so that a correction
+    /// by the residual would change nothing that counts. `false` where that is not known.
     fn keeps_digits(&self) -> bool {
         false
     }
