@@ -1,0 +1,85 @@
+//! The unknowns of a frame, numbered.
+
+use super::{BeamEnd, FrameMotion, PlaneFrame};
+
+/// Coordinates on which the motion of a node may depend: its x and y (or its master's), its rotation, the rotation of
+/// its rigid link.
+pub(super) const NODE_COORDINATES: usize = 4;
+/// Coordinates of two nodes.
+pub(crate) const MEMBER_COORDINATES: usize = 2 * NODE_COORDINATES;
+
+/// Numbers the unknowns of a frame: equation of each free translation and rotation, `None` where it is held.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Equations {
+    translations: Vec<[Option<usize>; 2]>,
+    rotations: Vec<Option<usize>>,
+    count: usize,
+}
+
+impl Equations {
+    /// Numbers nodes in their order, each with its x, y and rotation, then the remaining rotations.
+    pub fn of(frame: &PlaneFrame) -> Equations {
+        let mut count = 0;
+        let mut next = || {
+            count += 1;
+            Some(count - 1)
+        };
+        let mut translations = vec![[None; 2]; frame.nodes.len()];
+        let mut rotations = vec![None; frame.rotation_fixed.len()];
+        // A slot that no beam, node or link uses would be a free unknown without stiffness.
+        let mut used = vec![false; rotations.len()];
+        for end in frame.members.iter().flat_map(|m| m.ends) {
+            used[end.rotation] = true;
+        }
+        for link in frame.nodes.iter().filter_map(|node| node.link) {
+            used[link.rotation] = true;
+        }
+        for (node, equation) in frame.nodes.iter().zip(&mut translations) {
+            if node.link.is_none() {
+                *equation = node.fixed.map(|fixed| if fixed { None } else { next() });
+            }
+            let slot = node.rotation;
+            if used[slot] && !frame.rotation_fixed[slot] && rotations[slot].is_none() {
+                rotations[slot] = next();
+            }
+        }
+        for slot in 0..rotations.len() {
+            if used[slot] && !frame.rotation_fixed[slot] && rotations[slot].is_none() {
+                rotations[slot] = next();
+            }
+        }
+        Equations { translations, rotations, count }
+    }
+
+    /// Number of unknowns.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Adds a correction of all unknowns to a motion and lets linked nodes follow.
+    pub fn advance(&self, frame: &PlaneFrame, motion: &mut FrameMotion, correction: &[f64], linear: bool) {
+        for (u, equations) in motion.displacements.iter_mut().zip(&self.translations) {
+            for (value, equation) in u.iter_mut().zip(equations) {
+                *value += equation.map_or(0.0, |e| correction[e]);
+            }
+        }
+        for (value, equation) in motion.rotations.iter_mut().zip(&self.rotations) {
+            *value += equation.map_or(0.0, |e| correction[e]);
+        }
+        frame.follow_links(motion, linear);
+    }
+
+    /// Equations of the coordinates that a beam end depends on.
+    fn of_end(&self, frame: &PlaneFrame, end: &BeamEnd) -> [Option<usize>; NODE_COORDINATES] {
+        let node = &frame.nodes[end.node];
+        let carrier = node.link.map_or(end.node, |link| link.master);
+        let [x, y] = self.translations[carrier];
+        [x, y, self.rotations[end.rotation], node.link.and_then(|link| self.rotations[link.rotation])]
+    }
+
+    /// Equations of the coordinates of two beam ends.
+    pub(crate) fn of_ends(&self, frame: &PlaneFrame, ends: &[BeamEnd; 2]) -> [Option<usize>; MEMBER_COORDINATES] {
+        let [a, b] = ends.map(|end| self.of_end(frame, &end));
+        [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]]
+    }
+}
