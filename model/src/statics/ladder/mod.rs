@@ -11,6 +11,7 @@ mod chain;
 mod ldl;
 mod lines;
 mod response;
+mod retraction;
 mod rung;
 
 use super::{EquilibriumEquations, FrameLoad};
@@ -20,6 +21,7 @@ use crate::mesh::Mesh;
 use crate::{Kinematics, Vector};
 use block::Block;
 use chain::{Chain, Ends, EndsMatrix, halves};
+use retraction::Retraction;
 use rung::{RigidRib, Rung};
 
 /// A pivot below this share of what the elements put on its diagonal has lost digits to cancellation that may count: the
@@ -66,6 +68,8 @@ pub struct Ladder<'m> {
     corrections: Vec<Ends>,
     /// One for each rung: what waits for the way back when loads are added.
     waiting: Vec<Ends>,
+    /// Where rotations are large and lines have inner nodes.
+    retraction: Option<Retraction>,
 }
 
 impl<'m> Ladder<'m> {
@@ -94,6 +98,7 @@ impl<'m> Ladder<'m> {
             }
             Kinematics::Corotational | Kinematics::CorotationalChord => Vec::new(),
         };
+        let bends = kinematics != Kinematics::Linear && frame.node_count() > finger.key_node_count();
         Ladder {
             mesh,
             kinematics,
@@ -109,6 +114,7 @@ impl<'m> Ladder<'m> {
             work: 0.0,
             corrections: vec![[0.0; 6]; finger.rib_count()],
             waiting: vec![[0.0; 6]; finger.rib_count()],
+            retraction: bends.then(|| Retraction::new(frame)),
         }
     }
 
@@ -291,6 +297,10 @@ impl EquilibriumEquations for Ladder<'_> {
     }
 
     fn correct(&mut self, motion: &mut FrameMotion) -> f64 {
+        let mut retraction = self.retraction.take();
+        if let Some(retraction) = &mut retraction {
+            retraction.remember(motion);
+        }
         let frame = self.mesh.frame();
         let linear = self.linear();
         let count = self.rungs.len();
@@ -319,6 +329,7 @@ impl EquilibriumEquations for Ladder<'_> {
         u.x += tip[0];
         u.y += tip[1];
         motion.rotations[frame.rotation_of(tip_node)] += tip[2];
+        frame.follow_links(motion, linear);
 
         // Back along the chains, from the corrections of their ends (back, front).
         let at = |level: usize| match level {
@@ -326,19 +337,26 @@ impl EquilibriumEquations for Ladder<'_> {
             level if level == count + 1 => [tip; 2],
             level => halves(&self.corrections[level - 1]),
         };
+        let mut correct_line = |line: usize, first: &[f64; 3], second: &[f64; 3]| {
+            self.chains[line].correct(motion, first, second);
+            if let Some(retraction) = &mut retraction {
+                let key_nodes = [first, second].map(|correction| Vector::new(correction[0], correction[1]));
+                retraction.mend(frame, &self.mesh.lines()[line], motion, key_nodes);
+            }
+        };
         for level in 0..=count {
             let (lower, upper) = (at(level), at(level + 1));
             for (side, line) in self.stretches(level).into_iter().enumerate() {
-                self.chains[line].correct(motion, &lower[side], &upper[side]);
+                correct_line(line, &lower[side], &upper[side]);
             }
         }
         for rung in 0..count {
             if !self.mesh.lines()[self.rib(rung)].members.is_empty() {
                 let [back, front] = at(rung + 1);
-                self.chains[self.rib(rung)].correct(motion, &back, &front);
+                correct_line(self.rib(rung), &back, &front);
             }
         }
-        frame.follow_links(motion, linear);
+        self.retraction = retraction;
         self.work
     }
 }
