@@ -1,8 +1,9 @@
 //! Meshes far finer than any use: they must take no more load steps than coarse ones, and come to the same shape.
 
+use finray_model::finger::{FingerDescription, Part, Zone};
 use finray_model::mesh::FingerShape;
 use finray_model::statics::{Equilibrium, Statics, StaticsError};
-use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene};
+use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, statics};
 use finray_tests::{cases, contact_node, finger_with_zones, force_for_deflection};
 use proptest::prelude::*;
 
@@ -10,6 +11,8 @@ use proptest::prelude::*;
 const MOST_ITERATIONS: usize = 20;
 /// Share by which a Richardson estimate may err: the next term of the error is some percent on 684 nodes.
 const RICHARDSON: f64 = 0.2;
+/// Digits that may be stated too many: a factor of two.
+const OVERSTATED: f64 = 0.3;
 
 fn paper() -> Finger {
     Scene::from_toml(include_str!("../../fixtures/scenes/paper.toml")).expect("paper scene").finger
@@ -70,5 +73,69 @@ proptest! {
         // Near a limit load one mesh may find an equilibrium and the other none.
         let (Ok(coarse), Ok(fine)) = (coarse, fine) else { return Ok(()) };
         prop_assert!(fine.load_steps <= 2 * coarse.load_steps, "{} after {}", fine.load_steps, coarse.load_steps);
+    }
+}
+
+/// The paper's finger; one with plates like foil; two with a stretch between key nodes that is a million times stiffer or
+/// softer. Forces in N that bend them a little.
+fn hard_fingers() -> Vec<(Finger, f64)> {
+    let of = |change: &dyn Fn(&mut FingerDescription)| {
+        let mut description = paper().description().clone();
+        change(&mut description);
+        Finger::new(description).expect("hard, but possible")
+    };
+    let zone = |modulus_factor| {
+        move |description: &mut FingerDescription| {
+            let rib = description.front_length_mm / 12.0;
+            description.zones.push(Zone { part: Part::Front, from_mm: 4.0 * rib, to_mm: 6.0 * rib, modulus_factor });
+        }
+    };
+    vec![
+        (paper(), 1.0),
+        (of(&|description| description.front.thickness_mm = 0.01), 1e-6),
+        (of(&zone(1e6)), 1.0),
+        (of(&zone(1e-6)), 1e-6),
+    ]
+}
+
+/// Linear solutions are known without refinement, whatever the mesh: the key nodes alone are exact. No solution has fewer
+/// digits than stated, and none is given with fewer than four.
+#[test]
+fn stated_digits_are_there() {
+    let mut refused = 0;
+    for (finger, force) in hard_fingers() {
+        let load = Load::at_node(NodeId(19), finger.direction(0.0) * force);
+        let key_nodes = Mesh::key_nodes(&finger);
+        let exact = Statics::sparse(key_nodes.frame(), Kinematics::Linear)
+            .equilibrium(&[key_nodes.frame_load(&load).expect("node 19 is free")])
+            .map(|found| key_nodes.shape(&found.motion))
+            .expect("linear solution");
+        for nodes in [684, 10_000, 15_000, 30_000, 100_000] {
+            let mesh = mesh(&finger, nodes);
+            let loads = [mesh.frame_load(&load).expect("node 19 is free")];
+            let mut statics = Statics::ladder(&mesh, Kinematics::Linear);
+            match statics.accurate_equilibrium(&loads) {
+                Ok(found) => {
+                    let stated = statics.digits_left(&found.motion, &loads);
+                    let error = difference(&mesh.shape(&found.motion), &exact);
+                    assert!(-error.log10() >= stated - OVERSTATED, "{nodes} nodes: {stated} digits, but {error:e} off");
+                }
+                Err(StaticsError::TooFewDigits { .. } | StaticsError::NotHeld) => refused += 1,
+                Err(other) => panic!("{nodes} nodes: {other}"),
+            }
+        }
+    }
+    assert!((1..10).contains(&refused), "{refused} of 20 refused");
+}
+
+/// Where rounding leaves nothing, large rotations are not blamed on a finger that snaps.
+#[test]
+fn meshes_that_are_too_fine_are_refused() {
+    let (finger, force) = hard_fingers().swap_remove(2);
+    let load = Load::at_node(NodeId(19), finger.direction(0.0) * force);
+    for nodes in [15_000, 30_000] {
+        let found = statics::solve(&mesh(&finger, nodes), &[load], Kinematics::Corotational);
+        let refused = matches!(found, Err(StaticsError::TooFewDigits { .. } | StaticsError::NotHeld));
+        assert!(refused, "{nodes} nodes: {found:?}");
     }
 }

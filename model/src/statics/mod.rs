@@ -1,6 +1,7 @@
 //! The whole frame in equilibrium: assembly, the linear solution and the path to a nonlinear one.
 
 mod assembly;
+mod digits;
 mod factor;
 mod ladder;
 mod newton;
@@ -32,6 +33,15 @@ pub enum StaticsError {
     /// A load is infinite or not a number.
     #[error("a load is not a finite number")]
     LoadNotFinite,
+    /// Rounding has left too few digits.
+    #[error(
+        "rounding leaves {digits:.1} digits of the solution, and 4 are the fewest that are given: use a coarser mesh (or \
+         parts that differ less in stiffness)"
+    )]
+    TooFewDigits {
+        /// Decimal digits left.
+        digits: f64,
+    },
     /// No stable equilibrium follows from the last one found on the way from rest to the full load.
     #[error(
         "no stable equilibrium was found beyond {:.4} % of the load: the finger snaps through, buckles or folds there",
@@ -71,13 +81,13 @@ pub trait EquilibriumEquations {
     fn correct(&mut self, motion: &mut FrameMotion) -> f64;
 }
 
-/// Shape of a finger under loads, from rest to the full load.
+/// Shape of a finger under loads, from rest to the full load, to at least four digits.
 ///
 /// # Errors
-/// [`StaticsError`] if there is no equilibrium to be found.
+/// [`StaticsError`] if there is no equilibrium to be found, or rounding leaves fewer digits of it.
 pub fn solve(mesh: &Mesh, loads: &[Load], kinematics: Kinematics) -> Result<FingerShape, StaticsError> {
     let loads = loads.iter().map(|load| mesh.frame_load(load)).collect::<Result<Vec<_>, _>>()?;
-    let equilibrium = Statics::ladder(mesh, kinematics).equilibrium(&loads)?;
+    let equilibrium = Statics::ladder(mesh, kinematics).accurate_equilibrium(&loads)?;
     Ok(mesh.shape(&equilibrium.motion))
 }
 
@@ -90,5 +100,5 @@ pub fn solve_frame(
     loads: &[FrameLoad],
     kinematics: Kinematics,
 ) -> Result<FrameMotion, StaticsError> {
-    Ok(Statics::sparse(frame, kinematics).equilibrium(loads)?.motion)
+    Ok(Statics::sparse(frame, kinematics).accurate_equilibrium(loads)?.motion)
 }

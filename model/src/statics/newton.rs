@@ -4,6 +4,7 @@
 //! stable equilibrium (positive definite tangent), so the solution stays on the branch that starts at rest; where that
 //! branch ends, the last load that could be carried is reported.
 
+use super::digits::FEWEST_DIGITS;
 use super::{EquilibriumEquations, FrameLoad, Ladder, SparseEquations, StaticsError};
 use crate::Kinematics;
 use crate::frame::{FrameMotion, PlaneFrame};
@@ -56,6 +57,8 @@ pub struct Statics<E> {
 enum Rejected {
     NotPositiveDefinite,
     TooFar,
+    /// Linear corrections do not shrink: so many digits are left, too few.
+    Rounding(f64),
 }
 
 impl<'f> Statics<SparseEquations<'f>> {
@@ -136,14 +139,13 @@ impl<E: EquilibriumEquations> Statics<E> {
             return Err(StaticsError::LoadNotFinite);
         }
         let reached = |done: f64| from + (to - from) * done;
-        self.follow(start, |statics, motion, share| statics.load_step(motion, loads, reached(share))).map_err(|error| {
-            match error {
-                StaticsError::NoEquilibrium { converged_fraction } => {
-                    StaticsError::NoEquilibrium { converged_fraction: reached(converged_fraction) / to }
-                }
-                other => other,
-            }
-        })
+        let found = self.follow(start, |statics, motion, share| statics.load_step(motion, loads, reached(share)));
+        let Err(StaticsError::NoEquilibrium { converged_fraction }) = found else { return found };
+        if converged_fraction == 0.0 {
+            // A finger that cannot take even the first step may just have too fine a mesh.
+            self.require_tangent_at_rest(loads)?;
+        }
+        Err(StaticsError::NoEquilibrium { converged_fraction: reached(converged_fraction) / to })
     }
 
     /// Takes load steps that adapt themselves until the whole way (`share` 0 to 1) is done.
@@ -171,6 +173,7 @@ impl<E: EquilibriumEquations> Statics<E> {
                 Err(Rejected::NotPositiveDefinite) if self.equations.kinematics() == Kinematics::Linear => {
                     return Err(StaticsError::NotHeld);
                 }
+                Err(Rejected::Rounding(digits)) => return Err(StaticsError::TooFewDigits { digits }),
                 Err(_) if step < MIN_LOAD_STEP => {
                     return Err(if done == 0.0 && !self.equations.linearise(&before, &[], 0.0) {
                         StaticsError::NotHeld
@@ -243,7 +246,7 @@ impl<E: EquilibriumEquations> Statics<E> {
                 return Err(Rejected::TooFar);
             }
             if work.is_nan() {
-                return Err(Rejected::TooFar);
+                return Err(if linear { Rejected::NotPositiveDefinite } else { Rejected::TooFar });
             }
             let relative = (work / scale).max(0.0).sqrt();
             let next = relative.powi(3) / (previous * previous);
@@ -257,7 +260,11 @@ impl<E: EquilibriumEquations> Statics<E> {
             }
             previous = relative;
         }
-        Err(Rejected::TooFar)
+        match -previous.log10() {
+            _ if !linear => Err(Rejected::TooFar),
+            digits if digits >= FEWEST_DIGITS => Ok(MAX_ITERATIONS),
+            digits => Err(Rejected::Rounding(digits.max(0.0))),
+        }
     }
 
     /// Motions of the linear structure under each load alone: columns of its compliance.

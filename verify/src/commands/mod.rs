@@ -59,7 +59,9 @@ impl From<StaticsError> for Failure {
     fn from(error: StaticsError) -> Failure {
         match error {
             StaticsError::Load(_) | StaticsError::LoadNotFinite => Failure::BadInput(error.to_string()),
-            StaticsError::NotHeld | StaticsError::NoEquilibrium { .. } => Failure::NotComputed(error.to_string()),
+            StaticsError::NotHeld | StaticsError::TooFewDigits { .. } | StaticsError::NoEquilibrium { .. } => {
+                Failure::NotComputed(error.to_string())
+            }
         }
     }
 }

@@ -4,7 +4,7 @@ use super::Truth;
 use finray_model::mesh::{FingerShape, MeshSizeError};
 use finray_model::sensing::Contact;
 use finray_model::statics::{Ladder, Statics, StaticsError};
-use finray_model::{Finger, Kinematics, Mesh};
+use finray_model::{Finger, Kinematics, Load, Mesh};
 
 /// Nodes of the paper's fine mesh (Xu et al. 2021, sec. III).
 pub const FINE_MESH_NODES: usize = 684;
@@ -34,8 +34,12 @@ impl<'m> MeshTruth<'m> {
     /// Prepares a mesh under a name.
     ///
     /// # Errors
-    /// [`StaticsError`] if the finger at rest cannot be factorised.
+    /// [`StaticsError`] if the finger at rest cannot be factorised, or rounding leaves fewer than four digits of how it
+    /// gives way to a force on its tip.
     pub fn new(name: &'static str, mesh: &'m Mesh, kinematics: Kinematics) -> Result<MeshTruth<'m>, StaticsError> {
+        let finger = mesh.finger();
+        let push = Load::at_node(finger.tip(), finger.direction(0.0));
+        Statics::ladder(mesh, Kinematics::Linear).accurate_equilibrium(&[mesh.frame_load(&push)?])?;
         let mut prepared = Statics::ladder(mesh, kinematics);
         prepared.equilibrium(&[])?;
         Ok(MeshTruth { name, mesh, prepared })

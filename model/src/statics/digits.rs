@@ -1,0 +1,75 @@
+//! How many digits rounding has left in a solution.
+//!
+//! Elements of length h have stiffnesses that grow as 1 / h^3 and deformations that shrink with h, so the finer the mesh
+//! the more digits cancel. Newton's corrections win back what the factored tangent loses, as long as it is roughly right;
+//! what the residual itself has lost stays.
+
+use super::{Equilibrium, EquilibriumEquations, FrameLoad, Statics, StaticsError};
+use crate::frame::FrameMotion;
+
+/// Solutions with fewer digits are refused: 0.01 % is what the finest results are compared to.
+pub(super) const FEWEST_DIGITS: f64 = 4.0;
+/// Digits of a number in double precision.
+const ALL_DIGITS: f64 = 15.65;
+/// Tangents with fewer digits lead Newton nowhere.
+const FEWEST_TANGENT_DIGITS: f64 = 1.0;
+/// Share of the load under which a frame is linear to all digits.
+const HARDLY_ANY_LOAD: f64 = 1e-12;
+
+impl<E: EquilibriumEquations> Statics<E> {
+    /// Equilibrium under dead loads, followed from rest, that has kept at least four digits. It takes one more
+    /// linearisation than [`equilibrium`](Statics::equilibrium).
+    ///
+    /// # Errors
+    /// See [`StaticsError`].
+    pub fn accurate_equilibrium(&mut self, loads: &[FrameLoad]) -> Result<Equilibrium, StaticsError> {
+        let found = self.equilibrium(loads)?;
+        let digits = self.digits_left(&found.motion, loads);
+        if digits < FEWEST_DIGITS { Err(StaticsError::TooFewDigits { digits }) } else { Ok(found) }
+    }
+
+    /// Decimal digits that an equilibrium has, up to 15.65: what one more correction would change, as a share of the
+    /// solution, by energy norm or by the largest displacement, whichever is more.
+    ///
+    /// An estimate: for linear solutions, which are known otherwise, it was at most 0.3 digits too high. The energy norm
+    /// sees noise of single elements that hardly moves any node, and may state three or four digits too few.
+    ///
+    /// Source: the correction as an estimate of the error, Higham, Accuracy and Stability of Numerical Algorithms (2002),
+    /// ch. 12.
+    pub fn digits_left(&mut self, motion: &FrameMotion, loads: &[FrameLoad]) -> f64 {
+        self.digits_under(motion, loads, 1.0)
+    }
+
+    /// An error if the tangent at rest has too few digits to start from: what its first correction gets right.
+    pub(super) fn require_tangent_at_rest(&mut self, loads: &[FrameLoad]) -> Result<(), StaticsError> {
+        let mut motion = self.equations().at_rest();
+        if !self.equations_mut().linearise(&motion, loads, HARDLY_ANY_LOAD) {
+            return Err(StaticsError::NotHeld);
+        }
+        self.equations_mut().correct(&mut motion);
+        let digits = self.digits_under(&motion, loads, HARDLY_ANY_LOAD);
+        if digits < FEWEST_TANGENT_DIGITS { Err(StaticsError::TooFewDigits { digits }) } else { Ok(()) }
+    }
+
+    fn digits_under(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> f64 {
+        if !self.equations_mut().linearise(motion, loads, factor) {
+            return 0.0;
+        }
+        let energy = self.equations().elastic_energy();
+        let mut corrected = motion.clone();
+        let work = self.equations_mut().correct(&mut corrected);
+        let pairs = corrected.displacements.iter().zip(&motion.displacements);
+        let moved = pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+        let change = share(work.abs(), 2.0 * energy).sqrt().max(share(moved, motion.largest_displacement()));
+        (-change.log10()).clamp(0.0, ALL_DIGITS)
+    }
+}
+
+/// Part of a whole; nothing is no part even of nothing, as in a frame without loads. What is no number counts as all.
+fn share(part: f64, whole: f64) -> f64 {
+    match part / whole {
+        _ if part == 0.0 => 0.0,
+        share if share.is_nan() => 1.0,
+        share => share,
+    }
+}
