@@ -200,3 +200,17 @@ fn fingers_with_other_joints_and_ribs_are_solved() {
     let spring = Csv::of(&finray(&["solve", SPRING_STEEL, "--load-at", "81:0.5"]).done());
     assert_eq!(spring.rows.len(), 11);
 }
+
+#[test]
+fn a_mesh_too_fine_for_double_precision_is_refused() {
+    let stiff = "[[finger.zone]]\nplate = \"front\"\nfrom_mm = 51.0\nto_mm = 76.5\nmodulus_factor = 1e6\n";
+    let scene = format!("{}\n{stiff}", paper_with(&[]));
+    for (nodes, kinematics) in [("30000", "linear"), ("15000", "corotational")] {
+        let arguments =
+            ["solve", "-", "--kinematics", kinematics, "--mesh-nodes", nodes, "--load", &paper_load(19, 1.0, 0.0)];
+        assert_says(
+            &finray_reading(scene.as_bytes(), &arguments).failed(),
+            &["digits of the solution", "coarser mesh"],
+        );
+    }
+}
