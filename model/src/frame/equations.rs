@@ -56,6 +56,15 @@ impl Equations {
         self.count
     }
 
+    /// One figure for each unknown: `translation` for displacements, `rotation` for rotations.
+    pub(crate) fn by_kind(&self, translation: f64, rotation: f64) -> Vec<f64> {
+        let mut figures = vec![translation; self.count];
+        for &equation in self.rotations.iter().flatten() {
+            figures[equation] = rotation;
+        }
+        figures
+    }
+
     /// Adds a correction of all unknowns to a motion and lets linked nodes follow.
     pub fn advance(&self, frame: &PlaneFrame, motion: &mut FrameMotion, correction: &[f64], linear: bool) {
         for (u, equations) in motion.displacements.iter_mut().zip(&self.translations) {

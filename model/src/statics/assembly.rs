@@ -80,6 +80,7 @@ pub struct Assembly<'f> {
     stiffness: CsMat<f64>,
     slots: Vec<Slots>,
     gradient: Vec<f64>,
+    load_vector: Vec<f64>,
     energy: f64,
 }
 
@@ -103,7 +104,8 @@ impl<'f> Assembly<'f> {
             _ => ABSENT,
         };
         let slots = members.iter().map(|c| c.map(|row| c.map(|column| slot(row, column)))).collect();
-        Assembly { frame, kinematics, equations, stiffness, slots, gradient: vec![0.0; count], energy: 0.0 }
+        let (gradient, load_vector) = (vec![0.0; count], vec![0.0; count]);
+        Assembly { frame, kinematics, equations, stiffness, slots, gradient, load_vector, energy: 0.0 }
     }
 
     /// The frame that is assembled.
@@ -131,6 +133,12 @@ impl<'f> Assembly<'f> {
         &self.gradient
     }
 
+    /// Forces of the loads, taken once, at the motion of the last [`evaluate`](Assembly::evaluate), by equation: the
+    /// residual falls by them when the factor grows by one.
+    pub fn load_vector(&self) -> &[f64] {
+        &self.load_vector
+    }
+
     /// Elastic energy of the last [`evaluate`](Assembly::evaluate), N mm.
     pub fn elastic_energy(&self) -> f64 {
         self.energy
@@ -145,27 +153,32 @@ impl<'f> Assembly<'f> {
         self.gradient.fill(0.0);
         self.stiffness.data_mut().fill(0.0);
         self.energy = 0.0;
+        for load in loads {
+            self.add_load(motion, load);
+        }
+        for (force, gradient) in self.load_vector.iter_mut().zip(&mut self.gradient) {
+            *force = -*gradient;
+            *gradient *= factor;
+        }
+        self.stiffness.data_mut().iter_mut().for_each(|value| *value *= factor);
         let frame = self.frame;
         for (index, member) in frame.members().iter().enumerate() {
             let response = frame.member_response(motion, member, self.kinematics);
             self.energy += response.energy;
             self.scatter_member(motion, index, &response);
         }
-        for load in loads {
-            self.add_load(motion, load, factor);
-        }
     }
 
-    /// Subtracts a load from residual and tangent.
-    fn add_load(&mut self, motion: &FrameMotion, load: &FrameLoad, factor: f64) {
+    /// Adds the potential of a load to residual and tangent.
+    fn add_load(&mut self, motion: &FrameMotion, load: &FrameLoad) {
         let frame = self.frame;
         match *load {
             FrameLoad::Node { node, force, moment_nmm } => {
-                self.add_point_load(motion, frame.clamped_end(node), force * factor, moment_nmm * factor);
+                self.add_point_load(motion, frame.clamped_end(node), force, moment_nmm);
             }
-            FrameLoad::Arm { end, force } => self.add_point_load(motion, end, force * factor, 0.0),
+            FrameLoad::Arm { end, force } => self.add_point_load(motion, end, force, 0.0),
             FrameLoad::Interior { member, xi, force } => {
-                let potential = frame.interior_load(motion, member, self.kinematics, xi, force * factor);
+                let potential = frame.interior_load(motion, member, self.kinematics, xi, force);
                 self.scatter_member(motion, member, &potential);
             }
         }

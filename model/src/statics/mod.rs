@@ -1,13 +1,17 @@
 //! The whole frame in equilibrium: assembly, the linear solution and the path to a nonlinear one.
 
+mod arc_length;
 mod assembly;
+mod bordered;
 mod digits;
 mod factor;
+mod indefinite;
 mod ladder;
 mod newton;
 mod outcome;
 mod sparse;
 
+pub use arc_length::{ArcLength, EquilibriumPath, LimitPoint, PathPoint};
 pub use assembly::{Assembly, FrameLoad};
 pub use ladder::Ladder;
 pub use newton::{Equilibrium, Statics};

@@ -1,0 +1,89 @@
+//! Linear equations of a path: the tangent stiffness bordered by the loads and by the constraint that fixes the step.
+
+use super::indefinite::IndefiniteFactor;
+
+/// A change of the unknowns and of the load multiple.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Direction {
+    /// Change of each unknown, mm or rad.
+    pub(super) unknowns: Vec<f64>,
+    /// Change of the load multiple.
+    pub(super) multiple: f64,
+}
+
+impl Direction {
+    /// The direction times a length.
+    pub(super) fn scaled(&self, length: f64) -> Direction {
+        Direction { unknowns: self.unknowns.iter().map(|u| u * length).collect(), multiple: self.multiple * length }
+    }
+
+    /// Adds another direction.
+    pub(super) fn add(&mut self, other: &Direction) {
+        for (u, v) in self.unknowns.iter_mut().zip(&other.unknowns) {
+            *u += v;
+        }
+        self.multiple += other.multiple;
+    }
+}
+
+/// The matrix [K, -f; c^T, d]: K the tangent stiffness (factored), f the forces of the loads taken once, (c, d) the
+/// constraint.
+///
+/// At a limit point K is singular but the bordered matrix is not. Block elimination alone loses there what K^-1 blows
+/// up; the mixed form splits the multiple in two parts, the second correcting the first, and keeps its digits however
+/// near K is to singular.
+///
+/// # Requirements
+/// K is symmetric, with at most one eigenvalue near zero, and the constraint is not orthogonal to the path.
+///
+/// # Reference
+/// W. Govaerts, Stable solvers and block elimination for bordered systems, SIAM J. Matrix Anal. Appl. 12 (1991)
+/// 469-483: algorithm BEM.
+pub(super) struct Bordered<'a> {
+    factor: &'a IndefiniteFactor,
+    load_vector: &'a [f64],
+    constraint: &'a Direction,
+    /// K^-1 c; K is symmetric, so this serves for the rows as well.
+    by_constraint: Vec<f64>,
+    /// K^-1 (-f).
+    by_loads: Vec<f64>,
+    /// Schur complement d + c^T K^-1 f, from the rows and from the columns.
+    pivots: [f64; 2],
+}
+
+impl<'a> Bordered<'a> {
+    /// Eliminates K. `None` if a number is not finite.
+    pub(super) fn new(
+        factor: &'a IndefiniteFactor,
+        load_vector: &'a [f64],
+        constraint: &'a Direction,
+    ) -> Option<Bordered<'a>> {
+        let mut by_constraint = constraint.unknowns.clone();
+        factor.solve_in_place(&mut by_constraint)?;
+        let mut by_loads: Vec<f64> = load_vector.iter().map(|f| -f).collect();
+        factor.solve_in_place(&mut by_loads)?;
+        let pivots = [
+            constraint.multiple + dot(&by_constraint, load_vector),
+            constraint.multiple - dot(&constraint.unknowns, &by_loads),
+        ];
+        Some(Bordered { factor, load_vector, constraint, by_constraint, by_loads, pivots })
+    }
+
+    /// Solves for the right-hand side (`forces`, `length`). `None` if the result is not finite.
+    pub(super) fn solve(&self, forces: &[f64], length: f64) -> Option<Direction> {
+        let first = (length - dot(&self.by_constraint, forces)) / self.pivots[0];
+        let mut unknowns: Vec<f64> = forces.iter().zip(self.load_vector).map(|(r, f)| r + f * first).collect();
+        let rest = length - self.constraint.multiple * first;
+        self.factor.solve_in_place(&mut unknowns)?;
+        let second = (rest - dot(&self.constraint.unknowns, &unknowns)) / self.pivots[1];
+        for (u, w) in unknowns.iter_mut().zip(&self.by_loads) {
+            *u -= w * second;
+        }
+        let multiple = first + second;
+        (multiple.is_finite() && unknowns.iter().all(|u| u.is_finite())).then_some(Direction { unknowns, multiple })
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

@@ -1,0 +1,77 @@
+//! Sparse LDL^T factorisation of a symmetric matrix that need not be definite (faer), with the signs of its pivots.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
+use faer::mat::MatMut;
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, Par, Side};
+use sprs::CsMat;
+use std::sync::Arc;
+
+/// The factors K = L D L^T, with D diagonal; the order of the unknowns is found at the first factorisation.
+///
+/// By Sylvester's law of inertia K has as many negative eigenvalues as D has negative entries. No pivots are chosen, so
+/// a matrix that is singular to working precision may cost digits; what is solved with these factors must be corrected
+/// by its own residual, as Newton's method does.
+#[derive(Debug, Clone, Default)]
+pub(super) struct IndefiniteFactor {
+    symbolic: Option<Arc<SymbolicCholesky<usize>>>,
+    values: Vec<f64>,
+}
+
+impl IndefiniteFactor {
+    /// Factorises a symmetric matrix of unchanging pattern and counts the negative pivots. `None` if a pivot is zero or
+    /// not finite.
+    pub(super) fn factorise(&mut self, matrix: &CsMat<f64>) -> Option<usize> {
+        let count = matrix.rows();
+        let indptr = matrix.indptr();
+        let pattern = SymbolicSparseColMatRef::new_checked(count, count, indptr.raw_storage(), None, matrix.indices());
+        if self.symbolic.is_none() {
+            // Column by column, so that the pivots are found at the head of each column of L.
+            let params = CholeskySymbolicParams {
+                supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SIMPLICIAL,
+                ..CholeskySymbolicParams::default()
+            };
+            let order = SymmetricOrdering::Amd;
+            self.symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, order, params).ok().map(Arc::new);
+        }
+        let symbolic = self.symbolic.as_ref()?;
+        let SymbolicCholeskyRaw::Simplicial(columns) = symbolic.raw() else { return None };
+        self.values.clear();
+        self.values.resize(symbolic.len_val(), 0.0);
+        let need = symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default());
+        symbolic
+            .factorize_numeric_ldlt(
+                &mut self.values,
+                SparseColMatRef::new(pattern, matrix.data()),
+                Side::Lower,
+                LdltRegularization::default(),
+                Par::Seq,
+                MemStack::new(&mut MemBuffer::try_new(need).ok()?),
+                Default::default(),
+            )
+            .ok()?;
+        let mut pivots = columns.col_ptr()[..count].iter().map(|&head| self.values[head]);
+        pivots.try_fold(0, |negative, pivot| pivot.is_finite().then_some(negative + usize::from(pivot < 0.0)))
+    }
+
+    /// Overwrites a vector with K^-1 times it; `None` without factors, or if the result is not finite.
+    pub(super) fn solve_in_place(&self, vector: &mut [f64]) -> Option<()> {
+        let symbolic = self.symbolic.as_ref()?;
+        let need = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
+        let mut memory = MemBuffer::try_new(need).ok()?;
+        let count = vector.len();
+        LdltRef::new(symbolic, &self.values).solve_in_place_with_conj(
+            Conj::No,
+            MatMut::from_column_major_slice_mut(vector, count, 1),
+            Par::Seq,
+            MemStack::new(&mut memory),
+        );
+        vector.iter().all(|value| value.is_finite()).then_some(())
+    }
+}
