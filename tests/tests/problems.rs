@@ -2,12 +2,13 @@
 
 use finray_model::Scene;
 use finray_verify::check::Check;
-use finray_verify::problems::{elastica, opensees, refinement};
+use finray_verify::problems::{elastica, full_circle, lee_frame, opensees, refinement, toggle};
 use finray_verify::{fixtures, report, study};
 
 fn all_pass(checks: &[Check]) {
     assert!(!checks.is_empty());
     for check in checks {
+        println!("{check:?}");
         assert!(check.passes(), "{check:?}");
     }
 }
@@ -21,6 +22,26 @@ fn elastica_rows() {
     let checks = elastica::checks().expect("every load has an equilibrium");
     // Eleven loads, three quantities each.
     assert_eq!(checks.len(), 33);
+    all_pass(&checks);
+}
+
+#[test]
+fn end_moment_bends_into_a_circle() {
+    all_pass(&full_circle::checks().expect("the moment is carried"));
+}
+
+#[test]
+fn lee_frame_limit_loads() {
+    let checks = lee_frame::checks().expect("the path is followed");
+    // Limits in number, the first by the literature, both by shooting; stability.
+    assert_eq!(checks.len(), 5);
+    all_pass(&checks);
+}
+
+#[test]
+fn toggle_limit_loads() {
+    let checks = toggle::checks().expect("the path is followed");
+    assert_eq!(checks.len(), 3);
     all_pass(&checks);
 }
 

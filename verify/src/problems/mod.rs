@@ -3,9 +3,13 @@
 //! Every problem answers with [`Check`](crate::check::Check)s (promises) or [`Comparison`](crate::check::Comparison)s. The report shows them
 //! and the tests demand that they pass.
 
+pub mod elastic_line;
 pub mod elastica;
+pub mod full_circle;
+pub mod lee_frame;
 pub mod opensees;
 pub mod refinement;
+pub mod toggle;
 
 use finray_model::statics::StaticsError;
 

@@ -1,0 +1,94 @@
+//! Lee's frame: a hinged right-angled frame that snaps back. Two limit loads, one pushing and one pulling.
+//!
+//! Source: S. L. Lee, F. S. Manuel, E. C. Rossow, Large deflections and stability of elastic frames, J. Eng. Mech. Div.
+//! ASCE 94 (1968) 521-547; the limit loads to more digits from the elastic line ([`elastic_line`]).
+
+use super::ProblemError;
+use super::elastic_line::{self, Rigidity};
+use crate::check::Check;
+use finray_model::frame::{NodeIndex, PlaneFrame, Section};
+use finray_model::statics::{ArcLength, FrameLoad, reaction};
+use finray_model::{Kinematics, Vector};
+
+/// E = 720, A = 6, I = 2.
+const RIGIDITY: Rigidity = Rigidity { axial: 4320.0, bending: 1440.0 };
+/// Height of the column and length of the beam.
+const LENGTH: f64 = 120.0;
+/// Distance of the load from the corner.
+const LOAD_AT: f64 = 24.0;
+/// Elements in 24 units of length.
+const ELEMENTS: usize = 8;
+/// First limit load, as the literature gives it.
+const LITERATURE: f64 = 1.85565;
+/// Relative difference from the literature: its last digits are uncertain.
+pub const LITERATURE_TOLERANCE: f64 = 1e-4;
+/// Relative difference from the elastic line: 40 elements a member leave 1e-7.
+pub const TOLERANCE: f64 = 1e-6;
+
+/// The frame: base hinge, corner, loaded node, hinge of the beam.
+fn frame() -> (PlaneFrame, [NodeIndex; 4]) {
+    let corners = [(0.0, 0.0), (0.0, LENGTH), (LOAD_AT, LENGTH), (LENGTH, LENGTH)].map(|(x, y)| Vector::new(x, y));
+    let section = Section { axial_rigidity_n: RIGIDITY.axial, bending_rigidity_nmm2: RIGIDITY.bending };
+    let mut frame = PlaneFrame::new();
+    let nodes = corners.map(|at| frame.add_node(at));
+    for i in 0..3 {
+        let elements = ELEMENTS * ((corners[i + 1] - corners[i]).norm() / LOAD_AT).round() as usize;
+        let mut from = nodes[i];
+        for k in 1..elements {
+            let next = frame.add_node(corners[i].lerp(&corners[i + 1], k as f64 / elements as f64));
+            frame.add_beam(from, next, section);
+            from = next;
+        }
+        frame.add_beam(from, nodes[i + 1], section);
+    }
+    for hinge in [nodes[0], nodes[3]] {
+        frame.support(hinge, [true, true, false]);
+    }
+    (frame, nodes)
+}
+
+/// How far the elastic line, shot from the base with rotation and force (x, y) there, misses the other hinge (place and
+/// moment, as shares of the frame's size) under a load.
+fn miss(&[rotation, fx, fy, load]: &[f64; 4]) -> [f64; 3] {
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let base = elastic_line::Section { at: [0.0; 2], direction: quarter + rotation, force: [fx, fy], moment: 0.0 };
+    let mut corner = base.beyond(LENGTH, RIGIDITY);
+    corner.direction -= quarter;
+    let mut loaded = corner.beyond(LOAD_AT, RIGIDITY);
+    loaded.force[1] += load;
+    let end = loaded.beyond(LENGTH - LOAD_AT, RIGIDITY);
+    [end.at[0] / LENGTH - 1.0, end.at[1] / LENGTH - 1.0, end.moment * LENGTH / RIGIDITY.bending]
+}
+
+/// Both limit loads, and between them no stable shape.
+///
+/// # Errors
+/// [`ProblemError`] if the path is lost.
+pub fn checks() -> Result<Vec<Check>, ProblemError> {
+    let (frame, [base, _, loaded, _]) = frame();
+    let load = FrameLoad::Node { node: loaded, force: Vector::new(0.0, -1.0), moment_nmm: 0.0 };
+    let path = ArcLength::new(&frame, Kinematics::Corotational)
+        .follow(&[load], 1000, |point| point.is_stable() && point.multiple > 1.1 * LITERATURE)?;
+    let row = |source, quantity, reference: f64, ours, tolerance| {
+        Check::new("Lee's frame, load 24 from the corner", source, quantity, reference, ours, tolerance)
+    };
+    let first = path.limits.first().map_or(f64::NAN, |limit| limit.multiple);
+    let mut checks = vec![
+        row("Lee, Manuel, Rossow 1968", "limit points of the path", 2.0, path.limits.len() as f64, 0.0),
+        row("Lee, Manuel, Rossow 1968", "first limit load", LITERATURE, first, LITERATURE_TOLERANCE * LITERATURE),
+    ];
+    for (quantity, limit) in ["first limit load", "second limit load"].into_iter().zip(&path.limits) {
+        let held = reaction(&frame, &limit.motion, Kinematics::Corotational, &[], base).force;
+        // The search on the elastic line starts from the frame's own state, with a fault of one per cent.
+        let start = [limit.motion.rotations[frame.rotation_of(base)], -held.x, -held.y, limit.multiple];
+        let reference = elastic_line::limit_load(miss, start.map(|x| x * 1.01), start.map(f64::abs))?;
+        let tolerance = TOLERANCE * reference.abs();
+        checks.push(row("elastic line by shooting", quantity, reference, limit.multiple, tolerance));
+    }
+    // The first and the last stretch are stable, the one between the limits is not.
+    let limits: Vec<usize> = path.limits.iter().map(|limit| limit.after).collect();
+    let between = |i: usize| limits.first().is_some_and(|&a| i > a) && limits.last().is_some_and(|&b| i <= b);
+    let wrong = path.points.iter().enumerate().filter(|(i, point)| point.is_stable() == between(*i)).count();
+    checks.push(row("Dirichlet's criterion", "points of the wrong stability", 0.0, wrong as f64, 0.0));
+    Ok(checks)
+}

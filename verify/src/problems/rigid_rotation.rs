@@ -1,0 +1,51 @@
+//! A finger turned as a rigid body: nothing deforms, so nothing may push back.
+//!
+//! Source: objectivity (invariance of the strains under rigid motions).
+
+use crate::check::{Check, worst};
+use finray_model::frame::{FrameMotion, PlaneFrame};
+use finray_model::statics::Assembly;
+use finray_model::{Finger, Kinematics, Mesh, Vector};
+
+/// Angles, rad.
+const ANGLES: [f64; 7] = [1e-9, 1e-6, 1e-3, 0.1, 1.0, 3.0, std::f64::consts::PI];
+/// Elements a member: lengths from a fraction of a millimetre to the whole rib.
+const ELEMENTS: [usize; 3] = [1, 4, 16];
+/// Largest force left, as a share of what a linear frame answers.
+pub const TOLERANCE: f64 = 1e-10;
+
+/// All nodes turned about the origin. Displacements come from the half angle: a difference of places would lose the
+/// digits of small turns.
+fn turned(frame: &PlaneFrame, angle: f64) -> FrameMotion {
+    let half = (0.5 * angle).sin();
+    let displaced = |at: Vector| Vector::new(-at.y, at.x) * angle.sin() - at * (2.0 * half * half);
+    let mut motion = FrameMotion::at_rest(frame);
+    for (node, displacement) in motion.displacements.iter_mut().enumerate() {
+        *displacement = displaced(frame.position(node));
+    }
+    motion.rotations.fill(angle);
+    motion
+}
+
+/// Largest nodal force of the turned frame, as a share of EA times the turn (the displacements would strain by as much).
+fn force(frame: &PlaneFrame, kinematics: Kinematics) -> f64 {
+    let rigidity = worst(frame.members().iter().map(|member| member.beam.axial_rigidity_n));
+    let mut assembly = Assembly::new(frame, kinematics);
+    worst(ANGLES.map(|angle| {
+        assembly.evaluate(&turned(frame, angle), &[], 0.0);
+        worst(assembly.residual().iter().map(|force| force.abs())) / (rigidity * angle.min(1.0))
+    }))
+}
+
+/// One row for each large-rotation kinematics, the worst of all angles and meshes.
+pub fn checks(finger: &Finger) -> Vec<Check> {
+    let meshes = ELEMENTS.map(|elements| Mesh::with_elements_per_member(finger, elements));
+    [(Kinematics::Corotational, "shallow-arch strain"), (Kinematics::CorotationalChord, "chord strain")]
+        .into_iter()
+        .map(|(kinematics, name)| {
+            let ours = worst(meshes.iter().map(|mesh| force(mesh.frame(), kinematics)));
+            let problem = format!("finger turned by 1e-9 to pi rad, {name}, 1 to 16 elements a member");
+            Check::new(problem, "rigid motion", "largest nodal force / (EA x turn)", 0.0, ours, TOLERANCE)
+        })
+        .collect()
+}

@@ -1,0 +1,74 @@
+//! Williams' toggle: two shallow straight members, clamped and rigidly joined, under a load at the apex. It snaps
+//! through, but its load never turns negative.
+//!
+//! Source: F. W. Williams, An approach to the non-linear behaviour of the members of a rigid jointed plane framework
+//! with finite deflections, Quart. J. Mech. Appl. Math. 17 (1964) 451-469; the limit loads from the elastic line
+//! ([`elastic_line`]).
+
+use super::ProblemError;
+use super::elastic_line::{self, Rigidity};
+use crate::check::Check;
+use finray_model::frame::{NodeIndex, PlaneFrame, Section};
+use finray_model::statics::{ArcLength, FrameLoad, reaction};
+use finray_model::{Kinematics, Vector};
+
+/// EA in lb, EI in lb in^2.
+const RIGIDITY: Rigidity = Rigidity { axial: 1.885e6, bending: 9.27e3 };
+/// Half the span, in.
+const HALF_SPAN: f64 = 12.943;
+/// Height of the apex, in.
+const HEIGHT: f64 = 0.386;
+/// Elements in each member.
+const ELEMENTS: usize = 32;
+/// Relative difference of a limit load: 32 elements a member leave 1.5e-7.
+pub const TOLERANCE: f64 = 1e-6;
+
+/// The toggle: left clamp and apex.
+fn frame() -> (PlaneFrame, [NodeIndex; 2]) {
+    let section = Section { axial_rigidity_n: RIGIDITY.axial, bending_rigidity_nmm2: RIGIDITY.bending };
+    let mut frame = PlaneFrame::new();
+    let nodes: Vec<NodeIndex> = (0..=2 * ELEMENTS)
+        .map(|i| {
+            let x = (i as f64 / ELEMENTS as f64 - 1.0) * HALF_SPAN;
+            frame.add_node(Vector::new(x, HEIGHT * (1.0 - x.abs() / HALF_SPAN)))
+        })
+        .collect();
+    for pair in nodes.windows(2) {
+        frame.add_beam(pair[0], pair[1], section);
+    }
+    frame.support(nodes[0], [true; 3]);
+    frame.support(nodes[2 * ELEMENTS], [true; 3]);
+    (frame, [nodes[0], nodes[ELEMENTS]])
+}
+
+/// How far the elastic line, shot from the clamp with a thrust and a moment there, misses the apex: its direction, which
+/// symmetry keeps, and its place across the middle, as a share of the half span.
+fn miss(&[pull, moment, load]: &[f64; 3]) -> [f64; 2] {
+    let direction = HEIGHT.atan2(HALF_SPAN);
+    let clamp = elastic_line::Section { at: [0.0; 2], direction, force: [pull, -0.5 * load], moment };
+    let apex = clamp.beyond(HALF_SPAN.hypot(HEIGHT), RIGIDITY);
+    [apex.direction - direction, apex.at[0] / HALF_SPAN - 1.0]
+}
+
+/// Both limit loads.
+///
+/// # Errors
+/// [`ProblemError`] if the path is lost.
+pub fn checks() -> Result<Vec<Check>, ProblemError> {
+    let (frame, [clamp, apex]) = frame();
+    let load = FrameLoad::Node { node: apex, force: Vector::new(0.0, -1.0), moment_nmm: 0.0 };
+    let path = ArcLength::new(&frame, Kinematics::Corotational)
+        .follow(&[load], 1000, |point| point.is_stable() && point.motion.displacements[apex].y < -1.8 * HEIGHT)?;
+    let row = |source, quantity, reference, ours, tolerance| {
+        Check::new("Williams' toggle", source, quantity, reference, ours, tolerance)
+    };
+    let mut checks = vec![row("Williams 1964", "limit points of the path", 2.0, path.limits.len() as f64, 0.0)];
+    for (quantity, limit) in ["limit load (lb)", "load where it stiffens again (lb)"].into_iter().zip(&path.limits) {
+        let held = reaction(&frame, &limit.motion, Kinematics::Corotational, &[], clamp);
+        // The search on the elastic line starts from the toggle's own state, with a fault of one per cent.
+        let start = [-held.force.x, -held.moment_nmm, limit.multiple];
+        let reference = elastic_line::limit_load(miss, start.map(|x| x * 1.01), start.map(f64::abs))?;
+        checks.push(row("elastic line by shooting", quantity, reference, limit.multiple, TOLERANCE * reference));
+    }
+    Ok(checks)
+}
