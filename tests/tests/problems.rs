@@ -2,7 +2,10 @@
 
 use finray_model::Scene;
 use finray_verify::check::Check;
-use finray_verify::problems::{elastica, full_circle, lee_frame, opensees, refinement, toggle};
+use finray_verify::problems::{
+    elastica, energy_balance, full_circle, grid_convergence, lee_frame, opensees, refinement, rigid_rotation, tangent,
+    toggle,
+};
 use finray_verify::{fixtures, report, study};
 
 fn all_pass(checks: &[Check]) {
@@ -43,6 +46,26 @@ fn toggle_limit_loads() {
     let checks = toggle::checks().expect("the path is followed");
     assert_eq!(checks.len(), 3);
     all_pass(&checks);
+}
+
+#[test]
+fn rigid_rotation_leaves_no_forces() {
+    all_pass(&rigid_rotation::checks(&paper()));
+}
+
+#[test]
+fn derivatives_are_those_of_the_energy() {
+    all_pass(&tangent::checks(&paper()).expect("the loads are on the finger"));
+}
+
+#[test]
+fn energy_is_the_work_of_the_load() {
+    all_pass(&energy_balance::checks(&paper()).expect("3 N are carried"));
+}
+
+#[test]
+fn order_of_convergence() {
+    all_pass(&grid_convergence::checks(&paper()).expect("3 N are carried"));
 }
 
 #[test]

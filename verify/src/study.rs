@@ -115,10 +115,17 @@ impl Study {
 
         progress.part("cross-checks", 1);
         let mut checks = problems::elastica::checks()?;
+        checks.extend(problems::full_circle::checks()?);
+        checks.extend(problems::lee_frame::checks()?);
+        checks.extend(problems::toggle::checks()?);
         checks.extend(problems::refinement::checks(finger)?);
         let mut comparisons = problems::refinement::comparisons(finger)?;
         if is_paper {
             checks.extend(problems::opensees::paper_checks(finger)?);
+            checks.extend(problems::rigid_rotation::checks(finger));
+            checks.extend(problems::tangent::checks(finger)?);
+            checks.extend(problems::energy_balance::checks(finger)?);
+            checks.extend(problems::grid_convergence::checks(finger)?);
             comparisons.extend(problems::opensees::linear_against_large_rotation(finger)?);
         }
         progress.step();

@@ -29,20 +29,25 @@ struct Row {
 }
 
 /// Deflection across (w) and shortening along (u) the beam, and rotation of its end.
-fn solve(load: f64, angle_deg: f64) -> Result<[f64; 3], ProblemError> {
+pub(super) fn solve(
+    load: f64,
+    angle_deg: f64,
+    elements: usize,
+    kinematics: Kinematics,
+) -> Result<[f64; 3], ProblemError> {
     let mut frame = PlaneFrame::new();
     let section = Section { axial_rigidity_n: AXIAL_RIGIDITY, bending_rigidity_nmm2: 1.0 };
     let clamp = frame.add_node(Vector::zeros());
     frame.support(clamp, [true; 3]);
     let mut end = clamp;
-    for i in 1..=ELEMENTS {
-        let next = frame.add_node(Vector::new(i as f64 / ELEMENTS as f64, 0.0));
+    for i in 1..=elements {
+        let next = frame.add_node(Vector::new(i as f64 / elements as f64, 0.0));
         frame.add_beam(end, next, section);
         end = next;
     }
     let (sin, cos) = angle_deg.to_radians().sin_cos();
     let load = FrameLoad::Node { node: end, force: Vector::new(cos, sin) * load, moment_nmm: 0.0 };
-    let motion = solve_frame(&frame, &[load], Kinematics::Corotational)?;
+    let motion = solve_frame(&frame, &[load], kinematics)?;
     let u = motion.displacements[end];
     Ok([u.y, -u.x, motion.rotations[frame.rotation_of(end)]])
 }
@@ -56,7 +61,7 @@ pub fn checks() -> Result<Vec<Check>, ProblemError> {
         csv::Reader::from_reader(fixtures::ELASTICA.as_bytes()).deserialize().collect::<Result<_, _>>()?;
     let mut checks = Vec::new();
     for row in rows {
-        let ours = solve(row.load_pl2_ei, row.angle_deg)?;
+        let ours = solve(row.load_pl2_ei, row.angle_deg, ELEMENTS, Kinematics::Corotational)?;
         let problem = format!("cantilever, P L^2 / EI = {}, {} deg from the axis", row.load_pl2_ei, row.angle_deg);
         let theirs = [("w / L", row.w_over_l), ("u / L", row.u_over_l), ("tip rotation (rad)", row.theta_rad)];
         for ((quantity, reference), ours) in theirs.into_iter().zip(ours) {

@@ -5,10 +5,14 @@
 
 pub mod elastic_line;
 pub mod elastica;
+pub mod energy_balance;
 pub mod full_circle;
+pub mod grid_convergence;
 pub mod lee_frame;
 pub mod opensees;
 pub mod refinement;
+pub mod rigid_rotation;
+pub mod tangent;
 pub mod toggle;
 
 use finray_model::statics::StaticsError;

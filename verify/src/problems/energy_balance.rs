@@ -1,0 +1,61 @@
+//! The elastic energy of the bent finger is the work of its load along the way.
+//!
+//! Source: conservation of energy. The work is F u(F) less the integral of u over F (the complementary energy), by
+//! Simpson's rule with one Richardson extrapolation (Boole's rule).
+
+use super::ProblemError;
+use crate::check::Check;
+use finray_model::statics::{Statics, elastic_energy};
+use finray_model::{Finger, Kinematics, Load, Mesh, NodeId};
+
+/// Full load, N.
+const FORCE_N: f64 = 3.0;
+/// Loaded nodes: beside the tip, in the middle, near the base.
+const NODES: [usize; 3] = [14, 19, 24];
+/// Intervals of the quadrature.
+const STEPS: usize = 64;
+/// Largest difference, as a share of the work. Simpson's rule alone errs by 4e-10 at most here (its change from half as
+/// many intervals, over 15), the extrapolation by far less; what is left is where Newton's method stops.
+pub const TOLERANCE: f64 = 1e-10;
+
+/// Energy and work, N mm.
+fn solve(mesh: &Mesh, node: NodeId) -> Result<[f64; 2], ProblemError> {
+    let force = mesh.finger().direction(0.0) * FORCE_N;
+    let load = mesh.frame_load(&Load::at_node(node, force)).map_err(|error| ProblemError::Statics(error.into()))?;
+    let multiples: Vec<f64> = (1..=STEPS).map(|i| i as f64 / STEPS as f64).collect();
+    let (path, failed) = Statics::ladder(mesh, Kinematics::Corotational).path(&[load], &multiples);
+    if let Some(error) = failed {
+        return Err(error.into());
+    }
+    let moved: Vec<f64> = std::iter::once(0.0)
+        .chain(path.iter().map(|at| force.dot(&at.motion.displacements[mesh.frame_node(node)])))
+        .collect();
+    let work = |every: usize| {
+        let u: Vec<f64> = moved.iter().step_by(every).copied().collect();
+        let simpson: f64 = u.windows(3).step_by(2).map(|w| (w[0] + 4.0 * w[1] + w[2]) / 3.0).sum();
+        moved[STEPS] - simpson * every as f64 / STEPS as f64
+    };
+    let energy = elastic_energy(mesh.frame(), &path[STEPS - 1].motion, Kinematics::Corotational);
+    Ok([energy, work(1) + (work(1) - work(2)) / 15.0])
+}
+
+/// A row for each loaded node.
+///
+/// # Errors
+/// [`ProblemError`] if the finger does not carry the load.
+pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
+    let mesh = Mesh::key_nodes(finger);
+    let mut checks = Vec::new();
+    for node in NODES.map(NodeId) {
+        let [energy, work] = solve(&mesh, node)?;
+        checks.push(Check::new(
+            format!("paper finger, {FORCE_N} N at node {node}"),
+            "work of the load along its path",
+            "elastic energy (N mm)",
+            work,
+            energy,
+            TOLERANCE * work,
+        ));
+    }
+    Ok(checks)
+}

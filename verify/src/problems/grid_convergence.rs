@@ -1,0 +1,152 @@
+//! Observed order of convergence and grid convergence index.
+//!
+//! Source: P. J. Roache, J. Fluids Eng. 116 (1994) 405-413; I. B. Celik et al., J. Fluids Eng. 130 (2008) 078001.
+//!
+//! What order to expect: an element that bends by the angle phi, of the order of its length h, misses phi^2 of its
+//! chord with the strain of the chord, and phi^4 with the shallow arch: orders 2 and 4. The shallow arch also leaves
+//! out that a stretched beam has the more length to bend, a share phi^2 of its strain. So where beams are stretched
+//! its order falls to 2 on very fine meshes, with an error that is smaller by the strain (here 1e-4 to 1e-3).
+
+use super::{ProblemError, elastica};
+use crate::check::Check;
+use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, statics};
+
+/// Factor of safety for three meshes (Roache).
+const SAFETY: f64 = 1.25;
+/// The order that both strains keep on any mesh; the index trusts no higher one.
+const FORMAL_ORDER: f64 = 2.0;
+/// Order of an inextensible cantilever: what is left of the next term of the error on 4 to 16 elements.
+pub const CANTILEVER_TOLERANCE: f64 = 0.1;
+/// Order of the finger at 3 N, where elements of different length share one mesh and the second order begins to show.
+pub const FINGER_TOLERANCE: f64 = 0.25;
+/// Load of the cantilever, P L^2 / EI, across its axis.
+const CANTILEVER_LOAD: f64 = 2.0;
+/// Force on the finger, N.
+const FORCE_N: f64 = 3.0;
+/// Loaded nodes: beside the tip, in the middle, near the base.
+const NODES: [usize; 3] = [14, 19, 24];
+/// Elements a member of the meshes whose index is put to the test.
+const ELEMENTS: [usize; 3] = [4, 8, 16];
+/// The paper's two meshes and a finer one, which puts the index to the test.
+const NODE_COUNTS: [usize; 3] = [25, 684, 5000];
+/// Difference that 684 nodes may leave, as a share of the displacement.
+pub const FINE_MESH_TOLERANCE: f64 = 1e-4;
+/// Index that 5000 nodes must reach, as a share of the displacement: small against what 684 nodes may leave.
+pub const FINEST_MESH_TOLERANCE: f64 = 1e-6;
+
+/// Three meshes, the coarsest first, and what they tell about the solution that no mesh would change.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GridConvergence {
+    /// Nodes of the meshes.
+    pub nodes: [usize; 3],
+    /// Lengths of their elements, in any unit.
+    pub sizes: [f64; 3],
+    /// The figure that is watched, on each mesh.
+    pub values: [f64; 3],
+    /// Observed order of convergence; not a number if the values do not differ.
+    pub order: f64,
+    /// Richardson's extrapolation.
+    pub extrapolated: f64,
+    /// Grid convergence index: error of the finest mesh with a factor of safety of 1.25, as a share of its value. It
+    /// takes the observed order, but none above 2, which the errors keep on any mesh.
+    pub index: f64,
+}
+
+impl GridConvergence {
+    /// The procedure of Celik et al., eqs (3) to (7): the order p solves
+    /// p ln(r21) = |ln|e32 / e21| + q(p)| with q(p) = ln((r21^p - s) / (r32^p - s)), s = sign(e32 / e21),
+    /// by repeated substitution; equal ratios need none.
+    pub fn of(nodes: [usize; 3], sizes: [f64; 3], values: [f64; 3]) -> GridConvergence {
+        let [r32, r21] = [sizes[0] / sizes[1], sizes[1] / sizes[2]];
+        let [e32, e21] = [values[0] - values[1], values[1] - values[2]];
+        let sign = (e32 / e21).signum();
+        let q = |p: f64| ((r21.powf(p) - sign) / (r32.powf(p) - sign)).ln();
+        let mut order = (e32 / e21).abs().ln().abs() / r21.ln();
+        for _ in 0..50 {
+            order = ((e32 / e21).abs().ln() + q(order)).abs() / r21.ln();
+        }
+        let left = |order: f64| e21 / (r21.powf(order) - 1.0);
+        let extrapolated = values[2] - left(order);
+        let index = SAFETY * (left(order.min(FORMAL_ORDER)) / values[2]).abs();
+        GridConvergence { nodes, sizes, values, order, extrapolated, index }
+    }
+}
+
+/// How much a loaded node moves, mm, under 3 N along the inward normal.
+fn displacement(mesh: &Mesh, node: NodeId, kinematics: Kinematics) -> Result<f64, ProblemError> {
+    let load = Load::at_node(node, mesh.finger().direction(0.0) * FORCE_N);
+    Ok(statics::solve(mesh, &[load], kinematics)?.motion(node).displacement.norm())
+}
+
+/// Grid convergence of the displacement (mm) of a node under 3 N along the inward normal.
+///
+/// # Errors
+/// [`ProblemError`] if the finger does not carry the load.
+pub fn of_finger(meshes: [&Mesh; 3], node: NodeId, kinematics: Kinematics) -> Result<GridConvergence, ProblemError> {
+    // Elements of one mesh differ in length, but all meshes divide the same members: their number counts.
+    let sizes = meshes.map(|mesh| 1.0 / mesh.frame().members().len() as f64);
+    let mut values = [0.0; 3];
+    for (value, mesh) in values.iter_mut().zip(meshes) {
+        *value = displacement(mesh, node, kinematics)?;
+    }
+    Ok(GridConvergence::of(meshes.map(Mesh::node_count), sizes, values))
+}
+
+/// Grid convergence of the deflection of an inextensible cantilever, which has no second order.
+fn of_cantilever(kinematics: Kinematics) -> Result<GridConvergence, ProblemError> {
+    let mut values = [0.0; 3];
+    for (value, elements) in values.iter_mut().zip(ELEMENTS) {
+        [*value, ..] = elastica::solve(CANTILEVER_LOAD, 90.0, elements, kinematics)?;
+    }
+    Ok(GridConvergence::of(ELEMENTS.map(|n| n + 1), ELEMENTS.map(|n| 1.0 / n as f64), values))
+}
+
+/// Observed orders; the index put to the test; 25, 684 and 5000 nodes.
+///
+/// # Errors
+/// [`ProblemError`] if the finger does not carry the load.
+pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
+    let [coarse, medium, fine] = ELEMENTS.map(|elements| Mesh::with_elements_per_member(finger, elements));
+    let meshes = [&coarse, &medium, &fine];
+    let mut checks = Vec::new();
+    for (kinematics, name, order) in
+        [(Kinematics::Corotational, "shallow-arch strain", 4.0), (Kinematics::CorotationalChord, "chord strain", 2.0)]
+    {
+        let on_finger = of_finger(meshes, NodeId(NODES[1]), kinematics)?;
+        for (what, convergence, tolerance) in [
+            ("cantilever", of_cantilever(kinematics)?, CANTILEVER_TOLERANCE),
+            ("paper finger, 3 N at node 19", on_finger, FINGER_TOLERANCE),
+        ] {
+            let problem = format!("{what}, {name}, 4, 8, 16 elements a member");
+            checks.push(Check::new(
+                problem,
+                "error terms",
+                "order of convergence",
+                order,
+                convergence.order,
+                tolerance,
+            ));
+        }
+    }
+    let mut by_nodes = Vec::new();
+    for nodes in NODE_COUNTS {
+        by_nodes.push(Mesh::with_nodes(finger, nodes)?);
+    }
+    let [coarsest, papers, finest] = &by_nodes[..] else { return Ok(checks) };
+    for node in NODES.map(NodeId) {
+        let bounded = of_finger(meshes, node, Kinematics::Corotational)?;
+        let convergence = of_finger([coarsest, papers, finest], node, Kinematics::Corotational)?;
+        let [_, on_papers, on_finest] = convergence.values;
+        let mut row = |nodes: usize, source: &str, quantity, ours: f64, tolerance| {
+            let problem = format!("paper finger, {FORCE_N} N at node {node}, {nodes} nodes");
+            checks.push(Check::new(problem, source, quantity, 0.0, ours.abs(), tolerance));
+        };
+        let error = "relative error of the displacement";
+        let left = bounded.values[2] / on_finest - 1.0;
+        row(bounded.nodes[2], "5000 nodes; tolerance: grid convergence index", error, left, bounded.index);
+        row(NODE_COUNTS[1], "5000 nodes", error, on_papers / on_finest - 1.0, FINE_MESH_TOLERANCE);
+        let index = "grid convergence index";
+        row(NODE_COUNTS[2], "25, 684, 5000 nodes", index, convergence.index, FINEST_MESH_TOLERANCE);
+    }
+    Ok(checks)
+}

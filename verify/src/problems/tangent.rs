@@ -1,0 +1,119 @@
+//! Every derivative against central differences: nodal forces are those of the energy, the tangent is that of the
+//! nodal forces. For one element, for a load between its ends, and for a whole finger.
+//!
+//! Source: differences of fourth order, (8 (f(h) - f(-h)) - (f(2h) - f(-2h))) / 12 h.
+
+use super::ProblemError;
+use crate::check::{Check, worst};
+use finray_model::element::{Beam, EndMotion, Response};
+use finray_model::frame::FrameMotion;
+use finray_model::statics::{Assembly, FrameLoad};
+use finray_model::{Finger, Kinematics, Load, Mesh, Vector};
+use nalgebra::DVector;
+
+const KINEMATICS: [Kinematics; 3] = [Kinematics::Linear, Kinematics::Corotational, Kinematics::CorotationalChord];
+/// A strongly bent and stretched beam: its ends' displacements (mm) and rotations (rad).
+const BENT: [f64; 6] = [0.3, -0.2, 0.4, -0.5, 0.9, -0.3];
+/// Step of the differences, mm and rad: its fourth power is far below the tolerance, and so is rounding over it.
+const STEP: f64 = 2e-3;
+/// Largest difference, as a share of the largest derivative.
+pub const TOLERANCE: f64 = 1e-9;
+
+/// Derivative at 0 by differences.
+fn slope(f: impl Fn(f64) -> DVector<f64>) -> DVector<f64> {
+    ((f(STEP) - f(-STEP)) * 8.0 - (f(2.0 * STEP) - f(-2.0 * STEP))) / (12.0 * STEP)
+}
+
+/// Largest difference of two vectors, as a share of the largest entry.
+fn difference(ours: &DVector<f64>, theirs: &DVector<f64>) -> f64 {
+    (ours - theirs).amax() / theirs.amax()
+}
+
+/// How far gradient and tangent of an element's scalar are from differences.
+fn of_element(scalar: impl Fn(&[EndMotion; 2]) -> Response) -> [f64; 2] {
+    let response = |coordinate: usize, by: f64| {
+        let mut x = BENT;
+        x[coordinate] += by;
+        scalar(&[0, 3].map(|i| EndMotion { displacement: Vector::new(x[i], x[i + 1]), rotation: x[i + 2] }))
+    };
+    let at = response(0, 0.0);
+    let gradient = DVector::from_fn(6, |i, _| slope(|by| DVector::from_element(1, response(i, by).energy))[0]);
+    let tangent = (0..6).map(|i| {
+        let column = slope(|by| DVector::from_column_slice(response(i, by).gradient.as_slice()));
+        // A load on the linear beam has no tangent: its forces give the size then.
+        let size = at.tangent.amax().max(at.gradient.amax());
+        (column - DVector::from_column_slice(at.tangent.column(i).as_slice())).amax() / size
+    });
+    [difference(&DVector::from_column_slice(at.gradient.as_slice()), &gradient), worst(tangent)]
+}
+
+/// How far residual and tangent of a finger in a bent state, in a direction that moves everything, are from differences.
+fn of_finger(mesh: &Mesh, loads: &[FrameLoad], kinematics: Kinematics) -> [f64; 2] {
+    let assembly = Assembly::new(mesh.frame(), kinematics);
+    let unknowns = assembly.equations().count();
+    let bent: Vec<f64> = (0..unknowns).map(|i| 0.05 * (1.7 * i as f64).sin()).collect();
+    let along = DVector::from_fn(unknowns, |i, _| (2.3 * i as f64).cos());
+    let at = |by: f64, loads: &[FrameLoad]| {
+        let mut assembly = assembly.clone();
+        let mut motion = FrameMotion::at_rest(mesh.frame());
+        let moved: Vec<f64> = bent.iter().zip(&along).map(|(x, v)| x + by * v).collect();
+        let linear = kinematics == Kinematics::Linear;
+        assembly.equations().clone().advance(mesh.frame(), &mut motion, &moved, linear);
+        assembly.evaluate(&motion, loads, 1.0);
+        assembly
+    };
+    let residual = |by: f64, loads: &[FrameLoad]| DVector::from_column_slice(at(by, loads).residual());
+    // The energy is that of the beams alone, without loads.
+    let power = slope(|by| DVector::from_element(1, at(by, &[]).elastic_energy()));
+    let mut change = DVector::zeros(unknowns);
+    for (value, (row, column)) in at(0.0, loads).stiffness() {
+        change[row] += value * along[column];
+    }
+    [
+        difference(&DVector::from_element(1, residual(0.0, &[]).dot(&along)), &power),
+        difference(&change, &slope(|by| residual(by, loads))),
+    ]
+}
+
+/// Two rows each for an element, a load between its ends and the finger; the worst of all kinematics.
+///
+/// # Errors
+/// [`ProblemError`] if the loads are not on the finger.
+pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
+    let beam = Beam {
+        direction: Vector::new(0.8, 0.6),
+        length_mm: 10.0,
+        axial_rigidity_n: 1440.0,
+        bending_rigidity_nmm2: 270.0,
+    };
+    let force = Vector::new(-0.4, 1.9);
+    let mesh = Mesh::with_elements_per_member(finger, 2);
+    let tip = Load::Node { node: finger.tip(), force, moment_nmm: 3.0 };
+    let between = Load::at_place(0.4 * finger.description().front_length_mm, force);
+    let loads = [tip, between]
+        .iter()
+        .map(|load| mesh.frame_load(load))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(|e| ProblemError::Statics(e.into()))?;
+    let of_all = |figures: &dyn Fn(Kinematics) -> [f64; 2]| {
+        let all = KINEMATICS.map(figures);
+        [0, 1].map(|i| worst(all.iter().map(|figures| figures[i])))
+    };
+    let parts = [
+        ("one bent element", of_all(&|kinematics| of_element(|motion| beam.response(kinematics, motion)))),
+        (
+            "load between the ends of an element",
+            of_all(&|kinematics| of_element(|motion| beam.interior_work(kinematics, 0.3, force, motion))),
+        ),
+        ("bent finger with loads at and between nodes", of_all(&|kinematics| of_finger(&mesh, &loads, kinematics))),
+    ];
+    Ok(parts
+        .into_iter()
+        .flat_map(|(problem, [forces, tangent])| {
+            [("forces from energy", forces), ("tangent from forces", tangent)].map(|(what, ours)| {
+                let quantity = format!("{what}: largest difference / largest");
+                Check::new(problem, "central differences", quantity, 0.0, ours, TOLERANCE)
+            })
+        })
+        .collect())
+}
