@@ -2,6 +2,7 @@
 
 use finray_model::Scene;
 use finray_verify::check::Check;
+use finray_verify::problems::grid_convergence::GridConvergence;
 use finray_verify::problems::{
     elastica, energy_balance, full_circle, grid_convergence, lee_frame, opensees, refinement, rigid_rotation, tangent,
     toggle,
@@ -11,7 +12,6 @@ use finray_verify::{fixtures, report, study};
 fn all_pass(checks: &[Check]) {
     assert!(!checks.is_empty());
     for check in checks {
-        println!("{check:?}");
         assert!(check.passes(), "{check:?}");
     }
 }
@@ -50,7 +50,15 @@ fn toggle_limit_loads() {
 
 #[test]
 fn rigid_rotation_leaves_no_forces() {
-    all_pass(&rigid_rotation::checks(&paper()));
+    for scene in [
+        fixtures::PAPER_SCENE,
+        fixtures::SPRING_STEEL_SCENE,
+        include_str!("../../fixtures/opensees/arms.toml"),
+        include_str!("../../fixtures/opensees/asymmetric.toml"),
+        include_str!("../../fixtures/opensees/hinged.toml"),
+    ] {
+        all_pass(&rigid_rotation::checks(&Scene::from_toml(scene).expect("fixture scene").finger));
+    }
 }
 
 #[test]
@@ -66,6 +74,20 @@ fn energy_is_the_work_of_the_load() {
 #[test]
 fn order_of_convergence() {
     all_pass(&grid_convergence::checks(&paper()).expect("3 N are carried"));
+}
+
+/// The first example of the procedure's authors (Celik et al. 2008, table 1), printed to two to four digits, and a made-up
+/// solution 1 + h^3 on meshes of unequal ratio.
+#[test]
+fn grid_convergence_index_of_known_cases() {
+    let cells = [4500, 8000, 18000];
+    let example = GridConvergence::of(cells, cells.map(|n| (n as f64).powf(-0.5)), [5.863, 5.972, 6.063]);
+    assert!((example.order - 1.53).abs() < 0.01, "{example:?}");
+    assert!((example.extrapolated - 6.1685).abs() < 1e-3, "{example:?}");
+    assert!((example.index - 0.022).abs() < 5e-4, "{example:?}");
+    let sizes = [0.4, 0.25, 0.1];
+    let made_up = GridConvergence::of([0; 3], sizes, sizes.map(|h: f64| 1.0 + h.powi(3)));
+    assert!((made_up.order - 3.0).abs() < 1e-9 && (made_up.extrapolated - 1.0).abs() < 1e-12, "{made_up:?}");
 }
 
 #[test]

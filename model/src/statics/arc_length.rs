@@ -11,7 +11,7 @@ const FIRST_STEP: f64 = 0.02;
 /// Longest step: the points of a path are close enough to draw it.
 const LONGEST_STEP: f64 = 0.1;
 /// A path that cannot be followed by this much is lost.
-const SHORTEST_STEP: f64 = 1e-8;
+const SHORTEST_STEP: f64 = 1e-10;
 /// Turn of the tangent in one step, rad, that steps are adapted to.
 const INTENDED_TURN: f64 = 0.15;
 /// Larger turns, rad, are taken in smaller steps: another branch might have been met.
@@ -21,8 +21,10 @@ const LARGEST_TURN: f64 = 0.5;
 const CORRECTION_TOLERANCE: f64 = 1e-12;
 /// Corrections above this are too large to conclude the next one from.
 const QUADRATIC_RANGE: f64 = 1e-3;
-/// A correction this small that no longer shrinks is rounding noise.
+/// A correction this small, and small against the step, that no longer shrinks is rounding noise.
 const STAGNATION_TOLERANCE: f64 = 1e-8;
+/// See [`STAGNATION_TOLERANCE`].
+const STAGNATION_SHARE: f64 = 1e-2;
 /// More iterations than this mean that the step was too long.
 const MAX_ITERATIONS: usize = 10;
 /// A limit point is found when the load changes along the path by less than this per unit of the measure. The error of
@@ -30,9 +32,13 @@ const MAX_ITERATIONS: usize = 10;
 const LIMIT_TOLERANCE: f64 = 1e-7;
 /// Trials to find a limit point between two points of the path.
 const MAX_LIMIT_TRIALS: usize = 40;
+/// Corrections may leave the tangent by this share of the step; further away another branch might be met.
+const LARGEST_DEPARTURE: f64 = 0.5;
 /// Where the number of negative pivots and the slope of the load disagree, the path has either met a bifurcation or
-/// been left: it is followed in steps down to this length before a bifurcation is believed.
-const BIFURCATION_STEP: f64 = 1e-4;
+/// been left: a bifurcation is believed when steps have shrunk until the multiple changes by no more than this share.
+const BIFURCATION_SHARE: f64 = 1e-3;
+/// Several bifurcations between two points are believed when the multiple changes by no more than this share.
+const MULTIPLE_BIFURCATION_SHARE: f64 = 1e-6;
 
 /// An equilibrium on a path.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,7 +94,9 @@ pub struct EquilibriumPath {
 ///
 /// # Requirements
 /// The stiffness at rest is positive definite. The loads keep their directions. Limit points are simple; at a
-/// bifurcation the path goes straight on, and [`PathPoint::negative_pivots`] tells.
+/// bifurcation the path goes straight on, and [`PathPoint::negative_pivots`] tells. Elements are short enough that none
+/// bends by much more than a radian: at half a turn of an end against its chord their energy has a kink, and the path
+/// is lost there.
 ///
 /// # Reference
 /// E. Riks, An incremental approach to the solution of snapping and buckling problems, Int. J. Solids Struct. 15 (1979)
@@ -167,7 +175,8 @@ impl<'f> ArcLength<'f> {
         let mut length = FIRST_STEP;
         while path.points.len() < most_points {
             let next = self.step(&station, loads, length).filter(|next| {
-                self.turn(&station, next) <= LARGEST_TURN && (length <= BIFURCATION_STEP || is_regular(&station, next))
+                self.turn(&station, next) <= LARGEST_TURN
+                    && (is_regular(&station, next) || is_bifurcation(&station, next))
             });
             let Some(next) = next else {
                 length *= 0.5;
@@ -212,34 +221,46 @@ impl<'f> ArcLength<'f> {
 
     /// The point of the path where it crosses the plane that lies `length` away along the tangent.
     fn step(&mut self, from: &Station, loads: &[FrameLoad], length: f64) -> Option<Station> {
-        let linear = self.assembly.kinematics() == Kinematics::Linear;
         let constraint = self.measure.dual(&from.tangent);
         let mut point = from.point.clone();
         let mut correction = from.tangent.scaled(length);
         let mut previous = f64::INFINITY;
+        let mut departure = 0.0;
         let mut converged = false;
         for _ in 0..MAX_ITERATIONS {
-            self.assembly.equations().advance(self.assembly.frame(), &mut point.motion, &correction.unknowns, linear);
-            point.multiple += correction.multiple;
+            self.advance(&mut point, &correction);
             self.assembly.evaluate(&point.motion, loads, point.multiple);
             point.negative_pivots = self.factor.factorise(self.assembly.stiffness())?;
             let equations = Bordered::new(&self.factor, self.assembly.load_vector(), &constraint)?;
-            if converged {
-                let zeros = vec![0.0; correction.unknowns.len()];
-                let tangent = equations.solve(&zeros, 1.0)?;
-                let tangent = tangent.scaled(1.0 / self.measure.length(&tangent));
-                return Some(Station { point, tangent });
-            }
             let forces: Vec<f64> = self.assembly.residual().iter().map(|r| -r).collect();
             correction = equations.solve(&forces, 0.0)?;
+            if converged {
+                let tangent = equations.solve(&vec![0.0; forces.len()], 1.0)?;
+                let tangent = tangent.scaled(1.0 / self.measure.length(&tangent));
+                // The equations are there anyway: the last correction costs nothing.
+                self.advance(&mut point, &correction);
+                return Some(Station { point, tangent });
+            }
             let size = self.measure.length(&correction);
+            departure += size;
+            if departure > LARGEST_DEPARTURE * length {
+                return None;
+            }
             let next = size.powi(3) / (previous * previous);
             let converges = size <= QUADRATIC_RANGE && previous <= 1.0 && next <= CORRECTION_TOLERANCE;
-            let stagnates = size <= STAGNATION_TOLERANCE && size > 0.25 * previous;
+            let noise = f64::min(STAGNATION_TOLERANCE, STAGNATION_SHARE * length);
+            let stagnates = size <= noise && size > 0.25 * previous;
             converged = size == 0.0 || converges || stagnates;
             previous = size;
         }
         None
+    }
+
+    /// Moves a point by a change of unknowns and multiple.
+    fn advance(&self, point: &mut PathPoint, by: &Direction) {
+        let linear = self.assembly.kinematics() == Kinematics::Linear;
+        self.assembly.equations().advance(self.assembly.frame(), &mut point.motion, &by.unknowns, linear);
+        point.multiple += by.multiple;
     }
 
     /// Angle between two tangents, rad.
@@ -307,6 +328,13 @@ fn turns_back(from: &Station, to: &Station) -> bool {
 fn is_regular(from: &Station, to: &Station) -> bool {
     let changed = from.point.negative_pivots.abs_diff(to.point.negative_pivots);
     changed == usize::from(turns_back(from, to))
+}
+
+/// Whether two points are so near to each other that only a bifurcation can explain their stability.
+fn is_bifurcation(from: &Station, to: &Station) -> bool {
+    let share = ((to.point.multiple - from.point.multiple) / to.point.multiple).abs();
+    let changed = from.point.negative_pivots.abs_diff(to.point.negative_pivots);
+    share <= if changed <= 1 { BIFURCATION_SHARE } else { MULTIPLE_BIFURCATION_SHARE }
 }
 
 /// Half the diagonal of the outline of the undeformed nodes, mm; one for a frame without extent.
