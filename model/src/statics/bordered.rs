@@ -87,3 +87,28 @@ impl<'a> Bordered<'a> {
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sprs::CsMat;
+
+    /// At a limit point the stiffness is singular to rounding; the bordered equations keep their digits. With K =
+    /// diag(1e-15, 2), f = (1, 0.5) and the constraint (1, 0), 3, the answer to (1, 2), 4 is known by hand.
+    #[test]
+    fn keeps_digits_where_the_stiffness_is_singular() {
+        let stiffness = CsMat::new_csc((2, 2), vec![0, 1, 2], vec![0, 1], vec![1e-15, 2.0]);
+        let mut factor = IndefiniteFactor::default();
+        assert_eq!(factor.factorise(&stiffness), Some(0));
+        let constraint = Direction { unknowns: vec![1.0, 0.0], multiple: 3.0 };
+        let load_vector = [1.0, 0.5];
+        let found = Bordered::new(&factor, &load_vector, &constraint)
+            .and_then(|equations| equations.solve(&[1.0, 2.0], 4.0))
+            .expect("the bordered matrix is regular");
+        // 1e-15 x - m = 1 and x + 3 m = 4: m = -1, x = 7; 2 y - 0.5 m = 2: y = 0.75.
+        let expected = [7.0, 0.75, -1.0];
+        for (ours, expected) in [found.unknowns[0], found.unknowns[1], found.multiple].iter().zip(expected) {
+            assert!((ours - expected).abs() < 1e-13, "{ours} against {expected}");
+        }
+    }
+}
