@@ -250,7 +250,7 @@ impl<E: EquilibriumEquations> Statics<E> {
             }
             let relative = (work / scale).max(0.0).sqrt();
             let next = relative.powi(3) / (previous * previous);
-            let converges = previous <= 1.0 && relative <= QUADRATIC_RANGE && next <= CORRECTION_TOLERANCE;
+            let converges = previous.max(relative) <= QUADRATIC_RANGE && next <= CORRECTION_TOLERANCE;
             // One correction by the residual is all that a linear solution needs, if any.
             let converges = converges || (linear && (relative <= LINEAR_TOLERANCE || self.equations.keeps_digits()));
             let stagnates = relative <= STAGNATION_TOLERANCE && relative > 0.25 * previous;
