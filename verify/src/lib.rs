@@ -6,8 +6,10 @@
 #![forbid(unsafe_code)]
 
 pub mod check;
+pub mod convergence;
 pub mod files;
 pub mod fixtures;
+pub mod hard_cases;
 pub mod map;
 pub mod problems;
 pub mod report;

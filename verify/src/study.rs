@@ -1,7 +1,10 @@
-//! Everything that the report shows, computed: checks, maps, Table I and example shapes of one scene.
+//! Everything that the report shows, computed: checks, maps, Table I, mesh convergence, hard cases and example shapes of
+//! one scene.
 
 use crate::check::{Check, Comparison};
+use crate::convergence::{Convergence, convergence, loaded_nodes};
 use crate::fixtures;
+use crate::hard_cases::{self, HardCase, hard_cases};
 use crate::map::{AccuracyMap, Estimator, MapRequest, accuracy_maps};
 use crate::problems::{self, ProblemError};
 use crate::table_one::{TableOne, TableOneError, table_one};
@@ -64,7 +67,7 @@ pub struct Study {
     pub finger: Finger,
     /// Whether it is the paper's finger: only then there are reference values.
     pub is_paper: bool,
-    /// Promises.
+    /// Promises, but for those of the hard cases.
     pub checks: Vec<Check>,
     /// Differences that are expected.
     pub comparisons: Vec<Comparison>,
@@ -72,6 +75,10 @@ pub struct Study {
     pub maps: Vec<AccuracyMap>,
     /// Table I for each assumed direction, for the paper's finger.
     pub tables_one: Vec<TableOne>,
+    /// Error by mesh and load.
+    pub convergence: Convergence,
+    /// Hard cases, variants of the paper's finger.
+    pub hard_cases: Vec<HardCase>,
     /// Example shapes.
     pub bent: Vec<BentFinger>,
 }
@@ -159,6 +166,14 @@ impl Study {
                 progress.step();
             }
         }
+        progress.part("convergence", loaded_nodes(finger).len());
+        let convergence = convergence(finger, effort, &|| progress.step())?;
+        let mut hard = Vec::new();
+        if is_paper {
+            checks.extend(convergence.checks());
+            progress.part("hard cases", hard_cases::count());
+            hard = hard_cases(finger, effort, &|| progress.step());
+        }
         let bent = bent_fingers(finger, &fine);
         Ok(Study {
             scene: scene.name.clone(),
@@ -168,8 +183,15 @@ impl Study {
             comparisons,
             maps,
             tables_one,
+            convergence,
+            hard_cases: hard,
             bent,
         })
+    }
+
+    /// Every promise, those of the hard cases last.
+    pub fn all_checks(&self) -> impl Iterator<Item = &Check> {
+        self.checks.iter().chain(self.hard_cases.iter().flat_map(|case| &case.checks))
     }
 
     /// The map of one truth, without or with noise.

@@ -4,7 +4,9 @@
 pub mod figures;
 pub mod page;
 
+mod convergence;
 mod drawings;
+mod hard_cases;
 mod sections;
 mod summary;
 mod tables;

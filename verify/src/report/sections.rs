@@ -1,16 +1,16 @@
 //! The page, section by section.
 
 use super::page::{Block, Figure, Page, Section};
-use super::{ReportError, Summary, drawings, tables, words};
+use super::{ReportError, Summary, convergence, drawings, hard_cases, tables, words};
 use crate::map::AccuracyMap;
 use crate::study::{DRAWN_FORCE_N, MAP_FORCES_N, Study};
 use finray_model::finger::{Plate, RibPlaces};
 
-fn text(paragraph: impl Into<String>) -> Block {
+pub(super) fn text(paragraph: impl Into<String>) -> Block {
     Block::Text { paragraph: paragraph.into() }
 }
 
-fn section(id: &str, heading: &str, blocks: Vec<Block>) -> Section {
+pub(super) fn section(id: &str, heading: &str, blocks: Vec<Block>) -> Section {
     Section { id: id.to_owned(), heading: heading.to_owned(), blocks }
 }
 
@@ -21,7 +21,11 @@ pub(super) fn page(study: &Study, summary: &Summary) -> Result<Page, ReportError
         sections.push(table_one(study)?);
     }
     sections.push(shapes(study)?);
+    sections.push(convergence::section(study)?);
     sections.push(checks(study));
+    if !study.hard_cases.is_empty() {
+        sections.push(hard_cases::section(study));
+    }
     sections.push(finger(study)?);
     Ok(Page {
         title: format!("Where the finger \"{}\" can feel", study.scene),
@@ -132,8 +136,8 @@ fn checks(study: &Study) -> Section {
     let mut blocks = Vec::new();
     if !study.is_paper {
         blocks.push(text(
-            "Reference values of other programs (OpenSees) and the paper's Table I exist for the paper's finger alone; \
-             they are left out for this scene.",
+            "Reference values of other programs (OpenSees) and the paper's Table I exist for the paper's finger alone, and \
+             so do the hard cases; they are left out for this scene.",
         ));
     }
     blocks.push(Block::Table(tables::checks(&study.checks)));

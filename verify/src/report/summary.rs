@@ -46,7 +46,7 @@ impl Summary {
             scene: study.scene.clone(),
             version: env!("CARGO_PKG_VERSION"),
             verdict: words::verdict(study),
-            checks: study.checks.clone(),
+            checks: study.all_checks().cloned().collect(),
             comparisons: study.comparisons.clone(),
             maps: entry(Some(DRAWN_FORCE_N)).chain(entry(None)).collect(),
             table_one: study.tables_one.clone(),

@@ -1,7 +1,8 @@
 //! Rows for the page's tables, and the CSV files behind figures and tables.
 
 use super::page::{Cell, Column, Row, Shade, Table};
-use crate::check::{Check, Comparison, Verdict};
+use super::{convergence, hard_cases};
+use crate::check::{Check, Comparison};
 use crate::files::csv_text;
 use crate::map::AccuracyMap;
 use crate::study::Study;
@@ -77,11 +78,15 @@ pub(super) fn csv_files(study: &Study) -> Result<Vec<(PathBuf, String)>, csv::Er
         })
     });
     let mut files: Vec<(PathBuf, String)> = vec![
-        (CHECKS_CSV.into(), csv_text(&study.checks)?),
+        (CHECKS_CSV.into(), csv_text(study.all_checks())?),
         (COMPARISONS_CSV.into(), csv_text(&study.comparisons)?),
         (FINGER_CSV.into(), csv_text(nodes)?),
         (SHAPES_CSV.into(), csv_text(shapes)?),
+        (convergence::CSV.into(), csv_text(study.convergence.rows())?),
     ];
+    if !study.hard_cases.is_empty() {
+        files.push((hard_cases::CSV.into(), csv_text(hard_cases::rows(study))?));
+    }
     if !study.tables_one.is_empty() {
         files.push((TABLE_ONE_CSV.into(), csv_text(table_one)?));
     }
@@ -109,12 +114,14 @@ pub(super) fn percent(share: f64) -> String {
     }
 }
 
-pub(super) fn checks(checks: &[Check]) -> Table {
+/// Whether a promise holds, in green or red.
+pub(super) fn verdict(holds: bool, [kept, broken]: [&str; 2]) -> Cell {
+    if holds { Cell::shaded(kept, Shade::Pass) } else { Cell::shaded(broken, Shade::Fail) }
+}
+
+pub(super) fn checks<'c>(checks: impl IntoIterator<Item = &'c Check>) -> Table {
     let row = |check: &Check| {
-        let verdict = match check.verdict {
-            Verdict::Pass => Cell::shaded("pass", Shade::Pass),
-            Verdict::Fail => Cell::shaded("fail", Shade::Fail),
-        };
+        let verdict = verdict(check.passes(), ["pass", "fail"]);
         let words = [&check.problem, &check.source, &check.quantity].map(Cell::plain);
         let numbers = [check.reference, check.ours].map(|x| Cell::plain(reference_digits(x, check.tolerance)));
         let tolerance = Cell::plain(format!("{:.0e}", check.tolerance));
@@ -128,7 +135,7 @@ pub(super) fn checks(checks: &[Check]) -> Table {
             .chain(["reference", "ours", "tolerance"].map(Column::numbers))
             .chain([Column::words("verdict")])
             .collect(),
-        rows: checks.iter().map(row).collect(),
+        rows: checks.into_iter().map(row).collect(),
         csv: Some(CHECKS_CSV.to_owned()),
     }
 }

@@ -85,9 +85,23 @@ pub(super) fn verdict(study: &Study) -> Vec<String> {
         }
     }
     sentences.extend(table_one(study));
-    let passed = study.checks.iter().filter(|check| check.passes()).count();
-    sentences.push(format!("{passed} of {} checks against other parties hold their promise.", study.checks.len()));
+    sentences.extend(hard_cases(study));
+    let passed = study.all_checks().filter(|check| check.passes()).count();
     sentences
+        .push(format!("{passed} of {} checks against other parties hold their promise.", study.all_checks().count()));
+    sentences
+}
+
+/// Which promises of the hard cases are broken.
+fn hard_cases(study: &Study) -> Option<String> {
+    let broken: Vec<&str> = study.hard_cases.iter().filter(|case| !case.kept()).map(|case| case.case).collect();
+    match (&study.hard_cases[..], &broken[..]) {
+        ([], _) => None,
+        (all, []) => Some(format!("All {} hard cases are answered soundly or refused with a reason.", all.len())),
+        (all, broken) => {
+            Some(format!("{} of {} hard cases break their promise: {}.", broken.len(), all.len(), broken.join("; ")))
+        }
+    }
 }
 
 /// How far large rotation explains the paper's Table I.
