@@ -144,6 +144,66 @@ fn linear_sensing_of_the_linear_finger_errs_by_noise_alone() {
     assert!(error("linear", true) > 1e-3 && error("corotational", false) > 1e-2);
 }
 
+/// Errors of the table by mesh nodes, at one force: the worst over the loaded nodes.
+fn worst_error(report: &Report, mesh_nodes: f64, force_n: f64) -> f64 {
+    let rows = Csv::of(&report.read("convergence.csv"));
+    let keys = rows.numbers("mesh_nodes").into_iter().zip(rows.numbers("force_n"));
+    let wanted = keys.zip(rows.texts("error")).filter(|(key, _)| *key == (mesh_nodes, force_n));
+    wanted.filter_map(|(_, error)| error.parse::<f64>().ok()).fold(0.0, f64::max)
+}
+
+#[test]
+fn meshes_of_the_papers_finger_are_as_fine_as_promised() {
+    let summary = PAPERS.summary();
+    let promises: Vec<&Value> =
+        array(&summary, "checks").iter().filter(|check| check["source"] == "Richardson extrapolation").collect();
+    let limits = [(25.0, 1e-2), (61.0, 6e-3), (684.0, 1e-4)];
+    assert_eq!(promises.len(), limits.len());
+    for (promise, (mesh_nodes, limit)) in promises.iter().zip(limits) {
+        let error = worst_error(&PAPERS, mesh_nodes, 3.0);
+        assert_eq!((promise["ours"].as_f64(), promise["tolerance"].as_f64()), (Some(error), Some(limit)));
+        assert!(error > 0.0 && error <= limit, "{mesh_nodes} nodes: {error}");
+    }
+    // Nodes 14 to 24 are loaded, and carry 3 N on every mesh.
+    let mut nodes = Csv::of(&PAPERS.read("convergence.csv")).numbers("load_node");
+    nodes.dedup();
+    assert_eq!(nodes, (14..=24).map(f64::from).collect::<Vec<_>>());
+}
+
+#[test]
+fn finer_meshes_err_less() {
+    for report in [&*PAPERS, &*SPRING_STEELS] {
+        assert!(report.read("index.html").contains("id=\"convergence\""));
+        let mut meshes = Csv::of(&report.read("convergence.csv")).numbers("mesh_nodes");
+        meshes.sort_by(f64::total_cmp);
+        meshes.dedup();
+        let errors: Vec<f64> = meshes.iter().map(|nodes| worst_error(report, *nodes, 3.0)).collect();
+        // The paper's mesh lies between those that double their elements, and need not be in line with them.
+        assert!(errors.len() >= 5 && errors[0] > 0.0, "{errors:?}");
+        assert!(errors[errors.len() - 1] < 1e-2 * errors[0], "{errors:?}");
+    }
+}
+
+#[test]
+fn hard_cases_keep_their_promises() {
+    let cases = Csv::of(&PAPERS.read("hard_cases.csv"));
+    let names = cases.texts("case");
+    assert!(names.len() >= 20, "{names:?}");
+    for (name, verdict) in names.iter().zip(cases.texts("verdict")) {
+        assert_eq!(verdict, "kept", "{name}");
+    }
+    for column in ["difficulty", "promise", "outcome"] {
+        assert!(cases.texts(column).iter().all(|words| words.len() > 10), "{column}");
+    }
+    // Each case is among the checks, and on the page.
+    let summary = PAPERS.summary();
+    let page = PAPERS.read("index.html");
+    for name in &names {
+        assert!(array(&summary, "checks").iter().any(|check| check["problem"] == **name), "{name}");
+        assert!(page.contains("id=\"hard-cases\"") && page.replace('\u{2011}', "-").contains(*name), "{name}");
+    }
+}
+
 #[test]
 fn every_file_that_the_page_names_is_there() {
     for report in [&*PAPERS, &*SPRING_STEELS] {
@@ -194,6 +254,7 @@ fn what_exists_for_the_papers_finger_alone_is_left_out_for_others() {
     let page = SPRING_STEELS.read("index.html");
     assert!(page.replace("&#x27;", "'").contains(said) && !page.contains("id=\"table-one\""));
     assert!(!SPRING_STEELS.names().contains(&"table_one.csv".to_owned()));
+    assert!(!page.contains("id=\"hard-cases\"") && !SPRING_STEELS.names().contains(&"hard_cases.csv".to_owned()));
     let page = PAPERS.read("index.html");
     assert!(!page.replace("&#x27;", "'").contains(said) && page.contains("id=\"table-one\""));
     assert!(PAPERS.names().contains(&"table_one.csv".to_owned()));

@@ -12,13 +12,13 @@ use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector};
 
 pub(super) const QUESTIONS: &[Question] = &[
     Question {
-        case: "denormal, infinite and NaN loads",
+        case: "denormal, infinite and not-a-number loads",
         difficulty: "energies under- and overflow long before the displacements do",
-        promise: "infinite and NaN refused; what is finite scales with the load down to the smallest normal number",
+        promise: "infinite and not a number: refused; what is finite scales with the load down to the smallest normal number",
         answer: loads,
     },
     Question {
-        case: "denormal, infinite and NaN scene values",
+        case: "denormal, infinite and not-a-number scene values",
         difficulty: "one such value spoils every number that it touches",
         promise: "each refused with its line and key",
         answer: scene_values,
@@ -30,9 +30,9 @@ pub(super) const QUESTIONS: &[Question] = &[
         answer: extreme_scene_values,
     },
     Question {
-        case: "denormal, infinite and NaN displacements",
+        case: "denormal, infinite and not-a-number displacements",
         difficulty: "no camera measures them, but files hold them",
-        promise: "infinite and NaN refused; what is finite gives forces in proportion, or is refused",
+        promise: "infinite and not a number: refused; what is finite gives forces in proportion, or is refused",
         answer: displacements,
     },
 ];

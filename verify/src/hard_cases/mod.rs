@@ -117,3 +117,36 @@ fn answered(question: &Question, finger: &Finger, effort: Effort) -> HardCase {
         seconds: begin.elapsed().as_secs_f64(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixtures::PAPER_SCENE;
+    use finray_model::Scene;
+
+    fn answered_by(answer: fn(&Finger, Effort, &mut Findings) -> Result<(), Unexpected>) -> HardCase {
+        let finger = Scene::from_toml(PAPER_SCENE).unwrap().finger;
+        let question = Question { case: "case", difficulty: "difficulty", promise: "promise", answer };
+        answered(&question, &finger, Effort::Quick)
+    }
+
+    #[test]
+    fn a_promise_that_does_not_hold_breaks_its_case() {
+        assert!(answered_by(|_, _, findings| Ok(findings.vanishes("law", "error", 0.9, 1.0))).kept());
+        assert!(!answered_by(|_, _, findings| Ok(findings.vanishes("law", "error", 1.1, 1.0))).kept());
+        assert!(!answered_by(|_, _, findings| Ok(findings.vanishes("law", "error", f64::NAN, 1.0))).kept());
+        assert!(!answered_by(|_, _, findings| Ok(findings.counts("law", "things", 3, 2))).kept());
+    }
+
+    #[test]
+    fn an_error_that_nothing_promised_breaks_its_case() {
+        let case = answered_by(|_, _, _| Err("it fell over".into()));
+        assert!(!case.kept() && case.notes[0].contains("it fell over"), "{case:?}");
+    }
+
+    #[test]
+    fn a_slow_case_is_broken() {
+        let case = answered_by(|_, _, findings| Ok(findings.vanishes("law", "error", 0.0, 1.0)));
+        assert!(case.kept() && !HardCase { seconds: 1.1 * TIME_LIMIT_S, ..case }.kept());
+    }
+}
