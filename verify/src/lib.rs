@@ -1,8 +1,8 @@
 //! Cross-checks and accuracy maps of fin-ray force sensing, and the report that shows them.
 //!
-//! [`problems`] holds reference problems with known answers, [`truth`] the fingers that sensing is put to the test on,
-//! [`map`] and [`table_one`] what is asked of them, [`report`] the page. [`files`] reads and writes what users bring
-//! and take away; physics lives in [`finray_model`].
+//! [`problems`] holds reference problems with known answers, [`convergence`] and [`hard_cases`] what meshes and extremes
+//! come to, [`truth`] the fingers that sensing is put to the test on, [`map`] and [`table_one`] what is asked of them,
+//! [`report`] the page. [`files`] reads and writes what users bring and take away; physics lives in [`finray_model`].
 #![forbid(unsafe_code)]
 
 pub mod check;

@@ -171,7 +171,7 @@ fn displacements(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<
     let unit = Measurement::of_shape(finger, &mesh.shape(&motion));
     let linear = LinearEstimator::new(finger, &[contact], &unit)?;
     let mut nonlinear = NonlinearEstimator::new(&mesh, &[contact.into()])?;
-    let (mut off, mut wrong) = (Vec::new(), 0);
+    let (mut off, mut wrong, mut refusals) = (Vec::new(), 0, Vec::new());
     for exponent in [-300, -160, -100, -20, 20, 100, 160, 300] {
         let factor = 10_f64.powi(exponent);
         let scaled =
@@ -186,8 +186,11 @@ fn displacements(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<
                 // A force may come out if its residual says that it explains nothing.
                 wrong += usize::from(found.forces.residual_rms_mm < 0.01 * factor);
             }
-            Err(error) => findings.note(format!("1e{exponent} mm: {error}.")),
+            Err(error) => refusals.push((exponent, error)),
         }
+    }
+    if let Some((exponent, error)) = refusals.first() {
+        findings.note(format!("From 1e{exponent} mm on: {error}."));
     }
     findings.vanishes("proportionality", "force / (displacement x stiffness) - 1", worst(off), PROPORTIONAL);
     findings.counts("no finger moves so far", "forces that claim to explain 1e20 mm and more", 0, wrong);
