@@ -60,6 +60,9 @@ impl Check {
     }
 }
 
+/// Tolerance of a count that must be met.
+pub const EXACT_COUNT: f64 = 0.5;
+
 /// The largest of some figures; not a number if one of them is not, so that it cannot hide behind the others.
 pub fn worst(figures: impl IntoIterator<Item = f64>) -> f64 {
     figures.into_iter().fold(0.0, |worst: f64, figure| if worst.is_nan() || worst >= figure { worst } else { figure })

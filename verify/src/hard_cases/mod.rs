@@ -9,15 +9,13 @@ mod loads;
 mod sensing;
 mod soundness;
 
-use crate::check::Check;
+use crate::check::{Check, EXACT_COUNT};
 use crate::study::Effort;
 use finray_model::Finger;
 use std::time::Instant;
 
 /// No case may take longer, s.
 pub const TIME_LIMIT_S: f64 = 5.0;
-/// Tolerance of a count that must be met.
-pub const EXACT_COUNT: f64 = 0.5;
 
 /// A case and what came out.
 #[derive(Debug, Clone, PartialEq)]

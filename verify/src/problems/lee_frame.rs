@@ -5,7 +5,7 @@
 
 use super::ProblemError;
 use super::elastic_line::{self, Rigidity};
-use crate::check::Check;
+use crate::check::{Check, EXACT_COUNT};
 use finray_model::frame::{NodeIndex, PlaneFrame, Section};
 use finray_model::statics::{ArcLength, FrameLoad, reaction};
 use finray_model::{Kinematics, Vector};
@@ -74,7 +74,7 @@ pub fn checks() -> Result<Vec<Check>, ProblemError> {
     };
     let first = path.limits.first().map_or(f64::NAN, |limit| limit.multiple);
     let mut checks = vec![
-        row("Lee, Manuel, Rossow 1968", "limit points of the path", 2.0, path.limits.len() as f64, 0.0),
+        row("Lee, Manuel, Rossow 1968", "limit points of the path", 2.0, path.limits.len() as f64, EXACT_COUNT),
         row("Lee, Manuel, Rossow 1968", "first limit load", LITERATURE, first, LITERATURE_TOLERANCE * LITERATURE),
     ];
     for (quantity, limit) in ["first limit load", "second limit load"].into_iter().zip(&path.limits) {
@@ -89,6 +89,6 @@ pub fn checks() -> Result<Vec<Check>, ProblemError> {
     let limits: Vec<usize> = path.limits.iter().map(|limit| limit.after).collect();
     let between = |i: usize| limits.first().is_some_and(|&a| i > a) && limits.last().is_some_and(|&b| i <= b);
     let wrong = path.points.iter().enumerate().filter(|(i, point)| point.is_stable() == between(*i)).count();
-    checks.push(row("Dirichlet's criterion", "points of the wrong stability", 0.0, wrong as f64, 0.0));
+    checks.push(row("Dirichlet's criterion", "points of the wrong stability", 0.0, wrong as f64, EXACT_COUNT));
     Ok(checks)
 }

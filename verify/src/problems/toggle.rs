@@ -7,7 +7,7 @@
 
 use super::ProblemError;
 use super::elastic_line::{self, Rigidity};
-use crate::check::Check;
+use crate::check::{Check, EXACT_COUNT};
 use finray_model::frame::{NodeIndex, PlaneFrame, Section};
 use finray_model::statics::{ArcLength, FrameLoad, reaction};
 use finray_model::{Kinematics, Vector};
@@ -62,7 +62,7 @@ pub fn checks() -> Result<Vec<Check>, ProblemError> {
     let row = |source, quantity, reference, ours, tolerance| {
         Check::new("Williams' toggle", source, quantity, reference, ours, tolerance)
     };
-    let mut checks = vec![row("Williams 1964", "limit points of the path", 2.0, path.limits.len() as f64, 0.0)];
+    let mut checks = vec![row("Williams 1964", "limit points of the path", 2.0, path.limits.len() as f64, EXACT_COUNT)];
     for (quantity, limit) in ["limit load (lb)", "load where it stiffens again (lb)"].into_iter().zip(&path.limits) {
         let held = reaction(&frame, &limit.motion, Kinematics::Corotational, &[], clamp);
         // The search on the elastic line starts from the toggle's own state, with a fault of one per cent.

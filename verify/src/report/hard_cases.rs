@@ -4,7 +4,8 @@ use super::page::{Block, Cell, Column, Row, Section, Table};
 use super::sections::{self, text};
 use super::tables::{self, figure, verdict};
 use crate::check::Check;
-use crate::hard_cases::{EXACT_COUNT, HardCase, TIME_LIMIT_S};
+use crate::check::EXACT_COUNT;
+use crate::hard_cases::{HardCase, TIME_LIMIT_S};
 use crate::study::Study;
 use serde::Serialize;
 
