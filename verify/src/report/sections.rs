@@ -140,7 +140,11 @@ fn checks(study: &Study) -> Section {
              so do the hard cases; they are left out for this scene.",
         ));
     }
-    blocks.push(Block::Table(tables::checks(&study.checks)));
+    blocks.push(Block::Table(tables::checks_by_source(&study.checks)));
+    blocks.push(Block::Details {
+        summary: format!("All {} of them", study.checks.len()),
+        blocks: vec![Block::Table(tables::checks(&study.checks))],
+    });
     blocks.push(Block::Details {
         summary: "Where a difference is expected".to_owned(),
         blocks: vec![Block::Table(tables::comparisons(&study.comparisons))],

@@ -2,7 +2,7 @@
 
 use super::page::{Cell, Column, Row, Shade, Table};
 use super::{convergence, hard_cases};
-use crate::check::{Check, Comparison};
+use crate::check::{Check, Comparison, worst};
 use crate::files::csv_text;
 use crate::map::AccuracyMap;
 use crate::study::Study;
@@ -117,6 +117,33 @@ pub(super) fn percent(share: f64) -> String {
 /// Whether a promise holds, in green or red.
 pub(super) fn verdict(holds: bool, [kept, broken]: [&str; 2]) -> Cell {
     if holds { Cell::shaded(kept, Shade::Pass) } else { Cell::shaded(broken, Shade::Fail) }
+}
+
+/// The checks in short: a row for each party that we are held against, with how close its closest check comes to failing.
+pub(super) fn checks_by_source(checks: &[Check]) -> Table {
+    let mut sources: Vec<&str> = Vec::new();
+    for check in checks {
+        if !sources.contains(&check.source.as_str()) {
+            sources.push(&check.source);
+        }
+    }
+    let row = |source: &str| {
+        let of_source = || checks.iter().filter(|check| check.source == source);
+        let closest = worst(of_source().map(|check| (check.ours - check.reference).abs() / check.tolerance));
+        let figures = [of_source().count().to_string(), percent(closest)].map(Cell::plain);
+        let verdict = verdict(of_source().all(Check::passes), ["pass", "fail"]);
+        Row { cells: [Cell::plain(source)].into_iter().chain(figures).chain([verdict]).collect() }
+    };
+    Table {
+        caption: "Promises by what they are held against".to_owned(),
+        columns: [Column::words("source")]
+            .into_iter()
+            .chain(["checks", "largest difference / tolerance"].map(Column::numbers))
+            .chain([Column::words("verdict")])
+            .collect(),
+        rows: sources.into_iter().map(row).collect(),
+        csv: Some(CHECKS_CSV.to_owned()),
+    }
 }
 
 pub(super) fn checks<'c>(checks: impl IntoIterator<Item = &'c Check>) -> Table {
