@@ -1,0 +1,74 @@
+//! What an estimate is worth: standard deviations, and refusals of what the data do not tell.
+
+use super::linearised::Linearised;
+use super::search::Found;
+use super::unknowns::Unknown;
+use super::{NonlinearEstimate, NonlinearEstimator};
+use crate::finger::Plate;
+use crate::sensing::{Contact, Estimate, LARGEST_SPAN, SensingError};
+use nalgebra::DMatrix;
+
+/// A direction known to less than this, degrees, or a place to less than this share of the plate, is not known.
+const LARGEST_ANGLE_SIGMA_DEG: f64 = 30.0;
+const LARGEST_PLACE_SIGMA: f64 = 0.25;
+
+impl NonlinearEstimator<'_> {
+    /// Standard deviations and refusals.
+    pub(super) fn judged(
+        &self,
+        found: &Found,
+        unknowns: &[Unknown],
+        noise_mm: Option<f64>,
+    ) -> Result<NonlinearEstimate, SensingError> {
+        let Found { state, linearised: Linearised { residual, jacobian }, steps } = found;
+        let (coordinates, count) = jacobian.shape();
+        let noise_mm = noise_mm.unwrap_or_else(|| match coordinates - count {
+            0 => f64::INFINITY,
+            freedoms => (residual.norm_squared() / freedoms as f64).sqrt(),
+        });
+        let scales = self.scales(state, unknowns);
+        let scaled = DMatrix::from_fn(coordinates, count, |i, j| jacobian[(i, j)] * scales[j]);
+        let svd = scaled.svd(false, true);
+        let mut singular_values: Vec<f64> = svd.singular_values.iter().copied().collect();
+        singular_values.sort_by(|a, b| b.total_cmp(a));
+        let span = singular_values[0] / singular_values[count - 1];
+        let Some(v_t) = svd.v_t.filter(|_| span <= LARGEST_SPAN) else {
+            return Err(SensingError::IllConditioned { span, limit: LARGEST_SPAN, weakest: 1 });
+        };
+        let sigma = |j: usize| {
+            let sum: f64 = (0..count).map(|k| (v_t[(k, j)] / svd.singular_values[k]).powi(2)).sum();
+            scales[j] * sum.sqrt() * noise_mm
+        };
+        for (j, unknown) in unknowns.iter().enumerate() {
+            let (what, contact, sigma, limit, unit) = match *unknown {
+                Unknown::Force(_) => continue,
+                Unknown::Place(i) => {
+                    let limit = LARGEST_PLACE_SIGMA * self.finger().plate_length_mm(Plate::Front);
+                    ("the place", i + 1, sigma(j), limit, "mm")
+                }
+                Unknown::Across(i) => {
+                    let sigma_deg = (sigma(j) / state.forces_n[i].abs()).to_degrees();
+                    ("the direction", i + 1, sigma_deg, LARGEST_ANGLE_SIGMA_DEG, "deg")
+                }
+            };
+            if sigma > limit {
+                return Err(SensingError::Undetermined { what, contact, sigma, unit });
+            }
+        }
+        Ok(NonlinearEstimate {
+            forces: Estimate {
+                forces_n: state.forces_n.clone(),
+                sigmas_n: (0..self.questions.len()).map(sigma).collect(),
+                noise_mm,
+                residual_rms_mm: (residual.norm_squared() / coordinates as f64).sqrt(),
+                singular_values,
+            },
+            contacts: state
+                .contacts
+                .iter()
+                .map(|c| Contact { angle_deg: c.angle_deg - 360.0 * ((c.angle_deg + 180.0) / 360.0).floor(), ..*c })
+                .collect(),
+            steps: *steps,
+        })
+    }
+}

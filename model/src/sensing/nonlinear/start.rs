@@ -1,0 +1,97 @@
+//! Where the search begins: least squares on the linear finger.
+
+use super::{NonlinearEstimator, State};
+use crate::finger::Plate;
+use crate::measurement::Measurement;
+use crate::sensing::{Contact, ContactPlace, Direction, Estimate, LinearEstimator, Prior, SensingError};
+use crate::statics::StaticsError;
+
+impl NonlinearEstimator<'_> {
+    /// Least squares on the linear finger, at the place along the plate where it explains the measurement best.
+    /// The forces are multiplied by `factor`.
+    pub(super) fn start(&mut self, measurement: &Measurement, factor: f64) -> Result<State, SensingError> {
+        let finger = self.finger();
+        // A contact of unknown place is tried at every node; several of them are tried one after the other.
+        let mut places: Vec<Option<ContactPlace>> = self.questions.iter().map(|q| q.place).collect();
+        for i in 0..places.len() {
+            if places[i].is_some() {
+                continue;
+            }
+            let mut best = None;
+            for node in finger.contact_nodes() {
+                places[i] = Some(ContactPlace::Node(node));
+                let Ok((contacts, estimate)) = self.linear_start(&places, measurement) else { continue };
+                let inward = contacts.iter().zip(&estimate.forces_n).all(|(_, f)| *f >= 0.0);
+                let better = best.is_none_or(|(_, residual)| estimate.residual_rms_mm < residual);
+                if inward && better {
+                    best = Some((node, estimate.residual_rms_mm));
+                }
+            }
+            places[i] = Some(ContactPlace::Node(best.map_or(finger.tip(), |(node, _)| node)));
+        }
+        let (contacts, estimate) = self.linear_start(&places, measurement)?;
+        // A place that moves is a distance along the plate, not a node.
+        let contacts: Vec<Contact> = contacts
+            .iter()
+            .zip(&self.questions)
+            .map(|(contact, question)| match question.place {
+                Some(_) => *contact,
+                None => {
+                    let s_mm = contact.place_mm(finger).unwrap_or(0.5 * finger.plate_length_mm(Plate::Front));
+                    Contact { place: ContactPlace::Place(s_mm), ..*contact }
+                }
+            })
+            .collect();
+        let mut forces_n: Vec<f64> = estimate.forces_n.iter().map(|f| f * factor).collect();
+        // Linear forces may be beyond what the finger carries: halve them until it stands.
+        for _ in 0..30 {
+            let loads = self.loads(&contacts, &forces_n)?;
+            match self.statics.equilibrium(&loads) {
+                Ok(equilibrium) => return Ok(State { forces_n, contacts, loads, motion: equilibrium.motion }),
+                Err(StaticsError::NoEquilibrium { .. }) => forces_n.iter_mut().for_each(|f| *f *= 0.5),
+                Err(other) => return Err(other.into()),
+            }
+        }
+        Err(SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 0.0 }))
+    }
+
+    /// Least squares with two components where the direction is unknown, turned into one force and its angle.
+    fn linear_start(
+        &self,
+        places: &[Option<ContactPlace>],
+        measurement: &Measurement,
+    ) -> Result<(Vec<Contact>, Estimate), SensingError> {
+        let finger = self.finger();
+        let mut components = Vec::new();
+        for (question, place) in self.questions.iter().zip(places) {
+            let place = place.or(question.place).unwrap_or(ContactPlace::Node(finger.tip()));
+            match question.direction {
+                Direction::Angle(angle_deg) => components.push(Contact { place, angle_deg }),
+                Direction::Normal => components.push(Contact { place, angle_deg: 0.0 }),
+                Direction::Auto => {
+                    components.extend([0.0, 90.0].map(|angle_deg| Contact { place, angle_deg }));
+                }
+            }
+        }
+        let mut estimate =
+            LinearEstimator::new(finger, &components, measurement)?.estimate(measurement, Some(0.0), Prior::None);
+        let mut parts = components.iter().zip(estimate.forces_n.clone());
+        let (mut contacts, mut forces_n) = (Vec::new(), Vec::new());
+        for question in &self.questions {
+            let Some((contact, force)) = parts.next() else { break };
+            match (question.direction, parts.len()) {
+                (Direction::Auto, 1..) => {
+                    let across = parts.next().map_or(0.0, |(_, f)| f);
+                    contacts.push(Contact { angle_deg: across.atan2(force).to_degrees(), ..*contact });
+                    forces_n.push(force.hypot(across));
+                }
+                _ => {
+                    contacts.push(*contact);
+                    forces_n.push(force);
+                }
+            }
+        }
+        estimate.forces_n = forces_n;
+        Ok((contacts, estimate))
+    }
+}
