@@ -210,4 +210,9 @@ impl FrameMotion {
     pub fn largest_displacement(&self) -> f64 {
         self.displacements.iter().map(|u| u.norm()).fold(0.0, f64::max)
     }
+
+    /// Largest rotation, rad.
+    pub fn largest_rotation(&self) -> f64 {
+        self.rotations.iter().fold(0.0, |largest, rotation| rotation.abs().max(largest))
+    }
 }

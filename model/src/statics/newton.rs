@@ -220,6 +220,17 @@ impl<E: EquilibriumEquations> Statics<E> {
         self.equations.linearise(motion, loads, 1.0)
     }
 
+    /// One correction by Newton's method from a motion near the equilibrium under loads: the largest turn of a node, rad,
+    /// or `None` if the motion is no stable shape. Leaves the factored tangent of the motion before the correction behind.
+    pub fn corrected(&mut self, motion: &mut FrameMotion, loads: &[FrameLoad]) -> Option<f64> {
+        if !self.equations.linearise(motion, loads, 1.0) {
+            return None;
+        }
+        self.predicted.clone_from(&motion.rotations);
+        let work = self.equations.correct(motion);
+        work.is_finite().then(|| largest_difference(&motion.rotations, &self.predicted))
+    }
+
     /// Newton's iteration at one load level, from the equilibrium before it. Leaves the factored tangent of the last
     /// iterate behind, and `motion` anywhere if the step is rejected.
     fn load_step(&mut self, motion: &mut FrameMotion, loads: &[FrameLoad], multiple: f64) -> Result<usize, Rejected> {

@@ -1,12 +1,10 @@
 //! What an estimate is worth: standard deviations, and refusals of what the data do not tell.
 
-use super::linearised::Linearised;
-use super::search::Found;
 use super::unknowns::Unknown;
-use super::{NonlinearEstimate, NonlinearEstimator};
+use super::{NonlinearEstimate, NonlinearEstimator, State};
 use crate::finger::Plate;
+use crate::measurement::Measurement;
 use crate::sensing::{Contact, Estimate, LARGEST_SPAN, SensingError};
-use nalgebra::DMatrix;
 
 /// A direction known to less than this, degrees, or a place to less than this share of the plate, is not known.
 const LARGEST_ANGLE_SIGMA_DEG: f64 = 30.0;
@@ -14,32 +12,39 @@ const LARGEST_PLACE_SIGMA: f64 = 0.25;
 
 impl NonlinearEstimator<'_> {
     /// Standard deviations and refusals.
+    ///
+    /// # Errors
+    /// [`SensingError`] for unknowns that the data do not tell.
     pub(super) fn judged(
         &self,
-        found: &Found,
-        unknowns: &[Unknown],
+        state: &mut State,
+        measurement: &Measurement,
         noise_mm: Option<f64>,
+        steps: usize,
     ) -> Result<NonlinearEstimate, SensingError> {
-        let Found { state, linearised: Linearised { residual, jacobian }, steps } = found;
-        let (coordinates, count) = jacobian.shape();
+        let (coordinates, count) = (measurement.coordinate_count(), self.unknowns.len());
+        let misfit = state.linearised.misfit(&state.motion, measurement);
         let noise_mm = noise_mm.unwrap_or_else(|| match coordinates - count {
             0 => f64::INFINITY,
-            freedoms => (residual.norm_squared() / freedoms as f64).sqrt(),
+            freedoms => (misfit / freedoms as f64).sqrt(),
         });
-        let scales = self.scales(state, unknowns);
-        let scaled = DMatrix::from_fn(coordinates, count, |i, j| jacobian[(i, j)] * scales[j]);
-        let svd = scaled.svd(false, true);
+        self.rescale(state);
+        // The triangle has the singular values of the derivatives.
+        let svd = state.linearised.triangle(measurement)?.svd(false, true);
         let mut singular_values: Vec<f64> = svd.singular_values.iter().copied().collect();
         singular_values.sort_by(|a, b| b.total_cmp(a));
         let span = singular_values[0] / singular_values[count - 1];
-        let Some(v_t) = svd.v_t.filter(|_| span <= LARGEST_SPAN) else {
-            return Err(SensingError::IllConditioned { span, limit: LARGEST_SPAN, weakest: 1 });
+        let Some(v_t) = svd.v_t.as_ref().filter(|_| span <= LARGEST_SPAN) else {
+            let column = svd.v_t.map_or(0, |v_t| v_t.row(svd.singular_values.imin()).iamax_full().1);
+            let weakest = self.unknowns[column].contact() + 1;
+            return Err(SensingError::IllConditioned { span, limit: LARGEST_SPAN, weakest });
         };
+        let scales = &state.linearised.scales;
         let sigma = |j: usize| {
             let sum: f64 = (0..count).map(|k| (v_t[(k, j)] / svd.singular_values[k]).powi(2)).sum();
             scales[j] * sum.sqrt() * noise_mm
         };
-        for (j, unknown) in unknowns.iter().enumerate() {
+        for (j, unknown) in self.unknowns.iter().enumerate() {
             let (what, contact, sigma, limit, unit) = match *unknown {
                 Unknown::Force(_) => continue,
                 Unknown::Place(i) => {
@@ -60,7 +65,7 @@ impl NonlinearEstimator<'_> {
                 forces_n: state.forces_n.clone(),
                 sigmas_n: (0..self.questions.len()).map(sigma).collect(),
                 noise_mm,
-                residual_rms_mm: (residual.norm_squared() / coordinates as f64).sqrt(),
+                residual_rms_mm: (misfit / coordinates as f64).sqrt(),
                 singular_values,
             },
             contacts: state
@@ -68,7 +73,7 @@ impl NonlinearEstimator<'_> {
                 .iter()
                 .map(|c| Contact { angle_deg: c.angle_deg - 360.0 * ((c.angle_deg + 180.0) / 360.0).floor(), ..*c })
                 .collect(),
-            steps: *steps,
+            steps,
         })
     }
 }

@@ -1,83 +1,149 @@
-//! The problem at a state: weighted residual and its derivatives.
+//! The problem at a state: what is left to explain, and what the unknowns can explain of it.
 
+use super::least_squares::LeastSquares;
 use super::unknowns::Unknown;
 use super::{NonlinearEstimator, State};
 use crate::Vector;
-use crate::measurement::Measurement;
-use crate::sensing::{Contact, SensingError};
-use crate::statics::StaticsError;
-use nalgebra::{DMatrix, DVector};
+use crate::frame::FrameMotion;
+use crate::measurement::{Marker, Measurement};
+use crate::sensing::{Contact, LARGEST_SPAN, SensingError};
+use nalgebra::DMatrix;
 
 /// Markers off by more than this many standard deviations count less (Cauchy's weight beyond it).
 const OUTLIER_SIGMAS: f64 = 4.5;
 /// Ratio of the median of a Rayleigh distribution to the standard deviation of one coordinate.
 const RAYLEIGH_MEDIAN: f64 = 1.177_410_022_515_474_6;
 
-/// The problem linearised at a state: residual and derivatives, weighted.
+const ALL_ALIKE: SensingError = SensingError::IllConditioned { span: f64::INFINITY, limit: LARGEST_SPAN, weakest: 1 };
+
+/// Derivatives of the shape and the weights of the markers; by key node, so that they serve whatever is seen next.
+#[derive(Debug, Clone)]
 pub(super) struct Linearised {
-    pub residual: DVector<f64>,
-    pub jacobian: DMatrix<f64>,
+    /// Displacements of all key nodes per unit of the first unknown, of the second and so on.
+    rates: Vec<Vector>,
+    /// What a marker counts beside its own weight: 1, and less for one that is wildly off.
+    weights: Vec<f64>,
+    /// What counts as one unit of each unknown.
+    pub scales: Vec<f64>,
+    /// The last step, in the unknowns' units.
+    pub step: Vec<f64>,
+    /// Room for the distances whose median is sought, and for the problem that a step solves.
+    distances: Vec<f64>,
+    problem: LeastSquares,
+}
+
+impl Linearised {
+    pub(super) fn new(key_nodes: usize, unknowns: usize) -> Linearised {
+        Linearised {
+            rates: vec![Vector::zeros(); key_nodes * unknowns],
+            weights: vec![1.0; key_nodes],
+            scales: vec![1.0; unknowns],
+            step: Vec::with_capacity(unknowns),
+            distances: Vec::with_capacity(key_nodes),
+            problem: LeastSquares::default(),
+        }
+    }
+
+    /// Distance of a marker from where a motion has it, times its own weight. Key nodes come first in a frame.
+    fn distance(marker: &Marker, motion: &FrameMotion) -> Vector {
+        (marker.displacement - motion.displacements[marker.node.0 - 1]) * marker.weight
+    }
+
+    /// Weights of the markers by how far they are off: 1, beyond a limit the square root of Cauchy's weight.
+    pub(super) fn weigh(&mut self, motion: &FrameMotion, measurement: &Measurement, noise_mm: Option<f64>) {
+        let markers = measurement.markers();
+        self.distances.clear();
+        self.distances.extend(markers.iter().map(|marker| Linearised::distance(marker, motion).norm()));
+        let middle = self.distances.len() / 2;
+        let median = *self.distances.select_nth_unstable_by(middle, f64::total_cmp).1;
+        // The median also stands for what the model itself cannot explain.
+        let limit = OUTLIER_SIGMAS * noise_mm.unwrap_or(0.0).max(median / RAYLEIGH_MEDIAN);
+        for marker in markers {
+            let off = Linearised::distance(marker, motion).norm();
+            self.weights[marker.node.0 - 1] = if off > limit && limit > 0.0 { limit / off } else { 1.0 };
+        }
+    }
+
+    /// Sum of the squared weighted differences between what was measured and a motion, mm^2.
+    pub(super) fn misfit(&self, motion: &FrameMotion, measurement: &Measurement) -> f64 {
+        let weighted = |marker: &Marker| Linearised::distance(marker, motion) * self.weights[marker.node.0 - 1];
+        measurement.markers().iter().map(|marker| weighted(marker).norm_squared()).sum()
+    }
+
+    /// Finds the Levenberg-Marquardt step for a damping.
+    ///
+    /// # Errors
+    /// [`SensingError::IllConditioned`] if the unknowns cannot be told apart at all.
+    pub(super) fn solve(
+        &mut self,
+        motion: &FrameMotion,
+        measurement: &Measurement,
+        damping: f64,
+    ) -> Result<(), SensingError> {
+        let (unknowns, coordinates) = (self.scales.len(), measurement.coordinate_count());
+        self.pose(measurement, if damping > 0.0 { unknowns } else { 0 });
+        if damping > 0.0 {
+            for j in 0..unknowns {
+                let column = self.problem.column_mut(j);
+                let norm = column.iter().map(|x| x * x).sum::<f64>().sqrt();
+                column[coordinates + j] = damping.sqrt() * norm;
+            }
+        }
+        let right = self.problem.column_mut(unknowns);
+        for (marker, row) in measurement.markers().iter().zip(right.chunks_exact_mut(2)) {
+            let difference = Linearised::distance(marker, motion) * self.weights[marker.node.0 - 1];
+            row.copy_from_slice(difference.as_slice());
+        }
+        let solution = self.problem.solve().ok_or(ALL_ALIKE)?;
+        self.step.clear();
+        self.step.extend(solution.iter().zip(&self.scales).map(|(x, scale)| x * scale));
+        Ok(())
+    }
+
+    /// R of the weighted derivatives A = Q R by the scaled unknowns.
+    ///
+    /// # Errors
+    /// [`SensingError::IllConditioned`] if the unknowns cannot be told apart at all.
+    pub(super) fn triangle(&mut self, measurement: &Measurement) -> Result<DMatrix<f64>, SensingError> {
+        self.pose(measurement, 0);
+        self.problem.solve().ok_or(ALL_ALIKE)?;
+        Ok(DMatrix::from_column_slice(self.scales.len(), self.scales.len(), self.problem.triangle()))
+    }
+
+    /// Sets up the columns of the derivatives, with zero rows below them.
+    fn pose(&mut self, measurement: &Measurement, rows_below: usize) {
+        let markers = measurement.markers();
+        self.problem.reset(measurement.coordinate_count() + rows_below, self.scales.len());
+        for ((j, scale), rates) in self.scales.iter().enumerate().zip(self.rates.chunks_exact(self.weights.len())) {
+            let column = self.problem.column_mut(j);
+            for (marker, row) in markers.iter().zip(column.chunks_exact_mut(2)) {
+                let node = marker.node.0 - 1;
+                row.copy_from_slice((rates[node] * (scale * marker.weight * self.weights[node])).as_slice());
+            }
+        }
+    }
 }
 
 impl NonlinearEstimator<'_> {
-    /// Weighted difference between what was measured and the state.
-    pub(super) fn residual(&self, state: &State, measurement: &Measurement, weights: &[f64]) -> DVector<f64> {
-        let markers = measurement.markers().iter().zip(weights);
-        let differences = markers.flat_map(|(marker, weight)| {
-            let difference = marker.displacement - state.motion.displacements[self.mesh.frame_node(marker.node)];
-            [difference.x * weight * marker.weight, difference.y * weight * marker.weight]
-        });
-        DVector::from_iterator(measurement.coordinate_count(), differences)
-    }
-
-    /// A weight a marker: 1, and less for one that is wildly off (the square root of Cauchy's weight).
-    pub(super) fn robust_weights(&self, state: &State, measurement: &Measurement, noise_mm: Option<f64>) -> Vec<f64> {
-        let off: Vec<f64> = measurement
-            .markers()
-            .iter()
-            .map(|m| m.weight * (m.displacement - state.motion.displacements[self.mesh.frame_node(m.node)]).norm())
-            .collect();
-        let mut sorted = off.clone();
-        sorted.sort_by(f64::total_cmp);
-        // The median also stands for what the model itself cannot explain.
-        let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0) / RAYLEIGH_MEDIAN;
-        let limit = OUTLIER_SIGMAS * noise_mm.unwrap_or(0.0).max(median);
-        off.iter().map(|&off| if off > limit && limit > 0.0 { limit / off } else { 1.0 }).collect()
-    }
-
-    pub(super) fn linearise(
-        &mut self,
-        state: &State,
-        measurement: &Measurement,
-        weights: &[f64],
-        unknowns: &[Unknown],
-    ) -> Result<Linearised, SensingError> {
-        if !self.statics.linearise(&state.motion, &state.loads) {
-            return Err(SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 1.0 }));
-        }
+    /// Derivatives of the shape by the unknowns, from the tangent that is factored.
+    pub(super) fn differentiate(&mut self, state: &mut State) -> Result<(), SensingError> {
         let finger = self.finger();
-        let mut jacobian = DMatrix::zeros(measurement.coordinate_count(), unknowns.len());
-        let mut moved = vec![Vector::zeros(); finger.key_node_count()];
-        for (column, unknown) in unknowns.iter().enumerate() {
-            let ladder = self.statics.equations_mut();
-            match *unknown {
-                Unknown::Force(i) => {
-                    let unit = self.mesh.frame_load(&state.contacts[i].unit_load(finger))?;
-                    ladder.added_load(&state.motion, &unit, &mut moved);
+        self.rescale(state);
+        let State { contacts, loads, motion, linearised, .. } = state;
+        let ladder = self.statics.equations_mut();
+        for (unknown, rates) in self.unknowns.iter().zip(linearised.rates.chunks_exact_mut(finger.key_node_count())) {
+            let turned_deg = match *unknown {
+                Unknown::Place(i) => {
+                    ladder.moved_load(motion, &loads[i], rates);
+                    continue;
                 }
-                Unknown::Across(i) => {
-                    let sideways = Contact { angle_deg: state.contacts[i].angle_deg + 90.0, ..state.contacts[i] };
-                    let unit = self.mesh.frame_load(&sideways.unit_load(finger))?;
-                    ladder.added_load(&state.motion, &unit, &mut moved);
-                }
-                Unknown::Place(i) => ladder.moved_load(&state.motion, &state.loads[i], &mut moved),
-            }
-            for (row, (marker, weight)) in measurement.markers().iter().zip(weights).enumerate() {
-                let u = moved[marker.node.0 - 1] * (weight * marker.weight);
-                jacobian[(2 * row, column)] = u.x;
-                jacobian[(2 * row + 1, column)] = u.y;
-            }
+                Unknown::Force(_) => 0.0,
+                Unknown::Across(_) => 90.0,
+            };
+            let contact = contacts[unknown.contact()];
+            let along = Contact { angle_deg: contact.angle_deg + turned_deg, ..contact };
+            ladder.added_load(motion, &self.mesh.frame_load(&along.unit_load(finger))?, rates);
         }
-        Ok(Linearised { residual: self.residual(state, measurement, weights), jacobian })
+        Ok(())
     }
 }

@@ -1,13 +1,16 @@
 //! Sensing with the large-rotation finger itself: Gauss-Newton on forces, places and directions.
 //!
-//! An estimate starts from least squares on the linear finger ([`start`]) or from the estimate before it, walks to the
-//! nearest minimum ([`search`]) of the difference between measured and computed shape ([`linearised`]), and is judged
-//! before it is handed out ([`judgement`]).
+//! An estimate starts from least squares on the linear finger ([`start`]) or from the estimate before it. Where the
+//! minimum of the difference between measured and computed shape ([`linearised`]) is near, forces and shape are
+//! corrected together ([`simultaneous`]); otherwise every step goes to an equilibrium ([`search`]). What is found is
+//! judged before it is handed out ([`judgement`]).
 
 mod judgement;
+mod least_squares;
 mod linearised;
 mod refine;
 mod search;
+mod simultaneous;
 mod start;
 mod unknowns;
 
@@ -19,8 +22,11 @@ use crate::measurement::Measurement;
 use crate::mesh::Mesh;
 use crate::statics::{FrameLoad, Ladder, Statics};
 use crate::{Finger, Kinematics};
-use search::Found;
+use linearised::Linearised;
+use unknowns::Unknown;
 
+/// Turn of a deformed normal in one step, degrees, below which it counts as settled: worth 1e-6 of the force.
+const SETTLED_ANGLE_DEG: f64 = 1e-4;
 /// A minimum that leaves more than this share of the displacements, or this many standard deviations, unexplained may
 /// be a wrong one: the search starts again from the linear forces times other factors, and the best minimum counts.
 const POOR_FIT: f64 = 0.02;
@@ -53,17 +59,19 @@ pub struct NonlinearEstimate {
 pub struct NonlinearEstimator<'m> {
     mesh: &'m Mesh,
     questions: Vec<ContactQuestion>,
+    unknowns: Vec<Unknown>,
     statics: Statics<Ladder<'m>>,
     last: Option<State>,
 }
 
-/// Unknowns and the equilibrium that belongs to them.
+/// Unknowns, the equilibrium that belongs to them and the problem linearised there.
 #[derive(Debug, Clone)]
 struct State {
     forces_n: Vec<f64>,
     contacts: Vec<Contact>,
     loads: Vec<FrameLoad>,
     motion: FrameMotion,
+    linearised: Linearised,
 }
 
 impl<'m> NonlinearEstimator<'m> {
@@ -89,6 +97,7 @@ impl<'m> NonlinearEstimator<'m> {
         Ok(NonlinearEstimator {
             mesh,
             questions: questions.to_vec(),
+            unknowns: Unknown::of(questions),
             statics: Statics::ladder(mesh, Kinematics::Corotational),
             last: None,
         })
@@ -113,46 +122,52 @@ impl<'m> NonlinearEstimator<'m> {
         measurement: &Measurement,
         noise_mm: Option<f64>,
     ) -> Result<NonlinearEstimate, SensingError> {
-        let unknowns = self.unknowns();
+        let unknowns = self.unknowns.len();
         let coordinates = measurement.coordinate_count();
-        if unknowns.len() > coordinates {
-            return Err(SensingError::TooFewMarkers { unknowns: unknowns.len(), coordinates });
+        if unknowns > coordinates {
+            return Err(SensingError::TooFewMarkers { unknowns, coordinates });
         }
         let moved: f64 = measurement.markers().iter().map(|m| m.displacement.norm_squared()).sum();
         let poor = (POOR_FIT * (moved / coordinates as f64).sqrt()).max(POOR_FIT_SIGMAS * noise_mm.unwrap_or(0.0));
-        let explains = |found: &Found| found.linearised.residual.norm() / (coordinates as f64).sqrt() <= poor;
-        let mut best: Option<Found> = None;
+        let largest_misfit = poor * poor * coordinates as f64;
+        let misfit = |state: &State| state.linearised.misfit(&state.motion, measurement);
+        let mut best: Option<(State, usize)> = None;
+        if let Some(mut state) = self.last.take() {
+            best = self.correct(&mut state, measurement, noise_mm).map(|steps| (state, steps));
+        }
         let mut failure = None;
-        let warm = self.last.take();
-        let starts = warm.is_some().then_some(None).into_iter().chain(OTHER_STARTS.map(Some));
-        for factor in starts {
-            let start = match factor {
-                None => warm.clone().map_or_else(|| self.start(measurement, 1.0), Ok),
-                Some(factor) => self.start(measurement, factor),
-            };
-            match start.and_then(|state| self.search(state, measurement, noise_mm, &unknowns)) {
-                Ok(found) => {
-                    let residual = found.linearised.residual.norm();
-                    if best.as_ref().is_none_or(|best| residual < best.linearised.residual.norm()) {
-                        best = Some(found);
-                    }
-                }
-                Err(error) => failure = failure.or(Some(error)),
-            }
-            if best.as_ref().is_some_and(explains) {
+        for factor in OTHER_STARTS {
+            if best.as_ref().is_some_and(|(state, _)| misfit(state) <= largest_misfit) {
                 break;
             }
+            match self.from_rest(measurement, noise_mm, factor) {
+                Ok(found) if best.as_ref().is_none_or(|(best, _)| misfit(&found.0) < misfit(best)) => {
+                    best = Some(found)
+                }
+                Ok(_) => {}
+                Err(error) => failure = failure.or(Some(error)),
+            }
         }
-        let found = best.ok_or_else(|| failure.unwrap_or(SensingError::NoContact))?;
-        let estimate = self.judged(&found, &unknowns, noise_mm)?;
-        self.last = Some(found.state);
+        let (mut state, steps) = best.ok_or_else(|| failure.unwrap_or(SensingError::NoContact))?;
+        let estimate = self.judged(&mut state, measurement, noise_mm, steps)?;
+        self.last = Some(state);
         Ok(estimate)
     }
 
-    /// The contacts' forces on the frame.
-    fn loads(&self, contacts: &[Contact], forces_n: &[f64]) -> Result<Vec<FrameLoad>, SensingError> {
-        let loads =
-            contacts.iter().zip(forces_n).map(|(contact, f)| self.mesh.frame_load(&contact.load(self.finger(), *f)));
-        Ok(loads.collect::<Result<_, _>>()?)
+    /// The minimum nearest to the linear forces times a factor, with the steps it took.
+    fn from_rest(
+        &mut self,
+        measurement: &Measurement,
+        noise_mm: Option<f64>,
+        factor: f64,
+    ) -> Result<(State, usize), SensingError> {
+        let start = self.start(measurement, noise_mm, factor)?;
+        let mut state = start.clone();
+        if let Some(steps) = self.correct(&mut state, measurement, noise_mm) {
+            return Ok((state, steps));
+        }
+        state = start;
+        let steps = self.search(&mut state, measurement, noise_mm)?;
+        Ok((state, steps))
     }
 }

@@ -1,15 +1,21 @@
 //! Where the search begins: least squares on the linear finger.
 
+use super::linearised::Linearised;
 use super::{NonlinearEstimator, State};
 use crate::finger::Plate;
 use crate::measurement::Measurement;
 use crate::sensing::{Contact, ContactPlace, Direction, Estimate, LinearEstimator, Prior, SensingError};
-use crate::statics::StaticsError;
+use crate::statics::{Equilibrium, StaticsError};
 
 impl NonlinearEstimator<'_> {
     /// Least squares on the linear finger, at the place along the plate where it explains the measurement best.
     /// The forces are multiplied by `factor`.
-    pub(super) fn start(&mut self, measurement: &Measurement, factor: f64) -> Result<State, SensingError> {
+    pub(super) fn start(
+        &mut self,
+        measurement: &Measurement,
+        noise_mm: Option<f64>,
+        factor: f64,
+    ) -> Result<State, SensingError> {
         let finger = self.finger();
         // A contact of unknown place is tried at every node; several of them are tried one after the other.
         let mut places: Vec<Option<ContactPlace>> = self.questions.iter().map(|q| q.place).collect();
@@ -45,9 +51,16 @@ impl NonlinearEstimator<'_> {
         let mut forces_n: Vec<f64> = estimate.forces_n.iter().map(|f| f * factor).collect();
         // Linear forces may be beyond what the finger carries: halve them until it stands.
         for _ in 0..30 {
-            let loads = self.loads(&contacts, &forces_n)?;
+            let loads = contacts.iter().zip(&forces_n).map(|(c, f)| self.mesh.frame_load(&c.load(finger, *f)));
+            let loads = loads.collect::<Result<Vec<_>, _>>()?;
             match self.statics.equilibrium(&loads) {
-                Ok(equilibrium) => return Ok(State { forces_n, contacts, loads, motion: equilibrium.motion }),
+                Ok(Equilibrium { motion, .. }) => {
+                    let linearised = Linearised::new(finger.key_node_count(), self.unknowns.len());
+                    let mut state = State { forces_n, contacts, loads, motion, linearised };
+                    self.differentiate(&mut state)?;
+                    state.linearised.weigh(&state.motion, measurement, noise_mm);
+                    return Ok(state);
+                }
                 Err(StaticsError::NoEquilibrium { .. }) => forces_n.iter_mut().for_each(|f| *f *= 0.5),
                 Err(other) => return Err(other.into()),
             }

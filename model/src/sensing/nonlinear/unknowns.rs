@@ -2,8 +2,13 @@
 
 use super::{NonlinearEstimator, State};
 use crate::finger::Plate;
-use crate::sensing::Direction;
-use nalgebra::DVector;
+use crate::mesh::LoadError;
+use crate::sensing::{ContactPlace, ContactQuestion, Direction};
+
+/// Share of the plate that a place moves in one step at most.
+const LONGEST_MOVE: f64 = 0.2;
+/// Share of the plate, from the base, where a place is no longer told from the clamp.
+const NEAREST_TO_BASE: f64 = 0.01;
 
 /// One unknown: of which contact, and what.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,37 +19,82 @@ pub(super) enum Unknown {
     Across(usize),
 }
 
-impl NonlinearEstimator<'_> {
-    pub(super) fn unknowns(&self) -> Vec<Unknown> {
-        let forces = (0..self.questions.len()).map(Unknown::Force);
-        let places = self.questions.iter().enumerate().filter(|(_, q)| q.place.is_none());
-        let angles = self.questions.iter().enumerate().filter(|(_, q)| q.direction == Direction::Auto);
+impl Unknown {
+    /// All unknowns of some questions.
+    pub(super) fn of(questions: &[ContactQuestion]) -> Vec<Unknown> {
+        let forces = (0..questions.len()).map(Unknown::Force);
+        let places = questions.iter().enumerate().filter(|(_, q)| q.place.is_none());
+        let angles = questions.iter().enumerate().filter(|(_, q)| q.direction == Direction::Auto);
         forces.chain(places.map(|(i, _)| Unknown::Place(i))).chain(angles.map(|(i, _)| Unknown::Across(i))).collect()
     }
 
-    /// What counts as one unit of each unknown: 1 N, and for places what moves the finger about as much.
-    pub(super) fn scales(&self, state: &State, unknowns: &[Unknown]) -> Vec<f64> {
+    /// The contact that it belongs to.
+    pub(super) fn contact(self) -> usize {
+        let (Unknown::Force(i) | Unknown::Place(i) | Unknown::Across(i)) = self;
+        i
+    }
+}
+
+impl NonlinearEstimator<'_> {
+    /// Chooses what counts as one unit of each unknown: 1 N, and for places what moves the finger about as much.
+    pub(super) fn rescale(&self, state: &mut State) {
         let largest = state.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
-        unknowns
-            .iter()
-            .map(|unknown| match *unknown {
+        for (scale, unknown) in state.linearised.scales.iter_mut().zip(&self.unknowns) {
+            *scale = match *unknown {
                 Unknown::Force(_) | Unknown::Across(_) => 1.0,
                 Unknown::Place(i) => {
                     let force = state.forces_n[i].abs().max(1e-3 * largest).max(f64::MIN_POSITIVE);
                     0.1 * self.finger().plate_length_mm(Plate::Front) / force
                 }
-            })
-            .collect()
+            };
+        }
     }
 
-    /// Largest change of an unknown: forces against the largest force, places against the plate.
-    pub(super) fn relative_change(&self, state: &State, unknowns: &[Unknown], step: &DVector<f64>) -> f64 {
+    /// Largest change of an unknown by the state's step: forces against the largest force, places against the plate.
+    pub(super) fn relative_change(&self, state: &State) -> f64 {
         let largest = state.forces_n.iter().fold(f64::MIN_POSITIVE, |m, f| m.max(f.abs()));
         let length = self.finger().plate_length_mm(Plate::Front);
         let change = |(unknown, x): (&Unknown, &f64)| match unknown {
             Unknown::Force(_) | Unknown::Across(_) => x.abs() / largest,
             Unknown::Place(_) => x.abs() / length,
         };
-        unknowns.iter().zip(step.iter()).map(change).fold(0.0, f64::max)
+        self.unknowns.iter().zip(&state.linearised.step).map(change).fold(0.0, f64::max)
+    }
+
+    /// Takes the state's step: forces, contacts and loads, but not yet the motion. Returns the largest turn of a
+    /// direction that follows the deformed plate, degrees.
+    ///
+    /// # Errors
+    /// [`LoadError`] never in practice: places are kept on the plate.
+    pub(super) fn advance(&self, state: &mut State) -> Result<f64, LoadError> {
+        let finger = self.finger();
+        let State { forces_n, contacts, loads, motion, linearised } = state;
+        for (unknown, &x) in self.unknowns.iter().zip(&linearised.step) {
+            match *unknown {
+                Unknown::Force(i) => forces_n[i] += x,
+                // Forces come first: the part along the direction is up to date.
+                Unknown::Across(i) => {
+                    contacts[i].angle_deg += x.atan2(forces_n[i]).to_degrees();
+                    forces_n[i] = forces_n[i].hypot(x);
+                }
+                Unknown::Place(i) => {
+                    if let ContactPlace::Place(s_mm) = &mut contacts[i].place {
+                        let length = finger.plate_length_mm(Plate::Front);
+                        let x = x.clamp(-LONGEST_MOVE * length, LONGEST_MOVE * length);
+                        *s_mm = (*s_mm + x).clamp(NEAREST_TO_BASE * length, length);
+                    }
+                }
+            }
+        }
+        let mut largest_turn_deg = 0.0_f64;
+        for (i, (contact, question)) in contacts.iter_mut().zip(&self.questions).enumerate() {
+            if question.direction == Direction::Normal {
+                let angle_deg = self.mesh.frame().rotation_at(motion, &loads[i]).to_degrees();
+                largest_turn_deg = largest_turn_deg.max((angle_deg - contact.angle_deg).abs());
+                contact.angle_deg = angle_deg;
+            }
+            loads[i] = self.mesh.frame_load(&contact.load(finger, forces_n[i]))?;
+        }
+        Ok(largest_turn_deg)
     }
 }
