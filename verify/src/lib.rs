@@ -1,8 +1,9 @@
 //! Cross-checks and accuracy maps of fin-ray force sensing, and the report that shows them.
 //!
 //! [`problems`] holds reference problems with known answers, [`convergence`] and [`hard_cases`] what meshes and extremes
-//! come to, [`truth`] the fingers that sensing is put to the test on, [`map`] and [`table_one`] what is asked of them,
-//! [`report`] the page. [`files`] reads and writes what users bring and take away; physics lives in [`finray_model`].
+//! come to, [`truth`] the fingers that sensing is put to the test on, [`map`], [`scatter`] and [`table_one`] what is
+//! asked of them, [`report`] the page. [`files`] reads and writes what users bring and take away; physics lives in
+//! [`finray_model`].
 #![forbid(unsafe_code)]
 
 pub mod check;
@@ -13,6 +14,7 @@ pub mod hard_cases;
 pub mod map;
 pub mod problems;
 pub mod report;
+pub mod scatter;
 pub mod study;
 pub mod table_one;
 pub mod truth;

@@ -5,6 +5,7 @@ use super::{NonlinearEstimate, NonlinearEstimator, State};
 use crate::finger::Plate;
 use crate::measurement::Measurement;
 use crate::sensing::{Contact, Estimate, LARGEST_SPAN, SensingError};
+use nalgebra::DMatrix;
 
 /// A direction known to less than this, degrees, or a place to less than this share of the plate, is not known.
 const LARGEST_ANGLE_SIGMA_DEG: f64 = 30.0;
@@ -40,10 +41,12 @@ impl NonlinearEstimator<'_> {
             return Err(SensingError::IllConditioned { span, limit: LARGEST_SPAN, weakest });
         };
         let scales = &state.linearised.scales;
-        let sigma = |j: usize| {
-            let sum: f64 = (0..count).map(|k| (v_t[(k, j)] / svd.singular_values[k]).powi(2)).sum();
-            scales[j] * sum.sqrt() * noise_mm
+        // (A^T A)^-1 = V S^-2 V^T, from the scaled unknowns back to theirs.
+        let covariance = |i: usize, j: usize| {
+            let scaled = |k: usize| v_t[(k, i)] * v_t[(k, j)] / svd.singular_values[k].powi(2);
+            scales[i] * scales[j] * (0..count).map(scaled).sum::<f64>() * noise_mm * noise_mm
         };
+        let sigma = |j: usize| covariance(j, j).sqrt();
         for (j, unknown) in self.unknowns.iter().enumerate() {
             let (what, contact, sigma, limit, unit) = match *unknown {
                 Unknown::Force(_) => continue,
@@ -68,6 +71,7 @@ impl NonlinearEstimator<'_> {
                 residual_rms_mm: (misfit / coordinates as f64).sqrt(),
                 singular_values,
             },
+            covariance_n2: DMatrix::from_fn(self.questions.len(), self.questions.len(), covariance),
             contacts: state
                 .contacts
                 .iter()

@@ -23,6 +23,7 @@ use crate::mesh::Mesh;
 use crate::statics::{FrameLoad, Ladder, Statics};
 use crate::{Finger, Kinematics};
 use linearised::Linearised;
+use nalgebra::DMatrix;
 use unknowns::Unknown;
 
 /// Turn of a deformed normal in one step, degrees, below which it counts as settled: worth 1e-6 of the force.
@@ -38,6 +39,8 @@ const OTHER_STARTS: [f64; 4] = [1.0, -1.0, 0.3, -0.3];
 pub struct NonlinearEstimate {
     /// Forces, their standard deviations and what these rest on.
     pub forces: Estimate,
+    /// Covariance of the forces, N^2, in the order of the contacts; unknown places and directions are allowed for.
+    pub covariance_n2: DMatrix<f64>,
     /// Place and direction of each contact as given or found.
     pub contacts: Vec<Contact>,
     /// Gauss-Newton steps taken.
