@@ -156,6 +156,29 @@ pub enum SensingError {
         /// The unit of the standard deviation.
         unit: &'static str,
     },
+    /// Two different answers explain the data equally well.
+    #[error(
+        "not identifiable: {force_n:.3} N and {other_n:.3} N at contact {contact} explain the measurement equally well"
+    )]
+    Ambiguous {
+        /// Position of the contact in the list, from 1.
+        contact: usize,
+        /// Its force in the one answer, N.
+        force_n: f64,
+        /// Its force in the other, N.
+        other_n: f64,
+    },
+    /// No forces were found that explain the data.
+    #[error(
+        "the large-rotation model does not explain the measurement: {residual_rms_mm:.3} mm of {moved_rms_mm:.3} mm \
+         (root mean squares) are left over"
+    )]
+    Unexplained {
+        /// Root mean square of the weighted residual, mm.
+        residual_rms_mm: f64,
+        /// Root mean square of the measured displacements' coordinates, mm.
+        moved_rms_mm: f64,
+    },
     /// The search for forces that explain the measurement did not end.
     #[error(
         "the large-rotation model cannot explain the measurement: after {iterations} steps forces still change by \

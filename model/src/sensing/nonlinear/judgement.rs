@@ -10,8 +10,39 @@ use nalgebra::DMatrix;
 /// A direction known to less than this, degrees, or a place to less than this share of the plate, is not known.
 const LARGEST_ANGLE_SIGMA_DEG: f64 = 30.0;
 const LARGEST_PLACE_SIGMA: f64 = 0.25;
+/// A residual of more than this many standard deviations of the noise that is also more than this share of the
+/// displacements is no explanation. A real finger differs from its model by many times the camera's noise, but not by that.
+const UNEXPLAINED_SIGMAS: f64 = 10.0;
+const UNEXPLAINED_SHARE: f64 = 0.3;
+/// Another minimum counts as an explanation as good as the best if its misfit, in squared standard deviations, is larger
+/// by no more than this, and as another answer if a force differs by more than this many standard deviations.
+const AS_GOOD: f64 = 9.0;
+const ANOTHER_ANSWER_SIGMAS: f64 = 5.0;
+/// Without noise, forces that differ by no more than this share of the largest are the same.
+const SAME_ANSWER: f64 = 1e-3;
 
 impl NonlinearEstimator<'_> {
+    /// Refuses an estimate beside which another minimum, given by its misfit and forces, explains the data as well.
+    ///
+    /// # Errors
+    /// [`SensingError::Ambiguous`].
+    pub(super) fn unrivalled(
+        estimate: &NonlinearEstimate,
+        misfit: f64,
+        (other_misfit, other_forces_n): &(f64, Vec<f64>),
+    ) -> Result<(), SensingError> {
+        let Estimate { forces_n, sigmas_n, noise_mm, .. } = &estimate.forces;
+        let largest = forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
+        let same = |i: usize| f64::max(ANOTHER_ANSWER_SIGMAS * sigmas_n[i], SAME_ANSWER * largest);
+        let apart = |i: &usize| (forces_n[*i] - other_forces_n[*i]).abs() > same(*i);
+        match (0..forces_n.len()).find(apart) {
+            Some(i) if other_misfit - misfit <= AS_GOOD * noise_mm * noise_mm => {
+                Err(SensingError::Ambiguous { contact: i + 1, force_n: forces_n[i], other_n: other_forces_n[i] })
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Standard deviations and refusals.
     ///
     /// # Errors
@@ -29,6 +60,12 @@ impl NonlinearEstimator<'_> {
             0 => f64::INFINITY,
             freedoms => (misfit / freedoms as f64).sqrt(),
         });
+        let residual_rms_mm = (misfit / coordinates as f64).sqrt();
+        let moved: f64 = measurement.markers().iter().map(|marker| marker.displacement.norm_squared()).sum();
+        let moved_rms_mm = (moved / coordinates as f64).sqrt();
+        if residual_rms_mm > UNEXPLAINED_SIGMAS * noise_mm && residual_rms_mm > UNEXPLAINED_SHARE * moved_rms_mm {
+            return Err(SensingError::Unexplained { residual_rms_mm, moved_rms_mm });
+        }
         self.rescale(state);
         // The triangle has the singular values of the derivatives.
         let svd = state.linearised.triangle(measurement)?.svd(false, true);
@@ -42,11 +79,18 @@ impl NonlinearEstimator<'_> {
         };
         let scales = &state.linearised.scales;
         // (A^T A)^-1 = V S^-2 V^T, from the scaled unknowns back to theirs.
-        let covariance = |i: usize, j: usize| {
+        let linear = |i: usize, j: usize| {
             let scaled = |k: usize| v_t[(k, i)] * v_t[(k, j)] / svd.singular_values[k].powi(2);
             scales[i] * scales[j] * (0..count).map(scaled).sum::<f64>() * noise_mm * noise_mm
         };
-        let sigma = |j: usize| covariance(j, j).sqrt();
+        // What a force has across its direction adds to it by second order, b^2 / (2 f), of mean square 3 s^4 / (4 f^2): all
+        // there is of it where a direction is known to some degrees only.
+        let by_direction = |i: usize| {
+            let across = self.unknowns.iter().position(|unknown| *unknown == Unknown::Across(i));
+            across.map_or(0.0, |j| 0.75 * (linear(j, j) / state.forces_n[i]).powi(2))
+        };
+        let covariance = |i: usize, j: usize| linear(i, j) + if i == j { by_direction(i) } else { 0.0 };
+        let sigma = |j: usize| linear(j, j).sqrt();
         for (j, unknown) in self.unknowns.iter().enumerate() {
             let (what, contact, sigma, limit, unit) = match *unknown {
                 Unknown::Force(_) => continue,
@@ -66,9 +110,9 @@ impl NonlinearEstimator<'_> {
         Ok(NonlinearEstimate {
             forces: Estimate {
                 forces_n: state.forces_n.clone(),
-                sigmas_n: (0..self.questions.len()).map(sigma).collect(),
+                sigmas_n: (0..self.questions.len()).map(|i| covariance(i, i).sqrt()).collect(),
                 noise_mm,
-                residual_rms_mm: (misfit / coordinates as f64).sqrt(),
+                residual_rms_mm,
                 singular_values,
             },
             covariance_n2: DMatrix::from_fn(self.questions.len(), self.questions.len(), covariance),

@@ -77,6 +77,13 @@ struct State {
     linearised: Linearised,
 }
 
+/// A minimum, the steps to it, and whether it was near: then it is the only one about, otherwise there may be others.
+struct Found {
+    state: State,
+    steps: usize,
+    near: bool,
+}
+
 impl<'m> NonlinearEstimator<'m> {
     /// Prepares a mesh for contacts.
     ///
@@ -134,43 +141,54 @@ impl<'m> NonlinearEstimator<'m> {
         let poor = (POOR_FIT * (moved / coordinates as f64).sqrt()).max(POOR_FIT_SIGMAS * noise_mm.unwrap_or(0.0));
         let largest_misfit = poor * poor * coordinates as f64;
         let misfit = |state: &State| state.linearised.misfit(&state.motion, measurement);
-        let mut best: Option<(State, usize)> = None;
+        let mut best: Option<Found> = None;
         if let Some(mut state) = self.last.take() {
-            best = self.correct(&mut state, measurement, noise_mm).map(|steps| (state, steps));
+            best = self.correct(&mut state, measurement, noise_mm).map(|steps| Found { state, steps, near: true });
         }
         let mut failure = None;
+        // Misfit and forces of all minima.
+        let mut minima: Vec<(f64, Vec<f64>)> = Vec::new();
         for factor in OTHER_STARTS {
-            if best.as_ref().is_some_and(|(state, _)| misfit(state) <= largest_misfit) {
+            if best.as_ref().is_some_and(|found| found.near && misfit(&found.state) <= largest_misfit) {
                 break;
             }
             match self.from_rest(measurement, noise_mm, factor) {
-                Ok(found) if best.as_ref().is_none_or(|(best, _)| misfit(&found.0) < misfit(best)) => {
-                    best = Some(found)
+                Ok(found) => {
+                    minima.push((misfit(&found.state), found.state.forces_n.clone()));
+                    if best.as_ref().is_none_or(|best| misfit(&found.state) < misfit(&best.state)) {
+                        best = Some(found);
+                    }
                 }
-                Ok(_) => {}
                 Err(error) => failure = failure.or(Some(error)),
             }
         }
-        let (mut state, steps) = best.ok_or_else(|| failure.unwrap_or(SensingError::NoContact))?;
+        let Found { mut state, steps, .. } = best.ok_or_else(|| failure.unwrap_or(SensingError::NoContact))?;
+        let least_misfit = misfit(&state);
         let estimate = self.judged(&mut state, measurement, noise_mm, steps)?;
+        // With several unknown places, answers may differ in their order alone.
+        if self.questions.iter().filter(|question| question.place.is_none()).count() <= 1 {
+            for other in &minima {
+                NonlinearEstimator::unrivalled(&estimate, least_misfit, other)?;
+            }
+        }
         self.last = Some(state);
         Ok(estimate)
     }
 
-    /// The minimum nearest to the linear forces times a factor, with the steps it took.
+    /// The minimum nearest to the linear forces times a factor, the careful way if it is not near.
     fn from_rest(
         &mut self,
         measurement: &Measurement,
         noise_mm: Option<f64>,
         factor: f64,
-    ) -> Result<(State, usize), SensingError> {
+    ) -> Result<Found, SensingError> {
         let start = self.start(measurement, noise_mm, factor)?;
         let mut state = start.clone();
         if let Some(steps) = self.correct(&mut state, measurement, noise_mm) {
-            return Ok((state, steps));
+            return Ok(Found { state, steps, near: true });
         }
         state = start;
         let steps = self.search(&mut state, measurement, noise_mm)?;
-        Ok((state, steps))
+        Ok(Found { state, steps, near: false })
     }
 }

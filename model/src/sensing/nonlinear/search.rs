@@ -35,6 +35,7 @@ impl NonlinearEstimator<'_> {
             let mut next = state.clone();
             let turn_deg = self.advance(&mut next)?;
             let settles = turn_deg <= SETTLED_ANGLE_DEG;
+            let mut carried = true;
             let better = match self.statics.shifted(&state.motion, &state.loads, &next.loads) {
                 Ok(equilibrium) => {
                     next.motion = equilibrium.motion;
@@ -44,7 +45,10 @@ impl NonlinearEstimator<'_> {
                     let slack = if settles { 1e-12 } else { 0.5 };
                     after <= before * (1.0 + slack) || change <= STEP_TOLERANCE
                 }
-                Err(_) => false,
+                Err(_) => {
+                    carried = false;
+                    false
+                }
             };
             if better {
                 *state = next;
@@ -54,8 +58,11 @@ impl NonlinearEstimator<'_> {
                 if change <= STEP_TOLERANCE && settles {
                     return Ok(steps);
                 }
-            } else if damping >= MAX_DAMPING {
+            } else if damping >= MAX_DAMPING && carried {
                 return Ok(steps);
+            } else if damping >= MAX_DAMPING {
+                // The finger does not carry what would explain more.
+                break;
             } else {
                 damping = f64::max(10.0 * damping, FIRST_DAMPING);
             }

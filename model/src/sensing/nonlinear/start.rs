@@ -86,8 +86,12 @@ impl NonlinearEstimator<'_> {
                 }
             }
         }
-        let mut estimate =
-            LinearEstimator::new(finger, &components, measurement)?.estimate(measurement, Some(0.0), Prior::None);
+        let estimator = LinearEstimator::new(finger, &components, measurement)?;
+        // Where few markers hardly tell forces apart, large ones that cancel are no start. The prior is the force that alone
+        // would move the finger as far, and weighs little otherwise.
+        let moved: f64 = measurement.markers().iter().map(|m| (m.displacement * m.weight).norm_squared()).sum();
+        let prior = Prior::Gaussian { force_n: moved.sqrt() / estimator.singular_values()[0] };
+        let mut estimate = estimator.estimate(measurement, None, prior);
         let mut parts = components.iter().zip(estimate.forces_n.clone());
         let (mut contacts, mut forces_n) = (Vec::new(), Vec::new());
         for question in &self.questions {
