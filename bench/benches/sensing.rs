@@ -1,11 +1,15 @@
 //! From shape to force: least squares, prepared each time and prepared once; Gauss-Newton on the large-rotation finger,
-//! from a cold start and as a stream of frames.
+//! from a cold start and as a stream of frames; and samples by the thousand.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use finray_bench::{paper, push};
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, ContactPlace, LinearEstimator, NonlinearEstimator, Prior};
+use finray_model::statics::{FrameLoad, Statics};
 use finray_model::{Kinematics, Mesh, NodeId, statics};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 use std::hint::black_box;
 
 fn sensing(criterion: &mut Criterion) {
@@ -56,5 +60,56 @@ fn nonlinear(criterion: &mut Criterion) {
     });
 }
 
-criterion_group!(benches, sensing, nonlinear);
+/// Nonlinear samples, as for training or for a map: shapes under random forces along the normal at all twelve contact nodes,
+/// 0-5 N a node and 0-10 N in all (Xu et al. 2021, sec. IV-A), and the forces sensed from random shapes of two nodes. On
+/// two threads, each with a solver of its own; 20 000 samples take ten times as long.
+fn samples(criterion: &mut Criterion) {
+    const COUNT: usize = 2_000;
+    let finger = paper();
+    let mesh = Mesh::key_nodes(&finger);
+    let nodes: Vec<NodeId> = finger.contact_nodes().collect();
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let mut draw = |nodes: &[NodeId]| -> Vec<FrameLoad> {
+        let forces_n: Vec<f64> = nodes.iter().map(|_| rng.random_range(0.0..5.0)).collect();
+        let total_n = rng.random_range(0.0..10.0);
+        let share = f64::min(1.0, total_n / forces_n.iter().sum::<f64>());
+        let load = |(node, force_n): (&NodeId, &f64)| push(&finger, node.0, force_n * share);
+        nodes.iter().zip(&forces_n).filter_map(|each| mesh.frame_load(&load(each)).ok()).collect()
+    };
+    let cases: Vec<Vec<FrameLoad>> = (0..COUNT).map(|_| draw(&nodes)).collect();
+    let pair = [NodeId(18), NodeId(20)];
+    let pairs: Vec<Vec<FrameLoad>> = (0..COUNT).map(|_| draw(&pair)).collect();
+    let solver = Statics::ladder(&mesh, Kinematics::Corotational);
+    let shapes: Vec<Measurement> = pairs
+        .iter()
+        .filter_map(|loads| solver.clone().equilibrium(loads).ok())
+        .map(|equilibrium| Measurement::of_shape(&finger, &mesh.shape(&equilibrium.motion)))
+        .collect();
+    let contacts = pair.map(|node| Contact { place: ContactPlace::Node(node), angle_deg: 0.0 }.into());
+    let estimator = NonlinearEstimator::new(&mesh, &contacts).expect("contact nodes");
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
+    let carried = cases.iter().filter(|loads| solver.clone().equilibrium(loads).is_ok()).count();
+    let mut group = criterion.benchmark_group("samples");
+    group.sample_size(10);
+    group.bench_function(format!("forward/{COUNT}_of_which_{carried}_carried"), |bencher| {
+        bencher.iter(|| {
+            let solve = |solver: &mut Statics<_>, loads: &Vec<FrameLoad>| solver.equilibrium(loads).is_ok();
+            let solved = cases.par_iter().map_init(|| solver.clone(), solve);
+            threads.install(|| solved.filter(|solved| *solved).count())
+        });
+    });
+    group.bench_function(format!("sensing/{}", shapes.len()), |bencher| {
+        bencher.iter(|| {
+            let sense = |estimator: &mut NonlinearEstimator, shape: &Measurement| {
+                estimator.reset();
+                estimator.estimate(shape, Some(0.067)).is_ok()
+            };
+            let sensed = shapes.par_iter().map_init(|| estimator.clone(), sense);
+            threads.install(|| sensed.filter(|sensed| *sensed).count())
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(benches, sensing, nonlinear, samples);
 criterion_main!(benches);

@@ -168,6 +168,12 @@ pub enum SensingError {
         /// Its force in the other, N.
         other_n: f64,
     },
+    /// An answer from few markers, far from the linear one, that the search finds from one start only.
+    #[error(
+        "not identifiable: forces that explain the measurement are far from those of the linear finger, and other starts of \
+         the search do not lead to them"
+    )]
+    Unconfirmed,
     /// No forces were found that explain the data.
     #[error(
         "the large-rotation model does not explain the measurement: {residual_rms_mm:.3} mm of {moved_rms_mm:.3} mm \

@@ -20,29 +20,43 @@ const AS_GOOD: f64 = 9.0;
 const ANOTHER_ANSWER_SIGMAS: f64 = 5.0;
 /// Without noise, forces that differ by no more than this share of the largest are the same.
 const SAME_ANSWER: f64 = 1e-3;
+/// Measured coordinates a force that confirm an answer by fitting it.
+const CONFIRMING_COORDINATES: usize = 4;
 
-impl NonlinearEstimator<'_> {
-    /// Refuses an estimate beside which another minimum, given by its misfit and forces, explains the data as well.
+impl NonlinearEstimate {
+    /// Refuses an estimate beside which another minimum explains the data as well, and one from few coordinates, far from
+    /// the linear forces, to which one start alone has led. `minima` holds misfit and forces of each minimum that was found.
     ///
     /// # Errors
-    /// [`SensingError::Ambiguous`].
-    pub(super) fn unrivalled(
-        estimate: &NonlinearEstimate,
+    /// [`SensingError::Ambiguous`] and [`SensingError::Unconfirmed`].
+    pub(super) fn check_rivals(
+        &self,
         misfit: f64,
-        (other_misfit, other_forces_n): &(f64, Vec<f64>),
+        minima: &[(f64, Vec<f64>)],
+        near: bool,
+        coordinates: usize,
     ) -> Result<(), SensingError> {
-        let Estimate { forces_n, sigmas_n, noise_mm, .. } = &estimate.forces;
+        let Estimate { forces_n, sigmas_n, noise_mm, .. } = &self.forces;
         let largest = forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         let same = |i: usize| f64::max(ANOTHER_ANSWER_SIGMAS * sigmas_n[i], SAME_ANSWER * largest);
-        let apart = |i: &usize| (forces_n[*i] - other_forces_n[*i]).abs() > same(*i);
-        match (0..forces_n.len()).find(apart) {
-            Some(i) if other_misfit - misfit <= AS_GOOD * noise_mm * noise_mm => {
-                Err(SensingError::Ambiguous { contact: i + 1, force_n: forces_n[i], other_n: other_forces_n[i] })
+        let mut confirmations = 0;
+        for (other_misfit, other_n) in minima {
+            match (0..forces_n.len()).find(|&i| (forces_n[i] - other_n[i]).abs() > same(i)) {
+                Some(i) if other_misfit - misfit <= AS_GOOD * noise_mm * noise_mm => {
+                    let (force_n, other_n) = (forces_n[i], other_n[i]);
+                    return Err(SensingError::Ambiguous { contact: i + 1, force_n, other_n });
+                }
+                Some(_) => {}
+                None => confirmations += 1,
             }
-            _ => Ok(()),
         }
+        // One of them is the estimate itself. Many coordinates that all fit confirm it as well.
+        let confirmed = near || confirmations >= 2 || coordinates >= CONFIRMING_COORDINATES * forces_n.len();
+        if confirmed { Ok(()) } else { Err(SensingError::Unconfirmed) }
     }
+}
 
+impl NonlinearEstimator<'_> {
     /// Standard deviations and refusals.
     ///
     /// # Errors

@@ -48,7 +48,8 @@ pub struct NonlinearEstimate {
 }
 
 /// Senses forces with the co-rotational finger of one mesh; each estimate starts from the one before it, if there is
-/// one, as a stream of camera frames wants it.
+/// one, as a stream of camera frames wants it. For a batch of unrelated measurements, [`reset`](NonlinearEstimator::reset)
+/// before each, and give every thread a clone.
 ///
 /// # Requirements
 /// At least as many measured coordinates as unknowns (a force a contact, and one more for each unknown place or
@@ -162,14 +163,12 @@ impl<'m> NonlinearEstimator<'m> {
                 Err(error) => failure = failure.or(Some(error)),
             }
         }
-        let Found { mut state, steps, .. } = best.ok_or_else(|| failure.unwrap_or(SensingError::NoContact))?;
+        let Found { mut state, steps, near } = best.ok_or_else(|| failure.unwrap_or(SensingError::NoContact))?;
         let least_misfit = misfit(&state);
         let estimate = self.judged(&mut state, measurement, noise_mm, steps)?;
         // With several unknown places, answers may differ in their order alone.
         if self.questions.iter().filter(|question| question.place.is_none()).count() <= 1 {
-            for other in &minima {
-                NonlinearEstimator::unrivalled(&estimate, least_misfit, other)?;
-            }
+            estimate.check_rivals(least_misfit, &minima, near, coordinates)?;
         }
         self.last = Some(state);
         Ok(estimate)

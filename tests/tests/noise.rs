@@ -1,0 +1,214 @@
+//! Nonlinear sensing under noise: efficient where contacts are known, honest where they are not, right or refused where
+//! markers are missing or wrong. `FINRAY_TEST_CASES=4000` is the full study of scatter, two minutes on two cores.
+
+use finray_model::measurement::{Marker, Measurement};
+use finray_model::sensing::{Contact, ContactPlace, ContactQuestion, Direction, NonlinearEstimator};
+use finray_model::statics::{FrameLoad, Statics};
+use finray_model::{Finger, Kinematics, Mesh, NodeId, Scene, Vector};
+use finray_verify::scatter::{
+    ONE_FORCE_N, Scatter, ScatterRequest, ScatterRow, TWO_FORCES_N, pairs_of_nodes, scatter, single_nodes,
+};
+use rand::{RngExt, SeedableRng, seq::SliceRandom};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// Standard deviation of the camera's coordinates, mm.
+const NOISE_MM: f64 = 0.067;
+/// Promised: root-mean-square error within this share of the Cramer-Rao bound.
+const PROMISE: f64 = 0.10;
+/// Random deviations allowed, in standard errors: among some hundred figures one beyond them is met once in a hundred runs.
+const STANDARD_ERRORS: f64 = 4.0;
+
+fn paper() -> Finger {
+    Scene::from_toml(include_str!("../../fixtures/scenes/paper.toml")).expect("paper scene").finger
+}
+
+/// Cases for each set of contacts.
+fn case_count() -> usize {
+    std::env::var("FINRAY_TEST_CASES").ok().and_then(|count| count.parse().ok()).unwrap_or(200)
+}
+
+/// Standard error of a share among so many cases.
+fn share_error(share: f64, cases: usize) -> f64 {
+    (share * (1.0 - share) / cases as f64).sqrt()
+}
+
+fn assert_efficient(what: &str, scatter: &Scatter, cases: usize, promise: f64) {
+    let allowed = promise + STANDARD_ERRORS / (2.0 * cases as f64).sqrt();
+    assert!((scatter.over_bound - 1.0).abs() <= allowed, "{what}: {scatter:?}");
+    for (found, meant) in [(scatter.covered_by_one_sigma, 0.683), (scatter.covered_by_two_sigma, 0.95)] {
+        let allowed = STANDARD_ERRORS * share_error(meant, cases) + 0.01;
+        assert!((found - meant).abs() <= allowed, "{what}: covers {found}, meant {meant}");
+    }
+}
+
+/// Every contact node alone and all 66 pairs: the error scatters as the Cramer-Rao bound has it, forces and sums, and the
+/// stated sigma covers as often as it claims.
+#[test]
+fn every_node_and_pair_reaches_the_bound() {
+    let finger = paper();
+    let mesh = Mesh::key_nodes(&finger);
+    let cases = case_count();
+    let request = ScatterRequest { truth: &mesh, model: &mesh, noise_mm: NOISE_MM, cases, seed: 1 };
+    let single = scatter(&request, &single_nodes(&finger), ONE_FORCE_N).expect("contact nodes");
+    let pairs = scatter(&request, &pairs_of_nodes(&finger), TWO_FORCES_N).expect("contact nodes");
+    assert_eq!((single.len(), pairs.len()), (12, 66));
+    for row in single.iter().chain(&pairs) {
+        assert_eq!((row.cases, row.refused), (cases, 0), "{row:?}");
+        for scatter in row.forces.iter().chain([&row.sum]) {
+            assert_efficient(&format!("{:?}", row.nodes), scatter, cases, PROMISE);
+        }
+    }
+    // All first forces together leave little room for chance.
+    let mean = |quantity: fn(&Scatter) -> f64| {
+        single.iter().chain(&pairs).map(|row| quantity(&row.forces[0])).sum::<f64>()
+            / (single.len() + pairs.len()) as f64
+    };
+    let together = Scatter {
+        over_bound: mean(|s| s.over_bound * s.over_bound).sqrt(),
+        covered_by_one_sigma: mean(|s| s.covered_by_one_sigma),
+        covered_by_two_sigma: mean(|s| s.covered_by_two_sigma),
+        ..Scatter::default()
+    };
+    assert_efficient("all", &together, cases * 78, 0.01);
+    assert_targets(&single, &pairs, cases);
+}
+
+/// Mean relative errors that were asked for.
+fn assert_targets(single: &[ScatterRow], pairs: &[ScatterRow], cases: usize) {
+    // Relative errors of evenly drawn forces scatter by 1.1 of their mean.
+    let allowance = 1.0 + STANDARD_ERRORS * 1.1 / (cases as f64).sqrt();
+    for row in single.iter().filter(|row| (14..=22).contains(&row.nodes[0]) || row.nodes[0] == 24) {
+        assert!(row.forces[0].mean_error <= 0.013 * allowance, "{row:?}");
+    }
+    for (nodes, target) in [([19, 20], 0.03), ([16, 17], 0.03), ([18, 20], 0.012), ([16, 20], 0.012)] {
+        let row = pairs.iter().find(|row| row.nodes == nodes).expect("one of all pairs");
+        let mean = 0.5 * (row.forces[0].mean_error + row.forces[1].mean_error);
+        assert!(mean <= target * allowance && row.sum.mean_error <= 0.008, "{row:?}");
+    }
+}
+
+/// What makes a measurement hard.
+#[derive(Debug, Clone, Copy)]
+struct Hardship {
+    noise_mm: f64,
+    /// Markers hidden at random.
+    hidden: usize,
+    /// Whether a marker is 20 mm off.
+    wild: bool,
+    forces_n: [f64; 2],
+}
+
+const CAMERA: Hardship = Hardship { noise_mm: NOISE_MM, hidden: 0, wild: false, forces_n: [0.3, 3.0] };
+
+/// Errors in stated sigmas, and the share of cases refused. The contacts are drawn anew for each case.
+fn standardised_errors(
+    questions: &[ContactQuestion],
+    contacts: impl Fn(&mut ChaCha8Rng) -> Vec<Contact>,
+    hardship: Hardship,
+    cases: usize,
+) -> (Vec<f64>, f64) {
+    let finger = paper();
+    let mesh = Mesh::key_nodes(&finger);
+    let mut statics = Statics::ladder(&mesh, Kinematics::Corotational);
+    let mut estimator = NonlinearEstimator::new(&mesh, questions).expect("possible questions");
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let (mut errors, mut refused, mut carried) = (Vec::new(), 0, 0);
+    for _ in 0..cases {
+        let contacts = contacts(&mut rng);
+        let [least, most] = hardship.forces_n;
+        let forces_n: Vec<f64> = contacts.iter().map(|_| rng.random_range(least..most)).collect();
+        let load = |(c, f): (&Contact, &f64)| mesh.frame_load(&c.load(&finger, *f)).expect("on the finger");
+        let loads: Vec<FrameLoad> = contacts.iter().zip(&forces_n).map(load).collect();
+        let Ok(equilibrium) = statics.equilibrium(&loads) else { continue };
+        carried += 1;
+        let mut seen = Measurement::of_shape(&finger, &mesh.shape(&equilibrium.motion));
+        seen.add_noise(hardship.noise_mm, || StandardNormal.sample(&mut rng));
+        let mut nodes: Vec<NodeId> = finger.free_nodes().collect();
+        nodes.shuffle(&mut rng);
+        seen = seen.without(&nodes[..hardship.hidden]);
+        if hardship.wild {
+            let wild = nodes[hardship.hidden];
+            let (sin, cos) = rng.random_range(0.0..std::f64::consts::TAU).sin_cos();
+            let off = |m: &Marker| if m.node == wild { Vector::new(cos, sin) * 20.0 } else { Vector::zeros() };
+            let markers = seen.markers().iter().map(|m| Marker { displacement: m.displacement + off(m), ..*m });
+            seen = Measurement::new(&finger, markers).expect("the same markers");
+        }
+        estimator.reset();
+        match estimator.estimate(&seen, Some(hardship.noise_mm)) {
+            Ok(found) => {
+                let found = found.forces.forces_n.into_iter().zip(found.forces.sigmas_n).zip(&forces_n);
+                errors.extend(found.map(|((sensed, sigma), truth)| (sensed - truth) / sigma));
+            }
+            Err(_) => refused += 1,
+        }
+    }
+    assert!(carried > cases / 2, "the finger carries {carried} of {cases}");
+    (errors, f64::from(refused) / carried as f64)
+}
+
+fn at_node(node: usize, angle_deg: f64) -> Contact {
+    Contact { place: ContactPlace::Node(NodeId(node)), angle_deg }
+}
+
+fn known(contacts: &[Contact]) -> Vec<ContactQuestion> {
+    contacts.iter().copied().map(ContactQuestion::from).collect()
+}
+
+/// Right within a few sigma, or refused: more than 6 sigma is met once in 10^9.
+fn assert_honest(what: &str, (errors, refused): &(Vec<f64>, f64), most_refused: f64) {
+    let worst = errors.iter().fold(0.0_f64, |m, e| m.max(e.abs()));
+    assert!(worst <= 6.0, "{what}: {worst} sigma");
+    assert!(*refused <= most_refused, "{what}: {refused} refused");
+    let covered = errors.iter().filter(|e| e.abs() <= 1.96).count() as f64 / errors.len().max(1) as f64;
+    let allowed = STANDARD_ERRORS * share_error(0.95, errors.len().max(1)) + 0.01;
+    assert!(covered >= 0.95 - allowed, "{what}: covered {covered}");
+}
+
+/// Hidden markers (1 to 21 of 23), 1 mm of noise, a marker 20 mm off, neighbouring contacts, two angles on one node, all
+/// twelve nodes at once.
+#[test]
+fn hard_measurements_are_right_or_refused() {
+    for hidden in [1, 5, 10, 15, 20, 21] {
+        for nodes in [vec![14], vec![19, 20]] {
+            let contacts: Vec<Contact> = nodes.iter().map(|&node| at_node(node, 0.0)).collect();
+            let found =
+                standardised_errors(&known(&contacts), |_| contacts.clone(), Hardship { hidden, ..CAMERA }, 100);
+            assert_honest(&format!("{hidden} hidden, {nodes:?}"), &found, 0.1);
+        }
+    }
+    for nodes in [vec![13], vec![19], vec![24], vec![19, 20], vec![14, 24]] {
+        let contacts: Vec<Contact> = nodes.iter().map(|&node| at_node(node, 0.0)).collect();
+        for hardship in [Hardship { noise_mm: 1.0, ..CAMERA }, Hardship { wild: true, ..CAMERA }] {
+            let found = standardised_errors(&known(&contacts), |_| contacts.clone(), hardship, 100);
+            assert_honest(&format!("{hardship:?}, {nodes:?}"), &found, 0.01);
+        }
+    }
+    for (contacts, forces_n) in [
+        (vec![at_node(19, -30.0), at_node(19, 40.0)], [0.3, 3.0]),
+        ((13..=24).map(|node| at_node(node, 0.0)).collect(), [0.05, 0.5]),
+    ] {
+        let found = standardised_errors(&known(&contacts), |_| contacts.clone(), Hardship { forces_n, ..CAMERA }, 100);
+        assert_honest(&format!("{contacts:?}"), &found, 0.0);
+    }
+}
+
+/// Unknown directions and places: the stated sigma covers the force.
+#[test]
+fn unknown_directions_and_places_are_covered() {
+    let anywhere = |rng: &mut ChaCha8Rng| {
+        vec![Contact { place: ContactPlace::Place(rng.random_range(15.0..150.0)), angle_deg: 0.0 }]
+    };
+    let hardship = Hardship { forces_n: [0.5, 3.0], ..CAMERA };
+    for direction in [Direction::Angle(0.0), Direction::Auto] {
+        let question = ContactQuestion { place: None, direction };
+        let found = standardised_errors(&[question], anywhere, hardship, 150);
+        assert_honest(&format!("{question:?}"), &found, 0.1);
+    }
+    for node in [14, 19, 24] {
+        let question = ContactQuestion { place: Some(ContactPlace::Node(NodeId(node))), direction: Direction::Auto };
+        let found = standardised_errors(&[question], |_| vec![at_node(node, 0.0)], hardship, 150);
+        // Near the base a force hardly shows its direction.
+        assert_honest(&format!("{question:?}"), &found, if node == 24 { 0.5 } else { 0.01 });
+    }
+}
