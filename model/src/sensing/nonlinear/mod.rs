@@ -53,7 +53,7 @@ pub struct NonlinearEstimate {
 ///
 /// # Requirements
 /// At least as many measured coordinates as unknowns (a force a contact, and one more for each unknown place or
-/// direction), singular values that span at most [`LARGEST_SPAN`].
+/// direction), singular values that span at most [`LARGEST_SPAN`](super::LARGEST_SPAN).
 ///
 /// # Reference
 /// Minimises |W (u - u(f, s, angle))|^2 by the Levenberg-Marquardt method (Nocedal and Wright, Numerical Optimization,
@@ -153,7 +153,7 @@ impl<'m> NonlinearEstimator<'m> {
             if best.as_ref().is_some_and(|found| found.near && misfit(&found.state) <= largest_misfit) {
                 break;
             }
-            match self.from_rest(measurement, noise_mm, factor) {
+            match self.searched(measurement, noise_mm, factor) {
                 Ok(found) => {
                     minima.push((misfit(&found.state), found.state.forces_n.clone()));
                     if best.as_ref().is_none_or(|best| misfit(&found.state) < misfit(&best.state)) {
@@ -175,7 +175,7 @@ impl<'m> NonlinearEstimator<'m> {
     }
 
     /// The minimum nearest to the linear forces times a factor, the careful way if it is not near.
-    fn from_rest(
+    fn searched(
         &mut self,
         measurement: &Measurement,
         noise_mm: Option<f64>,
