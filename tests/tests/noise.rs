@@ -1,12 +1,12 @@
 //! Nonlinear sensing under noise: efficient where contacts are known, honest where they are not, right or refused where
-//! markers are missing or wrong. `FINRAY_TEST_CASES=4000` is the full study of scatter, two minutes on two cores.
+//! markers are missing or wrong. `FINRAY_TEST_CASES=4000` is the full study of scatter, half a minute on two cores.
 
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::sensing::{Contact, ContactPlace, ContactQuestion, Direction, NonlinearEstimator};
 use finray_model::statics::{FrameLoad, Statics};
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Scene, Vector};
 use finray_verify::scatter::{
-    ONE_FORCE_N, Scatter, ScatterRequest, ScatterRow, TWO_FORCES_N, pairs_of_nodes, scatter, single_nodes,
+    ONE_FORCE_N, Scatter, ScatterRequest, ScatterRow, TWO_FORCES_N, pairs, sampled_nodes, scatter, singles,
 };
 use rand::{RngExt, SeedableRng, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
@@ -50,8 +50,9 @@ fn every_node_and_pair_reaches_the_bound() {
     let mesh = Mesh::key_nodes(&finger);
     let cases = case_count();
     let request = ScatterRequest { truth: &mesh, model: &mesh, noise_mm: NOISE_MM, cases, seed: 1 };
-    let single = scatter(&request, &single_nodes(&finger), ONE_FORCE_N).expect("contact nodes");
-    let pairs = scatter(&request, &pairs_of_nodes(&finger), TWO_FORCES_N).expect("contact nodes");
+    let nodes = sampled_nodes(&finger);
+    let single = scatter(&request, &singles(&nodes), ONE_FORCE_N, &|| {}).expect("contact nodes");
+    let pairs = scatter(&request, &pairs(&nodes), TWO_FORCES_N, &|| {}).expect("contact nodes");
     assert_eq!((single.len(), pairs.len()), (12, 66));
     for row in single.iter().chain(&pairs) {
         assert_eq!((row.cases, row.refused), (cases, 0), "{row:?}");

@@ -23,7 +23,9 @@ pub const TWO_SIDED_95: f64 = 1.96;
 /// Mean of |x| for x of a normal distribution with standard deviation 1: sqrt(2 / pi).
 const MEAN_ABSOLUTE: f64 = 0.797_884_560_802_865_4;
 /// A finger that carries none of so many draws in a row carries no force of the range.
-const MOST_DRAWS: usize = 1000;
+const MOST_DRAWS: usize = 100;
+/// More contact nodes than these are thinned out.
+const MOST_NODES: usize = 12;
 
 /// What is asked of an estimator.
 #[derive(Debug, Clone, Copy)]
@@ -74,7 +76,14 @@ pub struct ScatterRow {
     pub sum: Scatter,
 }
 
-/// A row for each set of contact nodes, forces drawn evenly from `range_n`.
+impl ScatterRow {
+    /// Mean error of all forces.
+    pub fn mean_error(&self) -> f64 {
+        self.forces.iter().map(|scatter| scatter.mean_error).sum::<f64>() / self.forces.len() as f64
+    }
+}
+
+/// A row for each set of contact nodes, forces drawn evenly from `range_n`. `progress` is called after each set.
 ///
 /// # Errors
 /// [`SensingError`] for a node that is no contact node.
@@ -82,18 +91,30 @@ pub fn scatter(
     request: &ScatterRequest,
     sets: &[Vec<NodeId>],
     range_n: [f64; 2],
+    progress: &(dyn Fn() + Sync),
 ) -> Result<Vec<ScatterRow>, SensingError> {
-    sets.par_iter().enumerate().map(|(stream, nodes)| row(request, nodes, range_n, stream as u64)).collect()
+    let of_set = |(stream, nodes): (usize, &Vec<NodeId>)| {
+        let row = row(request, nodes, range_n, stream as u64);
+        progress();
+        row
+    };
+    sets.par_iter().enumerate().map(of_set).collect()
 }
 
-/// Every contact node alone.
-pub fn single_nodes(finger: &Finger) -> Vec<Vec<NodeId>> {
-    finger.contact_nodes().map(|node| vec![node]).collect()
+/// Every contact node, or about a dozen of many.
+pub fn sampled_nodes(finger: &Finger) -> Vec<NodeId> {
+    let nodes = finger.contact_nodes();
+    let every = nodes.len().div_ceil(MOST_NODES);
+    nodes.step_by(every).collect()
 }
 
-/// Every pair of contact nodes.
-pub fn pairs_of_nodes(finger: &Finger) -> Vec<Vec<NodeId>> {
-    let nodes: Vec<NodeId> = finger.contact_nodes().collect();
+/// Every node alone.
+pub fn singles(nodes: &[NodeId]) -> Vec<Vec<NodeId>> {
+    nodes.iter().map(|&node| vec![node]).collect()
+}
+
+/// Every pair of nodes.
+pub fn pairs(nodes: &[NodeId]) -> Vec<Vec<NodeId>> {
     let from = |i: usize| nodes[i + 1..].iter().map(|&second| vec![nodes[i], second]).collect::<Vec<_>>();
     (0..nodes.len()).flat_map(from).collect()
 }

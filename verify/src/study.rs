@@ -7,9 +7,10 @@ use crate::fixtures;
 use crate::hard_cases::{self, HardCase, hard_cases};
 use crate::map::{AccuracyMap, Estimator, MapRequest, accuracy_maps};
 use crate::problems::{self, ProblemError};
+use crate::scatter::{self, ONE_FORCE_N, ScatterRequest, ScatterRow, TWO_FORCES_N};
 use crate::table_one::{TableOne, TableOneError, table_one};
 use crate::truth::{MeshTruth, fine_mesh};
-use finray_model::sensing::{Contact, ContactPlace};
+use finray_model::sensing::{Contact, ContactPlace, SensingError};
 use finray_model::statics::{Statics, StaticsError};
 use finray_model::{Finger, Kinematics, Load, Mesh, Scene, Vector};
 
@@ -77,10 +78,25 @@ pub struct Study {
     pub tables_one: Vec<TableOne>,
     /// Error by mesh and load.
     pub convergence: Convergence,
+    /// Nonlinear sensing under camera noise.
+    pub noise: Option<NoiseStudy>,
     /// Hard cases, variants of the paper's finger.
     pub hard_cases: Vec<HardCase>,
     /// Example shapes.
     pub bent: Vec<BentFinger>,
+}
+
+/// Random forces sensed by the nonlinear estimator from noisy pictures.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NoiseStudy {
+    /// Standard deviation of one coordinate, mm.
+    pub noise_mm: f64,
+    /// Random cases for each set of contacts.
+    pub cases: usize,
+    /// One contact node each, forces of [`ONE_FORCE_N`].
+    pub single: Vec<ScatterRow>,
+    /// Two contact nodes each, forces of [`TWO_FORCES_N`]; none in a quick study.
+    pub pairs: Vec<ScatterRow>,
 }
 
 /// Why a study could not be finished.
@@ -98,6 +114,9 @@ pub enum StudyError {
     /// The finger could not be meshed.
     #[error(transparent)]
     Mesh(#[from] finray_model::mesh::MeshSizeError),
+    /// The contacts of the noise study are not on the finger.
+    #[error(transparent)]
+    Sensing(#[from] SensingError),
 }
 
 /// Told how far a study is: steps in all, once at the start of each part with its name, and one by one.
@@ -147,7 +166,8 @@ impl Study {
             places_mm,
             angles_deg,
             forces_n: MAP_FORCES_N.to_vec(),
-            noise_levels_mm: vec![0.0, noise_mm],
+            // Without noise there is nothing to add.
+            noise_levels_mm: [0.0, noise_mm].into_iter().take(if noise_mm > 0.0 { 2 } else { 1 }).collect(),
             noise_pictures,
             seed: 1,
             estimator: Estimator::LeastSquares,
@@ -168,6 +188,10 @@ impl Study {
         }
         progress.part("convergence", loaded_nodes(finger).len());
         let convergence = convergence(finger, effort, &|| progress.step())?;
+        let noise = match noise_mm {
+            0.0 => None,
+            noise_mm => Some(NoiseStudy::run(finger, &fine, noise_mm, effort, progress)?),
+        };
         let mut hard = Vec::new();
         if is_paper {
             checks.extend(convergence.checks());
@@ -184,6 +208,7 @@ impl Study {
             maps,
             tables_one,
             convergence,
+            noise,
             hard_cases: hard,
             bent,
         })
@@ -197,6 +222,37 @@ impl Study {
     /// The map of one truth, without or with noise.
     pub fn map(&self, truth: &str, noisy: bool) -> Option<&AccuracyMap> {
         self.maps.iter().find(|map| map.truth == truth && (map.noise_mm > 0.0) == noisy)
+    }
+}
+
+impl NoiseStudy {
+    /// Elements a member on which the estimator works: what is left of the mesh is small beside the noise.
+    const ELEMENTS: usize = 4;
+
+    fn run(
+        finger: &Finger,
+        truth: &Mesh,
+        noise_mm: f64,
+        effort: Effort,
+        progress: &dyn Progress,
+    ) -> Result<NoiseStudy, SensingError> {
+        let cases = match effort {
+            Effort::Quick => 20,
+            Effort::Full => 200,
+        };
+        let nodes = scatter::sampled_nodes(finger);
+        let singles = scatter::singles(&nodes);
+        let pairs = if effort == Effort::Full { scatter::pairs(&nodes) } else { Vec::new() };
+        progress.part("noise", singles.len() + pairs.len());
+        let model = Mesh::with_elements_per_member(finger, NoiseStudy::ELEMENTS);
+        let request = ScatterRequest { truth, model: &model, noise_mm, cases, seed: 1 };
+        let step = || progress.step();
+        Ok(NoiseStudy {
+            noise_mm,
+            cases,
+            single: scatter::scatter(&request, &singles, ONE_FORCE_N, &step)?,
+            pairs: scatter::scatter(&request, &pairs, TWO_FORCES_N, &step)?,
+        })
     }
 }
 

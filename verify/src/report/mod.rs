@@ -7,6 +7,7 @@ pub mod page;
 mod convergence;
 mod drawings;
 mod hard_cases;
+mod scatter;
 mod sections;
 mod summary;
 mod tables;

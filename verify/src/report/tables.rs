@@ -1,7 +1,7 @@
 //! Rows for the page's tables, and the CSV files behind figures and tables.
 
 use super::page::{Cell, Column, Row, Shade, Table};
-use super::{convergence, hard_cases};
+use super::{convergence, hard_cases, scatter};
 use crate::check::{Check, Comparison, worst};
 use crate::files::csv_text;
 use crate::map::AccuracyMap;
@@ -89,6 +89,9 @@ pub(super) fn csv_files(study: &Study) -> Result<Vec<(PathBuf, String)>, csv::Er
     }
     if !study.tables_one.is_empty() {
         files.push((TABLE_ONE_CSV.into(), csv_text(table_one)?));
+    }
+    if let Some(noise) = &study.noise {
+        files.push((scatter::CSV.into(), csv_text(scatter::csv_rows(noise))?));
     }
     for map in &study.maps {
         files.push((map_csv_name(map).into(), map.to_csv()?));

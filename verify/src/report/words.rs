@@ -2,6 +2,7 @@
 
 use super::tables::percent;
 use crate::map::{AccuracyMap, Cell};
+use crate::scatter::ScatterRow;
 use crate::study::{DRAWN_FORCE_N, Study};
 use finray_model::Finger;
 
@@ -84,12 +85,30 @@ pub(super) fn verdict(study: &Study) -> Vec<String> {
             ));
         }
     }
+    sentences.extend(nonlinear(study));
     sentences.extend(table_one(study));
     sentences.extend(hard_cases(study));
     let passed = study.all_checks().filter(|check| check.passes()).count();
     sentences
         .push(format!("{passed} of {} checks against other parties hold their promise.", study.all_checks().count()));
     sentences
+}
+
+/// What the nonlinear estimator makes of noisy pictures.
+fn nonlinear(study: &Study) -> Option<String> {
+    let noise = study.noise.as_ref()?;
+    let of_rows = |rows: &[ScatterRow]| {
+        let errors: Vec<f64> = rows.iter().filter(|row| row.cases > 0).map(ScatterRow::mean_error).collect();
+        let low = errors.iter().copied().reduce(f64::min)?;
+        Some(format!("{} to {}", percent(low), percent(errors.into_iter().fold(low, f64::max))))
+    };
+    let pairs = of_rows(&noise.pairs).map_or_else(String::new, |pairs| format!(", two contacts with {pairs} each"));
+    Some(format!(
+        "With {} mm noise the nonlinear estimator senses one contact along the normal with a mean error of {}{pairs}, by its \
+         place.",
+        noise.noise_mm,
+        of_rows(&noise.single)?
+    ))
 }
 
 /// Which promises of the hard cases are broken.
