@@ -213,3 +213,15 @@ fn unknown_directions_and_places_are_covered() {
         assert_honest(&format!("{question:?}"), &found, if node == 24 { 0.5 } else { 0.01 });
     }
 }
+
+/// A finger that is hardly moved by what pushes its tip along the front plate's normal: the noise leaves the force open, and
+/// where it looks like the onset of buckling, a claimed force would be ten times the true one.
+#[test]
+fn a_force_that_moves_nothing_is_refused() {
+    let steel = include_str!("../../fixtures/scenes/spring-steel.toml");
+    let finger = Scene::from_toml(steel).expect("spring-steel scene").finger;
+    let (truth, model) = (Mesh::with_nodes(&finger, 684).expect("fine"), Mesh::with_elements_per_member(&finger, 4));
+    let request = ScatterRequest { truth: &truth, model: &model, noise_mm: NOISE_MM, cases: 100, seed: 2 };
+    let rows = scatter(&request, &singles(&[finger.tip()]), ONE_FORCE_N, &|| {}).expect("the tip is a contact node");
+    assert_eq!((rows[0].cases, rows[0].refused), (0, 100), "{rows:?}");
+}

@@ -147,7 +147,7 @@ pub enum SensingError {
         "not identifiable: {what} of contact {contact} is only known to {sigma:.2} {unit} (one standard deviation)"
     )]
     Undetermined {
-        /// "place" or "direction".
+        /// "the place", "the direction" or "the force".
         what: &'static str,
         /// Position of the contact in the list, from 1.
         contact: usize,

@@ -56,7 +56,8 @@ pub(super) fn section(study: &Study) -> Option<Section> {
              finger of the fine mesh; {} mm of noise is added to each coordinate, and the nonlinear estimator on four \
              elements a member senses the forces, {} times for each set of contacts. The bound is that of Cramer and Rao: no \
              unbiased estimator scatters less. The last two columns say how often the truth lies within one and within 1.96 \
-             of the standard deviations that the estimator states; 68 and 95 % are meant. Chance alone moves a scatter by {}.",
+             of the standard deviations that the estimator states; 68 and 95 % are meant. Chance alone moves a scatter by {}. \
+             What the noise leaves open is refused and counts in no other column.",
             ONE_FORCE_N[0],
             ONE_FORCE_N[1],
             TWO_FORCES_N[0],
@@ -91,15 +92,24 @@ fn single(rows: &[ScatterRow]) -> Table {
             shown(row, |s| format!("{:.2}", s.over_bound)),
             shown(row, |s| percent(s.covered_by_one_sigma)),
             shown(row, |s| percent(s.covered_by_two_sigma)),
+            row.refused.to_string(),
         ]
         .map(Cell::plain)
         .into(),
     };
     Table {
         caption: "One contact: mean error of the sensed force by node".to_owned(),
-        columns: ["node", "mean error", "at the bound", "scatter / bound", "within sigma", "within 1.96 sigma"]
-            .map(Column::numbers)
-            .into(),
+        columns: [
+            "node",
+            "mean error",
+            "at the bound",
+            "scatter / bound",
+            "within sigma",
+            "within 1.96 sigma",
+            "refused",
+        ]
+        .map(Column::numbers)
+        .into(),
         rows: rows.iter().map(row).collect(),
         csv: Some(CSV.to_owned()),
     }

@@ -24,6 +24,20 @@ const SAME_ANSWER: f64 = 1e-3;
 const CONFIRMING_COORDINATES: usize = 4;
 
 impl NonlinearEstimate {
+    /// Refuses an estimate that claims a force where no force at all explains the data as well: noise has been read as the
+    /// onset of buckling, where a little moves much.
+    ///
+    /// # Errors
+    /// [`SensingError::Ambiguous`].
+    pub(super) fn check_against_nothing(&self, misfit: f64, misfit_at_rest: f64) -> Result<(), SensingError> {
+        let Estimate { forces_n, sigmas_n, noise_mm, .. } = &self.forces;
+        if misfit_at_rest - misfit > AS_GOOD * noise_mm * noise_mm {
+            return Ok(());
+        }
+        let claimed = (0..forces_n.len()).find(|&i| forces_n[i].abs() > ANOTHER_ANSWER_SIGMAS * sigmas_n[i]);
+        claimed.map_or(Ok(()), |i| Err(SensingError::Ambiguous { contact: i + 1, force_n: forces_n[i], other_n: 0.0 }))
+    }
+
     /// Refuses an estimate beside which another minimum explains the data as well, and one from few coordinates, far from
     /// the linear forces, to which one start alone has led. `minima` holds misfit and forces of each minimum that was found.
     ///

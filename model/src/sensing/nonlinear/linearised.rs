@@ -44,6 +44,12 @@ impl Linearised {
         }
     }
 
+    /// Displacement of a key node per unit of an unknown.
+    pub(super) fn rate(&self, unknown: usize, key_node: usize) -> Vector {
+        // As many weights as key nodes.
+        self.rates[unknown * self.weights.len() + key_node]
+    }
+
     /// Distance of a marker from where a motion has it, times its own weight. Key nodes come first in a frame.
     fn distance(marker: &Marker, motion: &FrameMotion) -> Vector {
         (marker.displacement - motion.displacements[marker.node.0 - 1]) * marker.weight
@@ -67,6 +73,12 @@ impl Linearised {
     /// Sum of the squared weighted differences between what was measured and a motion, mm^2.
     pub(super) fn misfit(&self, motion: &FrameMotion, measurement: &Measurement) -> f64 {
         let weighted = |marker: &Marker| Linearised::distance(marker, motion) * self.weights[marker.node.0 - 1];
+        measurement.markers().iter().map(|marker| weighted(marker).norm_squared()).sum()
+    }
+
+    /// The same with nothing pushing: what is left to explain if nothing is explained.
+    pub(super) fn misfit_at_rest(&self, measurement: &Measurement) -> f64 {
+        let weighted = |m: &Marker| m.displacement * (m.weight * self.weights[m.node.0 - 1]);
         measurement.markers().iter().map(|marker| weighted(marker).norm_squared()).sum()
     }
 

@@ -7,6 +7,7 @@
 
 mod judgement;
 mod least_squares;
+mod linear_range;
 mod linearised;
 mod refine;
 mod search;
@@ -166,6 +167,8 @@ impl<'m> NonlinearEstimator<'m> {
         let Found { mut state, steps, near } = best.ok_or_else(|| failure.unwrap_or(SensingError::NoContact))?;
         let least_misfit = misfit(&state);
         let estimate = self.judged(&mut state, measurement, noise_mm, steps)?;
+        estimate.check_against_nothing(least_misfit, state.linearised.misfit_at_rest(measurement))?;
+        self.require_linear_range(&state, measurement, &estimate.forces.sigmas_n)?;
         // With several unknown places, answers may differ in their order alone.
         if self.questions.iter().filter(|question| question.place.is_none()).count() <= 1 {
             estimate.check_rivals(least_misfit, &minima, near, coordinates)?;
