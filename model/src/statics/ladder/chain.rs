@@ -3,6 +3,7 @@
 //! A chain of elements has its unknowns in a row. They are eliminated one node after the other, always between the
 //! first end and the next node, so the work is proportional to the number of elements.
 
+use super::SMALL_PIVOT;
 use super::block::Block;
 use crate::element::{ElementVector, Response};
 use crate::frame::{FrameMotion, PlaneFrame};
@@ -49,6 +50,8 @@ pub(super) struct Chain {
     /// Work of the residual on the correction of what was eliminated, N mm.
     pub work: f64,
     pub positive: bool,
+    /// Whether no pivot between the ends is small: a stiff stretch between soft ones leaves the node after it little.
+    pub accurate: bool,
     /// Stiffness of the two ends, its diagonal, before anything was condensed onto them.
     pub raw_diagonal: Ends,
 }
@@ -72,6 +75,7 @@ impl Chain {
             raw: [0.0; 6],
             work: 0.0,
             positive: true,
+            accurate: true,
             raw_diagonal: [0.0; 6],
         }
     }
@@ -81,12 +85,10 @@ impl Chain {
     pub(super) fn condense(&mut self, elements: impl Iterator<Item = Response>) {
         self.work = 0.0;
         self.positive = true;
+        self.accurate = true;
         for (i, element) in elements.enumerate() {
             // Symmetric: columns are rows.
             let (next, next_gradient) = (&element.tangent.data.0, numbers(&element.gradient));
-            for k in 3..6 {
-                self.raw_diagonal[k] = next[k][k];
-            }
             match i.checked_sub(1).and_then(|before| self.inner.get_mut(before)) {
                 None => {
                     for k in 0..3 {
@@ -99,10 +101,16 @@ impl Chain {
                 Some((block, y)) => {
                     eliminate_node(block, &mut self.stiffness, next);
                     self.positive &= block.positive();
+                    let raw = &self.raw_diagonal;
+                    let limits = std::array::from_fn(|k| SMALL_PIVOT * (raw[3 + k] + next[k][k]));
+                    self.accurate &= block.pivots_exceed(&limits);
                     *y = pass_node(block, &mut self.gradient, &next_gradient);
                     self.work += block.work(y);
                     self.raw[3..].copy_from_slice(&next_gradient[3..]);
                 }
+            }
+            for k in 3..6 {
+                self.raw_diagonal[k] = next[k][k];
             }
         }
         if let Some((block, _)) = &mut self.pins {

@@ -196,7 +196,7 @@ impl<'m> Ladder<'m> {
     /// Eliminates the stiffness from tip to base; `false` if it is not positive definite.
     fn eliminate_stiffness(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> bool {
         let mut positive = self.chains.iter().all(|chain| chain.positive);
-        self.accurate = true;
+        self.accurate = self.chains.iter().all(|chain| chain.accurate);
         let count = self.rungs.len();
         let [back, front] = self.stretches(count).map(|line| &self.chains[line].stiffness);
         let mut tip = [[0.0; 3]; 3];
