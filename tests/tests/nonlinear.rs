@@ -137,6 +137,23 @@ fn a_wild_marker_is_weighted_down() {
     }
 }
 
+/// What the stated noise does not explain widens the stated interval: here the contact is a node away from where it is
+/// said to be.
+#[test]
+fn what_noise_does_not_explain_is_uncertainty() {
+    let mesh = Mesh::key_nodes(&paper());
+    let measurement = seen(&mesh, &[at_node(20, 0.0)], &[2.0]).expect("carried");
+    let ask = |node: usize, noise_mm: f64| {
+        let mut estimator = NonlinearEstimator::new(&mesh, &[at_node(node, 0.0).into()]).expect("a contact node");
+        estimator.estimate(&measurement, Some(noise_mm)).expect("identifiable").forces
+    };
+    let (right, wrong) = (ask(20, 0.067), ask(19, 0.067));
+    assert_eq!(right.noise_mm, 0.067);
+    assert!(wrong.noise_mm > 3.0 * 0.067 && wrong.sigmas_n[0] > 3.0 * right.sigmas_n[0], "{wrong:?}");
+    // Noise that is stated large enough is believed.
+    assert_eq!(ask(19, 1.0).noise_mm, 1.0);
+}
+
 /// What the data cannot tell is refused.
 #[test]
 fn what_cannot_be_told_is_refused() {

@@ -14,6 +14,9 @@ const LARGEST_PLACE_SIGMA: f64 = 0.25;
 /// displacements is no explanation. A real finger differs from its model by many times the camera's noise, but not by that.
 const UNEXPLAINED_SIGMAS: f64 = 10.0;
 const UNEXPLAINED_SHARE: f64 = 0.3;
+/// A residual of more than this many times the noise that was stated is no chance: standard deviations then rest on the
+/// residual, as if no noise had been stated.
+const LARGEST_NOISE: f64 = 3.0;
 /// Another minimum counts as an explanation as good as the best if its misfit, in squared standard deviations, is larger
 /// by no more than this, and as another answer if a force differs by more than this many standard deviations.
 const AS_GOOD: f64 = 9.0;
@@ -84,16 +87,22 @@ impl NonlinearEstimator<'_> {
     ) -> Result<NonlinearEstimate, SensingError> {
         let (coordinates, count) = (measurement.coordinate_count(), self.unknowns.len());
         let misfit = state.linearised.misfit(&state.motion, measurement);
-        let noise_mm = noise_mm.unwrap_or_else(|| match coordinates - count {
-            0 => f64::INFINITY,
-            freedoms => (misfit / freedoms as f64).sqrt(),
-        });
         let residual_rms_mm = (misfit / coordinates as f64).sqrt();
         let moved: f64 = measurement.markers().iter().map(|marker| marker.displacement.norm_squared()).sum();
         let moved_rms_mm = (moved / coordinates as f64).sqrt();
-        if residual_rms_mm > UNEXPLAINED_SIGMAS * noise_mm && residual_rms_mm > UNEXPLAINED_SHARE * moved_rms_mm {
+        let explained = |noise_mm: f64| {
+            residual_rms_mm <= f64::max(UNEXPLAINED_SIGMAS * noise_mm, UNEXPLAINED_SHARE * moved_rms_mm)
+        };
+        if noise_mm.is_some_and(|noise_mm| !explained(noise_mm)) {
             return Err(SensingError::Unexplained { residual_rms_mm, moved_rms_mm });
         }
+        let freedoms = coordinates - count;
+        let left_over_mm = if freedoms > 0 { (misfit / freedoms as f64).sqrt() } else { f64::INFINITY };
+        let noise_mm = match noise_mm {
+            Some(noise_mm) if freedoms == 0 || noise_mm == 0.0 || left_over_mm <= LARGEST_NOISE * noise_mm => noise_mm,
+            // What the stated noise does not explain is uncertainty too.
+            _ => left_over_mm,
+        };
         self.rescale(state);
         // The triangle has the singular values of the derivatives.
         let svd = state.linearised.triangle(measurement)?.svd(false, true);

@@ -124,8 +124,8 @@ impl<'m> NonlinearEstimator<'m> {
         self.mesh.finger()
     }
 
-    /// Estimates the forces. `noise_mm` is the standard deviation of one coordinate; without it, it is estimated from
-    /// the residual.
+    /// Estimates the forces. `noise_mm` is the standard deviation of one coordinate; without it, or where three times as
+    /// much is left over, it is estimated from the residual.
     ///
     /// # Errors
     /// [`SensingError`] if the data do not tell the unknowns, or no equilibrium explains them.

@@ -29,7 +29,9 @@ impl NonlinearEstimator<'_> {
         self.linearise(state)?;
         state.linearised.weigh(&state.motion, measurement, noise_mm);
         let mut damping = 0.0;
+        let mut iterations = 0;
         for steps in 1..=MAX_STEPS {
+            iterations = steps;
             state.linearised.solve(&state.motion, measurement, damping)?;
             let change = self.relative_change(state);
             let mut next = state.clone();
@@ -68,10 +70,7 @@ impl NonlinearEstimator<'_> {
             }
         }
         let forces = state.linearised.step.iter().take(self.questions.len());
-        Err(SensingError::NotConverged {
-            iterations: MAX_STEPS,
-            change_n: forces.fold(0.0, |m: f64, x| m.max(x.abs())),
-        })
+        Err(SensingError::NotConverged { iterations, change_n: forces.fold(0.0, |m: f64, x| m.max(x.abs())) })
     }
 
     /// Factors the tangent at a state and derives the shape by the unknowns.
