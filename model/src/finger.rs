@@ -2,11 +2,11 @@
 
 use crate::Vector;
 use crate::frame::Section;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// Number of a key node, counted as in the paper from 1 at the back base over the tip to the front base.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct NodeId(pub usize);
 
 impl fmt::Display for NodeId {

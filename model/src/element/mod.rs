@@ -12,9 +12,11 @@ pub(crate) use chord::quarter_turn;
 
 use crate::Vector;
 use nalgebra::{SMatrix, SVector};
+use serde::{Deserialize, Serialize};
 
 /// How displacements become deformations, and hence which finger is solved.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Kinematics {
     /// Small displacements: Xu et al. (2021), eqs (1) to (5).
     Linear,

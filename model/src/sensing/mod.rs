@@ -1,6 +1,7 @@
 //! From measured displacements back to contact forces.
 
 mod linear;
+pub mod network;
 mod nonlinear;
 
 pub use linear::{LinearEstimator, Prior};
@@ -9,20 +10,24 @@ pub use nonlinear::{NonlinearEstimate, NonlinearEstimator, sense_refining};
 use crate::Vector;
 use crate::finger::{Finger, NodeId, Plate};
 use crate::mesh::{Load, LoadError};
+use serde::{Deserialize, Serialize};
 
 /// Where a force acts on the front plate.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum ContactPlace {
     /// At a contact node: from the tip to the last node before the front base.
+    #[serde(rename = "node")]
     Node(NodeId),
     /// At a distance from the front base along the plate, mm.
+    #[serde(rename = "s_mm")]
     Place(f64),
 }
 
 /// A contact whose force is sought: its place and direction are known.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
     /// Where it acts.
+    #[serde(flatten)]
     pub place: ContactPlace,
     /// Direction of the force, degrees from the undeformed inward normal, positive towards the tip.
     pub angle_deg: f64,

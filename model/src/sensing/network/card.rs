@@ -1,0 +1,151 @@
+//! What a network says of itself: what it was trained for, how, and how well it does.
+
+use super::error::NetworkError;
+use super::fingerprint::Fingerprint;
+use crate::Kinematics;
+use crate::finger::NodeId;
+use crate::sensing::{Contact, ContactPlace};
+use serde::{Deserialize, Serialize};
+
+/// Version of the network's file that is written, and the only one that is read.
+pub const FORMAT: u32 = 1;
+
+/// How displacements become the inputs of a network.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scaling {
+    /// Principal directions of the training shapes, each to unit spread.
+    Principal,
+    /// Every coordinate by its own spread, as in the paper.
+    Coordinates,
+}
+
+/// What the contacts of a network mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ContactSet {
+    /// All of them touch, always.
+    Fixed,
+    /// Any of them touch, at least one; which ones is told.
+    AnyOf,
+}
+
+/// Where the samples came from and how the weights were fitted to them. With the same numbers on the same machine the
+/// same weights come out.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Origin {
+    /// Which finger was solved.
+    pub kinematics: Kinematics,
+    /// Elements in every member of that finger.
+    pub elements_per_member: usize,
+    /// Number of shapes that it was trained on.
+    pub samples: usize,
+    /// Least and largest force of a contact, N.
+    pub force_range_n: [f64; 2],
+    /// Largest sum of the forces, N.
+    pub largest_total_n: f64,
+    /// Standard deviation of a force's direction about its contact's, degrees.
+    pub direction_spread_deg: f64,
+    /// Standard deviation of the moduli, as a share.
+    pub modulus_spread: f64,
+    /// Most markers hidden in one sample.
+    pub hidden_markers: usize,
+    /// Seed of the samples, of the first weights and of the order of the batches.
+    pub seed: u64,
+    /// Passes through the samples until training stopped.
+    pub epochs: usize,
+}
+
+/// Errors of one force on samples that were held out of training.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TestError {
+    /// Root mean square with the noise of [`NetworkCard::noise_mm`], N.
+    pub rms_n: f64,
+    /// Root mean square without noise: what the network itself gets wrong, N.
+    pub clean_rms_n: f64,
+}
+
+/// What a network was trained for, on which samples, and its errors.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NetworkCard {
+    /// [`FORMAT`].
+    pub format: u32,
+    /// The finger.
+    pub finger: Fingerprint,
+    /// The measured nodes in the order of the coordinates: ux, uy of each.
+    pub markers: Vec<NodeId>,
+    /// The contacts in the order of the outputs.
+    pub contacts: Vec<Contact>,
+    /// Whether all of them always touch.
+    pub contact_set: ContactSet,
+    /// How displacements become inputs.
+    pub scaling: Scaling,
+    /// Standard deviation of one coordinate in training, mm; 0 without noise.
+    pub noise_mm: f64,
+    /// Standard deviation of a force that the ridge forces of [`ContactSet::AnyOf`] assume, N.
+    pub prior_n: f64,
+    /// How it was trained.
+    pub origin: Origin,
+    /// Errors of each contact's force, in the order of the contacts.
+    pub test_errors: Vec<TestError>,
+    /// Number of samples behind `test_errors`.
+    pub test_samples: usize,
+}
+
+impl NetworkCard {
+    /// Checks the card by itself.
+    ///
+    /// # Errors
+    /// [`NetworkError`] naming the key.
+    pub(super) fn check(&self) -> Result<(), NetworkError> {
+        if self.format != FORMAT {
+            return Err(NetworkError::Format { expected: FORMAT, found: self.format.into() });
+        }
+        let require = |holds: bool, key: &str, expected: &str, found: String| match holds {
+            true => Ok(()),
+            false => Err(NetworkError::Parts { part: key.to_owned(), expected: expected.to_owned(), found }),
+        };
+        let repeated = |i: usize| self.markers[..i].contains(&self.markers[i]);
+        require(!self.markers.is_empty(), "markers", "at least one node", "none".to_owned())?;
+        let twice = (0..self.markers.len()).find(|&i| repeated(i));
+        require(twice.is_none(), "markers", "every node once", format!("{:?}", self.markers))?;
+        require(!self.contacts.is_empty(), "contacts", "at least one contact", "none".to_owned())?;
+        let count = self.contacts.len();
+        require(
+            self.test_errors.len() == count,
+            "test_errors",
+            "one for each contact",
+            self.test_errors.len().to_string(),
+        )?;
+        for contact in &self.contacts {
+            let place_mm = if let ContactPlace::Place(s_mm) = contact.place { s_mm } else { 0.0 };
+            let finite = contact.angle_deg.is_finite() && place_mm.is_finite();
+            require(finite, "contacts", "finite places and angles", format!("{contact:?}"))?;
+        }
+        let not_negative = |key: &str, value: f64| {
+            let expected = "a number of zero or more";
+            require(value.is_finite() && value >= 0.0, key, expected, value.to_string())
+        };
+        not_negative("noise_mm", self.noise_mm)?;
+        require(
+            self.prior_n.is_finite() && self.prior_n > 0.0,
+            "prior_n",
+            "a positive force",
+            self.prior_n.to_string(),
+        )?;
+        for error in &self.test_errors {
+            not_negative("test_errors.rms_n", error.rms_n)?;
+            not_negative("test_errors.clean_rms_n", error.clean_rms_n)?;
+        }
+        let origin = &self.origin;
+        let [least_n, largest_n] = origin.force_range_n;
+        let range = least_n.is_finite() && largest_n.is_finite() && least_n <= largest_n;
+        require(range, "origin.force_range_n", "least and largest force", format!("{:?}", origin.force_range_n))?;
+        not_negative("origin.largest_total_n", origin.largest_total_n)?;
+        not_negative("origin.direction_spread_deg", origin.direction_spread_deg)?;
+        not_negative("origin.modulus_spread", origin.modulus_spread)
+    }
+}

@@ -1,0 +1,126 @@
+//! Which finger a network belongs to, whatever its scene file calls it.
+
+use crate::Finger;
+use crate::finger::{Joints, NodeId, Part, Plate};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use sha2::{Digest, Sha256};
+use std::fmt;
+use std::str::FromStr;
+
+/// Significant digits that count: ribs by number and at the same places by hand differ by rounding.
+const DIGITS: i32 = 10;
+
+/// SHA-256 over the numbers of a finger: key nodes, rigid arms, rigidities, joints, zones. Neither names, nor order of
+/// zones, nor the way the ribs were written, nor what a scene says besides the finger takes part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Fingerprint([u8; 32]);
+
+impl Fingerprint {
+    /// The fingerprint of a finger. Numbers that agree to ten significant digits are the same.
+    pub fn of(finger: &Finger) -> Fingerprint {
+        let mut numbers = Numbers(Sha256::new());
+        // Coordinates may vanish: they are rounded to a share of the longer plate.
+        let longest_mm = f64::max(finger.plate_length_mm(Plate::Front), finger.plate_length_mm(Plate::Back));
+        let step_mm = 10_f64.powi(longest_mm.log10().floor() as i32 + 1 - DIGITS);
+        numbers.number("step_mm", step_mm);
+        for node in (1..=finger.key_node_count()).map(NodeId) {
+            for coordinate_mm in finger.position(node).iter() {
+                numbers.text(&format!("node {node} {}", (coordinate_mm / step_mm).round() as i64));
+            }
+        }
+        numbers.number("arm_mm", finger.description().rod_arm_mm);
+        numbers.part(finger, "front", Part::Front);
+        numbers.part(finger, "back", Part::Back);
+        if finger.rib_count() > 0 {
+            numbers.part(finger, "ribs", Part::Ribs);
+            numbers.text(match finger.description().ribs.joints {
+                Joints::Rigid => "joints rigid",
+                Joints::Hinged => "joints hinged",
+            });
+        }
+        let mut zones: Vec<String> = finger
+            .description()
+            .zones
+            .iter()
+            .map(|zone| {
+                let part = match zone.part {
+                    Part::Front => "front",
+                    Part::Back => "back",
+                    Part::Ribs => "ribs",
+                };
+                let [from_mm, to_mm, factor] = [zone.from_mm, zone.to_mm, zone.modulus_factor].map(rounded);
+                format!("zone {part} {from_mm} {to_mm} {factor}")
+            })
+            .collect();
+        zones.sort();
+        zones.iter().for_each(|zone| numbers.text(zone));
+        Fingerprint(numbers.0.finalize().into())
+    }
+}
+
+/// What goes into the hash, an entry a line.
+struct Numbers(Sha256);
+
+impl Numbers {
+    fn text(&mut self, entry: &str) {
+        self.0.update(entry.as_bytes());
+        self.0.update(b"\n");
+    }
+
+    fn number(&mut self, name: &str, value: f64) {
+        self.text(&format!("{name} {}", rounded(value)));
+    }
+
+    fn part(&mut self, finger: &Finger, name: &str, part: Part) {
+        match finger.section(part) {
+            Some(section) => {
+                self.number(&format!("{name} EA"), section.axial_rigidity_n);
+                self.number(&format!("{name} EI"), section.bending_rigidity_nmm2);
+            }
+            None => self.text(&format!("{name} does not deform")),
+        }
+    }
+}
+
+/// A number with the digits that count; plus and minus zero are the same.
+fn rounded(value: f64) -> String {
+    format!("{:.*e}", DIGITS as usize - 1, value + 0.0)
+}
+
+impl fmt::Display for Fingerprint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+    }
+}
+
+/// Text that is no fingerprint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("expected a fingerprint of 64 hexadecimal digits")]
+pub struct NoFingerprint;
+
+impl FromStr for Fingerprint {
+    type Err = NoFingerprint;
+
+    fn from_str(text: &str) -> Result<Fingerprint, NoFingerprint> {
+        let digits = text.bytes().map(|byte| char::from(byte).to_digit(16)).collect::<Option<Vec<u32>>>();
+        let bytes: Vec<u8> =
+            digits.ok_or(NoFingerprint)?.chunks(2).map(|pair| pair.iter().fold(0, |n, d| 16 * n + *d as u8)).collect();
+        if text.len() != 64 {
+            return Err(NoFingerprint);
+        }
+        bytes.try_into().map(Fingerprint).map_err(|_| NoFingerprint)
+    }
+}
+
+impl Serialize for Fingerprint {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl<'de> Deserialize<'de> for Fingerprint {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Fingerprint, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        text.parse().map_err(serde::de::Error::custom)
+    }
+}

@@ -1,0 +1,191 @@
+//! Sensing by a neural network: what it is, its file, and its fast evaluation.
+//!
+//! A network turns the measured displacements x (mm: ux, uy of each of its markers) into inputs z = P (x - mean) and
+//! these into forces (N). With [`ContactSet::Fixed`], f = skip z + MLP(z). With [`ContactSet::AnyOf`] and the contacts S
+//! that touch, ridge forces r = G_S x on the linear finger come first, and f_S = r_S + MLP_S([z, mask, r / prior]).
+//! Hidden layers of the MLP end in tanh, the last one is linear.
+
+mod card;
+mod error;
+mod file;
+mod fingerprint;
+
+pub use card::{ContactSet, FORMAT, NetworkCard, Origin, Scaling, TestError};
+pub use error::NetworkError;
+pub use fingerprint::{Fingerprint, NoFingerprint};
+
+use error::require_shape;
+use nalgebra::DMatrix;
+
+/// How displacements become inputs: z = P (x - mean), with n coordinates and p <= n inputs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Inputs {
+    /// Mean displacement of the training shapes, n, mm.
+    pub mean: Vec<f64>,
+    /// P, p x n, 1/mm. With [`Scaling::Principal`] row i is a unit vector divided by sqrt(variance_i + noise^2), and
+    /// rows are orthogonal; with [`Scaling::Coordinates`] it is diagonal.
+    pub projection: DMatrix<f64>,
+    /// Variance of the training shapes without noise along the direction of each row, p, mm^2.
+    pub variances: Vec<f64>,
+    /// Largest |z_i| met in training, p.
+    pub largest: Vec<f64>,
+}
+
+impl Inputs {
+    /// Number of displacements' coordinates, n.
+    pub fn coordinate_count(&self) -> usize {
+        self.mean.len()
+    }
+
+    /// Number of inputs that they become, p.
+    pub fn count(&self) -> usize {
+        self.projection.nrows()
+    }
+}
+
+/// One dense layer: y = W x + b.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dense {
+    /// Length of x.
+    pub inputs: usize,
+    /// Length of y.
+    pub outputs: usize,
+    /// W by rows, outputs x inputs.
+    pub weights: Vec<f32>,
+    /// b.
+    pub bias: Vec<f32>,
+}
+
+/// A trained network.
+///
+/// The fields are open to be read and to be built from; what evaluates or stores a network checks it again.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Network {
+    /// What it was trained for, and how well it does.
+    pub card: NetworkCard,
+    /// How displacements become inputs.
+    pub inputs: Inputs,
+    /// The layers of the MLP, at least one; all but the last end in tanh. The first takes the p inputs, and for
+    /// [`ContactSet::AnyOf`] a mask (0 or 1) and ridge force / prior of each contact after them; the last gives a force
+    /// (N) for each contact.
+    pub layers: Vec<Dense>,
+    /// The skip branch by rows, contacts x p, N; empty if there is none, as for [`ContactSet::AnyOf`].
+    pub skip: Vec<f32>,
+    /// Displacements of the linear finger under 1 N at each contact, n x contacts, mm/N, for [`ContactSet::AnyOf`] alone.
+    pub compliance: Option<DMatrix<f64>>,
+}
+
+impl Network {
+    /// Puts a network together.
+    ///
+    /// # Errors
+    /// As [`Network::check`].
+    pub fn new(
+        card: NetworkCard,
+        inputs: Inputs,
+        layers: Vec<Dense>,
+        skip: Vec<f32>,
+        compliance: Option<DMatrix<f64>>,
+    ) -> Result<Network, NetworkError> {
+        let network = Network { card, inputs, layers, skip, compliance };
+        network.check()?;
+        Ok(network)
+    }
+
+    /// Number of contacts, m.
+    pub fn contact_count(&self) -> usize {
+        self.card.contacts.len()
+    }
+
+    /// Length of the first layer's input.
+    pub fn first_input_count(&self) -> usize {
+        let contacts = match self.card.contact_set {
+            ContactSet::Fixed => 0,
+            ContactSet::AnyOf => 2 * self.contact_count(),
+        };
+        self.inputs.count() + contacts
+    }
+
+    /// Checks that all parts fit together and that every number is finite.
+    ///
+    /// # Errors
+    /// [`NetworkError`] naming the part that does not fit, what was expected and what was found.
+    pub fn check(&self) -> Result<(), NetworkError> {
+        self.card.check()?;
+        let (contacts, p) = (self.contact_count(), self.inputs.count());
+        let n = 2 * self.card.markers.len();
+        require_shape("mean", &[n], &[self.inputs.mean.len()])?;
+        let projection = &self.inputs.projection;
+        if p == 0 || p > n {
+            let expected = format!("1 to {n} rows");
+            return Err(NetworkError::Parts { part: "projection".to_owned(), expected, found: p.to_string() });
+        }
+        require_shape("projection", &[p, n], &[p, projection.ncols()])?;
+        require_shape("variances", &[p], &[self.inputs.variances.len()])?;
+        require_shape("largest", &[p], &[self.inputs.largest.len()])?;
+        require_finite("mean", self.inputs.mean.iter().copied())?;
+        require_finite("projection", projection.iter().copied())?;
+        require_not_negative("variances", &self.inputs.variances)?;
+        require_not_negative("largest", &self.inputs.largest)?;
+
+        let mut inputs = self.first_input_count();
+        for (k, layer) in self.layers.iter().enumerate() {
+            let (weights, bias) = (Dense::weights_name(k), Dense::bias_name(k));
+            let last = k + 1 == self.layers.len();
+            let outputs = if last { contacts } else { layer.outputs };
+            require_shape(&weights, &[outputs, inputs], &[layer.outputs, layer.inputs])?;
+            require_shape(&weights, &[outputs * inputs], &[layer.weights.len()])?;
+            require_shape(&bias, &[outputs], &[layer.bias.len()])?;
+            require_finite(&weights, layer.weights.iter().copied().map(f64::from))?;
+            require_finite(&bias, layer.bias.iter().copied().map(f64::from))?;
+            inputs = outputs;
+        }
+        if self.layers.is_empty() || inputs == 0 {
+            let expected = "at least one layer, none of them empty".to_owned();
+            return Err(NetworkError::Parts {
+                part: "layers".to_owned(),
+                expected,
+                found: self.layers.len().to_string(),
+            });
+        }
+        let any_of = self.card.contact_set == ContactSet::AnyOf;
+        if !self.skip.is_empty() {
+            require_shape("skip", &[if any_of { 0 } else { contacts * p }], &[self.skip.len()])?;
+            require_finite("skip", self.skip.iter().copied().map(f64::from))?;
+        }
+        let compliance_shape = self.compliance.as_ref().map_or([0, 0], |compliance| compliance.shape().into());
+        require_shape("compliance", &if any_of { [n, contacts] } else { [0, 0] }, &compliance_shape)?;
+        require_finite("compliance", self.compliance.iter().flatten().copied())
+    }
+}
+
+impl Dense {
+    /// Name of the weights of layer `k` in messages and files.
+    fn weights_name(k: usize) -> String {
+        format!("layers.{k}.weight")
+    }
+
+    /// Name of the bias of layer `k` in messages and files.
+    fn bias_name(k: usize) -> String {
+        format!("layers.{k}.bias")
+    }
+}
+
+fn require_finite(part: &str, values: impl IntoIterator<Item = f64>) -> Result<(), NetworkError> {
+    match values.into_iter().enumerate().find(|(_, value)| !value.is_finite()) {
+        None => Ok(()),
+        Some((index, value)) => Err(NetworkError::NotFinite { part: part.to_owned(), index, value }),
+    }
+}
+
+fn require_not_negative(part: &str, values: &[f64]) -> Result<(), NetworkError> {
+    require_finite(part, values.iter().copied())?;
+    match values.iter().find(|value| **value < 0.0) {
+        None => Ok(()),
+        Some(value) => Err(NetworkError::Parts {
+            part: part.to_owned(),
+            expected: "numbers of zero or more".to_owned(),
+            found: value.to_string(),
+        }),
+    }
+}
