@@ -28,9 +28,12 @@ pub mod finger;
 pub mod frame;
 pub mod measurement;
 pub mod mesh;
+pub mod samples;
 pub mod scene;
 pub mod sensing;
 pub mod statics;
+#[cfg(feature = "train")]
+pub mod train;
 
 pub use element::Kinematics;
 pub use finger::{Finger, NodeId};

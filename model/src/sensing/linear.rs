@@ -125,7 +125,7 @@ pub struct Inverse {
 
 impl Inverse {
     /// By QR of the compliance stacked on `ridge` times the identity, columns scaled to unit length.
-    fn of(compliance: &DMatrix<f64>, ridge: f64) -> Inverse {
+    pub(super) fn of(compliance: &DMatrix<f64>, ridge: f64) -> Inverse {
         let (rows, columns) = compliance.shape();
         let mut stacked = compliance.clone().resize_vertically(rows + if ridge > 0.0 { columns } else { 0 }, 0.0);
         for k in 0..stacked.nrows() - rows {

@@ -9,10 +9,12 @@ mod card;
 mod error;
 mod file;
 mod fingerprint;
+mod ridge;
 
 pub use card::{ContactSet, FORMAT, NetworkCard, Origin, Scaling, TestError};
 pub use error::NetworkError;
 pub use fingerprint::{Fingerprint, NoFingerprint};
+pub(crate) use ridge::ridge_gain;
 
 use error::require_shape;
 use nalgebra::DMatrix;

@@ -1,0 +1,212 @@
+//! Random load cases of a finger with the shapes that they bend it into: what sensing networks learn from.
+//!
+//! Case i is drawn from stream i of the seed, so that samples are the same for any number of threads.
+
+use crate::Kinematics;
+use crate::finger::{Finger, NodeId};
+use crate::measurement::Measurement;
+use crate::mesh::Mesh;
+use crate::sensing::{Contact, SensingError, check_contacts};
+use crate::statics::{FrameLoad, Statics};
+use nalgebra::DMatrix;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+use rayon::prelude::*;
+
+/// A finger that carries none of so many draws in a row carries no force of the range.
+const MOST_DRAWS: usize = 100;
+
+/// How load cases are drawn.
+///
+/// # Reference
+/// Sec. IV-A of Xu et al. (2021): 20 000 cases, 0 to 5 N a node, 0 to 10 N in all, on the linear finger.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SampleRecipe {
+    /// Contacts whose forces are drawn, with their directions.
+    pub contacts: Vec<Contact>,
+    /// Whether each case loads a subset of the contacts only: from one to all of them, every number alike.
+    pub any_of: bool,
+    /// How displacements become deformations.
+    pub kinematics: Kinematics,
+    /// Elements a member.
+    pub elements: usize,
+    /// Largest force of a contact, N; drawn evenly from zero.
+    pub largest_force_n: f64,
+    /// Largest sum of the forces, N. Forces that exceed it are scaled to a sum drawn evenly from zero to it.
+    pub largest_sum_n: f64,
+    /// Standard deviation of each force's direction about the contact's, degrees.
+    pub direction_spread_deg: f64,
+    /// Standard deviation of the logarithm of the finger's modulus about the scene's: 0.05 is 5 %.
+    pub modulus_spread: f64,
+    /// Free key nodes that are not seen.
+    pub hidden: Vec<NodeId>,
+}
+
+impl SampleRecipe {
+    /// The paper's ranges of force for some contacts.
+    pub fn paper(contacts: Vec<Contact>, kinematics: Kinematics) -> SampleRecipe {
+        SampleRecipe {
+            contacts,
+            any_of: false,
+            kinematics,
+            // The linear finger is exact on its key nodes; with large rotations four elements a member leave 0.04 %.
+            elements: if kinematics == Kinematics::Linear { 1 } else { 4 },
+            largest_force_n: 5.0,
+            largest_sum_n: 10.0,
+            direction_spread_deg: 0.0,
+            modulus_spread: 0.0,
+            hidden: Vec::new(),
+        }
+    }
+
+    /// The markers that are seen: all free key nodes but the hidden ones, in order.
+    pub fn markers(&self, finger: &Finger) -> Vec<NodeId> {
+        finger.free_nodes().filter(|node| !self.hidden.contains(node)).collect()
+    }
+
+    /// Draws cases from a stream of the seed.
+    ///
+    /// # Errors
+    /// [`SensingError`] for contacts that are not on the free front plate, and [`SamplesError::NoneCarried`] for a finger
+    /// that carries no forces of the range.
+    pub fn draw(&self, finger: &Finger, count: usize, seed: u64, stream: Stream) -> Result<Samples, SamplesError> {
+        check_contacts(finger, &self.contacts)?;
+        let markers = self.markers(finger);
+        let mesh = Mesh::with_elements_per_member(finger, self.elements);
+        let statics = Statics::ladder(&mesh, self.kinematics);
+        let case = |statics: &mut Statics<_>, i: usize| {
+            let mut rng = stream.rng(seed, i as u64);
+            for not_carried in 0..MOST_DRAWS {
+                let drawn = Drawn::new(self, &mut rng);
+                let Ok(loads) = drawn.loads(self, &mesh) else { break };
+                if let Ok(equilibrium) = statics.equilibrium(&loads) {
+                    let seen = Measurement::of_shape(finger, &mesh.shape(&equilibrium.motion)).without(&self.hidden);
+                    let displacements = seen.markers().iter().flat_map(|m| [m.displacement.x, m.displacement.y]);
+                    return Some((drawn, displacements.collect::<Vec<f64>>(), not_carried));
+                }
+            }
+            None
+        };
+        let cases: Option<Vec<_>> = (0..count).into_par_iter().map_init(|| statics.clone(), case).collect();
+        let cases = cases.ok_or(SamplesError::NoneCarried { draws: MOST_DRAWS })?;
+        let (rows, contacts) = (2 * markers.len(), self.contacts.len());
+        Ok(Samples {
+            displacements: DMatrix::from_iterator(rows, count, cases.iter().flat_map(|(_, u, _)| u.iter().copied())),
+            forces: DMatrix::from_iterator(
+                contacts,
+                count,
+                cases.iter().flat_map(|(d, ..)| d.forces_n.iter().copied()),
+            ),
+            touching: cases.iter().map(|(drawn, ..)| drawn.touching.clone()).collect(),
+            not_carried: cases.iter().map(|(.., not_carried)| not_carried).sum(),
+            markers,
+        })
+    }
+}
+
+/// Which of a seed's random numbers are used: no two purposes share any.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stream {
+    /// Load cases for training.
+    Training,
+    /// Load cases for the choice of when to stop.
+    Validation,
+    /// Load cases for the errors that are stated.
+    Test,
+    /// Camera noise in training.
+    TrainingNoise,
+    /// Camera noise in validation.
+    ValidationNoise,
+    /// Camera noise in the test.
+    TestNoise,
+    /// First weights of a network, and the order in which it sees the cases.
+    Weights,
+}
+
+impl Stream {
+    /// Generator of the `index`-th part, below 2^60.
+    pub fn rng(self, seed: u64, index: u64) -> ChaCha8Rng {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(((self as u64) << 60) + index);
+        rng
+    }
+}
+
+/// Why no samples were drawn.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SamplesError {
+    /// A contact is wrong.
+    #[error(transparent)]
+    Contacts(#[from] SensingError),
+    /// The finger carries too little.
+    #[error("the finger carries none of {draws} random load cases: are the forces too large for it?")]
+    NoneCarried {
+        /// Cases drawn in a row.
+        draws: usize,
+    },
+}
+
+/// Load cases and the shapes that belong to them, a column a case.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Samples {
+    /// Displacements without noise, mm: two rows (x, y) a marker.
+    pub displacements: DMatrix<f64>,
+    /// Force of each contact along its direction, N: a row a contact, zero where it does not touch.
+    pub forces: DMatrix<f64>,
+    /// Which contacts touch, by case.
+    pub touching: Vec<Vec<bool>>,
+    /// The markers, in the order of the rows.
+    pub markers: Vec<NodeId>,
+    /// Draws that were repeated because the finger does not carry them.
+    pub not_carried: usize,
+}
+
+impl Samples {
+    /// Number of cases.
+    pub fn count(&self) -> usize {
+        self.forces.ncols()
+    }
+}
+
+/// One random case.
+struct Drawn {
+    touching: Vec<bool>,
+    forces_n: Vec<f64>,
+    angles_deg: Vec<f64>,
+    modulus_factor: f64,
+}
+
+impl Drawn {
+    fn new(recipe: &SampleRecipe, rng: &mut ChaCha8Rng) -> Drawn {
+        let count = recipe.contacts.len();
+        let mut touching = vec![!recipe.any_of; count];
+        if recipe.any_of {
+            let chosen = rng.random_range(1..=count);
+            rand::seq::index::sample(rng, count, chosen).iter().for_each(|i| touching[i] = true);
+        }
+        let mut forces_n: Vec<f64> = touching
+            .iter()
+            .map(|&touches| if touches { rng.random_range(0.0..recipe.largest_force_n) } else { 0.0 })
+            .collect();
+        let sum_n: f64 = forces_n.iter().sum();
+        if sum_n > recipe.largest_sum_n {
+            let share = rng.random_range(0.0..recipe.largest_sum_n) / sum_n;
+            forces_n.iter_mut().for_each(|force| *force *= share);
+        }
+        let mut normal = |spread: f64| if spread > 0.0 { spread * rng.sample::<f64, _>(StandardNormal) } else { 0.0 };
+        let angles_deg = recipe.contacts.iter().map(|c| c.angle_deg + normal(recipe.direction_spread_deg)).collect();
+        let modulus_factor = normal(recipe.modulus_spread).exp();
+        Drawn { touching, forces_n, angles_deg, modulus_factor }
+    }
+
+    /// A finger of another modulus takes the shape that forces divided by the modulus' factor give this one.
+    fn loads(&self, recipe: &SampleRecipe, mesh: &Mesh) -> Result<Vec<FrameLoad>, crate::mesh::LoadError> {
+        let touching = (0..self.forces_n.len()).filter(|&i| self.touching[i]);
+        let load = |i: usize| {
+            let contact = Contact { angle_deg: self.angles_deg[i], ..recipe.contacts[i] };
+            mesh.frame_load(&contact.load(mesh.finger(), self.forces_n[i] / self.modulus_factor))
+        };
+        touching.map(load).collect()
+    }
+}

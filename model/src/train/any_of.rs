@@ -1,0 +1,68 @@
+//! Ridge forces on the linear finger for any subset of contacts: where a network for subsets starts from.
+
+use crate::compliance::Compliance;
+use crate::samples::Samples;
+use crate::sensing::network::ridge_gain;
+use nalgebra::{DMatrix, DVector};
+use std::collections::HashMap;
+
+/// Ridge gains of every subset that the samples have.
+pub(super) struct RidgeForces {
+    /// n x contacts, mm/N.
+    compliance: DMatrix<f64>,
+    ridge_mm_per_n: f64,
+    prior_n: f64,
+    gains: HashMap<Vec<bool>, DMatrix<f64>>,
+}
+
+impl RidgeForces {
+    pub(super) fn new(compliance: &Compliance, samples: &Samples, noise_mm: f64, prior_n: f64) -> RidgeForces {
+        let displacement = |row: usize, load: usize| compliance.displacement(samples.markers[row / 2], load)[row % 2];
+        let compliance = DMatrix::from_fn(2 * samples.markers.len(), compliance.load_count(), displacement);
+        let mut ridge = RidgeForces { compliance, ridge_mm_per_n: noise_mm / prior_n, prior_n, gains: HashMap::new() };
+        for touching in &samples.touching {
+            if !ridge.gains.contains_key(touching) {
+                ridge.gains.insert(touching.clone(), ridge.gain(touching));
+            }
+        }
+        ridge
+    }
+
+    pub(super) fn contact_count(&self) -> usize {
+        self.compliance.ncols()
+    }
+
+    pub(super) fn compliance(&self) -> &DMatrix<f64> {
+        &self.compliance
+    }
+
+    pub(super) fn prior_n(&self) -> f64 {
+        self.prior_n
+    }
+
+    fn gain(&self, touching: &[bool]) -> DMatrix<f64> {
+        ridge_gain(&self.compliance, touching, self.ridge_mm_per_n)
+    }
+
+    /// Force of each contact, N; zero where it does not touch.
+    pub(super) fn forces_n(&self, touching: &[bool], displacements: &DVector<f64>) -> DVector<f64> {
+        match self.gains.get(touching) {
+            Some(gain) => gain * displacements,
+            None => self.gain(touching) * displacements,
+        }
+    }
+
+    /// Root mean square of what the ridge forces leave of each touching contact's force, N.
+    pub(super) fn left_over_n(&self, samples: &Samples) -> Vec<f64> {
+        let contacts = self.contact_count();
+        let (mut squares, mut counts) = (vec![0.0; contacts], vec![0_usize; contacts]);
+        for (case, touching) in samples.touching.iter().enumerate() {
+            let ridge_n = self.forces_n(touching, &samples.displacements.column(case).into_owned());
+            for i in (0..contacts).filter(|&i| touching[i]) {
+                squares[i] += (samples.forces[(i, case)] - ridge_n[i]).powi(2);
+                counts[i] += 1;
+            }
+        }
+        squares.iter().zip(&counts).map(|(square, count)| (square / (*count).max(1) as f64).sqrt()).collect()
+    }
+}

@@ -1,0 +1,229 @@
+//! Gradient descent with burn: Adam under a cosine-shaped learning rate, stopped early on a validation set.
+
+use super::TrainError;
+use super::recipe::TrainingRecipe;
+use burn::module::{Module, Param};
+use burn::nn::Linear;
+use burn::optim::{AdamConfig, GradientsParams};
+use burn::tensor::{Device, Tensor, TensorData};
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+use std::f64::consts::PI;
+
+/// Adam's guard against division by zero: far below the gradients of losses of order one.
+const ADAM_EPSILON: f32 = 1e-8;
+/// The step length ends at this share of its start.
+const LEAST_RATE_SHARE: f64 = 1e-4;
+
+/// Inputs and wanted outputs, row-major, a row a case.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Table {
+    pub(super) widths: [usize; 2],
+    pub(super) inputs: Vec<f32>,
+    pub(super) targets: Vec<f32>,
+    /// 1 where a target counts, 0 elsewhere; empty if all do.
+    pub(super) counts: Vec<f32>,
+}
+
+impl Table {
+    pub(super) fn with_room(cases: usize, widths: [usize; 2], counts: bool) -> Table {
+        let [inputs, outputs] = widths.map(|width| Vec::with_capacity(cases * width));
+        Table {
+            widths,
+            inputs,
+            targets: outputs,
+            counts: Vec::with_capacity(if counts { cases * widths[1] } else { 0 }),
+        }
+    }
+
+    fn cases(&self) -> usize {
+        self.inputs.len() / self.widths[0]
+    }
+
+    fn batch(&self, cases: &[usize], device: &Device) -> Batch {
+        let gather = |from: &[f32], width: usize| {
+            let numbers = cases.iter().flat_map(|&case| &from[case * width..(case + 1) * width]).copied();
+            Tensor::from_data(TensorData::new(numbers.collect::<Vec<f32>>(), [cases.len(), width]), device)
+        };
+        let [inputs, outputs] = self.widths;
+        Batch {
+            inputs: gather(&self.inputs, inputs),
+            targets: gather(&self.targets, outputs),
+            counts: (!self.counts.is_empty()).then(|| gather(&self.counts, outputs)),
+        }
+    }
+}
+
+/// Some cases of a table.
+struct Batch {
+    inputs: Tensor<2>,
+    targets: Tensor<2>,
+    counts: Option<Tensor<2>>,
+}
+
+/// Weights by layer, as plain numbers: row-major inputs x outputs, as burn has them.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Weights {
+    /// The dense layers; all but the last end in tanh.
+    pub(super) layers: Vec<LayerWeights>,
+    /// The linear branch beside them.
+    pub(super) skip: Option<Vec<f32>>,
+}
+
+/// Weights of one dense layer.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct LayerWeights {
+    pub(super) inputs: usize,
+    pub(super) outputs: usize,
+    pub(super) weights: Vec<f32>,
+    pub(super) bias: Vec<f32>,
+}
+
+/// The same as burn's parameters.
+#[derive(Module, Debug)]
+struct Perceptron {
+    layers: Vec<Linear>,
+    skip: Option<Param<Tensor<2>>>,
+}
+
+impl Perceptron {
+    fn new(weights: &Weights, device: &Device) -> Perceptron {
+        let linear = |layer: &LayerWeights| Linear {
+            weight: Param::from_data(TensorData::new(layer.weights.clone(), [layer.inputs, layer.outputs]), device),
+            bias: Some(Param::from_data(TensorData::new(layer.bias.clone(), [layer.outputs]), device)),
+        };
+        let outputs = weights.layers.last().map_or(0, |last| last.outputs);
+        let skip = weights.skip.as_ref().map(|skip| {
+            Param::from_data(TensorData::new(skip.clone(), [skip.len() / outputs.max(1), outputs]), device)
+        });
+        Perceptron { layers: weights.layers.iter().map(linear).collect(), skip }
+    }
+
+    fn forward(&self, inputs: Tensor<2>) -> Tensor<2> {
+        let beside = self.skip.as_ref().map(|skip| inputs.clone().matmul(skip.val()));
+        let mut signal = inputs;
+        for (k, layer) in self.layers.iter().enumerate() {
+            signal = layer.forward(signal);
+            if k + 1 < self.layers.len() {
+                signal = signal.tanh();
+            }
+        }
+        match beside {
+            Some(linear) => signal + linear,
+            None => signal,
+        }
+    }
+
+    /// Squared differences that count, cases x outputs.
+    fn squared_errors(&self, batch: Batch) -> Tensor<2> {
+        let mut error = self.forward(batch.inputs) - batch.targets;
+        if let Some(counts) = batch.counts {
+            error = error * counts;
+        }
+        error.clone() * error
+    }
+
+    fn weights(&self) -> Result<Weights, TrainError> {
+        let layer = |linear: &Linear| {
+            let [inputs, outputs] = linear.weight.val().dims();
+            let bias = linear.bias.as_ref().map_or(Ok(Vec::new()), |bias| numbers(bias.val()))?;
+            Ok(LayerWeights { inputs, outputs, weights: numbers(linear.weight.val())?, bias })
+        };
+        Ok(Weights {
+            layers: self.layers.iter().map(layer).collect::<Result<_, TrainError>>()?,
+            skip: self.skip.as_ref().map(|skip| numbers(skip.val())).transpose()?,
+        })
+    }
+}
+
+fn numbers<const D: usize>(tensor: Tensor<D>) -> Result<Vec<f32>, TrainError> {
+    let data = tensor.try_into_data().map_err(|error| TrainError::Backend(format!("{error:?}")))?;
+    data.try_into_vec::<f32>().map_err(|error| TrainError::Backend(format!("{error:?}")))
+}
+
+/// One epoch's outcome.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Epoch {
+    /// Its number, from 1.
+    pub number: usize,
+    /// Mean squared error of its first batch, in units of what least squares leave over (or of the forces' spread).
+    pub training_loss: f64,
+    /// The same on the validation set.
+    pub validation_loss: f64,
+}
+
+/// What a descent needs.
+pub(super) struct Descent<'a> {
+    pub(super) recipe: &'a TrainingRecipe,
+    /// Table of an epoch: noise is drawn anew for each.
+    pub(super) training: &'a dyn Fn(usize) -> Table,
+    pub(super) validation: &'a Table,
+    /// Shuffles the cases.
+    pub(super) rng: ChaCha8Rng,
+}
+
+impl Descent<'_> {
+    /// The weights with the smallest validation loss, and the epoch that they are from.
+    pub(super) fn run(
+        mut self,
+        start: &Weights,
+        progress: &mut dyn FnMut(Epoch),
+    ) -> Result<(Weights, usize), TrainError> {
+        let TrainingRecipe { epochs, batch, learning_rate, patience, .. } = *self.recipe;
+        let device = Device::flex().autodiff();
+        let mut model = Perceptron::new(start, &device);
+        let mut optimizer = AdamConfig::new().with_epsilon(ADAM_EPSILON).init();
+        let mut best = (mean_loss(start, self.validation)?, start.clone(), 0);
+        let mut order: Vec<usize> = (0..self.recipe.count).collect();
+        let steps = epochs * order.len().div_ceil(batch);
+        let mut step = 0;
+        for number in 1..=epochs {
+            let table = (self.training)(number);
+            order.shuffle(&mut self.rng);
+            let mut training_loss = None;
+            for cases in order.chunks(batch) {
+                let cosine = 0.5 * (1.0 + (PI * step as f64 / steps as f64).cos());
+                let loss = model.squared_errors(table.batch(cases, &device)).mean();
+                let gradients = GradientsParams::from_grads(loss.backward(), &model);
+                model = optimizer.step(learning_rate * cosine.max(LEAST_RATE_SHARE), model, gradients);
+                step += 1;
+                if training_loss.is_none() {
+                    training_loss = numbers(loss)?.first().copied();
+                }
+            }
+            let weights = model.weights()?;
+            let validation_loss = mean_loss(&weights, self.validation)?;
+            progress(Epoch { number, training_loss: training_loss.unwrap_or(0.0).into(), validation_loss });
+            if validation_loss < best.0 {
+                best = (validation_loss, weights, number);
+            } else if number - best.2 >= patience {
+                break;
+            }
+        }
+        Ok((best.1, best.2))
+    }
+}
+
+/// Mean over all outputs of the mean squared error.
+fn mean_loss(weights: &Weights, table: &Table) -> Result<f64, TrainError> {
+    let errors = squared_errors(weights, table)?;
+    Ok(errors.iter().sum::<f64>() / errors.len() as f64)
+}
+
+/// Mean squared error of each output over the cases in which it counts.
+pub(super) fn squared_errors(weights: &Weights, table: &Table) -> Result<Vec<f64>, TrainError> {
+    let device = Device::flex();
+    let model = Perceptron::new(weights, &device);
+    let cases: Vec<usize> = (0..table.cases()).collect();
+    let errors = numbers(model.squared_errors(table.batch(&cases, &device)))?;
+    let outputs = table.widths[1];
+    let mean = |i: usize| {
+        let sum: f64 = errors.iter().skip(i).step_by(outputs).copied().map(f64::from).sum();
+        let counted: f64 = match table.counts.is_empty() {
+            true => cases.len() as f64,
+            false => table.counts.iter().skip(i).step_by(outputs).copied().map(f64::from).sum(),
+        };
+        sum / counted.max(1.0)
+    };
+    Ok((0..outputs).map(mean).collect())
+}

@@ -1,0 +1,103 @@
+//! Principal directions of the training shapes, and the linear regression that the linear branch starts from.
+
+use crate::samples::Samples;
+use crate::sensing::network::{Inputs, Scaling};
+use nalgebra::{DMatrix, DVector};
+
+/// Directions in which the shapes vary by less than this share of the noise (of its standard deviation) tell nothing.
+const LEAST_SHARE_OF_NOISE: f64 = 0.1;
+/// Without noise rounding is the limit: variances below this share of the largest are not told from it.
+const LEAST_SHARE_OF_LARGEST: f64 = 1e-14;
+
+/// How displacements become inputs, found from training shapes.
+#[derive(Debug, Clone)]
+pub(super) struct Normalisation {
+    pub(super) mean: DVector<f64>,
+    /// p x n, 1/mm.
+    pub(super) projection: DMatrix<f64>,
+    pub(super) variances: Vec<f64>,
+    /// Standard deviation of the camera's noise in each input; it is independent between them.
+    pub(super) noise: Vec<f64>,
+}
+
+impl Normalisation {
+    pub(super) fn new(training: &Samples, scaling: Scaling, noise_mm: f64) -> Normalisation {
+        let displacements = &training.displacements;
+        let mean = displacements.column_mean();
+        let mut centred = displacements.clone();
+        centred.column_iter_mut().for_each(|mut column| column -= &mean);
+        let covariance = &centred * centred.transpose() / training.count() as f64;
+        let (directions, variances) = match scaling {
+            Scaling::Principal => principal_directions(covariance, noise_mm),
+            Scaling::Coordinates => {
+                let n = covariance.nrows();
+                (DMatrix::identity(n, n), vec![covariance.trace() / n as f64; n])
+            }
+        };
+        let spreads_mm: Vec<f64> = variances.iter().map(|variance| variance.sqrt().hypot(noise_mm)).collect();
+        let projection = DMatrix::from_fn(directions.ncols(), directions.nrows(), |row, column| {
+            directions[(column, row)] / spreads_mm[row]
+        });
+        let noise = spreads_mm.iter().map(|spread_mm| noise_mm / spread_mm).collect();
+        Normalisation { mean, projection, variances, noise }
+    }
+
+    /// Inputs of each case without noise, p x cases.
+    pub(super) fn inputs_of(&self, samples: &Samples) -> DMatrix<f64> {
+        let mut inputs = &self.projection * &samples.displacements;
+        let offset = &self.projection * &self.mean;
+        inputs.column_iter_mut().for_each(|mut column| column -= &offset);
+        inputs
+    }
+
+    /// With the largest inputs that the training cases have, as a network stores it.
+    pub(super) fn stored(&self, inputs: &DMatrix<f64>) -> Inputs {
+        Inputs {
+            mean: self.mean.iter().copied().collect(),
+            projection: self.projection.clone(),
+            variances: self.variances.clone(),
+            largest: inputs.row_iter().map(|row| row.amax()).collect(),
+        }
+    }
+}
+
+/// Eigenvectors of the covariance whose variance the noise does not hide, in falling order, and their variances.
+fn principal_directions(covariance: DMatrix<f64>, noise_mm: f64) -> (DMatrix<f64>, Vec<f64>) {
+    let eigen = covariance.symmetric_eigen();
+    let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
+    order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
+    let largest = eigen.eigenvalues[order[0]];
+    let least = f64::max((LEAST_SHARE_OF_NOISE * noise_mm).powi(2), LEAST_SHARE_OF_LARGEST * largest);
+    let kept = order.iter().take_while(|&&i| eigen.eigenvalues[i] > least).count().max(1);
+    order.truncate(kept);
+    (eigen.eigenvectors.select_columns(&order), order.iter().map(|&i| eigen.eigenvalues[i].max(0.0)).collect())
+}
+
+/// Least squares from noisy inputs to forces: forces = mean + gain^T inputs, and what it leaves over.
+#[derive(Debug, Clone)]
+pub(super) struct Regression {
+    pub(super) mean_n: Vec<f64>,
+    /// p x contacts, N.
+    pub(super) gain: DMatrix<f64>,
+    /// Root mean square of each force that is left over without noise, N.
+    pub(super) left_over_n: Vec<f64>,
+}
+
+impl Regression {
+    /// Minimises E |mean + gain^T (z + noise) - f|^2 over the cases, the noise's part in closed form. `None` where the
+    /// inputs depend on each other linearly.
+    pub(super) fn new(inputs: &DMatrix<f64>, forces: &DMatrix<f64>, noise: &[f64]) -> Option<Regression> {
+        let cases = inputs.ncols() as f64;
+        let mean_n = forces.column_mean();
+        let mut centred = forces.clone();
+        centred.column_iter_mut().for_each(|mut column| column -= &mean_n);
+        let mut normal = inputs * inputs.transpose() / cases;
+        for (i, noise) in noise.iter().enumerate() {
+            normal[(i, i)] += noise * noise;
+        }
+        let gain = normal.cholesky()?.solve(&(inputs * centred.transpose() / cases));
+        let left_over = centred - gain.transpose() * inputs;
+        let left_over_n = left_over.row_iter().map(|row| (row.norm_squared() / cases).sqrt()).collect();
+        Some(Regression { mean_n: mean_n.iter().copied().collect(), gain, left_over_n })
+    }
+}
