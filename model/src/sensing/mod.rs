@@ -209,6 +209,14 @@ pub enum SensingError {
 /// Largest span of the scaled singular values at which forces are still told apart.
 pub const LARGEST_SPAN: f64 = 1e8;
 
+/// A residual of more than this many standard deviations of the noise that is also more than this share of the
+/// displacements is no explanation. A real finger differs from its model by many times the camera's noise, but not by that.
+const UNEXPLAINED_SIGMAS: f64 = 10.0;
+const UNEXPLAINED_SHARE: f64 = 0.3;
+/// A residual of more than this many times the noise that was stated is no chance: standard deviations then rest on the
+/// residual, as if no noise had been stated.
+const LARGEST_NOISE: f64 = 3.0;
+
 /// Checks that contacts lie on the free front plate, have finite angles and differ from each other.
 ///
 /// # Errors

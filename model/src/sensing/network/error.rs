@@ -1,5 +1,8 @@
 //! What can be wrong with a network, its file, or what is asked of it.
 
+use crate::finger::NodeId;
+use crate::sensing::SensingError;
+
 /// Why a network cannot be read, built or used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NetworkError {
@@ -71,6 +74,84 @@ pub enum NetworkError {
     /// The contents are not those that were written.
     #[error("the network is damaged: its checksum is not that of its contents")]
     Damaged,
+    /// Trained for another finger.
+    #[error(
+        "the network was trained for another finger: its fingerprint is {trained:.8}..., that of this finger {found:.8}..."
+    )]
+    AnotherFinger {
+        /// Fingerprint of the finger that it was trained for, in hexadecimal digits.
+        trained: String,
+        /// Fingerprint of the finger at hand.
+        found: String,
+    },
+    /// Trained for other contacts.
+    #[error("the network was trained for {trained}, not for {asked}")]
+    OtherContacts {
+        /// The contacts that it was trained for.
+        trained: String,
+        /// What was asked for.
+        asked: String,
+    },
+    /// A measured node that the network does not know.
+    #[error("node {node} is none of the {known} markers that the network was trained on: leave it out")]
+    UnknownMarker {
+        /// The measured node.
+        node: NodeId,
+        /// Number of markers that it knows.
+        known: usize,
+    },
+    /// Too few markers for a network that cannot fill in what is hidden.
+    #[error(
+        "the network needs all of its {expected} markers, found {found}: only one whose inputs are principal directions \
+         can fill in hidden ones"
+    )]
+    HiddenMarkers {
+        /// Markers that it was trained on.
+        expected: usize,
+        /// Markers that were measured.
+        found: usize,
+    },
+    /// Other markers than those that the estimator was prepared for.
+    #[error("the measured markers are not those that the estimator was prepared for, in their order")]
+    OtherMarkers,
+    /// Markers that count differently.
+    #[error(
+        "node {node} has the weight {weight}: the network was trained on markers that all count alike, with weight 1"
+    )]
+    Weighted {
+        /// The marker.
+        node: NodeId,
+        /// Its weight.
+        weight: f64,
+    },
+    /// Displacements or forces of a wrong number.
+    #[error("expected {expected} {what}, found {found}")]
+    Length {
+        /// What was counted.
+        what: &'static str,
+        /// How many there must be.
+        expected: usize,
+        /// How many there are.
+        found: usize,
+    },
+    /// A shape unlike those that the network has seen.
+    #[error(
+        "the shape is unlike those that the network was trained on: its input {input} is {value:.2}, where training reached \
+         {largest:.2} (forces up to {largest_total_n} N in all)"
+    )]
+    OutsideTraining {
+        /// Number of the input, from 1.
+        input: usize,
+        /// |z_i|.
+        value: f64,
+        /// Largest |z_i| met in training.
+        largest: f64,
+        /// Largest sum of the forces in training, N.
+        largest_total_n: f64,
+    },
+    /// What no estimator can tell.
+    #[error(transparent)]
+    Sensing(#[from] SensingError),
 }
 
 /// Refuses a tensor that does not fit.

@@ -81,7 +81,7 @@ impl Network {
         let mut take_vector = |name: &str| {
             let tensor = take(&mut tensors, name, Dtype::F64)?;
             require_shape(name, &[tensor.data().len() / size_of::<f64>()], tensor.shape())?;
-            Ok(to_f64s(&tensor))
+            Ok::<_, NetworkError>(to_f64s(&tensor))
         };
         let mean = take_vector("mean")?;
         let variances = take_vector("variances")?;

@@ -7,13 +7,22 @@
 
 mod card;
 mod error;
+mod estimator;
 mod file;
 mod fingerprint;
+mod forward;
+mod hidden;
+mod kernels;
+mod number;
+mod prepared;
 mod ridge;
+mod tanh;
 
 pub use card::{ContactSet, FORMAT, NetworkCard, Origin, Scaling, TestError};
 pub use error::NetworkError;
+pub use estimator::NetworkEstimator;
 pub use fingerprint::{Fingerprint, NoFingerprint};
+pub use forward::Instructions;
 pub(crate) use ridge::ridge_gain;
 
 use error::require_shape;

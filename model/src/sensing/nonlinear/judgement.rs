@@ -4,19 +4,14 @@ use super::unknowns::Unknown;
 use super::{NonlinearEstimate, NonlinearEstimator, State};
 use crate::finger::Plate;
 use crate::measurement::Measurement;
-use crate::sensing::{Contact, Estimate, LARGEST_SPAN, SensingError};
+use crate::sensing::{
+    Contact, Estimate, LARGEST_NOISE, LARGEST_SPAN, SensingError, UNEXPLAINED_SHARE, UNEXPLAINED_SIGMAS,
+};
 use nalgebra::DMatrix;
 
 /// A direction known to less than this, degrees, or a place to less than this share of the plate, is not known.
 const LARGEST_ANGLE_SIGMA_DEG: f64 = 30.0;
 const LARGEST_PLACE_SIGMA: f64 = 0.25;
-/// A residual of more than this many standard deviations of the noise that is also more than this share of the
-/// displacements is no explanation. A real finger differs from its model by many times the camera's noise, but not by that.
-const UNEXPLAINED_SIGMAS: f64 = 10.0;
-const UNEXPLAINED_SHARE: f64 = 0.3;
-/// A residual of more than this many times the noise that was stated is no chance: standard deviations then rest on the
-/// residual, as if no noise had been stated.
-const LARGEST_NOISE: f64 = 3.0;
 /// Another minimum counts as an explanation as good as the best if its misfit, in squared standard deviations, is larger
 /// by no more than this, and as another answer if a force differs by more than this many standard deviations.
 const AS_GOOD: f64 = 9.0;

@@ -1,0 +1,263 @@
+//! Sensing with a network: forces in microseconds, with what is known of their error.
+
+use super::forward::{Forward, Instructions};
+use super::hidden::{Filling, directions, filling};
+use super::prepared::Prepared;
+use super::{ContactSet, Fingerprint, Network, NetworkError, Scaling};
+use crate::finger::{Finger, NodeId, Plate};
+use crate::measurement::Measurement;
+use crate::sensing::{
+    Contact, ContactPlace, Estimate, LARGEST_NOISE, SensingError, UNEXPLAINED_SHARE, UNEXPLAINED_SIGMAS, check_contacts,
+};
+use nalgebra::{DMatrix, DVector};
+
+/// Places that differ by less than this share of the plate, and angles by less than this many degrees, are the same.
+const SAME_CONTACT: f64 = 1e-9;
+/// An input may be larger by this factor and this many standard deviations of the noise than any met in training: the
+/// largest of thousands of samples is not the largest possible.
+const RANGE_FACTOR: f64 = 1.1;
+const RANGE_SIGMAS: f64 = 4.0;
+
+/// Senses forces with a network, for the contacts and markers that it was prepared for.
+///
+/// # Requirements
+/// The finger and the contacts that the network was trained for: all of them in any order, or with
+/// [`ContactSet::AnyOf`] any of them, those that touch. Markers may be hidden if the inputs are principal directions.
+#[derive(Debug, Clone)]
+pub struct NetworkEstimator {
+    forward: Forward,
+    prepared: Prepared,
+    markers: Vec<NodeId>,
+    /// Mean displacement of the seen coordinates, mm.
+    mean: DVector<f64>,
+    /// Orthonormal columns that span what the principal directions are on the seen coordinates.
+    span: DMatrix<f64>,
+    /// Covariance of the inputs from hidden markers.
+    hidden_covariance: DMatrix<f64>,
+    /// Largest inputs met in training, and the standard deviation of each per mm of noise.
+    largest: Vec<f64>,
+    input_noise: Vec<f64>,
+    clean_rms_n: Vec<f64>,
+    noise_mm: f64,
+    largest_total_n: f64,
+}
+
+impl NetworkEstimator {
+    /// Prepares a network for contacts and for the markers of a measurement, whose displacements are not used yet.
+    ///
+    /// # Errors
+    /// [`NetworkError`] for another finger, other contacts or other markers than those that the network was trained for,
+    /// and for fewer coordinates than forces.
+    pub fn new(
+        network: &Network,
+        finger: &Finger,
+        contacts: &[Contact],
+        markers: &Measurement,
+    ) -> Result<NetworkEstimator, NetworkError> {
+        NetworkEstimator::with_instructions(network, finger, contacts, markers, Instructions::Detected)
+    }
+
+    /// As [`NetworkEstimator::new`], on given instructions.
+    ///
+    /// # Errors
+    /// As [`NetworkEstimator::new`].
+    pub fn with_instructions(
+        network: &Network,
+        finger: &Finger,
+        contacts: &[Contact],
+        markers: &Measurement,
+        instructions: Instructions,
+    ) -> Result<NetworkEstimator, NetworkError> {
+        network.check()?;
+        check_contacts(finger, contacts)?;
+        let found = Fingerprint::of(finger);
+        if found != network.card.finger {
+            let (trained, found) = (network.card.finger.to_string(), found.to_string());
+            return Err(NetworkError::AnotherFinger { trained, found });
+        }
+        let selected = selection(network, finger, contacts)?;
+        let markers: Vec<NodeId> = markers.markers().iter().map(|marker| marker.node).collect();
+        let seen = seen_coordinates(network, &markers)?;
+        if contacts.len() > seen.len() {
+            let (unknowns, coordinates) = (contacts.len(), seen.len());
+            return Err(SensingError::TooFewMarkers { unknowns, coordinates }.into());
+        }
+        let known = network.card.markers.len();
+        let hidden_markers = NetworkError::HiddenMarkers { expected: known, found: markers.len() };
+        if markers.len() < known && network.card.scaling == Scaling::Coordinates {
+            return Err(hidden_markers);
+        }
+        let Filling { matrix, missed } = filling(network, &seen).ok_or(hidden_markers)?;
+        let mut prepared = Prepared::new(network, &selected);
+        // P (mean + F (x_s - mean_s)) + offset, of which P F x_s is left to compute.
+        let all_mean = DVector::from_column_slice(&network.inputs.mean);
+        let mean = all_mean.select_rows(&seen);
+        let constant = &prepared.projection * (&all_mean - &matrix * &mean);
+        prepared.offset.iter_mut().zip(&constant).for_each(|(offset, constant)| *offset += constant);
+        let hidden_covariance = &prepared.projection * missed * prepared.projection.transpose();
+        prepared.projection *= matrix;
+        let seen_directions = directions(network).select_columns(&seen).transpose();
+        let input_noise = network.inputs.projection.row_iter().map(|row| row.norm()).collect();
+        Ok(NetworkEstimator {
+            forward: Forward::new(&prepared, instructions),
+            prepared,
+            markers,
+            mean,
+            // With as many directions as coordinates, they span everything.
+            span: seen_directions.qr().q(),
+            hidden_covariance,
+            largest: network.inputs.largest.clone(),
+            input_noise,
+            clean_rms_n: selected.iter().map(|&k| network.card.test_errors[k].clean_rms_n).collect(),
+            noise_mm: network.card.noise_mm,
+            largest_total_n: network.card.origin.largest_total_n,
+        })
+    }
+
+    /// Forces of one frame, N, in the order of the contacts, from the displacements ux, uy of each marker in the order of
+    /// the markers, mm. Nothing is allocated and nothing is judged; what is not a number gives forces that are none.
+    ///
+    /// # Errors
+    /// [`NetworkError::Length`].
+    pub fn forces(&mut self, displacements: &[f64], forces_n: &mut [f64]) -> Result<(), NetworkError> {
+        require_length("displacements", self.forward.coordinates(), displacements.len())?;
+        require_length("forces", self.prepared.outputs(), forces_n.len())?;
+        self.forward.forces(displacements, forces_n);
+        Ok(())
+    }
+
+    /// Forces of many frames, as [`forces`](NetworkEstimator::forces), one frame after the other in both slices.
+    ///
+    /// # Errors
+    /// [`NetworkError::Length`].
+    pub fn forces_of_many(&mut self, displacements: &[f64], forces_n: &mut [f64]) -> Result<(), NetworkError> {
+        let (coordinates, outputs) = (self.forward.coordinates(), self.prepared.outputs());
+        let frames = displacements.len() / coordinates;
+        require_length("displacements", frames * coordinates, displacements.len())?;
+        require_length("forces", frames * outputs, forces_n.len())?;
+        self.forward.forces_of_many(displacements, forces_n);
+        Ok(())
+    }
+
+    /// Forces with their standard deviations: from noise and hidden markers through the network's derivatives, and from the
+    /// network's own error on held-out samples. `noise_mm` is the standard deviation of one coordinate; without it, or where
+    /// three times as much is left over outside the principal directions, it is estimated from what is left over.
+    ///
+    /// The residual is the part of the displacements outside the principal directions; the singular values are those of the
+    /// compliance that the network's derivatives are the inverse of.
+    ///
+    /// # Errors
+    /// [`NetworkError`] for other markers, markers with weights (the network was trained on markers that count alike), and
+    /// shapes unlike those of the training.
+    pub fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Estimate, NetworkError> {
+        if !measurement.markers().iter().map(|marker| marker.node).eq(self.markers.iter().copied()) {
+            return Err(NetworkError::OtherMarkers);
+        }
+        if let Some(marker) = measurement.markers().iter().find(|marker| marker.weight != 1.0) {
+            return Err(NetworkError::Weighted { node: marker.node, weight: marker.weight });
+        }
+        let x: Vec<f64> = measurement.markers().iter().flat_map(|m| [m.displacement.x, m.displacement.y]).collect();
+        let (noise_mm, residual_rms_mm) = self.noise(&DVector::from_column_slice(&x), noise_mm)?;
+        let z = self.prepared.inputs(&x);
+        self.require_range(&z, noise_mm)?;
+        let mut forces_n = vec![0.0; self.prepared.outputs()];
+        self.forward.forces(&x, &mut forces_n);
+
+        let derivatives = self.prepared.derivatives(&z);
+        let gain = &derivatives * &self.prepared.projection;
+        let hidden = &derivatives * &self.hidden_covariance * derivatives.transpose();
+        let sigma = |(k, clean_rms_n): (usize, &f64)| {
+            let from_noise = noise_mm * gain.row(k).norm();
+            (from_noise.powi(2) + hidden[(k, k)].max(0.0) + clean_rms_n.powi(2)).sqrt()
+        };
+        let sigmas_n = self.clean_rms_n.iter().enumerate().map(sigma).collect();
+        let mut singular_values: Vec<f64> = gain.singular_values().iter().map(|value| value.recip()).collect();
+        singular_values.sort_by(|a, b| b.total_cmp(a));
+        Ok(Estimate { forces_n, sigmas_n, noise_mm, residual_rms_mm, singular_values })
+    }
+
+    /// The noise that standard deviations rest on, and the root mean square of the residual, mm.
+    fn noise(&self, x: &DVector<f64>, stated_mm: Option<f64>) -> Result<(f64, f64), SensingError> {
+        let coordinates = x.len() as f64;
+        let from_mean = x - &self.mean;
+        let residual = &from_mean - &self.span * (self.span.transpose() * &from_mean);
+        let residual_rms_mm = (residual.norm_squared() / coordinates).sqrt();
+        let moved_rms_mm = (x.norm_squared() / coordinates).sqrt();
+        let explained = |noise_mm: f64| {
+            residual_rms_mm <= f64::max(UNEXPLAINED_SIGMAS * noise_mm, UNEXPLAINED_SHARE * moved_rms_mm)
+        };
+        if stated_mm.is_some_and(|noise_mm| !explained(noise_mm)) {
+            return Err(SensingError::Unexplained { residual_rms_mm, moved_rms_mm });
+        }
+        let freedoms = x.len().saturating_sub(self.span.ncols());
+        let left_over_mm = if freedoms > 0 { residual.norm() / (freedoms as f64).sqrt() } else { f64::INFINITY };
+        Ok(match stated_mm {
+            Some(noise_mm) if freedoms == 0 || noise_mm == 0.0 || left_over_mm <= LARGEST_NOISE * noise_mm => {
+                (noise_mm, residual_rms_mm)
+            }
+            _ => (left_over_mm, residual_rms_mm),
+        })
+    }
+
+    /// Refuses inputs beyond those of the training.
+    fn require_range(&self, z: &[f64], noise_mm: f64) -> Result<(), NetworkError> {
+        // Unknown noise excuses nothing.
+        let noise_mm = if noise_mm.is_finite() { noise_mm } else { self.noise_mm };
+        for (i, (&largest, per_mm)) in self.largest.iter().zip(&self.input_noise).enumerate() {
+            let value = z[i].abs();
+            if value > RANGE_FACTOR * largest + RANGE_SIGMAS * noise_mm * per_mm {
+                let largest_total_n = self.largest_total_n;
+                return Err(NetworkError::OutsideTraining { input: i + 1, value, largest, largest_total_n });
+            }
+        }
+        Ok(())
+    }
+}
+
+fn require_length(what: &'static str, expected: usize, found: usize) -> Result<(), NetworkError> {
+    if expected == found { Ok(()) } else { Err(NetworkError::Length { what, expected, found }) }
+}
+
+/// Places of the contacts in the network's list.
+fn selection(network: &Network, finger: &Finger, contacts: &[Contact]) -> Result<Vec<usize>, NetworkError> {
+    let trained = &network.card.contacts;
+    let length_mm = finger.plate_length_mm(Plate::Front);
+    let same = |a: &Contact, b: &Contact| match (a.place_mm(finger), b.place_mm(finger)) {
+        (Some(one_mm), Some(other_mm)) => {
+            (one_mm - other_mm).abs() <= SAME_CONTACT * length_mm && (a.angle_deg - b.angle_deg).abs() <= SAME_CONTACT
+        }
+        _ => false,
+    };
+    let places: Option<Vec<usize>> =
+        contacts.iter().map(|contact| trained.iter().position(|other| same(contact, other))).collect();
+    let any_of = network.card.contact_set == ContactSet::AnyOf;
+    let places = places.filter(|places| {
+        let once = places.iter().enumerate().all(|(k, place)| !places[..k].contains(place));
+        once && (any_of || places.len() == trained.len())
+    });
+    places.ok_or_else(|| NetworkError::OtherContacts {
+        trained: format!("{} {}", if any_of { "any of" } else { "exactly" }, listed(trained)),
+        asked: listed(contacts),
+    })
+}
+
+/// Contacts as they are written on the command line.
+fn listed(contacts: &[Contact]) -> String {
+    let written = |contact: &Contact| match contact.place {
+        ContactPlace::Node(node) => format!("{node}@{}", contact.angle_deg),
+        ContactPlace::Place(s_mm) => format!("{s_mm} mm@{}", contact.angle_deg),
+    };
+    contacts.iter().map(written).collect::<Vec<_>>().join(", ")
+}
+
+/// Places of the measured coordinates in the network's displacements.
+fn seen_coordinates(network: &Network, markers: &[NodeId]) -> Result<Vec<usize>, NetworkError> {
+    let known = &network.card.markers;
+    let mut seen = Vec::with_capacity(2 * markers.len());
+    for &node in markers {
+        let place = known.iter().position(|other| *other == node);
+        let place = place.ok_or(NetworkError::UnknownMarker { node, known: known.len() })?;
+        seen.extend([2 * place, 2 * place + 1]);
+    }
+    Ok(seen)
+}

@@ -1,0 +1,228 @@
+//! The fast evaluation of a network: without allocation, on the registers that the machine has.
+
+use super::kernels::{Linear, Weights, padded, tile_frames, tiled};
+use super::number::Aligned;
+use super::prepared::Prepared;
+use super::tanh::{Tanh, tanh_all};
+use pulp::{Arch, Scalar, Simd, WithSimd};
+
+/// Which instructions evaluate a network.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Instructions {
+    /// The best that the machine has, found out at run time.
+    Detected,
+    /// Those that every machine has.
+    Portable,
+}
+
+/// A prepared network in the order in which the kernels read it, with room for what lies between its layers.
+#[derive(Debug, Clone)]
+pub(super) struct Forward {
+    /// `None` for portable instructions.
+    arch: Option<Arch>,
+    plan: Plan,
+    one: OneFrame,
+    many: ManyFrames,
+}
+
+/// z = P x + offset; h = tanh(W h + b) layer by layer, the first from z; f = W h + b + skip z.
+#[derive(Debug, Clone)]
+struct Plan {
+    coordinates: usize,
+    projection: Weights<f64>,
+    offset: Vec<f64>,
+    layers: Vec<(Weights<f32>, Vec<f32>)>,
+    skip: Option<Weights<f32>>,
+}
+
+/// What lies between the layers for one frame.
+#[derive(Debug, Clone)]
+struct OneFrame {
+    projected: Aligned<f64>,
+    inputs: Aligned<f32>,
+    activations: [Aligned<f32>; 2],
+}
+
+/// What lies between the layers for a tile of frames: a row of frames for each number.
+#[derive(Debug, Clone)]
+struct ManyFrames {
+    displacements: Aligned<f64>,
+    projected: Aligned<f64>,
+    inputs: Aligned<f32>,
+    activations: [Aligned<f32>; 2],
+}
+
+impl Forward {
+    pub(super) fn new(prepared: &Prepared, instructions: Instructions) -> Forward {
+        let arch = match instructions {
+            Instructions::Detected => Some(Arch::new()),
+            Instructions::Portable => None,
+        };
+        dispatch(arch, Arrange { prepared, arch })
+    }
+
+    /// Length of a frame.
+    pub(super) fn coordinates(&self) -> usize {
+        self.plan.coordinates
+    }
+
+    /// Forces of one frame. Lengths must be those of the network.
+    pub(super) fn forces(&mut self, displacements: &[f64], forces_n: &mut [f64]) {
+        let Forward { arch, plan, one, .. } = self;
+        dispatch(*arch, EvaluateOne { plan, between: one, displacements, forces_n });
+    }
+
+    /// Forces of many frames, one after the other. Lengths must be multiples of those of the network.
+    pub(super) fn forces_of_many(&mut self, displacements: &[f64], forces_n: &mut [f64]) {
+        let Forward { arch, plan, many, .. } = self;
+        dispatch(*arch, EvaluateMany { plan, between: many, displacements, forces_n });
+    }
+}
+
+#[inline(always)]
+fn dispatch<Op: WithSimd>(arch: Option<Arch>, op: Op) -> Op::Output {
+    match arch {
+        Some(arch) => arch.dispatch(op),
+        None => op.with_simd(Scalar),
+    }
+}
+
+/// Brings a network into order.
+struct Arrange<'a> {
+    prepared: &'a Prepared,
+    arch: Option<Arch>,
+}
+
+impl WithSimd for Arrange<'_> {
+    type Output = Forward;
+
+    fn with_simd<S: Simd>(self, _: S) -> Forward {
+        let Prepared { projection, offset, layers, skip } = self.prepared;
+        let (inputs, coordinates) = projection.shape();
+        let outputs = layers.last().map_or(0, |layer| layer.outputs);
+        let widest = layers.iter().map(|layer| layer.outputs).max().unwrap_or(0);
+        let arranged = |layer: &super::Dense| {
+            let weights = Weights::new::<S>(layer.outputs, layer.inputs, |o, i| layer.weights[o * layer.inputs + i]);
+            (weights, layer.bias.clone())
+        };
+        let plan = Plan {
+            coordinates,
+            projection: Weights::new::<S>(inputs, coordinates, |row, column| projection[(row, column)]),
+            offset: offset.clone(),
+            layers: layers.iter().map(arranged).collect(),
+            skip: (!skip.is_empty()).then(|| Weights::new::<S>(outputs, inputs, |o, i| skip[o * inputs + i])),
+        };
+        let one = OneFrame {
+            projected: Aligned::zeros(padded::<f64, S>(inputs)),
+            inputs: Aligned::zeros(inputs),
+            activations: [(); 2].map(|()| Aligned::zeros(padded::<f32, S>(widest))),
+        };
+        let (frames, frames_f64) = (tile_frames::<f32, S>(), tile_frames::<f64, S>());
+        let many = ManyFrames {
+            displacements: Aligned::zeros(coordinates * frames_f64),
+            projected: Aligned::zeros(tiled(inputs) * frames_f64),
+            inputs: Aligned::zeros(inputs * frames),
+            activations: [(); 2].map(|()| Aligned::zeros(tiled(widest) * frames)),
+        };
+        Forward { arch: self.arch, plan, one, many }
+    }
+}
+
+struct EvaluateOne<'a> {
+    plan: &'a Plan,
+    between: &'a mut OneFrame,
+    displacements: &'a [f64],
+    forces_n: &'a mut [f64],
+}
+
+impl WithSimd for EvaluateOne<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Plan { projection, offset, layers, skip, .. } = self.plan;
+        let z = self.between.inputs.as_mut_slice();
+        let projected = self.between.projected.as_mut_slice();
+        projected[..offset.len()].copy_from_slice(offset);
+        projection.add_product(simd, self.displacements, projected, Linear);
+        for (z, projected) in z.iter_mut().zip(&*projected) {
+            *z = *projected as f32;
+        }
+        let [from, to] = &mut self.between.activations;
+        let (mut from, mut to) = (from.as_mut_slice(), to.as_mut_slice());
+        for (k, (weights, bias)) in layers.iter().enumerate() {
+            let y = &mut to[..padded::<f32, S>(weights.outputs())];
+            y[..bias.len()].copy_from_slice(bias);
+            let x = if k == 0 { &*z } else { &*from };
+            if k + 1 < layers.len() {
+                weights.add_product(simd, x, y, Tanh);
+            } else {
+                weights.add_product(simd, x, y, Linear);
+                if let Some(skip) = skip {
+                    skip.add_product(simd, z, y, Linear);
+                }
+            }
+            std::mem::swap(&mut from, &mut to);
+        }
+        for (force_n, y) in self.forces_n.iter_mut().zip(&*from) {
+            *force_n = f64::from(*y);
+        }
+    }
+}
+
+struct EvaluateMany<'a> {
+    plan: &'a Plan,
+    between: &'a mut ManyFrames,
+    displacements: &'a [f64],
+    forces_n: &'a mut [f64],
+}
+
+impl WithSimd for EvaluateMany<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Plan { coordinates, projection, offset, layers, skip } = self.plan;
+        let outputs = layers.last().map_or(0, |(weights, _)| weights.outputs());
+        let (frames, frames_f64) = (tile_frames::<f32, S>(), tile_frames::<f64, S>());
+        let ManyFrames { displacements: x, projected, inputs, activations: [from, to] } = self.between;
+        let (x, projected, z) = (x.as_mut_slice(), projected.as_mut_slice(), inputs.as_mut_slice());
+        let (mut from, mut to) = (from.as_mut_slice(), to.as_mut_slice());
+        let tiles = self.displacements.chunks(frames * coordinates).zip(self.forces_n.chunks_mut(frames * outputs));
+        for (displacements, forces_n) in tiles {
+            for (part, displacements) in displacements.chunks(frames_f64 * coordinates).enumerate() {
+                for (frame, displacements) in displacements.chunks_exact(*coordinates).enumerate() {
+                    for (row, displacement) in x.chunks_exact_mut(frames_f64).zip(displacements) {
+                        row[frame] = *displacement;
+                    }
+                }
+                for (row, offset) in projected.chunks_exact_mut(frames_f64).zip(offset) {
+                    row.fill(*offset);
+                }
+                projection.add_products(simd, x, projected);
+                for (z, projected) in z.chunks_exact_mut(frames).zip(projected.chunks_exact(frames_f64)) {
+                    for (z, projected) in z[part * frames_f64..].iter_mut().zip(projected) {
+                        *z = *projected as f32;
+                    }
+                }
+            }
+            for (k, (weights, bias)) in layers.iter().enumerate() {
+                for (row, bias) in to.chunks_exact_mut(frames).zip(bias) {
+                    row.fill(*bias);
+                }
+                weights.add_products(simd, if k == 0 { z } else { from }, to);
+                if k + 1 < layers.len() {
+                    tanh_all(simd, &mut to[..weights.outputs() * frames]);
+                } else if let Some(skip) = skip {
+                    skip.add_products(simd, z, to);
+                }
+                std::mem::swap(&mut from, &mut to);
+            }
+            for (frame, forces_n) in forces_n.chunks_exact_mut(outputs).enumerate() {
+                for (force_n, row) in forces_n.iter_mut().zip(from.chunks_exact(frames)) {
+                    *force_n = f64::from(row[frame]);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! Markers that are not seen, filled in by what the training shapes say of them.
+//!
+//! Training shapes are x = mean + V^T c + noise, with independent coefficients c of the stored variances L along the
+//! principal directions V. Given the seen coordinates d = x_s - mean_s, the expected coordinates are mean + F d, F the
+//! identity on seen ones and S_hs S_ss^-1 on hidden ones, with S = V^T L V + noise^2 (Rasmussen and Williams, Gaussian
+//! Processes for Machine Learning, eq. (A.6)). With everything seen, F is the identity.
+
+use super::Network;
+use nalgebra::DMatrix;
+
+/// Networks trained without noise get this share of the shapes' spread instead: what can be told from seen markers is told,
+/// and what cannot stays open.
+const LEAST_NOISE: f64 = 1e-6;
+
+/// How seen coordinates become all of them.
+#[derive(Debug, Clone)]
+pub(super) struct Filling {
+    /// F, coordinates of the network x seen coordinates.
+    pub(super) matrix: DMatrix<f64>,
+    /// Covariance of what F d misses of V^T c before noise, mm^2; zero if all is seen.
+    pub(super) missed: DMatrix<f64>,
+}
+
+/// The principal directions V as unit vectors, p x n.
+pub(super) fn directions(network: &Network) -> DMatrix<f64> {
+    let mut directions = network.inputs.projection.clone();
+    for mut row in directions.row_iter_mut() {
+        let norm = row.norm();
+        if norm > 0.0 {
+            row /= norm;
+        }
+    }
+    directions
+}
+
+/// The filling for the seen coordinates, in their order; `None` if they leave the noise-free shapes undefined.
+pub(super) fn filling(network: &Network, seen: &[usize]) -> Option<Filling> {
+    let n = network.inputs.coordinate_count();
+    let mut matrix = DMatrix::zeros(n, seen.len());
+    for (column, &coordinate) in seen.iter().enumerate() {
+        matrix[(coordinate, column)] = 1.0;
+    }
+    if seen.len() == n {
+        return Some(Filling { matrix, missed: DMatrix::zeros(n, n) });
+    }
+    let v = directions(network);
+    let variances = nalgebra::DVector::from_column_slice(&network.inputs.variances);
+    let shapes = v.transpose() * DMatrix::from_diagonal(&variances) * &v;
+    let noise = network.card.noise_mm.powi(2).max(LEAST_NOISE * LEAST_NOISE * shapes.trace() / n as f64);
+    let among_seen = shapes.select_rows(seen).select_columns(seen) + DMatrix::identity(seen.len(), seen.len()) * noise;
+    // S_ss^-1 S_sh by columns.
+    let filled = among_seen.cholesky()?.solve(&shapes.select_rows(seen));
+    for hidden in (0..n).filter(|coordinate| !seen.contains(coordinate)) {
+        matrix.row_mut(hidden).copy_from(&filled.column(hidden).transpose());
+    }
+    // What the seen coordinates say of c is multiplied by F, the rest of the shape is missed.
+    let mut selection = DMatrix::zeros(seen.len(), n);
+    for (row, &coordinate) in seen.iter().enumerate() {
+        selection[(row, coordinate)] = 1.0;
+    }
+    let missing = &matrix * selection - DMatrix::identity(n, n);
+    Some(Filling { missed: &missing * shapes * missing.transpose(), matrix })
+}

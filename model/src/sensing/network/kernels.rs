@@ -1,0 +1,181 @@
+//! y += W x, for one x and for many at once.
+
+use super::number::{Aligned, Number};
+use pulp::Simd;
+
+/// Vectors of outputs that stay in registers while the inputs of one frame stream by: with four sums each, enough to hide
+/// the latency of an addition.
+const WIDEST_PANEL: usize = 3;
+/// Outputs and vectors of frames that stay in registers while the weights stream by: 12 sums, 3 inputs and a weight are
+/// the 16 registers of AVX2.
+const TILE_OUTPUTS: usize = 6;
+const TILE_VECTORS: usize = 2;
+
+/// What is done with a sum when it is complete. A trait and no closure: a closure is not sure to be inlined into the code
+/// that may use the machine's instructions, and is ten times slower if it is not.
+pub(super) trait Finish<N: Number>: Copy {
+    /// The result in each lane.
+    fn finish<S: Simd>(self, simd: S, sum: N::Vector<S>) -> N::Vector<S>;
+}
+
+/// Leaves the sum as it is.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Linear;
+
+impl<N: Number> Finish<N> for Linear {
+    #[inline(always)]
+    fn finish<S: Simd>(self, _: S, sum: N::Vector<S>) -> N::Vector<S> {
+        sum
+    }
+}
+
+/// A matrix in the two orders in which it is read.
+#[derive(Debug, Clone)]
+pub(super) struct Weights<N: Number> {
+    /// Length of x.
+    inputs: usize,
+    /// Length of y.
+    outputs: usize,
+    /// For one frame: panels of a few vectors of outputs, by inputs; the last vector is filled up with zeros.
+    panels: Aligned<N>,
+    /// For many frames: tiles of a few outputs, by inputs; the last is filled up with zeros.
+    tiles: Aligned<N>,
+}
+
+/// Frames that the kernels for many frames take at once.
+#[inline(always)]
+pub(super) fn tile_frames<N: Number, S: Simd>() -> usize {
+    TILE_VECTORS * N::lanes::<S>()
+}
+
+/// The least multiple of the lanes that is not less.
+#[inline(always)]
+pub(super) fn padded<N: Number, S: Simd>(count: usize) -> usize {
+    count.next_multiple_of(N::lanes::<S>())
+}
+
+/// Number of outputs that the kernels for many frames write.
+pub(super) fn tiled(outputs: usize) -> usize {
+    outputs.next_multiple_of(TILE_OUTPUTS)
+}
+
+/// Splits a number of vectors into panels of two or three, one only where there is no other.
+#[inline(always)]
+fn panel_width(vectors_left: usize) -> usize {
+    match vectors_left {
+        1 => 1,
+        2 | 4 => 2,
+        _ => WIDEST_PANEL,
+    }
+}
+
+impl<N: Number> Weights<N> {
+    /// Orders a matrix for a machine; `weight(output, input)` gives its entries.
+    pub(super) fn new<S: Simd>(outputs: usize, inputs: usize, weight: impl Fn(usize, usize) -> N) -> Weights<N> {
+        let lanes = N::lanes::<S>();
+        let entry = |output: usize, input: usize| if output < outputs { weight(output, input) } else { N::ZERO };
+        let mut panels = Aligned::zeros(padded::<N, S>(outputs) * inputs);
+        let mut places = panels.as_mut_slice().iter_mut();
+        let mut vector = 0;
+        while vector * lanes < outputs {
+            let width = panel_width(outputs.div_ceil(lanes) - vector);
+            let rows = vector * lanes..(vector + width) * lanes;
+            let entries = (0..inputs).flat_map(|input| rows.clone().map(move |output| (output, input)));
+            entries.zip(&mut places).for_each(|((output, input), place)| *place = entry(output, input));
+            vector += width;
+        }
+        let mut tiles = Aligned::zeros(tiled(outputs) * inputs);
+        for (tile, places) in tiles.as_mut_slice().chunks_exact_mut(TILE_OUTPUTS * inputs).enumerate() {
+            for (k, place) in places.iter_mut().enumerate() {
+                *place = entry(tile * TILE_OUTPUTS + k % TILE_OUTPUTS, k / TILE_OUTPUTS);
+            }
+        }
+        Weights { inputs, outputs, panels, tiles }
+    }
+
+    /// Length of y.
+    pub(super) fn outputs(&self) -> usize {
+        self.outputs
+    }
+
+    /// y = finish(y + W x) for one frame. `y` has [`padded`] outputs. What comes last is done panel by panel, while the
+    /// weights of the next one are on their way: fetching them is what takes the time.
+    #[inline(always)]
+    pub(super) fn add_product<S: Simd>(&self, simd: S, x: &[N], y: &mut [N], finish: impl Finish<N>) {
+        let x = &x[..self.inputs];
+        let mut panels = N::vectors::<S>(self.panels.as_slice());
+        let mut y = N::vectors_mut::<S>(y);
+        while !y.is_empty() {
+            let width = panel_width(y.len());
+            let (panel, other_panels) = panels.split_at(width * self.inputs);
+            let (sums, other_y) = y.split_at_mut(width);
+            match width {
+                1 => panel_product::<N, S, 1, 8>(simd, panel, x, sums, finish),
+                2 => panel_product::<N, S, 2, 6>(simd, panel, x, sums, finish),
+                _ => panel_product::<N, S, WIDEST_PANEL, 4>(simd, panel, x, sums, finish),
+            }
+            (panels, y) = (other_panels, other_y);
+        }
+    }
+
+    /// Y += W X for [`tile_frames`] frames. X and Y hold a row of frames for each input and output; Y has [`tiled`] rows.
+    #[inline(always)]
+    pub(super) fn add_products<S: Simd>(&self, simd: S, x: &[N], y: &mut [N]) {
+        let x = N::vectors::<S>(x).as_chunks::<TILE_VECTORS>().0;
+        let y = N::vectors_mut::<S>(y).as_chunks_mut::<TILE_VECTORS>().0;
+        let weights = self.tiles.as_slice().as_chunks::<TILE_OUTPUTS>().0;
+        for (tile, rows) in weights.chunks_exact(self.inputs).zip(y.as_chunks_mut::<TILE_OUTPUTS>().0) {
+            let mut sums = *rows;
+            for (weights, x) in tile.iter().zip(x) {
+                for (weight, sums) in weights.iter().zip(&mut sums) {
+                    let weight = N::splat(simd, *weight);
+                    for (sum, x) in sums.iter_mut().zip(x) {
+                        *sum = N::mul_add(simd, weight, *x, *sum);
+                    }
+                }
+            }
+            *rows = sums;
+        }
+    }
+}
+
+/// y = finish(y + W x) for a panel of `WIDTH` vectors of outputs, with `CHAINS` sums for each so that additions need not wait for each
+/// other.
+#[inline(always)]
+fn panel_product<N: Number, S: Simd, const WIDTH: usize, const CHAINS: usize>(
+    simd: S,
+    panel: &[N::Vector<S>],
+    x: &[N],
+    y: &mut [N::Vector<S>],
+    finish: impl Finish<N>,
+) {
+    let mut sums = [[N::splat(simd, N::ZERO); WIDTH]; CHAINS];
+    let (strides, rest) = panel.as_chunks::<WIDTH>().0.as_chunks::<CHAINS>();
+    let (inputs, rest_inputs) = x.as_chunks::<CHAINS>();
+    for (weights, inputs) in strides.iter().zip(inputs) {
+        for ((weights, input), sums) in weights.iter().zip(inputs).zip(&mut sums) {
+            add_input(simd, weights, *input, sums);
+        }
+    }
+    for ((weights, input), sums) in rest.iter().zip(rest_inputs).zip(&mut sums) {
+        add_input(simd, weights, *input, sums);
+    }
+    for (k, y) in y.iter_mut().enumerate() {
+        let sum = sums.iter().fold(*y, |total, sums| N::add(simd, total, sums[k]));
+        *y = finish.finish(simd, sum);
+    }
+}
+
+/// Adds what one input contributes to a panel.
+#[inline(always)]
+fn add_input<N: Number, S: Simd, const WIDTH: usize>(
+    simd: S,
+    weights: &[N::Vector<S>; WIDTH],
+    input: N,
+    sums: &mut [N::Vector<S>; WIDTH],
+) {
+    let input = N::splat(simd, input);
+    for (weight, sum) in weights.iter().zip(sums) {
+        *sum = N::mul_add(simd, *weight, input, *sum);
+    }
+}

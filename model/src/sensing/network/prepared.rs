@@ -1,0 +1,135 @@
+//! A network made ready for the contacts that touch and the markers that are seen.
+
+use super::{ContactSet, Dense, Network};
+use crate::sensing::linear::Inverse;
+use nalgebra::DMatrix;
+
+/// z = P x + offset, f = skip z + MLP(z): one form for both kinds of contact sets.
+#[derive(Debug, Clone)]
+pub(super) struct Prepared {
+    /// P, inputs x coordinates, 1/mm.
+    pub(super) projection: DMatrix<f64>,
+    /// What is added to P x.
+    pub(super) offset: Vec<f64>,
+    /// The layers of the MLP.
+    pub(super) layers: Vec<Dense>,
+    /// The skip branch by rows, outputs x inputs; empty if there is none.
+    pub(super) skip: Vec<f32>,
+}
+
+impl Prepared {
+    /// Prepares a network for some of its contacts, given by their places in its list, in the order of the outputs. Where
+    /// any may touch, these are the ones that do.
+    ///
+    /// The mask of these contacts is constant and goes into the bias of the first layer; their ridge forces
+    /// G_S x / prior, G_S = (C_S^T C_S + (noise / prior)^2)^-1 C_S^T, become further inputs, which skip to the outputs.
+    pub(super) fn new(network: &Network, selected: &[usize]) -> Prepared {
+        let (p, m) = (network.inputs.count(), network.contact_count());
+        let mut layers = network.layers.clone();
+        if let Some(last) = layers.last_mut() {
+            last.weights = rows(&last.weights, last.inputs, selected);
+            last.bias = rows(&last.bias, 1, selected);
+            last.outputs = selected.len();
+        }
+        let mean = nalgebra::DVector::from_column_slice(&network.inputs.mean);
+        let mut projection = network.inputs.projection.clone();
+        let mut offset: Vec<f64> = (-(&projection * mean)).iter().copied().collect();
+        let mut skip = rows(&network.skip, p, selected);
+        if let (ContactSet::AnyOf, Some(compliance)) = (network.card.contact_set, &network.compliance) {
+            let prior_n = network.card.prior_n;
+            let ridge = Inverse::of(&compliance.select_columns(selected), network.card.noise_mm / prior_n);
+            let count = selected.len();
+            projection = projection.resize_vertically(p + count, 0.0);
+            projection.rows_mut(p, count).copy_from(&(ridge.gain / prior_n));
+            offset.resize(p + count, 0.0);
+            skip = vec![0.0; count * (p + count)];
+            for k in 0..count {
+                skip[k * (p + count) + p + k] = prior_n as f32;
+            }
+            if let Some(first) = layers.first_mut() {
+                *first = with_mask(first, p, m, selected);
+            }
+        }
+        Prepared { projection, offset, layers, skip }
+    }
+
+    /// Number of outputs.
+    pub(super) fn outputs(&self) -> usize {
+        self.layers.last().map_or(0, |layer| layer.outputs)
+    }
+
+    /// The inputs z of a frame.
+    pub(super) fn inputs(&self, displacements: &[f64]) -> Vec<f64> {
+        let projected = &self.projection * nalgebra::DVectorView::from_slice(displacements, displacements.len());
+        projected.iter().zip(&self.offset).map(|(z, offset)| z + offset).collect()
+    }
+
+    /// Derivatives of the forces with respect to the inputs at z, outputs x inputs, N: back through the layers,
+    /// W_L D_{L-1} W_{L-1} ... D_1 W_1 + skip with D = 1 - tanh^2.
+    pub(super) fn derivatives(&self, z: &[f64]) -> DMatrix<f64> {
+        let mut activations = vec![z.to_vec()];
+        for (k, layer) in self.layers.iter().enumerate().take(self.layers.len() - 1) {
+            activations.push(layer.applied(&activations[k]).iter().map(|sum| sum.tanh()).collect());
+        }
+        let outputs = self.outputs();
+        let mut derivatives = vec![vec![0.0; outputs]; outputs];
+        for (k, row) in derivatives.iter_mut().enumerate() {
+            row[k] = 1.0;
+        }
+        for (layer, inputs) in self.layers.iter().zip(&activations).rev() {
+            let first = std::ptr::eq(inputs, &activations[0]);
+            for row in &mut derivatives {
+                let mut back = vec![0.0; layer.inputs];
+                for (rate, weights) in row.iter().zip(layer.weights.chunks_exact(layer.inputs)) {
+                    for (back, weight) in back.iter_mut().zip(weights) {
+                        *back += rate * f64::from(*weight);
+                    }
+                }
+                if !first {
+                    back.iter_mut().zip(inputs).for_each(|(back, h)| *back *= 1.0 - h * h);
+                }
+                *row = back;
+            }
+        }
+        DMatrix::from_fn(outputs, z.len(), |row, column| {
+            let skip = self.skip.get(row * z.len() + column).copied().unwrap_or(0.0);
+            derivatives[row][column] + f64::from(skip)
+        })
+    }
+}
+
+impl Dense {
+    /// W x + b.
+    fn applied(&self, x: &[f64]) -> Vec<f64> {
+        let sums = self.weights.chunks_exact(self.inputs).zip(&self.bias);
+        sums.map(|(weights, bias)| {
+            f64::from(*bias) + weights.iter().zip(x).map(|(weight, x)| f64::from(*weight) * x).sum::<f64>()
+        })
+        .collect()
+    }
+}
+
+/// Some rows of a matrix of so many columns; of an empty one, none.
+fn rows(matrix: &[f32], columns: usize, selected: &[usize]) -> Vec<f32> {
+    if matrix.is_empty() {
+        return Vec::new();
+    }
+    selected.iter().flat_map(|&row| &matrix[row * columns..(row + 1) * columns]).copied().collect()
+}
+
+/// The first layer once it is known which contacts touch: from [z, mask, ridge forces] to [z, ridge forces of those].
+fn with_mask(layer: &Dense, p: usize, contacts: usize, selected: &[usize]) -> Dense {
+    let by_row = || layer.weights.chunks_exact(layer.inputs);
+    let kept = |row: &[f32]| -> Vec<f32> {
+        row[..p].iter().copied().chain(selected.iter().map(|&contact| row[p + contacts + contact])).collect()
+    };
+    let masked = |(row, bias): (&[f32], &f32)| {
+        (f64::from(*bias) + selected.iter().map(|&contact| f64::from(row[p + contact])).sum::<f64>()) as f32
+    };
+    Dense {
+        inputs: p + selected.len(),
+        outputs: layer.outputs,
+        weights: by_row().flat_map(kept).collect(),
+        bias: by_row().zip(&layer.bias).map(masked).collect(),
+    }
+}
