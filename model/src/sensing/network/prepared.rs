@@ -1,7 +1,6 @@
 //! A network made ready for the contacts that touch and the markers that are seen.
 
-use super::{ContactSet, Dense, Network};
-use crate::sensing::linear::Inverse;
+use super::{ContactSet, Dense, Network, ridge_gain};
 use nalgebra::DMatrix;
 
 /// z = P x + offset, f = skip z + MLP(z): one form for both kinds of contact sets.
@@ -37,10 +36,11 @@ impl Prepared {
         let mut skip = rows(&network.skip, p, selected);
         if let (ContactSet::AnyOf, Some(compliance)) = (network.card.contact_set, &network.compliance) {
             let prior_n = network.card.prior_n;
-            let ridge = Inverse::of(&compliance.select_columns(selected), network.card.noise_mm / prior_n);
+            let touching: Vec<bool> = (0..m).map(|contact| selected.contains(&contact)).collect();
+            let ridge = ridge_gain(compliance, &touching, network.card.noise_mm / prior_n).select_rows(selected);
             let count = selected.len();
             projection = projection.resize_vertically(p + count, 0.0);
-            projection.rows_mut(p, count).copy_from(&(ridge.gain / prior_n));
+            projection.rows_mut(p, count).copy_from(&(ridge / prior_n));
             offset.resize(p + count, 0.0);
             skip = vec![0.0; count * (p + count)];
             for k in 0..count {
