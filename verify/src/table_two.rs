@@ -35,7 +35,7 @@ pub const FORCES_N: [f64; 2] = TWO_FORCES_N;
 
 /// Cases for the nonlinear estimator on the linear finger, whose shapes no large-rotation finger takes: it searches from
 /// every start and often refuses, a hundred times slower than where it fits.
-const CASES_WITHOUT_MINIMUM: usize = 40;
+pub const CASES_WITHOUT_FIT: usize = 40;
 /// How often progress is reported.
 pub const STEPS: usize = 3 * CONTACT_SETS.len();
 /// Seed of forces and noise.
@@ -88,7 +88,7 @@ pub fn table_two(
     };
     let mut linear =
         run(&key_nodes, Kinematics::Linear, cases, &[&[&least_squares as &dyn Estimator, &ridge], further].concat())?;
-    linear.extend(run(&key_nodes, Kinematics::Linear, cases.min(CASES_WITHOUT_MINIMUM), &[&nonlinear])?);
+    linear.extend(run(&key_nodes, Kinematics::Linear, cases.min(CASES_WITHOUT_FIT), &[&nonlinear])?);
     let corotational = run(
         fine,
         Kinematics::Corotational,

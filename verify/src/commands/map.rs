@@ -5,7 +5,7 @@ use super::parse::{not_negative, positive};
 use super::progress;
 use clap::ValueEnum;
 use finray_model::{Finger, Kinematics, Mesh};
-use finray_verify::estimators::{BeamEstimator, ELEMENTS, EstimatorKind};
+use finray_verify::estimators::{BeamEstimator, EstimatorKind};
 use finray_verify::files::{is_standard_stream, load_scene, write_all_or_nothing, write_text};
 use finray_verify::map::{AccuracyMap, MapRequest, accuracy_maps};
 use finray_verify::report::{map_picture, standalone};
@@ -29,8 +29,8 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value_t = TruthArgument::Corotational)]
     truth: TruthArgument,
     /// How forces are sensed
-    #[arg(long, value_enum, default_value_t = EstimatorKind::LeastSquares)]
-    estimator: EstimatorKind,
+    #[arg(long, value_enum, default_value_t = EstimatorArgument::LeastSquares)]
+    estimator: EstimatorArgument,
     /// Size of the force, N
     #[arg(long, value_name = "F", default_value_t = 3.0, value_parser = positive)]
     force_n: f64,
@@ -54,6 +54,24 @@ enum TruthArgument {
     Linear,
     /// The finger with large rotations, on 684 nodes or four elements a member if that is more
     Corotational,
+}
+
+/// The nonlinear estimator would take minutes for a map.
+#[derive(Clone, Copy, ValueEnum)]
+enum EstimatorArgument {
+    /// Linear least squares
+    LeastSquares,
+    /// Least squares with the paper's range of forces as a prior
+    Ridge,
+}
+
+impl EstimatorArgument {
+    fn kind(self) -> EstimatorKind {
+        match self {
+            EstimatorArgument::LeastSquares => EstimatorKind::LeastSquares,
+            EstimatorArgument::Ridge => EstimatorKind::Ridge,
+        }
+    }
 }
 
 /// Places along the front plate, and degrees between two directions.
@@ -97,7 +115,7 @@ fn named(out: &Path, extension: &str) -> PathBuf {
 fn compute(
     finger: &Finger,
     truth: TruthArgument,
-    kind: EstimatorKind,
+    estimator: EstimatorArgument,
     request: &MapRequest,
 ) -> Result<AccuracyMap, Failure> {
     let (mesh, name, kinematics) = match truth {
@@ -105,8 +123,8 @@ fn compute(
         TruthArgument::Corotational => (fine_mesh(finger)?, "corotational", Kinematics::Corotational),
     };
     let truth = MeshTruth::new(name, &mesh, kinematics)?;
-    let model = Mesh::with_elements_per_member(finger, ELEMENTS);
-    let estimator = BeamEstimator { kind, mesh: &model };
+    let key_nodes = Mesh::key_nodes(finger);
+    let estimator = BeamEstimator { kind: estimator.kind(), mesh: &key_nodes };
     let bar = progress::bar((request.places_mm.len() * request.angles_deg.len()) as u64, "map");
     let mut maps = accuracy_maps(finger, &truth, &estimator, request, &|| bar.inc(1));
     bar.finish_and_clear();

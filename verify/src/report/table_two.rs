@@ -5,10 +5,12 @@ use super::sections::{self, text};
 use super::tables::{error, percent};
 use crate::scatter::ScatterRow;
 use crate::study::Study;
-use crate::table_two::{CONTACT_SETS, ContactSet, FORCES_N, TableTwo, TableTwoFinger};
+use crate::table_two::{CASES_WITHOUT_FIT, CONTACT_SETS, ContactSet, FORCES_N, TableTwo, TableTwoFinger};
 use serde::Serialize;
 
 pub(super) const CSV: &str = "table_two.csv";
+/// Errors below this are shown as none: no reader asks for a millionth of a percent.
+const ROUNDING: f64 = 1e-8;
 
 /// One quantity of one set of contacts, as it stands in the CSV.
 #[derive(Serialize)]
@@ -64,8 +66,12 @@ pub(super) fn section(study: &Study) -> Option<Section> {
         "Forces of {} to {} N along the normal act on one node (19), on two neighbours (19 and 20) and on two nodes apart (18 \
          and 20); nodes and directions are known. The paper measured on its gripper and sensed with a network; here a known \
          finger is sensed, {} times for each set of contacts, all estimators from the same pictures. Shown is the mean error \
-         of a force and, behind it, of the sum of both. The bound is that of Cramer and Rao for the same forces and noise.",
-        FORCES_N[0], FORCES_N[1], two.cases
+         of a force and, behind it, of the sum of both; the bound is that of Cramer and Rao. The nonlinear estimator, which no \
+         linear finger fits, senses that one {} times.",
+        FORCES_N[0],
+        FORCES_N[1],
+        two.cases,
+        two.cases.min(CASES_WITHOUT_FIT)
     ))];
     blocks.extend(words(two).map(text));
     blocks.push(Block::Table(table(two)));
@@ -76,8 +82,8 @@ pub(super) fn section(study: &Study) -> Option<Section> {
 pub(super) fn words(two: &TableTwo) -> Option<String> {
     let noisy = |truth: &str, estimator: &str, set: &ContactSet| -> Option<(f64, Option<f64>)> {
         let finger = two.fingers.iter().find(|finger| finger.truth == truth)?;
-        // Levels of noise grow.
-        let row = finger.rows.iter().rfind(|row| row.estimator == estimator && row.nodes == set.nodes)?;
+        let seen = |row: &&ScatterRow| row.estimator == estimator && row.nodes == set.nodes && row.noise_mm > 0.0;
+        let row = finger.rows.iter().find(seen)?;
         Some((row.mean_error()?, sum(row)))
     };
     let [_, neighbours, apart] = CONTACT_SETS;
@@ -113,10 +119,8 @@ fn table(two: &TableTwo) -> Table {
         rows.extend(finger_rows(finger));
     }
     let columns = CONTACT_SETS.iter().flat_map(|set| {
-        let nodes = set.nodes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
-        let force = Column::numbers(format!("{} ({nodes})", set.name));
-        let sum = set.paper_sum.map(|_| Column::numbers("their sum"));
-        [Some(force), sum].into_iter().flatten()
+        let sum = set.paper_sum.map(|_| Column::numbers("sum"));
+        [Some(Column::numbers(set.name)), sum].into_iter().flatten()
     });
     Table {
         caption: format!(
@@ -134,7 +138,7 @@ fn table(two: &TableTwo) -> Table {
     }
 }
 
-/// One row a level of noise and estimator, in the order in which they come.
+/// For each level of noise the bound, if there is one, and a row an estimator.
 fn finger_rows(finger: &TableTwoFinger) -> Vec<Row> {
     let mut seen: Vec<(f64, &str)> = Vec::new();
     for row in &finger.rows {
@@ -143,47 +147,48 @@ fn finger_rows(finger: &TableTwoFinger) -> Vec<Row> {
         }
     }
     seen.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let name = match finger.truth {
-        "linear" => "linear",
-        _ => "large rotation",
-    };
     let mut rows = Vec::new();
-    for (i, &(noise_mm, estimator)) in seen.iter().enumerate() {
-        let of_set = CONTACT_SETS.map(|set| {
-            finger
-                .rows
-                .iter()
-                .find(|row| row.noise_mm == noise_mm && row.estimator == estimator && row.nodes == set.nodes)
-        });
-        let line = |what: &str, cells: Vec<Cell>, refused: String| Row {
-            cells: [name.to_owned(), noise_mm.to_string(), what.to_owned()]
-                .map(Cell::plain)
-                .into_iter()
-                .chain(cells)
-                .chain([Cell::plain(refused)])
-                .collect(),
+    let mut last_noise_mm = 0.0;
+    for (noise_mm, estimator) in seen {
+        let of_set = |set: &ContactSet| {
+            let wanted =
+                |row: &&ScatterRow| row.noise_mm == noise_mm && row.estimator == estimator && row.nodes == set.nodes;
+            finger.rows.iter().find(wanted)
         };
-        let of =
-            |row: Option<&ScatterRow>, set: &ContactSet, figures: fn(&ScatterRow) -> (Option<f64>, Option<f64>)| {
-                let (force, sum) = row.map_or((None, None), figures);
+        let line = |what: &str, figures: fn(&ScatterRow) -> [Option<f64>; 2], refused: String| {
+            let cells = CONTACT_SETS.iter().flat_map(|set| {
+                let [force, sum] = of_set(set).map_or([None, None], figures);
                 errors(force, sum, set.paper_sum.is_some())
-            };
-        let cells = |figures: fn(&ScatterRow) -> (Option<f64>, Option<f64>)| {
-            CONTACT_SETS.iter().zip(of_set).flat_map(|(set, row)| of(row, set, figures)).collect::<Vec<_>>()
+            });
+            let words = [name(finger.truth), &noise_mm.to_string(), what].map(Cell::plain);
+            Row { cells: words.into_iter().chain(cells).chain([Cell::plain(refused)]).collect() }
         };
-        let rows_of = of_set.into_iter().flatten();
-        let (refused, cases) = rows_of.fold((0, 0), |sum, row| (sum.0 + row.refused, sum.1 + row.refused + row.cases));
-        let refused = if refused == 0 { "0".to_owned() } else { percent(refused as f64 / cases as f64) };
-        rows.push(line(estimator, cells(|row| (row.mean_error(), sum(row))), refused));
-        if seen.get(i + 1).is_none_or(|next| next.0 != noise_mm) && noise_mm > 0.0 {
-            rows.push(line("bound", cells(|row| (row.mean_error_bound(), sum_bound(row))), String::new()));
+        // The bound is the same beside all estimators; the first one saw all cases.
+        if noise_mm > last_noise_mm {
+            rows.push(line("bound", |row| [row.mean_error_bound(), sum_bound(row)], String::new()));
+            last_noise_mm = noise_mm;
         }
+        let of_estimator = CONTACT_SETS.iter().filter_map(of_set);
+        let (refused, cases) = of_estimator.fold((0, 0), |(r, c), row| (r + row.refused, c + row.refused + row.cases));
+        let refused = if refused == 0 { "0".to_owned() } else { percent(refused as f64 / cases as f64) };
+        rows.push(line(estimator, |row| [row.mean_error(), sum(row)], refused));
     }
     rows
 }
 
+fn name(truth: &str) -> &str {
+    match truth {
+        "linear" => "linear",
+        _ => "large rotation",
+    }
+}
+
 /// The cells of one set of contacts: each force, and the sum where there is one.
 fn errors(force: Option<f64>, sum: Option<f64>, has_sum: bool) -> Vec<Cell> {
-    let cell = |share: Option<f64>| share.map_or_else(|| Cell::plain("-"), error);
+    let cell = |share: Option<f64>| match share {
+        None => Cell::plain("-"),
+        Some(rounding) if rounding < ROUNDING => Cell::plain("0 %"),
+        Some(share) => error(share),
+    };
     if has_sum { vec![cell(force), cell(sum)] } else { vec![cell(force)] }
 }
