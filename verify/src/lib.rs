@@ -1,13 +1,14 @@
 //! Cross-checks and accuracy maps of fin-ray force sensing, and the report that shows them.
 //!
 //! [`problems`] holds reference problems with known answers, [`convergence`] and [`hard_cases`] what meshes and extremes
-//! come to, [`truth`] the fingers that sensing is put to the test on, [`map`], [`scatter`] and [`table_one`] what is
-//! asked of them, [`report`] the page. [`files`] reads and writes what users bring and take away; physics lives in
+//! come to, [`truth`] the fingers that sensing is put to the test on, [`estimators`] what is tested, [`map`], [`scatter`],
+//! [`table_one`] and [`table_two`] what is asked of them, [`report`] the page. [`files`] reads and writes what users bring and take away; physics lives in
 //! [`finray_model`].
 #![forbid(unsafe_code)]
 
 pub mod check;
 pub mod convergence;
+pub mod estimators;
 pub mod files;
 pub mod fixtures;
 pub mod hard_cases;
@@ -17,4 +18,5 @@ pub mod report;
 pub mod scatter;
 pub mod study;
 pub mod table_one;
+pub mod table_two;
 pub mod truth;

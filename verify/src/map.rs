@@ -3,44 +3,17 @@
 //! Place and direction are known to the estimator; only the size of the force is sought. The error is
 //! |sensed / true - 1|, averaged over the forces and the noise pictures of a cell.
 
+use crate::estimators::{Estimator, EstimatorError};
 use crate::truth::Truth;
 use finray_model::Finger;
 use finray_model::finger::Plate;
 use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, ContactPlace, LinearEstimator, Prior, SensingError};
+use finray_model::sensing::{Contact, ContactPlace};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use serde::Serialize;
-
-/// How forces are sensed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-pub enum Estimator {
-    /// Linear least squares.
-    LeastSquares,
-    /// Least squares with the paper's range of forces as a prior.
-    Ridge,
-}
-
-impl Estimator {
-    /// What it assumes of the forces.
-    pub fn prior(self) -> Prior {
-        match self {
-            Estimator::LeastSquares => Prior::None,
-            Estimator::Ridge => Prior::PAPER,
-        }
-    }
-
-    /// Name as on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Estimator::LeastSquares => "least-squares",
-            Estimator::Ridge => "ridge",
-        }
-    }
-}
 
 /// What a map is made of.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,8 +30,6 @@ pub struct MapRequest {
     pub noise_pictures: usize,
     /// Seed of the noise.
     pub seed: u64,
-    /// How forces are sensed.
-    pub estimator: Estimator,
 }
 
 impl MapRequest {
@@ -89,7 +60,8 @@ pub struct Cell {
     pub angle_deg: f64,
     /// True force, N.
     pub force_n: f64,
-    /// Mean of |sensed / true - 1| over the noise; empty where the finger has no equilibrium or nothing can be sensed.
+    /// Mean of |sensed / true - 1| over the noise pictures that are answered; empty where the finger has no equilibrium or
+    /// more than half of the pictures are refused.
     pub mean_error: Option<f64>,
     /// Mean of sensed / true - 1: what is wrong even without noise.
     pub bias: Option<f64>,
@@ -104,6 +76,8 @@ pub struct AccuracyMap {
     pub request: MapRequest,
     /// Name of the truth.
     pub truth: String,
+    /// Name of the estimator.
+    pub estimator: String,
     /// Standard deviation of a measured coordinate, mm.
     pub noise_mm: f64,
     /// The cells.
@@ -115,6 +89,7 @@ pub struct AccuracyMap {
 pub fn accuracy_maps(
     finger: &Finger,
     truth: &dyn Truth,
+    estimator: &dyn Estimator,
     request: &MapRequest,
     progress: &(dyn Fn() + Sync),
 ) -> Vec<AccuracyMap> {
@@ -128,10 +103,10 @@ pub fn accuracy_maps(
         })
         .collect();
     // By contact, then noise level, then force.
-    let columns: Vec<Vec<Vec<Sensed>>> = contacts
+    let columns: Vec<Vec<Vec<Option<Sensed>>>> = contacts
         .par_iter()
         .map(|contact| {
-            let column = sense_column(finger, truth, request, contact, &pictures).unwrap_or_default();
+            let column = sense_column(finger, truth, estimator, request, contact, &pictures).unwrap_or_default();
             progress();
             column
         })
@@ -139,7 +114,7 @@ pub fn accuracy_maps(
     let map = |(level, &noise_mm): (usize, &f64)| {
         let cells = contacts.iter().zip(&columns).flat_map(|(contact, column)| {
             request.forces_n.iter().enumerate().map(move |(i, &force_n)| {
-                let sensed = column.get(level).and_then(|forces| forces.get(i));
+                let sensed = column.get(level).and_then(|forces| forces.get(i)?.as_ref());
                 Cell {
                     s_mm: contact.place_mm(finger).unwrap_or(f64::NAN),
                     angle_deg: contact.angle_deg,
@@ -150,7 +125,13 @@ pub fn accuracy_maps(
                 }
             })
         });
-        AccuracyMap { request: request.clone(), truth: truth.name().to_owned(), noise_mm, cells: cells.collect() }
+        AccuracyMap {
+            request: request.clone(),
+            truth: truth.name().to_owned(),
+            estimator: estimator.name().to_owned(),
+            noise_mm,
+            cells: cells.collect(),
+        }
     };
     request.noise_levels_mm.iter().enumerate().map(map).collect()
 }
@@ -174,33 +155,32 @@ struct Sensed {
 fn sense_column(
     finger: &Finger,
     truth: &dyn Truth,
+    estimator: &dyn Estimator,
     request: &MapRequest,
     contact: &Contact,
     pictures: &[Vec<f64>],
-) -> Result<Vec<Vec<Sensed>>, SensingError> {
+) -> Result<Vec<Vec<Option<Sensed>>>, EstimatorError> {
     let shapes = truth.shapes(contact, &request.forces_n);
     let Some(first) = shapes.first() else { return Ok(Vec::new()) };
-    let estimator = LinearEstimator::new(finger, &[*contact], &Measurement::of_shape(finger, first))?;
-    let relative_error = |measurement: &Measurement, noise_mm: f64, force_n: f64| {
-        estimator.estimate(measurement, Some(noise_mm), request.estimator.prior()).forces_n[0] / force_n - 1.0
+    let mut estimator = estimator.prepare(&[*contact], &Measurement::of_shape(finger, first))?;
+    let mut relative_error = |measurement: &Measurement, noise_mm: f64, force_n: f64| {
+        estimator.estimate(measurement, Some(noise_mm)).ok().map(|sensed| sensed.forces_n[0] / force_n - 1.0)
     };
     let at_level = |&noise_mm: &f64| {
         let sense = |(shape, &force_n)| {
             let clean = Measurement::of_shape(finger, shape);
             if noise_mm == 0.0 {
-                let bias = relative_error(&clean, 0.0, force_n);
-                return Sensed { mean_error: bias.abs(), bias, spread: 0.0 };
+                return Sensed::of(&[relative_error(&clean, 0.0, force_n)?]);
             }
-            let errors: Vec<f64> = pictures
-                .iter()
-                .map(|picture| {
-                    let mut noisy = clean.clone();
-                    let mut coordinates = picture.iter();
-                    noisy.add_noise(noise_mm, || coordinates.next().copied().unwrap_or(0.0));
-                    relative_error(&noisy, noise_mm, force_n)
-                })
-                .collect();
-            Sensed::of(&errors)
+            let noisy_error = |picture: &Vec<f64>| {
+                let mut noisy = clean.clone();
+                let mut coordinates = picture.iter();
+                noisy.add_noise(noise_mm, || coordinates.next().copied().unwrap_or(0.0));
+                relative_error(&noisy, noise_mm, force_n)
+            };
+            let errors: Vec<f64> = pictures.iter().filter_map(noisy_error).collect();
+            // The few answers among many refusals are no fair sample.
+            if 2 * errors.len() >= pictures.len() { Sensed::of(&errors) } else { None }
         };
         shapes.iter().zip(&request.forces_n).map(sense).collect()
     };
@@ -208,15 +188,16 @@ fn sense_column(
 }
 
 impl Sensed {
-    fn of(errors: &[f64]) -> Sensed {
+    /// `None` without any errors.
+    fn of(errors: &[f64]) -> Option<Sensed> {
         let count = errors.len() as f64;
         let bias = errors.iter().sum::<f64>() / count;
         let squares: f64 = errors.iter().map(|error| (error - bias).powi(2)).sum();
-        Sensed {
+        (!errors.is_empty()).then(|| Sensed {
             mean_error: errors.iter().map(|error| error.abs()).sum::<f64>() / count,
             bias,
             spread: if errors.len() > 1 { (squares / (count - 1.0)).sqrt() } else { 0.0 },
-        }
+        })
     }
 }
 
@@ -253,7 +234,7 @@ impl AccuracyMap {
         let cells = errors.iter().flatten().count();
         MapSummary {
             truth: self.truth.clone(),
-            estimator: self.request.estimator.name().to_owned(),
+            estimator: self.estimator.clone(),
             noise_mm: self.noise_mm,
             forces_n: force_n.map_or_else(|| self.request.forces_n.clone(), |f| vec![f]),
             mean_error: known.iter().sum::<f64>() / known.len().max(1) as f64,

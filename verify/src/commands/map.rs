@@ -5,8 +5,9 @@ use super::parse::{not_negative, positive};
 use super::progress;
 use clap::ValueEnum;
 use finray_model::{Finger, Kinematics, Mesh};
+use finray_verify::estimators::{BeamEstimator, EstimatorKind};
 use finray_verify::files::{is_standard_stream, load_scene, write_all_or_nothing, write_text};
-use finray_verify::map::{AccuracyMap, Estimator, MapRequest, accuracy_maps};
+use finray_verify::map::{AccuracyMap, MapRequest, accuracy_maps};
 use finray_verify::report::{map_picture, standalone};
 use finray_verify::truth::{MeshTruth, fine_mesh};
 use std::path::{Path, PathBuf};
@@ -28,8 +29,8 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value_t = TruthArgument::Corotational)]
     truth: TruthArgument,
     /// How forces are sensed
-    #[arg(long, value_enum, default_value_t = Estimator::LeastSquares)]
-    estimator: Estimator,
+    #[arg(long, value_enum, default_value_t = EstimatorArgument::LeastSquares)]
+    estimator: EstimatorArgument,
     /// Size of the force, N
     #[arg(long, value_name = "F", default_value_t = 3.0, value_parser = positive)]
     force_n: f64,
@@ -55,6 +56,24 @@ enum TruthArgument {
     Corotational,
 }
 
+/// The nonlinear estimator would take minutes for a map.
+#[derive(Clone, Copy, ValueEnum)]
+enum EstimatorArgument {
+    /// Linear least squares
+    LeastSquares,
+    /// Least squares with the paper's range of forces as a prior
+    Ridge,
+}
+
+impl EstimatorArgument {
+    fn kind(self) -> EstimatorKind {
+        match self {
+            EstimatorArgument::LeastSquares => EstimatorKind::LeastSquares,
+            EstimatorArgument::Ridge => EstimatorKind::Ridge,
+        }
+    }
+}
+
 /// Places along the front plate, and degrees between two directions.
 const RESOLUTION: (usize, f64) = (48, 5.0);
 
@@ -69,9 +88,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         noise_levels_mm: vec![arguments.noise_mm.or(scene.camera.map(|camera| camera.noise_mm)).unwrap_or(0.0)],
         noise_pictures: arguments.seeds as usize,
         seed: arguments.seed,
-        estimator: arguments.estimator,
     };
-    let map = compute(finger, arguments.truth, &request)?;
+    let map = compute(finger, arguments.truth, arguments.estimator, &request)?;
     let csv = map.to_csv()?;
     if is_stream(&arguments.out) {
         write_text(&arguments.out, &csv)?;
@@ -94,14 +112,21 @@ fn named(out: &Path, extension: &str) -> PathBuf {
     if out.extension().is_some_and(|e| e == "svg") { out.with_extension(extension) } else { out.to_owned() }
 }
 
-fn compute(finger: &Finger, truth: TruthArgument, request: &MapRequest) -> Result<AccuracyMap, Failure> {
+fn compute(
+    finger: &Finger,
+    truth: TruthArgument,
+    estimator: EstimatorArgument,
+    request: &MapRequest,
+) -> Result<AccuracyMap, Failure> {
     let (mesh, name, kinematics) = match truth {
         TruthArgument::Linear => (Mesh::key_nodes(finger), "linear", Kinematics::Linear),
         TruthArgument::Corotational => (fine_mesh(finger)?, "corotational", Kinematics::Corotational),
     };
     let truth = MeshTruth::new(name, &mesh, kinematics)?;
+    let key_nodes = Mesh::key_nodes(finger);
+    let estimator = BeamEstimator { kind: estimator.kind(), mesh: &key_nodes };
     let bar = progress::bar((request.places_mm.len() * request.angles_deg.len()) as u64, "map");
-    let mut maps = accuracy_maps(finger, &truth, request, &|| bar.inc(1));
+    let mut maps = accuracy_maps(finger, &truth, &estimator, request, &|| bar.inc(1));
     bar.finish_and_clear();
     // One noise level was asked for.
     Ok(maps.swap_remove(0))

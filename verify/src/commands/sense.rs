@@ -3,13 +3,13 @@
 use super::contacts::Contacts;
 use super::parse::not_negative;
 use super::{Failure, not_both_from_standard_input};
-use clap::ValueEnum;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{
     Contact, ContactPlace, ContactQuestion, Estimate, LinearEstimator, NonlinearEstimator, Prior, check_contacts,
     sense_refining,
 };
 use finray_model::{Finger, Mesh};
+use finray_verify::estimators::EstimatorKind;
 use finray_verify::files::{csv_text, displacements, load_scene, write_text};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -42,8 +42,8 @@ pub struct Arguments {
     #[command(flatten)]
     contacts: Contacts,
     /// How forces are sensed
-    #[arg(long, value_enum, default_value_t = EstimatorArgument::LeastSquares)]
-    estimator: EstimatorArgument,
+    #[arg(long, value_enum, default_value_t = EstimatorKind::LeastSquares)]
+    estimator: EstimatorKind,
     /// Standard deviation of one measured coordinate, mm
     #[arg(long, value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
@@ -53,16 +53,6 @@ pub struct Arguments {
     /// Result file; - for standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
     out: PathBuf,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum EstimatorArgument {
-    /// Linear least squares
-    LeastSquares,
-    /// Least squares with the paper's range of forces as a prior
-    Ridge,
-    /// Gauss-Newton on the finger with large rotations
-    Nonlinear,
 }
 
 #[derive(Serialize)]
@@ -81,7 +71,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let questions = &arguments.contacts.0;
     let noise_mm = arguments.noise_mm.or(scene.camera.map(|camera| camera.noise_mm));
     let (contacts, estimate) = match arguments.estimator {
-        EstimatorArgument::Nonlinear => {
+        EstimatorKind::Nonlinear => {
             let sensed = match arguments.mesh_nodes {
                 None => sense_refining(finger, questions, &measured(arguments, finger)?, noise_mm)?,
                 Some(nodes) => {
@@ -96,7 +86,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             let contacts = known(questions)?;
             check_contacts(finger, &contacts)?;
             let measurement = measured(arguments, finger)?;
-            let prior = if linear == EstimatorArgument::Ridge { Prior::PAPER } else { Prior::None };
+            let prior = if linear == EstimatorKind::Ridge { Prior::PAPER } else { Prior::None };
             let estimator = LinearEstimator::new(finger, &contacts, &measurement)?;
             (contacts, estimator.estimate(&measurement, noise_mm, prior))
         }

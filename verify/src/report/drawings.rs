@@ -53,7 +53,7 @@ pub fn map_picture(finger: &Finger, map: &AccuracyMap, force_n: Option<f64>) -> 
     let title = format!("{} truth, {noise}, {force}", truth_in_words(map));
     let alt = format!(
         "Error of the sensed force by place along the front plate and direction: {title}, {} estimator.",
-        map.request.estimator.name()
+        map.estimator
     );
     let percent = |error: Option<f64>| error.map(|e| 100.0 * e);
     figures::heat_map(&HeatMap {

@@ -10,6 +10,7 @@ mod hard_cases;
 mod scatter;
 mod sections;
 mod summary;
+mod table_two;
 mod tables;
 mod words;
 

@@ -1,8 +1,8 @@
 //! What the nonlinear estimator makes of camera noise: tables.
 
-use super::page::{Block, Cell, Column, Row, Section, Shade, Table};
+use super::page::{Block, Cell, Column, Row, Section, Table};
 use super::sections::{self, text};
-use super::tables::percent;
+use super::tables::{error, percent};
 use crate::scatter::{ONE_FORCE_N, Scatter, ScatterRow, TWO_FORCES_N};
 use crate::study::{NoiseStudy, Study};
 use serde::Serialize;
@@ -17,11 +17,11 @@ pub(super) struct CsvRow {
     cases: usize,
     refused: usize,
     mean_error: f64,
-    mean_error_bound: f64,
-    scatter_over_bound: f64,
-    bias_over_bound: f64,
-    covered_by_one_sigma: f64,
-    covered_by_1_96_sigma: f64,
+    mean_error_bound: Option<f64>,
+    scatter_over_bound: Option<f64>,
+    bias_over_bound: Option<f64>,
+    covered_by_one_sigma: Option<f64>,
+    covered_by_1_96_sigma: Option<f64>,
 }
 
 /// A row for each force, and for the sum where there are several.
@@ -29,7 +29,7 @@ pub(super) fn csv_rows(noise: &NoiseStudy) -> impl Iterator<Item = CsvRow> {
     noise.single.iter().chain(&noise.pairs).flat_map(|row| {
         let nodes = row.nodes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
         let forces = row.nodes.iter().zip(&row.forces).map(|(node, scatter)| (format!("force at {node}"), *scatter));
-        let sum = (row.nodes.len() > 1).then(|| ("sum".to_owned(), row.sum));
+        let sum = row.sum.filter(|_| row.nodes.len() > 1).map(|sum| ("sum".to_owned(), sum));
         forces
             .chain(sum)
             .map(|(quantity, scatter)| CsvRow {
@@ -38,11 +38,11 @@ pub(super) fn csv_rows(noise: &NoiseStudy) -> impl Iterator<Item = CsvRow> {
                 cases: row.cases,
                 refused: row.refused,
                 mean_error: scatter.mean_error,
-                mean_error_bound: scatter.mean_error_bound,
-                scatter_over_bound: scatter.over_bound,
-                bias_over_bound: scatter.bias_over_bound,
-                covered_by_one_sigma: scatter.covered_by_one_sigma,
-                covered_by_1_96_sigma: scatter.covered_by_two_sigma,
+                mean_error_bound: scatter.bound.map(|bound| bound.mean_error_bound),
+                scatter_over_bound: scatter.bound.map(|bound| bound.over_bound),
+                bias_over_bound: scatter.bound.map(|bound| bound.bias_over_bound),
+                covered_by_one_sigma: scatter.coverage.map(|covered| covered.one_sigma),
+                covered_by_1_96_sigma: scatter.coverage.map(|covered| covered.two_sigma),
             })
             .collect::<Vec<_>>()
     })
@@ -76,22 +76,19 @@ pub(super) fn section(study: &Study) -> Option<Section> {
 }
 
 /// Nothing where the finger carries no force of the range.
-fn shown(row: &ScatterRow, text: impl Fn(&Scatter) -> String) -> String {
-    match (row.cases, row.forces.first()) {
-        (1.., Some(scatter)) => text(scatter),
-        _ => "-".to_owned(),
-    }
+fn shown(row: &ScatterRow, text: impl Fn(&Scatter) -> Option<String>) -> String {
+    row.forces.first().and_then(text).unwrap_or_else(|| "-".to_owned())
 }
 
 fn single(rows: &[ScatterRow]) -> Table {
     let row = |row: &ScatterRow| Row {
         cells: [
             row.nodes[0].to_string(),
-            shown(row, |s| percent(s.mean_error)),
-            shown(row, |s| percent(s.mean_error_bound)),
-            shown(row, |s| format!("{:.2}", s.over_bound)),
-            shown(row, |s| percent(s.covered_by_one_sigma)),
-            shown(row, |s| percent(s.covered_by_two_sigma)),
+            shown(row, |s| Some(percent(s.mean_error))),
+            shown(row, |s| Some(percent(s.bound?.mean_error_bound))),
+            shown(row, |s| Some(format!("{:.2}", s.bound?.over_bound))),
+            shown(row, |s| Some(percent(s.coverage?.one_sigma))),
+            shown(row, |s| Some(percent(s.coverage?.two_sigma))),
             row.refused.to_string(),
         ]
         .map(Cell::plain)
@@ -118,13 +115,15 @@ fn single(rows: &[ScatterRow]) -> Table {
 /// How near all pairs come to the bound, in words.
 fn pair_figures(rows: &[ScatterRow]) -> Option<String> {
     let sensed: Vec<&ScatterRow> = rows.iter().filter(|row| row.cases > 0).collect();
-    let quantities = || sensed.iter().flat_map(|row| row.forces.iter().chain([&row.sum]));
-    let range = |of: fn(&Scatter) -> f64| {
-        quantities().map(of).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+    let quantities = || sensed.iter().flat_map(|row| row.forces.iter().chain(&row.sum));
+    let range = |of: fn(&Scatter) -> Option<f64>| {
+        let start = [f64::INFINITY, f64::NEG_INFINITY];
+        quantities().filter_map(of).fold(start, |[low, high], x| [low.min(x), high.max(x)])
     };
-    let worst_sum = sensed.iter().max_by(|a, b| a.sum.mean_error.total_cmp(&b.sum.mean_error))?;
-    let scatter = range(|s| s.over_bound);
-    let covered = range(|s| s.covered_by_two_sigma).map(percent);
+    let sums = sensed.iter().filter_map(|row| Some((row, row.sum?.mean_error)));
+    let (worst, worst_sum) = sums.max_by(|(_, a), (_, b)| a.total_cmp(b))?;
+    let scatter = range(|s| Some(s.bound?.over_bound));
+    let covered = range(|s| Some(s.coverage?.two_sigma)).map(percent);
     Some(format!(
         "Two contacts at once, all {} pairs: forces and sums scatter by {:.2} to {:.2} bounds, and 1.96 stated sigma cover {} \
          to {} of the cases. The sum is sensed far better than its parts: at worst its mean error is {} (nodes {} and {}).",
@@ -133,9 +132,9 @@ fn pair_figures(rows: &[ScatterRow]) -> Option<String> {
         scatter[1],
         covered[0],
         covered[1],
-        percent(worst_sum.sum.mean_error),
-        worst_sum.nodes[0],
-        worst_sum.nodes[1]
+        percent(worst_sum),
+        worst.nodes[0],
+        worst.nodes[1]
     ))
 }
 
@@ -144,14 +143,8 @@ fn pairs(rows: &[ScatterRow]) -> Table {
     nodes.sort_unstable();
     nodes.dedup();
     let cell = |first: usize, second: usize| {
-        let Some(row) = rows.iter().find(|row| row.nodes == [first, second] && row.cases > 0) else {
-            return Cell::plain("");
-        };
-        match row.mean_error() {
-            error if error > 0.25 => Cell::shaded(percent(error), Shade::Dark),
-            error if error > 0.10 => Cell::shaded(percent(error), Shade::Grey),
-            error => Cell::plain(percent(error)),
-        }
+        let row = rows.iter().find(|row| row.nodes == [first, second]);
+        row.and_then(ScatterRow::mean_error).map_or_else(|| Cell::plain(""), error)
     };
     let seconds = nodes.get(1..).unwrap_or_default();
     let row = |&first: &usize| Row {

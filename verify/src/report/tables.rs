@@ -1,7 +1,7 @@
 //! Rows for the page's tables, and the CSV files behind figures and tables.
 
 use super::page::{Cell, Column, Row, Shade, Table};
-use super::{convergence, hard_cases, scatter};
+use super::{convergence, hard_cases, scatter, table_two};
 use crate::check::{Check, Comparison, worst};
 use crate::files::csv_text;
 use crate::map::AccuracyMap;
@@ -93,6 +93,9 @@ pub(super) fn csv_files(study: &Study) -> Result<Vec<(PathBuf, String)>, csv::Er
     if let Some(noise) = &study.noise {
         files.push((scatter::CSV.into(), csv_text(scatter::csv_rows(noise))?));
     }
+    if let Some(table) = &study.table_two {
+        files.push((table_two::CSV.into(), csv_text(table_two::csv_rows(table))?));
+    }
     for map in &study.maps {
         files.push((map_csv_name(map).into(), map.to_csv()?));
     }
@@ -114,6 +117,15 @@ pub(super) fn percent(share: f64) -> String {
         p if p < 0.05 && p > 0.0 => format!("{:.0e} %", 100.0 * share),
         p if p < 9.95 => format!("{:.1} %", 100.0 * share),
         _ => format!("{:.0} %", 100.0 * share),
+    }
+}
+
+/// An error, shaded as the paper shades its Table I: grey above 10 %, dark above 25 %.
+pub(super) fn error(share: f64) -> Cell {
+    match share {
+        e if e > 0.25 => Cell::shaded(percent(e), Shade::Dark),
+        e if e > 0.10 => Cell::shaded(percent(e), Shade::Grey),
+        e => Cell::plain(percent(e)),
     }
 }
 
@@ -204,19 +216,14 @@ pub(super) fn comparisons(comparisons: &[Comparison]) -> Table {
 
 /// Table I: mean error by node, the paper's and ours for each assumed direction, shaded as the paper shades it.
 pub(super) fn table_one(tables: &[TableOne]) -> Table {
-    let shaded = |error: f64| match error {
-        e if e > 0.25 => Cell::shaded(percent(e), Shade::Dark),
-        e if e > 0.10 => Cell::shaded(percent(e), Shade::Grey),
-        e => Cell::plain(percent(e)),
-    };
     let nodes: Vec<(usize, f64)> =
         tables.first().map_or_else(Vec::new, |t| t.rows.iter().map(|r| (r.node, r.paper_mean_error)).collect());
     let rows = nodes
         .iter()
         .enumerate()
         .map(|(i, &(node, paper))| {
-            let ours = tables.iter().map(|table| shaded(table.rows[i].mean_error));
-            Row { cells: [Cell::plain(node.to_string()), shaded(paper)].into_iter().chain(ours).collect() }
+            let ours = tables.iter().map(|table| error(table.rows[i].mean_error));
+            Row { cells: [Cell::plain(node.to_string()), error(paper)].into_iter().chain(ours).collect() }
         })
         .collect();
     let ours = tables.iter().map(|table| Column::numbers(format!("ours, {} deg", table.angle_deg)));

@@ -98,7 +98,7 @@ pub(super) fn verdict(study: &Study) -> Vec<String> {
 fn nonlinear(study: &Study) -> Option<String> {
     let noise = study.noise.as_ref()?;
     let of_rows = |rows: &[ScatterRow]| {
-        let errors: Vec<f64> = rows.iter().filter(|row| row.cases > 0).map(ScatterRow::mean_error).collect();
+        let errors: Vec<f64> = rows.iter().filter_map(ScatterRow::mean_error).collect();
         let low = errors.iter().copied().reduce(f64::min)?;
         Some(format!("{} to {}", percent(low), percent(errors.into_iter().fold(low, f64::max))))
     };
