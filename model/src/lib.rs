@@ -7,7 +7,7 @@
 //! Units are N, mm, MPa and rad throughout. The finger frame has its origin in the middle of the base line, x from the
 //! base towards the tip, y along the base line towards the front plate (the contact side); rotations count from x to y.
 //!
-//! The crate is pure: it reads no files, prints nothing, knows no clock and draws no random numbers.
+//! The crate is pure: it reads no files, prints nothing, knows no clock and draws no random numbers but from a seed.
 //!
 //! ```
 //! use finray_model::{Kinematics, Load, Mesh, NodeId, Scene, statics};
