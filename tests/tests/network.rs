@@ -14,6 +14,7 @@ use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
 
 /// Our forces against burn's, which adds in another order and takes another tanh: 1e-5 of the 5 N of training.
 const AGAINST_BURN_N: f64 = 5e-5;
@@ -325,10 +326,12 @@ fn other_fingers_contacts_and_markers_are_refused() {
 #[test]
 fn sigmas_are_noise_through_the_derivatives_and_the_networks_own_error() {
     for contact_set in [ContactSet::Fixed, ContactSet::AnyOf] {
-        let network = random_network(5, &[17, 20], contact_set, &[20, 10], 30);
+        let mut network = random_network(5, &[17, 20], contact_set, &[20, 10], 30);
+        // Neither part of the sum is lost in the other.
+        let (noise_mm, clean_rms_n) = (0.1, 0.3);
+        network.card.test_errors = vec![TestError { rms_n: 0.3, clean_rms_n }; 2];
         let mut estimator = estimator(&network, &[17, 20], Instructions::Detected);
         let shape = random_shape(&network, 6);
-        let noise_mm = 0.1;
         let estimate = estimator
             .estimate(&measured(&network.card.markers, &shape), Some(noise_mm))
             .expect("a shape as in training");
@@ -346,7 +349,7 @@ fn sigmas_are_noise_through_the_derivatives_and_the_networks_own_error() {
             }
         }
         for (sigma_n, square) in estimate.sigmas_n.iter().zip(squares) {
-            let expected_n = f64::sqrt(square + 0.01 * 0.01);
+            let expected_n = f64::sqrt(square + clean_rms_n * clean_rms_n);
             assert!((sigma_n / expected_n - 1.0).abs() <= DERIVATIVE, "{sigma_n} against {expected_n}");
         }
         assert!(estimate.residual_rms_mm <= ROUNDING, "{}", estimate.residual_rms_mm);
@@ -422,6 +425,45 @@ fn hidden_markers_are_filled_in() {
     coordinates.card.scaling = Scaling::Coordinates;
     let refused = NetworkEstimator::new(&coordinates, &paper(), &contacts, &all.without(&[NodeId(5)])).map(|_| ());
     assert_eq!(refused, Err(NetworkError::HiddenMarkers { expected: 23, found: 22 }));
+}
+
+/// With fewer seen coordinates than directions much stays open, and sigmas say how much: over shapes drawn as the network
+/// supposes, a linear one is off by its sigmas.
+#[test]
+fn sigmas_tell_what_hidden_markers_leave_open() {
+    const DRAWS: usize = 1000;
+    /// The ratio of 1000 errors to their standard deviation scatters by 1 / sqrt(2000); four times that.
+    const SCATTER: f64 = 0.09;
+    let mut network = random_network(5, &[17, 20], ContactSet::Fixed, &[], 10);
+    network.card.test_errors = vec![TestError { rms_n: 0.0, clean_rms_n: 0.0 }; 2];
+    network.inputs.largest = vec![10.0; 10];
+    let contacts = [at_node(17), at_node(20)];
+    let noise_mm = network.card.noise_mm;
+    let mut rng = ChaCha8Rng::seed_from_u64(8);
+    let mut whole = estimator(&network, &[17, 20], Instructions::Detected);
+    let hidden = &network.card.markers[..20];
+    let markers = measured(&network.card.markers, &network.inputs.mean).without(hidden);
+    let mut partial = NetworkEstimator::new(&network, &paper(), &contacts, &markers).expect("some markers");
+    let mut squares = [0.0; 2];
+    for _ in 0..DRAWS {
+        let mut shape = network.inputs.mean.clone();
+        for (row, variance) in network.inputs.projection.row_iter().zip(&network.inputs.variances) {
+            let coefficient = variance.sqrt() * rng.sample::<f64, _>(StandardNormal);
+            shape.iter_mut().zip((row / row.norm()).iter()).for_each(|(x, v)| *x += coefficient * v);
+        }
+        let mut forces_n = [0.0; 2];
+        whole.forces(&shape, &mut forces_n).expect("a frame");
+        let mut seen = measured(&network.card.markers, &shape).without(hidden);
+        seen.add_noise(noise_mm, || rng.sample(StandardNormal));
+        let estimate = partial.estimate(&seen, Some(noise_mm)).expect("some markers");
+        for (i, square) in squares.iter_mut().enumerate() {
+            *square += ((estimate.forces_n[i] - forces_n[i]) / estimate.sigmas_n[i]).powi(2);
+        }
+    }
+    for square in squares {
+        let ratio = f64::sqrt(square / DRAWS as f64);
+        assert!((ratio - 1.0).abs() <= SCATTER, "errors are {ratio} times their sigmas");
+    }
 }
 
 fn changed(change: impl Fn(&mut FingerDescription)) -> Fingerprint {
