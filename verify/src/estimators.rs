@@ -3,8 +3,10 @@
 //! An [`Estimator`] is shared by threads; each thread prepares its own [`PreparedEstimator`] for the contacts and markers of
 //! a question. Every estimate starts afresh: what was sensed before does not count.
 
+use crate::networks::NoNetwork;
 use finray_model::Mesh;
 use finray_model::measurement::Measurement;
+use finray_model::sensing::network::NetworkError;
 use finray_model::sensing::{Contact, LinearEstimator, NonlinearEstimator, Prior, SensingError};
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -55,6 +57,12 @@ pub enum EstimatorError {
     /// The model cannot tell the forces.
     #[error(transparent)]
     Sensing(#[from] SensingError),
+    /// A network refuses.
+    #[error(transparent)]
+    Network(#[from] NetworkError),
+    /// No network is made for the contacts.
+    #[error(transparent)]
+    NoNetwork(#[from] NoNetwork),
 }
 
 /// The estimators that rest on the beam model itself.

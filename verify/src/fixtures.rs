@@ -8,3 +8,5 @@ pub const SPRING_STEEL_SCENE: &str = include_str!("../../fixtures/scenes/spring-
 pub const OPENSEES_PAPER: &str = include_str!("../../fixtures/opensees/paper.csv");
 /// Large deflections of a cantilever.
 pub const ELASTICA: &str = include_str!("../../fixtures/elastica.csv");
+/// Sensing networks for the paper's finger, by name.
+pub const NETWORKS: [(&str, &[u8]); 0] = [];

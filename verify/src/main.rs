@@ -5,6 +5,8 @@ mod commands;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use commands::{calibrate, map, report, sense, solve};
+#[cfg(feature = "train")]
+use commands::{networks, train};
 use finray_verify::files::write_text;
 use std::path::Path;
 use std::process::ExitCode;
@@ -30,6 +32,10 @@ enum Command {
     Sense(sense::Arguments),
     Calibrate(calibrate::Arguments),
     Map(map::Arguments),
+    #[cfg(feature = "train")]
+    Train(train::Arguments),
+    #[cfg(feature = "train")]
+    Networks(networks::Arguments),
     /// Print a completion script for your shell, for instance: finray completions bash > ~/.finray.bash
     Completions {
         /// The shell.
@@ -44,6 +50,10 @@ fn main() -> ExitCode {
         Command::Sense(arguments) => sense::run(&arguments),
         Command::Calibrate(arguments) => calibrate::run(&arguments),
         Command::Map(arguments) => map::run(&arguments),
+        #[cfg(feature = "train")]
+        Command::Train(arguments) => train::run(&arguments),
+        #[cfg(feature = "train")]
+        Command::Networks(arguments) => networks::run(&arguments),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Arguments::command(), "finray", &mut script);

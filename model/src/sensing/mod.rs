@@ -33,6 +33,16 @@ pub struct Contact {
     pub angle_deg: f64,
 }
 
+/// As on the command line: `19@0`, `80 mm@-20`.
+impl std::fmt::Display for Contact {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match self.place {
+            ContactPlace::Node(node) => write!(f, "{node}@{}", self.angle_deg),
+            ContactPlace::Place(s_mm) => write!(f, "{s_mm} mm@{}", self.angle_deg),
+        }
+    }
+}
+
 impl Contact {
     /// The contact's force of 1 N as a load.
     pub fn unit_load(&self, finger: &Finger) -> Load {

@@ -77,6 +77,18 @@ impl TrainingRecipe {
         }
     }
 
+    /// As [`TrainingRecipe::nonlinear`], for contacts of which any may touch: every subset is a question of its own, which
+    /// takes more cases and wider layers.
+    pub fn any_of(contacts: Vec<Contact>, noise_mm: f64) -> TrainingRecipe {
+        TrainingRecipe {
+            samples: SampleRecipe { any_of: true, ..SampleRecipe::paper(contacts, Kinematics::Corotational) },
+            count: 100_000,
+            hidden_layers: vec![128, 128],
+            epochs: 60,
+            ..TrainingRecipe::nonlinear(Vec::new(), noise_mm)
+        }
+    }
+
     /// Standard deviation of the forces that a subset's ridge forces assume, N: of forces spread evenly from zero.
     pub(super) fn prior_n(&self) -> f64 {
         self.samples.largest_force_n / f64::sqrt(3.0)

@@ -2,15 +2,20 @@
 
 pub mod calibrate;
 pub mod map;
+#[cfg(feature = "train")]
+pub mod networks;
 pub mod report;
 pub mod sense;
 pub mod solve;
+#[cfg(feature = "train")]
+pub mod train;
 
 mod contacts;
 mod parse;
 mod progress;
 
 use finray_model::sensing::SensingError;
+use finray_model::sensing::network::NetworkError;
 use finray_model::statics::StaticsError;
 use finray_verify::files::{FileError, is_standard_stream};
 use std::path::Path;
@@ -71,6 +76,30 @@ impl From<SensingError> for Failure {
         match error {
             SensingError::Statics(inner) => inner.into(),
             other => Failure::BadInput(other.to_string()),
+        }
+    }
+}
+
+impl From<NetworkError> for Failure {
+    fn from(error: NetworkError) -> Failure {
+        match error {
+            NetworkError::Sensing(inner) => inner.into(),
+            other => Failure::BadInput(other.to_string()),
+        }
+    }
+}
+
+#[cfg(feature = "train")]
+impl From<finray_model::train::TrainError> for Failure {
+    fn from(error: finray_model::train::TrainError) -> Failure {
+        use finray_model::samples::SamplesError;
+        use finray_model::train::TrainError;
+        match error {
+            TrainError::Samples(SamplesError::Contacts(inner)) => inner.into(),
+            TrainError::Recipe { .. } => Failure::BadInput(error.to_string()),
+            TrainError::Samples(_) | TrainError::Network(_) | TrainError::Backend(_) => {
+                Failure::NotComputed(error.to_string())
+            }
         }
     }
 }

@@ -12,3 +12,29 @@ pub fn bar(steps: u64, what: &str) -> ProgressBar {
     bar.set_message(what.to_owned());
     bar
 }
+
+/// A bar for training: losses and the time left.
+#[cfg(feature = "train")]
+pub struct TrainingBar(ProgressBar);
+
+#[cfg(feature = "train")]
+impl TrainingBar {
+    pub fn new(epochs: usize) -> TrainingBar {
+        let bar = bar(epochs as u64, "drawing cases");
+        // As above.
+        if let Ok(style) = ProgressStyle::with_template("epoch {pos}/{len} {wide_bar} {msg} {eta} left") {
+            bar.set_style(style);
+        }
+        bar.tick();
+        TrainingBar(bar)
+    }
+
+    pub fn epoch(&self, epoch: finray_model::train::Epoch) {
+        self.0.set_position(epoch.number as u64);
+        self.0.set_message(format!("loss {:.3e}, unseen {:.3e}", epoch.training_loss, epoch.validation_loss));
+    }
+
+    pub fn finish(&self) {
+        self.0.finish_and_clear();
+    }
+}

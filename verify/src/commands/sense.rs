@@ -3,14 +3,16 @@
 use super::contacts::Contacts;
 use super::parse::not_negative;
 use super::{Failure, not_both_from_standard_input};
+use clap::ValueEnum;
 use finray_model::measurement::Measurement;
+use finray_model::sensing::network::NetworkEstimator;
 use finray_model::sensing::{
     Contact, ContactPlace, ContactQuestion, Estimate, LinearEstimator, NonlinearEstimator, Prior, check_contacts,
     sense_refining,
 };
 use finray_model::{Finger, Mesh};
-use finray_verify::estimators::EstimatorKind;
-use finray_verify::files::{csv_text, displacements, load_scene, write_text};
+use finray_verify::files::{csv_text, displacements, load_network, load_scene, write_text};
+use finray_verify::networks::Networks;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -25,12 +27,17 @@ use std::path::PathBuf;
 /// `auto` (unknown), and the place `auto` (unknown); what the data cannot tell is refused. Unless told a mesh, it
 /// refines until doubling the mesh changes no force by more than 0.2 %.
 ///
+/// The network estimator answers in microseconds what it was trained for, and refuses the rest. Networks for the paper's
+/// finger ship (contact nodes 14 to 24 alone, the pairs 19 20, 16 17, 18 20 and 16 20, any of 13 to 24); `finray train`
+/// makes those of other fingers and contacts, for --network.
+///
 /// Examples:
 ///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact 19
 ///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact 16@-20 --contact 20@10 --noise-mm 0.067
 ///   finray solve fixtures/scenes/paper.toml --kinematics linear --load 19:-0.38,-1.96 |
 ///       finray sense fixtures/scenes/paper.toml --displacements - --contact 19
 ///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact-at auto@normal --estimator nonlinear
+///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact 19 20 --estimator network
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Arguments {
@@ -42,8 +49,11 @@ pub struct Arguments {
     #[command(flatten)]
     contacts: Contacts,
     /// How forces are sensed
-    #[arg(long, value_enum, default_value_t = EstimatorKind::LeastSquares)]
-    estimator: EstimatorKind,
+    #[arg(long, value_enum, default_value_t = EstimatorArgument::LeastSquares)]
+    estimator: EstimatorArgument,
+    /// Network of `finray train`; without it, the one that ships for these contacts
+    #[arg(long, value_name = "FILE")]
+    network: Option<PathBuf>,
     /// Standard deviation of one measured coordinate, mm
     #[arg(long, value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
@@ -53,6 +63,18 @@ pub struct Arguments {
     /// Result file; - for standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
     out: PathBuf,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum EstimatorArgument {
+    /// Linear least squares
+    LeastSquares,
+    /// Least squares with the paper's range of forces as a prior
+    Ridge,
+    /// Gauss-Newton on the finger with large rotations
+    Nonlinear,
+    /// A trained network
+    Network,
 }
 
 #[derive(Serialize)]
@@ -68,28 +90,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     not_both_from_standard_input(&arguments.scene, &arguments.displacements, "--displacements")?;
     let scene = load_scene(&arguments.scene)?;
     let finger = &scene.finger;
-    let questions = &arguments.contacts.0;
     let noise_mm = arguments.noise_mm.or(scene.camera.map(|camera| camera.noise_mm));
+    if arguments.network.is_some() && arguments.estimator != EstimatorArgument::Network {
+        return Err(Failure::BadInput("--network is for --estimator network".to_owned()));
+    }
     let (contacts, estimate) = match arguments.estimator {
-        EstimatorKind::Nonlinear => {
-            let sensed = match arguments.mesh_nodes {
-                None => sense_refining(finger, questions, &measured(arguments, finger)?, noise_mm)?,
-                Some(nodes) => {
-                    let mesh = Mesh::with_nodes(finger, nodes)?;
-                    let mut estimator = NonlinearEstimator::new(&mesh, questions)?;
-                    estimator.estimate(&measured(arguments, finger)?, noise_mm)?
-                }
-            };
-            (sensed.contacts, sensed.forces)
-        }
-        linear => {
-            let contacts = known(questions)?;
-            check_contacts(finger, &contacts)?;
-            let measurement = measured(arguments, finger)?;
-            let prior = if linear == EstimatorKind::Ridge { Prior::PAPER } else { Prior::None };
-            let estimator = LinearEstimator::new(finger, &contacts, &measurement)?;
-            (contacts, estimator.estimate(&measurement, noise_mm, prior))
-        }
+        EstimatorArgument::LeastSquares => linear(arguments, finger, noise_mm, Prior::None)?,
+        EstimatorArgument::Ridge => linear(arguments, finger, noise_mm, Prior::PAPER)?,
+        EstimatorArgument::Nonlinear => nonlinear(arguments, finger, noise_mm)?,
+        EstimatorArgument::Network => network(arguments, finger, noise_mm)?,
     };
     if let Some(i) = estimate.forces_n.iter().position(|force| !force.is_finite()) {
         return Err(Failure::BadInput(format!(
@@ -108,11 +117,48 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Forces of contacts whose place and direction are now known.
+type Sensed = (Vec<Contact>, Estimate);
+
+fn linear(arguments: &Arguments, finger: &Finger, noise_mm: Option<f64>, prior: Prior) -> Result<Sensed, Failure> {
+    let contacts = known(&arguments.contacts.0)?;
+    check_contacts(finger, &contacts)?;
+    let measurement = measured(arguments, finger)?;
+    let estimator = LinearEstimator::new(finger, &contacts, &measurement)?;
+    Ok((contacts, estimator.estimate(&measurement, noise_mm, prior)))
+}
+
+fn nonlinear(arguments: &Arguments, finger: &Finger, noise_mm: Option<f64>) -> Result<Sensed, Failure> {
+    let questions = &arguments.contacts.0;
+    let sensed = match arguments.mesh_nodes {
+        None => sense_refining(finger, questions, &measured(arguments, finger)?, noise_mm)?,
+        Some(nodes) => {
+            let mesh = Mesh::with_nodes(finger, nodes)?;
+            let mut estimator = NonlinearEstimator::new(&mesh, questions)?;
+            estimator.estimate(&measured(arguments, finger)?, noise_mm)?
+        }
+    };
+    Ok((sensed.contacts, sensed.forces))
+}
+
+fn network(arguments: &Arguments, finger: &Finger, noise_mm: Option<f64>) -> Result<Sensed, Failure> {
+    let contacts = known(&arguments.contacts.0)?;
+    check_contacts(finger, &contacts)?;
+    let networks = match &arguments.network {
+        None => Networks::shipped()?,
+        Some(path) => Networks::one(load_network(path)?),
+    };
+    let network = networks.choose(finger, &contacts).map_err(|error| Failure::BadInput(error.to_string()))?;
+    let measurement = measured(arguments, finger)?;
+    let mut estimator = NetworkEstimator::new(network, finger, &contacts, &measurement)?;
+    Ok((contacts, estimator.estimate(&measurement, noise_mm)?))
+}
+
 fn measured(arguments: &Arguments, finger: &Finger) -> Result<Measurement, Failure> {
     Ok(displacements::load(&arguments.displacements, finger)?)
 }
 
-/// Contacts of known place and direction: all that a linear estimator can sense.
+/// Contacts of known place and direction: all that other estimators than the nonlinear one can sense.
 fn known(questions: &[ContactQuestion]) -> Result<Vec<Contact>, Failure> {
     let needs = "a place or direction that is `normal` or `auto` needs --estimator nonlinear";
     questions.iter().map(|q| q.known().ok_or_else(|| Failure::BadInput(needs.to_owned()))).collect()

@@ -1,5 +1,6 @@
 //! What users bring and take away: scenes, displacements and measurements as text, results as whole files.
 
+mod networks;
 mod output;
 mod scene;
 mod table;
@@ -7,7 +8,8 @@ mod table;
 pub mod displacements;
 pub mod measurements;
 
-pub use output::{csv_text, write_all_or_nothing, write_folder, write_text};
+pub use networks::load_network;
+pub use output::{csv_text, write_all_or_nothing, write_bytes, write_folder, write_text};
 pub use scene::load_scene;
 
 use std::io::Read;
@@ -62,16 +64,20 @@ fn shown(path: &Path) -> String {
     if is_standard_stream(path) { "standard input".to_owned() } else { path.display().to_string() }
 }
 
+/// Bytes of a file, or of standard input for `-`.
+pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
+    let unreadable = |reason| FileError::Unreadable { path: path.to_owned(), reason };
+    if !is_standard_stream(path) {
+        return std::fs::read(path).map_err(unreadable);
+    }
+    let mut bytes = Vec::new();
+    std::io::stdin().lock().read_to_end(&mut bytes).map_err(unreadable)?;
+    Ok(bytes)
+}
+
 /// Text of a file, or of standard input for `-`.
 pub(crate) fn read_text(path: &Path) -> Result<String, FileError> {
-    let unreadable = |reason| FileError::Unreadable { path: path.to_owned(), reason };
-    let mut bytes = Vec::new();
-    if is_standard_stream(path) {
-        std::io::stdin().lock().read_to_end(&mut bytes).map_err(unreadable)?;
-    } else {
-        bytes = std::fs::read(path).map_err(unreadable)?;
-    }
-    String::from_utf8(bytes).map_err(|error| {
+    String::from_utf8(read_bytes(path)?).map_err(|error| {
         let line = 1 + error.as_bytes()[..error.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n').count();
         FileError::content(path, format!("line {line}: expected text in UTF-8"))
     })

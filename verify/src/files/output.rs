@@ -24,33 +24,42 @@ pub fn csv_text<R: Serialize>(rows: impl IntoIterator<Item = R>) -> Result<Strin
 /// # Errors
 /// [`FileError::Unwritable`], with the file as it was before.
 pub fn write_text(path: &Path, text: &str) -> Result<(), FileError> {
+    write_bytes(path, text.as_bytes())
+}
+
+/// Writes bytes as [`write_text`] writes text.
+///
+/// # Errors
+/// [`FileError::Unwritable`], with the file as it was before.
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     if is_standard_stream(path) {
         let unwritable = |reason| FileError::Unwritable { path: PathBuf::from("standard output"), reason };
         let mut out = std::io::stdout().lock();
-        return match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        return match out.write_all(bytes).and_then(|()| out.flush()) {
             Err(reason) if reason.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
             written => written.map_err(unwritable),
         };
     }
-    write_all_or_nothing(&[(path.to_owned(), text)])
+    write_all_or_nothing(&[(path.to_owned(), bytes)])
 }
 
 /// Writes several files: each first under a temporary name beside its place, then all are moved there.
 ///
 /// # Errors
 /// [`FileError::Unwritable`] for the first file that cannot be written; no file is left half-written.
-pub fn write_all_or_nothing(files: &[(PathBuf, &str)]) -> Result<(), FileError> {
+pub fn write_all_or_nothing<C: AsRef<[u8]>>(files: &[(PathBuf, C)]) -> Result<(), FileError> {
     let mut ready = Vec::with_capacity(files.len());
-    for (path, text) in files {
+    for (path, contents) in files {
+        let contents = contents.as_ref();
         let unwritable = |reason| FileError::Unwritable { path: path.clone(), reason };
         // A device or pipe is written to; replacing it by a file would take it away.
         if path.metadata().is_ok_and(|existing| !existing.is_file()) {
-            std::fs::write(path, text).map_err(unwritable)?;
+            std::fs::write(path, contents).map_err(unwritable)?;
             continue;
         }
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let mut file = tempfile::Builder::new().prefix(".finray-").tempfile_in(folder).map_err(unwritable)?;
-        file.write_all(text.as_bytes()).map_err(unwritable)?;
+        file.write_all(contents).map_err(unwritable)?;
         ready.push((file, path));
     }
     for (file, path) in ready {
@@ -77,8 +86,8 @@ fn make_readable(_: &std::fs::File) -> std::io::Result<()> {
 ///
 /// # Errors
 /// [`FileError::Unwritable`] for the first file that cannot be written.
-pub fn write_folder(folder: &Path, files: &[(PathBuf, String)]) -> Result<(), FileError> {
+pub fn write_folder<C: AsRef<[u8]>>(folder: &Path, files: &[(PathBuf, C)]) -> Result<(), FileError> {
     std::fs::create_dir_all(folder).map_err(|reason| FileError::Unwritable { path: folder.to_owned(), reason })?;
-    let files: Vec<_> = files.iter().map(|(name, text)| (folder.join(name), text.as_str())).collect();
+    let files: Vec<_> = files.iter().map(|(name, contents)| (folder.join(name), contents.as_ref())).collect();
     write_all_or_nothing(&files)
 }

@@ -7,7 +7,7 @@ use super::{ContactSet, Fingerprint, Network, NetworkError, Scaling};
 use crate::finger::{Finger, NodeId, Plate};
 use crate::measurement::Measurement;
 use crate::sensing::{
-    Contact, ContactPlace, Estimate, LARGEST_NOISE, SensingError, UNEXPLAINED_SHARE, UNEXPLAINED_SIGMAS, check_contacts,
+    Contact, Estimate, LARGEST_NOISE, SensingError, UNEXPLAINED_SHARE, UNEXPLAINED_SIGMAS, check_contacts,
 };
 use nalgebra::{DMatrix, DVector};
 
@@ -70,11 +70,6 @@ impl NetworkEstimator {
     ) -> Result<NetworkEstimator, NetworkError> {
         network.check()?;
         check_contacts(finger, contacts)?;
-        let found = Fingerprint::of(finger);
-        if found != network.card.finger {
-            let (trained, found) = (network.card.finger.to_string(), found.to_string());
-            return Err(NetworkError::AnotherFinger { trained, found });
-        }
         let selected = selection(network, finger, contacts)?;
         let markers: Vec<NodeId> = markers.markers().iter().map(|marker| marker.node).collect();
         let seen = seen_coordinates(network, &markers)?;
@@ -218,8 +213,24 @@ fn require_length(what: &'static str, expected: usize, found: usize) -> Result<(
     if expected == found { Ok(()) } else { Err(NetworkError::Length { what, expected, found }) }
 }
 
+impl Network {
+    /// Checks that the network was trained for a finger and for contacts: all of its own in any order, or with
+    /// [`ContactSet::AnyOf`] any of them.
+    ///
+    /// # Errors
+    /// [`NetworkError::AnotherFinger`], [`NetworkError::OtherContacts`].
+    pub fn check_made_for(&self, finger: &Finger, contacts: &[Contact]) -> Result<(), NetworkError> {
+        selection(self, finger, contacts).map(|_| ())
+    }
+}
+
 /// Places of the contacts in the network's list.
 fn selection(network: &Network, finger: &Finger, contacts: &[Contact]) -> Result<Vec<usize>, NetworkError> {
+    let found = Fingerprint::of(finger);
+    if found != network.card.finger {
+        let (trained, found) = (network.card.finger.to_string(), found.to_string());
+        return Err(NetworkError::AnotherFinger { trained, found });
+    }
     let trained = &network.card.contacts;
     let length_mm = finger.plate_length_mm(Plate::Front);
     let same = |a: &Contact, b: &Contact| match (a.place_mm(finger), b.place_mm(finger)) {
@@ -241,13 +252,8 @@ fn selection(network: &Network, finger: &Finger, contacts: &[Contact]) -> Result
     })
 }
 
-/// Contacts as they are written on the command line.
 fn listed(contacts: &[Contact]) -> String {
-    let written = |contact: &Contact| match contact.place {
-        ContactPlace::Node(node) => format!("{node}@{}", contact.angle_deg),
-        ContactPlace::Place(s_mm) => format!("{s_mm} mm@{}", contact.angle_deg),
-    };
-    contacts.iter().map(written).collect::<Vec<_>>().join(", ")
+    contacts.iter().map(Contact::to_string).collect::<Vec<_>>().join(", ")
 }
 
 /// Places of the measured coordinates in the network's displacements.

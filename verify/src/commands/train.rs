@@ -1,0 +1,157 @@
+//! `finray train`
+
+use super::Failure;
+use super::contacts::Contacts;
+use super::parse::{not_negative, positive};
+use super::progress::TrainingBar;
+use clap::ValueEnum;
+use finray_model::sensing::Contact;
+use finray_model::sensing::network::{Network, Scaling, TestError};
+use finray_model::train::{TrainingRecipe, train};
+use finray_model::{Kinematics, NodeId};
+use finray_verify::files::{load_scene, write_bytes};
+use finray_verify::study::CAMERA_NOISE_MM;
+use std::path::PathBuf;
+
+/// Train a sensing network for a finger and its contacts.
+///
+/// Random forces bend the finger, camera noise is added to what the camera sees, and a network learns to tell the forces
+/// from it. `finray sense --estimator network --network FILE` then senses in microseconds, and refuses other fingers,
+/// other contacts and shapes unlike those of the training. A contact or a pair takes about half a minute.
+///
+/// Examples:
+///   finray train fixtures/scenes/paper.toml --contact 15 --contact 21 --out 15-21.safetensors
+///   finray train mine.toml --contact-at 80@-10 --noise-mm 0.1 --out mine.safetensors
+///   finray train mine.toml --contact 16 18 20 22 --any-of --out mine.safetensors
+///   finray train fixtures/scenes/paper.toml --contact 19 --truth linear --plain --noise-mm 0 --hidden-layers 150,200,150
+///       --out paper-19.safetensors                                             (as in the paper)
+#[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct Arguments {
+    /// Scene file (TOML); - for standard input
+    scene: PathBuf,
+    #[command(flatten)]
+    contacts: Contacts,
+    /// Any of the contacts may touch, at least one; which ones is told when sensing
+    #[arg(long, conflicts_with = "plain")]
+    any_of: bool,
+    /// The finger that is sensed
+    #[arg(long, value_enum, default_value_t = TruthArgument::Corotational)]
+    truth: TruthArgument,
+    /// Number of training cases [default: 20000; 100000 with --any-of]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    samples: Option<u32>,
+    /// Standard deviation of one measured coordinate, mm; the scene's camera table if not given, else 0.067
+    #[arg(long, value_name = "S", value_parser = not_negative)]
+    noise_mm: Option<f64>,
+    /// Largest force of a contact, N
+    #[arg(long, value_name = "F", default_value_t = 5.0, value_parser = positive)]
+    largest_force_n: f64,
+    /// Largest sum of the forces, N
+    #[arg(long, value_name = "F", default_value_t = 10.0, value_parser = positive)]
+    largest_sum_n: f64,
+    /// Standard deviation of each force's direction about its contact's, degrees
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = not_negative)]
+    direction_spread_deg: f64,
+    /// Standard deviation of the logarithm of the finger's modulus: 0.05 for 5 %
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = not_negative)]
+    modulus_spread: f64,
+    /// Nodes that the camera never sees
+    #[arg(long, value_name = "NODE", num_args = 1..)]
+    hide: Vec<usize>,
+    /// Widths of the hidden layers, separated by commas [default: 32,32; 128,128 with --any-of]
+    #[arg(long, value_name = "WIDTHS", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=4096))]
+    hidden_layers: Vec<u16>,
+    /// As plain as the paper's network: every coordinate an input, no linear branch
+    #[arg(long)]
+    plain: bool,
+    /// Most passes through the training cases [default: 100; 60 with --any-of or --plain]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    epochs: Option<u32>,
+    /// Seed of everything random
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// File of the network (safetensors); - for standard output
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum TruthArgument {
+    /// The linear finger
+    Linear,
+    /// The finger with large rotations
+    Corotational,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let scene = load_scene(&arguments.scene)?;
+    let finger = &scene.finger;
+    let questions = &arguments.contacts.0;
+    let contacts: Option<Vec<Contact>> = questions.iter().map(|question| question.known()).collect();
+    let contacts = contacts.ok_or_else(|| {
+        Failure::BadInput(
+            "a network learns the forces of known places and directions, not of `normal` or `auto`".into(),
+        )
+    })?;
+    if let Some(node) = arguments.hide.iter().find(|&&node| finger.free_nodes().all(|free| free.0 != node)) {
+        let [first, last] = [2, finger.key_node_count() - 1];
+        return Err(Failure::BadInput(format!("--hide: expected nodes that move, {first} to {last}, found {node}")));
+    }
+    let noise_mm = arguments.noise_mm.or(scene.camera.map(|camera| camera.noise_mm)).unwrap_or(CAMERA_NOISE_MM);
+    let recipe = recipe(arguments, contacts, noise_mm);
+    let bar = TrainingBar::new(recipe.epochs);
+    let network = train(finger, &recipe, &mut |epoch| bar.epoch(epoch))?;
+    bar.finish();
+    write_bytes(&arguments.out, &network.to_bytes()?)?;
+    eprint!("{}", tested(&network));
+    Ok(())
+}
+
+/// What the arguments come to.
+fn recipe(arguments: &Arguments, contacts: Vec<Contact>, noise_mm: f64) -> TrainingRecipe {
+    let mut recipe = match (arguments.any_of, arguments.plain) {
+        (true, _) => TrainingRecipe::any_of(contacts, noise_mm),
+        (false, false) => TrainingRecipe::nonlinear(contacts, noise_mm),
+        (false, true) => TrainingRecipe {
+            scaling: Scaling::Coordinates,
+            linear_branch: false,
+            epochs: TrainingRecipe::paper(Vec::new()).epochs,
+            ..TrainingRecipe::nonlinear(contacts, noise_mm)
+        },
+    };
+    let samples = &mut recipe.samples;
+    samples.kinematics = match arguments.truth {
+        TruthArgument::Linear => Kinematics::Linear,
+        TruthArgument::Corotational => Kinematics::Corotational,
+    };
+    samples.largest_force_n = arguments.largest_force_n;
+    samples.largest_sum_n = arguments.largest_sum_n;
+    samples.direction_spread_deg = arguments.direction_spread_deg;
+    samples.modulus_spread = arguments.modulus_spread;
+    samples.hidden = arguments.hide.iter().map(|&node| NodeId(node)).collect();
+    recipe.count = arguments.samples.map_or(recipe.count, |count| count as usize);
+    recipe.epochs = arguments.epochs.map_or(recipe.epochs, |epochs| epochs as usize);
+    if !arguments.hidden_layers.is_empty() {
+        recipe.hidden_layers = arguments.hidden_layers.iter().map(|&width| width.into()).collect();
+    }
+    recipe.seed = arguments.seed;
+    recipe
+}
+
+/// What the network gets wrong on cases that training has not seen, in words.
+fn tested(network: &Network) -> String {
+    let card = &network.card;
+    let line = |(contact, error): (&Contact, &TestError)| {
+        format!(
+            "contact {contact}: {:.4} N root mean square error with {} mm of noise, {:.4} N without\n",
+            error.rms_n, card.noise_mm, error.clean_rms_n
+        )
+    };
+    let lines: String = card.contacts.iter().zip(&card.test_errors).map(line).collect();
+    let (cases, epochs) = (card.test_samples, card.origin.epochs);
+    format!(
+        "{lines}(forces up to {} N, {cases} fresh cases; weights of epoch {epochs})\n",
+        card.origin.force_range_n[1]
+    )
+}

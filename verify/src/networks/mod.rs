@@ -1,0 +1,100 @@
+//! Sensing networks as estimators: those that ship with finray, and a user's own.
+
+#[cfg(feature = "train")]
+pub mod shipping;
+
+use crate::estimators::{Estimator, EstimatorError, PreparedEstimator, Sensed};
+use crate::fixtures;
+use finray_model::Finger;
+use finray_model::measurement::Measurement;
+use finray_model::sensing::Contact;
+use finray_model::sensing::network::{ContactSet, Network, NetworkError, NetworkEstimator};
+
+/// Networks to choose from by finger and contacts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Networks(Vec<Network>);
+
+/// None of the networks is made for what is asked.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NoNetwork {
+    /// There is a single one, and this is why not.
+    #[error(transparent)]
+    Made(#[from] NetworkError),
+    /// Not for this finger.
+    #[error(
+        "no network ships for this finger: train one with `finray train SCENE --contact ... --out FILE` and give it with --network FILE"
+    )]
+    Finger,
+    /// Not for these contacts.
+    #[error(
+        "no network ships for these contacts ({0}): train one with `finray train SCENE --contact ... --out FILE` and give it with \
+         --network FILE"
+    )]
+    Contacts(String),
+}
+
+impl Networks {
+    /// The networks that ship: for the paper's finger, single contact nodes, some pairs, and any of the contact nodes.
+    ///
+    /// # Errors
+    /// [`NetworkError`] if one does not read: a fault of the build.
+    pub fn shipped() -> Result<Networks, NetworkError> {
+        fixtures::NETWORKS.iter().map(|(_, bytes)| Network::from_bytes(bytes)).collect::<Result<_, _>>().map(Networks)
+    }
+
+    /// One network alone.
+    pub fn one(network: Network) -> Networks {
+        Networks(vec![network])
+    }
+
+    /// The network for contacts of a finger, in any order: one for exactly these before one for any of many.
+    ///
+    /// # Errors
+    /// [`NoNetwork`].
+    pub fn choose(&self, finger: &Finger, contacts: &[Contact]) -> Result<&Network, NoNetwork> {
+        let mut why = NoNetwork::Finger;
+        let by_set = |set: ContactSet| self.0.iter().filter(move |network| network.card.contact_set == set);
+        for network in by_set(ContactSet::Fixed).chain(by_set(ContactSet::AnyOf)) {
+            match network.check_made_for(finger, contacts) {
+                Ok(()) => return Ok(network),
+                Err(error) if self.0.len() == 1 => return Err(error.into()),
+                Err(NetworkError::OtherContacts { asked, .. }) => why = NoNetwork::Contacts(asked),
+                Err(_) => {}
+            }
+        }
+        Err(why)
+    }
+}
+
+/// Networks as an estimator for one finger; which of them answers depends on the contacts.
+#[derive(Debug, Clone, Copy)]
+pub struct NetworkSensing<'n> {
+    /// Name in tables.
+    pub name: &'n str,
+    /// The networks.
+    pub networks: &'n Networks,
+    /// The finger.
+    pub finger: &'n Finger,
+}
+
+impl Estimator for NetworkSensing<'_> {
+    fn name(&self) -> &str {
+        self.name
+    }
+
+    fn prepare<'a>(
+        &'a self,
+        contacts: &[Contact],
+        markers: &Measurement,
+    ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError> {
+        let network = self.networks.choose(self.finger, contacts)?;
+        Ok(Box::new(NetworkEstimator::new(network, self.finger, contacts, markers)?))
+    }
+}
+
+impl PreparedEstimator for NetworkEstimator {
+    fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Sensed, EstimatorError> {
+        let estimate = NetworkEstimator::estimate(self, measurement, noise_mm)?;
+        Ok(Sensed { forces_n: estimate.forces_n, sigmas_n: Some(estimate.sigmas_n), sum_sigma_n: None })
+    }
+}
