@@ -2,30 +2,45 @@
 
 use super::Failure;
 use super::progress;
+use clap::ValueEnum;
 use finray_model::sensing::Contact;
 use finray_model::sensing::network::TestError;
 use finray_model::{Finger, Scene};
 use finray_verify::files::{csv_text, write_folder};
 use finray_verify::fixtures;
+use finray_verify::networks::recipes::{self, RecipesError};
 use finray_verify::networks::shipping::{Shipping, shipping};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Train the networks that ship with finray anew.
+/// Train anew the networks that ship with finray, and compare ways to train them.
 ///
-/// Writes a safetensors file each, and shipped.csv: on what each was trained, for how long, and its errors on fresh cases.
-/// Takes about ten minutes on two cores. The same machine gives the same weights again.
+/// `shipped` writes a safetensors file each, and shipped.csv: on what each was trained, for how long, and its errors on
+/// fresh cases; ten minutes on two cores. `recipes` writes recipes.csv, the paper's way to train beside ours, and
+/// curves.csv, the error by number of samples and by size of the network; half an hour. The same machine gives the same
+/// numbers again, but for times.
 ///
 /// Example:
-///   finray networks --out fixtures/networks
+///   finray networks shipped recipes --out fixtures/networks
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Arguments {
+    /// What to make
+    #[arg(value_enum, required = true)]
+    parts: Vec<Part>,
     /// Folder of the files
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Part {
+    /// The networks that ship
+    Shipped,
+    /// The comparison of recipes, samples and sizes
+    Recipes,
 }
 
 /// One contact of one network.
@@ -46,19 +61,42 @@ struct Record {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let finger =
         Scene::from_toml(fixtures::PAPER_SCENE).map_err(|error| Failure::NotComputed(error.to_string()))?.finger;
-    let networks = shipping(&finger);
+    let mut files = Vec::new();
+    if arguments.parts.contains(&Part::Shipped) {
+        files.extend(shipped(&finger)?);
+    }
+    if arguments.parts.contains(&Part::Recipes) {
+        files.extend(compared(&finger)?);
+    }
+    write_folder(&arguments.out, &files)?;
+    Ok(())
+}
+
+type Files = Vec<(PathBuf, Vec<u8>)>;
+
+fn shipped(finger: &Finger) -> Result<Files, Failure> {
+    let networks = shipping(finger);
     let epochs = networks.iter().map(|shipping| shipping.recipe.epochs as u64).sum();
-    let bar = progress::bar(epochs, "training");
-    let trained: Result<Vec<_>, Failure> = networks.par_iter().map(|network| trained(&finger, network, &bar)).collect();
+    let bar = progress::bar(epochs, "networks that ship");
+    let trained: Result<Vec<_>, Failure> = networks.par_iter().map(|network| trained(finger, network, &bar)).collect();
     bar.finish_and_clear();
-    let (mut files, mut records) = (Vec::new(), Vec::new());
+    let (mut files, mut records) = (Files::new(), Vec::new());
     for (name, bytes, of_network) in trained? {
         files.push((PathBuf::from(format!("{name}.safetensors")), bytes));
         records.extend(of_network);
     }
     files.push((PathBuf::from("shipped.csv"), csv_text(records)?.into_bytes()));
-    write_folder(&arguments.out, &files)?;
-    Ok(())
+    Ok(files)
+}
+
+fn compared(finger: &Finger) -> Result<Files, Failure> {
+    let bar = progress::bar(recipes::training_count() as u64, "recipes");
+    let failed = |error: RecipesError| Failure::NotComputed(error.to_string());
+    let by_recipe = recipes::recipes(finger, &|| bar.inc(1)).map_err(failed)?;
+    let curves = recipes::curves(finger, &|| bar.inc(1)).map_err(failed)?;
+    bar.finish_and_clear();
+    let file = |name: &str, text: String| (PathBuf::from(name), text.into_bytes());
+    Ok(vec![file("recipes.csv", csv_text(by_recipe)?), file("curves.csv", csv_text(curves)?)])
 }
 
 /// Name, file and record of a network.

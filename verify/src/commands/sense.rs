@@ -146,7 +146,7 @@ fn network(arguments: &Arguments, finger: &Finger, noise_mm: Option<f64>) -> Res
     check_contacts(finger, &contacts)?;
     let networks = match &arguments.network {
         None => Networks::shipped()?,
-        Some(path) => Networks::one(load_network(path)?),
+        Some(path) => Networks::of(vec![load_network(path)?]),
     };
     let network = networks.choose(finger, &contacts).map_err(|error| Failure::BadInput(error.to_string()))?;
     let measurement = measured(arguments, finger)?;

@@ -1,6 +1,8 @@
 //! Sensing networks as estimators: those that ship with finray, and a user's own.
 
 #[cfg(feature = "train")]
+pub mod recipes;
+#[cfg(feature = "train")]
 pub mod shipping;
 
 use crate::estimators::{Estimator, EstimatorError, PreparedEstimator, Sensed};
@@ -42,9 +44,9 @@ impl Networks {
         fixtures::NETWORKS.iter().map(|(_, bytes)| Network::from_bytes(bytes)).collect::<Result<_, _>>().map(Networks)
     }
 
-    /// One network alone.
-    pub fn one(network: Network) -> Networks {
-        Networks(vec![network])
+    /// Some networks.
+    pub fn of(networks: Vec<Network>) -> Networks {
+        Networks(networks)
     }
 
     /// The network for contacts of a finger, in any order: one for exactly these before one for any of many.

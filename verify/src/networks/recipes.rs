@@ -1,0 +1,279 @@
+//! How a network should be trained: three recipes side by side, and the error by number of samples and by size.
+//!
+//! Training takes minutes, so the report shows what was recorded: `fixtures/networks/recipes.csv` and `curves.csv`.
+
+use super::{NetworkSensing, Networks};
+use crate::estimators::{Estimator, EstimatorError};
+use crate::scatter::{ScatterRequest, ScatterRow, scatter};
+use crate::study::CAMERA_NOISE_MM;
+use crate::table_two::{CONTACT_SETS, FORCES_N};
+use crate::truth::fine_mesh;
+use finray_model::mesh::MeshSizeError;
+use finray_model::sensing::network::Network;
+use finray_model::sensing::{Contact, ContactPlace};
+use finray_model::train::{TrainError, TrainingRecipe, train};
+use finray_model::{Finger, Kinematics, Mesh, NodeId};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::time::Instant;
+
+/// Random cases for each set of contacts: a mean error is known to about 2 % of itself.
+const CASES: usize = 4000;
+/// Seed of forces and noise; that of Table II.
+const SEED: u64 = 1;
+/// The three recipes, and with how many seeds each is trained: the first depends on its seed most.
+const RECIPES: [(&str, u64); 3] = [("a", 5), ("b", 3), ("c", 3)];
+/// Contacts of the curves: the node next to the tip, where noise costs most, and neighbours.
+const CURVE_SETS: [&[usize]; 2] = [&[24], &[19, 20]];
+/// Training cases of the one curve, with the layers of the networks that ship.
+const SAMPLES: [usize; 5] = [300, 1000, 3000, 10_000, 30_000];
+const SAMPLES_SEEDS: u64 = 3;
+/// Cases that training sees in all, repeated or not: every point of the curve takes as many steps.
+const SEEN: usize = 2_000_000;
+/// Hidden layers of the other curve; none is linear regression.
+const SIZES: [&[usize]; 8] = [&[], &[4], &[8], &[16], &[16, 16], &[32, 32], &[64, 64], &[150, 200, 150]];
+const SIZES_SEEDS: u64 = 2;
+
+/// Why a study of recipes could not be finished.
+#[derive(Debug, thiserror::Error)]
+pub enum RecipesError {
+    /// A network could not be trained.
+    #[error(transparent)]
+    Train(#[from] TrainError),
+    /// A network refuses what it was trained for, or a contact is wrong.
+    #[error(transparent)]
+    Estimator(#[from] EstimatorError),
+    /// The finger could not be meshed.
+    #[error(transparent)]
+    Mesh(#[from] MeshSizeError),
+}
+
+/// Mean error of one recipe, trained from one seed, on one finger.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RecipeRow {
+    /// (a) the paper's, linear samples without noise; (b) the same with noise; (c) large rotations with noise, principal
+    /// directions and a linear branch.
+    pub recipe: &'static str,
+    /// Seed of the training.
+    pub seed: u64,
+    /// The finger that is sensed.
+    pub truth: &'static str,
+    /// Standard deviation of a coordinate, mm.
+    pub noise_mm: f64,
+    /// The contact nodes.
+    pub nodes: String,
+    /// "each force" or "sum".
+    pub quantity: &'static str,
+    /// Cases that were sensed.
+    pub cases: usize,
+    /// Cases that were refused.
+    pub refused: usize,
+    /// Mean of |sensed / true - 1|; none where all is refused.
+    pub mean_error: Option<f64>,
+}
+
+/// Mean error of each force for one number of samples and one size, with large rotations and noise.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CurveRow {
+    /// "samples" or "size".
+    pub curve: &'static str,
+    /// The contact nodes.
+    pub nodes: String,
+    /// Training cases.
+    pub samples: usize,
+    /// Widths of the hidden layers, or "none".
+    pub hidden_layers: String,
+    /// Numbers that training finds.
+    pub weights: usize,
+    /// Seed of the training.
+    pub seed: u64,
+    /// Cases that were sensed.
+    pub cases: usize,
+    /// Mean of |sensed / true - 1| over all forces.
+    pub mean_error: Option<f64>,
+    /// The same at the Cramer-Rao bound.
+    pub mean_error_bound: Option<f64>,
+    /// Time of the training, samples included, with as many at once as there are cores, s.
+    pub seconds: f64,
+}
+
+/// A network to train, and what it is called.
+struct Job {
+    name: String,
+    seed: u64,
+    nodes: Vec<usize>,
+    recipe: TrainingRecipe,
+}
+
+/// How many networks [`recipes`] and [`curves`] train: so often they report progress.
+pub fn training_count() -> usize {
+    recipe_jobs().len() + curve_jobs().len()
+}
+
+/// The three recipes on the linear finger and on that with large rotations, without and with noise.
+///
+/// # Errors
+/// [`RecipesError`].
+pub fn recipes(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<RecipeRow>, RecipesError> {
+    let jobs = recipe_jobs();
+    let mut groups: Vec<(&'static str, u64, String, Vec<Network>)> = Vec::new();
+    for (job, (network, _)) in jobs.iter().zip(train_all(finger, &jobs, progress)?) {
+        match groups.iter_mut().find(|(recipe, seed, ..)| *recipe == job.name && *seed == job.seed) {
+            Some((.., networks)) => networks.push(network),
+            None => {
+                let recipe = RECIPES.iter().find(|(recipe, _)| *recipe == job.name).map_or("", |(recipe, _)| recipe);
+                groups.push((recipe, job.seed, format!("{recipe} {}", job.seed), vec![network]));
+            }
+        }
+    }
+    let networks: Vec<Networks> = groups.iter().map(|(.., networks)| Networks::of(networks.clone())).collect();
+    let sensing: Vec<NetworkSensing> = groups
+        .iter()
+        .zip(&networks)
+        .map(|((_, _, name, _), networks)| NetworkSensing { name, networks, finger })
+        .collect();
+    let sets = CONTACT_SETS.map(|set| set.nodes.to_vec());
+    let (coarse, fine) = (Mesh::key_nodes(finger), fine_mesh(finger)?);
+    let mut rows = Vec::new();
+    for (truth, mesh, kinematics) in
+        [("linear", &coarse, Kinematics::Linear), ("corotational", &fine, Kinematics::Corotational)]
+    {
+        for row in errors(mesh, kinematics, &[0.0, CAMERA_NOISE_MM], &sensing, &sets)? {
+            let group = groups.iter().find(|(_, _, name, _)| *name == row.estimator);
+            let Some(&(recipe, seed, ..)) = group else { continue };
+            let entry = |quantity, mean_error| RecipeRow {
+                recipe,
+                seed,
+                truth,
+                noise_mm: row.noise_mm,
+                nodes: listed(&row.nodes),
+                quantity,
+                cases: row.cases,
+                refused: row.refused,
+                mean_error,
+            };
+            rows.push(entry("each force", row.mean_error()));
+            if row.nodes.len() > 1 {
+                rows.push(entry("sum", row.sum.map(|sum| sum.mean_error)));
+            }
+        }
+    }
+    Ok(rows)
+}
+
+/// Error by number of samples and by size of the network, on the finger with large rotations and with noise.
+///
+/// # Errors
+/// [`RecipesError`].
+pub fn curves(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<CurveRow>, RecipesError> {
+    let jobs = curve_jobs();
+    let trained = train_all(finger, &jobs, progress)?;
+    let fine = fine_mesh(finger)?;
+    let mut rows = Vec::new();
+    for set in CURVE_SETS {
+        let of_set: Vec<(&Job, &(Network, f64))> = jobs.iter().zip(&trained).filter(|(j, _)| j.nodes == set).collect();
+        let networks: Vec<Networks> =
+            of_set.iter().map(|(_, (network, _))| Networks::of(vec![network.clone()])).collect();
+        let sensing: Vec<NetworkSensing> =
+            networks.iter().map(|networks| NetworkSensing { name: "network", networks, finger }).collect();
+        let errors = errors(&fine, Kinematics::Corotational, &[CAMERA_NOISE_MM], &sensing, &[set.to_vec()])?;
+        // One set, one level of noise: a row an estimator, in their order.
+        rows.extend(of_set.iter().zip(&errors).map(|((job, (network, seconds)), row)| CurveRow {
+            curve: if job.name == "samples" { "samples" } else { "size" },
+            nodes: listed(&job.nodes),
+            samples: job.recipe.count,
+            hidden_layers: match job.recipe.hidden_layers[..] {
+                [] => "none".to_owned(),
+                ref widths => joined(widths, "-"),
+            },
+            weights: weight_count(network),
+            seed: job.seed,
+            cases: row.cases,
+            mean_error: row.mean_error(),
+            mean_error_bound: row.mean_error_bound(),
+            seconds: *seconds,
+        }));
+    }
+    Ok(rows)
+}
+
+fn recipe_jobs() -> Vec<Job> {
+    let of_recipe = |(name, seeds): (&'static str, u64)| {
+        (1..=seeds).flat_map(move |seed| CONTACT_SETS.map(|set| (seed, set.nodes))).map(move |(seed, nodes)| {
+            let contacts = contacts(nodes);
+            let recipe = match name {
+                "a" => TrainingRecipe::paper(contacts),
+                "b" => TrainingRecipe::paper_with_noise(contacts, CAMERA_NOISE_MM),
+                _ => TrainingRecipe::nonlinear(contacts, CAMERA_NOISE_MM),
+            };
+            Job { name: name.to_owned(), seed, nodes: nodes.to_vec(), recipe: TrainingRecipe { seed, ..recipe } }
+        })
+    };
+    RECIPES.into_iter().flat_map(of_recipe).collect()
+}
+
+fn curve_jobs() -> Vec<Job> {
+    let job = |name: &str, seed: u64, nodes: &[usize], change: &dyn Fn(&mut TrainingRecipe)| {
+        let mut recipe = TrainingRecipe { seed, ..TrainingRecipe::nonlinear(contacts(nodes), CAMERA_NOISE_MM) };
+        change(&mut recipe);
+        Job { name: name.to_owned(), seed, nodes: nodes.to_vec(), recipe }
+    };
+    let mut jobs = Vec::new();
+    for nodes in CURVE_SETS {
+        for (count, seed) in SAMPLES.iter().flat_map(|&count| (1..=SAMPLES_SEEDS).map(move |seed| (count, seed))) {
+            let all_steps = |recipe: &mut TrainingRecipe| {
+                recipe.count = count;
+                recipe.epochs = SEEN / count;
+                recipe.patience = recipe.epochs.div_ceil(5);
+            };
+            jobs.push(job("samples", seed, nodes, &all_steps));
+        }
+        for (widths, seed) in SIZES.iter().flat_map(|&widths| (1..=SIZES_SEEDS).map(move |seed| (widths, seed))) {
+            jobs.push(job("size", seed, nodes, &|recipe| recipe.hidden_layers = widths.to_vec()));
+        }
+    }
+    jobs
+}
+
+/// Networks with the time that each took, in the order of the jobs.
+fn train_all(finger: &Finger, jobs: &[Job], progress: &(dyn Fn() + Sync)) -> Result<Vec<(Network, f64)>, RecipesError> {
+    let train_one = |job: &Job| {
+        let start = Instant::now();
+        let network = train(finger, &job.recipe, &mut |_| {})?;
+        progress();
+        Ok((network, start.elapsed().as_secs_f64()))
+    };
+    jobs.par_iter().map(train_one).collect()
+}
+
+fn errors(
+    truth: &Mesh,
+    kinematics: Kinematics,
+    noise_levels_mm: &[f64],
+    sensing: &[NetworkSensing],
+    sets: &[Vec<usize>],
+) -> Result<Vec<ScatterRow>, RecipesError> {
+    let key_nodes = Mesh::key_nodes(truth.finger());
+    let request = ScatterRequest { truth, kinematics, model: &key_nodes, noise_levels_mm, cases: CASES, seed: SEED };
+    let estimators: Vec<&dyn Estimator> = sensing.iter().map(|sensing| sensing as &dyn Estimator).collect();
+    let sets: Vec<Vec<NodeId>> = sets.iter().map(|set| set.iter().copied().map(NodeId).collect()).collect();
+    Ok(scatter(&request, &estimators, &sets, FORCES_N, &|| ())?)
+}
+
+/// Without hidden layers, the last layer and the linear branch are one.
+fn weight_count(network: &Network) -> usize {
+    let layers: usize = network.layers.iter().map(|layer| layer.weights.len() + layer.bias.len()).sum();
+    if network.layers.len() == 1 { layers } else { layers + network.skip.len() }
+}
+
+fn contacts(nodes: &[usize]) -> Vec<Contact> {
+    nodes.iter().map(|&node| Contact { place: ContactPlace::Node(NodeId(node)), angle_deg: 0.0 }).collect()
+}
+
+fn listed(nodes: &[usize]) -> String {
+    joined(nodes, " ")
+}
+
+fn joined(numbers: &[usize], by: &str) -> String {
+    numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(by)
+}
