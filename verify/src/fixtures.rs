@@ -8,5 +8,22 @@ pub const SPRING_STEEL_SCENE: &str = include_str!("../../fixtures/scenes/spring-
 pub const OPENSEES_PAPER: &str = include_str!("../../fixtures/opensees/paper.csv");
 /// Large deflections of a cantilever.
 pub const ELASTICA: &str = include_str!("../../fixtures/elastica.csv");
-/// Sensing networks for the paper's finger, by name.
-pub const NETWORKS: [(&str, &[u8]); 0] = [];
+/// Sensing networks for the paper's finger.
+pub const NETWORKS: [&[u8]; 16] = [
+    include_bytes!("../../fixtures/networks/14.safetensors"),
+    include_bytes!("../../fixtures/networks/15.safetensors"),
+    include_bytes!("../../fixtures/networks/16.safetensors"),
+    include_bytes!("../../fixtures/networks/17.safetensors"),
+    include_bytes!("../../fixtures/networks/18.safetensors"),
+    include_bytes!("../../fixtures/networks/19.safetensors"),
+    include_bytes!("../../fixtures/networks/20.safetensors"),
+    include_bytes!("../../fixtures/networks/21.safetensors"),
+    include_bytes!("../../fixtures/networks/22.safetensors"),
+    include_bytes!("../../fixtures/networks/23.safetensors"),
+    include_bytes!("../../fixtures/networks/24.safetensors"),
+    include_bytes!("../../fixtures/networks/19-20.safetensors"),
+    include_bytes!("../../fixtures/networks/16-17.safetensors"),
+    include_bytes!("../../fixtures/networks/18-20.safetensors"),
+    include_bytes!("../../fixtures/networks/16-20.safetensors"),
+    include_bytes!("../../fixtures/networks/any.safetensors"),
+];

@@ -269,3 +269,37 @@ fn the_nonlinear_estimator_finds_place_and_direction() {
         assert_close(&sensed.numbers("force_n"), &[2.5], 2.5e-3);
     }
 }
+
+/// The networks that ship answer for the paper's finger: forces within what they state, in the order asked, on nodes or on
+/// the places where these lie.
+#[test]
+fn shipped_networks_sense_the_paper_finger() {
+    let truth = [(19, 0.0, 1.5), (20, 0.0, 0.8)];
+    let loads = truth.map(|(node, angle, force)| paper_load(node, force, angle));
+    let shape = finray(&["solve", PAPER, "--load", &loads[0], "--load", &loads[1], "--mesh-nodes", "684"]).done();
+    let network = ["--estimator", "network", "--noise-mm", "0.067"];
+    let ask = |contacts: &[&str]| sense(&shape, &[contacts, &network].concat());
+    let sensed = ask(&["--contact", "19", "20"]);
+    for ((force, sigma), (_, _, truth)) in sensed.numbers("force_n").iter().zip(sensed.numbers("sigma_n")).zip(truth) {
+        // Without noise in the shape only the network's own error is left.
+        assert!(sigma > 0.01 && (force - truth).abs() < 0.5 * sigma, "{sensed:?}");
+    }
+    let [mut forwards, mut backwards] = [&sensed, &ask(&["--contact", "20", "19"])].map(|csv| csv.numbers("force_n"));
+    backwards.reverse();
+    assert_eq!(forwards, backwards);
+    // Nodes 19 and 20 are the seventh and eighth of thirteen from the tip, 153 mm from the base.
+    let places = ask(&["--contact-at", "76.5", "--contact-at", "63.75"]);
+    assert_eq!(places.numbers("force_n"), forwards);
+    // A third force has its place in the network for any of the nodes.
+    forwards.push(0.0);
+    let three = ask(&["--contact", "19", "20", "15"]).numbers("force_n");
+    assert!(three.iter().zip(&forwards).all(|(ours, truth)| (ours - truth).abs() < 0.3), "{three:?}");
+
+    let message = sense_text(&shape, &[&["--contact", "19@10"][..], &network].concat()).refused();
+    assert_says(&message, &["no network ships for these contacts (19@10)", "finray train"]);
+    let steel = finray_reading(
+        shape.as_bytes(),
+        &[&["sense", SPRING_STEEL, "--displacements", "-", "--contact", "8"][..], &network].concat(),
+    );
+    assert_says(&steel.refused(), &["no network ships for this finger", "finray train"]);
+}

@@ -41,7 +41,7 @@ impl Networks {
     /// # Errors
     /// [`NetworkError`] if one does not read: a fault of the build.
     pub fn shipped() -> Result<Networks, NetworkError> {
-        fixtures::NETWORKS.iter().map(|(_, bytes)| Network::from_bytes(bytes)).collect::<Result<_, _>>().map(Networks)
+        fixtures::NETWORKS.iter().map(|bytes| Network::from_bytes(bytes)).collect::<Result<_, _>>().map(Networks)
     }
 
     /// Some networks.
