@@ -13,11 +13,12 @@ use std::process::ExitCode;
 
 /// Force sensing with compliant fin-ray fingers: solve, sense, and see where sensing can be trusted.
 ///
-/// A finger is described by a scene file (TOML); start from fixtures/scenes/paper.toml. Lengths are in mm, forces in N,
-/// moduli in MPa, angles of forces in degrees from the front plate's inward normal, positive towards the tip.
+/// A finger is described by a scene file (TOML); start from fixtures/scenes/paper.toml. Lengths are
+/// in mm, forces in N, moduli in MPa, angles of forces in degrees from the front plate's inward
+/// normal, positive towards the tip.
 ///
-/// Exit codes: 0 done; 1 a valid question that could not be computed; 2 bad input, or a question without a unique
-/// answer.
+/// Exit codes: 0 done; 1 a valid question that could not be computed; 2 bad input, or a question
+/// without a unique answer.
 #[derive(Parser)]
 #[command(name = "finray", version, arg_required_else_help = true)]
 struct Arguments {

@@ -9,9 +9,9 @@ use std::path::PathBuf;
 
 /// Find Young's modulus from measured shapes under known loads (eq. (11) of Xu et al. 2021).
 ///
-/// Reads case,load_node,fx_n,fy_n,node,ux_mm,uy_mm, the load repeated on each row of its case, and writes
-/// parameter,value,sigma: the factor on all moduli of the scene for which measured and computed nodes are closest in
-/// sum, and the moduli that follow.
+/// Reads case,load_node,fx_n,fy_n,node,ux_mm,uy_mm, the load repeated on each row of its case, and
+/// writes parameter,value,sigma: the factor on all moduli of the scene for which measured and
+/// computed nodes are closest in sum, and the moduli that follow.
 ///
 /// Example:
 ///   finray calibrate fixtures/scenes/paper.toml --measurements weights.csv

@@ -14,9 +14,10 @@ use std::path::{Path, PathBuf};
 
 /// Map where a finger can be trusted to feel: error of the sensed force by place and direction.
 ///
-/// A force of known place and direction is put on the true finger, its size is sensed with the linear model from the
-/// displacements of the key nodes, and the error |sensed / true - 1| is averaged over the camera noise. Writes
-/// s_mm,angle_deg,force_n,mean_error,bias,spread, and the picture beside it as SVG.
+/// A force of known place and direction is put on the true finger, its size is sensed with the linear
+/// model from the displacements of the key nodes, and the error |sensed / true - 1| is averaged over
+/// the camera noise. Writes s_mm,angle_deg,force_n,mean_error,bias,spread, and the picture beside it
+/// as SVG.
 ///
 /// Example:
 ///   finray map fixtures/scenes/paper.toml --noise-mm 0.067 --out map.csv      (and map.svg)

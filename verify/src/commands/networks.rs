@@ -17,10 +17,10 @@ use std::time::Instant;
 
 /// Train anew the networks that ship with finray, and compare ways to train them.
 ///
-/// `shipped` writes a safetensors file each, and shipped.csv: on what each was trained, for how long, and its errors on
-/// fresh cases; ten minutes on two cores. `recipes` writes recipes.csv, the paper's way to train beside ours, and
-/// curves.csv, the error by number of samples and by size of the network; half an hour. The same machine gives the same
-/// numbers again, but for times.
+/// `shipped` writes a safetensors file each, and shipped.csv: on what each was trained, for how long,
+/// and its errors on fresh cases; ten minutes on two cores. `recipes` writes recipes.csv, the paper's
+/// way to train beside ours, and curves.csv, the error by number of samples and by size of the
+/// network; half an hour. The same machine gives the same numbers again, but for times.
 ///
 /// Example:
 ///   finray networks shipped recipes --out fixtures/networks

@@ -12,8 +12,9 @@ use std::sync::Mutex;
 
 /// Run every cross-check and map, and write a page that shows them.
 ///
-/// Writes DIR/index.html, DIR/summary.json and a CSV behind every figure. Without SCENE it is about the paper's finger;
-/// what exists for that finger alone is left out for others, and the page says so.
+/// Writes DIR/index.html, DIR/summary.json and a CSV behind every figure. Without SCENE it is about
+/// the paper's finger; what exists for that finger alone is left out for others, and the page says
+/// so.
 ///
 /// Examples:
 ///   finray report --open

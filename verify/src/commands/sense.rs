@@ -19,25 +19,31 @@ use std::path::PathBuf;
 /// Sense contact forces from measured displacements, with their uncertainty.
 ///
 /// Reads node,ux_mm,uy_mm (further columns are ignored, nodes may be missing) and writes
-/// contact,s_mm,angle_deg,force_n,sigma_n, a row a contact. The direction of each force is an angle from the front
-/// plate's undeformed inward normal, positive towards the tip; 0 if left out. Give a node twice with two angles to ask
-/// for two components. Uncertainty comes from --noise-mm, else from the scene's camera table, else from the residual.
+/// contact,s_mm,angle_deg,force_n,sigma_n, a row a contact. The direction of each force is an angle
+/// from the front plate's undeformed inward normal, positive towards the tip; 0 if left out. Give a
+/// node twice with two angles to ask for two components. Uncertainty comes from --noise-mm, else from
+/// the scene's camera table, else from the residual.
 ///
-/// The nonlinear estimator follows large rotations. It alone takes the directions `normal` (of the deformed plate) and
-/// `auto` (unknown), and the place `auto` (unknown); what the data cannot tell is refused. Unless told a mesh, it
-/// refines until doubling the mesh changes no force by more than 0.2 %.
+/// The nonlinear estimator follows large rotations. It alone takes the directions `normal` (of the
+/// deformed plate) and `auto` (unknown), and the place `auto` (unknown); what the data cannot tell is
+/// refused. Unless told a mesh, it refines until doubling the mesh changes no force by more than
+/// 0.2 %.
 ///
-/// The network estimator answers in microseconds what it was trained for, and refuses the rest. Networks for the paper's
-/// finger ship (contact nodes 14 to 24 alone, the pairs 19 20, 16 17, 18 20 and 16 20, any of 13 to 24); `finray train`
-/// makes those of other fingers and contacts, for --network.
+/// The network estimator answers in microseconds what it was trained for, and refuses the rest.
+/// Networks for the paper's finger ship (contact nodes 14 to 24 alone, the pairs 19 20, 16 17, 18 20
+/// and 16 20, any of 13 to 24); `finray train` makes those of other fingers and contacts, for
+/// --network.
 ///
 /// Examples:
 ///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact 19
-///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact 16@-20 --contact 20@10 --noise-mm 0.067
+///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact 16@-20 --contact 20@10
+///       --noise-mm 0.067
 ///   finray solve fixtures/scenes/paper.toml --kinematics linear --load 19:-0.38,-1.96 |
 ///       finray sense fixtures/scenes/paper.toml --displacements - --contact 19
-///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact-at auto@normal --estimator nonlinear
-///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact 19 20 --estimator network
+///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact-at auto@normal
+///       --estimator nonlinear
+///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact 19 20
+///       --estimator network
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Arguments {

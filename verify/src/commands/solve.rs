@@ -9,8 +9,8 @@ use std::path::PathBuf;
 
 /// Deform a finger under loads: displacements of its key nodes.
 ///
-/// Writes node,x_mm,y_mm,ux_mm,uy_mm,theta_rad, a row a key node: undeformed position, displacement and rotation.
-/// Loads keep their direction while the finger bends; several on one node add up.
+/// Writes node,x_mm,y_mm,ux_mm,uy_mm,theta_rad, a row a key node: undeformed position, displacement
+/// and rotation. Loads keep their direction while the finger bends; several on one node add up.
 ///
 /// Examples:
 ///   finray solve fixtures/scenes/paper.toml --load 19:-0.38,-1.96

@@ -15,16 +15,17 @@ use std::path::PathBuf;
 
 /// Train a sensing network for a finger and its contacts.
 ///
-/// Random forces bend the finger, camera noise is added to what the camera sees, and a network learns to tell the forces
-/// from it. `finray sense --estimator network --network FILE` then senses in microseconds, and refuses other fingers,
-/// other contacts and shapes unlike those of the training. A contact or a pair takes about half a minute.
+/// Random forces bend the finger, camera noise is added to what the camera sees, and a network learns
+/// to tell the forces from it. `finray sense --estimator network --network FILE` then senses in
+/// microseconds, and refuses other fingers, other contacts and shapes unlike those of the training. A
+/// contact or a pair takes about half a minute.
 ///
 /// Examples:
 ///   finray train fixtures/scenes/paper.toml --contact 15 --contact 21 --out 15-21.safetensors
 ///   finray train mine.toml --contact-at 80@-10 --noise-mm 0.1 --out mine.safetensors
 ///   finray train mine.toml --contact 16 18 20 22 --any-of --out mine.safetensors
-///   finray train fixtures/scenes/paper.toml --contact 19 --truth linear --plain --noise-mm 0 --hidden-layers 150,200,150
-///       --out paper-19.safetensors                                             (as in the paper)
+///   finray train fixtures/scenes/paper.toml --contact 19 --truth linear --plain --noise-mm 0
+///       --hidden-layers 150,200,150 --out paper-19.safetensors                  (as in the paper)
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Arguments {
