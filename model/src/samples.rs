@@ -65,12 +65,33 @@ impl SampleRecipe {
         finger.free_nodes().filter(|node| !self.hidden.contains(node)).collect()
     }
 
+    /// Checks every number by itself.
+    ///
+    /// # Errors
+    /// [`SamplesError::Recipe`] naming the first that is impossible.
+    pub fn check(&self) -> Result<(), SamplesError> {
+        let require = |holds: bool, key: &'static str, expected: &'static str, found: &dyn std::fmt::Debug| match holds
+        {
+            true => Ok(()),
+            false => Err(SamplesError::Recipe { key, expected, found: format!("{found:?}") }),
+        };
+        let positive = |x: f64| x.is_finite() && x > 0.0;
+        let not_negative = |x: f64| x.is_finite() && x >= 0.0;
+        require(positive(self.largest_force_n), "largest_force_n", "a force in N", &self.largest_force_n)?;
+        require(positive(self.largest_sum_n), "largest_sum_n", "a force in N", &self.largest_sum_n)?;
+        let spread_deg = self.direction_spread_deg;
+        require(not_negative(spread_deg), "direction_spread_deg", "degrees, zero or more", &spread_deg)?;
+        require(not_negative(self.modulus_spread), "modulus_spread", "zero or more", &self.modulus_spread)?;
+        require(self.elements > 0, "elements", "at least one element a member", &self.elements)
+    }
+
     /// Draws cases from a stream of the seed.
     ///
     /// # Errors
-    /// [`SensingError`] for contacts that are not on the free front plate, and [`SamplesError::NoneCarried`] for a finger
-    /// that carries no forces of the range.
+    /// [`SamplesError`] for numbers of the recipe that are impossible, contacts that are not on the free front plate, and a
+    /// finger that carries no forces of the range.
     pub fn draw(&self, finger: &Finger, count: usize, seed: u64, stream: Stream) -> Result<Samples, SamplesError> {
+        self.check()?;
         check_contacts(finger, &self.contacts)?;
         let markers = self.markers(finger);
         let mesh = Mesh::with_elements_per_member(finger, self.elements);
@@ -136,6 +157,16 @@ impl Stream {
 /// Why no samples were drawn.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SamplesError {
+    /// A number of the recipe is impossible.
+    #[error("{key}: expected {expected}, found {found}")]
+    Recipe {
+        /// The field of the recipe.
+        key: &'static str,
+        /// What it must be.
+        expected: &'static str,
+        /// What it is.
+        found: String,
+    },
     /// A contact is wrong.
     #[error(transparent)]
     Contacts(#[from] SensingError),

@@ -3,7 +3,7 @@
 use super::TrainError;
 use crate::Kinematics;
 use crate::finger::Finger;
-use crate::samples::SampleRecipe;
+use crate::samples::{SampleRecipe, SamplesError};
 use crate::sensing::Contact;
 use crate::sensing::network::Scaling;
 
@@ -105,21 +105,18 @@ impl TrainingRecipe {
             true => Ok(()),
             false => Err(TrainError::Recipe { key, expected, found: format!("{found:?}") }),
         };
-        let samples = &self.samples;
+        self.samples.check().map_err(|error| match error {
+            SamplesError::Recipe { key, expected, found } => TrainError::Recipe { key, expected, found },
+            other => other.into(),
+        })?;
         let positive = |x: f64| x.is_finite() && x > 0.0;
         let not_negative = |x: f64| x.is_finite() && x >= 0.0;
-        require(positive(samples.largest_force_n), "largest_force_n", "a force in N", &samples.largest_force_n)?;
-        require(positive(samples.largest_sum_n), "largest_sum_n", "a force in N", &samples.largest_sum_n)?;
-        let spread_deg = samples.direction_spread_deg;
-        require(not_negative(spread_deg), "direction_spread_deg", "degrees, zero or more", &spread_deg)?;
-        require(not_negative(samples.modulus_spread), "modulus_spread", "zero or more", &samples.modulus_spread)?;
-        require(samples.elements > 0, "elements", "at least one element a member", &samples.elements)?;
         require(not_negative(self.noise_mm), "noise_mm", "mm, zero or more", &self.noise_mm)?;
         require(self.count > 0, "count", "at least one case", &self.count)?;
         require(!self.hidden_layers.contains(&0), "hidden_layers", "widths above zero", &self.hidden_layers)?;
         require(self.epochs > 0 && self.batch > 0, "epochs, batch", "at least one", &(self.epochs, self.batch))?;
         require(positive(self.learning_rate), "learning_rate", "a positive number", &self.learning_rate)?;
-        let seen = samples.markers(finger).len();
-        require(2 * seen >= samples.contacts.len() && seen > 0, "hidden", "as many coordinates as contacts", &seen)
+        let seen = self.samples.markers(finger).len();
+        require(2 * seen >= self.samples.contacts.len() && seen > 0, "hidden", "as many coordinates as contacts", &seen)
     }
 }
