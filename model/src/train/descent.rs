@@ -40,6 +40,16 @@ impl Table {
         self.inputs.len() / self.widths[0]
     }
 
+    /// Share of these cases' targets that count.
+    fn counted_share(&self, cases: &[usize]) -> f64 {
+        if self.counts.is_empty() {
+            return 1.0;
+        }
+        let outputs = self.widths[1];
+        let counts = cases.iter().flat_map(|&case| &self.counts[case * outputs..(case + 1) * outputs]);
+        counts.copied().map(f64::from).sum::<f64>() / (cases.len() * outputs) as f64
+    }
+
     fn batch(&self, cases: &[usize], device: &Device) -> Batch {
         let gather = |from: &[f32], width: usize| {
             let numbers = cases.iter().flat_map(|&case| &from[case * width..(case + 1) * width]).copied();
@@ -146,7 +156,7 @@ fn numbers<const D: usize>(tensor: Tensor<D>) -> Result<Vec<f32>, TrainError> {
 pub struct Epoch {
     /// Its number, from 1.
     pub number: usize,
-    /// Mean squared error of its first batch, in units of what least squares leave over (or of the forces' spread).
+    /// Mean squared error of its first batch where it counts, in units of what least squares leave over (or of the forces' spread).
     pub training_loss: f64,
     /// The same on the validation set.
     pub validation_loss: f64,
@@ -188,12 +198,13 @@ impl Descent<'_> {
                 model = optimizer.step(learning_rate * cosine.max(LEAST_RATE_SHARE), model, gradients);
                 step += 1;
                 if training_loss.is_none() {
-                    training_loss = numbers(loss)?.first().copied();
+                    let loss = numbers(loss)?.first().copied();
+                    training_loss = loss.map(|loss| f64::from(loss) / table.counted_share(cases));
                 }
             }
             let weights = model.weights()?;
             let validation_loss = mean_loss(&weights, self.validation)?;
-            progress(Epoch { number, training_loss: training_loss.unwrap_or(0.0).into(), validation_loss });
+            progress(Epoch { number, training_loss: training_loss.unwrap_or(0.0), validation_loss });
             if validation_loss < best.0 {
                 best = (validation_loss, weights, number);
             } else if number - best.2 >= patience {

@@ -85,7 +85,7 @@ pub fn train(finger: &Finger, recipe: &TrainingRecipe, progress: &mut dyn FnMut(
             largest_total_n: recipe.samples.largest_sum_n,
             direction_spread_deg: recipe.samples.direction_spread_deg,
             modulus_spread: recipe.samples.modulus_spread,
-            hidden_markers: recipe.samples.hidden.len(),
+            hidden_markers: finger.free_nodes().len() - training.markers.len(),
             seed: recipe.seed,
             epochs,
         },

@@ -112,7 +112,8 @@ impl TrainingRecipe {
         let positive = |x: f64| x.is_finite() && x > 0.0;
         let not_negative = |x: f64| x.is_finite() && x >= 0.0;
         require(not_negative(self.noise_mm), "noise_mm", "mm, zero or more", &self.noise_mm)?;
-        require(self.count > 0, "count", "at least one case", &self.count)?;
+        // One case has no spread to scale by.
+        require(self.count > 1, "count", "at least two cases", &self.count)?;
         require(!self.hidden_layers.contains(&0), "hidden_layers", "widths above zero", &self.hidden_layers)?;
         require(self.epochs > 0 && self.batch > 0, "epochs, batch", "at least one", &(self.epochs, self.batch))?;
         require(positive(self.learning_rate), "learning_rate", "a positive number", &self.learning_rate)?;

@@ -16,7 +16,7 @@ pub const FORMAT: u32 = 1;
 pub enum Scaling {
     /// Principal directions of the training shapes, each to unit spread.
     Principal,
-    /// Every coordinate by its own spread, as in the paper.
+    /// Every coordinate by one spread, that of all of them together. The paper does not say how it scales.
     Coordinates,
 }
 
@@ -49,11 +49,11 @@ pub struct Origin {
     pub direction_spread_deg: f64,
     /// Standard deviation of the moduli, as a share.
     pub modulus_spread: f64,
-    /// Most markers hidden in one sample.
+    /// Number of free key nodes that no sample shows.
     pub hidden_markers: usize,
     /// Seed of the samples, of the first weights and of the order of the batches.
     pub seed: u64,
-    /// Passes through the samples until training stopped.
+    /// Passes through the samples until the weights that were kept; training may have gone on for longer.
     pub epochs: usize,
 }
 
