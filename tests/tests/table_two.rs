@@ -3,8 +3,11 @@
 use finray_model::measurement::Measurement;
 use finray_model::sensing::Contact;
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Scene};
+use finray_verify::check::Check;
 use finray_verify::estimators::{BeamEstimator, Estimator, EstimatorError, EstimatorKind, PreparedEstimator, Sensed};
-use finray_verify::scatter::{ScatterRequest, ScatterRow, TWO_FORCES_N, scatter};
+use finray_verify::networks::accuracy::{ENOUGH_CASES, NAME, NetworkStudy, PROMISES};
+use finray_verify::networks::{NetworkSensing, Networks};
+use finray_verify::scatter::{Scatter, ScatterRequest, ScatterRow, TWO_FORCES_N, scatter};
 use finray_verify::table_two::{CONTACT_SETS, STEPS, TableTwo, table_two};
 use finray_verify::truth::fine_mesh;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -20,6 +23,8 @@ const CHANCE: f64 = 0.33;
 const ROUNDING: f64 = 1e-8;
 /// Nonlinear sensing without noise on four elements a member: 0.04 % in the shape.
 const MESH_ERROR: f64 = 0.002;
+/// Nonlinear sensing without noise on the mesh of the true finger, whose iteration stops at some millionths.
+const SAME_FINGER: f64 = 1e-5;
 
 fn paper() -> Finger {
     Scene::from_toml(include_str!("../../fixtures/scenes/paper.toml")).expect("paper scene").finger
@@ -123,6 +128,57 @@ fn the_sigma_of_a_sum_knows_of_the_correlation() {
         // Four standard errors of a share among a hundred cases: 0.19 and 0.09.
         assert!((covered.one_sigma - 0.683).abs() < 0.19 && (covered.two_sigma - 0.95).abs() < 0.09, "{row:?}");
     }
+}
+
+/// Every picture is that of its forces, however the truth was followed there: who knows the true finger errs by the
+/// rounding of two Newton iterations alone.
+#[test]
+fn pictures_are_those_of_the_forces() {
+    let finger = paper();
+    let mesh = Mesh::key_nodes(&finger);
+    let nonlinear = BeamEstimator { kind: EstimatorKind::Nonlinear, mesh: &mesh };
+    for nodes in [&[24][..], &[19, 20], &[14, 23]] {
+        let [row] = &rows(&[&nonlinear], Kinematics::Corotational, &[0.0], nodes)[..] else { panic!("one row") };
+        assert_eq!((row.cases, row.refused), (CASES, 0));
+        assert!(row.mean_error().expect("sensed") < SAME_FINGER, "{row:?}");
+    }
+}
+
+/// Fifteen sets of contacts, those of Table II as they are; promises are for the camera's noise alone, and can be broken.
+#[test]
+fn networks_are_held_to_their_promises() {
+    let finger = paper();
+    let mesh = Mesh::with_elements_per_member(&finger, 4);
+    let networks = Networks::shipped().expect("networks that ship");
+    let sensing = NetworkSensing { name: NAME, networks: &networks, finger: &finger };
+    let sensed = rows(&[&sensing], Kinematics::Corotational, &[NOISE_MM], &[19, 20]);
+    let steps = AtomicUsize::new(0);
+    let count = || {
+        steps.fetch_add(1, Ordering::Relaxed);
+    };
+    let study = NetworkStudy::run(&mesh, &networks, NOISE_MM, 20, &sensed, &count).expect("networks for all");
+    assert_eq!((steps.into_inner(), NetworkStudy::steps(&sensed)), (14, 14));
+    assert_eq!(study.rows.len(), PROMISES.len());
+    for (row, promise) in study.rows.iter().zip(PROMISES) {
+        assert_eq!(row.nodes, promise.nodes);
+        assert_eq!(row.cases, if row.nodes == [19, 20] { CASES } else { 20 });
+    }
+    assert!(study.rows.contains(&sensed[0]));
+    let checks = study.checks();
+    assert_eq!(checks.len(), 11 + 2 * 4);
+    assert!(checks.iter().all(Check::passes), "{checks:?}");
+
+    let other_noise = NetworkStudy { noise_mm: 0.1, ..study.clone() };
+    assert!(other_noise.checks().is_empty());
+    // Enough cases are held to the promise alone, few to what chance adds to it.
+    let single = |cases: usize, mean_error: f64| {
+        let forces = vec![Scatter { mean_error, ..Scatter::default() }];
+        let row = ScatterRow { cases, forces, ..study.rows[0].clone() };
+        study.checks_of(&row)[0].passes()
+    };
+    assert!(single(ENOUGH_CASES, 0.0159) && !single(ENOUGH_CASES, 0.0161));
+    assert!(single(40, 0.024) && !single(40, 0.025));
+    assert!(!single(ENOUGH_CASES, f64::NAN));
 }
 
 fn errors(table: &TableTwo, truth: &str, noise_mm: f64, estimator: &str) -> Vec<[f64; 2]> {

@@ -1,4 +1,4 @@
-//! Everything that the report shows, computed: checks, maps, Tables I and II, mesh convergence, hard cases and example shapes of
+//! Everything that the report shows, computed: checks, maps, Tables I and II, networks, mesh convergence, hard cases and example shapes of
 //! one scene.
 
 use crate::check::{Check, Comparison};
@@ -7,11 +7,15 @@ use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, Esti
 use crate::fixtures;
 use crate::hard_cases::{self, HardCase, hard_cases};
 use crate::map::{AccuracyMap, MapRequest, accuracy_maps};
+use crate::networks::accuracy::{self, NetworkStudy};
+use crate::networks::records::Records;
+use crate::networks::{NetworkSensing, Networks};
 use crate::problems::{self, ProblemError};
 use crate::scatter::{self, ONE_FORCE_N, ScatterRequest, ScatterRow, TWO_FORCES_N};
 use crate::table_one::{TableOne, TableOneError, table_one};
 use crate::table_two::{self, TableTwo, table_two};
 use crate::truth::{MeshTruth, fine_mesh};
+use finray_model::sensing::network::NetworkError;
 use finray_model::sensing::{Contact, ContactPlace};
 use finray_model::statics::{Statics, StaticsError};
 use finray_model::{Finger, Kinematics, Load, Mesh, Scene, Vector};
@@ -37,11 +41,11 @@ pub enum Effort {
 }
 
 impl Effort {
-    /// Random cases for each set of contacts of Table II: from 2000 a mean error is known to about 3 % of itself.
-    fn table_two_cases(self) -> usize {
+    /// Random cases for each set of contacts of Table II and of the networks.
+    fn sensed_cases(self) -> [usize; 2] {
         match self {
-            Effort::Quick => 100,
-            Effort::Full => 2000,
+            Effort::Quick => [100, 40],
+            Effort::Full => [accuracy::ENOUGH_CASES; 2],
         }
     }
 
@@ -92,6 +96,10 @@ pub struct Study {
     pub noise: Option<NoiseStudy>,
     /// Table II, for the paper's finger.
     pub table_two: Option<TableTwo>,
+    /// The networks that ship, for the paper's finger under noise.
+    pub networks: Option<NetworkStudy>,
+    /// Recorded trainings, for the paper's finger.
+    pub records: Records,
     /// Hard cases, variants of the paper's finger.
     pub hard_cases: Vec<HardCase>,
     /// Example shapes.
@@ -129,6 +137,12 @@ pub enum StudyError {
     /// The contacts of the noise study are not on the finger, or an estimator is not made for them.
     #[error(transparent)]
     Estimator(#[from] EstimatorError),
+    /// A network that ships does not read.
+    #[error("a network that ships: {0}")]
+    Network(#[from] NetworkError),
+    /// A recorded training does not read.
+    #[error("a recorded training: {0}")]
+    Record(#[from] csv::Error),
 }
 
 /// Told how far a study is: steps in all, once at the start of each part with its name, and one by one.
@@ -206,10 +220,22 @@ impl Study {
             noise_mm => Some(NoiseStudy::run(finger, &fine, noise_mm, effort, progress)?),
         };
         let mut hard = Vec::new();
-        let mut two = None;
+        let (mut two, mut networks, mut records) = (None, None, Records::default());
         if is_paper {
+            let shipped = Networks::shipped()?;
+            let sensing = NetworkSensing { name: accuracy::NAME, networks: &shipped, finger };
+            let [cases, network_cases] = effort.sensed_cases();
             progress.part("Table II", table_two::STEPS);
-            two = Some(table_two(&fine, &noise_levels_mm, effort.table_two_cases(), &[], &|| progress.step())?);
+            let table = table_two(&fine, &noise_levels_mm, cases, &[&sensing], &|| progress.step())?;
+            if noise_mm > 0.0 {
+                let sensed: Vec<_> = table.of("corotational", noise_mm, accuracy::NAME).cloned().collect();
+                progress.part("networks", NetworkStudy::steps(&sensed));
+                let study = NetworkStudy::run(&fine, &shipped, noise_mm, network_cases, &sensed, &|| progress.step())?;
+                checks.extend(study.checks());
+                networks = Some(study);
+            }
+            two = Some(table);
+            records = Records::shipped()?;
             checks.extend(convergence.checks());
             progress.part("hard cases", hard_cases::count());
             hard = hard_cases(finger, effort, &|| progress.step());
@@ -226,6 +252,8 @@ impl Study {
             convergence,
             noise,
             table_two: two,
+            networks,
+            records,
             hard_cases: hard,
             bent,
         })

@@ -1,5 +1,7 @@
 //! Sensing networks as estimators: those that ship with finray, and a user's own.
 
+pub mod accuracy;
+pub mod records;
 #[cfg(feature = "train")]
 pub mod recipes;
 #[cfg(feature = "train")]

@@ -5,8 +5,11 @@ pub mod figures;
 pub mod page;
 
 mod convergence;
+mod curves;
 mod drawings;
 mod hard_cases;
+mod networks;
+mod recipes;
 mod scatter;
 mod sections;
 mod summary;
@@ -15,7 +18,9 @@ mod tables;
 mod words;
 
 pub use drawings::{map_picture, standalone};
+pub use networks::NetworkRow;
 pub use summary::Summary;
+pub use table_two::TableTwoRow;
 
 use crate::study::Study;
 use figures::FigureError;

@@ -1,8 +1,11 @@
 //! `summary.json`: every figure that the page shows, for machines.
 
+use super::networks::{self, NetworkRow};
+use super::table_two::{self, TableTwoRow};
 use super::{tables, words};
 use crate::check::{Check, Comparison};
 use crate::map::MapSummary;
+use crate::networks::records::{CurveRow, RecipeRow};
 use crate::study::{DRAWN_FORCE_N, Study};
 use crate::table_one::TableOne;
 use serde::Serialize;
@@ -34,6 +37,14 @@ pub struct Summary {
     pub maps: Vec<MapEntry>,
     /// Table I of the paper, for each assumed direction.
     pub table_one: Vec<TableOne>,
+    /// Table II of the paper, by finger, noise, estimator and contacts.
+    pub table_two: Vec<TableTwoRow>,
+    /// The networks that ship, by contacts.
+    pub networks: Vec<NetworkRow>,
+    /// Three ways to train, recorded.
+    pub training_recipes: Vec<RecipeRow>,
+    /// Error of networks against training cases and size, recorded.
+    pub training_curves: Vec<CurveRow>,
 }
 
 impl Summary {
@@ -50,6 +61,10 @@ impl Summary {
             comparisons: study.comparisons.clone(),
             maps: entry(Some(DRAWN_FORCE_N)).chain(entry(None)).collect(),
             table_one: study.tables_one.clone(),
+            table_two: study.table_two.iter().flat_map(table_two::rows).collect(),
+            networks: study.networks.iter().flat_map(networks::rows).collect(),
+            training_recipes: study.records.recipes.clone(),
+            training_curves: study.records.curves.clone(),
         }
     }
 }

@@ -5,7 +5,7 @@ use super::sections::{self, text};
 use super::tables::{error, percent};
 use crate::scatter::ScatterRow;
 use crate::study::Study;
-use crate::table_two::{CASES_WITHOUT_FIT, CONTACT_SETS, ContactSet, FORCES_N, TableTwo, TableTwoFinger};
+use crate::table_two::{CASES_WITHOUT_FIT, CONTACT_SETS, ContactSet, FORCES_N, MOST_FITS, TableTwo, TableTwoFinger};
 use serde::Serialize;
 
 pub(super) const CSV: &str = "table_two.csv";
@@ -13,22 +13,32 @@ pub(super) const CSV: &str = "table_two.csv";
 const ROUNDING: f64 = 1e-8;
 
 /// One quantity of one set of contacts, as it stands in the CSV.
-#[derive(Serialize)]
-pub(super) struct CsvRow {
-    truth: &'static str,
-    noise_mm: f64,
-    estimator: String,
-    nodes: String,
-    quantity: &'static str,
-    cases: usize,
-    refused: usize,
-    paper_mean_error: f64,
-    mean_error: Option<f64>,
-    mean_error_bound: Option<f64>,
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TableTwoRow {
+    /// Kinematics of the sensed finger.
+    pub truth: &'static str,
+    /// Standard deviation of one coordinate, mm.
+    pub noise_mm: f64,
+    /// Name of the estimator.
+    pub estimator: String,
+    /// Contact nodes, by spaces.
+    pub nodes: String,
+    /// `each force` or `sum`.
+    pub quantity: &'static str,
+    /// Cases that were sensed.
+    pub cases: usize,
+    /// Cases that the estimator refused.
+    pub refused: usize,
+    /// What the paper measured on its gripper.
+    pub paper_mean_error: f64,
+    /// Mean of |sensed / true - 1|.
+    pub mean_error: Option<f64>,
+    /// What an estimator that reaches the Cramer-Rao bound has as its mean error.
+    pub mean_error_bound: Option<f64>,
 }
 
 /// A row for the mean of the forces, and for their sum where there are several.
-pub(super) fn csv_rows(table: &TableTwo) -> impl Iterator<Item = CsvRow> {
+pub(super) fn rows(table: &TableTwo) -> impl Iterator<Item = TableTwoRow> {
     let rows = table.fingers.iter().flat_map(|finger| finger.rows.iter().map(|row| (finger.truth, row)));
     rows.flat_map(|(truth, row)| {
         let quantities = CONTACT_SETS.into_iter().filter(|set| row.nodes == set.nodes).flat_map(|set| {
@@ -36,11 +46,11 @@ pub(super) fn csv_rows(table: &TableTwo) -> impl Iterator<Item = CsvRow> {
             let sum = set.paper_sum.map(|paper| ("sum", paper, sum(row), sum_bound(row)));
             [Some(each), sum].into_iter().flatten()
         });
-        let rows = quantities.map(|(quantity, paper_mean_error, mean_error, mean_error_bound)| CsvRow {
+        let rows = quantities.map(|(quantity, paper_mean_error, mean_error, mean_error_bound)| TableTwoRow {
             truth,
             noise_mm: row.noise_mm,
             estimator: row.estimator.clone(),
-            nodes: row.nodes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" "),
+            nodes: nodes_in_words(&row.nodes, " "),
             quantity,
             cases: row.cases,
             refused: row.refused,
@@ -52,7 +62,23 @@ pub(super) fn csv_rows(table: &TableTwo) -> impl Iterator<Item = CsvRow> {
     })
 }
 
-fn sum(row: &ScatterRow) -> Option<f64> {
+/// Node numbers in a row.
+pub(super) fn nodes_in_words(nodes: &[usize], between: &str) -> String {
+    nodes.iter().map(ToString::to_string).collect::<Vec<_>>().join(between)
+}
+
+/// Share of cases that were refused.
+pub(super) fn share_refused<'r>(rows: impl IntoIterator<Item = &'r ScatterRow>) -> String {
+    share_in_words(rows.into_iter().map(|row| [row.refused, row.cases]))
+}
+
+/// The same of numbers of refused and of sensed cases.
+pub(super) fn share_in_words(counts: impl Iterator<Item = [usize; 2]>) -> String {
+    let [refused, sensed] = counts.fold([0, 0], |[r, s], [refused, sensed]| [r + refused, s + sensed]);
+    if refused == 0 { "0".to_owned() } else { percent(refused as f64 / (refused + sensed) as f64) }
+}
+
+pub(super) fn sum(row: &ScatterRow) -> Option<f64> {
     row.sum.map(|sum| sum.mean_error)
 }
 
@@ -66,11 +92,13 @@ pub(super) fn section(study: &Study) -> Option<Section> {
         "Forces of {} to {} N along the normal act on one node (19), on two neighbours (19 and 20) and on two nodes apart (18 \
          and 20); nodes and directions are known. The paper measured on its gripper and sensed with a network; here a known \
          finger is sensed, {} times for each set of contacts, all estimators from the same pictures. Shown is the mean error \
-         of a force and, behind it, of the sum of both; the bound is that of Cramer and Rao. The nonlinear estimator, which no \
-         linear finger fits, senses that one {} times.",
+         of a force and, behind it, of the sum of both; the bound is that of Cramer and Rao. The nonlinear estimator takes its time \
+         and senses the first {} of them; the linear finger, which it does not fit, {} times. The network is that which ships \
+         for these contacts, trained on the large-rotation finger.",
         FORCES_N[0],
         FORCES_N[1],
         two.cases,
+        two.cases.min(MOST_FITS),
         two.cases.min(CASES_WITHOUT_FIT)
     ))];
     blocks.extend(words(two).map(text));
@@ -160,7 +188,7 @@ fn finger_rows(finger: &TableTwoFinger) -> Vec<Row> {
                 let [force, sum] = of_set(set).map_or([None, None], figures);
                 errors(force, sum, set.paper_sum.is_some())
             });
-            let words = [name(finger.truth), &noise_mm.to_string(), what].map(Cell::plain);
+            let words = [finger_name(finger.truth), &noise_mm.to_string(), what].map(Cell::plain);
             Row { cells: words.into_iter().chain(cells).chain([Cell::plain(refused)]).collect() }
         };
         // The bound is the same beside all estimators; the first one saw all cases.
@@ -168,15 +196,13 @@ fn finger_rows(finger: &TableTwoFinger) -> Vec<Row> {
             rows.push(line("bound", |row| [row.mean_error_bound(), sum_bound(row)], String::new()));
             last_noise_mm = noise_mm;
         }
-        let of_estimator = CONTACT_SETS.iter().filter_map(of_set);
-        let (refused, cases) = of_estimator.fold((0, 0), |(r, c), row| (r + row.refused, c + row.refused + row.cases));
-        let refused = if refused == 0 { "0".to_owned() } else { percent(refused as f64 / cases as f64) };
+        let refused = share_refused(CONTACT_SETS.iter().filter_map(of_set));
         rows.push(line(estimator, |row| [row.mean_error(), sum(row)], refused));
     }
     rows
 }
 
-fn name(truth: &str) -> &str {
+pub(super) fn finger_name(truth: &str) -> &str {
     match truth {
         "linear" => "linear",
         _ => "large rotation",
@@ -184,7 +210,7 @@ fn name(truth: &str) -> &str {
 }
 
 /// The cells of one set of contacts: each force, and the sum where there is one.
-fn errors(force: Option<f64>, sum: Option<f64>, has_sum: bool) -> Vec<Cell> {
+pub(super) fn errors(force: Option<f64>, sum: Option<f64>, has_sum: bool) -> Vec<Cell> {
     let cell = |share: Option<f64>| match share {
         None => Cell::plain("-"),
         Some(rounding) if rounding < ROUNDING => Cell::plain("0 %"),

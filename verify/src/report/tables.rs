@@ -1,7 +1,7 @@
 //! Rows for the page's tables, and the CSV files behind figures and tables.
 
 use super::page::{Cell, Column, Row, Shade, Table};
-use super::{convergence, hard_cases, scatter, table_two};
+use super::{convergence, curves, hard_cases, networks, recipes, scatter, table_two};
 use crate::check::{Check, Comparison, worst};
 use crate::files::csv_text;
 use crate::map::AccuracyMap;
@@ -94,7 +94,16 @@ pub(super) fn csv_files(study: &Study) -> Result<Vec<(PathBuf, String)>, csv::Er
         files.push((scatter::CSV.into(), csv_text(scatter::csv_rows(noise))?));
     }
     if let Some(table) = &study.table_two {
-        files.push((table_two::CSV.into(), csv_text(table_two::csv_rows(table))?));
+        files.push((table_two::CSV.into(), csv_text(table_two::rows(table))?));
+    }
+    if let Some(study) = &study.networks {
+        files.push((networks::CSV.into(), csv_text(networks::rows(study))?));
+    }
+    if !study.records.recipes.is_empty() {
+        files.push((recipes::CSV.into(), csv_text(&study.records.recipes)?));
+    }
+    if !study.records.curves.is_empty() {
+        files.push((curves::CSV.into(), csv_text(&study.records.curves)?));
     }
     for map in &study.maps {
         files.push((map_csv_name(map).into(), map.to_csv()?));

@@ -1,5 +1,6 @@
 //! What the numbers say, in sentences made from the numbers.
 
+use super::networks;
 use super::tables::percent;
 use crate::map::{AccuracyMap, Cell};
 use crate::scatter::ScatterRow;
@@ -86,6 +87,7 @@ pub(super) fn verdict(study: &Study) -> Vec<String> {
         }
     }
     sentences.extend(nonlinear(study));
+    sentences.extend(study.networks.as_ref().and_then(networks::words));
     sentences.extend(table_one(study));
     sentences.extend(hard_cases(study));
     let passed = study.all_checks().filter(|check| check.passes()).count();

@@ -5,9 +5,9 @@ use crate::estimators::{BeamEstimator, Estimator, EstimatorError, EstimatorKind,
 use finray_model::frame::FrameMotion;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::Contact;
-use finray_model::statics::{Ladder, Statics};
+use finray_model::statics::{FrameLoad, Ladder, Statics};
 use finray_model::{Finger, Kinematics, Mesh};
-use rand::{Rng, RngExt, SeedableRng};
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
@@ -15,7 +15,7 @@ use rayon::prelude::*;
 /// A finger that carries none of so many draws in a row carries no force of the range.
 const MOST_DRAWS: usize = 100;
 /// Cases that share prepared estimators; threads take turns by as many.
-const BLOCK: u64 = 25;
+const BLOCK: u64 = 100;
 /// Noise that estimators are told of where there is none, mm: no model is exact, and to the nonlinear estimator what its
 /// mesh gets wrong by some micrometres would be wild markers.
 const LEAST_STATED_MM: f64 = 0.01;
@@ -76,7 +76,8 @@ pub(super) fn cases(
     let bound = BeamEstimator { kind, mesh: request.model };
     let run = |numbers: std::ops::Range<u64>| -> Result<Vec<Case>, EstimatorError> {
         let mut bench = Bench::new(request, &bound, estimators, contacts)?;
-        Ok(numbers.filter_map(|number| bench.case(request, range_n, stream, number)).collect())
+        let draws = numbers.map(|number| Draw::new(request, contacts, range_n, stream, number)).collect();
+        Ok(bench.bent(draws, range_n).iter().flatten().map(|bent| bench.case(request, bent)).collect())
     };
     // Wrong contacts, and fingers that carry nothing, show in the first case.
     let mut all = run(0..count.min(1))?;
@@ -120,41 +121,116 @@ impl<'a> Bench<'a> {
         })
     }
 
-    /// Case number `number` of the stream: its forces and noise are the same whoever looks.
-    fn case(&mut self, request: &ScatterRequest, range_n: [f64; 2], stream: u64, number: u64) -> Option<Case> {
-        let mut rng = ChaCha8Rng::seed_from_u64(request.seed);
-        rng.set_stream(stream);
-        rng.set_word_pos(WORDS * u128::from(number));
-        let noise: Vec<f64> =
-            (0..2 * self.finger.free_nodes().len()).map(|_| StandardNormal.sample(&mut rng)).collect();
-        let (forces_n, clean, not_carried) = self.bent_at_random(range_n, &mut rng)?;
+    /// Bends the finger by every draw; `None` for those that it does not carry, however often they are drawn again. Each shape
+    /// is followed from that of the nearest forces among those already found, rest included: a third of the iterations.
+    fn bent(&mut self, mut draws: Vec<Draw>, range_n: [f64; 2]) -> Vec<Option<Bent>> {
+        let mut starts = vec![Start::at_rest(self.mesh, self.contacts.len())];
+        let mut bent: Vec<Option<Bent>> = draws.iter().map(|_| None).collect();
+        let mut open: Vec<usize> = (0..draws.len()).collect();
+        loop {
+            let pairs = (0..open.len()).flat_map(|place| (0..starts.len()).map(move |start| (place, start)));
+            let pairs =
+                pairs.map(|(place, start)| (starts[start].distance_n(&draws[open[place]].forces_n), place, start));
+            let Some((_, place, start)) = pairs.min_by(|a, b| a.0.total_cmp(&b.0)) else { return bent };
+            let number = open.remove(place);
+            let Some((motion, not_carried)) = self.carried(&mut draws[number], &starts[start], range_n) else {
+                continue;
+            };
+            let Draw { forces_n, noise, .. } = &draws[number];
+            let clean = Measurement::of_shape(self.finger, &self.mesh.shape(&motion));
+            bent[number] = Some(Bent { forces_n: forces_n.clone(), noise: noise.clone(), clean, not_carried });
+            starts.push(Start { forces_n: forces_n.clone(), motion });
+        }
+    }
+
+    /// The motion under a draw, and how many draws were not carried; they are drawn again. `None` if none is carried.
+    fn carried(&mut self, draw: &mut Draw, start: &Start, range_n: [f64; 2]) -> Option<(FrameMotion, usize)> {
+        let from = self.loads(&start.forces_n)?;
+        if let Ok(found) = self.statics.shifted(&start.motion, &from, &self.loads(&draw.forces_n)?) {
+            return Some((found.motion, 0));
+        }
+        for not_carried in 0..MOST_DRAWS {
+            let loads = self.loads(&draw.forces_n)?;
+            if let Ok(found) = self.statics.equilibrium(&loads) {
+                return Some((found.motion, not_carried));
+            }
+            draw.again(range_n);
+        }
+        None
+    }
+
+    fn loads(&self, forces_n: &[f64]) -> Option<Vec<FrameLoad>> {
+        let load = |(c, f): (&Contact, &f64)| self.mesh.frame_load(&c.load(self.finger, *f)).ok();
+        self.contacts.iter().zip(forces_n).map(load).collect()
+    }
+
+    /// What everyone makes of the pictures of a bent finger.
+    fn case(&mut self, request: &ScatterRequest, bent: &Bent) -> Case {
         let picture = |&noise_mm: &f64| {
-            let mut seen = clean.clone();
-            let mut coordinates = noise.iter();
+            let mut seen = bent.clean.clone();
+            let mut coordinates = bent.noise.iter();
             seen.add_noise(noise_mm, || coordinates.next().copied().unwrap_or(0.0));
             let sense = |estimator: &mut Box<dyn PreparedEstimator + 'a>| {
                 estimator.estimate(&seen, Some(noise_mm.max(LEAST_STATED_MM))).ok()
             };
             let sensed = self.estimators.iter_mut().map(sense).collect();
-            let bound = if noise_mm > 0.0 { self.bound.estimate(&clean, Some(noise_mm)).ok() } else { None };
+            let bound = if noise_mm > 0.0 { self.bound.estimate(&bent.clean, Some(noise_mm)).ok() } else { None };
             Picture { bound, sensed }
         };
         let pictures = request.noise_levels_mm.iter().map(picture).collect();
-        Some(Case { forces_n, pictures, not_carried })
+        Case { forces_n: bent.forces_n.clone(), pictures, not_carried: bent.not_carried }
+    }
+}
+
+/// What chance gives to one case, the same whoever looks.
+struct Draw {
+    forces_n: Vec<f64>,
+    /// Of each coordinate, in standard deviations.
+    noise: Vec<f64>,
+    /// For forces that must be drawn again.
+    rng: ChaCha8Rng,
+}
+
+impl Draw {
+    /// Case number `number` of the stream.
+    fn new(request: &ScatterRequest, contacts: &[Contact], range_n: [f64; 2], stream: u64, number: u64) -> Draw {
+        let mut rng = ChaCha8Rng::seed_from_u64(request.seed);
+        rng.set_stream(stream);
+        rng.set_word_pos(WORDS * u128::from(number));
+        let coordinates = 2 * request.truth.finger().free_nodes().len();
+        let noise = (0..coordinates).map(|_| StandardNormal.sample(&mut rng)).collect();
+        let mut draw = Draw { forces_n: vec![0.0; contacts.len()], noise, rng };
+        draw.again(range_n);
+        draw
     }
 
-    /// Forces that the finger carries, what the camera sees of them without noise, and how many draws it did not carry;
-    /// `None` if it carries none.
-    fn bent_at_random(&mut self, range_n: [f64; 2], rng: &mut impl Rng) -> Option<(Vec<f64>, Measurement, usize)> {
-        for not_carried in 0..MOST_DRAWS {
-            let forces_n: Vec<f64> = self.contacts.iter().map(|_| rng.random_range(range_n[0]..range_n[1])).collect();
-            let load = |(c, f): (&Contact, &f64)| self.mesh.frame_load(&c.load(self.finger, *f));
-            let loads = self.contacts.iter().zip(&forces_n).map(load).collect::<Result<Vec<_>, _>>().ok()?;
-            if let Ok(equilibrium) = self.statics.equilibrium(&loads) {
-                let seen = Measurement::of_shape(self.finger, &self.mesh.shape(&equilibrium.motion));
-                return Some((forces_n, seen, not_carried));
-            }
-        }
-        None
+    fn again(&mut self, range_n: [f64; 2]) {
+        self.forces_n.fill_with(|| self.rng.random_range(range_n[0]..range_n[1]));
+    }
+}
+
+/// A draw that the finger carries.
+struct Bent {
+    forces_n: Vec<f64>,
+    noise: Vec<f64>,
+    /// What the camera sees without noise.
+    clean: Measurement,
+    not_carried: usize,
+}
+
+/// An equilibrium from which others are followed.
+struct Start {
+    forces_n: Vec<f64>,
+    motion: FrameMotion,
+}
+
+impl Start {
+    fn at_rest(mesh: &Mesh, contacts: usize) -> Start {
+        Start { forces_n: vec![0.0; contacts], motion: FrameMotion::at_rest(mesh.frame()) }
+    }
+
+    /// Sum of the differences to other forces.
+    fn distance_n(&self, forces_n: &[f64]) -> f64 {
+        self.forces_n.iter().zip(forces_n).map(|(a, b)| (a - b).abs()).sum()
     }
 }
