@@ -1,9 +1,9 @@
 //! Sensing networks as estimators: those that ship with finray, and a user's own.
 
 pub mod accuracy;
-pub mod records;
 #[cfg(feature = "train")]
 pub mod recipes;
+pub mod records;
 #[cfg(feature = "train")]
 pub mod shipping;
 
