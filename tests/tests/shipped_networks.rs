@@ -62,7 +62,7 @@ fn errors(
 fn errors_are_near_the_bound() {
     let finger = paper();
     let networks = Networks::shipped().expect("networks that read");
-    let sensing = NetworkSensing { name: "network", networks: &networks, finger: &finger };
+    let sensing = NetworkSensing { name: "network", networks: &networks, finger: &finger, refuses: true };
     let (fine, key_nodes) = (fine_mesh(&finger).expect("a mesh"), Mesh::key_nodes(&finger));
     let cases = case_count();
     let each = singles(&nodes(&[14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24]));
@@ -101,7 +101,7 @@ fn errors_are_near_the_bound() {
 fn the_network_for_any_nodes_beats_ridge() {
     let finger = paper();
     let networks = Networks::shipped().expect("networks that read");
-    let sensing = NetworkSensing { name: "network", networks: &networks, finger: &finger };
+    let sensing = NetworkSensing { name: "network", networks: &networks, finger: &finger, refuses: true };
     let (fine, key_nodes) = (fine_mesh(&finger).expect("a mesh"), Mesh::key_nodes(&finger));
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
     let ridge = BeamEstimator { kind: EstimatorKind::Ridge, mesh: &mesh };

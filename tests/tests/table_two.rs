@@ -150,7 +150,7 @@ fn networks_are_held_to_their_promises() {
     let finger = paper();
     let mesh = Mesh::with_elements_per_member(&finger, 4);
     let networks = Networks::shipped().expect("networks that ship");
-    let sensing = NetworkSensing { name: NAME, networks: &networks, finger: &finger };
+    let sensing = NetworkSensing { name: NAME, networks: &networks, finger: &finger, refuses: true };
     let sensed = rows(&[&sensing], Kinematics::Corotational, &[NOISE_MM], &[19, 20]);
     let steps = AtomicUsize::new(0);
     let count = || {

@@ -27,7 +27,7 @@ pub const NETWORKS: [&[u8]; 16] = [
     include_bytes!("../../fixtures/networks/16-20.safetensors"),
     include_bytes!("../../fixtures/networks/any.safetensors"),
 ];
-/// Three ways to train a network, recorded; none yet.
-pub const RECIPES: &str = "";
-/// Error of networks against training cases and size, recorded; none yet.
-pub const CURVES: &str = "";
+/// Three ways to train a network, recorded.
+pub const RECIPES: &str = include_str!("../../fixtures/networks/recipes.csv");
+/// Error of networks against training cases and size, recorded.
+pub const CURVES: &str = include_str!("../../fixtures/networks/curves.csv");

@@ -223,7 +223,7 @@ impl Study {
         let (mut two, mut networks, mut records) = (None, None, Records::default());
         if is_paper {
             let shipped = Networks::shipped()?;
-            let sensing = NetworkSensing { name: accuracy::NAME, networks: &shipped, finger };
+            let sensing = NetworkSensing { name: accuracy::NAME, networks: &shipped, finger, refuses: true };
             let [cases, network_cases] = effort.sensed_cases();
             progress.part("Table II", table_two::STEPS);
             let table = table_two(&fine, &noise_levels_mm, cases, &[&sensing], &|| progress.step())?;

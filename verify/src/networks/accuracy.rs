@@ -86,7 +86,7 @@ impl NetworkStudy {
         progress: &(dyn Fn() + Sync),
     ) -> Result<NetworkStudy, EstimatorError> {
         let finger = fine.finger();
-        let network = NetworkSensing { name: NAME, networks, finger };
+        let network = NetworkSensing { name: NAME, networks, finger, refuses: true };
         let open = PROMISES.iter().filter(|promise| found(promise, sensed).is_none());
         let sets: Vec<Vec<NodeId>> =
             open.map(|promise| promise.nodes.iter().map(|&node| NodeId(node)).collect()).collect();

@@ -79,6 +79,8 @@ pub struct NetworkSensing<'n> {
     pub networks: &'n Networks,
     /// The finger.
     pub finger: &'n Finger,
+    /// Whether shapes unlike those of the training are refused.
+    pub refuses: bool,
 }
 
 impl Estimator for NetworkSensing<'_> {
@@ -92,7 +94,8 @@ impl Estimator for NetworkSensing<'_> {
         markers: &Measurement,
     ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError> {
         let network = self.networks.choose(self.finger, contacts)?;
-        Ok(Box::new(NetworkEstimator::new(network, self.finger, contacts, markers)?))
+        let estimator = NetworkEstimator::new(network, self.finger, contacts, markers)?;
+        Ok(if self.refuses { Box::new(estimator) } else { Box::new(Unjudged(estimator)) })
     }
 }
 
@@ -100,5 +103,18 @@ impl PreparedEstimator for NetworkEstimator {
     fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Sensed, EstimatorError> {
         let estimate = NetworkEstimator::estimate(self, measurement, noise_mm)?;
         Ok(Sensed { forces_n: estimate.forces_n, sigmas_n: Some(estimate.sigmas_n), sum_sigma_n: None })
+    }
+}
+
+/// Forces for any shape, as the paper's network gives them: nothing is refused, and no deviation is stated.
+struct Unjudged(NetworkEstimator);
+
+impl PreparedEstimator for Unjudged {
+    fn estimate(&mut self, measurement: &Measurement, _: Option<f64>) -> Result<Sensed, EstimatorError> {
+        let displacements = measurement.markers().iter().flat_map(|m| [m.displacement.x, m.displacement.y]);
+        let displacements: Vec<f64> = displacements.collect();
+        let mut forces_n = vec![0.0; self.0.contact_count()];
+        self.0.forces(&displacements, &mut forces_n)?;
+        Ok(Sensed { forces_n, sigmas_n: None, sum_sigma_n: None })
     }
 }

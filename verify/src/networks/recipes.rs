@@ -2,6 +2,7 @@
 //!
 //! Training takes minutes, so the report shows what was recorded: `fixtures/networks/recipes.csv` and `curves.csv`.
 
+use super::records::{CurveRow, RecipeRow};
 use super::{NetworkSensing, Networks};
 use crate::estimators::{Estimator, EstimatorError};
 use crate::scatter::{ScatterRequest, ScatterRow, scatter};
@@ -14,7 +15,6 @@ use finray_model::sensing::{Contact, ContactPlace};
 use finray_model::train::{TrainError, TrainingRecipe, train};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
 use rayon::prelude::*;
-use serde::Serialize;
 use std::time::Instant;
 
 /// Random cases for each set of contacts: a mean error is known to about 2 % of itself.
@@ -48,55 +48,6 @@ pub enum RecipesError {
     Mesh(#[from] MeshSizeError),
 }
 
-/// Mean error of one recipe, trained from one seed, on one finger.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct RecipeRow {
-    /// (a) the paper's, linear samples without noise; (b) the same with noise; (c) large rotations with noise, principal
-    /// directions and a linear branch.
-    pub recipe: &'static str,
-    /// Seed of the training.
-    pub seed: u64,
-    /// The finger that is sensed.
-    pub truth: &'static str,
-    /// Standard deviation of a coordinate, mm.
-    pub noise_mm: f64,
-    /// The contact nodes.
-    pub nodes: String,
-    /// "each force" or "sum".
-    pub quantity: &'static str,
-    /// Cases that were sensed.
-    pub cases: usize,
-    /// Cases that were refused.
-    pub refused: usize,
-    /// Mean of |sensed / true - 1|; none where all is refused.
-    pub mean_error: Option<f64>,
-}
-
-/// Mean error of each force for one number of samples and one size, with large rotations and noise.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct CurveRow {
-    /// "samples" or "size".
-    pub curve: &'static str,
-    /// The contact nodes.
-    pub nodes: String,
-    /// Training cases.
-    pub samples: usize,
-    /// Widths of the hidden layers, or "none".
-    pub hidden_layers: String,
-    /// Numbers that training finds.
-    pub weights: usize,
-    /// Seed of the training.
-    pub seed: u64,
-    /// Cases that were sensed.
-    pub cases: usize,
-    /// Mean of |sensed / true - 1| over all forces.
-    pub mean_error: Option<f64>,
-    /// The same at the Cramer-Rao bound.
-    pub mean_error_bound: Option<f64>,
-    /// Time of the training, samples included, with as many at once as there are cores, s.
-    pub seconds: f64,
-}
-
 /// A network to train, and what it is called.
 struct Job {
     name: String,
@@ -105,12 +56,18 @@ struct Job {
     recipe: TrainingRecipe,
 }
 
-/// How many networks [`recipes`] and [`curves`] train: so often they report progress.
-pub fn training_count() -> usize {
-    recipe_jobs().len() + curve_jobs().len()
+/// How many networks [`recipes`] trains: so often it reports progress.
+pub fn recipe_count() -> usize {
+    recipe_jobs().len()
 }
 
-/// The three recipes on the linear finger and on that with large rotations, without and with noise.
+/// How many networks [`curves`] trains: so often it reports progress.
+pub fn curve_count() -> usize {
+    curve_jobs().len()
+}
+
+/// The three recipes on the linear finger and on that with large rotations, without and with noise. As the paper's, these
+/// networks answer whatever they are shown.
 ///
 /// # Errors
 /// [`RecipesError`].
@@ -130,7 +87,7 @@ pub fn recipes(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<Reci
     let sensing: Vec<NetworkSensing> = groups
         .iter()
         .zip(&networks)
-        .map(|((_, _, name, _), networks)| NetworkSensing { name, networks, finger })
+        .map(|((_, _, name, _), networks)| NetworkSensing { name, networks, finger, refuses: false })
         .collect();
     let sets = CONTACT_SETS.map(|set| set.nodes.to_vec());
     let (coarse, fine) = (Mesh::key_nodes(finger), fine_mesh(finger)?);
@@ -141,13 +98,13 @@ pub fn recipes(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<Reci
         for row in errors(mesh, kinematics, &[0.0, CAMERA_NOISE_MM], &sensing, &sets)? {
             let group = groups.iter().find(|(_, _, name, _)| *name == row.estimator);
             let Some(&(recipe, seed, ..)) = group else { continue };
-            let entry = |quantity, mean_error| RecipeRow {
-                recipe,
+            let entry = |quantity: &str, mean_error| RecipeRow {
+                recipe: recipe.to_owned(),
                 seed,
-                truth,
+                truth: truth.to_owned(),
                 noise_mm: row.noise_mm,
                 nodes: listed(&row.nodes),
-                quantity,
+                quantity: quantity.to_owned(),
                 cases: row.cases,
                 refused: row.refused,
                 mean_error,
@@ -174,12 +131,14 @@ pub fn curves(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<Curve
         let of_set: Vec<(&Job, &(Network, f64))> = jobs.iter().zip(&trained).filter(|(j, _)| j.nodes == set).collect();
         let networks: Vec<Networks> =
             of_set.iter().map(|(_, (network, _))| Networks::of(vec![network.clone()])).collect();
-        let sensing: Vec<NetworkSensing> =
-            networks.iter().map(|networks| NetworkSensing { name: "network", networks, finger }).collect();
+        let sensing: Vec<NetworkSensing> = networks
+            .iter()
+            .map(|networks| NetworkSensing { name: "network", networks, finger, refuses: false })
+            .collect();
         let errors = errors(&fine, Kinematics::Corotational, &[CAMERA_NOISE_MM], &sensing, &[set.to_vec()])?;
         // One set, one level of noise: a row an estimator, in their order.
         rows.extend(of_set.iter().zip(&errors).map(|((job, (network, seconds)), row)| CurveRow {
-            curve: if job.name == "samples" { "samples" } else { "size" },
+            curve: job.name.clone(),
             nodes: listed(&job.nodes),
             samples: job.recipe.count,
             hidden_layers: match job.recipe.hidden_layers[..] {

@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 /// What the network of one recipe and one seed makes of one quantity.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RecipeRow {
-    /// `a`, `b` or `c`.
+    /// `a`, the paper's: linear samples without noise; `b`, the same with noise; `c`, large rotations with noise, principal
+    /// directions and a linear branch.
     pub recipe: String,
     /// Seed of the training.
     pub seed: u64,
@@ -50,7 +51,7 @@ pub struct CurveRow {
     pub mean_error: Option<f64>,
     /// What an estimator that reaches the Cramer-Rao bound has as its mean error.
     pub mean_error_bound: Option<f64>,
-    /// Time of the training, s.
+    /// Time of the training, samples included, with as many at once as there are cores, s.
     pub seconds: f64,
 }
 

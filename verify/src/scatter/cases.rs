@@ -122,7 +122,7 @@ impl<'a> Bench<'a> {
     }
 
     /// Bends the finger by every draw; `None` for those that it does not carry, however often they are drawn again. Each shape
-    /// is followed from that of the nearest forces among those already found, rest included: a third of the iterations.
+    /// is followed from that of the nearest forces among those already found, rest included, which takes fewer iterations.
     fn bent(&mut self, mut draws: Vec<Draw>, range_n: [f64; 2]) -> Vec<Option<Bent>> {
         let mut starts = vec![Start::at_rest(self.mesh, self.contacts.len())];
         let mut bent: Vec<Option<Bent>> = draws.iter().map(|_| None).collect();

@@ -109,6 +109,11 @@ impl NetworkEstimator {
         })
     }
 
+    /// Number of contacts that it was prepared for.
+    pub fn contact_count(&self) -> usize {
+        self.prepared.outputs()
+    }
+
     /// Forces of one frame, N, in the order of the contacts, from the displacements ux, uy of each marker in the order of
     /// the markers, mm. Nothing is allocated and nothing is judged; what is not a number gives forces that are none.
     ///
