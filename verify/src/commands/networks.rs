@@ -13,14 +13,13 @@ use finray_verify::networks::shipping::{Shipping, shipping};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
-use std::time::Instant;
 
 /// Train anew the networks that ship with finray, and compare ways to train them.
 ///
-/// `shipped` writes a safetensors file each, and shipped.csv: on what each was trained, for how long,
-/// and its errors on fresh cases. `recipes` writes recipes.csv, the paper's way to train beside ours, and
+/// `shipped` writes a safetensors file each, and shipped.csv: on what each was trained, and its
+/// errors on fresh cases. `recipes` writes recipes.csv, the paper's way to train beside ours, and
 /// `curves` curves.csv, the error by number of samples and by size of the network. Each takes about
-/// ten minutes on two cores. The same machine gives the same numbers again, but for times.
+/// ten minutes on two cores. The same machine gives the same files again.
 ///
 /// Example:
 ///   finray networks shipped recipes curves --out fixtures/networks
@@ -55,7 +54,6 @@ struct Record {
     inputs: usize,
     seed: u64,
     epochs: usize,
-    seconds: f64,
     rms_n: f64,
     clean_rms_n: f64,
 }
@@ -108,9 +106,7 @@ fn trained(
     Shipping { name, recipe }: &Shipping,
     bar: &indicatif::ProgressBar,
 ) -> Result<(String, Vec<u8>, Vec<Record>), Failure> {
-    let start = Instant::now();
     let network = finray_model::train::train(finger, recipe, &mut |_| bar.inc(1))?;
-    let seconds = start.elapsed().as_secs_f64();
     let widths: Vec<String> = recipe.hidden_layers.iter().map(ToString::to_string).collect();
     let record = |(contact, error): (&Contact, &TestError)| Record {
         network: name.clone(),
@@ -120,7 +116,6 @@ fn trained(
         inputs: network.inputs.count(),
         seed: recipe.seed,
         epochs: network.card.origin.epochs,
-        seconds,
         rms_n: error.rms_n,
         clean_rms_n: error.clean_rms_n,
     };

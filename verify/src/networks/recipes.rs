@@ -15,7 +15,6 @@ use finray_model::sensing::{Contact, ContactPlace};
 use finray_model::train::{TrainError, TrainingRecipe, train};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
 use rayon::prelude::*;
-use std::time::Instant;
 
 /// Random cases for each set of contacts: a mean error is known to about 2 % of itself.
 const CASES: usize = 4000;
@@ -26,10 +25,12 @@ const RECIPES: [(&str, u64); 3] = [("a", 5), ("b", 3), ("c", 3)];
 /// Contacts of the curves: the node next to the tip, where noise costs most, and neighbours.
 const CURVE_SETS: [&[usize]; 2] = [&[24], &[19, 20]];
 /// Training cases of the one curve, with the layers of the networks that ship.
-const SAMPLES: [usize; 5] = [300, 1000, 3000, 10_000, 30_000];
+const SAMPLES: [usize; 7] = [30, 100, 300, 1000, 3000, 10_000, 30_000];
 const SAMPLES_SEEDS: u64 = 3;
-/// Cases that training sees in all, repeated or not: every point of the curve takes as many steps.
+/// Cases that training sees in all, repeated or not, so that the points of the curve take as many steps; a few cases repeat
+/// at most so often.
 const SEEN: usize = 2_000_000;
+const MOST_EPOCHS: usize = 7000;
 /// Hidden layers of the other curve; none is linear regression.
 const SIZES: [&[usize]; 8] = [&[], &[4], &[8], &[16], &[16, 16], &[32, 32], &[64, 64], &[150, 200, 150]];
 const SIZES_SEEDS: u64 = 2;
@@ -74,7 +75,7 @@ pub fn curve_count() -> usize {
 pub fn recipes(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<RecipeRow>, RecipesError> {
     let jobs = recipe_jobs();
     let mut groups: Vec<(&'static str, u64, String, Vec<Network>)> = Vec::new();
-    for (job, (network, _)) in jobs.iter().zip(train_all(finger, &jobs, progress)?) {
+    for (job, network) in jobs.iter().zip(train_all(finger, &jobs, progress)?) {
         match groups.iter_mut().find(|(recipe, seed, ..)| *recipe == job.name && *seed == job.seed) {
             Some((.., networks)) => networks.push(network),
             None => {
@@ -128,16 +129,15 @@ pub fn curves(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<Curve
     let fine = fine_mesh(finger)?;
     let mut rows = Vec::new();
     for set in CURVE_SETS {
-        let of_set: Vec<(&Job, &(Network, f64))> = jobs.iter().zip(&trained).filter(|(j, _)| j.nodes == set).collect();
-        let networks: Vec<Networks> =
-            of_set.iter().map(|(_, (network, _))| Networks::of(vec![network.clone()])).collect();
+        let of_set: Vec<(&Job, &Network)> = jobs.iter().zip(&trained).filter(|(j, _)| j.nodes == set).collect();
+        let networks: Vec<Networks> = of_set.iter().map(|&(_, network)| Networks::of(vec![network.clone()])).collect();
         let sensing: Vec<NetworkSensing> = networks
             .iter()
             .map(|networks| NetworkSensing { name: "network", networks, finger, refuses: false })
             .collect();
         let errors = errors(&fine, Kinematics::Corotational, &[CAMERA_NOISE_MM], &sensing, &[set.to_vec()])?;
         // One set, one level of noise: a row an estimator, in their order.
-        rows.extend(of_set.iter().zip(&errors).map(|((job, (network, seconds)), row)| CurveRow {
+        rows.extend(of_set.iter().zip(&errors).map(|(&(job, network), row)| CurveRow {
             curve: job.name.clone(),
             nodes: listed(&job.nodes),
             samples: job.recipe.count,
@@ -150,7 +150,6 @@ pub fn curves(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<Curve
             cases: row.cases,
             mean_error: row.mean_error(),
             mean_error_bound: row.mean_error_bound(),
-            seconds: *seconds,
         }));
     }
     Ok(rows)
@@ -182,7 +181,7 @@ fn curve_jobs() -> Vec<Job> {
         for (count, seed) in SAMPLES.iter().flat_map(|&count| (1..=SAMPLES_SEEDS).map(move |seed| (count, seed))) {
             let all_steps = |recipe: &mut TrainingRecipe| {
                 recipe.count = count;
-                recipe.epochs = SEEN / count;
+                recipe.epochs = (SEEN / count).min(MOST_EPOCHS);
                 recipe.patience = recipe.epochs.div_ceil(5);
             };
             jobs.push(job("samples", seed, nodes, &all_steps));
@@ -194,13 +193,12 @@ fn curve_jobs() -> Vec<Job> {
     jobs
 }
 
-/// Networks with the time that each took, in the order of the jobs.
-fn train_all(finger: &Finger, jobs: &[Job], progress: &(dyn Fn() + Sync)) -> Result<Vec<(Network, f64)>, RecipesError> {
+/// Networks in the order of the jobs.
+fn train_all(finger: &Finger, jobs: &[Job], progress: &(dyn Fn() + Sync)) -> Result<Vec<Network>, RecipesError> {
     let train_one = |job: &Job| {
-        let start = Instant::now();
         let network = train(finger, &job.recipe, &mut |_| {})?;
         progress();
-        Ok((network, start.elapsed().as_secs_f64()))
+        Ok(network)
     };
     jobs.par_iter().map(train_one).collect()
 }

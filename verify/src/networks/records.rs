@@ -51,8 +51,6 @@ pub struct CurveRow {
     pub mean_error: Option<f64>,
     /// What an estimator that reaches the Cramer-Rao bound has as its mean error.
     pub mean_error_bound: Option<f64>,
-    /// Time of the training, samples included, with as many at once as there are cores, s.
-    pub seconds: f64,
 }
 
 /// All records.

@@ -190,8 +190,12 @@ fn table(recorded: &[RecipeRow], live: &TableTwo) -> Table {
         levels.dedup();
         settings.extend(levels.into_iter().map(|noise_mm| (truth, noise_mm)));
     }
-    let rows =
-        settings.into_iter().flat_map(|(truth, noise_mm)| setting_rows(&Setting { recorded, live, truth, noise_mm }));
+    let rows = settings.into_iter().flat_map(|(truth, noise_mm)| {
+        let mut rows = setting_rows(&Setting { recorded, live, truth, noise_mm });
+        // Said once for all that sense it.
+        rows.iter_mut().skip(1).for_each(|row| row.cells[0] = Cell::plain(""));
+        rows
+    });
     let columns = CONTACT_SETS.iter().flat_map(|set| {
         let sum = set.paper_sum.map(|_| Column::numbers("sum"));
         [Some(Column::numbers(set.name)), sum].into_iter().flatten()
