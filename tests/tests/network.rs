@@ -422,7 +422,7 @@ fn hidden_markers_are_filled_in() {
     assert_eq!(estimator.estimate(&all, None), Err(NetworkError::OtherMarkers));
 
     let mut coordinates = network;
-    coordinates.card.scaling = Scaling::Coordinates;
+    coordinates.card.scaling = Scaling::Spread;
     let refused = NetworkEstimator::new(&coordinates, &paper(), &contacts, &all.without(&[NodeId(5)])).map(|_| ());
     assert_eq!(refused, Err(NetworkError::HiddenMarkers { expected: 23, found: 22 }));
 }

@@ -27,12 +27,11 @@ impl Normalisation {
         let mut centred = displacements.clone();
         centred.column_iter_mut().for_each(|mut column| column -= &mean);
         let covariance = &centred * centred.transpose() / training.count() as f64;
+        let alike = |n: usize, variance: f64| (DMatrix::identity(n, n), vec![variance; n]);
         let (directions, variances) = match scaling {
             Scaling::Principal => principal_directions(covariance, noise_mm),
-            Scaling::Coordinates => {
-                let n = covariance.nrows();
-                (DMatrix::identity(n, n), vec![covariance.trace() / n as f64; n])
-            }
+            Scaling::Spread => alike(covariance.nrows(), covariance.trace() / covariance.nrows() as f64),
+            Scaling::Largest => alike(covariance.nrows(), displacements.amax().powi(2)),
         };
         let spreads_mm: Vec<f64> = variances.iter().map(|variance| variance.sqrt().hypot(noise_mm)).collect();
         let projection = DMatrix::from_fn(directions.ncols(), directions.nrows(), |row, column| {

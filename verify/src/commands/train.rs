@@ -115,7 +115,7 @@ fn recipe(arguments: &Arguments, contacts: Vec<Contact>, noise_mm: f64) -> Train
         (true, _) => TrainingRecipe::any_of(contacts, noise_mm),
         (false, false) => TrainingRecipe::nonlinear(contacts, noise_mm),
         (false, true) => TrainingRecipe {
-            scaling: Scaling::Coordinates,
+            scaling: Scaling::Largest,
             linear_branch: false,
             epochs: TrainingRecipe::paper(Vec::new()).epochs,
             ..TrainingRecipe::nonlinear(contacts, noise_mm)

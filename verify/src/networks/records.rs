@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 /// What the network of one recipe and one seed makes of one quantity.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RecipeRow {
-    /// `a`, the paper's: linear samples without noise; `b`, the same with noise; `c`, large rotations with noise, principal
+    /// `a`, the paper's: linear samples without noise, inputs by the largest displacement, or `a, by spread`; `b`, as `a` with
+    /// noise; `c`, large rotations with noise, principal
     /// directions and a linear branch.
     pub recipe: String,
     /// Seed of the training.

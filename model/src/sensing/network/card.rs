@@ -16,8 +16,10 @@ pub const FORMAT: u32 = 1;
 pub enum Scaling {
     /// Principal directions of the training shapes, each to unit spread.
     Principal,
-    /// Every coordinate by one spread, that of all of them together. The paper does not say how it scales.
-    Coordinates,
+    /// The coordinates themselves, all by one spread, that of all of them together.
+    Spread,
+    /// The coordinates themselves, all by the largest met in training.
+    Largest,
 }
 
 /// What the contacts of a network mean.

@@ -79,7 +79,7 @@ impl NetworkEstimator {
         }
         let known = network.card.markers.len();
         let hidden_markers = NetworkError::HiddenMarkers { expected: known, found: markers.len() };
-        if markers.len() < known && network.card.scaling == Scaling::Coordinates {
+        if markers.len() < known && network.card.scaling != Scaling::Principal {
             return Err(hidden_markers);
         }
         let Filling { matrix, missed } = filling(network, &seen).ok_or(hidden_markers)?;

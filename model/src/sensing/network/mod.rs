@@ -34,7 +34,7 @@ pub struct Inputs {
     /// Mean displacement of the training shapes, n, mm.
     pub mean: Vec<f64>,
     /// P, p x n, 1/mm. With [`Scaling::Principal`] row i is a unit vector divided by sqrt(variance_i + noise^2), and
-    /// rows are orthogonal; with [`Scaling::Coordinates`] it is diagonal.
+    /// rows are orthogonal; otherwise it is diagonal.
     pub projection: DMatrix<f64>,
     /// Variance of the training shapes without noise along the direction of each row, p, mm^2.
     pub variances: Vec<f64>,
