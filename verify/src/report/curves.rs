@@ -8,8 +8,12 @@ use super::tables::percent;
 use crate::networks::records::CurveRow;
 
 pub(super) const CSV: &str = "training_curves.csv";
+/// So many cases are enough if more of them lower the error by no more than this share.
+const ENOUGH: f64 = 0.05;
 /// A network keeps the error of another if its own is no more than this share above it.
 const KEEPS: f64 = 0.1;
+/// Hidden layers of the networks that ship for given contacts.
+const SHIP: &str = "32-32";
 /// The paper's hidden layers.
 const PAPERS: &str = "150-200-150";
 
@@ -117,7 +121,7 @@ fn figure(curves: &[Curve], x_label: &str, caption: &str) -> Result<Figure, Repo
 fn samples_in_words(curves: &[Curve]) -> Option<String> {
     let enough = |curve: &Curve| {
         let last = curve.points.last()?;
-        let worse = curve.points.iter().rposition(|point| point.error > (1.0 + KEEPS) * last.error);
+        let worse = curve.points.iter().rposition(|point| point.error > (1.0 + ENOUGH) * last.error);
         Some((curve.points[worse.map_or(0, |i| i + 1)].x, last.x))
     };
     let enough: Vec<(usize, usize)> = curves.iter().filter_map(enough).collect();
@@ -125,9 +129,9 @@ fn samples_in_words(curves: &[Curve]) -> Option<String> {
     Some(match needed < most {
         true => format!(
             "How many cases? From {needed} on, the error is within {} of that with {most}, for every set of contacts here.",
-            keeps_in_words()
+            in_words(ENOUGH)
         ),
-        false => format!("How many cases? The error still falls by more than {} towards {most}.", keeps_in_words()),
+        false => format!("How many cases? The error still falls by more than {} towards {most}.", in_words(ENOUGH)),
     })
 }
 
@@ -151,11 +155,17 @@ fn sizes_in_words(curves: &[Curve]) -> Option<String> {
             layers_in_words(&smallest.layers),
             smallest.x,
             papers.x,
-            keeps_in_words()
+            in_words(KEEPS)
         )
     } else {
-        format!("Is {PAPERS} needed? Yes: every smaller network errs by more than {} more.", keeps_in_words())
+        format!("Is {PAPERS} needed? Yes: every smaller network errs by more than {} more.", in_words(KEEPS))
     };
+    let above = curves.iter().filter_map(|curve| {
+        Some(curve.points[find(curve, SHIP)?].error / curve.points[find(curve, PAPERS)?].error - 1.0)
+    });
+    if let Some(above) = above.reduce(f64::max).filter(|above| *above > 0.0) {
+        words += &format!(" With {SHIP}, as ships, the error is at most {} above it.", percent(above));
+    }
     let alone = curves.iter().filter_map(|curve| Some((&curve.nodes, &curve.points[find(curve, "none")?])));
     let alone: Vec<String> =
         alone.map(|(nodes, point)| format!("{} for {}", percent(point.error), nodes_in_words(nodes))).collect();
@@ -166,14 +176,15 @@ fn sizes_in_words(curves: &[Curve]) -> Option<String> {
 }
 
 /// The share in whole percent.
-fn keeps_in_words() -> String {
-    format!("{:.0} %", 100.0 * KEEPS)
+fn in_words(share: f64) -> String {
+    format!("{:.0} %", 100.0 * share)
 }
 
-fn layers_in_words(layers: &str) -> &str {
+fn layers_in_words(layers: &str) -> String {
     match layers {
-        "none" => "linear regression",
-        layers => layers,
+        "none" => "linear regression".to_owned(),
+        several if several.contains('-') => several.to_owned(),
+        one => format!("one layer of {one}"),
     }
 }
 
@@ -182,7 +193,7 @@ fn table(curves: &[Curve]) -> Table {
         curve.points.iter().map(|point| Row {
             cells: [
                 curve.nodes.replace(' ', ", "),
-                layers_in_words(&point.layers).to_owned(),
+                layers_in_words(&point.layers),
                 point.x.to_string(),
                 percent(point.error),
                 percent(point.bound),
