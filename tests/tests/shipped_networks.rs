@@ -7,6 +7,7 @@ use finray_model::sensing::{Contact, ContactPlace};
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Scene, statics};
 use finray_verify::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorKind};
 use finray_verify::fixtures::PAPER_SCENE;
+use finray_verify::networks::shipping::{Shipping, shipping};
 use finray_verify::networks::{NetworkSensing, Networks, NoNetwork};
 use finray_verify::scatter::{ScatterRequest, ScatterRow, TWO_FORCES_N, scatter, singles};
 use finray_verify::truth::fine_mesh;
@@ -113,6 +114,25 @@ fn the_network_for_any_nodes_beats_ridge() {
         let [ours, theirs] = [network, ridge].map(|row| row.mean_error().expect("forces"));
         println!("{:?}: {:.1} %, ridge {:.1} %", network.nodes, 100.0 * ours, 100.0 * theirs);
         assert!(ours < 0.8 * theirs, "{network:?} {ridge:?}");
+    }
+}
+
+/// The embedded networks are those that `finray networks shipped` makes.
+#[test]
+fn what_ships_was_trained_as_told() {
+    let finger = paper();
+    let networks = Networks::shipped().expect("networks that read");
+    let told = shipping(&finger);
+    assert_eq!(told.len(), 16);
+    for Shipping { name, recipe } in told {
+        let network = networks.choose(&finger, &recipe.samples.contacts).expect("a network");
+        let (card, origin) = (&network.card, &network.card.origin);
+        assert_eq!(card.contacts, recipe.samples.contacts, "{name}");
+        assert_eq!((card.scaling, card.noise_mm), (recipe.scaling, recipe.noise_mm), "{name}");
+        assert_eq!((origin.samples, origin.seed), (recipe.count, recipe.seed), "{name}");
+        assert_eq!(origin.kinematics, Kinematics::Corotational, "{name}");
+        let widths: Vec<usize> = network.layers[..network.layers.len() - 1].iter().map(|layer| layer.outputs).collect();
+        assert_eq!(widths, recipe.hidden_layers, "{name}");
     }
 }
 
