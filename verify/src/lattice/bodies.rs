@@ -54,7 +54,7 @@ pub struct BodyLoad {
 /// A stretch of the front plate that a load may stand on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum FrontStretch {
-    /// Rigid with a rod: the place is `from_mm` where the anchor is.
+    /// Rigid with a rod: the anchor is at the place `at_mm`.
     Arm { anchor: Anchor, at_mm: f64 },
     /// Between two bodies.
     Segment { ends: [Anchor; 2], from_mm: f64, to_mm: f64 },
@@ -244,7 +244,7 @@ impl Assembly {
     }
 }
 
-/// Most segments of a lattice: Newton's method takes seconds a step there, and settling hours.
+/// Most segments of a lattice, far beyond any use.
 const MOST_SEGMENTS: f64 = 20_000.0;
 /// Axial rigidity of a hinged rib that does not deform, in units of the stiffer plate's. Its force bends the plates, which are far
 /// softer that way, so its own stretching does not show; a much stiffer one would settle more slowly.
