@@ -400,6 +400,15 @@ pub struct FingerShape {
 }
 
 impl FingerShape {
+    /// The shape in which every key node has the displacement (mm) and rotation (rad) that `motion` gives it.
+    pub fn new(finger: &Finger, mut motion: impl FnMut(NodeId) -> (Vector, f64)) -> FingerShape {
+        let motions = (1..=finger.key_node_count()).map(NodeId).map(|node| {
+            let (displacement, rotation) = motion(node);
+            NodeMotion { node, position: finger.position(node), displacement, rotation }
+        });
+        FingerShape { motions: motions.collect() }
+    }
+
     /// All key nodes in their order.
     pub fn motions(&self) -> &[NodeMotion] {
         &self.motions

@@ -7,6 +7,8 @@ use common::*;
 const HEADER: [&str; 6] = ["s_mm", "angle_deg", "force_n", "mean_error", "bias", "spread"];
 /// A linear finger, sensed linearly: what is left without noise.
 const ROUNDING: f64 = 1e-9;
+/// Four segments a stretch of plate are within 1e-4 of beams; sensing enlarges that near the base.
+const LATTICE_TOLERANCE: f64 = 2e-3;
 
 fn quick_noisy_map(out: &str) -> [&str; 10] {
     ["map", PAPER, "--truth", "linear", "--noise-mm", "0.067", "--seeds", "10", "--out", out]
@@ -156,4 +158,16 @@ fn maps_that_make_no_sense_are_refused() {
     ] {
         assert_says(&finray(&[&["map", PAPER], &arguments[..]].concat()).refused(), &[expected]);
     }
+}
+
+/// The finger as bodies and springs answers as beams do, so the maps are alike.
+#[test]
+fn the_lattice_gives_the_map_of_beams() {
+    let hinged = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/opensees/hinged.toml");
+    let map = |truth| Csv::of(&finray(&["map", hinged, "--truth", truth, "--force-n", "0.5"]).done());
+    let (lattice, beams) = (map("lattice"), map("corotational"));
+    assert_eq!(lattice.numbers("s_mm"), beams.numbers("s_mm"));
+    let biases: Vec<(f64, f64)> = lattice.numbers("bias").into_iter().zip(beams.numbers("bias")).collect();
+    assert!(biases.iter().all(|(ours, theirs)| (ours - theirs).abs() < LATTICE_TOLERANCE));
+    assert!(biases.iter().any(|(ours, theirs)| ours != theirs), "they are two models");
 }

@@ -18,6 +18,7 @@ use finray_model::sensing::SensingError;
 use finray_model::sensing::network::NetworkError;
 use finray_model::statics::StaticsError;
 use finray_verify::files::{FileError, is_standard_stream};
+use finray_verify::lattice::LatticeError;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -107,6 +108,18 @@ impl From<finray_model::train::TrainError> for Failure {
 impl From<finray_model::mesh::MeshSizeError> for Failure {
     fn from(error: finray_model::mesh::MeshSizeError) -> Failure {
         Failure::BadInput(format!("--mesh-nodes: {error}"))
+    }
+}
+
+impl From<LatticeError> for Failure {
+    fn from(error: LatticeError) -> Failure {
+        match error {
+            LatticeError::Load(_) | LatticeError::LoadNotFinite => Failure::BadInput(error.to_string()),
+            LatticeError::NoSegments
+            | LatticeError::TooFine { .. }
+            | LatticeError::NotSettled { .. }
+            | LatticeError::NoEquilibrium { .. } => Failure::NotComputed(error.to_string()),
+        }
     }
 }
 

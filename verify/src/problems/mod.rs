@@ -8,6 +8,7 @@ pub mod elastica;
 pub mod energy_balance;
 pub mod full_circle;
 pub mod grid_convergence;
+pub mod lattice;
 pub mod lee_frame;
 pub mod opensees;
 pub mod refinement;
@@ -26,6 +27,9 @@ pub enum ProblemError {
     /// The problem's own finger or frame has no solution.
     #[error(transparent)]
     Statics(#[from] StaticsError),
+    /// The finger's lattice has no equilibrium, or does not settle.
+    #[error(transparent)]
+    Lattice(#[from] crate::lattice::LatticeError),
     /// The problem's own mesh cannot be made.
     #[error(transparent)]
     Mesh(#[from] finray_model::mesh::MeshSizeError),

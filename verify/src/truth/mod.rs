@@ -1,7 +1,9 @@
 //! The fingers that sensing is put to the test on, behind one small trait.
 
+mod lattice;
 mod mesh;
 
+pub use lattice::LatticeTruth;
 pub use mesh::{FINE_MESH_NODES, MeshTruth, fine_mesh};
 
 use finray_model::mesh::FingerShape;

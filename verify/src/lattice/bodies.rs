@@ -1,0 +1,321 @@
+//! The finger cut into rigid bodies: a rod at every junction, and short stretches of plate and rib between the rods.
+
+use super::LatticeError;
+use super::springs::{Segment, Spring};
+use finray_model::finger::{Joints, Part, Plate, Zone};
+use finray_model::frame::Section;
+use finray_model::mesh::{Load, LoadError};
+use finray_model::{Finger, NodeId, Vector};
+
+/// Index of a body of a lattice, from 0.
+pub type BodyIndex = usize;
+
+/// A rigid body, undeformed with its axes along those of the finger frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Body {
+    /// Where its centre rests, mm, finger frame.
+    pub position: Vector,
+    /// Clamped: it never moves.
+    pub fixed: bool,
+}
+
+/// A point that a body carries along.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Anchor {
+    /// The body.
+    pub body: BodyIndex,
+    /// From the centre of the body to the point, undeformed, mm.
+    pub arm: Vector,
+}
+
+impl Anchor {
+    /// The point farther along by `by`, mm, on the same body.
+    pub fn moved(self, by: Vector) -> Anchor {
+        Anchor { arm: self.arm + by, ..self }
+    }
+}
+
+/// What a dead load does to one body: with the body's displacement u and rotation theta its work is
+/// share F . u + F . R(theta) lever + M theta.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyLoad {
+    /// The body.
+    pub body: BodyIndex,
+    /// Force of the whole load F, N.
+    pub force: Vector,
+    /// Share of the force that this body takes.
+    pub share: f64,
+    /// Lever that the force turns the body by, undeformed, mm.
+    pub lever: Vector,
+    /// Moment M, N mm.
+    pub moment_nmm: f64,
+}
+
+/// A stretch of the front plate that a load may stand on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum FrontStretch {
+    /// Rigid with a rod: the anchor is at the place `at_mm`.
+    Arm { anchor: Anchor, at_mm: f64 },
+    /// Between two bodies.
+    Segment { ends: [Anchor; 2], from_mm: f64, to_mm: f64 },
+}
+
+/// Bodies and springs of a finger; see the [module](super).
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Assembly {
+    /// The bodies: first those of the key nodes, then the stretches between.
+    pub bodies: Vec<Body>,
+    /// The springs between them.
+    pub springs: Vec<Spring>,
+    /// Where each key node sits, in the order of the nodes.
+    pub key_nodes: Vec<Anchor>,
+    /// Stretches of the front plate from base to tip, each with the place where it ends, mm.
+    front: Vec<(f64, FrontStretch)>,
+}
+
+impl Assembly {
+    /// Cuts a finger into segments of nearly the same length, so many in a mean stretch of plate between two key nodes.
+    ///
+    /// # Errors
+    /// [`LatticeError::NoSegments`] for a fineness of zero, [`LatticeError::TooFine`] for more bodies than are of use.
+    pub fn new(finger: &Finger, fineness: usize) -> Result<Assembly, LatticeError> {
+        if fineness == 0 {
+            return Err(LatticeError::NoSegments);
+        }
+        let target_mm = mean_stretch_mm(finger) / fineness as f64;
+        let segments = members_mm(finger).map(|length_mm| segments_of(length_mm, target_mm) as f64).sum::<f64>();
+        if segments > MOST_SEGMENTS {
+            return Err(LatticeError::TooFine { fineness });
+        }
+        let mut assembly = Assembly::default();
+        assembly.add_rods(finger);
+        for plate in [Plate::Back, Plate::Front] {
+            assembly.add_plate(finger, plate, target_mm);
+        }
+        for rib in 0..finger.rib_count() {
+            assembly.add_rib(finger, rib, target_mm);
+        }
+        Ok(assembly)
+    }
+
+    /// A body at every key node; the two rods of a rib that does not deform are one body.
+    fn add_rods(&mut self, finger: &Finger) {
+        let ribs = &finger.description().ribs;
+        let welded = ribs.strip.is_none() && ribs.joints == Joints::Rigid;
+        let clamped = finger.clamped_nodes();
+        for node in (1..=finger.key_node_count()).map(NodeId) {
+            let position = finger.position(node);
+            let back = finger.key_node_count() + 1 - node.0;
+            let anchor = if welded && node > finger.tip() && !clamped.contains(&node) {
+                Anchor { body: back - 1, arm: position - finger.position(NodeId(back)) }
+            } else {
+                self.bodies.push(Body { position, fixed: clamped.contains(&node) });
+                Anchor { body: self.bodies.len() - 1, arm: Vector::zeros() }
+            };
+            self.key_nodes.push(anchor);
+        }
+    }
+
+    fn add_plate(&mut self, finger: &Finger, plate: Plate, target_mm: f64) {
+        let Some(section) = finger.section(plate.into()) else { return };
+        let zones: Vec<&Zone> =
+            finger.description().zones.iter().filter(|zone| zone.part == Part::from(plate)).collect();
+        let arm = finger.description().rod_arm_mm;
+        let along = (finger.plate_point(plate, 1.0) - finger.base(plate)).normalize();
+        let places = finger.plate_places_mm(plate);
+        for (nodes, places) in finger.plate_nodes(plate).windows(2).zip(places.windows(2)) {
+            let [from, to] =
+                [self.key_nodes[nodes[0].0 - 1].moved(along * arm), self.key_nodes[nodes[1].0 - 1].moved(along * -arm)];
+            let free_mm = [places[0] + arm, places[1] - arm];
+            let borders = borders_mm(free_mm, &zones, target_mm);
+            let anchors = self.divide([from, to], &borders);
+            if plate == Plate::Front {
+                self.front.push((free_mm[0], FrontStretch::Arm { anchor: from, at_mm: free_mm[0] }));
+            }
+            for (&ends, border) in anchors.iter().zip(borders.windows(2)) {
+                let (from_mm, to_mm) = (border[0], border[1]);
+                let section = section.scaled(1.0 / mean_compliance(&zones, from_mm, to_mm));
+                let segment =
+                    Segment { ends, pinned: [false; 2], direction: along, length_mm: to_mm - from_mm, section };
+                self.springs.extend(segment.springs());
+                if plate == Plate::Front {
+                    self.front.push((to_mm, FrontStretch::Segment { ends, from_mm, to_mm }));
+                }
+            }
+            if plate == Plate::Front {
+                self.front.push((places[1], FrontStretch::Arm { anchor: to, at_mm: free_mm[1] }));
+            }
+        }
+    }
+
+    fn add_rib(&mut self, finger: &Finger, rib: usize, target_mm: f64) {
+        let [front, back] = finger.rib_nodes(rib);
+        let between = finger.position(front) - finger.position(back);
+        let direction = between.normalize();
+        let hinged = finger.description().ribs.joints == Joints::Hinged;
+        let Some(section) = finger.section(Part::Ribs) else {
+            if hinged {
+                let ends = [self.key_nodes[back.0 - 1], self.key_nodes[front.0 - 1]];
+                let section = undeformable_bar(finger);
+                self.springs.extend(
+                    Segment { ends, pinned: [true; 2], direction, length_mm: between.norm(), section }.springs(),
+                );
+            }
+            // Otherwise the rib is one body with its rods.
+            return;
+        };
+        let arm = direction * finger.description().rod_arm_mm;
+        let ends = [self.key_nodes[back.0 - 1].moved(arm), self.key_nodes[front.0 - 1].moved(-arm)];
+        let borders = borders_mm([0.0, between.norm() - 2.0 * finger.description().rod_arm_mm], &[], target_mm);
+        let segments = borders.len() - 1;
+        let length_mm = borders[1];
+        let place = finger.plate_places_mm(Plate::Front)[rib + 1];
+        let covers = |zone: &&Zone| zone.part == Part::Ribs && zone.from_mm <= place && place < zone.to_mm;
+        let factor: f64 = finger.description().zones.iter().filter(covers).map(|zone| zone.modulus_factor).product();
+        for (i, ends) in self.divide(ends, &borders).into_iter().enumerate() {
+            let pinned = [hinged && i == 0, hinged && i + 1 == segments];
+            self.springs
+                .extend(Segment { ends, pinned, direction, length_mm, section: section.scaled(factor) }.springs());
+        }
+    }
+
+    /// Puts bodies on the straight line between two anchors, at the inner ones of the `borders` along it; the ends of each
+    /// segment.
+    fn divide(&mut self, ends: [Anchor; 2], borders: &[f64]) -> Vec<[Anchor; 2]> {
+        let [from, to] = ends.map(|end| self.bodies[end.body].position + end.arm);
+        let (first, last) = (borders[0], borders[borders.len() - 1]);
+        let mut chain = vec![ends[0]];
+        for border in &borders[1..borders.len() - 1] {
+            let position = from + (to - from) * ((border - first) / (last - first));
+            self.bodies.push(Body { position, fixed: false });
+            chain.push(Anchor { body: self.bodies.len() - 1, arm: Vector::zeros() });
+        }
+        chain.push(ends[1]);
+        chain.windows(2).map(|pair| [pair[0], pair[1]]).collect()
+    }
+
+    /// Shares a load among the bodies that carry it.
+    ///
+    /// Between two bodies the plate bends as a cubic through both, so each takes the force by its cubic (Hermite) weight, at
+    /// a lever along its own direction. The force's part along the plate is shared the same way instead of linearly: up to a
+    /// tenth of it then acts on the wrong end of one segment, which stretches that segment and moves nothing else.
+    ///
+    /// # Errors
+    /// [`LoadError`] for a node that is missing or clamped, or a place that is not on the front plate.
+    pub fn body_loads(&self, finger: &Finger, load: &Load) -> Result<Vec<BodyLoad>, LoadError> {
+        match *load {
+            Load::Node { node, force, moment_nmm } => {
+                let key_nodes = finger.key_node_count();
+                if !(1..=key_nodes).contains(&node.0) {
+                    return Err(LoadError::NodeMissing { node, key_nodes });
+                }
+                if finger.clamped_nodes().contains(&node) {
+                    return Err(LoadError::NodeClamped { node });
+                }
+                let Anchor { body, arm } = self.key_nodes[node.0 - 1];
+                Ok(vec![BodyLoad { body, force, share: 1.0, lever: arm, moment_nmm }])
+            }
+            Load::Front { s_mm, force } => {
+                let length_mm = finger.plate_length_mm(Plate::Front);
+                let stretch = (s_mm > 0.0).then(|| self.front.iter().find(|(end, _)| s_mm <= *end)).flatten();
+                let Some((_, stretch)) = stretch else { return Err(LoadError::PlaceOffPlate { s_mm, length_mm }) };
+                let along = finger.front_tangent();
+                let on_body = |anchor: Anchor, share: f64, lever_mm: f64| BodyLoad {
+                    body: anchor.body,
+                    force,
+                    share,
+                    lever: anchor.arm * share + along * lever_mm,
+                    moment_nmm: 0.0,
+                };
+                Ok(match *stretch {
+                    FrontStretch::Arm { anchor, at_mm } => vec![on_body(anchor, 1.0, s_mm - at_mm)],
+                    FrontStretch::Segment { ends, from_mm, to_mm } => {
+                        let length = to_mm - from_mm;
+                        let x = (s_mm - from_mm) / length;
+                        let second = x * x * (3.0 - 2.0 * x);
+                        vec![
+                            on_body(ends[0], 1.0 - second, length * x * (1.0 - x) * (1.0 - x)),
+                            on_body(ends[1], second, -length * x * x * (1.0 - x)),
+                        ]
+                    }
+                })
+            }
+        }
+    }
+}
+
+/// Most segments of a lattice, far beyond any use.
+const MOST_SEGMENTS: f64 = 20_000.0;
+/// Axial rigidity of a hinged rib that does not deform, in units of the stiffer plate's. Its force bends the plates, which are far
+/// softer that way, so its own stretching does not show; a much stiffer one would settle more slowly.
+const UNDEFORMABLE: f64 = 10.0;
+
+fn undeformable_bar(finger: &Finger) -> Section {
+    let rigidity = |part| finger.section(part).map_or(0.0, |section| section.axial_rigidity_n);
+    let axial_rigidity_n = UNDEFORMABLE * rigidity(Part::Front).max(rigidity(Part::Back));
+    Section { axial_rigidity_n, bending_rigidity_nmm2: 0.0 }
+}
+
+/// Free lengths of all members: stretches of the back plate, of the front plate, ribs.
+fn members_mm(finger: &Finger) -> impl Iterator<Item = f64> {
+    let arms_mm = 2.0 * finger.description().rod_arm_mm;
+    let plates = [Plate::Back, Plate::Front].into_iter().flat_map(|plate| {
+        let places = finger.plate_places_mm(plate);
+        places.windows(2).map(|place| place[1] - place[0]).collect::<Vec<_>>()
+    });
+    let ribs = (0..finger.rib_count()).map(|rib| {
+        let [front, back] = finger.rib_nodes(rib).map(|node| finger.position(node));
+        (front - back).norm()
+    });
+    plates.chain(ribs).map(move |length_mm| length_mm - arms_mm)
+}
+
+/// Mean free length of the stretches of plate between two key nodes.
+fn mean_stretch_mm(finger: &Finger) -> f64 {
+    let stretches = 2 * (finger.rib_count() + 1);
+    members_mm(finger).take(stretches).sum::<f64>() / stretches as f64
+}
+
+/// How many segments of about the wanted length a member is cut into.
+fn segments_of(length_mm: f64, target_mm: f64) -> usize {
+    ((length_mm / target_mm).round() as usize).max(1)
+}
+
+/// A zone that ends within this share of a segment from another border does not cut a segment of its own, which would be too
+/// stiff to settle; it is spread over the one that it ends in.
+const SHORTEST_CUT: f64 = 0.25;
+
+/// Where a stretch is cut: at the ends of zones, and between them into segments of about the wanted length.
+fn borders_mm([from, to]: [f64; 2], zones: &[&Zone], target_mm: f64) -> Vec<f64> {
+    let mut ends: Vec<f64> = zones.iter().flat_map(|zone| [zone.from_mm, zone.to_mm]).collect();
+    ends.sort_by(f64::total_cmp);
+    let shortest = SHORTEST_CUT * target_mm;
+    let mut cuts = vec![from];
+    for end in ends {
+        if end - cuts[cuts.len() - 1] >= shortest && to - end >= shortest {
+            cuts.push(end);
+        }
+    }
+    cuts.push(to);
+    let mut borders = vec![from];
+    for cut in cuts.windows(2) {
+        let segments = segments_of(cut[1] - cut[0], target_mm);
+        // The last segment ends where the stretch ends, without rounding: a load at the tip must find it.
+        let within = (1..segments).map(|i| cut[0] + (cut[1] - cut[0]) * i as f64 / segments as f64);
+        borders.extend(within.chain([cut[1]]));
+    }
+    borders
+}
+
+/// Length-weighted mean of 1 / (product of the zones' factors) over a stretch of plate.
+fn mean_compliance(zones: &[&Zone], from_mm: f64, to_mm: f64) -> f64 {
+    let mut cuts = vec![from_mm, to_mm];
+    cuts.extend(zones.iter().flat_map(|zone| [zone.from_mm, zone.to_mm]).filter(|cut| (from_mm..to_mm).contains(cut)));
+    cuts.sort_by(f64::total_cmp);
+    let compliance = |from: f64, to: f64| {
+        let middle = 0.5 * (from + to);
+        let here = zones.iter().filter(|zone| (zone.from_mm..=zone.to_mm).contains(&middle));
+        (to - from) / here.map(|zone| zone.modulus_factor).product::<f64>()
+    };
+    cuts.windows(2).map(|cut| compliance(cut[0], cut[1])).sum::<f64>() / (to_mm - from_mm)
+}

@@ -1,0 +1,246 @@
+//! The lattice's elastic energy, and its equilibrium by Newton's method: what settling must arrive at.
+
+use super::bodies::{Assembly, BodyLoad};
+use super::springs::{Deformation, Spring};
+use faer::Side;
+use faer::linalg::solvers::Solve;
+use faer::mat::MatMut;
+use faer::sparse::{SparseColMat, Triplet};
+use finray_model::Vector;
+use nalgebra::{Matrix2, Matrix2x6, Matrix6, Rotation2, Vector6};
+
+/// Motion of a body from rest: displacement of its centre (mm) and rotation (rad).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct BodyMotion {
+    /// Displacement of the centre, mm.
+    pub displacement: Vector,
+    /// Rotation, rad.
+    pub rotation: f64,
+}
+
+impl BodyMotion {
+    /// A vector that the body carries along, mm.
+    pub fn carried(&self, arm: Vector) -> Vector {
+        Rotation2::new(self.rotation) * arm
+    }
+
+    /// Displacement of a point at `arm` from the centre, mm, without cancellation for small rotations.
+    pub fn displacement_at(&self, arm: Vector) -> Vector {
+        let half = (0.5 * self.rotation).sin();
+        self.displacement + Vector::new(-arm.y, arm.x) * self.rotation.sin() - arm * (2.0 * half * half)
+    }
+}
+
+/// How far a spring is deformed, with the first and second derivatives by x, y and rotation of its first body, then
+/// of its second.
+struct Deformed {
+    value: f64,
+    gradient: Vector6<f64>,
+    curvature: Matrix6<f64>,
+}
+
+impl Spring {
+    /// The deformation s. With the difference of the two points d = x2 + R2 a2 - x1 - R1 a1 it is |d| - |rest|, or n . d
+    /// with the normal n = R1 n0 that the first body carries, or the difference of the rotations.
+    fn deformed(&self, motions: [BodyMotion; 2]) -> Deformed {
+        let [first, second] = self.ends;
+        let arms = [motions[0].carried(first.arm), motions[1].carried(second.arm)];
+        let moved = motions[1].displacement_at(second.arm) - motions[0].displacement_at(first.arm);
+        #[rustfmt::skip]
+        let d_by = Matrix2x6::new(
+            -1.0, 0.0, arms[0].y, 1.0, 0.0, -arms[1].y,
+            0.0, -1.0, -arms[0].x, 0.0, 1.0, arms[1].x,
+        );
+        // A carried arm turns on: its second derivative by the rotation is minus itself.
+        let turned = |along: Vector, curvature: &mut Matrix6<f64>| {
+            curvature[(2, 2)] += along.dot(&arms[0]);
+            curvature[(5, 5)] -= along.dot(&arms[1]);
+        };
+        match self.deformation {
+            Deformation::Distance { rest } => {
+                let d = rest + moved;
+                let distance = d.norm();
+                let along = d / distance;
+                let across = (Matrix2::identity() - along * along.transpose()) / distance;
+                let mut curvature = d_by.transpose() * across * d_by;
+                turned(along, &mut curvature);
+                // |d| - |rest|, without the cancellation of two nearly equal lengths.
+                let value = moved.dot(&(rest + d)) / (distance + rest.norm());
+                Deformed { value, gradient: d_by.transpose() * along, curvature }
+            }
+            Deformation::Across { direction } => {
+                let along = motions[0].carried(direction);
+                let normal = Vector::new(-along.y, along.x);
+                let mut gradient = d_by.transpose() * normal;
+                gradient[2] -= along.dot(&moved);
+                let mixed = d_by.transpose() * -along;
+                let mut curvature = Matrix6::zeros();
+                for i in 0..6 {
+                    curvature[(i, 2)] += mixed[i];
+                    curvature[(2, i)] += mixed[i];
+                }
+                curvature[(2, 2)] -= normal.dot(&moved);
+                turned(normal, &mut curvature);
+                Deformed { value: normal.dot(&moved), gradient, curvature }
+            }
+            Deformation::Turn => Deformed {
+                value: motions[1].rotation - motions[0].rotation,
+                gradient: Vector6::new(0.0, 0.0, -1.0, 0.0, 0.0, 1.0),
+                curvature: Matrix6::zeros(),
+            },
+        }
+    }
+}
+
+/// Newton's method found no stable equilibrium beyond a share of the load.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lost {
+    /// Share of the load, 0..1, at which an equilibrium was last found.
+    pub converged_fraction: f64,
+}
+
+/// Energy of a lattice under dead loads, as a function of the motion of all its bodies.
+#[derive(Debug, Clone)]
+pub struct Energy<'a> {
+    assembly: &'a Assembly,
+    /// First of the three unknowns of each body; none for a clamped one.
+    unknowns: Vec<Option<usize>>,
+    count: usize,
+}
+
+/// Value, gradient and second derivatives of the energy.
+#[derive(Debug, Clone)]
+pub struct Expansion {
+    /// Elastic energy minus the work of the loads, N mm.
+    pub energy: f64,
+    /// By x, y and rotation of every free body in turn: the forces out of balance, N and N mm.
+    pub gradient: Vec<f64>,
+    /// Second derivatives: row, column and share; entries add up, lower triangle only.
+    pub curvature: Vec<Triplet<usize, usize, f64>>,
+}
+
+/// Newton's method has converged when a step gains less than this share of the largest energy that one gained: each
+/// squares the error of the one before, so the next would gain nothing.
+const CONVERGED: f64 = 1e-16;
+/// Steps of Newton's method before a part of the load is halved.
+const MOST_STEPS: usize = 30;
+/// Smallest part of the load that is tried.
+const SMALLEST_PART: f64 = 1e-4;
+/// A part of the load that turns a body by more, rad, is halved: Newton's method might have jumped to another equilibrium.
+const MOST_TURN: f64 = 0.6;
+
+impl<'a> Energy<'a> {
+    /// Numbers the unknowns.
+    pub fn new(assembly: &'a Assembly) -> Energy<'a> {
+        let mut unknowns = Vec::with_capacity(assembly.bodies.len());
+        let mut count = 0;
+        for body in &assembly.bodies {
+            unknowns.push((!body.fixed).then_some(count));
+            count += if body.fixed { 0 } else { 3 };
+        }
+        Energy { assembly, unknowns, count }
+    }
+
+    /// Number of unknowns, three a free body.
+    pub fn unknown_count(&self) -> usize {
+        self.count
+    }
+
+    /// The first of a body's three unknowns; none for a clamped one.
+    pub fn first_unknown(&self, body: usize) -> Option<usize> {
+        self.unknowns[body]
+    }
+
+    /// Expands the energy about a motion under `factor` times the loads.
+    pub fn expand(&self, motions: &[BodyMotion], loads: &[BodyLoad], factor: f64) -> Expansion {
+        let mut expansion = Expansion { energy: 0.0, gradient: vec![0.0; self.count], curvature: Vec::new() };
+        for spring in &self.assembly.springs {
+            let bodies = spring.ends.map(|end| end.body);
+            let deformed = spring.deformed(bodies.map(|body| motions[body]));
+            let force = spring.stiffness * deformed.value;
+            expansion.energy += 0.5 * force * deformed.value;
+            let gradient = deformed.gradient * force;
+            let curvature =
+                deformed.gradient * deformed.gradient.transpose() * spring.stiffness + deformed.curvature * force;
+            let unknown = |i: usize| self.unknowns[bodies[i / 3]].map(|first| first + i % 3);
+            for i in 0..6 {
+                let Some(row) = unknown(i) else { continue };
+                expansion.gradient[row] += gradient[i];
+                for j in 0..6 {
+                    if let Some(column) = unknown(j).filter(|column| *column <= row) {
+                        expansion.curvature.push(Triplet::new(row, column, curvature[(i, j)]));
+                    }
+                }
+            }
+        }
+        for load in loads {
+            let Some(first) = self.unknowns[load.body] else { continue };
+            let motion = motions[load.body];
+            let (force, moment) = (load.force * factor, load.moment_nmm * factor);
+            let lever = motion.carried(load.lever);
+            let swing = lever - load.lever;
+            expansion.energy -=
+                force.dot(&motion.displacement) * load.share + force.dot(&swing) + moment * motion.rotation;
+            expansion.gradient[first] -= force.x * load.share;
+            expansion.gradient[first + 1] -= force.y * load.share;
+            expansion.gradient[first + 2] -= lever.perp(&force) + moment;
+            expansion.curvature.push(Triplet::new(first + 2, first + 2, force.dot(&lever)));
+        }
+        expansion
+    }
+
+    /// Follows the loads from `from` to `to` times their size, beginning with the equilibrium `motions` at `from`; the
+    /// number of steps taken.
+    ///
+    /// # Errors
+    /// [`Lost`] where no stable equilibrium follows; `motions` is then the last one found.
+    pub fn follow(&self, motions: &mut Vec<BodyMotion>, loads: &[BodyLoad], from: f64, to: f64) -> Result<usize, Lost> {
+        let (mut at, mut part, mut steps) = (from, to - from, 0);
+        while at < to {
+            let next = if at + part >= to { to } else { at + part };
+            let mut trial = motions.clone();
+            let taken = self.converge(&mut trial, loads, next);
+            let turn = |(a, b): (&BodyMotion, &BodyMotion)| (a.rotation - b.rotation).abs();
+            match taken.filter(|_| trial.iter().zip(&*motions).map(turn).all(|turn| turn <= MOST_TURN)) {
+                Some(taken) => {
+                    steps += taken;
+                    *motions = trial;
+                    at = next;
+                    part *= 2.0;
+                }
+                None => part *= 0.5,
+            }
+            if part < SMALLEST_PART * (to - from) {
+                return Err(Lost { converged_fraction: at / to });
+            }
+        }
+        Ok(steps)
+    }
+
+    /// Newton's method from a guess; the number of steps, or `None` if it does not converge to a stable equilibrium.
+    fn converge(&self, motions: &mut [BodyMotion], loads: &[BodyLoad], factor: f64) -> Option<usize> {
+        let mut largest = 0.0_f64;
+        for step in 1..=MOST_STEPS {
+            let expansion = self.expand(motions, loads, factor);
+            let matrix = SparseColMat::try_new_from_triplets(self.count, self.count, &expansion.curvature).ok()?;
+            let factorised = matrix.sp_cholesky(Side::Lower).ok()?;
+            let mut correction: Vec<f64> = expansion.gradient.iter().map(|g| -g).collect();
+            factorised.solve_in_place(MatMut::from_column_major_slice_mut(&mut correction, self.count, 1));
+            let gain: f64 = correction.iter().zip(&expansion.gradient).map(|(c, g)| -c * g).sum();
+            if !gain.is_finite() {
+                return None;
+            }
+            for (motion, first) in motions.iter_mut().zip(&self.unknowns) {
+                if let Some(i) = *first {
+                    motion.displacement += Vector::new(correction[i], correction[i + 1]);
+                    motion.rotation += correction[i + 2];
+                }
+            }
+            largest = largest.max(gain);
+            if gain <= CONVERGED * largest {
+                return Some(step);
+            }
+        }
+        None
+    }
+}

@@ -1,0 +1,239 @@
+//! The lattice let loose in rapier until it comes to rest.
+//!
+//! Only the place where it rests has a meaning: masses, time and damping are chosen so that it is reached soon. Every step,
+//! rapier solves the springs' forces at the end of the step by sweeps over them (projected Gauss-Seidel). The masses are
+//! dt^2 times the stiffness at each body, divided by `SOFTNESS`, so a sweep leaves the same share of the error in every
+//! lattice, whatever its units.
+//!
+//! Damping is kinetic: whenever the kinetic energy has passed a peak, all bodies are stopped. Springs carry none
+//! of their own.
+//!
+//! Reference: Cundall, "Explicit finite-difference methods in geomechanics" (1976), for kinetic damping.
+
+use super::LatticeError;
+use super::bodies::{Assembly, BodyLoad};
+use super::energy::{BodyMotion, Energy};
+use super::springs::{Deformation, Spring};
+use finray_model::Vector;
+use rapier2d::prelude::{
+    GenericJoint, GenericJointBuilder, IntegrationParameters, JointAxesMask, JointAxis, MassProperties, MotorModel,
+    PhysicsWorld, Pose, RigidBodyBuilder, RigidBodyHandle, SpringJointBuilder, Vector as RapierVector,
+};
+
+/// Length of a step, s. Its size changes nothing but the scale of the masses. It must not be 1: rapier then takes a motor
+/// without a limit of its force for a rigid constraint, which it subtracts from the other rows of the joint.
+const STEP_S: f64 = 0.5;
+/// Stiffness times dt^2 over mass. Larger values move farther in a step, and take more sweeps for the same error.
+const SOFTNESS: f64 = 4.0;
+/// Sweeps in a step. What is left of the springs' forces after them shifts the place of rest: with this softness by 1e-6 of the
+/// largest displacement (with 16 sweeps 2e-5, with 8 1e-3). Rapier's warm start of joints would not help: it hands
+/// each its old impulse only when its turn comes, and a sweep forgets where it began.
+const SWEEPS: usize = 32;
+
+/// The lattice rests when no body has moved by more than this share of the largest displacement for as long as
+/// the slowest motion takes: `PATIENCE` times the steps to the first peak of the kinetic energy.
+pub const AT_REST: f64 = 2e-5;
+/// See [`AT_REST`]. From rest to the first peak is a quarter of a period.
+const PATIENCE: usize = 2;
+/// Fewest steps between two looks at the positions.
+const SHORTEST_WATCH: usize = 20;
+/// Displacements below this share of the finger's size count as this large: rapier keeps positions, whose rounding they near.
+const RESOLUTION: f64 = 1e-9;
+/// Steps after which the lattice should long be at rest: the paper's finger takes 3000, one of spring steel 22000 (two segments a
+/// stretch), and more in proportion as segments are shorter.
+pub const MOST_STEPS: usize = 200_000;
+
+/// A lattice at rest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rest {
+    /// Motion of every body; rotations within half a turn.
+    pub motions: Vec<BodyMotion>,
+    /// Steps taken.
+    pub steps: usize,
+    /// Largest movement between the last two looks, as a share of the largest displacement.
+    pub residual: f64,
+}
+
+/// Bodies and joints of a lattice in a rapier world.
+pub(super) struct Dynamics<'a> {
+    assembly: &'a Assembly,
+    world: PhysicsWorld,
+    handles: Vec<RigidBodyHandle>,
+    /// Mass and moment of inertia of each body; zero for a clamped one.
+    inertia: Vec<(f64, f64)>,
+    /// Kinetic energy after the last step, N mm.
+    energy: f64,
+}
+
+fn rapier(vector: Vector) -> RapierVector {
+    RapierVector::new(vector.x, vector.y)
+}
+
+/// A joint that moves like the spring: a motor that pulls back with a force (not an acceleration) in proportion.
+fn joint(spring: &Spring) -> GenericJoint {
+    let [first, second] = spring.ends.map(|end| rapier(end.arm));
+    let motor = |axis: JointAxis, angle: f64| {
+        let mut joint = GenericJointBuilder::new(JointAxesMask::empty())
+            .motor_model(axis, MotorModel::ForceBased)
+            .motor_position(axis, 0.0, spring.stiffness, 0.0)
+            .build();
+        joint.local_frame1 = Pose::new(first, angle);
+        joint.local_frame2 = Pose::new(second, angle);
+        joint
+    };
+    match spring.deformation {
+        Deformation::Distance { rest } => SpringJointBuilder::new(rest.norm(), spring.stiffness, 0.0)
+            .local_anchor1(first)
+            .local_anchor2(second)
+            .build()
+            .into(),
+        Deformation::Across { direction } => motor(JointAxis::LinY, direction.y.atan2(direction.x)),
+        Deformation::Turn => motor(JointAxis::AngX, 0.0),
+    }
+}
+
+impl<'a> Dynamics<'a> {
+    /// Puts the lattice at rest into an empty world without gravity.
+    pub(super) fn new(assembly: &'a Assembly) -> Dynamics<'a> {
+        let mut world = PhysicsWorld::new();
+        world.gravity = RapierVector::ZERO;
+        world.integration_parameters = IntegrationParameters {
+            dt: STEP_S,
+            num_solver_iterations: 1,
+            num_internal_pgs_iterations: SWEEPS,
+            num_internal_stabilization_iterations: 0,
+            max_ccd_substeps: 0,
+            contact_recycling: false,
+            normalized_max_linear_velocity: f64::MAX,
+            normalized_max_corrective_velocity: f64::MAX,
+            ..IntegrationParameters::default()
+        };
+        let mut dynamics = Dynamics { assembly, world, handles: Vec::new(), inertia: inertia(assembly), energy: 0.0 };
+        for (body, &(mass, moment)) in assembly.bodies.iter().zip(&dynamics.inertia) {
+            let kind = if body.fixed {
+                RigidBodyBuilder::fixed()
+            } else {
+                let properties = MassProperties::new(RapierVector::ZERO, mass, moment);
+                RigidBodyBuilder::dynamic().additional_mass_properties(properties)
+            };
+            let body = kind.translation(rapier(body.position)).can_sleep(false);
+            dynamics.handles.push(dynamics.world.bodies.insert(body));
+        }
+        for spring in &assembly.springs {
+            let [first, second] = spring.ends.map(|end| dynamics.handles[end.body]);
+            dynamics.world.impulse_joints.insert(first, second, joint(spring), true);
+        }
+        dynamics
+    }
+
+    /// One step under dead loads.
+    fn step(&mut self, loads: &[BodyLoad]) {
+        for load in loads {
+            let body = &mut self.world.bodies[self.handles[load.body]];
+            body.reset_forces(false);
+            body.reset_torques(false);
+        }
+        for load in loads {
+            let body = &mut self.world.bodies[self.handles[load.body]];
+            let lever =
+                BodyMotion { displacement: Vector::zeros(), rotation: body.rotation().angle() }.carried(load.lever);
+            body.add_force(rapier(load.force * load.share), true);
+            body.add_torque(lever.perp(&load.force) + load.moment_nmm, true);
+        }
+        self.world.step();
+    }
+
+    fn kinetic_energy(&self) -> f64 {
+        let energy = |(handle, (mass, moment)): (&RigidBodyHandle, &(f64, f64))| {
+            let body = &self.world.bodies[*handle];
+            0.5 * (mass * body.linvel().length_squared() + moment * body.angvel() * body.angvel())
+        };
+        self.handles.iter().zip(&self.inertia).map(energy).sum()
+    }
+
+    fn stop(&mut self) {
+        for (handle, body) in self.handles.iter().zip(&self.assembly.bodies) {
+            if !body.fixed {
+                let body = &mut self.world.bodies[*handle];
+                body.set_linvel(RapierVector::ZERO, true);
+                body.set_angvel(0.0, true);
+            }
+        }
+    }
+
+    fn motions(&self) -> Vec<BodyMotion> {
+        let motion = |(handle, rest): (&RigidBodyHandle, &super::bodies::Body)| {
+            let body = &self.world.bodies[*handle];
+            let at = body.translation();
+            BodyMotion { displacement: Vector::new(at.x, at.y) - rest.position, rotation: body.rotation().angle() }
+        };
+        self.handles.iter().zip(&self.assembly.bodies).map(motion).collect()
+    }
+
+    /// One step; afterwards all bodies are stopped if the kinetic energy has passed its peak, and `true` is returned.
+    fn damped_step(&mut self, loads: &[BodyLoad]) -> bool {
+        self.step(loads);
+        let energy = self.kinetic_energy();
+        let peak_passed = energy <= self.energy;
+        self.energy = if peak_passed { 0.0 } else { energy };
+        if peak_passed {
+            self.stop();
+        }
+        peak_passed
+    }
+
+    /// Steps until the lattice rests.
+    ///
+    /// # Errors
+    /// [`LatticeError::NotSettled`] with the last residual if it does not within `most_steps`.
+    pub(super) fn settle(&mut self, loads: &[BodyLoad], most_steps: usize) -> Result<Rest, LatticeError> {
+        let mut residual = f64::INFINITY;
+        let mut steps = 1;
+        while !self.damped_step(loads) && steps < most_steps {
+            steps += 1;
+        }
+        let watch = (PATIENCE * steps).max(SHORTEST_WATCH);
+        let resolution_mm =
+            RESOLUTION * self.assembly.bodies.iter().map(|body| body.position.norm()).fold(0.0, f64::max);
+        while steps + watch <= most_steps {
+            let before = self.motions();
+            for _ in 0..watch {
+                self.damped_step(loads);
+            }
+            steps += watch;
+            let motions = self.motions();
+            residual = moved(&before, &motions) / largest(&motions).max(resolution_mm);
+            if residual <= AT_REST {
+                return Ok(Rest { motions, steps, residual });
+            }
+        }
+        Err(LatticeError::NotSettled { steps, residual })
+    }
+}
+
+/// Mass and moment of inertia of every body: dt^2 k / softness, with the stiffness k that the lattice at rest sets against the
+/// body's own motion.
+fn inertia(assembly: &Assembly) -> Vec<(f64, f64)> {
+    let energy = Energy::new(assembly);
+    let at_rest = vec![BodyMotion::default(); assembly.bodies.len()];
+    let mut stiffness = vec![0.0; energy.unknown_count()];
+    for entry in energy.expand(&at_rest, &[], 0.0).curvature {
+        if entry.row == entry.col {
+            stiffness[entry.row] += entry.val;
+        }
+    }
+    let scale = STEP_S * STEP_S / SOFTNESS;
+    let inertia = |body: usize| match energy.first_unknown(body) {
+        Some(i) => (scale * stiffness[i].max(stiffness[i + 1]), scale * stiffness[i + 2]),
+        None => (0.0, 0.0),
+    };
+    (0..assembly.bodies.len()).map(inertia).collect()
+}
+
+fn moved(before: &[BodyMotion], now: &[BodyMotion]) -> f64 {
+    before.iter().zip(now).map(|(a, b)| (b.displacement - a.displacement).norm()).fold(0.0, f64::max)
+}
+
+fn largest(motions: &[BodyMotion]) -> f64 {
+    motions.iter().map(|motion| motion.displacement.norm()).fold(0.0, f64::max)
+}

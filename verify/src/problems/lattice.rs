@@ -1,0 +1,100 @@
+//! The finger as rigid bodies and springs, settled by the engine rapier, against beams.
+//!
+//! No parameter of the lattice is fitted to the beams, so no load is spent on fitting either.
+
+use super::ProblemError;
+use crate::check::{Check, Comparison, EXACT_COUNT, worst};
+use crate::lattice::Lattice;
+use crate::lattice::accuracy::{LoadGrid, beam_shapes, lattice_shapes, settled_shapes, worst_by_force};
+use finray_model::mesh::{FingerShape, Load};
+use finray_model::{Finger, Kinematics};
+
+/// The other party of all rows.
+const SOURCE: &str = "rapier2d lattice";
+/// What all rows compare.
+const QUANTITY: &str = "largest displacement difference / largest displacement";
+/// Segments in a stretch of plate between two key nodes.
+pub const FINENESS: usize = 2;
+/// Up to this force (N) the lattice is as near as [`SMALL_FORCE_TOLERANCE`], a third of a percent: what tells it from beams is
+/// that its segments bend at their middles alone.
+const SMALL_FORCE_N: f64 = 2.0;
+const SMALL_FORCE_TOLERANCE: f64 = 0.003;
+/// Under larger forces, up to 5 N, segments turn farther against each other.
+const LARGE_FORCE_TOLERANCE: f64 = 0.01;
+/// Settling against the lattice's own equilibrium.
+const SETTLING_TOLERANCE: f64 = 5e-4;
+/// A force (N) so small that the finger is linear; rotations are then near 1e-5, and their effect is of their size.
+const TINY_FORCE_N: f64 = 1e-4;
+const TINY_FORCE_TOLERANCE: f64 = 1e-4;
+
+/// The paper's finger: lattice against converged beams and linear theory, settling against equilibrium, and the same bits twice.
+///
+/// # Errors
+/// [`ProblemError`] if a load has no equilibrium or the lattice does not settle.
+pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
+    let lattice = Lattice::new(finger, FINENESS)?;
+    let name = |what: &str| format!("{what}, {FINENESS} segments a stretch of plate");
+    let mut checks = Vec::new();
+
+    let grid = LoadGrid::full(finger);
+    let beams = beam_shapes(finger, &grid, Kinematics::Corotational)?;
+    let errors = worst_by_force(&beams, &lattice_shapes(&lattice, &grid)?, grid.forces_n.len());
+    for (force_n, error) in grid.forces_n.iter().zip(errors) {
+        let problem = name(&format!("lattice in equilibrium against beams, {force_n} N, every node, -60 to 60 deg"));
+        checks.push(Check::new(problem, SOURCE, QUANTITY, 0.0, error, tolerance(*force_n)));
+    }
+
+    let tiny = LoadGrid { forces_n: vec![TINY_FORCE_N], ..grid };
+    let linear = beam_shapes(finger, &tiny, Kinematics::Linear)?;
+    let error = worst_by_force(&linear, &lattice_shapes(&lattice, &tiny)?, 1)[0];
+    let problem = name(&format!("lattice in equilibrium against linear beams, {TINY_FORCE_N} N"));
+    checks.push(Check::new(problem, SOURCE, QUANTITY, 0.0, error, TINY_FORCE_TOLERANCE));
+
+    let few = LoadGrid::few(finger);
+    let settled = settled_shapes(&lattice, &few)?.shapes;
+    let equilibria = lattice_shapes(&lattice, &few)?;
+    let error = worst(worst_by_force(&equilibria, &settled, few.forces_n.len()));
+    let problem = name("settled lattice against its own equilibrium, up to 5 N");
+    checks.push(Check::new(problem, SOURCE, QUANTITY, 0.0, error, SETTLING_TOLERANCE));
+
+    let beams = beam_shapes(finger, &few, Kinematics::Corotational)?;
+    for (&force_n, error) in few.forces_n.iter().zip(worst_by_force(&beams, &settled, few.forces_n.len())) {
+        let problem = name(&format!("settled lattice against beams, {force_n} N, some nodes and directions"));
+        checks.push(Check::new(problem, SOURCE, QUANTITY, 0.0, error, tolerance(force_n)));
+    }
+
+    let (node, angle_deg) = few.directions()[0];
+    let force_n = few.forces_n[0];
+    let again = lattice.settle(&[Load::at_node(node, finger.direction(angle_deg) * force_n)])?.shape;
+    let changed = bits(&settled[0][0]).zip(bits(&again)).filter(|(a, b)| a != b).count();
+    let problem = name(&format!("lattice settled twice, {force_n} N at node {node}"));
+    checks.push(Check::new(problem, "itself", "nodes whose bits differ", 0.0, changed as f64, EXACT_COUNT));
+    Ok(checks)
+}
+
+fn tolerance(force_n: f64) -> f64 {
+    if force_n <= SMALL_FORCE_N { SMALL_FORCE_TOLERANCE } else { LARGE_FORCE_TOLERANCE }
+}
+
+fn bits(shape: &FingerShape) -> impl Iterator<Item = [u64; 3]> {
+    shape.motions().iter().map(|m| [m.displacement.x, m.displacement.y, m.rotation].map(f64::to_bits))
+}
+
+/// How far linear theory is from the lattice as the force grows: here they must differ.
+///
+/// # Errors
+/// [`ProblemError`] if a load has no equilibrium.
+pub fn comparisons(finger: &Finger) -> Result<Vec<Comparison>, ProblemError> {
+    let lattice = Lattice::new(finger, FINENESS)?;
+    let grid = LoadGrid::full(finger);
+    let linear = beam_shapes(finger, &grid, Kinematics::Linear)?;
+    let errors = worst_by_force(&lattice_shapes(&lattice, &grid)?, &linear, grid.forces_n.len());
+    let comparison = |(force_n, ours): (&f64, f64)| Comparison {
+        problem: format!("linear beams against the lattice, {force_n} N, every node, -60 to 60 deg"),
+        source: SOURCE.to_owned(),
+        quantity: QUANTITY.to_owned(),
+        reference: 0.0,
+        ours,
+    };
+    Ok(grid.forces_n.iter().zip(errors).map(comparison).collect())
+}
