@@ -9,7 +9,7 @@ mod cases;
 
 use crate::estimators::{Estimator, EstimatorError, Sensed};
 use cases::Look;
-use finray_model::sensing::{Contact, ContactPlace};
+use finray_model::sensing::Contact;
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -124,8 +124,7 @@ pub fn scatter(
     progress: &(dyn Fn() + Sync),
 ) -> Result<Vec<ScatterRow>, EstimatorError> {
     let of_set = |(stream, nodes): (usize, &Vec<NodeId>)| {
-        let at_node = |&node: &NodeId| Contact { place: ContactPlace::Node(node), angle_deg: 0.0 };
-        let contacts: Vec<Contact> = nodes.iter().map(at_node).collect();
+        let contacts: Vec<Contact> = nodes.iter().copied().map(Contact::at_node).collect();
         let cases = cases::cases(request, estimators, &contacts, range_n, stream as u64)?;
         progress();
         let mut rows = Vec::new();

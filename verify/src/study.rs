@@ -15,8 +15,8 @@ use crate::scatter::{self, ONE_FORCE_N, ScatterRequest, ScatterRow, TWO_FORCES_N
 use crate::table_one::{TableOne, TableOneError, table_one};
 use crate::table_two::{self, TableTwo, table_two};
 use crate::truth::{MeshTruth, fine_mesh};
+use finray_model::sensing::Contact;
 use finray_model::sensing::network::NetworkError;
-use finray_model::sensing::{Contact, ContactPlace};
 use finray_model::statics::{Statics, StaticsError};
 use finray_model::{Finger, Kinematics, Load, Mesh, Scene, Vector};
 
@@ -317,7 +317,7 @@ fn bent_fingers(finger: &Finger, mesh: &Mesh) -> Vec<BentFinger> {
     let mut bent = Vec::new();
     for node in chosen {
         for (kinematics, name) in [(Kinematics::Linear, "linear"), (Kinematics::Corotational, "large rotation")] {
-            let contact = Contact { place: ContactPlace::Node(node), angle_deg: 0.0 };
+            let contact = Contact::at_node(node);
             let load: Load = contact.load(finger, DRAWN_FORCE_N);
             let Ok(frame_load) = mesh.frame_load(&load) else { continue };
             let Ok(equilibrium) = Statics::ladder(mesh, kinematics).equilibrium(&[frame_load]) else { continue };

@@ -6,7 +6,7 @@
 use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorKind};
 use crate::scatter::{ScatterRequest, ScatterRow, TWO_FORCES_N, scatter};
 use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, ContactPlace, LinearEstimator, SensingError};
+use finray_model::sensing::{Contact, LinearEstimator, SensingError};
 use finray_model::{Finger, Kinematics, Mesh, NodeId, statics};
 
 /// Contact nodes, and the paper's mean errors for as many nodes as near to each other (sec. V-C). The paper does not say
@@ -113,8 +113,7 @@ pub fn table_two(
 
 /// Largest over smallest singular value of the displacements of all markers under unit forces along the normal.
 fn condition_number(finger: &Finger, nodes: &[NodeId]) -> Result<f64, EstimatorError> {
-    let contact = |&node: &NodeId| Contact { place: ContactPlace::Node(node), angle_deg: 0.0 };
-    let contacts: Vec<Contact> = nodes.iter().map(contact).collect();
+    let contacts: Vec<Contact> = nodes.iter().copied().map(Contact::at_node).collect();
     let at_rest = statics::solve(&Mesh::key_nodes(finger), &[], Kinematics::Linear).map_err(SensingError::from)?;
     let estimator = LinearEstimator::new(finger, &contacts, &Measurement::of_shape(finger, &at_rest))?;
     let values = estimator.singular_values();

@@ -295,6 +295,12 @@ fn shipped_networks_sense_the_paper_finger() {
     let three = ask(&["--contact", "19", "20", "15"]).numbers("force_n");
     assert!(three.iter().zip(&forwards).all(|(ours, truth)| (ours - truth).abs() < 0.3), "{three:?}");
 
+    // A shape that another contact bends too asks for a pull, which no training had.
+    let other = paper_load(15, 0.5, 0.0);
+    let other = finray(&["solve", PAPER, "--load", &loads[0], "--load", &other]).done();
+    let message = sense_text(&other, &[&["--contact", "19", "20"][..], &network].concat()).refused();
+    assert_says(&message, &["contact 2: -", "beyond the forces that the network was trained on, 0 to 5 N"]);
+
     let message = sense_text(&shape, &[&["--contact", "19@10"][..], &network].concat()).refused();
     assert_says(&message, &["no network ships for these contacts (19@10)", "finray train"]);
     let steel = finray_reading(

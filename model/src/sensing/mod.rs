@@ -44,6 +44,11 @@ impl std::fmt::Display for Contact {
 }
 
 impl Contact {
+    /// At a node, along the undeformed normal.
+    pub fn at_node(node: NodeId) -> Contact {
+        Contact { place: ContactPlace::Node(node), angle_deg: 0.0 }
+    }
+
     /// The contact's force of 1 N as a load.
     pub fn unit_load(&self, finger: &Finger) -> Load {
         self.load(finger, 1.0)

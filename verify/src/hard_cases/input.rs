@@ -6,7 +6,7 @@ use crate::check::worst;
 use crate::fixtures::PAPER_SCENE;
 use crate::study::Effort;
 use finray_model::measurement::{Marker, Measurement, MeasurementError};
-use finray_model::sensing::{Contact, ContactPlace, LinearEstimator, NonlinearEstimator, Prior};
+use finray_model::sensing::{Contact, LinearEstimator, NonlinearEstimator, Prior};
 use finray_model::statics::{Statics, StaticsError};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector};
 
@@ -159,7 +159,7 @@ fn extreme_scene_values(_: &Finger, _: Effort, findings: &mut Findings) -> Resul
 fn displacements(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unexpected> {
     let mesh = Mesh::key_nodes(finger);
     let node = middle(finger);
-    let contact = Contact { place: ContactPlace::Node(node), angle_deg: 0.0 };
+    let contact = Contact::at_node(node);
     let refused = NOT_FINITE.into_iter().filter(|bad| {
         let marker = Marker { node, displacement: Vector::new(0.0, *bad), weight: 1.0 };
         matches!(Measurement::new(finger, [marker]), Err(MeasurementError::NotFinite { .. }))

@@ -10,8 +10,8 @@ use crate::study::CAMERA_NOISE_MM;
 use crate::table_two::{CONTACT_SETS, FORCES_N};
 use crate::truth::fine_mesh;
 use finray_model::mesh::MeshSizeError;
+use finray_model::sensing::Contact;
 use finray_model::sensing::network::{Network, Scaling};
-use finray_model::sensing::{Contact, ContactPlace};
 use finray_model::train::{TrainError, TrainingRecipe, train};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
 use rayon::prelude::*;
@@ -51,7 +51,7 @@ pub enum RecipesError {
 
 /// A network to train, and what it is called.
 struct Job {
-    name: String,
+    name: &'static str,
     seed: u64,
     nodes: Vec<usize>,
     recipe: TrainingRecipe,
@@ -78,10 +78,7 @@ pub fn recipes(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<Reci
     for (job, network) in jobs.iter().zip(train_all(finger, &jobs, progress)?) {
         match groups.iter_mut().find(|(recipe, seed, ..)| *recipe == job.name && *seed == job.seed) {
             Some((.., networks)) => networks.push(network),
-            None => {
-                let recipe = RECIPES.iter().find(|(recipe, _)| *recipe == job.name).map_or("", |(recipe, _)| recipe);
-                groups.push((recipe, job.seed, format!("{recipe} {}", job.seed), vec![network]));
-            }
+            None => groups.push((job.name, job.seed, format!("{} {}", job.name, job.seed), vec![network])),
         }
     }
     let networks: Vec<Networks> = groups.iter().map(|(.., networks)| Networks::of(networks.clone())).collect();
@@ -138,7 +135,7 @@ pub fn curves(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<Curve
         let errors = errors(&fine, Kinematics::Corotational, &[CAMERA_NOISE_MM], &sensing, &[set.to_vec()])?;
         // One set, one level of noise: a row an estimator, in their order.
         rows.extend(of_set.iter().zip(&errors).map(|(&(job, network), row)| CurveRow {
-            curve: job.name.clone(),
+            curve: job.name.to_owned(),
             nodes: listed(&job.nodes),
             samples: job.recipe.count,
             hidden_layers: match job.recipe.hidden_layers[..] {
@@ -165,17 +162,17 @@ fn recipe_jobs() -> Vec<Job> {
                 "b" => TrainingRecipe::paper_with_noise(contacts, CAMERA_NOISE_MM),
                 _ => TrainingRecipe::nonlinear(contacts, CAMERA_NOISE_MM),
             };
-            Job { name: name.to_owned(), seed, nodes: nodes.to_vec(), recipe: TrainingRecipe { seed, ..recipe } }
+            Job { name, seed, nodes: nodes.to_vec(), recipe: TrainingRecipe { seed, ..recipe } }
         })
     };
     RECIPES.into_iter().flat_map(of_recipe).collect()
 }
 
 fn curve_jobs() -> Vec<Job> {
-    let job = |name: &str, seed: u64, nodes: &[usize], change: &dyn Fn(&mut TrainingRecipe)| {
+    let job = |name: &'static str, seed: u64, nodes: &[usize], change: &dyn Fn(&mut TrainingRecipe)| {
         let mut recipe = TrainingRecipe { seed, ..TrainingRecipe::nonlinear(contacts(nodes), CAMERA_NOISE_MM) };
         change(&mut recipe);
-        Job { name: name.to_owned(), seed, nodes: nodes.to_vec(), recipe }
+        Job { name, seed, nodes: nodes.to_vec(), recipe }
     };
     let mut jobs = Vec::new();
     for nodes in CURVE_SETS {
@@ -225,7 +222,7 @@ fn weight_count(network: &Network) -> usize {
 }
 
 fn contacts(nodes: &[usize]) -> Vec<Contact> {
-    nodes.iter().map(|&node| Contact { place: ContactPlace::Node(NodeId(node)), angle_deg: 0.0 }).collect()
+    nodes.iter().copied().map(NodeId).map(Contact::at_node).collect()
 }
 
 fn listed(nodes: &[usize]) -> String {

@@ -3,12 +3,12 @@
 use crate::study::CAMERA_NOISE_MM;
 use finray_model::Finger;
 use finray_model::finger::NodeId;
-use finray_model::sensing::{Contact, ContactPlace};
+use finray_model::sensing::Contact;
 use finray_model::train::TrainingRecipe;
 
-/// Pairs of nodes that the paper's tables and figures load together.
+/// Two pairs of neighbours and two further apart; the paper does not say which nodes it touched.
 const PAIRS: [[usize; 2]; 4] = [[19, 20], [16, 17], [18, 20], [16, 20]];
-/// The tip, which leaves singles to its neighbours: a load there bends both plates alike.
+/// The tip: the paper's single contacts are the nodes after it.
 const TIP: usize = 13;
 
 /// A network that ships.
@@ -24,18 +24,16 @@ pub struct Shipping {
 pub fn shipping(finger: &Finger) -> Vec<Shipping> {
     let fixed = |nodes: &[usize]| Shipping {
         name: nodes.iter().map(ToString::to_string).collect::<Vec<_>>().join("-"),
-        recipe: TrainingRecipe::nonlinear(nodes.iter().map(|&node| at_node(NodeId(node))).collect(), CAMERA_NOISE_MM),
+        recipe: TrainingRecipe::nonlinear(
+            nodes.iter().map(|&node| Contact::at_node(NodeId(node))).collect(),
+            CAMERA_NOISE_MM,
+        ),
     };
     let singles = finger.contact_nodes().filter(|node| node.0 != TIP).map(|node| fixed(&[node.0]));
     let pairs = PAIRS.iter().map(|pair| fixed(pair));
     let any_of = Shipping {
         name: "any".to_owned(),
-        recipe: TrainingRecipe::any_of(finger.contact_nodes().map(at_node).collect(), CAMERA_NOISE_MM),
+        recipe: TrainingRecipe::any_of(finger.contact_nodes().map(Contact::at_node).collect(), CAMERA_NOISE_MM),
     };
     singles.chain(pairs).chain([any_of]).collect()
-}
-
-/// A contact at a node, along the undeformed normal.
-fn at_node(node: NodeId) -> Contact {
-    Contact { place: ContactPlace::Node(node), angle_deg: 0.0 }
 }

@@ -149,6 +149,21 @@ pub enum NetworkError {
         /// Largest sum of the forces in training, N.
         largest_total_n: f64,
     },
+    /// A force that training never had.
+    #[error(
+        "contact {contact}: {force_n:.3} N lies beyond the forces that the network was trained on, {least_n} to {largest_n} N: \
+         something else pushes, or the contacts are others"
+    )]
+    ForceOutsideTraining {
+        /// Number of the contact, from 1.
+        contact: usize,
+        /// The force that the network gives, N.
+        force_n: f64,
+        /// Least force in training, N.
+        least_n: f64,
+        /// Largest force in training, N.
+        largest_n: f64,
+    },
     /// What no estimator can tell.
     #[error(transparent)]
     Sensing(#[from] SensingError),

@@ -39,6 +39,7 @@ pub struct NetworkEstimator {
     input_noise: Vec<f64>,
     clean_rms_n: Vec<f64>,
     noise_mm: f64,
+    force_range_n: [f64; 2],
     largest_total_n: f64,
 }
 
@@ -105,6 +106,7 @@ impl NetworkEstimator {
             input_noise,
             clean_rms_n: selected.iter().map(|&k| network.card.test_errors[k].clean_rms_n).collect(),
             noise_mm: network.card.noise_mm,
+            force_range_n: network.card.origin.force_range_n,
             largest_total_n: network.card.origin.largest_total_n,
         })
     }
@@ -170,7 +172,8 @@ impl NetworkEstimator {
             let from_noise = noise_mm * gain.row(k).norm();
             (from_noise.powi(2) + hidden[(k, k)].max(0.0) + clean_rms_n.powi(2)).sqrt()
         };
-        let sigmas_n = self.clean_rms_n.iter().enumerate().map(sigma).collect();
+        let sigmas_n: Vec<f64> = self.clean_rms_n.iter().enumerate().map(sigma).collect();
+        self.require_trained_forces(&forces_n, &sigmas_n)?;
         let mut singular_values: Vec<f64> = gain.singular_values().iter().map(|value| value.recip()).collect();
         singular_values.sort_by(|a, b| b.total_cmp(a));
         Ok(Estimate { forces_n, sigmas_n, noise_mm, residual_rms_mm, singular_values })
@@ -208,6 +211,18 @@ impl NetworkEstimator {
             if value > RANGE_FACTOR * largest + RANGE_SIGMAS * noise_mm * per_mm {
                 let largest_total_n = self.largest_total_n;
                 return Err(NetworkError::OutsideTraining { input: i + 1, value, largest, largest_total_n });
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses forces beyond those of the training: shapes that other contacts bend give such.
+    fn require_trained_forces(&self, forces_n: &[f64], sigmas_n: &[f64]) -> Result<(), NetworkError> {
+        let [least_n, largest_n] = self.force_range_n;
+        for (i, (&force_n, sigma_n)) in forces_n.iter().zip(sigmas_n).enumerate() {
+            let chance_n = RANGE_SIGMAS * sigma_n;
+            if force_n < least_n - chance_n || force_n > RANGE_FACTOR * largest_n + chance_n {
+                return Err(NetworkError::ForceOutsideTraining { contact: i + 1, force_n, least_n, largest_n });
             }
         }
         Ok(())
