@@ -1,6 +1,9 @@
 //! The scene file: TOML text to a checked [`Finger`].
 
+mod object;
 mod reader;
+
+pub use object::{ObjectDescription, ObjectMotion, Outline, ROD_RADIUS_MM, Until};
 
 use crate::finger::{Finger, FingerDescription, Joints, Part, RibDescription, RibPlaces, Strip, Zone};
 use reader::{Document, TableReader};
@@ -14,6 +17,10 @@ pub struct Scene {
     pub finger: Finger,
     /// The camera, where the scene has one.
     pub camera: Option<Camera>,
+    /// Radius of the rods that an object meets, mm.
+    pub rod_radius_mm: f64,
+    /// The object that is pressed onto the finger, where the scene has one.
+    pub object: Option<ObjectDescription>,
 }
 
 /// The camera that measures the nodes.
@@ -41,7 +48,7 @@ impl Scene {
     /// [`SceneError`] with the line, the key and what was expected.
     pub fn from_toml(text: &str) -> Result<Scene, SceneError> {
         let document = Document::parse(text)?;
-        let top = document.top(&["name", "finger", "camera"])?;
+        let top = document.top(&["name", "finger", "camera", "contact", "object"])?;
         let name = top.text("name")?;
         let finger = read_finger(&top.table(
             "finger",
@@ -64,15 +71,26 @@ impl Scene {
         })?;
         let camera = match top.optional_table("camera", &["noise_mm"])? {
             None => None,
-            Some(table) => {
-                let noise_mm = table.number("noise_mm", "length in mm")?;
-                if !(noise_mm.is_finite() && noise_mm >= 0.0) {
-                    return Err(table.wrong("noise_mm", "a length in mm, zero or more", &format!("{noise_mm:?}")));
-                }
-                Some(Camera { noise_mm })
-            }
+            Some(table) => Some(Camera { noise_mm: not_negative_mm(&table, "noise_mm")? }),
         };
-        Ok(Scene { name, finger, camera })
+        let rod_radius_mm = match top.optional_table("contact", &["rod_radius_mm"])? {
+            None => ROD_RADIUS_MM,
+            Some(table) => not_negative_mm(&table, "rod_radius_mm")?,
+        };
+        let object = match top.optional_table("object", &object::KEYS)? {
+            None => None,
+            Some(table) => Some(object::read_object(&table, &finger)?),
+        };
+        Ok(Scene { name, finger, camera, rod_radius_mm, object })
+    }
+}
+
+fn not_negative_mm(table: &TableReader, key: &str) -> Result<f64, SceneError> {
+    let length_mm = table.number(key, "length in mm")?;
+    if length_mm.is_finite() && length_mm >= 0.0 {
+        Ok(length_mm)
+    } else {
+        Err(table.wrong(key, "a length in mm, zero or more", &format!("{length_mm:?}")))
     }
 }
 

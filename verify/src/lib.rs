@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 pub mod check;
+pub mod contact_scene;
 pub mod convergence;
 pub mod estimators;
 pub mod files;

@@ -60,6 +60,17 @@ enum FrontStretch {
     Segment { ends: [Anchor; 2], from_mm: f64, to_mm: f64 },
 }
 
+/// A straight piece of the front plate that one body carries along.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrontPiece {
+    /// The body.
+    pub body: BodyIndex,
+    /// From the centre of the body to the piece's ends, undeformed, mm; the end nearer to the base first.
+    pub ends: [Vector; 2],
+    /// Where the piece begins, mm along the plate from its base.
+    pub from_mm: f64,
+}
+
 /// Bodies and springs of a finger; see the [module](super).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Assembly {
@@ -192,6 +203,27 @@ impl Assembly {
         }
         chain.push(ends[1]);
         chain.windows(2).map(|pair| [pair[0], pair[1]]).collect()
+    }
+
+    /// The surface of the front plate from base to tip, cut at the middles of its segments: a piece for each body.
+    pub fn front_pieces(&self) -> Vec<FrontPiece> {
+        let mut pieces: Vec<FrontPiece> = Vec::new();
+        let mut add = |from: Anchor, by: Vector, from_mm: f64| match pieces.last_mut() {
+            Some(last) if last.body == from.body => last.ends[1] = from.arm + by,
+            _ => pieces.push(FrontPiece { body: from.body, ends: [from.arm, from.arm + by], from_mm }),
+        };
+        for &(_, stretch) in &self.front {
+            match stretch {
+                FrontStretch::Arm { anchor, at_mm } => add(anchor, Vector::zeros(), at_mm),
+                FrontStretch::Segment { ends: [from, to], from_mm, to_mm } => {
+                    let at = |anchor: Anchor| self.bodies[anchor.body].position + anchor.arm;
+                    let half = 0.5 * (at(to) - at(from));
+                    add(from, half, from_mm);
+                    add(to.moved(-half), half, 0.5 * (from_mm + to_mm));
+                }
+            }
+        }
+        pieces
     }
 
     /// Shares a load among the bodies that carry it.

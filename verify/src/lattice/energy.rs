@@ -189,6 +189,25 @@ impl<'a> Energy<'a> {
         expansion
     }
 
+    /// Force (N) and moment about the origin (N mm) that the springs put on the clamped bodies.
+    pub fn on_clamps(&self, motions: &[BodyMotion]) -> (Vector, f64) {
+        let (mut force, mut moment) = (Vector::zeros(), 0.0);
+        for spring in &self.assembly.springs {
+            let bodies = spring.ends.map(|end| end.body);
+            if bodies.iter().all(|&body| self.unknowns[body].is_some()) {
+                continue;
+            }
+            let deformed = spring.deformed(bodies.map(|body| motions[body]));
+            let pull = deformed.gradient * -(spring.stiffness * deformed.value);
+            for (end, body) in bodies.into_iter().enumerate().filter(|&(_, body)| self.unknowns[body].is_none()) {
+                let on_body = Vector::new(pull[3 * end], pull[3 * end + 1]);
+                force += on_body;
+                moment += pull[3 * end + 2] + self.assembly.bodies[body].position.perp(&on_body);
+            }
+        }
+        (force, moment)
+    }
+
     /// Follows the loads from `from` to `to` times their size, beginning with the equilibrium `motions` at `from`; the
     /// number of steps taken.
     ///

@@ -14,6 +14,7 @@
 pub mod accuracy;
 pub mod bodies;
 pub mod energy;
+pub mod pressing;
 pub mod settling;
 pub mod springs;
 
@@ -50,6 +51,12 @@ pub enum LatticeError {
         steps: usize,
         /// Largest movement between the last two looks, as a share of the largest displacement; infinite before the first.
         residual: f64,
+    },
+    /// An object that is to be pressed onto the finger does not start outside it.
+    #[error("the object overlaps the undeformed finger by {overlap_mm:.3} mm where it starts")]
+    Overlap {
+        /// How deep, mm.
+        overlap_mm: f64,
     },
     /// Newton's method found no stable equilibrium on the way to the full load.
     #[error("no stable equilibrium of the lattice was found beyond {:.4} % of the load", 100.0 * converged_fraction)]
@@ -111,8 +118,9 @@ impl Lattice {
     /// As there.
     pub fn settle_within(&self, loads: &[Load], most_steps: usize) -> Result<Settled, LatticeError> {
         let loads = self.body_loads(loads)?;
-        let rest = Dynamics::new(&self.assembly).settle(&loads, most_steps)?;
-        Ok(Settled { shape: self.shape(&rest.motions), steps: rest.steps, residual: rest.residual })
+        let mut dynamics = Dynamics::new(&self.assembly);
+        let rest = dynamics.settle(&loads, most_steps)?;
+        Ok(Settled { shape: self.shape(&dynamics.motions()), steps: rest.steps, residual: rest.residual })
     }
 
     /// Shape of least energy, by Newton's method: the stable equilibrium that follows from rest as the loads grow.

@@ -43,11 +43,11 @@ const RESOLUTION: f64 = 1e-9;
 /// stretch), and more in proportion as segments are shorter.
 pub const MOST_STEPS: usize = 200_000;
 
-/// A lattice at rest.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Rest {
-    /// Motion of every body; rotations within half a turn.
-    pub motions: Vec<BodyMotion>,
+/// How a lattice came to rest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Rest {
+    /// Steps between two looks.
+    pub watch: usize,
     /// Steps taken.
     pub steps: usize,
     /// Largest movement between the last two looks, as a share of the largest displacement.
@@ -57,16 +57,34 @@ pub struct Rest {
 /// Bodies and joints of a lattice in a rapier world.
 pub(super) struct Dynamics<'a> {
     assembly: &'a Assembly,
-    world: PhysicsWorld,
-    handles: Vec<RigidBodyHandle>,
-    /// Mass and moment of inertia of each body; zero for a clamped one.
-    inertia: Vec<(f64, f64)>,
+    pub(super) world: PhysicsWorld,
+    /// The lattice's bodies, in their order.
+    pub(super) handles: Vec<RigidBodyHandle>,
+    /// All bodies that move, the lattice's and others.
+    moving: Vec<Moving>,
     /// Kinetic energy after the last step, N mm.
     energy: f64,
 }
 
-fn rapier(vector: Vector) -> RapierVector {
+/// A body that moves, with where it began.
+struct Moving {
+    handle: RigidBodyHandle,
+    start: RapierVector,
+    mass: f64,
+    moment: f64,
+}
+
+pub(super) fn rapier(vector: Vector) -> RapierVector {
     RapierVector::new(vector.x, vector.y)
+}
+
+pub(super) fn own(vector: RapierVector) -> Vector {
+    Vector::new(vector.x, vector.y)
+}
+
+/// The mass with which a stiffness (N/mm) moves in step with the others.
+pub(super) fn mass_for(stiffness: f64) -> f64 {
+    STEP_S * STEP_S * stiffness / SOFTNESS
 }
 
 /// A joint that moves like the spring: a motor that pulls back with a force (not an acceleration) in proportion.
@@ -108,22 +126,30 @@ impl<'a> Dynamics<'a> {
             normalized_max_corrective_velocity: f64::MAX,
             ..IntegrationParameters::default()
         };
-        let mut dynamics = Dynamics { assembly, world, handles: Vec::new(), inertia: inertia(assembly), energy: 0.0 };
-        for (body, &(mass, moment)) in assembly.bodies.iter().zip(&dynamics.inertia) {
-            let kind = if body.fixed {
-                RigidBodyBuilder::fixed()
+        let mut dynamics = Dynamics { assembly, world, handles: Vec::new(), moving: Vec::new(), energy: 0.0 };
+        for (body, (mass, moment)) in assembly.bodies.iter().zip(inertia(assembly)) {
+            let handle = if body.fixed {
+                dynamics.world.bodies.insert(RigidBodyBuilder::fixed().translation(rapier(body.position)))
             } else {
-                let properties = MassProperties::new(RapierVector::ZERO, mass, moment);
-                RigidBodyBuilder::dynamic().additional_mass_properties(properties)
+                dynamics.insert_moving(body.position, mass, moment)
             };
-            let body = kind.translation(rapier(body.position)).can_sleep(false);
-            dynamics.handles.push(dynamics.world.bodies.insert(body));
+            dynamics.handles.push(handle);
         }
         for spring in &assembly.springs {
             let [first, second] = spring.ends.map(|end| dynamics.handles[end.body]);
             dynamics.world.impulse_joints.insert(first, second, joint(spring), true);
         }
         dynamics
+    }
+
+    /// Puts a body that moves into the world.
+    pub(super) fn insert_moving(&mut self, position: Vector, mass: f64, moment: f64) -> RigidBodyHandle {
+        let start = rapier(position);
+        let properties = MassProperties::new(RapierVector::ZERO, mass, moment);
+        let body = RigidBodyBuilder::dynamic().additional_mass_properties(properties).translation(start);
+        let handle = self.world.bodies.insert(body.can_sleep(false));
+        self.moving.push(Moving { handle, start, mass, moment });
+        handle
     }
 
     /// One step under dead loads.
@@ -144,28 +170,31 @@ impl<'a> Dynamics<'a> {
     }
 
     fn kinetic_energy(&self) -> f64 {
-        let energy = |(handle, (mass, moment)): (&RigidBodyHandle, &(f64, f64))| {
-            let body = &self.world.bodies[*handle];
-            0.5 * (mass * body.linvel().length_squared() + moment * body.angvel() * body.angvel())
+        let energy = |moving: &Moving| {
+            let body = &self.world.bodies[moving.handle];
+            0.5 * (moving.mass * body.linvel().length_squared() + moving.moment * body.angvel() * body.angvel())
         };
-        self.handles.iter().zip(&self.inertia).map(energy).sum()
+        self.moving.iter().map(energy).sum()
     }
 
     fn stop(&mut self) {
-        for (handle, body) in self.handles.iter().zip(&self.assembly.bodies) {
-            if !body.fixed {
-                let body = &mut self.world.bodies[*handle];
-                body.set_linvel(RapierVector::ZERO, true);
-                body.set_angvel(0.0, true);
-            }
+        for moving in &self.moving {
+            let body = &mut self.world.bodies[moving.handle];
+            body.set_linvel(RapierVector::ZERO, true);
+            body.set_angvel(0.0, true);
         }
     }
 
-    fn motions(&self) -> Vec<BodyMotion> {
+    /// How far every moving body is from where it began, mm.
+    fn displacements(&self) -> Vec<RapierVector> {
+        self.moving.iter().map(|moving| self.world.bodies[moving.handle].translation() - moving.start).collect()
+    }
+
+    /// Motion of every body of the lattice from rest; rotations within half a turn.
+    pub(super) fn motions(&self) -> Vec<BodyMotion> {
         let motion = |(handle, rest): (&RigidBodyHandle, &super::bodies::Body)| {
             let body = &self.world.bodies[*handle];
-            let at = body.translation();
-            BodyMotion { displacement: Vector::new(at.x, at.y) - rest.position, rotation: body.rotation().angle() }
+            BodyMotion { displacement: own(body.translation()) - rest.position, rotation: body.rotation().angle() }
         };
         self.handles.iter().zip(&self.assembly.bodies).map(motion).collect()
     }
@@ -187,24 +216,39 @@ impl<'a> Dynamics<'a> {
     /// # Errors
     /// [`LatticeError::NotSettled`] with the last residual if it does not within `most_steps`.
     pub(super) fn settle(&mut self, loads: &[BodyLoad], most_steps: usize) -> Result<Rest, LatticeError> {
-        let mut residual = f64::INFINITY;
         let mut steps = 1;
         while !self.damped_step(loads) && steps < most_steps {
             steps += 1;
         }
-        let watch = (PATIENCE * steps).max(SHORTEST_WATCH);
+        self.watch(loads, (PATIENCE * steps).max(SHORTEST_WATCH), steps, most_steps)
+    }
+
+    /// Goes on after `steps` until no moving body has moved for as long as a `watch` lasts, in steps.
+    ///
+    /// # Errors
+    /// [`LatticeError::NotSettled`] with the last residual if they still move after `most_steps`.
+    pub(super) fn watch(
+        &mut self,
+        loads: &[BodyLoad],
+        watch: usize,
+        mut steps: usize,
+        most_steps: usize,
+    ) -> Result<Rest, LatticeError> {
         let resolution_mm =
             RESOLUTION * self.assembly.bodies.iter().map(|body| body.position.norm()).fold(0.0, f64::max);
+        let mut residual = f64::INFINITY;
         while steps + watch <= most_steps {
-            let before = self.motions();
+            let before = self.displacements();
             for _ in 0..watch {
                 self.damped_step(loads);
             }
             steps += watch;
-            let motions = self.motions();
-            residual = moved(&before, &motions) / largest(&motions).max(resolution_mm);
+            let now = self.displacements();
+            let moved = before.iter().zip(&now).map(|(a, b)| (*b - *a).length()).fold(0.0, f64::max);
+            let largest = now.iter().map(|displacement| displacement.length()).fold(0.0, f64::max);
+            residual = moved / largest.max(resolution_mm);
             if residual <= AT_REST {
-                return Ok(Rest { motions, steps, residual });
+                return Ok(Rest { watch, steps, residual });
             }
         }
         Err(LatticeError::NotSettled { steps, residual })
@@ -228,12 +272,4 @@ fn inertia(assembly: &Assembly) -> Vec<(f64, f64)> {
         None => (0.0, 0.0),
     };
     (0..assembly.bodies.len()).map(inertia).collect()
-}
-
-fn moved(before: &[BodyMotion], now: &[BodyMotion]) -> f64 {
-    before.iter().zip(now).map(|(a, b)| (b.displacement - a.displacement).norm()).fold(0.0, f64::max)
-}
-
-fn largest(motions: &[BodyMotion]) -> f64 {
-    motions.iter().map(|motion| motion.displacement.norm()).fold(0.0, f64::max)
 }

@@ -1,0 +1,193 @@
+//! The object that a contact scene presses onto the finger, and the rods that it meets: `[object]` and `[contact]`.
+
+use super::SceneError;
+use super::reader::TableReader;
+use crate::Vector;
+use crate::finger::{Finger, Plate};
+
+/// Radius of the rods, mm: the paper's have a diameter of 3 mm (Xu et al. 2021, sec. II).
+pub const ROD_RADIUS_MM: f64 = 1.5;
+/// Steps from first touch to the end where the scene does not say.
+const STEPS: usize = 20;
+/// Most steps that are of use.
+const MOST_STEPS: usize = 10_000;
+
+/// Outline of an object, about the point that is moved.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Outline {
+    /// A round object, by its axis.
+    Disc {
+        /// Radius, mm.
+        radius_mm: f64,
+    },
+    /// A rectangle, by its centre.
+    Box {
+        /// Side along x before the object is turned, mm.
+        width_mm: f64,
+        /// Side along y before the object is turned, mm.
+        height_mm: f64,
+    },
+    /// A polygon, by the origin of its points.
+    Polygon {
+        /// Name of the CSV file with its corners in order, as written in the scene.
+        points_csv: String,
+    },
+}
+
+/// How the object moves; it never turns.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ObjectMotion {
+    /// Along a straight line, from where it touches the undeformed finger.
+    Press {
+        /// Place on the front plate that the line meets, mm from its base.
+        at_mm: f64,
+        /// Direction of the line, degrees from the undeformed inward normal, positive towards the tip.
+        direction_deg: f64,
+        /// How far.
+        until: Until,
+    },
+    /// Through points of the finger frame, mm.
+    Path(Vec<Vector>),
+}
+
+/// What ends a press.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Until {
+    /// A travel from first touch, mm.
+    Travel(f64),
+    /// A force along the line, N; across it the object is guided.
+    Force(f64),
+}
+
+/// An object that is pressed onto the finger.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ObjectDescription {
+    /// Its outline.
+    pub outline: Outline,
+    /// How far the outline is turned, degrees from x to y.
+    pub rotation_deg: f64,
+    /// Coefficient of Coulomb friction against the finger.
+    pub friction: f64,
+    /// How it moves.
+    pub motion: ObjectMotion,
+    /// In how many equal steps.
+    pub steps: usize,
+}
+
+const OUTLINE_KEYS: [&str; 4] = ["radius_mm", "width_mm", "height_mm", "points_csv"];
+const PRESS_KEYS: [&str; 4] = ["at_mm", "direction_deg", "travel_mm", "force_n"];
+
+/// All keys of `[object]`.
+pub(super) const KEYS: [&str; 13] = [
+    "shape",
+    "radius_mm",
+    "width_mm",
+    "height_mm",
+    "points_csv",
+    "rotation_deg",
+    "friction",
+    "at_mm",
+    "direction_deg",
+    "travel_mm",
+    "force_n",
+    "path_mm",
+    "steps",
+];
+
+pub(super) fn read_object(table: &TableReader, finger: &Finger) -> Result<ObjectDescription, SceneError> {
+    let rotation_deg = table.optional_number("rotation_deg", "angle in degrees")?.unwrap_or(0.0);
+    if !rotation_deg.is_finite() {
+        return Err(table.wrong("rotation_deg", "a finite angle in degrees", &format!("{rotation_deg:?}")));
+    }
+    let friction = table.optional_number("friction", "coefficient of friction")?.unwrap_or(0.0);
+    if !(friction.is_finite() && friction >= 0.0) {
+        return Err(table.wrong("friction", "a coefficient of friction, zero or more", &format!("{friction:?}")));
+    }
+    let steps = table.optional_count("steps")?.unwrap_or(STEPS);
+    if !(1..=MOST_STEPS).contains(&steps) {
+        return Err(table.wrong("steps", &format!("a whole number, 1 to {MOST_STEPS}"), &steps.to_string()));
+    }
+    Ok(ObjectDescription {
+        outline: read_outline(table)?,
+        rotation_deg,
+        friction,
+        motion: read_motion(table, finger)?,
+        steps,
+    })
+}
+
+#[derive(Clone, Copy)]
+enum Shape {
+    Disc,
+    Box,
+    Polygon,
+}
+
+fn read_outline(table: &TableReader) -> Result<Outline, SceneError> {
+    let shape =
+        table.choice("shape", &[("disc", Shape::Disc), ("box", Shape::Box), ("polygon", Shape::Polygon)])?;
+    let (name, keys): (_, &[&str]) = match shape {
+        Shape::Disc => ("disc", &OUTLINE_KEYS[..1]),
+        Shape::Box => ("box", &OUTLINE_KEYS[1..3]),
+        Shape::Polygon => ("polygon", &OUTLINE_KEYS[3..]),
+    };
+    refuse_others(table, &OUTLINE_KEYS, keys, &format!("a {name}"))?;
+    Ok(match shape {
+        Shape::Disc => Outline::Disc { radius_mm: positive(table, "radius_mm", "length in mm")? },
+        Shape::Box => Outline::Box {
+            width_mm: positive(table, "width_mm", "length in mm")?,
+            height_mm: positive(table, "height_mm", "length in mm")?,
+        },
+        Shape::Polygon => Outline::Polygon { points_csv: table.text("points_csv")? },
+    })
+}
+
+fn read_motion(table: &TableReader, finger: &Finger) -> Result<ObjectMotion, SceneError> {
+    if let Some(points) = table.optional_pairs("path_mm")? {
+        refuse_others(table, &PRESS_KEYS, &[], "an object with path_mm")?;
+        let points: Vec<Vector> = points.into_iter().map(Vector::from).collect();
+        let length_mm: f64 = points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
+        if !(length_mm.is_finite() && length_mm > 0.0) {
+            let expected = "two or more different points [x, y] of the finger frame, in mm";
+            return Err(table.wrong("path_mm", expected, &format!("a path of {length_mm} mm")));
+        }
+        return Ok(ObjectMotion::Path(points));
+    }
+    if !table.has("at_mm") {
+        return Err(table.missing("at_mm", "the place on the front plate to press on, in mm (or path_mm)"));
+    }
+    let at_mm = table.number("at_mm", "place in mm")?;
+    let length_mm = finger.plate_length_mm(Plate::Front);
+    if !(0.0..=length_mm).contains(&at_mm) {
+        return Err(table.wrong("at_mm", &format!("a place on the front plate, 0 to {length_mm} mm"), &at_mm.to_string()));
+    }
+    let direction_deg = table.optional_number("direction_deg", "angle in degrees")?.unwrap_or(0.0);
+    if !(direction_deg.abs() < 90.0) {
+        let expected = "an angle between -90 and 90 degrees, from the inward normal";
+        return Err(table.wrong("direction_deg", expected, &format!("{direction_deg:?}")));
+    }
+    let until = match (table.has("travel_mm"), table.has("force_n")) {
+        (true, false) => Until::Travel(positive(table, "travel_mm", "length in mm")?),
+        (false, true) => Until::Force(positive(table, "force_n", "force in N")?),
+        (true, true) => return Err(table.wrong("force_n", "either travel_mm or force_n", "both")),
+        (false, false) => return Err(table.missing("travel_mm", "how far to press, in mm (or force_n)")),
+    };
+    Ok(ObjectMotion::Press { at_mm, direction_deg, until })
+}
+
+fn positive(table: &TableReader, key: &str, what: &str) -> Result<f64, SceneError> {
+    let value = table.number(key, what)?;
+    if value.is_normal() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(table.wrong(key, &format!("a {what} above zero"), &format!("{value:?}")))
+    }
+}
+
+/// Refuses keys that belong to another shape or motion: what stands in a scene counts.
+fn refuse_others(table: &TableReader, keys: &[&str], own: &[&str], whose: &str) -> Result<(), SceneError> {
+    match keys.iter().find(|key| table.has(key) && !own.contains(key)) {
+        Some(key) => Err(table.wrong(key, "nothing", &format!("a value that {whose} does not have"))),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,165 @@
+//! Contact scenes: an object is pressed onto the lattice finger, a camera watches the nodes, and sensing follows.
+//!
+//! The camera sees where the object touches and which way it faces there, not how hard. Sensing then has contacts of
+//! known place and direction, as with every other measurement, and its forces stand beside those that the engine's contacts
+//! carry.
+
+mod contacts;
+mod object;
+
+pub use contacts::{SeenContact, angle_deg, seen_contacts};
+pub use object::{OutlineError, PreparedObject, TurnedOutline};
+
+use crate::lattice::pressing::{Pressed, Pressing};
+use crate::lattice::{Lattice, LatticeError};
+use finray_model::measurement::Measurement;
+use finray_model::scene::ObjectDescription;
+use finray_model::sensing::{ContactQuestion, NonlinearEstimator, SensingError};
+use finray_model::{Finger, Mesh, Scene, Vector};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// Segments in a stretch of plate between two rods: the paper's finger under 5 N is then within 0.1 % of converged beams.
+pub const FINENESS: usize = 3;
+/// Elements a member of the finger that senses: objects bend it farther than single forces of the same size, and with four, 0.1 %
+/// of the force would be left of the mesh.
+const ELEMENTS: usize = 8;
+
+/// What a scene needs to be run: finger, object, camera.
+#[derive(Debug, Clone)]
+pub struct ContactScene {
+    finger: Finger,
+    rod_radius_mm: f64,
+    object: PreparedObject,
+    fineness: usize,
+}
+
+/// One step of a scene, at rest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SceneStep {
+    /// How far the object has come from where it began, mm.
+    pub travel_mm: f64,
+    /// Finger and object.
+    pub pressed: Pressed,
+    /// Contacts as the camera sees them, with their true forces.
+    pub contacts: Vec<SeenContact>,
+}
+
+/// Forces sensed in one step.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SensedStep {
+    /// Force of each contact that is not clamped, along its direction, with its standard deviation, N.
+    pub forces: Vec<SensedForce>,
+    /// Their sum along the direction that the object is pressed in.
+    pub total: SensedForce,
+}
+
+/// A sensed force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SensedForce {
+    /// True, N.
+    pub true_n: f64,
+    /// Sensed, N.
+    pub sensed_n: f64,
+    /// Stated standard deviation, N.
+    pub sigma_n: f64,
+}
+
+impl SensedForce {
+    /// Sensed over true, less one.
+    pub fn relative_error(&self) -> f64 {
+        self.sensed_n / self.true_n - 1.0
+    }
+
+    /// The error in stated standard deviations.
+    pub fn standardised_error(&self) -> f64 {
+        (self.sensed_n - self.true_n) / self.sigma_n
+    }
+}
+
+impl ContactScene {
+    /// Prepares a scene's object in front of its finger; `corners` (mm) are those of a polygon's file, unused otherwise.
+    ///
+    /// # Errors
+    /// [`OutlineError`] for corners that are no outline.
+    pub fn new(scene: &Scene, object: &ObjectDescription, corners: &[Vector]) -> Result<ContactScene, OutlineError> {
+        Ok(ContactScene {
+            finger: scene.finger.clone(),
+            rod_radius_mm: scene.rod_radius_mm,
+            object: PreparedObject::new(scene, object, corners)?,
+            fineness: FINENESS,
+        })
+    }
+
+    /// The same scene with another number of segments in a stretch of plate.
+    pub fn with_fineness(self, fineness: usize) -> ContactScene {
+        ContactScene { fineness, ..self }
+    }
+
+    /// The finger.
+    pub fn finger(&self) -> &Finger {
+        &self.finger
+    }
+
+    /// The object.
+    pub fn object(&self) -> &PreparedObject {
+        &self.object
+    }
+
+    /// Runs the scene; `each` is handed every step as soon as it rests.
+    ///
+    /// # Errors
+    /// [`LatticeError`] if the object does not start outside the finger, or a step does not settle: the steps before were handed
+    /// out.
+    pub fn run(&self, mut each: impl FnMut(SceneStep)) -> Result<(), LatticeError> {
+        let lattice = Lattice::new(&self.finger, self.fineness)?;
+        let PreparedObject { rigid, start, along, steps, .. } = &self.object;
+        let mut pressing = Pressing::new(&lattice, self.rod_radius_mm, rigid, *start, *along)?;
+        let (mut travel_mm, mut last) = (0.0, *start);
+        for &step in steps {
+            let pressed = pressing.push(step)?;
+            travel_mm += (pressed.object - last).norm();
+            last = pressed.object;
+            each(SceneStep { travel_mm, contacts: seen_contacts(&lattice, &pressed.touches), pressed });
+        }
+        Ok(())
+    }
+
+    /// Senses the forces of a step with the nonlinear estimator from what the camera sees: the key nodes, with noise of a
+    /// standard deviation `noise_mm` from `noise`. `None` where nothing touches.
+    ///
+    /// # Errors
+    /// [`SensingError`] if they cannot be told.
+    pub fn sense(&self, step: &SceneStep, noise_mm: f64, noise: impl FnMut() -> f64) -> Result<Option<SensedStep>, SensingError> {
+        let felt: Vec<&SeenContact> = step.contacts.iter().filter(|contact| !contact.clamped).collect();
+        if felt.is_empty() {
+            return Ok(None);
+        }
+        let mut seen = Measurement::of_shape(&self.finger, &step.pressed.shape);
+        seen.add_noise(noise_mm, noise);
+        let mesh = Mesh::with_elements_per_member(&self.finger, ELEMENTS);
+        let questions: Vec<ContactQuestion> = felt.iter().map(|seen| seen.contact.into()).collect();
+        let estimate = NonlinearEstimator::new(&mesh, &questions)?.estimate(&seen, Some(noise_mm.max(LEAST_STATED_MM)))?;
+        let (forces_n, sigmas_n) = (&estimate.forces.forces_n, &estimate.forces.sigmas_n);
+        let forces = felt.iter().zip(forces_n.iter().zip(sigmas_n));
+        let forces = forces.map(|(seen, (&sensed_n, &sigma_n))| SensedForce { true_n: seen.normal_n, sensed_n, sigma_n });
+        let shares = felt.iter().map(|seen| self.finger.direction(seen.contact.angle_deg).dot(&self.object.along));
+        let shares = nalgebra::DVector::from_iterator(felt.len(), shares);
+        let total = SensedForce {
+            true_n: felt.iter().map(|seen| seen.force.dot(&self.object.along)).sum(),
+            sensed_n: shares.iter().zip(forces_n).map(|(share, force)| share * force).sum(),
+            sigma_n: shares.dot(&(&estimate.covariance_n2 * &shares)).sqrt(),
+        };
+        Ok(Some(SensedStep { forces: forces.collect(), total }))
+    }
+}
+
+/// Noise that the estimator is told of where there is none, mm: far below what the lattice differs from beams.
+const LEAST_STATED_MM: f64 = 1e-3;
+
+/// Standard normal numbers of a seed.
+pub fn standard_normal(seed: u64) -> impl FnMut() -> f64 {
+    let mut generator = ChaCha8Rng::seed_from_u64(seed);
+    move || StandardNormal.sample(&mut generator)
+}

@@ -1,0 +1,366 @@
+//! An object pressed onto the lattice in rapier: rods are balls, the front plate is a chain of capsules.
+//!
+//! The object is a rigid body that does not turn. It hangs in a hand by stiff springs; where the hand moves, the object
+//! follows until the finger holds against it. So three forces are known that nothing forces to agree: what the engine's
+//! contacts carry, what the hand's springs do, and what the lattice's springs put on the clamps.
+//!
+//! Every step comes to rest as in [`settling`](super::settling), from the step before.
+
+use super::bodies::{BodyIndex, BodyLoad};
+use super::energy::{BodyMotion, Energy};
+use super::settling::{self, Dynamics, mass_for, own, rapier};
+use super::{Lattice, LatticeError};
+use finray_model::finger::{Part, Plate};
+use finray_model::mesh::{FingerShape, Load};
+use finray_model::{NodeId, Vector};
+use rapier2d::prelude::{
+    CoefficientCombineRule, ColliderBuilder, ColliderHandle, GenericJointBuilder, Group,
+    ImpulseJointHandle, InteractionGroups, InteractionTestMode, JointAxesMask, JointAxis, MotorModel, Pose,
+    RigidBodyBuilder, RigidBodyHandle, SharedShape,
+};
+
+/// Where on the finger an object touches it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum TouchedPart {
+    /// The rod at a key node of the front plate.
+    Rod(NodeId),
+    /// The front plate, mm along it from the base.
+    Plate(f64),
+}
+
+impl TouchedPart {
+    /// Place along the front plate, mm from its base.
+    pub fn place_mm(&self, lattice: &Lattice) -> f64 {
+        match *self {
+            TouchedPart::Rod(node) => lattice.finger().front_place_mm(node).unwrap_or_default(),
+            TouchedPart::Plate(place_mm) => place_mm,
+        }
+    }
+}
+
+/// One point at which the object pushes on the finger.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Touch {
+    /// Body of the lattice that is pushed.
+    pub body: BodyIndex,
+    /// What part of the finger that is.
+    pub part: TouchedPart,
+    /// Whether the part is clamped, so that the force does not bend the finger.
+    pub clamped: bool,
+    /// Where, finger frame, deformed, mm.
+    pub point: Vector,
+    /// From the centre of the body to the point, as if the body had not turned, mm.
+    pub arm: Vector,
+    /// Unit vector from the object into the finger.
+    pub normal: Vector,
+    /// Force on the finger, N, finger frame.
+    pub force: Vector,
+    /// Overlap of object and finger, mm; negative for a gap.
+    pub overlap_mm: f64,
+}
+
+/// How the object is held along the line that it is pressed on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Push {
+    /// The hand stands where the object is wanted, finger frame, mm.
+    To(Vector),
+    /// The hand pulls with a force, N; across the line it guides the object.
+    With(f64),
+}
+
+/// Finger and object at rest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pressed {
+    /// Motion of the key nodes.
+    pub shape: FingerShape,
+    /// Where the object's own point is, finger frame, mm.
+    pub object: Vector,
+    /// Where the object pushes on the finger.
+    pub touches: Vec<Touch>,
+    /// Force of the hand on the object, N.
+    pub hand_force: Vector,
+    /// Force of the lattice's springs, and of the object where it touches a clamped part, on the clamps, N.
+    pub base_force: Vector,
+    /// Moment of the same about the origin, N mm.
+    pub base_moment_nmm: f64,
+    /// Steps taken.
+    pub steps: usize,
+}
+
+impl Pressed {
+    /// Force of all touches on the finger, N.
+    pub fn contact_force(&self) -> Vector {
+        self.touches.iter().map(|touch| touch.force).sum()
+    }
+
+    /// Moment of all touches about the origin, N mm.
+    pub fn contact_moment_nmm(&self) -> f64 {
+        self.touches.iter().map(|touch| touch.point.perp(&touch.force)).sum()
+    }
+}
+
+/// What presses: a shape, turned, with friction.
+#[derive(Debug, Clone)]
+pub struct RigidObject {
+    /// The shape about the point that is moved, mm, finger frame.
+    pub shape: SharedShape,
+    /// Coefficient of Coulomb friction.
+    pub friction: f64,
+}
+
+/// A lattice with an object in front of it.
+pub struct Pressing<'l> {
+    lattice: &'l Lattice,
+    dynamics: Dynamics<'l>,
+    object: RigidBodyHandle,
+    collider: ColliderHandle,
+    hand: RigidBodyHandle,
+    holder: ImpulseJointHandle,
+    /// The part of the finger that each of its colliders stands for, by the collider's user data.
+    parts: Vec<(BodyIndex, Skin)>,
+    /// Stiffness of the hand, N/mm.
+    stiffness: f64,
+    /// Direction of the line that the object is pressed along; a unit vector.
+    along: Vector,
+    /// Steps between two looks whether everything rests.
+    watch: usize,
+}
+
+/// A collider of the finger.
+#[derive(Clone, Copy)]
+enum Skin {
+    Rod(NodeId),
+    /// Where the piece begins along the plate (mm), and the same point from the centre of its body.
+    Plate { from_mm: f64, from_arm: Vector },
+}
+
+/// From this distance (mm) on the engine looks after a contact to come. No body may move by more than half of it in a step,
+/// so that none gets past another unseen.
+const FORESIGHT_MM: f64 = 1.0;
+/// Overlap (mm) from which on an object does not merely touch where it starts.
+const OVERLAP_MM: f64 = 1e-3;
+/// Steps in which one push must have settled: the paper's finger takes 2000 with two segments a stretch.
+const MOST_STEPS: usize = 50_000;
+/// A push on the middle of the finger, N, whose settling tells how slow its slowest motion is. Any small force does.
+const PROBE_N: f64 = 0.1;
+
+impl<'l> Pressing<'l> {
+    /// Puts the object where it does not yet touch; it is going to be pressed along the unit vector `along`.
+    ///
+    /// # Errors
+    /// [`LatticeError::Overlap`] if it does not start outside the finger, [`LatticeError::NotSettled`] if the finger does
+    /// not settle even without it.
+    pub fn new(
+        lattice: &'l Lattice,
+        rod_radius_mm: f64,
+        object: &RigidObject,
+        start: Vector,
+        along: Vector,
+    ) -> Result<Pressing<'l>, LatticeError> {
+        let assembly = lattice.assembly();
+        let watch = slowest_motion(lattice)?;
+        let mut dynamics = Dynamics::new(assembly);
+        let parameters = &mut dynamics.world.integration_parameters;
+        parameters.normalized_prediction_distance = FORESIGHT_MM;
+        parameters.normalized_max_linear_velocity = 0.5 * FORESIGHT_MM / parameters.dt;
+        let parts = add_skin(lattice, rod_radius_mm, object.friction, &mut dynamics);
+
+        let finger = lattice.finger();
+        let stretch_mm = finger.plate_length_mm(Plate::Front) / (finger.rib_count() + 1) as f64;
+        let stiffness = finger.section(Part::Front).map_or(1.0, |section| section.axial_rigidity_n / stretch_mm);
+        let radius_mm = object.shape.compute_local_bounding_sphere().radius;
+        let turning = stiffness * radius_mm * radius_mm;
+        let hand = dynamics.world.bodies.insert(RigidBodyBuilder::fixed().translation(rapier(start)));
+        let body = dynamics.insert_moving(start, mass_for(stiffness), mass_for(turning));
+        let collider = ColliderBuilder::new(object.shape.clone())
+            .density(0.0)
+            .friction(object.friction)
+            .friction_combine_rule(CoefficientCombineRule::Min)
+            .collision_groups(groups(OBJECT, FINGER));
+        let world = &mut dynamics.world;
+        let collider = world.colliders.insert_with_parent(collider, body, &mut world.bodies);
+        let mut joint = GenericJointBuilder::new(JointAxesMask::empty());
+        for (axis, stiffness) in [(JointAxis::LinX, stiffness), (JointAxis::LinY, stiffness), (JointAxis::AngX, turning)] {
+            joint = joint.motor_model(axis, MotorModel::ForceBased).motor_position(axis, 0.0, stiffness, 0.0);
+        }
+        let mut joint = joint.build();
+        let turn = along.y.atan2(along.x);
+        joint.local_frame1 = Pose::new(rapier(Vector::zeros()), turn);
+        joint.local_frame2 = joint.local_frame1;
+        let holder = world.impulse_joints.insert(hand, body, joint, true);
+        world.detect_collisions(&(), &());
+        let overlap_mm = world
+            .narrow_phase
+            .contact_pairs_with(collider)
+            .flat_map(|pair| pair.manifolds())
+            .flat_map(|manifold| &manifold.points)
+            .fold(0.0, |most: f64, point| most.max(-point.dist));
+        if overlap_mm > OVERLAP_MM {
+            return Err(LatticeError::Overlap { overlap_mm });
+        }
+        Ok(Pressing { lattice, dynamics, object: body, collider, hand, holder, parts, stiffness, along, watch })
+    }
+
+    /// Moves the hand and lets everything come to rest.
+    ///
+    /// # Errors
+    /// [`LatticeError::NotSettled`] if it does not.
+    pub fn push(&mut self, push: Push) -> Result<Pressed, LatticeError> {
+        let world = &mut self.dynamics.world;
+        let (stiffness, pull_n) = match push {
+            Push::To(place) => {
+                world.bodies[self.hand].set_translation(rapier(place), true);
+                (self.stiffness, 0.0)
+            }
+            Push::With(force_n) => (0.0, force_n),
+        };
+        if let Some(joint) = world.impulse_joints.get_mut(self.holder, true) {
+            // A motor without stiffness would hold the object all the same.
+            joint.data.motor_axes.set(JointAxesMask::LIN_X, stiffness > 0.0);
+        }
+        let object = &mut world.bodies[self.object];
+        object.reset_forces(true);
+        object.add_force(rapier(self.along * pull_n), true);
+        let rest = self.dynamics.watch(&[], self.watch, 0, MOST_STEPS)?;
+
+        let motions = self.dynamics.motions();
+        let touches = self.touches(&motions);
+        let object = own(self.dynamics.world.bodies[self.object].translation());
+        let stretched = own(self.dynamics.world.bodies[self.hand].translation()) - object;
+        let across = stretched - self.along * stretched.dot(&self.along);
+        let hand_force = across * self.stiffness + self.along * (stretched.dot(&self.along) * stiffness + pull_n);
+        let (mut base_force, mut base_moment_nmm) = Energy::new(self.lattice.assembly()).on_clamps(&motions);
+        for touch in touches.iter().filter(|touch| touch.clamped) {
+            base_force += touch.force;
+            base_moment_nmm += touch.point.perp(&touch.force);
+        }
+        let shape = self.lattice.shape(&motions);
+        Ok(Pressed { shape, object, touches, hand_force, base_force, base_moment_nmm, steps: rest.steps })
+    }
+
+    /// What the engine's contacts carry.
+    fn touches(&self, motions: &[BodyMotion]) -> Vec<Touch> {
+        let world = &self.dynamics.world;
+        let dt = world.integration_parameters.dt;
+        let mut touches = Vec::new();
+        for pair in world.narrow_phase.contact_pairs_with(self.collider) {
+            let object_first = pair.collider1 == self.collider;
+            let skin = if object_first { pair.collider2 } else { pair.collider1 };
+            let index = world.colliders[skin].user_data as usize;
+            let (body, part) = self.parts[index];
+            for manifold in pair.manifolds() {
+                // The engine's normal points from its first body to its second.
+                let normal = own(manifold.data.normal) * if object_first { 1.0 } else { -1.0 };
+                for contact in &manifold.data.solver_contacts {
+                    let data = &manifold.points[(contact.contact_id[0] & 0x7fff_ffff) as usize];
+                    let (first, second) = manifold.data.solver_contact_world_points(contact, &world.bodies);
+                    let (on_object, on_finger) = if object_first { (first, second) } else { (second, first) };
+                    let (on_object, on_finger) = (own(on_object), own(on_finger));
+                    let tangent = Vector::new(-normal.y, normal.x);
+                    let force = (normal * data.data.impulse + tangent * data.data.tangent_impulse[0]) / dt;
+                    if data.data.impulse <= 0.0 {
+                        continue;
+                    }
+                    let rest = &self.lattice.assembly().bodies[body];
+                    let motion = &motions[body];
+                    let turned_back = BodyMotion { displacement: Vector::zeros(), rotation: -motion.rotation };
+                    let arm = turned_back.carried(on_finger - rest.position - motion.displacement);
+                    touches.push(Touch {
+                        body,
+                        part: match part {
+                            Skin::Rod(node) => TouchedPart::Rod(node),
+                            Skin::Plate { from_mm, from_arm } => TouchedPart::Plate(
+                                from_mm + (arm - from_arm).dot(&self.lattice.finger().front_tangent()),
+                            ),
+                        },
+                        clamped: rest.fixed,
+                        point: on_finger,
+                        arm,
+                        normal,
+                        force,
+                        overlap_mm: (on_object - on_finger).dot(&normal),
+                    });
+                }
+            }
+        }
+        touches.sort_by(|a, b| a.part.place_mm(self.lattice).total_cmp(&b.part.place_mm(self.lattice)));
+        touches
+    }
+}
+
+const FINGER: Group = Group::GROUP_1;
+const OBJECT: Group = Group::GROUP_2;
+
+/// The finger touches the object alone, not itself.
+fn groups(own: Group, other: Group) -> InteractionGroups {
+    InteractionGroups::new(own, other, InteractionTestMode::And)
+}
+
+/// Gives the lattice its surface: a ball at every key node of the front plate, capsules between.
+fn add_skin(
+    lattice: &Lattice,
+    rod_radius_mm: f64,
+    friction: f64,
+    dynamics: &mut Dynamics,
+) -> Vec<(BodyIndex, Skin)> {
+    let (finger, assembly) = (lattice.finger(), lattice.assembly());
+    let mut skin = Vec::new();
+    if rod_radius_mm > 0.0 {
+        for node in finger.plate_nodes(Plate::Front) {
+            let anchor = assembly.key_nodes[node.0 - 1];
+            let ball = ColliderBuilder::ball(rod_radius_mm).translation(rapier(anchor.arm));
+            skin.push((anchor.body, Skin::Rod(node), ball));
+        }
+    }
+    let half_mm = 0.5 * finger.description().front.thickness_mm;
+    for piece in assembly.front_pieces() {
+        let [from, to] = piece.ends.map(rapier);
+        let part = Skin::Plate { from_mm: piece.from_mm, from_arm: piece.ends[0] };
+        skin.push((piece.body, part, ColliderBuilder::capsule_from_endpoints(from, to, half_mm)));
+    }
+    let world = &mut dynamics.world;
+    skin.into_iter()
+        .enumerate()
+        .map(|(index, (body, part, collider))| {
+            let collider = collider
+                .density(0.0)
+                .friction(friction)
+                .friction_combine_rule(CoefficientCombineRule::Min)
+                .collision_groups(groups(FINGER, OBJECT))
+                .user_data(index as u128);
+            world.colliders.insert_with_parent(collider, dynamics.handles[body], &mut world.bodies);
+            (body, part)
+        })
+        .collect()
+}
+
+/// Steps that the slowest motion of the finger takes, as [`Dynamics::settle`] finds it.
+fn slowest_motion(lattice: &Lattice) -> Result<usize, LatticeError> {
+    let finger = lattice.finger();
+    let middle = finger.contact_nodes().nth(finger.contact_nodes().len() / 2).unwrap_or(finger.tip());
+    let loads = lattice.body_loads(&[Load::at_node(middle, finger.direction(0.0) * PROBE_N)])?;
+    Ok(Dynamics::new(lattice.assembly()).settle(&loads, settling::MOST_STEPS)?.watch)
+}
+
+impl Lattice {
+    /// Shape of least energy under the forces of touches, kept as they are: if these are right, the shape in which they
+    /// were found. Newton's method knows nothing of contact, engine or object.
+    ///
+    /// # Errors
+    /// [`LatticeError::NoEquilibrium`] where there is none.
+    pub fn equilibrium_under(&self, touches: &[Touch]) -> Result<FingerShape, LatticeError> {
+        let load = |touch: &Touch| BodyLoad {
+            body: touch.body,
+            force: touch.force,
+            share: 1.0,
+            lever: touch.arm,
+            moment_nmm: 0.0,
+        };
+        let loads: Vec<BodyLoad> = touches.iter().map(load).collect();
+        let mut motions = vec![BodyMotion::default(); self.assembly.bodies.len()];
+        Energy::new(&self.assembly)
+            .follow(&mut motions, &loads, 0.0, 1.0)
+            .map_err(|lost| LatticeError::NoEquilibrium { converged_fraction: lost.converged_fraction })?;
+        Ok(self.shape(&motions))
+    }
+}
