@@ -4,6 +4,16 @@
 pub const PAPER_SCENE: &str = include_str!("../../fixtures/scenes/paper.toml");
 /// The spring-steel finger with hinged rigid ribs.
 pub const SPRING_STEEL_SCENE: &str = include_str!("../../fixtures/scenes/spring-steel.toml");
+/// Contact scenes with the paper's finger.
+pub const DISC_SCENE: &str = include_str!("../../fixtures/scenes/contact/disc.toml");
+/// A box.
+pub const BOX_SCENE: &str = include_str!("../../fixtures/scenes/contact/box.toml");
+/// A fork, by its corners.
+pub const FORK_SCENE: &str = include_str!("../../fixtures/scenes/contact/fork.toml");
+/// Corners of the fork.
+pub const FORK_OUTLINE: &str = include_str!("../../fixtures/scenes/contact/fork.csv");
+/// A disc with friction.
+pub const FRICTION_SCENE: &str = include_str!("../../fixtures/scenes/contact/friction.toml");
 /// Displacements of the paper's finger from OpenSees.
 pub const OPENSEES_PAPER: &str = include_str!("../../fixtures/opensees/paper.csv");
 /// Large deflections of a cantilever.

@@ -4,7 +4,7 @@
 mod commands;
 
 use clap::{CommandFactory, Parser, Subcommand};
-use commands::{calibrate, map, report, sense, solve};
+use commands::{calibrate, map, press, report, sense, solve};
 #[cfg(feature = "train")]
 use commands::{networks, train};
 use finray_verify::files::write_text;
@@ -33,6 +33,7 @@ enum Command {
     Sense(sense::Arguments),
     Calibrate(calibrate::Arguments),
     Map(map::Arguments),
+    Press(press::Arguments),
     #[cfg(feature = "train")]
     Train(train::Arguments),
     #[cfg(feature = "train")]
@@ -51,6 +52,7 @@ fn main() -> ExitCode {
         Command::Sense(arguments) => sense::run(&arguments),
         Command::Calibrate(arguments) => calibrate::run(&arguments),
         Command::Map(arguments) => map::run(&arguments),
+        Command::Press(arguments) => press::run(&arguments),
         #[cfg(feature = "train")]
         Command::Train(arguments) => train::run(&arguments),
         #[cfg(feature = "train")]

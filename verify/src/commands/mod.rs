@@ -4,6 +4,7 @@ pub mod calibrate;
 pub mod map;
 #[cfg(feature = "train")]
 pub mod networks;
+pub mod press;
 pub mod report;
 pub mod sense;
 pub mod solve;

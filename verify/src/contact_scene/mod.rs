@@ -6,10 +6,12 @@
 
 mod contacts;
 mod object;
+pub mod study;
 
 pub use contacts::{SeenContact, angle_deg, seen_contacts};
 pub use object::{OutlineError, PreparedObject, TurnedOutline};
 
+use crate::lattice::accuracy::difference;
 use crate::lattice::pressing::{Pressed, Pressing};
 use crate::lattice::{Lattice, LatticeError};
 use finray_model::measurement::Measurement;
@@ -44,6 +46,9 @@ pub struct SceneStep {
     pub pressed: Pressed,
     /// Contacts as the camera sees them, with their true forces.
     pub contacts: Vec<SeenContact>,
+    /// How far the shape is from the lattice's equilibrium under the contact forces, as a share of the largest displacement;
+    /// `None` where Newton's method finds none.
+    pub equilibrium_difference: Option<f64>,
 }
 
 /// Forces sensed in one step.
@@ -102,6 +107,11 @@ impl ContactScene {
         &self.finger
     }
 
+    /// Steps that it has.
+    pub fn step_count(&self) -> usize {
+        self.object.steps.len()
+    }
+
     /// The object.
     pub fn object(&self) -> &PreparedObject {
         &self.object
@@ -121,9 +131,20 @@ impl ContactScene {
             let pressed = pressing.push(step)?;
             travel_mm += (pressed.object - last).norm();
             last = pressed.object;
-            each(SceneStep { travel_mm, contacts: seen_contacts(&lattice, &pressed.touches), pressed });
+            let equilibrium = lattice.equilibrium_under(&pressed.touches);
+            each(SceneStep {
+                travel_mm,
+                contacts: seen_contacts(&lattice, &pressed.touches),
+                equilibrium_difference: equilibrium.ok().map(|shape| difference(&shape, &pressed.shape)),
+                pressed,
+            });
         }
         Ok(())
+    }
+
+    /// Sum of the forces that the finger can feel, along the direction that the object is pressed in, N.
+    pub fn total_n(&self, step: &SceneStep) -> f64 {
+        step.contacts.iter().filter(|seen| !seen.clamped).map(|seen| seen.force.dot(&self.object.along)).sum()
     }
 
     /// Senses the forces of a step with the nonlinear estimator from what the camera sees: the key nodes, with noise of a
@@ -147,7 +168,7 @@ impl ContactScene {
         let shares = felt.iter().map(|seen| self.finger.direction(seen.contact.angle_deg).dot(&self.object.along));
         let shares = nalgebra::DVector::from_iterator(felt.len(), shares);
         let total = SensedForce {
-            true_n: felt.iter().map(|seen| seen.force.dot(&self.object.along)).sum(),
+            true_n: self.total_n(step),
             sensed_n: shares.iter().zip(forces_n).map(|(share, force)| share * force).sum(),
             sigma_n: shares.dot(&(&estimate.covariance_n2 * &shares)).sqrt(),
         };

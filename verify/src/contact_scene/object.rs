@@ -31,6 +31,8 @@ pub enum OutlineError {
 
 /// Farthest corner of an outline, mm.
 const FARTHEST_MM: f64 = 1e4;
+/// Corners that a drawn disc has.
+const DRAWN_CORNERS: usize = 90;
 /// Share of its area by which the triangles of an outline may miss it: rounding, where it does not cross itself.
 const AREA_TOLERANCE: f64 = 1e-9;
 
@@ -81,6 +83,22 @@ impl TurnedOutline {
             1 => Ok(pieces.swap_remove(0).1),
             _ => Ok(SharedShape::compound(pieces)),
         }
+    }
+
+    /// The outline as a closed line, mm; a disc as a polygon of many corners.
+    pub fn points(&self) -> Vec<Vector> {
+        let corners: Vec<Vector> = match self {
+            TurnedOutline::Disc(radius_mm) => {
+                let corner = |i: usize| {
+                    let (sin, cos) = (std::f64::consts::TAU * i as f64 / DRAWN_CORNERS as f64).sin_cos();
+                    Vector::new(cos, sin) * *radius_mm
+                };
+                (0..DRAWN_CORNERS).map(corner).collect()
+            }
+            TurnedOutline::Polygon(corners) => corners.clone(),
+        };
+        let first = corners.first().copied();
+        corners.into_iter().chain(first).collect()
     }
 
     /// How far the outline reaches along a unit vector from the point that is moved, mm.

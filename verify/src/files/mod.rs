@@ -1,6 +1,7 @@
 //! What users bring and take away: scenes, displacements and measurements as text, results as whole files.
 
 mod networks;
+mod outline;
 mod output;
 mod scene;
 mod table;
@@ -9,6 +10,7 @@ pub mod displacements;
 pub mod measurements;
 
 pub use networks::load_network;
+pub use outline::load_scene_with_outline;
 pub use output::{csv_text, write_all_or_nothing, write_bytes, write_folder, write_text};
 pub use scene::load_scene;
 

@@ -1,0 +1,154 @@
+//! `finray press`
+
+use super::parse::not_negative;
+use super::{Failure, progress};
+use clap::value_parser;
+use finray_model::sensing::ContactPlace;
+use finray_verify::contact_scene::study::SceneWithOutline;
+use finray_verify::contact_scene::{ContactScene, FINENESS, SceneStep, SensedForce, SensedStep, standard_normal};
+use finray_verify::files::{csv_text, displacements, load_scene_with_outline, write_all_or_nothing, write_text};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Press an object onto the finger, and sense the contact forces as it goes.
+///
+/// Needs a scene with an [object] table: a disc, a box, or a polygon from a CSV file (x_mm,y_mm,
+/// beside the scene), with friction if you like, pressed along a line to a travel or a force, or moved
+/// along a path; see fixtures/scenes/contact. The finger is a lattice of rigid bodies and springs in
+/// the physics engine rapier: the forces of its contacts are the true ones. Sensing sees what a camera
+/// would: displacements of the key nodes, where the object touches and which way it faces there.
+///
+/// Writes step,travel_mm,contact,s_mm,angle_deg,force_n,friction_n,sensed_n,sigma_n: a row a
+/// contact, from the base to the tip, and a row `total` a step: the force along the object's way.
+/// `contact` is a node, `at` for a place between nodes, or `clamp` where a force is not felt;
+/// `angle_deg` is the normal, from the front plate's undeformed inward normal; `force_n` is the true
+/// force along it and `friction_n` the one across it, positive towards the tip. sensed_n stays empty
+/// where the forces cannot be told.
+///
+/// Examples:
+///   finray press fixtures/scenes/contact/disc.toml
+///   finray press fixtures/scenes/contact/disc.toml --noise-mm 0 --shape shape.csv --out forces.csv
+#[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct Arguments {
+    /// Scene file (TOML) with an [object]; - for standard input
+    scene: PathBuf,
+    /// Standard deviation of one measured coordinate, mm; the scene's, or 0, if not given
+    #[arg(long, value_name = "S", value_parser = not_negative)]
+    noise_mm: Option<f64>,
+    /// Seed of the noise
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Segments of the lattice in a stretch of plate between two rods
+    #[arg(long, value_name = "N", default_value_t = FINENESS as u16, value_parser = value_parser!(u16).range(1..=12))]
+    fineness: u16,
+    /// Also write the last shape, as `finray solve` does
+    #[arg(long, value_name = "FILE")]
+    shape: Option<PathBuf>,
+    /// Result file; - for standard output
+    #[arg(long, value_name = "FILE", default_value = "-")]
+    out: PathBuf,
+}
+
+#[derive(Serialize)]
+struct Row {
+    step: usize,
+    travel_mm: f64,
+    contact: String,
+    s_mm: Option<f64>,
+    angle_deg: Option<f64>,
+    force_n: f64,
+    friction_n: Option<f64>,
+    sensed_n: Option<f64>,
+    sigma_n: Option<f64>,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let SceneWithOutline { scene, corners } = load_scene_with_outline(&arguments.scene)?;
+    let Some(object) = &scene.object else {
+        let message = format!(
+            "{}: line 1: object is missing: expected a table [object] with shape, at_mm and travel_mm or force_n",
+            arguments.scene.display()
+        );
+        return Err(Failure::BadInput(message));
+    };
+    let contact_scene = ContactScene::new(&scene, object, &corners)
+        .map_err(|error| Failure::BadInput(error.to_string()))?
+        .with_fineness(arguments.fineness.into());
+    let noise_mm = arguments.noise_mm.or(scene.camera.map(|camera| camera.noise_mm)).unwrap_or(0.0);
+    let mut noise = standard_normal(arguments.seed);
+    let (mut rows, mut steps, mut last) = (Vec::new(), 0, None);
+    let bar = progress::bar(contact_scene.step_count() as u64, "press");
+    bar.tick();
+    let outcome = contact_scene.run(|step| {
+        steps += 1;
+        let sensed = contact_scene.sense(&step, noise_mm, &mut noise);
+        if let Err(refusal) = &sensed {
+            bar.suspend(|| eprintln!("note: step {steps}: {refusal}"));
+        }
+        rows.extend(step_rows(&contact_scene, steps, &step, sensed.ok().flatten().as_ref()));
+        last = Some(step);
+        bar.inc(1);
+    });
+    bar.finish_and_clear();
+    if let Err(error) = outcome {
+        let reached = last.map_or(String::new(), |step| {
+            let force_n = step.pressed.contact_force().norm();
+            format!(" (step {steps} came to rest at a travel of {:.3} mm with {force_n:.3} N)", step.travel_mm)
+        });
+        return Err(match Failure::from(error) {
+            Failure::NotComputed(message) => {
+                Failure::NotComputed(format!("step {} of {}: {message}{reached}", steps + 1, contact_scene.step_count()))
+            }
+            other => other,
+        });
+    }
+    write(arguments, &csv_text(rows)?, last.as_ref())
+}
+
+fn write(arguments: &Arguments, forces: &str, last: Option<&SceneStep>) -> Result<(), Failure> {
+    let (Some(path), Some(step)) = (&arguments.shape, last) else {
+        return Ok(write_text(&arguments.out, forces)?);
+    };
+    let shape = displacements::to_csv(&step.pressed.shape)?;
+    if arguments.out == Path::new("-") {
+        write_text(path, &shape)?;
+        return Ok(write_text(&arguments.out, forces)?);
+    }
+    Ok(write_all_or_nothing(&[(path.clone(), shape.as_str()), (arguments.out.clone(), forces)])?)
+}
+
+fn step_rows(scene: &ContactScene, number: usize, step: &SceneStep, sensed: Option<&SensedStep>) -> Vec<Row> {
+    let mut felt = sensed.map(|sensed| sensed.forces.iter()).into_iter().flatten();
+    let mut rows: Vec<Row> = Vec::new();
+    for seen in &step.contacts {
+        let sensed: Option<&SensedForce> = if seen.clamped { None } else { felt.next() };
+        rows.push(Row {
+            step: number,
+            travel_mm: step.travel_mm,
+            contact: match seen.contact.place {
+                _ if seen.clamped => "clamp".to_owned(),
+                ContactPlace::Node(node) => node.to_string(),
+                ContactPlace::Place(_) => "at".to_owned(),
+            },
+            s_mm: seen.contact.place_mm(scene.finger()),
+            angle_deg: Some(seen.contact.angle_deg),
+            force_n: seen.normal_n,
+            friction_n: Some(seen.friction_n),
+            sensed_n: sensed.map(|sensed| sensed.sensed_n),
+            sigma_n: sensed.map(|sensed| sensed.sigma_n),
+        });
+    }
+    rows.push(Row {
+        step: number,
+        travel_mm: step.travel_mm,
+        contact: "total".to_owned(),
+        s_mm: None,
+        angle_deg: None,
+        force_n: scene.total_n(step),
+        friction_n: None,
+        sensed_n: sensed.map(|sensed| sensed.total.sensed_n),
+        sigma_n: sensed.map(|sensed| sensed.total.sigma_n),
+    });
+    rows
+}
