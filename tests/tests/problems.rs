@@ -2,6 +2,7 @@
 
 use finray_model::Scene;
 use finray_verify::check::Check;
+use finray_verify::contact_scene::study::SceneWithOutline;
 use finray_verify::problems::grid_convergence::GridConvergence;
 use finray_verify::problems::{
     elastica, energy_balance, full_circle, grid_convergence, lee_frame, opensees, refinement, rigid_rotation, tangent,
@@ -119,6 +120,7 @@ fn map_and_table_one_show_what_is_known() {
         fn step(&self) {}
     }
     let scene = Scene::from_toml(fixtures::PAPER_SCENE).expect("paper scene");
+    let scene = SceneWithOutline { scene, corners: Vec::new() };
     let study = study::Study::run(&scene, study::Effort::Quick, &Silent).expect("the paper's finger is solved");
     let map = study.map("corotational", false).expect("the map without noise");
     let at_3_n = |angle: f64| map.cells.iter().filter(move |c| c.force_n == 3.0 && c.angle_deg == angle);

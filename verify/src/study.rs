@@ -2,6 +2,8 @@
 //! one scene.
 
 use crate::check::{Check, Comparison};
+use crate::contact_scene;
+use crate::contact_scene::study::{SceneStudy, SceneStudyError, SceneWithOutline};
 use crate::convergence::{Convergence, convergence, loaded_nodes};
 use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorKind};
 use crate::fixtures;
@@ -30,6 +32,10 @@ pub const DRAWN_FORCE_N: f64 = 3.0;
 /// Directions assumed for the paper's "vertical" weights, degrees from the inward normal. 10.9 is vertical when the
 /// finger's axis lies level: asin(29 / 153).
 pub const TABLE_ONE_ANGLES_DEG: [f64; 5] = [0.0, 10.9, -20.0, 20.0, 40.0];
+
+/// Segments in a stretch of plate, and steps of the object, in the contact scene of a quick study.
+const QUICK_FINENESS: usize = 2;
+const QUICK_STEPS: usize = 3;
 
 /// How much is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -100,6 +106,8 @@ pub struct Study {
     pub networks: Option<NetworkStudy>,
     /// Recorded trainings, for the paper's finger.
     pub records: Records,
+    /// Contact scenes: those that ship for the paper's finger, or the scene's own.
+    pub contact_scenes: Vec<SceneStudy>,
     /// Hard cases, variants of the paper's finger.
     pub hard_cases: Vec<HardCase>,
     /// Example shapes.
@@ -140,6 +148,9 @@ pub enum StudyError {
     /// A network that ships does not read.
     #[error("a network that ships: {0}")]
     Network(#[from] NetworkError),
+    /// A contact scene failed to compute.
+    #[error("contact scene: {0}")]
+    ContactScene(#[from] SceneStudyError),
     /// A recorded training does not read.
     #[error("a recorded training: {0}")]
     Record(#[from] csv::Error),
@@ -159,7 +170,8 @@ impl Study {
     /// # Errors
     /// [`StudyError`] if a reference problem or the finger at rest cannot be solved. Loads that a finger cannot carry
     /// leave gaps in the maps instead.
-    pub fn run(scene: &Scene, effort: Effort, progress: &dyn Progress) -> Result<Study, StudyError> {
+    pub fn run(given: &SceneWithOutline, effort: Effort, progress: &dyn Progress) -> Result<Study, StudyError> {
+        let scene = &given.scene;
         let finger = &scene.finger;
         // Reference values were made for this finger, whatever a scene calls itself.
         let is_paper = Scene::from_toml(fixtures::PAPER_SCENE).is_ok_and(|paper| paper.finger == *finger);
@@ -240,6 +252,11 @@ impl Study {
             progress.part("hard cases", hard_cases::count());
             hard = hard_cases(finger, effort, &|| progress.step());
         }
+        let contact_scenes = press_objects(given, is_paper, effort, progress)?;
+        checks.extend(contact_scenes.iter().flat_map(SceneStudy::checks));
+        if is_paper && scene.object.is_none() {
+            checks.extend(contact_scenes.iter().flat_map(SceneStudy::shipped_checks));
+        }
         let bent = bent_fingers(finger, &fine);
         Ok(Study {
             scene: scene.name.clone(),
@@ -254,6 +271,7 @@ impl Study {
             table_two: two,
             networks,
             records,
+            contact_scenes,
             hard_cases: hard,
             bent,
         })
@@ -305,6 +323,31 @@ impl NoiseStudy {
             pairs: scatter::scatter(&request, &estimators, &pairs, TWO_FORCES_N, &step)?,
         })
     }
+}
+
+/// Runs the scene's own object, or for the paper's finger without one the scenes that ship.
+fn press_objects(
+    given: &SceneWithOutline,
+    is_paper: bool,
+    effort: Effort,
+    progress: &dyn Progress,
+) -> Result<Vec<SceneStudy>, SceneStudyError> {
+    let mut scenes = match &given.scene.object {
+        Some(_) => vec![given.clone()],
+        None if is_paper => contact_scene::study::shipped()?,
+        None => return Ok(Vec::new()),
+    };
+    let mut fineness = contact_scene::FINENESS;
+    if effort == Effort::Quick {
+        scenes.truncate(1);
+        fineness = QUICK_FINENESS;
+        if let Some(object) = &mut scenes[0].scene.object {
+            object.steps = object.steps.min(QUICK_STEPS);
+        }
+    }
+    let steps = scenes.iter().filter_map(|scene| scene.scene.object.as_ref()).map(|object| object.steps).sum();
+    progress.part("contact scenes", steps);
+    contact_scene::study::run_all(&scenes, fineness, CAMERA_NOISE_MM, &|| progress.step())
 }
 
 /// The finger under the drawn force at three nodes, linear and with large rotations; what has no equilibrium is left

@@ -124,8 +124,7 @@ enum Shape {
 }
 
 fn read_outline(table: &TableReader) -> Result<Outline, SceneError> {
-    let shape =
-        table.choice("shape", &[("disc", Shape::Disc), ("box", Shape::Box), ("polygon", Shape::Polygon)])?;
+    let shape = table.choice("shape", &[("disc", Shape::Disc), ("box", Shape::Box), ("polygon", Shape::Polygon)])?;
     let (name, keys): (_, &[&str]) = match shape {
         Shape::Disc => ("disc", &OUTLINE_KEYS[..1]),
         Shape::Box => ("box", &OUTLINE_KEYS[1..3]),
@@ -159,7 +158,11 @@ fn read_motion(table: &TableReader, finger: &Finger) -> Result<ObjectMotion, Sce
     let at_mm = table.number("at_mm", "place in mm")?;
     let length_mm = finger.plate_length_mm(Plate::Front);
     if !(0.0..=length_mm).contains(&at_mm) {
-        return Err(table.wrong("at_mm", &format!("a place on the front plate, 0 to {length_mm} mm"), &at_mm.to_string()));
+        return Err(table.wrong(
+            "at_mm",
+            &format!("a place on the front plate, 0 to {length_mm} mm"),
+            &at_mm.to_string(),
+        ));
     }
     let direction_deg = table.optional_number("direction_deg", "angle in degrees")?.unwrap_or(0.0);
     if !(direction_deg.abs() < 90.0) {

@@ -115,7 +115,9 @@ impl From<finray_model::mesh::MeshSizeError> for Failure {
 impl From<LatticeError> for Failure {
     fn from(error: LatticeError) -> Failure {
         match error {
-            LatticeError::Load(_) | LatticeError::LoadNotFinite | LatticeError::Overlap { .. } => Failure::BadInput(error.to_string()),
+            LatticeError::Load(_) | LatticeError::LoadNotFinite | LatticeError::Overlap { .. } => {
+                Failure::BadInput(error.to_string())
+            }
             LatticeError::NoSegments
             | LatticeError::TooFine { .. }
             | LatticeError::NotSettled { .. }

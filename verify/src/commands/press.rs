@@ -3,11 +3,9 @@
 use super::parse::not_negative;
 use super::{Failure, progress};
 use clap::value_parser;
-use finray_model::sensing::ContactPlace;
 use finray_verify::contact_scene::study::SceneWithOutline;
-use finray_verify::contact_scene::{ContactScene, FINENESS, SceneStep, SensedForce, SensedStep, standard_normal};
+use finray_verify::contact_scene::{ContactScene, FINENESS, SceneStep, force_rows, standard_normal};
 use finray_verify::files::{csv_text, displacements, load_scene_with_outline, write_all_or_nothing, write_text};
-use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// Press an object onto the finger, and sense the contact forces as it goes.
@@ -50,19 +48,6 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-#[derive(Serialize)]
-struct Row {
-    step: usize,
-    travel_mm: f64,
-    contact: String,
-    s_mm: Option<f64>,
-    angle_deg: Option<f64>,
-    force_n: f64,
-    friction_n: Option<f64>,
-    sensed_n: Option<f64>,
-    sigma_n: Option<f64>,
-}
-
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let SceneWithOutline { scene, corners } = load_scene_with_outline(&arguments.scene)?;
     let Some(object) = &scene.object else {
@@ -86,7 +71,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         if let Err(refusal) = &sensed {
             bar.suspend(|| eprintln!("note: step {steps}: {refusal}"));
         }
-        rows.extend(step_rows(&contact_scene, steps, &step, sensed.ok().flatten().as_ref()));
+        rows.extend(force_rows(&contact_scene, steps, &step, sensed.ok().flatten().as_ref()));
         last = Some(step);
         bar.inc(1);
     });
@@ -97,9 +82,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             format!(" (step {steps} came to rest at a travel of {:.3} mm with {force_n:.3} N)", step.travel_mm)
         });
         return Err(match Failure::from(error) {
-            Failure::NotComputed(message) => {
-                Failure::NotComputed(format!("step {} of {}: {message}{reached}", steps + 1, contact_scene.step_count()))
-            }
+            Failure::NotComputed(message) => Failure::NotComputed(format!(
+                "step {} of {}: {message}{reached}",
+                steps + 1,
+                contact_scene.step_count()
+            )),
             other => other,
         });
     }
@@ -116,39 +103,4 @@ fn write(arguments: &Arguments, forces: &str, last: Option<&SceneStep>) -> Resul
         return Ok(write_text(&arguments.out, forces)?);
     }
     Ok(write_all_or_nothing(&[(path.clone(), shape.as_str()), (arguments.out.clone(), forces)])?)
-}
-
-fn step_rows(scene: &ContactScene, number: usize, step: &SceneStep, sensed: Option<&SensedStep>) -> Vec<Row> {
-    let mut felt = sensed.map(|sensed| sensed.forces.iter()).into_iter().flatten();
-    let mut rows: Vec<Row> = Vec::new();
-    for seen in &step.contacts {
-        let sensed: Option<&SensedForce> = if seen.clamped { None } else { felt.next() };
-        rows.push(Row {
-            step: number,
-            travel_mm: step.travel_mm,
-            contact: match seen.contact.place {
-                _ if seen.clamped => "clamp".to_owned(),
-                ContactPlace::Node(node) => node.to_string(),
-                ContactPlace::Place(_) => "at".to_owned(),
-            },
-            s_mm: seen.contact.place_mm(scene.finger()),
-            angle_deg: Some(seen.contact.angle_deg),
-            force_n: seen.normal_n,
-            friction_n: Some(seen.friction_n),
-            sensed_n: sensed.map(|sensed| sensed.sensed_n),
-            sigma_n: sensed.map(|sensed| sensed.sigma_n),
-        });
-    }
-    rows.push(Row {
-        step: number,
-        travel_mm: step.travel_mm,
-        contact: "total".to_owned(),
-        s_mm: None,
-        angle_deg: None,
-        force_n: scene.total_n(step),
-        friction_n: None,
-        sensed_n: sensed.map(|sensed| sensed.total.sensed_n),
-        sigma_n: sensed.map(|sensed| sensed.total.sigma_n),
-    });
-    rows
 }

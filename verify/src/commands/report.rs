@@ -2,7 +2,8 @@
 
 use super::{Failure, progress};
 use finray_model::Scene;
-use finray_verify::files::{load_scene, write_folder, write_text};
+use finray_verify::contact_scene::study::SceneWithOutline;
+use finray_verify::files::{load_scene_with_outline, write_folder, write_text};
 use finray_verify::fixtures;
 use finray_verify::report;
 use finray_verify::study::{Effort, Progress, Study};
@@ -37,8 +38,12 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = match &arguments.scene {
-        Some(path) => load_scene(path)?,
-        None => Scene::from_toml(fixtures::PAPER_SCENE).map_err(|error| Failure::NotComputed(error.to_string()))?,
+        Some(path) => load_scene_with_outline(path)?,
+        None => {
+            let scene = Scene::from_toml(fixtures::PAPER_SCENE);
+            let scene = scene.map_err(|error| Failure::NotComputed(error.to_string()))?;
+            SceneWithOutline { scene, corners: Vec::new() }
+        }
     };
     let effort = if arguments.quick { Effort::Quick } else { Effort::Full };
     let bars = Bars(Mutex::new(ProgressBar::hidden()));

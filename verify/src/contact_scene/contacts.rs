@@ -29,7 +29,8 @@ pub struct SeenContact {
 /// Puts touches together to contacts, from base to tip.
 pub fn seen_contacts(lattice: &Lattice, touches: &[Touch]) -> Vec<SeenContact> {
     let finger = lattice.finger();
-    let together_mm = TOGETHER * finger.plate_length_mm(finray_model::finger::Plate::Front) / (finger.rib_count() + 1) as f64;
+    let together_mm =
+        TOGETHER * finger.plate_length_mm(finray_model::finger::Plate::Front) / (finger.rib_count() + 1) as f64;
     let place = |touch: &Touch| touch.part.place_mm(lattice);
     let near = |a: &Touch, b: &Touch| a.clamped == b.clamped && place(b) - place(a) <= together_mm;
     touches.chunk_by(near).map(|group| seen(lattice, group)).collect()

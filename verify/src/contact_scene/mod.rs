@@ -6,10 +6,12 @@
 
 mod contacts;
 mod object;
+mod rows;
 pub mod study;
 
 pub use contacts::{SeenContact, angle_deg, seen_contacts};
 pub use object::{OutlineError, PreparedObject, TurnedOutline};
+pub use rows::{ForceRow, contacts_sensed, force_rows};
 
 use crate::lattice::accuracy::difference;
 use crate::lattice::pressing::{Pressed, Pressing};
@@ -152,7 +154,12 @@ impl ContactScene {
     ///
     /// # Errors
     /// [`SensingError`] if they cannot be told.
-    pub fn sense(&self, step: &SceneStep, noise_mm: f64, noise: impl FnMut() -> f64) -> Result<Option<SensedStep>, SensingError> {
+    pub fn sense(
+        &self,
+        step: &SceneStep,
+        noise_mm: f64,
+        noise: impl FnMut() -> f64,
+    ) -> Result<Option<SensedStep>, SensingError> {
         let felt: Vec<&SeenContact> = step.contacts.iter().filter(|contact| !contact.clamped).collect();
         if felt.is_empty() {
             return Ok(None);
@@ -161,10 +168,12 @@ impl ContactScene {
         seen.add_noise(noise_mm, noise);
         let mesh = Mesh::with_elements_per_member(&self.finger, ELEMENTS);
         let questions: Vec<ContactQuestion> = felt.iter().map(|seen| seen.contact.into()).collect();
-        let estimate = NonlinearEstimator::new(&mesh, &questions)?.estimate(&seen, Some(noise_mm.max(LEAST_STATED_MM)))?;
+        let estimate =
+            NonlinearEstimator::new(&mesh, &questions)?.estimate(&seen, Some(noise_mm.max(LEAST_STATED_MM)))?;
         let (forces_n, sigmas_n) = (&estimate.forces.forces_n, &estimate.forces.sigmas_n);
         let forces = felt.iter().zip(forces_n.iter().zip(sigmas_n));
-        let forces = forces.map(|(seen, (&sensed_n, &sigma_n))| SensedForce { true_n: seen.normal_n, sensed_n, sigma_n });
+        let forces =
+            forces.map(|(seen, (&sensed_n, &sigma_n))| SensedForce { true_n: seen.normal_n, sensed_n, sigma_n });
         let shares = felt.iter().map(|seen| self.finger.direction(seen.contact.angle_deg).dot(&self.object.along));
         let shares = nalgebra::DVector::from_iterator(felt.len(), shares);
         let total = SensedForce {

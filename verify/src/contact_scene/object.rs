@@ -76,7 +76,8 @@ impl TurnedOutline {
             TurnedOutline::Polygon(corners) => corners,
         };
         let vertices: Vec<RapierVector> = corners.iter().map(|c| RapierVector::new(c.x, c.y)).collect();
-        let pieces = hertel_mehlhorn(&vertices, &triangles(corners)?).into_iter().filter_map(SharedShape::convex_polyline);
+        let pieces =
+            hertel_mehlhorn(&vertices, &triangles(corners)?).into_iter().filter_map(SharedShape::convex_polyline);
         let mut pieces: Vec<(Pose, SharedShape)> = pieces.map(|piece| (Pose::IDENTITY, piece)).collect();
         match pieces.len() {
             0 => Err(OutlineError::Crossed),

@@ -14,9 +14,9 @@ use finray_model::finger::{Part, Plate};
 use finray_model::mesh::{FingerShape, Load};
 use finray_model::{NodeId, Vector};
 use rapier2d::prelude::{
-    CoefficientCombineRule, ColliderBuilder, ColliderHandle, GenericJointBuilder, Group,
-    ImpulseJointHandle, InteractionGroups, InteractionTestMode, JointAxesMask, JointAxis, MotorModel, Pose,
-    RigidBodyBuilder, RigidBodyHandle, SharedShape,
+    CoefficientCombineRule, ColliderBuilder, ColliderHandle, GenericJointBuilder, Group, ImpulseJointHandle,
+    InteractionGroups, InteractionTestMode, JointAxesMask, JointAxis, MotorModel, Pose, RigidBodyBuilder,
+    RigidBodyHandle, SharedShape,
 };
 
 /// Where on the finger an object touches it.
@@ -131,7 +131,10 @@ pub struct Pressing<'l> {
 enum Skin {
     Rod(NodeId),
     /// Where the piece begins along the plate (mm), and the same point from the centre of its body.
-    Plate { from_mm: f64, from_arm: Vector },
+    Plate {
+        from_mm: f64,
+        from_arm: Vector,
+    },
 }
 
 /// From this distance (mm) on the engine looks after a contact to come. No body may move by more than half of it in a step,
@@ -180,7 +183,9 @@ impl<'l> Pressing<'l> {
         let world = &mut dynamics.world;
         let collider = world.colliders.insert_with_parent(collider, body, &mut world.bodies);
         let mut joint = GenericJointBuilder::new(JointAxesMask::empty());
-        for (axis, stiffness) in [(JointAxis::LinX, stiffness), (JointAxis::LinY, stiffness), (JointAxis::AngX, turning)] {
+        for (axis, stiffness) in
+            [(JointAxis::LinX, stiffness), (JointAxis::LinY, stiffness), (JointAxis::AngX, turning)]
+        {
             joint = joint.motor_model(axis, MotorModel::ForceBased).motor_position(axis, 0.0, stiffness, 0.0);
         }
         let mut joint = joint.build();
@@ -297,12 +302,7 @@ fn groups(own: Group, other: Group) -> InteractionGroups {
 }
 
 /// Gives the lattice its surface: a ball at every key node of the front plate, capsules between.
-fn add_skin(
-    lattice: &Lattice,
-    rod_radius_mm: f64,
-    friction: f64,
-    dynamics: &mut Dynamics,
-) -> Vec<(BodyIndex, Skin)> {
+fn add_skin(lattice: &Lattice, rod_radius_mm: f64, friction: f64, dynamics: &mut Dynamics) -> Vec<(BodyIndex, Skin)> {
     let (finger, assembly) = (lattice.finger(), lattice.assembly());
     let mut skin = Vec::new();
     if rod_radius_mm > 0.0 {

@@ -14,8 +14,8 @@ use finray_model::{Finger, Kinematics, Vector};
 const PAPER_SHADES_PERCENT: [f64; 2] = [10.0, 25.0];
 /// One colour scale for all maps, %.
 const ERROR_SCALE_PERCENT: [f64; 2] = [0.1, 100.0];
-const ALONG_AXIS: &str = "base to tip, mm";
-const ACROSS_AXIS: &str = "back to front, mm";
+pub(super) const ALONG_AXIS: &str = "base to tip, mm";
+pub(super) const ACROSS_AXIS: &str = "back to front, mm";
 
 /// The truth of a map, for people.
 pub(super) fn truth_in_words(map: &AccuracyMap) -> &str {
@@ -33,7 +33,7 @@ pub fn standalone(svg: &str) -> String {
     format!("{open}<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>{rest}")
 }
 
-fn point(v: &Vector) -> [f64; 2] {
+pub(super) fn point(v: &Vector) -> [f64; 2] {
     [v.x, v.y]
 }
 

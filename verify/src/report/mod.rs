@@ -4,6 +4,7 @@
 pub mod figures;
 pub mod page;
 
+mod contact_scenes;
 mod convergence;
 mod curves;
 mod drawings;

@@ -1,7 +1,10 @@
 //! The page, section by section.
 
 use super::page::{Block, Figure, Page, Section};
-use super::{ReportError, Summary, convergence, drawings, hard_cases, networks, scatter, table_two, tables, words};
+use super::{
+    ReportError, Summary, contact_scenes, convergence, drawings, hard_cases, networks, scatter, table_two, tables,
+    words,
+};
 use crate::map::AccuracyMap;
 use crate::study::{DRAWN_FORCE_N, MAP_FORCES_N, Study};
 use finray_model::finger::{Plate, RibPlaces};
@@ -23,6 +26,7 @@ pub(super) fn page(study: &Study, summary: &Summary) -> Result<Page, ReportError
     sections.extend(scatter::section(study));
     sections.extend(table_two::section(study));
     sections.extend(networks::section(study)?);
+    sections.extend(contact_scenes::section(study)?);
     sections.push(shapes(study)?);
     sections.push(convergence::section(study)?);
     sections.push(checks(study));

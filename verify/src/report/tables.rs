@@ -1,7 +1,7 @@
 //! Rows for the page's tables, and the CSV files behind figures and tables.
 
 use super::page::{Cell, Column, Row, Shade, Table};
-use super::{convergence, curves, hard_cases, networks, recipes, scatter, table_two};
+use super::{contact_scenes, convergence, curves, hard_cases, networks, recipes, scatter, table_two};
 use crate::check::{Check, Comparison, worst};
 use crate::files::csv_text;
 use crate::map::AccuracyMap;
@@ -92,6 +92,9 @@ pub(super) fn csv_files(study: &Study) -> Result<Vec<(PathBuf, String)>, csv::Er
     }
     if let Some(noise) = &study.noise {
         files.push((scatter::CSV.into(), csv_text(scatter::csv_rows(noise))?));
+    }
+    if !study.contact_scenes.is_empty() {
+        files.push((contact_scenes::CSV.into(), csv_text(contact_scenes::rows(study))?));
     }
     if let Some(table) = &study.table_two {
         files.push((table_two::CSV.into(), csv_text(table_two::rows(table))?));

@@ -1,0 +1,69 @@
+//! True and sensed forces, a row a contact.
+
+use super::{ContactScene, SceneStep, SeenContact, SensedForce, SensedStep};
+use finray_model::sensing::ContactPlace;
+use serde::Serialize;
+
+/// One contact of one step, or the total of a step.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ForceRow {
+    /// Number of the step, from 1.
+    pub step: usize,
+    /// How far the object has come, mm.
+    pub travel_mm: f64,
+    /// A node, `at` for a place between nodes, `clamp` where a force is not felt, or `total`.
+    pub contact: String,
+    /// Place along the front plate, mm from its base; none for the total.
+    pub s_mm: Option<f64>,
+    /// The normal, degrees from the undeformed inward normal, positive towards the tip; none for the total.
+    pub angle_deg: Option<f64>,
+    /// True force along it, N; of the total, along the object's way.
+    pub force_n: f64,
+    /// True force across it, positive towards the tip, N; none for the total.
+    pub friction_n: Option<f64>,
+    /// Sensed force, N; none where it cannot be told.
+    pub sensed_n: Option<f64>,
+    /// Its stated standard deviation, N.
+    pub sigma_n: Option<f64>,
+}
+
+/// Pairs what was sensed with the contacts that it belongs to; clamped ones are not felt.
+pub fn contacts_sensed<'s>(
+    step: &'s SceneStep,
+    sensed: Option<&'s SensedStep>,
+) -> impl Iterator<Item = (&'s SeenContact, Option<SensedForce>)> {
+    let mut felt = sensed.map(|sensed| sensed.forces.iter().copied()).into_iter().flatten();
+    step.contacts.iter().map(move |seen| (seen, if seen.clamped { None } else { felt.next() }))
+}
+
+/// Rows of one step: its contacts from base to tip, then the total.
+pub fn force_rows(scene: &ContactScene, number: usize, step: &SceneStep, sensed: Option<&SensedStep>) -> Vec<ForceRow> {
+    let contacts = contacts_sensed(step, sensed).map(|(seen, sensed)| ForceRow {
+        step: number,
+        travel_mm: step.travel_mm,
+        contact: match seen.contact.place {
+            _ if seen.clamped => "clamp".to_owned(),
+            ContactPlace::Node(node) => node.to_string(),
+            ContactPlace::Place(_) => "at".to_owned(),
+        },
+        s_mm: seen.contact.place_mm(scene.finger()),
+        angle_deg: Some(seen.contact.angle_deg),
+        force_n: seen.normal_n,
+        friction_n: Some(seen.friction_n),
+        sensed_n: sensed.map(|force| force.sensed_n),
+        sigma_n: sensed.map(|force| force.sigma_n),
+    });
+    let total = sensed.map(|sensed| sensed.total);
+    let total = ForceRow {
+        step: number,
+        travel_mm: step.travel_mm,
+        contact: "total".to_owned(),
+        s_mm: None,
+        angle_deg: None,
+        force_n: scene.total_n(step),
+        friction_n: None,
+        sensed_n: total.map(|force| force.sensed_n),
+        sigma_n: total.map(|force| force.sigma_n),
+    };
+    contacts.chain([total]).collect()
+}

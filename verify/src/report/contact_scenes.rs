@@ -1,0 +1,292 @@
+//! Objects pressed onto the finger: pictures, force over travel, and what sensing made of it.
+
+use super::ReportError;
+use super::drawings::{ACROSS_AXIS, ALONG_AXIS, point};
+use super::figures::{
+    self, Arrow, Axis, Dash, FigureError, Frame, Hue, LineChart, Marker, Series, Shape, Shapes, Spread,
+};
+use super::page::{Block, Cell, Column, Figure, Row, Section, Table};
+use super::sections::{self, text};
+use super::tables::percent;
+use crate::check::worst;
+use crate::contact_scene::study::{SceneStudy, StudiedStep};
+use crate::contact_scene::{ForceRow, SeenContact, SensedForce, contacts_sensed};
+use crate::study::Study;
+use finray_model::Finger;
+use finray_model::finger::Plate;
+use finray_model::mesh::FingerShape;
+use finray_model::sensing::ContactPlace;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+pub(super) const CSV: &str = "contact_scenes.csv";
+/// Half of a 95 % interval, in standard deviations.
+const SIGMAS_95: f64 = 1.96;
+
+/// A row of the CSV file.
+#[derive(Serialize)]
+pub(super) struct SceneRow<'s> {
+    scene: &'s str,
+    step: usize,
+    travel_mm: f64,
+    contact: &'s str,
+    s_mm: Option<f64>,
+    angle_deg: Option<f64>,
+    force_n: f64,
+    friction_n: Option<f64>,
+    sensed_n: Option<f64>,
+    sigma_n: Option<f64>,
+}
+
+pub(super) fn rows(study: &Study) -> impl Iterator<Item = SceneRow<'_>> {
+    study.contact_scenes.iter().flat_map(|scene| {
+        scene.rows.iter().map(|row: &ForceRow| SceneRow {
+            scene: &scene.name,
+            step: row.step,
+            travel_mm: row.travel_mm,
+            contact: &row.contact,
+            s_mm: row.s_mm,
+            angle_deg: row.angle_deg,
+            force_n: row.force_n,
+            friction_n: row.friction_n,
+            sensed_n: row.sensed_n,
+            sigma_n: row.sigma_n,
+        })
+    })
+}
+
+pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
+    if study.contact_scenes.is_empty() {
+        return Ok(None);
+    }
+    let mut blocks = vec![text(
+        "An object is pressed onto the finger, built as a lattice of rigid bodies and springs in the physics engine rapier, with \
+         its rods as balls and its front plate as capsules. The forces of the engine's contacts are the true ones. Sensing \
+         (nonlinear, on beams) sees what a camera would: noisy displacements of the key nodes, where the object touches, and \
+         which way it faces there; it takes forces to be normal. Lines are true forces, signs are sensed ones with their stated \
+         95 % interval.",
+    )];
+    for scene in &study.contact_scenes {
+        blocks.push(Block::Figures { figures: figures(&study.finger, scene)? });
+        blocks.push(text(words(scene)));
+    }
+    blocks.push(Block::Table(table(&study.contact_scenes)));
+    Ok(Some(sections::section("contact-scenes", "Pressing objects", blocks)))
+}
+
+fn figures(finger: &Finger, scene: &SceneStudy) -> Result<Vec<Figure>, FigureError> {
+    let mut figures = Vec::new();
+    if let Some(last) = scene.steps.last() {
+        figures.push(Figure {
+            svg: picture(finger, scene, last)?,
+            caption: format!("The scene \"{}\" at its end: true forces on the finger.", scene.name),
+            csv: Some(CSV.to_owned()),
+            wide: false,
+        });
+    }
+    let series = force_over_travel(scene);
+    if !series.is_empty() {
+        let title = format!("{}, {} mm noise", scene.name, scene.noise_mm);
+        let svg = figures::lines(&LineChart {
+            frame: Frame::half(title, format!("True and sensed forces of the scene {} over the travel.", scene.name)),
+            x: Axis::linear("travel of the object, mm"),
+            y: Axis::linear("force, N"),
+            series,
+            references: Vec::new(),
+        })?;
+        figures.push(Figure {
+            svg,
+            caption: "Force along each contact's normal, and in all along the object's way.".to_owned(),
+            csv: Some(CSV.to_owned()),
+            wide: false,
+        });
+    }
+    Ok(figures)
+}
+
+fn lines_of(finger: &Finger, at: impl Fn(finray_model::NodeId) -> [f64; 2]) -> Vec<Vec<[f64; 2]>> {
+    let plates = [Plate::Front, Plate::Back].map(|plate| finger.plate_nodes(plate));
+    let ribs = (0..finger.rib_count()).map(|rib| finger.rib_nodes(rib).to_vec());
+    plates.into_iter().chain(ribs).map(|nodes| nodes.into_iter().map(&at).collect()).collect()
+}
+
+fn picture(finger: &Finger, scene: &SceneStudy, last: &StudiedStep) -> Result<String, FigureError> {
+    let pressed = &last.step.pressed;
+    let deformed = |shape: &FingerShape| {
+        lines_of(finger, |node| {
+            let motion = shape.motion(node);
+            point(&(motion.position + motion.displacement))
+        })
+    };
+    let outline = scene.outline.iter().map(|corner| point(&(corner + pressed.object))).collect();
+    let reach_mm = 0.15 * finger.plate_length_mm(Plate::Front);
+    let arrows = last.step.contacts.iter().map(|seen| Arrow {
+        from: point(&(seen.point - seen.force.normalize() * reach_mm)),
+        to: point(&seen.point),
+        label: format!("{:.2} N", seen.force.norm()),
+        hue: Hue::Vermilion,
+    });
+    figures::deformed_shapes(&Shapes {
+        frame: Frame::half(
+            scene.name.clone(),
+            format!("The finger bent by the object of the scene {}, with the contact forces.", scene.name),
+        ),
+        x_label: ALONG_AXIS.to_owned(),
+        y_label: ACROSS_AXIS.to_owned(),
+        undeformed: lines_of(finger, |node| point(&finger.position(node))),
+        undeformed_label: "at rest".to_owned(),
+        deformed: vec![
+            Shape { label: "pressed".to_owned(), lines: deformed(&pressed.shape), hue: Hue::Blue, dash: Dash::Solid },
+            Shape { label: "object".to_owned(), lines: vec![outline], hue: Hue::Green, dash: Dash::Solid },
+        ],
+        arrows: arrows.collect(),
+    })
+}
+
+/// One contact through the steps in which it is there.
+#[derive(Default)]
+struct Course {
+    truth: Vec<[f64; 2]>,
+    sensed: Vec<[f64; 2]>,
+    intervals: Vec<[f64; 2]>,
+}
+
+/// For each contact, and the total, the true forces as a line and the sensed ones as signs.
+fn force_over_travel(scene: &SceneStudy) -> Vec<Series> {
+    let mut courses: BTreeMap<(usize, String), Course> = BTreeMap::new();
+    for row in &scene.rows {
+        let name = match row.contact.as_str() {
+            "total" => (0, "in all".to_owned()),
+            "at" => (2, "plate between rods".to_owned()),
+            "clamp" => (3, "clamp (not felt)".to_owned()),
+            node => (1, format!("node {node}")),
+        };
+        let course = courses.entry(name).or_default();
+        course.truth.push([row.travel_mm, row.force_n]);
+        if let (Some(sensed_n), Some(sigma_n)) = (row.sensed_n, row.sigma_n) {
+            course.sensed.push([row.travel_mm, sensed_n]);
+            course.intervals.push([sensed_n - SIGMAS_95 * sigma_n, sensed_n + SIGMAS_95 * sigma_n]);
+        }
+    }
+    let mut series = Vec::new();
+    for (n, ((_, name), course)) in courses.into_iter().enumerate() {
+        let truth = Series::nth(n, name, course.truth);
+        let marker = truth.marker;
+        // Places between rods are different ones from step to step: no line joins them.
+        let joined = !truth.label.starts_with("plate");
+        series.push(Series {
+            marker: if joined { None } else { Some(Marker::nth(5)) },
+            dash: truth.dash.filter(|_| joined),
+            ..truth
+        });
+        if !course.sensed.is_empty() {
+            let sensed = Series::nth(n, "", course.sensed);
+            series.push(Series { marker, dash: None, spread: Spread::Bars(course.intervals), ..sensed });
+        }
+    }
+    series
+}
+
+fn words(scene: &SceneStudy) -> String {
+    let mut sentences = Vec::new();
+    if let Some(error) = &scene.stopped {
+        sentences.push(format!("The scene ended after {} steps: {error}.", scene.steps.len()));
+    }
+    let clean: Vec<_> = scene.steps.iter().filter_map(|studied| studied.clean.as_ref().ok()?.as_ref()).collect();
+    if clean.is_empty() {
+        sentences.push("Nothing was sensed.".to_owned());
+        return sentences.join(" ");
+    }
+    let total = worst(clean.iter().map(|sensed| sensed.total.relative_error().abs()));
+    let balance = worst(scene.steps.iter().filter(|studied| !studied.step.pressed.touches.is_empty()).map(|studied| {
+        let pressed = &studied.step.pressed;
+        (pressed.contact_force() - pressed.base_force).norm() / pressed.contact_force().norm()
+    }));
+    sentences.push(format!(
+        "Without noise the sensed total is within {} of the true one at every step; contact forces and the forces on the clamps balance \
+         within {balance:.0e} of their size.",
+        percent(total)
+    ));
+    if let Some(pictures) = &scene.pictures {
+        let last = pictures.sensed.len().saturating_sub(1);
+        let covers: Vec<String> =
+            (0..=last).map(|which| format!("{:.0} %", 100.0 * pictures.coverage(which))).collect();
+        sentences.push(format!(
+            "Of {} noisy pictures of the last step, {} are answered, and the stated 95 % intervals hold the true force in {} (contacts from \
+             base to tip, then the total).",
+            pictures.taken,
+            pictures.answered,
+            covers.join(", ")
+        ));
+    }
+    if scene.friction > 0.0 {
+        sentences.push(format!(
+            "With friction ({}), forces are not normal, as sensing takes them to be: what it misses is not noise and is not in the \
+             stated intervals.",
+            scene.friction
+        ));
+    }
+    sentences.join(" ")
+}
+
+fn name_of(seen: &SeenContact) -> String {
+    match seen.contact.place {
+        _ if seen.clamped => "clamp (not felt)".to_owned(),
+        ContactPlace::Node(node) => format!("node {node}"),
+        ContactPlace::Place(s_mm) => format!("plate at {s_mm:.1} mm"),
+    }
+}
+
+fn table(scenes: &[SceneStudy]) -> Table {
+    let columns = vec![
+        Column::words("scene, at its end"),
+        Column::words("contact"),
+        Column::numbers("normal, deg"),
+        Column::numbers("true, N"),
+        Column::numbers("friction, N"),
+        Column::numbers("sensed without noise, N"),
+        Column::numbers("error"),
+        Column::numbers("rms error with noise, N"),
+    ];
+    let rows = scenes.iter().filter_map(|scene| Some((scene, scene.steps.last()?))).flat_map(|(scene, last)| {
+        let clean = last.clean.as_ref().ok().and_then(Option::as_ref);
+        let mut which = 0;
+        let mut noisy = move |sensed: Option<SensedForce>| {
+            let pictures = scene.pictures.as_ref()?;
+            sensed?;
+            which += 1;
+            Some(format!("{:.3}", pictures.rms_error_n(which - 1)))
+        };
+        let mut rows: Vec<Row> = Vec::new();
+        let contacts = contacts_sensed(&last.step, clean);
+        let total = clean.map(|sensed| sensed.total);
+        let contacts = contacts.map(|(seen, sensed)| {
+            (name_of(seen), Some(seen.contact.angle_deg), seen.normal_n, Some(seen.friction_n), sensed)
+        });
+        let whole = total.map(|total| ("in all".to_owned(), None, total.true_n, None, Some(total)));
+        for (name, angle_deg, true_n, friction_n, sensed) in contacts.chain(whole) {
+            let number = |value: Option<f64>, digits: usize| {
+                Cell::plain(value.map_or("-".to_owned(), |value| format!("{value:.digits$}")))
+            };
+            rows.push(Row {
+                cells: vec![
+                    Cell::plain(scene.name.clone()),
+                    Cell::plain(name),
+                    number(angle_deg, 1),
+                    number(Some(true_n), 3),
+                    number(friction_n, 3),
+                    number(sensed.map(|force| force.sensed_n), 3),
+                    Cell::plain(sensed.map_or("-".to_owned(), |force| percent(force.relative_error().abs()))),
+                    Cell::plain(noisy(sensed).unwrap_or("-".to_owned())),
+                ],
+            });
+        }
+        rows
+    });
+    Table {
+        caption: "True and sensed forces at the end of each scene".to_owned(),
+        columns,
+        rows: rows.collect(),
+        csv: Some(CSV.to_owned()),
+    }
+}
