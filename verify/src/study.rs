@@ -333,21 +333,22 @@ fn press_objects(
     progress: &dyn Progress,
 ) -> Result<Vec<SceneStudy>, SceneStudyError> {
     let mut scenes = match &given.scene.object {
-        Some(_) => vec![given.clone()],
+        Some(_) => vec![(given.clone(), contact_scene::FINENESS)],
         None if is_paper => contact_scene::study::shipped()?,
         None => return Ok(Vec::new()),
     };
-    let mut fineness = contact_scene::FINENESS;
     if effort == Effort::Quick {
         scenes.truncate(1);
-        fineness = QUICK_FINENESS;
-        if let Some(object) = &mut scenes[0].scene.object {
-            object.steps = object.steps.min(QUICK_STEPS);
+        for (given, fineness) in &mut scenes {
+            *fineness = QUICK_FINENESS;
+            if let Some(object) = &mut given.scene.object {
+                object.steps = object.steps.min(QUICK_STEPS);
+            }
         }
     }
-    let steps = scenes.iter().filter_map(|scene| scene.scene.object.as_ref()).map(|object| object.steps).sum();
+    let steps = scenes.iter().filter_map(|(given, _)| given.scene.object.as_ref()).map(|object| object.steps).sum();
     progress.part("contact scenes", steps);
-    contact_scene::study::run_all(&scenes, fineness, CAMERA_NOISE_MM, &|| progress.step())
+    contact_scene::study::run_all(&scenes, CAMERA_NOISE_MM, &|| progress.step())
 }
 
 /// The finger under the drawn force at three nodes, linear and with large rotations; what has no equilibrium is left

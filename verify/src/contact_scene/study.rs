@@ -1,6 +1,8 @@
 //! A scene run to its end, sensed at every step, and what is promised of it.
 
-use super::{ContactScene, ForceRow, OutlineError, SceneStep, SensedForce, SensedStep, force_rows, standard_normal};
+use super::{
+    ContactScene, FINENESS, ForceRow, OutlineError, SceneStep, SensedForce, SensedStep, force_rows, standard_normal,
+};
 use crate::check::{Check, EXACT_COUNT, worst};
 use crate::fixtures;
 use crate::lattice::LatticeError;
@@ -118,20 +120,19 @@ pub enum SceneStudyError {
     Statics(#[from] StaticsError),
 }
 
-/// Runs several scenes with as many segments in a stretch of plate, in parallel. Noise is that of each scene's camera, or
+/// Runs several scenes in parallel, each with its number of segments in a stretch of plate. Noise is that of each scene's camera, or
 /// `noise_mm` for a scene without.
 ///
 /// # Errors
 /// [`SceneStudyError`] for an outline that is none, or if beams have no equilibrium under contact forces that the lattice carries.
 pub fn run_all(
-    scenes: &[SceneWithOutline],
-    fineness: usize,
+    scenes: &[(SceneWithOutline, usize)],
     noise_mm: f64,
     done: &(dyn Fn() + Sync),
 ) -> Result<Vec<SceneStudy>, SceneStudyError> {
-    let run = |SceneWithOutline { scene, corners }: &SceneWithOutline| {
+    let run = |(SceneWithOutline { scene, corners }, fineness): &(SceneWithOutline, usize)| {
         let Some(object) = &scene.object else { return Ok(None) };
-        let prepared = ContactScene::new(scene, object, corners)?.with_fineness(fineness);
+        let prepared = ContactScene::new(scene, object, corners)?.with_fineness(*fineness);
         let noise_mm = scene.camera.map_or(noise_mm, |camera| camera.noise_mm);
         SceneStudy::run(&scene.name, &prepared, noise_mm, done).map(Some)
     };
@@ -148,22 +149,25 @@ pub struct SceneWithOutline {
     pub corners: Vec<Vector>,
 }
 
-/// The contact scenes that ship, the disc first.
+/// Segments in a stretch of plate that are enough where objects bend the finger by some 10 mm.
+const COARSE: usize = 2;
+
+/// The contact scenes that ship, the disc first, each with the segments in a stretch of plate that it needs.
 ///
 /// # Errors
 /// [`SceneStudyError`] if one does not read.
-pub fn shipped() -> Result<Vec<SceneWithOutline>, SceneStudyError> {
-    let scene = |text: &str, corners: &[Vector]| -> Result<SceneWithOutline, SceneStudyError> {
-        Ok(SceneWithOutline { scene: Scene::from_toml(text)?, corners: corners.to_vec() })
+pub fn shipped() -> Result<Vec<(SceneWithOutline, usize)>, SceneStudyError> {
+    let scene = |text: &str, corners: &[Vector], fineness| -> Result<_, SceneStudyError> {
+        Ok((SceneWithOutline { scene: Scene::from_toml(text)?, corners: corners.to_vec() }, fineness))
     };
     let mut fork = csv::Reader::from_reader(fixtures::FORK_OUTLINE.as_bytes());
     let fork: Vec<[f64; 2]> = fork.deserialize().collect::<Result<_, _>>()?;
     let fork: Vec<Vector> = fork.into_iter().map(Vector::from).collect();
     Ok(vec![
-        scene(fixtures::DISC_SCENE, &[])?,
-        scene(fixtures::BOX_SCENE, &[])?,
-        scene(fixtures::FORK_SCENE, &fork)?,
-        scene(fixtures::FRICTION_SCENE, &[])?,
+        scene(fixtures::DISC_SCENE, &[], FINENESS)?,
+        scene(fixtures::BOX_SCENE, &[], COARSE)?,
+        scene(fixtures::FORK_SCENE, &fork, COARSE)?,
+        scene(fixtures::FRICTION_SCENE, &[], COARSE)?,
     ])
 }
 

@@ -124,6 +124,19 @@ pub struct Pressing<'l> {
     along: Vector,
     /// Steps between two looks whether everything rests.
     watch: usize,
+    friction: f64,
+    /// Where the hand is, or how it pulls.
+    last: Push,
+}
+
+/// A share of the way from one push to another.
+fn between(from: Push, to: Push, share: f64) -> Push {
+    match (from, to) {
+        (Push::To(from), Push::To(to)) => Push::To(from + (to - from) * share),
+        (Push::With(from), Push::With(to)) => Push::With(from + (to - from) * share),
+        (Push::To(_), Push::With(to)) => Push::With(to * share),
+        (Push::With(_), Push::To(to)) => Push::To(to),
+    }
 }
 
 /// A collider of the finger.
@@ -142,6 +155,9 @@ enum Skin {
 const FORESIGHT_MM: f64 = 1.0;
 /// Overlap (mm) from which on an object does not merely touch where it starts.
 const OVERLAP_MM: f64 = 1e-3;
+/// With friction, the way (mm) or the change of the force (N) that takes as long as the slowest motion of the finger.
+const SLOW_MM: f64 = 0.5;
+const SLOW_N: f64 = 0.1;
 /// Steps in which one push must have settled: the paper's finger takes 2000 with two segments a stretch.
 const MOST_STEPS: usize = 50_000;
 /// A push on the middle of the finger, N, whose settling tells how slow its slowest motion is. Any small force does.
@@ -203,7 +219,21 @@ impl<'l> Pressing<'l> {
         if overlap_mm > OVERLAP_MM {
             return Err(LatticeError::Overlap { overlap_mm });
         }
-        Ok(Pressing { lattice, dynamics, object: body, collider, hand, holder, parts, stiffness, along, watch })
+        let last = Push::To(start);
+        Ok(Pressing {
+            lattice,
+            dynamics,
+            object: body,
+            collider,
+            hand,
+            holder,
+            parts,
+            stiffness,
+            along,
+            watch,
+            friction: object.friction,
+            last,
+        })
     }
 
     /// Moves the hand and lets everything come to rest.
@@ -211,6 +241,49 @@ impl<'l> Pressing<'l> {
     /// # Errors
     /// [`LatticeError::NotSettled`] if it does not.
     pub fn push(&mut self, push: Push) -> Result<Pressed, LatticeError> {
+        let from = self.last;
+        let steps = self.steps_on_the_way(from, push);
+        for step in 1..=steps {
+            self.drive(between(from, push, step as f64 / steps as f64));
+            self.dynamics.damped_step(&[]);
+        }
+        self.last = push;
+        let stiffness = self.drive(push);
+        let pull_n = if let Push::With(force_n) = push { force_n } else { 0.0 };
+        let rest = self.dynamics.watch(&[], self.watch, steps, steps + MOST_STEPS)?;
+
+        let motions = self.dynamics.motions();
+        let touches = self.touches(&motions);
+        let object = own(self.dynamics.world.bodies[self.object].translation());
+        let stretched = own(self.dynamics.world.bodies[self.hand].translation()) - object;
+        let across = stretched - self.along * stretched.dot(&self.along);
+        let hand_force = across * self.stiffness + self.along * (stretched.dot(&self.along) * stiffness + pull_n);
+        let (mut base_force, mut base_moment_nmm) = Energy::new(self.lattice.assembly()).on_clamps(&motions);
+        for touch in touches.iter().filter(|touch| touch.clamped) {
+            base_force += touch.force;
+            base_moment_nmm += touch.point.perp(&touch.force);
+        }
+        let shape = self.lattice.shape(&motions);
+        Ok(Pressed { shape, object, touches, hand_force, base_force, base_moment_nmm, steps: rest.steps })
+    }
+
+    /// Steps over which the hand goes to a push. Without friction the place of rest does not depend on the way there. With it,
+    /// it does: then the way is so slow that the finger keeps up, and does not swing back over the object.
+    fn steps_on_the_way(&self, from: Push, to: Push) -> usize {
+        if self.friction == 0.0 {
+            return 0;
+        }
+        let way = match (from, to) {
+            (Push::To(from), Push::To(to)) => (to - from).norm() / SLOW_MM,
+            (Push::With(from), Push::With(to)) => (to - from).abs() / SLOW_N,
+            (Push::To(_), Push::With(to)) => to.abs() / SLOW_N,
+            (Push::With(_), Push::To(_)) => 1.0,
+        };
+        (way * self.watch as f64).ceil() as usize
+    }
+
+    /// Tells hand and object what to do; the stiffness of the hand along the line, N/mm.
+    fn drive(&mut self, push: Push) -> f64 {
         let world = &mut self.dynamics.world;
         let (stiffness, pull_n) = match push {
             Push::To(place) => {
@@ -226,21 +299,7 @@ impl<'l> Pressing<'l> {
         let object = &mut world.bodies[self.object];
         object.reset_forces(true);
         object.add_force(rapier(self.along * pull_n), true);
-        let rest = self.dynamics.watch(&[], self.watch, 0, MOST_STEPS)?;
-
-        let motions = self.dynamics.motions();
-        let touches = self.touches(&motions);
-        let object = own(self.dynamics.world.bodies[self.object].translation());
-        let stretched = own(self.dynamics.world.bodies[self.hand].translation()) - object;
-        let across = stretched - self.along * stretched.dot(&self.along);
-        let hand_force = across * self.stiffness + self.along * (stretched.dot(&self.along) * stiffness + pull_n);
-        let (mut base_force, mut base_moment_nmm) = Energy::new(self.lattice.assembly()).on_clamps(&motions);
-        for touch in touches.iter().filter(|touch| touch.clamped) {
-            base_force += touch.force;
-            base_moment_nmm += touch.point.perp(&touch.force);
-        }
-        let shape = self.lattice.shape(&motions);
-        Ok(Pressed { shape, object, touches, hand_force, base_force, base_moment_nmm, steps: rest.steps })
+        stiffness
     }
 
     /// What the engine's contacts carry.

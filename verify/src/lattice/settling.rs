@@ -200,7 +200,7 @@ impl<'a> Dynamics<'a> {
     }
 
     /// One step; afterwards all bodies are stopped if the kinetic energy has passed its peak, and `true` is returned.
-    fn damped_step(&mut self, loads: &[BodyLoad]) -> bool {
+    pub(super) fn damped_step(&mut self, loads: &[BodyLoad]) -> bool {
         self.step(loads);
         let energy = self.kinetic_energy();
         let peak_passed = energy <= self.energy;

@@ -2,9 +2,7 @@
 
 use super::ReportError;
 use super::drawings::{ACROSS_AXIS, ALONG_AXIS, point};
-use super::figures::{
-    self, Arrow, Axis, Dash, FigureError, Frame, Hue, LineChart, Marker, Series, Shape, Shapes, Spread,
-};
+use super::figures::{self, Arrow, Axis, Dash, FigureError, Frame, Hue, LineChart, Series, Shape, Shapes, Spread};
 use super::page::{Block, Cell, Column, Figure, Row, Section, Table};
 use super::sections::{self, text};
 use super::tables::percent;
@@ -20,6 +18,8 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 
 pub(super) const CSV: &str = "contact_scenes.csv";
+/// Length of the largest force's arrow, as a share of the front plate's.
+const LONGEST_ARROW: f64 = 0.2;
 /// Half of a 95 % interval, in standard deviations.
 const SIGMAS_95: f64 = 1.96;
 
@@ -84,7 +84,7 @@ fn figures(finger: &Finger, scene: &SceneStudy) -> Result<Vec<Figure>, FigureErr
             wide: false,
         });
     }
-    let series = force_over_travel(scene);
+    let series = force_over_travel(finger, scene);
     if !series.is_empty() {
         let title = format!("{}, {} mm noise", scene.name, scene.noise_mm);
         let svg = figures::lines(&LineChart {
@@ -119,9 +119,12 @@ fn picture(finger: &Finger, scene: &SceneStudy, last: &StudiedStep) -> Result<St
         })
     };
     let outline = scene.outline.iter().map(|corner| point(&(corner + pressed.object))).collect();
-    let reach_mm = 0.15 * finger.plate_length_mm(Plate::Front);
+    let longest_mm = LONGEST_ARROW * finger.plate_length_mm(Plate::Front);
+    let largest_n = worst(last.step.contacts.iter().map(|seen| seen.force.norm()));
+    // Small forces keep an arrow that can be seen.
+    let length_mm = |force_n: f64| longest_mm * (0.3 + 0.7 * force_n / largest_n);
     let arrows = last.step.contacts.iter().map(|seen| Arrow {
-        from: point(&(seen.point - seen.force.normalize() * reach_mm)),
+        from: point(&(seen.point - seen.force.normalize() * length_mm(seen.force.norm()))),
         to: point(&seen.point),
         label: format!("{:.2} N", seen.force.norm()),
         hue: Hue::Vermilion,
@@ -151,13 +154,20 @@ struct Course {
     intervals: Vec<[f64; 2]>,
 }
 
+/// The rods that a place of the front plate lies between.
+fn between(finger: &Finger, s_mm: f64) -> String {
+    let (nodes, places) = (finger.plate_nodes(Plate::Front), finger.plate_places_mm(Plate::Front));
+    let after = places.iter().position(|place| *place > s_mm).filter(|after| *after > 0);
+    after.map_or(String::new(), |after| format!(", nodes {} to {}", nodes[after - 1], nodes[after]))
+}
+
 /// For each contact, and the total, the true forces as a line and the sensed ones as signs.
-fn force_over_travel(scene: &SceneStudy) -> Vec<Series> {
+fn force_over_travel(finger: &Finger, scene: &SceneStudy) -> Vec<Series> {
     let mut courses: BTreeMap<(usize, String), Course> = BTreeMap::new();
     for row in &scene.rows {
         let name = match row.contact.as_str() {
             "total" => (0, "in all".to_owned()),
-            "at" => (2, "plate between rods".to_owned()),
+            "at" => (2, format!("plate{}", between(finger, row.s_mm.unwrap_or_default()))),
             "clamp" => (3, "clamp (not felt)".to_owned()),
             node => (1, format!("node {node}")),
         };
@@ -172,13 +182,7 @@ fn force_over_travel(scene: &SceneStudy) -> Vec<Series> {
     for (n, ((_, name), course)) in courses.into_iter().enumerate() {
         let truth = Series::nth(n, name, course.truth);
         let marker = truth.marker;
-        // Places between rods are different ones from step to step: no line joins them.
-        let joined = !truth.label.starts_with("plate");
-        series.push(Series {
-            marker: if joined { None } else { Some(Marker::nth(5)) },
-            dash: truth.dash.filter(|_| joined),
-            ..truth
-        });
+        series.push(Series { marker: None, ..truth });
         if !course.sensed.is_empty() {
             let sensed = Series::nth(n, "", course.sensed);
             series.push(Series { marker, dash: None, spread: Spread::Bars(course.intervals), ..sensed });
