@@ -8,6 +8,7 @@
 mod cases;
 
 use crate::estimators::{Estimator, EstimatorError, Sensed};
+pub(crate) use cases::LEAST_STATED_MM;
 use cases::Look;
 use finray_model::sensing::Contact;
 use finray_model::{Finger, Kinematics, Mesh, NodeId};

@@ -10,7 +10,7 @@ use common::*;
 fn every_scene_of_the_repository_is_good() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures");
     let mut scenes = 0;
-    for inner in ["scenes", "opensees"] {
+    for inner in ["scenes", "scenes/contact", "opensees"] {
         for entry in std::fs::read_dir(format!("{folder}/{inner}")).expect("fixtures") {
             let path = entry.expect("an entry").path();
             if path.extension().is_some_and(|extension| extension == "toml") {
@@ -19,7 +19,7 @@ fn every_scene_of_the_repository_is_good() {
             }
         }
     }
-    assert!(scenes >= 2);
+    assert!(scenes >= 6);
 }
 
 #[test]
@@ -207,6 +207,63 @@ fn text_that_is_no_toml_is_refused_by_line() {
     assert_says(&finray_reading(b"[", &["solve", "-", "--load", "19:0,-1"]).refused(), &["standard input: line 1: "]);
 }
 
+/// Objects and rods, each fault on its own line.
+#[test]
+fn objects_that_cannot_be_are_refused() {
+    let disc = "[object]\nshape = \"disc\"\nradius_mm = 5\nat_mm = 70\ntravel_mm = 3\n";
+    let with = |from: &str, to: &str| paper_with(&[]) + "\n" + &disc.replace(from, to);
+    for (from, to, line, expected) in [
+        ("radius_mm = 5", "radius = 5", 30, "unknown key `object.radius`; the nearest known key is `radius_mm`"),
+        (
+            "\"disc\"",
+            "\"ring\"",
+            29,
+            "object.shape: expected one of \"disc\", \"box\", \"polygon\", found the text \"ring\"",
+        ),
+        ("radius_mm = 5\n", "", 28, "object.radius_mm is missing: expected a length in mm"),
+        ("= 5", "= 0", 30, "object.radius_mm: expected a length in mm above zero, found 0.0"),
+        ("= 5", "= inf", 30, "object.radius_mm: expected a length in mm above zero, found inf"),
+        ("= 5", "= 5\nwidth_mm = 5", 31, "object.width_mm: expected nothing, found a value that a disc does not have"),
+        ("\"disc\"", "\"box\"", 30, "object.radius_mm: expected nothing, found a value that a box does not have"),
+        ("= 70", "= 154", 31, "object.at_mm: expected a place on the front plate, 0 to 153 mm, found 154"),
+        ("= 70", "= nan", 31, "object.at_mm: expected a place on the front plate, 0 to 153 mm, found NaN"),
+        ("at_mm = 70\n", "", 28, "object.at_mm is missing: expected the place on the front plate to press on"),
+        ("= 70", "= 70\ndirection_deg = 90", 32, "expected an angle between -90 and 90 degrees"),
+        ("travel_mm = 3", "", 28, "object.travel_mm is missing: expected how far to press, in mm (or force_n)"),
+        ("= 3", "= -3", 32, "object.travel_mm: expected a length in mm above zero, found -3.0"),
+        ("= 3", "= 3\nforce_n = 2", 33, "object.force_n: expected either travel_mm or force_n, found both"),
+        ("= 3", "= 3\nfriction = -1", 33, "object.friction: expected a coefficient of friction, zero or more"),
+        ("= 3", "= 3\nsteps = 0", 33, "object.steps: expected a whole number, 1 to 10000, found 0"),
+        ("= 3", "= 3\nrotation_deg = inf", 33, "object.rotation_deg: expected a finite angle"),
+        (
+            "= 3",
+            "= 3\npath_mm = [[1, 2], [3, 4]]",
+            31,
+            "object.at_mm: expected nothing, found a value that an object with path_mm",
+        ),
+        (
+            "at_mm = 70\ntravel_mm = 3",
+            "path_mm = [[1, 2], [1, 2]]",
+            31,
+            "object.path_mm: expected two or more different points",
+        ),
+        (
+            "at_mm = 70\ntravel_mm = 3",
+            "path_mm = [[1, 2], [inf, 2]]",
+            31,
+            "object.path_mm: expected two or more different points",
+        ),
+        (
+            "[object]",
+            "[contact]\nrod_radius_mm = -1\n[object]",
+            29,
+            "contact.rod_radius_mm: expected a length in mm, zero or more",
+        ),
+    ] {
+        assert_says(&refused(&with(from, to)), &[&format!("line {line}: "), expected]);
+    }
+}
+
 /// Whatever command reads the scene.
 #[test]
 fn every_command_refuses_a_bad_scene() {
@@ -218,6 +275,7 @@ fn every_command_refuses_a_bad_scene() {
         vec!["sense", &bad, "--displacements", PAPER, "--contact", "19"],
         vec!["calibrate", &bad, "--measurements", PAPER],
         vec!["map", &bad],
+        vec!["press", &bad],
         vec!["report", &bad],
     ] {
         let message = finray(&[&command[..], &["--out", &out]].concat()).refused();

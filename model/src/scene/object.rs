@@ -165,7 +165,7 @@ fn read_motion(table: &TableReader, finger: &Finger) -> Result<ObjectMotion, Sce
         ));
     }
     let direction_deg = table.optional_number("direction_deg", "angle in degrees")?.unwrap_or(0.0);
-    if !(direction_deg.abs() < 90.0) {
+    if direction_deg.is_nan() || direction_deg.abs() >= 90.0 {
         let expected = "an angle between -90 and 90 degrees, from the inward normal";
         return Err(table.wrong("direction_deg", expected, &format!("{direction_deg:?}")));
     }

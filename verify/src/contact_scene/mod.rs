@@ -16,6 +16,7 @@ pub use rows::{ForceRow, contacts_sensed, force_rows};
 use crate::lattice::accuracy::difference;
 use crate::lattice::pressing::{Pressed, Pressing};
 use crate::lattice::{Lattice, LatticeError};
+use crate::scatter::LEAST_STATED_MM;
 use finray_model::measurement::Measurement;
 use finray_model::scene::ObjectDescription;
 use finray_model::sensing::{ContactQuestion, NonlinearEstimator, SensingError};
@@ -184,9 +185,6 @@ impl ContactScene {
         Ok(Some(SensedStep { forces: forces.collect(), total }))
     }
 }
-
-/// Noise that the estimator is told of where there is none, mm: far below what the lattice differs from beams.
-const LEAST_STATED_MM: f64 = 1e-3;
 
 /// Standard normal numbers of a seed.
 pub fn standard_normal(seed: u64) -> impl FnMut() -> f64 {

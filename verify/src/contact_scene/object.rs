@@ -118,14 +118,14 @@ fn triangles(corners: &[Vector]) -> Result<Vec<[u32; 3]>, OutlineError> {
     if corners.len() < 3 {
         return Err(OutlineError::TooFewCorners { corners: corners.len() });
     }
-    if let Some(far) = corners.iter().position(|corner| !(corner.norm() <= FARTHEST_MM)) {
+    if let Some(far) = corners.iter().position(|corner| corner.norm().is_nan() || corner.norm() > FARTHEST_MM) {
         return Err(OutlineError::TooFar { corner: far + 1 });
     }
     let vertices: Vec<[f64; 2]> = corners.iter().map(|corner| [corner.x, corner.y]).collect();
     let mut indices: Vec<u32> = Vec::new();
     Earcut::new().earcut(vertices.iter().copied(), &[], &mut indices);
     let missed = earcut::deviation(vertices.iter().copied(), &[] as &[u32], &indices);
-    if indices.is_empty() || !(missed <= AREA_TOLERANCE) {
+    if indices.is_empty() || missed.is_nan() || missed > AREA_TOLERANCE {
         return Err(OutlineError::Crossed);
     }
     let corner = |index: u32| corners[index as usize];

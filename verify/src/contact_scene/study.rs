@@ -35,7 +35,7 @@ const SHARES: f64 = 0.1;
 const SIGMAS_95: f64 = 1.96;
 /// Chance alone moves the share of 200 pictures within 1.96 standard deviations by 0.015 (one standard deviation); three of these.
 const COVERAGE_TOLERANCE: f64 = 0.046;
-/// Noisy pictures of the last step.
+/// Noisy pictures of the last step, for a promise about stated intervals.
 pub const PICTURES: usize = 200;
 /// Overlap of object and finger, mm: beyond it the engine's contacts would give way.
 const OVERLAP_TOLERANCE_MM: f64 = 1e-3;

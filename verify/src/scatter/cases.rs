@@ -18,7 +18,7 @@ const MOST_DRAWS: usize = 100;
 const BLOCK: u64 = 100;
 /// Noise that estimators are told of where there is none, mm: no model is exact, and to the nonlinear estimator what its
 /// mesh gets wrong by some micrometres would be wild markers.
-const LEAST_STATED_MM: f64 = 0.01;
+pub(crate) const LEAST_STATED_MM: f64 = 0.01;
 /// Words of the random stream for each case: more than its draws and its noise take, so that cases do not depend on each
 /// other.
 const WORDS: u128 = 1 << 24;

@@ -9,6 +9,9 @@ use crate::statics::StaticsError;
 const MAX_STEPS: usize = 60;
 /// Steps have converged when they change every unknown by less than this share of its scale.
 const STEP_TOLERANCE: f64 = 1e-7;
+/// Where the finger does not explain the data, markers are weighed anew in every step, and these converge slowly. After
+/// [`MAX_STEPS`], changes of less than this share are small enough: no camera would see them.
+const SMALL_ENOUGH: f64 = 1e-5;
 /// Damping after a step that made things worse; it grows tenfold as long as that goes on.
 const FIRST_DAMPING: f64 = 1e-3;
 /// Damping beyond which no step helps: the minimum is reached as far as rounding lets it be seen.
@@ -29,7 +32,7 @@ impl NonlinearEstimator<'_> {
         self.linearise(state)?;
         state.linearised.weigh(&state.motion, measurement, noise_mm);
         let mut damping = 0.0;
-        let mut iterations = 0;
+        let (mut iterations, mut last_change) = (0, f64::INFINITY);
         for steps in 1..=MAX_STEPS {
             iterations = steps;
             state.linearised.solve(&state.motion, measurement, damping)?;
@@ -53,6 +56,7 @@ impl NonlinearEstimator<'_> {
                 }
             };
             if better {
+                last_change = if settles { change } else { f64::INFINITY };
                 *state = next;
                 self.linearise(state)?;
                 state.linearised.weigh(&state.motion, measurement, noise_mm);
@@ -68,6 +72,9 @@ impl NonlinearEstimator<'_> {
             } else {
                 damping = f64::max(10.0 * damping, FIRST_DAMPING);
             }
+        }
+        if last_change <= SMALL_ENOUGH {
+            return Ok(iterations);
         }
         let forces = state.linearised.step.iter().take(self.questions.len());
         Err(SensingError::NotConverged { iterations, change_n: forces.fold(0.0, |m: f64, x| m.max(x.abs())) })

@@ -1,0 +1,243 @@
+//! Objects pressed onto the lattice: contact forces against closed forms and beams, friction, and what sensing makes of them.
+
+use finray_model::finger::Plate;
+use finray_model::mesh::Load;
+use finray_model::scene::{ObjectDescription, ObjectMotion, Until};
+use finray_model::sensing::ContactPlace;
+use finray_model::{Kinematics, Mesh, NodeId, Scene, Vector, statics};
+use finray_verify::check::Check;
+use finray_verify::contact_scene::study::{SceneStudy, shipped};
+use finray_verify::contact_scene::{ContactScene, OutlineError, SceneStep, TurnedOutline};
+use finray_verify::fixtures;
+use finray_verify::lattice::LatticeError;
+use finray_verify::lattice::pressing::TouchedPart;
+
+/// Segments in a stretch of plate where nothing but the order of magnitude of the bending matters.
+const COARSE: usize = 1;
+/// A travel (mm) so small that the finger is linear: rotations are near 1e-3, and so is their effect.
+const TINY_TRAVEL_MM: f64 = 0.05;
+const TINY_TOLERANCE: f64 = 5e-3;
+
+/// A scene with the paper's finger and an object.
+fn scene(object: &str) -> Scene {
+    Scene::from_toml(&format!("{}\n[object]\n{object}", fixtures::PAPER_SCENE)).expect("a good scene")
+}
+
+fn prepared(scene: &Scene) -> ContactScene {
+    let object: &ObjectDescription = scene.object.as_ref().expect("an object");
+    ContactScene::new(scene, object, &[]).expect("an outline")
+}
+
+fn steps(scene: &ContactScene) -> Vec<SceneStep> {
+    let mut steps = Vec::new();
+    scene.run(|step| steps.push(step)).expect("everything comes to rest");
+    steps
+}
+
+fn last(object: &str, fineness: usize) -> SceneStep {
+    steps(&prepared(&scene(object)).with_fineness(fineness)).pop().expect("a step")
+}
+
+fn all_pass(checks: &[Check]) {
+    assert!(!checks.is_empty());
+    for check in checks {
+        assert!(check.passes(), "{check:?}");
+    }
+}
+
+/// Compliance of the linear finger along its normal: displacement of node `at` per newton at node `under`, mm/N.
+fn normal_compliance(scene: &Scene, under: NodeId, at: NodeId) -> f64 {
+    let normal = scene.finger.direction(0.0);
+    let mesh = Mesh::key_nodes(&scene.finger);
+    let shape = statics::solve(&mesh, &[Load::at_node(under, normal)], Kinematics::Linear).expect("a linear solution");
+    shape.motion(at).displacement.dot(&normal)
+}
+
+/// All that the report promises of its first scene, in fewer steps.
+#[test]
+fn a_disc_pressed_to_5_n_keeps_every_promise() {
+    let (mut given, fineness) = shipped().expect("scenes that ship").swap_remove(0);
+    let object = given.scene.object.as_mut().expect("an object");
+    assert!(matches!(object.motion, ObjectMotion::Press { until: Until::Force(5.0), .. }));
+    object.steps = 2;
+    let prepared = prepared(&given.scene).with_fineness(fineness);
+    let study = SceneStudy::run("disc", &prepared, 0.067, &|| ()).expect("beams carry the forces");
+    all_pass(&study.checks());
+    all_pass(&study.shipped_checks());
+    let end = &study.steps[1].step;
+    let nodes: Vec<_> = end.contacts.iter().map(|seen| seen.contact.place).collect();
+    assert_eq!(nodes, [19, 18].map(|node| ContactPlace::Node(NodeId(node))), "two neighbours share the force");
+    assert_eq!(study.pictures.expect("noise").sensed.len(), 3);
+}
+
+/// The checks of a study can fail: a scene that sensing knows too little of breaks them.
+#[test]
+fn friction_that_sensing_does_not_know_of_breaks_the_promise() {
+    let scene = scene(
+        "shape = \"disc\"\nradius_mm = 15\nfriction = 0.5\nat_mm = 76\ndirection_deg = -40\ntravel_mm = 4\nsteps = 1",
+    );
+    let mut study = SceneStudy::run("slanted", &prepared(&scene).with_fineness(COARSE), 0.0, &|| ()).expect("a study");
+    all_pass(&study.checks());
+    study.friction = 0.0;
+    let broken: Vec<_> = study.shipped_checks().into_iter().filter(|check| !check.passes()).collect();
+    assert!(broken.iter().any(|check| check.problem.contains("sensed total")), "{broken:?}");
+    assert!(study.checks().iter().any(|check| !check.passes() && check.source == "Coulomb"));
+}
+
+/// A disc over a rod meets the finger's linear stiffness there.
+#[test]
+fn a_small_push_on_a_rod_meets_the_linear_stiffness() {
+    let object = format!("shape = \"disc\"\nradius_mm = 20\nat_mm = 76.5\ntravel_mm = {TINY_TRAVEL_MM}\nsteps = 1");
+    let step = last(&object, COARSE);
+    let [seen] = step.contacts[..] else { panic!("one contact: {:?}", step.contacts) };
+    assert_eq!(seen.contact.place, ContactPlace::Node(NodeId(19)));
+    let expected = step.travel_mm / normal_compliance(&scene(&object), NodeId(19), NodeId(19));
+    assert!((seen.normal_n / expected - 1.0).abs() < TINY_TOLERANCE, "{} N, {expected} N expected", seen.normal_n);
+}
+
+/// A flat box over three rods touches those under its ends, which both move by its travel: C f = (travel, travel).
+#[test]
+fn a_flat_box_shares_its_force_as_the_compliance_tells() {
+    let turn_deg =
+        scene("shape = \"disc\"\nradius_mm = 1\nat_mm = 1\ntravel_mm = 1").finger.front_tangent().y.asin().to_degrees();
+    let object = format!(
+        "shape = \"box\"\nwidth_mm = 30\nheight_mm = 10\nrotation_deg = {turn_deg}\nat_mm = 76.5\ntravel_mm = {TINY_TRAVEL_MM}\n\
+         steps = 1"
+    );
+    let step = last(&object, COARSE);
+    let nodes = [20, 18].map(NodeId);
+    assert_eq!(
+        step.contacts.iter().map(|seen| seen.contact.place).collect::<Vec<_>>(),
+        nodes.map(ContactPlace::Node),
+        "the rods under the ends"
+    );
+    let compliance = |under, at| normal_compliance(&scene(&object), nodes[under], nodes[at]);
+    let compliance = nalgebra::Matrix2::from_fn(|at, under| compliance(under, at));
+    let expected = compliance.try_inverse().expect("two rods") * nalgebra::Vector2::repeat(step.travel_mm);
+    for (seen, expected) in step.contacts.iter().zip(expected.iter()) {
+        assert!((seen.normal_n / expected - 1.0).abs() < TINY_TOLERANCE, "{} N, {expected} N expected", seen.normal_n);
+    }
+}
+
+/// Forces of balls without friction go through their middles, along the line to the disc's.
+#[test]
+fn a_frictionless_force_points_from_the_disc_to_the_rod() {
+    let object = "shape = \"disc\"\nradius_mm = 20\nat_mm = 80\ntravel_mm = 8\nsteps = 1";
+    let step = last(object, COARSE);
+    let scene = scene(object);
+    let [touch] = step.pressed.touches[..] else { panic!("one touch: {:?}", step.pressed.touches) };
+    let TouchedPart::Rod(node) = touch.part else { panic!("a rod: {touch:?}") };
+    let motion = step.pressed.shape.motion(node);
+    let rod = motion.position + motion.displacement;
+    let line = rod - step.pressed.object;
+    // The solver's rounding, over a distance that only an overlap would change.
+    assert!((line.norm() - 20.0 - scene.rod_radius_mm).abs() < 1e-4, "{} mm apart", line.norm());
+    assert!(touch.force.perp(&line).abs() < 1e-6 * touch.force.norm() * line.norm());
+}
+
+/// A disc dragged along the finger and back, pressed into it: while it slides, friction is its coefficient times the normal
+/// force, and drags the finger along.
+#[test]
+fn sliding_friction_is_coulombs() {
+    const FRICTION: f64 = 0.2;
+    /// Settling lets the last bit of the way spring back: it then sticks with a little less.
+    const STUCK_SHARE: f64 = 0.9;
+    let object = format!(
+        "shape = \"disc\"\nradius_mm = 12\nfriction = {FRICTION}\npath_mm = [[50, 38], [50, 20], [62, 17.5], [50, 20]]\nsteps = 12"
+    );
+    let steps = steps(&prepared(&scene(&object)).with_fineness(COARSE));
+    let slides = |step: &SceneStep| {
+        let normal_n: f64 = step.contacts.iter().map(|seen| seen.normal_n).sum();
+        step.contacts.iter().map(|seen| seen.friction_n).sum::<f64>() / (FRICTION * normal_n)
+    };
+    // By the middle of each way along the plate it slides: the ends are where it turns.
+    let (there, back) = (slides(&steps[7]), slides(&steps[10]));
+    assert!((STUCK_SHARE..=1.0 + 1e-6).contains(&there), "{there}");
+    assert!((STUCK_SHARE..=1.0 + 1e-6).contains(&-back), "{back}");
+}
+
+#[test]
+fn the_same_scene_gives_the_same_bits() {
+    let object = "shape = \"box\"\nwidth_mm = 20\nheight_mm = 20\nrotation_deg = 20\nfriction = 0.3\nat_mm = 70\nforce_n = 1\nsteps = 2";
+    let prepared = prepared(&scene(object)).with_fineness(COARSE);
+    assert_eq!(steps(&prepared), steps(&prepared));
+}
+
+/// A force that is held and a hand that stands where it led end in the same place.
+#[test]
+fn force_and_travel_are_two_sides_of_one_equilibrium() {
+    let press = |until: &str| {
+        last(&format!("shape = \"disc\"\nradius_mm = 20\nat_mm = 70\ndirection_deg = 10\n{until}\nsteps = 1"), COARSE)
+    };
+    let by_force = press("force_n = 2");
+    // The hand gives way across the line by as little as its springs are stiff.
+    const TOLERANCE: f64 = 1e-3;
+    let prepared = prepared(&scene("shape = \"disc\"\nradius_mm = 20\nat_mm = 70\ndirection_deg = 10\nforce_n = 2"));
+    assert!((prepared.total_n(&by_force) - 2.0).abs() < TOLERANCE);
+    let by_travel = press(&format!("travel_mm = {}", by_force.travel_mm));
+    assert!((prepared.total_n(&by_travel) / 2.0 - 1.0).abs() < 2.0 * TOLERANCE, "{} N", prepared.total_n(&by_travel));
+}
+
+/// What presses on the clamp is not felt, and counts among the forces on the base.
+#[test]
+fn a_force_on_the_clamp_is_told_apart() {
+    let step = last("shape = \"disc\"\nradius_mm = 15\nat_mm = 6\nforce_n = 3\nsteps = 1", 2);
+    assert!(step.contacts.iter().any(|seen| seen.clamped) && step.contacts.iter().any(|seen| !seen.clamped));
+    let whole = step.pressed.contact_force();
+    assert!((step.pressed.base_force - whole).norm() < 1e-3 * whole.norm());
+    assert!((step.pressed.hand_force - whole).norm() < 1e-3 * whole.norm());
+    let prepared = prepared(&scene("shape = \"disc\"\nradius_mm = 15\nat_mm = 6\nforce_n = 3\nsteps = 1"));
+    let sensed = prepared.sense(&step, 0.0, || 0.0).expect("an answer").expect("a contact");
+    assert_eq!(sensed.forces.len(), 1);
+    assert!(sensed.total.true_n < 0.9 * 3.0, "{:?}", sensed.total);
+}
+
+/// An outline that is not convex pushes with its prongs, and not with what lies between.
+#[test]
+fn a_fork_touches_with_its_prongs() {
+    let (given, _) = shipped().expect("scenes that ship").swap_remove(2);
+    let scene = given.scene;
+    let object = ObjectDescription { steps: 1, ..scene.object.clone().expect("an object") };
+    let prepared = ContactScene::new(&scene, &object, &given.corners).expect("an outline").with_fineness(COARSE);
+    let step = steps(&prepared).pop().expect("a step");
+    assert_eq!(step.contacts.len(), 2, "{:?}", step.contacts);
+    let places: Vec<f64> =
+        step.contacts.iter().map(|seen| seen.contact.place_mm(&scene.finger).expect("a place")).collect();
+    // The prongs are 28 to 44 mm apart; the rods next to them carry.
+    assert!((28.0..44.0).contains(&(places[1] - places[0])), "{places:?}");
+}
+
+#[test]
+fn what_is_no_outline_is_refused() {
+    let given = scene("shape = \"polygon\"\npoints_csv = \"x.csv\"\nat_mm = 70\ntravel_mm = 1");
+    let object = given.object.expect("an object");
+    let outline = |corners: &[[f64; 2]]| {
+        let corners: Vec<Vector> = corners.iter().map(|&corner| corner.into()).collect();
+        TurnedOutline::new(&object, &corners)
+    };
+    let crossed = [[0.0, 0.0], [10.0, 10.0], [10.0, 0.0], [0.0, 10.0]];
+    assert_eq!(outline(&crossed), Err(OutlineError::Crossed));
+    assert_eq!(outline(&[[0.0, 0.0], [5.0, 5.0], [10.0, 10.0]]), Err(OutlineError::Crossed));
+    assert_eq!(outline(&crossed[..2]), Err(OutlineError::TooFewCorners { corners: 2 }));
+    assert_eq!(outline(&[[0.0, 0.0], [1e9, 0.0], [0.0, 1.0]]), Err(OutlineError::TooFar { corner: 2 }));
+    assert!(outline(&[[0.0, 0.0], [0.0, 10.0], [10.0, 10.0], [10.0, 0.0]]).is_ok(), "clockwise");
+}
+
+#[test]
+fn an_object_must_start_outside_the_finger() {
+    let inside = scene("shape = \"disc\"\nradius_mm = 10\npath_mm = [[50, 20], [50, 10]]");
+    let outcome = prepared(&inside).with_fineness(COARSE).run(|_| ());
+    assert!(matches!(outcome, Err(LatticeError::Overlap { .. })), "{outcome:?}");
+    // The first touch of a press is no overlap, wherever and however it goes.
+    for (at_mm, direction_deg) in [(0.0, 0.0), (70.0, 60.0), (70.0, -60.0), (153.0, 20.0)] {
+        let object = format!(
+            "shape = \"disc\"\nradius_mm = 10\nat_mm = {at_mm}\ndirection_deg = {direction_deg}\ntravel_mm = 0.01\nsteps = 1"
+        );
+        let scene = scene(&object);
+        steps(&prepared(&scene).with_fineness(COARSE));
+        let along = scene.finger.direction(direction_deg);
+        let start = prepared(&scene).object().start;
+        let line = scene.finger.plate_point(Plate::Front, at_mm) - start;
+        assert!(line.perp(&along).abs() < 1e-9, "the line meets the place");
+    }
+}
