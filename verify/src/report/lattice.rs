@@ -1,22 +1,22 @@
 //! The finger as rigid bodies and springs: how near it is to beams, what that rests on, and what sensing makes of it.
 
+mod rows;
+mod tables;
 mod words;
 
 use super::ReportError;
-use super::convergence::percent;
 use super::drawings;
 use super::figures::{self, Axis, Dash, FigureError, Frame, Hue, LineChart, Series};
-use super::page::{Block, Cell, Column, Figure, Row, Section, Table};
+use super::page::{Block, Figure, Section};
 use super::sections::{self, text};
-use super::tables;
+use super::tables::map_csv_name;
+use crate::check::worst;
 use crate::lattice::accuracy::{FinenessRow, LoadGrid};
-use crate::lattice::settling::Precision;
 use crate::lattice::study::LatticeStudy;
-use crate::map::AccuracyMap;
-use crate::problems::lattice::FINENESS;
 use crate::study::{DRAWN_FORCE_N, Study};
-use serde::Serialize;
 
+pub use rows::{AxialSpringsRow, LatticeRow, SettlingRow};
+pub(super) use rows::{axial_rows, rows, settling_rows};
 pub(super) use words::verdict;
 
 pub(super) const CSV: &str = "lattice.csv";
@@ -24,101 +24,8 @@ pub(super) const AXIAL_CSV: &str = "lattice_axial_springs.csv";
 pub(super) const SETTLING_CSV: &str = "lattice_settling.csv";
 /// Order of the guide in the figure: an error by the fourth power of the segments' length.
 const GUIDE_ORDER: i32 = 4;
-
-/// Error and cost of one fineness at one force, as it stands in the CSV.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct LatticeRow {
-    /// Segments in a stretch of plate between two key nodes.
-    pub segments_a_stretch: usize,
-    /// Rigid bodies.
-    pub bodies: usize,
-    /// Springs.
-    pub springs: usize,
-    /// Force, N.
-    pub force_n: f64,
-    /// Largest difference of the lattice's equilibrium from converged beams / largest displacement.
-    pub error: f64,
-    /// Newton's method through all the forces under one load, ms.
-    pub newton_ms: f64,
-    /// Largest difference of the settled lattice from its equilibrium / largest displacement.
-    pub settling_error: Option<f64>,
-    /// Steps to rest.
-    pub settling_steps: Option<usize>,
-    /// Settling under one load, ms.
-    pub settling_ms: Option<f64>,
-}
-
-/// Error of the lattice with some axial springs at one force, as it stands in the CSV.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct AxialSpringsRow {
-    /// The springs, in words.
-    pub axial_springs: &'static str,
-    /// Share of a segment's length by which their points lie inside it.
-    pub inset: f64,
-    /// Stiffness in units of EA / l.
-    pub stiffness: f64,
-    /// Force, N.
-    pub force_n: f64,
-    /// Largest difference from converged beams / largest displacement; none where the lattice has no stable equilibrium.
-    pub error: Option<f64>,
-}
-
-/// One way of settling, as it stands in the CSV.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct SettlingRow {
-    /// Sweeps over the springs in a step.
-    pub sweeps: usize,
-    /// Precision that positions are kept in: `double` or `single`.
-    pub positions: &'static str,
-    /// Largest difference from the lattice's equilibrium / largest displacement; none if it does not settle.
-    pub error: Option<f64>,
-    /// Steps to rest.
-    pub steps: Option<usize>,
-}
-
-pub(super) fn rows(lattice: &LatticeStudy) -> impl Iterator<Item = LatticeRow> {
-    lattice.rows.iter().flat_map(|row| {
-        row.forces_n.iter().zip(&row.errors).map(|(&force_n, &error)| LatticeRow {
-            segments_a_stretch: row.fineness,
-            bodies: row.bodies,
-            springs: row.springs,
-            force_n,
-            error,
-            newton_ms: row.newton_ms,
-            settling_error: row.settling.map(|cost| cost.error),
-            settling_steps: row.settling.map(|cost| cost.steps),
-            settling_ms: row.settling.map(|cost| cost.ms),
-        })
-    })
-}
-
-pub(super) fn axial_rows(lattice: &LatticeStudy) -> impl Iterator<Item = AxialSpringsRow> {
-    lattice.axial.iter().flat_map(|row| {
-        lattice.axial_forces_n.iter().enumerate().map(|(force, &force_n)| AxialSpringsRow {
-            axial_springs: row.name,
-            inset: row.axial.inset,
-            stiffness: row.axial.stiffness,
-            force_n,
-            error: row.errors.as_ref().map(|errors| errors[force]),
-        })
-    })
-}
-
-pub(super) fn settling_rows(lattice: &LatticeStudy) -> impl Iterator<Item = SettlingRow> {
-    lattice.settling.iter().map(|row| SettlingRow {
-        sweeps: row.sweeps,
-        positions: precision(row.positions),
-        error: row.error,
-        steps: row.steps,
-    })
-}
-
-fn precision(positions: Precision) -> &'static str {
-    match positions {
-        Precision::Double => "double",
-        Precision::Single => "single",
-    }
-}
+/// Room beside the first and the last point of the figure, as a factor of their places.
+const BESIDE: f64 = 1.08;
 
 pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
     let Some(lattice) = &study.lattice else { return Ok(None) };
@@ -136,7 +43,7 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
              promises.",
         ));
     }
-    blocks.push(Block::Table(by_fineness(lattice)));
+    blocks.push(Block::Table(tables::by_fineness(lattice)));
     blocks.push(Block::Figure(Figure {
         svg: picture(&lattice.rows)?,
         caption: format!(
@@ -147,28 +54,56 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
         csv: Some(CSV.to_owned()),
         wide: true,
     }));
+    blocks.push(Block::Table(tables::costs(lattice)));
     blocks.push(text("What agrees, what does not, and why:"));
     blocks.push(Block::List { items: words::findings(lattice) });
-    blocks.push(Block::Table(axial(lattice)));
+    blocks.push(Block::Table(tables::axial(lattice)));
     if !lattice.settling.is_empty() {
-        blocks.push(Block::Table(settling(lattice)));
+        blocks.push(Block::Table(tables::settling(lattice)));
     }
-    let figures = lattice.sensing.maps().map(|map| map_figure(study, map)).into_iter().collect::<Result<_, _>>()?;
-    blocks.push(Block::Figures { figures });
+    blocks.push(Block::Figures { figures: vec![map_figure(study, lattice)?, sensing_figure(lattice)?] });
     Ok(Some(sections::section("lattice", "A second physics: the spring lattice", blocks)))
 }
 
-fn map_figure(study: &Study, map: &AccuracyMap) -> Result<Figure, ReportError> {
+fn map_figure(study: &Study, lattice: &LatticeStudy) -> Result<Figure, ReportError> {
+    let map = &lattice.sensing.least_squares;
     Ok(Figure {
         svg: drawings::map_picture(&study.finger, map, Some(DRAWN_FORCE_N))?,
-        caption: format!(
-            "Sensed {} on the lattice, without noise; {DRAWN_FORCE_N} N.",
-            match map.estimator.as_str() {
-                "nonlinear" => "by the nonlinear estimator, whose model is the large-rotation finger,",
-                _ => "by linear least squares",
-            }
+        caption: format!("Sensed by linear least squares on the lattice, without noise; {DRAWN_FORCE_N} N."),
+        csv: Some(map_csv_name(map)),
+        wide: false,
+    })
+}
+
+/// What each estimator errs by on the lattice, by place.
+fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
+    let title = format!("lattice truth, no noise, {DRAWN_FORCE_N} N, worst direction");
+    let series = lattice.sensing.maps().into_iter().enumerate().map(|(n, map)| {
+        let worst = |&s_mm: &f64| {
+            let here = map.cells.iter().filter(|cell| cell.s_mm == s_mm && cell.force_n == DRAWN_FORCE_N);
+            let error = worst(here.filter_map(|cell| cell.mean_error));
+            (error > 0.0).then_some([s_mm, 100.0 * error])
+        };
+        Series::nth(n, map.estimator.replace('-', " "), map.request.places_mm.iter().filter_map(worst).collect())
+    });
+    let chart = LineChart {
+        frame: Frame::half(
+            title.clone(),
+            format!("{title}: error of the sensed force by place, one line an estimator."),
         ),
-        csv: Some(tables::map_csv_name(map)),
+        x: Axis::linear("place along the front plate from the base, mm"),
+        y: Axis::log("error |sensed / true - 1|, %"),
+        series: series.filter(|series| !series.points.is_empty()).collect(),
+        references: Vec::new(),
+    };
+    Ok(Figure {
+        svg: figures::lines(&chart)?,
+        caption: format!(
+            "The same force at its worst direction: least squares, and the nonlinear estimator, whose model is the \
+             large-rotation finger, on {} directions.",
+            lattice.sensing.nonlinear.request.angles_deg.len()
+        ),
+        csv: Some(map_csv_name(&lattice.sensing.nonlinear)),
         wide: false,
     })
 }
@@ -207,6 +142,9 @@ fn picture(rows: &[FinenessRow]) -> Result<String, FigureError> {
         };
         series.push(guide);
     }
+    let finenesses: Vec<f64> = rows.iter().map(|row| row.fineness as f64).collect();
+    let widest = [f64::INFINITY, 0.0_f64];
+    let ends = finenesses.iter().fold(widest, |[low, high], &x| [low.min(x / BESIDE), high.max(x * BESIDE)]);
     figures::lines(&LineChart {
         frame: Frame::full(
             "",
@@ -214,114 +152,21 @@ fn picture(rows: &[FinenessRow]) -> Result<String, FigureError> {
              a force, both axes logarithmic",
         )
         .with_plot_height(320.0),
-        x: Axis::log("segments in a stretch of plate").with_ticks(rows.iter().map(|row| row.fineness as f64).collect()),
+        x: Axis::log("segments in a stretch of plate").within(ends[0], ends[1]).with_ticks(finenesses),
         y: Axis::log("difference / largest displacement, %"),
         series,
         references: Vec::new(),
     })
 }
 
-fn by_fineness(lattice: &LatticeStudy) -> Table {
-    let forces_n = lattice.rows.first().map_or(&[][..], |row| &row.forces_n);
-    let settles = lattice.rows.iter().any(|row| row.settling.is_some());
-    let row = |row: &FinenessRow| {
-        let counts = [row.fineness, row.bodies, row.springs].map(|count| count.to_string());
-        let errors = row.errors.iter().copied().map(percent);
-        let settling = match row.settling {
-            Some(cost) => [percent(cost.error), cost.steps.to_string(), milliseconds(cost.ms)],
-            None => ["-"; 3].map(str::to_owned),
-        };
-        let cells = counts.into_iter().chain(errors).chain([milliseconds(row.newton_ms)]);
-        Row { cells: cells.chain(settling.into_iter().filter(|_| settles)).map(Cell::plain).collect() }
-    };
-    let counts = ["segments a stretch", "bodies", "springs"].map(str::to_owned);
-    let errors = forces_n.iter().map(|force_n| format!("{force_n} N"));
-    let settling = ["settled against equilibrium", "steps", "settling, ms"].map(str::to_owned);
-    let columns = counts.into_iter().chain(errors).chain(["Newton, ms".to_owned()]);
-    let settled = match settles {
-        true => format!(
-            "; settling, which takes ever longer as segments are shorter: {}, {} N",
-            loads_in_words(&lattice.loads[1]),
-            lattice.loads[1].forces_n.iter().map(f64::to_string).collect::<Vec<_>>().join(", ")
-        ),
-        false => String::new(),
-    };
-    Table {
-        caption: format!(
-            "The lattice's equilibrium against converged beams, as a share of the largest displacement ({}), and the time on \
-             one core of Newton's method through all the forces{settled}",
-            loads_in_words(&lattice.loads[0])
-        ),
-        columns: columns.chain(settling.into_iter().filter(|_| settles)).map(Column::numbers).collect(),
-        rows: lattice.rows.iter().map(row).collect(),
-        csv: Some(CSV.to_owned()),
-    }
-}
-
-fn milliseconds(ms: f64) -> String {
-    if ms < 10.0 { format!("{ms:.1}") } else { format!("{ms:.0}") }
-}
-
-fn axial(lattice: &LatticeStudy) -> Table {
-    let rows = lattice.axial.iter().map(|row| {
-        let errors = (0..lattice.axial_forces_n.len()).map(|force| match &row.errors {
-            Some(errors) => Cell { text: percent(errors[force]), ..tables::error(errors[force]) },
-            None => Cell::plain("no equilibrium"),
-        });
-        let numbers = [format!("{:.3}", row.axial.inset), row.axial.stiffness.to_string()].map(Cell::plain);
-        Row { cells: [Cell::plain(row.name)].into_iter().chain(numbers).chain(errors).collect() }
-    });
-    let forces = lattice.axial_forces_n.iter().map(|force_n| Column::numbers(format!("{force_n} N")));
-    Table {
-        caption: format!(
-            "What the axial springs matter: the lattice of {FINENESS} segments a stretch against converged beams, by where \
-             their points lie and how stiff they are"
-        ),
-        columns: [Column::words("axial springs")]
-            .into_iter()
-            .chain(["inset / length", "stiffness / (EA / l)"].map(Column::numbers))
-            .chain(forces)
-            .collect(),
-        rows: rows.collect(),
-        csv: Some(AXIAL_CSV.to_owned()),
-    }
-}
-
-fn settling(lattice: &LatticeStudy) -> Table {
-    let rows = settling_rows(lattice).map(|row| Row {
-        cells: [
-            row.sweeps.to_string(),
-            row.positions.to_owned(),
-            row.error.map_or_else(|| "does not settle".to_owned(), percent),
-            row.steps.map_or_else(|| "-".to_owned(), |steps| steps.to_string()),
-        ]
-        .map(Cell::plain)
-        .into(),
-    });
-    Table {
-        caption: format!(
-            "What settling matters: the settled lattice of {FINENESS} segments a stretch against its own equilibrium ({}, {} N)",
-            loads_in_words(&lattice.settled),
-            lattice.settled.forces_n.iter().map(f64::to_string).collect::<Vec<_>>().join(", ")
-        ),
-        columns: vec![
-            Column::numbers("sweeps a step"),
-            Column::words("positions kept in precision"),
-            Column::numbers("largest difference"),
-            Column::numbers("most steps"),
-        ],
-        rows: rows.collect(),
-        csv: Some(SETTLING_CSV.to_owned()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::tables::{axial, by_fineness, costs, settling};
     use super::*;
     use crate::lattice::accuracy::SettlingCost;
     use crate::lattice::causes::{self, AXIAL_SPRINGS, AxialRow, SETTLINGS};
     use crate::lattice::study::{LatticeSensing, MapDifference};
-    use crate::map::{Cell as MapCell, MapRequest};
+    use crate::map::{AccuracyMap, Cell as MapCell, MapRequest};
     use finray_model::NodeId;
 
     /// Least squares or the nonlinear estimator, off by `error` in its one cell.
@@ -407,17 +252,25 @@ mod tests {
     }
 
     #[test]
+    fn both_estimators_are_drawn_and_their_cells_named() {
+        let figure = sensing_figure(&sample()).expect("a figure");
+        assert!(figure.svg.contains(">least squares</text>") && figure.svg.contains(">nonlinear</text>"));
+        assert_eq!(figure.csv.as_deref(), Some("map_lattice_nonlinear_without_noise.csv"));
+    }
+
+    #[test]
     fn what_was_not_settled_is_not_shown() {
         let mut study = sample();
-        let table = by_fineness(&study);
+        let table = costs(&study);
         assert!(table.rows.iter().all(|row| row.cells.len() == table.columns.len()));
         let last = |row: usize| table.rows[row].cells.last().map(|cell| cell.text.clone());
-        assert_eq!((last(0).as_deref(), last(1).as_deref()), (Some("512"), Some("-")));
+        assert_eq!((last(0).as_deref(), last(1).as_deref()), (Some("0.0010 %"), Some("-")));
         study.rows[0].settling = None;
-        let table = by_fineness(&study);
+        let table = costs(&study);
         assert!(table.rows.iter().all(|row| row.cells.len() == table.columns.len()));
         assert_eq!(table.columns.last().map(|column| column.name.as_str()), Some("Newton, ms"));
-        assert!(!table.caption.contains("settling"));
+        assert!(!table.caption.contains("settle"));
+        assert!(by_fineness(&study).rows.iter().all(|row| row.cells.len() == 3));
     }
 
     #[test]

@@ -216,7 +216,7 @@ mod tests {
                 "differ by at most 0.030 % of the true force over 1 cells",
                 "senses the lattice within 0.040 %",
                 "grows from 0.16 % to 3.0 %",
-                "with axial springs 1000 times as stiff, as good as rigid, the lattice is 70 % off already at 1 N",
+                "With axial springs 1000 times as stiff, as good as rigid, the lattice is 70 % off already at 1 N",
                 "no equilibrium at all",
                 "by 2.0 % with 8, by 0.050 % with 16, and by 0.0060 % with 32",
                 "Twice as many bring it no nearer",
