@@ -26,10 +26,10 @@ pub(super) fn page(study: &Study, summary: &Summary) -> Result<Page, ReportError
     sections.extend(scatter::section(study));
     sections.extend(table_two::section(study));
     sections.extend(networks::section(study)?);
+    sections.extend(lattice::section(study)?);
     sections.extend(contact_scenes::section(study)?);
     sections.push(shapes(study)?);
     sections.push(convergence::section(study)?);
-    sections.extend(lattice::section(study)?);
     sections.push(checks(study));
     if !study.hard_cases.is_empty() {
         sections.push(hard_cases::section(study));
