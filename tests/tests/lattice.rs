@@ -186,11 +186,12 @@ fn finer_lattices_are_nearer_to_beams() {
 #[test]
 fn axial_springs_must_be_those_of_a_beam() {
     let finger = paper();
-    let grid = LoadGrid { nodes: vec![NodeId(18)], angles_deg: vec![-30.0], forces_n: vec![0.1, 3.0] };
+    let nodes = vec![NodeId(14), NodeId(23)];
+    let grid = LoadGrid { nodes, angles_deg: vec![-60.0, 60.0], forces_n: vec![0.1, 3.0] };
     let rows = causes::axial(&finger, 2, &grid).expect("equilibria");
     let [beams, at_ends, rigid, none] = &rows[..] else { panic!("{rows:?}") };
     let error = |row: &causes::AxialRow| row.errors.as_ref().expect("an equilibrium")[1];
-    assert!(error(beams) * 5.0 < error(at_ends), "{rows:?}");
+    assert!(error(beams) * 3.0 < error(at_ends), "{rows:?}");
     // Stretching is no matter of large rotations: without it even the smallest displacement is far off.
     assert!(error(rigid) > 0.2 && rigid.errors.as_ref().expect("an equilibrium")[0] > 0.2, "{rows:?}");
     assert_eq!(none.errors, None);
