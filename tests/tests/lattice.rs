@@ -11,8 +11,9 @@ use finray_verify::fixtures;
 use finray_verify::lattice::accuracy::{LoadGrid, difference, study};
 use finray_verify::lattice::bodies::{Anchor, Assembly, Body, BodyLoad};
 use finray_verify::lattice::energy::{BodyMotion, Energy};
-use finray_verify::lattice::springs::Segment;
-use finray_verify::lattice::{Lattice, LatticeError, settling};
+use finray_verify::lattice::settling::{Precision, Settling};
+use finray_verify::lattice::springs::{AxialSprings, Segment};
+use finray_verify::lattice::{Lattice, LatticeError, causes, settling};
 use finray_verify::problems::lattice;
 use finray_verify::truth::{LatticeTruth, MeshTruth, Truth, fine_mesh};
 use proptest::prelude::*;
@@ -77,7 +78,7 @@ fn energy_has_its_derivatives() {
         include_str!("../../fixtures/opensees/rigid-ribs.toml"),
     ] {
         let finger = scene(text);
-        let assembly = Assembly::new(&finger, 2).expect("a lattice");
+        let assembly = Assembly::new(&finger, 2, AxialSprings::default()).expect("a lattice");
         let mut loads = Vec::new();
         let place = 0.37 * finger.plate_length_mm(Plate::Front);
         let moment = Load::Node { node: finger.tip(), force: Vector::new(0.3, -1.0), moment_nmm: 7.0 };
@@ -124,7 +125,7 @@ fn cantilever(angle_deg: f64, load: f64) -> (Assembly, Vec<BodyLoad>) {
         if i > 0 {
             let ends = [at(i - 1), at(i)];
             let segment = Segment { ends, pinned: [false; 2], direction: Vector::x(), length_mm: length, section };
-            assembly.springs.extend(segment.springs());
+            assembly.springs.extend(segment.springs(AxialSprings::default()));
         }
     }
     let (sin, cos) = angle_deg.to_radians().sin_cos();
@@ -176,9 +177,43 @@ fn linear_beams_part_from_the_lattice() {
 fn finer_lattices_are_nearer_to_beams() {
     let finger = paper();
     let grid = LoadGrid { nodes: vec![NodeId(22)], angles_deg: vec![-30.0], forces_n: vec![3.0] };
-    let rows = study(&finger, &[2, 4], &grid, &LoadGrid { nodes: Vec::new(), ..grid.clone() }).expect("equilibria");
+    let rows = study(&finger, &[2, 4], &grid, |_| None).expect("equilibria");
     assert!(rows[1].bodies > rows[0].bodies && rows[1].springs > rows[0].springs);
     assert!(rows[1].errors[0] * 10.0 < rows[0].errors[0], "{rows:?}");
+}
+
+/// What the lattice rests on is what a segment of beam asks for: other axial springs are farther off, and none hold nothing.
+#[test]
+fn axial_springs_must_be_those_of_a_beam() {
+    let finger = paper();
+    let nodes = vec![NodeId(14), NodeId(23)];
+    let grid = LoadGrid { nodes, angles_deg: vec![-60.0, 60.0], forces_n: vec![0.1, 3.0] };
+    let rows = causes::axial(&finger, 2, &grid).expect("equilibria");
+    let [beams, at_ends, rigid, none] = &rows[..] else { panic!("{rows:?}") };
+    let error = |row: &causes::AxialRow| row.errors.as_ref().expect("an equilibrium")[1];
+    assert!(error(beams) * 3.0 < error(at_ends), "{rows:?}");
+    // Stretching is no matter of large rotations: without it even the smallest displacement is far off.
+    assert!(error(rigid) > 0.2 && rigid.errors.as_ref().expect("an equilibrium")[0] > 0.2, "{rows:?}");
+    assert_eq!(none.errors, None);
+}
+
+/// More sweeps rest nearer to the equilibrium, until only the end of the settling is left; single precision is farther off.
+#[test]
+fn few_sweeps_and_single_precision_rest_elsewhere() {
+    let finger = paper();
+    let lattice = Lattice::new(&finger, 2).expect("a lattice");
+    let grid = LoadGrid { nodes: vec![NodeId(14)], angles_deg: vec![-50.0], forces_n: vec![5.0] };
+    let rows = causes::settling(&lattice, &grid).expect("an equilibrium");
+    let error = |sweeps: usize, positions: Precision| {
+        let row = rows.iter().find(|row| row.sweeps == sweeps && row.positions == positions).expect("a row");
+        row.error.expect("it settles")
+    };
+    let [few, more, usual] = [8, 16, settling::SWEEPS].map(|sweeps| error(sweeps, Precision::Double));
+    assert!(few > 5.0 * more && more > 2.0 * usual && usual < SETTLING_TOLERANCE, "{rows:?}");
+    assert!(error(settling::SWEEPS, Precision::Single) > 3.0 * usual, "{rows:?}");
+    let [double, single] = [Precision::Double, Precision::Single]
+        .map(|positions| causes::out_of_balance(&lattice, &grid, positions).expect("an equilibrium"));
+    assert!(double < 1e-9 && single > 1e-5, "{double} {single}");
 }
 
 /// Arms, zones, hinges and ribs that do not deform: settled, the lattice rests where its energy is least, and beams agree.
@@ -251,7 +286,8 @@ fn several_loads_settle_together() {
 fn what_does_not_settle_is_an_error() {
     let lattice = Lattice::new(&paper(), 2).expect("a lattice");
     let load = Load::at_node(NodeId(19), Vector::new(0.0, -2.0));
-    match lattice.settle_within(&[load], 900) {
+    let within = |most_steps| Settling { most_steps, ..Settling::default() };
+    match lattice.settle_as(&[load], within(900)) {
         Err(LatticeError::NotSettled { steps, residual }) => {
             assert!(steps <= 900 && residual > settling::AT_REST && residual.is_finite());
         }
@@ -259,7 +295,7 @@ fn what_does_not_settle_is_an_error() {
     }
     // Not even the first peak.
     assert!(matches!(
-        lattice.settle_within(&[load], 3),
+        lattice.settle_as(&[load], within(3)),
         Err(LatticeError::NotSettled { residual, .. }) if residual.is_infinite()
     ));
 }

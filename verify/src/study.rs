@@ -1,5 +1,5 @@
-//! Everything that the report shows, computed: checks, maps, Tables I and II, networks, mesh convergence, hard cases and example shapes of
-//! one scene.
+//! Everything that the report shows, computed: checks, maps, Tables I and II, networks, mesh convergence, the spring lattice, hard cases
+//! and example shapes of one scene.
 
 use crate::check::{Check, Comparison};
 use crate::contact_scene;
@@ -8,6 +8,7 @@ use crate::convergence::{Convergence, convergence, loaded_nodes};
 use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorKind};
 use crate::fixtures;
 use crate::hard_cases::{self, HardCase, hard_cases};
+use crate::lattice::study::LatticeStudy;
 use crate::map::{AccuracyMap, MapRequest, accuracy_maps};
 use crate::networks::accuracy::{self, NetworkStudy};
 use crate::networks::records::Records;
@@ -92,7 +93,7 @@ pub struct Study {
     pub checks: Vec<Check>,
     /// Differences that are expected.
     pub comparisons: Vec<Comparison>,
-    /// Maps: linear truth without and with noise, large-rotation truth without and with noise.
+    /// Maps by least squares: linear truth without and with noise, large-rotation truth without and with noise.
     pub maps: Vec<AccuracyMap>,
     /// Table I for each assumed direction, for the paper's finger.
     pub tables_one: Vec<TableOne>,
@@ -108,6 +109,8 @@ pub struct Study {
     pub records: Records,
     /// Contact scenes: those that ship for the paper's finger, or the scene's own.
     pub contact_scenes: Vec<SceneStudy>,
+    /// The paper's finger as a lattice of rigid bodies and springs.
+    pub lattice: Option<LatticeStudy>,
     /// Hard cases, variants of the paper's finger.
     pub hard_cases: Vec<HardCase>,
     /// Example shapes.
@@ -231,7 +234,7 @@ impl Study {
             0.0 => None,
             noise_mm => Some(NoiseStudy::run(finger, &fine, noise_mm, effort, progress)?),
         };
-        let mut hard = Vec::new();
+        let (mut hard, mut lattice) = (Vec::new(), None);
         let (mut two, mut networks, mut records) = (None, None, Records::default());
         if is_paper {
             let shipped = Networks::shipped()?;
@@ -249,6 +252,13 @@ impl Study {
             two = Some(table);
             records = Records::shipped()?;
             checks.extend(convergence.checks());
+            if let Some(theirs) = maps.iter().find(|map| map.truth == "corotational" && map.noise_mm == 0.0) {
+                progress.part("spring lattice", LatticeStudy::STEPS);
+                let study = LatticeStudy::run(finger, effort, theirs, &|| progress.step())?;
+                checks.extend(study.checks());
+                comparisons.extend(study.comparisons.iter().cloned());
+                lattice = Some(study);
+            }
             progress.part("hard cases", hard_cases::count());
             hard = hard_cases(finger, effort, &|| progress.step());
         }
@@ -272,9 +282,16 @@ impl Study {
             networks,
             records,
             contact_scenes,
+            lattice,
             hard_cases: hard,
             bent,
         })
+    }
+
+    /// Every map, those of the lattice last.
+    pub fn all_maps(&self) -> impl Iterator<Item = &AccuracyMap> {
+        let lattice = self.lattice.iter().flat_map(|lattice| lattice.sensing.maps());
+        self.maps.iter().chain(lattice)
     }
 
     /// Every promise, those of the hard cases last.

@@ -230,6 +230,65 @@ fn networks_that_ship_keep_their_promises() {
     assert!(array(&SPRING_STEELS.summary(), "networks").is_empty());
 }
 
+/// A second physics: finer lattices are nearer to beams at every force, and what the page says of them is in its files.
+#[test]
+fn the_lattice_comes_near_to_beams() {
+    let rows = Csv::of(&PAPERS.read("lattice.csv"));
+    let errors = rows.numbers("error");
+    let forces = rows.numbers("segments_a_stretch").iter().filter(|segments| **segments == 2.0).count();
+    assert_eq!((forces, errors.len() % forces), (6, 0));
+    for (coarse, fine) in errors.iter().zip(&errors[forces..]) {
+        assert!(fine * 2.0 < *coarse && *coarse < 0.01, "{errors:?}");
+    }
+    let summary = PAPERS.summary();
+    let keys = ["segments_a_stretch", "bodies", "springs", "force_n", "error", "newton_ms"];
+    let entries = array(&summary, "lattice");
+    assert_keys(entries, &[], &keys);
+    let said: Vec<f64> = entries.iter().filter_map(|row| row["error"].as_f64()).collect();
+    assert_close(&said, &errors, LINEAR_ROUNDING);
+    // Springs that do not stretch are no beam's; none at all hold nothing.
+    let axial = Csv::of(&PAPERS.read("lattice_axial_springs.csv"));
+    let of = |stiffness: f64| {
+        let rows = axial.numbers("stiffness").into_iter().zip(axial.texts("error"));
+        rows.filter(move |row| row.0 == stiffness).map(|row| row.1.parse::<f64>().ok()).collect::<Vec<_>>()
+    };
+    assert!(of(1000.0).iter().all(|error| *error > Some(0.5)) && of(0.0).iter().all(Option::is_none));
+    let page = PAPERS.read("index.html");
+    assert!(page.contains("id=\"lattice\"") && page.contains("This quick report compares equilibria alone"));
+    assert!(!SPRING_STEELS.read("index.html").contains("id=\"lattice\""));
+    assert!(array(&SPRING_STEELS.summary(), "lattice").is_empty());
+}
+
+/// The third finger of the maps: least squares errs on it as on the large-rotation finger, and the nonlinear estimator hardly.
+#[test]
+fn the_lattice_is_sensed_as_the_large_rotation_finger_is() {
+    let summary = PAPERS.summary();
+    let maps: Vec<_> = array(&summary, "maps").iter().filter(|map| map["truth"] == "lattice").collect();
+    assert!(maps.iter().all(|map| map["noise_mm"] == 0.0 && map["share_above_10"].as_f64().is_some()));
+    let cells = |estimator: &str| {
+        let map = maps.iter().find(|map| map["estimator"] == estimator).expect("a map");
+        Csv::of(&PAPERS.read(map["csv"].as_str().expect("a name")))
+    };
+    let biases = |cells: &Csv| {
+        let keys = cells.texts("s_mm").into_iter().zip(cells.texts("angle_deg")).zip(cells.texts("force_n"));
+        let keys = keys.map(|((s_mm, angle_deg), force_n)| format!("{s_mm} {angle_deg} {force_n}"));
+        keys.zip(cells.numbers("bias")).collect::<std::collections::HashMap<_, _>>()
+    };
+    let (ours, theirs) =
+        (biases(&cells("least-squares")), biases(&Csv::of(&PAPERS.read("map_corotational_without_noise.csv"))));
+    let apart = ours.iter().map(|(key, ours)| (ours - theirs[key]).abs()).fold(0.0, f64::max);
+    let of_maps = |check: &&Value| {
+        let problem = check["problem"].as_str().expect("words");
+        problem.starts_with("map of least squares on the lattice") || problem.starts_with("lattice sensed by")
+    };
+    let checks = array(&summary, "checks").iter().filter(of_maps);
+    let said: Vec<f64> = checks.filter_map(|check| check["ours"].as_f64()).collect();
+    assert_close(&said[..1], &[apart], LINEAR_ROUNDING);
+    let worst = cells("nonlinear").numbers("mean_error").into_iter().fold(0.0, f64::max);
+    assert_eq!(said, [said[0], 0.0, worst]);
+    assert!(apart < 2e-3 && worst < 2e-3 && ours.values().any(|bias| bias.abs() > 0.1));
+}
+
 #[test]
 fn table_two_has_the_network_on_both_fingers() {
     let rows = Csv::of(&PAPERS.read("table_two.csv"));

@@ -115,12 +115,19 @@ pub struct FinenessRow {
     pub errors: Vec<f64>,
     /// Mean time of a way through all the forces by Newton's method, ms, on one core.
     pub newton_ms: f64,
+    /// Settling, if it was asked for.
+    pub settling: Option<SettlingCost>,
+}
+
+/// How near to its own equilibrium a lattice settles, and what that costs.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SettlingCost {
     /// Largest difference of a settled lattice from its own equilibrium, as a share of the largest displacement.
-    pub settling_error: f64,
+    pub error: f64,
     /// Most steps to rest.
-    pub settling_steps: usize,
-    /// Mean time of settling under one load, ms, on one core.
-    pub settling_ms: f64,
+    pub steps: usize,
+    /// Mean time under one load, ms, on one core.
+    pub ms: f64,
 }
 
 /// Why an accuracy study was not computed.
@@ -134,7 +141,10 @@ pub enum AccuracyError {
     Beams(#[from] StaticsError),
 }
 
-/// Error and cost by fineness: Newton's method over the `grid`, settling over the loads of `settled`.
+/// Error and cost by fineness: Newton's method over the `grid`, settling over the loads of `settled` for each fineness that
+/// it names loads for.
+///
+/// Times are of one core: what is timed is computed one after the other, and hands nothing to other threads.
 ///
 /// # Errors
 /// [`AccuracyError`] if a load has no equilibrium or a lattice does not settle.
@@ -142,12 +152,11 @@ pub fn study(
     finger: &Finger,
     finenesses: &[usize],
     grid: &LoadGrid,
-    settled: &LoadGrid,
+    settled: impl Fn(usize) -> Option<LoadGrid>,
 ) -> Result<Vec<FinenessRow>, AccuracyError> {
     let beams = beam_shapes(finger, grid, Kinematics::Corotational)?;
     let row = |&fineness: &usize| {
         let lattice = Lattice::new(finger, fineness)?;
-        // Timed one after the other, without others on the same core.
         let start = Instant::now();
         let mut shapes = Vec::new();
         for (node, angle_deg) in grid.directions() {
@@ -158,8 +167,7 @@ pub fn study(
             shapes.push(path);
         }
         let newton_ms = 1e3 * start.elapsed().as_secs_f64() / shapes.len() as f64;
-        let equilibria = lattice_shapes(&lattice, settled)?;
-        let settling = settled_shapes(&lattice, settled)?;
+        let settling = settled(fineness).map(|loads| settling_cost(&lattice, &loads)).transpose()?;
         Ok(FinenessRow {
             fineness,
             bodies: lattice.assembly().bodies.len(),
@@ -167,12 +175,17 @@ pub fn study(
             forces_n: grid.forces_n.clone(),
             errors: worst_by_force(&beams, &shapes, grid.forces_n.len()),
             newton_ms,
-            settling_error: worst(worst_by_force(&equilibria, &settling.shapes, settled.forces_n.len())),
-            settling_steps: settling.steps,
-            settling_ms: settling.mean_ms,
+            settling,
         })
     };
     finenesses.iter().map(row).collect()
+}
+
+fn settling_cost(lattice: &Lattice, loads: &LoadGrid) -> Result<SettlingCost, LatticeError> {
+    let equilibria = lattice_shapes(lattice, loads)?;
+    let settled = settled_shapes(lattice, loads)?;
+    let error = worst(worst_by_force(&equilibria, &settled.shapes, loads.forces_n.len()));
+    Ok(SettlingCost { error, steps: settled.steps, ms: settled.mean_ms })
 }
 
 /// Settled shapes over a grid of loads, and what they cost.

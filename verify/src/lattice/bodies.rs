@@ -1,7 +1,7 @@
 //! The finger cut into rigid bodies: a rod at every junction, and short stretches of plate and rib between the rods.
 
 use super::LatticeError;
-use super::springs::{Segment, Spring};
+use super::springs::{AxialSprings, Segment, Spring};
 use finray_model::finger::{Joints, Part, Plate, Zone};
 use finray_model::frame::Section;
 use finray_model::mesh::{Load, LoadError};
@@ -82,6 +82,8 @@ pub struct Assembly {
     pub key_nodes: Vec<Anchor>,
     /// Stretches of the front plate from base to tip, each with the place where it ends, mm.
     front: Vec<(f64, FrontStretch)>,
+    /// How segments are held against stretching.
+    axial: AxialSprings,
 }
 
 impl Assembly {
@@ -89,7 +91,7 @@ impl Assembly {
     ///
     /// # Errors
     /// [`LatticeError::NoSegments`] for a fineness of zero, [`LatticeError::TooFine`] for more bodies than are of use.
-    pub fn new(finger: &Finger, fineness: usize) -> Result<Assembly, LatticeError> {
+    pub fn new(finger: &Finger, fineness: usize, axial: AxialSprings) -> Result<Assembly, LatticeError> {
         if fineness == 0 {
             return Err(LatticeError::NoSegments);
         }
@@ -98,7 +100,7 @@ impl Assembly {
         if segments > MOST_SEGMENTS {
             return Err(LatticeError::TooFine { fineness });
         }
-        let mut assembly = Assembly::default();
+        let mut assembly = Assembly { axial, ..Assembly::default() };
         assembly.add_rods(finger);
         for plate in [Plate::Back, Plate::Front] {
             assembly.add_plate(finger, plate, target_mm);
@@ -148,7 +150,7 @@ impl Assembly {
                 let section = section.scaled(1.0 / mean_compliance(&zones, from_mm, to_mm));
                 let segment =
                     Segment { ends, pinned: [false; 2], direction: along, length_mm: to_mm - from_mm, section };
-                self.springs.extend(segment.springs());
+                self.springs.extend(segment.springs(self.axial));
                 if plate == Plate::Front {
                     self.front.push((to_mm, FrontStretch::Segment { ends, from_mm, to_mm }));
                 }
@@ -168,9 +170,8 @@ impl Assembly {
             if hinged {
                 let ends = [self.key_nodes[back.0 - 1], self.key_nodes[front.0 - 1]];
                 let section = undeformable_bar(finger);
-                self.springs.extend(
-                    Segment { ends, pinned: [true; 2], direction, length_mm: between.norm(), section }.springs(),
-                );
+                let bar = Segment { ends, pinned: [true; 2], direction, length_mm: between.norm(), section };
+                self.springs.extend(bar.springs(self.axial));
             }
             // Otherwise the rib is one body with its rods.
             return;
@@ -185,8 +186,8 @@ impl Assembly {
         let factor: f64 = finger.description().zones.iter().filter(covers).map(|zone| zone.modulus_factor).product();
         for (i, ends) in self.divide(ends, &borders).into_iter().enumerate() {
             let pinned = [hinged && i == 0, hinged && i + 1 == segments];
-            self.springs
-                .extend(Segment { ends, pinned, direction, length_mm, section: section.scaled(factor) }.springs());
+            let segment = Segment { ends, pinned, direction, length_mm, section: section.scaled(factor) };
+            self.springs.extend(segment.springs(self.axial));
         }
     }
 

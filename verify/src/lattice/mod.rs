@@ -3,26 +3,30 @@
 //! Plates and ribs are cut into short segments. Between two segments, and at every rod, sits a rigid body; a segment
 //! becomes an axial spring and two or three against bending, laid out in [`springs`]. [`settling`] lets the bodies move in
 //! the physics engine rapier until they rest. Their place of rest is a minimum of the springs' [`energy`], which Newton's
-//! method finds as well: that tells an error of the lattice from one of the settling. [`accuracy`] measures both.
+//! method finds as well: that tells an error of the lattice from one of the settling. [`accuracy`] measures both, [`causes`] what they
+//! come from, and [`study`] gathers what the report shows.
 //!
 //! No parameter is fitted. For small displacements the lattice is exact at the key nodes, like a frame of slender beams;
-//! its error under large rotations falls with the fourth power of the segments' length.
+//! its error under large rotations falls with the third to fourth power of the segments' length.
 //!
 //! Every finger can be built: with arms, zones, hinged ribs, and ribs that do not deform (one body with their rods, or
 //! between hinges a bar ten times as stiff as a plate is along itself).
 
 pub mod accuracy;
 pub mod bodies;
+pub mod causes;
 pub mod energy;
 pub mod pressing;
 pub mod settling;
 pub mod springs;
+pub mod study;
 
 use bodies::{Assembly, BodyLoad};
 use energy::{BodyMotion, Energy, Lost};
 use finray_model::Finger;
 use finray_model::mesh::{FingerShape, Load, LoadError};
-use settling::Dynamics;
+use settling::{Dynamics, Settling};
+use springs::AxialSprings;
 
 /// Why a lattice was not built, or did not come to rest.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -91,7 +95,15 @@ impl Lattice {
     /// # Errors
     /// [`LatticeError::NoSegments`], [`LatticeError::TooFine`].
     pub fn new(finger: &Finger, fineness: usize) -> Result<Lattice, LatticeError> {
-        Ok(Lattice { finger: finger.clone(), assembly: Assembly::new(finger, fineness)? })
+        Lattice::with_axial_springs(finger, fineness, AxialSprings::default())
+    }
+
+    /// [`new`](Lattice::new) with other axial springs than those of a beam.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn with_axial_springs(finger: &Finger, fineness: usize, axial: AxialSprings) -> Result<Lattice, LatticeError> {
+        Ok(Lattice { finger: finger.clone(), assembly: Assembly::new(finger, fineness, axial)? })
     }
 
     /// The finger that it stands for.
@@ -109,17 +121,17 @@ impl Lattice {
     /// # Errors
     /// [`LatticeError::NotSettled`] after [`settling::MOST_STEPS`] steps; a load that is not on the finger.
     pub fn settle(&self, loads: &[Load]) -> Result<Settled, LatticeError> {
-        self.settle_within(loads, settling::MOST_STEPS)
+        self.settle_as(loads, Settling::default())
     }
 
-    /// [`settle`](Lattice::settle) with another limit of the steps.
+    /// [`settle`](Lattice::settle) with other sweeps, precision or limit of the steps.
     ///
     /// # Errors
     /// As there.
-    pub fn settle_within(&self, loads: &[Load], most_steps: usize) -> Result<Settled, LatticeError> {
+    pub fn settle_as(&self, loads: &[Load], how: Settling) -> Result<Settled, LatticeError> {
         let loads = self.body_loads(loads)?;
-        let mut dynamics = Dynamics::new(&self.assembly);
-        let rest = dynamics.settle(&loads, most_steps)?;
+        let mut dynamics = Dynamics::new(&self.assembly).settling_as(&how);
+        let rest = dynamics.settle(&loads, how.most_steps)?;
         Ok(Settled { shape: self.shape(&dynamics.motions()), steps: rest.steps, residual: rest.residual })
     }
 

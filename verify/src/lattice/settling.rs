@@ -25,10 +25,10 @@ use rapier2d::prelude::{
 const STEP_S: f64 = 0.5;
 /// Stiffness times dt^2 over mass. Larger values move farther in a step, and take more sweeps for the same error.
 const SOFTNESS: f64 = 4.0;
-/// Sweeps in a step. What is left of the springs' forces after them shifts the place of rest: with this softness by 1e-6 of the
-/// largest displacement (with 16 sweeps 2e-5, with 8 1e-3). Rapier's warm start of joints would not help: it hands
+/// Sweeps in a step. What is left of the springs' forces after them shifts the place of rest, less the more there are;
+/// [`causes::settling`](super::causes::settling) measures by how much. Rapier's warm start of joints would not help: it hands
 /// each its old impulse only when its turn comes, and a sweep forgets where it began.
-const SWEEPS: usize = 32;
+pub const SWEEPS: usize = 32;
 
 /// The lattice rests when no body has moved by more than this share of the largest displacement for as long as
 /// the slowest motion takes: `PATIENCE` times the steps to the first peak of the kinetic energy.
@@ -42,6 +42,42 @@ const RESOLUTION: f64 = 1e-9;
 /// Steps after which the lattice should long be at rest: the paper's finger takes 3000, one of spring steel 22000 (two segments a
 /// stretch), and more in proportion as segments are shorter.
 pub const MOST_STEPS: usize = 200_000;
+
+/// How a lattice is let settle. The default is what it takes to rest where its energy is least.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settling {
+    /// Sweeps over the springs in a step.
+    pub sweeps: usize,
+    /// What positions are kept in.
+    pub positions: Precision,
+    /// Steps after which it is given up.
+    pub most_steps: usize,
+}
+
+impl Default for Settling {
+    fn default() -> Settling {
+        Settling { sweeps: SWEEPS, positions: Precision::Double, most_steps: MOST_STEPS }
+    }
+}
+
+/// What the bodies' positions and rotations are kept in from step to step. All else is in double precision.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Precision {
+    /// 64 bits.
+    Double,
+    /// Rounded to 32 bits after each step.
+    Single,
+}
+
+impl Precision {
+    /// A number as it is kept.
+    pub fn round(self, x: f64) -> f64 {
+        match self {
+            Precision::Double => x,
+            Precision::Single => f64::from(x as f32),
+        }
+    }
+}
 
 /// How a lattice came to rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,6 +98,8 @@ pub(super) struct Dynamics<'a> {
     pub(super) handles: Vec<RigidBodyHandle>,
     /// All bodies that move, the lattice's and others.
     moving: Vec<Moving>,
+    /// What positions are kept in.
+    positions: Precision,
     /// Kinetic energy after the last step, N mm.
     energy: f64,
 }
@@ -126,7 +164,9 @@ impl<'a> Dynamics<'a> {
             normalized_max_corrective_velocity: f64::MAX,
             ..IntegrationParameters::default()
         };
-        let mut dynamics = Dynamics { assembly, world, handles: Vec::new(), moving: Vec::new(), energy: 0.0 };
+        let positions = Precision::Double;
+        let mut dynamics =
+            Dynamics { assembly, world, handles: Vec::new(), moving: Vec::new(), positions, energy: 0.0 };
         for (body, (mass, moment)) in assembly.bodies.iter().zip(inertia(assembly)) {
             let handle = if body.fixed {
                 dynamics.world.bodies.insert(RigidBodyBuilder::fixed().translation(rapier(body.position)))
@@ -140,6 +180,13 @@ impl<'a> Dynamics<'a> {
             dynamics.world.impulse_joints.insert(first, second, joint(spring), true);
         }
         dynamics
+    }
+
+    /// The same with other sweeps and another precision.
+    pub(super) fn settling_as(mut self, how: &Settling) -> Dynamics<'a> {
+        self.world.integration_parameters.num_internal_pgs_iterations = how.sweeps;
+        self.positions = how.positions;
+        self
     }
 
     /// Puts a body that moves into the world.
@@ -167,6 +214,23 @@ impl<'a> Dynamics<'a> {
             body.add_torque(lever.perp(&load.force) + load.moment_nmm, true);
         }
         self.world.step();
+        if self.positions == Precision::Single {
+            self.round_positions();
+        }
+    }
+
+    /// Positions and rotations as they are kept.
+    fn round_positions(&mut self) {
+        let positions = self.positions;
+        let kept = |x: f64| positions.round(x);
+        for moving in &self.moving {
+            let body = &mut self.world.bodies[moving.handle];
+            let mut position = *body.position();
+            position.translation = RapierVector::new(kept(position.translation.x), kept(position.translation.y));
+            position.rotation.re = kept(position.rotation.re);
+            position.rotation.im = kept(position.rotation.im);
+            body.set_position(position, true);
+        }
     }
 
     fn kinetic_energy(&self) -> f64 {

@@ -56,6 +56,26 @@ pub struct Segment {
 /// for a segment with one pinned end.
 pub const AXIAL_INSET: f64 = 1.0 / 6.0;
 
+/// How segments are held against stretching. The default is that of a beam; all else is there to see what it matters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxialSprings {
+    /// Share of the length by which their points lie inside the segment; see [`AXIAL_INSET`].
+    pub inset: f64,
+    /// Their stiffness in units of EA / l; nought leaves them out.
+    pub stiffness: f64,
+}
+
+impl AxialSprings {
+    /// Those of a slender beam.
+    pub const OF_A_BEAM: AxialSprings = AxialSprings { inset: AXIAL_INSET, stiffness: 1.0 };
+}
+
+impl Default for AxialSprings {
+    fn default() -> AxialSprings {
+        AxialSprings::OF_A_BEAM
+    }
+}
+
 impl Segment {
     /// The springs of the segment, by its pins.
     ///
@@ -63,17 +83,17 @@ impl Segment {
     /// the turn of one end against the other, and the gap that opens across the beam at its middle if both halves stay straight.
     /// The gap is measured half by the one end's direction and half by the other's, so that neither is preferred. A
     /// segment with a pin is a cantilever, 3 EI / l^3, carried by the end that is not pinned; with two pins, a bar.
-    pub fn springs(&self) -> Vec<Spring> {
+    pub fn springs(&self, axial: AxialSprings) -> Vec<Spring> {
         let length = self.length_mm;
         let bending = self.section.bending_rigidity_nmm2;
-        let inset = self.direction * (length * AXIAL_INSET);
+        let inset = self.direction * (length * axial.inset);
         let [first, second] = self.ends;
         let insets = self.pinned.map(|pinned| if pinned { Vector::zeros() } else { inset });
         let rest = self.direction * length - insets[0] - insets[1];
         let mut springs = vec![Spring {
             ends: [first.moved(insets[0]), second.moved(-insets[1])],
             deformation: Deformation::Distance { rest },
-            stiffness: self.section.axial_rigidity_n / length,
+            stiffness: axial.stiffness * self.section.axial_rigidity_n / length,
         }];
         let across = |ends: [Anchor; 2], stiffness: f64| Spring {
             ends,

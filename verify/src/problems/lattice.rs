@@ -10,7 +10,7 @@ use finray_model::mesh::{FingerShape, Load};
 use finray_model::{Finger, Kinematics};
 
 /// The other party of all rows.
-const SOURCE: &str = "rapier2d lattice";
+pub const SOURCE: &str = "rapier2d lattice";
 /// What all rows compare.
 const QUANTITY: &str = "largest displacement difference / largest displacement";
 /// Segments in a stretch of plate between two key nodes.

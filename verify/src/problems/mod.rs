@@ -16,6 +16,7 @@ pub mod rigid_rotation;
 pub mod tangent;
 pub mod toggle;
 
+use crate::lattice::accuracy::AccuracyError;
 use finray_model::statics::StaticsError;
 
 /// A reference problem that could not be computed at all.
@@ -33,6 +34,15 @@ pub enum ProblemError {
     /// The problem's own mesh cannot be made.
     #[error(transparent)]
     Mesh(#[from] finray_model::mesh::MeshSizeError),
+}
+
+impl From<AccuracyError> for ProblemError {
+    fn from(error: AccuracyError) -> ProblemError {
+        match error {
+            AccuracyError::Lattice(error) => error.into(),
+            AccuracyError::Beams(error) => error.into(),
+        }
+    }
 }
 
 impl From<csv::Error> for ProblemError {

@@ -70,7 +70,7 @@ fn mesh_name(mesh: &MeshSize) -> String {
 }
 
 /// In per cent with two digits, however small.
-fn percent(error: f64) -> String {
+pub(super) fn percent(error: f64) -> String {
     match 100.0 * error {
         p if p < 1e-3 => format!("{p:.1e} %"),
         p => format!("{p:.*} %", (1.0 - p.log10().floor()).max(0.0) as usize),

@@ -9,6 +9,7 @@ mod convergence;
 mod curves;
 mod drawings;
 mod hard_cases;
+mod lattice;
 mod networks;
 mod recipes;
 mod scatter;
@@ -19,6 +20,7 @@ mod tables;
 mod words;
 
 pub use drawings::{map_picture, standalone};
+pub use lattice::{AxialSpringsRow, LatticeRow, SettlingRow};
 pub use networks::NetworkRow;
 pub use summary::Summary;
 pub use table_two::TableTwoRow;

@@ -2,8 +2,8 @@
 
 use super::page::{Block, Figure, Page, Section};
 use super::{
-    ReportError, Summary, contact_scenes, convergence, drawings, hard_cases, networks, scatter, table_two, tables,
-    words,
+    ReportError, Summary, contact_scenes, convergence, drawings, hard_cases, lattice, networks, scatter, table_two,
+    tables, words,
 };
 use crate::map::AccuracyMap;
 use crate::study::{DRAWN_FORCE_N, MAP_FORCES_N, Study};
@@ -26,6 +26,7 @@ pub(super) fn page(study: &Study, summary: &Summary) -> Result<Page, ReportError
     sections.extend(scatter::section(study));
     sections.extend(table_two::section(study));
     sections.extend(networks::section(study)?);
+    sections.extend(lattice::section(study)?);
     sections.extend(contact_scenes::section(study)?);
     sections.push(shapes(study)?);
     sections.push(convergence::section(study)?);
@@ -144,7 +145,7 @@ fn checks(study: &Study) -> Section {
     if !study.is_paper {
         blocks.push(text(
             "Reference values of other programs (OpenSees) and the paper's Table I exist for the paper's finger alone, and \
-             so do the hard cases; they are left out for this scene.",
+             so do the spring lattice and the hard cases; they are left out for this scene.",
         ));
     }
     blocks.push(Block::Table(tables::checks_by_source(&study.checks)));

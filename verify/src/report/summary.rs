@@ -1,5 +1,6 @@
 //! `summary.json`: every figure that the page shows, for machines.
 
+use super::lattice::{self, AxialSpringsRow, LatticeRow, SettlingRow};
 use super::networks::{self, NetworkRow};
 use super::table_two::{self, TableTwoRow};
 use super::{tables, words};
@@ -45,13 +46,19 @@ pub struct Summary {
     pub training_recipes: Vec<RecipeRow>,
     /// Error of networks against training cases and size, recorded.
     pub training_curves: Vec<CurveRow>,
+    /// Error and cost of the spring lattice, by fineness and force.
+    pub lattice: Vec<LatticeRow>,
+    /// The lattice with other axial springs.
+    pub lattice_axial_springs: Vec<AxialSpringsRow>,
+    /// The lattice settled in several ways.
+    pub lattice_settling: Vec<SettlingRow>,
 }
 
 impl Summary {
     /// Collects a study.
     pub fn of(study: &Study) -> Summary {
         let entry = |force_n| {
-            study.maps.iter().map(move |map| MapEntry { figures: map.summary(force_n), csv: tables::map_csv_name(map) })
+            study.all_maps().map(move |map| MapEntry { figures: map.summary(force_n), csv: tables::map_csv_name(map) })
         };
         Summary {
             scene: study.scene.clone(),
@@ -65,6 +72,9 @@ impl Summary {
             networks: study.networks.iter().flat_map(networks::rows).collect(),
             training_recipes: study.records.recipes.clone(),
             training_curves: study.records.curves.clone(),
+            lattice: study.lattice.iter().flat_map(lattice::rows).collect(),
+            lattice_axial_springs: study.lattice.iter().flat_map(lattice::axial_rows).collect(),
+            lattice_settling: study.lattice.iter().flat_map(lattice::settling_rows).collect(),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Rows for the page's tables, and the CSV files behind figures and tables.
 
 use super::page::{Cell, Column, Row, Shade, Table};
-use super::{contact_scenes, convergence, curves, hard_cases, networks, recipes, scatter, table_two};
+use super::{contact_scenes, convergence, curves, hard_cases, lattice, networks, recipes, scatter, table_two};
 use crate::check::{Check, Comparison, worst};
 use crate::files::csv_text;
 use crate::map::AccuracyMap;
@@ -20,7 +20,10 @@ pub(super) const SHAPES_CSV: &str = "shapes.csv";
 /// File of a map's cells.
 pub(super) fn map_csv_name(map: &AccuracyMap) -> String {
     let noise = if map.noise_mm > 0.0 { "with_noise" } else { "without_noise" };
-    format!("map_{}_{noise}.csv", map.truth)
+    match map.estimator.as_str() {
+        "least-squares" => format!("map_{}_{noise}.csv", map.truth),
+        estimator => format!("map_{}_{estimator}_{noise}.csv", map.truth),
+    }
 }
 
 #[derive(Serialize)]
@@ -108,7 +111,14 @@ pub(super) fn csv_files(study: &Study) -> Result<Vec<(PathBuf, String)>, csv::Er
     if !study.records.curves.is_empty() {
         files.push((curves::CSV.into(), csv_text(&study.records.curves)?));
     }
-    for map in &study.maps {
+    if let Some(study) = &study.lattice {
+        files.push((lattice::CSV.into(), csv_text(lattice::rows(study))?));
+        files.push((lattice::AXIAL_CSV.into(), csv_text(lattice::axial_rows(study))?));
+        if !study.settling.is_empty() {
+            files.push((lattice::SETTLING_CSV.into(), csv_text(lattice::settling_rows(study))?));
+        }
+    }
+    for map in study.all_maps() {
         files.push((map_csv_name(map).into(), map.to_csv()?));
     }
     Ok(files)
@@ -259,6 +269,7 @@ pub(super) fn maps(summary: &super::Summary) -> Table {
         };
         let cells = [
             m.truth.clone(),
+            m.estimator.clone(),
             m.noise_mm.to_string(),
             forces,
             percent(m.mean_error),
@@ -271,7 +282,7 @@ pub(super) fn maps(summary: &super::Summary) -> Table {
     });
     Table {
         caption: "The maps in figures (all cells count alike)".to_owned(),
-        columns: ["truth", "noise, mm", "force"]
+        columns: ["truth", "sensed by", "noise, mm", "force"]
             .map(Column::words)
             .into_iter()
             .chain(["mean error", "largest", "above 10 %", "above 25 %", "no equilibrium"].map(Column::numbers))

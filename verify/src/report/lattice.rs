@@ -1,0 +1,289 @@
+//! The finger as rigid bodies and springs: how near it is to beams, what that rests on, and what sensing makes of it.
+
+mod rows;
+mod tables;
+mod words;
+
+use super::ReportError;
+use super::drawings;
+use super::figures::{self, Axis, Dash, FigureError, Frame, Hue, LineChart, Series};
+use super::page::{Block, Figure, Section};
+use super::sections::{self, text};
+use super::tables::map_csv_name;
+use crate::check::worst;
+use crate::lattice::accuracy::{FinenessRow, LoadGrid};
+use crate::lattice::study::LatticeStudy;
+use crate::study::{DRAWN_FORCE_N, Study};
+
+pub use rows::{AxialSpringsRow, LatticeRow, SettlingRow};
+pub(super) use rows::{axial_rows, rows, settling_rows};
+pub(super) use words::verdict;
+
+pub(super) const CSV: &str = "lattice.csv";
+pub(super) const AXIAL_CSV: &str = "lattice_axial_springs.csv";
+pub(super) const SETTLING_CSV: &str = "lattice_settling.csv";
+/// Order of the guide in the figure: an error by the fourth power of the segments' length.
+const GUIDE_ORDER: i32 = 4;
+/// Room beside the first and the last point of the figure, as a factor of their places.
+const BESIDE: f64 = 1.08;
+
+pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
+    let Some(lattice) = &study.lattice else { return Ok(None) };
+    let mut blocks = vec![text(
+        "The finger is built a second time, of rigid bodies with springs between them, in which no element or solver of the \
+         beams is used. Plates and ribs are cut into short segments, each an axial spring and two or three against bending. \
+         The physics engine rapier2d lets the bodies move until they rest; where they rest, the springs' energy is \
+         least, and Newton's method finds that equilibrium as well, which tells an error of the lattice from one of the \
+         settling. No parameter is fitted. finray map --truth lattice maps any finger this way.",
+    )];
+    if lattice.settling.is_empty() {
+        blocks.push(text(
+            "This quick report compares equilibria alone, under fewer loads, on fewer finenesses and on coarser maps. A full \
+             one also lets the lattice settle, says what sweeps and single precision cost, and holds the lattice to its \
+             promises.",
+        ));
+    }
+    blocks.push(Block::Table(tables::by_fineness(lattice)));
+    blocks.push(Block::Figure(Figure {
+        svg: picture(&lattice.rows)?,
+        caption: format!(
+            "Worst difference of the lattice's equilibrium from converged beams by segments in a stretch of plate, for \
+             each force; {}.",
+            loads_in_words(&lattice.loads[0])
+        ),
+        csv: Some(CSV.to_owned()),
+        wide: true,
+    }));
+    blocks.push(Block::Table(tables::costs(lattice)));
+    blocks.push(text("What agrees, what does not, and why:"));
+    blocks.push(Block::List { items: words::findings(lattice) });
+    blocks.push(Block::Table(tables::axial(lattice)));
+    if !lattice.settling.is_empty() {
+        blocks.push(Block::Table(tables::settling(lattice)));
+    }
+    blocks.push(Block::Figures { figures: vec![map_figure(study, lattice)?, sensing_figure(lattice)?] });
+    Ok(Some(sections::section("lattice", "A second physics: the spring lattice", blocks)))
+}
+
+fn map_figure(study: &Study, lattice: &LatticeStudy) -> Result<Figure, ReportError> {
+    let map = &lattice.sensing.least_squares;
+    Ok(Figure {
+        svg: drawings::map_picture(&study.finger, map, Some(DRAWN_FORCE_N))?,
+        caption: format!("Sensed by linear least squares on the lattice, without noise; {DRAWN_FORCE_N} N."),
+        csv: Some(map_csv_name(map)),
+        wide: false,
+    })
+}
+
+/// What each estimator errs by on the lattice, by place.
+fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
+    let title = format!("lattice truth, no noise, {DRAWN_FORCE_N} N, worst direction");
+    let series = lattice.sensing.maps().into_iter().enumerate().map(|(n, map)| {
+        let worst = |&s_mm: &f64| {
+            let here = map.cells.iter().filter(|cell| cell.s_mm == s_mm && cell.force_n == DRAWN_FORCE_N);
+            let error = worst(here.filter_map(|cell| cell.mean_error));
+            (error > 0.0).then_some([s_mm, 100.0 * error])
+        };
+        Series::nth(n, map.estimator.replace('-', " "), map.request.places_mm.iter().filter_map(worst).collect())
+    });
+    let chart = LineChart {
+        frame: Frame::half(
+            title.clone(),
+            format!("{title}: error of the sensed force by place, one line an estimator."),
+        ),
+        x: Axis::linear("place along the front plate from the base, mm"),
+        y: Axis::log("error |sensed / true - 1|, %"),
+        series: series.filter(|series| !series.points.is_empty()).collect(),
+        references: Vec::new(),
+    };
+    Ok(Figure {
+        svg: figures::lines(&chart)?,
+        caption: format!(
+            "The same force at its worst direction: least squares, and the nonlinear estimator, whose model is the \
+             large-rotation finger, on {} directions.",
+            lattice.sensing.nonlinear.request.angles_deg.len()
+        ),
+        csv: Some(map_csv_name(&lattice.sensing.nonlinear)),
+        wide: false,
+    })
+}
+
+/// Nodes and directions of a grid of loads.
+fn loads_in_words(grid: &LoadGrid) -> String {
+    let nodes = match (grid.nodes.iter().min(), grid.nodes.iter().max()) {
+        (Some(low), Some(high)) if low < high => format!("{} nodes of {low} to {high}", grid.nodes.len()),
+        (Some(one), _) => format!("node {one}"),
+        _ => "no node".to_owned(),
+    };
+    let angles: Vec<String> = grid.angles_deg.iter().map(f64::to_string).collect();
+    format!("{nodes}, {} deg", angles.join(", "))
+}
+
+/// A series a force, and the slope of the fourth order from where the last begins.
+fn picture(rows: &[FinenessRow]) -> Result<String, FigureError> {
+    let forces_n = rows.first().map_or(&[][..], |row| &row.forces_n);
+    let mut series: Vec<Series> = forces_n
+        .iter()
+        .enumerate()
+        .map(|(n, force_n)| {
+            let points = rows.iter().map(|row| [row.fineness as f64, 100.0 * row.errors[n]]);
+            Series::nth(n, format!("{force_n} N"), points.filter(|point| point[1] > 0.0).collect())
+        })
+        .filter(|series| !series.points.is_empty())
+        .collect();
+    if let Some([[first, error], .., [last, _]]) = series.last().map(|series| &series.points[..]) {
+        let guide = Series {
+            label: "slope of the fourth order".to_owned(),
+            points: vec![[*first, *error], [*last, error * (first / last).powi(GUIDE_ORDER)]],
+            hue: Hue::Neutral,
+            dash: Some(Dash::Dotted),
+            marker: None,
+            spread: figures::Spread::None,
+        };
+        series.push(guide);
+    }
+    let finenesses: Vec<f64> = rows.iter().map(|row| row.fineness as f64).collect();
+    let widest = [f64::INFINITY, 0.0_f64];
+    let ends = finenesses.iter().fold(widest, |[low, high], &x| [low.min(x / BESIDE), high.max(x * BESIDE)]);
+    figures::lines(&LineChart {
+        frame: Frame::full(
+            "",
+            "Worst difference of the lattice's displacements from converged beams by segments in a stretch of plate, a line \
+             a force, both axes logarithmic",
+        )
+        .with_plot_height(320.0),
+        x: Axis::log("segments in a stretch of plate").within(ends[0], ends[1]).with_ticks(finenesses),
+        y: Axis::log("difference / largest displacement, %"),
+        series,
+        references: Vec::new(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::tables::{axial, by_fineness, costs, settling};
+    use super::*;
+    use crate::lattice::accuracy::SettlingCost;
+    use crate::lattice::causes::{self, AXIAL_SPRINGS, AxialRow, SETTLINGS};
+    use crate::lattice::study::{LatticeSensing, MapDifference};
+    use crate::map::{AccuracyMap, Cell as MapCell, MapRequest};
+    use finray_model::NodeId;
+
+    /// Least squares or the nonlinear estimator, off by `error` in its one cell.
+    fn map(estimator: &str, error: f64) -> AccuracyMap {
+        let request = MapRequest {
+            places_mm: vec![76.5],
+            angles_deg: vec![20.0],
+            forces_n: vec![3.0],
+            noise_levels_mm: vec![0.0],
+            noise_pictures: 1,
+            seed: 1,
+        };
+        let cell = MapCell {
+            s_mm: 76.5,
+            angle_deg: 20.0,
+            force_n: 3.0,
+            mean_error: Some(error),
+            bias: Some(error),
+            spread: Some(0.0),
+        };
+        AccuracyMap {
+            request,
+            truth: "lattice".to_owned(),
+            estimator: estimator.to_owned(),
+            noise_mm: 0.0,
+            cells: vec![cell],
+        }
+    }
+
+    /// A study of 2 and 4 segments a stretch: errors that fall to an eighth at 1 N and to a sixteenth at 5 N.
+    pub(super) fn sample() -> LatticeStudy {
+        let row = |fineness: usize, errors: [f64; 2], settling| FinenessRow {
+            fineness,
+            bodies: 40 * fineness,
+            springs: 200 * fineness,
+            forces_n: vec![1.0, 5.0],
+            errors: errors.into(),
+            newton_ms: 12.3,
+            settling,
+        };
+        let loads =
+            LoadGrid { nodes: vec![NodeId(14), NodeId(18)], angles_deg: vec![-60.0, 60.0], forces_n: vec![1.0, 5.0] };
+        let axial = AXIAL_SPRINGS.into_iter().zip([Some(0.0016), Some(0.03), Some(0.7), None]);
+        let settling = SETTLINGS.into_iter().zip([Some(0.02), Some(5e-4), Some(6e-5), Some(6e-5), Some(7e-4)]);
+        let (least_squares, nonlinear) = (map("least-squares", 0.2), map("nonlinear", 4e-4));
+        LatticeStudy {
+            rows: vec![
+                row(2, [8e-4, 1.6e-3], Some(SettlingCost { error: 1e-5, steps: 2331, ms: 512.4 })),
+                row(4, [1e-4, 1e-4], None),
+            ],
+            loads: [loads.clone(), loads.clone()],
+            axial: axial
+                .map(|((name, axial), error)| AxialRow { name, axial, errors: error.map(|error| vec![error; 2]) })
+                .collect(),
+            axial_forces_n: vec![1.0, 5.0],
+            settling: settling
+                .map(|((sweeps, positions), error)| causes::SettlingRow { sweeps, positions, error, steps: Some(2000) })
+                .collect(),
+            settled: loads,
+            out_of_balance: 6e-4,
+            problem_checks: Vec::new(),
+            comparisons: Vec::new(),
+            linear: vec![(1.0, 0.1), (5.0, 0.5)],
+            sensing: LatticeSensing {
+                difference: MapDifference::of(&least_squares, &map("least-squares", 0.2003)),
+                least_squares,
+                nonlinear,
+            },
+        }
+    }
+
+    #[test]
+    fn a_line_a_force_and_the_guide_are_drawn() {
+        let rows = sample().rows;
+        let svg = picture(&rows).expect("a figure");
+        for words in [">1 N</text>", ">5 N</text>", ">slope of the fourth order</text>", ">2</text>", ">4</text>"] {
+            assert!(svg.contains(words), "{words}");
+        }
+        // An error of nothing has no place on a logarithmic axis, and one fineness no slope.
+        let one = FinenessRow { errors: vec![0.0, 1e-3], ..rows[0].clone() };
+        let svg = picture(&[one]).expect("a figure");
+        assert!(!svg.contains(">1 N</text>") && !svg.contains("fourth order"));
+    }
+
+    #[test]
+    fn both_estimators_are_drawn_and_their_cells_named() {
+        let figure = sensing_figure(&sample()).expect("a figure");
+        assert!(figure.svg.contains(">least squares</text>") && figure.svg.contains(">nonlinear</text>"));
+        assert_eq!(figure.csv.as_deref(), Some("map_lattice_nonlinear_without_noise.csv"));
+    }
+
+    #[test]
+    fn what_was_not_settled_is_not_shown() {
+        let mut study = sample();
+        let table = costs(&study);
+        assert!(table.rows.iter().all(|row| row.cells.len() == table.columns.len()));
+        let last = |row: usize| table.rows[row].cells.last().map(|cell| cell.text.clone());
+        assert_eq!((last(0).as_deref(), last(1).as_deref()), (Some("0.0010 %"), Some("-")));
+        study.rows[0].settling = None;
+        let table = costs(&study);
+        assert!(table.rows.iter().all(|row| row.cells.len() == table.columns.len()));
+        assert_eq!(table.columns.last().map(|column| column.name.as_str()), Some("Newton, ms"));
+        assert!(!table.caption.contains("settle"));
+        assert!(by_fineness(&study).rows.iter().all(|row| row.cells.len() == 3));
+    }
+
+    #[test]
+    fn what_has_no_equilibrium_or_does_not_settle_is_said() {
+        let mut study = sample();
+        let none = axial(&study).rows.pop().expect("springs left out");
+        assert_eq!(none.cells[4].text, "no equilibrium");
+        assert_eq!(axial_rows(&study).filter(|row| row.error.is_none()).count(), 2);
+        (study.settling[4].error, study.settling[4].steps) = (None, None);
+        let single = settling(&study).rows.pop().expect("single precision");
+        assert_eq!(
+            single.cells.iter().map(|cell| cell.text.as_str()).collect::<Vec<_>>(),
+            ["32", "single", "does not settle", "-"]
+        );
+    }
+}
