@@ -6,7 +6,7 @@ use finray_model::scene::{ObjectDescription, ObjectMotion, Until};
 use finray_model::sensing::ContactPlace;
 use finray_model::{Kinematics, Mesh, NodeId, Scene, Vector, statics};
 use finray_verify::check::Check;
-use finray_verify::contact_scene::study::{SceneStudy, shipped};
+use finray_verify::contact_scene::study::{PICTURES, SceneStudy, shipped};
 use finray_verify::contact_scene::{ContactScene, OutlineError, SceneStep, TurnedOutline};
 use finray_verify::fixtures;
 use finray_verify::lattice::LatticeError;
@@ -61,7 +61,7 @@ fn a_disc_pressed_to_5_n_keeps_every_promise() {
     assert!(matches!(object.motion, ObjectMotion::Press { until: Until::Force(5.0), .. }));
     object.steps = 2;
     let prepared = prepared(&given.scene).with_fineness(fineness);
-    let study = SceneStudy::run("disc", &prepared, 0.067, &|| ()).expect("beams carry the forces");
+    let study = SceneStudy::run("disc", &prepared, 0.067, PICTURES, &|| ()).expect("beams carry the forces");
     all_pass(&study.checks());
     all_pass(&study.shipped_checks());
     let end = &study.steps[1].step;
@@ -76,7 +76,8 @@ fn friction_that_sensing_does_not_know_of_breaks_the_promise() {
     let scene = scene(
         "shape = \"disc\"\nradius_mm = 15\nfriction = 0.5\nat_mm = 76\ndirection_deg = -40\ntravel_mm = 4\nsteps = 1",
     );
-    let mut study = SceneStudy::run("slanted", &prepared(&scene).with_fineness(COARSE), 0.0, &|| ()).expect("a study");
+    let mut study =
+        SceneStudy::run("slanted", &prepared(&scene).with_fineness(COARSE), 0.0, 0, &|| ()).expect("a study");
     all_pass(&study.checks());
     study.friction = 0.0;
     let broken: Vec<_> = study.shipped_checks().into_iter().filter(|check| !check.passes()).collect();

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// Press an object onto the finger, and sense the contact forces as it goes.
 ///
-/// Needs a scene with an [object] table: a disc, a box, or a polygon from a CSV file (x_mm,y_mm,
+/// Needs a scene with an object table: a disc, a box, or a polygon from a CSV file (x_mm,y_mm,
 /// beside the scene), with friction if you like, pressed along a line to a travel or a force, or moved
 /// along a path; see fixtures/scenes/contact. The finger is a lattice of rigid bodies and springs in
 /// the physics engine rapier: the forces of its contacts are the true ones. Sensing sees what a camera
@@ -29,7 +29,7 @@ use std::path::{Path, PathBuf};
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Arguments {
-    /// Scene file (TOML) with an [object]; - for standard input
+    /// Scene file (TOML) with an object; - for standard input
     scene: PathBuf,
     /// Standard deviation of one measured coordinate, mm; the scene's, or 0, if not given
     #[arg(long, value_name = "S", value_parser = not_negative)]

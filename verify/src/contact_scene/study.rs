@@ -121,20 +121,21 @@ pub enum SceneStudyError {
 }
 
 /// Runs several scenes in parallel, each with its number of segments in a stretch of plate. Noise is that of each scene's camera, or
-/// `noise_mm` for a scene without.
+/// `noise_mm` for a scene without; `pictures` of it are taken of each last step.
 ///
 /// # Errors
 /// [`SceneStudyError`] for an outline that is none, or if beams have no equilibrium under contact forces that the lattice carries.
 pub fn run_all(
     scenes: &[(SceneWithOutline, usize)],
     noise_mm: f64,
+    pictures: usize,
     done: &(dyn Fn() + Sync),
 ) -> Result<Vec<SceneStudy>, SceneStudyError> {
     let run = |(SceneWithOutline { scene, corners }, fineness): &(SceneWithOutline, usize)| {
         let Some(object) = &scene.object else { return Ok(None) };
         let prepared = ContactScene::new(scene, object, corners)?.with_fineness(*fineness);
         let noise_mm = scene.camera.map_or(noise_mm, |camera| camera.noise_mm);
-        SceneStudy::run(&scene.name, &prepared, noise_mm, done).map(Some)
+        SceneStudy::run(&scene.name, &prepared, noise_mm, pictures, done).map(Some)
     };
     let studies: Vec<Option<SceneStudy>> = scenes.par_iter().map(run).collect::<Result<_, SceneStudyError>>()?;
     Ok(studies.into_iter().flatten().collect())
@@ -172,7 +173,7 @@ pub fn shipped() -> Result<Vec<(SceneWithOutline, usize)>, SceneStudyError> {
 }
 
 impl SceneStudy {
-    /// Runs a prepared scene; `done` is told of every step. `steps_in_all` of [`ContactScene`] says how many there are at most.
+    /// Runs a prepared scene, and takes so many noisy pictures of its last step; `done` is told of every step.
     ///
     /// # Errors
     /// [`SceneStudyError::Statics`] if beams have no equilibrium under contact forces that the lattice carries. A step that does not
@@ -181,6 +182,7 @@ impl SceneStudy {
         name: &str,
         scene: &ContactScene,
         noise_mm: f64,
+        pictures: usize,
         done: &dyn Fn(),
     ) -> Result<SceneStudy, SceneStudyError> {
         let (mut steps, mut rows) = (Vec::new(), Vec::new());
@@ -205,8 +207,8 @@ impl SceneStudy {
         };
         let beams_differences = steps.iter().map(compared).collect::<Result<_, StaticsError>>()?;
         let pictures = match steps.last() {
-            Some(StudiedStep { step, clean: Ok(Some(_)), .. }) if noise_mm > 0.0 => {
-                Some(take_pictures(scene, step, noise_mm))
+            Some(StudiedStep { step, clean: Ok(Some(_)), .. }) if noise_mm > 0.0 && pictures > 0 => {
+                Some(take_pictures(scene, step, noise_mm, pictures))
             }
             _ => None,
         };
@@ -367,12 +369,12 @@ fn beams_under(finger: &Finger, touches: &[Touch]) -> Result<FingerShape, Static
     statics::solve(&mesh, &loads, Kinematics::Corotational)
 }
 
-fn take_pictures(scene: &ContactScene, step: &SceneStep, noise_mm: f64) -> Pictures {
+fn take_pictures(scene: &ContactScene, step: &SceneStep, noise_mm: f64, taken: usize) -> Pictures {
     let mut noise = standard_normal(2);
     let answers: Vec<SensedStep> =
-        (0..PICTURES).filter_map(|_| scene.sense(step, noise_mm, &mut noise).ok().flatten()).collect();
+        (0..taken).filter_map(|_| scene.sense(step, noise_mm, &mut noise).ok().flatten()).collect();
     let contacts = answers.first().map_or(0, |answer| answer.forces.len());
     let force = |which: usize| move |answer: &SensedStep| answer.forces.get(which).copied().unwrap_or(answer.total);
     let sensed = (0..=contacts).map(|which| answers.iter().map(force(which)).collect()).collect();
-    Pictures { taken: PICTURES, answered: answers.len(), sensed }
+    Pictures { taken, answered: answers.len(), sensed }
 }
