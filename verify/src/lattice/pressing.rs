@@ -4,7 +4,7 @@
 //! follows until the finger holds against it. So three forces are known that nothing forces to agree: what the engine's
 //! contacts carry, what the hand's springs do, and what the lattice's springs put on the clamps.
 //!
-//! Every step comes to rest as in [`settling`](super::settling), from the step before.
+//! Every step comes to rest as in [`settling`], from the step before.
 
 use super::bodies::{BodyIndex, BodyLoad};
 use super::energy::{BodyMotion, Energy};
