@@ -3,6 +3,7 @@
 use finray_model::Scene;
 use finray_verify::check::Check;
 use finray_verify::contact_scene::study::SceneWithOutline;
+use finray_verify::ledger::ClaimVerdict;
 use finray_verify::problems::grid_convergence::GridConvergence;
 use finray_verify::problems::{
     elastica, energy_balance, full_circle, grid_convergence, lee_frame, opensees, refinement, rigid_rotation, tangent,
@@ -129,6 +130,14 @@ fn map_and_table_one_show_what_is_known() {
     let middle: Vec<f64> =
         at_3_n(-80.0).filter(|c| (30.0..140.0).contains(&c.s_mm)).filter_map(|c| c.mean_error).collect();
     assert!(middle.iter().all(|e| *e > 0.30), "at -80 deg: {middle:?}");
+    let verdict = |words: &str| {
+        let claim = study.claims.iter().find(|claim| claim.claim.contains(words));
+        claim.unwrap_or_else(|| panic!("no claim: {words}")).verdict
+    };
+    assert_eq!(verdict("geometric nonlinearity"), ClaimVerdict::Refuted);
+    assert_eq!(verdict("middle of the finger"), ClaimVerdict::Reproduced);
+    assert_eq!(verdict("each force, neighbours"), ClaimVerdict::Better);
+    assert_eq!(verdict("12.5 deg off"), ClaimVerdict::Reproduced);
     let linear = study.map("linear", false).expect("the linear map");
     assert!(linear.cells.iter().all(|c| c.mean_error.is_some_and(|e| e < 1e-9)));
     let table = &study.tables_one[0];

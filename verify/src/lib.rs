@@ -14,6 +14,7 @@ pub mod files;
 pub mod fixtures;
 pub mod hard_cases;
 pub mod lattice;
+pub mod ledger;
 pub mod map;
 pub mod networks;
 pub mod problems;

@@ -9,6 +9,7 @@ use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, Esti
 use crate::fixtures;
 use crate::hard_cases::{self, HardCase, hard_cases};
 use crate::lattice::study::LatticeStudy;
+use crate::ledger::{Claim, ledger};
 use crate::map::{AccuracyMap, MapRequest, accuracy_maps};
 use crate::networks::accuracy::{self, NetworkStudy};
 use crate::networks::records::Records;
@@ -18,8 +19,8 @@ use crate::scatter::{self, ONE_FORCE_N, ScatterRequest, ScatterRow, TWO_FORCES_N
 use crate::table_one::{TableOne, TableOneError, table_one};
 use crate::table_two::{self, TableTwo, table_two};
 use crate::truth::{MeshTruth, fine_mesh};
-use finray_model::sensing::Contact;
 use finray_model::sensing::network::NetworkError;
+use finray_model::sensing::{Contact, SensingError};
 use finray_model::statics::{Statics, StaticsError};
 use finray_model::{Finger, Kinematics, Load, Mesh, Scene, Vector};
 
@@ -113,6 +114,8 @@ pub struct Study {
     pub lattice: Option<LatticeStudy>,
     /// Hard cases, variants of the paper's finger.
     pub hard_cases: Vec<HardCase>,
+    /// The paper's figures against ours, for the paper's finger.
+    pub claims: Vec<Claim>,
     /// Example shapes.
     pub bent: Vec<BentFinger>,
 }
@@ -151,6 +154,9 @@ pub enum StudyError {
     /// A network that ships does not read.
     #[error("a network that ships: {0}")]
     Network(#[from] NetworkError),
+    /// A small experiment behind a claim of the paper failed to compute.
+    #[error("claims: {0}")]
+    Claim(#[from] SensingError),
     /// A contact scene failed to compute.
     #[error("contact scene: {0}")]
     ContactScene(#[from] SceneStudyError),
@@ -268,7 +274,7 @@ impl Study {
             checks.extend(contact_scenes.iter().flat_map(SceneStudy::shipped_checks));
         }
         let bent = bent_fingers(finger, &fine);
-        Ok(Study {
+        let mut study = Study {
             scene: scene.name.clone(),
             finger: finger.clone(),
             is_paper,
@@ -284,8 +290,13 @@ impl Study {
             contact_scenes,
             lattice,
             hard_cases: hard,
+            claims: Vec::new(),
             bent,
-        })
+        };
+        if is_paper {
+            study.claims = ledger(&study)?;
+        }
+        Ok(study)
     }
 
     /// Every map, those of the lattice last.

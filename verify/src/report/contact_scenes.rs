@@ -74,6 +74,24 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
     Ok(Some(sections::section("contact-scenes", "Pressing objects", blocks)))
 }
 
+/// The sentence at the head of the page: scenes without friction, and with it.
+pub(super) fn verdict(study: &Study) -> Option<String> {
+    let worst_total = |with_friction: bool| {
+        let scenes = study.contact_scenes.iter().filter(|scene| (scene.friction > 0.0) == with_friction);
+        let steps = scenes.flat_map(|scene| &scene.steps);
+        let totals = steps.filter_map(|step| Some(step.clean.as_ref().ok()?.as_ref()?.total.relative_error().abs()));
+        let totals: Vec<f64> = totals.collect();
+        (!totals.is_empty()).then(|| percent(worst(totals)))
+    };
+    let smooth = worst_total(false)?;
+    let rough = worst_total(true)
+        .map_or(String::new(), |rough| format!(", with friction, of which sensing knows nothing, by up to {rough}"));
+    Some(format!(
+        "Objects pressed onto the lattice are felt as a camera would see them: without noise and friction the sensed total errs by up to \
+         {smooth}{rough}."
+    ))
+}
+
 fn figures(finger: &Finger, scene: &SceneStudy) -> Result<Vec<Figure>, FigureError> {
     let mut figures = Vec::new();
     if let Some(last) = scene.steps.last() {

@@ -4,6 +4,7 @@
 pub mod figures;
 pub mod page;
 
+mod claims;
 mod contact_scenes;
 mod convergence;
 mod curves;

@@ -5,6 +5,7 @@ use super::networks::{self, NetworkRow};
 use super::table_two::{self, TableTwoRow};
 use super::{tables, words};
 use crate::check::{Check, Comparison};
+use crate::ledger::Claim;
 use crate::map::MapSummary;
 use crate::networks::records::{CurveRow, RecipeRow};
 use crate::study::{DRAWN_FORCE_N, Study};
@@ -34,6 +35,8 @@ pub struct Summary {
     pub checks: Vec<Check>,
     /// Differences that are expected.
     pub comparisons: Vec<Comparison>,
+    /// The paper's figures against ours.
+    pub claims: Vec<Claim>,
     /// Maps at the drawn force and over all forces.
     pub maps: Vec<MapEntry>,
     /// Table I of the paper, for each assumed direction.
@@ -66,6 +69,7 @@ impl Summary {
             verdict: words::verdict(study),
             checks: study.all_checks().cloned().collect(),
             comparisons: study.comparisons.clone(),
+            claims: study.claims.clone(),
             maps: entry(Some(DRAWN_FORCE_N)).chain(entry(None)).collect(),
             table_one: study.tables_one.clone(),
             table_two: study.table_two.iter().flat_map(table_two::rows).collect(),
