@@ -20,6 +20,7 @@ pub mod networks;
 pub mod problems;
 pub mod report;
 pub mod scatter;
+pub mod speed_error;
 pub mod study;
 pub mod table_one;
 pub mod table_two;

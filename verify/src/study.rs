@@ -16,6 +16,7 @@ use crate::networks::records::Records;
 use crate::networks::{NetworkSensing, Networks};
 use crate::problems::{self, ProblemError};
 use crate::scatter::{self, ONE_FORCE_N, ScatterRequest, ScatterRow, TWO_FORCES_N};
+use crate::speed_error::{self, SpeedErrorError, SpeedErrorPoint};
 use crate::table_one::{TableOne, TableOneError, table_one};
 use crate::table_two::{self, TableTwo, table_two};
 use crate::truth::{MeshTruth, fine_mesh};
@@ -114,6 +115,10 @@ pub struct Study {
     pub lattice: Option<LatticeStudy>,
     /// Hard cases, variants of the paper's finger.
     pub hard_cases: Vec<HardCase>,
+    /// Time and error of models and estimators.
+    pub speed_error: Vec<SpeedErrorPoint>,
+    /// Standard deviation of one coordinate in noisy pictures, mm.
+    pub noise_mm: f64,
     /// The paper's figures against ours, for the paper's finger.
     pub claims: Vec<Claim>,
     /// Example shapes.
@@ -154,6 +159,9 @@ pub enum StudyError {
     /// A network that ships does not read.
     #[error("a network that ships: {0}")]
     Network(#[from] NetworkError),
+    /// A model or estimator failed where it was timed.
+    #[error("speed and error: {0}")]
+    SpeedError(#[from] SpeedErrorError),
     /// A small experiment behind a claim of the paper failed to compute.
     #[error("claims: {0}")]
     Claim(#[from] SensingError),
@@ -273,6 +281,8 @@ impl Study {
         if is_paper && scene.object.is_none() {
             checks.extend(contact_scenes.iter().flat_map(SceneStudy::shipped_checks));
         }
+        progress.part("speed and error", 2);
+        let speed_error = time_and_compare(finger, &fine, noise_mm, is_paper, effort, progress)?;
         let bent = bent_fingers(finger, &fine);
         let mut study = Study {
             scene: scene.name.clone(),
@@ -290,6 +300,8 @@ impl Study {
             contact_scenes,
             lattice,
             hard_cases: hard,
+            speed_error,
+            noise_mm,
             claims: Vec::new(),
             bent,
         };
@@ -380,6 +392,35 @@ fn press_objects(
     let steps = scenes.iter().filter_map(|(given, _)| given.scene.object.as_ref()).map(|object| object.steps).sum();
     progress.part("contact scenes", steps);
     contact_scene::study::run_all(&scenes, CAMERA_NOISE_MM, pictures, &|| progress.step())
+}
+
+/// Times models and estimators, one after the other: nothing else may run beside them.
+fn time_and_compare(
+    finger: &Finger,
+    fine: &Mesh,
+    noise_mm: f64,
+    is_paper: bool,
+    effort: Effort,
+    progress: &dyn Progress,
+) -> Result<Vec<SpeedErrorPoint>, StudyError> {
+    let (nodes, pictures) = match effort {
+        Effort::Quick => (3, 10),
+        Effort::Full => (11, 40),
+    };
+    // What a finger does not carry leaves the chart out; the maps say so already.
+    let mut points = match speed_error::solving(finger, nodes) {
+        Err(SpeedErrorError::Statics(StaticsError::NoEquilibrium { .. })) => Vec::new(),
+        points => points?,
+    };
+    progress.step();
+    if noise_mm > 0.0 {
+        let shipped = Networks::shipped()?;
+        let sensing = NetworkSensing { name: accuracy::NAME, networks: &shipped, finger, refuses: true };
+        let further: &[(&dyn Estimator, &str)] = if is_paper { &[(&sensing, "ships")] } else { &[] };
+        points.extend(speed_error::sensing(fine, noise_mm, nodes, pictures, further)?);
+    }
+    progress.step();
+    Ok(points)
 }
 
 /// The finger under the drawn force at three nodes, linear and with large rotations; what has no equilibrium is left

@@ -139,6 +139,7 @@ fn picture(rows: &[FinenessRow]) -> Result<String, FigureError> {
             dash: Some(Dash::Dotted),
             marker: None,
             spread: figures::Spread::None,
+            labels: Vec::new(),
         };
         series.push(guide);
     }

@@ -15,6 +15,7 @@ mod networks;
 mod recipes;
 mod scatter;
 mod sections;
+mod speed_error;
 mod summary;
 mod table_two;
 mod tables;

@@ -3,7 +3,7 @@
 use super::page::{Block, Figure, Page, Section};
 use super::{
     ReportError, Summary, claims, contact_scenes, convergence, drawings, hard_cases, lattice, networks, scatter,
-    table_two, tables, words,
+    speed_error, table_two, tables, words,
 };
 use crate::map::AccuracyMap;
 use crate::study::{DRAWN_FORCE_N, MAP_FORCES_N, Study};
@@ -29,6 +29,7 @@ pub(super) fn page(study: &Study, summary: &Summary) -> Result<Page, ReportError
     sections.extend(networks::section(study)?);
     sections.extend(lattice::section(study)?);
     sections.extend(contact_scenes::section(study)?);
+    sections.extend(speed_error::section(study)?);
     sections.push(shapes(study)?);
     sections.push(convergence::section(study)?);
     sections.push(checks(study));

@@ -8,6 +8,7 @@ use crate::check::{Check, Comparison};
 use crate::ledger::Claim;
 use crate::map::MapSummary;
 use crate::networks::records::{CurveRow, RecipeRow};
+use crate::speed_error::SpeedErrorPoint;
 use crate::study::{DRAWN_FORCE_N, Study};
 use crate::table_one::TableOne;
 use serde::Serialize;
@@ -35,6 +36,8 @@ pub struct Summary {
     pub checks: Vec<Check>,
     /// Differences that are expected.
     pub comparisons: Vec<Comparison>,
+    /// Time and error of models and estimators.
+    pub speed_error: Vec<SpeedErrorPoint>,
     /// The paper's figures against ours.
     pub claims: Vec<Claim>,
     /// Maps at the drawn force and over all forces.
@@ -69,6 +72,7 @@ impl Summary {
             verdict: words::verdict(study),
             checks: study.all_checks().cloned().collect(),
             comparisons: study.comparisons.clone(),
+            speed_error: study.speed_error.clone(),
             claims: study.claims.clone(),
             maps: entry(Some(DRAWN_FORCE_N)).chain(entry(None)).collect(),
             table_one: study.tables_one.clone(),

@@ -1,7 +1,10 @@
 //! Rows for the page's tables, and the CSV files behind figures and tables.
 
 use super::page::{Cell, Column, Row, Shade, Table};
-use super::{claims, contact_scenes, convergence, curves, hard_cases, lattice, networks, recipes, scatter, table_two};
+use super::{
+    claims, contact_scenes, convergence, curves, hard_cases, lattice, networks, recipes, scatter, speed_error,
+    table_two,
+};
 use crate::check::{Check, Comparison, worst};
 use crate::files::csv_text;
 use crate::map::AccuracyMap;
@@ -95,6 +98,9 @@ pub(super) fn csv_files(study: &Study) -> Result<Vec<(PathBuf, String)>, csv::Er
     }
     if let Some(noise) = &study.noise {
         files.push((scatter::CSV.into(), csv_text(scatter::csv_rows(noise))?));
+    }
+    if !study.speed_error.is_empty() {
+        files.push((speed_error::CSV.into(), csv_text(&study.speed_error)?));
     }
     if !study.claims.is_empty() {
         files.push((claims::CSV.into(), csv_text(&study.claims)?));

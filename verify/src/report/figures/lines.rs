@@ -1,15 +1,17 @@
 //! Curves over a common quantity.
 
 use super::axis::{Axis, Scale};
-use super::canvas::{Canvas, Pen, draw};
-use super::colour::Hue;
+use super::canvas::{Canvas, Pen, Words, draw};
+use super::colour::{Hue, Ink};
 use super::error::{FigureError, require_finite, require_len, require_some};
-use super::frame::{Frame, Point};
+use super::frame::{Frame, Point, TICK_TEXT};
+use super::label_places::{Obstacles, Wish, place_labels};
 use super::legend::{Legend, Sample};
 use super::marks::{self, Marker};
 use super::plot::{self, Heading, Plot, SPACE, Side};
 use super::reference::{self, Reference};
 use super::stroke::{Area, Dash};
+use super::text::width_of;
 
 /// Several series over the same two axes.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,6 +43,8 @@ pub struct Series {
     pub marker: Option<Marker>,
     /// How far the value may be off, at each point.
     pub spread: Spread,
+    /// Words at each point; none are written where there are none.
+    pub labels: Vec<String>,
 }
 
 /// How far a series' values may be off: lower and upper ends, one pair a point.
@@ -74,6 +78,7 @@ impl Series {
             dash: Some(Dash::Solid),
             marker: Some(Marker::nth(n)),
             spread: Spread::None,
+            labels: Vec::new(),
         }
     }
 
@@ -128,6 +133,7 @@ pub fn lines(chart: &LineChart) -> Result<String, FigureError> {
         for series in &chart.series {
             draw_series(canvas, &plot, series)?;
         }
+        draw_labels(canvas, &plot, &chart.series)?;
         plot.draw_axes(canvas, &x, &y)?;
         legend.draw(canvas, legend_top)
     })
@@ -146,6 +152,9 @@ fn check(chart: &LineChart) -> Result<(Vec<f64>, Vec<f64>), FigureError> {
             require_len(&series.label, ends, series.points.len())?;
         }
         require_finite(&series.label, ends.iter().flatten())?;
+        if !series.labels.is_empty() {
+            require_len(&series.label, &series.labels, series.points.len())?;
+        }
         across.extend(series.points.iter().map(|point| point[0]));
         up.extend(series.points.iter().map(|point| point[1]));
         up.extend(ends.iter().flatten().copied().filter(|end| {
@@ -212,6 +221,24 @@ fn draw_series(canvas: &mut Canvas, plot: &Plot, series: &Series) -> Result<(), 
     Ok(())
 }
 
+/// Writes the words at points where they hide neither lines nor points nor each other.
+fn draw_labels(canvas: &mut Canvas, plot: &Plot, series: &[Series]) -> Result<(), FigureError> {
+    let placed = |series: &Series| series.points.iter().map(|point| plot.place(*point)).collect::<Vec<_>>();
+    let lines: Vec<Vec<Point>> = series.iter().filter(|series| series.dash.is_some()).map(placed).collect();
+    let marks = series.iter().flat_map(placed).map(|at| Area::about(at, 12.0, 12.0)).collect();
+    let labelled = series.iter().flat_map(|series| placed(series).into_iter().zip(&series.labels));
+    let (wishes, words): (Vec<Wish>, Vec<&String>) = labelled
+        .map(|(anchor, words)| {
+            (Wish { anchor, side: [0.7, -0.7], width: width_of(words, TICK_TEXT), height: TICK_TEXT }, words)
+        })
+        .unzip();
+    let obstacles = Obstacles { lines: &lines, areas: marks, within: plot.area };
+    for (words, place) in words.into_iter().zip(place_labels(&wishes, obstacles)) {
+        canvas.words(Words::new(words, place, TICK_TEXT).inked(Ink::TextOverLines))?;
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -245,6 +272,16 @@ mod tests {
         assert!(!svg.contains("-2147483648") && !svg.contains("NaN"));
         spread.series[0].spread = Spread::Band(vec![[0.4, 1.0]]);
         assert!(matches!(lines(&spread), Err(FigureError::Mismatch { .. })));
+    }
+
+    #[test]
+    fn points_have_their_words() {
+        let mut labelled = chart();
+        labelled.series[0].labels = ["first", "second", "third"].map(str::to_owned).into();
+        let svg = lines(&labelled).unwrap();
+        assert!(["first", "second", "third"].iter().all(|words| svg.contains(&format!(">{words}<"))));
+        labelled.series[0].labels.pop();
+        assert!(matches!(lines(&labelled), Err(FigureError::Mismatch { .. })));
     }
 
     #[test]

@@ -1,0 +1,320 @@
+//! How long an answer takes, and how far it is off: every model of the finger, and every way to sense.
+//!
+//! Each point is timed where it is computed, on one core, as the median of its answers. What is prepared once for a finger, a mesh
+//! or a contact is not counted: a stream of frames, or a sweep, pays for it once.
+
+use crate::check::worst;
+use crate::estimators::{BeamEstimator, Estimator, EstimatorError, EstimatorKind};
+use crate::lattice::accuracy::{CONVERGED_ELEMENTS, difference};
+use crate::lattice::{Lattice, LatticeError};
+use finray_model::measurement::Measurement;
+use finray_model::mesh::{FingerShape, Load};
+use finray_model::sensing::Contact;
+use finray_model::statics::{Statics, StaticsError};
+use finray_model::{Finger, Kinematics, Mesh, NodeId};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use serde::Serialize;
+use std::time::Instant;
+
+/// What is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Task {
+    /// The shape under a load.
+    Solve,
+    /// One force from a noisy picture.
+    SenseOne,
+    /// Two forces at neighbouring nodes from a noisy picture.
+    SenseNeighbours,
+}
+
+/// One way to answer.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SpeedErrorPoint {
+    /// What is asked for.
+    pub task: Task,
+    /// The model or estimator.
+    pub model: String,
+    /// How it is set.
+    pub setting: String,
+    /// Median time of an answer, s.
+    pub seconds: f64,
+    /// Of shapes the worst difference from the reference, as a share of the largest displacement; of forces the mean
+    /// |sensed / true - 1|.
+    pub error: f64,
+    /// Answers that were refused, or had no equilibrium; they count nowhere else.
+    pub failed: usize,
+    /// Answers asked for.
+    pub asked: usize,
+    /// Whether no other point of the task is both faster and nearer.
+    pub on_front: bool,
+}
+
+/// Force of the loads that shapes are solved for, N.
+pub const SOLVED_N: f64 = 3.0;
+const SOLVED_ANGLES_DEG: [f64; 3] = [-40.0, 0.0, 40.0];
+/// Range of the forces that are sensed, N.
+pub const SENSED_N: [f64; 2] = [0.5, 3.0];
+/// Noise that estimators are told of is that of the pictures.
+const SEED: u64 = 11;
+
+/// Why no points were computed.
+#[derive(Debug, thiserror::Error)]
+pub enum SpeedErrorError {
+    /// The reference has no equilibrium.
+    #[error(transparent)]
+    Statics(#[from] StaticsError),
+    /// A lattice was not built.
+    #[error(transparent)]
+    Lattice(#[from] LatticeError),
+    /// An estimator is not made for the contacts.
+    #[error(transparent)]
+    Estimator(#[from] EstimatorError),
+}
+
+/// Loads, with the reference's shapes.
+struct Solved {
+    loads: Vec<Load>,
+    reference: Vec<FingerShape>,
+}
+
+impl Solved {
+    /// A point from a way to solve.
+    fn point(
+        &self,
+        model: &str,
+        setting: String,
+        mut shape: impl FnMut(&Load) -> Option<FingerShape>,
+    ) -> SpeedErrorPoint {
+        let (mut seconds, mut errors) = (Vec::new(), Vec::new());
+        for (load, reference) in self.loads.iter().zip(&self.reference) {
+            let start = Instant::now();
+            let shape = shape(load);
+            let elapsed = start.elapsed().as_secs_f64();
+            if let Some(shape) = shape {
+                seconds.push(elapsed);
+                errors.push(difference(reference, &shape));
+            }
+        }
+        point(Task::Solve, model, setting, seconds, worst(errors), self.loads.len())
+    }
+}
+
+fn point(task: Task, model: &str, setting: String, mut seconds: Vec<f64>, error: f64, asked: usize) -> SpeedErrorPoint {
+    seconds.sort_by(f64::total_cmp);
+    SpeedErrorPoint {
+        task,
+        model: model.to_owned(),
+        setting,
+        seconds: seconds.get(seconds.len() / 2).copied().unwrap_or(f64::NAN),
+        error: if seconds.is_empty() { f64::NAN } else { error },
+        failed: asked - seconds.len(),
+        asked,
+        on_front: false,
+    }
+}
+
+/// Marks the points of each task that no other beats in both time and error.
+fn mark_fronts(points: &mut [SpeedErrorPoint]) {
+    let beaten = |point: &SpeedErrorPoint, by: &SpeedErrorPoint| {
+        by.task == point.task
+            && by.seconds <= point.seconds
+            && by.error <= point.error
+            && (by.seconds < point.seconds || by.error < point.error)
+    };
+    for i in 0..points.len() {
+        let point = &points[i];
+        let answers = point.seconds.is_finite() && point.error.is_finite();
+        points[i].on_front = answers && !points.iter().any(|by| beaten(point, by));
+    }
+}
+
+/// Beams on several meshes and lattices of several finenesses, each under [`SOLVED_N`] on `nodes` nodes of the finger, spread over the front
+/// plate, in three directions; errors against beams of [`CONVERGED_ELEMENTS`] elements a member.
+///
+/// # Errors
+/// [`SpeedErrorError`] if the reference has no equilibrium or a lattice cannot be built.
+pub fn solving(finger: &Finger, nodes: usize) -> Result<Vec<SpeedErrorPoint>, SpeedErrorError> {
+    let loads: Vec<Load> = spread(finger, nodes)
+        .flat_map(|node| SOLVED_ANGLES_DEG.map(|angle_deg| Load::at_node(node, finger.direction(angle_deg) * SOLVED_N)))
+        .collect();
+    let fine = Mesh::with_elements_per_member(finger, CONVERGED_ELEMENTS);
+    let solve = |mesh: &Mesh, kinematics, load: &Load| -> Result<FingerShape, StaticsError> {
+        finray_model::statics::solve(mesh, &[*load], kinematics)
+    };
+    let reference = loads.iter().map(|load| solve(&fine, Kinematics::Corotational, load)).collect::<Result<_, _>>()?;
+    let solved = Solved { loads, reference };
+    let mut points = Vec::new();
+    for (kinematics, name) in [
+        (Kinematics::Linear, "linear beams"),
+        (Kinematics::CorotationalChord, "large rotations, strain of the chord"),
+        (Kinematics::Corotational, "large rotations"),
+    ] {
+        // Linear frames are exact at the nodes: other meshes only cost more.
+        let elements: &[usize] = if kinematics == Kinematics::Linear { &[1] } else { &[1, 2, 4, 8] };
+        for &elements in elements {
+            let mesh = Mesh::with_elements_per_member(finger, elements);
+            let mut statics = Statics::ladder(&mesh, kinematics);
+            let setting = format!("{} nodes", mesh.node_count());
+            points.push(solved.point(name, setting, |load| {
+                let load = mesh.frame_load(load).ok()?;
+                Some(mesh.shape(&statics.equilibrium(&[load]).ok()?.motion))
+            }));
+        }
+    }
+    for fineness in [1, 2, 3, 4] {
+        let lattice = Lattice::new(finger, fineness)?;
+        let setting = format!("{} bodies", lattice.assembly().bodies.len());
+        points.push(solved.point("spring lattice, Newton", setting, |load| lattice.equilibrium(&[*load]).ok()));
+    }
+    // Settling takes a hundred times longer: one load tells enough.
+    let one = Solved { loads: solved.loads[..1].to_vec(), reference: solved.reference[..1].to_vec() };
+    for fineness in [1, 2] {
+        let lattice = Lattice::new(finger, fineness)?;
+        let setting = format!("{} bodies", lattice.assembly().bodies.len());
+        points.push(one.point("spring lattice, rapier", setting, |load| Some(lattice.settle(&[*load]).ok()?.shape)));
+    }
+    mark_fronts(&mut points);
+    Ok(points)
+}
+
+/// So many of the contact nodes, evenly, without the tip.
+fn spread(finger: &Finger, nodes: usize) -> impl Iterator<Item = NodeId> {
+    let contact: Vec<NodeId> = finger.contact_nodes().skip(1).collect();
+    let every = contact.len().div_ceil(nodes.max(1)).max(1);
+    contact.into_iter().step_by(every)
+}
+
+/// One force on nodes spread over the front plate, and two on neighbours in its middle, sensed from `pictures` noisy pictures each of
+/// the large-rotation finger `truth`; `further` estimators join those of beams.
+///
+/// # Errors
+/// [`SpeedErrorError`] if an estimator is not made for the contacts.
+pub fn sensing(
+    truth: &Mesh,
+    noise_mm: f64,
+    nodes: usize,
+    pictures: usize,
+    further: &[(&dyn Estimator, &str)],
+) -> Result<Vec<SpeedErrorPoint>, SpeedErrorError> {
+    let finger = truth.finger();
+    let meshes: Vec<(usize, Mesh)> =
+        [1, 2, 4, 8].map(|elements| (elements, Mesh::with_elements_per_member(finger, elements))).into();
+    let beam = |kind, mesh| BeamEstimator { kind, mesh };
+    let mut estimators: Vec<(BeamEstimator, String)> = Vec::new();
+    for kind in [EstimatorKind::LeastSquares, EstimatorKind::Ridge] {
+        estimators.push((beam(kind, &meshes[0].1), format!("{} nodes", finger.key_node_count())));
+    }
+    for (_, mesh) in &meshes {
+        estimators.push((beam(EstimatorKind::Nonlinear, mesh), format!("{} nodes", mesh.node_count())));
+    }
+    let all = estimators.iter().map(|(estimator, setting)| (estimator as &dyn Estimator, setting.as_str()));
+    let all: Vec<(&dyn Estimator, &str)> = all.chain(further.iter().copied()).collect();
+
+    let loaded: Vec<NodeId> = finger.contact_nodes().skip(1).collect();
+    let singles: Vec<Vec<NodeId>> = spread(finger, nodes).map(|node| vec![node]).collect();
+    let neighbours: Vec<Vec<NodeId>> =
+        loaded.windows(2).skip((loaded.len() / 2).saturating_sub(1)).take(1).map(<[NodeId]>::to_vec).collect();
+    let tasks = [(Task::SenseOne, singles), (Task::SenseNeighbours, neighbours)];
+    let mut points = Vec::new();
+    for (task, sets) in tasks {
+        let pictures = match task {
+            Task::SenseNeighbours => pictures * nodes,
+            _ => pictures,
+        };
+        let taken: Vec<Pictures> = sets
+            .iter()
+            .enumerate()
+            .map(|(stream, set)| Pictures::take(truth, set, noise_mm, pictures, stream as u64))
+            .collect();
+        for (estimator, setting) in &all {
+            points.push(sensed(task, *estimator, setting, noise_mm, &taken)?);
+        }
+    }
+    mark_fronts(&mut points);
+    Ok(points)
+}
+
+/// Pictures of forces at one set of contacts.
+struct Pictures {
+    contacts: Vec<Contact>,
+    /// True forces, and what the camera sees.
+    seen: Vec<(Vec<f64>, Measurement)>,
+}
+
+impl Pictures {
+    fn take(truth: &Mesh, nodes: &[NodeId], noise_mm: f64, pictures: usize, stream: u64) -> Pictures {
+        let finger = truth.finger();
+        let contacts: Vec<Contact> = nodes.iter().copied().map(Contact::at_node).collect();
+        let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+        rng.set_stream(stream);
+        let mut statics = Statics::ladder(truth, Kinematics::Corotational);
+        let mut seen = Vec::new();
+        for _ in 0..pictures {
+            let forces_n: Vec<f64> = contacts.iter().map(|_| rng.random_range(SENSED_N[0]..SENSED_N[1])).collect();
+            let loads = contacts
+                .iter()
+                .zip(&forces_n)
+                .map(|(contact, &force_n)| truth.frame_load(&contact.load(finger, force_n)));
+            let Ok(loads) = loads.collect::<Result<Vec<_>, _>>() else { continue };
+            // A finger that does not carry a draw is not asked for it.
+            let Ok(equilibrium) = statics.equilibrium(&loads) else { continue };
+            let mut picture = Measurement::of_shape(finger, &truth.shape(&equilibrium.motion));
+            picture.add_noise(noise_mm, || StandardNormal.sample(&mut rng));
+            seen.push((forces_n, picture));
+        }
+        Pictures { contacts, seen }
+    }
+}
+
+fn sensed(
+    task: Task,
+    estimator: &dyn Estimator,
+    setting: &str,
+    noise_mm: f64,
+    taken: &[Pictures],
+) -> Result<SpeedErrorPoint, SpeedErrorError> {
+    let (mut seconds, mut errors, mut asked) = (Vec::new(), Vec::new(), 0);
+    for pictures in taken {
+        let Some((_, first)) = pictures.seen.first() else { continue };
+        let mut prepared = estimator.prepare(&pictures.contacts, first)?;
+        for (forces_n, picture) in &pictures.seen {
+            asked += 1;
+            let start = Instant::now();
+            let answer = prepared.estimate(picture, Some(noise_mm));
+            let elapsed = start.elapsed().as_secs_f64();
+            if let Ok(answer) = answer {
+                seconds.push(elapsed);
+                errors.extend(answer.forces_n.iter().zip(forces_n).map(|(sensed, force)| (sensed / force - 1.0).abs()));
+            }
+        }
+    }
+    let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+    Ok(point(task, estimator.name(), setting.to_owned(), seconds, mean, asked))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_front_is_what_nothing_beats() {
+        let of = |seconds: f64, error: f64| SpeedErrorPoint {
+            error,
+            ..point(Task::Solve, "", String::new(), vec![seconds], error, 1)
+        };
+        let mut points = [of(1.0, 1.0), of(2.0, 0.5), of(3.0, 0.6), of(1.0, 2.0), of(f64::NAN, 0.1)];
+        // Faster than all, for another task.
+        points[3].task = Task::SenseOne;
+        mark_fronts(&mut points);
+        assert_eq!(points.map(|point| point.on_front), [true, true, false, true, false]);
+    }
+
+    #[test]
+    fn what_fails_is_counted_and_has_no_error() {
+        let failed = point(Task::Solve, "", String::new(), Vec::new(), 0.0, 3);
+        assert!(failed.error.is_nan() && failed.seconds.is_nan() && failed.failed == 3);
+    }
+}
