@@ -126,12 +126,13 @@ fn read_strip(table: &TableReader) -> Result<Strip, SceneError> {
 }
 
 fn read_ribs(table: &TableReader) -> Result<RibDescription, SceneError> {
-    let places = match (table.optional_count("count")?, table.optional_pairs("positions_mm")?) {
-        (Some(count), None) => RibPlaces::Count(count),
-        (None, Some(positions)) => RibPlaces::Positions(positions),
-        (Some(_), Some(_)) => return Err(table.wrong("positions_mm", "either count or positions_mm", "both")),
-        (None, None) => return Err(table.missing("count", "the number of ribs, or positions_mm")),
-    };
+    let places =
+        match (table.optional_count("count")?, table.optional_pairs("positions_mm", "[front, back], places in mm")?) {
+            (Some(count), None) => RibPlaces::Count(count),
+            (None, Some(positions)) => RibPlaces::Positions(positions),
+            (Some(_), Some(_)) => return Err(table.wrong("positions_mm", "either count or positions_mm", "both")),
+            (None, None) => return Err(table.missing("count", "the number of ribs, or positions_mm")),
+        };
     let joints = table.choice("joints", &[("rigid", Joints::Rigid), ("hinged", Joints::Hinged)])?;
     let rigid = table.optional_switch("rigid")?.unwrap_or(false);
     let none = places == RibPlaces::Count(0) || places == RibPlaces::Positions(Vec::new());

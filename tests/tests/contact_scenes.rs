@@ -173,10 +173,100 @@ fn force_and_travel_are_two_sides_of_one_equilibrium() {
     let by_force = press("force_n = 2");
     // The hand gives way across the line by as little as its springs are stiff.
     const TOLERANCE: f64 = 1e-3;
-    let prepared = prepared(&scene("shape = \"disc\"\nradius_mm = 20\nat_mm = 70\ndirection_deg = 10\nforce_n = 2"));
-    assert!((prepared.total_n(&by_force) - 2.0).abs() < TOLERANCE);
+    assert!((by_force.total_n() - 2.0).abs() < TOLERANCE);
     let by_travel = press(&format!("travel_mm = {}", by_force.travel_mm));
-    assert!((prepared.total_n(&by_travel) / 2.0 - 1.0).abs() < 2.0 * TOLERANCE, "{} N", prepared.total_n(&by_travel));
+    assert!((by_travel.total_n() / 2.0 - 1.0).abs() < 2.0 * TOLERANCE, "{} N", by_travel.total_n());
+}
+
+/// The hand goes slowly, however few steps are looked at: the object cannot jump through the finger.
+#[test]
+fn the_place_of_rest_does_not_depend_on_the_steps() {
+    for (object, tolerance) in [
+        ("shape = \"disc\"\nradius_mm = 1\npath_mm = [[75, 40], [75, 0]]", 1e-3),
+        ("shape = \"disc\"\nradius_mm = 10\nat_mm = 140\ntravel_mm = 15", 1e-3),
+    ] {
+        let force_n = |steps: usize| last(&format!("{object}\nsteps = {steps}"), COARSE).pressed.contact_force().norm();
+        let (once, often) = (force_n(1), force_n(4));
+        assert!(once > 0.5 && (once / often - 1.0).abs() < tolerance, "{once} N in one step, {often} N in four");
+    }
+}
+
+/// Whatever touches there, rods and plate and tip: without friction none is reported, and sensing finds the force.
+#[test]
+fn smooth_objects_have_no_friction() {
+    for object in [
+        "shape = \"disc\"\nradius_mm = 5\nat_mm = 152\ntravel_mm = 4\nsteps = 1",
+        "shape = \"box\"\nwidth_mm = 20\nheight_mm = 20\nrotation_deg = 30\nat_mm = 70\nforce_n = 2\nsteps = 1",
+    ] {
+        let prepared = prepared(&scene(object)).with_fineness(2);
+        let step = steps(&prepared).pop().expect("a step");
+        assert!(step.contacts.iter().all(|seen| seen.friction_n.abs() < 1e-9), "{:?}", step.contacts);
+        let sensed = prepared.sense(&step, 0.0, || 0.0).expect("an answer").expect("a contact");
+        assert!(sensed.total.relative_error().abs() < 0.03, "{:?}", sensed.total);
+    }
+}
+
+/// A polygon is moved by the origin of its corners; where that lies changes nothing, as it does not turn.
+#[test]
+fn the_origin_of_an_outline_does_not_matter() {
+    let press = |origin: Vector| {
+        let scene = scene("shape = \"polygon\"\npoints_csv = \"x.csv\"\nat_mm = 70\ntravel_mm = 5\nsteps = 1");
+        let corners = [[-5.0, -5.0], [5.0, -5.0], [5.0, 5.0], [-5.0, 5.0]].map(|corner| Vector::from(corner) + origin);
+        let object = scene.object.as_ref().expect("an object");
+        let prepared = ContactScene::new(&scene, object, &corners).expect("an outline").with_fineness(COARSE);
+        (steps(&prepared).pop().expect("a step"), scene.finger.direction(0.0))
+    };
+    // Moved along the way of the object, so that it meets the same place.
+    let (near, normal) = press(Vector::zeros());
+    let (far, _) = press(normal * 100.0);
+    let (near, far) = (near.pressed.contact_force().norm(), far.pressed.contact_force().norm());
+    assert!(near > 0.1 && (far / near - 1.0).abs() < 1e-6, "{near} N, {far} N");
+}
+
+/// Along a path with corners the way is the path's, and the total that along its last stretch.
+#[test]
+fn corners_of_a_path_are_passed() {
+    let prepared =
+        prepared(&scene("shape = \"disc\"\nradius_mm = 10\npath_mm = [[75, 40], [60, 40], [60, 20]]\nsteps = 1"));
+    let step = steps(&prepared.with_fineness(COARSE)).pop().expect("a step");
+    // The hand gives way a little.
+    assert!((step.travel_mm - 35.0).abs() < 0.1, "{} mm", step.travel_mm);
+    assert_eq!(step.along, Vector::new(0.0, -1.0));
+    assert!((step.total_n() - step.pressed.contact_force().dot(&step.along)).abs() < 1e-12);
+}
+
+/// However near two rods are, each is a contact of its own.
+#[test]
+fn two_rods_are_two_contacts() {
+    let text = fixtures::PAPER_SCENE.replace("count = 11", "positions_mm = [[40, 40], [75, 75], [78, 78], [120, 120]]");
+    let object = "shape = \"disc\"\nradius_mm = 20\nat_mm = 76.5\ntravel_mm = 2\nsteps = 1";
+    let scene = Scene::from_toml(&format!("{text}\n[object]\n{object}")).expect("a good scene");
+    let step = steps(&prepared(&scene).with_fineness(2)).pop().expect("a step");
+    let rods = step.pressed.touches.iter().filter(|touch| matches!(touch.part, TouchedPart::Rod(_))).count();
+    assert_eq!(rods, 2, "{:?}", step.pressed.touches);
+    assert!(step.contacts.iter().filter(|seen| matches!(seen.contact.place, ContactPlace::Node(_))).count() == 2);
+}
+
+/// A way that begins in the air is checked where the object touches.
+#[test]
+fn steps_without_contact_break_no_promise() {
+    let scene = scene("shape = \"disc\"\nradius_mm = 10\npath_mm = [[75, 40], [75, 15]]\nsteps = 5");
+    let study = SceneStudy::run("from afar", &prepared(&scene).with_fineness(COARSE), 0.0, 0, &|| ()).expect("a study");
+    assert!(study.steps[0].step.contacts.is_empty() && study.steps[0].step.total_n().is_sign_positive());
+    all_pass(&study.checks());
+}
+
+/// A ten thousandth of the stiffness, a ten thousandth of the force.
+#[test]
+fn soft_fingers_are_pressed_alike() {
+    let object = "\n[object]\nshape = \"disc\"\nradius_mm = 20\nat_mm = 76.5\ntravel_mm = 8\nsteps = 1";
+    let soft = fixtures::PAPER_SCENE.replace("47.976", "0.0047976");
+    let force_n = |text: String| {
+        let scene = Scene::from_toml(&text).expect("a good scene");
+        steps(&prepared(&scene).with_fineness(COARSE)).pop().expect("a step").pressed.contact_force().norm()
+    };
+    let (usual, soft) = (force_n(fixtures::PAPER_SCENE.to_owned() + object), force_n(soft + object));
+    assert!((soft / usual * 1e4 - 1.0).abs() < 1e-3, "{usual} N, {soft} N");
 }
 
 /// What presses on the clamp is not felt, and counts among the forces on the base.
@@ -222,6 +312,13 @@ fn what_is_no_outline_is_refused() {
     assert_eq!(outline(&crossed[..2]), Err(OutlineError::TooFewCorners { corners: 2 }));
     assert_eq!(outline(&[[0.0, 0.0], [1e9, 0.0], [0.0, 1.0]]), Err(OutlineError::TooFar { corner: 2 }));
     assert!(outline(&[[0.0, 0.0], [0.0, 10.0], [10.0, 10.0], [10.0, 0.0]]).is_ok(), "clockwise");
+}
+
+#[test]
+fn an_object_that_the_finger_lets_go_is_said_so() {
+    let off = scene("shape = \"disc\"\nradius_mm = 5\nat_mm = 153\ndirection_deg = 80\nforce_n = 5\nsteps = 1");
+    let outcome = prepared(&off).with_fineness(COARSE).run(|_| ());
+    assert_eq!(outcome, Err(LatticeError::LetGo));
 }
 
 #[test]

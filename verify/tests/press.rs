@@ -49,6 +49,17 @@ fn scenes_without_an_object_are_refused() {
     assert_says(&message, &[PAPER, "line 1: object is missing: expected a table [object]"]);
 }
 
+#[test]
+fn the_shape_goes_to_a_file_of_its_own() {
+    let folder = Folder::new();
+    let (scene, out) = (scene(&folder, DISC), folder.path("out.csv"));
+    assert_says(&finray(&["press", &scene, "--shape", "-"]).refused(), &["--shape: expected a file, found -"]);
+    assert_says(
+        &finray(&["press", &scene, "--shape", &out, "--out", &out]).refused(),
+        &["--shape and --out are the same file"],
+    );
+}
+
 /// The outline lies beside the scene.
 #[test]
 fn outlines_are_read_and_checked() {
@@ -91,6 +102,6 @@ fn an_object_that_nothing_holds_is_an_error() {
     );
     let out = folder.path("out.csv");
     let message = finray(&["press", &scene, "--fineness", "1", "--out", &out]).failed();
-    assert_says(&message, &["step 1 of 1: the lattice has not settled after"]);
+    assert_says(&message, &["step 1 of 1: the finger does not hold the object against the force"]);
     assert_eq!(folder.names(), ["scene.toml"]);
 }

@@ -9,6 +9,10 @@ use crate::finger::{Finger, Plate};
 pub const ROD_RADIUS_MM: f64 = 1.5;
 /// Steps from first touch to the end where the scene does not say.
 const STEPS: usize = 20;
+/// Largest length, in mm, and force, in N, that an object may have or go.
+const FARTHEST_MM: f64 = 1e4;
+/// Largest coefficient of friction: rubber on rubber reaches 2.
+const LARGEST_FRICTION: f64 = 10.0;
 /// Most steps that are of use.
 const MOST_STEPS: usize = 10_000;
 
@@ -100,8 +104,12 @@ pub(super) fn read_object(table: &TableReader, finger: &Finger) -> Result<Object
         return Err(table.wrong("rotation_deg", "a finite angle in degrees", &format!("{rotation_deg:?}")));
     }
     let friction = table.optional_number("friction", "coefficient of friction")?.unwrap_or(0.0);
-    if !(friction.is_finite() && friction >= 0.0) {
-        return Err(table.wrong("friction", "a coefficient of friction, zero or more", &format!("{friction:?}")));
+    if !(0.0..=LARGEST_FRICTION).contains(&friction) {
+        return Err(table.wrong(
+            "friction",
+            &format!("a coefficient of friction, 0 to {LARGEST_FRICTION}"),
+            &format!("{friction:?}"),
+        ));
     }
     let steps = table.optional_count("steps")?.unwrap_or(STEPS);
     if !(1..=MOST_STEPS).contains(&steps) {
@@ -137,18 +145,24 @@ fn read_outline(table: &TableReader) -> Result<Outline, SceneError> {
             width_mm: positive(table, "width_mm", "length in mm")?,
             height_mm: positive(table, "height_mm", "length in mm")?,
         },
-        Shape::Polygon => Outline::Polygon { points_csv: table.text("points_csv")? },
+        Shape::Polygon => {
+            let points_csv = table.text("points_csv")?;
+            if points_csv == "-" {
+                return Err(table.wrong("points_csv", "the name of a file beside the scene", "-"));
+            }
+            Outline::Polygon { points_csv }
+        }
     })
 }
 
 fn read_motion(table: &TableReader, finger: &Finger) -> Result<ObjectMotion, SceneError> {
-    if let Some(points) = table.optional_pairs("path_mm")? {
+    if let Some(points) = table.optional_pairs("path_mm", "[x, y], points of the finger frame in mm")? {
         refuse_others(table, &PRESS_KEYS, &[], "an object with path_mm")?;
         let points: Vec<Vector> = points.into_iter().map(Vector::from).collect();
-        let length_mm: f64 = points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
-        if !(length_mm.is_finite() && length_mm > 0.0) {
-            let expected = "two or more different points [x, y] of the finger frame, in mm";
-            return Err(table.wrong("path_mm", expected, &format!("a path of {length_mm} mm")));
+        let near = points.iter().all(|point| point.norm() <= FARTHEST_MM);
+        if !near || points.windows(2).all(|pair| pair[0] == pair[1]) {
+            let expected = format!("two or more different points [x, y] within {FARTHEST_MM} mm of the base");
+            return Err(table.wrong("path_mm", &expected, "others"));
         }
         return Ok(ObjectMotion::Path(points));
     }
@@ -180,10 +194,10 @@ fn read_motion(table: &TableReader, finger: &Finger) -> Result<ObjectMotion, Sce
 
 fn positive(table: &TableReader, key: &str, what: &str) -> Result<f64, SceneError> {
     let value = table.number(key, what)?;
-    if value.is_normal() && value > 0.0 {
+    if value.is_normal() && 0.0 < value && value <= FARTHEST_MM {
         Ok(value)
     } else {
-        Err(table.wrong(key, &format!("a {what} above zero"), &format!("{value:?}")))
+        Err(table.wrong(key, &format!("a {what} above zero, up to {FARTHEST_MM}"), &format!("{value:?}")))
     }
 }
 

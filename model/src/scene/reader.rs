@@ -209,8 +209,8 @@ impl<'d, 't> TableReader<'d, 't> {
             .transpose()
     }
 
-    /// A list of pairs of numbers.
-    pub(super) fn optional_pairs(&self, key: &str) -> Result<Option<Vec<[f64; 2]>>, SceneError> {
+    /// A list of pairs of numbers; `what` says of what, and the unit.
+    pub(super) fn optional_pairs(&self, key: &str, what: &str) -> Result<Option<Vec<[f64; 2]>>, SceneError> {
         let Some(value) = self.value(key) else { return Ok(None) };
         let pair = |item: &DeValue| match item {
             DeValue::Array(pair) => match pair.iter().map(|x| number(x.get_ref())).collect::<Option<Vec<_>>>()?[..] {
@@ -228,7 +228,7 @@ impl<'d, 't> TableReader<'d, 't> {
                 DeValue::Array(_) => "a list of something else".to_owned(),
                 other => described(other),
             };
-            self.wrong(key, "a list of pairs [front, back], places in mm", &found)
+            self.wrong(key, &format!("a list of pairs {what}"), &found)
         })
     }
 

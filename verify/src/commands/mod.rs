@@ -115,13 +115,14 @@ impl From<finray_model::mesh::MeshSizeError> for Failure {
 impl From<LatticeError> for Failure {
     fn from(error: LatticeError) -> Failure {
         match error {
-            LatticeError::Load(_) | LatticeError::LoadNotFinite | LatticeError::Overlap { .. } => {
-                Failure::BadInput(error.to_string())
+            LatticeError::Load(_)
+            | LatticeError::LoadNotFinite
+            | LatticeError::Overlap { .. }
+            | LatticeError::NoSegments
+            | LatticeError::TooFine { .. } => Failure::BadInput(error.to_string()),
+            LatticeError::LetGo | LatticeError::NotSettled { .. } | LatticeError::NoEquilibrium { .. } => {
+                Failure::NotComputed(error.to_string())
             }
-            LatticeError::NoSegments
-            | LatticeError::TooFine { .. }
-            | LatticeError::NotSettled { .. }
-            | LatticeError::NoEquilibrium { .. } => Failure::NotComputed(error.to_string()),
         }
     }
 }

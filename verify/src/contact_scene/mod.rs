@@ -10,11 +10,11 @@ mod rows;
 pub mod study;
 
 pub use contacts::{SeenContact, angle_deg, seen_contacts};
-pub use object::{OutlineError, PreparedObject, TurnedOutline};
+pub use object::{HandStep, OutlineError, PreparedObject, TurnedOutline};
 pub use rows::{ForceRow, contacts_sensed, force_rows};
 
 use crate::lattice::accuracy::difference;
-use crate::lattice::pressing::{Pressed, Pressing};
+use crate::lattice::pressing::{Pressed, Pressing, Push};
 use crate::lattice::{Lattice, LatticeError};
 use crate::scatter::LEAST_STATED_MM;
 use finray_model::measurement::Measurement;
@@ -43,8 +43,10 @@ pub struct ContactScene {
 /// One step of a scene, at rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneStep {
-    /// How far the object has come from where it began, mm.
+    /// Length of the way that the object has come, mm.
     pub travel_mm: f64,
+    /// Unit vector of the way that the step ends on.
+    pub along: Vector,
     /// Finger and object.
     pub pressed: Pressed,
     /// Contacts as the camera sees them, with their true forces.
@@ -54,12 +56,21 @@ pub struct SceneStep {
     pub equilibrium_difference: Option<f64>,
 }
 
+impl SceneStep {
+    /// Sum of the forces that the finger can feel (not those on the clamp), along the object's way, N.
+    pub fn total_n(&self) -> f64 {
+        let felt = self.contacts.iter().filter(|seen| !seen.clamped);
+        // An empty sum of floats is -0.
+        0.0 + felt.map(|seen| seen.force.dot(&self.along)).sum::<f64>()
+    }
+}
+
 /// Forces sensed in one step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensedStep {
     /// Force of each contact that is not clamped, along its direction, with its standard deviation, N.
     pub forces: Vec<SensedForce>,
-    /// Their sum along the direction that the object is pressed in.
+    /// Their sum along the object's way.
     pub total: SensedForce,
 }
 
@@ -130,24 +141,25 @@ impl ContactScene {
         let PreparedObject { rigid, start, along, steps, .. } = &self.object;
         let mut pressing = Pressing::new(&lattice, self.rod_radius_mm, rigid, *start, *along)?;
         let (mut travel_mm, mut last) = (0.0, *start);
-        for &step in steps {
-            let pressed = pressing.push(step)?;
+        for step in steps {
+            for &corner in &step.corners {
+                pressing.pass(Push::To(corner));
+                travel_mm += (corner - last).norm();
+                last = corner;
+            }
+            let pressed = pressing.push(step.end)?;
             travel_mm += (pressed.object - last).norm();
             last = pressed.object;
             let equilibrium = lattice.equilibrium_under(&pressed.touches);
             each(SceneStep {
                 travel_mm,
+                along: step.along,
                 contacts: seen_contacts(&lattice, &pressed.touches),
                 equilibrium_difference: equilibrium.ok().map(|shape| difference(&shape, &pressed.shape)),
                 pressed,
             });
         }
         Ok(())
-    }
-
-    /// Sum of the forces that the finger can feel, along the direction that the object is pressed in, N.
-    pub fn total_n(&self, step: &SceneStep) -> f64 {
-        step.contacts.iter().filter(|seen| !seen.clamped).map(|seen| seen.force.dot(&self.object.along)).sum()
     }
 
     /// Senses the forces of a step with the nonlinear estimator from what the camera sees: the key nodes, with noise of a
@@ -175,10 +187,10 @@ impl ContactScene {
         let forces = felt.iter().zip(forces_n.iter().zip(sigmas_n));
         let forces =
             forces.map(|(seen, (&sensed_n, &sigma_n))| SensedForce { true_n: seen.normal_n, sensed_n, sigma_n });
-        let shares = felt.iter().map(|seen| self.finger.direction(seen.contact.angle_deg).dot(&self.object.along));
+        let shares = felt.iter().map(|seen| self.finger.direction(seen.contact.angle_deg).dot(&step.along));
         let shares = nalgebra::DVector::from_iterator(felt.len(), shares);
         let total = SensedForce {
-            true_n: self.total_n(step),
+            true_n: step.total_n(),
             sensed_n: shares.iter().zip(forces_n).map(|(share, force)| share * force).sum(),
             sigma_n: shares.dot(&(&estimate.covariance_n2 * &shares)).sqrt(),
         };

@@ -147,7 +147,18 @@ pub struct PreparedObject {
     /// Unit vector that it is pressed along; of a path, its first stretch.
     pub along: Vector,
     /// What the hand does, step by step.
-    pub steps: Vec<Push>,
+    pub steps: Vec<HandStep>,
+}
+
+/// One step of the hand.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HandStep {
+    /// Corners of a path that it passes on the way.
+    pub corners: Vec<Vector>,
+    /// Where, or how, it ends.
+    pub end: Push,
+    /// Unit vector of the way that it ends on.
+    pub along: Vector,
 }
 
 impl PreparedObject {
@@ -164,16 +175,19 @@ impl PreparedObject {
             ObjectMotion::Press { at_mm, direction_deg, until } => {
                 let along = finger.direction(*direction_deg);
                 let start = first_touch(finger, scene.rod_radius_mm, &outline, *at_mm, along);
-                let step = |step| match until {
-                    Until::Travel(travel_mm) => Push::To(start + along * (travel_mm * share(step))),
-                    Until::Force(force_n) => Push::With(force_n * share(step)),
+                let step = |step| {
+                    let end = match until {
+                        Until::Travel(travel_mm) => Push::To(start + along * (travel_mm * share(step))),
+                        Until::Force(force_n) => Push::With(force_n * share(step)),
+                    };
+                    HandStep { corners: Vec::new(), end, along }
                 };
                 (start, along, (1..=object.steps).map(step).collect())
             }
             ObjectMotion::Path(points) => {
-                let along = points.windows(2).map(|pair| pair[1] - pair[0]).find(|way| way.norm() > 0.0);
-                let steps = (1..=object.steps).map(|step| Push::To(on_path(points, share(step)))).collect();
-                (points[0], along.unwrap_or(finger.direction(0.0)).normalize(), steps)
+                let steps: Vec<HandStep> =
+                    (1..=object.steps).map(|step| step_on_path(points, share(step - 1), share(step))).collect();
+                (points[0], steps.first().map_or(finger.direction(0.0), |step| step.along), steps)
             }
         };
         Ok(PreparedObject { outline, rigid, start, along, steps })
@@ -188,16 +202,23 @@ fn first_touch(finger: &Finger, rod_radius_mm: f64, outline: &TurnedOutline, at_
     finger.plate_point(Plate::Front, at_mm) - along * distance_mm
 }
 
-/// The point at a share, 0 to 1, of a path's length.
-fn on_path(points: &[Vector], share: f64) -> Vector {
-    let total: f64 = points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
-    let mut left = share * total;
-    for pair in points.windows(2) {
-        let length = (pair[1] - pair[0]).norm();
-        if left <= length && length > 0.0 {
-            return pair[0] + (pair[1] - pair[0]) * (left / length);
+/// The step from one share, 0 to 1, of a path's length to another.
+fn step_on_path(points: &[Vector], from: f64, to: f64) -> HandStep {
+    let stretches: Vec<&[Vector]> = points.windows(2).filter(|pair| pair[0] != pair[1]).collect();
+    let total: f64 = stretches.iter().map(|pair| (pair[1] - pair[0]).norm()).sum();
+    let (mut begins, mut corners) = (0.0, Vec::new());
+    for (i, pair) in stretches.iter().enumerate() {
+        let way = pair[1] - pair[0];
+        let ends = begins + way.norm();
+        // The last stretch takes what rounding leaves.
+        if to * total <= ends || i + 1 == stretches.len() {
+            let share = ((to * total - begins) / way.norm()).min(1.0);
+            return HandStep { corners, end: Push::To(pair[0] + way * share), along: way.normalize() };
         }
-        left -= length;
+        if from * total < ends {
+            corners.push(pair[1]);
+        }
+        begins = ends;
     }
-    points[points.len() - 1]
+    HandStep { corners, end: Push::To(points[0]), along: Vector::x() }
 }

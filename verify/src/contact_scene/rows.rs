@@ -9,7 +9,7 @@ use serde::Serialize;
 pub struct ForceRow {
     /// Number of the step, from 1.
     pub step: usize,
-    /// How far the object has come, mm.
+    /// Length of the object's way, mm.
     pub travel_mm: f64,
     /// A node, `at` for a place between nodes, `clamp` where a force is not felt, or `total`.
     pub contact: String,
@@ -17,7 +17,7 @@ pub struct ForceRow {
     pub s_mm: Option<f64>,
     /// The normal, degrees from the undeformed inward normal, positive towards the tip; none for the total.
     pub angle_deg: Option<f64>,
-    /// True force along it, N; of the total, along the object's way.
+    /// True force along it, N; of the total, along the object's way, without what the clamp takes.
     pub force_n: f64,
     /// True force across it, positive towards the tip, N; none for the total.
     pub friction_n: Option<f64>,
@@ -60,7 +60,7 @@ pub fn force_rows(scene: &ContactScene, number: usize, step: &SceneStep, sensed:
         contact: "total".to_owned(),
         s_mm: None,
         angle_deg: None,
-        force_n: scene.total_n(step),
+        force_n: step.total_n(),
         friction_n: None,
         sensed_n: total.map(|force| force.sensed_n),
         sigma_n: total.map(|force| force.sigma_n),

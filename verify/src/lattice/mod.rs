@@ -62,6 +62,9 @@ pub enum LatticeError {
         /// How deep, mm.
         overlap_mm: f64,
     },
+    /// An object pressed with a force goes free.
+    #[error("the finger does not hold the object against the force: nothing touches any more")]
+    LetGo,
     /// Newton's method found no stable equilibrium on the way to the full load.
     #[error("no stable equilibrium of the lattice was found beyond {:.4} % of the load", 100.0 * converged_fraction)]
     NoEquilibrium {

@@ -1,6 +1,7 @@
 //! An object pressed onto the lattice in rapier: rods are balls, the front plate is a chain of capsules.
 //!
-//! The object is a rigid body that does not turn. It hangs in a hand by stiff springs; where the hand moves, the object
+//! The object is a rigid body that does not turn. It touches the front plate and its rods; neither the other plate, nor the finger
+//! itself, touches anything. It hangs in a hand by stiff springs; where the hand moves, the object
 //! follows until the finger holds against it. So three forces are known that nothing forces to agree: what the engine's
 //! contacts carry, what the hand's springs do, and what the lattice's springs put on the clamps.
 //!
@@ -93,6 +94,14 @@ impl Pressed {
         self.touches.iter().map(|touch| touch.force).sum()
     }
 
+    /// How far contact forces are from balance with the hand's and with those on the clamps, as a share of their sum; `None` where
+    /// nothing touches.
+    pub fn imbalance(&self) -> Option<f64> {
+        let contact = self.contact_force();
+        let off = |other: Vector| (contact - other).norm() / contact.norm();
+        (!self.touches.is_empty()).then(|| off(self.hand_force).max(off(self.base_force)))
+    }
+
     /// Moment of all touches about the origin, N mm.
     pub fn contact_moment_nmm(&self) -> f64 {
         self.touches.iter().map(|touch| touch.point.perp(&touch.force)).sum()
@@ -124,7 +133,8 @@ pub struct Pressing<'l> {
     along: Vector,
     /// Steps between two looks whether everything rests.
     watch: usize,
-    friction: f64,
+    /// The way of the hand, mm, and the change of its pull, N, in as many steps.
+    pace: (f64, f64),
     /// Where the hand is, or how it pulls.
     last: Push,
 }
@@ -150,18 +160,25 @@ enum Skin {
     },
 }
 
-/// From this distance (mm) on the engine looks after a contact to come. No body may move by more than half of it in a step,
-/// so that none gets past another unseen.
-const FORESIGHT_MM: f64 = 1.0;
-/// Overlap (mm) from which on an object does not merely touch where it starts.
-const OVERLAP_MM: f64 = 1e-3;
-/// With friction, the way (mm) or the change of the force (N) that takes as long as the slowest motion of the finger.
-const SLOW_MM: f64 = 0.5;
-const SLOW_N: f64 = 0.1;
+/// From this distance on, as a share of the front plate's length, the engine looks after a contact to come. No body may move by
+/// more than half of it in a step, so that none gets past another unseen.
+const FORESIGHT: f64 = 1.0 / 150.0;
+/// Overlap, as a share of the front plate's length, from which on an object does not merely touch where it starts.
+const OVERLAP: f64 = 1e-5;
+/// The way that the hand goes while the slowest motion of the finger runs its course, as a share of the front plate's length; so
+/// slow that the finger keeps up, and neither lets the object through nor swings back over it.
+const WAY: f64 = 1.0 / 75.0;
+/// The same with friction, where the place of rest depends on every slip on the way.
+const WAY_WITH_FRICTION: f64 = 1.0 / 300.0;
 /// Steps in which one push must have settled: the paper's finger takes 2000 with two segments a stretch.
 const MOST_STEPS: usize = 50_000;
-/// A push on the middle of the finger, N, whose settling tells how slow its slowest motion is. Any small force does.
-const PROBE_N: f64 = 0.1;
+/// Looks at the positions after which it is looked whether the finger still holds the object.
+const LOOKS: usize = 8;
+/// Displacement of the middle of the finger, as a share of the front plate's length, under the push whose settling tells how slow its
+/// slowest motion is: small, so that the finger is linear.
+const PROBE: f64 = 1e-3;
+/// A force, N, under which every finger is linear.
+const TINY_N: f64 = 1e-9;
 
 impl<'l> Pressing<'l> {
     /// Puts the object where it does not yet touch; it is going to be pressed along the unit vector `along`.
@@ -177,20 +194,21 @@ impl<'l> Pressing<'l> {
         along: Vector,
     ) -> Result<Pressing<'l>, LatticeError> {
         let assembly = lattice.assembly();
-        let watch = slowest_motion(lattice)?;
+        let length_mm = lattice.finger().plate_length_mm(Plate::Front);
+        let (watch, middle_stiffness) = slowest_motion(lattice)?;
         let mut dynamics = Dynamics::new(assembly);
         let parameters = &mut dynamics.world.integration_parameters;
-        parameters.normalized_prediction_distance = FORESIGHT_MM;
-        parameters.normalized_max_linear_velocity = 0.5 * FORESIGHT_MM / parameters.dt;
+        parameters.normalized_prediction_distance = FORESIGHT * length_mm;
+        parameters.normalized_max_linear_velocity = 0.5 * FORESIGHT * length_mm / parameters.dt;
         let parts = add_skin(lattice, rod_radius_mm, object.friction, &mut dynamics);
 
         let finger = lattice.finger();
         let stretch_mm = finger.plate_length_mm(Plate::Front) / (finger.rib_count() + 1) as f64;
         let stiffness = finger.section(Part::Front).map_or(1.0, |section| section.axial_rigidity_n / stretch_mm);
-        let radius_mm = object.shape.compute_local_bounding_sphere().radius;
-        let turning = stiffness * radius_mm * radius_mm;
         let hand = dynamics.world.bodies.insert(RigidBodyBuilder::fixed().translation(rapier(start)));
-        let body = dynamics.insert_moving(start, mass_for(stiffness), mass_for(turning));
+        // It does not turn, so its moment of inertia counts for nothing.
+        let body = dynamics.insert_moving(start, mass_for(stiffness), 1.0);
+        dynamics.world.bodies[body].lock_rotations(true, true);
         let collider = ColliderBuilder::new(object.shape.clone())
             .density(0.0)
             .friction(object.friction)
@@ -199,9 +217,7 @@ impl<'l> Pressing<'l> {
         let world = &mut dynamics.world;
         let collider = world.colliders.insert_with_parent(collider, body, &mut world.bodies);
         let mut joint = GenericJointBuilder::new(JointAxesMask::empty());
-        for (axis, stiffness) in
-            [(JointAxis::LinX, stiffness), (JointAxis::LinY, stiffness), (JointAxis::AngX, turning)]
-        {
+        for axis in [JointAxis::LinX, JointAxis::LinY] {
             joint = joint.motor_model(axis, MotorModel::ForceBased).motor_position(axis, 0.0, stiffness, 0.0);
         }
         let mut joint = joint.build();
@@ -216,9 +232,11 @@ impl<'l> Pressing<'l> {
             .flat_map(|pair| pair.manifolds())
             .flat_map(|manifold| &manifold.points)
             .fold(0.0, |most: f64, point| most.max(-point.dist));
-        if overlap_mm > OVERLAP_MM {
+        if overlap_mm > OVERLAP * length_mm {
             return Err(LatticeError::Overlap { overlap_mm });
         }
+        let way_mm = length_mm * if object.friction > 0.0 { WAY_WITH_FRICTION } else { WAY };
+        let pace = (way_mm, way_mm * middle_stiffness);
         let last = Push::To(start);
         Ok(Pressing {
             lattice,
@@ -231,16 +249,13 @@ impl<'l> Pressing<'l> {
             stiffness,
             along,
             watch,
-            friction: object.friction,
+            pace,
             last,
         })
     }
 
-    /// Moves the hand and lets everything come to rest.
-    ///
-    /// # Errors
-    /// [`LatticeError::NotSettled`] if it does not.
-    pub fn push(&mut self, push: Push) -> Result<Pressed, LatticeError> {
+    /// Moves the hand slowly, without waiting for rest.
+    pub fn pass(&mut self, push: Push) -> usize {
         let from = self.last;
         let steps = self.steps_on_the_way(from, push);
         for step in 1..=steps {
@@ -248,9 +263,18 @@ impl<'l> Pressing<'l> {
             self.dynamics.damped_step(&[]);
         }
         self.last = push;
+        steps
+    }
+
+    /// Moves the hand slowly and lets everything come to rest.
+    ///
+    /// # Errors
+    /// [`LatticeError::LetGo`] if the finger no longer holds against a force, [`LatticeError::NotSettled`] if it does not rest.
+    pub fn push(&mut self, push: Push) -> Result<Pressed, LatticeError> {
+        let steps = self.pass(push);
         let stiffness = self.drive(push);
         let pull_n = if let Push::With(force_n) = push { force_n } else { 0.0 };
-        let rest = self.dynamics.watch(&[], self.watch, steps, steps + MOST_STEPS)?;
+        let steps = self.settle(push, steps)?;
 
         let motions = self.dynamics.motions();
         let touches = self.touches(&motions);
@@ -264,19 +288,33 @@ impl<'l> Pressing<'l> {
             base_moment_nmm += touch.point.perp(&touch.force);
         }
         let shape = self.lattice.shape(&motions);
-        Ok(Pressed { shape, object, touches, hand_force, base_force, base_moment_nmm, steps: rest.steps })
+        Ok(Pressed { shape, object, touches, hand_force, base_force, base_moment_nmm, steps })
     }
 
-    /// Steps over which the hand goes to a push. Without friction the place of rest does not depend on the way there. With it,
-    /// it does: then the way is so slow that the finger keeps up, and does not swing back over the object.
-    fn steps_on_the_way(&self, from: Push, to: Push) -> usize {
-        if self.friction == 0.0 {
-            return 0;
+    /// Lets everything come to rest; the steps that it took, with those before.
+    fn settle(&mut self, push: Push, mut steps: usize) -> Result<usize, LatticeError> {
+        let most_steps = steps + MOST_STEPS;
+        loop {
+            let until = (steps + LOOKS * self.watch).min(most_steps);
+            match self.dynamics.watch(&[], self.watch, steps, until) {
+                Ok(rest) => return Ok(rest.steps),
+                // Pulled by a force, an object that nothing holds never rests.
+                Err(_) if matches!(push, Push::With(_)) && self.touches(&self.dynamics.motions()).is_empty() => {
+                    return Err(LatticeError::LetGo);
+                }
+                Err(error) if until + self.watch > most_steps => return Err(error),
+                Err(_) => steps = until,
+            }
         }
+    }
+
+    /// Steps over which the hand goes to a push.
+    fn steps_on_the_way(&self, from: Push, to: Push) -> usize {
+        let (way_mm, change_n) = self.pace;
         let way = match (from, to) {
-            (Push::To(from), Push::To(to)) => (to - from).norm() / SLOW_MM,
-            (Push::With(from), Push::With(to)) => (to - from).abs() / SLOW_N,
-            (Push::To(_), Push::With(to)) => to.abs() / SLOW_N,
+            (Push::To(from), Push::To(to)) => (to - from).norm() / way_mm,
+            (Push::With(from), Push::With(to)) => (to - from).abs() / change_n,
+            (Push::To(_), Push::With(to)) => to.abs() / change_n,
             (Push::With(_), Push::To(_)) => 1.0,
         };
         (way * self.watch as f64).ceil() as usize
@@ -393,12 +431,15 @@ fn add_skin(lattice: &Lattice, rod_radius_mm: f64, friction: f64, dynamics: &mut
         .collect()
 }
 
-/// Steps that the slowest motion of the finger takes, as [`Dynamics::settle`] finds it.
-fn slowest_motion(lattice: &Lattice) -> Result<usize, LatticeError> {
+/// Steps that the slowest motion of the finger takes, as [`Dynamics::settle`] finds it, and the stiffness of the finger's middle, N/mm.
+fn slowest_motion(lattice: &Lattice) -> Result<(usize, f64), LatticeError> {
     let finger = lattice.finger();
     let middle = finger.contact_nodes().nth(finger.contact_nodes().len() / 2).unwrap_or(finger.tip());
-    let loads = lattice.body_loads(&[Load::at_node(middle, finger.direction(0.0) * PROBE_N)])?;
-    Ok(Dynamics::new(lattice.assembly()).settle(&loads, settling::MOST_STEPS)?.watch)
+    let push = |force_n: f64| Load::at_node(middle, finger.direction(0.0) * force_n);
+    let stiffness = TINY_N / lattice.equilibrium(&[push(TINY_N)])?.largest_displacement_mm();
+    let probe_n = PROBE * finger.plate_length_mm(Plate::Front) * stiffness;
+    let loads = lattice.body_loads(&[push(probe_n)])?;
+    Ok((Dynamics::new(lattice.assembly()).settle(&loads, settling::MOST_STEPS)?.watch, stiffness))
 }
 
 impl Lattice {
