@@ -25,8 +25,9 @@ const CAMERA_NOISE_MM: f64 = 0.067;
 /// MuJoCo's positions carry rounding of 1e-14 mm, its springs some 1e4 N/mm.
 const BALANCE_TOLERANCE_N: f64 = 1e-6;
 const BALANCE_TOLERANCE_NMM: f64 = 1e-4;
-/// What another formulation in MuJoCo may differ by, as a share of the largest displacement.
-const GUARD_TOLERANCE: f64 = 1e-4;
+/// What another formulation in MuJoCo may differ by, as a share of the largest displacement: as much as beams may. Its welds
+/// gape by 1e-4 mm and its meshes are coarse.
+const GUARD_TOLERANCE: f64 = 3e-4;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures/mujoco")
