@@ -16,6 +16,18 @@ pub const FORK_OUTLINE: &str = include_str!("../../fixtures/scenes/contact/fork.
 pub const FRICTION_SCENE: &str = include_str!("../../fixtures/scenes/contact/friction.toml");
 /// Displacements of the paper's finger from OpenSees.
 pub const OPENSEES_PAPER: &str = include_str!("../../fixtures/opensees/paper.csv");
+/// A finger with unequal plates and zones.
+pub const ASYMMETRIC_SCENE: &str = include_str!("../../fixtures/opensees/asymmetric.toml");
+/// The paper's finger with a soft zone.
+pub const SOFT_ZONE_SCENE: &str = include_str!("../../fixtures/mujoco/soft-zone.toml");
+/// Shapes of the paper's finger under single forces, from MuJoCo.
+pub const MUJOCO_PAPER: &str = include_str!("../../fixtures/mujoco/paper.csv");
+/// Shapes of the finger with unequal plates and zones, from MuJoCo.
+pub const MUJOCO_ASYMMETRIC: &str = include_str!("../../fixtures/mujoco/asymmetric.csv");
+/// Shapes of the finger with a soft zone, from MuJoCo.
+pub const MUJOCO_SOFT_ZONE: &str = include_str!("../../fixtures/mujoco/soft-zone.csv");
+/// A cylinder pushed into the paper's finger, from MuJoCo.
+pub const MUJOCO_CONTACT: &str = include_str!("../../fixtures/mujoco/contact.csv");
 /// Large deflections of a cantilever.
 pub const ELASTICA: &str = include_str!("../../fixtures/elastica.csv");
 /// Sensing networks for the paper's finger.

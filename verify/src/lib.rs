@@ -1,7 +1,7 @@
 //! Cross-checks and accuracy maps of fin-ray force sensing, and the report that shows them.
 //!
 //! [`problems`] holds reference problems with known answers, [`convergence`] and [`hard_cases`] what meshes and extremes
-//! come to, [`lattice`] a second physics of the finger, [`truth`] the fingers that sensing is put to the test on, [`estimators`] and [`networks`] what is
+//! come to, [`lattice`] a second physics of the finger, [`mujoco`] what a third says of it, [`truth`] the fingers that sensing is put to the test on, [`estimators`] and [`networks`] what is
 //! tested, [`map`], [`scatter`], [`table_one`] and [`table_two`] what is asked of them, [`report`] the page. [`files`] reads
 //! and writes what users bring and take away; physics lives in [`finray_model`].
 #![forbid(unsafe_code)]
@@ -16,6 +16,7 @@ pub mod hard_cases;
 pub mod lattice;
 pub mod ledger;
 pub mod map;
+pub mod mujoco;
 pub mod networks;
 pub mod problems;
 pub mod report;

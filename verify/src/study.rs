@@ -11,6 +11,7 @@ use crate::hard_cases::{self, HardCase, hard_cases};
 use crate::lattice::study::LatticeStudy;
 use crate::ledger::{Claim, ledger};
 use crate::map::{AccuracyMap, MapRequest, accuracy_maps};
+use crate::mujoco::ExportedFinger;
 use crate::networks::accuracy::{self, NetworkStudy};
 use crate::networks::records::Records;
 use crate::networks::{NetworkSensing, Networks};
@@ -208,6 +209,13 @@ impl Study {
             checks.extend(problems::energy_balance::checks(finger)?);
             checks.extend(problems::grid_convergence::checks(finger)?);
             comparisons.extend(problems::opensees::linear_against_large_rotation(finger)?);
+        }
+        if let Some(exported) = ExportedFinger::of(finger) {
+            checks.extend(problems::mujoco::static_checks(exported)?);
+        }
+        if is_paper {
+            checks.extend(problems::mujoco::contact_checks()?);
+            comparisons.extend(problems::mujoco::triangle()?);
         }
         progress.step();
 

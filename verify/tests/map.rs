@@ -171,3 +171,19 @@ fn the_lattice_gives_the_map_of_beams() {
     assert!(biases.iter().all(|(ours, theirs)| (ours - theirs).abs() < LATTICE_TOLERANCE));
     assert!(biases.iter().any(|(ours, theirs)| ours != theirs), "they are two models");
 }
+
+#[test]
+fn mujoco_answers_for_what_was_exported_and_nothing_else() {
+    let map = |more: &[&str]| finray(&[&["map", PAPER, "--truth", "mujoco"][..], more].concat());
+    let exported = Csv::of(&map(&[]).done());
+    assert_eq!(exported.header, HEADER);
+    assert_eq!(exported.rows.len(), 12 * 5, "contact nodes and directions");
+    assert!(exported.numbers("s_mm").contains(&153.0) && exported.numbers("angle_deg").contains(&-60.0));
+    let folder = Folder::new();
+    let message = map(&["--force-n", "2.5", "--out", &folder.path("map.csv")]).refused();
+    assert!(message.contains("0.01, 1, 3, 5"), "{message}");
+    assert!(folder.names().is_empty());
+    let other = folder.put("scene.toml", paper_with(&[("count = 11", "count = 10")]));
+    let message = finray(&["map", &other, "--truth", "mujoco"]).refused();
+    assert!(message.contains("paper, asymmetric, soft-zone"), "{message}");
+}

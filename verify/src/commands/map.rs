@@ -9,7 +9,7 @@ use finray_verify::estimators::{BeamEstimator, EstimatorKind};
 use finray_verify::files::{is_standard_stream, load_scene, write_all_or_nothing, write_text};
 use finray_verify::map::{AccuracyMap, MapRequest, accuracy_maps};
 use finray_verify::report::{map_picture, standalone};
-use finray_verify::truth::{LatticeTruth, MeshTruth, Truth, fine_mesh};
+use finray_verify::truth::{LatticeTruth, MeshTruth, MujocoTruth, Truth, fine_mesh};
 use std::path::{Path, PathBuf};
 
 /// Map where a finger can be trusted to feel: error of the sensed force by place and direction.
@@ -58,6 +58,9 @@ enum TruthArgument {
     /// The finger as rigid bodies and springs, four segments between two key nodes, in the shape of least energy.
     /// Letting the engine settle each shape, the same within 0.05 %, would take an hour
     Lattice,
+    /// The finger as MuJoCo solved it: exported shapes of three fingers, at their contact nodes, in the exported
+    /// directions, under the exported forces
+    Mujoco,
 }
 
 /// The nonlinear estimator would take minutes for a map.
@@ -84,7 +87,10 @@ const RESOLUTION: (usize, f64) = (48, 5.0);
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = load_scene(&arguments.scene)?;
     let finger = &scene.finger;
-    let (places_mm, angles_deg) = MapRequest::grid(finger, RESOLUTION.0, RESOLUTION.1);
+    let (places_mm, angles_deg) = match arguments.truth {
+        TruthArgument::Mujoco => exported_grid(finger, arguments.force_n)?,
+        _ => MapRequest::grid(finger, RESOLUTION.0, RESOLUTION.1),
+    };
     let request = MapRequest {
         places_mm,
         angles_deg,
@@ -104,6 +110,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (csv_path, svg_path) = (named(&arguments.out, "csv"), arguments.out.with_extension("svg"));
     write_all_or_nothing(&[(csv_path, &csv), (svg_path, &picture)])?;
     Ok(())
+}
+
+/// The places and directions that MuJoCo's shapes were exported for, if the force was.
+fn exported_grid(finger: &Finger, force_n: f64) -> Result<(Vec<f64>, Vec<f64>), Failure> {
+    let exported = MujocoTruth::new(finger)?;
+    exported.require_force(force_n)?;
+    Ok(exported.grid())
 }
 
 /// Standard output, a device or a pipe: there the CSV goes alone, as nothing can stand beside it.
@@ -134,6 +147,7 @@ fn compute(
             Box::new(MeshTruth::new("corotational", &mesh, Kinematics::Corotational)?)
         }
         TruthArgument::Lattice => Box::new(LatticeTruth::new(finger)?),
+        TruthArgument::Mujoco => Box::new(MujocoTruth::new(finger)?),
     };
     let key_nodes = Mesh::key_nodes(finger);
     let estimator = BeamEstimator { kind: estimator.kind(), mesh: &key_nodes };

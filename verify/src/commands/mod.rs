@@ -20,6 +20,7 @@ use finray_model::sensing::network::NetworkError;
 use finray_model::statics::StaticsError;
 use finray_verify::files::{FileError, is_standard_stream};
 use finray_verify::lattice::LatticeError;
+use finray_verify::truth::NotExported;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -123,6 +124,15 @@ impl From<LatticeError> for Failure {
             LatticeError::LetGo | LatticeError::NotSettled { .. } | LatticeError::NoEquilibrium { .. } => {
                 Failure::NotComputed(error.to_string())
             }
+        }
+    }
+}
+
+impl From<NotExported> for Failure {
+    fn from(error: NotExported) -> Failure {
+        match error {
+            NotExported::Finger | NotExported::Force { .. } => Failure::BadInput(format!("--truth mujoco: {error}")),
+            NotExported::Table(_) => Failure::NotComputed(error.to_string()),
         }
     }
 }

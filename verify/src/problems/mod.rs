@@ -10,6 +10,7 @@ pub mod full_circle;
 pub mod grid_convergence;
 pub mod lattice;
 pub mod lee_frame;
+pub mod mujoco;
 pub mod opensees;
 pub mod refinement;
 pub mod rigid_rotation;
@@ -31,6 +32,9 @@ pub enum ProblemError {
     /// The finger's lattice has no equilibrium, or does not settle.
     #[error(transparent)]
     Lattice(#[from] crate::lattice::LatticeError),
+    /// A table exported from MuJoCo is not what it should be.
+    #[error(transparent)]
+    Export(#[from] crate::mujoco::ExportError),
     /// The problem's own mesh cannot be made.
     #[error(transparent)]
     Mesh(#[from] finray_model::mesh::MeshSizeError),

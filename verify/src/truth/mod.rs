@@ -2,9 +2,11 @@
 
 mod lattice;
 mod mesh;
+mod mujoco;
 
 pub use lattice::LatticeTruth;
 pub use mesh::{FINE_MESH_NODES, MeshTruth, fine_mesh};
+pub use mujoco::{MujocoTruth, NotExported};
 
 use finray_model::mesh::FingerShape;
 use finray_model::sensing::Contact;

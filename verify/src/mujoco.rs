@@ -1,0 +1,209 @@
+//! What MuJoCo says of three fingers, read from exported tables: another formulation (discrete elastic rods between rigid
+//! rods) and other code. `fixtures/mujoco/README.md` says how they were made and how far they can be trusted.
+
+use crate::fixtures;
+use finray_model::mesh::FingerShape;
+use finray_model::{Finger, NodeId, Scene, Vector};
+use serde::Deserialize;
+
+/// A shipped table that is not what it should be.
+#[derive(Debug, thiserror::Error)]
+pub enum ExportError {
+    /// A table that cannot be read.
+    #[error("MuJoCo's table: {0}")]
+    Table(#[from] csv::Error),
+    /// A scene that cannot be read.
+    #[error("MuJoCo's scene: {0}")]
+    Scene(String),
+    /// A case that does not list every key node in order.
+    #[error("MuJoCo's table: {case} does not list the finger's {key_nodes} key nodes in order")]
+    Nodes {
+        /// The case.
+        case: String,
+        /// Key nodes of the finger.
+        key_nodes: usize,
+    },
+}
+
+/// A finger whose shapes under single forces were exported.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ExportedFinger {
+    /// Name of the table.
+    pub name: &'static str,
+    scene: &'static str,
+    csv: &'static str,
+}
+
+/// All exported fingers.
+pub const FINGERS: [ExportedFinger; 3] = [
+    ExportedFinger { name: "paper", scene: fixtures::PAPER_SCENE, csv: fixtures::MUJOCO_PAPER },
+    ExportedFinger { name: "asymmetric", scene: fixtures::ASYMMETRIC_SCENE, csv: fixtures::MUJOCO_ASYMMETRIC },
+    ExportedFinger { name: "soft-zone", scene: fixtures::SOFT_ZONE_SCENE, csv: fixtures::MUJOCO_SOFT_ZONE },
+];
+
+/// The equilibrium of a finger under one dead force on a node.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StaticCase {
+    /// The loaded node.
+    pub node: NodeId,
+    /// Direction of the force, degrees from the undeformed inward normal, positive towards the tip.
+    pub angle_deg: f64,
+    /// Size of the force, N.
+    pub force_n: f64,
+    /// The force, N.
+    pub force: Vector,
+    /// Where the key nodes are.
+    pub shape: FingerShape,
+    /// Stated uncertainty of a displacement, mm.
+    pub uncertainty_mm: f64,
+    /// Stated uncertainty of a rotation, rad.
+    pub uncertainty_rad: f64,
+}
+
+/// A rod that the cylinder touches.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TouchedRod {
+    /// The rod's node.
+    pub node: NodeId,
+    /// Force on the rod, N.
+    pub force: Vector,
+    /// Moment of the force about the rod's centre, N mm; 0 without friction but for rounding.
+    pub moment_nmm: f64,
+}
+
+/// The equilibrium of the paper's finger with a rigid cylinder pushed into it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactStep {
+    /// Number of the push.
+    pub push: usize,
+    /// How far the cylinder was pushed in, mm.
+    pub depth_mm: f64,
+    /// Coefficient of friction.
+    pub friction: f64,
+    /// Where the key nodes are.
+    pub shape: FingerShape,
+    /// The rods that carry force, from tip to base.
+    pub touched: Vec<TouchedRod>,
+    /// Stated uncertainty of a displacement, mm.
+    pub uncertainty_mm: f64,
+}
+
+#[derive(Debug, Deserialize)]
+struct StaticRow {
+    case: usize,
+    load: usize,
+    force_n: f64,
+    angle_deg: f64,
+    fx_n: f64,
+    fy_n: f64,
+    node: usize,
+    ux_mm: f64,
+    uy_mm: f64,
+    theta_rad: f64,
+    uncertainty_mm: f64,
+    uncertainty_rad: f64,
+}
+
+#[derive(Debug, Deserialize)]
+struct ContactRow {
+    push: usize,
+    friction: f64,
+    depth_mm: f64,
+    node: usize,
+    ux_mm: f64,
+    uy_mm: f64,
+    theta_rad: f64,
+    fx_n: f64,
+    fy_n: f64,
+    m_nmm: f64,
+    uncertainty_mm: f64,
+}
+
+impl ExportedFinger {
+    /// The export of a finger, if there is one: what counts is the finger, not its name.
+    pub fn of(finger: &Finger) -> Option<&'static ExportedFinger> {
+        FINGERS.iter().find(|exported| exported.finger().is_ok_and(|known| known == *finger))
+    }
+
+    /// The finger itself.
+    ///
+    /// # Errors
+    /// [`ExportError`] never in practice: the scene ships.
+    pub fn finger(&self) -> Result<Finger, ExportError> {
+        let scene = Scene::from_toml(self.scene).map_err(|error| ExportError::Scene(error.to_string()))?;
+        Ok(scene.finger)
+    }
+
+    /// All cases, by node, then direction, then growing force.
+    ///
+    /// # Errors
+    /// [`ExportError`] never in practice: the table ships.
+    pub fn cases(&self) -> Result<Vec<StaticCase>, ExportError> {
+        let finger = self.finger()?;
+        let rows: Vec<StaticRow> = rows(self.csv)?;
+        rows.chunk_by(|a, b| a.case == b.case)
+            .map(|case| {
+                let first = &case[0];
+                let motions = case.iter().map(|row| (row.node, [row.ux_mm, row.uy_mm, row.theta_rad]));
+                Ok(StaticCase {
+                    node: NodeId(first.load),
+                    angle_deg: first.angle_deg,
+                    force_n: first.force_n,
+                    force: Vector::new(first.fx_n, first.fy_n),
+                    shape: shape(&finger, || format!("{}, case {}", self.name, first.case), motions)?,
+                    uncertainty_mm: first.uncertainty_mm,
+                    uncertainty_rad: first.uncertainty_rad,
+                })
+            })
+            .collect()
+    }
+}
+
+/// All steps of all pushes of a cylinder into the paper's finger.
+///
+/// # Errors
+/// [`ExportError`] never in practice: the table ships.
+pub fn contact_steps() -> Result<Vec<ContactStep>, ExportError> {
+    let finger = FINGERS[0].finger()?;
+    let rows: Vec<ContactRow> = rows(fixtures::MUJOCO_CONTACT)?;
+    rows.chunk_by(|a, b| (a.push, a.depth_mm) == (b.push, b.depth_mm))
+        .map(|step| {
+            let first = &step[0];
+            let name = || format!("push {}, {} mm", first.push, first.depth_mm);
+            let motions = step.iter().map(|row| (row.node, [row.ux_mm, row.uy_mm, row.theta_rad]));
+            let touched = step.iter().map(|row| TouchedRod {
+                node: NodeId(row.node),
+                force: Vector::new(row.fx_n, row.fy_n),
+                moment_nmm: row.m_nmm,
+            });
+            Ok(ContactStep {
+                push: first.push,
+                depth_mm: first.depth_mm,
+                friction: first.friction,
+                shape: shape(&finger, name, motions)?,
+                touched: touched.filter(|rod| rod.force != Vector::zeros()).collect(),
+                uncertainty_mm: first.uncertainty_mm,
+            })
+        })
+        .collect()
+}
+
+fn rows<R: for<'a> Deserialize<'a>>(csv: &str) -> Result<Vec<R>, ExportError> {
+    Ok(csv::Reader::from_reader(csv.as_bytes()).deserialize().collect::<Result<_, _>>()?)
+}
+
+fn shape(
+    finger: &Finger,
+    case: impl Fn() -> String,
+    motions: impl Iterator<Item = (usize, [f64; 3])>,
+) -> Result<FingerShape, ExportError> {
+    let motions: Vec<(usize, [f64; 3])> = motions.collect();
+    let key_nodes = finger.key_node_count();
+    if !motions.iter().map(|(node, _)| *node).eq(1..=key_nodes) {
+        return Err(ExportError::Nodes { case: case(), key_nodes });
+    }
+    Ok(FingerShape::new(finger, |node| {
+        let [ux, uy, theta] = motions[node.0 - 1].1;
+        (Vector::new(ux, uy), theta)
+    }))
+}

@@ -1,0 +1,201 @@
+//! Fingers solved by MuJoCo 4.0.0: discrete elastic rods between rigid rods, found at rest by Newton's method on its inverse
+//! dynamics, and a cylinder pushed into the paper's finger.
+//!
+//! MuJoCo shares neither theory (its rods bend at vertices alone) nor code with the beams; both tend to the same limit.
+
+use super::ProblemError;
+use crate::check::{Check, Comparison, worst};
+use crate::lattice::accuracy::difference;
+use crate::mujoco::{ContactStep, ExportedFinger, FINGERS, StaticCase, TouchedRod, contact_steps};
+use crate::truth::{LatticeTruth, Truth};
+use finray_model::mesh::FingerShape;
+use finray_model::sensing::Contact;
+use finray_model::statics::Statics;
+use finray_model::{Finger, Kinematics, Load, Mesh, statics};
+use rayon::prelude::*;
+
+/// The other party of all rows.
+const SOURCE: &str = "MuJoCo";
+/// What most rows compare.
+const DISPLACEMENT: &str = "largest displacement difference / largest displacement";
+const ROTATION: &str = "largest rotation difference (rad)";
+
+/// Largest difference of a displacement under single forces, as a share of the case's largest.
+pub const STATIC_TOLERANCE: f64 = 3e-4;
+/// Largest difference of a rotation, rad.
+pub const ROTATION_TOLERANCE_RAD: f64 = 1e-3;
+/// A difference may be this many times the uncertainties that both parties state.
+pub const UNCERTAINTIES: f64 = 3.0;
+/// The finger is linear under forces up to this, N, within [`LINEAR_TOLERANCE`].
+const LINEAR_FORCE_N: f64 = 0.01;
+/// What linear theory leaves out at 0.01 N: 1.22e-3 by co-rotational beams as by MuJoCo, and above 1e-3 for 7 of 60 loads.
+pub const LINEAR_TOLERANCE: f64 = 1.3e-3;
+/// Displacements under the exported contact forces, as a share of the step's largest.
+pub const CONTACT_TOLERANCE: f64 = 5e-4;
+/// Elements a member of the two meshes of beams that are extrapolated: their error falls with the square of the size.
+const ELEMENTS: [usize; 2] = [16, 32];
+
+/// A case and how far beams are from it.
+#[derive(Debug, Clone)]
+pub struct CaseDeviation {
+    /// The case.
+    pub case: StaticCase,
+    /// Largest difference of a key node's displacement, as a share of the largest displacement.
+    pub displacement: f64,
+    /// Largest difference of a key node's rotation, rad.
+    pub rotation_rad: f64,
+    /// The differences as shares of the uncertainties that both parties state, the larger of the two.
+    pub uncertainties: f64,
+}
+
+/// Solves every case of an exported finger with converged beams.
+///
+/// # Errors
+/// [`ProblemError`] if the table cannot be read or a case has no equilibrium.
+pub fn deviations(exported: &ExportedFinger) -> Result<Vec<CaseDeviation>, ProblemError> {
+    let (finger, cases) = (exported.finger()?, exported.cases()?);
+    let meshes = ELEMENTS.map(|elements| Mesh::with_elements_per_member(&finger, elements));
+    let directions: Vec<&[StaticCase]> =
+        cases.chunk_by(|a, b| (a.node, a.angle_deg) == (b.node, b.angle_deg)).collect();
+    let by_direction: Vec<Vec<CaseDeviation>> =
+        directions.into_par_iter().map(|cases| direction_deviations(&meshes, cases)).collect::<Result<_, _>>()?;
+    Ok(by_direction.concat())
+}
+
+fn direction_deviations(meshes: &[Mesh; 2], cases: &[StaticCase]) -> Result<Vec<CaseDeviation>, ProblemError> {
+    let forces_n: Vec<f64> = cases.iter().map(|case| case.force_n).collect();
+    let unit = Load::at_node(cases[0].node, cases[0].force / cases[0].force_n);
+    let path = |mesh: &Mesh| -> Result<Vec<FingerShape>, ProblemError> {
+        let load = mesh.frame_load(&unit).map_err(statics::StaticsError::from)?;
+        let (equilibria, stopped) = Statics::ladder(mesh, Kinematics::Corotational).path(&[load], &forces_n);
+        match stopped {
+            Some(error) => Err(error.into()),
+            None => Ok(equilibria.iter().map(|equilibrium| mesh.shape(&equilibrium.motion)).collect()),
+        }
+    };
+    let (coarse, fine) = (path(&meshes[0])?, path(&meshes[1])?);
+    let finger = meshes[0].finger();
+    let shapes = coarse.iter().zip(&fine);
+    Ok(cases.iter().zip(shapes).map(|(case, (coarse, fine))| deviation(finger, case, coarse, fine)).collect())
+}
+
+fn deviation(finger: &Finger, case: &StaticCase, coarse: &FingerShape, fine: &FingerShape) -> CaseDeviation {
+    let ours = FingerShape::new(finger, |node| {
+        let (c, f) = (coarse.motion(node), fine.motion(node));
+        (f.displacement + (f.displacement - c.displacement) / 3.0, f.rotation + (f.rotation - c.rotation) / 3.0)
+    });
+    let (off_mm, off_rad) = apart(&ours, &case.shape);
+    let (our_mm, our_rad) = apart(&ours, fine);
+    let stated = (off_mm / (case.uncertainty_mm + our_mm)).max(off_rad / (case.uncertainty_rad + our_rad));
+    CaseDeviation {
+        case: case.clone(),
+        displacement: off_mm / case.shape.largest_displacement_mm(),
+        rotation_rad: off_rad,
+        uncertainties: stated,
+    }
+}
+
+/// Largest differences of displacements (mm) and rotations (rad).
+fn apart(a: &FingerShape, b: &FingerShape) -> (f64, f64) {
+    let pairs = || a.motions().iter().zip(b.motions());
+    (
+        worst(pairs().map(|(a, b)| (a.displacement - b.displacement).norm())),
+        worst(pairs().map(|(a, b)| (a.rotation - b.rotation).abs())),
+    )
+}
+
+/// Every exported finger under every exported force, against converged beams, and against linear beams under the least force.
+///
+/// # Errors
+/// See [`deviations`].
+pub fn static_checks(exported: &ExportedFinger) -> Result<Vec<Check>, ProblemError> {
+    let deviations = deviations(exported)?;
+    let over_all = |figure: fn(&CaseDeviation) -> f64| worst(deviations.iter().map(figure));
+    let largest_n = worst(deviations.iter().map(|deviation| deviation.case.force_n));
+    let problem = format!("finger {}, co-rotational, {} forces up to {largest_n} N", exported.name, deviations.len());
+    let check = |quantity, ours, tolerance| Check::new(problem.clone(), SOURCE, quantity, 0.0, ours, tolerance);
+    Ok(vec![
+        check(DISPLACEMENT, over_all(|d| d.displacement), STATIC_TOLERANCE),
+        check(ROTATION, over_all(|d| d.rotation_rad), ROTATION_TOLERANCE_RAD),
+        check("largest difference / uncertainties stated", over_all(|d| d.uncertainties), UNCERTAINTIES),
+        linear_check(exported)?,
+    ])
+}
+
+fn linear_check(exported: &ExportedFinger) -> Result<Check, ProblemError> {
+    let mesh = Mesh::with_elements_per_member(&exported.finger()?, ELEMENTS[1]);
+    let cases = exported.cases()?;
+    let small: Vec<&StaticCase> = cases.iter().filter(|case| case.force_n <= LINEAR_FORCE_N).collect();
+    let mut differences = Vec::new();
+    for case in &small {
+        let linear = statics::solve(&mesh, &[Load::at_node(case.node, case.force)], Kinematics::Linear)?;
+        differences.push(difference(&case.shape, &linear));
+    }
+    let problem = format!("finger {}, linear, {} forces of {LINEAR_FORCE_N} N", exported.name, small.len());
+    Ok(Check::new(problem, SOURCE, DISPLACEMENT, 0.0, worst(differences), LINEAR_TOLERANCE))
+}
+
+/// Displacements of a step of a push against converged beams under the exported contact forces, as a share of the largest.
+///
+/// # Errors
+/// [`ProblemError`] if the forces have no equilibrium.
+pub fn contact_deviation(mesh: &Mesh, step: &ContactStep) -> Result<f64, ProblemError> {
+    let load = |rod: &TouchedRod| Load::Node { node: rod.node, force: rod.force, moment_nmm: rod.moment_nmm };
+    let loads: Vec<Load> = step.touched.iter().map(load).collect();
+    let ours = statics::solve(mesh, &loads, Kinematics::Corotational)?;
+    Ok(difference(&step.shape, &ours))
+}
+
+/// A cylinder pushed into the paper's finger: beams under MuJoCo's contact forces take MuJoCo's shape.
+///
+/// # Errors
+/// [`ProblemError`] if the table cannot be read or a step has no equilibrium.
+pub fn contact_checks() -> Result<Vec<Check>, ProblemError> {
+    let mesh = Mesh::with_elements_per_member(&FINGERS[0].finger()?, ELEMENTS[1]);
+    let steps = contact_steps()?;
+    let pushes: Vec<&[ContactStep]> = steps.chunk_by(|a, b| a.push == b.push).collect();
+    let check = |steps: &[ContactStep]| {
+        let of_steps: Vec<f64> =
+            steps.par_iter().map(|step| contact_deviation(&mesh, step)).collect::<Result<_, _>>()?;
+        let problem =
+            format!("finger paper, cylinder of push {}, contact forces of {} steps", steps[0].push, steps.len());
+        Ok(Check::new(problem, SOURCE, DISPLACEMENT, 0.0, worst(of_steps), CONTACT_TOLERANCE))
+    };
+    pushes.into_iter().map(check).collect()
+}
+
+/// Beams, lattice and MuJoCo as a triangle, under each force on the paper's finger: what no pair promises to be equal.
+///
+/// # Errors
+/// [`ProblemError`] if the table cannot be read.
+pub fn triangle() -> Result<Vec<Comparison>, ProblemError> {
+    let exported = &FINGERS[0];
+    let finger = exported.finger()?;
+    let lattice = LatticeTruth::new(&finger)?;
+    let cases = exported.cases()?;
+    let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS[1]);
+    let mut forces_n: Vec<f64> = cases.iter().map(|case| case.force_n).collect();
+    forces_n.sort_by(f64::total_cmp);
+    forces_n.dedup();
+    let mut comparisons = Vec::new();
+    for force_n in forces_n {
+        let of_force: Vec<&StaticCase> = cases.iter().filter(|case| case.force_n == force_n).collect();
+        let sides = of_force.par_iter().map(|case| -> Result<[f64; 3], ProblemError> {
+            let contact = Contact { angle_deg: case.angle_deg, ..Contact::at_node(case.node) };
+            let beams = statics::solve(&mesh, &[Load::at_node(case.node, case.force)], Kinematics::Corotational)?;
+            let springs = lattice.shapes(&contact, &[force_n]);
+            let springs = springs.first().ok_or(ProblemError::Reference("the lattice has no equilibrium".into()))?;
+            Ok([difference(&case.shape, &beams), difference(&case.shape, springs), difference(&beams, springs)])
+        });
+        let sides: Vec<[f64; 3]> = sides.collect::<Result<_, _>>()?;
+        let pairs = [("beams", SOURCE), ("lattice", SOURCE), ("lattice", "beams")];
+        comparisons.extend(pairs.iter().enumerate().map(|(side, (one, other))| Comparison {
+            problem: format!("paper finger, {} forces of {force_n} N: {one} against {other}", of_force.len()),
+            source: (*other).to_owned(),
+            quantity: DISPLACEMENT.to_owned(),
+            reference: 0.0,
+            ours: worst(sides.iter().map(|sides| sides[side])),
+        }));
+    }
+    Ok(comparisons)
+}

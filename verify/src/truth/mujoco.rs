@@ -1,0 +1,100 @@
+//! The finger as MuJoCo solved it: exported shapes, and nothing between them.
+
+use super::Truth;
+use crate::mujoco::{ExportError, ExportedFinger, FINGERS, StaticCase};
+use finray_model::mesh::FingerShape;
+use finray_model::sensing::Contact;
+use finray_model::{Finger, NodeId};
+
+/// Places (mm) and directions (degrees) that are the same but for rounding.
+const SAME: f64 = 1e-9;
+
+/// Why there are no shapes from MuJoCo for a question.
+#[derive(Debug, thiserror::Error)]
+pub enum NotExported {
+    /// Another finger.
+    #[error("MuJoCo's shapes were exported for the fingers {fingers} alone, and this is none of them", fingers = names())]
+    Finger,
+    /// A force that was not exported.
+    #[error("MuJoCo's shapes of the finger {finger} were exported for forces of {exported} N, not for {asked} N")]
+    Force {
+        /// Name of the export.
+        finger: &'static str,
+        /// The force asked for, N.
+        asked: f64,
+        /// All exported forces, N.
+        exported: String,
+    },
+    /// A shipped table that cannot be read.
+    #[error(transparent)]
+    Table(#[from] ExportError),
+}
+
+fn names() -> String {
+    FINGERS.map(|exported| exported.name).join(", ")
+}
+
+/// Exported shapes of a finger, by node, direction and force.
+#[derive(Debug, Clone)]
+pub struct MujocoTruth {
+    finger: Finger,
+    name: &'static str,
+    cases: Vec<StaticCase>,
+}
+
+impl MujocoTruth {
+    /// The exported shapes of a finger.
+    ///
+    /// # Errors
+    /// [`NotExported::Finger`] for other fingers.
+    pub fn new(finger: &Finger) -> Result<MujocoTruth, NotExported> {
+        let exported = ExportedFinger::of(finger).ok_or(NotExported::Finger)?;
+        Ok(MujocoTruth { finger: finger.clone(), name: exported.name, cases: exported.cases()? })
+    }
+
+    /// The exported places along the front plate (mm from the base) and directions (degrees), both growing.
+    pub fn grid(&self) -> (Vec<f64>, Vec<f64>) {
+        let places = self.cases.iter().filter_map(|case| self.finger.front_place_mm(case.node));
+        (growing(places), growing(self.cases.iter().map(|case| case.angle_deg)))
+    }
+
+    /// Refuses a force (N) that was not exported.
+    ///
+    /// # Errors
+    /// [`NotExported::Force`] names those that were.
+    pub fn require_force(&self, force_n: f64) -> Result<(), NotExported> {
+        let forces = growing(self.cases.iter().map(|case| case.force_n));
+        if forces.iter().any(|force| (force - force_n).abs() < SAME) {
+            return Ok(());
+        }
+        let exported = forces.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
+        Err(NotExported::Force { finger: self.name, asked: force_n, exported })
+    }
+
+    fn case(&self, contact: &Contact, force_n: f64) -> Option<&StaticCase> {
+        let place = |node: NodeId| self.finger.front_place_mm(node).unwrap_or(f64::NAN);
+        let asked = contact.place_mm(&self.finger)?;
+        self.cases.iter().find(|case| {
+            let apart = [place(case.node) - asked, case.angle_deg - contact.angle_deg, case.force_n - force_n];
+            apart.iter().all(|difference| difference.abs() < SAME)
+        })
+    }
+}
+
+fn growing(figures: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut figures: Vec<f64> = figures.collect();
+    figures.sort_by(f64::total_cmp);
+    figures.dedup_by(|a, b| (*a - *b).abs() < SAME);
+    figures
+}
+
+impl Truth for MujocoTruth {
+    fn name(&self) -> &str {
+        "mujoco"
+    }
+
+    /// Ends before the first force that was not exported, be it that the finger cannot carry it.
+    fn shapes(&self, contact: &Contact, forces_n: &[f64]) -> Vec<FingerShape> {
+        forces_n.iter().map_while(|&force_n| Some(self.case(contact, force_n)?.shape.clone())).collect()
+    }
+}
