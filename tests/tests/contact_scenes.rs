@@ -7,10 +7,10 @@ use finray_model::sensing::ContactPlace;
 use finray_model::{Kinematics, Mesh, NodeId, Scene, Vector, statics};
 use finray_verify::check::Check;
 use finray_verify::contact_scene::study::{PICTURES, SceneStudy, shipped};
-use finray_verify::contact_scene::{ContactScene, OutlineError, SceneStep, TurnedOutline};
+use finray_verify::contact_scene::{ContactScene, OutlineError, SceneStep, TurnedOutline, seen_contacts};
 use finray_verify::fixtures;
-use finray_verify::lattice::LatticeError;
-use finray_verify::lattice::pressing::TouchedPart;
+use finray_verify::lattice::pressing::{Touch, TouchedPart};
+use finray_verify::lattice::{Lattice, LatticeError};
 
 /// Segments in a stretch of plate where nothing but the order of magnitude of the bending matters.
 const COARSE: usize = 1;
@@ -235,16 +235,40 @@ fn corners_of_a_path_are_passed() {
     assert!((step.total_n() - step.pressed.contact_force().dot(&step.along)).abs() < 1e-12);
 }
 
-/// However near two rods are, each is a contact of its own.
+/// However near two rods are, each is a contact of its own; plate between them belongs to the one before it. What a touch carries
+/// weighs its direction.
 #[test]
 fn two_rods_are_two_contacts() {
     let text = fixtures::PAPER_SCENE.replace("count = 11", "positions_mm = [[40, 40], [75, 75], [78, 78], [120, 120]]");
-    let object = "shape = \"disc\"\nradius_mm = 20\nat_mm = 76.5\ntravel_mm = 2\nsteps = 1";
-    let scene = Scene::from_toml(&format!("{text}\n[object]\n{object}")).expect("a good scene");
-    let step = steps(&prepared(&scene).with_fineness(2)).pop().expect("a step");
-    let rods = step.pressed.touches.iter().filter(|touch| matches!(touch.part, TouchedPart::Rod(_))).count();
-    assert_eq!(rods, 2, "{:?}", step.pressed.touches);
-    assert!(step.contacts.iter().filter(|seen| matches!(seen.contact.place, ContactPlace::Node(_))).count() == 2);
+    let finger = Scene::from_toml(&text).expect("a good scene").finger;
+    let lattice = Lattice::new(&finger, COARSE).expect("a lattice");
+    let touch = |part, angle_deg: f64, force_n: f64| {
+        let normal = finger.direction(angle_deg);
+        Touch {
+            body: 0,
+            part,
+            clamped: false,
+            point: Vector::zeros(),
+            arm: Vector::zeros(),
+            normal,
+            force: normal * force_n,
+            overlap_mm: 0.0,
+        }
+    };
+    // Nodes 9 and 8 at 75 and 78 mm.
+    let touches = [
+        touch(TouchedPart::Rod(NodeId(9)), 0.0, 3.0),
+        touch(TouchedPart::Plate(75.2), 90.0, 4.0),
+        touch(TouchedPart::Rod(NodeId(8)), -10.0, 1.0),
+        touch(TouchedPart::Plate(100.0), 0.0, 1.0),
+    ];
+    let seen = seen_contacts(&lattice, &touches);
+    let places: Vec<ContactPlace> = seen.iter().map(|seen| seen.contact.place).collect();
+    let expected = [ContactPlace::Node(NodeId(9)), ContactPlace::Node(NodeId(8)), ContactPlace::Place(100.0)];
+    assert_eq!(places, expected);
+    let steep_deg = 4.0_f64.atan2(3.0).to_degrees();
+    assert!((seen[0].contact.angle_deg - steep_deg).abs() < 1e-9 && (seen[1].contact.angle_deg + 10.0).abs() < 1e-9);
+    assert!((seen[0].normal_n - 7.0).abs() < 1e-12 && seen[0].friction_n.abs() < 1e-12);
 }
 
 /// A way that begins in the air is checked where the object touches.
