@@ -63,7 +63,7 @@ fn a_row_says_all_that_is_known_of_a_cell() {
     let mut keys: Vec<_> = table.rows.iter().map(|row| key(row)).collect();
     assert_eq!(
         keys[..3].iter().map(|key| key[3..].join(" ")).collect::<Vec<_>>(),
-        ["least-squares 0 0.5", "least-squares 0 3", "least-squares 0.067 0.5"]
+        ["least-squares 0.0 0.5", "least-squares 0.0 3.0", "least-squares 0.067 0.5"]
     );
     keys.sort();
     keys.dedup();
@@ -89,7 +89,7 @@ fn a_map_is_a_sweep_with_fewer_columns() {
         assert_eq!(map.texts(column), sweep.texts(column), "{column}");
     }
     // Several forces: those of one cell stand together.
-    assert_eq!(map.texts("force_n")[..4], ["1", "2", "1", "2"]);
+    assert_eq!(map.texts("force_n")[..4], ["1.0", "2.0", "1.0", "2.0"]);
 }
 
 /// The stated deviation is the one that `sense` states.
@@ -97,7 +97,7 @@ fn a_map_is_a_sweep_with_fewer_columns() {
 fn the_stated_deviation_is_that_of_sense() {
     let arguments = ["--truth", "linear", "--noise-mm", "0.1", "--seeds", "3", "--force-n", "2", "--places", "12"];
     let table = Csv::of(&finray(&with(&["sweep", PAPER], &arguments)).done());
-    let at = |row: &Vec<String>| row[3] == "76.5" && row[4] == "0";
+    let at = |row: &Vec<String>| row[3] == "76.5" && row[4] == "0.0";
     let row = table.rows.iter().position(at).expect("the middle of the plate");
     let shape = finray(&["solve", PAPER, "--kinematics", "linear", "--load-at", "76.5:2,0"]).done();
     let sense = ["sense", PAPER, "--displacements", "-", "--contact-at", "76.5", "--noise-mm", "0.1"];
@@ -130,6 +130,20 @@ fn merged_shards_are_the_bytes_of_one_run() {
     assert!(!names.contains(&"1-of-3.svg".to_owned()), "a shard has no picture");
 }
 
+/// The head keeps a scene to the letter, whatever its line ends and quotes.
+#[test]
+fn shards_of_any_scene_fit() {
+    let folder = Folder::new();
+    let scene = paper_with(&[("\n", "\r\n"), ("\"paper\"", "Q'a \"\"\" \\ # b'Q")]).replace('Q', "''") + "\t# the end";
+    let scene = folder.put("scene.toml", scene);
+    let mut command = MAP;
+    command[1] = &scene;
+    let out = folder.path("out.csv");
+    finray(&with(&command, &["--out", &out])).done();
+    merged(&shards(&folder, &command, 2), &folder.path("merged.csv")).done();
+    assert!(folder.read("merged.csv") == folder.read("out.csv") && folder.read("merged.svg") == folder.read("out.svg"));
+}
+
 /// Whatever was written when a run was killed, the next one ends with the bytes of one run.
 #[test]
 fn a_run_that_was_killed_goes_on() {
@@ -143,7 +157,7 @@ fn a_run_that_was_killed_goes_on() {
     let head_lines = |line: &&str| line.starts_with('#');
     let head: Vec<&str> = shard.lines().take_while(head_lines).collect();
     let from = head.iter().position(|line| line.contains("[shard]")).expect("the shard's table");
-    let kept = head.iter().enumerate().filter(|(i, _)| !(from..from + 3).contains(i)).map(|(_, line)| *line);
+    let kept = head.iter().enumerate().filter(|(i, _)| !(from..from + 4).contains(i)).map(|(_, line)| *line);
     let begun = kept.collect::<Vec<_>>().join("\n") + "\n" + &whole;
     let rows_at = begun.find(HEADER).expect("the header") + HEADER.len() + 1;
     let places = [0, 1, rows_at / 2, rows_at - 1, rows_at, rows_at + 7, (rows_at + begun.len()) / 2, begun.len() - 1];
@@ -166,7 +180,7 @@ fn rows_that_are_there_are_kept() {
     let whole = folder.read("1.csv");
     let rows_at = whole.find(HEADER).expect("the header") + HEADER.len() + 1;
     // A mark in the first block, which is whole; of the second one a row is missing.
-    let mark = |text: &str| text.replacen("linear,least-squares,0,", "marked,least-squares,0,", 1);
+    let mark = |text: &str| text.replacen("linear,least-squares,0.0,", "marked,least-squares,0.0,", 1);
     let (head, rows) = whole.split_at(rows_at);
     let mut written: Vec<&str> = rows.split_inclusive('\n').take(2 * ROWS_IN_BLOCK).collect();
     written.pop();
