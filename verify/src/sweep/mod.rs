@@ -5,7 +5,7 @@
 //! truth's path of shapes and each estimator's preparation, so it is what threads and [`Shard`]s divide. Blocks are
 //! numbered by truth, then place, then direction; the cells of a block go by estimator, then noise, then force. Neither
 //! order nor numbers depend on the threads, so rows can be written as they come ([`Sweep::stream`]), a run that was
-//! stopped goes on where its [`Partial`] file ends, and [`merge`]d shards are one run's bytes.
+//! stopped goes on where its [`Partial`] file ends, and [`Shards`] put together are one run's bytes.
 
 mod cell;
 mod grid;
