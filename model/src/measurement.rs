@@ -103,6 +103,12 @@ impl Measurement {
         Measurement { markers: finger.free_nodes().map(marker).collect() }
     }
 
+    /// All free nodes of a finger that nothing bends.
+    pub fn at_rest(finger: &Finger) -> Measurement {
+        let marker = |node| Marker { node, displacement: Vector::zeros(), weight: 1.0 };
+        Measurement { markers: finger.free_nodes().map(marker).collect() }
+    }
+
     /// The same measurement without the markers of hidden nodes.
     pub fn without(mut self, hidden: &[NodeId]) -> Measurement {
         self.markers.retain(|marker| !hidden.contains(&marker.node));

@@ -2,7 +2,7 @@
 //!
 //! [`problems`] holds reference problems with known answers, [`convergence`] and [`hard_cases`] what meshes and extremes
 //! come to, [`lattice`] a second physics of the finger, [`mujoco`] what a third says of it, [`truth`] the fingers that sensing is put to the test on, [`estimators`] and [`networks`] what is
-//! tested, [`map`], [`scatter`], [`table_one`] and [`table_two`] what is asked of them, [`report`] the page. [`files`] reads
+//! tested, [`sweep`], [`map`], [`scatter`], [`table_one`] and [`table_two`] what is asked of them, [`report`] the page. [`files`] reads
 //! and writes what users bring and take away; physics lives in [`finray_model`].
 #![forbid(unsafe_code)]
 
@@ -23,6 +23,7 @@ pub mod report;
 pub mod scatter;
 pub mod speed_error;
 pub mod study;
+pub mod sweep;
 pub mod table_one;
 pub mod table_two;
 pub mod truth;

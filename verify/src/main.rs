@@ -4,7 +4,7 @@
 mod commands;
 
 use clap::{CommandFactory, Parser, Subcommand};
-use commands::{calibrate, map, press, report, sense, solve};
+use commands::{calibrate, map, merge, press, report, sense, solve, sweep};
 #[cfg(feature = "train")]
 use commands::{networks, train};
 use finray_verify::files::write_text;
@@ -33,6 +33,8 @@ enum Command {
     Sense(sense::Arguments),
     Calibrate(calibrate::Arguments),
     Map(map::Arguments),
+    Sweep(sweep::Arguments),
+    Merge(merge::Arguments),
     Press(press::Arguments),
     #[cfg(feature = "train")]
     Train(train::Arguments),
@@ -52,6 +54,8 @@ fn main() -> ExitCode {
         Command::Sense(arguments) => sense::run(&arguments),
         Command::Calibrate(arguments) => calibrate::run(&arguments),
         Command::Map(arguments) => map::run(&arguments),
+        Command::Sweep(arguments) => sweep::run(&arguments),
+        Command::Merge(arguments) => merge::run(&arguments),
         Command::Press(arguments) => press::run(&arguments),
         #[cfg(feature = "train")]
         Command::Train(arguments) => train::run(&arguments),

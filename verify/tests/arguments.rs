@@ -4,7 +4,7 @@ mod common;
 
 use common::*;
 
-const COMMANDS: [&str; 5] = ["report", "solve", "sense", "calibrate", "map"];
+const COMMANDS: [&str; 6] = ["report", "solve", "sense", "calibrate", "map", "sweep"];
 
 #[test]
 fn every_command_explains_itself() {
@@ -22,7 +22,9 @@ fn every_command_explains_itself() {
         ("solve", vec!["--load ", "--load-at", "--kinematics", "--mesh-nodes", "corotational-chord"]),
         ("sense", vec!["--displacements", "--contact ", "--contact-at", "--estimator", "--noise-mm"]),
         ("calibrate", vec!["--measurements"]),
-        ("map", vec!["--truth", "--estimator", "--force-n", "--noise-mm", "--seeds", "--seed "]),
+        ("map", vec!["--truth", "--estimator", "--force-n", "--noise-mm", "--seeds", "--seed ", "--shard"]),
+        ("sweep", vec!["--truth", "--estimator", "--force-n", "--noise-mm", "--seeds", "--seed ", "--shard"]),
+        ("merge", vec!["--out", "SHARD", "Example"]),
     ] {
         assert_says(&finray(&[command, "--help"]).done(), &options);
     }

@@ -2,16 +2,19 @@
 
 pub mod calibrate;
 pub mod map;
+pub mod merge;
 #[cfg(feature = "train")]
 pub mod networks;
 pub mod press;
 pub mod report;
 pub mod sense;
 pub mod solve;
+pub mod sweep;
 #[cfg(feature = "train")]
 pub mod train;
 
 mod contacts;
+mod grid;
 mod parse;
 mod progress;
 
@@ -134,6 +137,13 @@ impl From<NotExported> for Failure {
             NotExported::Finger | NotExported::Force { .. } => Failure::BadInput(format!("--truth mujoco: {error}")),
             NotExported::Table(_) => Failure::NotComputed(error.to_string()),
         }
+    }
+}
+
+/// Requests are numbers, texts and lists, which TOML has room for.
+impl From<toml::ser::Error> for Failure {
+    fn from(error: toml::ser::Error) -> Failure {
+        Failure::NotComputed(error.to_string())
     }
 }
 

@@ -36,6 +36,12 @@ pub fn positive(text: &str) -> Result<f64, String> {
     finite(text).and_then(|x| if x > 0.0 { Ok(x) } else { Err(format!("expected more than zero, found {x}")) })
 }
 
+/// A step from one direction to the next, degrees.
+pub fn degrees_between(text: &str) -> Result<f64, String> {
+    const FINEST: f64 = 0.01;
+    finite(text).and_then(|x| if x >= FINEST { Ok(x) } else { Err(format!("expected {FINEST} or more, found {x}")) })
+}
+
 fn node(text: &str) -> Result<NodeId, String> {
     text.trim().parse().map(NodeId).map_err(|_| format!("expected the number of a node, found \"{text}\""))
 }

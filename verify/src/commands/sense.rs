@@ -72,7 +72,7 @@ pub struct Arguments {
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
-enum EstimatorArgument {
+pub enum EstimatorArgument {
     /// Linear least squares
     LeastSquares,
     /// Least squares with the paper's range of forces as a prior

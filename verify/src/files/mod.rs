@@ -9,10 +9,12 @@ mod table;
 pub mod displacements;
 pub mod measurements;
 
-pub use networks::load_network;
+pub use networks::{load_network, load_network_and_digest};
 pub use outline::load_scene_with_outline;
-pub use output::{csv_text, write_all_or_nothing, write_bytes, write_folder, write_text};
-pub use scene::load_scene;
+pub use output::{
+    Reader, Stream, csv_text, is_stream, write_all_or_nothing, write_bytes, write_folder, write_from, write_text,
+};
+pub use scene::{load_scene, load_scene_and_text};
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -47,7 +49,7 @@ pub enum FileError {
 }
 
 impl FileError {
-    fn content(path: &Path, message: impl ToString) -> FileError {
+    pub(crate) fn content(path: &Path, message: impl ToString) -> FileError {
         FileError::Content { path: path.to_owned(), message: message.to_string() }
     }
 

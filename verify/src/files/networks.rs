@@ -2,6 +2,7 @@
 
 use super::{FileError, read_bytes};
 use finray_model::sensing::network::Network;
+use sha2::{Digest, Sha256};
 use std::path::Path;
 
 /// Reads a network that `finray train` has written.
@@ -9,5 +10,15 @@ use std::path::Path;
 /// # Errors
 /// [`FileError`] if the file cannot be read, is no network or is damaged.
 pub fn load_network(path: &Path) -> Result<Network, FileError> {
-    Network::from_bytes(&read_bytes(path)?).map_err(|error| FileError::content(path, error))
+    load_network_and_digest(path).map(|(network, _)| network)
+}
+
+/// Reads a network as [`load_network`], with the SHA-256 of its file in hexadecimal digits.
+///
+/// # Errors
+/// [`FileError`] if the file cannot be read, is no network or is damaged.
+pub fn load_network_and_digest(path: &Path) -> Result<(Network, String), FileError> {
+    let bytes = read_bytes(path)?;
+    let network = Network::from_bytes(&bytes).map_err(|error| FileError::content(path, error))?;
+    Ok((network, Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect()))
 }

@@ -2,7 +2,7 @@
 
 use super::{FileError, is_standard_stream};
 use serde::Serialize;
-use std::io::Write;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 /// Rows as CSV text with a header from the field names; numbers in the shortest form that reads back the same.
@@ -48,26 +48,83 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
 /// # Errors
 /// [`FileError::Unwritable`] for the first file that cannot be written; no file is left half-written.
 pub fn write_all_or_nothing<C: AsRef<[u8]>>(files: &[(PathBuf, C)]) -> Result<(), FileError> {
-    let mut ready = Vec::with_capacity(files.len());
-    for (path, contents) in files {
-        let contents = contents.as_ref();
-        let unwritable = |reason| FileError::Unwritable { path: path.clone(), reason };
+    let mut contents: Vec<&[u8]> = files.iter().map(|(_, contents)| contents.as_ref()).collect();
+    let sources = files.iter().zip(&mut contents).map(|((path, _), bytes)| (path.as_path(), bytes as &mut dyn Read));
+    write_from(sources.collect())
+}
+
+/// Writes several files as [`write_all_or_nothing`], each from what is read.
+///
+/// # Errors
+/// [`FileError::Unwritable`] for the first file that cannot be written, or whose source cannot be read.
+pub fn write_from(sources: Vec<(&Path, &mut dyn Read)>) -> Result<(), FileError> {
+    let mut ready = Vec::with_capacity(sources.len());
+    for (path, source) in sources {
+        let unwritable = |reason| FileError::Unwritable { path: path.to_owned(), reason };
         // A device or pipe is written to; replacing it by a file would take it away.
         if path.metadata().is_ok_and(|existing| !existing.is_file()) {
-            std::fs::write(path, contents).map_err(unwritable)?;
+            let mut there = std::fs::File::create(path).map_err(unwritable)?;
+            std::io::copy(source, &mut there).map_err(unwritable)?;
             continue;
         }
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let mut file = tempfile::Builder::new().prefix(".finray-").tempfile_in(folder).map_err(unwritable)?;
-        file.write_all(contents).map_err(unwritable)?;
+        std::io::copy(source, &mut file).map_err(unwritable)?;
         ready.push((file, path));
     }
     for (file, path) in ready {
-        let unwritable = |reason| FileError::Unwritable { path: path.clone(), reason };
+        let unwritable = |reason| FileError::Unwritable { path: path.to_owned(), reason };
         make_readable(file.as_file()).map_err(unwritable)?;
         file.persist(path).map_err(|error| unwritable(error.error))?;
     }
     Ok(())
+}
+
+/// Whether a path is standard output, a device or a pipe: nothing can stand beside it, and nothing can take its place.
+pub fn is_stream(out: &Path) -> bool {
+    is_standard_stream(out) || out.metadata().is_ok_and(|there| !there.is_file() && !there.is_dir())
+}
+
+/// Standard output, a device or a pipe, written bit by bit.
+pub struct Stream {
+    name: PathBuf,
+    to: Box<dyn Write>,
+}
+
+/// Whether anybody still reads a [`Stream`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reader {
+    /// There is one.
+    Listens,
+    /// It has seen enough, as `head`.
+    Left,
+}
+
+impl Stream {
+    /// Opens what [`is_stream`] is true for.
+    ///
+    /// # Errors
+    /// [`FileError::Unwritable`].
+    pub fn open(out: &Path) -> Result<Stream, FileError> {
+        if is_standard_stream(out) {
+            return Ok(Stream { name: PathBuf::from("standard output"), to: Box::new(std::io::stdout()) });
+        }
+        let unwritable = |reason| FileError::Unwritable { path: out.to_owned(), reason };
+        let there = std::fs::File::create(out).map_err(unwritable)?;
+        Ok(Stream { name: out.to_owned(), to: Box::new(there) })
+    }
+
+    /// Writes bytes at once.
+    ///
+    /// # Errors
+    /// [`FileError::Unwritable`]; that nobody reads any more is none.
+    pub fn write(&mut self, bytes: &[u8]) -> Result<Reader, FileError> {
+        match self.to.write_all(bytes).and_then(|()| self.to.flush()) {
+            Ok(()) => Ok(Reader::Listens),
+            Err(reason) if reason.kind() == std::io::ErrorKind::BrokenPipe => Ok(Reader::Left),
+            Err(reason) => Err(FileError::Unwritable { path: self.name.clone(), reason }),
+        }
+    }
 }
 
 /// Temporary files are private to their owner; results are ordinary files.

@@ -9,5 +9,15 @@ use std::path::Path;
 /// # Errors
 /// [`FileError`] naming file, line and key.
 pub fn load_scene(path: &Path) -> Result<Scene, FileError> {
-    Scene::from_toml(&read_text(path)?).map_err(|error| FileError::content(path, error))
+    load_scene_and_text(path).map(|(scene, _)| scene)
+}
+
+/// Reads and checks a scene file as [`load_scene`], and keeps its text.
+///
+/// # Errors
+/// [`FileError`] naming file, line and key.
+pub fn load_scene_and_text(path: &Path) -> Result<(Scene, String), FileError> {
+    let text = read_text(path)?;
+    let scene = Scene::from_toml(&text).map_err(|error| FileError::content(path, error))?;
+    Ok((scene, text))
 }

@@ -68,10 +68,18 @@ pub fn map_picture(finger: &Finger, map: &AccuracyMap, force_n: Option<f64>) -> 
         colours: ColourScale::log(ERROR_SCALE_PERCENT[0], ERROR_SCALE_PERCENT[1]),
         contours: PAPER_SHADES_PERCENT.to_vec(),
         contour_unit: " %".to_owned(),
-        missing_label: "no equilibrium".to_owned(),
+        missing_label: missing_label(map).to_owned(),
         marks_label: "node".to_owned(),
         marks: node_marks(finger),
     })
+}
+
+/// Why cells are empty: linear sensing answers whatever it is shown.
+fn missing_label(map: &AccuracyMap) -> &'static str {
+    match map.estimator.as_str() {
+        "least-squares" | "ridge" => "no equilibrium",
+        _ => "no equilibrium or no answer",
+    }
 }
 
 /// Node numbers along the front plate, thinned so that they do not run into each other.

@@ -1,0 +1,56 @@
+//! Sweeps: cells per second of linear least squares and of the nonlinear estimator, on linear and large-rotation truths. A
+//! cell is one estimate: a place, direction, force, level of noise and noise picture.
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use finray_bench::paper;
+use finray_model::{Kinematics, Mesh};
+use finray_verify::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorKind};
+use finray_verify::sweep::{Grid, Sweep, Table};
+use finray_verify::truth::{MeshTruth, Truth, fine_mesh};
+use std::hint::black_box;
+
+fn sweep(criterion: &mut Criterion) {
+    let finger = paper();
+    let (coarse, sensing) = (Mesh::key_nodes(&finger), Mesh::with_elements_per_member(&finger, ELEMENTS));
+    let fine = fine_mesh(&finger).expect("a mesh of many nodes");
+    let linear = MeshTruth::new("linear", &coarse, Kinematics::Linear).expect("the finger at rest");
+    let corotational = MeshTruth::new("corotational", &fine, Kinematics::Corotational).expect("the finger at rest");
+    let least_squares = BeamEstimator { kind: EstimatorKind::LeastSquares, mesh: &coarse };
+    let nonlinear = BeamEstimator { kind: EstimatorKind::Nonlinear, mesh: &sensing };
+    let cases: [(&str, &dyn Truth, &dyn Estimator, f64, usize); 4] = [
+        ("linear/least_squares/200_pictures", &linear, &least_squares, 20.0, 200),
+        ("linear/least_squares/1_picture", &linear, &least_squares, 20.0, 1),
+        ("corotational/least_squares/200_pictures", &corotational, &least_squares, 20.0, 200),
+        ("corotational/nonlinear/4_pictures", &corotational, &nonlinear, 80.0, 4),
+    ];
+    let mut group = criterion.benchmark_group("sweep");
+    group.sample_size(10);
+    for (name, truth, estimator, step_deg, noise_pictures) in cases {
+        let (places_mm, angles_deg) = Grid::grid(&finger, 12, step_deg);
+        let grid = Grid {
+            places_mm,
+            angles_deg,
+            forces_n: vec![0.5, 1.0, 2.0, 3.0],
+            noise_levels_mm: vec![0.067],
+            noise_pictures,
+            seed: 1,
+        };
+        let sweep = Sweep::new(&finger, vec![truth], vec![estimator], &grid);
+        let blocks = sweep.block_count();
+        group.throughput(Throughput::Elements((blocks * sweep.cells_in_block() * noise_pictures) as u64));
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| {
+                let mut bytes = 0;
+                let write = |rows: &str| -> Result<(), csv::Error> {
+                    bytes += black_box(rows).len();
+                    Ok(())
+                };
+                sweep.stream(Table::Sweep, 0..blocks, write).map(|()| bytes)
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, sweep);
+criterion_main!(benches);

@@ -1,0 +1,66 @@
+//! `finray merge`
+
+use super::Failure;
+use super::grid::{beside, table_path};
+use finray_model::Scene;
+use finray_verify::files::{Reader, Stream, is_stream, write_from};
+use finray_verify::sweep::{MergeError, Shards};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// Join the shards of `finray map` or `finray sweep` into the files that one run gives.
+///
+/// All shards must be there, each once and whole, and of one request; their order does not matter.
+///
+/// Example:
+///   finray map fixtures/scenes/paper.toml --shard 1/2 --out 1.csv
+///   finray map fixtures/scenes/paper.toml --shard 2/2 --out 2.csv
+///   finray merge 1.csv 2.csv --out map.csv                                    (and map.svg)
+#[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct Arguments {
+    /// Files that were written with --shard
+    #[arg(value_name = "SHARD", required = true)]
+    shards: Vec<PathBuf>,
+    /// Result file (of a map, the picture takes its name with .svg); - for the table on standard output
+    #[arg(long, value_name = "FILE", default_value = "-")]
+    out: PathBuf,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let shards = Shards::open(&arguments.shards)?;
+    if is_stream(&arguments.out) {
+        return pour(shards.table(), &arguments.out);
+    }
+    let request = shards.request();
+    let out = table_path(request.table, &arguments.out);
+    let scene = Scene::from_toml(&request.scene).map_err(|error| Failure::BadInput(format!("the scene: {error}")))?;
+    let beside = beside(request, &scene.finger, shards.table(), &out)?;
+    let mut table = shards.table();
+    let mut texts: Vec<&[u8]> = beside.iter().map(|(_, text)| text.as_bytes()).collect();
+    let mut sources: Vec<(&Path, &mut dyn Read)> = vec![(&out, &mut table)];
+    sources.extend(beside.iter().zip(&mut texts).map(|((path, _), text)| (path.as_path(), text as &mut dyn Read)));
+    Ok(write_from(sources)?)
+}
+
+/// Writes what is read to standard output, a device or a pipe.
+fn pour(mut table: impl Read, out: &Path) -> Result<(), Failure> {
+    const AT_ONCE: usize = 1 << 16;
+    let mut stream = Stream::open(out)?;
+    let mut bytes = vec![0; AT_ONCE];
+    loop {
+        let read = table.read(&mut bytes).map_err(|error| Failure::NotComputed(format!("a shard: {error}")))?;
+        if read == 0 || stream.write(&bytes[..read])? == Reader::Left {
+            return Ok(());
+        }
+    }
+}
+
+impl From<MergeError> for Failure {
+    fn from(error: MergeError) -> Failure {
+        match error {
+            MergeError::File(inner) => inner.into(),
+            MergeError::Missing { .. } | MergeError::Nothing => Failure::BadInput(error.to_string()),
+        }
+    }
+}

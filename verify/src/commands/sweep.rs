@@ -1,0 +1,53 @@
+//! `finray sweep`
+
+use super::Failure;
+use super::grid::{Candidates, GridArguments, TruthArgument, run as run_grid};
+use super::parse::not_negative;
+use super::sense::EstimatorArgument;
+use finray_verify::sweep::Table;
+
+/// Put several fingers, estimators and levels of noise to the test of `finray map`, in one table.
+///
+/// Writes truth,estimator,noise_mm,s_mm,angle_deg,force_n,pictures,answered,mean_error,bias,spread,
+/// sigma_n,refusal, a row for each combination: the errors of sensed / true over the noise pictures,
+/// the standard deviation that the estimator states (N), and why pictures were refused, if any were.
+/// Every cell sees the same noise. Rows go by truth, place, direction, estimator, noise and force.
+///
+/// Rows are written as they come, whatever their number. A run that was stopped goes on where it was
+/// when it is given the same command again: its rows stand in FILE.partial. --shard 2/7 computes the
+/// second of seven shares; `finray merge` joins them.
+///
+/// Example:
+///   finray sweep fixtures/scenes/paper.toml --truth linear,corotational --noise-mm 0,0.067
+///       --estimator least-squares,ridge --force-n 0.5,1,2,3 --out sweep.csv
+#[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct Arguments {
+    #[command(flatten)]
+    grid: GridArguments,
+    /// The fingers that are sensed: one, or several with commas between them
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [TruthArgument::Corotational])]
+    truth: Vec<TruthArgument>,
+    /// How forces are sensed: one way, or several with commas between them
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [EstimatorArgument::LeastSquares])]
+    estimator: Vec<EstimatorArgument>,
+    /// Standard deviations of one measured coordinate, mm: one, or several as 0,0.067; the scene's camera table if none
+    /// is given, else no noise
+    #[arg(long, value_name = "S", value_delimiter = ',', value_parser = not_negative)]
+    noise_mm: Vec<f64>,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let candidates = Candidates {
+        truths: &distinct(&arguments.truth),
+        estimators: &distinct(&arguments.estimator),
+        noise_mm: &arguments.noise_mm,
+    };
+    run_grid(&arguments.grid, Table::Sweep, &candidates)
+}
+
+/// Each once, in the order of their first mention.
+fn distinct<T: Copy + PartialEq>(list: &[T]) -> Vec<T> {
+    let first = |(i, item): (usize, &T)| (!list[..i].contains(item)).then_some(*item);
+    list.iter().enumerate().filter_map(first).collect()
+}
