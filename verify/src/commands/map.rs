@@ -10,6 +10,7 @@ use finray_verify::files::{is_standard_stream, load_scene, write_all_or_nothing,
 use finray_verify::map::{AccuracyMap, MapRequest, accuracy_maps};
 use finray_verify::report::{map_picture, standalone};
 use finray_verify::truth::{LatticeTruth, MeshTruth, MujocoTruth, Truth, fine_mesh};
+use finray_verify::twin::twin_of;
 use std::path::{Path, PathBuf};
 
 /// Map where a finger can be trusted to feel: error of the sensed force by place and direction.
@@ -61,6 +62,9 @@ enum TruthArgument {
     /// The finger as MuJoCo solved it: exported shapes of three fingers, at their contact nodes, in the exported
     /// directions, under the exported forces
     Mujoco,
+    /// The paper's finger with the softer base and tip that explain its Table I, with large rotations; for the paper's
+    /// scene alone
+    Twin,
 }
 
 /// The nonlinear estimator would take minutes for a map.
@@ -148,6 +152,11 @@ fn compute(
         }
         TruthArgument::Lattice => Box::new(LatticeTruth::new(finger)?),
         TruthArgument::Mujoco => Box::new(MujocoTruth::new(finger)?),
+        TruthArgument::Twin => {
+            let twin = twin_of(finger).map_err(|error| Failure::BadInput(format!("--truth twin: {error}")))?;
+            mesh = fine_mesh(&twin)?;
+            Box::new(MeshTruth::new("twin", &mesh, Kinematics::Corotational)?)
+        }
     };
     let key_nodes = Mesh::key_nodes(finger);
     let estimator = BeamEstimator { kind: estimator.kind(), mesh: &key_nodes };
