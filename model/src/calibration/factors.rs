@@ -159,7 +159,9 @@ pub fn factors(
     let sigmas: Vec<f64> = (0..count).map(|k| per_noise[(k, k)].sqrt()).collect();
     let correlation = DMatrix::from_fn(count, count, |i, j| per_noise[(i, j)] / (sigmas[i] * sigmas[j]));
     let relative_sigmas: Vec<f64> = sigmas.iter().map(|sigma| sigma * noise_mm).collect();
-    let untold: Vec<_> = (0..count).filter(|&k| !(relative_sigmas[k] < LARGEST_RELATIVE_SIGMA)).collect();
+    // What is not a number is not told either.
+    let told = |k: usize| relative_sigmas[k] < LARGEST_RELATIVE_SIGMA;
+    let untold: Vec<_> = (0..count).filter(|&k| !told(k)).collect();
     if !untold.is_empty() {
         let parameters = names(untold.iter().map(|&k| &unknowns[k]));
         return Err(CalibrationError::NotTold { parameters });
@@ -291,7 +293,8 @@ fn told_apart(jacobian: &DMatrix<f64>, unknowns: &[Unknown]) -> Result<(), Calib
     let scales: Vec<f64> = jacobian.column_iter().map(|column| column.norm()).collect();
     let largest = scales.iter().copied().fold(0.0, f64::max);
     // A part at which no load pulls shows rounding at most.
-    let unmoved: Vec<_> = (0..unknowns.len()).filter(|&k| !(scales[k] > largest / LARGEST_SPAN)).collect();
+    let moves = |k: usize| scales[k] > largest / LARGEST_SPAN;
+    let unmoved: Vec<_> = (0..unknowns.len()).filter(|&k| !moves(k)).collect();
     if !unmoved.is_empty() {
         return Err(CalibrationError::NotTold { parameters: names(unmoved.iter().map(|&k| &unknowns[k])) });
     }
