@@ -165,6 +165,7 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
         }),
         Block::Table(table(twin)),
         text(calibration_words(twin)),
+        Block::Table(calibration_table(twin)),
     ];
     blocks.push(text(spread_words(twin)));
     blocks.push(Block::Table(sets_table(twin)));
@@ -212,24 +213,17 @@ fn spread_words(study: &TwinStudy) -> String {
 
 fn calibration_words(study: &TwinStudy) -> String {
     let Some(first) = study.calibrations.first() else { return String::new() };
-    let found: Vec<_> = first
-        .unknowns
-        .iter()
-        .zip(first.factors.iter().zip(&first.relative_sigmas))
-        .map(|(unknown, (factor, sigma))| format!("{unknown} {factor:.4} +- {:.4}", factor * sigma))
-        .collect();
     let entangled = match first.entangled().len() {
         0 => "No two of them are entangled: no correlation reaches 0.95".to_owned(),
         pairs => format!("{pairs} pairs of them are hard to tell apart"),
     };
     format!(
         "Such zones can be found on a real finger by hanging weights on it: finray calibrate --zones. From one noisy picture \
-         ({} mm) of the twin for each of six weights at nodes {}, the first of {} repetitions finds, over the true values, {}. \
+         ({} mm) of the twin for each of six weights at nodes {}, {} repetitions find the factors again. \
          {entangled}. Over all repetitions the root mean square of error over stated sigma is {:.2} (1 is meant).",
         study.noise_mm,
         LOADED.map(|node| node.to_string()).join(", "),
         study.calibrations.len(),
-        found.join(", "),
         study.rms_over_sigma()
     )
 }
@@ -285,6 +279,24 @@ fn table(study: &TwinStudy) -> Table {
         columns: columns.map(Column::numbers).into(),
         rows: rows.collect(),
         csv: Some(CSV.to_owned()),
+    }
+}
+
+/// The first repetition.
+fn calibration_table(study: &TwinStudy) -> Table {
+    let rows = calibration_rows(study).into_iter().filter(|row| row.repetition == 1).map(|row| {
+        let numbers = [format!("{:.4}", row.found_over_true), format!("{:.4}", row.sigma)];
+        Row { cells: std::iter::once(row.parameter).chain(numbers).map(Cell::plain).collect() }
+    });
+    Table {
+        caption:
+            "The twin's factors as calibrated from noisy pictures, over the true ones; the file has all repetitions"
+                .to_owned(),
+        columns: std::iter::once(Column::words("parameter"))
+            .chain(["found / true", "stated sigma"].map(Column::numbers))
+            .collect(),
+        rows: rows.collect(),
+        csv: Some(CALIBRATION_CSV.to_owned()),
     }
 }
 
