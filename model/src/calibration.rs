@@ -1,4 +1,8 @@
-//! Young's modulus from measured shapes under known loads: eq. (11) of Xu et al. (2021).
+//! Moduli from measured shapes under known loads: eq. (11) of Xu et al. (2021), and [several at once](factors).
+
+mod factors;
+
+pub use factors::{FactorEstimate, FactorModel, Unknown, factors};
 
 use crate::Kinematics;
 use crate::finger::Finger;
@@ -29,7 +33,7 @@ pub struct ModulusEstimate {
 }
 
 /// Why no modulus can be told.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CalibrationError {
     /// The finger under a load could not be solved.
     #[error(transparent)]
@@ -45,6 +49,37 @@ pub enum CalibrationError {
         /// Measured over computed displacement.
         compliance_factor: f64,
     },
+    /// Fewer measured numbers than are needed.
+    #[error("not identifiable: {coordinates} measured coordinates are too few for {unknowns} unknown factors")]
+    TooFewMarkers {
+        /// Unknown factors.
+        unknowns: usize,
+        /// Measured coordinates.
+        coordinates: usize,
+    },
+    /// The data say nothing of some factors.
+    #[error("not identifiable: the measurements do not tell {parameters}")]
+    NotTold {
+        /// Their names.
+        parameters: String,
+    },
+    /// The data tell a combination of some factors alone.
+    #[error(
+        "not identifiable: the measurements do not tell {parameters} apart: leave one of them as the scene has it, or load \
+         other nodes"
+    )]
+    NotToldApart {
+        /// Their names.
+        parameters: String,
+    },
+    /// The search for factors does not settle.
+    #[error(
+        "no factors were found for which measured and computed nodes are closest: do loads and units fit the finger?"
+    )]
+    NoMinimum,
+    /// A factor is beyond what a finger may have.
+    #[error(transparent)]
+    Finger(#[from] crate::finger::ImpossibleFinger),
 }
 
 /// Halvings of the bracket: enough to exhaust double precision.

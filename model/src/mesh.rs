@@ -4,11 +4,13 @@
 //! Node `n` of the finger is node `n - 1` of the frame; nodes made by refinement come after the key nodes.
 
 mod apportion;
+mod zones;
 
 use crate::Vector;
 use crate::finger::{Finger, Joints, NodeId, Part, Plate, Zone};
 use crate::frame::{BeamEnd, FrameMotion, NodeIndex, PlaneFrame, Section};
 use crate::statics::FrameLoad;
+use zones::{ElementPlaces, mean_compliance};
 
 /// A dead load on a finger, in the finger frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -266,15 +268,13 @@ impl Mesh {
             BeamEnd { arm: along * arm, ..self.frame.clamped_end(from) },
             BeamEnd { arm: along * -arm, ..self.frame.clamped_end(to) },
         ];
-        let free = [places[0] + arm, places[1] - arm];
+        let elements_at = ElementPlaces::new(places, arm, elements);
+        let free = elements_at.free();
         // `section` is there for plates by construction.
         let Some(section) = self.finger.section(plate.into()) else { return };
         let zones: Vec<Zone> =
             self.finger.description().zones.iter().filter(|zone| zone.part == Part::from(plate)).copied().collect();
-        // The last element ends where the stretch ends, without rounding: a load at the tip must find it.
-        let place = |i: usize| {
-            if i == elements { free[1] } else { free[0] + (free[1] - free[0]) * i as f64 / elements as f64 }
-        };
+        let place = |i: usize| elements_at.start(i);
         let sections: Vec<Section> =
             (0..elements).map(|i| section.scaled(1.0 / mean_compliance(&zones, place(i), place(i + 1)))).collect();
         let first_member = self.frame.members().len();
@@ -309,15 +309,8 @@ impl Mesh {
             BeamEnd { node, rotation, arm }
         });
         let place = self.finger.plate_places_mm(Plate::Front)[rib + 1];
-        // A rib on the border of two adjoining zones belongs to the one that begins there.
-        let factor: f64 = self
-            .finger
-            .description()
-            .zones
-            .iter()
-            .filter(|zone| zone.part == Part::Ribs && zone.from_mm <= place && place < zone.to_mm)
-            .map(|zone| zone.modulus_factor)
-            .product();
+        let zones = self.finger.description().zones.iter();
+        let factor: f64 = zones.filter(|zone| zones::holds_rib(zone, place)).map(|zone| zone.modulus_factor).product();
         self.add_line(Part::Ribs, ends, &vec![section.scaled(factor); elements]);
     }
 
@@ -354,30 +347,6 @@ fn line_lengths(finger: &Finger) -> Vec<f64> {
         (front - back).norm()
     });
     plates.chain(ribs).chain(std::iter::once(finger.description().base_width_mm)).collect()
-}
-
-/// Length-weighted mean of 1 / (product of the zones' factors) over a stretch of plate.
-fn mean_compliance(zones: &[Zone], from_mm: f64, to_mm: f64) -> f64 {
-    let mut cuts: Vec<f64> = zones
-        .iter()
-        .flat_map(|zone| [zone.from_mm, zone.to_mm])
-        .filter(|cut| *cut > from_mm && *cut < to_mm)
-        .chain([from_mm, to_mm])
-        .collect();
-    cuts.sort_by(f64::total_cmp);
-    let sum: f64 = cuts
-        .windows(2)
-        .map(|w| {
-            let middle = 0.5 * (w[0] + w[1]);
-            let factor: f64 = zones
-                .iter()
-                .filter(|zone| zone.from_mm <= middle && middle <= zone.to_mm)
-                .map(|zone| zone.modulus_factor)
-                .product();
-            (w[1] - w[0]) / factor
-        })
-        .sum();
-    sum / (to_mm - from_mm)
 }
 
 /// What one key node does.

@@ -2,6 +2,8 @@
 
 /// The paper's finger, the default scene.
 pub const PAPER_SCENE: &str = include_str!("../../fixtures/scenes/paper.toml");
+/// The digital twin of the finger behind the paper's Table I.
+pub const TWIN_SCENE: &str = include_str!("../../fixtures/scenes/twin.toml");
 /// The spring-steel finger with hinged rigid ribs.
 pub const SPRING_STEEL_SCENE: &str = include_str!("../../fixtures/scenes/spring-steel.toml");
 /// Contact scenes with the paper's finger.

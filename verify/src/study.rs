@@ -21,6 +21,7 @@ use crate::speed_error::{self, SpeedErrorError, SpeedErrorPoint};
 use crate::table_one::{TableOne, TableOneError, table_one};
 use crate::table_two::{self, TableTwo, table_two};
 use crate::truth::{MeshTruth, fine_mesh};
+use crate::twin::study::{TwinStudy, TwinStudyError};
 use finray_model::sensing::network::NetworkError;
 use finray_model::sensing::{Contact, SensingError};
 use finray_model::statics::{Statics, StaticsError};
@@ -56,6 +57,14 @@ impl Effort {
         match self {
             Effort::Quick => [100, 40],
             Effort::Full => [accuracy::ENOUGH_CASES; 2],
+        }
+    }
+
+    /// Calibrations of the digital twin, forces a node that are sensed on it, and sets of zones that are fitted.
+    fn twin(self) -> [usize; 3] {
+        match self {
+            Effort::Quick => [3, 20, 1],
+            Effort::Full => [10, 400, usize::MAX],
         }
     }
 
@@ -100,6 +109,8 @@ pub struct Study {
     pub maps: Vec<AccuracyMap>,
     /// Table I for each assumed direction, for the paper's finger.
     pub tables_one: Vec<TableOne>,
+    /// The digital twin of Table I, for the paper's finger under noise.
+    pub twin: Option<TwinStudy>,
     /// Error by mesh and load.
     pub convergence: Convergence,
     /// Nonlinear sensing under camera noise.
@@ -166,6 +177,9 @@ pub enum StudyError {
     /// A small experiment behind a claim of the paper failed to compute.
     #[error("claims: {0}")]
     Claim(#[from] SensingError),
+    /// The digital twin failed to compute.
+    #[error("digital twin: {0}")]
+    Twin(#[from] TwinStudyError),
     /// A contact scene failed to compute.
     #[error("contact scene: {0}")]
     ContactScene(#[from] SceneStudyError),
@@ -250,6 +264,13 @@ impl Study {
                 progress.step();
             }
         }
+        let mut twin = None;
+        if let Some(before) = tables_one.first().filter(|_| noise_mm > 0.0) {
+            progress.part("digital twin", TwinStudy::STEPS);
+            let study = TwinStudy::run(finger, before, noise_mm, effort.twin(), &|| progress.step())?;
+            checks.extend(study.checks());
+            twin = Some(study);
+        }
         progress.part("convergence", loaded_nodes(finger).len());
         let convergence = convergence(finger, effort, &|| progress.step())?;
         let noise = match noise_mm {
@@ -300,6 +321,7 @@ impl Study {
             comparisons,
             maps,
             tables_one,
+            twin,
             convergence,
             noise,
             table_two: two,

@@ -3,6 +3,7 @@
 mod common;
 
 use common::*;
+use finray_verify::fixtures::TWIN_SCENE;
 use std::fmt::Write;
 
 const COLUMNS: &str = "case,load_node,fx_n,fy_n,node,ux_mm,uy_mm\n";
@@ -138,4 +139,108 @@ fn measurements_that_tell_no_modulus_are_refused() {
     ] {
         assert_says(&calibrate(PAPER, &(COLUMNS.to_owned() + rows)).refused(), &[expected]);
     }
+}
+
+/// The twin with other factors: zones that front and back share.
+fn twin_with(factors: [f64; 3]) -> String {
+    let from = ["0.7216", "0.1528", "0.0641"].map(|factor| format!("modulus_factor = {factor}"));
+    from.iter().zip(factors).fold(TWIN_SCENE.to_owned(), |scene, (from, factor)| {
+        assert!(scene.contains(from));
+        scene.replace(from, &format!("modulus_factor = {factor:?}"))
+    })
+}
+
+/// Measurements of a scene under weights along the tangent's normal at four nodes.
+fn measured_at_four(scene: &str, kinematics: &str) -> String {
+    let mut text = COLUMNS.to_owned();
+    for load_node in [14, 16, 20, 24] {
+        let load = paper_load(load_node, 1.0, 0.0);
+        let [fx, fy] = paper_force(1.0, 0.0);
+        let shape = Csv::of(
+            &finray(&["solve", scene, "--kinematics", kinematics, "--mesh-nodes", "130", "--load", &load]).done(),
+        );
+        let markers = shape.texts("node").into_iter().zip(shape.texts("ux_mm")).zip(shape.texts("uy_mm"));
+        for ((node, ux), uy) in markers {
+            writeln!(text, "{load_node},{load_node},{fx},{fy},{node},{ux},{uy}").expect("memory");
+        }
+    }
+    text
+}
+
+#[test]
+fn zones_are_found_with_their_sigmas_and_correlations() {
+    let folder = Folder::new();
+    let truth = folder.put("truth.toml", twin_with([0.6, 0.2, 0.1]));
+    let start = folder.put("start.toml", twin_with([1.0, 1.0, 1.0]));
+    // Linear shapes are exact; the large-rotation finger is measured on a mesh of other elements.
+    for (kinematics, tolerance) in [("linear", 1e-6), ("corotational", 0.01)] {
+        let measurements = measured_at_four(&truth, kinematics);
+        let correlations = folder.path("correlations.csv");
+        let zones = ["--zones=1+2,3+4,5+6", "--kinematics", kinematics, "--correlations", &correlations];
+        let command = [&["calibrate", &start, "--measurements", "-"][..], &zones].concat();
+        let answer = Csv::of(&finray_reading(measurements.as_bytes(), &command).done());
+        assert_eq!(answer.header, ["parameter", "value", "sigma"]);
+        let zones = (1..=6).map(|zone| format!("zone_{zone}_modulus_factor"));
+        let names: Vec<_> =
+            ["youngs_modulus_mpa", "modulus_factor"].map(str::to_owned).into_iter().chain(zones).collect();
+        assert_eq!(answer.texts("parameter"), names);
+        for (ours, truth) in answer.numbers("value").iter().zip([49.44, 1.0, 0.6, 0.6, 0.2, 0.2, 0.1, 0.1]) {
+            assert!((ours / truth - 1.0).abs() < tolerance, "{kinematics}: {ours}, true {truth}");
+        }
+        assert!(answer.numbers("sigma").iter().all(|sigma| *sigma >= 0.0));
+        let pairs = Csv::of(&folder.read("correlations.csv"));
+        assert_eq!(pairs.header, ["parameter", "other", "correlation"]);
+        assert_eq!(pairs.texts("other").len(), 6);
+        assert!(pairs.numbers("correlation").iter().all(|correlation| correlation.abs() < 1.0));
+    }
+}
+
+/// Sigmas grow with the noise; front and back alone are hard to tell apart, and the command says so without failing.
+#[test]
+fn noise_sets_the_sigmas_of_zones() {
+    let folder = Folder::new();
+    let scene = folder.put("scene.toml", twin_with([0.6, 0.2, 0.1]));
+    let measurements = measured_at_four(&scene, "linear");
+    let answer = |zones: &str, noise: &str| {
+        let options = [zones, "--kinematics", "linear", "--noise-mm", noise];
+        finray_reading(measurements.as_bytes(), &[&["calibrate", &scene, "--measurements", "-"][..], &options].concat())
+    };
+    let sigmas = |noise: &str| Csv::of(&answer("--zones=1+2,3+4,5+6", noise).done()).numbers("sigma");
+    let (one, two) = (sigmas("0.001"), sigmas("0.002"));
+    assert!(one.iter().zip(&two).all(|(one, two)| *one > 0.0 && (two / one - 2.0).abs() < 1e-3), "{one:?} {two:?}");
+    let entangled = answer("--zones", "0.001");
+    assert_eq!(entangled.code, Some(0), "{}", entangled.err);
+    assert_eq!(Csv::of(&entangled.out).rows.len(), 8);
+    assert_says(
+        &entangled.err,
+        &[
+            "warning: the measurements hardly tell zone_1_modulus_factor and zone_2_modulus_factor apart: correlation -0.9",
+        ],
+    );
+}
+
+#[test]
+fn zones_that_cannot_be_told_or_named_are_refused() {
+    let folder = Folder::new();
+    let measurements = measured(PAPER);
+    let refused = |scene: &str, options: &[&str]| {
+        finray_reading(measurements.as_bytes(), &[&["calibrate", scene, "--measurements", "-"], options].concat())
+            .refused()
+    };
+    assert_says(&refused(PAPER, &["--zones"]), &["--zones", "no [[finger.zone]]"]);
+    assert_says(&refused(PAPER, &["--kinematics", "linear"]), &["--zones"]);
+    let scene = folder.put("scene.toml", twin_with([1.0, 1.0, 1.0]));
+    for (groups, expected) in [
+        ("--zones=7", "expected groups of zones, 1 to 6"),
+        ("--zones=0", "expected groups of zones, 1 to 6"),
+        ("--zones=1,tip", "found \"tip\""),
+        ("--zones=1+2,2", "zone 2 is named twice"),
+    ] {
+        assert_says(&refused(&scene, &[groups]), &["--zones", expected]);
+    }
+    // The same zone twice is one unknown too many.
+    let twice = "[[finger.zone]]\nplate = \"front\"\nfrom_mm = 0.0\nto_mm = 30.0\nmodulus_factor = 1.0\n";
+    let scene = folder.put("twice.toml", format!("{}\n{twice}\n{twice}", paper_with(&[])));
+    let message = refused(&scene, &["--zones", "--kinematics", "linear"]);
+    assert_says(&message, &["zone_1_modulus_factor, zone_2_modulus_factor apart"]);
 }

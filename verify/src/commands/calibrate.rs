@@ -1,9 +1,13 @@
 //! `finray calibrate`
 
+use super::parse::not_negative;
 use super::{Failure, not_both_from_standard_input};
-use finray_model::calibration::{self, CalibrationError};
+use clap::ValueEnum;
+use finray_model::calibration::{self, CalibrationCase, CalibrationError, FactorEstimate, FactorModel, Unknown};
 use finray_model::finger::FingerDescription;
-use finray_verify::files::{csv_text, load_scene, measurements, write_text};
+use finray_model::{Finger, Kinematics};
+use finray_verify::estimators::ELEMENTS;
+use finray_verify::files::{csv_text, is_standard_stream, load_scene, measurements, write_all_or_nothing, write_text};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -13,8 +17,14 @@ use std::path::PathBuf;
 /// writes parameter,value,sigma: the factor on all moduli of the scene for which measured and
 /// computed nodes are closest in sum, and the moduli that follow.
 ///
-/// Example:
+/// With --zones the modulus_factor of each zone of the scene is sought too, starting from what the
+/// scene says, by least squares (Gauss-Newton). A clamp that gives way is a zone at the base. What
+/// the measurements cannot tell is refused; factors that they hardly tell apart are named.
+///
+/// Examples:
 ///   finray calibrate fixtures/scenes/paper.toml --measurements weights.csv
+///   finray calibrate fixtures/scenes/twin.toml --measurements weights.csv --zones
+///   finray calibrate fixtures/scenes/twin.toml --measurements weights.csv --zones=1+2,3+4,5+6
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Arguments {
@@ -23,26 +33,86 @@ pub struct Arguments {
     /// Measured shapes (CSV); - for standard input
     #[arg(long, value_name = "FILE")]
     measurements: PathBuf,
+    /// Seek the factors of the scene's zones too: of each, or of those named, by their order from 1; zones joined by +
+    /// share a factor
+    #[arg(long, value_name = "GROUPS", num_args = 0..=1, require_equals = true, default_missing_value = EACH)]
+    zones: Option<String>,
+    /// How displacements become deformations, with --zones
+    #[arg(long, value_enum, requires = "zones", default_value_t = KinematicsArgument::Corotational)]
+    kinematics: KinematicsArgument,
+    /// Standard deviation of one measured coordinate, mm, with --zones; the scene's camera table if not given, else
+    /// estimated from the residual
+    #[arg(long, value_name = "S", requires = "zones", value_parser = not_negative)]
+    noise_mm: Option<f64>,
+    /// File for the correlation of each two factors (CSV), with --zones
+    #[arg(long, value_name = "FILE", requires = "zones")]
+    correlations: Option<PathBuf>,
     /// Result file; - for standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
     out: PathBuf,
 }
 
+/// What `--zones` without groups means.
+const EACH: &str = "each";
+
+#[derive(Clone, Copy, ValueEnum)]
+enum KinematicsArgument {
+    /// Small displacements
+    Linear,
+    /// Large rotations, on four elements a member
+    Corotational,
+}
+
 #[derive(Serialize)]
 struct Row {
-    parameter: &'static str,
+    parameter: String,
     value: f64,
     sigma: f64,
 }
 
+#[derive(Serialize)]
+struct Correlation {
+    parameter: String,
+    other: String,
+    correlation: f64,
+}
+
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     not_both_from_standard_input(&arguments.scene, &arguments.measurements, "--measurements")?;
-    let finger = load_scene(&arguments.scene)?.finger;
+    let scene = load_scene(&arguments.scene)?;
+    let finger = scene.finger;
     let cases = measurements::load(&arguments.measurements, &finger)?;
-    let estimate = calibration::youngs_modulus(&finger, &cases).map_err(|error| match error {
-        CalibrationError::Statics(inner) => inner.into(),
-        other => Failure::BadInput(other.to_string()),
-    })?;
+    let Some(groups) = &arguments.zones else { return one_modulus(arguments, &finger, &cases) };
+    let unknowns = unknowns(groups, finger.description().zones.len())?;
+    let (kinematics, elements) = match arguments.kinematics {
+        KinematicsArgument::Linear => (Kinematics::Linear, 1),
+        KinematicsArgument::Corotational => (Kinematics::Corotational, ELEMENTS),
+    };
+    let noise_mm = arguments.noise_mm.or(scene.camera.map(|camera| camera.noise_mm));
+    let model = FactorModel { kinematics, elements, noise_mm };
+    let estimate = calibration::factors(&finger, &cases, &unknowns, &model).map_err(failure)?;
+    for (i, j, correlation) in estimate.entangled() {
+        let [one, other] = [i, j].map(|k| &estimate.unknowns[k]);
+        eprintln!("warning: the measurements hardly tell {one} and {other} apart: correlation {correlation:.3}");
+    }
+    let rows = csv_text(factor_rows(&finger, &estimate))?;
+    match &arguments.correlations {
+        None => write_text(&arguments.out, &rows)?,
+        Some(path) if is_standard_stream(path) || is_standard_stream(&arguments.out) => {
+            write_text(path, &csv_text(correlations(&estimate))?)?;
+            write_text(&arguments.out, &rows)?;
+        }
+        Some(path) => {
+            let correlations = csv_text(correlations(&estimate))?;
+            write_all_or_nothing(&[(arguments.out.clone(), &rows), (path.clone(), &correlations)])?;
+        }
+    }
+    Ok(())
+}
+
+/// Eq. (11) as it stands: one factor, by sums of distances.
+fn one_modulus(arguments: &Arguments, finger: &Finger, cases: &[CalibrationCase]) -> Result<(), Failure> {
+    let estimate = calibration::youngs_modulus(finger, cases).map_err(failure)?;
     if !(estimate.factor.is_finite() && estimate.sigma.is_finite()) {
         return Err(Failure::BadInput(
             "not identifiable: loads and displacements do not fit each other by hundreds of powers of ten: are the \
@@ -50,11 +120,80 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
                 .to_owned(),
         ));
     }
-    let moduli = moduli(finger.description());
-    let row = |parameter, scale: f64| Row { parameter, value: scale * estimate.factor, sigma: scale * estimate.sigma };
-    let rows = moduli.into_iter().map(|(name, modulus)| row(name, modulus)).chain([row("modulus_factor", 1.0)]);
+    let rows = modulus_rows(finger, estimate.factor, estimate.sigma);
     write_text(&arguments.out, &csv_text(rows)?)?;
     Ok(())
+}
+
+fn failure(error: CalibrationError) -> Failure {
+    match error {
+        CalibrationError::Statics(inner) => inner.into(),
+        CalibrationError::NoMinimum => Failure::NotComputed(error.to_string()),
+        other => Failure::BadInput(other.to_string()),
+    }
+}
+
+/// The general modulus and the zones of `1+2,3`, counted from 1.
+fn unknowns(groups: &str, zone_count: usize) -> Result<Vec<Unknown>, Failure> {
+    let bad = |reason: String| Failure::BadInput(format!("--zones: {reason}"));
+    if zone_count == 0 {
+        return Err(bad("the scene has no [[finger.zone]]".to_owned()));
+    }
+    let zones: Vec<Vec<usize>> = if groups == EACH {
+        (0..zone_count).map(|zone| vec![zone]).collect()
+    } else {
+        let zone = |text: &str| {
+            let number = text.trim().parse::<usize>().ok().filter(|number| (1..=zone_count).contains(number));
+            number.map(|number| number - 1).ok_or_else(|| {
+                bad(format!("expected groups of zones, 1 to {zone_count}, for instance 1+2,3, found \"{text}\""))
+            })
+        };
+        groups.split(',').map(|group| group.split('+').map(zone).collect()).collect::<Result<_, _>>()?
+    };
+    let mut named: Vec<usize> = zones.concat();
+    named.sort_unstable();
+    if let Some(twice) = named.windows(2).find(|pair| pair[0] == pair[1]) {
+        return Err(bad(format!("zone {} is named twice", twice[0] + 1)));
+    }
+    Ok(std::iter::once(Unknown::Modulus).chain(zones.into_iter().map(Unknown::Zones)).collect())
+}
+
+/// The moduli and the factor on all of them, then the factor of each zone that was sought.
+fn factor_rows(finger: &Finger, estimate: &FactorEstimate) -> Vec<Row> {
+    let relative = |k: usize| estimate.relative_sigmas[k];
+    let mut rows = Vec::new();
+    for (k, unknown) in estimate.unknowns.iter().enumerate() {
+        match unknown {
+            Unknown::Modulus => {
+                let factor = estimate.factors[k];
+                rows.extend(modulus_rows(finger, factor, factor * relative(k)));
+            }
+            Unknown::Zones(zones) => rows.extend(zones.iter().map(|&zone| {
+                let value = estimate.finger.description().zones[zone].modulus_factor;
+                Row { parameter: Unknown::Zones(vec![zone]).to_string(), value, sigma: value * relative(k) }
+            })),
+        }
+    }
+    rows
+}
+
+fn correlations(estimate: &FactorEstimate) -> Vec<Correlation> {
+    let count = estimate.unknowns.len();
+    let pairs = (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j)));
+    let name = |k: usize| estimate.unknowns[k].to_string();
+    pairs
+        .map(|(i, j)| Correlation { parameter: name(i), other: name(j), correlation: estimate.correlation[(i, j)] })
+        .collect()
+}
+
+fn modulus_rows(finger: &Finger, factor: f64, sigma: f64) -> Vec<Row> {
+    let row = |parameter: &str, scale: f64| Row {
+        parameter: parameter.to_owned(),
+        value: scale * factor,
+        sigma: scale * sigma,
+    };
+    let moduli = moduli(finger.description());
+    moduli.into_iter().map(|(name, modulus)| row(name, modulus)).chain([row("modulus_factor", 1.0)]).collect()
 }
 
 /// The moduli of the scene: one if all parts share it, else one a part.

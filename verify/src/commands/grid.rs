@@ -15,6 +15,7 @@ use finray_verify::networks::{NetworkSensing, Networks};
 use finray_verify::report::{map_picture, standalone};
 use finray_verify::sweep::{Grid, Head, Partial, Request, Shard, Sweep, Table};
 use finray_verify::truth::{LatticeTruth, MeshTruth, MujocoTruth, Truth, fine_mesh};
+use finray_verify::twin::twin_of;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -58,8 +59,11 @@ pub enum TruthArgument {
     /// Letting the engine settle each shape, the same within 0.05 %, would take an hour
     Lattice,
     /// The finger as MuJoCo solved it: exported shapes of three fingers, at their contact nodes, in the exported
-    /// directions, under the exported forces
+    /// directions, under the exported forces; --places and --step-deg do not count beside it
     Mujoco,
+    /// The paper's finger with the softer base and tip that explain its Table I, with large rotations; for the paper's
+    /// scene alone
+    Twin,
 }
 
 /// Who is put to the test.
@@ -76,11 +80,20 @@ struct Models {
     fine: Mesh,
     sensing: Mesh,
     networks: Networks,
+    /// Of the twin, if it is asked for.
+    twin: Option<Mesh>,
 }
 
 impl Models {
-    fn new(finger: &Finger, networks: Networks) -> Result<Models, Failure> {
+    fn new(finger: &Finger, networks: Networks, truths: &[TruthArgument]) -> Result<Models, Failure> {
+        let twin = if truths.contains(&TruthArgument::Twin) {
+            let twin = twin_of(finger).map_err(|error| Failure::BadInput(format!("--truth twin: {error}")))?;
+            Some(fine_mesh(&twin)?)
+        } else {
+            None
+        };
         Ok(Models {
+            twin,
             key_nodes: Mesh::key_nodes(finger),
             fine: fine_mesh(finger)?,
             sensing: Mesh::with_elements_per_member(finger, ELEMENTS),
@@ -89,7 +102,9 @@ impl Models {
     }
 
     fn truth(&self, which: TruthArgument) -> Result<Box<dyn Truth + '_>, Failure> {
+        let mesh = self.twin.as_ref().unwrap_or(&self.fine);
         Ok(match which {
+            TruthArgument::Twin => Box::new(MeshTruth::new("twin", mesh, Kinematics::Corotational)?),
             TruthArgument::Linear => Box::new(MeshTruth::new("linear", &self.key_nodes, Kinematics::Linear)?),
             TruthArgument::Corotational => {
                 Box::new(MeshTruth::new("corotational", &self.fine, Kinematics::Corotational)?)
@@ -128,7 +143,7 @@ pub fn run(arguments: &GridArguments, table: Table, candidates: &Candidates) -> 
         }
         None => (Networks::shipped()?, None),
     };
-    let models = Models::new(finger, networks)?;
+    let models = Models::new(finger, networks, candidates.truths)?;
     let truths = candidates.truths.iter().map(|&truth| models.truth(truth)).collect::<Result<Vec<_>, _>>()?;
     let estimators: Vec<_> = candidates.estimators.iter().map(|&estimator| models.estimator(estimator)).collect();
     let grid = grid(arguments, candidates, &scene)?;

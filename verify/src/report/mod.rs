@@ -19,6 +19,7 @@ mod speed_error;
 mod summary;
 mod table_two;
 mod tables;
+mod twin;
 mod words;
 
 pub use drawings::{map_picture, standalone};
@@ -26,6 +27,7 @@ pub use lattice::{AxialSpringsRow, LatticeRow, SettlingRow};
 pub use networks::NetworkRow;
 pub use summary::Summary;
 pub use table_two::TableTwoRow;
+pub use twin::{CalibrationRow, TwinRow, ZoneSetRow};
 
 use crate::study::Study;
 use figures::FigureError;

@@ -3,7 +3,7 @@
 use super::page::{Block, Figure, Page, Section};
 use super::{
     ReportError, Summary, claims, contact_scenes, convergence, drawings, hard_cases, lattice, networks, scatter,
-    speed_error, table_two, tables, words,
+    speed_error, table_two, tables, twin, words,
 };
 use crate::map::AccuracyMap;
 use crate::study::{DRAWN_FORCE_N, MAP_FORCES_N, Study};
@@ -24,6 +24,7 @@ pub(super) fn page(study: &Study, summary: &Summary) -> Result<Page, ReportError
     if !study.tables_one.is_empty() {
         sections.push(table_one(study)?);
     }
+    sections.extend(twin::section(study)?);
     sections.extend(scatter::section(study));
     sections.extend(table_two::section(study));
     sections.extend(networks::section(study)?);

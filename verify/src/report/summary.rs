@@ -3,6 +3,7 @@
 use super::lattice::{self, AxialSpringsRow, LatticeRow, SettlingRow};
 use super::networks::{self, NetworkRow};
 use super::table_two::{self, TableTwoRow};
+use super::twin::{self, CalibrationRow, TwinRow, ZoneSetRow};
 use super::{tables, words};
 use crate::check::{Check, Comparison};
 use crate::ledger::Claim;
@@ -44,6 +45,12 @@ pub struct Summary {
     pub maps: Vec<MapEntry>,
     /// Table I of the paper, for each assumed direction.
     pub table_one: Vec<TableOne>,
+    /// The digital twin of Table I, by loaded node.
+    pub twin: Vec<TwinRow>,
+    /// Zones that were fitted to Table I.
+    pub twin_zone_sets: Vec<ZoneSetRow>,
+    /// The twin's factors from noisy pictures.
+    pub twin_calibration: Vec<CalibrationRow>,
     /// Table II of the paper, by finger, noise, estimator and contacts.
     pub table_two: Vec<TableTwoRow>,
     /// The networks that ship, by contacts.
@@ -76,6 +83,9 @@ impl Summary {
             claims: study.claims.clone(),
             maps: entry(Some(DRAWN_FORCE_N)).chain(entry(None)).collect(),
             table_one: study.tables_one.clone(),
+            twin: study.twin.iter().flat_map(twin::rows).collect(),
+            twin_zone_sets: study.twin.iter().flat_map(twin::set_rows).collect(),
+            twin_calibration: study.twin.iter().flat_map(twin::calibration_rows).collect(),
             table_two: study.table_two.iter().flat_map(table_two::rows).collect(),
             networks: study.networks.iter().flat_map(networks::rows).collect(),
             training_recipes: study.records.recipes.clone(),

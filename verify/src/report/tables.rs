@@ -3,7 +3,7 @@
 use super::page::{Cell, Column, Row, Shade, Table};
 use super::{
     claims, contact_scenes, convergence, curves, hard_cases, lattice, networks, recipes, scatter, speed_error,
-    table_two,
+    table_two, twin,
 };
 use crate::check::{Check, Comparison, worst};
 use crate::files::csv_text;
@@ -95,6 +95,11 @@ pub(super) fn csv_files(study: &Study) -> Result<Vec<(PathBuf, String)>, csv::Er
     }
     if !study.tables_one.is_empty() {
         files.push((TABLE_ONE_CSV.into(), csv_text(table_one)?));
+    }
+    if let Some(study) = &study.twin {
+        files.push((twin::CSV.into(), csv_text(twin::rows(study))?));
+        files.push((twin::SETS_CSV.into(), csv_text(twin::set_rows(study))?));
+        files.push((twin::CALIBRATION_CSV.into(), csv_text(twin::calibration_rows(study))?));
     }
     if let Some(noise) = &study.noise {
         files.push((scatter::CSV.into(), csv_text(scatter::csv_rows(noise))?));

@@ -1,7 +1,7 @@
 //! What the numbers say, in sentences made from the numbers.
 
 use super::tables::percent;
-use super::{contact_scenes, lattice, networks};
+use super::{contact_scenes, lattice, networks, twin};
 use crate::map::{AccuracyMap, Cell};
 use crate::scatter::ScatterRow;
 use crate::study::{DRAWN_FORCE_N, Study};
@@ -89,6 +89,7 @@ pub(super) fn verdict(study: &Study) -> Vec<String> {
     sentences.extend(nonlinear(study));
     sentences.extend(study.networks.as_ref().and_then(networks::words));
     sentences.extend(table_one(study));
+    sentences.extend(study.twin.as_ref().map(twin::verdict));
     sentences.extend(study.lattice.as_ref().and_then(lattice::verdict));
     sentences.extend(contact_scenes::verdict(study));
     sentences.extend(hard_cases(study));

@@ -46,12 +46,27 @@ impl Ladder<'_> {
         self.respond(&self.placed(load, numbers(&-slope)), out);
     }
 
+    /// How the key nodes move, to first order, in the finger in its last linearised `motion` when a member stiffens: mm per
+    /// unit of ln(modulus). Its forces grow in proportion to its modulus, so they are the added load.
+    pub fn stiffened_member(&mut self, motion: &FrameMotion, member: usize, out: &mut [Vector]) {
+        let frame = self.mesh.frame();
+        let response = frame.member_response(motion, &frame.members()[member], self.kinematics);
+        let (line, element) = self.element_of(member);
+        self.respond(&OnElement { line, element, gradient: numbers(&response.gradient) }, out);
+    }
+
+    /// The line of a member, and its place in it.
+    fn element_of(&self, member: usize) -> (usize, usize) {
+        let mut lines = self.mesh.lines().iter().enumerate();
+        let found = lines.find(|(_, line)| line.members.contains(&member));
+        found.map_or((0, 0), |(index, line)| (index, member - line.members.start))
+    }
+
     /// The element that takes the gradient of a load: its own, or one that ends or begins at its node.
     fn placed(&self, load: &FrameLoad, gradient: Ends) -> OnElement {
         if let FrameLoad::Interior { member, .. } = *load {
-            let lines = self.mesh.lines().iter().enumerate();
-            let line = lines.filter(|(_, line)| line.members.contains(&member)).map(|(i, _)| i).next().unwrap_or(0);
-            return OnElement { line, element: member - self.mesh.lines()[line].members.start, gradient };
+            let (line, element) = self.element_of(member);
+            return OnElement { line, element, gradient };
         }
         let (end, _, _) = load.at_end(self.mesh.frame());
         let count = self.rungs.len();
@@ -73,10 +88,15 @@ impl Ladder<'_> {
         let OnElement { line, element, gradient } = *on;
         let count = self.rungs.len();
         let on_ends = self.chains[line].condensed_gradient(element, gradient);
-        // Level of the line's first end, and row of both in their rungs.
+        // Level (0 is the base, rung r is level r + 1) and row in it of the line's two ends.
         let stretch = count + 1;
-        let (level, row) = if line < stretch { (line, 0) } else { (line - stretch, 3) };
-        let tip = if level == count { [on_ends[3], on_ends[4], on_ends[5]] } else { [0.0; 3] };
+        let ends = match line {
+            back if back < stretch => [(back, 0), (back + 1, 0)],
+            front if front < 2 * stretch => [(front - stretch, 3), (front - stretch + 1, 3)],
+            rib => [(rib - 2 * stretch + 1, 0), (rib - 2 * stretch + 1, 3)],
+        };
+        let at_tip = ends[1].0 == stretch;
+        let tip = if at_tip { [on_ends[3], on_ends[4], on_ends[5]] } else { [0.0; 3] };
         let tip_y = self.tip.forward(&tip);
         for at in (0..count).rev() {
             let mut gradient = [0.0; 6];
@@ -84,9 +104,8 @@ impl Ladder<'_> {
                 Some(above) => above.reduce_gradient(&self.waiting[at + 1], &mut gradient),
                 None => self.tip.reduce_gradient(&tip_y, &mut gradient),
             }
-            // Level 0 is the base, so rung `at` is level `at + 1`.
-            for (end_level, end) in [(level, 0), (level + 1, 3)] {
-                if end_level == at + 1 {
+            for ((level, row), end) in ends.into_iter().zip([0, 3]) {
+                if level == at + 1 {
                     for i in 0..3 {
                         gradient[row + i] += on_ends[end + i];
                     }

@@ -1,0 +1,84 @@
+//! A digital twin of the finger behind Table I of Xu et al. (2021): the paper's finger with a softer tip and base.
+//!
+//! The paper infers from its errors that the modulus "at the tip and base should be lower", and does not test it. Here zones
+//! are [fitted](fit) to the six published mean errors, and what follows from them is [studied](study). Six numbers, with
+//! the direction of the weights assumed, do not determine a finger: the twin explains the table, it does not prove what
+//! the real finger was like.
+
+pub mod fit;
+pub mod study;
+
+use crate::fixtures;
+use finray_model::finger::Part;
+use finray_model::scene::SceneError;
+use finray_model::{Finger, Scene};
+
+/// One zone: part, and from where to where along it, in stretches between key nodes from the base.
+pub type Stretch = (Part, f64, f64);
+
+/// Zones of the paper's finger that share a factor each, group by group.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ZoneSet {
+    /// What it is, for tables.
+    pub name: &'static str,
+    /// The groups, each with the factor where the fit starts: where a fit from 0.2 ended.
+    pub groups: &'static [(&'static [Stretch], f64)],
+}
+
+/// Length of a stretch of plate between two key nodes of the paper's finger, mm.
+const STRETCH_MM: f64 = 12.75;
+
+const BASE: &[Stretch] = &[(Part::Front, 0.0, 1.0), (Part::Back, 0.0, 1.0)];
+const NEXT: &[Stretch] = &[(Part::Front, 8.0, 10.0), (Part::Back, 8.0, 10.0)];
+const TIP: &[Stretch] = &[(Part::Front, 10.0, 12.0), (Part::Back, 10.0, 12.0)];
+
+/// The zones of the twin: the stretches at the base, two stretches before the tip's, and two at the tip.
+pub const TWIN: ZoneSet =
+    ZoneSet { name: "base, before the tip, tip (the twin)", groups: &[(BASE, 0.72), (NEXT, 0.153), (TIP, 0.064)] };
+
+/// Other zones that were tried, among them some that do as well.
+pub const OTHERS: [ZoneSet; 6] = [
+    ZoneSet {
+        name: "base of the front plate alone, before the tip, tip",
+        groups: &[(&[(Part::Front, 0.0, 1.0)], 0.55), (NEXT, 0.155), (TIP, 0.062)],
+    },
+    ZoneSet {
+        name: "base of the back plate alone, before the tip, tip",
+        groups: &[(&[(Part::Back, 0.0, 1.0)], 0.35), (NEXT, 0.165), (TIP, 0.062)],
+    },
+    ZoneSet {
+        name: "two stretches of base, before the tip, tip",
+        groups: &[(&[(Part::Front, 0.0, 2.0), (Part::Back, 0.0, 2.0)], 0.71), (NEXT, 0.153), (TIP, 0.064)],
+    },
+    ZoneSet {
+        name: "base, ribs before the tip, tip",
+        groups: &[(BASE, 0.7), (&[(Part::Ribs, 7.9, 12.0)], 0.28), (TIP, 0.051)],
+    },
+    ZoneSet {
+        name: "base, four stretches of tip alike",
+        groups: &[(BASE, 0.72), (&[(Part::Front, 8.0, 12.0), (Part::Back, 8.0, 12.0)], 0.117)],
+    },
+    ZoneSet { name: "clamp of the front plate alone, half a stretch", groups: &[(&[(Part::Front, 0.0, 0.5)], 0.014)] },
+];
+
+/// The twin is of the paper's finger alone.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TwinError {
+    /// Another finger.
+    #[error("the digital twin is of the paper's finger (fixtures/scenes/paper.toml); this scene has another")]
+    NotThePapersFinger,
+    /// A shipped scene does not read.
+    #[error("a scene that ships: {0}")]
+    Scene(#[from] SceneError),
+}
+
+/// The twin of a finger, which must be the paper's.
+///
+/// # Errors
+/// [`TwinError`] for any other finger.
+pub fn twin_of(finger: &Finger) -> Result<Finger, TwinError> {
+    if Scene::from_toml(fixtures::PAPER_SCENE)?.finger != *finger {
+        return Err(TwinError::NotThePapersFinger);
+    }
+    Ok(Scene::from_toml(fixtures::TWIN_SCENE)?.finger)
+}
