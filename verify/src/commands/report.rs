@@ -28,7 +28,7 @@ pub struct Arguments {
     /// Folder for the report; made if it does not exist
     #[arg(long, value_name = "DIR", default_value = "finray-report")]
     out: PathBuf,
-    /// Coarse maps: seconds instead of a minute
+    /// Coarse maps and fewer cases: a quarter of a minute instead of one and a half
     #[arg(long)]
     quick: bool,
     /// Open the page in the browser when it is done
