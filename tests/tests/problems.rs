@@ -135,6 +135,7 @@ fn map_and_table_one_show_what_is_known() {
         claim.unwrap_or_else(|| panic!("no claim: {words}")).verdict
     };
     assert_eq!(verdict("geometric nonlinearity"), ClaimVerdict::Refuted);
+    assert_eq!(verdict("modulus is lower near tip and base"), ClaimVerdict::Explained);
     assert_eq!(verdict("middle of the finger"), ClaimVerdict::Reproduced);
     assert_eq!(verdict("each force, neighbours"), ClaimVerdict::Better);
     assert_eq!(verdict("12.5 deg off"), ClaimVerdict::Reproduced);

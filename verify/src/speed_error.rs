@@ -221,8 +221,9 @@ pub fn sensing(
 
     let loaded: Vec<NodeId> = finger.contact_nodes().skip(1).collect();
     let singles: Vec<Vec<NodeId>> = spread(finger, nodes).map(|node| vec![node]).collect();
-    let neighbours: Vec<Vec<NodeId>> =
-        loaded.windows(2).skip((loaded.len() / 2).saturating_sub(1)).take(1).map(<[NodeId]>::to_vec).collect();
+    // In the middle; of the paper's finger 19 and 20.
+    let first = (loaded.len() / 2).min(loaded.len().saturating_sub(2));
+    let neighbours = loaded.windows(2).skip(first).take(1).map(<[NodeId]>::to_vec).collect();
     let tasks = [(Task::SenseOne, singles), (Task::SenseNeighbours, neighbours)];
     let mut points = Vec::new();
     for (task, sets) in tasks {

@@ -261,14 +261,14 @@ fn name_of(seen: &SeenContact) -> String {
 
 fn table(scenes: &[SceneStudy]) -> Table {
     let columns = vec![
-        Column::words("scene, at its end"),
+        Column::words("scene"),
         Column::words("contact"),
         Column::numbers("normal, deg"),
         Column::numbers("true, N"),
         Column::numbers("friction, N"),
-        Column::numbers("sensed without noise, N"),
+        Column::numbers("sensed, N"),
         Column::numbers("error"),
-        Column::numbers("rms error with noise, N"),
+        Column::numbers("noisy, rms, N"),
     ];
     let rows = scenes.iter().filter_map(|scene| Some((scene, scene.steps.last()?))).flat_map(|(scene, last)| {
         let clean = last.clean.as_ref().ok().and_then(Option::as_ref);
@@ -288,7 +288,9 @@ fn table(scenes: &[SceneStudy]) -> Table {
         let whole = total.map(|total| ("in all".to_owned(), None, total.true_n, None, Some(total)));
         for (name, angle_deg, true_n, friction_n, sensed) in contacts.chain(whole) {
             let number = |value: Option<f64>, digits: usize| {
-                Cell::plain(value.map_or("-".to_owned(), |value| format!("{value:.digits$}")))
+                // What rounds to nothing has no sign.
+                let rounded = |value: f64| if value.abs() < 0.5 * 0.1_f64.powi(digits as i32) { 0.0 } else { value };
+                Cell::plain(value.map_or("-".to_owned(), |value| format!("{:.digits$}", rounded(value))))
             };
             rows.push(Row {
                 cells: vec![
@@ -306,7 +308,8 @@ fn table(scenes: &[SceneStudy]) -> Table {
         rows
     });
     Table {
-        caption: "True and sensed forces at the end of each scene".to_owned(),
+        caption: "True and sensed forces at the end of each scene: without noise, and root mean square error with it"
+            .to_owned(),
         columns,
         rows: rows.collect(),
         csv: Some(CSV.to_owned()),
