@@ -9,7 +9,7 @@ use finray_verify::check::Check;
 use finray_verify::contact_scene::study::{PICTURES, SceneStudy, shipped};
 use finray_verify::contact_scene::{ContactScene, OutlineError, SceneStep, TurnedOutline, seen_contacts};
 use finray_verify::fixtures;
-use finray_verify::lattice::pressing::{Touch, TouchedPart};
+use finray_verify::lattice::skin::{Touch, TouchedPart};
 use finray_verify::lattice::{Lattice, LatticeError};
 
 /// Segments in a stretch of plate where nothing but the order of magnitude of the bending matters.

@@ -1,7 +1,7 @@
 //! What a camera sees of the touches: where the object lies against the finger and which way the surface faces there.
 
 use crate::lattice::Lattice;
-use crate::lattice::pressing::{Touch, TouchedPart};
+use crate::lattice::skin::{Touch, TouchedPart};
 use finray_model::finger::Plate;
 use finray_model::sensing::{Contact, ContactPlace};
 use finray_model::{Finger, NodeId, Vector};

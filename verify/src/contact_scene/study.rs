@@ -7,7 +7,8 @@ use crate::check::{Check, EXACT_COUNT, worst};
 use crate::fixtures;
 use crate::lattice::LatticeError;
 use crate::lattice::accuracy::{CONVERGED_ELEMENTS, difference};
-use crate::lattice::pressing::{Touch, TouchedPart};
+use crate::lattice::skin::{Touch, TouchedPart};
+use crate::scatter::TWO_SIDED_95;
 use finray_model::finger::Plate;
 use finray_model::mesh::{FingerShape, Load};
 use finray_model::scene::SceneError;
@@ -32,8 +33,6 @@ const EACH_TOLERANCE: f64 = 0.10;
 /// A contact that carries less than this share of the largest force has only just been made: its own size is no measure of its
 /// error.
 const SHARES: f64 = 0.1;
-/// Two-sided 95 % of a normal distribution, in standard deviations.
-const SIGMAS_95: f64 = 1.96;
 /// Chance alone moves the share of 200 pictures within 1.96 standard deviations by 0.015 (one standard deviation); three of these.
 const COVERAGE_TOLERANCE: f64 = 0.046;
 /// Noisy pictures of the last step, for a promise about stated intervals.
@@ -68,7 +67,7 @@ pub struct Pictures {
 impl Pictures {
     /// Share of the pictures whose stated interval of 95 % holds the true force: of a contact, or the total (the last).
     pub fn coverage(&self, which: usize) -> f64 {
-        let within = self.sensed[which].iter().filter(|force| force.standardised_error().abs() <= SIGMAS_95).count();
+        let within = self.sensed[which].iter().filter(|force| force.standardised_error().abs() <= TWO_SIDED_95).count();
         within as f64 / self.sensed[which].len() as f64
     }
 

@@ -18,6 +18,7 @@ pub mod causes;
 pub mod energy;
 pub mod pressing;
 pub mod settling;
+pub mod skin;
 pub mod springs;
 pub mod study;
 

@@ -1,7 +1,7 @@
-//! An object pressed onto the lattice in rapier: rods are balls, the front plate is a chain of capsules.
+//! An object pressed onto the lattice in rapier.
 //!
-//! The object is a rigid body that does not turn. It touches the front plate and its rods; neither the other plate, nor the finger
-//! itself, touches anything. It hangs in a hand by stiff springs; where the hand moves, the object
+//! The object is a rigid body that does not turn. It touches the [`skin`](super::skin) of the front plate; neither the other
+//! plate, nor the finger itself, touches anything. It hangs in a hand by stiff springs; where the hand moves, the object
 //! follows until the finger holds against it. So three forces are known that nothing forces to agree: what the engine's
 //! contacts carry, what the hand's springs do, and what the lattice's springs put on the clamps.
 //!
@@ -10,55 +10,15 @@
 use super::bodies::{BodyIndex, BodyLoad};
 use super::energy::{BodyMotion, Energy};
 use super::settling::{self, Dynamics, mass_for, own, rapier};
+use super::skin::{Skin, Touch, TouchedPart, add_skin, groups_of_object};
 use super::{Lattice, LatticeError};
+use finray_model::Vector;
 use finray_model::finger::{Part, Plate};
 use finray_model::mesh::{FingerShape, Load};
-use finray_model::{NodeId, Vector};
 use rapier2d::prelude::{
-    CoefficientCombineRule, ColliderBuilder, ColliderHandle, GenericJointBuilder, Group, ImpulseJointHandle,
-    InteractionGroups, InteractionTestMode, JointAxesMask, JointAxis, MotorModel, Pose, RigidBodyBuilder,
-    RigidBodyHandle, SharedShape,
+    CoefficientCombineRule, ColliderBuilder, ColliderHandle, GenericJointBuilder, ImpulseJointHandle, JointAxesMask,
+    JointAxis, MotorModel, Pose, RigidBodyBuilder, RigidBodyHandle, SharedShape,
 };
-
-/// Where on the finger an object touches it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum TouchedPart {
-    /// The rod at a key node of the front plate.
-    Rod(NodeId),
-    /// The front plate, mm along it from the base.
-    Plate(f64),
-}
-
-impl TouchedPart {
-    /// Place along the front plate, mm from its base.
-    pub fn place_mm(&self, lattice: &Lattice) -> f64 {
-        match *self {
-            TouchedPart::Rod(node) => lattice.finger().front_place_mm(node).unwrap_or_default(),
-            TouchedPart::Plate(place_mm) => place_mm,
-        }
-    }
-}
-
-/// One point at which the object pushes on the finger.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Touch {
-    /// Body of the lattice that is pushed.
-    pub body: BodyIndex,
-    /// What part of the finger that is.
-    pub part: TouchedPart,
-    /// Whether the part is clamped, so that the force does not bend the finger.
-    pub clamped: bool,
-    /// Where, finger frame, deformed, mm.
-    pub point: Vector,
-    /// From the centre of the body to the point, as if the body had not turned, mm.
-    pub arm: Vector,
-    /// Unit vector from the object into the finger.
-    pub normal: Vector,
-    /// Force on the finger, N, finger frame.
-    pub force: Vector,
-    /// Overlap of object and finger, mm; negative for a gap.
-    pub overlap_mm: f64,
-}
 
 /// How the object is held along the line that it is pressed on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -149,17 +109,6 @@ fn between(from: Push, to: Push, share: f64) -> Push {
     }
 }
 
-/// A collider of the finger.
-#[derive(Clone, Copy)]
-enum Skin {
-    Rod(NodeId),
-    /// Where the piece begins along the plate (mm), and the same point from the centre of its body.
-    Plate {
-        from_mm: f64,
-        from_arm: Vector,
-    },
-}
-
 /// From this distance on, as a share of the front plate's length, the engine looks after a contact to come. No body may move by
 /// more than half of it in a step, so that none gets past another unseen.
 const FORESIGHT: f64 = 1.0 / 150.0;
@@ -213,7 +162,7 @@ impl<'l> Pressing<'l> {
             .density(0.0)
             .friction(object.friction)
             .friction_combine_rule(CoefficientCombineRule::Min)
-            .collision_groups(groups(OBJECT, FINGER));
+            .collision_groups(groups_of_object());
         let world = &mut dynamics.world;
         let collider = world.colliders.insert_with_parent(collider, body, &mut world.bodies);
         let mut joint = GenericJointBuilder::new(JointAxesMask::empty());
@@ -388,47 +337,6 @@ impl<'l> Pressing<'l> {
         touches.sort_by(|a, b| a.part.place_mm(self.lattice).total_cmp(&b.part.place_mm(self.lattice)));
         touches
     }
-}
-
-const FINGER: Group = Group::GROUP_1;
-const OBJECT: Group = Group::GROUP_2;
-
-/// The finger touches the object alone, not itself.
-fn groups(own: Group, other: Group) -> InteractionGroups {
-    InteractionGroups::new(own, other, InteractionTestMode::And)
-}
-
-/// Gives the lattice its surface: a ball at every key node of the front plate, capsules between.
-fn add_skin(lattice: &Lattice, rod_radius_mm: f64, friction: f64, dynamics: &mut Dynamics) -> Vec<(BodyIndex, Skin)> {
-    let (finger, assembly) = (lattice.finger(), lattice.assembly());
-    let mut skin = Vec::new();
-    if rod_radius_mm > 0.0 {
-        for node in finger.plate_nodes(Plate::Front) {
-            let anchor = assembly.key_nodes[node.0 - 1];
-            let ball = ColliderBuilder::ball(rod_radius_mm).translation(rapier(anchor.arm));
-            skin.push((anchor.body, Skin::Rod(node), ball));
-        }
-    }
-    let half_mm = 0.5 * finger.description().front.thickness_mm;
-    for piece in assembly.front_pieces() {
-        let [from, to] = piece.ends.map(rapier);
-        let part = Skin::Plate { from_mm: piece.from_mm, from_arm: piece.ends[0] };
-        skin.push((piece.body, part, ColliderBuilder::capsule_from_endpoints(from, to, half_mm)));
-    }
-    let world = &mut dynamics.world;
-    skin.into_iter()
-        .enumerate()
-        .map(|(index, (body, part, collider))| {
-            let collider = collider
-                .density(0.0)
-                .friction(friction)
-                .friction_combine_rule(CoefficientCombineRule::Min)
-                .collision_groups(groups(FINGER, OBJECT))
-                .user_data(index as u128);
-            world.colliders.insert_with_parent(collider, dynamics.handles[body], &mut world.bodies);
-            (body, part)
-        })
-        .collect()
 }
 
 /// Steps that the slowest motion of the finger takes, as [`Dynamics::settle`] finds it, and the stiffness of the finger's middle, N/mm.

@@ -9,6 +9,7 @@ use super::tables::percent;
 use crate::check::worst;
 use crate::contact_scene::study::{SceneStudy, StudiedStep};
 use crate::contact_scene::{ForceRow, SeenContact, SensedForce, contacts_sensed};
+use crate::scatter::TWO_SIDED_95;
 use crate::study::Study;
 use finray_model::Finger;
 use finray_model::finger::Plate;
@@ -20,8 +21,6 @@ use std::collections::BTreeMap;
 pub(super) const CSV: &str = "contact_scenes.csv";
 /// Length of the largest force's arrow, as a share of the front plate's.
 const LONGEST_ARROW: f64 = 0.2;
-/// Half of a 95 % interval, in standard deviations.
-const SIGMAS_95: f64 = 1.96;
 
 /// A row of the CSV file.
 #[derive(Serialize)]
@@ -193,7 +192,7 @@ fn force_over_travel(finger: &Finger, scene: &SceneStudy) -> Vec<Series> {
         course.truth.push([row.travel_mm, row.force_n]);
         if let (Some(sensed_n), Some(sigma_n)) = (row.sensed_n, row.sigma_n) {
             course.sensed.push([row.travel_mm, sensed_n]);
-            course.intervals.push([sensed_n - SIGMAS_95 * sigma_n, sensed_n + SIGMAS_95 * sigma_n]);
+            course.intervals.push([sensed_n - TWO_SIDED_95 * sigma_n, sensed_n + TWO_SIDED_95 * sigma_n]);
         }
     }
     let mut series = Vec::new();
