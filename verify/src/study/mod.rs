@@ -1,31 +1,40 @@
 //! Everything that the report shows, computed: checks, maps, Tables I and II, networks, mesh convergence, the spring lattice, hard cases
 //! and example shapes of one scene.
 
+mod cross_checks;
+mod effort;
+mod maps;
+mod noise;
+mod objects;
+mod shapes;
+mod timing;
+
+pub use effort::Effort;
+pub use noise::NoiseStudy;
+pub use shapes::BentFinger;
+
 use crate::check::{Check, Comparison};
-use crate::contact_scene;
 use crate::contact_scene::study::{SceneStudy, SceneStudyError, SceneWithOutline};
 use crate::convergence::{Convergence, convergence, loaded_nodes};
-use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorKind};
+use crate::estimators::EstimatorError;
 use crate::fixtures;
 use crate::hard_cases::{self, HardCase, hard_cases};
 use crate::lattice::study::LatticeStudy;
 use crate::ledger::{Claim, ledger};
-use crate::map::{AccuracyMap, MapRequest, accuracy_maps};
-use crate::mujoco::ExportedFinger;
+use crate::map::AccuracyMap;
 use crate::networks::accuracy::{self, NetworkStudy};
 use crate::networks::records::Records;
 use crate::networks::{NetworkSensing, Networks};
-use crate::problems::{self, ProblemError};
-use crate::scatter::{self, ONE_FORCE_N, ScatterRequest, ScatterRow, TWO_FORCES_N};
-use crate::speed_error::{self, SpeedErrorError, SpeedErrorPoint};
+use crate::problems::ProblemError;
+use crate::speed_error::{SpeedErrorError, SpeedErrorPoint};
 use crate::table_one::{TableOne, TableOneError, table_one};
 use crate::table_two::{self, TableTwo, table_two};
 use crate::truth::{MeshTruth, fine_mesh};
 use crate::twin::study::{TwinStudy, TwinStudyError};
+use finray_model::sensing::SensingError;
 use finray_model::sensing::network::NetworkError;
-use finray_model::sensing::{Contact, SensingError};
-use finray_model::statics::{Statics, StaticsError};
-use finray_model::{Finger, Kinematics, Load, Mesh, Scene, Vector};
+use finray_model::statics::StaticsError;
+use finray_model::{Finger, Kinematics, Mesh, Scene};
 
 /// Noise of one measured coordinate, mm: the paper's worst position error of 0.2 mm (sec. IV-B) taken as three standard
 /// deviations.
@@ -37,60 +46,6 @@ pub const DRAWN_FORCE_N: f64 = 3.0;
 /// Directions assumed for the paper's "vertical" weights, degrees from the inward normal. 10.9 is vertical when the
 /// finger's axis lies level: asin(29 / 153).
 pub const TABLE_ONE_ANGLES_DEG: [f64; 5] = [0.0, 10.9, -20.0, 20.0, 40.0];
-
-/// Segments in a stretch of plate, and steps of the object, in the contact scene of a quick study.
-const QUICK_FINENESS: usize = 2;
-const QUICK_STEPS: usize = 3;
-
-/// How much is computed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Effort {
-    /// Coarse maps, for a look or a test.
-    Quick,
-    /// Fine maps.
-    Full,
-}
-
-impl Effort {
-    /// Random cases for each set of contacts of Table II and of the networks.
-    fn sensed_cases(self) -> [usize; 2] {
-        match self {
-            Effort::Quick => [100, 40],
-            Effort::Full => [accuracy::ENOUGH_CASES; 2],
-        }
-    }
-
-    /// Calibrations of the digital twin, forces a node that are sensed on it, and sets of zones that are fitted.
-    fn twin(self) -> [usize; 3] {
-        match self {
-            Effort::Quick => [3, 20, 1],
-            Effort::Full => [10, 400, usize::MAX],
-        }
-    }
-
-    /// Places along the front plate, degrees between two directions, and noise pictures a cell.
-    fn resolution(self) -> (usize, f64, usize) {
-        match self {
-            Effort::Quick => (24, 20.0, 100),
-            Effort::Full => (48, 5.0, 400),
-        }
-    }
-}
-
-/// A bent finger, for drawing.
-#[derive(Debug, Clone, PartialEq)]
-pub struct BentFinger {
-    /// What bends it and how it was solved.
-    pub label: String,
-    /// Kinematics it was solved with.
-    pub kinematics: Kinematics,
-    /// The force, N, and where it acts in the deformed place, mm.
-    pub force: Vector,
-    /// Where the force acts.
-    pub at: Vector,
-    /// Nodes along every member, mm.
-    pub lines: Vec<Vec<Vector>>,
-}
 
 /// All results for one scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -135,19 +90,6 @@ pub struct Study {
     pub claims: Vec<Claim>,
     /// Example shapes.
     pub bent: Vec<BentFinger>,
-}
-
-/// Random forces sensed by the nonlinear estimator from noisy pictures.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NoiseStudy {
-    /// Standard deviation of one coordinate, mm.
-    pub noise_mm: f64,
-    /// Random cases for each set of contacts.
-    pub cases: usize,
-    /// One contact node each, forces of [`ONE_FORCE_N`].
-    pub single: Vec<ScatterRow>,
-    /// Two contact nodes each, forces of [`TWO_FORCES_N`]; none in a quick study.
-    pub pairs: Vec<ScatterRow>,
 }
 
 /// Why a study could not be finished.
@@ -210,51 +152,14 @@ impl Study {
         let noise_mm = scene.camera.map_or(CAMERA_NOISE_MM, |camera| camera.noise_mm);
 
         progress.part("cross-checks", 1);
-        let mut checks = problems::elastica::checks()?;
-        checks.extend(problems::full_circle::checks()?);
-        checks.extend(problems::lee_frame::checks()?);
-        checks.extend(problems::toggle::checks()?);
-        checks.extend(problems::refinement::checks(finger)?);
-        let mut comparisons = problems::refinement::comparisons(finger)?;
-        if is_paper {
-            checks.extend(problems::opensees::paper_checks(finger)?);
-            checks.extend(problems::rigid_rotation::checks(finger));
-            checks.extend(problems::tangent::checks(finger)?);
-            checks.extend(problems::energy_balance::checks(finger)?);
-            checks.extend(problems::grid_convergence::checks(finger)?);
-            comparisons.extend(problems::opensees::linear_against_large_rotation(finger)?);
-        }
-        if let Some(exported) = ExportedFinger::of(finger) {
-            checks.extend(problems::mujoco::static_checks(exported)?);
-        }
-        if is_paper {
-            checks.extend(problems::mujoco::contact_checks()?);
-            comparisons.extend(problems::mujoco::triangle()?);
-        }
+        let (mut checks, mut comparisons) = cross_checks::cross_checks(finger, is_paper)?;
         progress.step();
 
         let (coarse, fine) = (Mesh::key_nodes(finger), fine_mesh(finger)?);
-        let linear = MeshTruth::new("linear", &coarse, Kinematics::Linear)?;
         let corotational = MeshTruth::new("corotational", &fine, Kinematics::Corotational)?;
-        let (places, step_deg, noise_pictures) = effort.resolution();
-        let (places_mm, angles_deg) = MapRequest::grid(finger, places, step_deg);
-        let cells = places_mm.len() * angles_deg.len();
         // Without noise there is nothing to add.
         let noise_levels_mm = if noise_mm > 0.0 { vec![0.0, noise_mm] } else { vec![0.0] };
-        let request = MapRequest {
-            places_mm,
-            angles_deg,
-            forces_n: MAP_FORCES_N.to_vec(),
-            noise_levels_mm: noise_levels_mm.clone(),
-            noise_pictures,
-            seed: 1,
-        };
-        let least_squares = BeamEstimator { kind: EstimatorKind::LeastSquares, mesh: &coarse };
-        let mut maps = Vec::new();
-        for (name, truth) in [("map, linear", &linear), ("map, large rotation", &corotational)] {
-            progress.part(name, cells);
-            maps.extend(accuracy_maps(finger, truth, &least_squares, &request, &|| progress.step()));
-        }
+        let maps = maps::maps(finger, &coarse, &corotational, &noise_levels_mm, effort, progress)?;
 
         let mut tables_one = Vec::new();
         if is_paper {
@@ -305,14 +210,14 @@ impl Study {
             progress.part("hard cases", hard_cases::count());
             hard = hard_cases(finger, effort, &|| progress.step());
         }
-        let contact_scenes = press_objects(given, is_paper, effort, progress)?;
+        let contact_scenes = objects::press_objects(given, is_paper, effort, progress)?;
         checks.extend(contact_scenes.iter().flat_map(SceneStudy::checks));
         if is_paper && scene.object.is_none() {
             checks.extend(contact_scenes.iter().flat_map(SceneStudy::shipped_checks));
         }
         progress.part("speed and error", 2);
-        let speed_error = time_and_compare(finger, &fine, noise_mm, is_paper, effort, progress)?;
-        let bent = bent_fingers(finger, &fine);
+        let speed_error = timing::time_and_compare(finger, &fine, noise_mm, is_paper, effort, progress)?;
+        let bent = shapes::bent_fingers(finger, &fine);
         let mut study = Study {
             scene: scene.name.clone(),
             finger: finger.clone(),
@@ -356,127 +261,4 @@ impl Study {
     pub fn map(&self, truth: &str, noisy: bool) -> Option<&AccuracyMap> {
         self.maps.iter().find(|map| map.truth == truth && (map.noise_mm > 0.0) == noisy)
     }
-}
-
-impl NoiseStudy {
-    fn run(
-        finger: &Finger,
-        truth: &Mesh,
-        noise_mm: f64,
-        effort: Effort,
-        progress: &dyn Progress,
-    ) -> Result<NoiseStudy, EstimatorError> {
-        let cases = match effort {
-            Effort::Quick => 20,
-            Effort::Full => 200,
-        };
-        let nodes = scatter::sampled_nodes(finger);
-        let singles = scatter::singles(&nodes);
-        let pairs = if effort == Effort::Full { scatter::pairs(&nodes) } else { Vec::new() };
-        progress.part("noise", singles.len() + pairs.len());
-        let model = Mesh::with_elements_per_member(finger, ELEMENTS);
-        let nonlinear = BeamEstimator { kind: EstimatorKind::Nonlinear, mesh: &model };
-        let estimators: [&dyn Estimator; 1] = [&nonlinear];
-        let request = ScatterRequest {
-            truth,
-            kinematics: Kinematics::Corotational,
-            model: &model,
-            noise_levels_mm: &[noise_mm],
-            cases,
-            seed: 1,
-        };
-        let step = || progress.step();
-        Ok(NoiseStudy {
-            noise_mm,
-            cases,
-            single: scatter::scatter(&request, &estimators, &singles, ONE_FORCE_N, &step)?,
-            pairs: scatter::scatter(&request, &estimators, &pairs, TWO_FORCES_N, &step)?,
-        })
-    }
-}
-
-/// Runs the scene's own object, or for the paper's finger without one the scenes that ship.
-fn press_objects(
-    given: &SceneWithOutline,
-    is_paper: bool,
-    effort: Effort,
-    progress: &dyn Progress,
-) -> Result<Vec<SceneStudy>, SceneStudyError> {
-    let mut scenes = match &given.scene.object {
-        Some(_) => vec![(given.clone(), contact_scene::FINENESS)],
-        None if is_paper => contact_scene::study::shipped()?,
-        None => return Ok(Vec::new()),
-    };
-    let mut pictures = contact_scene::study::PICTURES;
-    if effort == Effort::Quick {
-        // The coarse lattice is not near enough to beams for a promise about noise.
-        pictures = 0;
-        scenes.truncate(1);
-        for (given, fineness) in &mut scenes {
-            *fineness = QUICK_FINENESS;
-            if let Some(object) = &mut given.scene.object {
-                object.steps = object.steps.min(QUICK_STEPS);
-            }
-        }
-    }
-    let steps = scenes.iter().filter_map(|(given, _)| given.scene.object.as_ref()).map(|object| object.steps).sum();
-    progress.part("contact scenes", steps);
-    contact_scene::study::run_all(&scenes, CAMERA_NOISE_MM, pictures, &|| progress.step())
-}
-
-/// Times models and estimators, one after the other: nothing else may run beside them.
-fn time_and_compare(
-    finger: &Finger,
-    fine: &Mesh,
-    noise_mm: f64,
-    is_paper: bool,
-    effort: Effort,
-    progress: &dyn Progress,
-) -> Result<Vec<SpeedErrorPoint>, StudyError> {
-    let (nodes, pictures) = match effort {
-        Effort::Quick => (3, 10),
-        Effort::Full => (11, 40),
-    };
-    // What a finger does not carry leaves the chart out; the maps say so already.
-    let mut points = match speed_error::solving(finger, nodes) {
-        Err(SpeedErrorError::Statics(StaticsError::NoEquilibrium { .. })) => Vec::new(),
-        points => points?,
-    };
-    progress.step();
-    if noise_mm > 0.0 {
-        let shipped = Networks::shipped()?;
-        let sensing = NetworkSensing { name: accuracy::NAME, networks: &shipped, finger, refuses: true };
-        let further: &[(&dyn Estimator, &str)] = if is_paper { &[(&sensing, "ships")] } else { &[] };
-        points.extend(speed_error::sensing(fine, noise_mm, nodes, pictures, further)?);
-    }
-    progress.step();
-    Ok(points)
-}
-
-/// The finger under the drawn force at three nodes, linear and with large rotations; what has no equilibrium is left
-/// out.
-fn bent_fingers(finger: &Finger, mesh: &Mesh) -> Vec<BentFinger> {
-    let nodes: Vec<_> = finger.contact_nodes().collect();
-    let chosen = [nodes.len() / 8, nodes.len() / 2, nodes.len() - 1].map(|i| nodes[i]);
-    let mut chosen = chosen.to_vec();
-    chosen.dedup();
-    let mut bent = Vec::new();
-    for node in chosen {
-        for (kinematics, name) in [(Kinematics::Linear, "linear"), (Kinematics::Corotational, "large rotation")] {
-            let contact = Contact::at_node(node);
-            let load: Load = contact.load(finger, DRAWN_FORCE_N);
-            let Ok(frame_load) = mesh.frame_load(&load) else { continue };
-            let Ok(equilibrium) = Statics::ladder(mesh, kinematics).equilibrium(&[frame_load]) else { continue };
-            let motion = equilibrium.motion;
-            let place = |&index: &usize| mesh.frame().position(index) + motion.displacements[index];
-            bent.push(BentFinger {
-                label: format!("{DRAWN_FORCE_N} N at node {node}, {name}"),
-                kinematics,
-                force: finger.direction(0.0) * DRAWN_FORCE_N,
-                at: place(&mesh.frame_node(node)),
-                lines: mesh.lines().iter().map(|line| line.nodes.iter().map(place).collect()).collect(),
-            });
-        }
-    }
-    bent
 }

@@ -1,0 +1,38 @@
+//! How much of everything is computed.
+
+use crate::networks::accuracy;
+
+/// How much is computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Effort {
+    /// Coarse maps, for a look or a test.
+    Quick,
+    /// Fine maps.
+    Full,
+}
+
+impl Effort {
+    /// Random cases for each set of contacts of Table II and of the networks.
+    pub(super) fn sensed_cases(self) -> [usize; 2] {
+        match self {
+            Effort::Quick => [100, 40],
+            Effort::Full => [accuracy::ENOUGH_CASES; 2],
+        }
+    }
+
+    /// Calibrations of the digital twin, forces a node that are sensed on it, and sets of zones that are fitted.
+    pub(super) fn twin(self) -> [usize; 3] {
+        match self {
+            Effort::Quick => [3, 20, 1],
+            Effort::Full => [10, 400, usize::MAX],
+        }
+    }
+
+    /// Places along the front plate, degrees between two directions, and noise pictures a cell.
+    pub(super) fn resolution(self) -> (usize, f64, usize) {
+        match self {
+            Effort::Quick => (24, 20.0, 100),
+            Effort::Full => (48, 5.0, 400),
+        }
+    }
+}

@@ -1,0 +1,38 @@
+//! Objects pressed onto the finger.
+
+use super::{CAMERA_NOISE_MM, Effort, Progress};
+use crate::contact_scene;
+use crate::contact_scene::study::{SceneStudy, SceneStudyError, SceneWithOutline};
+
+/// Segments in a stretch of plate, and steps of the object, in the contact scene of a quick study.
+const QUICK_FINENESS: usize = 2;
+const QUICK_STEPS: usize = 3;
+
+/// Runs the scene's own object, or for the paper's finger without one the scenes that ship.
+pub(super) fn press_objects(
+    given: &SceneWithOutline,
+    is_paper: bool,
+    effort: Effort,
+    progress: &dyn Progress,
+) -> Result<Vec<SceneStudy>, SceneStudyError> {
+    let mut scenes = match &given.scene.object {
+        Some(_) => vec![(given.clone(), contact_scene::FINENESS)],
+        None if is_paper => contact_scene::study::shipped()?,
+        None => return Ok(Vec::new()),
+    };
+    let mut pictures = contact_scene::study::PICTURES;
+    if effort == Effort::Quick {
+        // The coarse lattice is not near enough to beams for a promise about noise.
+        pictures = 0;
+        scenes.truncate(1);
+        for (given, fineness) in &mut scenes {
+            *fineness = QUICK_FINENESS;
+            if let Some(object) = &mut given.scene.object {
+                object.steps = object.steps.min(QUICK_STEPS);
+            }
+        }
+    }
+    let steps = scenes.iter().filter_map(|(given, _)| given.scene.object.as_ref()).map(|object| object.steps).sum();
+    progress.part("contact scenes", steps);
+    contact_scene::study::run_all(&scenes, CAMERA_NOISE_MM, pictures, &|| progress.step())
+}

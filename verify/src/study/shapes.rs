@@ -1,0 +1,49 @@
+//! Example shapes.
+
+use super::DRAWN_FORCE_N;
+use finray_model::sensing::Contact;
+use finray_model::statics::Statics;
+use finray_model::{Finger, Kinematics, Load, Mesh, Vector};
+
+/// A bent finger, for drawing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BentFinger {
+    /// What bends it and how it was solved.
+    pub label: String,
+    /// Kinematics it was solved with.
+    pub kinematics: Kinematics,
+    /// The force, N, and where it acts in the deformed place, mm.
+    pub force: Vector,
+    /// Where the force acts.
+    pub at: Vector,
+    /// Nodes along every member, mm.
+    pub lines: Vec<Vec<Vector>>,
+}
+
+/// The finger under the drawn force at three nodes, linear and with large rotations; what has no equilibrium is left
+/// out.
+pub(super) fn bent_fingers(finger: &Finger, mesh: &Mesh) -> Vec<BentFinger> {
+    let nodes: Vec<_> = finger.contact_nodes().collect();
+    let chosen = [nodes.len() / 8, nodes.len() / 2, nodes.len() - 1].map(|i| nodes[i]);
+    let mut chosen = chosen.to_vec();
+    chosen.dedup();
+    let mut bent = Vec::new();
+    for node in chosen {
+        for (kinematics, name) in [(Kinematics::Linear, "linear"), (Kinematics::Corotational, "large rotation")] {
+            let contact = Contact::at_node(node);
+            let load: Load = contact.load(finger, DRAWN_FORCE_N);
+            let Ok(frame_load) = mesh.frame_load(&load) else { continue };
+            let Ok(equilibrium) = Statics::ladder(mesh, kinematics).equilibrium(&[frame_load]) else { continue };
+            let motion = equilibrium.motion;
+            let place = |&index: &usize| mesh.frame().position(index) + motion.displacements[index];
+            bent.push(BentFinger {
+                label: format!("{DRAWN_FORCE_N} N at node {node}, {name}"),
+                kinematics,
+                force: finger.direction(0.0) * DRAWN_FORCE_N,
+                at: place(&mesh.frame_node(node)),
+                lines: mesh.lines().iter().map(|line| line.nodes.iter().map(place).collect()).collect(),
+            });
+        }
+    }
+    bent
+}
