@@ -8,6 +8,7 @@
 //! and writes what users bring and take away; physics lives in [`finray_model`].
 #![forbid(unsafe_code)]
 
+pub mod causes;
 pub mod check;
 pub mod contact_scene;
 pub mod convergence;

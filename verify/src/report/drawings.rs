@@ -14,6 +14,7 @@ use finray_model::{Finger, Kinematics, Vector};
 const PAPER_SHADES_PERCENT: [f64; 2] = [10.0, 25.0];
 /// One colour scale for all maps, %.
 const ERROR_SCALE_PERCENT: [f64; 2] = [0.1, 100.0];
+pub(super) const ALONG_THE_PLATE: &str = "place along the front plate from the base, mm";
 pub(super) const ALONG_AXIS: &str = "base to tip, mm";
 pub(super) const ACROSS_AXIS: &str = "back to front, mm";
 
@@ -58,7 +59,7 @@ pub fn map_picture(finger: &Finger, map: &AccuracyMap, force_n: Option<f64>) -> 
     let percent = |error: Option<f64>| error.map(|e| 100.0 * e);
     figures::heat_map(&HeatMap {
         frame: Frame::half(title, alt),
-        x_label: "place along the front plate from the base, mm".to_owned(),
+        x_label: ALONG_THE_PLATE.to_owned(),
         x: map.request.places_mm.clone(),
         y_label: "force direction, deg from normal (+ to tip)".to_owned(),
         y: map.request.angles_deg.clone(),
@@ -109,7 +110,7 @@ pub(super) fn errors_along_the_normal(map: &AccuracyMap) -> Result<String, Figur
         .collect();
     figures::lines(&LineChart {
         frame: Frame::half(title.clone(), format!("{title}: error of the sensed force by place, one line a force.")),
-        x: Axis::linear("place along the front plate from the base, mm"),
+        x: Axis::linear(ALONG_THE_PLATE),
         y: Axis::linear("error |sensed / true - 1|, %"),
         series,
         references: PAPER_SHADES_PERCENT

@@ -4,6 +4,7 @@
 pub mod figures;
 pub mod page;
 
+mod causes;
 mod claims;
 mod contact_scenes;
 mod convergence;
@@ -22,6 +23,7 @@ mod tables;
 mod twin;
 mod words;
 
+pub use causes::{CauseRow, CauseSummary};
 pub use drawings::{map_picture, standalone};
 pub use lattice::{AxialSpringsRow, LatticeRow, SettlingRow};
 pub use networks::NetworkRow;

@@ -2,8 +2,8 @@
 
 use super::page::{Block, Figure, Page, Section};
 use super::{
-    ReportError, Summary, claims, contact_scenes, convergence, drawings, hard_cases, lattice, networks, scatter,
-    speed_error, table_two, tables, twin, words,
+    ReportError, Summary, causes, claims, contact_scenes, convergence, drawings, hard_cases, lattice, networks,
+    scatter, speed_error, table_two, tables, twin, words,
 };
 use crate::map::AccuracyMap;
 use crate::study::{DRAWN_FORCE_N, MAP_FORCES_N, Study};
@@ -20,6 +20,7 @@ pub(super) fn section(id: &str, heading: &str, blocks: Vec<Block>) -> Section {
 /// The whole page.
 pub(super) fn page(study: &Study, summary: &Summary) -> Result<Page, ReportError> {
     let mut sections = vec![maps(study, summary)?];
+    sections.extend(causes::section(study)?);
     sections.extend(claims::section(study));
     if !study.tables_one.is_empty() {
         sections.push(table_one(study)?);

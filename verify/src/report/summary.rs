@@ -1,10 +1,11 @@
 //! `summary.json`: every figure that the page shows, for machines.
 
+use super::causes::CauseSummary;
 use super::lattice::{self, AxialSpringsRow, LatticeRow, SettlingRow};
 use super::networks::{self, NetworkRow};
 use super::table_two::{self, TableTwoRow};
 use super::twin::{self, CalibrationRow, TwinRow, ZoneSetRow};
-use super::{tables, words};
+use super::{causes, tables, words};
 use crate::check::{Check, Comparison};
 use crate::ledger::Claim;
 use crate::map::MapSummary;
@@ -43,6 +44,8 @@ pub struct Summary {
     pub claims: Vec<Claim>,
     /// Maps at the drawn force and over all forces.
     pub maps: Vec<MapEntry>,
+    /// What makes sensed forces wrong, by truth, way of sensing, force and region.
+    pub causes: Vec<CauseSummary>,
     /// Table I of the paper, for each assumed direction.
     pub table_one: Vec<TableOne>,
     /// The digital twin of Table I, by loaded node.
@@ -82,6 +85,7 @@ impl Summary {
             speed_error: study.speed_error.clone(),
             claims: study.claims.clone(),
             maps: entry(Some(DRAWN_FORCE_N)).chain(entry(None)).collect(),
+            causes: causes::summaries(study),
             table_one: study.tables_one.clone(),
             twin: study.twin.iter().flat_map(twin::rows).collect(),
             twin_zone_sets: study.twin.iter().flat_map(twin::set_rows).collect(),

@@ -2,7 +2,7 @@
 
 use super::page::{Cell, Column, Row, Shade, Table};
 use super::{
-    claims, contact_scenes, convergence, curves, hard_cases, lattice, networks, recipes, scatter, speed_error,
+    causes, claims, contact_scenes, convergence, curves, hard_cases, lattice, networks, recipes, scatter, speed_error,
     table_two, twin,
 };
 use crate::check::{Check, Comparison, worst};
@@ -100,6 +100,9 @@ pub(super) fn csv_files(study: &Study) -> Result<Vec<(PathBuf, String)>, csv::Er
         files.push((twin::CSV.into(), csv_text(twin::rows(study))?));
         files.push((twin::SETS_CSV.into(), csv_text(twin::set_rows(study))?));
         files.push((twin::CALIBRATION_CSV.into(), csv_text(twin::calibration_rows(study))?));
+    }
+    if !study.causes.is_empty() {
+        files.push((causes::CSV.into(), csv_text(causes::rows(study))?));
     }
     if let Some(noise) = &study.noise {
         files.push((scatter::CSV.into(), csv_text(scatter::csv_rows(noise))?));

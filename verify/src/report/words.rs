@@ -1,7 +1,7 @@
 //! What the numbers say, in sentences made from the numbers.
 
 use super::tables::percent;
-use super::{contact_scenes, lattice, networks, twin};
+use super::{causes, contact_scenes, lattice, networks, twin};
 use crate::map::{AccuracyMap, Cell};
 use crate::scatter::ScatterRow;
 use crate::study::{DRAWN_FORCE_N, Study};
@@ -86,6 +86,7 @@ pub(super) fn verdict(study: &Study) -> Vec<String> {
             ));
         }
     }
+    sentences.extend(causes::verdict(study));
     sentences.extend(nonlinear(study));
     sentences.extend(study.networks.as_ref().and_then(networks::words));
     sentences.extend(table_one(study));

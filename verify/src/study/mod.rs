@@ -1,6 +1,7 @@
 //! Everything that the report shows, computed: checks, maps, Tables I and II, networks, mesh convergence, the spring lattice, hard cases
 //! and example shapes of one scene.
 
+mod causes;
 mod cross_checks;
 mod effort;
 mod maps;
@@ -13,6 +14,7 @@ pub use effort::Effort;
 pub use noise::NoiseStudy;
 pub use shapes::BentFinger;
 
+use crate::causes::{CauseError, CauseMap};
 use crate::check::{Check, Comparison};
 use crate::contact_scene::study::{SceneStudy, SceneStudyError, SceneWithOutline};
 use crate::convergence::{Convergence, convergence, loaded_nodes};
@@ -66,6 +68,8 @@ pub struct Study {
     pub tables_one: Vec<TableOne>,
     /// The digital twin of Table I, for the paper's finger under noise.
     pub twin: Option<TwinStudy>,
+    /// What makes sensed forces wrong, by truth and way of sensing.
+    pub causes: Vec<CauseMap>,
     /// Error by mesh and load.
     pub convergence: Convergence,
     /// Nonlinear sensing under camera noise.
@@ -119,6 +123,9 @@ pub enum StudyError {
     /// A small experiment behind a claim of the paper failed to compute.
     #[error("claims: {0}")]
     Claim(#[from] SensingError),
+    /// The causes of errors failed to compute.
+    #[error("causes: {0}")]
+    Causes(#[from] CauseError),
     /// The digital twin failed to compute.
     #[error("digital twin: {0}")]
     Twin(#[from] TwinStudyError),
@@ -176,6 +183,8 @@ impl Study {
             checks.extend(study.checks());
             twin = Some(study);
         }
+        let twin_finger = twin.as_ref().map(|twin| &twin.finger);
+        let causes = causes::run(finger, twin_finger, noise_mm, effort, progress)?;
         progress.part("convergence", loaded_nodes(finger).len());
         let convergence = convergence(finger, effort, &|| progress.step())?;
         let noise = match noise_mm {
@@ -227,6 +236,7 @@ impl Study {
             maps,
             tables_one,
             twin,
+            causes,
             convergence,
             noise,
             table_two: two,

@@ -127,7 +127,7 @@ fn check(map: &HeatMap) -> Result<(), FigureError> {
 }
 
 /// Edges of the cells: halfway between neighbours, and as far beyond the first and last.
-fn bounds(places: &[f64]) -> Vec<f64> {
+pub(super) fn bounds(places: &[f64]) -> Vec<f64> {
     let (first, last) = (places[0], places[places.len() - 1]);
     if places.len() == 1 {
         return vec![first - 0.5, first + 0.5];
@@ -138,7 +138,7 @@ fn bounds(places: &[f64]) -> Vec<f64> {
     bounds
 }
 
-fn ends(bounds: &[f64]) -> [f64; 2] {
+pub(super) fn ends(bounds: &[f64]) -> [f64; 2] {
     let (first, last) = (bounds[0], bounds[bounds.len() - 1]);
     [first.min(last), first.max(last)]
 }
