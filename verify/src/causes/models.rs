@@ -79,13 +79,13 @@ impl Known {
     const COUNT: usize = 8 * BENDINGS.len();
 
     fn numbered(number: usize) -> Known {
-        let bit = |place: usize| number / 3 >> place & 1 == 1;
-        Known { base: bit(0), tip: bit(1), modulus: bit(2), bending: BENDINGS[number % 3] }
+        let bit = |place: usize| (number / BENDINGS.len()) >> place & 1 == 1;
+        Known { base: bit(0), tip: bit(1), modulus: bit(2), bending: BENDINGS[number % BENDINGS.len()] }
     }
 
     fn number(self) -> usize {
         let bits = usize::from(self.base) + 2 * usize::from(self.tip) + 4 * usize::from(self.modulus);
-        3 * bits + self.bending as usize
+        BENDINGS.len() * bits + self.bending as usize
     }
 }
 

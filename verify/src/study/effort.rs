@@ -15,7 +15,7 @@ impl Effort {
     /// Random cases for each set of contacts of Table II and of the networks.
     pub(super) fn sensed_cases(self) -> [usize; 2] {
         match self {
-            Effort::Quick => [100, 40],
+            Effort::Quick => [40, 40],
             Effort::Full => [accuracy::ENOUGH_CASES; 2],
         }
     }
@@ -23,7 +23,7 @@ impl Effort {
     /// Calibrations of the digital twin, forces a node that are sensed on it, and sets of zones that are fitted.
     pub(super) fn twin(self) -> [usize; 3] {
         match self {
-            Effort::Quick => [3, 20, 1],
+            Effort::Quick => [3, 60, 1],
             Effort::Full => [10, 400, usize::MAX],
         }
     }

@@ -5,7 +5,7 @@ use super::{OTHERS, TWIN, TwinError, twin_of};
 use crate::check::{Check, EXACT_COUNT};
 use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorKind};
 use crate::scatter::{ONE_FORCE_N, ScatterRequest, ScatterRow, scatter};
-use crate::table_one::{PAPER_MEAN_ERRORS, TableOne, TableOneError, WEIGHTS_G, table_one, weight_n};
+use crate::table_one::{TableOne, TableOneError, WEIGHTS_G, table_one, weight_n};
 use crate::truth::{MeshTruth, Truth, fine_mesh};
 use finray_model::calibration::{CalibrationCase, CalibrationError, FactorEstimate, FactorModel, Unknown, factors};
 use finray_model::measurement::Measurement;
@@ -22,6 +22,8 @@ use rayon::prelude::*;
 pub const GROUPS: [[usize; 2]; 3] = [[0, 1], [2, 3], [4, 5]];
 /// Nodes on which weights hang for the calibration of the zones: those of Table I and of the paper's calibration.
 pub const LOADED: [usize; 9] = [14, 16, 17, 18, 19, 20, 21, 22, 24];
+/// Nodes at which sensing is tried on the twin: the contact nodes but for the tip.
+const SENSED_NODES: std::ops::RangeInclusive<usize> = 14..=24;
 /// Elements a member when zones are calibrated: 54 pictures average noise away to less than the error of a coarse mesh.
 const CALIBRATION_ELEMENTS: usize = 12;
 /// Mean errors come this near to the published ones. The six errors of a node differ among themselves by more.
@@ -47,7 +49,7 @@ pub struct TwinStudy {
     pub noise_mm: f64,
     /// The twin's factors from noisy pictures, a repetition each.
     pub calibrations: Vec<FactorEstimate>,
-    /// Sensing at each loaded node of Table I.
+    /// Sensing at each node.
     pub sensing: Vec<TwinSensing>,
 }
 
@@ -220,12 +222,12 @@ fn sense(
         cases,
         seed: 1,
     };
-    let sets: Vec<_> = PAPER_MEAN_ERRORS.iter().map(|(node, _)| vec![*node]).collect();
+    let sets: Vec<_> = SENSED_NODES.map(|node| vec![NodeId(node)]).collect();
     let rows = scatter(&request, &estimators.each_ref().map(|e| e as &dyn Estimator), &sets, ONE_FORCE_N, &|| ())?;
-    let by_node = rows.chunks_exact(estimators.len()).zip(PAPER_MEAN_ERRORS);
+    let by_node = rows.chunks_exact(estimators.len()).zip(SENSED_NODES);
     Ok(by_node
-        .map(|(rows, (node, _))| TwinSensing {
-            node: node.0,
+        .map(|(rows, node)| TwinSensing {
+            node,
             uniform: rows[0].clone(),
             linear: rows[1].clone(),
             nonlinear: rows[2].clone(),
