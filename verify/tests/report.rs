@@ -461,6 +461,7 @@ fn the_page_begins_with_its_summary() {
     assert!(questions.is_sorted() && at("<nav class=\"contents\"") < questions[0]);
     for id in [
         "maps",
+        "causes",
         "noise",
         "speed-error",
         "networks",

@@ -79,7 +79,7 @@ impl Known {
     const COUNT: usize = 8 * BENDINGS.len();
 
     fn numbered(number: usize) -> Known {
-        let bit = |place: usize| number / 3 >> place & 1 == 1;
+        let bit = |place: usize| ((number / 3) >> place) & 1 == 1;
         Known { base: bit(0), tip: bit(1), modulus: bit(2), bending: BENDINGS[number % 3] }
     }
 

@@ -1,7 +1,7 @@
 //! What the numbers say, in sentences made from the numbers.
 
 use super::tables::percent;
-use super::{causes, contact_scenes, lattice, networks, twin, verdict};
+use super::{causes, contact_scenes, lattice, networks, speed_error, twin, verdict};
 use crate::map::{AccuracyMap, Cell};
 use crate::scatter::ScatterRow;
 use crate::study::{DRAWN_FORCE_N, Study};
@@ -56,6 +56,7 @@ pub(super) fn findings(study: &Study) -> Vec<Finding> {
         ("causes", one(causes::verdict(study).and_then(|_| verdict::limit(study)))),
         ("table-one", one(table_one(study))),
         ("twin", one(study.twin.as_ref().map(twin::verdict))),
+        ("speed-error", one(speed_error::words(study))),
         ("networks", one(study.networks.as_ref().and_then(networks::words))),
         ("lattice", one(study.lattice.as_ref().and_then(lattice::verdict))),
         ("checks", vec![checks]),
