@@ -1,7 +1,11 @@
 //! How long an answer takes, and how far it is off: every model of the finger, and every way to sense.
 //!
 //! Each point is timed where it is computed, on one core, as the median of its answers. What is prepared once for a finger, a mesh
-//! or a contact is not counted: a stream of frames, or a sweep, pays for it once.
+//! or a contact is not counted: a stream of frames, or a sweep, pays for it once. Results of [criterion] and of [other programs](peers)
+//! join them where they were handed over.
+
+pub mod criterion;
+pub mod peers;
 
 use crate::check::worst;
 use crate::estimators::{BeamEstimator, Estimator, EstimatorError, EstimatorKind};
@@ -16,6 +20,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
+use std::fmt;
 use std::time::Instant;
 
 /// What is asked for.
@@ -28,6 +33,53 @@ pub enum Task {
     SenseOne,
     /// Two forces at neighbouring nodes from a noisy picture.
     SenseNeighbours,
+}
+
+impl Task {
+    /// All of them.
+    pub const ALL: [Task; 3] = [Task::Solve, Task::SenseOne, Task::SenseNeighbours];
+
+    /// Name as in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Task::Solve => "solve",
+            Task::SenseOne => "sense-one",
+            Task::SenseNeighbours => "sense-neighbours",
+        }
+    }
+}
+
+/// Who took a time.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(into = "String")]
+pub enum TimedBy {
+    /// The report itself, where it computed the point.
+    Report,
+    /// Criterion, in the project's benches.
+    Criterion,
+    /// A script that ran another program.
+    OtherProgram {
+        /// Its name.
+        program: String,
+        /// Its version.
+        version: String,
+    },
+}
+
+impl fmt::Display for TimedBy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            TimedBy::Report => f.write_str("timed here"),
+            TimedBy::Criterion => f.write_str("criterion"),
+            TimedBy::OtherProgram { program, version } => write!(f, "{program} {version}"),
+        }
+    }
+}
+
+impl From<TimedBy> for String {
+    fn from(timed_by: TimedBy) -> String {
+        timed_by.to_string()
+    }
 }
 
 /// One way to answer.
@@ -48,8 +100,10 @@ pub struct SpeedErrorPoint {
     pub failed: usize,
     /// Answers asked for.
     pub asked: usize,
-    /// Whether no other point of the task is both faster and nearer.
+    /// Whether no other point of the task is both faster and nearer; points of other programs take no part.
     pub on_front: bool,
+    /// Who took the time.
+    pub timed_by: TimedBy,
 }
 
 /// Force of the loads that shapes are solved for, N.
@@ -113,20 +167,23 @@ fn point(task: Task, model: &str, setting: String, mut seconds: Vec<f64>, error:
         failed: asked - seconds.len(),
         asked,
         on_front: false,
+        timed_by: TimedBy::Report,
     }
 }
 
 /// Marks the points of each task that no other beats in both time and error.
 fn mark_fronts(points: &mut [SpeedErrorPoint]) {
+    let ours = |point: &SpeedErrorPoint| !matches!(point.timed_by, TimedBy::OtherProgram { .. });
     let beaten = |point: &SpeedErrorPoint, by: &SpeedErrorPoint| {
-        by.task == point.task
+        ours(by)
+            && by.task == point.task
             && by.seconds <= point.seconds
             && by.error <= point.error
             && (by.seconds < point.seconds || by.error < point.error)
     };
     for i in 0..points.len() {
         let point = &points[i];
-        let answers = point.seconds.is_finite() && point.error.is_finite();
+        let answers = ours(point) && point.seconds.is_finite() && point.error.is_finite();
         points[i].on_front = answers && !points.iter().any(|by| beaten(point, by));
     }
 }
@@ -137,9 +194,7 @@ fn mark_fronts(points: &mut [SpeedErrorPoint]) {
 /// # Errors
 /// [`SpeedErrorError`] if the reference has no equilibrium or a lattice cannot be built.
 pub fn solving(finger: &Finger, nodes: usize) -> Result<Vec<SpeedErrorPoint>, SpeedErrorError> {
-    let loads: Vec<Load> = spread(finger, nodes)
-        .flat_map(|node| SOLVED_ANGLES_DEG.map(|angle_deg| Load::at_node(node, finger.direction(angle_deg) * SOLVED_N)))
-        .collect();
+    let loads = solved_loads(finger, nodes);
     if loads.is_empty() {
         return Ok(Vec::new());
     }
@@ -150,27 +205,15 @@ pub fn solving(finger: &Finger, nodes: usize) -> Result<Vec<SpeedErrorPoint>, Sp
     let reference = loads.iter().map(|load| solve(&fine, Kinematics::Corotational, load)).collect::<Result<_, _>>()?;
     let solved = Solved { loads, reference };
     let mut points = Vec::new();
-    for (kinematics, name) in [
-        (Kinematics::Linear, "linear beams"),
-        (Kinematics::CorotationalChord, "large rotations, strain of the chord"),
-        (Kinematics::Corotational, "large rotations"),
-    ] {
-        // Linear frames are exact at the nodes: other meshes only cost more.
-        let elements: &[usize] = if kinematics == Kinematics::Linear { &[1] } else { &[1, 2, 4, 8] };
-        for &elements in elements {
-            let mesh = Mesh::with_elements_per_member(finger, elements);
-            let mut statics = Statics::ladder(&mesh, kinematics);
-            let setting = format!("{} nodes", mesh.node_count());
-            points.push(solved.point(name, setting, |load| {
-                let load = mesh.frame_load(load).ok()?;
-                Some(mesh.shape(&statics.equilibrium(&[load]).ok()?.motion))
-            }));
-        }
+    for Beams { model, setting, kinematics, mesh } in beams(finger) {
+        let mut statics = Statics::ladder(&mesh, kinematics);
+        points.push(solved.point(model, setting, |load| {
+            let load = mesh.frame_load(load).ok()?;
+            Some(mesh.shape(&statics.equilibrium(&[load]).ok()?.motion))
+        }));
     }
-    for fineness in [1, 2, 3, 4] {
-        let lattice = Lattice::new(finger, fineness)?;
-        let setting = format!("{} bodies", lattice.assembly().bodies.len());
-        points.push(solved.point("spring lattice, Newton", setting, |load| lattice.equilibrium(&[*load]).ok()));
+    for (setting, lattice) in lattices(finger)? {
+        points.push(solved.point(LATTICE, setting, |load| lattice.equilibrium(&[*load]).ok()));
     }
     // Settling takes a hundred times longer: one load tells enough.
     let one = Solved {
@@ -179,11 +222,64 @@ pub fn solving(finger: &Finger, nodes: usize) -> Result<Vec<SpeedErrorPoint>, Sp
     };
     for fineness in [1, 2] {
         let lattice = Lattice::new(finger, fineness)?;
-        let setting = format!("{} bodies", lattice.assembly().bodies.len());
+        let setting = bodies(&lattice);
         points.push(one.point("spring lattice, rapier", setting, |load| Some(lattice.settle(&[*load]).ok()?.shape)));
     }
     mark_fronts(&mut points);
     Ok(points)
+}
+
+/// Beams as they are timed.
+pub struct Beams {
+    /// Name of the model.
+    pub model: &'static str,
+    /// The mesh in words.
+    pub setting: String,
+    /// Theory.
+    pub kinematics: Kinematics,
+    /// The mesh.
+    pub mesh: Mesh,
+}
+
+/// Every theory on every mesh that is timed.
+pub fn beams(finger: &Finger) -> Vec<Beams> {
+    let theories = [
+        (Kinematics::Linear, "linear beams"),
+        (Kinematics::CorotationalChord, "large rotations, strain of the chord"),
+        (Kinematics::Corotational, "large rotations"),
+    ];
+    let on_meshes = |(kinematics, model)| {
+        // Linear frames are exact at the nodes: other meshes only cost more.
+        let elements: &[usize] = if kinematics == Kinematics::Linear { &[1] } else { &[1, 2, 4, 8] };
+        elements.iter().map(move |&elements| {
+            let mesh = Mesh::with_elements_per_member(finger, elements);
+            Beams { model, setting: format!("{} nodes", mesh.node_count()), kinematics, mesh }
+        })
+    };
+    theories.into_iter().flat_map(on_meshes).collect()
+}
+
+/// Name of the lattices that Newton's method solves.
+pub const LATTICE: &str = "spring lattice, Newton";
+
+/// Every lattice whose equilibrium is timed, after its setting in words.
+///
+/// # Errors
+/// [`LatticeError`] if one cannot be built.
+pub fn lattices(finger: &Finger) -> Result<Vec<(String, Lattice)>, LatticeError> {
+    let build = |fineness| Lattice::new(finger, fineness).map(|lattice| (bodies(&lattice), lattice));
+    [1, 2, 3, 4].into_iter().map(build).collect()
+}
+
+fn bodies(lattice: &Lattice) -> String {
+    format!("{} bodies", lattice.assembly().bodies.len())
+}
+
+/// The loads that shapes are timed under: [`SOLVED_N`] on `nodes` nodes along the front plate, in three directions.
+pub fn solved_loads(finger: &Finger, nodes: usize) -> Vec<Load> {
+    let directions =
+        |node| SOLVED_ANGLES_DEG.map(|angle_deg| Load::at_node(node, finger.direction(angle_deg) * SOLVED_N));
+    spread(finger, nodes).flat_map(directions).collect()
 }
 
 /// So many of the contact nodes, evenly, without the tip.
@@ -206,25 +302,12 @@ pub fn sensing(
     further: &[(&dyn Estimator, &str)],
 ) -> Result<Vec<SpeedErrorPoint>, SpeedErrorError> {
     let finger = truth.finger();
-    let meshes: Vec<(usize, Mesh)> =
-        [1, 2, 4, 8].map(|elements| (elements, Mesh::with_elements_per_member(finger, elements))).into();
-    let beam = |kind, mesh| BeamEstimator { kind, mesh };
-    let mut estimators: Vec<(BeamEstimator, String)> = Vec::new();
-    for kind in [EstimatorKind::LeastSquares, EstimatorKind::Ridge] {
-        estimators.push((beam(kind, &meshes[0].1), format!("{} nodes", finger.key_node_count())));
-    }
-    for (_, mesh) in &meshes {
-        estimators.push((beam(EstimatorKind::Nonlinear, mesh), format!("{} nodes", mesh.node_count())));
-    }
+    let meshes = sensing_meshes(finger);
+    let estimators = beam_estimators(&meshes);
     let all = estimators.iter().map(|(estimator, setting)| (estimator as &dyn Estimator, setting.as_str()));
     let all: Vec<(&dyn Estimator, &str)> = all.chain(further.iter().copied()).collect();
 
-    let loaded: Vec<NodeId> = finger.contact_nodes().skip(1).collect();
-    let singles: Vec<Vec<NodeId>> = spread(finger, nodes).map(|node| vec![node]).collect();
-    // In the middle; of the paper's finger 19 and 20.
-    let first = (loaded.len() / 2).min(loaded.len().saturating_sub(2));
-    let neighbours = loaded.windows(2).skip(first).take(1).map(<[NodeId]>::to_vec).collect();
-    let tasks = [(Task::SenseOne, singles), (Task::SenseNeighbours, neighbours)];
+    let tasks = [(Task::SenseOne, singles(finger, nodes)), (Task::SenseNeighbours, neighbours(finger))];
     let mut points = Vec::new();
     for (task, sets) in tasks {
         let pictures = match task {
@@ -244,15 +327,45 @@ pub fn sensing(
     Ok(points)
 }
 
+/// One, two, four and eight elements a member.
+pub fn sensing_meshes(finger: &Finger) -> Vec<Mesh> {
+    [1, 2, 4, 8].map(|elements| Mesh::with_elements_per_member(finger, elements)).into()
+}
+
+/// The estimators on beams that are timed, each with its setting in words, on [`sensing_meshes`].
+pub fn beam_estimators(meshes: &[Mesh]) -> Vec<(BeamEstimator<'_>, String)> {
+    fn on(kind: EstimatorKind, mesh: &Mesh) -> (BeamEstimator<'_>, String) {
+        (BeamEstimator { kind, mesh }, format!("{} nodes", mesh.node_count()))
+    }
+    let linear = [EstimatorKind::LeastSquares, EstimatorKind::Ridge].into_iter();
+    let linear = linear.flat_map(|kind| meshes.first().map(|mesh| on(kind, mesh)));
+    linear.chain(meshes.iter().map(|mesh| on(EstimatorKind::Nonlinear, mesh))).collect()
+}
+
+/// The single nodes whose force is sensed: so many, spread over the front plate.
+pub fn singles(finger: &Finger, nodes: usize) -> Vec<Vec<NodeId>> {
+    spread(finger, nodes).map(|node| vec![node]).collect()
+}
+
+/// The two neighbours whose forces are sensed, in the middle of the front plate; 19 and 20 of the paper's finger.
+pub fn neighbours(finger: &Finger) -> Vec<Vec<NodeId>> {
+    let loaded: Vec<NodeId> = finger.contact_nodes().skip(1).collect();
+    let first = (loaded.len() / 2).min(loaded.len().saturating_sub(2));
+    loaded.windows(2).skip(first).take(1).map(<[NodeId]>::to_vec).collect()
+}
+
 /// Pictures of forces at one set of contacts.
-struct Pictures {
-    contacts: Vec<Contact>,
-    /// True forces, and what the camera sees.
-    seen: Vec<(Vec<f64>, Measurement)>,
+pub struct Pictures {
+    /// The contacts.
+    pub contacts: Vec<Contact>,
+    /// True forces, N, and what the camera sees.
+    pub seen: Vec<(Vec<f64>, Measurement)>,
 }
 
 impl Pictures {
-    fn take(truth: &Mesh, nodes: &[NodeId], noise_mm: f64, pictures: usize, stream: u64) -> Pictures {
+    /// Takes pictures of random forces within [`SENSED_N`] on nodes of the large-rotation finger; `stream` tells one set's chance from
+    /// another's.
+    pub fn take(truth: &Mesh, nodes: &[NodeId], noise_mm: f64, pictures: usize, stream: u64) -> Pictures {
         let finger = truth.finger();
         let contacts: Vec<Contact> = nodes.iter().copied().map(Contact::at_node).collect();
         let mut rng = ChaCha8Rng::seed_from_u64(SEED);

@@ -13,8 +13,37 @@ struct Report {
     said: String,
 }
 
-static PAPERS: LazyLock<Report> = LazyLock::new(|| Report::of("paper", &[]));
+/// The paper's, with results of criterion and of other programs.
+static PAPERS: LazyLock<Report> = LazyLock::new(|| {
+    let folder = criterion_folder();
+    let criterion = folder.path().to_str().expect("a UTF-8 path");
+    let peers = folder.path().join("peers.csv");
+    std::fs::write(&peers, PEERS).expect("a file");
+    Report::of("paper", &["--criterion", criterion, "--peers", peers.to_str().expect("a UTF-8 path")])
+});
 static SPRING_STEELS: LazyLock<Report> = LazyLock::new(|| Report::of("spring-steel", &[SPRING_STEEL]));
+
+const PEERS: &str = "task,model,setting,seconds,error,program,version,machine
+solve,corotational frame,684 nodes,0.15,0.0002,OpenSees,3.7.1.2,\"a desk, one core\"
+sense-one,untrained network,46-150-1,0.00004,,Torch,2.1,\"a desk, one core\"
+";
+
+/// Criterion's times of two of our points, one of them broken, and of a bench that is none.
+fn criterion_folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let put = |bench: &str, [group, function, value]: [&str; 3], estimates: &str| {
+        let place = folder.path().join(bench).join("new");
+        std::fs::create_dir_all(&place).expect("a folder");
+        let names = serde_json::json!({ "group_id": group, "function_id": function, "value_str": value });
+        std::fs::write(place.join("benchmark.json"), names.to_string()).expect("a file");
+        std::fs::write(place.join("estimates.json"), estimates).expect("a file");
+    };
+    let median = |ns: f64| format!(r#"{{"mean":{{"point_estimate":1.0}},"median":{{"point_estimate":{ns}}}}}"#);
+    put("solve/large rotations/25 nodes", ["speed_error/solve", "large rotations", "25 nodes"], &median(123456.75));
+    put("solve/large rotations/61 nodes", ["speed_error/solve", "large rotations", "61 nodes"], "{\"median\": 1");
+    put("corotational/ladder/25", ["corotational", "large rotations", "25 nodes"], &median(1.0));
+    folder
+}
 
 impl Report {
     fn of(name: &str, scene: &[&str]) -> Report {
@@ -340,6 +369,192 @@ fn the_page_needs_nothing_but_itself() {
         assert!(figures >= 8 && figures == page.matches("</svg>").count(), "{figures} figures");
         assert!(!page.contains("NaN"), "a figure holds no number");
     }
+}
+
+/// Widths of a desk's and of a phone's window, px.
+const WIDTHS: [u32; 2] = [1280, 390];
+
+/// In headless Chromium, light and dark, at the width of a desk and of a phone, and in print. Where there is no Chromium nothing is
+/// looked at: the test says so and passes, for a browser is no part of what the project needs.
+#[test]
+fn the_page_fits_its_window_and_prints() {
+    let Some(browser) = browser::browser() else {
+        eprintln!("left out: no Chromium here (chromium, chromium-browser, google-chrome, or the path in CHROME)");
+        return;
+    };
+    let html = PAPERS.read("index.html");
+    let folder = tempfile::tempdir().expect("a folder");
+    let measure = |html: &str, width, dark| browser::measure(&browser, folder.path(), html, width, dark);
+    for (width, dark) in WIDTHS.into_iter().flat_map(|width| [(width, false), (width, true)]) {
+        let measured = measure(&html, width, dark);
+        assert_eq!(measured.window, f64::from(width));
+        assert!(measured.page <= measured.window, "{width} px: the page has {} px: {}", measured.page, measured.wide);
+        assert_eq!((measured.drawings, measured.flat), (html.matches("<svg").count(), 0), "{width} px");
+    }
+    // What is too wide is seen.
+    let broken = measure(&html.replace("</main>", "<div style=\"width:2000px\">wide</div></main>"), WIDTHS[1], false);
+    assert!(broken.page >= 2000.0 && broken.wide.contains("DIV"), "{} px, {}", broken.page, broken.wide);
+
+    let (page, pdf) = (folder.path().join("printed.html"), folder.path().join("printed.pdf"));
+    std::fs::write(&page, &html).expect("a copy of the page");
+    let print = format!("--print-to-pdf={}", pdf.display());
+    browser::assert_silent(&browser::run(&browser, &page, &[&print, "--no-pdf-header-footer"]));
+    let printed = std::fs::read(&pdf).expect("a PDF");
+    assert!(printed.starts_with(b"%PDF") && printed.len() > html.len() / 20, "{} bytes", printed.len());
+}
+
+/// Drawings of a page: the figures that hold an `<svg>`.
+fn drawings(page: &str) -> Vec<&str> {
+    let figures = page.split("<figure").skip(1).filter_map(|rest| rest.split("</figure>").next());
+    figures.filter(|figure| figure.contains("<svg")).collect()
+}
+
+/// The words of a drawing, without those that are numbers.
+fn words(figure: &str) -> Vec<&str> {
+    let texts = figure.split("<text").skip(1).filter_map(|rest| rest.split_once('>')?.1.split("</text>").next());
+    texts.map(str::trim).filter(|text| !text.is_empty() && text.parse::<f64>().is_err()).collect()
+}
+
+/// Every drawing has a name, a caption and its numbers as a file; what has axes says what they are, and in which unit.
+#[test]
+fn every_drawing_says_what_it_shows() {
+    // Units, and what counts or compares: what has none of them is no axis.
+    let units = [
+        " mm",
+        ", N",
+        ", %",
+        " deg",
+        " us",
+        "nodes",
+        "node",
+        "bodies",
+        "segments",
+        "cases",
+        "modulus",
+        "factor",
+        "parameters",
+    ];
+    for report in [&*PAPERS, &*SPRING_STEELS] {
+        let page = report.read("index.html");
+        let drawings = drawings(&page);
+        assert!(drawings.len() >= 8 && drawings.len() == page.matches("<svg").count());
+        for figure in drawings {
+            let start = &figure[..figure.len().min(400)];
+            let between = |open: &str, close: &str| figure.split(open).nth(1)?.split(close).next();
+            assert!(between("<title>", "</title>").is_some_and(|name| !name.is_empty()), "{start}");
+            assert!(between("<figcaption>", "<").is_some_and(|caption| caption.trim().len() > 20), "{start}");
+            assert!(figure.contains("class=\"csv\" href=\""), "{start}");
+            let axes = words(figure).into_iter().filter(|text| units.iter().any(|unit| text.contains(unit))).count();
+            assert!(axes >= 2, "{:?} in {start}", words(figure));
+        }
+    }
+}
+
+/// Three sentences and a map before everything else, then questions; what sections say stands at their heads.
+#[test]
+fn the_page_begins_with_its_summary() {
+    let page = PAPERS.read("index.html");
+    let at = |part: &str| page.find(part).unwrap_or_else(|| panic!("no {part}"));
+    let verdict = &page[at("<div class=\"verdict\">")..at("<nav class=\"bar\"")];
+    assert_eq!((verdict.matches("<p>").count(), verdict.matches("<svg").count()), (3, 1));
+    let questions = ["where", "why", "cost", "physics"].map(|id| at(&format!("<h2 id=\"{id}\"")));
+    assert!(questions.is_sorted() && at("<nav class=\"contents\"") < questions[0]);
+    for id in [
+        "maps",
+        "causes",
+        "noise",
+        "speed-error",
+        "networks",
+        "table-one",
+        "twin",
+        "lattice",
+        "contact-scenes",
+        "hard-cases",
+        "checks",
+    ] {
+        let section = page[at(&format!("<h3 id=\"{id}\""))..].split("</section>").next().unwrap_or_default();
+        let blocks = section.split("class=\"says\"").nth(1).and_then(|says| says.split("</div>").next());
+        assert!(blocks.is_some_and(|says| says.matches("<p>").count() >= 1), "{id} says nothing");
+    }
+    // Every sentence of the summary for machines is on the page once, the verdict's three first.
+    let page = page.replace("&#x27;", "'").replace("&quot;", "\"").replace("&#x2f;", "/");
+    for (n, sentence) in array(&PAPERS.summary(), "verdict").iter().enumerate() {
+        let sentence = sentence.as_str().expect("words");
+        assert_eq!(page.matches(sentence).count(), 1, "{sentence}");
+        assert_eq!(n < 3, page[..questions[0]].contains(sentence), "{sentence}");
+    }
+}
+
+/// The share of places and directions in the first sentence is that of the cells in the file.
+#[test]
+fn the_first_sentence_counts_the_cells_of_its_map() {
+    let cells = Csv::of(&PAPERS.read("map_corotational_with_noise.csv"));
+    let forces = 4;
+    let errors = cells.numbers("mean_error");
+    let means = errors.chunks(forces).map(|errors| errors.iter().sum::<f64>() / forces as f64);
+    let kept = means.filter(|mean| *mean <= 0.1).count() as f64 / (errors.len() / forces) as f64;
+    let summary = PAPERS.summary();
+    let first = array(&summary, "verdict")[0].as_str().expect("words");
+    let said = format!("by linear least squares at {:.0} %", 100.0 * kept);
+    assert!(kept > 0.1 && kept < 0.9 && first.contains(&said), "{said}: {first}");
+}
+
+/// Times of criterion and of other programs are taken as they are, and say whose they are.
+#[test]
+fn times_say_who_took_them() {
+    let rows = Csv::of(&PAPERS.read("speed_error.csv"));
+    let [tasks, models, settings, by] = ["task", "model", "setting", "timed_by"].map(|column| rows.texts(column));
+    let point = |task: &str, model: &str, setting: &str| {
+        let at = (0..by.len()).find(|&row| (tasks[row], models[row], settings[row]) == (task, model, setting));
+        let at = at.unwrap_or_else(|| panic!("no point {task}, {model}, {setting}"));
+        (rows.texts("seconds")[at].parse::<f64>().expect("a time"), by[at].to_owned())
+    };
+    assert_eq!(point("solve", "large rotations", "25 nodes"), (1.2345675e-4, "criterion".to_owned()));
+    assert_eq!(point("solve", "large rotations", "61 nodes").1, "timed here");
+    assert_eq!(point("solve", "corotational frame", "684 nodes"), (0.15, "OpenSees 3.7.1.2".to_owned()));
+    assert_eq!(by.iter().filter(|by| **by != "timed here").count(), 3);
+    let page = PAPERS.read("index.html");
+    let section =
+        page[page.find("id=\"speed-error\"").expect("the section")..].split("</section>").next().unwrap_or_default();
+    for said in [
+        "The times of 1 of ",
+        "1 of the files there are not what criterion writes",
+        "on this machine: a desk, one core",
+        ">criterion<",
+        ">OpenSees 3.7.1.2<",
+        ">OpenSees: corotational frame<",
+    ] {
+        assert!(section.contains(said), "{said}");
+    }
+    let without = SPRING_STEELS.read("index.html");
+    assert!(without.contains("Other programs were not timed") && !section.contains("Other programs were not timed"));
+}
+
+/// A table of other programs is checked line by line before anything is computed.
+#[test]
+fn wrong_tables_of_other_programs_are_refused() {
+    let folder = Folder::new();
+    let out = folder.path("report");
+    for (from, to, said) in [
+        (
+            "solve,cor",
+            "bend,cor",
+            &["line 2: task: expected one of solve, sense-one, sense-neighbours, found \"bend\""][..],
+        ),
+        ("0.15", "-0.15", &["line 2: seconds: expected a number above 0"]),
+        ("0.15", "fast", &["line 2: seconds: expected a finite number, found \"fast\""]),
+        ("0.0002", "-1", &["line 2: expected an error of at least 0"]),
+        (",Torch,", ",,", &["line 3: program: expected words"]),
+        ("program,version", "name,version", &["line 1: expected a column program"]),
+    ] {
+        let peers = folder.put("peers.csv", PEERS.replacen(from, to, 1));
+        let message = finray(&["report", "--quick", "--peers", &peers, "--out", &out]).refused();
+        assert_says(&message, &[&["peers.csv: "], said].concat());
+    }
+    let missing = folder.path("missing");
+    let message = finray(&["report", "--quick", "--criterion", &missing, "--out", &out]).refused();
+    assert_says(&message, &["missing: cannot be read"]);
+    assert_eq!(folder.names(), ["peers.csv"]);
 }
 
 #[test]

@@ -3,9 +3,10 @@
 use super::{Failure, progress};
 use finray_model::Scene;
 use finray_verify::contact_scene::study::SceneWithOutline;
-use finray_verify::files::{load_scene_with_outline, write_folder, write_text};
+use finray_verify::files::{FileError, load_scene_with_outline, peers, write_folder, write_text};
 use finray_verify::fixtures;
 use finray_verify::report;
+use finray_verify::speed_error::criterion::CriterionTimes;
 use finray_verify::study::{Effort, Progress, Study};
 use indicatif::ProgressBar;
 use std::path::{Path, PathBuf};
@@ -20,6 +21,7 @@ use std::sync::Mutex;
 /// Examples:
 ///   finray report --open
 ///   finray report my-finger.toml --out my-report
+///   finray report --criterion target/criterion --peers peers.csv
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Arguments {
@@ -31,6 +33,13 @@ pub struct Arguments {
     /// Coarse maps and fewer cases: a quarter of a minute instead of one and a half
     #[arg(long)]
     quick: bool,
+    /// Folder of criterion's results of the bench `speed_error`, whose times take the place of those taken here, for
+    /// the paper's finger [default: target/criterion, where it is there]
+    #[arg(long, value_name = "DIR")]
+    criterion: Option<PathBuf>,
+    /// Times and errors of other programs on the paper's finger, as bench/peers writes them (CSV); - for standard input
+    #[arg(long, value_name = "FILE")]
+    peers: Option<PathBuf>,
     /// Open the page in the browser when it is done
     #[arg(long)]
     open: bool,
@@ -45,10 +54,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             SceneWithOutline { scene, corners: Vec::new() }
         }
     };
+    let criterion = criterion_times(arguments.criterion.as_deref())?;
+    let peers = arguments.peers.as_deref().map(peers::load).transpose()?;
     let effort = if arguments.quick { Effort::Quick } else { Effort::Full };
     let bars = Bars(Mutex::new(ProgressBar::hidden()));
-    let study = Study::run(&scene, effort, &bars).map_err(|error| Failure::NotComputed(error.to_string()))?;
+    let mut study = Study::run(&scene, effort, &bars).map_err(|error| Failure::NotComputed(error.to_string()))?;
     bars.finish();
+    if let Some((folder, times)) = &criterion {
+        study.take_criterion(folder, times);
+    }
+    if let Some(peers) = peers {
+        study.take_peers(peers);
+    }
     let files = report::files(&study).map_err(|error| Failure::NotComputed(error.to_string()))?;
     write_folder(&arguments.out, &files)?;
     let page = arguments.out.join("index.html");
@@ -60,6 +77,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             .map_err(|error| Failure::NotComputed(format!("{} cannot be opened: {error}", page.display())))?;
     }
     Ok(())
+}
+
+/// Criterion's results in the folder given, or where cargo leaves them.
+fn criterion_times(given: Option<&Path>) -> Result<Option<(PathBuf, CriterionTimes)>, FileError> {
+    let found = Path::new("target/criterion");
+    let Some(folder) = given.or_else(|| found.is_dir().then_some(found)) else { return Ok(None) };
+    let times =
+        CriterionTimes::read(folder).map_err(|reason| FileError::Unreadable { path: folder.to_owned(), reason })?;
+    Ok(Some((folder.to_owned(), times)))
 }
 
 /// A progress bar a part.

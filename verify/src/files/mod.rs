@@ -8,6 +8,7 @@ mod table;
 
 pub mod displacements;
 pub mod measurements;
+pub mod peers;
 
 pub use networks::{load_network, load_network_and_digest};
 pub use outline::load_scene_with_outline;

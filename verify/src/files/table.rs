@@ -20,7 +20,12 @@ pub(super) struct Row<const N: usize> {
 impl<const N: usize> Table<N> {
     /// Reads the named columns; further columns are ignored, short rows and files without rows refused.
     pub(super) fn read(path: &Path, columns: [&'static str; N]) -> Result<Table<N>, FileError> {
-        let text = read_text(path)?.trim_start_matches('\u{feff}').to_owned();
+        Table::of_text(path, &read_text(path)?, columns)
+    }
+
+    /// As [`Table::read`], from the text of the file.
+    pub(super) fn of_text(path: &Path, text: &str, columns: [&'static str; N]) -> Result<Table<N>, FileError> {
+        let text = text.trim_start_matches('\u{feff}').to_owned();
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
         let wrong = |error: csv::Error| FileError::content(path, described(&text, &error));
         let header = reader.headers().map_err(wrong)?.clone();

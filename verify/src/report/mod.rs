@@ -21,6 +21,7 @@ mod summary;
 mod table_two;
 mod tables;
 mod twin;
+mod verdict;
 mod words;
 
 pub use causes::{CauseRow, CauseSummary};

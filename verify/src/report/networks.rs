@@ -82,7 +82,6 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
              a force lies within 1.96 of the standard deviations that the network states (95 % are meant).",
             FORCES_N[0], FORCES_N[1], networks.noise_mm
         )));
-        blocks.extend(words(networks).map(text));
         blocks.push(Block::Table(table(networks)));
     }
     if let Some(two) = &study.table_two {

@@ -15,12 +15,25 @@ pub struct Page {
     pub title: String,
     /// One sentence under the title.
     pub subtitle: String,
-    /// What was found, in sentences; shown before everything else.
+    /// What was found, in few sentences; shown before everything else.
     pub verdict: Vec<String>,
-    /// The sections, listed in the table of contents.
-    pub sections: Vec<Section>,
+    /// The one drawing beside the verdict.
+    pub lead: Option<Figure>,
+    /// What is told, question by question, in the order of the table of contents.
+    pub questions: Vec<Question>,
     /// Small print at the end.
     pub footer: String,
+}
+
+/// A question of the reader, and the sections that answer it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Question {
+    /// Anchor for links within the page.
+    pub id: String,
+    /// The question, in few words.
+    pub heading: String,
+    /// The sections, in order.
+    pub sections: Vec<Section>,
 }
 
 /// A part of the page under its own heading.
@@ -30,6 +43,8 @@ pub struct Section {
     pub id: String,
     /// Heading, also shown in the table of contents.
     pub heading: String,
+    /// What the section's numbers say, in sentences; shown before the rest.
+    pub says: Vec<String>,
     /// What the section is made of, in order.
     pub blocks: Vec<Block>,
 }
@@ -176,36 +191,45 @@ mod tests {
     use super::*;
 
     fn page() -> Page {
-        let figure = |csv: Option<&str>| Figure {
+        Page {
+            title: "Truth <b>".into(),
+            subtitle: "under the title".into(),
+            verdict: vec!["It <em>works</em>.".into()],
+            lead: Some(figure(Some("lead.csv"))),
+            questions: vec![Question { id: "where".into(), heading: "Where & when".into(), sections: vec![section()] }],
+            footer: "the end".into(),
+        }
+    }
+
+    fn figure(csv: Option<&str>) -> Figure {
+        Figure {
             svg: "<svg viewBox=\"0 0 1 1\"></svg>".into(),
             caption: "force & place".into(),
             csv: csv.map(str::to_owned),
             wide: true,
-        };
+        }
+    }
+
+    fn section() -> Section {
         let table = Table {
             caption: "Errors".into(),
             columns: vec![Column::words("node"), Column::numbers("error, %")],
             rows: vec![Row { cells: vec![Cell::plain("24"), Cell::shaded("12 < 25", Shade::Grey)] }],
             csv: Some("errors.csv".into()),
         };
-        Page {
-            title: "Truth <b>".into(),
-            subtitle: "under the title".into(),
-            verdict: vec!["It <em>works</em>.".into()],
-            sections: vec![Section {
-                id: "maps".into(),
-                heading: "Maps".into(),
-                blocks: vec![
-                    Block::Text { paragraph: "a <script> b".into() },
-                    Block::Figure(figure(Some("map.csv"))),
-                    Block::Figures { figures: vec![figure(None), figure(None)] },
-                    Block::Details {
-                        summary: "More".into(),
-                        blocks: vec![Block::Table(table), Block::List { items: vec!["one point".into()] }],
-                    },
-                ],
-            }],
-            footer: "the end".into(),
+        Section {
+            id: "maps".into(),
+            heading: "Maps".into(),
+            says: vec!["It <fails>.".into()],
+            blocks: vec![
+                Block::Text { paragraph: "a <script> b".into() },
+                Block::Figure(figure(Some("map.csv"))),
+                Block::Figures { figures: vec![figure(None), figure(None)] },
+                Block::Details {
+                    summary: "More".into(),
+                    blocks: vec![Block::Table(table), Block::List { items: vec!["one point".into()] }],
+                },
+            ],
         }
     }
 
@@ -218,7 +242,7 @@ mod tests {
         );
         assert!(html.contains("<title>Truth &lt;b&gt;</title>"));
         assert!(!html.contains("<script") && !html.contains("<em>"));
-        assert_eq!(html.matches("<svg viewBox=\"0 0 1 1\"></svg>").count(), 3);
+        assert_eq!(html.matches("<svg viewBox=\"0 0 1 1\"></svg>").count(), 4);
     }
 
     #[test]
@@ -232,6 +256,11 @@ mod tests {
             "class=\"number grey\"",
             "href=\"errors.csv\"",
             "href=\"map.csv\"",
+            "href=\"lead.csv\"",
+            "It &lt;fails&gt;.",
+            "Where &amp; when",
+            "href=\"#where\"",
+            "id=\"where\"",
             "href=\"#maps\"",
             "id=\"maps\"",
             "the end",

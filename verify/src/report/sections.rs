@@ -1,9 +1,9 @@
 //! The page, section by section.
 
-use super::page::{Block, Figure, Page, Section};
+use super::page::{Block, Figure, Page, Question, Section};
 use super::{
     ReportError, Summary, causes, claims, contact_scenes, convergence, drawings, hard_cases, lattice, networks,
-    scatter, speed_error, table_two, tables, twin, words,
+    scatter, speed_error, table_two, tables, twin, verdict, words,
 };
 use crate::map::AccuracyMap;
 use crate::study::{DRAWN_FORCE_N, MAP_FORCES_N, Study};
@@ -14,37 +14,58 @@ pub(super) fn text(paragraph: impl Into<String>) -> Block {
 }
 
 pub(super) fn section(id: &str, heading: &str, blocks: Vec<Block>) -> Section {
-    Section { id: id.to_owned(), heading: heading.to_owned(), blocks }
+    Section { id: id.to_owned(), heading: heading.to_owned(), says: Vec::new(), blocks }
+}
+
+fn question(id: &str, heading: &str, sections: Vec<Section>) -> Question {
+    Question { id: id.to_owned(), heading: heading.to_owned(), sections }
 }
 
 /// The whole page.
 pub(super) fn page(study: &Study, summary: &Summary) -> Result<Page, ReportError> {
-    let mut sections = vec![maps(study, summary)?];
-    sections.extend(causes::section(study)?);
-    sections.extend(claims::section(study));
+    let mut feels = vec![maps(study, summary)?];
+    feels.extend(scatter::section(study));
+    feels.extend(table_two::section(study));
+    feels.extend(contact_scenes::section(study)?);
+
+    let mut why: Vec<Section> = causes::section(study)?.into_iter().collect();
+    why.push(shapes(study)?);
     if !study.tables_one.is_empty() {
-        sections.push(table_one(study)?);
+        why.push(table_one(study)?);
     }
-    sections.extend(twin::section(study)?);
-    sections.extend(scatter::section(study));
-    sections.extend(table_two::section(study));
-    sections.extend(networks::section(study)?);
-    sections.extend(lattice::section(study)?);
-    sections.extend(contact_scenes::section(study)?);
-    sections.extend(speed_error::section(study)?);
-    sections.push(shapes(study)?);
-    sections.push(convergence::section(study)?);
-    sections.push(checks(study));
+    why.extend(twin::section(study)?);
+
+    let costs = speed_error::section(study)?.into_iter().chain([convergence::section(study)?]);
+    let costs = costs.chain(networks::section(study)?).collect();
+
+    let mut physics = vec![checks(study)];
+    physics.extend(lattice::section(study)?);
     if !study.hard_cases.is_empty() {
-        sections.push(hard_cases::section(study));
+        physics.push(hard_cases::section(study));
     }
-    sections.push(finger(study)?);
+    physics.extend(claims::section(study));
+    physics.push(finger(study)?);
+
+    let mut questions = vec![
+        question("where", "Where", feels),
+        question("why", "Why", why),
+        question("cost", "What it costs", costs),
+        question("physics", "Is the physics right", physics),
+    ];
+    for finding in words::findings(study) {
+        let mut sections = questions.iter_mut().flat_map(|question| &mut question.sections);
+        if let Some(section) = sections.find(|section| section.id == finding.section) {
+            section.says.push(finding.sentence);
+        }
+    }
     Ok(Page {
         title: format!("Where the finger \"{}\" can feel", study.scene),
-        subtitle: "Force sensing through the finger's own deformation: accuracy maps, cross-checks and shapes"
+        subtitle: "Force sensing through the finger's own deformation: where it can be trusted, why not elsewhere, at \
+                   which cost"
             .to_owned(),
-        verdict: summary.verdict.clone(),
-        sections,
+        verdict: verdict::sentences(study),
+        lead: verdict::lead(study)?,
+        questions,
         footer: format!(
             "Made by finray {}. Every figure names its data; summary.json beside this page has all numbers.",
             summary.version
@@ -115,7 +136,6 @@ fn table_one(study: &Study) -> Result<Section, ReportError> {
          one: {}.",
         factors.join(", ")
     ))];
-    blocks.extend(words::table_one(study).map(text));
     blocks.push(Block::Figure(Figure {
         svg: drawings::table_one(&study.tables_one)?,
         caption: "Mean error at six nodes: the paper's measurement and what large rotation alone would cause."

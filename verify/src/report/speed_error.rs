@@ -5,7 +5,7 @@ use super::figures::{self, Axis, Dash, FigureError, Frame, Hue, LineChart, Refer
 use super::page::{Block, Cell, Column, Figure, Row, Section, Shade, Table};
 use super::sections::{self, text};
 use super::tables::percent;
-use crate::speed_error::{SENSED_N, SOLVED_N, SpeedErrorPoint, Task};
+use crate::speed_error::{SENSED_N, SOLVED_N, SpeedErrorPoint, Task, TimedBy};
 use crate::study::Study;
 
 pub(super) const CSV: &str = "speed_error.csv";
@@ -19,10 +19,16 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
         "Time of one answer, timed by this report on one core (median; what is prepared once for a finger, a mesh or a contact is not \
          counted), against its error. Shapes: under {SOLVED_N} N at nodes along the front plate in three directions, worst difference of a displacement from \
          beams of 32 elements a member. Forces: {} to {} N from pictures of the large-rotation finger with {} mm noise, mean error. The dotted line \
-         joins what nothing else beats in both. Criterion's benches (cargo bench -p finray-bench) time the same steps more closely; other programs were \
-         not timed.",
+         joins what nothing else beats in both.",
         SENSED_N[0], SENSED_N[1], study.noise_mm
     ))];
+    blocks.extend(study.timing_notes.iter().map(text));
+    if !points.iter().any(is_peer) {
+        blocks.push(text(
+            "Other programs were not timed: bench/peers/peers.py does so for the paper's finger, and finray report --peers peers.csv adds what \
+             it writes.",
+        ));
+    }
     let floor = study.convergence.left(SOLVED_N).filter(|left| *left > 0.0);
     for (task, title) in [
         (Task::Solve, "the shape under a load"),
@@ -45,11 +51,46 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
     Ok(Some(sections::section("speed-error", "What an answer costs", blocks)))
 }
 
+/// An error that a model of the finger may add: as much as the paper's mesh of key nodes is promised to.
+const GOOD_SHAPE: f64 = 0.01;
+
+/// Which model of the finger to run at which cost: the fastest that is good enough, the nearest, and linear theory.
+pub(super) fn words(study: &Study) -> Option<String> {
+    let points = study.speed_error.iter().filter(|point| point.task == Task::Solve && !is_peer(point));
+    let points: Vec<&SpeedErrorPoint> = points.filter(|point| point.error.is_finite()).collect();
+    let faster = |a: &&&SpeedErrorPoint, b: &&&SpeedErrorPoint| a.seconds.total_cmp(&b.seconds);
+    let good = points.iter().filter(|point| point.error <= GOOD_SHAPE).min_by(faster)?;
+    let nearest = points.iter().min_by(|a, b| a.error.total_cmp(&b.error))?;
+    let fastest = points.iter().min_by(faster)?;
+    let described = |point: &SpeedErrorPoint| {
+        format!("{} ({}) in {}, within {}", point.model, point.setting, seconds(point.seconds), percent(point.error))
+    };
+    Some(format!(
+        "The fastest model that gives the shape under {SOLVED_N} N within {}: {}. The nearest: {}. The fastest of all: {}.",
+        percent(GOOD_SHAPE),
+        described(good),
+        described(nearest),
+        described(fastest)
+    ))
+}
+
 fn in_words(task: Task) -> &'static str {
     match task {
         Task::Solve => "shape",
         Task::SenseOne => "one force",
         Task::SenseNeighbours => "two neighbours",
+    }
+}
+
+fn is_peer(point: &SpeedErrorPoint) -> bool {
+    matches!(point.timed_by, TimedBy::OtherProgram { .. })
+}
+
+/// The model, and whose it is where it is another program's.
+fn name(point: &SpeedErrorPoint) -> String {
+    match &point.timed_by {
+        TimedBy::OtherProgram { program, .. } => format!("{program}: {}", point.model),
+        _ => point.model.clone(),
     }
 }
 
@@ -61,8 +102,8 @@ fn picture(points: &[&SpeedErrorPoint], title: &str, floor: Option<f64>) -> Resu
     let drawn: Vec<&SpeedErrorPoint> =
         points.iter().copied().filter(|point| point.error > 0.0 && point.seconds > 0.0).collect();
     let mut series: Vec<Series> = Vec::new();
-    for group in drawn.chunk_by(|a, b| a.model == b.model) {
-        let one = Series::nth(series.len(), group[0].model.clone(), group.iter().map(|point| place(point)).collect());
+    for group in drawn.chunk_by(|a, b| name(a) == name(b)) {
+        let one = Series::nth(series.len(), name(group[0]), group.iter().map(|point| place(point)).collect());
         let labels = group.iter().map(|point| match point.failed {
             0 => point.setting.clone(),
             failed => format!("{} ({failed} of {} failed)", point.setting, point.asked),
@@ -99,14 +140,19 @@ fn seconds(seconds: f64) -> String {
 
 fn table(points: &[SpeedErrorPoint]) -> Table {
     let row = |point: &SpeedErrorPoint| {
-        let failed = format!("{} of {}", point.failed, point.asked);
+        let failed = match point.asked {
+            0 => "-".to_owned(),
+            asked => format!("{} of {asked}", point.failed),
+        };
+        let error = if point.error.is_finite() { percent(point.error) } else { "-".to_owned() };
         Row {
             cells: vec![
                 Cell::plain(in_words(point.task)),
-                Cell::plain(point.model.clone()),
+                Cell::plain(name(point)),
                 Cell::plain(point.setting.clone()),
                 Cell::plain(seconds(point.seconds)),
-                Cell::plain(percent(point.error)),
+                Cell::plain(point.timed_by.to_string()),
+                Cell::plain(error),
                 if point.failed > 0 { Cell::shaded(failed, Shade::Grey) } else { Cell::plain(failed) },
                 if point.on_front { Cell::shaded("yes", Shade::Pass) } else { Cell::plain("") },
             ],
@@ -119,6 +165,7 @@ fn table(points: &[SpeedErrorPoint]) -> Table {
             Column::words("model"),
             Column::words("setting"),
             Column::numbers("time"),
+            Column::words("timed by"),
             Column::numbers("error"),
             Column::numbers("failed"),
             Column::words("unbeaten"),
@@ -142,6 +189,7 @@ mod tests {
             failed,
             asked: 5,
             on_front: failed == 0,
+            timed_by: TimedBy::Report,
         }
     }
 
@@ -154,7 +202,7 @@ mod tests {
         }
         assert!(!svg.contains("exact set"), "an error of nothing has no place");
         let rows = table(&points).rows;
-        assert_eq!(rows[1].cells[5], Cell::shaded("2 of 5", Shade::Grey));
+        assert_eq!(rows[1].cells[6], Cell::shaded("2 of 5", Shade::Grey));
         assert_eq!(rows[0].cells[3].text, "10.000 us");
     }
 }

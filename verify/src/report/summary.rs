@@ -5,7 +5,7 @@ use super::lattice::{self, AxialSpringsRow, LatticeRow, SettlingRow};
 use super::networks::{self, NetworkRow};
 use super::table_two::{self, TableTwoRow};
 use super::twin::{self, CalibrationRow, TwinRow, ZoneSetRow};
-use super::{causes, tables, words};
+use super::{causes, tables, verdict, words};
 use crate::check::{Check, Comparison};
 use crate::ledger::Claim;
 use crate::map::MapSummary;
@@ -32,7 +32,7 @@ pub struct Summary {
     pub scene: String,
     /// Version of finray that made it.
     pub version: &'static str,
-    /// What the numbers say.
+    /// What the numbers say: the verdict at the head of the page, then what its sections say.
     pub verdict: Vec<String>,
     /// Promises.
     pub checks: Vec<Check>,
@@ -76,10 +76,11 @@ impl Summary {
         let entry = |force_n| {
             study.all_maps().map(move |map| MapEntry { figures: map.summary(force_n), csv: tables::map_csv_name(map) })
         };
+        let findings = words::findings(study).into_iter().map(|finding| finding.sentence);
         Summary {
             scene: study.scene.clone(),
             version: env!("CARGO_PKG_VERSION"),
-            verdict: words::verdict(study),
+            verdict: verdict::sentences(study).into_iter().chain(findings).collect(),
             checks: study.all_checks().cloned().collect(),
             comparisons: study.comparisons.clone(),
             speed_error: study.speed_error.clone(),

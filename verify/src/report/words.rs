@@ -1,7 +1,7 @@
 //! What the numbers say, in sentences made from the numbers.
 
 use super::tables::percent;
-use super::{causes, contact_scenes, lattice, networks, twin};
+use super::{causes, contact_scenes, lattice, networks, speed_error, twin, verdict};
 use crate::map::{AccuracyMap, Cell};
 use crate::scatter::ScatterRow;
 use crate::study::{DRAWN_FORCE_N, Study};
@@ -33,8 +33,42 @@ fn drawn(cell: &Cell) -> bool {
     cell.force_n == DRAWN_FORCE_N
 }
 
-/// The sentences at the head of the page.
-pub(super) fn verdict(study: &Study) -> Vec<String> {
+/// A sentence, and the section whose numbers say it.
+pub(super) struct Finding {
+    /// Anchor of the section.
+    pub section: &'static str,
+    /// The sentence.
+    pub sentence: String,
+}
+
+/// Every finding, in the order of the page.
+pub(super) fn findings(study: &Study) -> Vec<Finding> {
+    let of_section =
+        |section, sentences: Vec<String>| sentences.into_iter().map(move |sentence| Finding { section, sentence });
+    let one = |sentence: Option<String>| sentence.into_iter().collect::<Vec<_>>();
+    let passed = study.all_checks().filter(|check| check.passes()).count();
+    let checks = format!("{passed} of {} checks against other parties hold their promise.", study.all_checks().count());
+    [
+        ("maps", maps(study)),
+        ("noise", one(nonlinear(study))),
+        ("contact-scenes", one(contact_scenes::verdict(study))),
+        // At the head of the page stands the largest cause, where causes were sought.
+        ("causes", one(causes::verdict(study).and_then(|_| verdict::limit(study)))),
+        ("table-one", one(table_one(study))),
+        ("twin", one(study.twin.as_ref().map(twin::verdict))),
+        ("speed-error", one(speed_error::words(study))),
+        ("networks", one(study.networks.as_ref().and_then(networks::words))),
+        ("lattice", one(study.lattice.as_ref().and_then(lattice::verdict))),
+        ("checks", vec![checks]),
+        ("hard-cases", one(hard_cases(study))),
+    ]
+    .into_iter()
+    .flat_map(|(section, sentences)| of_section(section, sentences))
+    .collect()
+}
+
+/// Where linear sensing fails, and what noise adds.
+fn maps(study: &Study) -> Vec<String> {
     let mut sentences = Vec::new();
     let finger = &study.finger;
     if let Some(map) = study.map("corotational", false) {
@@ -86,17 +120,6 @@ pub(super) fn verdict(study: &Study) -> Vec<String> {
             ));
         }
     }
-    sentences.extend(causes::verdict(study));
-    sentences.extend(nonlinear(study));
-    sentences.extend(study.networks.as_ref().and_then(networks::words));
-    sentences.extend(table_one(study));
-    sentences.extend(study.twin.as_ref().map(twin::verdict));
-    sentences.extend(study.lattice.as_ref().and_then(lattice::verdict));
-    sentences.extend(contact_scenes::verdict(study));
-    sentences.extend(hard_cases(study));
-    let passed = study.all_checks().filter(|check| check.passes()).count();
-    sentences
-        .push(format!("{passed} of {} checks against other parties hold their promise.", study.all_checks().count()));
     sentences
 }
 
@@ -130,7 +153,7 @@ fn hard_cases(study: &Study) -> Option<String> {
 }
 
 /// How far large rotation explains the paper's Table I.
-pub(super) fn table_one(study: &Study) -> Option<String> {
+fn table_one(study: &Study) -> Option<String> {
     let table = study.tables_one.first()?;
     let (explained, open): (Vec<_>, Vec<_>) = table
         .rows

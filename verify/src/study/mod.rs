@@ -88,6 +88,8 @@ pub struct Study {
     pub hard_cases: Vec<HardCase>,
     /// Time and error of models and estimators.
     pub speed_error: Vec<SpeedErrorPoint>,
+    /// Where times come from that were not taken here, in sentences.
+    pub timing_notes: Vec<String>,
     /// Standard deviation of one coordinate in noisy pictures, mm.
     pub noise_mm: f64,
     /// The paper's figures against ours, for the paper's finger.
@@ -246,6 +248,7 @@ impl Study {
             lattice,
             hard_cases: hard,
             speed_error,
+            timing_notes: Vec::new(),
             noise_mm,
             claims: Vec::new(),
             bent,

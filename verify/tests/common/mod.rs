@@ -1,6 +1,7 @@
 //! Running `finray` as its users do, and taking apart what it answers.
 #![allow(dead_code, reason = "every test file compiles this module and uses its own share of it")]
 
+pub mod browser;
 pub mod scene;
 
 use finray_verify::fixtures::PAPER_SCENE;

@@ -1,0 +1,45 @@
+//! Times and errors of other programs: what `bench/peers` writes and `report` reads.
+
+use super::FileError;
+use super::table::{Row, Table};
+use crate::speed_error::Task;
+use crate::speed_error::peers::{Peer, Peers};
+use std::path::Path;
+
+const COLUMNS: [&str; 7] = ["task", "model", "setting", "seconds", "error", "program", "version"];
+/// Says where the times were taken; a table without it is read too.
+const MACHINE: &str = "machine";
+
+/// Reads `task,model,setting,seconds,error,program,version` and, where it is there, `machine`; found by name, `error` may be empty.
+///
+/// # Errors
+/// [`FileError`] naming the line and the column of anything that is none of these.
+pub fn load(path: &Path) -> Result<Peers, FileError> {
+    let text = super::read_text(path)?;
+    let table = Table::of_text(path, &text, COLUMNS)?;
+    let peers = table.rows().iter().map(|row| peer(&table, row)).collect::<Result<_, _>>()?;
+    let machines = Table::of_text(path, &text, [MACHINE]).ok();
+    let machine = machines.and_then(|machines| machines.rows().first().map(|row| row.cells[0].clone()));
+    Ok(Peers { peers, machine: machine.unwrap_or_default() })
+}
+
+fn peer(table: &Table<7>, row: &Row<7>) -> Result<Peer, FileError> {
+    let text = |column: usize| match row.cells[column].as_str() {
+        "" => Err(table.wrong(row, format!("{}: expected words, found nothing", COLUMNS[column]))),
+        words => Ok(words.to_owned()),
+    };
+    let task = Task::ALL.into_iter().find(|task| task.name() == row.cells[0]).ok_or_else(|| {
+        let names = Task::ALL.map(Task::name).join(", ");
+        table.wrong(row, format!("task: expected one of {names}, found {:?}", row.cells[0]))
+    })?;
+    let seconds = table.number(row, 3)?;
+    if seconds <= 0.0 {
+        return Err(table.wrong(row, format!("seconds: expected a number above 0, found {seconds}")));
+    }
+    let error = if row.cells[4].is_empty() { None } else { Some(table.number(row, 4)?) };
+    if let Some(error) = error.filter(|error| *error < 0.0) {
+        return Err(table.wrong(row, format!("expected an error of at least 0, or nothing, found {error}")));
+    }
+    let (model, setting, program, version) = (text(1)?, text(2)?, text(5)?, text(6)?);
+    Ok(Peer { task, model, setting, seconds, error, program, version })
+}

@@ -1,0 +1,235 @@
+//! The verdict: three sentences at the head of the page, made from the numbers, and the map beside them.
+
+use super::page::Figure;
+use super::tables::{self, percent};
+use super::{ReportError, causes, drawings};
+use crate::estimators::EstimatorKind;
+use crate::map::AccuracyMap;
+use crate::networks::accuracy::NAME as NETWORK;
+use crate::scatter::ScatterRow;
+use crate::speed_error::{SpeedErrorPoint, Task};
+use crate::study::Study;
+use finray_model::finger::Plate;
+
+/// Errors up to here are trusted: the lighter of the two shades of the paper's Table I begins there.
+const TRUSTED: f64 = 0.10;
+/// A setting is near enough to the best if it errs by no more than a quarter more: a mean over a few dozen noisy pictures scatters by as much.
+const NEAR_BEST: f64 = 1.25;
+/// Regions of a map of which less than this share is trusted are named.
+const MOSTLY: f64 = 0.9;
+
+/// Where the finger can be trusted to feel, what limits it, and what to run at which cost.
+pub(super) fn sentences(study: &Study) -> Vec<String> {
+    [trusted(study), causes::verdict(study).or_else(|| limit(study)), cost(study)].into_iter().flatten().collect()
+}
+
+/// The one map beside the sentences.
+pub(super) fn lead(study: &Study) -> Result<Option<Figure>, ReportError> {
+    // The estimator that is recommended, where it was mapped.
+    let Some(map) = map_by(study, EstimatorKind::Nonlinear).or_else(|| map_by(study, EstimatorKind::LeastSquares))
+    else {
+        return Ok(None);
+    };
+    Ok(Some(Figure {
+        svg: drawings::map_picture(&study.finger, map, None)?,
+        caption: format!(
+            "Error of one force by its place and direction, sensed by {}{}; mean over {}. Inside the line of 10 % it can be \
+             trusted.",
+            in_words(&map.estimator),
+            noise_in_words(map.noise_mm),
+            forces_in_words(&map.request.forces_n)
+        ),
+        csv: Some(tables::map_csv_name(map)),
+        wide: false,
+    }))
+}
+
+/// The noisiest map of the large-rotation finger by an estimator.
+fn map_by(study: &Study, kind: EstimatorKind) -> Option<&AccuracyMap> {
+    let maps = study.all_maps().filter(|map| map.truth == "corotational" && map.estimator == kind.name());
+    maps.max_by(|a, b| a.noise_mm.total_cmp(&b.noise_mm))
+}
+
+fn in_words(estimator: &str) -> String {
+    match estimator {
+        "least-squares" => "linear least squares".to_owned(),
+        "network" => "the network".to_owned(),
+        other => format!("the {other} estimator"),
+    }
+}
+
+fn noise_in_words(noise_mm: f64) -> String {
+    match noise_mm {
+        0.0 => " without noise".to_owned(),
+        noise_mm => format!(" from pictures with {noise_mm} mm noise"),
+    }
+}
+
+fn forces_in_words(forces_n: &[f64]) -> String {
+    match forces_n {
+        [] => "no force".to_owned(),
+        [one] => format!("{one} N"),
+        [first, .., last] => format!("{first} to {last} N"),
+    }
+}
+
+/// Where the finger can be trusted.
+fn trusted(study: &Study) -> Option<String> {
+    let linear = map_by(study, EstimatorKind::LeastSquares)?;
+    let nonlinear = map_by(study, EstimatorKind::Nonlinear);
+    let noise = match linear.noise_mm {
+        0.0 => "Without noise".to_owned(),
+        noise_mm => format!("With {noise_mm} mm noise"),
+    };
+    let share = |map| percent(share(study, map, |_, _| true));
+    let mapped = nonlinear.map(|map| {
+        format!(
+            "by the nonlinear estimator at {} of all places and directions, by linear least squares at {}",
+            share(map),
+            share(linear)
+        )
+    });
+    let feels = mapped.or_else(|| {
+        let rows = &study.noise.as_ref()?.single;
+        let kept = rows.iter().filter(|row| row.mean_error().is_some_and(|error| error <= TRUSTED)).count();
+        Some(format!(
+            "by the nonlinear estimator at {kept} of {} nodes along the normal, by linear least squares at {} of all places \
+             and directions",
+            rows.len(),
+            share(linear)
+        ))
+    });
+    let feels =
+        feels.unwrap_or_else(|| format!("by linear least squares at {} of all places and directions", share(linear)));
+    Some(format!(
+        "{noise} a force of {} is felt within {} {feels}; {}.",
+        forces_in_words(&linear.request.forces_n),
+        percent(TRUSTED),
+        weak_regions(study, nonlinear.unwrap_or(linear))
+    ))
+}
+
+/// Share of the cells of a region, by place over the plate's length and angle in degrees, whose error is trusted. A cell without
+/// answer is not.
+fn share(study: &Study, map: &AccuracyMap, region: impl Fn(f64, f64) -> bool) -> f64 {
+    let length_mm = study.finger.plate_length_mm(Plate::Front);
+    let (mut all, mut kept) = (0_usize, 0_usize);
+    for (angle_deg, row) in map.request.angles_deg.iter().zip(map.errors(None)) {
+        for (s_mm, error) in map.request.places_mm.iter().zip(row) {
+            if region(s_mm / length_mm, *angle_deg) {
+                all += 1;
+                kept += usize::from(error.is_some_and(|error| error <= TRUSTED));
+            }
+        }
+    }
+    kept as f64 / all.max(1) as f64
+}
+
+/// A part of a map: its name, and what belongs to it.
+type Region = (&'static str, fn(f64, f64) -> bool);
+
+/// The regions in which most fails, worst first.
+fn weak_regions(study: &Study, map: &AccuracyMap) -> String {
+    const REGIONS: [Region; 5] = [
+        ("in the tenth of the plate next to the base", |s, _| s < 0.1),
+        ("in the tenth next to the tip", |s, _| s > 0.9),
+        ("for forces that point more than 45 deg towards the base", |_, angle| angle < -45.0),
+        ("for forces that point more than 45 deg towards the tip", |_, angle| angle > 45.0),
+        ("within 45 deg of the normal", |s, angle| (0.1..=0.9).contains(&s) && angle.abs() <= 45.0),
+    ];
+    let mut weak: Vec<(f64, &str)> = REGIONS.iter().map(|(name, holds)| (share(study, map, holds), *name)).collect();
+    weak.retain(|(share, _)| *share < MOSTLY);
+    weak.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let named: Vec<String> = weak.iter().take(2).map(|(share, name)| format!("{name} ({})", percent(*share))).collect();
+    if named.is_empty() {
+        return "no end of the plate and no range of directions falls behind".to_owned();
+    }
+    format!("{} can be trusted least {}", in_words(&map.estimator), named.join(" and "))
+}
+
+/// What limits it there: how often linear sensing fails by its bias, and how near the nonlinear estimator is to what noise allows.
+pub(super) fn limit(study: &Study) -> Option<String> {
+    let map = map_by(study, EstimatorKind::LeastSquares)?;
+    let failed = map.cells.iter().filter(|cell| cell.mean_error.is_some_and(|error| error > TRUSTED));
+    let (mut all, mut biased) = (0_usize, 0_usize);
+    for cell in failed {
+        all += 1;
+        biased += usize::from(cell.bias.map(f64::abs) > cell.spread);
+    }
+    if all == 0 {
+        return Some("Linear least squares errs nowhere by more than 10 %.".to_owned());
+    }
+    let linear = format!(
+        "Where linear least squares errs by more than {}, its bias (the finger's large rotation, which it does not know) outweighs \
+         the scatter of the noise in {} of the cells",
+        percent(TRUSTED),
+        percent(biased as f64 / all as f64)
+    );
+    let over = |row: &ScatterRow| Some(row.mean_error()? / row.mean_error_bound()?);
+    let over: Vec<f64> = study.noise.iter().flat_map(|noise| &noise.single).filter_map(over).collect();
+    Some(match over.len() {
+        0 => format!("{linear}."),
+        nodes => format!(
+            "{linear}; the nonlinear estimator is limited by camera noise alone: along the normal it errs by {:.2} times the \
+             Cramer-Rao bound (mean over {nodes} nodes).",
+            over.iter().sum::<f64>() / nodes as f64
+        ),
+    })
+}
+
+/// Which estimator to run, at which cost.
+fn cost(study: &Study) -> Option<String> {
+    let points = |task: Task, model: &str| -> Vec<&SpeedErrorPoint> {
+        let of_task = study.speed_error.iter().filter(|point| point.task == task && point.model == model);
+        of_task.filter(|point| point.error.is_finite() && point.seconds.is_finite()).collect()
+    };
+    let chosen = |model: &str| {
+        let points = points(Task::SenseOne, model);
+        let best = points.iter().map(|point| point.error).reduce(f64::min)?;
+        let near = points.into_iter().filter(|point| point.error <= NEAR_BEST * best);
+        near.min_by(|a, b| a.seconds.total_cmp(&b.seconds))
+    };
+    let of_two = |one: &SpeedErrorPoint| {
+        points(Task::SenseNeighbours, &one.model)
+            .into_iter()
+            .find(|two| two.setting == one.setting)
+            .map(|two| two.error)
+    };
+    let described = |one: &SpeedErrorPoint| {
+        let two = of_two(one).map_or_else(String::new, |error| format!(", two neighbours {}", percent(error)));
+        let setting =
+            if one.model == EstimatorKind::Nonlinear.name() { format!(" on {}", one.setting) } else { String::new() };
+        format!("{}{setting} in {} (error {}{two})", in_words(&one.model), roughly(one.seconds), percent(one.error))
+    };
+    let models = [NETWORK, EstimatorKind::Nonlinear.name(), EstimatorKind::LeastSquares.name()];
+    let chosen: Vec<&SpeedErrorPoint> = models.into_iter().filter_map(chosen).collect();
+    let nonlinear = chosen.iter().find(|point| point.model == EstimatorKind::Nonlinear.name())?;
+    let keeps = |point: &&&SpeedErrorPoint| {
+        point.error <= TRUSTED
+            && of_two(point).is_none_or(|error| error <= TRUSTED)
+            && point.seconds < nonlinear.seconds
+    };
+    let faster = chosen.iter().filter(keeps).min_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    let advice = match faster {
+        Some(point) if point.model == NETWORK => {
+            "run the network where one is trained for the contacts, the nonlinear estimator elsewhere".to_owned()
+        }
+        Some(point) => {
+            format!("along the normal {} will do, elsewhere run the nonlinear estimator", in_words(&point.model))
+        }
+        None => "run the nonlinear estimator".to_owned(),
+    };
+    let answers: Vec<String> = chosen.iter().map(|point| described(point)).collect();
+    Some(format!("Along the normal a force is sensed by {}: {advice}.", answers.join(", by ")))
+}
+
+/// A time in two digits: more would change from run to run.
+fn roughly(seconds: f64) -> String {
+    let (value, unit) = match seconds {
+        s if s < 1e-3 => (1e6 * s, "us"),
+        s if s < 1.0 => (1e3 * s, "ms"),
+        s => (s, "s"),
+    };
+    let digits = (1.0 - value.log10().floor()).clamp(0.0, 3.0) as usize;
+    format!("{value:.digits$} {unit}")
+}

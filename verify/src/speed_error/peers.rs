@@ -1,0 +1,47 @@
+//! Other programs on the same tasks, timed and compared by `bench/peers`.
+
+use super::{SpeedErrorPoint, Task, TimedBy};
+
+/// One program on one task.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Peer {
+    /// What is asked for.
+    pub task: Task,
+    /// The model or estimator.
+    pub model: String,
+    /// How it is set.
+    pub setting: String,
+    /// Median time of an answer, s.
+    pub seconds: f64,
+    /// As of a [`SpeedErrorPoint`]; `None` where only the time was asked for.
+    pub error: Option<f64>,
+    /// Name of the program.
+    pub program: String,
+    /// Its version.
+    pub version: String,
+}
+
+/// A table of other programs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Peers {
+    /// The rows.
+    pub peers: Vec<Peer>,
+    /// The machine that they ran on, in words; empty where the file does not say.
+    pub machine: String,
+}
+
+impl From<Peer> for SpeedErrorPoint {
+    fn from(peer: Peer) -> SpeedErrorPoint {
+        SpeedErrorPoint {
+            task: peer.task,
+            model: peer.model,
+            setting: peer.setting,
+            seconds: peer.seconds,
+            error: peer.error.unwrap_or(f64::NAN),
+            failed: 0,
+            asked: 0,
+            on_front: false,
+            timed_by: TimedBy::OtherProgram { program: peer.program, version: peer.version },
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! Headless Chromium, to look at a page as its readers do.
+//!
+//! It is looked for at the path in `CHROME`, then as `chromium`, `chromium-browser` and `google-chrome`.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// Ends the copy of the page: measures the page and each drawing, and tells the frame that it stands in. The page itself has no script.
+const MEASURE: &str = r#"<script>
+addEventListener("load", () => {
+  const drawings = [...document.querySelectorAll("svg")].map(svg => svg.getBoundingClientRect());
+  const flat = drawings.filter(box => !(box.width > 0 && box.height > 0)).length;
+  const own = ".scroll, .drawing, .bar ul"; // boxes that scroll by themselves
+  const wide = [...document.querySelectorAll("body *")].filter(it => it.getBoundingClientRect().right > innerWidth + 0.5 && !it.closest(own));
+  const names = wide.slice(0, 5).map(it => it.tagName + " " + it.className).join("; ");
+  const told = [innerWidth, document.documentElement.scrollWidth, drawings.length, flat, names, "END"].join("|");
+  parent.postMessage("MEASURED|" + told, "*");
+});
+</script></body>"#;
+/// A frame as wide as asked for, which a window of the browser may not be.
+const FRAME: &str = r#"<!DOCTYPE html><body><iframe src="measured.html" style="width:WIDTHpx;height:900px;border:0"></iframe><script>
+addEventListener("message", told => { document.body.innerText = told.data; });
+</script></body>"#;
+
+/// The browser, where there is one.
+pub fn browser() -> Option<PathBuf> {
+    let names = ["chromium", "chromium-browser", "google-chrome"].map(PathBuf::from);
+    let candidates = std::env::var_os("CHROME").map(PathBuf::from).into_iter().chain(names);
+    candidates
+        .into_iter()
+        .find(|name| Command::new(name).arg("--version").output().is_ok_and(|out| out.status.success()))
+}
+
+/// Runs the browser on a page, with a profile of its own.
+pub fn run(browser: &Path, page: &Path, arguments: &[&str]) -> Output {
+    let profile = tempfile::tempdir().expect("a folder");
+    Command::new(browser)
+        .args(["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--enable-logging=stderr", "--v=0"])
+        .arg(format!("--user-data-dir={}", profile.path().display()))
+        .args(arguments)
+        .arg(format!("file://{}", page.display()))
+        .output()
+        .expect("the browser starts")
+}
+
+/// Nothing written to the browser's console.
+#[track_caller]
+pub fn assert_silent(output: &Output) {
+    let said = String::from_utf8_lossy(&output.stderr);
+    let console: Vec<&str> = said.lines().filter(|line| line.contains("CONSOLE")).collect();
+    assert!(console.is_empty(), "{console:?}");
+}
+
+/// What the browser measures of a page: the window's width, the page's, drawings, drawings without size, and what is too wide.
+pub struct Measured {
+    pub window: f64,
+    pub page: f64,
+    pub drawings: usize,
+    pub flat: usize,
+    pub wide: String,
+}
+
+/// Opens a copy of a page, with its details opened, in a window of a width.
+pub fn measure(browser: &Path, folder: &Path, html: &str, width: u32, dark: bool) -> Measured {
+    // Details are opened, so that what they hold is measured as well.
+    let page = folder.join("measured.html");
+    let mut copy = html.replace("<details>", "<details open>").replace("</body>", MEASURE);
+    if dark {
+        copy = copy.replace("(prefers-color-scheme: dark)", "all");
+    }
+    std::fs::write(&page, copy).expect("a copy of the page");
+    let frame = folder.join("frame.html");
+    std::fs::write(&frame, FRAME.replace("WIDTH", &width.to_string())).expect("a frame");
+    let output = run(browser, &frame, &["--dump-dom", "--virtual-time-budget=3000"]);
+    assert_silent(&output);
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    let found = said.split("MEASURED|").nth(1).unwrap_or_else(|| panic!("nothing measured: {said:.500}"));
+    let parts: Vec<&str> = found.split('|').collect();
+    let number = |at: usize| parts[at].parse::<f64>().expect("a number");
+    Measured {
+        window: number(0),
+        page: number(1),
+        drawings: number(2) as usize,
+        flat: number(3) as usize,
+        wide: parts[4].to_owned(),
+    }
+}
