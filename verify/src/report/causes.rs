@@ -241,8 +241,8 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
     ];
     let figures: Vec<Figure> = drawn(study).map(|map| map_figure(study, map)).collect::<Result<_, _>>()?;
     blocks.push(Block::Figures { figures });
-    let lines: Vec<Figure> = along(study).map(line_figure).collect::<Result<_, _>>()?;
-    blocks.push(Block::Figures { figures: lines });
+    let lines: Vec<Option<Figure>> = along(study).map(line_figure).collect::<Result<_, _>>()?;
+    blocks.push(Block::Figures { figures: lines.into_iter().flatten().collect() });
     blocks.extend(remedies(study).map(Block::Table));
     Ok(Some(section_of("causes", "Why sensing fails", blocks)))
 }
@@ -354,7 +354,8 @@ fn map_figure(study: &Study, map: &CauseMap) -> Result<Figure, ReportError> {
     })
 }
 
-fn line_figure(map: &CauseMap) -> Result<Figure, ReportError> {
+/// `None` where nothing is large enough to be drawn.
+fn line_figure(map: &CauseMap) -> Result<Option<Figure>, ReportError> {
     let title =
         format!("Along the normal at {DRAWN_FORCE_N} N, finger {}; {}", truth_in_words(map), practice_in_words(map));
     let cells = || map.cells.iter().filter(|cell| cell.angle_deg == 0.0 && cell.force_n == DRAWN_FORCE_N);
@@ -365,8 +366,12 @@ fn line_figure(map: &CauseMap) -> Result<Figure, ReportError> {
     };
     let all = cells().filter_map(|cell| shown([cell.s_mm, 100.0 * cell.rms_error?])).collect();
     let all = Series { hue: figures::Hue::Neutral, ..Series::nth(0, "all causes", all) };
-    let series: Vec<Series> = std::iter::once(all).chain(map.causes.iter().enumerate().map(of_cause)).collect();
-    Ok(Figure {
+    let series = std::iter::once(all).chain(map.causes.iter().enumerate().map(of_cause));
+    let series: Vec<Series> = series.filter(|series| !series.points.is_empty()).collect();
+    if series.is_empty() {
+        return Ok(None);
+    }
+    Ok(Some(Figure {
         svg: figures::lines(&LineChart {
             frame: Frame::half(title.clone(), format!("{title}: error by place, one line a cause.")),
             x: Axis::linear(ALONG_THE_PLATE),
@@ -379,7 +384,7 @@ fn line_figure(map: &CauseMap) -> Result<Figure, ReportError> {
                 .to_owned(),
         csv: Some(CSV.to_owned()),
         wide: false,
-    })
+    }))
 }
 
 /// The largest causes region by region.
