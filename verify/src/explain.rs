@@ -34,7 +34,8 @@ pub struct Explanation {
     pub condition: Option<f64>,
     /// |d (sensed / true) / d angle|, per degree that the assumed direction is wrong.
     pub error_per_deg: Option<f64>,
-    /// |d (sensed / true) / d place|, per mm that the assumed place is wrong.
+    /// |d (sensed / true) / d place|, per mm that the assumed place is wrong; at a rib, where the plate stretches by another
+    /// rate on either side, of one side.
     pub error_per_mm: Option<f64>,
 }
 

@@ -217,7 +217,8 @@ fn bias_and_spread(study: &Study) -> Result<Vec<Block>, ReportError> {
     let noisy = study.noise_mm > 0.0;
     let mut blocks = vec![text(
         "The bias is what is wrong whatever the noise: no camera mends it, a better model does. The spread is what the noise \
-         does: a better camera, more pictures or more markers lessen it.",
+         does: a better camera, more pictures or more markers lessen it. The bias of n pictures is itself told to spread / sqrt(n) \
+         only.",
     )];
     for (truth, estimator) in
         [("corotational", "least-squares"), ("corotational", "nonlinear"), ("twin", "least-squares")]

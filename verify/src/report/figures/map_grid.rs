@@ -58,7 +58,7 @@ pub struct SmallMap {
 }
 
 /// From clear to dark, the same in light and dark mode: the order of lightness carries the meaning.
-const SHADES: [[u8; 3]; 3] = [[0xd9, 0xee, 0xdf], [0x9a, 0xa3, 0xac], [0x2b, 0x31, 0x38]];
+const SHADES: [[u8; 3]; 3] = [[0xd9, 0xee, 0xdf], [0xa4, 0xac, 0xb5], [0x41, 0x49, 0x53]];
 /// A map of a single row is drawn this share of the axis high, to be seen at all.
 const LONE_ROW: f64 = 0.1;
 const MAP_HEIGHT: f64 = 104.0;
