@@ -77,7 +77,11 @@ impl Summary {
     /// Collects a study.
     pub fn of(study: &Study) -> Summary {
         let entry = |force_n: Option<f64>| {
-            let has = move |map: &&AccuracyMap| force_n.is_none_or(|force_n| map.request.forces_n.contains(&force_n));
+            // The mean over a single force is that force's map.
+            let has = move |map: &&AccuracyMap| match force_n {
+                Some(force_n) => map.request.forces_n.contains(&force_n),
+                None => map.request.forces_n.len() > 1,
+            };
             let maps = study.all_maps().filter(has);
             maps.map(move |map| MapEntry { figures: map.summary(force_n), csv: tables::map_csv_name(map) })
         };

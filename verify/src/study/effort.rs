@@ -44,4 +44,12 @@ impl Effort {
             Effort::Full => (24, 10.0, 25),
         }
     }
+
+    /// Noise pictures a cell where the nonlinear estimator cannot explain what it sees.
+    pub(super) fn unexplained_pictures(self) -> usize {
+        match self {
+            Effort::Quick => 2,
+            Effort::Full => 5,
+        }
+    }
 }

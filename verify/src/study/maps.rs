@@ -27,6 +27,9 @@ pub(super) struct Maps<'s> {
 enum Grid {
     Fine,
     Coarse,
+    /// The same for the drawn force alone, with few pictures: a shape that the nonlinear estimator cannot explain costs it a
+    /// hundred times as much, as it searches from every start.
+    Few,
     /// Contact nodes, along the normal: where there are networks.
     Nodes,
 }
@@ -35,8 +38,8 @@ impl Maps<'_> {
     /// Steps that [`beams`](Maps::beams) and [`papers`](Maps::papers) report.
     pub(super) fn steps(&self, is_paper: bool) -> usize {
         let contacts = |grid| self.request(grid).contact_count();
-        let beams = 2 * (contacts(Grid::Fine) + contacts(Grid::Coarse));
-        beams + if is_paper { contacts(Grid::Coarse) + 4 * contacts(Grid::Nodes) } else { 0 }
+        let beams = 2 * (contacts(Grid::Fine) + 2 * contacts(Grid::Coarse));
+        beams + if is_paper { 2 * contacts(Grid::Coarse) + 4 * contacts(Grid::Nodes) } else { 0 }
     }
 
     /// The finger's own beams, linear and with large rotations, sensed by every estimator of the beam model; least squares
@@ -50,8 +53,10 @@ impl Maps<'_> {
             maps.extend(self.sensed(truth, &[EstimatorKind::LeastSquares], &self.request(Grid::Fine), &step));
         }
         for truth in truths {
-            let kinds = [EstimatorKind::Ridge, EstimatorKind::Nonlinear];
-            maps.extend(self.sensed(truth, &kinds, &self.request(Grid::Coarse), &step));
+            maps.extend(self.sensed(truth, &[EstimatorKind::Ridge], &self.request(Grid::Coarse), &step));
+        }
+        for (truth, grid) in truths.into_iter().zip([Grid::Few, Grid::Coarse]) {
+            maps.extend(self.sensed(truth, &[EstimatorKind::Nonlinear], &self.request(grid), &step));
         }
         Ok(maps)
     }
@@ -65,7 +70,9 @@ impl Maps<'_> {
         let twin = MeshTruth::new("twin", &twin_mesh, Kinematics::Corotational)?;
         let lattice = LatticeTruth::new(finger).map_err(ProblemError::from)?;
         let linear = MeshTruth::new("linear", self.coarse, Kinematics::Linear)?;
-        let mut maps = self.sensed(&twin, &EstimatorKind::ALL, &self.request(Grid::Coarse), &step);
+        let linear_kinds = [EstimatorKind::LeastSquares, EstimatorKind::Ridge];
+        let mut maps = self.sensed(&twin, &linear_kinds, &self.request(Grid::Coarse), &step);
+        maps.extend(self.sensed(&twin, &[EstimatorKind::Nonlinear], &self.request(Grid::Few), &step));
 
         let shipped = Networks::shipped()?;
         let networks = NetworkSensing { name: accuracy::NAME, networks: &shipped, finger, refuses: true };
@@ -115,21 +122,27 @@ impl Maps<'_> {
     }
 
     fn request(&self, grid: Grid) -> MapRequest {
+        let few = matches!(grid, Grid::Few);
         let (places, step_deg, noise_pictures) = match grid {
             Grid::Fine | Grid::Nodes => self.effort.resolution(),
             Grid::Coarse => self.effort.coarse_resolution(),
+            Grid::Few => {
+                let (places, step_deg, _) = self.effort.coarse_resolution();
+                (places, step_deg, self.effort.unexplained_pictures())
+            }
         };
         let (places_mm, angles_deg) = match grid {
             Grid::Nodes => {
                 let nodes = self.finger.contact_nodes().rev();
                 (nodes.filter_map(|node| self.finger.front_place_mm(node)).collect(), vec![0.0])
             }
-            Grid::Fine | Grid::Coarse => MapRequest::grid(self.finger, places, step_deg),
+            Grid::Fine | Grid::Coarse | Grid::Few => MapRequest::grid(self.finger, places, step_deg),
         };
+        let forces_n = if few { vec![DRAWN_FORCE_N] } else { MAP_FORCES_N.to_vec() };
         MapRequest {
             places_mm,
             angles_deg,
-            forces_n: MAP_FORCES_N.to_vec(),
+            forces_n,
             noise_levels_mm: self.noise_levels_mm.to_vec(),
             noise_pictures,
             seed: 1,
