@@ -61,31 +61,31 @@ pub struct AccuracyMap {
     pub cells: Vec<Cell>,
 }
 
-/// Computes a map for each noise level in parallel, place by place; the result does not depend on the number of
-/// threads. `progress` is called once for every finished place and direction.
+/// Computes a map for each estimator and noise level in parallel, place by place: by estimator, then noise. The result does
+/// not depend on the number of threads. `progress` is called once for every finished place and direction.
 pub fn accuracy_maps(
     finger: &Finger,
     truth: &dyn Truth,
-    estimator: &dyn Estimator,
+    estimators: &[&dyn Estimator],
     request: &MapRequest,
     progress: &(dyn Fn() + Sync),
 ) -> Vec<AccuracyMap> {
-    let sweep = Sweep::new(finger, vec![truth], vec![estimator], request);
+    let sweep = Sweep::new(finger, vec![truth], estimators.to_vec(), request);
     let block = |number| {
         let cells: Vec<Cell> = sweep.block(number).iter().map(Cell::from).collect();
         progress();
         cells
     };
     let blocks: Vec<Vec<Cell>> = (0..sweep.block_count()).into_par_iter().map(block).collect();
-    let forces = request.forces_n.len();
-    let map = |(level, &noise_mm): (usize, &f64)| AccuracyMap {
+    let (forces, levels) = (request.forces_n.len(), request.noise_levels_mm.len());
+    let map = |number: usize| AccuracyMap {
         request: request.clone(),
         truth: truth.name().to_owned(),
-        estimator: estimator.name().to_owned(),
-        noise_mm,
-        cells: blocks.iter().flat_map(|block| &block[level * forces..][..forces]).copied().collect(),
+        estimator: estimators[number / levels].name().to_owned(),
+        noise_mm: request.noise_levels_mm[number % levels],
+        cells: blocks.iter().flat_map(|block| &block[number * forces..][..forces]).copied().collect(),
     };
-    request.noise_levels_mm.iter().enumerate().map(map).collect()
+    (0..estimators.len() * levels).map(map).collect()
 }
 
 impl AccuracyMap {
@@ -115,18 +115,35 @@ impl AccuracyMap {
 
     /// Mean error by direction, then place: of one force, or over all forces. `None` where a force has no equilibrium.
     pub fn errors(&self, force_n: Option<f64>) -> Vec<Vec<Option<f64>>> {
+        self.values(force_n, |cell| cell.mean_error)
+    }
+
+    /// A quantity by direction, then place: of one force, or its mean over all forces. `None` where a force has none.
+    pub fn values(&self, force_n: Option<f64>, of: impl Fn(&Cell) -> Option<f64>) -> Vec<Vec<Option<f64>>> {
         let forces = self.request.forces_n.len();
         let (places, angles) = (self.request.places_mm.len(), self.request.angles_deg.len());
         let cell = |place: usize, angle: usize| {
             let first = (place * angles + angle) * forces;
-            let errors: Option<Vec<f64>> = self.cells[first..first + forces]
+            let values: Option<Vec<f64>> = self.cells[first..first + forces]
                 .iter()
                 .filter(|cell| force_n.is_none_or(|f| f == cell.force_n))
-                .map(|cell| cell.mean_error)
+                .map(&of)
                 .collect();
-            errors.filter(|e| !e.is_empty()).map(|e| e.iter().sum::<f64>() / e.len() as f64)
+            values.filter(|v| !v.is_empty()).map(|v| v.iter().sum::<f64>() / v.len() as f64)
         };
         (0..angles).map(|angle| (0..places).map(|place| cell(place, angle)).collect()).collect()
+    }
+
+    /// The cells of a coarser grid, whose places and directions are all among this map's; others are left out.
+    pub fn thinned(&self, places_mm: &[f64], angles_deg: &[f64]) -> AccuracyMap {
+        let kept = |all: &[f64], wanted: &[f64]| all.iter().copied().filter(|x| wanted.contains(x)).collect::<Vec<_>>();
+        let request = MapRequest {
+            places_mm: kept(&self.request.places_mm, places_mm),
+            angles_deg: kept(&self.request.angles_deg, angles_deg),
+            ..self.request.clone()
+        };
+        let on_grid = |cell: &&Cell| places_mm.contains(&cell.s_mm) && angles_deg.contains(&cell.angle_deg);
+        AccuracyMap { request, cells: self.cells.iter().filter(on_grid).copied().collect(), ..self.clone() }
     }
 
     /// What the map says as a whole, of one force or over all.

@@ -166,11 +166,82 @@ fn linear_sensing_of_the_linear_finger_errs_by_noise_alone() {
     let summary = PAPERS.summary();
     let error = |truth: &str, noisy: bool| {
         let maps = array(&summary, "maps").iter();
-        let of_kind = maps.filter(|map| map["truth"] == truth && (map["noise_mm"].as_f64() > Some(0.0)) == noisy);
+        let of_kind = maps
+            .filter(|map| map["truth"] == truth && map["estimator"] == "least-squares")
+            .filter(|map| (map["noise_mm"].as_f64() > Some(0.0)) == noisy);
         of_kind.filter_map(|map| map["mean_error"].as_f64()).fold(0.0, f64::max)
     };
     assert!(error("linear", false) < LINEAR_ROUNDING);
     assert!(error("linear", true) > 1e-3 && error("corotational", false) > 1e-2);
+}
+
+/// Every truth by every estimator for the paper's finger, without and with noise; elsewhere what exists.
+#[test]
+fn every_truth_is_mapped_by_every_estimator() {
+    let kinds = |report: &Report| {
+        let summary = report.summary();
+        let kind = |map: &Value| {
+            let text = |key: &str| map[key].as_str().expect("a name").to_owned();
+            (text("truth"), text("estimator"), map["noise_mm"].as_f64() > Some(0.0))
+        };
+        array(&summary, "maps").iter().map(kind).collect::<std::collections::BTreeSet<_>>()
+    };
+    let papers = kinds(&PAPERS);
+    for truth in ["corotational", "lattice", "linear", "mujoco", "twin"] {
+        for estimator in ["least-squares", "network", "nonlinear", "ridge"] {
+            for noisy in [false, true] {
+                assert!(
+                    papers.contains(&(truth.to_owned(), estimator.to_owned(), noisy)),
+                    "{truth}, {estimator}, {noisy}"
+                );
+            }
+        }
+    }
+    // Two truths, three estimators, two levels of noise.
+    assert_eq!((papers.len(), kinds(&SPRING_STEELS).len()), (40, 12));
+}
+
+#[test]
+fn the_overview_holds_the_cells_that_are_drawn() {
+    let cells = Csv::of(&PAPERS.read("map_overview.csv"));
+    assert!(cells.numbers("force_n").iter().all(|force_n| *force_n == 3.0));
+    let truths: std::collections::BTreeSet<_> = cells.texts("truth").into_iter().collect();
+    assert_eq!(truths.len(), 5);
+    // The same errors as in the map's own file.
+    let overview: Vec<String> = cells
+        .texts("truth")
+        .into_iter()
+        .zip(cells.texts("estimator"))
+        .zip(cells.texts("noise_mm"))
+        .zip(cells.texts("mean_error"))
+        .filter(|(((truth, estimator), noise), _)| {
+            (*truth, *estimator) == ("twin", "ridge") && noise.parse() == Ok(0.0)
+        })
+        .map(|(_, error)| error.to_owned())
+        .collect();
+    let own = Csv::of(&PAPERS.read("map_twin_ridge_without_noise.csv"));
+    let of_force = own.numbers("force_n").into_iter().zip(own.texts("mean_error"));
+    assert_eq!(
+        overview,
+        of_force.filter(|(force_n, _)| *force_n == 3.0).map(|(_, e)| e.to_owned()).collect::<Vec<_>>()
+    );
+}
+
+#[test]
+fn maps_come_with_what_explains_them() {
+    for report in [&*PAPERS, &*SPRING_STEELS] {
+        let summary = report.summary();
+        let explanations = array(&summary, "explanations");
+        assert_keys(explanations, &["quantity", "csv"], &["force_n", "noise_mm", "median", "largest", "cells_without"]);
+        let cells = Csv::of(&report.read("explanations.csv"));
+        for row in explanations {
+            let column = cells.texts(row["quantity"].as_str().expect("a column"));
+            let values: Vec<f64> = column.iter().filter_map(|value| value.parse().ok()).collect();
+            let largest = values.iter().copied().fold(0.0, f64::max);
+            assert_close(&[row["largest"].as_f64().expect("a number")], &[largest], LINEAR_ROUNDING);
+            assert_eq!(row["cells_without"].as_f64(), Some((column.len() - values.len()) as f64));
+        }
+    }
 }
 
 /// Errors of the table by mesh nodes, at one force: the worst over the loaded nodes.
@@ -292,8 +363,8 @@ fn the_lattice_comes_near_to_beams() {
 #[test]
 fn the_lattice_is_sensed_as_the_large_rotation_finger_is() {
     let summary = PAPERS.summary();
-    let maps: Vec<_> = array(&summary, "maps").iter().filter(|map| map["truth"] == "lattice").collect();
-    assert!(maps.iter().all(|map| map["noise_mm"] == 0.0 && map["share_above_10"].as_f64().is_some()));
+    let of_lattice = |map: &&Value| map["truth"] == "lattice" && map["noise_mm"] == 0.0;
+    let maps: Vec<_> = array(&summary, "maps").iter().filter(of_lattice).collect();
     let cells = |estimator: &str| {
         let map = maps.iter().find(|map| map["estimator"] == estimator).expect("a map");
         Csv::of(&PAPERS.read(map["csv"].as_str().expect("a name")))

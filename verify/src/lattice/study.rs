@@ -5,7 +5,7 @@ use super::causes::{self, AxialRow, SettlingRow};
 use super::settling::Precision;
 use super::{Lattice, LatticeError};
 use crate::check::{Check, Comparison, EXACT_COUNT, worst};
-use crate::estimators::{BeamEstimator, ELEMENTS, EstimatorKind};
+use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorKind};
 use crate::map::{AccuracyMap, Cell, MapRequest, accuracy_maps};
 use crate::problems::lattice::{FINENESS, SOURCE};
 use crate::problems::{self, ProblemError};
@@ -53,13 +53,15 @@ pub struct LatticeStudy {
     pub sensing: LatticeSensing,
 }
 
-/// Sensing from the lattice's displacements, without noise.
+/// Sensing from the lattice's displacements, without noise but for `others`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatticeSensing {
     /// By linear least squares.
     pub least_squares: AccuracyMap,
     /// By the nonlinear estimator, on fewer places and directions.
     pub nonlinear: AccuracyMap,
+    /// The same with noise, and ridge regression without and with it.
+    pub others: Vec<AccuracyMap>,
     /// Least squares on the lattice against least squares on the large-rotation finger.
     pub difference: MapDifference,
 }
@@ -128,7 +130,8 @@ impl LatticeStudy {
     /// Steps of [`run`](LatticeStudy::run).
     pub const STEPS: usize = 7;
 
-    /// Computes everything; `theirs` is the map of least squares on the large-rotation finger without noise.
+    /// Computes everything; `theirs` is the map of least squares on the large-rotation finger without noise, `noise` the
+    /// standard deviations of a coordinate (mm; the first is 0) and the number of pictures of the maps.
     ///
     /// # Errors
     /// [`ProblemError`] if a load has no equilibrium or the lattice does not settle.
@@ -136,6 +139,7 @@ impl LatticeStudy {
         finger: &Finger,
         effort: Effort,
         theirs: &AccuracyMap,
+        noise: (&[f64], usize),
         step: &(dyn Fn() + Sync),
     ) -> Result<LatticeStudy, ProblemError> {
         let full = effort == Effort::Full;
@@ -182,7 +186,7 @@ impl LatticeStudy {
             problem_checks: problem_checks?,
             comparisons,
             linear,
-            sensing: LatticeSensing::run(finger, &extent, theirs, step)?,
+            sensing: LatticeSensing::run(finger, &extent, theirs, noise, step)?,
         })
     }
 
@@ -199,30 +203,43 @@ impl LatticeSensing {
         finger: &Finger,
         extent: &Extent,
         theirs: &AccuracyMap,
+        noise: (&[f64], usize),
         step: &(dyn Fn() + Sync),
     ) -> Result<LatticeSensing, LatticeError> {
         let truth = LatticeTruth::new(finger)?;
+        let (noise_levels_mm, noise_pictures) = noise;
         let [linear, nonlinear] = extent.maps.map(|(places, step_deg)| {
             let (places_mm, angles_deg) = MapRequest::grid(finger, places, step_deg);
-            let forces_n = MAP_FORCES_N.to_vec();
-            MapRequest { places_mm, angles_deg, forces_n, noise_levels_mm: vec![0.0], noise_pictures: 1, seed: 1 }
+            let (forces_n, noise_levels_mm) = (MAP_FORCES_N.to_vec(), noise_levels_mm.to_vec());
+            MapRequest { places_mm, angles_deg, forces_n, noise_levels_mm, noise_pictures, seed: 1 }
         });
-        let map = |kind, mesh: &Mesh, request: &MapRequest| {
-            let maps = accuracy_maps(finger, &truth, &BeamEstimator { kind, mesh }, request, &|| ());
+        let map = |kinds: &[EstimatorKind], mesh: &Mesh, request: &MapRequest| {
+            let estimators: Vec<_> = kinds.iter().map(|&kind| BeamEstimator { kind, mesh }).collect();
+            let estimators: Vec<&dyn Estimator> =
+                estimators.iter().map(|estimator| estimator as &dyn Estimator).collect();
+            let maps = accuracy_maps(finger, &truth, &estimators, request, &|| ());
             step();
             maps
         };
         let coarse = Mesh::key_nodes(finger);
         let fine = Mesh::with_elements_per_member(finger, ELEMENTS);
-        let least_squares = map(EstimatorKind::LeastSquares, &coarse, &linear).swap_remove(0);
-        let nonlinear = map(EstimatorKind::Nonlinear, &fine, &nonlinear).swap_remove(0);
+        // The first of each is without noise.
+        let mut linear = map(&[EstimatorKind::LeastSquares, EstimatorKind::Ridge], &coarse, &linear);
+        let mut nonlinear = map(&[EstimatorKind::Nonlinear], &fine, &nonlinear);
+        let (least_squares, exact) = (linear.remove(0), nonlinear.remove(0));
         let difference = MapDifference::of(&least_squares, theirs);
-        Ok(LatticeSensing { least_squares, nonlinear, difference })
+        linear.append(&mut nonlinear);
+        Ok(LatticeSensing { least_squares, nonlinear: exact, others: linear, difference })
     }
 
-    /// Both maps.
+    /// The two maps without noise that are compared.
     pub fn maps(&self) -> [&AccuracyMap; 2] {
         [&self.least_squares, &self.nonlinear]
+    }
+
+    /// Every map.
+    pub fn all_maps(&self) -> impl Iterator<Item = &AccuracyMap> {
+        self.maps().into_iter().chain(&self.others)
     }
 
     /// Largest error of the nonlinear estimator; not a number where it does not answer.

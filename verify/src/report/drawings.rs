@@ -11,10 +11,11 @@ use finray_model::finger::Plate;
 use finray_model::{Finger, Kinematics, Vector};
 
 /// The paper's two shades: grey above 10 %, dark above 25 %.
-const PAPER_SHADES_PERCENT: [f64; 2] = [10.0, 25.0];
+pub(super) const PAPER_SHADES_PERCENT: [f64; 2] = [10.0, 25.0];
 /// One colour scale for all maps, %.
 const ERROR_SCALE_PERCENT: [f64; 2] = [0.1, 100.0];
 pub(super) const ALONG_THE_PLATE: &str = "place along the front plate from the base, mm";
+pub(super) const DIRECTION_AXIS: &str = "force direction, deg from normal (+ to tip)";
 pub(super) const ALONG_AXIS: &str = "base to tip, mm";
 pub(super) const ACROSS_AXIS: &str = "back to front, mm";
 
@@ -22,8 +23,21 @@ pub(super) const ACROSS_AXIS: &str = "back to front, mm";
 pub(super) fn truth_in_words(map: &AccuracyMap) -> &str {
     match map.truth.as_str() {
         "corotational" => "large-rotation",
+        "twin" => "digital-twin",
+        "mujoco" => "MuJoCo",
         other => other,
     }
+}
+
+/// What a map's colours say.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Quantity {
+    /// Mean of |sensed / true - 1|.
+    Error,
+    /// What is wrong even without noise, either way.
+    Bias,
+    /// Standard deviation over the noise.
+    Spread,
 }
 
 /// The same drawing as a file of its own: dark ink on white, where a page would lend its colours.
@@ -43,6 +57,19 @@ pub(super) fn point(v: &Vector) -> [f64; 2] {
 /// # Errors
 /// [`FigureError`] if the map has no cells.
 pub fn map_picture(finger: &Finger, map: &AccuracyMap, force_n: Option<f64>) -> Result<String, FigureError> {
+    quantity_picture(finger, map, force_n, Quantity::Error)
+}
+
+/// The same of any quantity of the cells, on the same colours.
+///
+/// # Errors
+/// [`FigureError`] if the map has no cells.
+pub(super) fn quantity_picture(
+    finger: &Finger,
+    map: &AccuracyMap,
+    force_n: Option<f64>,
+    quantity: Quantity,
+) -> Result<String, FigureError> {
     let force = force_n.map_or_else(
         || match map.request.forces_n[..] {
             [one] => format!("{one} N"),
@@ -51,28 +78,53 @@ pub fn map_picture(finger: &Finger, map: &AccuracyMap, force_n: Option<f64>) -> 
         |f| format!("{f} N"),
     );
     let noise = if map.noise_mm > 0.0 { format!("{} mm noise", map.noise_mm) } else { "no noise".to_owned() };
-    let title = format!("{} truth, {noise}, {force}", truth_in_words(map));
+    let truth = truth_in_words(map);
+    let (title, what, values, value_label) = match quantity {
+        Quantity::Error => {
+            let title = format!("{truth} truth, {noise}, {force}");
+            (title, "Error", map.errors(force_n), "error |sensed / true - 1|, %")
+        }
+        Quantity::Bias => {
+            let title = format!("bias: {truth} truth, {}", map.estimator.replace('-', " "));
+            (title, "Bias", map.values(force_n, |cell| cell.bias.map(f64::abs)), "|mean of sensed / true - 1|, %")
+        }
+        Quantity::Spread => {
+            let title = format!("spread: {truth} truth, {}", map.estimator.replace('-', " "));
+            (title, "Spread", map.values(force_n, |cell| cell.spread), "standard deviation of sensed / true, %")
+        }
+    };
     let alt = format!(
-        "Error of the sensed force by place along the front plate and direction: {title}, {} estimator.",
+        "{what} of the sensed force by place along the front plate and direction: {title}, {} estimator.",
         map.estimator
     );
     let percent = |error: Option<f64>| error.map(|e| 100.0 * e);
     figures::heat_map(&HeatMap {
         frame: Frame::half(title, alt),
+        values: values.into_iter().map(|row| row.into_iter().map(percent).collect()).collect(),
+        value_label: value_label.to_owned(),
+        missing_label: missing_label(map).to_owned(),
+        ..blank_map(finger, &map.request.places_mm, &map.request.angles_deg)
+    })
+}
+
+/// A map over place and direction in the colours of errors, still without values.
+pub(super) fn blank_map(finger: &Finger, places_mm: &[f64], angles_deg: &[f64]) -> HeatMap {
+    HeatMap {
+        frame: Frame::half("", ""),
         x_label: ALONG_THE_PLATE.to_owned(),
-        x: map.request.places_mm.clone(),
-        y_label: "force direction, deg from normal (+ to tip)".to_owned(),
-        y: map.request.angles_deg.clone(),
+        x: places_mm.to_vec(),
+        y_label: DIRECTION_AXIS.to_owned(),
+        y: angles_deg.to_vec(),
         y_ticks: Some((-4..=4).map(|i| f64::from(i) * 20.0).collect()),
-        values: map.errors(force_n).into_iter().map(|row| row.into_iter().map(percent).collect()).collect(),
-        value_label: "error |sensed / true - 1|, %".to_owned(),
+        values: Vec::new(),
+        value_label: String::new(),
         colours: ColourScale::log(ERROR_SCALE_PERCENT[0], ERROR_SCALE_PERCENT[1]),
         contours: PAPER_SHADES_PERCENT.to_vec(),
         contour_unit: " %".to_owned(),
-        missing_label: missing_label(map).to_owned(),
+        missing_label: "no equilibrium".to_owned(),
         marks_label: "node".to_owned(),
         marks: node_marks(finger),
-    })
+    }
 }
 
 /// Why cells are empty: linear sensing answers whatever it is shown.

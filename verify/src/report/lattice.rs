@@ -235,6 +235,7 @@ mod tests {
                 difference: MapDifference::of(&least_squares, &map("least-squares", 0.2003)),
                 least_squares,
                 nonlinear,
+                others: Vec::new(),
             },
         }
     }

@@ -130,6 +130,8 @@ pub struct Cell {
     pub text: String,
     /// Its background.
     pub shade: Option<Shade>,
+    /// A file that its text leads to, seen from the page.
+    pub link: Option<String>,
 }
 
 /// What a cell's background says.
@@ -164,14 +166,20 @@ impl Cell {
     /// A cell without background.
     pub fn plain(text: impl Into<String>) -> Self {
         let text = text.into();
-        Self { text, shade: None }
+        Self { text, shade: None, link: None }
     }
 
     /// A cell with a background.
     pub fn shaded(text: impl Into<String>, shade: Shade) -> Self {
         let text = text.into();
         let shade = Some(shade);
-        Self { text, shade }
+        Self { text, shade, link: None }
+    }
+
+    /// The name of a file beside the page, which it leads to.
+    pub fn file(name: impl Into<String>) -> Self {
+        let name = name.into();
+        Self { text: name.clone(), shade: None, link: Some(name) }
     }
 }
 
@@ -214,7 +222,7 @@ mod tests {
         let table = Table {
             caption: "Errors".into(),
             columns: vec![Column::words("node"), Column::numbers("error, %")],
-            rows: vec![Row { cells: vec![Cell::plain("24"), Cell::shaded("12 < 25", Shade::Grey)] }],
+            rows: vec![Row { cells: vec![Cell::file("24.csv"), Cell::shaded("12 < 25", Shade::Grey)] }],
             csv: Some("errors.csv".into()),
         };
         Section {
@@ -261,6 +269,7 @@ mod tests {
             "Where &amp; when",
             "href=\"#where\"",
             "id=\"where\"",
+            "<a href=\"24.csv\">24.csv</a>",
             "href=\"#maps\"",
             "id=\"maps\"",
             "the end",

@@ -2,11 +2,10 @@
 
 use super::page::{Block, Figure, Page, Question, Section};
 use super::{
-    ReportError, Summary, causes, claims, contact_scenes, convergence, drawings, hard_cases, lattice, networks,
+    ReportError, Summary, causes, claims, contact_scenes, convergence, drawings, hard_cases, lattice, maps, networks,
     scatter, speed_error, table_two, tables, twin, verdict, words,
 };
-use crate::map::AccuracyMap;
-use crate::study::{DRAWN_FORCE_N, MAP_FORCES_N, Study};
+use crate::study::{DRAWN_FORCE_N, Study};
 use finray_model::finger::{Plate, RibPlaces};
 
 pub(super) fn text(paragraph: impl Into<String>) -> Block {
@@ -23,7 +22,7 @@ fn question(id: &str, heading: &str, sections: Vec<Section>) -> Question {
 
 /// The whole page.
 pub(super) fn page(study: &Study, summary: &Summary) -> Result<Page, ReportError> {
-    let mut feels = vec![maps(study, summary)?];
+    let mut feels = vec![maps::section(study, summary)?];
     feels.extend(scatter::section(study));
     feels.extend(table_two::section(study));
     feels.extend(contact_scenes::section(study)?);
@@ -71,58 +70,6 @@ pub(super) fn page(study: &Study, summary: &Summary) -> Result<Page, ReportError
             summary.version
         ),
     })
-}
-
-fn map_figure(study: &Study, map: &AccuracyMap, force_n: Option<f64>) -> Result<Figure, ReportError> {
-    let truth = match map.truth.as_str() {
-        "linear" => "the linear finger",
-        _ => "the large-rotation finger (fine mesh)",
-    };
-    let noise = match map.noise_mm {
-        0.0 => "without noise".to_owned(),
-        noise => format!("with {noise} mm noise a coordinate, {} pictures a cell", map.request.noise_pictures),
-    };
-    let force = force_n.map_or_else(|| "mean over all forces".to_owned(), |f| format!("{f} N"));
-    Ok(Figure {
-        svg: drawings::map_picture(&study.finger, map, force_n)?,
-        caption: format!("Sensed by linear least squares on {truth}, {noise}; {force}."),
-        csv: Some(tables::map_csv_name(map)),
-        wide: false,
-    })
-}
-
-fn maps(study: &Study, summary: &Summary) -> Result<Section, ReportError> {
-    // Large rotation first: it is what a real finger does.
-    let of = |truth: &'static str| study.maps.iter().filter(move |map| map.truth == truth);
-    let ordered: Vec<&AccuracyMap> = of("corotational").chain(of("linear")).collect();
-    let pictures = |force_n| ordered.iter().map(|map| map_figure(study, map, force_n)).collect::<Result<_, _>>();
-    let forces = MAP_FORCES_N.map(|f| f.to_string()).join(", ");
-    let mut blocks = vec![
-        text(
-            "A force is put on the true finger at a known place and in a known direction; its size is sensed by linear \
-             least squares from the displacements of the key nodes. Colour is the error |sensed / true - 1|, with lines \
-             at 10 and 25 %, the two shades of the paper's Table I. Directions are counted from the front plate's \
-             undeformed inward normal, positive towards the tip.",
-        ),
-        Block::Figures { figures: pictures(Some(DRAWN_FORCE_N))? },
-    ];
-    let lines = of("corotational")
-        .map(|map| {
-            Ok(Figure {
-                svg: drawings::errors_along_the_normal(map)?,
-                caption: "The same along the normal, for each force.".to_owned(),
-                csv: Some(tables::map_csv_name(map)),
-                wide: false,
-            })
-        })
-        .collect::<Result<Vec<_>, ReportError>>()?;
-    blocks.push(Block::Figures { figures: lines });
-    blocks.push(Block::Table(tables::maps(summary)));
-    blocks.push(Block::Details {
-        summary: format!("Maps of the mean over {forces} N"),
-        blocks: vec![Block::Figures { figures: pictures(None)? }],
-    });
-    Ok(section("maps", "Where sensing fails", blocks))
 }
 
 fn table_one(study: &Study) -> Result<Section, ReportError> {

@@ -2,13 +2,14 @@
 
 use super::causes::CauseSummary;
 use super::lattice::{self, AxialSpringsRow, LatticeRow, SettlingRow};
+use super::maps::{self, ExplanationRow};
 use super::networks::{self, NetworkRow};
 use super::table_two::{self, TableTwoRow};
 use super::twin::{self, CalibrationRow, TwinRow, ZoneSetRow};
 use super::{causes, tables, verdict, words};
 use crate::check::{Check, Comparison};
 use crate::ledger::Claim;
-use crate::map::MapSummary;
+use crate::map::{AccuracyMap, MapSummary};
 use crate::networks::records::{CurveRow, RecipeRow};
 use crate::speed_error::SpeedErrorPoint;
 use crate::study::{DRAWN_FORCE_N, Study};
@@ -46,6 +47,8 @@ pub struct Summary {
     pub maps: Vec<MapEntry>,
     /// What makes sensed forces wrong, by truth, way of sensing, force and region.
     pub causes: Vec<CauseSummary>,
+    /// What limits sensing of the drawn force, over all places and directions.
+    pub explanations: Vec<ExplanationRow>,
     /// Table I of the paper, for each assumed direction.
     pub table_one: Vec<TableOne>,
     /// The digital twin of Table I, by loaded node.
@@ -73,8 +76,14 @@ pub struct Summary {
 impl Summary {
     /// Collects a study.
     pub fn of(study: &Study) -> Summary {
-        let entry = |force_n| {
-            study.all_maps().map(move |map| MapEntry { figures: map.summary(force_n), csv: tables::map_csv_name(map) })
+        let entry = |force_n: Option<f64>| {
+            // The mean over a single force is that force's map.
+            let has = move |map: &&AccuracyMap| match force_n {
+                Some(force_n) => map.request.forces_n.contains(&force_n),
+                None => map.request.forces_n.len() > 1,
+            };
+            let maps = study.all_maps().filter(has);
+            maps.map(move |map| MapEntry { figures: map.summary(force_n), csv: tables::map_csv_name(map) })
         };
         let findings = words::findings(study).into_iter().map(|finding| finding.sentence);
         Summary {
@@ -87,6 +96,7 @@ impl Summary {
             claims: study.claims.clone(),
             maps: entry(Some(DRAWN_FORCE_N)).chain(entry(None)).collect(),
             causes: causes::summaries(study),
+            explanations: maps::explanation_rows(&study.explanations),
             table_one: study.tables_one.clone(),
             twin: study.twin.iter().flat_map(twin::rows).collect(),
             twin_zone_sets: study.twin.iter().flat_map(twin::set_rows).collect(),

@@ -2,8 +2,8 @@
 
 use super::page::{Cell, Column, Row, Shade, Table};
 use super::{
-    causes, claims, contact_scenes, convergence, curves, hard_cases, lattice, networks, recipes, scatter, speed_error,
-    table_two, twin,
+    causes, claims, contact_scenes, convergence, curves, hard_cases, lattice, maps, networks, recipes, scatter,
+    speed_error, table_two, twin,
 };
 use crate::check::{Check, Comparison, worst};
 use crate::files::csv_text;
@@ -135,6 +135,8 @@ pub(super) fn csv_files(study: &Study) -> Result<Vec<(PathBuf, String)>, csv::Er
             files.push((lattice::SETTLING_CSV.into(), csv_text(lattice::settling_rows(study))?));
         }
     }
+    files.push((maps::OVERVIEW_CSV.into(), csv_text(maps::overview_rows(study))?));
+    files.push((maps::EXPLANATIONS_CSV.into(), csv_text(&study.explanations.cells)?));
     for map in study.all_maps() {
         files.push((map_csv_name(map).into(), map.to_csv()?));
     }
@@ -277,7 +279,7 @@ pub(super) fn table_one(tables: &[TableOne]) -> Table {
 }
 
 /// The maps in a few figures each.
-pub(super) fn maps(summary: &super::Summary) -> Table {
+pub(super) fn map_figures(summary: &super::Summary) -> Table {
     let rows = summary.maps.iter().map(|entry| {
         let m = &entry.figures;
         let forces = match m.forces_n[..] {
@@ -295,14 +297,19 @@ pub(super) fn maps(summary: &super::Summary) -> Table {
             percent(m.share_above_25),
             m.cells_without_equilibrium.to_string(),
         ];
-        Row { cells: cells.map(Cell::plain).into() }
+        let file = Cell::file(entry.csv.clone());
+        Row { cells: cells.map(Cell::plain).into_iter().chain([file]).collect() }
     });
     Table {
-        caption: "The maps in figures (all cells count alike)".to_owned(),
+        caption: "The maps in figures (all cells count alike; the network's are contact nodes along the normal)"
+            .to_owned(),
         columns: ["truth", "sensed by", "noise, mm", "force"]
             .map(Column::words)
             .into_iter()
-            .chain(["mean error", "largest", "above 10 %", "above 25 %", "no equilibrium"].map(Column::numbers))
+            .chain(
+                ["mean error", "largest", "above 10 %", "above 25 %", "no equilibrium or answer"].map(Column::numbers),
+            )
+            .chain([Column::words("cells")])
             .collect(),
         rows: rows.collect(),
         csv: None,

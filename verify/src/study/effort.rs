@@ -35,4 +35,21 @@ impl Effort {
             Effort::Full => (48, 5.0, 400),
         }
     }
+
+    /// The same where an answer costs much, or maps differ by more than by their cells: every place and direction is also
+    /// one of [`resolution`](Effort::resolution).
+    pub(super) fn coarse_resolution(self) -> (usize, f64, usize) {
+        match self {
+            Effort::Quick => (12, 40.0, 10),
+            Effort::Full => (24, 10.0, 25),
+        }
+    }
+
+    /// Noise pictures a cell where the nonlinear estimator cannot explain what it sees.
+    pub(super) fn unexplained_pictures(self) -> usize {
+        match self {
+            Effort::Quick => 2,
+            Effort::Full => 5,
+        }
+    }
 }

@@ -18,7 +18,8 @@ use crate::causes::{CauseError, CauseMap};
 use crate::check::{Check, Comparison};
 use crate::contact_scene::study::{SceneStudy, SceneStudyError, SceneWithOutline};
 use crate::convergence::{Convergence, convergence, loaded_nodes};
-use crate::estimators::EstimatorError;
+use crate::estimators::{EstimatorError, EstimatorKind};
+use crate::explain::ExplanationMap;
 use crate::fixtures;
 use crate::hard_cases::{self, HardCase, hard_cases};
 use crate::lattice::study::LatticeStudy;
@@ -31,7 +32,7 @@ use crate::problems::ProblemError;
 use crate::speed_error::{SpeedErrorError, SpeedErrorPoint};
 use crate::table_one::{TableOne, TableOneError, table_one};
 use crate::table_two::{self, TableTwo, table_two};
-use crate::truth::{MeshTruth, fine_mesh};
+use crate::truth::{MeshTruth, NotExported, fine_mesh};
 use crate::twin::study::{TwinStudy, TwinStudyError};
 use finray_model::sensing::SensingError;
 use finray_model::sensing::network::NetworkError;
@@ -62,8 +63,10 @@ pub struct Study {
     pub checks: Vec<Check>,
     /// Differences that are expected.
     pub comparisons: Vec<Comparison>,
-    /// Maps by least squares: linear truth without and with noise, large-rotation truth without and with noise.
+    /// Maps by truth and estimator, without and with noise, but for those of the lattice that need no network.
     pub maps: Vec<AccuracyMap>,
+    /// What limits sensing of the drawn force on the large-rotation finger.
+    pub explanations: ExplanationMap,
     /// Table I for each assumed direction, for the paper's finger.
     pub tables_one: Vec<TableOne>,
     /// The digital twin of Table I, for the paper's finger under noise.
@@ -134,6 +137,9 @@ pub enum StudyError {
     /// A contact scene failed to compute.
     #[error("contact scene: {0}")]
     ContactScene(#[from] SceneStudyError),
+    /// Shapes that MuJoCo exported do not read.
+    #[error(transparent)]
+    Mujoco(#[from] NotExported),
     /// A recorded training does not read.
     #[error("a recorded training: {0}")]
     Record(#[from] csv::Error),
@@ -168,7 +174,19 @@ impl Study {
         let corotational = MeshTruth::new("corotational", &fine, Kinematics::Corotational)?;
         // Without noise there is nothing to add.
         let noise_levels_mm = if noise_mm > 0.0 { vec![0.0, noise_mm] } else { vec![0.0] };
-        let maps = maps::maps(finger, &coarse, &corotational, &noise_levels_mm, effort, progress)?;
+        let mapped = maps::Maps {
+            finger,
+            coarse: &coarse,
+            corotational: &corotational,
+            noise_levels_mm: &noise_levels_mm,
+            effort,
+        };
+        progress.part("maps", mapped.steps(is_paper));
+        let mut maps = mapped.beams(progress)?;
+        if is_paper {
+            maps.extend(mapped.papers(progress)?);
+        }
+        let explanations = mapped.explanations()?;
 
         let mut tables_one = Vec::new();
         if is_paper {
@@ -213,7 +231,8 @@ impl Study {
             checks.extend(convergence.checks());
             if let Some(theirs) = maps.iter().find(|map| map.truth == "corotational" && map.noise_mm == 0.0) {
                 progress.part("spring lattice", LatticeStudy::STEPS);
-                let study = LatticeStudy::run(finger, effort, theirs, &|| progress.step())?;
+                let noise = (&noise_levels_mm[..], effort.coarse_resolution().2);
+                let study = LatticeStudy::run(finger, effort, theirs, noise, &|| progress.step())?;
                 checks.extend(study.checks());
                 comparisons.extend(study.comparisons.iter().cloned());
                 lattice = Some(study);
@@ -236,6 +255,7 @@ impl Study {
             checks,
             comparisons,
             maps,
+            explanations,
             tables_one,
             twin,
             causes,
@@ -261,7 +281,7 @@ impl Study {
 
     /// Every map, those of the lattice last.
     pub fn all_maps(&self) -> impl Iterator<Item = &AccuracyMap> {
-        let lattice = self.lattice.iter().flat_map(|lattice| lattice.sensing.maps());
+        let lattice = self.lattice.iter().flat_map(|lattice| lattice.sensing.all_maps());
         self.maps.iter().chain(lattice)
     }
 
@@ -270,8 +290,14 @@ impl Study {
         self.checks.iter().chain(self.hard_cases.iter().flat_map(|case| &case.checks))
     }
 
-    /// The map of one truth, without or with noise.
+    /// The map of one truth by least squares, without or with noise.
     pub fn map(&self, truth: &str, noisy: bool) -> Option<&AccuracyMap> {
-        self.maps.iter().find(|map| map.truth == truth && (map.noise_mm > 0.0) == noisy)
+        self.map_by(truth, EstimatorKind::LeastSquares.name(), noisy)
+    }
+
+    /// The map of one truth and estimator, without or with noise.
+    pub fn map_by(&self, truth: &str, estimator: &str, noisy: bool) -> Option<&AccuracyMap> {
+        let wanted = |map: &&AccuracyMap| map.truth == truth && map.estimator == estimator;
+        self.all_maps().filter(wanted).find(|map| (map.noise_mm > 0.0) == noisy)
     }
 }

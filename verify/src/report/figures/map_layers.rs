@@ -34,21 +34,34 @@ pub(super) fn draw_cells(
     for (row, values) in map.values.iter().enumerate() {
         let ys = [rows[row], rows[row + 1]].map(|bound| plot.y.place(bound));
         let inks: Vec<Option<Ink>> = values.iter().map(|value| value.map(|value| map.colours.ink(value))).collect();
-        // Neighbours of one colour are drawn as one cell.
-        let mut first = 0;
-        for run in inks.chunk_by(|one, next| one == next) {
-            let xs = [columns[first], columns[first + run.len()]].map(|bound| plot.x.place(bound));
-            first += run.len();
-            let area = Area {
-                left: xs[0].min(xs[1]),
-                right: (xs[0].max(xs[1]) + OVERLAP).min(plot.area.right),
-                top: ys[0].min(ys[1]),
-                bottom: (ys[0].max(ys[1]) + OVERLAP).min(plot.area.bottom),
-            };
-            match run[0] {
-                Some(ink) => canvas.cell(area, ink)?,
-                None => hatch(canvas, area)?,
-            }
+        let columns: Vec<f64> = columns.iter().map(|bound| plot.x.place(*bound)).collect();
+        fill(canvas, &inks, &columns, ys, plot.area)?;
+    }
+    Ok(())
+}
+
+/// Fills one row of cells between their edges on the sheet; what has no ink is hatched.
+pub(super) fn fill(
+    canvas: &mut Canvas,
+    inks: &[Option<Ink>],
+    columns: &[f64],
+    ys: [f64; 2],
+    within: Area,
+) -> Result<(), FigureError> {
+    // Neighbours of one colour are drawn as one cell.
+    let mut first = 0;
+    for run in inks.chunk_by(|one, next| one == next) {
+        let xs = [columns[first], columns[first + run.len()]];
+        first += run.len();
+        let area = Area {
+            left: xs[0].min(xs[1]),
+            right: (xs[0].max(xs[1]) + OVERLAP).min(within.right),
+            top: ys[0].min(ys[1]),
+            bottom: (ys[0].max(ys[1]) + OVERLAP).min(within.bottom),
+        };
+        match run[0] {
+            Some(ink) => canvas.cell(area, ink)?,
+            None => hatch(canvas, area)?,
         }
     }
     Ok(())

@@ -1,0 +1,181 @@
+//! What explains an accuracy map: how well any estimator can tell a force from noisy pictures, and how far a wrong
+//! direction or place carries.
+//!
+//! All of it follows from how the markers of the loaded finger move, to first order, when a little is added to the force
+//! (along it, and across it), or when the force moves along the plate: columns j, c and m of the tangent compliance of the
+//! large-rotation finger in its loaded shape. The stiffness of the deformed finger counts, not that of the finger at rest.
+
+use finray_model::mesh::LoadError;
+use finray_model::sensing::{Contact, ContactPlace, LARGEST_SPAN};
+use finray_model::statics::{Ladder, Statics};
+use finray_model::{Finger, Kinematics, Mesh, Vector};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// What limits sensing of one force at one place and direction; all empty where the finger has no equilibrium.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Explanation {
+    /// Place on the front plate, mm from the base.
+    pub s_mm: f64,
+    /// Direction, degrees from the inward normal, positive towards the tip.
+    pub angle_deg: f64,
+    /// The force, N.
+    pub force_n: f64,
+    /// Cramer-Rao bound: least standard deviation of an unbiased estimate, over the force, if place and direction are
+    /// known.
+    pub bound: Option<f64>,
+    /// The same if the direction is sought too; empty where the markers do not tell the two components apart.
+    pub bound_unknown_direction: Option<f64>,
+    /// Least standard deviation of the direction, degrees.
+    pub direction_sigma_deg: Option<f64>,
+    /// Condition number: how many times more the markers move under the component of the force that they see best than
+    /// under the one that they see worst.
+    pub condition: Option<f64>,
+    /// |d (sensed / true) / d angle|, per degree that the assumed direction is wrong.
+    pub error_per_deg: Option<f64>,
+    /// |d (sensed / true) / d place|, per mm that the assumed place is wrong; at a rib, where the plate stretches by another
+    /// rate on either side, of one side.
+    pub error_per_mm: Option<f64>,
+}
+
+/// [`Explanation`]s by place, then direction, of one force.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExplanationMap {
+    /// Places on the front plate, mm from the base.
+    pub places_mm: Vec<f64>,
+    /// Directions, degrees from the inward normal, positive towards the tip.
+    pub angles_deg: Vec<f64>,
+    /// The force, N.
+    pub force_n: f64,
+    /// Standard deviation of a measured coordinate, mm, which the bounds are proportional to.
+    pub noise_mm: f64,
+    /// The cells.
+    pub cells: Vec<Explanation>,
+}
+
+impl ExplanationMap {
+    /// Explains a force at every place and direction, in parallel; all free key nodes are markers.
+    ///
+    /// # Errors
+    /// [`LoadError`] for a place that is not on the front plate.
+    pub fn new(
+        mesh: &Mesh,
+        places_mm: &[f64],
+        angles_deg: &[f64],
+        force_n: f64,
+        noise_mm: f64,
+    ) -> Result<ExplanationMap, LoadError> {
+        let at_rest = Statics::ladder(mesh, Kinematics::Corotational);
+        let of_place = |&s_mm: &f64| {
+            let cell = |&angle_deg: &f64| -> Result<Explanation, LoadError> {
+                let contact = Contact { place: ContactPlace::Place(s_mm), angle_deg };
+                let sensitivity = Sensitivity::of(mesh, &at_rest, &contact, force_n)?;
+                Ok(Explanation::of(s_mm, angle_deg, force_n, noise_mm, sensitivity.as_ref()))
+            };
+            angles_deg.iter().map(cell).collect::<Result<Vec<_>, _>>()
+        };
+        let cells: Vec<Vec<Explanation>> = places_mm.par_iter().map(of_place).collect::<Result<_, _>>()?;
+        Ok(ExplanationMap {
+            places_mm: places_mm.to_vec(),
+            angles_deg: angles_deg.to_vec(),
+            force_n,
+            noise_mm,
+            cells: cells.concat(),
+        })
+    }
+
+    /// One quantity by direction, then place.
+    pub fn values(&self, of: impl Fn(&Explanation) -> Option<f64>) -> Vec<Vec<Option<f64>>> {
+        let directions = self.angles_deg.len();
+        let row = |angle: usize| self.cells.iter().skip(angle).step_by(directions).map(&of).collect();
+        (0..directions).map(row).collect()
+    }
+}
+
+/// How the markers move, by coordinate.
+struct Sensitivity {
+    /// mm per N added along the force: j.
+    along: DVector<f64>,
+    /// mm per N added across the force, 90 degrees further: c.
+    across: DVector<f64>,
+    /// mm per mm that the force moves towards the tip: m.
+    moved: DVector<f64>,
+}
+
+impl Sensitivity {
+    /// At the shape under a force; `None` where there is no equilibrium.
+    fn of(
+        mesh: &Mesh,
+        at_rest: &Statics<Ladder<'_>>,
+        contact: &Contact,
+        force_n: f64,
+    ) -> Result<Option<Sensitivity>, LoadError> {
+        let finger = mesh.finger();
+        let unit_load = |turned_deg: f64| {
+            let turned = Contact { angle_deg: contact.angle_deg + turned_deg, ..*contact };
+            mesh.frame_load(&turned.unit_load(finger))
+        };
+        let (along, across) = (unit_load(0.0)?, unit_load(90.0)?);
+        let load = along.scaled(force_n);
+        let mut statics = at_rest.clone();
+        let Ok(equilibrium) = statics.equilibrium(&[load]) else { return Ok(None) };
+        let motion = equilibrium.motion;
+        if !statics.linearise(&motion, &[load]) {
+            return Ok(None);
+        }
+        let ladder = statics.equations_mut();
+        let mut rates = vec![Vector::zeros(); finger.key_node_count()];
+        ladder.added_load(&motion, &along, &mut rates);
+        let along = seen(finger, &rates);
+        ladder.added_load(&motion, &across, &mut rates);
+        let across = seen(finger, &rates);
+        ladder.moved_load(&motion, &load, &mut rates);
+        let moved = seen(finger, &rates);
+        Ok(Some(Sensitivity { along, across, moved }))
+    }
+
+    /// How much a force along its direction takes on of another motion of the markers, by least squares: j+ x.
+    fn projected(&self, motion: &DVector<f64>) -> f64 {
+        self.along.dot(motion) / self.along.norm_squared()
+    }
+
+    /// Largest over smallest singular value of (j, c); that of (normal, tangential) is the same, as they are turned only.
+    fn condition(&self) -> f64 {
+        let values = DMatrix::from_columns(&[self.along.clone(), self.across.clone()]).singular_values();
+        values.max() / values.min()
+    }
+}
+
+/// Coordinates of the markers.
+fn seen(finger: &Finger, rates: &[Vector]) -> DVector<f64> {
+    let markers = finger.free_nodes();
+    DVector::from_iterator(2 * markers.len(), markers.flat_map(|node| [rates[node.0 - 1].x, rates[node.0 - 1].y]))
+}
+
+/// What is left of a vector that no multiple of another explains.
+fn apart(vector: &DVector<f64>, other: &DVector<f64>) -> f64 {
+    (vector - other * (other.dot(vector) / other.norm_squared())).norm()
+}
+
+impl Explanation {
+    /// With s the noise and F the force: bound s / (F |j|); with the direction sought, s / (F |j - c c+ j|), and that of the
+    /// direction s / (F |c - j j+ c|). A direction that is wrong by a degree looks like a force F (pi / 180) c, of which
+    /// least squares takes j+ c for force; a place that is wrong by a mm like m.
+    fn of(s_mm: f64, angle_deg: f64, force_n: f64, noise_mm: f64, sensitivity: Option<&Sensitivity>) -> Explanation {
+        let condition = sensitivity.map(Sensitivity::condition);
+        let told_apart = sensitivity.filter(|_| condition.is_some_and(|condition| condition <= LARGEST_SPAN));
+        Explanation {
+            s_mm,
+            angle_deg,
+            force_n,
+            bound: sensitivity.map(|seen| noise_mm / (force_n * seen.along.norm())),
+            bound_unknown_direction: told_apart.map(|seen| noise_mm / (force_n * apart(&seen.along, &seen.across))),
+            direction_sigma_deg: told_apart
+                .map(|seen| (noise_mm / (force_n * apart(&seen.across, &seen.along))).to_degrees()),
+            condition,
+            error_per_deg: sensitivity.map(|seen| seen.projected(&seen.across).abs().to_radians()),
+            error_per_mm: sensitivity.map(|seen| seen.projected(&seen.moved).abs() / force_n),
+        }
+    }
+}

@@ -1,0 +1,260 @@
+//! Where sensing fails: an overview of all truths and estimators, then the maps one by one and what explains them.
+
+mod drawings;
+mod words;
+
+use super::drawings::{Quantity, errors_along_the_normal, map_picture, quantity_picture, truth_in_words};
+use super::page::{Block, Figure, Section};
+use super::sections::{section as page_section, text};
+use super::{ReportError, Summary, tables};
+use crate::explain::{Explanation, ExplanationMap};
+use crate::map::AccuracyMap;
+use crate::study::{DRAWN_FORCE_N, MAP_FORCES_N, Study};
+use serde::Serialize;
+
+pub(super) const OVERVIEW_CSV: &str = "map_overview.csv";
+pub(super) const EXPLANATIONS_CSV: &str = "explanations.csv";
+
+/// Truths in the order of the overview, as in summaries and for people; large rotation first: it is what a real finger does.
+const TRUTHS: [(&str, &str); 5] = [
+    ("corotational", "large rotation"),
+    ("twin", "digital twin"),
+    ("lattice", "spring lattice"),
+    ("mujoco", "MuJoCo"),
+    ("linear", "linear"),
+];
+/// Estimators in the order of the overview.
+const ESTIMATORS: [(&str, &str); 4] =
+    [("least-squares", "least squares"), ("ridge", "ridge"), ("nonlinear", "nonlinear"), ("network", "network")];
+
+/// One cell of the overview.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct OverviewRow<'s> {
+    truth: &'s str,
+    estimator: &'s str,
+    noise_mm: f64,
+    s_mm: f64,
+    angle_deg: f64,
+    force_n: f64,
+    mean_error: Option<f64>,
+}
+
+/// The cells of both overviews, at the drawn force.
+pub(super) fn overview_rows(study: &Study) -> Vec<OverviewRow<'static>> {
+    let shown = [true, false].into_iter().flat_map(|noisy| {
+        let pairs =
+            TRUTHS.iter().flat_map(|(truth, _)| ESTIMATORS.iter().map(move |(estimator, _)| (*truth, *estimator)));
+        pairs.filter_map(move |(truth, estimator)| Some((truth, estimator, small(study, truth, estimator, noisy)?)))
+    });
+    shown
+        .flat_map(|(truth, estimator, map)| {
+            let cells = map.cells.into_iter().filter(|cell| cell.force_n == DRAWN_FORCE_N);
+            cells.map(move |cell| OverviewRow {
+                truth,
+                estimator,
+                noise_mm: map.noise_mm,
+                s_mm: cell.s_mm,
+                angle_deg: cell.angle_deg,
+                force_n: cell.force_n,
+                mean_error: cell.mean_error,
+            })
+        })
+        .collect()
+}
+
+/// A map of the overview: on the coarse grid where it was computed on the fine one, which would only weigh the page down.
+fn small(study: &Study, truth: &str, estimator: &str, noisy: bool) -> Option<AccuracyMap> {
+    let map = study.map_by(truth, estimator, noisy).filter(|map| map.request.forces_n.contains(&DRAWN_FORCE_N))?;
+    let coarse = study.map_by(truth, "ridge", noisy).map(|map| &map.request);
+    Some(match coarse.filter(|coarse| coarse.contact_count() < map.request.contact_count()) {
+        Some(coarse) => map.thinned(&coarse.places_mm, &coarse.angles_deg),
+        None => map.clone(),
+    })
+}
+
+/// What one kind of explanation comes to over all places and directions.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ExplanationRow {
+    /// Column of the file.
+    pub quantity: &'static str,
+    /// Force, N.
+    pub force_n: f64,
+    /// Standard deviation of a measured coordinate, mm.
+    pub noise_mm: f64,
+    /// Median over the cells that have one.
+    pub median: Option<f64>,
+    /// Largest.
+    pub largest: Option<f64>,
+    /// Cells without: no equilibrium, or the markers do not tell.
+    pub cells_without: usize,
+    /// File with the cells, beside the summary.
+    pub csv: &'static str,
+}
+
+/// A quantity of explanations.
+type Of = fn(&Explanation) -> Option<f64>;
+
+/// A row for each quantity of the explanations.
+pub(super) fn explanation_rows(map: &ExplanationMap) -> Vec<ExplanationRow> {
+    let quantities: [(&'static str, Of); 6] = [
+        ("bound", |cell| cell.bound),
+        ("bound_unknown_direction", |cell| cell.bound_unknown_direction),
+        ("direction_sigma_deg", |cell| cell.direction_sigma_deg),
+        ("condition", |cell| cell.condition),
+        ("error_per_deg", |cell| cell.error_per_deg),
+        ("error_per_mm", |cell| cell.error_per_mm),
+    ];
+    let row = |(quantity, of): (&'static str, Of)| {
+        let values: Vec<f64> = map.cells.iter().filter_map(of).collect();
+        ExplanationRow {
+            quantity,
+            force_n: map.force_n,
+            noise_mm: map.noise_mm,
+            median: words::median(values.iter().copied()),
+            largest: values.iter().copied().reduce(f64::max),
+            cells_without: map.cells.len() - values.len(),
+            csv: EXPLANATIONS_CSV,
+        }
+    };
+    quantities.map(row).into()
+}
+
+/// The section.
+pub(super) fn section(study: &Study, summary: &Summary) -> Result<Section, ReportError> {
+    let noisy = study.noise_mm > 0.0;
+    let mut blocks = vec![
+        text(
+            "A force is put on a true finger at a known place and in a known direction; its size is sensed from the \
+             displacements of the key nodes by an estimator that knows the uniform finger, not the truth. The shades are those \
+             of the paper's Table I: clear up to 10 %, grey up to 25 %, dark above.",
+        ),
+        Block::Figure(overview(study, noisy)?),
+        Block::List { items: words::findings(study) },
+    ];
+    blocks.push(details("The finest maps: linear least squares", least_squares(study)?));
+    blocks.push(details("Bias and spread apart", bias_and_spread(study)?));
+    blocks.push(details("What explains them: bound, condition, wrong directions and places", explanations(study)?));
+    if noisy {
+        blocks.push(details("All truths and estimators without noise", vec![Block::Figure(overview(study, false)?)]));
+    }
+    blocks.push(details("Every map in figures, with its cells", vec![Block::Table(tables::map_figures(summary))]));
+    Ok(page_section("maps", "Where sensing fails", blocks))
+}
+
+fn details(summary: &str, blocks: Vec<Block>) -> Block {
+    Block::Details { summary: summary.to_owned(), blocks }
+}
+
+fn overview(study: &Study, noisy: bool) -> Result<Figure, ReportError> {
+    let pictures =
+        |estimator: &str| study.map_by("corotational", estimator, noisy).map(|map| map.request.noise_pictures);
+    let noise = match (pictures("least-squares"), pictures("nonlinear")) {
+        (Some(most), Some(fewer)) if noisy => {
+            let few = study.map_by("linear", "nonlinear", noisy).map_or(fewer, |map| map.request.noise_pictures);
+            format!(
+                "with {} mm noise a coordinate: mean error of {most} pictures a cell for least squares on the large-rotation \
+                 and the linear finger and for networks, {few} for the nonlinear estimator on the twin and the linear finger, \
+                 which it cannot explain, {fewer} for all others",
+                study.noise_mm
+            )
+        }
+        _ => "without noise".to_owned(),
+    };
+    let only = match study.is_paper {
+        true => " Networks ship for contact nodes along the normal alone; MuJoCo's shapes were exported at the nodes.",
+        false => " Digital twin, lattice, MuJoCo and networks exist for the paper's finger alone.",
+    };
+    Ok(Figure {
+        svg: drawings::overview(study, noisy)?,
+        caption: format!(
+            "Error of a sensed force of {DRAWN_FORCE_N} N, {noise}. Rows: the finger that bends; columns: what senses it.{only}"
+        ),
+        csv: Some(OVERVIEW_CSV.to_owned()),
+        wide: true,
+    })
+}
+
+fn noise_in_words(map: &AccuracyMap) -> String {
+    match map.noise_mm {
+        0.0 => "without noise".to_owned(),
+        noise => format!("with {noise} mm noise a coordinate, {} pictures a cell", map.request.noise_pictures),
+    }
+}
+
+/// Least squares on the large-rotation and the linear finger: the maps on the finest grid, each force and their mean.
+fn least_squares(study: &Study) -> Result<Vec<Block>, ReportError> {
+    let of = |truth: &'static str| [false, true].into_iter().filter_map(move |noisy| study.map(truth, noisy));
+    let picture = |map: &AccuracyMap, force_n: Option<f64>| -> Result<Figure, ReportError> {
+        let force = force_n.map_or_else(|| "mean over all forces".to_owned(), |f| format!("{f} N"));
+        let truth = if map.truth == "linear" { "the linear finger" } else { "the large-rotation finger (fine mesh)" };
+        Ok(Figure {
+            svg: map_picture(&study.finger, map, force_n)?,
+            caption: format!("Sensed by linear least squares on {truth}, {}; {force}.", noise_in_words(map)),
+            csv: Some(tables::map_csv_name(map)),
+            wide: false,
+        })
+    };
+    let pictures = |force_n| of("corotational").chain(of("linear")).map(move |map| picture(map, force_n));
+    let lines = of("corotational").map(|map| {
+        Ok(Figure {
+            svg: errors_along_the_normal(map)?,
+            caption: "The same along the normal, for each force.".to_owned(),
+            csv: Some(tables::map_csv_name(map)),
+            wide: false,
+        })
+    });
+    let forces = MAP_FORCES_N.map(|f| f.to_string()).join(", ");
+    Ok(vec![
+        text(
+            "Colour is the error |sensed / true - 1|, with lines at 10 and 25 %. Directions are counted from the front plate's \
+             undeformed inward normal, positive towards the tip.",
+        ),
+        Block::Figures { figures: pictures(Some(DRAWN_FORCE_N)).collect::<Result<_, _>>()? },
+        Block::Figures { figures: lines.collect::<Result<_, ReportError>>()? },
+        text(format!("Mean over {forces} N:")),
+        Block::Figures { figures: pictures(None).collect::<Result<_, _>>()? },
+    ])
+}
+
+/// Bias beside spread, on one scale.
+fn bias_and_spread(study: &Study) -> Result<Vec<Block>, ReportError> {
+    let noisy = study.noise_mm > 0.0;
+    let mut blocks = vec![text(
+        "The bias is what is wrong whatever the noise: no camera mends it, a better model does. The spread is what the noise \
+         does: a better camera, more pictures or more markers lessen it. The bias of n pictures is itself told to spread / sqrt(n) \
+         only.",
+    )];
+    for (truth, estimator) in
+        [("corotational", "least-squares"), ("corotational", "nonlinear"), ("twin", "least-squares")]
+    {
+        let Some(map) = small(study, truth, estimator, noisy) else { continue };
+        let figure = |quantity: Quantity| -> Result<Figure, ReportError> {
+            let what = if quantity == Quantity::Bias { "Bias (its size)" } else { "Spread" };
+            Ok(Figure {
+                svg: quantity_picture(&study.finger, &map, Some(DRAWN_FORCE_N), quantity)?,
+                caption: format!(
+                    "{what}: {}, {} truth, {DRAWN_FORCE_N} N, {}.",
+                    estimator.replace('-', " "),
+                    truth_in_words(&map),
+                    noise_in_words(&map)
+                ),
+                csv: Some(tables::map_csv_name(&map)),
+                wide: false,
+            })
+        };
+        let quantities = if noisy { &[Quantity::Bias, Quantity::Spread][..] } else { &[Quantity::Bias] };
+        blocks.push(Block::Figures { figures: quantities.iter().map(|q| figure(*q)).collect::<Result<_, _>>()? });
+    }
+    Ok(blocks)
+}
+
+fn explanations(study: &Study) -> Result<Vec<Block>, ReportError> {
+    Ok(vec![
+        text(format!(
+            "All of these follow from the tangent stiffness of the large-rotation finger in its shape under {DRAWN_FORCE_N} N, \
+             to first order, with all free key nodes as markers. The bound is the Cramer-Rao bound: no unbiased estimator \
+             scatters less."
+        )),
+        Block::Figures { figures: drawings::explanations(study)? },
+    ])
+}

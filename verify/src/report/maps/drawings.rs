@@ -1,0 +1,170 @@
+//! The overview, and the maps that explain.
+
+use super::{ESTIMATORS, EXPLANATIONS_CSV, Of, TRUTHS, small};
+use crate::map::{AccuracyMap, MapSummary};
+use crate::report::ReportError;
+use crate::report::drawings::{ALONG_THE_PLATE, DIRECTION_AXIS, PAPER_SHADES_PERCENT, blank_map};
+use crate::report::figures::{
+    Axis, ColourScale, FigureError, Frame, HeatMap, MapGrid, MapRow, SmallMap, heat_map, map_grid,
+};
+use crate::report::page::Figure;
+use crate::study::{DRAWN_FORCE_N, Study};
+use finray_model::finger::Plate;
+
+/// Every truth by every estimator, in the paper's shades.
+pub(super) fn overview(study: &Study, noisy: bool) -> Result<String, FigureError> {
+    let maps = |truth: &str| ESTIMATORS.map(|(estimator, _)| small(study, truth, estimator, noisy));
+    let shown = |column: usize| TRUTHS.iter().any(|(truth, _)| maps(truth)[column].is_some());
+    let columns: Vec<usize> = (0..ESTIMATORS.len()).filter(|column| shown(*column)).collect();
+    let rows = TRUTHS.iter().filter_map(|(truth, label)| {
+        let row = maps(truth);
+        let label = (*label).to_owned();
+        let any = row.iter().any(Option::is_some);
+        any.then(|| MapRow { label, maps: columns.iter().map(|column| row[*column].as_ref().map(small_map)).collect() })
+    });
+    let [grey, dark] = PAPER_SHADES_PERCENT;
+    let noise = if noisy { format!("{} mm noise", study.noise_mm) } else { "no noise".to_owned() };
+    map_grid(&MapGrid {
+        frame: Frame::full(
+            format!("Error of {DRAWN_FORCE_N} N by place and direction, {noise}"),
+            "Small maps of the error of a sensed force by place and direction: a row for each true finger, a column for each \
+             estimator.",
+        ),
+        x: Axis::linear(ALONG_THE_PLATE).within(0.0, study.finger.plate_length_mm(Plate::Front)),
+        y: Axis::linear(DIRECTION_AXIS).within(-90.0, 90.0).with_ticks(vec![-60.0, 0.0, 60.0]),
+        columns: columns.iter().map(|column| ESTIMATORS[*column].1.to_owned()).collect(),
+        rows: rows.collect(),
+        limits: PAPER_SHADES_PERCENT,
+        shades: [
+            format!("clear: error up to {grey} %"),
+            format!("grey: up to {dark} %"),
+            format!("dark: above {dark} %"),
+        ],
+        missing_label: "no equilibrium, or no answer".to_owned(),
+    })
+}
+
+fn small_map(map: &AccuracyMap) -> SmallMap {
+    let summary = map.summary(Some(DRAWN_FORCE_N));
+    let percents = |row: Vec<Option<f64>>| row.into_iter().map(|error| error.map(|e| 100.0 * e)).collect();
+    SmallMap {
+        note: note(&summary),
+        x: map.request.places_mm.clone(),
+        y: map.request.angles_deg.clone(),
+        values: map.errors(Some(DRAWN_FORCE_N)).into_iter().map(percents).collect(),
+    }
+}
+
+/// What is said above a small map: whole percents, as there is little room.
+fn note(summary: &MapSummary) -> String {
+    let whole = |share: f64| match 100.0 * share {
+        some if some > 0.0 && some < 1.0 => "<1 %".to_owned(),
+        some => format!("{some:.0} %"),
+    };
+    let MapSummary { share_above_10, share_above_25, cells, cells_without_equilibrium, .. } = *summary;
+    match share_above_10 {
+        _ if 2 * cells_without_equilibrium > cells => format!("{cells_without_equilibrium} of {cells} no answer"),
+        0.0 if cells_without_equilibrium == 0 => "all clear".to_owned(),
+        _ => format!("{} dark, {} grey", whole(share_above_25), whole(share_above_10 - share_above_25)),
+    }
+}
+
+/// A map that explains: how it is made and said.
+struct Kind {
+    title: &'static str,
+    value_label: &'static str,
+    of: Of,
+    colours: ColourScale,
+    contours: &'static [f64],
+    contour_unit: &'static str,
+    missing_label: &'static str,
+    caption: &'static str,
+}
+
+/// Maps of bound, condition, and how far wrong directions and places carry. Without noise there is no bound.
+pub(super) fn explanations(study: &Study) -> Result<Vec<Figure>, ReportError> {
+    let noise = format!("{} mm noise a coordinate", study.explanations.noise_mm);
+    let kinds = kinds().into_iter().filter(|kind| study.noise_mm > 0.0 || !kind.title.contains("bound"));
+    let figure = |kind: Kind| -> Result<Figure, ReportError> {
+        Ok(Figure {
+            svg: explanation(study, &kind)?,
+            caption: kind.caption.replace("NOISE", &noise),
+            csv: Some(EXPLANATIONS_CSV.to_owned()),
+            wide: false,
+        })
+    };
+    kinds.map(figure).collect()
+}
+
+fn kinds() -> [Kind; 5] {
+    let errors = ColourScale::log(0.1, 100.0);
+    [
+        Kind {
+            title: "bound, direction known",
+            value_label: "least standard deviation / force, %",
+            of: |cell| cell.bound.map(|share| 100.0 * share),
+            colours: errors,
+            contours: &[1.0, 10.0],
+            contour_unit: " %",
+            missing_label: "no equilibrium",
+            caption: "Cramer-Rao bound of the force, place and direction known, with NOISE.",
+        },
+        Kind {
+            title: "bound, direction sought too",
+            value_label: "least standard deviation / force, %",
+            of: |cell| cell.bound_unknown_direction.map(|share| 100.0 * share),
+            colours: errors,
+            contours: &[1.0, 10.0],
+            contour_unit: " %",
+            missing_label: "no equilibrium, or not told",
+            caption: "The same when both components of the force are sought, to first order, with NOISE.",
+        },
+        Kind {
+            title: "condition of two components",
+            value_label: "largest / smallest singular value",
+            of: |cell| cell.condition,
+            colours: ColourScale::log(1.0, 1000.0),
+            contours: &[10.0, 100.0],
+            contour_unit: "",
+            missing_label: "no equilibrium",
+            caption: "How many times more the markers move under the component of a force that they see best than under the \
+                      one that they see worst: how ill-posed an unknown direction is.",
+        },
+        Kind {
+            title: "wrong direction",
+            value_label: "error of the force, % per degree",
+            of: |cell| cell.error_per_deg.map(|share| 100.0 * share),
+            colours: errors,
+            contours: &[1.0, 10.0],
+            contour_unit: " %",
+            missing_label: "no equilibrium",
+            caption: "How much a direction that is wrong by a degree changes the sensed force.",
+        },
+        Kind {
+            title: "wrong place",
+            value_label: "error of the force, % per mm",
+            of: |cell| cell.error_per_mm.map(|share| 100.0 * share),
+            colours: errors,
+            contours: &[1.0, 10.0],
+            contour_unit: " %",
+            missing_label: "no equilibrium",
+            caption: "How much a place that is wrong by a millimetre changes the sensed force.",
+        },
+    ]
+}
+
+fn explanation(study: &Study, kind: &Kind) -> Result<String, FigureError> {
+    let map = &study.explanations;
+    let title = format!("{}, {} N", kind.title, map.force_n);
+    let alt = format!("{title}: {} by place along the front plate and direction.", kind.value_label);
+    heat_map(&HeatMap {
+        frame: Frame::half(title, alt),
+        values: map.values(kind.of),
+        value_label: kind.value_label.to_owned(),
+        colours: kind.colours,
+        contours: kind.contours.to_vec(),
+        contour_unit: kind.contour_unit.to_owned(),
+        missing_label: kind.missing_label.to_owned(),
+        ..blank_map(&study.finger, &map.places_mm, &map.angles_deg)
+    })
+}

@@ -1,0 +1,221 @@
+//! What the maps say, in sentences made from their numbers.
+
+use super::{ESTIMATORS, Of, TRUTHS, small};
+use crate::explain::Explanation;
+use crate::map::{AccuracyMap, Cell};
+use crate::report::tables::percent;
+use crate::study::{DRAWN_FORCE_N, Study};
+use finray_model::finger::Plate;
+
+/// Directions up to this many degrees from the normal count as pressing, those from the second on as tangential.
+const PRESSING_DEG: f64 = 20.0;
+const TANGENTIAL_DEG: f64 = 60.0;
+/// This share of the plate at either end counts as its base and its tip.
+const END: f64 = 1.0 / 6.0;
+/// A direction known to less than this, degrees, is not known: the nonlinear estimator refuses it.
+const LARGEST_ANGLE_SIGMA_DEG: f64 = 30.0;
+/// The paper's grey begins here.
+const GREY: f64 = 0.10;
+
+/// The middle one, or the mean of the two in the middle.
+pub(super) fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut sorted: Vec<f64> = values.collect();
+    sorted.sort_by(f64::total_cmp);
+    let middle = sorted.len() / 2;
+    let upper = *sorted.get(middle)?;
+    Some(if sorted.len() % 2 == 1 { upper } else { (sorted[middle - 1] + upper) / 2.0 })
+}
+
+/// The sentences below the overview.
+pub(super) fn findings(study: &Study) -> Vec<String> {
+    let noisy = study.noise_mm > 0.0;
+    let mut sentences: Vec<String> =
+        ESTIMATORS.iter().filter_map(|estimator| failing(study, *estimator, noisy)).collect();
+    sentences.extend(study.map("corotational", noisy).and_then(|map| kind_of_error(study, map)));
+    sentences.extend(study.map("twin", noisy).and_then(|map| kind_of_error(study, map)));
+    if noisy {
+        sentences.extend(study.map_by("corotational", "nonlinear", true).and_then(|map| reaches_bound(study, map)));
+        sentences.extend(bound(study));
+        sentences.extend(unknown_direction(study));
+    }
+    sentences.extend(carried(study));
+    sentences
+}
+
+/// Where one estimator fails, truth by truth.
+fn failing(study: &Study, (estimator, name): (&str, &str), noisy: bool) -> Option<String> {
+    let parts: Vec<String> = TRUTHS
+        .iter()
+        .filter_map(|(truth, label)| {
+            let map = small(study, truth, estimator, noisy)?;
+            let summary = map.summary(Some(DRAWN_FORCE_N));
+            let above =
+                format!("{} and {} on {label}", percent(summary.share_above_10), percent(summary.share_above_25));
+            Some(match summary.cells_without_equilibrium {
+                0 => above,
+                without => format!("{above} ({without} of {} cells carry no force or get no answer)", summary.cells),
+            })
+        })
+        .collect();
+    (!parts.is_empty())
+        .then(|| format!("{}: share of cells above 10 % and above 25 %: {}.", capital(name), parts.join("; ")))
+}
+
+fn capital(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// The truth of a map in a sentence.
+fn truth(map: &AccuracyMap) -> &str {
+    TRUTHS.iter().find(|(name, _)| *name == map.truth).map_or(map.truth.as_str(), |(_, label)| label)
+}
+
+fn drawn(map: &AccuracyMap) -> impl Iterator<Item = &Cell> {
+    map.cells.iter().filter(|cell| cell.force_n == DRAWN_FORCE_N)
+}
+
+/// Where least squares fails by direction and place, and whether bias or spread is at fault.
+fn kind_of_error(study: &Study, map: &AccuracyMap) -> Option<String> {
+    let failed: Vec<&Cell> = drawn(map).filter(|cell| fails(cell)).collect();
+    if failed.is_empty() {
+        return None;
+    }
+    let length_mm = study.finger.plate_length_mm(Plate::Front);
+    let share = |among: &dyn Fn(&Cell) -> bool| {
+        let (failing, all) = drawn(map)
+            .filter(|cell| cell.mean_error.is_some() && among(cell))
+            .fold((0.0, 0.0), |(failing, all), cell| (failing + f64::from(u8::from(fails(cell))), all + 1.0));
+        percent(failing / f64::max(all, 1.0))
+    };
+    let biased = failed.iter().filter(|cell| cell.bias.map(f64::abs) > cell.spread).count();
+    let spread = median(drawn(map).filter_map(|cell| cell.spread))?;
+    Some(format!(
+        "Least squares errs by more than {} on the {} finger in {} of the cells within {PRESSING_DEG} deg of the normal, in {} \
+         of those turned further to the tip and in {} of those turned further to the base; in {} of those in the sixth of the \
+         plate at the base and {} in the sixth at the tip. The bias exceeds the spread in {} of the cells that fail; the median \
+         spread over all cells is {}.",
+        percent(GREY),
+        truth(map),
+        share(&|cell| cell.angle_deg.abs() <= PRESSING_DEG),
+        share(&|cell| cell.angle_deg > PRESSING_DEG),
+        share(&|cell| cell.angle_deg < -PRESSING_DEG),
+        share(&|cell| cell.s_mm <= END * length_mm),
+        share(&|cell| cell.s_mm >= (1.0 - END) * length_mm),
+        percent(biased as f64 / failed.len() as f64),
+        percent(spread)
+    ))
+}
+
+fn fails(cell: &Cell) -> bool {
+    cell.mean_error.is_some_and(|error| error > GREY)
+}
+
+fn explained<'s>(study: &'s Study, cell: &Cell) -> Option<&'s Explanation> {
+    let here = |other: &&Explanation| other.s_mm == cell.s_mm && other.angle_deg == cell.angle_deg;
+    study.explanations.cells.iter().find(here)
+}
+
+/// How near the nonlinear estimator comes to the bound, and what its failing cells have in common.
+fn reaches_bound(study: &Study, map: &AccuracyMap) -> Option<String> {
+    let with_bound = || drawn(map).filter_map(move |cell| Some((cell, explained(study, cell)?.bound?)));
+    let ratio = median(with_bound().filter_map(|(cell, bound)| Some(cell.spread? / bound)))?;
+    let of = |wanted: bool| median(with_bound().filter(|(cell, _)| fails(cell) == wanted).map(|(_, bound)| bound));
+    let common = of(true).zip(of(false)).map_or_else(String::new, |(inside, outside)| {
+        format!(
+            " Where it errs by more than {} the bound is {} in the median, elsewhere {}: there the pictures do not tell more.",
+            percent(GREY),
+            percent(inside),
+            percent(outside)
+        )
+    });
+    Some(format!(
+        "On the finger that it knows, the nonlinear estimator scatters by {ratio:.2} times the Cramer-Rao bound in the median over \
+         the cells: what it leaves is the noise's doing.{common}"
+    ))
+}
+
+/// A quantity by direction and by place: medians of pressing and tangential directions, of base, middle and tip.
+struct Medians {
+    pressing: f64,
+    tangential: f64,
+    base: f64,
+    middle: f64,
+    tip: f64,
+}
+
+fn medians(study: &Study, of: Of) -> Option<Medians> {
+    let length_mm = study.finger.plate_length_mm(Plate::Front);
+    let over = |among: &dyn Fn(&Explanation) -> bool| {
+        median(study.explanations.cells.iter().filter(|cell| among(cell)).filter_map(of))
+    };
+    let pressing = |cell: &Explanation| cell.angle_deg.abs() <= PRESSING_DEG;
+    let along = |cell: &Explanation| cell.s_mm / length_mm;
+    Some(Medians {
+        pressing: over(&pressing)?,
+        tangential: over(&|cell| cell.angle_deg.abs() >= TANGENTIAL_DEG)?,
+        base: over(&|cell| pressing(cell) && along(cell) <= END)?,
+        middle: over(&|cell| pressing(cell) && along(cell) > END && along(cell) < 1.0 - END)?,
+        tip: over(&|cell| pressing(cell) && along(cell) >= 1.0 - END)?,
+    })
+}
+
+fn bound(study: &Study) -> Option<String> {
+    let medians = medians(study, |cell| cell.bound)?;
+    Some(format!(
+        "The bound explains where noise counts: in the median {} for directions within {PRESSING_DEG} deg of the normal and {} \
+         from {TANGENTIAL_DEG} deg on; near the normal {} in the sixth of the plate at the base, {} in the middle and {} in the \
+         sixth at the tip.",
+        percent(medians.pressing),
+        percent(medians.tangential),
+        percent(medians.base),
+        percent(medians.middle),
+        percent(medians.tip)
+    ))
+}
+
+fn unknown_direction(study: &Study) -> Option<String> {
+    let cells = || study.explanations.cells.iter().filter(|cell| cell.bound.is_some());
+    let loss = median(cells().filter_map(|cell| Some(cell.bound_unknown_direction? / cell.bound?)))?;
+    let condition = median(cells().filter_map(|cell| cell.condition))?;
+    let told =
+        cells().filter(|cell| cell.direction_sigma_deg.is_some_and(|sigma| sigma <= LARGEST_ANGLE_SIGMA_DEG)).count();
+    Some(format!(
+        "If the direction is sought too, the bound of the force is {loss:.1} times larger in the median; the markers see one component \
+         {condition:.0} times better than the other, and tell the direction to {LARGEST_ANGLE_SIGMA_DEG} deg or better in {} of the cells.",
+        percent(told as f64 / cells().count() as f64)
+    ))
+}
+
+/// How far wrong assumptions carry.
+fn carried(study: &Study) -> Option<String> {
+    let (direction, place) = (medians(study, |cell| cell.error_per_deg)?, medians(study, |cell| cell.error_per_mm)?);
+    Some(format!(
+        "A direction that is wrong by one degree changes the force by {} in the median near the normal and by {} from \
+         {TANGENTIAL_DEG} deg on; a place that is wrong by one millimetre by {} at the base, {} in the middle and {} at the tip \
+         (near the normal).",
+        percent(direction.pressing),
+        percent(direction.tangential),
+        percent(place.base),
+        percent(place.middle),
+        percent(place.tip)
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_median_is_the_middle_one() {
+        assert_eq!(median([3.0, 1.0, 2.0].into_iter()), Some(2.0));
+        assert_eq!(median([4.0, 1.0, 2.0, 3.0].into_iter()), Some(2.5));
+        assert_eq!(median(std::iter::empty()), None);
+    }
+
+    #[test]
+    fn sentences_begin_with_a_capital() {
+        assert_eq!(capital("least squares"), "Least squares");
+        assert_eq!(capital(""), "");
+    }
+}
