@@ -9,6 +9,9 @@ use finray_verify::sweep::{Grid, Sweep, Table};
 use finray_verify::truth::{MeshTruth, Truth, fine_mesh};
 use std::hint::black_box;
 
+/// Name, truth, estimator, forces (N), degrees between directions and noise pictures.
+type Case<'c> = (&'c str, &'c dyn Truth, &'c dyn Estimator, &'c [f64], f64, usize);
+
 fn sweep(criterion: &mut Criterion) {
     let finger = paper();
     let (coarse, sensing) = (Mesh::key_nodes(&finger), Mesh::with_elements_per_member(&finger, ELEMENTS));
@@ -18,7 +21,7 @@ fn sweep(criterion: &mut Criterion) {
     let least_squares = BeamEstimator { kind: EstimatorKind::LeastSquares, mesh: &coarse };
     let nonlinear = BeamEstimator { kind: EstimatorKind::Nonlinear, mesh: &sensing };
     let four = [0.5, 1.0, 2.0, 3.0];
-    let cases: [(&str, &dyn Truth, &dyn Estimator, &[f64], f64, usize); 5] = [
+    let cases: [Case; 5] = [
         ("linear/least_squares/200_pictures", &linear, &least_squares, &four, 20.0, 200),
         ("linear/least_squares/1_picture", &linear, &least_squares, &four, 2.0, 1),
         ("linear/least_squares/1_picture/1_force", &linear, &least_squares, &four[1..2], 2.0, 1),

@@ -58,6 +58,9 @@ pub struct NodalCompliance {
 /// node, the columns.
 type Blocks = Vec<Matrix3<f64>>;
 
+/// A key node (from 0), and the force (x, y, N) and moment (N mm) on it.
+type NodalLoad = (usize, Vector3<f64>);
+
 impl NodalCompliance {
     /// Meshes the finger; nothing is solved yet.
     pub fn new(finger: &Finger) -> NodalCompliance {
@@ -94,8 +97,8 @@ impl NodalCompliance {
         Ok(Compliance { columns: loads.iter().map(column).collect::<Result<_, StaticsError>>()? })
     }
 
-    /// The free key nodes (from 0) that carry a load, with force (x, y, N) and moment (N mm) on each.
-    fn nodal_loads(&self, load: &Load) -> Result<[Option<(usize, Vector3<f64>)>; 2], LoadError> {
+    /// The free key nodes that carry a load.
+    fn nodal_loads(&self, load: &Load) -> Result<[Option<NodalLoad>; 2], LoadError> {
         let frame = self.mesh.frame();
         let clamped = self.finger().clamped_nodes().map(|node| self.mesh.frame_node(node));
         // What a clamp carries moves nothing.
