@@ -2,8 +2,8 @@
 
 use super::page::{Block, Figure, Page, Section};
 use super::{
-    ReportError, Summary, causes, claims, contact_scenes, convergence, drawings, hard_cases, lattice, networks,
-    scatter, speed_error, table_two, tables, twin, words,
+    ReportError, Summary, causes, claims, contact_scenes, convergence, directions, drawings, hard_cases, lattice,
+    networks, pairs, scatter, speed_error, table_two, tables, twin, words,
 };
 use crate::map::AccuracyMap;
 use crate::study::{DRAWN_FORCE_N, MAP_FORCES_N, Study};
@@ -27,6 +27,8 @@ pub(super) fn page(study: &Study, summary: &Summary) -> Result<Page, ReportError
     }
     sections.extend(twin::section(study)?);
     sections.extend(scatter::section(study));
+    sections.extend(pairs::section(study)?);
+    sections.extend(directions::section(study)?);
     sections.extend(table_two::section(study));
     sections.extend(networks::section(study)?);
     sections.extend(lattice::section(study)?);
