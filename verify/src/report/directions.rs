@@ -125,7 +125,7 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
     };
     blocks.push(all(&Map {
         what: "error of the direction, deg",
-        line: TOLD_DEG,
+        line: None,
         missing: "cannot be told",
         value: &told,
     })?);
@@ -134,19 +134,19 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
         blocks: vec![
             all(&Map {
                 what: "Cramer-Rao bound of the direction, deg",
-                line: TOLD_DEG,
+                line: Some(TOLD_DEG),
                 missing: "open",
                 value: &bound,
             })?,
             all(&Map {
                 what: "error of answered directions, deg",
-                line: TOLD_DEG,
+                line: Some(TOLD_DEG),
                 missing: "no answer",
                 value: &answered,
             })?,
             all(&Map {
                 what: "error of answered forces, %",
-                line: 100.0 * TOLD_FORCE,
+                line: Some(100.0 * TOLD_FORCE),
                 missing: "no answer",
                 value: &force,
             })?,
@@ -162,7 +162,7 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
 struct Map<'v> {
     what: &'v str,
     /// Where a line is drawn.
-    line: f64,
+    line: Option<f64>,
     missing: &'v str,
     value: &'v dyn Fn(&DirectionCell) -> Option<f64>,
 }
@@ -188,7 +188,7 @@ impl Map<'_> {
             y: angles,
             value_label: what.to_owned(),
             colours: ColourScale::log(COLOURS[0], COLOURS[1]),
-            contours: vec![line],
+            contours: line.into_iter().collect(),
             contour_unit: String::new(),
             missing_label: missing.to_owned(),
             marks_label: "node".to_owned(),

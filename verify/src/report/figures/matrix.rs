@@ -40,6 +40,10 @@ pub struct PairCell {
 }
 
 const CELL_TEXT: f64 = 14.0;
+/// Colours up to this fraction of the scale are dark.
+const DARK: f64 = 0.6;
+const ON_DARK: Ink = Ink::Rgb([255, 255, 255]);
+const ON_LIGHT: Ink = Ink::Rgb([0x14, 0x17, 0x1a]);
 const NAME_ROOM: f64 = 30.0;
 const LABEL_ROOM: f64 = LABEL_TEXT * 1.6;
 
@@ -57,7 +61,8 @@ pub fn pair_matrix(matrix: &PairMatrix) -> Result<String, FigureError> {
         require_finite("pairs", row.iter().flatten().map(|cell| &cell.value))?;
     }
     let heading = Heading::new(&matrix.frame);
-    let (left, right) = (NAME_ROOM + SPACE, matrix.frame.width - SPACE);
+    // Room for half of the last label of the colour bar.
+    let (left, right) = (NAME_ROOM + SPACE, matrix.frame.width - 2.5 * SPACE);
     let top = heading.height() + LABEL_ROOM + NAME_ROOM;
     let side = right - left;
     let bar_top = top + side + LABEL_ROOM + SPACE;
@@ -97,7 +102,8 @@ fn draw_cells(canvas: &mut Canvas, matrix: &PairMatrix, area: Area) -> Result<()
             match value {
                 Some(value) => {
                     canvas.cell(area, matrix.colours.ink(value.value))?;
-                    canvas.words(Words::new(&value.text, middle(area), CELL_TEXT).inked(Ink::OnMap))?;
+                    let ink = if matrix.colours.fraction(value.value) < DARK { ON_DARK } else { ON_LIGHT };
+                    canvas.words(Words::new(&value.text, middle(area), CELL_TEXT).inked(ink))?;
                 }
                 None => hatch(canvas, area)?,
             }
