@@ -9,6 +9,9 @@ use finray_verify::sweep::{Grid, Sweep, Table};
 use finray_verify::truth::{MeshTruth, Truth, fine_mesh};
 use std::hint::black_box;
 
+/// Name, truth, estimator, forces (N), degrees between directions and noise pictures.
+type Case<'c> = (&'c str, &'c dyn Truth, &'c dyn Estimator, &'c [f64], f64, usize);
+
 fn sweep(criterion: &mut Criterion) {
     let finger = paper();
     let (coarse, sensing) = (Mesh::key_nodes(&finger), Mesh::with_elements_per_member(&finger, ELEMENTS));
@@ -17,20 +20,22 @@ fn sweep(criterion: &mut Criterion) {
     let corotational = MeshTruth::new("corotational", &fine, Kinematics::Corotational).expect("the finger at rest");
     let least_squares = BeamEstimator { kind: EstimatorKind::LeastSquares, mesh: &coarse };
     let nonlinear = BeamEstimator { kind: EstimatorKind::Nonlinear, mesh: &sensing };
-    let cases: [(&str, &dyn Truth, &dyn Estimator, f64, usize); 4] = [
-        ("linear/least_squares/200_pictures", &linear, &least_squares, 20.0, 200),
-        ("linear/least_squares/1_picture", &linear, &least_squares, 20.0, 1),
-        ("corotational/least_squares/200_pictures", &corotational, &least_squares, 20.0, 200),
-        ("corotational/nonlinear/4_pictures", &corotational, &nonlinear, 80.0, 4),
+    let four = [0.5, 1.0, 2.0, 3.0];
+    let cases: [Case; 5] = [
+        ("linear/least_squares/200_pictures", &linear, &least_squares, &four, 20.0, 200),
+        ("linear/least_squares/1_picture", &linear, &least_squares, &four, 2.0, 1),
+        ("linear/least_squares/1_picture/1_force", &linear, &least_squares, &four[1..2], 2.0, 1),
+        ("corotational/least_squares/200_pictures", &corotational, &least_squares, &four, 20.0, 200),
+        ("corotational/nonlinear/4_pictures", &corotational, &nonlinear, &four, 80.0, 4),
     ];
     let mut group = criterion.benchmark_group("sweep");
     group.sample_size(10);
-    for (name, truth, estimator, step_deg, noise_pictures) in cases {
+    for (name, truth, estimator, forces_n, step_deg, noise_pictures) in cases {
         let (places_mm, angles_deg) = Grid::grid(&finger, 12, step_deg);
         let grid = Grid {
             places_mm,
             angles_deg,
-            forces_n: vec![0.5, 1.0, 2.0, 3.0],
+            forces_n: forces_n.to_vec(),
             noise_levels_mm: vec![0.067],
             noise_pictures,
             seed: 1,
@@ -41,7 +46,7 @@ fn sweep(criterion: &mut Criterion) {
         group.bench_function(name, |bencher| {
             bencher.iter(|| {
                 let mut bytes = 0;
-                let write = |rows: &str| -> Result<(), csv::Error> {
+                let write = |_: usize, rows: &str| -> Result<(), csv::Error> {
                     bytes += black_box(rows).len();
                     Ok(())
                 };

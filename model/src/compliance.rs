@@ -3,9 +3,12 @@
 //! The linear finger is exact at its key nodes with one element a member, so the coarsest mesh serves.
 
 use crate::finger::{Finger, NodeId};
-use crate::mesh::{Load, Mesh};
-use crate::statics::{Statics, StaticsError};
+use crate::frame::FrameMotion;
+use crate::mesh::{Load, LoadError, Mesh};
+use crate::statics::{FrameLoad, Statics, StaticsError};
 use crate::{Kinematics, Vector};
+use nalgebra::{Matrix3, Vector3};
+use std::sync::OnceLock;
 
 /// Displacement of every key node under each of some unit loads, mm per N (and per N mm of a moment).
 #[derive(Debug, Clone, PartialEq)]
@@ -35,5 +38,98 @@ impl Compliance {
     /// Displacement of a node under load `load`, mm per unit.
     pub fn displacement(&self, node: NodeId, load: usize) -> Vector {
         self.columns[load][node.0 - 1]
+    }
+}
+
+/// The linear finger solved once for forces and moments on its key nodes, for whoever asks about many loads.
+///
+/// A load between two key nodes moves all key nodes as its equivalent loads on these two do (consistent nodal loads, exact
+/// for the cubic beam), so no further load needs a factorisation or a solution of its own. Each node is solved for when a
+/// load first needs it.
+#[derive(Debug, Clone)]
+pub struct NodalCompliance {
+    mesh: Mesh,
+    at_rest: FrameMotion,
+    /// By loaded key node.
+    nodes: Vec<OnceLock<Result<Blocks, StaticsError>>>,
+}
+
+/// By key node: its displacement (mm) and rotation (rad), the rows, under 1 N along x, 1 N along y and 1 N mm on the loaded
+/// node, the columns.
+type Blocks = Vec<Matrix3<f64>>;
+
+/// A key node (from 0), and the force (x, y, N) and moment (N mm) on it.
+type NodalLoad = (usize, Vector3<f64>);
+
+impl NodalCompliance {
+    /// Meshes the finger; nothing is solved yet.
+    pub fn new(finger: &Finger) -> NodalCompliance {
+        let mesh = Mesh::key_nodes(finger);
+        let nodes = vec![OnceLock::new(); finger.key_node_count()];
+        NodalCompliance { at_rest: FrameMotion::at_rest(mesh.frame()), mesh, nodes }
+    }
+
+    /// The finger.
+    pub fn finger(&self) -> &Finger {
+        self.mesh.finger()
+    }
+
+    /// Displacement (x, y, mm) and rotation (rad) of every key node under a load.
+    ///
+    /// # Errors
+    /// As [`Compliance::new`].
+    pub fn motions(&self, load: &Load) -> Result<Vec<Vector3<f64>>, StaticsError> {
+        let mut sums = vec![Vector3::zeros(); self.nodes.len()];
+        for (node, force) in self.nodal_loads(load)?.into_iter().flatten() {
+            for (sum, block) in sums.iter_mut().zip(self.blocks(node)?) {
+                *sum += block * force;
+            }
+        }
+        Ok(sums)
+    }
+
+    /// The compliance under some loads: that of [`Compliance::new`], to rounding.
+    ///
+    /// # Errors
+    /// As [`Compliance::new`].
+    pub fn columns(&self, loads: &[Load]) -> Result<Compliance, StaticsError> {
+        let column = |load| Ok(self.motions(load)?.iter().map(|motion| motion.xy()).collect());
+        Ok(Compliance { columns: loads.iter().map(column).collect::<Result<_, StaticsError>>()? })
+    }
+
+    /// The free key nodes that carry a load.
+    fn nodal_loads(&self, load: &Load) -> Result<[Option<NodalLoad>; 2], LoadError> {
+        let frame = self.mesh.frame();
+        let clamped = self.finger().clamped_nodes().map(|node| self.mesh.frame_node(node));
+        // What a clamp carries moves nothing.
+        let free = |node: usize, force: Vector3<f64>| (!clamped.contains(&node)).then_some((node, force));
+        Ok(match self.mesh.frame_load(load)? {
+            FrameLoad::Interior { member, xi, force } => {
+                let gradient = frame.interior_load(&self.at_rest, member, Kinematics::Linear, xi, force).gradient;
+                let [first, second] = frame.members()[member].ends.map(|end| end.node);
+                [free(first, -gradient.fixed_rows::<3>(0)), free(second, -gradient.fixed_rows::<3>(3))]
+            }
+            on_node => {
+                let (end, force, moment_nmm) = on_node.at_end(frame);
+                let gradient = frame.end_load(&self.at_rest, end, force, moment_nmm, true).gradient;
+                [free(end.node, -gradient.fixed_rows::<3>(0)), None]
+            }
+        })
+    }
+
+    /// What the key nodes do under unit loads on one of them (from 0).
+    fn blocks(&self, node: usize) -> Result<&[Matrix3<f64>], StaticsError> {
+        let solved = self.nodes[node].get_or_init(|| {
+            let unit = |force, moment_nmm| FrameLoad::Node { node, force, moment_nmm };
+            let units = [unit(Vector::x(), 0.0), unit(Vector::y(), 0.0), unit(Vector::zeros(), 1.0)];
+            let motions = Statics::ladder(&self.mesh, Kinematics::Linear).unit_motions(&units)?;
+            let rows = |motion: &FrameMotion, key_node: usize| {
+                let rotation = motion.rotations[self.mesh.frame().rotation_of(key_node)];
+                motion.displacements[key_node].push(rotation)
+            };
+            let block = |key_node| Matrix3::from_fn(|row, column| rows(&motions[column], key_node)[row]);
+            Ok((0..self.nodes.len()).map(block).collect())
+        });
+        solved.as_deref().map_err(|error| *error)
     }
 }

@@ -1,6 +1,7 @@
 //! From displacements back to the forces that caused them.
 
 use finray_model::calibration::{CalibrationCase, youngs_modulus};
+use finray_model::compliance::{Compliance, NodalCompliance};
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::sensing::{Contact, ContactPlace, Estimate, LinearEstimator, Prior, SensingError};
 use finray_model::statics::solve;
@@ -43,6 +44,29 @@ fn at_node(node: usize, angle_deg: f64) -> Contact {
 
 proptest! {
     #![proptest_config(cases(128))]
+
+    /// Any finger: what forces and moments on key nodes do adds up to what a load at any place, on a node or on an arm does.
+    #[test]
+    fn a_finger_solved_once_serves_every_load(
+        finger in finger_with_zones(),
+        at in prop::collection::vec((0.001..=1.0, -80.0..80.0), 1..=4),
+    ) {
+        let mut contacts: Vec<Contact> = at
+            .iter()
+            .map(|&(s, angle_deg)| Contact { place: ContactPlace::Place(s * finger.description().front_length_mm), angle_deg })
+            .collect();
+        contacts[0].place = ContactPlace::Node(contact_node(&finger, at[0].0));
+        let loads: Vec<Load> = contacts.iter().map(|contact| contact.unit_load(&finger)).collect();
+        let (ours, theirs) = (NodalCompliance::new(&finger).columns(&loads), Compliance::new(&finger, &loads));
+        let (ours, theirs) = (ours.expect("a solution"), theirs.expect("a solution"));
+        for load in 0..loads.len() {
+            let largest = finger.free_nodes().map(|node| theirs.displacement(node, load).norm()).fold(0.0, f64::max);
+            for node in finger.free_nodes() {
+                let apart = (ours.displacement(node, load) - theirs.displacement(node, load)).norm();
+                prop_assert!(apart <= SOLUTION_ROUNDING * largest, "{contacts:?}: {apart} of {largest} mm");
+            }
+        }
+    }
 
     /// Any finger: up to three forces at nodes and between them, in any direction, come back; markers may be hidden.
     #[test]

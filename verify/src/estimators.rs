@@ -5,6 +5,7 @@
 
 use crate::networks::NoNetwork;
 use finray_model::Mesh;
+use finray_model::compliance::NodalCompliance;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::network::NetworkError;
 use finray_model::sensing::{Contact, LinearEstimator, NonlinearEstimator, Prior, SensingError};
@@ -28,6 +29,12 @@ pub trait Estimator: Sync {
         contacts: &[Contact],
         markers: &Measurement,
     ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError>;
+
+    /// The same estimator, to rounding, with what all contacts have in common worked out once, for who prepares for many;
+    /// `None` where that gains nothing.
+    fn for_many(&self) -> Option<Box<dyn Estimator + '_>> {
+        None
+    }
 }
 
 /// An estimator that is ready to sense, measurement by measurement.
@@ -89,6 +96,15 @@ impl EstimatorKind {
             EstimatorKind::Nonlinear => "nonlinear",
         }
     }
+
+    /// What a linear estimator assumes of the forces; `None` for the nonlinear one.
+    fn prior(self) -> Option<Prior> {
+        match self {
+            EstimatorKind::LeastSquares => Some(Prior::None),
+            EstimatorKind::Ridge => Some(Prior::PAPER),
+            EstimatorKind::Nonlinear => None,
+        }
+    }
 }
 
 /// An estimator on a mesh of the beam model.
@@ -110,18 +126,47 @@ impl Estimator for BeamEstimator<'_> {
         contacts: &[Contact],
         markers: &Measurement,
     ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError> {
-        let linear = |prior| -> Result<Box<dyn PreparedEstimator>, EstimatorError> {
-            let estimator = LinearEstimator::new(self.mesh.finger(), contacts, markers)?;
-            Ok(Box::new(Linear { sum: SumSigma::of(&estimator), estimator, prior }))
-        };
-        match self.kind {
-            EstimatorKind::LeastSquares => linear(Prior::None),
-            EstimatorKind::Ridge => linear(Prior::PAPER),
-            EstimatorKind::Nonlinear => {
+        match self.kind.prior() {
+            Some(prior) => {
+                let estimator = LinearEstimator::new(self.mesh.finger(), contacts, markers)?;
+                Ok(Box::new(Linear::new(estimator, prior)))
+            }
+            None => {
                 let questions: Vec<_> = contacts.iter().map(|&contact| contact.into()).collect();
                 Ok(Box::new(NonlinearEstimator::new(self.mesh, &questions)?))
             }
         }
+    }
+
+    fn for_many(&self) -> Option<Box<dyn Estimator + '_>> {
+        let solved = NodalCompliance::new(self.mesh.finger());
+        self.kind.prior().map(|prior| Box::new(SolvedLinear { kind: self.kind, solved, prior }) as Box<dyn Estimator>)
+    }
+}
+
+/// A linear estimator on a finger that is solved once for all contacts.
+struct SolvedLinear {
+    kind: EstimatorKind,
+    solved: NodalCompliance,
+    prior: Prior,
+}
+
+impl Estimator for SolvedLinear {
+    fn name(&self) -> &str {
+        self.kind.name()
+    }
+
+    fn prepare<'a>(
+        &'a self,
+        contacts: &[Contact],
+        markers: &Measurement,
+    ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError> {
+        let estimator = LinearEstimator::on(&self.solved, contacts, markers).or_else(|error| match error {
+            // Rounding may spoil a moment where it leaves the force alone.
+            SensingError::Statics(_) => LinearEstimator::new(self.solved.finger(), contacts, markers),
+            error => Err(error),
+        })?;
+        Ok(Box::new(Linear::new(estimator, self.prior)))
     }
 }
 
@@ -129,6 +174,12 @@ struct Linear {
     estimator: LinearEstimator,
     prior: Prior,
     sum: SumSigma,
+}
+
+impl Linear {
+    fn new(estimator: LinearEstimator, prior: Prior) -> Linear {
+        Linear { sum: SumSigma::of(&estimator, prior), estimator, prior }
+    }
 }
 
 impl PreparedEstimator for Linear {
@@ -158,18 +209,20 @@ impl PreparedEstimator for NonlinearEstimator<'_> {
 /// Standard deviation of the sum of linearly sensed forces: sqrt(1^T P 1) with the covariance of the forces
 /// P = s^2 (C^T W^2 C + (s / p)^2)^-1, s the noise and p the prior's standard deviation (infinite for least squares).
 struct SumSigma {
-    /// C^T W^2 C, mm^2/N^2; `None` where rounding leaves nothing of it.
+    /// C^T W^2 C, mm^2/N^2, beside a prior; `None` where rounding leaves nothing of it.
     information: Option<DMatrix<f64>>,
     /// That of least squares, a noise of 1 mm.
     per_noise: f64,
 }
 
 impl SumSigma {
-    fn of(estimator: &LinearEstimator) -> SumSigma {
+    fn of(estimator: &LinearEstimator, prior: Prior) -> SumSigma {
         // G of full rank with G C = 1: G G^T = (C^T W^2 C)^-1.
         let gain = &estimator.inverse().gain;
         let covariance = gain * gain.transpose();
-        SumSigma { per_noise: covariance.sum().sqrt(), information: covariance.try_inverse() }
+        let per_noise = covariance.sum().sqrt();
+        let information = if prior == Prior::None { None } else { covariance.try_inverse() };
+        SumSigma { information, per_noise }
     }
 
     fn sigma_n(&self, noise_mm: f64, prior: Prior) -> Option<f64> {

@@ -3,7 +3,7 @@
 //! [`problems`] holds reference problems with known answers, [`convergence`] and [`hard_cases`] what meshes and extremes
 //! come to, [`lattice`] a second physics of the finger, [`mujoco`] what a third says of it, [`truth`] the fingers that sensing is put to the test on, [`estimators`] and [`networks`] what is
 //! tested, [`twin`] what the paper's own finger may have been like,
-//! [`sweep`], [`map`], [`scatter`], [`table_one`] and [`table_two`] what is asked of them, [`contact_scene`] what objects do to it,
+//! [`sweep`], [`map`], [`scatter`], [`direction`], [`table_one`] and [`table_two`] what is asked of them, [`contact_scene`] what objects do to it,
 //! [`explain`] what limits them, [`ledger`] and [`speed_error`] what came of it, [`report`] the page. [`files`] reads
 //! and writes what users bring and take away; physics lives in [`finray_model`].
 #![forbid(unsafe_code)]
@@ -12,6 +12,7 @@ pub mod causes;
 pub mod check;
 pub mod contact_scene;
 pub mod convergence;
+pub mod direction;
 pub mod estimators;
 pub mod explain;
 pub mod files;

@@ -112,7 +112,7 @@ pub fn table_two(
 }
 
 /// Largest over smallest singular value of the displacements of all markers under unit forces along the normal.
-fn condition_number(finger: &Finger, nodes: &[NodeId]) -> Result<f64, EstimatorError> {
+pub(crate) fn condition_number(finger: &Finger, nodes: &[NodeId]) -> Result<f64, EstimatorError> {
     let contacts: Vec<Contact> = nodes.iter().copied().map(Contact::at_node).collect();
     let at_rest = statics::solve(&Mesh::key_nodes(finger), &[], Kinematics::Linear).map_err(SensingError::from)?;
     let estimator = LinearEstimator::new(finger, &contacts, &Measurement::of_shape(finger, &at_rest))?;

@@ -330,6 +330,39 @@ fn networks_that_ship_keep_their_promises() {
     assert!(array(&SPRING_STEELS.summary(), "networks").is_empty());
 }
 
+/// Neighbours and nodes apart: the file has what the checks say. All pairs and unknown directions take a full report.
+#[test]
+fn four_pairs_keep_their_promises() {
+    let summary = PAPERS.summary();
+    let checks: Vec<_> = array(&summary, "checks").iter().filter(|check| check["source"] == "true forces").collect();
+    let rows = Csv::of(&PAPERS.read("noise.csv"));
+    let errors: Vec<(String, String, f64)> = rows
+        .texts("nodes")
+        .into_iter()
+        .zip(rows.texts("quantity"))
+        .zip(rows.numbers("mean_error"))
+        .map(|((nodes, quantity), error)| (nodes.to_owned(), quantity.to_owned(), error))
+        .collect();
+    assert_eq!(checks.len(), 8);
+    for (nodes, promise) in [("19 20", 0.03), ("16 17", 0.03), ("18 20", 0.012), ("16 20", 0.012)] {
+        let of = |sum: bool| {
+            let of_pair = errors.iter().filter(|row| row.0 == nodes && (row.1 == "sum") == sum);
+            let errors: Vec<f64> = of_pair.map(|row| row.2).collect();
+            errors.iter().sum::<f64>() / errors.len() as f64
+        };
+        let problem = format!("at nodes {}", nodes.replace(' ', " and "));
+        let said = checks.iter().filter(|check| check["problem"].as_str().is_some_and(|text| text.contains(&problem)));
+        let said: Vec<f64> =
+            said.flat_map(|check| [&check["ours"], &check["tolerance"]]).filter_map(Value::as_f64).collect();
+        // A quick report has a hundred cases: their chance may add 22 %.
+        assert_close(&said, &[of(false), 1.22 * promise, of(true), 1.22 * 0.008], LINEAR_ROUNDING);
+    }
+    for key in ["pairs", "directions", "directions_without_friction"] {
+        assert!(array(&summary, key).is_empty(), "{key}");
+    }
+    assert!(!PAPERS.read("index.html").contains("id=\"pairs\""));
+}
+
 /// A second physics: finer lattices are nearer to beams at every force, and what the page says of them is in its files.
 #[test]
 fn the_lattice_comes_near_to_beams() {

@@ -1,9 +1,11 @@
 //! Linear estimators: least squares, and least squares with a prior on the forces (ridge).
 
 use super::{Contact, Estimate, LARGEST_SPAN, SensingError, check_contacts};
-use crate::compliance::Compliance;
+use crate::compliance::{Compliance, NodalCompliance};
 use crate::finger::Finger;
 use crate::measurement::Measurement;
+use crate::mesh::Load;
+use crate::statics::StaticsError;
 use nalgebra::{DMatrix, DVector};
 
 /// What is assumed of the forces before measuring.
@@ -46,13 +48,34 @@ impl LinearEstimator {
     /// # Errors
     /// [`SensingError`] when a contact is wrong or the problem has no unique answer.
     pub fn new(finger: &Finger, contacts: &[Contact], markers: &Measurement) -> Result<LinearEstimator, SensingError> {
+        LinearEstimator::prepared(finger, contacts, markers, |loads| Compliance::new(finger, loads))
+    }
+
+    /// As [`LinearEstimator::new`], to rounding, on a finger that is solved already.
+    ///
+    /// # Errors
+    /// [`SensingError`] when a contact is wrong or the problem has no unique answer.
+    pub fn on(
+        solved: &NodalCompliance,
+        contacts: &[Contact],
+        markers: &Measurement,
+    ) -> Result<LinearEstimator, SensingError> {
+        LinearEstimator::prepared(solved.finger(), contacts, markers, |loads| solved.columns(loads))
+    }
+
+    fn prepared(
+        finger: &Finger,
+        contacts: &[Contact],
+        markers: &Measurement,
+        compliance: impl FnOnce(&[Load]) -> Result<Compliance, StaticsError>,
+    ) -> Result<LinearEstimator, SensingError> {
         check_contacts(finger, contacts)?;
         let (unknowns, coordinates) = (contacts.len(), markers.coordinate_count());
         if unknowns > coordinates {
             return Err(SensingError::TooFewMarkers { unknowns, coordinates });
         }
-        let unit_loads: Vec<_> = contacts.iter().map(|contact| contact.unit_load(finger)).collect();
-        LinearEstimator::from_compliance(&Compliance::new(finger, &unit_loads)?, markers)
+        let unit_loads: Vec<Load> = contacts.iter().map(|contact| contact.unit_load(finger)).collect();
+        LinearEstimator::from_compliance(&compliance(&unit_loads)?, markers)
     }
 
     /// As [`LinearEstimator::new`], with a compliance that is already there: a load for each unknown force.
@@ -89,7 +112,10 @@ impl LinearEstimator {
     pub fn estimate(&self, measurement: &Measurement, noise_mm: Option<f64>, prior: Prior) -> Estimate {
         let displacements = weighted_displacements(measurement);
         let (coordinates, unknowns) = self.compliance.shape();
-        let residual = |forces: &DVector<f64>| (&displacements - &self.compliance * forces).norm_squared();
+        let residual = |forces: &DVector<f64>| {
+            let explained = |row| (0..unknowns).map(|k| self.compliance[(row, k)] * forces[k]).sum::<f64>();
+            (0..coordinates).map(|row| (displacements[row] - explained(row)).powi(2)).sum::<f64>()
+        };
         let unbiased = &self.least_squares.gain * &displacements;
         let noise_mm = noise_mm.unwrap_or_else(|| match coordinates - unknowns {
             // As many numbers as unknowns leave no residual: the noise could be anything.
@@ -127,6 +153,15 @@ impl Inverse {
     /// By QR of the compliance stacked on `ridge` times the identity, columns scaled to unit length.
     pub(super) fn of(compliance: &DMatrix<f64>, ridge: f64) -> Inverse {
         let (rows, columns) = compliance.shape();
+        if columns == 1 {
+            // The unit vector along the only column is its Q, its length its R.
+            let norm = compliance.norm();
+            let length = norm.hypot(ridge);
+            return Inverse {
+                gain: (compliance / norm).transpose() * (norm / length / length),
+                sigmas_per_noise: vec![1.0 / length],
+            };
+        }
         let mut stacked = compliance.clone().resize_vertically(rows + if ridge > 0.0 { columns } else { 0 }, 0.0);
         for k in 0..stacked.nrows() - rows {
             stacked[(rows + k, k)] = ridge;
@@ -158,6 +193,14 @@ fn weighted_displacements(measurement: &Measurement) -> DVector<f64> {
 /// Singular values of the problem, if they leave a unique answer. All unknowns are forces in N and all rows share one
 /// noise, so nothing is left to scale: twelve normal forces on the paper's finger span 363.
 fn identifiable(compliance: &DMatrix<f64>) -> Result<Vec<f64>, SensingError> {
+    if compliance.ncols() == 1 {
+        // The singular value of one column is its length.
+        let length = compliance.norm();
+        return match length > 0.0 && length.is_finite() {
+            true => Ok(vec![length]),
+            false => Err(SensingError::IllConditioned { span: f64::INFINITY, limit: LARGEST_SPAN, weakest: 1 }),
+        };
+    }
     let svd = compliance.clone().svd(false, true);
     let mut values: Vec<f64> = svd.singular_values.iter().copied().collect();
     values.sort_by(|a, b| b.total_cmp(a));

@@ -234,8 +234,8 @@ fn write(sweep: &Sweep, finger: &Finger, head: Head, out: &Path) -> Result<(), F
             Reader::Left => Err(Stop::Unread),
         };
         let said = say(&begin).and_then(|()| {
-            sweep.stream(table, blocks, |rows| {
-                bar.inc(1);
+            sweep.stream(table, blocks, |count, rows| {
+                bar.inc(count as u64);
                 say(rows)
             })
         });
@@ -255,9 +255,9 @@ fn write(sweep: &Sweep, finger: &Finger, head: Head, out: &Path) -> Result<(), F
     bar.set_position(partial.blocks_done() as u64);
     bar.reset_eta();
     let rest = blocks.start + partial.blocks_done()..blocks.end;
-    sweep.stream(table, rest, |rows| {
-        bar.inc(1);
-        partial.append(rows).map_err(Failure::from)
+    sweep.stream(table, rest, |count, rows| {
+        bar.inc(count as u64);
+        partial.append(count, rows).map_err(Failure::from)
     })?;
     bar.finish_and_clear();
     let beside = if whole { beside(&request, finger, partial.table()?, &out)? } else { Vec::new() };

@@ -136,7 +136,7 @@ fn missing_label(map: &AccuracyMap) -> &'static str {
 }
 
 /// Node numbers along the front plate, thinned so that they do not run into each other.
-fn node_marks(finger: &Finger) -> Vec<PlaceMark> {
+pub(super) fn node_marks(finger: &Finger) -> Vec<PlaceMark> {
     let every = finger.contact_nodes().len().div_ceil(13);
     let marks = finger.contact_nodes().rev().step_by(every);
     marks.filter_map(|node| Some(PlaceMark { x: finger.front_place_mm(node)?, label: node.to_string() })).collect()

@@ -2,7 +2,8 @@
 
 use super::page::{Block, Cell, Column, Row, Section, Table};
 use super::sections::{self, text};
-use super::tables::{error, percent};
+use super::table_two::nodes_in_words;
+use super::tables::percent;
 use crate::scatter::{ONE_FORCE_N, Scatter, ScatterRow, TWO_FORCES_N};
 use crate::study::{NoiseStudy, Study};
 use serde::Serialize;
@@ -26,7 +27,7 @@ pub(super) struct CsvRow {
 
 /// A row for each force, and for the sum where there are several.
 pub(super) fn csv_rows(noise: &NoiseStudy) -> impl Iterator<Item = CsvRow> {
-    noise.single.iter().chain(&noise.pairs).flat_map(|row| {
+    noise.single.iter().chain(&noise.promised).flat_map(|row| {
         let nodes = row.nodes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
         let forces = row.nodes.iter().zip(&row.forces).map(|(node, scatter)| (format!("force at {node}"), *scatter));
         let sum = row.sum.filter(|_| row.nodes.len() > 1).map(|sum| ("sum".to_owned(), sum));
@@ -50,11 +51,12 @@ pub(super) fn csv_rows(noise: &NoiseStudy) -> impl Iterator<Item = CsvRow> {
 
 pub(super) fn section(study: &Study) -> Option<Section> {
     let noise = study.noise.as_ref()?;
+    let cases = noise.single.iter().map(|row| row.cases + row.refused).max().unwrap_or(1);
     let mut blocks = vec![
         text(format!(
             "Random forces along the normal ({} to {} N on one node, {} to {} N on each of two) bend the large-rotation \
              finger of the fine mesh; {} mm of noise is added to each coordinate, and the nonlinear estimator on four \
-             elements a member senses the forces, {} times for each set of contacts. The bound is that of Cramer and Rao: no \
+             elements a member senses the forces, {} times for each node. The bound is that of Cramer and Rao: no \
              unbiased estimator scatters less. The last two columns say how often the truth lies within one and within 1.96 \
              of the standard deviations that the estimator states; 68 and 95 % are meant. Chance alone moves a scatter by {}. \
              What the noise leaves open is refused and counts in no other column.",
@@ -63,14 +65,13 @@ pub(super) fn section(study: &Study) -> Option<Section> {
             TWO_FORCES_N[0],
             TWO_FORCES_N[1],
             noise.noise_mm,
-            noise.cases,
-            percent(1.0 / (2.0 * noise.cases as f64).sqrt())
+            cases,
+            percent(1.0 / (2.0 * cases as f64).sqrt())
         )),
         Block::Table(single(&noise.single)),
     ];
-    if !noise.pairs.is_empty() {
-        blocks.extend(pair_figures(&noise.pairs).map(text));
-        blocks.push(Block::Table(pairs(&noise.pairs)));
+    if !noise.promised.is_empty() {
+        blocks.push(Block::Table(promised(&noise.promised)));
     }
     Some(sections::section("noise", "Nonlinear sensing", blocks))
 }
@@ -112,54 +113,26 @@ fn single(rows: &[ScatterRow]) -> Table {
     }
 }
 
-/// How near all pairs come to the bound, in words.
-fn pair_figures(rows: &[ScatterRow]) -> Option<String> {
-    let sensed: Vec<&ScatterRow> = rows.iter().filter(|row| row.cases > 0).collect();
-    let quantities = || sensed.iter().flat_map(|row| row.forces.iter().chain(&row.sum));
-    let range = |of: fn(&Scatter) -> Option<f64>| {
-        let start = [f64::INFINITY, f64::NEG_INFINITY];
-        quantities().filter_map(of).fold(start, |[low, high], x| [low.min(x), high.max(x)])
+/// Two contacts: what is promised of four pairs.
+fn promised(rows: &[ScatterRow]) -> Table {
+    let row = |row: &ScatterRow| {
+        let sum = row.sum;
+        let cells = [
+            nodes_in_words(&row.nodes, " and "),
+            shown(row, |_| row.mean_error().map(percent)),
+            shown(row, |_| row.mean_error_bound().map(percent)),
+            shown(row, |_| Some(percent(sum?.mean_error))),
+            shown(row, |_| Some(percent(sum?.bound?.mean_error_bound))),
+            row.cases.to_string(),
+            row.refused.to_string(),
+        ];
+        Row { cells: cells.map(Cell::plain).into() }
     };
-    let sums = sensed.iter().filter_map(|row| Some((row, row.sum?.mean_error)));
-    let (worst, worst_sum) = sums.max_by(|(_, a), (_, b)| a.total_cmp(b))?;
-    let scatter = range(|s| Some(s.bound?.over_bound));
-    let covered = range(|s| Some(s.coverage?.two_sigma)).map(percent);
-    Some(format!(
-        "Two contacts at once, all {} pairs: forces and sums scatter by {:.2} to {:.2} bounds, and 1.96 stated sigma cover {} \
-         to {} of the cases. The sum is sensed far better than its parts: at worst its mean error is {} (nodes {} and {}).",
-        sensed.len(),
-        scatter[0],
-        scatter[1],
-        covered[0],
-        covered[1],
-        percent(worst_sum),
-        worst.nodes[0],
-        worst.nodes[1]
-    ))
-}
-
-fn pairs(rows: &[ScatterRow]) -> Table {
-    let mut nodes: Vec<usize> = rows.iter().flat_map(|row| row.nodes.clone()).collect();
-    nodes.sort_unstable();
-    nodes.dedup();
-    let cell = |first: usize, second: usize| {
-        let row = rows.iter().find(|row| row.nodes == [first, second]);
-        row.and_then(ScatterRow::mean_error).map_or_else(|| Cell::plain(""), error)
-    };
-    let seconds = nodes.get(1..).unwrap_or_default();
-    let row = |&first: &usize| Row {
-        cells: std::iter::once(Cell::plain(first.to_string()))
-            .chain(seconds.iter().map(|&second| cell(first, second)))
-            .collect(),
-    };
+    let columns = ["nodes", "mean error of each", "at the bound", "of the sum", "at the bound", "cases", "refused"];
     Table {
-        caption: "Two contacts: mean error of the two forces by their nodes; grey above 10 %, dark above 25 %"
-            .to_owned(),
-        columns: std::iter::once("node".to_owned())
-            .chain(seconds.iter().map(ToString::to_string))
-            .map(Column::numbers)
-            .collect(),
-        rows: nodes.iter().take(nodes.len().saturating_sub(1)).map(row).collect(),
+        caption: "Two contacts: neighbours and nodes apart".to_owned(),
+        columns: columns.map(Column::numbers).into(),
+        rows: rows.iter().map(row).collect(),
         csv: Some(CSV.to_owned()),
     }
 }

@@ -2,8 +2,8 @@
 
 use super::page::{Block, Figure, Page, Question, Section};
 use super::{
-    ReportError, Summary, causes, claims, contact_scenes, convergence, drawings, hard_cases, lattice, maps, networks,
-    scatter, speed_error, table_two, tables, twin, verdict, words,
+    ReportError, Summary, causes, claims, contact_scenes, convergence, directions, drawings, hard_cases, lattice, maps,
+    networks, pairs, scatter, speed_error, table_two, tables, twin, verdict, words,
 };
 use crate::study::{DRAWN_FORCE_N, Study};
 use finray_model::finger::{Plate, RibPlaces};
@@ -24,6 +24,8 @@ fn question(id: &str, heading: &str, sections: Vec<Section>) -> Question {
 pub(super) fn page(study: &Study, summary: &Summary) -> Result<Page, ReportError> {
     let mut feels = vec![maps::section(study, summary)?];
     feels.extend(scatter::section(study));
+    feels.extend(pairs::section(study)?);
+    feels.extend(directions::section(study)?);
     feels.extend(table_two::section(study));
     feels.extend(contact_scenes::section(study)?);
 

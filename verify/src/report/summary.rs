@@ -1,9 +1,11 @@
 //! `summary.json`: every figure that the page shows, for machines.
 
 use super::causes::CauseSummary;
+use super::directions::{self, DirectionRow, FrictionlessRow};
 use super::lattice::{self, AxialSpringsRow, LatticeRow, SettlingRow};
 use super::maps::{self, ExplanationRow};
 use super::networks::{self, NetworkRow};
+use super::pairs::{self, PairRow};
 use super::table_two::{self, TableTwoRow};
 use super::twin::{self, CalibrationRow, TwinRow, ZoneSetRow};
 use super::{causes, tables, verdict, words};
@@ -59,6 +61,12 @@ pub struct Summary {
     pub twin_calibration: Vec<CalibrationRow>,
     /// Table II of the paper, by finger, noise, estimator and contacts.
     pub table_two: Vec<TableTwoRow>,
+    /// Two contacts at once, by pair and estimator.
+    pub pairs: Vec<PairRow>,
+    /// Forces of unknown direction, by place, direction and force.
+    pub directions: Vec<DirectionRow>,
+    /// Pushes along the deformed normal, by node, force and assumption.
+    pub directions_without_friction: Vec<FrictionlessRow>,
     /// The networks that ship, by contacts.
     pub networks: Vec<NetworkRow>,
     /// Three ways to train, recorded.
@@ -102,6 +110,9 @@ impl Summary {
             twin_zone_sets: study.twin.iter().flat_map(twin::set_rows).collect(),
             twin_calibration: study.twin.iter().flat_map(twin::calibration_rows).collect(),
             table_two: study.table_two.iter().flat_map(table_two::rows).collect(),
+            pairs: study.noise.iter().flat_map(pairs::rows).collect(),
+            directions: study.directions.iter().flat_map(directions::rows).collect(),
+            directions_without_friction: study.directions.iter().flat_map(directions::frictionless_rows).collect(),
             networks: study.networks.iter().flat_map(networks::rows).collect(),
             training_recipes: study.records.recipes.clone(),
             training_curves: study.records.curves.clone(),

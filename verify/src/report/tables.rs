@@ -2,8 +2,8 @@
 
 use super::page::{Cell, Column, Row, Shade, Table};
 use super::{
-    causes, claims, contact_scenes, convergence, curves, hard_cases, lattice, maps, networks, recipes, scatter,
-    speed_error, table_two, twin,
+    causes, claims, contact_scenes, convergence, curves, directions, hard_cases, lattice, maps, networks, pairs,
+    recipes, scatter, speed_error, table_two, twin,
 };
 use crate::check::{Check, Comparison, worst};
 use crate::files::csv_text;
@@ -106,6 +106,13 @@ pub(super) fn csv_files(study: &Study) -> Result<Vec<(PathBuf, String)>, csv::Er
     }
     if let Some(noise) = &study.noise {
         files.push((scatter::CSV.into(), csv_text(scatter::csv_rows(noise))?));
+        if !noise.pairs.is_empty() {
+            files.push((pairs::CSV.into(), csv_text(pairs::rows(noise))?));
+        }
+    }
+    if let Some(study) = &study.directions {
+        files.push((directions::CSV.into(), csv_text(directions::rows(study))?));
+        files.push((directions::FRICTIONLESS_CSV.into(), csv_text(directions::frictionless_rows(study))?));
     }
     if !study.speed_error.is_empty() {
         files.push((speed_error::CSV.into(), csv_text(&study.speed_error)?));

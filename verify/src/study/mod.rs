@@ -3,6 +3,7 @@
 
 mod causes;
 mod cross_checks;
+mod directions;
 mod effort;
 mod maps;
 mod noise;
@@ -18,6 +19,7 @@ use crate::causes::{CauseError, CauseMap};
 use crate::check::{Check, Comparison};
 use crate::contact_scene::study::{SceneStudy, SceneStudyError, SceneWithOutline};
 use crate::convergence::{Convergence, convergence, loaded_nodes};
+use crate::direction::DirectionStudy;
 use crate::estimators::{EstimatorError, EstimatorKind};
 use crate::explain::ExplanationMap;
 use crate::fixtures;
@@ -77,6 +79,8 @@ pub struct Study {
     pub convergence: Convergence,
     /// Nonlinear sensing under camera noise.
     pub noise: Option<NoiseStudy>,
+    /// Forces of unknown direction under camera noise, in a full study.
+    pub directions: Option<DirectionStudy>,
     /// Table II, for the paper's finger.
     pub table_two: Option<TableTwo>,
     /// The networks that ship, for the paper's finger under noise.
@@ -125,9 +129,9 @@ pub enum StudyError {
     /// A model or estimator failed where it was timed.
     #[error("speed and error: {0}")]
     SpeedError(#[from] SpeedErrorError),
-    /// A small experiment behind a claim of the paper failed to compute.
-    #[error("claims: {0}")]
-    Claim(#[from] SensingError),
+    /// A small experiment behind a claim of the paper, or one on unknown directions, failed to compute.
+    #[error("sensing: {0}")]
+    Sensing(#[from] SensingError),
     /// The causes of errors failed to compute.
     #[error("causes: {0}")]
     Causes(#[from] CauseError),
@@ -209,8 +213,12 @@ impl Study {
         let convergence = convergence(finger, effort, &|| progress.step())?;
         let noise = match noise_mm {
             0.0 => None,
-            noise_mm => Some(NoiseStudy::run(finger, &fine, noise_mm, effort, progress)?),
+            noise_mm => Some(NoiseStudy::run(finger, &fine, noise_mm, is_paper, effort, progress)?),
         };
+        if is_paper {
+            checks.extend(noise.iter().flat_map(NoiseStudy::checks));
+        }
+        let directions = directions::directions(&corotational, finger, noise_mm, effort, progress)?;
         let (mut hard, mut lattice) = (Vec::new(), None);
         let (mut two, mut networks, mut records) = (None, None, Records::default());
         if is_paper {
@@ -261,6 +269,7 @@ impl Study {
             causes,
             convergence,
             noise,
+            directions,
             table_two: two,
             networks,
             records,

@@ -1,5 +1,7 @@
 //! The cells of a sweep.
 
+use super::noise::Noise;
+use super::tally::Tally;
 use super::{Grid, Table};
 use crate::estimators::{Estimator, EstimatorError, PreparedEstimator};
 use crate::truth::Truth;
@@ -7,19 +9,25 @@ use finray_model::Finger;
 use finray_model::measurement::Measurement;
 use rayon::prelude::*;
 use std::ops::Range;
+use std::time::{Duration, Instant};
 
-/// Blocks that a thread computes before rows are written: enough that waiting for the last one costs little, few enough
-/// that a run which is stopped loses little and the rows in memory are few.
-const BLOCKS_A_THREAD: usize = 16;
+/// Pieces of work that a thread does before rows are written: enough that waiting for the last one costs little.
+const PIECES_A_THREAD: usize = 16;
+/// Where pieces of one block are done in less than this time, waiting for threads and files would take longer than the
+/// work: pieces then grow, so long as a run which is stopped loses no more than twice this.
+const LEAST_TIME: Duration = Duration::from_millis(10);
+/// Rows in memory at once, however fast they come, but for those of one block a piece.
+const MOST_ROWS: usize = 1 << 16;
 
 /// Truths and estimators on a grid.
 pub struct Sweep<'s> {
     finger: &'s Finger,
     truths: Vec<&'s dyn Truth>,
     estimators: Vec<&'s dyn Estimator>,
+    /// The same, made ready for many contacts where that gains something.
+    for_many: Vec<Option<Box<dyn Estimator + 's>>>,
     grid: &'s Grid,
-    /// In units of the noise, by picture, then marker coordinate.
-    noise: Vec<Vec<f64>>,
+    noise: Noise,
 }
 
 /// One force at one place and direction, at one level of noise, on one truth, by one estimator.
@@ -75,7 +83,8 @@ impl<'s> Sweep<'s> {
         estimators: Vec<&'s dyn Estimator>,
         grid: &'s Grid,
     ) -> Sweep<'s> {
-        Sweep { finger, truths, estimators, grid, noise: grid.noise(finger) }
+        let for_many = estimators.iter().map(|estimator| estimator.for_many()).collect();
+        Sweep { finger, truths, estimators, for_many, grid, noise: Noise::new(grid, finger) }
     }
 
     /// Number of blocks: a truth and contact each.
@@ -102,28 +111,56 @@ impl<'s> Sweep<'s> {
     pub fn block(&self, number: usize) -> Vec<Cell> {
         let truth = number / self.grid.contact_count();
         let contact = self.grid.contact(number % self.grid.contact_count());
+        let s_mm = contact.place_mm(self.finger).unwrap_or(f64::NAN);
         let shapes = self.truths[truth].shapes(&contact, &self.grid.forces_n);
         let seen: Vec<Measurement> = shapes.iter().map(|shape| Measurement::of_shape(self.finger, shape)).collect();
-        let mut cells = Vec::with_capacity(self.cells_in_block());
-        for (i, estimator) in self.estimators.iter().enumerate() {
-            let mut prepared = seen.first().map(|markers| estimator.prepare(&[contact], markers));
-            for &noise_mm in &self.grid.noise_levels_mm {
-                for (n, &force_n) in self.grid.forces_n.iter().enumerate() {
-                    let outcome = match (prepared.as_mut(), seen.get(n)) {
-                        (Some(Ok(estimator)), Some(seen)) => self.sense(&mut **estimator, seen, noise_mm, force_n),
-                        (Some(Err(error)), Some(_)) => Outcome::refused(self.pictures(noise_mm).len(), error),
-                        _ => Outcome::not_carried(),
-                    };
-                    let (s_mm, angle_deg) = (contact.place_mm(self.finger).unwrap_or(f64::NAN), contact.angle_deg);
-                    cells.push(Cell { truth, estimator: i, noise_mm, s_mm, angle_deg, force_n, outcome });
+        let mut prepared: Vec<_> = self
+            .estimators
+            .iter()
+            .zip(&self.for_many)
+            .map(|(estimator, for_many)| for_many.as_deref().unwrap_or(*estimator))
+            .map(|estimator| seen.first().map(|markers| estimator.prepare(&[contact], markers)))
+            .collect();
+        let mut tallies = vec![Tally::default(); self.cells_in_block()];
+        self.noise.each(|first, pictures| {
+            let mut tallies = tallies.iter_mut();
+            for estimator in &mut prepared {
+                for (noise_mm, force_n, n) in self.levels() {
+                    let Some(tally) = tallies.next() else { return };
+                    if let (Some(Ok(estimator)), Some(seen)) = (estimator.as_mut(), seen.get(n)) {
+                        let count = self.noise.pictures(noise_mm).saturating_sub(first);
+                        let pictures = pictures.chunks_exact(self.noise.coordinates()).take(count);
+                        sense(&mut **estimator, seen, noise_mm, force_n, pictures, tally);
+                    }
                 }
             }
-        }
-        cells
+        });
+        let outcomes = tallies.chunks(self.cells_in_block() / self.estimators.len().max(1)).zip(&prepared).enumerate();
+        outcomes
+            .flat_map(|(estimator, (tallies, prepared))| {
+                let seen = &seen;
+                tallies.iter().zip(self.levels()).map(move |(tally, (noise_mm, force_n, n))| {
+                    let pictures = self.noise.pictures(noise_mm);
+                    let outcome = match (prepared, seen.get(n)) {
+                        (Some(Ok(_)), Some(_)) => tally.outcome(pictures),
+                        (Some(Err(error)), Some(_)) => Outcome::refused(pictures, error),
+                        _ => Outcome::not_carried(),
+                    };
+                    Cell { truth, estimator, noise_mm, s_mm, angle_deg: contact.angle_deg, force_n, outcome }
+                })
+            })
+            .collect()
     }
 
-    /// Computes blocks in parallel and hands the rows of each to `write`, in order and soon after they are known; in memory are
-    /// only a few blocks a thread.
+    /// Every level of noise with every force and its number.
+    fn levels(&self) -> impl Iterator<Item = (f64, f64, usize)> {
+        let of_level =
+            |&noise_mm| self.grid.forces_n.iter().enumerate().map(move |(n, &force_n)| (noise_mm, force_n, n));
+        self.grid.noise_levels_mm.iter().flat_map(of_level)
+    }
+
+    /// Computes blocks in parallel and hands the rows of some at a time to `write`, with their number, in order and soon
+    /// after they are known; in memory are only a few blocks a thread.
     ///
     /// # Errors
     /// The first one of `write`, or of the CSV writer (none in memory).
@@ -131,50 +168,59 @@ impl<'s> Sweep<'s> {
         &self,
         table: Table,
         blocks: Range<usize>,
-        mut write: impl FnMut(&str) -> Result<(), E>,
+        mut write: impl FnMut(usize, &str) -> Result<(), E>,
     ) -> Result<(), E> {
-        let at_once = BLOCKS_A_THREAD * rayon::current_num_threads();
-        for first in blocks.clone().step_by(at_once) {
-            let chunk = first..blocks.end.min(first + at_once);
-            let rows = |block| table.rows(self, &self.block(block));
-            let texts: Vec<Result<String, csv::Error>> = chunk.into_par_iter().with_max_len(1).map(rows).collect();
+        let pieces = PIECES_A_THREAD * rayon::current_num_threads();
+        let longest = (MOST_ROWS / (pieces * self.cells_in_block().max(1))).max(1);
+        let (mut next, mut length) = (blocks.start, 1);
+        while next < blocks.end {
+            let piece = |number: usize| {
+                let first = blocks.end.min(next + number * length);
+                first..blocks.end.min(first + length)
+            };
+            let rows = |number| {
+                let cells: Vec<Cell> = piece(number).flat_map(|block| self.block(block)).collect();
+                Ok((piece(number).len(), table.rows(self, &cells)?))
+            };
+            let count = pieces.min((blocks.end - next).div_ceil(length));
+            let begun = Instant::now();
+            let texts: Vec<Result<(usize, String), csv::Error>> =
+                (0..count).into_par_iter().with_max_len(1).map(rows).collect();
+            let quick = begun.elapsed() < LEAST_TIME;
             for text in texts {
-                write(&text?)?;
+                let (blocks, rows) = text?;
+                write(blocks, &rows)?;
+            }
+            next = piece(count).start;
+            if quick {
+                length = longest.min(2 * length);
             }
         }
         Ok(())
     }
+}
 
-    /// Without noise all pictures are the same.
-    fn pictures(&self, noise_mm: f64) -> &[Vec<f64>] {
-        if noise_mm == 0.0 { &self.noise[..1] } else { &self.noise }
-    }
-
-    fn sense(&self, estimator: &mut dyn PreparedEstimator, seen: &Measurement, noise_mm: f64, force_n: f64) -> Outcome {
-        let pictures = self.pictures(noise_mm);
-        let mut errors = Vec::with_capacity(pictures.len());
-        let mut variance_n2 = Some(0.0);
-        let mut refusal = None;
-        for picture in pictures {
-            let mut noisy = seen.clone();
-            let mut coordinates = picture.iter();
-            if noise_mm > 0.0 {
-                noisy.add_noise(noise_mm, || coordinates.next().copied().unwrap_or(0.0));
-            }
-            match estimator.estimate(&noisy, Some(noise_mm)) {
-                Ok(sensed) => {
-                    errors.push(sensed.forces_n[0] / force_n - 1.0);
-                    variance_n2 = variance_n2.zip(sensed.sigmas_n).map(|(sum, sigmas)| sum + sigmas[0] * sigmas[0]);
-                }
-                Err(error) => refusal = refusal.or_else(|| Some(error.to_string())),
-            }
+/// Counts what an estimator makes of some noise pictures of what is seen.
+fn sense<'p>(
+    estimator: &mut dyn PreparedEstimator,
+    seen: &Measurement,
+    noise_mm: f64,
+    force_n: f64,
+    pictures: impl Iterator<Item = &'p [f64]>,
+    tally: &mut Tally,
+) {
+    for picture in pictures {
+        let mut noisy = seen.clone();
+        let mut coordinates = picture.iter();
+        if noise_mm > 0.0 {
+            noisy.add_noise(noise_mm, || coordinates.next().copied().unwrap_or(0.0));
         }
-        let enough = 2 * errors.len() >= pictures.len();
-        Outcome {
-            pictures: pictures.len(),
-            answered: errors.len(),
-            errors: if enough { Errors::of(&errors, variance_n2) } else { None },
-            refusal,
+        match estimator.estimate(&noisy, Some(noise_mm)) {
+            Ok(sensed) => {
+                let sigma_n = sensed.sigmas_n.and_then(|sigmas| sigmas.first().copied());
+                tally.answer(sensed.forces_n[0] / force_n - 1.0, sigma_n);
+            }
+            Err(error) => tally.refuse(&error),
         }
     }
 }
@@ -187,20 +233,5 @@ impl Outcome {
     fn not_carried() -> Outcome {
         let refusal = "the finger that is sensed has no equilibrium under this force".to_owned();
         Outcome { pictures: 0, answered: 0, errors: None, refusal: Some(refusal) }
-    }
-}
-
-impl Errors {
-    /// `None` without any errors.
-    fn of(errors: &[f64], variance_n2: Option<f64>) -> Option<Errors> {
-        let count = errors.len() as f64;
-        let bias = errors.iter().sum::<f64>() / count;
-        let squares: f64 = errors.iter().map(|error| (error - bias).powi(2)).sum();
-        (!errors.is_empty()).then(|| Errors {
-            mean_error: errors.iter().map(|error| error.abs()).sum::<f64>() / count,
-            bias,
-            spread: if errors.len() > 1 { (squares / (count - 1.0)).sqrt() } else { 0.0 },
-            sigma_n: variance_n2.map(|sum| (sum / count).sqrt()),
-        })
     }
 }

@@ -3,9 +3,6 @@
 use finray_model::Finger;
 use finray_model::finger::Plate;
 use finray_model::sensing::{Contact, ContactPlace};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
 /// Largest angle of a direction from the normal, degrees: flatter forces slide rather than press.
@@ -55,13 +52,5 @@ impl Grid {
     pub fn contact(&self, number: usize) -> Contact {
         let (place, angle) = (number / self.angles_deg.len(), number % self.angles_deg.len());
         Contact { place: ContactPlace::Place(self.places_mm[place]), angle_deg: self.angles_deg[angle] }
-    }
-
-    /// Displacement noise of every marker coordinate, one picture after the other, in units of the noise.
-    pub(super) fn noise(&self, finger: &Finger) -> Vec<Vec<f64>> {
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-        let mut picture =
-            || (0..2 * finger.free_nodes().len()).map(|_| StandardNormal.sample(&mut rng)).collect::<Vec<f64>>();
-        (0..self.noise_pictures.max(1)).map(|_| picture()).collect()
     }
 }

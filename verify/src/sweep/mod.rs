@@ -10,10 +10,12 @@
 mod cell;
 mod grid;
 mod merge;
+mod noise;
 mod partial;
 mod request;
 mod shard;
 mod table;
+mod tally;
 
 pub use cell::{Cell, Errors, Outcome, Sweep};
 pub use grid::Grid;

@@ -68,16 +68,16 @@ impl Partial {
         self.blocks_done
     }
 
-    /// Writes the rows of the next block.
+    /// Writes the rows of the next blocks, so many.
     ///
     /// # Errors
     /// [`FileError::Unwritable`]; what is not written yet can be once there is room.
-    pub fn append(&mut self, rows: &str) -> Result<(), FileError> {
+    pub fn append(&mut self, blocks: usize, rows: &str) -> Result<(), FileError> {
         // In one call: a run that is killed leaves whole rows, if the system can.
         self.file
             .write_all(rows.as_bytes())
             .map_err(|reason| FileError::Unwritable { path: self.path.clone(), reason })?;
-        self.blocks_done += 1;
+        self.blocks_done += blocks;
         Ok(())
     }
 

@@ -1,6 +1,7 @@
 //! The beam finger itself, linear or on a fine co-rotational mesh.
 
 use super::Truth;
+use finray_model::compliance::NodalCompliance;
 use finray_model::mesh::{FingerShape, MeshSizeError};
 use finray_model::sensing::Contact;
 use finray_model::statics::{Ladder, Statics, StaticsError};
@@ -28,6 +29,8 @@ pub struct MeshTruth<'m> {
     mesh: &'m Mesh,
     /// The equations, prepared once and copied for each contact.
     prepared: Statics<Ladder<'m>>,
+    /// The linear finger on its key nodes alone needs no equations of its own for any contact.
+    solved: Option<NodalCompliance>,
 }
 
 impl<'m> MeshTruth<'m> {
@@ -42,7 +45,31 @@ impl<'m> MeshTruth<'m> {
         Statics::ladder(mesh, Kinematics::Linear).accurate_equilibrium(&[mesh.frame_load(&push)?])?;
         let mut prepared = Statics::ladder(mesh, kinematics);
         prepared.equilibrium(&[])?;
-        Ok(MeshTruth { name, mesh, prepared })
+        let key_nodes_alone = mesh.node_count() == finger.key_node_count();
+        let solved = (key_nodes_alone && kinematics == Kinematics::Linear).then(|| NodalCompliance::new(finger));
+        Ok(MeshTruth { name, mesh, prepared, solved })
+    }
+
+    /// Shapes of the linear finger, multiples of that under 1 N.
+    ///
+    /// # Errors
+    /// [`StaticsError`] for a contact that is not on the finger, or one that cannot be solved.
+    fn multiples(
+        &self,
+        solved: &NodalCompliance,
+        contact: &Contact,
+        forces_n: &[f64],
+    ) -> Result<Vec<FingerShape>, StaticsError> {
+        let finger = self.mesh.finger();
+        let unit = solved.motions(&contact.unit_load(finger))?;
+        let shape = |force_n: &f64| {
+            FingerShape::new(finger, |node| {
+                let motion = unit[node.0 - 1] * *force_n;
+                (motion.xy(), motion.z)
+            })
+        };
+        let finite = |shape: &FingerShape| shape.largest_displacement_mm().is_finite();
+        Ok(forces_n.iter().take_while(|force_n| force_n.is_finite()).map(shape).take_while(finite).collect())
     }
 }
 
@@ -52,6 +79,9 @@ impl Truth for MeshTruth<'_> {
     }
 
     fn shapes(&self, contact: &Contact, forces_n: &[f64]) -> Vec<FingerShape> {
+        if let Some(Ok(shapes)) = self.solved.as_ref().map(|solved| self.multiples(solved, contact, forces_n)) {
+            return shapes;
+        }
         let Ok(load) = self.mesh.frame_load(&contact.unit_load(self.mesh.finger())) else { return Vec::new() };
         let (equilibria, _) = self.prepared.clone().path(&[load], forces_n);
         equilibria.iter().map(|equilibrium| self.mesh.shape(&equilibrium.motion)).collect()

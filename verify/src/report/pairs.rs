@@ -1,0 +1,221 @@
+//! Two contacts at once: which pairs of nodes can be trusted, and why neighbours are hard.
+
+use super::ReportError;
+use super::figures::{self, ColourScale, FigureError, Frame, PairCell, PairMatrix};
+use super::page::{Block, Figure, Section};
+use super::sections::{self, text};
+use super::table_two::nodes_in_words;
+use super::tables::percent;
+use crate::scatter::{Scatter, ScatterRow, TWO_FORCES_N};
+use crate::study::{NoiseStudy, Study};
+use serde::Serialize;
+
+pub(super) const CSV: &str = "pairs.csv";
+const EACH: &str = "Mean error of each force, %";
+const SUM: &str = "Mean error of the sum of both, %";
+const OVER_BOUND: &str = "Error of a force over its Cramer-Rao bound";
+/// Colours of errors: 0.1 to 100 %.
+const ERROR_COLOURS_PERCENT: [f64; 2] = [0.1, 100.0];
+/// Colours of errors over the bound.
+const BOUND_COLOURS: [f64; 2] = [0.8, 100.0];
+/// The two shades of the paper's Table I.
+const SHADES_PERCENT: [f64; 2] = [10.0, 25.0];
+
+/// One estimator at one pair of nodes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PairRow {
+    /// Contact nodes, by spaces.
+    pub nodes: String,
+    /// Name of the estimator.
+    pub estimator: String,
+    /// Standard deviation of one coordinate, mm.
+    pub noise_mm: f64,
+    /// Cases that were sensed.
+    pub cases: usize,
+    /// Cases that were refused.
+    pub refused: usize,
+    /// Mean of |sensed / true - 1| over both forces.
+    pub mean_error: Option<f64>,
+    /// The same for an estimator that reaches the Cramer-Rao bound.
+    pub mean_error_bound: Option<f64>,
+    /// Root mean square of a force's error over its bound, the worse of the two forces.
+    pub over_bound: Option<f64>,
+    /// Mean error of the sum of both forces.
+    pub sum_mean_error: Option<f64>,
+    /// Root mean square of the sum's error over its bound.
+    pub sum_over_bound: Option<f64>,
+    /// Largest over smallest singular value of the linear compliance of the two contacts.
+    pub condition_number: f64,
+}
+
+/// A row for each pair and estimator.
+pub(super) fn rows(noise: &NoiseStudy) -> impl Iterator<Item = PairRow> {
+    let estimators = [&noise.pairs, &noise.linear_pairs];
+    estimators.into_iter().flat_map(|rows| rows.iter().zip(&noise.condition_numbers).map(pair_row))
+}
+
+fn pair_row((row, &condition_number): (&ScatterRow, &f64)) -> PairRow {
+    PairRow {
+        nodes: nodes_in_words(&row.nodes, " "),
+        estimator: row.estimator.clone(),
+        noise_mm: row.noise_mm,
+        cases: row.cases,
+        refused: row.refused,
+        mean_error: row.mean_error(),
+        mean_error_bound: row.mean_error_bound(),
+        over_bound: worse_over_bound(row),
+        sum_mean_error: row.sum.map(|sum| sum.mean_error),
+        sum_over_bound: row.sum.and_then(|sum| Some(sum.bound?.over_bound)),
+        condition_number,
+    }
+}
+
+fn worse_over_bound(row: &ScatterRow) -> Option<f64> {
+    row.forces.iter().filter_map(|force: &Scatter| Some(force.bound?.over_bound)).reduce(f64::max)
+}
+
+pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
+    let Some(noise) = study.noise.as_ref().filter(|noise| !noise.pairs.is_empty()) else { return Ok(None) };
+    let cases = noise.pairs.iter().map(|row| row.cases).max().unwrap_or(0);
+    let mut blocks = vec![text(format!(
+        "The protocol of Table II (Fig. 12 of the paper) at every pair of contact nodes: forces of {} to {} N along the normal at \
+         both bend the large-rotation finger, {} mm of noise is added, and both forces are sensed from the same {cases} pictures by \
+         the nonlinear estimator (above the diagonal) and by linear least squares (below it).",
+        TWO_FORCES_N[0], TWO_FORCES_N[1], noise.noise_mm
+    ))];
+    blocks.extend(trusted(noise).map(text));
+    blocks.extend(neighbours(noise).map(text));
+    let each = |row: &ScatterRow| row.mean_error().map(|error| 100.0 * error);
+    let sum = |row: &ScatterRow| row.sum.map(|sum| 100.0 * sum.mean_error);
+    let errors = ERROR_COLOURS_PERCENT;
+    let figures = [
+        (EACH, "", matrix(noise, EACH, errors, &SHADES_PERCENT, each)?),
+        (SUM, "", matrix(noise, SUM, errors, &SHADES_PERCENT, sum)?),
+        (
+            OVER_BOUND,
+            " Root mean square, the worse of the two forces.",
+            matrix(noise, OVER_BOUND, BOUND_COLOURS, &[1.0], worse_over_bound)?,
+        ),
+    ];
+    let figures = figures.map(|(what, further, svg)| Figure {
+        svg,
+        caption: format!("{what}, by the two contact nodes: nonlinear above, linear below the diagonal.{further}"),
+        csv: Some(CSV.to_owned()),
+        wide: false,
+    });
+    blocks.push(Block::Figures { figures: figures.into() });
+    Ok(Some(sections::section("pairs", "Two contacts at once", blocks)))
+}
+
+/// One quantity of every pair, the nonlinear estimator above the diagonal.
+fn matrix(
+    noise: &NoiseStudy,
+    title: &str,
+    colours: [f64; 2],
+    levels: &[f64],
+    value: impl Fn(&ScatterRow) -> Option<f64>,
+) -> Result<String, FigureError> {
+    let mut nodes: Vec<usize> = noise.pairs.iter().flat_map(|row| row.nodes.clone()).collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    let cell = |row: usize, column: usize| {
+        let (rows, pair) = match row < column {
+            true => (&noise.pairs, [nodes[row], nodes[column]]),
+            false => (&noise.linear_pairs, [nodes[column], nodes[row]]),
+        };
+        let value = rows.iter().find(|row| row.nodes == pair).and_then(&value)?;
+        Some(PairCell { value, text: two_digits(value) })
+    };
+    figures::pair_matrix(&PairMatrix {
+        frame: Frame::half(
+            title,
+            format!(
+                "{title}, for every pair of contact nodes, by the nonlinear estimator and by linear least squares."
+            ),
+        ),
+        names: nodes.iter().map(ToString::to_string).collect(),
+        halves: ["nonlinear".to_owned(), "linear least squares".to_owned()],
+        cells: (0..nodes.len()).map(|row| (0..nodes.len()).map(|column| cell(row, column)).collect()).collect(),
+        value_label: title.to_owned(),
+        colours: ColourScale::log(colours[0], colours[1]),
+        levels: levels.to_vec(),
+    })
+}
+
+/// Short enough for a cell: 0.62, 2.4, 47.
+fn two_digits(value: f64) -> String {
+    match value {
+        value if value < 0.995 => format!("{value:.2}"),
+        value if value < 9.95 => format!("{value:.1}"),
+        value => format!("{value:.0}"),
+    }
+}
+
+/// Smallest and largest of some figures, as shares; `None` of none.
+fn range(figures: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+    figures.fold(None, |range, figure| match range {
+        None => Some([figure; 2]),
+        Some([low, high]) => Some([f64::min(low, figure), f64::max(high, figure)]),
+    })
+}
+
+fn between([low, high]: [f64; 2]) -> String {
+    format!("{} to {}", percent(low), percent(high))
+}
+
+/// Which pairs can be trusted.
+fn trusted(noise: &NoiseStudy) -> Option<String> {
+    let all = noise.pairs.len();
+    let within = |rows: &[ScatterRow], limit: f64| {
+        rows.iter().filter(|row| row.mean_error().is_some_and(|error| error <= limit)).count()
+    };
+    let sums = |rows: &[ScatterRow]| range(rows.iter().filter_map(|row| Some(row.sum?.mean_error)));
+    let bad: Vec<String> = noise
+        .pairs
+        .iter()
+        .filter(|row| row.mean_error().is_none_or(|error| error > 0.10))
+        .map(|row| nodes_in_words(&row.nodes, " and "))
+        .collect();
+    let except = match &bad[..] {
+        [] => "every pair can be trusted to 10 % with each of its forces".to_owned(),
+        bad => format!("all pairs but {} can be trusted to 10 % with each of their forces", bad.join(", ")),
+    };
+    Some(format!(
+        "Sensed with large rotations, {except}: {} of {all} err by less than 3 %, and their sum by {}. Linear least squares keeps \
+         10 % at {} of them, and its sum errs by {}.",
+        within(&noise.pairs, 0.03),
+        between(sums(&noise.pairs)?),
+        within(&noise.linear_pairs, 0.10),
+        between(sums(&noise.linear_pairs)?),
+    ))
+}
+
+/// Why neighbours are hard.
+fn neighbours(noise: &NoiseStudy) -> Option<String> {
+    let pairs = || noise.pairs.iter().zip(&noise.condition_numbers);
+    // Errors and condition numbers of pairs by how many nodes apart they are.
+    let apart = |wanted: fn(usize) -> bool| {
+        let of = pairs().filter(move |(row, _)| wanted(row.nodes[1] - row.nodes[0]));
+        let errors = range(of.clone().filter_map(|(row, _)| row.mean_error()))?;
+        Some((errors, range(of.map(|(_, condition)| *condition))?))
+    };
+    let (near_errors, near) = apart(|steps| steps == 1)?;
+    let (far_errors, far) = apart(|steps| steps > 2)?;
+    let over = |rows: &[ScatterRow]| range(rows.iter().filter_map(worse_over_bound));
+    let ([low, high], linear) = (over(&noise.pairs)?, over(&noise.linear_pairs)?);
+    Some(format!(
+        "Neighbours are hard because they bend the finger nearly alike: the two sensitivities are almost parallel, and what tells \
+         them apart is {:.1} to {:.1} times smaller than what they share (the condition number; {:.1} to {:.1} for nodes three or more \
+         apart). Each force of neighbours errs by {}, of nodes three or more apart by {}. No estimator could do better: the \
+         nonlinear one scatters by {low:.2} to {high:.2} of the Cramer-Rao bound (the worse force of each pair), linear least \
+         squares by {:.1} to {:.0} of it, as what it gets wrong of the shape is no noise.",
+        near[0],
+        near[1],
+        far[0],
+        far[1],
+        between(near_errors),
+        between(far_errors),
+        linear[0],
+        linear[1]
+    ))
+}
