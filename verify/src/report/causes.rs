@@ -9,6 +9,7 @@ use super::tables::{error, percent};
 use crate::causes::{
     Cause, CauseCell, CauseMap, ContactKnowledge, DIRECTION_OFF_DEG, PLACE_OFF_MM, Practice, REMEDIES,
 };
+use crate::explain::Explanation;
 use crate::study::{DRAWN_FORCE_N, Study};
 use finray_model::Finger;
 use finray_model::finger::Plate;
@@ -128,9 +129,10 @@ impl Region {
         }
     }
 
-    fn holds(self, finger: &Finger, cell: &CauseCell) -> bool {
-        let along = cell.s_mm / finger.plate_length_mm(Plate::Front);
-        let pressing = cell.angle_deg.abs() <= PRESSING_DEG;
+    /// Whether a place (mm from the base) and direction (degrees) are within, on a plate of this length.
+    fn covers(self, length_mm: f64, s_mm: f64, angle_deg: f64) -> bool {
+        let along = s_mm / length_mm;
+        let pressing = angle_deg.abs() <= PRESSING_DEG;
         match self {
             Region::Base => pressing && along <= NEAR_AN_END,
             Region::Middle => pressing && along > NEAR_AN_END && along < 1.0 - NEAR_AN_END,
@@ -148,8 +150,11 @@ struct Shares {
 
 impl Shares {
     fn of(finger: &Finger, map: &CauseMap, force_n: f64, region: Region) -> Option<Shares> {
+        let length_mm = finger.plate_length_mm(Plate::Front);
         let complete = |cell: &&CauseCell| {
-            cell.force_n == force_n && region.holds(finger, cell) && cell.shares.iter().all(Option::is_some)
+            cell.force_n == force_n
+                && region.covers(length_mm, cell.s_mm, cell.angle_deg)
+                && cell.shares.iter().all(Option::is_some)
         };
         let cells: Vec<(f64, &CauseCell)> =
             map.cells.iter().filter(complete).filter_map(|cell| Some((cell.rms_error?.powi(2), cell))).collect();
@@ -239,6 +244,7 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
         )),
         Block::Table(by_region(study)),
     ];
+    blocks.extend(mechanism(study).map(text));
     let figures: Vec<Figure> = drawn(study).map(|map| map_figure(study, map)).collect::<Result<_, _>>()?;
     blocks.push(Block::Figures { figures });
     let lines: Vec<Option<Figure>> = along(study).map(line_figure).collect::<Result<_, _>>()?;
@@ -419,6 +425,35 @@ fn by_region(study: &Study) -> Table {
         rows: study.causes.iter().map(of_map).collect(),
         csv: Some(CSV.to_owned()),
     }
+}
+
+/// What the finger's mechanics have to do with it: how strongly the markers tell a force, its place and its direction.
+fn mechanism(study: &Study) -> Option<String> {
+    let length_mm = study.finger.plate_length_mm(Plate::Front);
+    let mean = |region: Region, of: fn(&Explanation) -> Option<f64>| {
+        let cells = study.explanations.cells.iter();
+        let values: Vec<f64> =
+            cells.filter(|cell| region.covers(length_mm, cell.s_mm, cell.angle_deg)).filter_map(of).collect();
+        (!values.is_empty()).then(|| percent(values.iter().sum::<f64>() / values.len() as f64))
+    };
+    let list = |of: fn(&Explanation) -> Option<f64>| -> Option<String> {
+        let parts: Option<Vec<String>> = Region::ENDS_AND_MIDDLE
+            .iter()
+            .map(|region| Some(format!("{} {}", mean(*region, of)?, region.name().replace("middle", "in the middle"))))
+            .collect();
+        Some(parts?.join(", "))
+    };
+    let noise = list(|cell| cell.bound).filter(|_| study.noise_mm > 0.0);
+    let noise = noise
+        .map_or_else(String::new, |noise| format!(" Noise of {} mm leaves {noise} to any estimator.", study.noise_mm));
+    Some(format!(
+        "Why at the ends: a force near the clamp moves the finger little, and the more the farther out it acts, so a place 1 mm off \
+         changes what is sensed by {}, and whatever gives way at the clamp looks like force; near the tip the force acts where \
+         the plates are short and bend most of themselves, so their own modulus decides, and that of the rest does not. Per degree of \
+         wrong direction it is {}.{noise} (Means at {DRAWN_FORCE_N} N within {PRESSING_DEG} deg of the normal, finger as described.)",
+        list(|cell| cell.error_per_mm)?,
+        list(|cell| cell.error_per_deg)?
+    ))
 }
 
 /// Error at the nodes as remedies are taken one after the other.

@@ -19,7 +19,7 @@ pub(super) fn run(
     // What is assumed of a contact misleads the nonlinear model so far that it searches from many starts: its causes are found
     // along the normal only.
     let (places, step_deg, forces_n, also_along_the_normal) = match effort {
-        Effort::Quick => (12, 20.0, vec![DRAWN_FORCE_N], false),
+        Effort::Quick => (12, 40.0, vec![DRAWN_FORCE_N], false),
         Effort::Full => (24, 20.0, vec![MAP_FORCES_N[0], DRAWN_FORCE_N], true),
     };
     let (places_mm, angles_deg) = Grid::grid(finger, places, step_deg);

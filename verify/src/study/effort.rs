@@ -23,7 +23,7 @@ impl Effort {
     /// Calibrations of the digital twin, forces a node that are sensed on it, and sets of zones that are fitted.
     pub(super) fn twin(self) -> [usize; 3] {
         match self {
-            Effort::Quick => [3, 60, 1],
+            Effort::Quick => [3, 40, 1],
             Effort::Full => [10, 400, usize::MAX],
         }
     }
@@ -40,16 +40,16 @@ impl Effort {
     /// one of [`resolution`](Effort::resolution).
     pub(super) fn coarse_resolution(self) -> (usize, f64, usize) {
         match self {
-            Effort::Quick => (12, 40.0, 10),
+            Effort::Quick => (12, 40.0, 4),
             Effort::Full => (24, 10.0, 25),
         }
     }
 
-    /// Noise pictures a cell where the nonlinear estimator cannot explain what it sees.
-    pub(super) fn unexplained_pictures(self) -> usize {
+    /// The same where the nonlinear estimator cannot explain what it sees.
+    pub(super) fn coarsest_resolution(self) -> (usize, f64, usize) {
         match self {
-            Effort::Quick => 2,
-            Effort::Full => 5,
+            Effort::Quick => (6, 40.0, 1),
+            Effort::Full => (24, 20.0, 3),
         }
     }
 }

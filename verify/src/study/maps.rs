@@ -27,7 +27,7 @@ pub(super) struct Maps<'s> {
 enum Grid {
     Fine,
     Coarse,
-    /// The same for the drawn force alone, with few pictures: a shape that the nonlinear estimator cannot explain costs it a
+    /// The same for the drawn force alone, with noise, in few pictures: a shape that the nonlinear estimator cannot explain costs it a
     /// hundred times as much, as it searches from every start.
     Few,
     /// Contact nodes, along the normal: where there are networks.
@@ -126,10 +126,7 @@ impl Maps<'_> {
         let (places, step_deg, noise_pictures) = match grid {
             Grid::Fine | Grid::Nodes => self.effort.resolution(),
             Grid::Coarse => self.effort.coarse_resolution(),
-            Grid::Few => {
-                let (places, step_deg, _) = self.effort.coarse_resolution();
-                (places, step_deg, self.effort.unexplained_pictures())
-            }
+            Grid::Few => self.effort.coarsest_resolution(),
         };
         let (places_mm, angles_deg) = match grid {
             Grid::Nodes => {
@@ -143,7 +140,11 @@ impl Maps<'_> {
             places_mm,
             angles_deg,
             forces_n,
-            noise_levels_mm: self.noise_levels_mm.to_vec(),
+            noise_levels_mm: if few {
+                self.noise_levels_mm.last().copied().into_iter().collect()
+            } else {
+                self.noise_levels_mm.to_vec()
+            },
             noise_pictures,
             seed: 1,
         }

@@ -15,6 +15,8 @@ pub use effort::Effort;
 pub use noise::NoiseStudy;
 pub use shapes::BentFinger;
 
+use objects::Objects;
+
 use crate::causes::{CauseError, CauseMap};
 use crate::check::{Check, Comparison};
 use crate::contact_scene::study::{SceneStudy, SceneStudyError, SceneWithOutline};
@@ -219,7 +221,7 @@ impl Study {
             checks.extend(noise.iter().flat_map(NoiseStudy::checks));
         }
         let directions = directions::directions(&corotational, finger, noise_mm, effort, progress)?;
-        let (mut hard, mut lattice) = (Vec::new(), None);
+        let mut hard = Vec::new();
         let (mut two, mut networks, mut records) = (None, None, Records::default());
         if is_paper {
             let shipped = Networks::shipped()?;
@@ -237,18 +239,22 @@ impl Study {
             two = Some(table);
             records = Records::shipped()?;
             checks.extend(convergence.checks());
-            if let Some(theirs) = maps.iter().find(|map| map.truth == "corotational" && map.noise_mm == 0.0) {
-                progress.part("spring lattice", LatticeStudy::STEPS);
-                let noise = (&noise_levels_mm[..], effort.coarse_resolution().2);
-                let study = LatticeStudy::run(finger, effort, theirs, noise, &|| progress.step())?;
-                checks.extend(study.checks());
-                comparisons.extend(study.comparisons.iter().cloned());
-                lattice = Some(study);
-            }
             progress.part("hard cases", hard_cases::count());
             hard = hard_cases(finger, effort, &|| progress.step());
         }
-        let contact_scenes = objects::press_objects(given, is_paper, effort, progress)?;
+        let theirs = maps.iter().find(|map| map.truth == "corotational" && map.noise_mm == 0.0).filter(|_| is_paper);
+        let objects = Objects::of(given, is_paper, effort)?;
+        let lattice_steps = if theirs.is_some() { LatticeStudy::STEPS } else { 0 };
+        progress.part("lattice, objects", lattice_steps + objects.steps());
+        let settled = |theirs: &AccuracyMap| {
+            let noise = (&noise_levels_mm[..], effort.coarse_resolution().2);
+            LatticeStudy::run(finger, effort, theirs, noise, &|| progress.step())
+        };
+        // Each settles for long on a single thread.
+        let (lattice, contact_scenes) = rayon::join(|| theirs.map(settled).transpose(), || objects.press(progress));
+        let (lattice, contact_scenes) = (lattice?, contact_scenes?);
+        checks.extend(lattice.iter().flat_map(LatticeStudy::checks));
+        comparisons.extend(lattice.iter().flat_map(|study| study.comparisons.iter().cloned()));
         checks.extend(contact_scenes.iter().flat_map(SceneStudy::checks));
         if is_paper && scene.object.is_none() {
             checks.extend(contact_scenes.iter().flat_map(SceneStudy::shipped_checks));

@@ -8,31 +8,43 @@ use crate::contact_scene::study::{SceneStudy, SceneStudyError, SceneWithOutline}
 const QUICK_FINENESS: usize = 2;
 const QUICK_STEPS: usize = 3;
 
-/// Runs the scene's own object, or for the paper's finger without one the scenes that ship.
-pub(super) fn press_objects(
-    given: &SceneWithOutline,
-    is_paper: bool,
-    effort: Effort,
-    progress: &dyn Progress,
-) -> Result<Vec<SceneStudy>, SceneStudyError> {
-    let mut scenes = match &given.scene.object {
-        Some(_) => vec![(given.clone(), contact_scene::FINENESS)],
-        None if is_paper => contact_scene::study::shipped()?,
-        None => return Ok(Vec::new()),
-    };
-    let mut pictures = contact_scene::study::PICTURES;
-    if effort == Effort::Quick {
-        // The coarse lattice is not near enough to beams for a promise about noise.
-        pictures = 0;
-        scenes.truncate(1);
-        for (given, fineness) in &mut scenes {
-            *fineness = QUICK_FINENESS;
-            if let Some(object) = &mut given.scene.object {
-                object.steps = object.steps.min(QUICK_STEPS);
+/// Contact scenes that are to be run.
+pub(super) struct Objects {
+    /// Each with the fineness of its lattice.
+    scenes: Vec<(SceneWithOutline, usize)>,
+    pictures: usize,
+}
+
+impl Objects {
+    /// The scene's own object, or for the paper's finger without one the scenes that ship.
+    pub(super) fn of(given: &SceneWithOutline, is_paper: bool, effort: Effort) -> Result<Objects, SceneStudyError> {
+        let mut scenes = match &given.scene.object {
+            Some(_) => vec![(given.clone(), contact_scene::FINENESS)],
+            None if is_paper => contact_scene::study::shipped()?,
+            None => Vec::new(),
+        };
+        let mut pictures = contact_scene::study::PICTURES;
+        if effort == Effort::Quick {
+            // The coarse lattice is not near enough to beams for a promise about noise.
+            pictures = 0;
+            scenes.truncate(1);
+            for (given, fineness) in &mut scenes {
+                *fineness = QUICK_FINENESS;
+                if let Some(object) = &mut given.scene.object {
+                    object.steps = object.steps.min(QUICK_STEPS);
+                }
             }
         }
+        Ok(Objects { scenes, pictures })
     }
-    let steps = scenes.iter().filter_map(|(given, _)| given.scene.object.as_ref()).map(|object| object.steps).sum();
-    progress.part("contact scenes", steps);
-    contact_scene::study::run_all(&scenes, CAMERA_NOISE_MM, pictures, &|| progress.step())
+
+    /// How often progress is reported.
+    pub(super) fn steps(&self) -> usize {
+        self.scenes.iter().filter_map(|(given, _)| given.scene.object.as_ref()).map(|object| object.steps).sum()
+    }
+
+    /// Presses them onto the finger.
+    pub(super) fn press(&self, progress: &dyn Progress) -> Result<Vec<SceneStudy>, SceneStudyError> {
+        contact_scene::study::run_all(&self.scenes, CAMERA_NOISE_MM, self.pictures, &|| progress.step())
+    }
 }
