@@ -210,7 +210,7 @@ pub(super) fn verdict(study: &Study) -> Option<String> {
         let shares = Shares::of(&study.finger, map, DRAWN_FORCE_N, region)?;
         let (cause, share) = shares.largest()?;
         Some(format!(
-            "{} it is {} ({} of error, {} without it)",
+            "{} {} ({} of error, {} without it)",
             region.name().replace("middle", "in the middle"),
             cause.name(),
             percent(shares.rms_error),
@@ -221,12 +221,16 @@ pub(super) fn verdict(study: &Study) -> Option<String> {
     if parts.is_empty() {
         return None;
     }
-    let finger = if map.truth == "twin" {
-        "a finger that is softer at both ends, as the paper's seems to be"
-    } else {
-        "this finger"
+    let finger = match map.truth {
+        "twin" => "a finger that is softer at both ends, as the paper's seems to be",
+        _ => "this finger",
     };
-    Some(format!("What limits linear sensing of {DRAWN_FORCE_N} N on {finger}: {}.", parts.join(", ")))
+    let assumed = find(study, map.truth, Practice::LeastSquares, ContactKnowledge::Assumed)
+        .and_then(|map| Shares::of(&study.finger, map, DRAWN_FORCE_N, Region::Middle)?.largest())
+        .map_or_else(String::new, |(cause, _)| {
+            format!("; where a contact is only assumed, a {} costs most in the middle", cause.name())
+        });
+    Some(format!("What limits linear sensing of {DRAWN_FORCE_N} N on {finger}: {}{assumed}.", parts.join(", ")))
 }
 
 pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
@@ -396,30 +400,27 @@ fn line_figure(map: &CauseMap) -> Result<Option<Figure>, ReportError> {
 /// The largest causes region by region.
 fn by_region(study: &Study) -> Table {
     let mut columns = vec![Column::words("finger"), Column::words("sensed by"), Column::words("contact")];
-    columns.extend(Region::ENDS_AND_MIDDLE.iter().flat_map(|region| {
-        [Column::numbers(region.name()), Column::words("largest cause"), Column::numbers("left without it")]
-    }));
+    columns.extend(Region::ENDS_AND_MIDDLE.iter().map(|region| Column::words(region.name())));
     let of_map = |map: &CauseMap| {
-        let mut cells = [truth_in_words(map), estimator_in_words(map), map.contact.name()].map(Cell::plain).to_vec();
-        for region in Region::ENDS_AND_MIDDLE {
+        let region = |region: Region| {
             let Some(shares) = Shares::of(&study.finger, map, DRAWN_FORCE_N, region) else {
-                cells.extend([Cell::plain("refused"), Cell::plain(""), Cell::plain("")]);
-                continue;
+                return Cell::plain("refused");
             };
-            cells.push(error(shares.rms_error));
-            cells.extend(match shares.largest() {
-                Some((cause, share)) => {
-                    [Cell::plain(format!("{}, {}", cause.name(), percent(share))), error(shares.without(share))]
-                }
-                None => [Cell::plain("each hides others"), Cell::plain("")],
-            });
-        }
-        Row { cells }
+            let rms = error(shares.rms_error);
+            let why = match shares.largest() {
+                Some((cause, share)) => format!("{}, {} without it", cause.name(), percent(shares.without(share))),
+                None => "each hides others".to_owned(),
+            };
+            Cell { text: format!("{}: {why}", rms.text), ..rms }
+        };
+        let cells = [truth_in_words(map), estimator_in_words(map), map.contact.name()].map(Cell::plain);
+        Row { cells: cells.into_iter().chain(Region::ENDS_AND_MIDDLE.map(region)).collect() }
     };
     Table {
         caption: format!(
             "Root mean square error at {DRAWN_FORCE_N} N within {PRESSING_DEG} deg of the normal, the cause with the largest share of its \
-             square, and the error without that cause. Near an end: within a sixth of the plate's length."
+             square, and the error without that cause. Near an end: within a sixth of the plate's length. Grey above 10 %, dark above \
+             25 %"
         ),
         columns,
         rows: study.causes.iter().map(of_map).collect(),
@@ -461,7 +462,7 @@ fn remedies(study: &Study) -> Option<Table> {
     let map = find(study, "twin", Practice::LeastSquares, ContactKnowledge::Assumed)
         .or_else(|| find(study, "corotational", Practice::LeastSquares, ContactKnowledge::Assumed))?;
     let finger = &study.finger;
-    let mut columns = vec![Column::numbers("node"), Column::numbers("force, N"), Column::numbers("as it is")];
+    let mut columns = vec![Column::numbers("node"), Column::numbers("as it is")];
     columns.extend(REMEDIES.iter().map(|(name, _)| Column::numbers(format!("+ {name}"))));
     let cell = |value: Option<f64>| value.map_or_else(|| Cell::plain("refused"), error);
     let mut rows = Vec::new();
@@ -469,15 +470,14 @@ fn remedies(study: &Study) -> Option<Table> {
         let Some(s_mm) = finger.front_place_mm(node) else { continue };
         let at = map.cells.iter().filter(|cell| cell.angle_deg == 0.0 && (cell.s_mm - s_mm).abs() < 1e-9 * s_mm);
         for found in at {
-            let mut cells =
-                vec![Cell::plain(node.to_string()), Cell::plain(found.force_n.to_string()), cell(found.rms_error)];
+            let mut cells = vec![Cell::plain(node.to_string()), cell(found.rms_error)];
             cells.extend(found.remedied.iter().map(|value| cell(*value)));
             rows.push(Row { cells });
         }
     }
     Some(Table {
         caption: format!(
-            "What clears it: root mean square error along the normal on the finger {} by linear least squares, then with remedies taken \
+            "What clears it: root mean square error of {DRAWN_FORCE_N} N along the normal on the finger {} by linear least squares, then with remedies taken \
              one after the other. Grey above 10 %, dark above 25 %; what is left in the last column is noise.",
             truth_in_words(map)
         ),

@@ -16,29 +16,31 @@ pub(super) fn run(
     effort: Effort,
     progress: &dyn Progress,
 ) -> Result<Vec<CauseMap>, CauseError> {
-    // What is assumed of a contact misleads the nonlinear model so far that it searches from many starts: its causes are found
-    // along the normal only.
-    let (places, step_deg, forces_n, also_along_the_normal) = match effort {
-        Effort::Quick => (12, 40.0, vec![DRAWN_FORCE_N], false),
-        Effort::Full => (24, 20.0, vec![MAP_FORCES_N[0], DRAWN_FORCE_N], true),
+    let (places, step_deg, forces_n) = match effort {
+        Effort::Quick => (12, 40.0, vec![DRAWN_FORCE_N]),
+        Effort::Full => (24, 20.0, vec![MAP_FORCES_N[0], DRAWN_FORCE_N]),
     };
     let (places_mm, angles_deg) = Grid::grid(finger, places, step_deg);
-    let over_all = CauseRequest {
-        practices: match effort {
-            Effort::Quick => vec![(LeastSquares, Known)],
-            Effort::Full => vec![(LeastSquares, Known), (LeastSquares, Assumed), (Nonlinear, Known)],
-        },
-        places_mm,
-        angles_deg,
-        forces_n,
+    let of = |practices: &[_]| CauseRequest {
+        practices: practices.to_vec(),
+        places_mm: places_mm.clone(),
+        angles_deg: angles_deg.clone(),
+        forces_n: forces_n.clone(),
         noise_mm,
     };
-    let along = CauseRequest { practices: vec![(Nonlinear, Assumed)], angles_deg: vec![0.0], ..over_all.clone() };
+    // What is not known misleads the nonlinear model so far that it searches from many starts: fewer forces and directions
+    // then.
+    let requests = match effort {
+        Effort::Quick => vec![of(&[(LeastSquares, Known)])],
+        Effort::Full => vec![
+            of(&[(LeastSquares, Known)]),
+            CauseRequest { forces_n: vec![DRAWN_FORCE_N], ..of(&[(LeastSquares, Assumed), (Nonlinear, Known)]) },
+            CauseRequest { angles_deg: vec![0.0], forces_n: vec![DRAWN_FORCE_N], ..of(&[(Nonlinear, Assumed)]) },
+        ],
+    };
     let truths: Vec<_> = [("corotational", finger)].into_iter().chain(twin.map(|twin| ("twin", twin))).collect();
-    let mut requests = vec![&over_all];
-    requests.extend(also_along_the_normal.then_some(&along));
     let contacts = |request: &CauseRequest| request.places_mm.len() * request.angles_deg.len();
-    progress.part("causes", truths.len() * requests.iter().map(|request| contacts(request)).sum::<usize>());
+    progress.part("causes", truths.len() * requests.iter().map(contacts).sum::<usize>());
     let mut maps = Vec::new();
     for (truth, as_it_is) in truths {
         for request in &requests {
@@ -47,7 +49,7 @@ pub(super) fn run(
         if effort == Effort::Full {
             let shipped = Networks::shipped()?;
             let sensing = NetworkSensing { name: "network", networks: &shipped, finger, refuses: false };
-            let map = network::causes(truth, as_it_is, finger, &sensing, &over_all.forces_n, noise_mm)?;
+            let map = network::causes(truth, as_it_is, finger, &sensing, &forces_n, noise_mm)?;
             maps.extend((!map.cells.is_empty()).then_some(map));
         }
     }

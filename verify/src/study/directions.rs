@@ -11,7 +11,7 @@ use finray_model::{Finger, Mesh};
 /// for pictures that are refused after a search from every start.
 const PLACES: usize = 12;
 const STEP_DEG: f64 = 20.0;
-const PICTURES: usize = 16;
+const PICTURES: usize = 8;
 
 /// Nothing without noise, which makes it a question, nor in a quick study.
 pub(super) fn directions(

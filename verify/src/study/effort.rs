@@ -41,7 +41,7 @@ impl Effort {
     pub(super) fn coarse_resolution(self) -> (usize, f64, usize) {
         match self {
             Effort::Quick => (12, 40.0, 4),
-            Effort::Full => (24, 10.0, 25),
+            Effort::Full => (24, 10.0, 12),
         }
     }
 
@@ -49,7 +49,7 @@ impl Effort {
     pub(super) fn coarsest_resolution(self) -> (usize, f64, usize) {
         match self {
             Effort::Quick => (6, 40.0, 1),
-            Effort::Full => (24, 20.0, 3),
+            Effort::Full => (24, 20.0, 1),
         }
     }
 }
