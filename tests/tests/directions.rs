@@ -46,7 +46,7 @@ fn what_can_be_told_is_told_to_the_bound() {
         let force = over(cell.answers.force_error, cell.force_bound);
         assert!((angle - 1.0).abs() <= allowed && (force - 1.0).abs() <= allowed, "{angle} {force} {cell:?}");
     }
-    assert!(sure > STUDY.cells.len() / 4, "{sure} of {}", STUDY.cells.len());
+    assert!(sure >= 12, "{sure} cells say little");
 }
 
 /// Where no estimator could tell a direction to 60 degrees, much is refused, nothing is called told, and what is answered,

@@ -1,8 +1,13 @@
 //! Why sensing fails: maps of the largest cause, what each costs along the finger, and what clears it.
 
+mod drawings;
+mod rows;
+
+pub use rows::{CauseRow, CauseSummary};
+pub(super) use rows::{rows, summaries};
+
+use self::drawings::{line_figure, map_figure};
 use super::ReportError;
-use super::drawings::ALONG_THE_PLATE;
-use super::figures::{self, Axis, Category, CategoryMap, Frame, LineChart, Series};
 use super::page::{Block, Cell, Column, Figure, Row, Section, Table};
 use super::sections::{section as section_of, text};
 use super::tables::{error, percent};
@@ -13,99 +18,12 @@ use crate::explain::Explanation;
 use crate::study::{DRAWN_FORCE_N, Study};
 use finray_model::Finger;
 use finray_model::finger::Plate;
-use serde::Serialize;
 
 pub(super) const CSV: &str = "causes.csv";
-/// Below this an error needs no explanation: root mean square of sensed / true - 1.
-const SMALL_ERROR: f64 = 0.02;
-/// Less is not drawn, %.
-const LEAST_DRAWN_PERCENT: f64 = 0.1;
 /// Directions that count as pressing, degrees from the normal.
 const PRESSING_DEG: f64 = 20.0;
 /// Share of the plate's length at either end that counts as near it: two stretches of the paper's finger.
 const NEAR_AN_END: f64 = 1.0 / 6.0;
-
-/// How one way of sensing errs at one place and direction.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct CauseRow {
-    truth: &'static str,
-    estimator: &'static str,
-    contact: &'static str,
-    s_mm: f64,
-    angle_deg: f64,
-    force_n: f64,
-    /// Root mean square of sensed / true - 1.
-    rms_error: Option<f64>,
-    largest: Option<&'static str>,
-    noise: Option<f64>,
-    linearisation: Option<f64>,
-    discretisation: Option<f64>,
-    modulus: Option<f64>,
-    direction: Option<f64>,
-    place: Option<f64>,
-    base_compliance: Option<f64>,
-    tip_compliance: Option<f64>,
-    network_fit: Option<f64>,
-    rms_zones_calibrated: Option<f64>,
-    rms_and_nonlinear: Option<f64>,
-    rms_and_contact_known: Option<f64>,
-}
-
-/// A region of a map in a few figures.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct CauseSummary {
-    /// Name of the truth.
-    pub truth: &'static str,
-    /// How it is sensed.
-    pub estimator: &'static str,
-    /// Whether place and direction of the contact are known or assumed.
-    pub contact: &'static str,
-    /// True force, N.
-    pub force_n: f64,
-    /// Which cells: near the base, middle, near the tip, within 20 deg of the normal; or all.
-    pub region: &'static str,
-    /// Root mean square of sensed / true - 1 over the cells that are answered with each cause switched off.
-    pub rms_error: f64,
-    /// The cause with the largest share of the mean square error.
-    pub largest: Option<&'static str>,
-    /// Its share.
-    pub share: Option<f64>,
-    /// Root mean square of sensed / true - 1 without it.
-    pub rms_without: Option<f64>,
-}
-
-pub(super) fn rows(study: &Study) -> Vec<CauseRow> {
-    let of_map = |map: &CauseMap| {
-        let row = |cell: &CauseCell| {
-            let share = |cause: Cause| map.causes.iter().position(|other| *other == cause).and_then(|i| cell.shares[i]);
-            let remedied = |taken: usize| cell.remedied.get(taken).copied().flatten();
-            CauseRow {
-                truth: map.truth,
-                estimator: map.practice.name(),
-                contact: map.contact.name(),
-                s_mm: cell.s_mm,
-                angle_deg: cell.angle_deg,
-                force_n: cell.force_n,
-                rms_error: cell.rms_error,
-                largest: cell.largest().map(|(cause, _)| map.causes[cause].name()),
-                noise: share(Cause::Noise),
-                linearisation: share(Cause::Linearisation),
-                discretisation: share(Cause::Discretisation),
-                modulus: share(Cause::Modulus),
-                direction: share(Cause::Direction),
-                place: share(Cause::Place),
-                base_compliance: share(Cause::BaseCompliance),
-                tip_compliance: share(Cause::TipCompliance),
-                network_fit: share(Cause::NetworkFit),
-                rms_zones_calibrated: remedied(0),
-                rms_and_nonlinear: remedied(1),
-                rms_and_contact_known: remedied(2),
-            }
-        };
-        map.cells.iter().map(row).collect::<Vec<_>>()
-    };
-    study.causes.iter().flat_map(of_map).collect()
-}
 
 /// Cells of a map that are looked at together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -178,30 +96,6 @@ impl Shares {
     }
 }
 
-pub(super) fn summaries(study: &Study) -> Vec<CauseSummary> {
-    let mut all = Vec::new();
-    for map in &study.causes {
-        for &force_n in &map.request.forces_n {
-            for region in Region::ALL {
-                let Some(shares) = Shares::of(&study.finger, map, force_n, region) else { continue };
-                let largest = shares.largest();
-                all.push(CauseSummary {
-                    truth: map.truth,
-                    estimator: map.practice.name(),
-                    contact: map.contact.name(),
-                    force_n,
-                    region: region.name(),
-                    rms_error: shares.rms_error,
-                    largest: largest.map(|(cause, _)| cause.name()),
-                    share: largest.map(|(_, share)| share),
-                    rms_without: largest.map(|(_, share)| shares.without(share)),
-                });
-            }
-        }
-    }
-    all
-}
-
 /// What limits sensing near the base, in the middle and near the tip, in one sentence.
 pub(super) fn verdict(study: &Study) -> Option<String> {
     let map = find(study, "twin", Practice::LeastSquares, ContactKnowledge::Known)
@@ -211,8 +105,8 @@ pub(super) fn verdict(study: &Study) -> Option<String> {
         let (cause, share) = shares.largest()?;
         Some(format!(
             "{} {} ({} of error, {} without it)",
-            region.name().replace("middle", "in the middle"),
             cause.name(),
+            region.name().replace("middle", "in the middle"),
             percent(shares.rms_error),
             percent(shares.without(share))
         ))
@@ -293,113 +187,9 @@ fn practice_in_words(map: &CauseMap) -> String {
     format!("{}, contact {}", estimator_in_words(map), map.contact.name())
 }
 
-fn category(cause: Cause) -> Category {
-    // Okabe and Ito's colours, and two greys.
-    let (sign, colour) = match cause {
-        Cause::Noise => ("N", [0x56, 0xb4, 0xe9]),
-        Cause::Linearisation => ("L", [0xe6, 0x9f, 0x00]),
-        Cause::Discretisation => ("E", [0x8a, 0x8f, 0x98]),
-        Cause::Modulus => ("M", [0xcc, 0x79, 0xa7]),
-        Cause::Direction => ("D", [0x00, 0x9e, 0x73]),
-        Cause::Place => ("P", [0xf0, 0xe4, 0x42]),
-        Cause::BaseCompliance => ("B", [0x00, 0x72, 0xb2]),
-        Cause::TipCompliance => ("T", [0xd5, 0x5e, 0x00]),
-        Cause::NetworkFit => ("F", [0x5c, 0x60, 0x66]),
-    };
-    Category { label: cause.name().to_owned(), sign: sign.to_owned(), colour }
-}
-
-fn map_figure(study: &Study, map: &CauseMap) -> Result<Figure, ReportError> {
-    let (angles, places) = (map.request.angles_deg.len(), map.request.places_mm.len());
-    let (mut categories, small) =
-        (map.causes.iter().map(|cause| category(*cause)).collect::<Vec<_>>(), map.causes.len());
-    let hidden = small + 1;
-    categories.push(Category {
-        label: format!("error below {}", percent(SMALL_ERROR)),
-        sign: String::new(),
-        colour: [0xd9, 0xdd, 0xe2],
-    });
-    categories.push(Category {
-        label: "each hides others".to_owned(),
-        sign: "-".to_owned(),
-        colour: [0xa9, 0xae, 0xb5],
-    });
-    let of_cell = |place: usize, angle: usize| {
-        let mut at = map.cells.iter().filter(|cell| cell.force_n == DRAWN_FORCE_N);
-        let cell = at.nth(place * angles + angle)?;
-        Some(match cell.rms_error? {
-            rms if rms < SMALL_ERROR => small,
-            _ => cell.largest().map_or(hidden, |(cause, _)| cause),
-        })
-    };
-    let title =
-        format!("Largest cause at {DRAWN_FORCE_N} N, finger {}; {}", truth_in_words(map), practice_in_words(map));
-    let svg = figures::category_map(&CategoryMap {
-        frame: Frame::half(title.clone(), format!("{title}: by place along the front plate and direction.")),
-        x_label: ALONG_THE_PLATE.to_owned(),
-        x: map.request.places_mm.clone(),
-        y_label: "force direction, deg from normal (+ to tip)".to_owned(),
-        y: map.request.angles_deg.clone(),
-        y_ticks: (-2..=2).map(|i| f64::from(i) * 40.0).collect(),
-        categories,
-        values: (0..angles).map(|angle| (0..places).map(|place| of_cell(place, angle)).collect()).collect(),
-        missing_label: "no equilibrium or no answer".to_owned(),
-    })?;
-    let shares = Shares::of(&study.finger, map, DRAWN_FORCE_N, Region::All);
-    let over_all = shares.map_or_else(String::new, |shares| {
-        let list: Vec<_> = (shares.by_cause.iter().take(3).filter(|(_, share)| *share > 0.0))
-            .map(|(cause, share)| format!("{} {}", cause.name(), percent(*share)))
-            .collect();
-        format!(
-            " Over all cells, root mean square error {}; shares of its square: {}.",
-            percent(shares.rms_error),
-            list.join(", ")
-        )
-    });
-    Ok(Figure {
-        svg,
-        caption: format!("The cause whose absence lessens the error most.{over_all}"),
-        csv: Some(CSV.to_owned()),
-        wide: false,
-    })
-}
-
-/// `None` where nothing is large enough to be drawn.
-fn line_figure(map: &CauseMap) -> Result<Option<Figure>, ReportError> {
-    let title =
-        format!("Along the normal at {DRAWN_FORCE_N} N, finger {}; {}", truth_in_words(map), practice_in_words(map));
-    let cells = || map.cells.iter().filter(|cell| cell.angle_deg == 0.0 && cell.force_n == DRAWN_FORCE_N);
-    let shown = |point: [f64; 2]| (point[1] >= LEAST_DRAWN_PERCENT).then_some(point);
-    let of_cause = |(i, cause): (usize, &Cause)| {
-        let points = cells().filter_map(|cell| shown([cell.s_mm, 100.0 * cell.error_of(i)?])).collect();
-        Series { marker: None, ..Series::nth(i + 1, cause.name(), points) }
-    };
-    let all = cells().filter_map(|cell| shown([cell.s_mm, 100.0 * cell.rms_error?])).collect();
-    let all = Series { hue: figures::Hue::Neutral, ..Series::nth(0, "all causes", all) };
-    let series = std::iter::once(all).chain(map.causes.iter().enumerate().map(of_cause));
-    let series: Vec<Series> = series.filter(|series| !series.points.is_empty()).collect();
-    if series.is_empty() {
-        return Ok(None);
-    }
-    Ok(Some(Figure {
-        svg: figures::lines(&LineChart {
-            frame: Frame::half(title.clone(), format!("{title}: error by place, one line a cause.")),
-            x: Axis::linear(ALONG_THE_PLATE),
-            y: Axis::log("error that goes away with it, %"),
-            series,
-            references: Vec::new(),
-        })?,
-        caption:
-            "Root of the mean square error that goes away when a cause is switched off; zero for one that hides others."
-                .to_owned(),
-        csv: Some(CSV.to_owned()),
-        wide: false,
-    }))
-}
-
 /// The largest causes region by region.
 fn by_region(study: &Study) -> Table {
-    let mut columns = vec![Column::words("finger"), Column::words("sensed by"), Column::words("contact")];
+    let mut columns = vec![Column::words("finger, contact"), Column::words("sensed by")];
     columns.extend(Region::ENDS_AND_MIDDLE.iter().map(|region| Column::words(region.name())));
     let of_map = |map: &CauseMap| {
         let region = |region: Region| {
@@ -413,7 +203,8 @@ fn by_region(study: &Study) -> Table {
             };
             Cell { text: format!("{}: {why}", rms.text), ..rms }
         };
-        let cells = [truth_in_words(map), estimator_in_words(map), map.contact.name()].map(Cell::plain);
+        let what = format!("{}, {}", truth_in_words(map), map.contact.name());
+        let cells = [what, estimator_in_words(map).to_owned()].map(Cell::plain);
         Row { cells: cells.into_iter().chain(Region::ENDS_AND_MIDDLE.map(region)).collect() }
     };
     Table {

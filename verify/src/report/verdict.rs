@@ -102,7 +102,7 @@ fn trusted(study: &Study) -> Option<String> {
     let feels =
         feels.unwrap_or_else(|| format!("by linear least squares at {} of all places and directions", share(linear)));
     Some(format!(
-        "{noise} a force of {} is felt within {} {feels}; {}.",
+        "{noise} a force of {} at a known place, in a known direction, is felt within {} {feels}; {}.",
         forces_in_words(&linear.request.forces_n),
         percent(TRUSTED),
         weak_regions(study, nonlinear.unwrap_or(linear))

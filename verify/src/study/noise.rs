@@ -20,7 +20,7 @@ const MEAN_SCATTER: f64 = 1.1;
 const MEAN_STANDARD_ERRORS: f64 = 2.0;
 const PROMISED_NODES: std::ops::RangeInclusive<usize> = 14..=24;
 /// Contact nodes of which the mean error of a force (both forces taken together) is promised, and that error.
-pub const PROMISED_PAIRS: [([usize; 2], f64); 4] =
+const PROMISED_PAIRS: [([usize; 2], f64); 4] =
     [([19, 20], 0.03), ([16, 17], 0.03), ([18, 20], 0.012), ([16, 20], 0.012)];
 /// Mean error of the sum of two forces that is promised for them.
 const SUM_PROMISE: f64 = 0.008;
@@ -42,7 +42,7 @@ pub struct NoiseStudy {
     pub linear_pairs: Vec<ScatterRow>,
     /// Largest over smallest singular value of the linear finger's compliance, by `pairs`.
     pub condition_numbers: Vec<f64>,
-    /// [`PROMISED_PAIRS`] of the paper's finger by the nonlinear estimator, in more cases.
+    /// Pairs of the paper's finger for which errors are promised, by the nonlinear estimator, in more cases.
     pub promised: Vec<ScatterRow>,
 }
 
