@@ -154,8 +154,8 @@ fn maps_come_with_their_figures_and_their_cells() {
                 let mean = errors.iter().sum::<f64>() / errors.len() as f64;
                 let above = |limit: f64| errors.iter().filter(|e| **e > limit).count() as f64 / errors.len() as f64;
                 let number = |key: &str| map[key].as_f64().expect("a number");
-                assert_close(&[number("mean_error")], &[mean], LINEAR_ROUNDING);
-                assert_eq!((number("share_above_10"), number("share_above_25")), (above(0.1), above(0.25)));
+                let told = ["mean_error", "share_above_10", "share_above_25"].map(number);
+                assert_close(&told, &[mean, above(0.1), above(0.25)], LINEAR_ROUNDING);
             }
         }
     }
@@ -175,7 +175,8 @@ fn linear_sensing_of_the_linear_finger_errs_by_noise_alone() {
     assert!(error("linear", true) > 1e-3 && error("corotational", false) > 1e-2);
 }
 
-/// Every truth by every estimator for the paper's finger, without and with noise; elsewhere what exists.
+/// Every truth by every estimator for the paper's finger, without and with noise; elsewhere what exists. What the nonlinear
+/// estimator cannot explain is sensed with noise alone.
 #[test]
 fn every_truth_is_mapped_by_every_estimator() {
     let kinds = |report: &Report| {
@@ -189,7 +190,9 @@ fn every_truth_is_mapped_by_every_estimator() {
     let papers = kinds(&PAPERS);
     for truth in ["corotational", "lattice", "linear", "mujoco", "twin"] {
         for estimator in ["least-squares", "network", "nonlinear", "ridge"] {
-            for noisy in [false, true] {
+            let unexplained = estimator == "nonlinear" && ["linear", "twin"].contains(&truth);
+            for noisy in if unexplained { &[true][..] } else { &[false, true] } {
+                let noisy = *noisy;
                 assert!(
                     papers.contains(&(truth.to_owned(), estimator.to_owned(), noisy)),
                     "{truth}, {estimator}, {noisy}"
@@ -197,8 +200,9 @@ fn every_truth_is_mapped_by_every_estimator() {
             }
         }
     }
+    assert_eq!(papers.len(), 5 * 4 * 2 - 2);
     // Two truths, three estimators, two levels of noise.
-    assert_eq!((papers.len(), kinds(&SPRING_STEELS).len()), (40, 12));
+    assert_eq!(kinds(&SPRING_STEELS).len(), 2 * 3 * 2 - 1);
 }
 
 #[test]
@@ -334,7 +338,9 @@ fn networks_that_ship_keep_their_promises() {
 #[test]
 fn four_pairs_keep_their_promises() {
     let summary = PAPERS.summary();
-    let checks: Vec<_> = array(&summary, "checks").iter().filter(|check| check["source"] == "true forces").collect();
+    let of_pairs =
+        |check: &&Value| check["problem"].as_str().is_some_and(|text| text.starts_with("nonlinear sensing at nodes"));
+    let checks: Vec<_> = array(&summary, "checks").iter().filter(of_pairs).collect();
     let rows = Csv::of(&PAPERS.read("noise.csv"));
     let errors: Vec<(String, String, f64)> = rows
         .texts("nodes")

@@ -16,7 +16,7 @@ const LABEL_HEIGHT: f64 = LABEL_TEXT * 1.5;
 const BAR_HEIGHT: f64 = 18.0;
 const TICKS_HEIGHT: f64 = 6.0 + TICK_TEXT * 1.4;
 /// Steps of colour; so many that none is seen as a step.
-const STEPS: usize = 64;
+pub(super) const STEPS: usize = 64;
 
 /// A colour scale with its meaning.
 pub(super) struct ColourBar<'a> {

@@ -194,7 +194,7 @@ mod tests {
 
     /// Filled cells of the map itself, the colour bar's left out.
     fn cells(svg: &str) -> usize {
-        svg.matches("<rect ").count() - 64
+        svg.matches("<rect ").count() - colour_bar::STEPS
     }
 
     #[test]

@@ -135,7 +135,7 @@ mod tests {
     #[test]
     fn every_pair_is_drawn_and_written_in_both_halves() {
         let svg = pair_matrix(&matrix()).unwrap();
-        assert_eq!(svg.matches("<rect ").count() - 128, 6);
+        assert_eq!(svg.matches("<rect ").count() - colour_bar::STEPS, 6);
         for text in ["1.1", "1.2", "2.0", "2.2", "3.0", "3.1", "above: one", "below: the other", "n2"] {
             assert!(svg.contains(text), "{text}");
         }
