@@ -54,7 +54,8 @@ fn forces(criterion: &mut Criterion) {
     let meshes = speed_error::sensing_meshes(&finger);
     let beams = speed_error::beam_estimators(&meshes);
     let beams = beams.iter().map(|(estimator, setting)| (estimator as &dyn Estimator, setting.as_str()));
-    let estimators: Vec<(&dyn Estimator, &str)> = beams.chain([(&network as &dyn Estimator, "ships")]).collect();
+    let estimators: Vec<(&dyn Estimator, &str)> =
+        beams.chain([(&network as &dyn Estimator, "shipped networks")]).collect();
     let tasks = [
         (Task::SenseOne, speed_error::singles(&finger, NODES)),
         (Task::SenseNeighbours, speed_error::neighbours(&finger)),

@@ -36,6 +36,7 @@ fn one_map(
         angles_deg: vec![angle_deg],
         forces_n: vec![force_n],
         noise_mm,
+        zones_known: false,
     };
     causes("corotational", truth, &request, &|| ()).unwrap().remove(0)
 }

@@ -66,7 +66,11 @@ fn what_cannot_be_told_is_refused_or_open() {
     }
     assert!(count > 0);
     assert!(
-        STUDY.cells.iter().filter(|cell| cell.answers.told()).all(|cell| cell.angle_bound_deg < Some(1.3 * TOLD_DEG))
+        STUDY
+            .cells
+            .iter()
+            .filter(|cell| cell.answers.told())
+            .all(|cell| cell.angle_bound_deg.is_some_and(|bound| bound < 1.3 * TOLD_DEG))
     );
 }
 

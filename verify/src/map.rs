@@ -41,7 +41,7 @@ impl From<&sweep::Cell> for Cell {
             force_n: cell.force_n,
             mean_error: errors.map(|errors| errors.mean_error),
             bias: errors.map(|errors| errors.bias),
-            spread: errors.map(|errors| errors.spread),
+            spread: cell.spread(),
         }
     }
 }

@@ -14,6 +14,7 @@ pub(super) struct Sensor<'m> {
     pub contact: ContactKnowledge,
     pub models: &'m Models,
     pub noise_mm: f64,
+    pub zones_known: bool,
     /// The causes that there are.
     pub causes: Vec<Cause>,
 }
@@ -112,8 +113,8 @@ impl Sensor<'_> {
     ) -> Vec<Option<Squared>> {
         let on = |cause: Cause| !off.contains(&cause) && !self.contact.leaves_out().contains(&cause);
         let known = Known {
-            base: !on(Cause::BaseCompliance),
-            tip: !on(Cause::TipCompliance),
+            base: self.zones_known || !on(Cause::BaseCompliance),
+            tip: self.zones_known || !on(Cause::TipCompliance),
             modulus: !on(Cause::Modulus),
             bending: self.bending(off),
         };

@@ -145,6 +145,8 @@ pub struct CauseRequest {
     pub forces_n: Vec<f64>,
     /// Standard deviation of a measured coordinate, mm.
     pub noise_mm: f64,
+    /// Whether sensing knows the zones of the finger; they are a cause otherwise.
+    pub zones_known: bool,
 }
 
 /// The causes of one force at one place and direction.
@@ -181,9 +183,9 @@ impl CauseCell {
 
 /// What a user can do about errors, one after the other, with the causes that each takes away.
 pub const REMEDIES: [(&str, &[Cause]); 3] = [
-    ("zones calibrated", &[Cause::BaseCompliance, Cause::TipCompliance, Cause::Modulus]),
-    ("nonlinear, four elements a member", &[Cause::Linearisation, Cause::Discretisation]),
+    ("zones and modulus known", &[Cause::BaseCompliance, Cause::TipCompliance, Cause::Modulus]),
     ("place and direction known", &[Cause::Direction, Cause::Place]),
+    ("nonlinear, four elements a member", &[Cause::Linearisation, Cause::Discretisation]),
 ];
 
 /// The causes of one truth and practice on a grid.
@@ -226,8 +228,7 @@ pub enum CauseError {
     Network(#[from] finray_model::sensing::network::NetworkError),
 }
 
-/// The causes of every practice on a true finger, called `truth`. Zones of the finger are what sensing does not know of.
-/// `progress` is called once for every place and direction. The result does not depend on the number of threads.
+/// The causes of every practice on a true finger, called `truth`. `progress` is called once for every place and direction. The result does not depend on the number of threads.
 ///
 /// # Errors
 /// [`CauseError`] if the finger at rest cannot be solved or its modulus not calibrated.
@@ -245,7 +246,8 @@ pub fn causes(
         contact,
         models: &models,
         noise_mm: request.noise_mm,
-        causes: present(practice, contact, finger, request.noise_mm),
+        zones_known: request.zones_known,
+        causes: present(practice, contact, finger, request),
     };
     let sensors: Vec<Sensor> = request.practices.iter().map(sensor).collect();
     let contacts: Vec<_> =
@@ -268,11 +270,11 @@ pub fn causes(
 }
 
 /// The causes that there are.
-fn present(practice: Practice, contact: ContactKnowledge, finger: &Finger, noise_mm: f64) -> Vec<Cause> {
+fn present(practice: Practice, contact: ContactKnowledge, finger: &Finger, request: &CauseRequest) -> Vec<Cause> {
     let exists = |cause: &Cause| match cause {
-        Cause::Noise => noise_mm > 0.0,
-        Cause::BaseCompliance => models::has_zones(finger, End::Base),
-        Cause::TipCompliance => models::has_zones(finger, End::Tip),
+        Cause::Noise => request.noise_mm > 0.0,
+        Cause::BaseCompliance => !request.zones_known && models::has_zones(finger, End::Base),
+        Cause::TipCompliance => !request.zones_known && models::has_zones(finger, End::Tip),
         cause => !contact.leaves_out().contains(cause),
     };
     practice.causes().into_iter().filter(exists).collect()

@@ -39,7 +39,15 @@ pub fn causes(
     forces_n: &[f64],
     noise_mm: f64,
 ) -> Result<CauseMap, CauseError> {
-    let causes = present(Practice::Network, ContactKnowledge::Assumed, finger, noise_mm);
+    let mut request = CauseRequest {
+        practices: vec![(Practice::Network, ContactKnowledge::Assumed)],
+        places_mm: Vec::new(),
+        angles_deg: vec![0.0],
+        forces_n: forces_n.to_vec(),
+        noise_mm,
+        zones_known: false,
+    };
+    let causes = present(Practice::Network, ContactKnowledge::Assumed, finger, &request);
     let worlds = causes.iter().map(|cause| Some(*cause)).chain([None]);
     let worlds: Vec<World> =
         worlds.map(|off| World::without(off, truth, finger, believed)).collect::<Result<_, CauseError>>()?;
@@ -63,20 +71,8 @@ pub fn causes(
         forces_n.iter().enumerate().map(cell).collect()
     };
     let cells: Vec<CauseCell> = nodes.par_iter().with_max_len(1).flat_map_iter(cells).collect();
-    Ok(CauseMap {
-        request: CauseRequest {
-            practices: vec![(Practice::Network, ContactKnowledge::Assumed)],
-            places_mm: nodes.iter().filter_map(|node| believed.front_place_mm(*node)).collect(),
-            angles_deg: vec![0.0],
-            forces_n: forces_n.to_vec(),
-            noise_mm,
-        },
-        truth,
-        practice: Practice::Network,
-        contact: ContactKnowledge::Assumed,
-        causes,
-        cells,
-    })
+    request.places_mm = nodes.iter().filter_map(|node| believed.front_place_mm(*node)).collect();
+    Ok(CauseMap { request, truth, practice: Practice::Network, contact: ContactKnowledge::Assumed, causes, cells })
 }
 
 /// The finger and what is made of it, with one cause switched off.

@@ -263,19 +263,20 @@ fn without_friction(directions: &DirectionStudy) -> Option<String> {
             format!("{} (at worst {})", percent(mean), percent(errors.into_iter().fold(0.0, f64::max)))
         })
     };
-    let refused = |row: &&FrictionlessPush| row.answers.answered == 0 && row.answers.pictures > 0;
-    let unknown = directions.without_friction.iter().filter(|row| row.assumed == Assumption::Unknown);
-    let all = unknown.clone().count();
+    let of_all = |count: fn(&FrictionlessPush) -> usize| -> usize {
+        directions.without_friction.iter().filter(|row| row.assumed == Assumption::Unknown).map(count).sum()
+    };
+    let (pictures, answered) = (of_all(|row| row.answers.pictures), of_all(|row| row.answers.answered));
     let [small, _, large] = FORCES_N;
     Some(format!(
         "A contact without friction pushes along the normal of the deformed plate. Who assumes so has no direction to tell: the \
          force errs by {} at {small} N and by {} at {large} N, mean over the nodes, against {} and {} with the direction unknown \
-         (which is refused altogether at {} of {all} nodes and forces) and {} and {} with the undeformed normal assumed.",
+         (refused in {} of {pictures} pictures of all forces, which count in no error) and {} and {} with the undeformed normal assumed.",
         errors(Assumption::Normal, small)?,
         errors(Assumption::Normal, large)?,
         errors(Assumption::Unknown, small)?,
         errors(Assumption::Unknown, large)?,
-        unknown.filter(refused).count(),
+        pictures - answered,
         errors(Assumption::Undeformed, small)?,
         errors(Assumption::Undeformed, large)?,
     ))

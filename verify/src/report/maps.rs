@@ -151,10 +151,11 @@ fn overview(study: &Study, noisy: bool) -> Result<Figure, ReportError> {
     let noise = match (pictures("least-squares"), pictures("nonlinear")) {
         (Some(most), Some(fewer)) if noisy => {
             let few = study.map_by("linear", "nonlinear", noisy).map_or(fewer, |map| map.request.noise_pictures);
+            let (networks, twin) = if study.is_paper { (" and for networks", "the twin and ") } else { ("", "") };
             format!(
                 "with {} mm noise a coordinate: mean error of {most} pictures a cell for least squares on the large-rotation \
-                 and the linear finger and for networks, {few} for the nonlinear estimator on the twin and the linear finger, \
-                 which it cannot explain, {fewer} for all others",
+                 and the linear finger{networks}, {few} for the nonlinear estimator on {twin}the linear finger, which it cannot \
+                 explain, {fewer} for all others",
                 study.noise_mm
             )
         }

@@ -202,19 +202,22 @@ fn neighbours(noise: &NoiseStudy) -> Option<String> {
     let (near_errors, near) = apart(|steps| steps == 1)?;
     let (far_errors, far) = apart(|steps| steps > 2)?;
     let over = |rows: &[ScatterRow]| range(rows.iter().filter_map(worse_over_bound));
+    let cases = noise.pairs.iter().map(|row| row.cases).min()?;
     let ([low, high], linear) = (over(&noise.pairs)?, over(&noise.linear_pairs)?);
     Some(format!(
         "Neighbours are hard because they bend the finger nearly alike: the two sensitivities are almost parallel, and what tells \
          them apart is {:.1} to {:.1} times smaller than what they share (the condition number; {:.1} to {:.1} for nodes three or more \
-         apart). Each force of neighbours errs by {}, of nodes three or more apart by {}. No estimator could do better: the \
-         nonlinear one scatters by {low:.2} to {high:.2} of the Cramer-Rao bound (the worse force of each pair), linear least \
-         squares by {:.1} to {:.0} of it, as what it gets wrong of the shape is no noise.",
+         apart). Each force of neighbours errs by {}, of nodes three or more apart by {}. No unbiased estimator does \
+         better: the nonlinear one errs by {low:.2} to {high:.2} of the Cramer-Rao bound (root mean square, the worse force of each pair; \
+         {cases} cases leave {:.0} % to chance), linear least squares by {:.1} to {:.0} of it, as what it gets wrong of the shape is \
+         no noise.",
         near[0],
         near[1],
         far[0],
         far[1],
         between(near_errors),
         between(far_errors),
+        100.0 / (2.0 * cases as f64).sqrt(),
         linear[0],
         linear[1]
     ))

@@ -7,7 +7,7 @@ use crate::estimators::EstimatorKind;
 use crate::map::AccuracyMap;
 use crate::networks::accuracy::NAME as NETWORK;
 use crate::scatter::ScatterRow;
-use crate::speed_error::{SpeedErrorPoint, Task};
+use crate::speed_error::{SpeedErrorPoint, Task, TimedBy};
 use crate::study::Study;
 use finray_model::finger::Plate;
 
@@ -34,7 +34,7 @@ pub(super) fn lead(study: &Study) -> Result<Option<Figure>, ReportError> {
         svg: drawings::map_picture(&study.finger, map, None)?,
         caption: format!(
             "Error of one force by its place and direction, sensed by {}{}; mean over {}. Inside the line of 10 % it can be \
-             trusted.",
+             trusted on average.",
             in_words(&map.estimator),
             noise_in_words(map.noise_mm),
             forces_in_words(&map.request.forces_n)
@@ -102,24 +102,23 @@ fn trusted(study: &Study) -> Option<String> {
     let feels =
         feels.unwrap_or_else(|| format!("by linear least squares at {} of all places and directions", share(linear)));
     Some(format!(
-        "{noise} a force of {} at a known place, in a known direction, is felt within {} {feels}; {}.",
+        "{noise} a force of {} at a known place, in a known direction, is felt within {} (mean error, each of the forces) {feels}; {}.",
         forces_in_words(&linear.request.forces_n),
         percent(TRUSTED),
         weak_regions(study, nonlinear.unwrap_or(linear))
     ))
 }
 
-/// Share of the cells of a region, by place over the plate's length and angle in degrees, whose error is trusted. A cell without
-/// answer is not.
+/// Share of the cells of a region, by place over the plate's length and angle in degrees, whose error is trusted under each of the
+/// forces. A cell without answer is not.
 fn share(study: &Study, map: &AccuracyMap, region: impl Fn(f64, f64) -> bool) -> f64 {
     let length_mm = study.finger.plate_length_mm(Plate::Front);
     let (mut all, mut kept) = (0_usize, 0_usize);
-    for (angle_deg, row) in map.request.angles_deg.iter().zip(map.errors(None)) {
-        for (s_mm, error) in map.request.places_mm.iter().zip(row) {
-            if region(s_mm / length_mm, *angle_deg) {
-                all += 1;
-                kept += usize::from(error.is_some_and(|error| error <= TRUSTED));
-            }
+    let forces = map.request.forces_n.len();
+    for cells in map.cells.chunks(forces) {
+        if region(cells[0].s_mm / length_mm, cells[0].angle_deg) {
+            all += 1;
+            kept += usize::from(cells.iter().all(|cell| cell.mean_error.is_some_and(|error| error <= TRUSTED)));
         }
     }
     kept as f64 / all.max(1) as f64
@@ -181,7 +180,10 @@ pub(super) fn limit(study: &Study) -> Option<String> {
 fn cost(study: &Study) -> Option<String> {
     let points = |task: Task, model: &str| -> Vec<&SpeedErrorPoint> {
         let of_task = study.speed_error.iter().filter(|point| point.task == task && point.model == model);
-        of_task.filter(|point| point.error.is_finite() && point.seconds.is_finite()).collect()
+        of_task
+            .filter(|point| !matches!(point.timed_by, TimedBy::OtherProgram { .. }))
+            .filter(|point| point.error.is_finite() && point.seconds.is_finite())
+            .collect()
     };
     let chosen = |model: &str| {
         let points = points(Task::SenseOne, model);

@@ -27,6 +27,7 @@ pub(super) fn run(
         angles_deg: angles_deg.clone(),
         forces_n: forces_n.clone(),
         noise_mm,
+        zones_known: true,
     };
     // What is not known misleads the nonlinear model so far that it searches from many starts: fewer forces and directions
     // then.
@@ -44,7 +45,9 @@ pub(super) fn run(
     let mut maps = Vec::new();
     for (truth, as_it_is) in truths {
         for request in &requests {
-            maps.extend(causes::causes(truth, as_it_is, request, &|| progress.step())?);
+            // A finger is known as it is described; what its twin has besides is not.
+            let request = CauseRequest { zones_known: truth != "twin", ..request.clone() };
+            maps.extend(causes::causes(truth, as_it_is, &request, &|| progress.step())?);
         }
         if effort == Effort::Full {
             let shipped = Networks::shipped()?;

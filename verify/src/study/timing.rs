@@ -33,7 +33,7 @@ pub(super) fn time_and_compare(
     if noise_mm > 0.0 {
         let shipped = Networks::shipped()?;
         let sensing = NetworkSensing { name: accuracy::NAME, networks: &shipped, finger, refuses: true };
-        let further: &[(&dyn Estimator, &str)] = if is_paper { &[(&sensing, "ships")] } else { &[] };
+        let further: &[(&dyn Estimator, &str)] = if is_paper { &[(&sensing, "shipped networks")] } else { &[] };
         points.extend(speed_error::sensing(fine, noise_mm, nodes, pictures, further)?);
     }
     progress.step();

@@ -75,6 +75,14 @@ pub struct Errors {
     pub sigma_n: Option<f64>,
 }
 
+impl Cell {
+    /// Standard deviation of sensed / true over the noise; `None` where a single noisy picture was answered, or none.
+    pub fn spread(&self) -> Option<f64> {
+        let told = self.noise_mm == 0.0 || self.outcome.answered > 1;
+        self.outcome.errors.filter(|_| told).map(|errors| errors.spread)
+    }
+}
+
 impl<'s> Sweep<'s> {
     /// Sets up a sweep; all cells see the same noise pictures.
     pub fn new(

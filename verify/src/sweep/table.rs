@@ -75,7 +75,7 @@ impl<'c> Row<'c> {
             answered: outcome.answered,
             mean_error: outcome.errors.map(|errors| errors.mean_error),
             bias: outcome.errors.map(|errors| errors.bias),
-            spread: outcome.errors.map(|errors| errors.spread),
+            spread: cell.spread(),
             sigma_n: outcome.errors.and_then(|errors| errors.sigma_n),
             // A row is a line: rows are counted by their ends.
             refusal: outcome.refusal.as_ref().map(|text| text.split_whitespace().collect::<Vec<_>>().join(" ")),

@@ -1,10 +1,11 @@
 //! Pictures of causes: the largest one over place and direction, and what each costs along the finger.
 
-use super::{CSV, Region, Shares, practice_in_words, truth_in_words};
-use crate::causes::{Cause, CauseMap};
+use super::shares::{Region, Shares};
+use super::{CSV, practice_in_words, truth_in_words};
+use crate::causes::{Cause, CauseCell, CauseMap};
 use crate::report::ReportError;
 use crate::report::drawings::ALONG_THE_PLATE;
-use crate::report::figures::{self, Axis, Category, CategoryMap, Dash, Frame, Hue, LineChart, Series};
+use crate::report::figures::{self, Axis, Category, CategoryMap, Dash, Frame, Hue, LineChart, Marker, Point, Series};
 use crate::report::page::Figure;
 use crate::report::tables::percent;
 use crate::study::{DRAWN_FORCE_N, Study};
@@ -83,8 +84,8 @@ pub(super) fn map_figure(study: &Study, map: &CauseMap) -> Result<Figure, Report
     })?;
     let shares = Shares::of(&study.finger, map, DRAWN_FORCE_N, Region::All);
     let over_all = shares.map_or_else(String::new, |shares| {
-        let list: Vec<_> = (shares.by_cause.iter().take(3).filter(|(_, share)| *share > 0.0))
-            .map(|(cause, share)| format!("{} {}", cause.name(), percent(*share)))
+        let list: Vec<_> = (shares.by_cause.iter().take(3).filter(|of| of.share > 0.0))
+            .map(|of| format!("{} {}", of.cause.name(), percent(of.share)))
             .collect();
         format!(
             " Over all cells, root mean square error {}; shares of its square: {}.",
@@ -105,16 +106,17 @@ pub(super) fn line_figure(map: &CauseMap) -> Result<Option<Figure>, ReportError>
     let title =
         format!("Along the normal at {DRAWN_FORCE_N} N, finger {}; {}", truth_in_words(map), practice_in_words(map));
     let cells = || map.cells.iter().filter(|cell| cell.angle_deg == 0.0 && cell.force_n == DRAWN_FORCE_N);
-    let shown = |point: [f64; 2]| (point[1] >= LEAST_DRAWN_PERCENT).then_some(point);
-    let of_cause = |(i, cause): (usize, &Cause)| {
-        let points = cells().filter_map(|cell| shown([cell.s_mm, 100.0 * cell.error_of(i)?])).collect();
-        let (hue, dash) = line(*cause);
-        Series { marker: None, hue, dash: Some(dash), ..Series::nth(i, cause.name(), points) }
+    let shown = |cell: &CauseCell, error: Option<f64>| {
+        let percent = 100.0 * error?;
+        (percent >= LEAST_DRAWN_PERCENT).then_some([cell.s_mm, percent])
     };
-    let all = cells().filter_map(|cell| shown([cell.s_mm, 100.0 * cell.rms_error?])).collect();
-    let all = Series { hue: Hue::Neutral, ..Series::nth(0, "all causes", all) };
-    let series = std::iter::once(all).chain(map.causes.iter().enumerate().map(of_cause));
-    let series: Vec<Series> = series.filter(|series| !series.points.is_empty()).collect();
+    let all = Series { hue: Hue::Neutral, ..Series::nth(0, "all causes", Vec::new()) };
+    let mut series = pieces(&all, cells().map(|cell| shown(cell, cell.rms_error)));
+    for (i, cause) in map.causes.iter().enumerate() {
+        let (hue, dash) = line(*cause);
+        let of_cause = Series { marker: None, hue, dash: Some(dash), ..Series::nth(i, cause.name(), Vec::new()) };
+        series.extend(pieces(&of_cause, cells().map(|cell| shown(cell, cell.error_of(i)))));
+    }
     if series.is_empty() {
         return Ok(None);
     }
@@ -133,4 +135,35 @@ pub(super) fn line_figure(map: &CauseMap) -> Result<Option<Figure>, ReportError>
         csv: Some(CSV.to_owned()),
         wide: false,
     }))
+}
+
+/// A series broken where there is no point; the legend has it once. A point on its own is marked, or it would not be seen.
+fn pieces(whole: &Series, points: impl Iterator<Item = Option<Point>>) -> Vec<Series> {
+    let points: Vec<Option<Point>> = points.collect();
+    let runs = points.chunk_by(|one, next| one.is_some() == next.is_some());
+    let runs = runs.map(|run| run.iter().copied().flatten().collect::<Vec<Point>>()).filter(|run| !run.is_empty());
+    let piece = |(i, points): (usize, Vec<Point>)| Series {
+        label: if i == 0 { whole.label.clone() } else { String::new() },
+        marker: whole.marker.or((points.len() == 1).then_some(Marker::Circle)),
+        points,
+        ..whole.clone()
+    };
+    runs.enumerate().map(piece).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_ends_where_points_are_missing() {
+        let points = [Some([0.0, 1.0]), Some([1.0, 1.0]), None, None, Some([4.0, 1.0])];
+        let whole = Series { marker: None, ..Series::nth(0, "noise", Vec::new()) };
+        let found = pieces(&whole, points.into_iter());
+        let lengths: Vec<usize> = found.iter().map(|piece| piece.points.len()).collect();
+        assert_eq!(lengths, [2, 1]);
+        assert_eq!((found[0].label.as_str(), found[1].label.as_str()), ("noise", ""));
+        assert_eq!((found[0].marker, found[1].marker), (None, Some(Marker::Circle)));
+        assert!(pieces(&whole, [None, None].into_iter()).is_empty());
+    }
 }

@@ -1,6 +1,6 @@
 //! Causes as rows: the file behind the section, and what the summary has of it.
 
-use super::{Region, Shares};
+use super::shares::{Region, Shares};
 use crate::causes::{Cause, CauseCell, CauseMap};
 use crate::study::Study;
 use serde::Serialize;
@@ -26,9 +26,9 @@ pub struct CauseRow {
     base_compliance: Option<f64>,
     tip_compliance: Option<f64>,
     network_fit: Option<f64>,
-    rms_zones_calibrated: Option<f64>,
-    rms_and_nonlinear: Option<f64>,
+    rms_zones_and_modulus_known: Option<f64>,
     rms_and_contact_known: Option<f64>,
+    rms_and_nonlinear: Option<f64>,
 }
 
 /// A region of a map in a few figures.
@@ -42,16 +42,22 @@ pub struct CauseSummary {
     pub contact: &'static str,
     /// True force, N.
     pub force_n: f64,
-    /// Which cells: near the base, middle, near the tip, within 20 deg of the normal; or all.
+    /// Which cells: near the base, middle, near the tip, along the normal; or all.
     pub region: &'static str,
-    /// Root mean square of sensed / true - 1 over the cells that are answered with each cause switched off.
+    /// Number of cells.
+    pub cells: usize,
+    /// Those that are answered with every cause.
+    pub answered: usize,
+    /// Root mean square of sensed / true - 1 over these.
     pub rms_error: f64,
     /// The cause with the largest share of the mean square error.
     pub largest: Option<&'static str>,
-    /// Its share.
+    /// Its share; cells that are not answered without it count as if nothing went away.
     pub share: Option<f64>,
-    /// Root mean square of sensed / true - 1 without it.
+    /// Root mean square of sensed / true - 1 without it, over the cells that are answered then.
     pub rms_without: Option<f64>,
+    /// Number of these.
+    pub cells_without: Option<usize>,
 }
 
 pub(in crate::report) fn rows(study: &Study) -> Vec<CauseRow> {
@@ -77,9 +83,9 @@ pub(in crate::report) fn rows(study: &Study) -> Vec<CauseRow> {
                 base_compliance: share(Cause::BaseCompliance),
                 tip_compliance: share(Cause::TipCompliance),
                 network_fit: share(Cause::NetworkFit),
-                rms_zones_calibrated: remedied(0),
-                rms_and_nonlinear: remedied(1),
-                rms_and_contact_known: remedied(2),
+                rms_zones_and_modulus_known: remedied(0),
+                rms_and_contact_known: remedied(1),
+                rms_and_nonlinear: remedied(2),
             }
         };
         map.cells.iter().map(row).collect::<Vec<_>>()
@@ -101,9 +107,12 @@ pub(in crate::report) fn summaries(study: &Study) -> Vec<CauseSummary> {
                     force_n,
                     region: region.name(),
                     rms_error: shares.rms_error,
-                    largest: largest.map(|(cause, _)| cause.name()),
-                    share: largest.map(|(_, share)| share),
-                    rms_without: largest.map(|(_, share)| shares.without(share)),
+                    cells: shares.cells,
+                    answered: shares.answered,
+                    largest: largest.map(|of| of.cause.name()),
+                    share: largest.map(|of| of.share),
+                    rms_without: largest.map(|of| of.rms_without),
+                    cells_without: largest.map(|of| of.cells),
                 });
             }
         }

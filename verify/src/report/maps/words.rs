@@ -34,7 +34,6 @@ pub(super) fn findings(study: &Study) -> Vec<String> {
     sentences.extend(study.map("corotational", noisy).and_then(|map| kind_of_error(study, map)));
     sentences.extend(study.map("twin", noisy).and_then(|map| kind_of_error(study, map)));
     if noisy {
-        sentences.extend(study.map_by("corotational", "nonlinear", true).and_then(|map| reaches_bound(study, map)));
         sentences.extend(bound(study));
         sentences.extend(unknown_direction(study));
     }
@@ -109,30 +108,6 @@ fn kind_of_error(study: &Study, map: &AccuracyMap) -> Option<String> {
 
 fn fails(cell: &Cell) -> bool {
     cell.mean_error.is_some_and(|error| error > GREY)
-}
-
-fn explained<'s>(study: &'s Study, cell: &Cell) -> Option<&'s Explanation> {
-    let here = |other: &&Explanation| other.s_mm == cell.s_mm && other.angle_deg == cell.angle_deg;
-    study.explanations.cells.iter().find(here)
-}
-
-/// How near the nonlinear estimator comes to the bound, and what its failing cells have in common.
-fn reaches_bound(study: &Study, map: &AccuracyMap) -> Option<String> {
-    let with_bound = || drawn(map).filter_map(move |cell| Some((cell, explained(study, cell)?.bound?)));
-    let ratio = median(with_bound().filter_map(|(cell, bound)| Some(cell.spread? / bound)))?;
-    let of = |wanted: bool| median(with_bound().filter(|(cell, _)| fails(cell) == wanted).map(|(_, bound)| bound));
-    let common = of(true).zip(of(false)).map_or_else(String::new, |(inside, outside)| {
-        format!(
-            " Where it errs by more than {} the bound is {} in the median, elsewhere {}: there the pictures do not tell more.",
-            percent(GREY),
-            percent(inside),
-            percent(outside)
-        )
-    });
-    Some(format!(
-        "On the finger that it knows, the nonlinear estimator scatters by {ratio:.2} times the Cramer-Rao bound in the median over \
-         the cells: what it leaves is the noise's doing.{common}"
-    ))
 }
 
 /// A quantity by direction and by place: medians of pressing and tangential directions, of base, middle and tip.
