@@ -38,11 +38,12 @@ pub(super) fn verdict(study: &Study) -> Option<String> {
         "twin" => "a finger that is softer at both ends, as the paper's seems to be",
         _ => "this finger",
     };
-    let assumed = find(study, map.truth, Practice::LeastSquares, ContactKnowledge::Assumed)
-        .and_then(|map| Shares::of(&study.finger, map, DRAWN_FORCE_N, Region::Middle)?.largest())
-        .map_or_else(String::new, |largest| {
-            format!("; where a contact is only assumed, in the middle it is {}", largest.cause.name())
-        });
+    let in_the_middle =
+        |map: &CauseMap| Some(Shares::of(&study.finger, map, DRAWN_FORCE_N, Region::Middle)?.largest()?.cause);
+    let assumed = find(study, map.truth, Practice::LeastSquares, ContactKnowledge::Assumed).and_then(in_the_middle);
+    let assumed = assumed.filter(|cause| Some(*cause) != in_the_middle(map)).map_or_else(String::new, |cause| {
+        format!("; where a contact is only assumed, in the middle it is {}", cause.name())
+    });
     Some(format!(
         "What limits linear sensing of {DRAWN_FORCE_N} N along the normal on {finger}: {}{assumed}.",
         parts.join(", ")
