@@ -7,7 +7,7 @@ mod shares;
 pub use rows::{CauseRow, CauseSummary};
 pub(super) use rows::{rows, summaries};
 
-use self::drawings::{line_figure, map_figure};
+use self::drawings::{clearing, line_figure, map_figure};
 use self::shares::{Region, Shares};
 use super::ReportError;
 use super::page::{Block, Cell, Column, Figure, Row, Section, Table};
@@ -70,6 +70,7 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
     blocks.push(Block::Figures { figures });
     let lines: Vec<Option<Figure>> = along(study).map(line_figure).collect::<Result<_, _>>()?;
     blocks.push(Block::Figures { figures: lines.into_iter().flatten().collect() });
+    blocks.extend(clearing(study)?.map(Block::Figure));
     blocks.extend(remedies(study).map(Block::Table));
     Ok(Some(section_of("causes", "Why sensing fails", blocks)))
 }

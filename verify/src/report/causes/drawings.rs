@@ -2,13 +2,16 @@
 
 use super::shares::{Region, Shares};
 use super::{CSV, practice_in_words, truth_in_words};
-use crate::causes::{Cause, CauseCell, CauseMap};
+use crate::causes::{Cause, CauseCell, CauseMap, ContactKnowledge, Practice, REMEDIES};
 use crate::report::ReportError;
-use crate::report::drawings::ALONG_THE_PLATE;
-use crate::report::figures::{self, Axis, Category, CategoryMap, Dash, Frame, Hue, LineChart, Marker, Point, Series};
+use crate::report::drawings::{ALONG_THE_PLATE, DIRECTION_AXIS, PAPER_SHADES_PERCENT};
+use crate::report::figures::{
+    self, Axis, Category, CategoryMap, Dash, Frame, Hue, LineChart, MapGrid, MapRow, Marker, Point, Series, SmallMap,
+};
 use crate::report::page::Figure;
 use crate::report::tables::percent;
 use crate::study::{DRAWN_FORCE_N, Study};
+use finray_model::finger::Plate;
 
 /// Below this an error needs no explanation: root mean square of sensed / true - 1.
 const SMALL_ERROR: f64 = 0.02;
@@ -75,7 +78,7 @@ pub(super) fn map_figure(study: &Study, map: &CauseMap) -> Result<Figure, Report
         frame: Frame::half(title.clone(), format!("{title}: by place along the front plate and direction.")),
         x_label: ALONG_THE_PLATE.to_owned(),
         x: map.request.places_mm.clone(),
-        y_label: "force direction, deg from normal (+ to tip)".to_owned(),
+        y_label: DIRECTION_AXIS.to_owned(),
         y: map.request.angles_deg.clone(),
         y_ticks: (-2..=2).map(|i| f64::from(i) * 40.0).collect(),
         categories,
@@ -135,6 +138,72 @@ pub(super) fn line_figure(map: &CauseMap) -> Result<Option<Figure>, ReportError>
         csv: Some(CSV.to_owned()),
         wide: false,
     }))
+}
+
+/// Which cells are cleared as remedies are taken one after the other, on each finger; `None` where that was not asked.
+pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
+    let rows: Vec<MapRow> = assumed(study).map(clearing_row).collect();
+    if rows.is_empty() {
+        return Ok(None);
+    }
+    let [grey, dark] = PAPER_SHADES_PERCENT;
+    let title = format!("Error of {DRAWN_FORCE_N} N as remedies are taken, from left to right");
+    let svg = figures::map_grid(&MapGrid {
+        frame: Frame::full(
+            title.clone(),
+            format!("{title}: small maps by place and direction, a row for each finger, a column for each remedy."),
+        ),
+        x: Axis::linear(ALONG_THE_PLATE).within(0.0, study.finger.plate_length_mm(Plate::Front)),
+        y: Axis::linear(DIRECTION_AXIS).within(-90.0, 90.0).with_ticks(vec![-60.0, 0.0, 60.0]),
+        columns: ["as it is", "zones known", "contact known", "nonlinear"].map(str::to_owned).to_vec(),
+        rows,
+        limits: PAPER_SHADES_PERCENT,
+        shades: [
+            format!("clear: error up to {grey} %"),
+            format!("grey: up to {dark} %"),
+            format!("dark: above {dark} %"),
+        ],
+        missing_label: "no equilibrium, or no answer".to_owned(),
+    })?;
+    let taken: Vec<&str> = REMEDIES.iter().map(|(name, _)| *name).collect();
+    Ok(Some(Figure {
+        svg,
+        caption: format!(
+            "What clears it: root mean square error by place and direction, by linear least squares with an assumed contact, then with \
+             {}, each besides those before it.",
+            taken.join("; with ")
+        ),
+        csv: Some(CSV.to_owned()),
+        wide: true,
+    }))
+}
+
+/// Linear least squares with an assumed contact, over place and direction.
+fn assumed(study: &Study) -> impl Iterator<Item = &CauseMap> {
+    let is = |map: &&CauseMap| {
+        map.practice == Practice::LeastSquares
+            && map.contact == ContactKnowledge::Assumed
+            && map.request.forces_n.contains(&DRAWN_FORCE_N)
+    };
+    study.causes.iter().filter(is)
+}
+
+fn clearing_row(map: &CauseMap) -> MapRow {
+    let angles = map.request.angles_deg.len();
+    let cells: Vec<&CauseCell> = map.cells.iter().filter(|cell| cell.force_n == DRAWN_FORCE_N).collect();
+    let small = |error: &dyn Fn(&CauseCell) -> Option<f64>| {
+        let percents: Vec<Option<f64>> = cells.iter().map(|cell| error(cell).map(|error| 100.0 * error)).collect();
+        let clear = percents.iter().filter(|error| error.is_some_and(|error| error <= PAPER_SHADES_PERCENT[0])).count();
+        SmallMap {
+            note: format!("{:.0} % clear", 100.0 * clear as f64 / percents.len().max(1) as f64),
+            x: map.request.places_mm.clone(),
+            y: map.request.angles_deg.clone(),
+            values: (0..angles).map(|angle| percents.iter().skip(angle).step_by(angles).copied().collect()).collect(),
+        }
+    };
+    let remedied = (0..REMEDIES.len()).map(|taken| small(&|cell| cell.remedied.get(taken).copied().flatten()));
+    let maps = std::iter::once(small(&|cell| cell.rms_error)).chain(remedied).map(Some).collect();
+    MapRow { label: truth_in_words(map).to_owned(), maps }
 }
 
 /// A series broken where there is no point; the legend has it once. A point on its own is marked, or it would not be seen.
