@@ -181,11 +181,12 @@ impl CauseCell {
     }
 }
 
-/// What a user can do about errors, one after the other, with the causes that each takes away.
+/// What a user can do about errors, one after the other, with the causes that each takes away: knowing zones and modulus, then place
+/// and direction of the contact, then sensing with large rotations and four elements a member.
 pub const REMEDIES: [(&str, &[Cause]); 3] = [
-    ("zones and modulus known", &[Cause::BaseCompliance, Cause::TipCompliance, Cause::Modulus]),
-    ("place and direction known", &[Cause::Direction, Cause::Place]),
-    ("nonlinear, four elements a member", &[Cause::Linearisation, Cause::Discretisation]),
+    ("zones known", &[Cause::BaseCompliance, Cause::TipCompliance, Cause::Modulus]),
+    ("contact known", &[Cause::Direction, Cause::Place]),
+    ("nonlinear", &[Cause::Linearisation, Cause::Discretisation]),
 ];
 
 /// The causes of one truth and practice on a grid.

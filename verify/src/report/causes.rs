@@ -205,7 +205,8 @@ fn remedies(study: &Study) -> Option<Table> {
     Some(Table {
         caption: format!(
             "What clears it: root mean square error of {DRAWN_FORCE_N} N along the normal on the finger {} by linear least squares, then with remedies taken \
-             one after the other. Grey above 10 %, dark above 25 %; what is left in the last column is noise.",
+             one after the other. Errors of opposite sign hide each other, so taking one cause away can raise what is left; in the last \
+             column that is noise. Grey above 10 %, dark above 25 %",
             truth_in_words(map)
         ),
         columns,

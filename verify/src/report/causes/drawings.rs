@@ -155,7 +155,7 @@ pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
         ),
         x: Axis::linear(ALONG_THE_PLATE).within(0.0, study.finger.plate_length_mm(Plate::Front)),
         y: Axis::linear(DIRECTION_AXIS).within(-90.0, 90.0).with_ticks(vec![-60.0, 0.0, 60.0]),
-        columns: ["as it is", "zones known", "contact known", "nonlinear"].map(str::to_owned).to_vec(),
+        columns: std::iter::once("as it is").chain(REMEDIES.map(|(name, _)| name)).map(str::to_owned).collect(),
         rows,
         limits: PAPER_SHADES_PERCENT,
         shades: [
@@ -165,14 +165,12 @@ pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
         ],
         missing_label: "no equilibrium, or no answer".to_owned(),
     })?;
-    let taken: Vec<&str> = REMEDIES.iter().map(|(name, _)| *name).collect();
     Ok(Some(Figure {
         svg,
-        caption: format!(
-            "What clears it: root mean square error by place and direction, by linear least squares with an assumed contact, then with \
-             {}, each besides those before it.",
-            taken.join("; with ")
-        ),
+        caption: "What clears it: root mean square error by place and direction, by linear least squares with an assumed contact; then with \
+                  zones and modulus known; with place and direction known too; and by the nonlinear estimator with four elements a \
+                  member."
+            .to_owned(),
         csv: Some(CSV.to_owned()),
         wide: true,
     }))
