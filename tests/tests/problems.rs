@@ -1,7 +1,7 @@
 //! Every reference problem of the report holds its promise.
 
 use finray_model::Scene;
-use finray_verify::check::Check;
+use finray_verify::check::{Check, Kind};
 use finray_verify::contact_scene::study::SceneWithOutline;
 use finray_verify::ledger::ClaimVerdict;
 use finray_verify::problems::grid_convergence::GridConvergence;
@@ -105,10 +105,10 @@ fn meshes_of_25_and_684_nodes() {
 /// A check whose figure is not a number fails; one outside its tolerance fails.
 #[test]
 fn checks_can_fail() {
-    assert!(Check::new("", "", "", 1.0, 1.1, 0.1 + 1e-12).passes());
-    assert!(!Check::new("", "", "", 1.0, 1.2, 0.1).passes());
-    assert!(!Check::new("", "", "", 1.0, f64::NAN, 0.1).passes());
-    assert!(!Check::new("", "", "", 1.0, f64::INFINITY, f64::MAX).passes());
+    assert!(Check::new(Kind::Internal, "", "", "", 1.0, 1.1, 0.1 + 1e-12).passes());
+    assert!(!Check::new(Kind::Internal, "", "", "", 1.0, 1.2, 0.1).passes());
+    assert!(!Check::new(Kind::Internal, "", "", "", 1.0, f64::NAN, 0.1).passes());
+    assert!(!Check::new(Kind::Internal, "", "", "", 1.0, f64::INFINITY, f64::MAX).passes());
 }
 
 /// The figures of the accuracy map that other programs found: along the normal at 3 N up to about 9 % (node 24), over

@@ -12,9 +12,26 @@ pub enum Verdict {
     Fail,
 }
 
+/// Who stands behind the reference of a check.
+///
+/// External and analytical references verify solvers and kinematics: OpenSees, MuJoCo and rapier are given the same EA and EI as the
+/// beams, and the elastica has them in its equation. No reference here tests Euler-Bernoulli theory itself against a material.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// Figures of another program or author: exports from OpenSees and MuJoCo, shapes that rapier steps, tables of a publication.
+    External,
+    /// A closed form, a theoretical order, or a solution known from the literature, whoever evaluated it.
+    Analytical,
+    /// Our own other formulation, mesh, balance, bound or fit.
+    Internal,
+}
+
 /// A promise: our figure lies within `tolerance` of the reference.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Check {
+    /// Who stands behind the reference.
+    pub kind: Kind,
     /// What is solved.
     pub problem: String,
     /// The other party: "OpenSees", "closed form", ...
@@ -34,6 +51,7 @@ pub struct Check {
 impl Check {
     /// Compares our figure with a reference.
     pub fn new(
+        kind: Kind,
         problem: impl Into<String>,
         source: impl Into<String>,
         quantity: impl Into<String>,
@@ -44,6 +62,7 @@ impl Check {
         // A figure that is not a number fails: it compares as false.
         let verdict = if (ours - reference).abs() <= tolerance { Verdict::Pass } else { Verdict::Fail };
         Check {
+            kind,
             problem: problem.into(),
             source: source.into(),
             quantity: quantity.into(),

@@ -6,7 +6,7 @@
 //!
 //! Source: Roache, Perspective: A Method for Uniform Reporting of Grid Refinement Studies, J. Fluids Eng. 116 (1994).
 
-use crate::check::{Check, worst};
+use crate::check::{Check, Kind, worst};
 use crate::study::Effort;
 use crate::truth::FINE_MESH_NODES;
 use finray_model::mesh::MeshSizeError;
@@ -239,6 +239,7 @@ impl Convergence {
         let error = |mesh: Option<usize>| mesh.and_then(|i| self.error(i, PROMISED_FORCE_N)).unwrap_or(f64::NAN);
         let promise = |name: &str, error: f64, tolerance: f64| {
             Check::new(
+                Kind::Internal,
                 format!("{name}, co-rotational, {PROMISED_FORCE_N} N along the normal"),
                 "Richardson extrapolation",
                 "largest displacement difference / largest displacement",
@@ -253,6 +254,7 @@ impl Convergence {
             promise("two elements a member", error(mesh(|m| m.elements_a_member == Some(2))), TWO_ELEMENTS_TOLERANCE),
             promise("684 nodes", error(mesh(|m| m.elements_a_member.is_none())), FINE_MESH_TOLERANCE),
             Check::new(
+                Kind::Internal,
                 format!("{finest} nodes, co-rotational, {PROMISED_FORCE_N} N along the normal"),
                 "grid convergence index",
                 "what may be left / largest displacement",
@@ -261,6 +263,7 @@ impl Convergence {
                 REFERENCE_TOLERANCE,
             ),
             Check::new(
+                Kind::Internal,
                 format!("all meshes, co-rotational, {PROMISED_FORCE_N} N along the normal"),
                 "the finger carries them",
                 "loads without equilibrium",

@@ -3,7 +3,7 @@
 use super::{
     ContactScene, FINENESS, ForceRow, OutlineError, SceneStep, SensedForce, SensedStep, force_rows, standard_normal,
 };
-use crate::check::{Check, EXACT_COUNT, worst};
+use crate::check::{Check, EXACT_COUNT, Kind, worst};
 use crate::fixtures;
 use crate::lattice::LatticeError;
 use crate::lattice::accuracy::{CONVERGED_ELEMENTS, difference};
@@ -238,12 +238,13 @@ impl SceneStudy {
         }
         let over = |figure: &dyn Fn(&SceneStep) -> f64| worst(touching().map(figure));
         let share = |difference: Vector, step: &SceneStep| difference.norm() / step.pressed.contact_force().norm();
-        let check = |what: &str, source: &str, quantity: &str, ours: f64, tolerance: f64| {
-            Check::new(format!("{scene}: {what}"), source, quantity, 0.0, ours, tolerance)
+        let check = |kind: Kind, what: &str, source: &str, quantity: &str, ours: f64, tolerance: f64| {
+            Check::new(kind, format!("{scene}: {what}"), source, quantity, 0.0, ours, tolerance)
         };
         let relative = "largest difference / force";
         vec![
             check(
+                Kind::Internal,
                 "sum of contact forces against the force of the hand",
                 "force balance",
                 relative,
@@ -251,6 +252,7 @@ impl SceneStudy {
                 BALANCE_TOLERANCE,
             ),
             check(
+                Kind::Internal,
                 "sum of contact forces against the force on the clamps",
                 "force balance",
                 relative,
@@ -258,6 +260,7 @@ impl SceneStudy {
                 BALANCE_TOLERANCE,
             ),
             check(
+                Kind::Internal,
                 "moment of contact forces against that on the clamps",
                 "force balance",
                 "largest difference / (force x length of the front plate)",
@@ -268,6 +271,7 @@ impl SceneStudy {
                 BALANCE_TOLERANCE,
             ),
             check(
+                Kind::External,
                 "settled shape against the lattice's equilibrium under the contact forces",
                 "Newton on the lattice's energy",
                 DISPLACEMENT,
@@ -275,6 +279,7 @@ impl SceneStudy {
                 SETTLING_TOLERANCE,
             ),
             check(
+                Kind::Internal,
                 "no overlap and no gap at a contact",
                 "geometry",
                 "largest overlap or gap, mm",
@@ -282,6 +287,7 @@ impl SceneStudy {
                 OVERLAP_TOLERANCE_MM,
             ),
             check(
+                Kind::Internal,
                 "forces within the cone of friction",
                 "Coulomb",
                 "largest |tangential| - friction x normal, N",
@@ -295,14 +301,16 @@ impl SceneStudy {
     /// forces.
     pub fn shipped_checks(&self) -> Vec<Check> {
         let scene = format!("{} pressed onto the lattice", self.name);
-        let check = |what: &str, source: &str, quantity: &str, ours: f64, tolerance: f64| {
-            Check::new(format!("{scene}: {what}"), source, quantity, 0.0, ours, tolerance)
+        let check = |kind: Kind, what: &str, source: &str, quantity: &str, ours: f64, tolerance: f64| {
+            Check::new(kind, format!("{scene}: {what}"), source, quantity, 0.0, ours, tolerance)
         };
         let stopped = f64::from(u8::from(self.stopped.is_some()));
-        let mut checks = vec![check("goes to its end", SOURCE, "scenes that ended early", stopped, EXACT_COUNT)];
+        let mut checks =
+            vec![check(Kind::Internal, "goes to its end", SOURCE, "scenes that ended early", stopped, EXACT_COUNT)];
         if self.friction == 0.0 {
             let beams = worst(self.beams_differences.iter().map(|difference| difference.unwrap_or(f64::NAN)));
             checks.push(check(
+                Kind::External,
                 "settled shape against beams under the contact forces",
                 SOURCE,
                 DISPLACEMENT,
@@ -314,7 +322,7 @@ impl SceneStudy {
         checks
     }
 
-    fn sensing_checks(&self, check: &dyn Fn(&str, &str, &str, f64, f64) -> Check) -> Vec<Check> {
+    fn sensing_checks(&self, check: &dyn Fn(Kind, &str, &str, &str, f64, f64) -> Check) -> Vec<Check> {
         let refused =
             |sensed: &Result<Option<SensedStep>, SensingError>| f64::from(u8::from(!matches!(sensed, Ok(Some(_)))));
         let clean: Vec<&SensedStep> = self.steps.iter().filter_map(|step| step.clean.as_ref().ok()?.as_ref()).collect();
@@ -324,6 +332,7 @@ impl SceneStudy {
         });
         let mut checks = vec![
             check(
+                Kind::Internal,
                 "steps that sensing refuses, without noise",
                 SOURCE,
                 "count",
@@ -331,6 +340,7 @@ impl SceneStudy {
                 EXACT_COUNT,
             ),
             check(
+                Kind::Internal,
                 "sensed total, nonlinear, without noise",
                 SOURCE,
                 "largest |sensed / true - 1|",
@@ -338,6 +348,7 @@ impl SceneStudy {
                 TOTAL_TOLERANCE,
             ),
             check(
+                Kind::Internal,
                 "each sensed force that is a tenth of the largest or more, nonlinear, without noise",
                 SOURCE,
                 "largest |sensed / true - 1|",
@@ -350,9 +361,15 @@ impl SceneStudy {
             for which in 0..=last {
                 let what = if which == last { "total".to_owned() } else { format!("force {}", which + 1) };
                 let problem = format!("{what} at the end, {} mm noise: within 1.96 stated sigma", self.noise_mm);
-                let mut row =
-                    check(&problem, SOURCE, "share of pictures", pictures.coverage(which), COVERAGE_TOLERANCE);
-                row = Check::new(row.problem, row.source, row.quantity, 0.95, row.ours, row.tolerance);
+                let mut row = check(
+                    Kind::Internal,
+                    &problem,
+                    SOURCE,
+                    "share of pictures",
+                    pictures.coverage(which),
+                    COVERAGE_TOLERANCE,
+                );
+                row = Check::new(row.kind, row.problem, row.source, row.quantity, 0.95, row.ours, row.tolerance);
                 checks.push(row);
             }
         }

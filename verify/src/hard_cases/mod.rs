@@ -9,7 +9,7 @@ mod loads;
 mod sensing;
 mod soundness;
 
-use crate::check::{Check, EXACT_COUNT};
+use crate::check::{Check, EXACT_COUNT, Kind};
 use crate::study::Effort;
 use finray_model::Finger;
 use std::time::Instant;
@@ -64,8 +64,9 @@ impl Findings {
         self.notes.push(words.into());
     }
 
+    /// What every hard case is held against is our own: another way of solving, a law that our solutions obey, a count of refusals.
     fn check(&mut self, source: &str, quantity: &str, reference: f64, ours: f64, tolerance: f64) {
-        self.checks.push(Check::new(self.case, source, quantity, reference, ours, tolerance));
+        self.checks.push(Check::new(Kind::Internal, self.case, source, quantity, reference, ours, tolerance));
     }
 
     /// An error that should be nothing.
@@ -130,7 +131,7 @@ mod tests {
 
     fn with_error(ours: f64) -> HardCase {
         let case = answered_by(|_, _, _| Ok(()));
-        HardCase { checks: vec![Check::new("case", "law", "error", 0.0, ours, 1.0)], ..case }
+        HardCase { checks: vec![Check::new(Kind::Internal, "case", "law", "error", 0.0, ours, 1.0)], ..case }
     }
 
     #[test]

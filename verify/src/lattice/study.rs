@@ -4,7 +4,7 @@ use super::accuracy::{FinenessRow, LoadGrid, study};
 use super::causes::{self, AxialRow, SettlingRow};
 use super::settling::Precision;
 use super::{Lattice, LatticeError};
-use crate::check::{Check, Comparison, EXACT_COUNT, worst};
+use crate::check::{Check, Comparison, EXACT_COUNT, Kind, worst};
 use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorKind};
 use crate::map::{AccuracyMap, Cell, MapRequest, accuracy_maps};
 use crate::problems::lattice::{FINENESS, SOURCE};
@@ -256,9 +256,18 @@ impl LatticeSensing {
         let nonlinear = name("lattice sensed by the nonlinear estimator", self.nonlinear.cells.len());
         let quantity = "largest difference of sensed / true";
         [
-            Check::new(map.clone(), SOURCE, quantity, 0.0, largest, MAP_TOLERANCE),
-            Check::new(map, SOURCE, "cells with an equilibrium in one alone", 0.0, in_one_alone as f64, EXACT_COUNT),
+            Check::new(Kind::Internal, map.clone(), SOURCE, quantity, 0.0, largest, MAP_TOLERANCE),
             Check::new(
+                Kind::Internal,
+                map,
+                SOURCE,
+                "cells with an equilibrium in one alone",
+                0.0,
+                in_one_alone as f64,
+                EXACT_COUNT,
+            ),
+            Check::new(
+                Kind::Internal,
                 nonlinear,
                 SOURCE,
                 "largest |sensed / true - 1|",

@@ -1,7 +1,7 @@
 //! What the networks that ship make of the large-rotation finger under camera noise, and what is promised of them.
 
 use super::{NetworkSensing, Networks};
-use crate::check::Check;
+use crate::check::{Check, Kind};
 use crate::estimators::EstimatorError;
 use crate::scatter::{ScatterRequest, ScatterRow, TWO_FORCES_N, scatter};
 use crate::study::CAMERA_NOISE_MM;
@@ -121,6 +121,7 @@ impl NetworkStudy {
         let nodes = row.nodes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and ");
         let check = |quantity: &str, error: Option<f64>, largest: f64| {
             Check::new(
+                Kind::Internal,
                 format!("network that ships, node{} {nodes}", if row.nodes.len() > 1 { "s" } else { "" }),
                 "known forces",
                 format!("mean error of {quantity}, {} mm noise, {cases} cases", self.noise_mm),

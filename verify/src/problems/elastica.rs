@@ -4,7 +4,7 @@
 //! Methods Eng. 17 (1981) where he lists the case. L = EI = 1.
 
 use super::ProblemError;
-use crate::check::Check;
+use crate::check::{Check, Kind};
 use crate::fixtures;
 use finray_model::frame::{PlaneFrame, Section};
 use finray_model::statics::{FrameLoad, solve_frame};
@@ -65,7 +65,15 @@ pub fn checks() -> Result<Vec<Check>, ProblemError> {
         let problem = format!("cantilever, P L^2 / EI = {}, {} deg from the axis", row.load_pl2_ei, row.angle_deg);
         let theirs = [("w / L", row.w_over_l), ("u / L", row.u_over_l), ("tip rotation (rad)", row.theta_rad)];
         for ((quantity, reference), ours) in theirs.into_iter().zip(ours) {
-            checks.push(Check::new(problem.clone(), "elastica", quantity, reference, ours, TOLERANCE));
+            checks.push(Check::new(
+                Kind::Analytical,
+                problem.clone(),
+                "elastica",
+                quantity,
+                reference,
+                ours,
+                TOLERANCE,
+            ));
         }
     }
     Ok(checks)

@@ -4,7 +4,7 @@
 //! Simpson's rule with one Richardson extrapolation (Boole's rule).
 
 use super::ProblemError;
-use crate::check::Check;
+use crate::check::{Check, Kind};
 use finray_model::statics::{Statics, elastic_energy};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId};
 
@@ -49,6 +49,7 @@ pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     for node in NODES.map(NodeId) {
         let [energy, work] = solve(&mesh, node)?;
         checks.push(Check::new(
+            Kind::Internal,
             format!("paper finger, {FORCE_N} N at node {node}"),
             "work of the load along its path",
             "elastic energy (N mm)",

@@ -3,7 +3,7 @@
 //! Source: closed form (pure bending): the axis is an arc of radius EI / M. L = EI = 1.
 
 use super::ProblemError;
-use crate::check::Check;
+use crate::check::{Check, Kind};
 use finray_model::frame::{NodeIndex, PlaneFrame, Section};
 use finray_model::statics::{FrameLoad, solve_frame};
 use finray_model::{Kinematics, Vector};
@@ -37,7 +37,15 @@ pub fn checks() -> Result<Vec<Check>, ProblemError> {
     let motion = solve_frame(&frame, &[moment], Kinematics::Corotational)?;
     let place = |node: NodeIndex| frame.position(node) + motion.displacements[node];
     let row = |quantity, reference, ours, tolerance| {
-        Check::new("cantilever, end moment 2 pi EI / L", "closed form", quantity, reference, ours, tolerance)
+        Check::new(
+            Kind::Analytical,
+            "cantilever, end moment 2 pi EI / L",
+            "closed form",
+            quantity,
+            reference,
+            ours,
+            tolerance,
+        )
     };
     Ok(vec![
         row("distance of the tip from the clamp / L", 0.0, place(tip).norm(), CLOSURE_TOLERANCE),

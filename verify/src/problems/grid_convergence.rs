@@ -8,7 +8,7 @@
 //! its order falls to 2 on very fine meshes, with an error that is smaller by the strain (here 1e-4 to 1e-3).
 
 use super::{ProblemError, elastica};
-use crate::check::Check;
+use crate::check::{Check, Kind};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, statics};
 
 /// Factor of safety for three meshes (Roache).
@@ -119,6 +119,7 @@ pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
         ] {
             let problem = format!("{what}, {name}, 4, 8, 16 elements a member");
             checks.push(Check::new(
+                Kind::Analytical,
                 problem,
                 "error terms",
                 "order of convergence",
@@ -139,7 +140,7 @@ pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
         let [_, on_papers, on_finest] = convergence.values;
         let mut row = |nodes: usize, source: &str, quantity, ours: f64, tolerance| {
             let problem = format!("paper finger, {FORCE_N} N at node {node}, {nodes} nodes");
-            checks.push(Check::new(problem, source, quantity, 0.0, ours.abs(), tolerance));
+            checks.push(Check::new(Kind::Internal, problem, source, quantity, 0.0, ours.abs(), tolerance));
         };
         let error = "relative error of the displacement";
         let left = bounded.values[2] / on_finest - 1.0;

@@ -3,7 +3,7 @@
 //! No parameter of the lattice is fitted to the beams, so no load is spent on fitting either.
 
 use super::ProblemError;
-use crate::check::{Check, Comparison, EXACT_COUNT, worst};
+use crate::check::{Check, Comparison, EXACT_COUNT, Kind, worst};
 use crate::lattice::Lattice;
 use crate::lattice::accuracy::{LoadGrid, beam_shapes, lattice_shapes, settled_shapes, worst_by_force};
 use finray_model::mesh::{FingerShape, Load};
@@ -41,26 +41,26 @@ pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     let errors = worst_by_force(&beams, &lattice_shapes(&lattice, &grid)?, grid.forces_n.len());
     for (force_n, error) in grid.forces_n.iter().zip(errors) {
         let problem = name(&format!("lattice in equilibrium against beams, {force_n} N, every node, -60 to 60 deg"));
-        checks.push(Check::new(problem, SOURCE, QUANTITY, 0.0, error, tolerance(*force_n)));
+        checks.push(Check::new(Kind::Internal, problem, SOURCE, QUANTITY, 0.0, error, tolerance(*force_n)));
     }
 
     let tiny = LoadGrid { forces_n: vec![TINY_FORCE_N], ..grid };
     let linear = beam_shapes(finger, &tiny, Kinematics::Linear)?;
     let error = worst_by_force(&linear, &lattice_shapes(&lattice, &tiny)?, 1)[0];
     let problem = name(&format!("lattice in equilibrium against linear beams, {TINY_FORCE_N} N"));
-    checks.push(Check::new(problem, SOURCE, QUANTITY, 0.0, error, TINY_FORCE_TOLERANCE));
+    checks.push(Check::new(Kind::Internal, problem, SOURCE, QUANTITY, 0.0, error, TINY_FORCE_TOLERANCE));
 
     let few = LoadGrid::few(finger);
     let settled = settled_shapes(&lattice, &few)?.shapes;
     let equilibria = lattice_shapes(&lattice, &few)?;
     let error = worst(worst_by_force(&equilibria, &settled, few.forces_n.len()));
     let problem = name("settled lattice against its own equilibrium, up to 5 N");
-    checks.push(Check::new(problem, SOURCE, QUANTITY, 0.0, error, SETTLING_TOLERANCE));
+    checks.push(Check::new(Kind::External, problem, SOURCE, QUANTITY, 0.0, error, SETTLING_TOLERANCE));
 
     let beams = beam_shapes(finger, &few, Kinematics::Corotational)?;
     for (&force_n, error) in few.forces_n.iter().zip(worst_by_force(&beams, &settled, few.forces_n.len())) {
         let problem = name(&format!("settled lattice against beams, {force_n} N, some nodes and directions"));
-        checks.push(Check::new(problem, SOURCE, QUANTITY, 0.0, error, tolerance(force_n)));
+        checks.push(Check::new(Kind::External, problem, SOURCE, QUANTITY, 0.0, error, tolerance(force_n)));
     }
 
     let (node, angle_deg) = few.directions()[0];
@@ -68,7 +68,15 @@ pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     let again = lattice.settle(&[Load::at_node(node, finger.direction(angle_deg) * force_n)])?.shape;
     let changed = bits(&settled[0][0]).zip(bits(&again)).filter(|(a, b)| a != b).count();
     let problem = name(&format!("lattice settled twice, {force_n} N at node {node}"));
-    checks.push(Check::new(problem, "itself", "nodes whose bits differ", 0.0, changed as f64, EXACT_COUNT));
+    checks.push(Check::new(
+        Kind::Internal,
+        problem,
+        "itself",
+        "nodes whose bits differ",
+        0.0,
+        changed as f64,
+        EXACT_COUNT,
+    ));
     Ok(checks)
 }
 

@@ -4,7 +4,7 @@
 //! MuJoCo shares neither theory (its rods bend at vertices alone) nor code with the beams; both tend to the same limit.
 
 use super::ProblemError;
-use crate::check::{Check, Comparison, worst};
+use crate::check::{Check, Comparison, Kind, worst};
 use crate::lattice::accuracy::difference;
 use crate::mujoco::{ContactStep, ExportedFinger, FINGERS, StaticCase, TouchedRod, contact_steps};
 use crate::truth::{LatticeTruth, Truth};
@@ -113,7 +113,8 @@ pub fn static_checks(exported: &ExportedFinger) -> Result<Vec<Check>, ProblemErr
     let over_all = |figure: fn(&CaseDeviation) -> f64| worst(deviations.iter().map(figure));
     let largest_n = worst(deviations.iter().map(|deviation| deviation.case.force_n));
     let problem = format!("finger {}, co-rotational, {} forces up to {largest_n} N", exported.name, deviations.len());
-    let check = |quantity, ours, tolerance| Check::new(problem.clone(), SOURCE, quantity, 0.0, ours, tolerance);
+    let check =
+        |quantity, ours, tolerance| Check::new(Kind::External, problem.clone(), SOURCE, quantity, 0.0, ours, tolerance);
     Ok(vec![
         check(DISPLACEMENT, over_all(|d| d.displacement), STATIC_TOLERANCE),
         check(ROTATION, over_all(|d| d.rotation_rad), ROTATION_TOLERANCE_RAD),
@@ -132,7 +133,7 @@ fn linear_check(exported: &ExportedFinger) -> Result<Check, ProblemError> {
         differences.push(difference(&case.shape, &linear));
     }
     let problem = format!("finger {}, linear, {} forces of {LINEAR_FORCE_N} N", exported.name, small.len());
-    Ok(Check::new(problem, SOURCE, DISPLACEMENT, 0.0, worst(differences), LINEAR_TOLERANCE))
+    Ok(Check::new(Kind::External, problem, SOURCE, DISPLACEMENT, 0.0, worst(differences), LINEAR_TOLERANCE))
 }
 
 /// Displacements of a step of a push against converged beams under the exported contact forces, as a share of the largest.
@@ -159,7 +160,7 @@ pub fn contact_checks() -> Result<Vec<Check>, ProblemError> {
             steps.par_iter().map(|step| contact_deviation(&mesh, step)).collect::<Result<_, _>>()?;
         let problem =
             format!("finger paper, cylinder of push {}, contact forces of {} steps", steps[0].push, steps.len());
-        Ok(Check::new(problem, SOURCE, DISPLACEMENT, 0.0, worst(of_steps), CONTACT_TOLERANCE))
+        Ok(Check::new(Kind::External, problem, SOURCE, DISPLACEMENT, 0.0, worst(of_steps), CONTACT_TOLERANCE))
     };
     pushes.into_iter().map(check).collect()
 }

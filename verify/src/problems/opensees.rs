@@ -4,7 +4,7 @@
 //! two must agree to the digits printed.
 
 use super::ProblemError;
-use crate::check::{Check, Comparison, worst};
+use crate::check::{Check, Comparison, Kind, worst};
 use crate::fixtures;
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector, statics};
 use serde::Deserialize;
@@ -108,7 +108,9 @@ pub fn paper_checks(paper: &Finger) -> Result<Vec<Check>, ProblemError> {
                 ("largest displacement difference / largest displacement", over_all(|d| d.displacement)),
                 ("largest rotation difference (rad)", over_all(|d| d.rotation_rad)),
             ]
-            .map(|(quantity, ours)| Check::new(problem.clone(), "OpenSees", quantity, 0.0, ours, tolerance))
+            .map(|(quantity, ours)| {
+                Check::new(Kind::External, problem.clone(), "OpenSees", quantity, 0.0, ours, tolerance)
+            })
         })
         .collect())
 }

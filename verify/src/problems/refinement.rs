@@ -4,7 +4,7 @@
 //! commercial meshes within 0.26 % of each other (sec. III).
 
 use super::ProblemError;
-use crate::check::{Check, Comparison, worst};
+use crate::check::{Check, Comparison, Kind, worst};
 use crate::truth::fine_mesh;
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, statics};
 
@@ -51,6 +51,7 @@ pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
         .map(|node| difference(finger, [&coarse, &fine], node, Kinematics::Linear))
         .collect::<Result<Vec<_>, _>>()?;
     Ok(vec![Check::new(
+        Kind::Internal,
         format!("{} against {} nodes, linear, loads along the front plate", finger.key_node_count(), fine.node_count()),
         "nodal exactness of linear frames",
         "largest displacement difference / largest displacement",

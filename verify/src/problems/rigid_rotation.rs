@@ -2,7 +2,7 @@
 //!
 //! Source: objectivity (invariance of the strains under rigid motions).
 
-use crate::check::{Check, worst};
+use crate::check::{Check, Kind, worst};
 use finray_model::frame::{FrameMotion, PlaneFrame};
 use finray_model::statics::Assembly;
 use finray_model::{Finger, Kinematics, Mesh, Vector};
@@ -45,7 +45,15 @@ pub fn checks(finger: &Finger) -> Vec<Check> {
         .map(|(kinematics, name)| {
             let ours = worst(meshes.iter().map(|mesh| force(mesh.frame(), kinematics)));
             let problem = format!("finger turned by 1e-9 to pi rad, {name}, 1 to 16 elements a member");
-            Check::new(problem, "rigid motion", "largest nodal force / (EA x turn)", 0.0, ours, TOLERANCE)
+            Check::new(
+                Kind::Analytical,
+                problem,
+                "rigid motion",
+                "largest nodal force / (EA x turn)",
+                0.0,
+                ours,
+                TOLERANCE,
+            )
         })
         .collect()
 }

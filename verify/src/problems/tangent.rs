@@ -4,7 +4,7 @@
 //! Source: differences of fourth order, (8 (f(h) - f(-h)) - (f(2h) - f(-2h))) / 12 h.
 
 use super::ProblemError;
-use crate::check::{Check, worst};
+use crate::check::{Check, Kind, worst};
 use finray_model::element::{Beam, EndMotion, Response};
 use finray_model::frame::FrameMotion;
 use finray_model::statics::{Assembly, FrameLoad};
@@ -112,7 +112,7 @@ pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
         .flat_map(|(problem, [forces, tangent])| {
             [("forces from energy", forces), ("tangent from forces", tangent)].map(|(what, ours)| {
                 let quantity = format!("{what}: largest difference / largest");
-                Check::new(problem, "central differences", quantity, 0.0, ours, TOLERANCE)
+                Check::new(Kind::Internal, problem, "central differences", quantity, 0.0, ours, TOLERANCE)
             })
         })
         .collect())

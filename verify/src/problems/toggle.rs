@@ -7,7 +7,7 @@
 
 use super::ProblemError;
 use super::elastic_line::{self, Rigidity};
-use crate::check::{Check, EXACT_COUNT};
+use crate::check::{Check, EXACT_COUNT, Kind};
 use finray_model::frame::{NodeIndex, PlaneFrame, Section};
 use finray_model::statics::{ArcLength, FrameLoad, reaction};
 use finray_model::{Kinematics, Vector};
@@ -59,16 +59,30 @@ pub fn checks() -> Result<Vec<Check>, ProblemError> {
     let load = FrameLoad::Node { node: apex, force: Vector::new(0.0, -1.0), moment_nmm: 0.0 };
     let path = ArcLength::new(&frame, Kinematics::Corotational)
         .follow(&[load], 1000, |point| point.is_stable() && point.motion.displacements[apex].y < -1.8 * HEIGHT)?;
-    let row = |source, quantity, reference, ours, tolerance| {
-        Check::new("Williams' toggle", source, quantity, reference, ours, tolerance)
+    let row = |kind, source, quantity, reference, ours, tolerance| {
+        Check::new(kind, "Williams' toggle", source, quantity, reference, ours, tolerance)
     };
-    let mut checks = vec![row("Williams 1964", "limit points of the path", 2.0, path.limits.len() as f64, EXACT_COUNT)];
+    let mut checks = vec![row(
+        Kind::Analytical,
+        "Williams 1964",
+        "limit points of the path",
+        2.0,
+        path.limits.len() as f64,
+        EXACT_COUNT,
+    )];
     for (quantity, limit) in ["limit load (lb)", "load where it stiffens again (lb)"].into_iter().zip(&path.limits) {
         let held = reaction(&frame, &limit.motion, Kinematics::Corotational, &[], clamp);
         // The search on the elastic line starts from the toggle's own state, with a fault of one per cent.
         let start = [-held.force.x, -held.moment_nmm, limit.multiple];
         let reference = elastic_line::limit_load(miss, start.map(|x| x * 1.01), start.map(f64::abs))?;
-        checks.push(row("elastic line by shooting", quantity, reference, limit.multiple, TOLERANCE * reference));
+        checks.push(row(
+            Kind::Internal,
+            "elastic line by shooting",
+            quantity,
+            reference,
+            limit.multiple,
+            TOLERANCE * reference,
+        ));
     }
     Ok(checks)
 }

@@ -1,7 +1,7 @@
 //! Sensing of random forces under camera noise: one contact and two.
 
 use super::{CAMERA_NOISE_MM, Effort, Progress};
-use crate::check::{Check, worst};
+use crate::check::{Check, Kind, worst};
 use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorKind};
 use crate::scatter::{self, ONE_FORCE_N, ScatterRequest, ScatterRow, TWO_FORCES_N};
 use crate::table_two::condition_number;
@@ -114,7 +114,7 @@ impl NoiseStudy {
         let row = |nodes: String, quantity: String, ours: Option<f64>, cases: usize, promise: f64| {
             let problem = format!("nonlinear sensing at {nodes}, {} mm noise", self.noise_mm);
             let quantity = format!("{quantity}, {cases} cases");
-            Check::new(problem, "true forces", quantity, 0.0, ours.unwrap_or(f64::NAN), promise)
+            Check::new(Kind::Internal, problem, "true forces", quantity, 0.0, ours.unwrap_or(f64::NAN), promise)
         };
         let mut checks = Vec::new();
         let told = |row: &&ScatterRow| PROMISED_NODES.contains(&row.nodes[0]) && row.cases >= ENOUGH_CASES;
@@ -155,6 +155,6 @@ impl NoiseStudy {
              {fewest} cases a pair"
         );
         let problem = format!("nonlinear sensing at {} pairs of nodes, {} mm noise", self.pairs.len(), self.noise_mm);
-        Some(Check::new(problem, "Cramer-Rao bound", quantity, 0.0, off, BOUND_PROMISE + chance))
+        Some(Check::new(Kind::Internal, problem, "Cramer-Rao bound", quantity, 0.0, off, BOUND_PROMISE + chance))
     }
 }

@@ -2,7 +2,7 @@
 
 use super::fit::{ANGLE_DEG, TwinFit, fit};
 use super::{OTHERS, TWIN, TwinError, twin_of};
-use crate::check::{Check, EXACT_COUNT};
+use crate::check::{Check, EXACT_COUNT, Kind};
 use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorKind};
 use crate::scatter::{ONE_FORCE_N, ScatterRequest, ScatterRow, scatter};
 use crate::table_one::{TableOne, TableOneError, WEIGHTS_G, table_one, weight_n};
@@ -145,11 +145,20 @@ impl TwinStudy {
             .iter()
             .map(|row| {
                 let quantity = format!("mean error sensed with the uniform model, node {}", row.node);
-                Check::new(problem, "paper", quantity, row.paper_mean_error, row.mean_error, NEAR_TABLE_ONE)
+                Check::new(
+                    Kind::Internal,
+                    problem,
+                    "paper",
+                    quantity,
+                    row.paper_mean_error,
+                    row.mean_error,
+                    NEAR_TABLE_ONE,
+                )
             })
             .collect();
         let alike = self.after.rows.iter().filter(|row| shade(row.mean_error) == shade(row.paper_mean_error)).count();
         checks.push(Check::new(
+            Kind::Internal,
             problem,
             "paper",
             "nodes shaded as in Table I",
@@ -159,9 +168,9 @@ impl TwinStudy {
         ));
         let worst = crate::check::worst(self.sensing.iter().map(|s| s.nonlinear.mean_error().unwrap_or(f64::NAN)));
         let quantity = "worst mean error of the nonlinear estimator with calibrated zones, nodes 14 to 24";
-        checks.push(Check::new(problem, "true forces", quantity, 0.0, worst, SENSED));
+        checks.push(Check::new(Kind::Internal, problem, "true forces", quantity, 0.0, worst, SENSED));
         let quantity = "error over stated sigma of calibrated zones, root mean square";
-        checks.push(Check::new(problem, "true factors", quantity, 1.0, self.rms_over_sigma(), COVERED));
+        checks.push(Check::new(Kind::Internal, problem, "true factors", quantity, 1.0, self.rms_over_sigma(), COVERED));
         checks
     }
 }
