@@ -18,8 +18,8 @@ fn sweep(criterion: &mut Criterion) {
     let fine = fine_mesh(&finger).expect("a mesh of many nodes");
     let linear = MeshTruth::new("linear", &coarse, Kinematics::Linear).expect("the finger at rest");
     let corotational = MeshTruth::new("corotational", &fine, Kinematics::Corotational).expect("the finger at rest");
-    let least_squares = BeamEstimator { kind: EstimatorKind::LeastSquares, mesh: &coarse };
-    let nonlinear = BeamEstimator { kind: EstimatorKind::Nonlinear, mesh: &sensing };
+    let least_squares = BeamEstimator::new(EstimatorKind::LeastSquares, &coarse);
+    let nonlinear = BeamEstimator::new(EstimatorKind::Nonlinear, &sensing);
     let four = [0.5, 1.0, 2.0, 3.0];
     let cases: [Case; 5] = [
         ("linear/least_squares/200_pictures", &linear, &least_squares, &four, 20.0, 200),

@@ -115,6 +115,8 @@ pub struct Mesh {
     lines: Vec<Line>,
     /// Stretches of the front plate from base to tip, each with the place where it ends.
     front: Vec<(f64, FrontStretch)>,
+    /// Elements of each line, the base line last.
+    elements: Vec<usize>,
     node_count: usize,
 }
 
@@ -142,6 +144,21 @@ impl Mesh {
     /// A mesh with the same number of elements in every member.
     pub fn with_elements_per_member(finger: &Finger, elements: usize) -> Mesh {
         Mesh::build(finger, &vec![elements.max(1); line_lengths(finger).len()])
+    }
+
+    /// The same finger with every element divided into so many.
+    pub fn refined(&self, times: usize) -> Mesh {
+        Mesh::build(&self.finger, &self.elements.iter().map(|elements| times.max(1) * elements).collect::<Vec<_>>())
+    }
+
+    /// Whether a member is one element only.
+    pub fn has_single_elements(&self) -> bool {
+        self.lines.iter().any(|line| line.members.len() == 1)
+    }
+
+    /// Number of elements, those of the base line and of undeformable ribs counted too.
+    pub fn element_count(&self) -> usize {
+        self.elements.iter().sum()
     }
 
     /// The finger that is meshed.
@@ -243,6 +260,7 @@ impl Mesh {
             frame,
             lines: Vec::new(),
             front: Vec::new(),
+            elements: elements.to_vec(),
             node_count: finger.key_node_count() + elements.iter().map(|n| n - 1).sum::<usize>(),
         };
         let mut elements = elements.iter().copied();

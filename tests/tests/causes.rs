@@ -193,7 +193,7 @@ impl PreparedEstimator for PreparedShort<'_> {
 fn what_a_network_gets_wrong_is_told_from_what_its_model_does() {
     let finger = finger(fixtures::PAPER_SCENE);
     let mesh = Mesh::with_elements_per_member(&finger, finray_verify::estimators::ELEMENTS);
-    let model = BeamEstimator { kind: EstimatorKind::Nonlinear, mesh: &mesh };
+    let model = BeamEstimator::new(EstimatorKind::Nonlinear, &mesh);
     let fit = |network: &dyn Estimator| {
         let map = network::causes("corotational", &finger, &finger, network, &[1.0], 0.0).unwrap();
         assert_eq!(map.cells.len(), finger.contact_nodes().len());

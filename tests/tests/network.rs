@@ -7,7 +7,7 @@ use finray_model::sensing::network::{
     ContactSet, Dense, FORMAT, Fingerprint, Inputs, Instructions, Network, NetworkCard, NetworkError, NetworkEstimator,
     Origin, Scaling, TestError,
 };
-use finray_model::sensing::{Contact, ContactPlace, SensingError};
+use finray_model::sensing::{Contact, ContactPlace, Estimate, SensingError, Warning};
 use finray_model::{Finger, Kinematics, NodeId, Scene, Vector};
 use finray_tests::cases;
 use nalgebra::{DMatrix, DVector};
@@ -358,7 +358,7 @@ fn sigmas_are_noise_through_the_derivatives_and_the_networks_own_error() {
 }
 
 #[test]
-fn noise_comes_from_what_is_left_over() {
+fn noise_that_the_residual_contradicts_is_not_believed() {
     let network = random_network(5, &[17, 20], ContactSet::Fixed, &[20], 10);
     let mut estimator = estimator(&network, &[17, 20], Instructions::Detected);
     let shape = random_shape(&network, 6);
@@ -368,8 +368,11 @@ fn noise_comes_from_what_is_left_over() {
     let unknown = estimator.estimate(&measurement, None).expect("noise alone");
     // 36 coordinates of uniform noise between -0.5 and 0.5, of standard deviation 0.29.
     assert!((0.2..0.4).contains(&unknown.noise_mm), "{}", unknown.noise_mm);
-    assert_eq!(estimator.estimate(&measurement, Some(0.067)), Ok(unknown));
-    assert_eq!(estimator.estimate(&measurement, Some(0.2)).map(|estimate| estimate.noise_mm), Ok(0.2));
+    let contradicted = estimator.estimate(&measurement, Some(0.067)).expect("noise alone");
+    assert!(matches!(contradicted.warning, Some(Warning::Residual(_))));
+    assert_eq!(Estimate { warning: None, ..contradicted }, unknown);
+    let believed = estimator.estimate(&measurement, Some(0.25)).expect("noise alone");
+    assert_eq!((believed.noise_mm, believed.warning), (0.25, None));
 }
 
 #[test]

@@ -60,7 +60,7 @@ fn every_node_and_pair_reaches_the_bound() {
         cases,
         seed: 1,
     };
-    let nonlinear = BeamEstimator { kind: EstimatorKind::Nonlinear, mesh: &mesh };
+    let nonlinear = BeamEstimator::new(EstimatorKind::Nonlinear, &mesh);
     let nodes = sampled_nodes(&finger);
     let single = scatter(&request, &[&nonlinear], &singles(&nodes), ONE_FORCE_N, &|| {}).expect("contact nodes");
     let pairs = scatter(&request, &[&nonlinear], &pairs(&nodes), TWO_FORCES_N, &|| {}).expect("contact nodes");
@@ -246,7 +246,7 @@ fn a_force_that_moves_nothing_is_refused() {
         cases: 100,
         seed: 2,
     };
-    let nonlinear = BeamEstimator { kind: EstimatorKind::Nonlinear, mesh: &model };
+    let nonlinear = BeamEstimator::new(EstimatorKind::Nonlinear, &model);
     let rows = scatter(&request, &[&nonlinear], &singles(&[finger.tip()]), ONE_FORCE_N, &|| {})
         .expect("the tip is a contact node");
     assert_eq!((rows[0].cases, rows[0].refused), (0, 100), "{rows:?}");

@@ -105,7 +105,7 @@ fn the_network_for_any_nodes_beats_ridge() {
     let sensing = NetworkSensing { name: "network", networks: &networks, finger: &finger, refuses: true };
     let (fine, key_nodes) = (fine_mesh(&finger).expect("a mesh"), Mesh::key_nodes(&finger));
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
-    let ridge = BeamEstimator { kind: EstimatorKind::Ridge, mesh: &mesh };
+    let ridge = BeamEstimator::new(EstimatorKind::Ridge, &mesh);
     let sets = [&[15, 22][..], &[14, 18, 22], &[15, 16, 17], &[13, 16, 19, 22], &[14, 16, 18, 20, 22]];
     let sets: Vec<_> = sets.into_iter().map(nodes).collect();
     let rows = errors(&fine, &key_nodes, &[&sensing, &ridge], &sets, case_count() / 2);

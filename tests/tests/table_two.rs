@@ -59,7 +59,7 @@ impl PreparedEstimator for Prepared {
         if self.refuses {
             return Err(finray_model::sensing::SensingError::NoContact.into());
         }
-        Ok(Sensed { forces_n: vec![1.0; self.contacts], sigmas_n: None, sum_sigma_n: None })
+        Ok(Sensed { forces_n: vec![1.0; self.contacts], sigmas_n: None, sum_sigma_n: None, warned: false })
     }
 }
 
@@ -77,7 +77,7 @@ fn rows(estimators: &[&dyn Estimator], kinematics: Kinematics, levels: &[f64], n
 fn estimators_see_the_same_cases() {
     let finger = paper();
     let mesh = Mesh::key_nodes(&finger);
-    let [least_squares, ridge, nonlinear] = EstimatorKind::ALL.map(|kind| BeamEstimator { kind, mesh: &mesh });
+    let [least_squares, ridge, nonlinear] = EstimatorKind::ALL.map(|kind| BeamEstimator::new(kind, &mesh));
     let nodes = [19, 20];
     for kinematics in [Kinematics::Linear, Kinematics::Corotational] {
         let together = rows(&[&ridge, &least_squares], kinematics, &[0.0, NOISE_MM], &nodes);
@@ -121,7 +121,7 @@ fn what_makes_no_sense_is_left_out() {
 fn the_sigma_of_a_sum_knows_of_the_correlation() {
     let finger = paper();
     let mesh = Mesh::key_nodes(&finger);
-    let [least_squares, ridge, _] = EstimatorKind::ALL.map(|kind| BeamEstimator { kind, mesh: &mesh });
+    let [least_squares, ridge, _] = EstimatorKind::ALL.map(|kind| BeamEstimator::new(kind, &mesh));
     let found = rows(&[&least_squares, &ridge], Kinematics::Linear, &[NOISE_MM], &[19, 20]);
     for row in &found {
         let covered = row.sum.and_then(|sum| sum.coverage).expect("stated");
@@ -136,7 +136,7 @@ fn the_sigma_of_a_sum_knows_of_the_correlation() {
 fn pictures_are_those_of_the_forces() {
     let finger = paper();
     let mesh = Mesh::key_nodes(&finger);
-    let nonlinear = BeamEstimator { kind: EstimatorKind::Nonlinear, mesh: &mesh };
+    let nonlinear = BeamEstimator::new(EstimatorKind::Nonlinear, &mesh);
     for nodes in [&[24][..], &[19, 20], &[14, 23]] {
         let [row] = &rows(&[&nonlinear], Kinematics::Corotational, &[0.0], nodes)[..] else { panic!("one row") };
         assert_eq!((row.cases, row.refused), (CASES, 0));

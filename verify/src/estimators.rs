@@ -8,12 +8,17 @@ use finray_model::Mesh;
 use finray_model::compliance::NodalCompliance;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::network::NetworkError;
-use finray_model::sensing::{Contact, LinearEstimator, NonlinearEstimator, Prior, SensingError};
+use finray_model::sensing::{
+    Contact, Discretisation, LinearEstimator, Linearisation, NonlinearEstimator, Prior, SensingError,
+};
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 /// Elements a member on which the nonlinear estimator works: what is left of the mesh is small beside the noise.
 pub const ELEMENTS: usize = 4;
+
+/// Elements a member of the co-rotational finger that shows the error of linearisation: its own is small beside it.
+const LINEARISATION_ELEMENTS: usize = 2;
 
 /// A way to sense forces of known place and direction.
 pub trait Estimator: Sync {
@@ -31,8 +36,9 @@ pub trait Estimator: Sync {
     ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError>;
 
     /// The same estimator, to rounding, with what all contacts have in common worked out once, for who prepares for many;
-    /// `None` where that gains nothing.
-    fn for_many(&self) -> Option<Box<dyn Estimator + '_>> {
+    /// `None` where that gains nothing. If the finger that is sensed is linear, a linear estimator is told so, and seeks no
+    /// error of linearisation.
+    fn for_many(&self, _finger_is_linear: bool) -> Option<Box<dyn Estimator + '_>> {
         None
     }
 }
@@ -56,6 +62,8 @@ pub struct Sensed {
     pub sigmas_n: Option<Vec<f64>>,
     /// Standard deviation of the sum of the forces, N.
     pub sum_sigma_n: Option<f64>,
+    /// Whether the estimator warns: the measurement contradicts its model, or the model errs by more than noise does.
+    pub warned: bool,
 }
 
 /// Why an estimator does not answer.
@@ -108,12 +116,29 @@ impl EstimatorKind {
 }
 
 /// An estimator on a mesh of the beam model.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct BeamEstimator<'m> {
-    /// Which one.
-    pub kind: EstimatorKind,
-    /// The mesh that the nonlinear estimator works on; the linear finger is exact at its key nodes on any.
-    pub mesh: &'m Mesh,
+    kind: EstimatorKind,
+    mesh: &'m Mesh,
+    /// What the error of the model is found with: the co-rotational finger, for the nonlinear estimator on a finer mesh.
+    reference: Option<Mesh>,
+}
+
+impl<'m> BeamEstimator<'m> {
+    /// An estimator on a mesh (the linear finger is exact at its key nodes on any), whose standard deviations hold the
+    /// error of linearisation or of the mesh.
+    pub fn new(kind: EstimatorKind, mesh: &'m Mesh) -> BeamEstimator<'m> {
+        let reference = match kind {
+            EstimatorKind::Nonlinear => Discretisation::finer(mesh),
+            _ => Mesh::with_elements_per_member(mesh.finger(), LINEARISATION_ELEMENTS),
+        };
+        BeamEstimator { kind, mesh, reference: Some(reference) }
+    }
+
+    /// The same with standard deviations of the noise alone, as the Cramer-Rao bound has them.
+    pub fn of_noise_alone(kind: EstimatorKind, mesh: &'m Mesh) -> BeamEstimator<'m> {
+        BeamEstimator { kind, mesh, reference: None }
+    }
 }
 
 impl Estimator for BeamEstimator<'_> {
@@ -129,29 +154,34 @@ impl Estimator for BeamEstimator<'_> {
         match self.kind.prior() {
             Some(prior) => {
                 let estimator = LinearEstimator::new(self.mesh.finger(), contacts, markers)?;
-                Ok(Box::new(Linear::new(estimator, prior)))
+                Ok(Box::new(Linear::new(estimator, prior, contacts, self.reference.as_ref())))
             }
             None => {
                 let questions: Vec<_> = contacts.iter().map(|&contact| contact.into()).collect();
-                Ok(Box::new(NonlinearEstimator::new(self.mesh, &questions)?))
+                let estimator = NonlinearEstimator::new(self.mesh, &questions)?;
+                let discretisation = self.reference.as_ref().map(|finer| Discretisation::new(self.mesh, finer));
+                Ok(Box::new(Nonlinear { estimator, discretisation }))
             }
         }
     }
 
-    fn for_many(&self) -> Option<Box<dyn Estimator + '_>> {
+    fn for_many(&self, finger_is_linear: bool) -> Option<Box<dyn Estimator + '_>> {
+        let prior = self.kind.prior()?;
         let solved = NodalCompliance::new(self.mesh.finger());
-        self.kind.prior().map(|prior| Box::new(SolvedLinear { kind: self.kind, solved, prior }) as Box<dyn Estimator>)
+        let reference = self.reference.as_ref().filter(|_| !finger_is_linear);
+        Some(Box::new(SolvedLinear { kind: self.kind, solved, prior, reference }))
     }
 }
 
 /// A linear estimator on a finger that is solved once for all contacts.
-struct SolvedLinear {
+struct SolvedLinear<'m> {
     kind: EstimatorKind,
     solved: NodalCompliance,
     prior: Prior,
+    reference: Option<&'m Mesh>,
 }
 
-impl Estimator for SolvedLinear {
+impl Estimator for SolvedLinear<'_> {
     fn name(&self) -> &str {
         self.kind.name()
     }
@@ -166,40 +196,57 @@ impl Estimator for SolvedLinear {
             SensingError::Statics(_) => LinearEstimator::new(self.solved.finger(), contacts, markers),
             error => Err(error),
         })?;
-        Ok(Box::new(Linear::new(estimator, self.prior)))
+        Ok(Box::new(Linear::new(estimator, self.prior, contacts, self.reference)))
     }
 }
 
-struct Linear {
+struct Linear<'m> {
     estimator: LinearEstimator,
     prior: Prior,
     sum: SumSigma,
+    linearisation: Option<Linearisation<'m>>,
 }
 
-impl Linear {
-    fn new(estimator: LinearEstimator, prior: Prior) -> Linear {
-        Linear { sum: SumSigma::of(&estimator, prior), estimator, prior }
+impl<'m> Linear<'m> {
+    fn new(estimator: LinearEstimator, prior: Prior, contacts: &[Contact], reference: Option<&'m Mesh>) -> Linear<'m> {
+        let linearisation = reference.map(|mesh| Linearisation::new(mesh, contacts));
+        Linear { sum: SumSigma::of(&estimator, prior), estimator, prior, linearisation }
     }
 }
 
-impl PreparedEstimator for Linear {
+impl PreparedEstimator for Linear<'_> {
     fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Sensed, EstimatorError> {
-        let estimate = self.estimator.estimate(measurement, noise_mm, self.prior);
+        let estimate = match &mut self.linearisation {
+            Some(linearisation) => self.estimator.estimate_on(linearisation, measurement, noise_mm, self.prior)?,
+            None => self.estimator.estimate(measurement, noise_mm, self.prior),
+        };
+        let sum_sigma_n = self.sum.sigma_n(estimate.noise_mm, self.prior);
+        let sum_error_n: f64 = estimate.model_error_n.iter().sum();
         Ok(Sensed {
-            sum_sigma_n: self.sum.sigma_n(estimate.noise_mm, self.prior),
+            sum_sigma_n: sum_sigma_n.map(|sigma| sigma.hypot(sum_error_n)),
+            warned: estimate.warning.is_some(),
             forces_n: estimate.forces_n,
             sigmas_n: Some(estimate.sigmas_n),
         })
     }
 }
 
-impl PreparedEstimator for NonlinearEstimator<'_> {
+struct Nonlinear<'m> {
+    estimator: NonlinearEstimator<'m>,
+    discretisation: Option<Discretisation<'m>>,
+}
+
+impl PreparedEstimator for Nonlinear<'_> {
     fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Sensed, EstimatorError> {
         // A stream's start from the last frame would be too easy.
-        self.reset();
-        let estimate = NonlinearEstimator::estimate(self, measurement, noise_mm)?;
+        self.estimator.reset();
+        let mut estimate = self.estimator.estimate(measurement, noise_mm)?;
+        if let Some(discretisation) = &mut self.discretisation {
+            discretisation.widen(&mut self.estimator, measurement, &mut estimate)?;
+        }
         Ok(Sensed {
             sum_sigma_n: Some(estimate.covariance_n2.sum().sqrt()),
+            warned: estimate.forces.warning.is_some(),
             forces_n: estimate.forces.forces_n,
             sigmas_n: Some(estimate.forces.sigmas_n),
         })

@@ -335,7 +335,7 @@ pub fn sensing_meshes(finger: &Finger) -> Vec<Mesh> {
 /// The estimators on beams that are timed, each with its setting in words, on [`sensing_meshes`].
 pub fn beam_estimators(meshes: &[Mesh]) -> Vec<(BeamEstimator<'_>, String)> {
     fn on(kind: EstimatorKind, mesh: &Mesh) -> (BeamEstimator<'_>, String) {
-        (BeamEstimator { kind, mesh }, format!("{} nodes", mesh.node_count()))
+        (BeamEstimator::new(kind, mesh), format!("{} nodes", mesh.node_count()))
     }
     let linear = [EstimatorKind::LeastSquares, EstimatorKind::Ridge].into_iter();
     let linear = linear.flat_map(|kind| meshes.first().map(|mesh| on(kind, mesh)));

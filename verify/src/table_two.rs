@@ -93,7 +93,7 @@ pub fn table_two(
     let model = Mesh::with_elements_per_member(finger, ELEMENTS);
     let [least_squares, ridge, nonlinear] =
         [EstimatorKind::LeastSquares, EstimatorKind::Ridge, EstimatorKind::Nonlinear]
-            .map(|kind| BeamEstimator { kind, mesh: &model });
+            .map(|kind| BeamEstimator::new(kind, &model));
     let sets = CONTACT_SETS.map(|set| set.nodes.iter().map(|&node| NodeId(node)).collect::<Vec<_>>());
     let run = |mesh, kinematics, cases, estimators: &[&dyn Estimator]| {
         // The bound changes little with the mesh: the coarsest serves.

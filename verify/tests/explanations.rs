@@ -66,7 +66,7 @@ fn the_bound_is_how_the_nonlinear_estimator_scatters() {
     let finger = paper();
     let mesh = mesh(&finger);
     let truth = MeshTruth::new("corotational", &mesh, Kinematics::Corotational).expect("a finger");
-    let nonlinear = BeamEstimator { kind: EstimatorKind::Nonlinear, mesh: &mesh };
+    let nonlinear = BeamEstimator::new(EstimatorKind::Nonlinear, &mesh);
     let request = MapRequest {
         places_mm: PLACES_MM.into(),
         angles_deg: ANGLES_DEG.into(),

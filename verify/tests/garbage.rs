@@ -135,7 +135,8 @@ fn damaged_scenes_with_every_key() {
 fn damaged_tables() {
     let shape = finray(&["solve", PAPER, "--load", "19:0,-1"]).done();
     let sense = ["sense", PAPER, "--displacements", "-", "--contact", "19", "15@20"];
-    survives("displacements", &shape, &sense, &[0, 2]);
+    // Displacements that no finger takes may leave the search without an equilibrium.
+    survives("displacements", &shape, &sense, &[0, 1, 2]);
     let cells = |line: &str| line.split(',').map(str::to_owned).collect::<Vec<_>>();
     let rows: String =
         shape.lines().skip(1).map(cells).map(|c| format!("a,19,0,-1,{},{},{}\n", c[0], c[3], c[4])).collect();

@@ -89,6 +89,7 @@ fn the_spread_is_the_uncertainty_that_sense_gives() {
     let cell = (0..s.len()).find(|&i| s[i] == 76.5 && angle[i] == -20.0).expect("node 19 at -20 degrees");
     let shape = finray(&["solve", PAPER, "--kinematics", "linear", "--load", "19:0,-1"]).done();
     let all = ["sense", PAPER, "--displacements", "-", "--contact", "19@-20", "--noise-mm", "0.067"];
+    let all = [&all[..], &["--estimator", "least-squares"]].concat();
     let sigma = Csv::of(&finray_reading(shape.as_bytes(), &all).done()).numbers("sigma_n")[0];
     // A standard deviation from 400 numbers scatters by 1 / sqrt(800) = 3.5 %.
     assert_close(&[spread[cell]], &[sigma / 2.0], 4.0 / 800.0_f64.sqrt());
@@ -118,7 +119,7 @@ fn a_cell_of_the_large_rotation_map_is_solve_and_sense() {
         let load = format!("{place}:0.01,{direction}");
         let shape = finray(&["solve", &scene, "--mesh-nodes", "684", "--load-at", &load]).done();
         let contact = format!("{place}@{direction}");
-        let all = ["sense", &scene, "--displacements", "-", "--contact-at", &contact];
+        let all = ["sense", &scene, "--displacements", "-", "--contact-at", &contact, "--estimator", "least-squares"];
         let force = Csv::of(&finray_reading(shape.as_bytes(), &all).done()).numbers("force_n")[0];
         let cell = (0..s.len()).find(|&i| s[i] == place && angle[i] == direction).expect("the cell");
         assert_close(&[1.0 + bias[cell]], &[force / 0.01], ROUNDING);

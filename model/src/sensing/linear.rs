@@ -1,12 +1,19 @@
 //! Linear estimators: least squares, and least squares with a prior on the forces (ridge).
 
-use super::{Contact, Estimate, LARGEST_SPAN, SensingError, check_contacts};
+use super::linearisation::{LinearModel, Linearisation, weighted};
+use super::residual_test::{ResidualTest, noise_of, residual_sd_mm};
+use super::{Contact, Estimate, LARGEST_SPAN, SensingError, Warning, check_contacts};
 use crate::compliance::{Compliance, NodalCompliance};
 use crate::finger::Finger;
 use crate::measurement::Measurement;
 use crate::mesh::Load;
 use crate::statics::StaticsError;
 use nalgebra::{DMatrix, DVector};
+use std::borrow::Cow;
+
+/// A measurement that the linear finger explains better than the co-rotational one by more than this, in squared standard
+/// deviations of the noise, is of a finger that bends linearly: a difference of three standard deviations.
+const FAVOURED: f64 = 9.0;
 
 /// What is assumed of the forces before measuring.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -108,34 +115,88 @@ impl LinearEstimator {
 
     /// Estimates the forces from the displacements of the markers that the estimator was prepared for.
     ///
-    /// `noise_mm` is the standard deviation of one coordinate; without it, it is estimated from the residual.
+    /// `noise_mm` is the standard deviation of one coordinate; without it (or if it is zero), it is estimated from the
+    /// residual. Where the residual contradicts it, the estimate warns, and its standard deviations rest on the residual.
+    /// They hold what noise does on the linear finger, not what the linear finger gets wrong: that is
+    /// [`estimate_on`](LinearEstimator::estimate_on)'s.
     pub fn estimate(&self, measurement: &Measurement, noise_mm: Option<f64>, prior: Prior) -> Estimate {
-        let displacements = weighted_displacements(measurement);
+        self.solve(measurement, noise_mm, prior).0
+    }
+
+    /// As [`estimate`](LinearEstimator::estimate), of a co-rotational finger: the error of linearisation is found from the
+    /// estimated forces and added to their standard deviations, unless the measurement shows a finger that bends linearly.
+    ///
+    /// # Errors
+    /// [`SensingError::NotLinearised`] where that error cannot be found and nothing shows that the finger is linear.
+    pub fn estimate_on(
+        &self,
+        linearisation: &mut Linearisation,
+        measurement: &Measurement,
+        noise_mm: Option<f64>,
+        prior: Prior,
+    ) -> Result<Estimate, SensingError> {
+        let (mut estimate, inverse) = self.solve(measurement, noise_mm, prior);
         let (coordinates, unknowns) = self.compliance.shape();
-        let residual = |forces: &DVector<f64>| {
+        let degrees_of_freedom = coordinates - unknowns;
+        if estimate.noise_mm.is_infinite() {
+            // Nothing is known of the noise, so of the forces neither.
+            return Ok(estimate);
+        }
+        let model = LinearModel { gain: &inverse.gain, compliance: &self.compliance };
+        let error = match linearisation.error(model, measurement, &estimate.forces_n) {
+            // Nothing speaks against the linear finger, which carries any force.
+            Err(SensingError::NotLinearised) if estimate.warning.is_none() && noise_mm.is_some() => {
+                return Ok(estimate);
+            }
+            error => error?,
+        };
+        let stated_mm = noise_mm.filter(|noise_mm| *noise_mm > 0.0);
+        let linear_mm2 = estimate.residual_rms_mm.powi(2) * coordinates as f64;
+        let favoured_mm2 = FAVOURED * stated_mm.unwrap_or(0.0).powi(2);
+        if degrees_of_freedom > 0 && linear_mm2 + favoured_mm2 < error.sum_of_squares_mm2 {
+            return Ok(estimate);
+        }
+        // What linearisation leaves unexplained of the residual is noise, or something else that is wrong.
+        let test = ResidualTest::new(stated_mm, error.sum_of_squares_mm2, degrees_of_freedom);
+        let residual_mm = || residual_sd_mm(error.sum_of_squares_mm2, degrees_of_freedom);
+        let trusted_mm = test.map(|test| test.trusted_noise_mm());
+        estimate.noise_mm = trusted_mm.or(stated_mm).or_else(residual_mm).unwrap_or(estimate.noise_mm);
+        estimate.sigmas_n = inverse.sigmas_per_noise.iter().map(|per_mm| per_mm * estimate.noise_mm).collect();
+        estimate.add_model_error(error.error_n, Warning::Linearisation);
+        Ok(estimate)
+    }
+
+    /// An estimate, and the inverse that it was made with.
+    fn solve(&self, measurement: &Measurement, noise_mm: Option<f64>, prior: Prior) -> (Estimate, Cow<'_, Inverse>) {
+        let displacements = weighted(measurement, |marker| marker.displacement);
+        let (coordinates, unknowns) = self.compliance.shape();
+        let degrees_of_freedom = coordinates - unknowns;
+        let sum_of_squares = |forces: &DVector<f64>| {
             let explained = |row| (0..unknowns).map(|k| self.compliance[(row, k)] * forces[k]).sum::<f64>();
             (0..coordinates).map(|row| (displacements[row] - explained(row)).powi(2)).sum::<f64>()
         };
         let unbiased = &self.least_squares.gain * &displacements;
-        let noise_mm = noise_mm.unwrap_or_else(|| match coordinates - unknowns {
-            // As many numbers as unknowns leave no residual: the noise could be anything.
-            0 => f64::INFINITY,
-            freedoms => (residual(&unbiased) / freedoms as f64).sqrt(),
-        });
-        let (forces, sigmas_per_noise) = match prior {
+        // What least squares leaves is the least that any forces leave, so a prior takes no part in the test.
+        let least_mm2 = sum_of_squares(&unbiased);
+        let test = ResidualTest::new(noise_mm, least_mm2, degrees_of_freedom);
+        let noise_mm = noise_of(test, noise_mm, least_mm2, degrees_of_freedom);
+        let (forces, inverse) = match prior {
             Prior::Gaussian { force_n } if noise_mm > 0.0 && noise_mm.is_finite() => {
                 let ridge = Inverse::of(&self.compliance, noise_mm / force_n);
-                (&ridge.gain * &displacements, ridge.sigmas_per_noise)
+                (&ridge.gain * &displacements, Cow::Owned(ridge))
             }
-            _ => (unbiased, self.least_squares.sigmas_per_noise.clone()),
+            _ => (unbiased, Cow::Borrowed(&self.least_squares)),
         };
-        Estimate {
-            residual_rms_mm: (residual(&forces) / coordinates as f64).sqrt(),
+        let estimate = Estimate {
+            residual_rms_mm: (sum_of_squares(&forces) / coordinates as f64).sqrt(),
             forces_n: forces.iter().copied().collect(),
-            sigmas_n: sigmas_per_noise.iter().map(|sigma| sigma * noise_mm).collect(),
+            sigmas_n: inverse.sigmas_per_noise.iter().map(|sigma| sigma * noise_mm).collect(),
+            model_error_n: vec![0.0; unknowns],
             noise_mm,
+            warning: test.filter(ResidualTest::contradicts).map(Warning::Residual),
             singular_values: self.singular_values.clone(),
-        }
+        };
+        (estimate, inverse)
     }
 }
 
@@ -182,12 +243,6 @@ impl Inverse {
             sigmas_per_noise: inverse_triangle.row_iter().map(|row| row.norm()).collect(),
         }
     }
-}
-
-fn weighted_displacements(measurement: &Measurement) -> DVector<f64> {
-    let coordinates =
-        measurement.markers().iter().flat_map(|m| [m.weight * m.displacement.x, m.weight * m.displacement.y]);
-    DVector::from_iterator(measurement.coordinate_count(), coordinates)
 }
 
 /// Singular values of the problem, if they leave a unique answer. All unknowns are forces in N and all rows share one

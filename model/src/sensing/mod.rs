@@ -1,11 +1,15 @@
 //! From measured displacements back to contact forces.
 
 mod linear;
+mod linearisation;
 pub mod network;
 mod nonlinear;
+mod residual_test;
 
 pub use linear::{LinearEstimator, Prior};
-pub use nonlinear::{NonlinearEstimate, NonlinearEstimator, sense_refining};
+pub use linearisation::Linearisation;
+pub use nonlinear::{Discretisation, NonlinearEstimate, NonlinearEstimator, sense_refining};
+pub use residual_test::{ResidualTest, SIGNIFICANCE};
 
 use crate::Vector;
 use crate::finger::{Finger, NodeId, Plate};
@@ -216,6 +220,12 @@ pub enum SensingError {
         /// Last change of a force, N.
         change_n: f64,
     },
+    /// The measurement contradicts the linear finger, and the error of linearisation cannot be found.
+    #[error(
+        "the measurement contradicts the linear model, and the co-rotational finger carries no forces that the linear model \
+         would answer so: its error is not known (the nonlinear estimator makes none)"
+    )]
+    NotLinearised,
     /// The finger itself could not be solved.
     #[error(transparent)]
     Statics(#[from] crate::statics::StaticsError),
@@ -228,9 +238,6 @@ pub const LARGEST_SPAN: f64 = 1e8;
 /// displacements is no explanation. A real finger differs from its model by many times the camera's noise, but not by that.
 const UNEXPLAINED_SIGMAS: f64 = 10.0;
 const UNEXPLAINED_SHARE: f64 = 0.3;
-/// A residual of more than this many times the noise that was stated is no chance: standard deviations then rest on the
-/// residual, as if no noise had been stated.
-const LARGEST_NOISE: f64 = 3.0;
 
 /// Checks that contacts lie on the free front plate, have finite angles and differ from each other.
 ///
@@ -275,17 +282,76 @@ pub fn check_contacts(finger: &Finger, contacts: &[Contact]) -> Result<(), Sensi
     Ok(())
 }
 
+/// Why an estimate is worth less than noise alone would leave it. Its standard deviations are widened by what is known of the
+/// model's error; what else may be wrong (a contact elsewhere, another finger) is in none of them.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum Warning {
+    /// The residual is larger than the stated noise leaves.
+    #[error(
+        "the measurement contradicts the model: a residual standard deviation of {:.3} mm, where noise of {:.3} mm was \
+         stated (chi-squared test, {} degrees of freedom, p = {:.1e})",
+        .0.residual_sd_mm, .0.noise_mm, .0.degrees_of_freedom, .0.p_value()
+    )]
+    Residual(ResidualTest),
+    /// The linear finger's own error is larger than the noise's.
+    #[error(
+        "the linear model errs by about {:.3} N at contact {}, as a co-rotational finger under the sensed forces shows; noise \
+         alone would be {:.3} N (one standard deviation)",
+        .0.error_n, .0.contact, .0.sigma_n
+    )]
+    Linearisation(ModelError),
+    /// The mesh's own error is larger than the noise's.
+    #[error(
+        "the mesh errs by about {:.3} N at contact {}, as one twice as fine shows; noise alone would be {:.3} N (one standard \
+         deviation): use more nodes",
+        .0.error_n, .0.contact, .0.sigma_n
+    )]
+    Discretisation(ModelError),
+}
+
+/// The error of a model where it is largest against that of the noise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ModelError {
+    /// Position of the contact in the list, from 1.
+    pub contact: usize,
+    /// The model's error, N.
+    pub error_n: f64,
+    /// Standard deviation that the noise gives the force, N.
+    pub sigma_n: f64,
+}
+
 /// Sensed forces with what is known of their error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
     /// Force of each contact along its direction, N, in the order of the contacts; may be negative.
     pub forces_n: Vec<f64>,
-    /// Standard deviation of each force, N. Infinite where the noise is unknown and nothing is left to estimate it from.
+    /// Standard deviation of each force, N, with the model's own error as far as it is known. Infinite where the noise is
+    /// unknown and no residual is there to estimate it from.
     pub sigmas_n: Vec<f64>,
-    /// Standard deviation of one measured coordinate that the sigmas rest on, mm.
+    /// The model's own error of each force that is part of its standard deviation (linearisation, mesh, training), N; signed
+    /// where its sign is known.
+    pub model_error_n: Vec<f64>,
+    /// Standard deviation of one measured coordinate that the sigmas rest on, mm: as stated, or the residual's.
     pub noise_mm: f64,
+    /// Why the estimate is worth less than noise alone would leave it, if so.
+    pub warning: Option<Warning>,
     /// Root mean square of the weighted residual, mm.
     pub residual_rms_mm: f64,
     /// Singular values of the weighted compliance, mm/N, in falling order.
     pub singular_values: Vec<f64>,
+}
+
+impl Estimate {
+    /// Adds an error of the model, N, to the standard deviations, which hold the noise's until then; warns where it is the
+    /// larger of the two.
+    pub(super) fn add_model_error(&mut self, error_n: Vec<f64>, warning: fn(ModelError) -> Warning) {
+        let over = |i: usize| error_n[i].abs() / self.sigmas_n[i];
+        let worst = (0..error_n.len()).filter(|&i| over(i) > 1.0).max_by(|&i, &j| over(i).total_cmp(&over(j)));
+        let of = |i: usize| ModelError { contact: i + 1, error_n: error_n[i], sigma_n: self.sigmas_n[i] };
+        self.warning = self.warning.or(worst.map(|i| warning(of(i))));
+        for (sigma, error) in self.sigmas_n.iter_mut().zip(&error_n) {
+            *sigma = sigma.hypot(*error);
+        }
+        self.model_error_n = error_n;
+    }
 }

@@ -115,7 +115,7 @@ impl Models {
     }
 
     fn estimator(&self, which: EstimatorArgument) -> Box<dyn Estimator + '_> {
-        let beam = |kind, mesh| Box::new(BeamEstimator { kind, mesh });
+        let beam = |kind, mesh| Box::new(BeamEstimator::new(kind, mesh));
         match which {
             EstimatorArgument::LeastSquares => beam(EstimatorKind::LeastSquares, &self.key_nodes),
             EstimatorArgument::Ridge => beam(EstimatorKind::Ridge, &self.key_nodes),

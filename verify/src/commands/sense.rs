@@ -7,10 +7,11 @@ use clap::ValueEnum;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::network::NetworkEstimator;
 use finray_model::sensing::{
-    Contact, ContactPlace, ContactQuestion, Estimate, LinearEstimator, NonlinearEstimator, Prior, check_contacts,
-    sense_refining,
+    Contact, ContactPlace, ContactQuestion, Discretisation, Estimate, LinearEstimator, Linearisation,
+    NonlinearEstimator, Prior, Warning, check_contacts, sense_refining,
 };
 use finray_model::{Finger, Mesh};
+use finray_verify::estimators::ELEMENTS;
 use finray_verify::files::{csv_text, displacements, load_network, load_scene, write_text};
 use finray_verify::networks::Networks;
 use serde::Serialize;
@@ -21,11 +22,16 @@ use std::path::PathBuf;
 /// Reads node,ux_mm,uy_mm (further columns are ignored, nodes may be missing) and writes
 /// contact,s_mm,angle_deg,force_n,sigma_n, a row a contact. The direction of each force is an angle
 /// from the front plate's undeformed inward normal, positive towards the tip; 0 if left out. Give a
-/// node twice with two angles to ask for two components. Uncertainty comes from --noise-mm, else from
-/// the scene's camera table, else from the residual.
+/// node twice with two angles to ask for two components.
+///
+/// sigma_n is one standard deviation. It rests on the noise of --noise-mm, else of the scene's camera
+/// table, else of the residual, and holds the model's own error as far as it is known: of
+/// linearisation, of the mesh, of the network's training. Where the measurement contradicts the
+/// stated noise (chi-squared test), or the model errs by more than noise does, a warning says so.
+/// What no measurement shows is not in sigma_n: a wrong modulus scales every force alike.
 ///
 /// The nonlinear estimator follows large rotations. It alone takes the directions `normal` (of the
-/// deformed plate) and `auto` (unknown), and the place `auto` (unknown); what the data cannot tell is
+/// deformed plate) and `auto` (unknown), and the place `auto` (unknown); what is not identifiable is
 /// refused. Unless told a mesh, it refines until doubling the mesh changes no force by more than
 /// 0.2 %.
 ///
@@ -38,10 +44,10 @@ use std::path::PathBuf;
 ///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact 19
 ///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact 16@-20 --contact 20@10
 ///       --noise-mm 0.067
+///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact-at auto@normal
 ///   finray solve fixtures/scenes/paper.toml --kinematics linear --load 19:-0.38,-1.96 |
 ///       finray sense fixtures/scenes/paper.toml --displacements - --contact 19
-///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact-at auto@normal
-///       --estimator nonlinear
+///           --estimator least-squares
 ///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact 19 20
 ///       --estimator network
 #[derive(clap::Args)]
@@ -55,7 +61,7 @@ pub struct Arguments {
     #[command(flatten)]
     contacts: Contacts,
     /// How forces are sensed
-    #[arg(long, value_enum, default_value_t = EstimatorArgument::LeastSquares)]
+    #[arg(long, value_enum, default_value_t = EstimatorArgument::Nonlinear)]
     estimator: EstimatorArgument,
     /// Network of `finray train`; without it, the one that ships for these contacts
     #[arg(long, value_name = "FILE")]
@@ -113,6 +119,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             i + 1
         )));
     }
+    if let Some(warning) = estimate.warning {
+        eprintln!("warning: {warning}; {}", advice(arguments, &warning));
+    }
     if estimate.noise_mm.is_infinite() {
         eprintln!(
             "note: as many unknowns as measured coordinates leave no residual to estimate the noise from; give \
@@ -123,6 +132,19 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
+/// What a warning leaves to do.
+fn advice(arguments: &Arguments, warning: &Warning) -> &'static str {
+    match (warning, arguments.estimator) {
+        (_, EstimatorArgument::LeastSquares | EstimatorArgument::Ridge) => {
+            "sigma_n holds the error of linearisation; --estimator nonlinear makes none"
+        }
+        (Warning::Residual(_), _) => {
+            "sigma_n rests on the residual; check the contacts, their directions, the finger's dimensions and the noise"
+        }
+        _ => "sigma_n holds that error",
+    }
+}
+
 /// Forces of contacts whose place and direction are now known.
 type Sensed = (Vec<Contact>, Estimate);
 
@@ -131,7 +153,9 @@ fn linear(arguments: &Arguments, finger: &Finger, noise_mm: Option<f64>, prior: 
     check_contacts(finger, &contacts)?;
     let measurement = measured(arguments, finger)?;
     let estimator = LinearEstimator::new(finger, &contacts, &measurement)?;
-    Ok((contacts, estimator.estimate(&measurement, noise_mm, prior)))
+    let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
+    let estimate = estimator.estimate_on(&mut Linearisation::new(&mesh, &contacts), &measurement, noise_mm, prior)?;
+    Ok((contacts, estimate))
 }
 
 fn nonlinear(arguments: &Arguments, finger: &Finger, noise_mm: Option<f64>) -> Result<Sensed, Failure> {
@@ -140,8 +164,12 @@ fn nonlinear(arguments: &Arguments, finger: &Finger, noise_mm: Option<f64>) -> R
         None => sense_refining(finger, questions, &measured(arguments, finger)?, noise_mm)?,
         Some(nodes) => {
             let mesh = Mesh::with_nodes(finger, nodes)?;
+            let finer = Discretisation::finer(&mesh);
+            let measurement = measured(arguments, finger)?;
             let mut estimator = NonlinearEstimator::new(&mesh, questions)?;
-            estimator.estimate(&measured(arguments, finger)?, noise_mm)?
+            let mut estimate = estimator.estimate(&measurement, noise_mm)?;
+            Discretisation::new(&mesh, &finer).widen(&mut estimator, &measurement, &mut estimate)?;
+            estimate
         }
     };
     Ok((sensed.contacts, sensed.forces))

@@ -214,7 +214,7 @@ impl LatticeSensing {
             MapRequest { places_mm, angles_deg, forces_n, noise_levels_mm, noise_pictures, seed: 1 }
         });
         let map = |kinds: &[EstimatorKind], mesh: &Mesh, request: &MapRequest| {
-            let estimators: Vec<_> = kinds.iter().map(|&kind| BeamEstimator { kind, mesh }).collect();
+            let estimators: Vec<_> = kinds.iter().map(|&kind| BeamEstimator::new(kind, mesh)).collect();
             let estimators: Vec<&dyn Estimator> =
                 estimators.iter().map(|estimator| estimator as &dyn Estimator).collect();
             let maps = accuracy_maps(finger, &truth, &estimators, request, &|| ());

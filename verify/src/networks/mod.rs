@@ -102,7 +102,8 @@ impl Estimator for NetworkSensing<'_> {
 impl PreparedEstimator for NetworkEstimator {
     fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Sensed, EstimatorError> {
         let estimate = NetworkEstimator::estimate(self, measurement, noise_mm)?;
-        Ok(Sensed { forces_n: estimate.forces_n, sigmas_n: Some(estimate.sigmas_n), sum_sigma_n: None })
+        let warned = estimate.warning.is_some();
+        Ok(Sensed { forces_n: estimate.forces_n, sigmas_n: Some(estimate.sigmas_n), sum_sigma_n: None, warned })
     }
 }
 
@@ -115,6 +116,6 @@ impl PreparedEstimator for Unjudged {
         let displacements: Vec<f64> = displacements.collect();
         let mut forces_n = vec![0.0; self.0.contact_count()];
         self.0.forces(&displacements, &mut forces_n)?;
-        Ok(Sensed { forces_n, sigmas_n: None, sum_sigma_n: None })
+        Ok(Sensed { forces_n, sigmas_n: None, sum_sigma_n: None, warned: false })
     }
 }

@@ -73,7 +73,7 @@ pub(super) fn cases(
         Kinematics::Linear => EstimatorKind::LeastSquares,
         _ => EstimatorKind::Nonlinear,
     };
-    let bound = BeamEstimator { kind, mesh: request.model };
+    let bound = BeamEstimator::of_noise_alone(kind, request.model);
     let run = |numbers: std::ops::Range<u64>| -> Result<Vec<Case>, EstimatorError> {
         let mut bench = Bench::new(request, &bound, estimators, contacts)?;
         let draws = numbers.map(|number| Draw::new(request, contacts, range_n, stream, number)).collect();

@@ -116,7 +116,7 @@ impl Maps<'_> {
     ) -> Vec<AccuracyMap> {
         let fine = Mesh::with_elements_per_member(self.finger, ELEMENTS);
         let on = |kind| if kind == EstimatorKind::Nonlinear { &fine } else { self.coarse };
-        let estimators: Vec<_> = kinds.iter().map(|&kind| BeamEstimator { kind, mesh: on(kind) }).collect();
+        let estimators: Vec<_> = kinds.iter().map(|&kind| BeamEstimator::new(kind, on(kind))).collect();
         let estimators: Vec<&dyn Estimator> = estimators.iter().map(|estimator| estimator as &dyn Estimator).collect();
         accuracy_maps(self.finger, truth, &estimators, request, progress)
     }

@@ -82,7 +82,7 @@ impl NoiseStudy {
         progress.part("noise", singles.len() + pairs.len() + promised.len());
         let model = Mesh::with_elements_per_member(finger, ELEMENTS);
         let [nonlinear, linear] =
-            [EstimatorKind::Nonlinear, EstimatorKind::LeastSquares].map(|kind| BeamEstimator { kind, mesh: &model });
+            [EstimatorKind::Nonlinear, EstimatorKind::LeastSquares].map(|kind| BeamEstimator::new(kind, &model));
         let run = |sets: &[Vec<NodeId>], range_n, cases, estimators: &[&dyn Estimator]| {
             let request = ScatterRequest {
                 truth,

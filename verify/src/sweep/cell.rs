@@ -24,8 +24,8 @@ pub struct Sweep<'s> {
     finger: &'s Finger,
     truths: Vec<&'s dyn Truth>,
     estimators: Vec<&'s dyn Estimator>,
-    /// The same, made ready for many contacts where that gains something.
-    for_many: Vec<Option<Box<dyn Estimator + 's>>>,
+    /// The same, made ready for many contacts where that gains something: of fingers that bend as they do, and of linear ones.
+    for_many: Vec<[Option<Box<dyn Estimator + 's>>; 2]>,
     grid: &'s Grid,
     noise: Noise,
 }
@@ -91,7 +91,8 @@ impl<'s> Sweep<'s> {
         estimators: Vec<&'s dyn Estimator>,
         grid: &'s Grid,
     ) -> Sweep<'s> {
-        let for_many = estimators.iter().map(|estimator| estimator.for_many()).collect();
+        let for_many =
+            estimators.iter().map(|estimator| [false, true].map(|linear| estimator.for_many(linear))).collect();
         Sweep { finger, truths, estimators, for_many, grid, noise: Noise::new(grid, finger) }
     }
 
@@ -126,7 +127,10 @@ impl<'s> Sweep<'s> {
             .estimators
             .iter()
             .zip(&self.for_many)
-            .map(|(estimator, for_many)| for_many.as_deref().unwrap_or(*estimator))
+            .map(|(estimator, for_many)| {
+                let linear = usize::from(self.truths[truth].is_linear());
+                for_many[linear].as_deref().unwrap_or(*estimator)
+            })
             .map(|estimator| seen.first().map(|markers| estimator.prepare(&[contact], markers)))
             .collect();
         let mut tallies = vec![Tally::default(); self.cells_in_block()];

@@ -4,7 +4,7 @@ use super::Truth;
 use finray_model::compliance::NodalCompliance;
 use finray_model::mesh::{FingerShape, MeshSizeError};
 use finray_model::sensing::Contact;
-use finray_model::statics::{Ladder, Statics, StaticsError};
+use finray_model::statics::{EquilibriumEquations, Ladder, Statics, StaticsError};
 use finray_model::{Finger, Kinematics, Load, Mesh};
 
 /// Nodes of the paper's fine mesh (Xu et al. 2021, sec. III).
@@ -76,6 +76,10 @@ impl<'m> MeshTruth<'m> {
 impl Truth for MeshTruth<'_> {
     fn name(&self) -> &str {
         self.name
+    }
+
+    fn is_linear(&self) -> bool {
+        self.prepared.equations().kinematics() == Kinematics::Linear
     }
 
     fn shapes(&self, contact: &Contact, forces_n: &[f64]) -> Vec<FingerShape> {

@@ -16,6 +16,11 @@ pub trait Truth: Sync {
     /// What it is, for file names, tables and captions.
     fn name(&self) -> &str;
 
+    /// Whether its displacements are proportional to the force.
+    fn is_linear(&self) -> bool {
+        false
+    }
+
     /// Shapes of the key nodes under growing forces (N) at one contact, each followed from the one before it.
     ///
     /// The list ends before the first force that the finger cannot carry.

@@ -219,9 +219,9 @@ fn sense(
     let nonlinear = Mesh::with_elements_per_member(known, ELEMENTS);
     let bound = Mesh::with_elements_per_member(twin.finger(), ELEMENTS);
     let estimators = [
-        BeamEstimator { kind: EstimatorKind::LeastSquares, mesh: &uniform },
-        BeamEstimator { kind: EstimatorKind::LeastSquares, mesh: &linear },
-        BeamEstimator { kind: EstimatorKind::Nonlinear, mesh: &nonlinear },
+        BeamEstimator::new(EstimatorKind::LeastSquares, &uniform),
+        BeamEstimator::new(EstimatorKind::LeastSquares, &linear),
+        BeamEstimator::new(EstimatorKind::Nonlinear, &nonlinear),
     ];
     let request = ScatterRequest {
         truth: twin,

@@ -6,8 +6,9 @@ use super::prepared::Prepared;
 use super::{ContactSet, Fingerprint, Network, NetworkError, Scaling};
 use crate::finger::{Finger, NodeId, Plate};
 use crate::measurement::Measurement;
+use crate::sensing::residual_test::noise_of;
 use crate::sensing::{
-    Contact, Estimate, LARGEST_NOISE, SensingError, UNEXPLAINED_SHARE, UNEXPLAINED_SIGMAS, check_contacts,
+    Contact, Estimate, ResidualTest, SensingError, UNEXPLAINED_SHARE, UNEXPLAINED_SIGMAS, Warning, check_contacts,
 };
 use nalgebra::{DMatrix, DVector};
 
@@ -143,7 +144,7 @@ impl NetworkEstimator {
 
     /// Forces with their standard deviations: from noise and hidden markers through the network's derivatives, and from the
     /// network's own error on held-out samples. `noise_mm` is the standard deviation of one coordinate; without it, or where
-    /// three times as much is left over outside the principal directions, it is estimated from what is left over.
+    /// the residual contradicts it, it is estimated from the residual.
     ///
     /// The residual is the part of the displacements outside the principal directions; the singular values are those of the
     /// compliance that the network's derivatives are the inverse of.
@@ -159,7 +160,7 @@ impl NetworkEstimator {
             return Err(NetworkError::Weighted { node: marker.node, weight: marker.weight });
         }
         let x: Vec<f64> = measurement.markers().iter().flat_map(|m| [m.displacement.x, m.displacement.y]).collect();
-        let (noise_mm, residual_rms_mm) = self.noise(&DVector::from_column_slice(&x), noise_mm)?;
+        let Residual { noise_mm, rms_mm, warning } = self.residual(&DVector::from_column_slice(&x), noise_mm)?;
         let z = self.prepared.inputs(&x);
         self.require_range(&z, noise_mm)?;
         let mut forces_n = vec![0.0; self.prepared.outputs()];
@@ -176,11 +177,19 @@ impl NetworkEstimator {
         self.require_trained_forces(&forces_n, &sigmas_n)?;
         let mut singular_values: Vec<f64> = gain.singular_values().iter().map(|value| value.recip()).collect();
         singular_values.sort_by(|a, b| b.total_cmp(a));
-        Ok(Estimate { forces_n, sigmas_n, noise_mm, residual_rms_mm, singular_values })
+        Ok(Estimate {
+            forces_n,
+            sigmas_n,
+            model_error_n: self.clean_rms_n.clone(),
+            noise_mm,
+            warning,
+            residual_rms_mm: rms_mm,
+            singular_values,
+        })
     }
 
-    /// The noise that standard deviations rest on, and the root mean square of the residual, mm.
-    fn noise(&self, x: &DVector<f64>, stated_mm: Option<f64>) -> Result<(f64, f64), SensingError> {
+    /// What lies outside the principal directions, against the stated noise.
+    fn residual(&self, x: &DVector<f64>, stated_mm: Option<f64>) -> Result<Residual, SensingError> {
         let coordinates = x.len() as f64;
         let from_mean = x - &self.mean;
         let residual = &from_mean - &self.span * (self.span.transpose() * &from_mean);
@@ -192,13 +201,12 @@ impl NetworkEstimator {
         if stated_mm.is_some_and(|noise_mm| !explained(noise_mm)) {
             return Err(SensingError::Unexplained { residual_rms_mm, moved_rms_mm });
         }
-        let freedoms = x.len().saturating_sub(self.span.ncols());
-        let left_over_mm = if freedoms > 0 { residual.norm() / (freedoms as f64).sqrt() } else { f64::INFINITY };
-        Ok(match stated_mm {
-            Some(noise_mm) if freedoms == 0 || noise_mm == 0.0 || left_over_mm <= LARGEST_NOISE * noise_mm => {
-                (noise_mm, residual_rms_mm)
-            }
-            _ => (left_over_mm, residual_rms_mm),
+        let degrees_of_freedom = x.len().saturating_sub(self.span.ncols());
+        let test = ResidualTest::new(stated_mm, residual.norm_squared(), degrees_of_freedom);
+        Ok(Residual {
+            noise_mm: noise_of(test, stated_mm, residual.norm_squared(), degrees_of_freedom),
+            rms_mm: residual_rms_mm,
+            warning: test.filter(ResidualTest::contradicts).map(Warning::Residual),
         })
     }
 
@@ -227,6 +235,16 @@ impl NetworkEstimator {
         }
         Ok(())
     }
+}
+
+/// The part of a measurement outside the principal directions, which no training sample had.
+struct Residual {
+    /// Standard deviation of one coordinate that standard deviations rest on, mm.
+    noise_mm: f64,
+    /// Its root mean square, mm.
+    rms_mm: f64,
+    /// Whether it is more than noise.
+    warning: Option<Warning>,
 }
 
 fn require_length(what: &'static str, expected: usize, found: usize) -> Result<(), NetworkError> {

@@ -4,8 +4,9 @@ use super::unknowns::Unknown;
 use super::{NonlinearEstimate, NonlinearEstimator, State};
 use crate::finger::Plate;
 use crate::measurement::Measurement;
+use crate::sensing::residual_test::noise_of;
 use crate::sensing::{
-    Contact, Estimate, LARGEST_NOISE, LARGEST_SPAN, SensingError, UNEXPLAINED_SHARE, UNEXPLAINED_SIGMAS,
+    Contact, Estimate, LARGEST_SPAN, ResidualTest, SensingError, UNEXPLAINED_SHARE, UNEXPLAINED_SIGMAS, Warning,
 };
 use nalgebra::DMatrix;
 
@@ -91,13 +92,10 @@ impl NonlinearEstimator<'_> {
         if noise_mm.is_some_and(|noise_mm| !explained(noise_mm)) {
             return Err(SensingError::Unexplained { residual_rms_mm, moved_rms_mm });
         }
-        let freedoms = coordinates - count;
-        let left_over_mm = if freedoms > 0 { (misfit / freedoms as f64).sqrt() } else { f64::INFINITY };
-        let noise_mm = match noise_mm {
-            Some(noise_mm) if freedoms == 0 || noise_mm == 0.0 || left_over_mm <= LARGEST_NOISE * noise_mm => noise_mm,
-            // What the stated noise does not explain is uncertainty too.
-            _ => left_over_mm,
-        };
+        let degrees_of_freedom = coordinates - count;
+        let test = ResidualTest::new(noise_mm, misfit, degrees_of_freedom);
+        // What the stated noise does not explain is uncertainty too.
+        let noise_mm = noise_of(test, noise_mm, misfit, degrees_of_freedom);
         self.rescale(state);
         // The triangle has the singular values of the derivatives.
         let svd = state.linearised.triangle(measurement)?.svd(false, true);
@@ -143,7 +141,9 @@ impl NonlinearEstimator<'_> {
             forces: Estimate {
                 forces_n: state.forces_n.clone(),
                 sigmas_n: (0..self.questions.len()).map(|i| covariance(i, i).sqrt()).collect(),
+                model_error_n: vec![0.0; self.questions.len()],
                 noise_mm,
+                warning: test.filter(ResidualTest::contradicts).map(Warning::Residual),
                 residual_rms_mm,
                 singular_values,
             },

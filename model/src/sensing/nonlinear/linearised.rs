@@ -112,6 +112,25 @@ impl Linearised {
         Ok(())
     }
 
+    /// Changes of the unknowns, in their units, that explain a further displacement of the key nodes best.
+    ///
+    /// # Errors
+    /// [`SensingError::IllConditioned`] if the unknowns cannot be told apart at all.
+    pub(super) fn explained(
+        &mut self,
+        measurement: &Measurement,
+        further: impl Fn(usize) -> Vector,
+    ) -> Result<Vec<f64>, SensingError> {
+        self.pose(measurement, 0);
+        let right = self.problem.column_mut(self.scales.len());
+        for (marker, row) in measurement.markers().iter().zip(right.chunks_exact_mut(2)) {
+            let node = marker.node.0 - 1;
+            row.copy_from_slice((further(node) * (marker.weight * self.weights[node])).as_slice());
+        }
+        let solution = self.problem.solve().ok_or(ALL_ALIKE)?;
+        Ok(solution.iter().zip(&self.scales).map(|(x, scale)| x * scale).collect())
+    }
+
     /// R of the weighted derivatives A = Q R by the scaled unknowns.
     ///
     /// # Errors

@@ -5,6 +5,7 @@
 //! corrected together ([`simultaneous`]); otherwise every step goes to an equilibrium ([`search`]). What is found is
 //! judged before it is handed out ([`judgement`]).
 
+mod discretisation;
 mod judgement;
 mod least_squares;
 mod linear_range;
@@ -15,9 +16,12 @@ mod simultaneous;
 mod start;
 mod unknowns;
 
+pub use discretisation::Discretisation;
 pub use refine::sense_refining;
 
-use super::{Contact, ContactPlace, ContactQuestion, Direction, Estimate, SensingError, check_contacts};
+use super::{
+    Contact, ContactPlace, ContactQuestion, Direction, Estimate, ModelError, SensingError, Warning, check_contacts,
+};
 use crate::frame::FrameMotion;
 use crate::measurement::Measurement;
 use crate::mesh::Mesh;
@@ -46,6 +50,15 @@ pub struct NonlinearEstimate {
     pub contacts: Vec<Contact>,
     /// Gauss-Newton steps taken.
     pub steps: usize,
+}
+
+impl NonlinearEstimate {
+    /// Adds an error of the model, N, to the standard deviations and the covariance.
+    fn add_model_error(&mut self, error_n: Vec<f64>, warning: fn(ModelError) -> Warning) {
+        let error = nalgebra::DVector::from_column_slice(&error_n);
+        self.covariance_n2 += &error * error.transpose();
+        self.forces.add_model_error(error_n, warning);
+    }
 }
 
 /// Senses forces with the co-rotational finger of one mesh; each estimate starts from the one before it, if there is
@@ -124,8 +137,8 @@ impl<'m> NonlinearEstimator<'m> {
         self.mesh.finger()
     }
 
-    /// Estimates the forces. `noise_mm` is the standard deviation of one coordinate; without it, or where three times as
-    /// much is left over, it is estimated from the residual.
+    /// Estimates the forces. `noise_mm` is the standard deviation of one coordinate; without it, or where the residual
+    /// contradicts it, it is estimated from the residual.
     ///
     /// # Errors
     /// [`SensingError`] if the data do not tell the unknowns, or no equilibrium explains them.

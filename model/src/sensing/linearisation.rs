@@ -1,0 +1,230 @@
+//! What the linear finger gets wrong of a sensed force: the error of linearisation, from the estimated force itself.
+
+use super::{Contact, SensingError};
+use crate::Kinematics;
+use crate::Vector;
+use crate::frame::FrameMotion;
+use crate::measurement::Measurement;
+use crate::mesh::Mesh;
+use crate::statics::{FrameLoad, Ladder, Statics, StaticsError};
+use nalgebra::{DMatrix, DVector};
+
+/// Forces are looked up on a grid of this share of (a power of two below) the largest of them: from a grid point the error is
+/// extrapolated to first order, which leaves a few thousandths of it.
+const GRID: f64 = 0.05;
+/// Grid points that are kept; a stream of frames moves about a few.
+const MOST_POINTS: usize = 256;
+/// Newton steps; two or three are usual.
+const MAX_STEPS: usize = 30;
+/// Forces have converged when a step changes none by more than this share of the largest.
+const STEP_TOLERANCE: f64 = 1e-6;
+/// Shortest part of a Newton step that is tried where the finger does not carry the whole.
+const LEAST_STEP: f64 = 1e-3;
+/// Halvings of forces that the finger does not carry.
+const MOST_HALVINGS: usize = 30;
+
+/// The error that a linear estimator makes on the co-rotational finger.
+///
+/// # Requirements
+/// Contacts whose place and direction are known, and the gain and compliance of the linear estimator at the markers.
+///
+/// # Reference
+/// With gain G and compliance C (weighted, at the markers), the linear estimator senses f + G (u(f) - C f) where the
+/// co-rotational finger bends to u(f) under the forces f. The error of forces f' is f' - f with f the solution of
+/// f + G (u(f) - C f) = f', found by Newton's method with derivatives from the tangent stiffness.
+#[derive(Debug, Clone)]
+pub struct Linearisation<'m> {
+    mesh: &'m Mesh,
+    contacts: Vec<Contact>,
+    statics: Statics<Ladder<'m>>,
+    /// The gain that the points belong to.
+    gain: DMatrix<f64>,
+    points: Vec<Point>,
+}
+
+/// The linear estimator, as far as its error of linearisation depends on it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LinearModel<'e> {
+    /// G, N/mm: a row a force, 2 columns a marker.
+    pub(super) gain: &'e DMatrix<f64>,
+    /// Weighted C, mm/N.
+    pub(super) compliance: &'e DMatrix<f64>,
+}
+
+/// What is known of the error.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct LinearisationError {
+    /// Sensed less true, by contact, N.
+    pub(super) error_n: Vec<f64>,
+    /// Sum of the squared weighted residuals of the co-rotational finger under the forces without that error, mm^2.
+    pub(super) sum_of_squares_mm2: f64,
+}
+
+/// The error at one point of the grid of forces.
+#[derive(Debug, Clone)]
+struct Point {
+    key: Vec<i64>,
+    step_n: f64,
+    /// `None` where the co-rotational finger carries no forces that would be sensed so.
+    solution: Option<Solution>,
+}
+
+/// Forces of the co-rotational finger, and what depends on them.
+#[derive(Debug, Clone)]
+struct Solution {
+    forces_n: DVector<f64>,
+    /// Derivative of the forces by those that are sensed.
+    slope: DMatrix<f64>,
+    /// Weighted displacements of the markers, mm, and their derivative by the forces, mm/N.
+    displacements: DVector<f64>,
+    rates: DMatrix<f64>,
+}
+
+impl<'m> Linearisation<'m> {
+    /// Prepares the co-rotational finger of a mesh.
+    pub fn new(mesh: &'m Mesh, contacts: &[Contact]) -> Linearisation<'m> {
+        let statics = Statics::ladder(mesh, Kinematics::Corotational);
+        Linearisation { mesh, contacts: contacts.to_vec(), statics, gain: DMatrix::zeros(0, 0), points: Vec::new() }
+    }
+
+    /// The error of sensed forces, N.
+    ///
+    /// # Errors
+    /// [`SensingError::NotLinearised`] where the co-rotational finger carries no forces that the linear estimator would
+    /// answer so.
+    pub(super) fn error(
+        &mut self,
+        model: LinearModel,
+        measurement: &Measurement,
+        sensed_n: &[f64],
+    ) -> Result<LinearisationError, SensingError> {
+        // What was found with another gain, as that of a prior under other noise, or for other markers does not serve.
+        if self.gain != *model.gain {
+            self.points.clear();
+            self.gain.clone_from(model.gain);
+        }
+        let solution = self.point(model, measurement, sensed_n)?;
+        let (grid_n, solution) = solution.ok_or(SensingError::NotLinearised)?;
+        let change = &solution.slope * DVector::from_fn(sensed_n.len(), |i, _| sensed_n[i] - grid_n[i]);
+        let displacements = &solution.displacements + &solution.rates * &change;
+        let forces_n = &solution.forces_n + change;
+        let measured = weighted(measurement, |marker| marker.displacement);
+        Ok(LinearisationError {
+            error_n: sensed_n.iter().zip(forces_n.iter()).map(|(sensed, force)| sensed - force).collect(),
+            sum_of_squares_mm2: (measured - displacements).norm_squared(),
+        })
+    }
+
+    /// The grid point of some forces and the solution there.
+    fn point(
+        &mut self,
+        model: LinearModel,
+        measurement: &Measurement,
+        sensed_n: &[f64],
+    ) -> Result<Option<(Vec<f64>, &Solution)>, SensingError> {
+        let largest_n = sensed_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
+        if !largest_n.is_finite() {
+            return Ok(None);
+        }
+        let step_n = if largest_n > 0.0 { GRID * largest_n.log2().floor().exp2() } else { 1.0 };
+        let key: Vec<i64> = sensed_n.iter().map(|f| (f / step_n).round() as i64).collect();
+        let grid_n: Vec<f64> = key.iter().map(|&k| k as f64 * step_n).collect();
+        let known = self.points.iter().position(|point| point.step_n == step_n && point.key == key);
+        let index = match known {
+            Some(index) => index,
+            None => {
+                if self.points.len() == MOST_POINTS {
+                    self.points.clear();
+                }
+                let solution = self.solve(model, measurement, &grid_n)?;
+                self.points.push(Point { key, step_n, solution });
+                self.points.len() - 1
+            }
+        };
+        Ok(self.points[index].solution.as_ref().map(|solution| (grid_n, solution)))
+    }
+
+    /// Newton's method for the forces that are sensed as `target_n`; `None` if the finger carries none.
+    fn solve(
+        &mut self,
+        LinearModel { gain, compliance }: LinearModel,
+        measurement: &Measurement,
+        target_n: &[f64],
+    ) -> Result<Option<Solution>, SensingError> {
+        let target = DVector::from_column_slice(target_n);
+        let Some((mut forces_n, mut motion)) = self.carried(&target)? else { return Ok(None) };
+        for _ in 0..MAX_STEPS {
+            let loads = self.loads(&forces_n)?;
+            if !self.statics.linearise(&motion, &loads) {
+                return Ok(None);
+            }
+            let rates = self.rates(&motion, measurement)?;
+            let displacements = weighted(measurement, |marker| motion.displacements[marker.node.0 - 1]);
+            let sensed = &forces_n + gain * (&displacements - compliance * &forces_n);
+            let derivative = DMatrix::identity(target.len(), target.len()) + gain * (&rates - compliance);
+            let Some(slope) = derivative.try_inverse() else { return Ok(None) };
+            let step = &slope * (&target - sensed);
+            if !step.iter().all(|x| x.is_finite()) {
+                return Ok(None);
+            }
+            if step.amax() <= STEP_TOLERANCE * target.amax() {
+                return Ok(Some(Solution { forces_n, slope, displacements, rates }));
+            }
+            let mut part = 1.0;
+            loop {
+                let next = &forces_n + &step * part;
+                match self.statics.shifted(&motion, &loads, &self.loads(&next)?) {
+                    Ok(equilibrium) => {
+                        (forces_n, motion) = (next, equilibrium.motion);
+                        break;
+                    }
+                    Err(StaticsError::NoEquilibrium { .. }) if part > LEAST_STEP => part *= 0.5,
+                    Err(StaticsError::NoEquilibrium { .. }) => return Ok(None),
+                    Err(other) => return Err(other.into()),
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// The forces, halved until the finger carries them, and its shape under them.
+    fn carried(&mut self, forces_n: &DVector<f64>) -> Result<Option<(DVector<f64>, FrameMotion)>, SensingError> {
+        let mut forces_n = forces_n.clone();
+        for _ in 0..MOST_HALVINGS {
+            match self.statics.equilibrium(&self.loads(&forces_n)?) {
+                Ok(equilibrium) => return Ok(Some((forces_n, equilibrium.motion))),
+                Err(StaticsError::NoEquilibrium { .. }) => forces_n *= 0.5,
+                Err(other) => return Err(other.into()),
+            }
+        }
+        Ok(None)
+    }
+
+    fn loads(&self, forces_n: &DVector<f64>) -> Result<Vec<FrameLoad>, SensingError> {
+        let finger = self.mesh.finger();
+        let loads = self.contacts.iter().zip(forces_n.iter());
+        Ok(loads.map(|(c, f)| self.mesh.frame_load(&c.load(finger, *f))).collect::<Result<_, _>>()?)
+    }
+
+    /// Weighted displacements of the markers by the forces, mm/N, at the motion that was linearised last.
+    fn rates(&mut self, motion: &FrameMotion, measurement: &Measurement) -> Result<DMatrix<f64>, SensingError> {
+        let finger = self.mesh.finger();
+        let mut rates = DMatrix::zeros(measurement.coordinate_count(), self.contacts.len());
+        let mut of_nodes = vec![Vector::zeros(); finger.key_node_count()];
+        for (contact, mut column) in self.contacts.iter().zip(rates.column_iter_mut()) {
+            let load = self.mesh.frame_load(&contact.unit_load(finger))?;
+            self.statics.equations_mut().added_load(motion, &load, &mut of_nodes);
+            column.copy_from(&weighted(measurement, |marker| of_nodes[marker.node.0 - 1]));
+        }
+        Ok(rates)
+    }
+}
+
+/// A vector of each marker times its weight, one after the other.
+pub(super) fn weighted(measurement: &Measurement, of: impl Fn(&crate::measurement::Marker) -> Vector) -> DVector<f64> {
+    let coordinates = measurement.markers().iter().flat_map(|marker| {
+        let vector = of(marker) * marker.weight;
+        [vector.x, vector.y]
+    });
+    DVector::from_iterator(measurement.coordinate_count(), coordinates)
+}

@@ -1,0 +1,119 @@
+//! What a mesh gets wrong of sensed forces, from a finer one.
+
+use super::{NonlinearEstimate, NonlinearEstimator, State};
+use crate::Kinematics;
+use crate::measurement::Measurement;
+use crate::mesh::Mesh;
+use crate::sensing::{Contact, SensingError, Warning};
+use crate::statics::{Ladder, Statics};
+
+/// Into how many parts elements are divided for the finer mesh; where some members are single elements, whose errors do not
+/// fall with the square of their length yet, into more.
+const DIVISIONS: usize = 2;
+const DIVISIONS_OF_SINGLE: usize = 4;
+/// What was found for forces that differ by less than this share of the largest, at places and directions that differ by
+/// less than these, is taken again: the error is known to about a third of itself anyway.
+const SAME_FORCE: f64 = 0.12;
+const SAME_PLACE: f64 = 0.02;
+const SAME_ANGLE_DEG: f64 = 3.0;
+/// Errors that are kept.
+const MOST_KEPT: usize = 256;
+
+/// The error of a mesh, by comparison with a finer one.
+///
+/// # Requirements
+/// An estimator on a mesh of the same finger, and its last estimate.
+///
+/// # Reference
+/// Under the sensed forces the finer mesh bends further by d; the coarse one needs A^+ d more force to explain that, A
+/// the derivatives of its shape by the unknowns. Errors of co-rotational beams fall with the square of the element length,
+/// so Richardson's extrapolation makes it n^2 / (n^2 - 1) times that, n the elements of the finer mesh to one of the other.
+#[derive(Debug, Clone)]
+pub struct Discretisation<'m> {
+    finer: &'m Mesh,
+    /// The whole error over the difference of the two meshes.
+    extrapolated: f64,
+    statics: Statics<Ladder<'m>>,
+    /// Forces and contacts with the error that was found for them, N.
+    known: Vec<Known>,
+}
+
+#[derive(Debug, Clone)]
+struct Known {
+    forces_n: Vec<f64>,
+    contacts: Vec<Contact>,
+    error_n: Vec<f64>,
+}
+
+impl<'m> Discretisation<'m> {
+    /// A mesh that is fine enough to show the error of another.
+    pub fn finer(mesh: &Mesh) -> Mesh {
+        mesh.refined(if mesh.has_single_elements() { DIVISIONS_OF_SINGLE } else { DIVISIONS })
+    }
+
+    /// Prepares the comparison of a mesh with a [`finer`](Discretisation::finer) one.
+    pub fn new(mesh: &Mesh, finer: &'m Mesh) -> Discretisation<'m> {
+        let squared = (finer.element_count() as f64 / mesh.element_count() as f64).powi(2);
+        let extrapolated = squared / (squared - 1.0);
+        Discretisation {
+            finer,
+            extrapolated,
+            statics: Statics::ladder(finer, Kinematics::Corotational),
+            known: Vec::new(),
+        }
+    }
+
+    /// Adds the mesh's error to the standard deviations of the estimator's last estimate, and warns where it is the larger
+    /// part.
+    ///
+    /// # Errors
+    /// [`SensingError`] if the finer mesh has no equilibrium under the sensed forces, or there was no estimate.
+    pub fn widen(
+        &mut self,
+        estimator: &mut NonlinearEstimator,
+        measurement: &Measurement,
+        estimate: &mut NonlinearEstimate,
+    ) -> Result<(), SensingError> {
+        let state = estimator.last.as_mut().ok_or(SensingError::NoContact)?;
+        let error_n = match self.known.iter().find(|known| self.serves(known, state)) {
+            Some(known) => known.error_n.clone(),
+            None => {
+                let error_n = self.error(state, measurement)?;
+                if self.known.len() == MOST_KEPT {
+                    self.known.clear();
+                }
+                let (forces_n, contacts) = (state.forces_n.clone(), state.contacts.clone());
+                self.known.push(Known { forces_n, contacts, error_n: error_n.clone() });
+                error_n
+            }
+        };
+        estimate.add_model_error(error_n, Warning::Discretisation);
+        Ok(())
+    }
+
+    fn serves(&self, known: &Known, state: &State) -> bool {
+        let finger = self.finer.finger();
+        let largest_n = known.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
+        let same_force = |(a, b): (&f64, &f64)| (a - b).abs() <= SAME_FORCE * largest_n;
+        let length_mm = finger.plate_length_mm(crate::finger::Plate::Front);
+        let same_contact = |(a, b): (&Contact, &Contact)| {
+            let [a_mm, b_mm] = [a, b].map(|contact| contact.place_mm(finger).unwrap_or(f64::NAN));
+            (a_mm - b_mm).abs() <= SAME_PLACE * length_mm && (a.angle_deg - b.angle_deg).abs() <= SAME_ANGLE_DEG
+        };
+        known.forces_n.iter().zip(&state.forces_n).all(same_force)
+            && known.contacts.iter().zip(&state.contacts).all(same_contact)
+    }
+
+    /// The error of each force at a state, N.
+    fn error(&mut self, state: &mut State, measurement: &Measurement) -> Result<Vec<f64>, SensingError> {
+        let finger = self.finer.finger();
+        let contacts = state.contacts.iter().zip(&state.forces_n);
+        let loads = contacts.map(|(c, f)| self.finer.frame_load(&c.load(finger, *f)));
+        let fine = self.statics.equilibrium(&loads.collect::<Result<Vec<_>, _>>()?)?.motion;
+        let coarse = &state.motion.displacements;
+        let further = |node: usize| fine.displacements[node] - coarse[node];
+        let explained = state.linearised.explained(measurement, further)?;
+        // Forces come first among the unknowns.
+        Ok(explained[..state.forces_n.len()].iter().map(|force| self.extrapolated * force).collect())
+    }
+}

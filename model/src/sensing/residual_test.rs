@@ -1,0 +1,103 @@
+//! Whether a residual is what the stated noise leaves: the chi-squared test of goodness of fit.
+
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+/// Chance that a measurement of just the stated noise, by a finger just as modelled, fails the test: one warning in a
+/// hundred frames is a nuisance that a user can live with.
+pub const SIGNIFICANCE: f64 = 0.01;
+
+/// A residual against the noise that was stated.
+///
+/// # Reference
+/// The sum of squared residuals over the variance of a coordinate follows the chi-squared distribution with
+/// (coordinates - unknowns) degrees of freedom if the model holds and the noise is as stated (Press et al., Numerical
+/// Recipes, sec. 15.1).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ResidualTest {
+    /// Stated standard deviation of one coordinate, mm.
+    pub noise_mm: f64,
+    /// Residual standard deviation: square root of the weighted sum of squares over the degrees of freedom, mm.
+    pub residual_sd_mm: f64,
+    /// Measured coordinates less unknowns.
+    pub degrees_of_freedom: usize,
+}
+
+impl ResidualTest {
+    /// The test of a weighted sum of squared residuals, mm^2; `None` where there is nothing to test: no noise was stated
+    /// (or none at all, which no computed shape keeps to), or no degree of freedom is left.
+    pub fn new(noise_mm: Option<f64>, sum_of_squares_mm2: f64, degrees_of_freedom: usize) -> Option<ResidualTest> {
+        let noise_mm = noise_mm.filter(|noise_mm| *noise_mm > 0.0)?;
+        let residual_sd_mm = residual_sd_mm(sum_of_squares_mm2, degrees_of_freedom)?;
+        Some(ResidualTest { noise_mm, residual_sd_mm, degrees_of_freedom })
+    }
+
+    /// Chance of a residual at least as large under the stated noise.
+    pub fn p_value(&self) -> f64 {
+        let squares = self.degrees_of_freedom as f64 * (self.residual_sd_mm / self.noise_mm).powi(2);
+        // Degrees of freedom are at least one, so the distribution exists.
+        ChiSquared::new(self.degrees_of_freedom as f64).map_or(f64::NAN, |chi_squared| chi_squared.sf(squares))
+    }
+
+    /// Whether the measurement contradicts the model or the stated noise.
+    pub fn contradicts(&self) -> bool {
+        // The mean of chi-squared lies above its median: a residual below the noise has p > 0.3.
+        self.residual_sd_mm > self.noise_mm && self.p_value() < SIGNIFICANCE
+    }
+
+    /// The standard deviation of one coordinate that deviations of forces rest on, mm: as stated, or, where that is
+    /// contradicted, the residual's.
+    pub fn trusted_noise_mm(&self) -> f64 {
+        if self.contradicts() { self.residual_sd_mm } else { self.noise_mm }
+    }
+}
+
+/// Residual standard deviation, mm; `None` without a degree of freedom.
+pub(super) fn residual_sd_mm(sum_of_squares_mm2: f64, degrees_of_freedom: usize) -> Option<f64> {
+    (degrees_of_freedom > 0).then(|| (sum_of_squares_mm2 / degrees_of_freedom as f64).sqrt())
+}
+
+/// The standard deviation of one coordinate that deviations of forces rest on, mm: as stated, or the residual's where that is
+/// contradicted or nothing was stated; infinite where there is no residual either.
+pub(super) fn noise_of(
+    test: Option<ResidualTest>,
+    stated_mm: Option<f64>,
+    sum_of_squares_mm2: f64,
+    degrees_of_freedom: usize,
+) -> f64 {
+    match (test, stated_mm) {
+        (Some(test), _) => test.trusted_noise_mm(),
+        (None, Some(noise_mm)) if degrees_of_freedom == 0 => noise_mm,
+        // Zero is no noise that a residual could be held against.
+        (None, _) => residual_sd_mm(sum_of_squares_mm2, degrees_of_freedom).unwrap_or(f64::INFINITY),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Upper 1 % points of chi-squared: 6.635, 23.209, 69.957 for 1, 10, 45 degrees of freedom (Abramowitz and Stegun,
+    /// table 26.8; the last by interpolation of statistical tables).
+    #[test]
+    fn the_limit_is_the_tabulated_one() {
+        for (degrees_of_freedom, limit) in [(1, 6.635), (10, 23.209), (45, 69.957)] {
+            for (share, contradicted) in [(0.9999, false), (1.0001, true)] {
+                let test = ResidualTest::new(Some(0.5), 0.25 * limit * share, degrees_of_freedom).unwrap();
+                assert_eq!(test.contradicts(), contradicted, "{test:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_is_tested_without_noise_or_degrees_of_freedom() {
+        assert_eq!(ResidualTest::new(None, 1.0, 3), None);
+        assert_eq!(ResidualTest::new(Some(0.0), 1.0, 3), None);
+        assert_eq!(ResidualTest::new(Some(0.1), 1.0, 0), None);
+    }
+
+    #[test]
+    fn a_residual_that_is_no_number_does_not_pass_as_small() {
+        let test = ResidualTest { noise_mm: 0.1, residual_sd_mm: f64::INFINITY, degrees_of_freedom: 3 };
+        assert!(test.contradicts());
+    }
+}
