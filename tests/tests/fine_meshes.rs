@@ -71,7 +71,8 @@ proptest! {
         let load = Load::at_node(node, force_for_deflection(&finger, node, angle, share));
         let [coarse, fine] = [4, 256].map(|elements| bent(&Mesh::with_elements_per_member(&finger, elements), &load));
         // Near a limit load one mesh may find an equilibrium and the other none.
-        let (Ok(coarse), Ok(fine)) = (coarse, fine) else { return Ok(()) };
+        // Such cases are drawn again, and counted.
+        let (Ok(coarse), Ok(fine)) = (coarse, fine) else { return Err(TestCaseError::reject("no equilibrium")) };
         prop_assert!(fine.load_steps <= 2 * coarse.load_steps, "{} after {}", fine.load_steps, coarse.load_steps);
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// Whether a check holds what it promises.
+/// Whether our figure is within the tolerance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
@@ -27,14 +27,14 @@ pub enum Kind {
     Internal,
 }
 
-/// A promise: our figure lies within `tolerance` of the reference.
+/// A check: our figure lies within `tolerance` of the reference.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Check {
     /// Who stands behind the reference.
     pub kind: Kind,
     /// What is solved.
     pub problem: String,
-    /// The other party: "OpenSees", "closed form", ...
+    /// Whose the reference is: "OpenSees", "closed form", ...
     pub source: String,
     /// What is compared, with its unit.
     pub quantity: String,
@@ -46,6 +46,39 @@ pub struct Check {
     pub tolerance: f64,
     /// Whether it passes.
     pub verdict: Verdict,
+}
+
+impl Kind {
+    /// Every kind, those with the most distance from us first.
+    pub const ALL: [Kind; 3] = [Kind::External, Kind::Analytical, Kind::Internal];
+
+    /// As it is written, in tables and `summary.json`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::External => "external",
+            Kind::Analytical => "analytical",
+            Kind::Internal => "internal",
+        }
+    }
+}
+
+/// Checks of one kind: how many there are, and how many pass.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Tally {
+    /// Their kind.
+    pub kind: Kind,
+    /// How many pass.
+    pub passed: usize,
+    /// How many there are.
+    pub all: usize,
+}
+
+/// The checks counted by kind: never together, as 50 comparisons of ours with ourselves weigh less than one with another program.
+pub fn tallies<'c>(checks: impl Iterator<Item = &'c Check> + Clone) -> [Tally; 3] {
+    Kind::ALL.map(|kind| {
+        let of_kind = checks.clone().filter(move |check| check.kind == kind);
+        Tally { kind, passed: of_kind.clone().filter(|check| check.passes()).count(), all: of_kind.count() }
+    })
 }
 
 impl Check {
@@ -73,6 +106,16 @@ impl Check {
         }
     }
 
+    /// The check over cases of which some were refused: it fails, as an estimator that does not answer keeps no tolerance. How many were
+    /// is said with the quantity.
+    pub fn with_refused(mut self, refused: usize, drawn: usize) -> Check {
+        if refused > 0 {
+            self.verdict = Verdict::Fail;
+            self.quantity = format!("{}; {refused} of {drawn} refused", self.quantity);
+        }
+        self
+    }
+
     /// Whether the check passes.
     pub fn passes(&self) -> bool {
         self.verdict == Verdict::Pass
@@ -82,17 +125,19 @@ impl Check {
 /// Tolerance of a count that must be met.
 pub const EXACT_COUNT: f64 = 0.5;
 
-/// The largest of some figures; not a number if one of them is not, so that it cannot hide behind the others.
+/// The largest of some figures; not a number if one of them is not, so that it cannot hide behind the others, and of none: a check over
+/// nothing must not pass.
 pub fn worst(figures: impl IntoIterator<Item = f64>) -> f64 {
-    figures.into_iter().fold(0.0, |worst: f64, figure| if worst.is_nan() || worst >= figure { worst } else { figure })
+    let larger = |worst: f64, figure: f64| if worst.is_nan() || worst >= figure { worst } else { figure };
+    figures.into_iter().reduce(larger).unwrap_or(f64::NAN)
 }
 
-/// Two figures side by side where a difference is expected and nothing is promised.
+/// Two figures side by side where a difference is expected, or is the residual of a fit: no check.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
     /// What is solved.
     pub problem: String,
-    /// The other party.
+    /// Whose the reference is.
     pub source: String,
     /// What is compared, with its unit.
     pub quantity: String,
@@ -100,4 +145,36 @@ pub struct Comparison {
     pub reference: f64,
     /// Our figure.
     pub ours: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(kind: Kind, ours: f64) -> Check {
+        Check::new(kind, "problem", "source", "error", 0.0, ours, 1.0)
+    }
+
+    #[test]
+    fn a_check_with_a_refused_case_fails_however_small_its_figure() {
+        let answered = check(Kind::Internal, 0.1).with_refused(0, 100);
+        assert!(answered.passes() && answered.quantity == "error");
+        let refused = check(Kind::Internal, 0.1).with_refused(1, 100);
+        assert!(!refused.passes());
+        assert_eq!(refused.quantity, "error; 1 of 100 refused");
+    }
+
+    #[test]
+    fn the_worst_of_nothing_is_no_number() {
+        assert!(worst([]).is_nan() && !check(Kind::Internal, worst([])).passes());
+        assert_eq!(worst([1.0, 3.0, 2.0]), 3.0);
+        assert!(worst([1.0, f64::NAN, 2.0]).is_nan());
+    }
+
+    #[test]
+    fn kinds_are_counted_apart() {
+        let checks = [check(Kind::Internal, 0.0), check(Kind::External, 2.0), check(Kind::Internal, f64::NAN)];
+        let counted = tallies(checks.iter()).map(|tally| (tally.kind, tally.passed, tally.all));
+        assert_eq!(counted, [(Kind::External, 0, 1), (Kind::Analytical, 0, 0), (Kind::Internal, 1, 2)]);
+    }
 }

@@ -1,7 +1,7 @@
 //! Cross-checks and accuracy maps of fin-ray force sensing, and the report that shows them.
 //!
 //! [`problems`] holds reference problems with known answers, [`convergence`] and [`hard_cases`] what meshes and extremes
-//! come to, [`lattice`] a second physics of the finger, [`mujoco`] what a third says of it, [`truth`] the fingers that sensing is put to the test on, [`estimators`] and [`networks`] what is
+//! come to, [`lattice`] another discretisation of the finger, [`mujoco`] what another program says of it, [`truth`] the fingers that sensing is put to the test on, [`estimators`] and [`networks`] what is
 //! tested, [`twin`] what the paper's own finger may have been like,
 //! [`sweep`], [`map`], [`scatter`], [`direction`], [`table_one`] and [`table_two`] what is asked of them, [`contact_scene`] what objects do to it,
 //! [`explain`] what limits them, [`ledger`] and [`speed_error`] what came of it, [`report`] the page. [`files`] reads

@@ -30,6 +30,37 @@ pub struct Cell {
     pub bias: Option<f64>,
     /// Standard deviation of sensed / true over the noise.
     pub spread: Option<f64>,
+    /// Noise samples that were drawn, a single one without noise; none where the finger has no equilibrium.
+    pub samples: usize,
+    /// Samples that were answered; the errors above are theirs.
+    pub answered: usize,
+}
+
+/// What became of a cell, or of the same place and direction under several forces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum CellState {
+    /// At least half of the samples were answered.
+    Answered,
+    /// The finger bends, but the estimator refuses more than half of the samples: the few answers are no fair sample.
+    Refused,
+    /// The finger has no equilibrium under the force, so there is nothing to sense.
+    WithoutEquilibrium,
+}
+
+impl Cell {
+    /// What became of it.
+    pub fn state(&self) -> CellState {
+        match (self.samples, self.mean_error) {
+            (0, _) => CellState::WithoutEquilibrium,
+            (_, None) => CellState::Refused,
+            (_, Some(_)) => CellState::Answered,
+        }
+    }
+
+    /// Whether its error is above a limit. A cell that is refused counts as above; one without equilibrium does not count at all: `None`.
+    pub fn is_above(&self, limit: f64) -> Option<bool> {
+        (self.state() != CellState::WithoutEquilibrium).then(|| self.mean_error.is_none_or(|error| error > limit))
+    }
 }
 
 impl From<&sweep::Cell> for Cell {
@@ -42,6 +73,8 @@ impl From<&sweep::Cell> for Cell {
             mean_error: errors.map(|errors| errors.mean_error),
             bias: errors.map(|errors| errors.bias),
             spread: cell.spread(),
+            samples: cell.outcome.pictures,
+            answered: cell.outcome.answered,
         }
     }
 }
@@ -89,7 +122,7 @@ pub fn accuracy_maps(
 }
 
 impl AccuracyMap {
-    /// CSV of the cells: `s_mm,angle_deg,force_n,mean_error,bias,spread`.
+    /// CSV of the cells: `s_mm,angle_deg,force_n,mean_error,bias,spread,samples,answered`.
     ///
     /// # Errors
     /// None in memory; the signature is the CSV writer's.
@@ -146,28 +179,52 @@ impl AccuracyMap {
         AccuracyMap { request, cells: self.cells.iter().filter(on_grid).copied().collect(), ..self.clone() }
     }
 
-    /// What the map says as a whole, of one force or over all.
+    /// The cells of one force, or of all, grouped by place and direction: a group is a cell of the map.
+    fn groups(&self, force_n: Option<f64>) -> impl Iterator<Item = impl Iterator<Item = &Cell> + Clone> {
+        let wanted = move |cell: &&Cell| force_n.is_none_or(|f| f == cell.force_n);
+        self.cells.chunks(self.request.forces_n.len().max(1)).map(move |group| group.iter().filter(wanted))
+    }
+
+    /// What the map says as a whole, of one force or of the mean over all. Over all forces, a cell is without equilibrium if one force has
+    /// none, and refused if one force is.
     pub fn summary(&self, force_n: Option<f64>) -> MapSummary {
         let errors = self.errors(force_n);
         let known: Vec<f64> = errors.iter().flatten().flatten().copied().collect();
-        let share = |limit: f64| known.iter().filter(|e| **e > limit).count() as f64 / known.len().max(1) as f64;
-        let cells = errors.iter().flatten().count();
+        let states: Vec<CellState> = self.groups(force_n).filter_map(|group| group.map(Cell::state).max()).collect();
+        let count = |state| states.iter().filter(|found| **found == state).count();
+        let (refused, without_equilibrium) = (count(CellState::Refused), count(CellState::WithoutEquilibrium));
+        let share = |limit: f64| {
+            let above = refused + known.iter().filter(|error| **error > limit).count();
+            ratio(above, states.len() - without_equilibrium)
+        };
+        let bent = || self.groups(force_n).flatten();
+        let samples: usize = bent().map(|cell| cell.samples).sum();
+        let answered_samples: usize = bent().map(|cell| cell.answered).sum();
         MapSummary {
             truth: self.truth.clone(),
             estimator: self.estimator.clone(),
             noise_mm: self.noise_mm,
             forces_n: force_n.map_or_else(|| self.request.forces_n.clone(), |f| vec![f]),
-            mean_error: known.iter().sum::<f64>() / known.len().max(1) as f64,
-            largest_error: known.iter().copied().fold(0.0, f64::max),
+            cells: states.len(),
+            answered: count(CellState::Answered),
+            refused,
+            without_equilibrium,
+            mean_error: (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64),
+            largest_error: known.iter().copied().reduce(f64::max),
             share_above_10: share(0.10),
             share_above_25: share(0.25),
-            cells,
-            cells_without_equilibrium: cells - known.len(),
+            share_of_samples_refused: ratio(samples - answered_samples, samples),
         }
     }
 }
 
-/// A map in a few figures.
+/// A share; `None` of nothing.
+fn ratio(part: usize, all: usize) -> Option<f64> {
+    (all > 0).then(|| part as f64 / all as f64)
+}
+
+/// A map in a few figures. A mean over answered cells says nothing without how many were refused: print [`counts`](MapSummary::counts)
+/// beside it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MapSummary {
     /// Name of the truth.
@@ -178,16 +235,97 @@ pub struct MapSummary {
     pub noise_mm: f64,
     /// Forces that the errors are averaged over, N.
     pub forces_n: Vec<f64>,
-    /// Mean of |sensed / true - 1| over all cells.
-    pub mean_error: f64,
-    /// Largest error of a cell.
-    pub largest_error: f64,
-    /// Share of the cells with an error above 10 %.
-    pub share_above_10: f64,
-    /// Share of the cells with an error above 25 %.
-    pub share_above_25: f64,
-    /// Number of cells.
+    /// Number of cells: places times directions.
     pub cells: usize,
-    /// Cells in which a force has no equilibrium; they count in none of the figures above.
-    pub cells_without_equilibrium: usize,
+    /// Cells that were answered: see [`CellState`].
+    pub answered: usize,
+    /// Cells that the estimator refused.
+    pub refused: usize,
+    /// Cells in which a force has no equilibrium; they count in none of the figures below.
+    pub without_equilibrium: usize,
+    /// Mean of |sensed / true - 1| over the answered cells; `None` if there is none.
+    pub mean_error: Option<f64>,
+    /// Largest error of an answered cell.
+    pub largest_error: Option<f64>,
+    /// Share of the cells with an equilibrium that err by more than 10 % or are refused; `None` if no cell has an equilibrium.
+    pub share_above_10: Option<f64>,
+    /// The same for 25 %.
+    pub share_above_25: Option<f64>,
+    /// Share of all noise samples that the estimator refused, also in cells that count as answered.
+    pub share_of_samples_refused: Option<f64>,
+}
+
+impl MapSummary {
+    /// The counts that belong beside every mean and share, in words.
+    pub fn counts(&self) -> String {
+        format!(
+            "{} cells: {} answered, {} refused, {} without equilibrium",
+            self.cells, self.answered, self.refused, self.without_equilibrium
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A map of one force, a direction a cell: (error, samples, answered).
+    fn map(cells: &[(Option<f64>, usize, usize)]) -> AccuracyMap {
+        let cell = |(n, &(mean_error, samples, answered)): (usize, &(Option<f64>, usize, usize))| Cell {
+            s_mm: 10.0,
+            angle_deg: n as f64,
+            force_n: 3.0,
+            mean_error,
+            bias: mean_error,
+            spread: None,
+            samples,
+            answered,
+        };
+        AccuracyMap {
+            request: MapRequest {
+                places_mm: vec![10.0],
+                angles_deg: (0..cells.len()).map(|n| n as f64).collect(),
+                forces_n: vec![3.0],
+                noise_levels_mm: vec![0.1],
+                noise_pictures: 10,
+                seed: 1,
+            },
+            truth: "linear".to_owned(),
+            estimator: "network".to_owned(),
+            noise_mm: 0.1,
+            cells: cells.iter().enumerate().map(cell).collect(),
+        }
+    }
+
+    #[test]
+    fn a_map_of_which_most_is_refused_is_not_a_good_one() {
+        let mut cells = vec![(None, 10, 3); 11];
+        cells.push((Some(0.0098), 10, 8));
+        let summary = map(&cells).summary(Some(3.0));
+        assert_eq!((summary.cells, summary.answered, summary.refused, summary.without_equilibrium), (12, 1, 11, 0));
+        assert_eq!(summary.mean_error, Some(0.0098));
+        assert_eq!((summary.share_above_10, summary.share_above_25), (Some(11.0 / 12.0), Some(11.0 / 12.0)));
+        assert_eq!(summary.share_of_samples_refused, Some((120.0 - 41.0) / 120.0));
+        assert_eq!(summary.counts(), "12 cells: 1 answered, 11 refused, 0 without equilibrium");
+    }
+
+    #[test]
+    fn a_cell_without_equilibrium_counts_in_no_share() {
+        let summary = map(&[(None, 0, 0), (Some(0.2), 10, 10), (Some(0.01), 10, 10)]).summary(None);
+        assert_eq!((summary.answered, summary.refused, summary.without_equilibrium), (2, 0, 1));
+        assert_eq!((summary.share_above_10, summary.share_above_25), (Some(0.5), Some(0.0)));
+        let nothing = map(&[(None, 0, 0)]).summary(None);
+        assert_eq!((nothing.mean_error, nothing.share_above_10, nothing.share_of_samples_refused), (None, None, None));
+    }
+
+    #[test]
+    fn one_refused_force_refuses_the_mean_over_all() {
+        let mut both = map(&[(Some(0.05), 10, 10), (None, 10, 1)]);
+        both.request.forces_n = vec![1.0, 3.0];
+        both.request.angles_deg = vec![0.0];
+        (both.cells[0].force_n, both.cells[1].angle_deg) = (1.0, 0.0);
+        let summary = both.summary(None);
+        assert_eq!((summary.cells, summary.answered, summary.refused, summary.mean_error), (1, 0, 1, None));
+        assert_eq!(both.summary(Some(1.0)).answered, 1);
+    }
 }

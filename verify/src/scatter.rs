@@ -65,6 +65,24 @@ pub struct AgainstBound {
     pub over_bound: f64,
     /// Mean of error / bound.
     pub bias_over_bound: f64,
+    /// Root mean square of error / bound with the chance of the drawn noise taken out, where it was asked for.
+    #[serde(flatten)]
+    pub controlled: Option<Controlled>,
+}
+
+/// Root mean square of error / bound, controlled by the first-order response to the same noise.
+///
+/// To first order the error is a linear function of the noise, whose standard deviation is the bound: the mean square z1^2 of that
+/// response over the bound is 1, but for the chance of the draws. Error and response share this chance, so 1 + mean(z^2 - z1^2) is known
+/// far better than mean(z^2) from the same cases.
+///
+/// Reference: control variates; e.g. Owen, Monte Carlo theory, methods and examples, ch. 8.9.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Controlled {
+    /// sqrt(1 + mean(z^2 - z1^2)).
+    pub over_bound_controlled: f64,
+    /// Its standard error, from the scatter of z^2 - z1^2 over the cases.
+    pub standard_error: f64,
 }
 
 /// How often the truth lies within the interval that an estimator states.
@@ -85,11 +103,11 @@ pub struct ScatterRow {
     pub nodes: Vec<usize>,
     /// Standard deviation of a coordinate, mm.
     pub noise_mm: f64,
-    /// Cases that were sensed.
+    /// Cases that were answered: what all means below are over.
     pub cases: usize,
     /// Draws that were repeated because the finger does not carry them.
     pub not_carried: usize,
-    /// Cases that the estimator refused; they count nowhere else.
+    /// Cases that the estimator refused: in no mean, so every mean is shown with them, and a check over refused cases fails.
     pub refused: usize,
     /// Each force in the order of the nodes; empty if no case was sensed.
     pub forces: Vec<Scatter>,
@@ -97,7 +115,48 @@ pub struct ScatterRow {
     pub sum: Option<Scatter>,
 }
 
+/// Cases that were drawn, answered and refused: what belongs beside a mean over the answered ones.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Counts {
+    /// Cases that the finger carries.
+    pub drawn: usize,
+    /// Those that were answered.
+    pub answered: usize,
+    /// Those that were refused.
+    pub refused: usize,
+}
+
+impl Counts {
+    /// Of all rows together.
+    pub fn of<'r>(rows: impl IntoIterator<Item = &'r ScatterRow>) -> Counts {
+        let none = Counts { drawn: 0, answered: 0, refused: 0 };
+        rows.into_iter().fold(none, |sum, row| Counts {
+            drawn: sum.drawn + row.drawn(),
+            answered: sum.answered + row.cases,
+            refused: sum.refused + row.refused,
+        })
+    }
+}
+
+impl std::fmt::Display for Counts {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} cases drawn, {} answered, {} refused", self.drawn, self.answered, self.refused)
+    }
+}
+
 impl ScatterRow {
+    /// Cases that were drawn: how many an estimator was asked, whatever it answered.
+    pub fn drawn(&self) -> usize {
+        self.cases + self.refused
+    }
+
+    /// Whether the mean error is within a limit if a refused case counts as an error of 100 %, that of no force at all.
+    pub fn is_within(&self, limit: f64) -> bool {
+        let drawn = self.drawn() as f64;
+        let refused = self.refused as f64 / drawn;
+        self.mean_error().is_some_and(|error| error * (1.0 - refused) + refused <= limit)
+    }
+
     /// Mean error of all forces; `None` if no case was sensed.
     pub fn mean_error(&self) -> Option<f64> {
         let errors = self.forces.iter().map(|scatter| scatter.mean_error);
@@ -124,9 +183,33 @@ pub fn scatter(
     range_n: [f64; 2],
     progress: &(dyn Fn() + Sync),
 ) -> Result<Vec<ScatterRow>, EstimatorError> {
+    rows(request, estimators, sets, (range_n, false), progress)
+}
+
+/// [`scatter`] that also tells each row's [`Controlled`] figure, for one more estimate a case.
+///
+/// # Errors
+/// As there.
+pub fn scatter_controlled(
+    request: &ScatterRequest,
+    estimators: &[&dyn Estimator],
+    sets: &[Vec<NodeId>],
+    range_n: [f64; 2],
+    progress: &(dyn Fn() + Sync),
+) -> Result<Vec<ScatterRow>, EstimatorError> {
+    rows(request, estimators, sets, (range_n, true), progress)
+}
+
+fn rows(
+    request: &ScatterRequest,
+    estimators: &[&dyn Estimator],
+    sets: &[Vec<NodeId>],
+    (range_n, controlled): ([f64; 2], bool),
+    progress: &(dyn Fn() + Sync),
+) -> Result<Vec<ScatterRow>, EstimatorError> {
     let of_set = |(stream, nodes): (usize, &Vec<NodeId>)| {
         let contacts: Vec<Contact> = nodes.iter().copied().map(Contact::at_node).collect();
-        let cases = cases::cases(request, estimators, &contacts, range_n, stream as u64)?;
+        let cases = cases::cases(request, estimators, &contacts, (range_n, controlled), stream as u64)?;
         progress();
         let mut rows = Vec::new();
         for (level, &noise_mm) in request.noise_levels_mm.iter().enumerate() {
@@ -164,7 +247,7 @@ fn row<'c>(name: &str, nodes: &[NodeId], noise_mm: f64, looks: impl Iterator<Ite
     let mut forces = vec![Sums::default(); nodes.len()];
     let mut sum = Sums::default();
     let (mut cases, mut refused, mut not_carried) = (0, 0, 0);
-    for Look { case, bound, sensed } in looks {
+    for Look { case, bound, first_order, sensed } in looks {
         not_carried += case.not_carried;
         let Some(sensed) = sensed else {
             refused += 1;
@@ -173,10 +256,16 @@ fn row<'c>(name: &str, nodes: &[NodeId], noise_mm: f64, looks: impl Iterator<Ite
         cases += 1;
         for (i, sums) in forces.iter_mut().enumerate() {
             let sigma = |of: &Sensed| of.sigmas_n.as_ref().map(|sigmas| sigmas[i]);
-            sums.add(case.forces_n[i], sensed.forces_n[i], bound.and_then(sigma), sigma(sensed));
+            let errors = [sensed.forces_n[i] - case.forces_n[i], first_order.map_or(f64::NAN, |errors| errors[i])];
+            sums.add(case.forces_n[i], errors, bound.and_then(sigma), sigma(sensed));
         }
         let bound = bound.and_then(|bound| bound.sum_sigma_n);
-        sum.add(case.forces_n.iter().sum(), sensed.forces_n.iter().sum(), bound, sensed.sum_sigma_n);
+        let true_sum: f64 = case.forces_n.iter().sum();
+        let errors = [
+            sensed.forces_n.iter().sum::<f64>() - true_sum,
+            first_order.map_or(f64::NAN, |errors| errors.iter().sum::<f64>()),
+        ];
+        sum.add(true_sum, errors, bound, sensed.sum_sigma_n);
     }
     let noisy = noise_mm > 0.0;
     ScatterRow {
@@ -200,14 +289,18 @@ struct Sums {
     bound: f64,
     standardised: f64,
     squared: f64,
+    /// Sums of z^2 - z1^2 and of its square over the cases with a first-order response: see [`Controlled`].
+    controlled: usize,
+    beyond: f64,
+    beyond_squared: f64,
     stated: usize,
     one_sigma: usize,
     two_sigma: usize,
 }
 
 impl Sums {
-    fn add(&mut self, truth: f64, sensed: f64, bound: Option<f64>, stated_sigma: Option<f64>) {
-        let error = sensed - truth;
+    /// A case: true value, error and first-order error (not a number if it was not computed), bound and stated sigma.
+    fn add(&mut self, truth: f64, [error, first_order]: [f64; 2], bound: Option<f64>, stated_sigma: Option<f64>) {
         self.cases += 1;
         self.error += (error / truth).abs();
         if let Some(bound) = bound {
@@ -215,12 +308,26 @@ impl Sums {
             self.bound += MEAN_ABSOLUTE * bound / truth;
             self.standardised += error / bound;
             self.squared += (error / bound).powi(2);
+            if first_order.is_finite() {
+                let beyond = (error / bound).powi(2) - (first_order / bound).powi(2);
+                self.controlled += 1;
+                self.beyond += beyond;
+                self.beyond_squared += beyond * beyond;
+            }
         }
         if let Some(sigma) = stated_sigma {
             self.stated += 1;
             self.one_sigma += usize::from(error.abs() <= sigma);
             self.two_sigma += usize::from(error.abs() <= TWO_SIDED_95 * sigma);
         }
+    }
+
+    fn controlled(&self) -> Controlled {
+        let count = self.controlled as f64;
+        let mean = self.beyond / count;
+        let variance = (self.beyond_squared / count - mean * mean).max(0.0) / (count - 1.0);
+        let root = (1.0 + mean).sqrt();
+        Controlled { over_bound_controlled: root, standard_error: variance.sqrt() / (2.0 * root) }
     }
 
     fn mean(&self, noisy: bool) -> Option<Scatter> {
@@ -231,11 +338,36 @@ impl Sums {
                 mean_error_bound: over(self.bound, self.bounded),
                 over_bound: over(self.squared, self.bounded).sqrt(),
                 bias_over_bound: over(self.standardised, self.bounded),
+                // A case whose response could not be computed would leave the figure of the others alone: none then.
+                controlled: (self.controlled > 1 && self.controlled == self.cases).then(|| self.controlled()),
             }),
             coverage: (noisy && self.stated > 0).then(|| Coverage {
                 one_sigma: over(self.one_sigma as f64, self.stated),
                 two_sigma: over(self.two_sigma as f64, self.stated),
             }),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_refused_case_counts_as_an_error_of_the_whole_force() {
+        let row = |cases: usize, refused: usize| ScatterRow {
+            estimator: "nonlinear".to_owned(),
+            nodes: vec![19],
+            noise_mm: 0.067,
+            cases,
+            not_carried: 0,
+            refused,
+            forces: vec![Scatter { mean_error: 0.01, ..Scatter::default() }],
+            sum: None,
+        };
+        assert!(row(100, 0).is_within(0.10) && row(95, 5).is_within(0.10));
+        assert!(!row(90, 10).is_within(0.10) && !row(1, 99).is_within(0.10));
+        let counts = Counts::of(&[row(90, 10), row(100, 0)]);
+        assert_eq!(counts.to_string(), "200 cases drawn, 190 answered, 10 refused");
     }
 }

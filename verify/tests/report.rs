@@ -134,8 +134,9 @@ fn maps_come_with_their_figures_and_their_cells() {
     for report in [&*PAPERS, &*SPRING_STEELS] {
         let summary = report.summary();
         let maps = array(&summary, "maps");
-        let numbers = ["noise_mm", "mean_error", "share_above_10", "share_above_25"];
-        assert_keys(maps, &["truth", "estimator", "csv"], &numbers);
+        let figures = ["mean_error", "share_above_10", "share_above_25"];
+        let counts = ["cells", "answered", "refused", "without_equilibrium"];
+        assert_keys(maps, &["truth", "estimator", "csv"], &[&["noise_mm"], &figures[..], &counts[..]].concat());
         for truth in ["linear", "corotational"] {
             for noisy in [false, true] {
                 let wanted = |map: &&Value| map["truth"] == truth && (map["noise_mm"].as_f64() > Some(0.0)) == noisy;
@@ -148,17 +149,99 @@ fn maps_come_with_their_figures_and_their_cells() {
                 map["forces_n"].as_array().expect("forces").iter().filter_map(Value::as_f64).collect();
             if let [force] = forces[..] {
                 // The figures of one force follow from the cells.
-                let of_force = cells.numbers("force_n").into_iter().zip(cells.texts("mean_error"));
-                let errors: Vec<f64> =
-                    of_force.filter(|(f, _)| *f == force).filter_map(|(_, e)| e.parse().ok()).collect();
+                let samples = cells.numbers("samples").into_iter().zip(cells.texts("mean_error"));
+                let of_force = cells.numbers("force_n").into_iter().zip(samples).filter(|(f, _)| *f == force);
+                // Without samples there is no equilibrium; without error among samples, the cell is refused.
+                let bent: Vec<Option<f64>> =
+                    of_force.clone().filter(|(_, (drawn, _))| *drawn > 0.0).map(|(_, (_, e))| e.parse().ok()).collect();
+                let errors: Vec<f64> = bent.iter().copied().flatten().collect();
                 let mean = errors.iter().sum::<f64>() / errors.len() as f64;
-                let above = |limit: f64| errors.iter().filter(|e| **e > limit).count() as f64 / errors.len() as f64;
+                let is_above = |error: &Option<f64>, limit: f64| error.is_none_or(|error| error > limit);
+                let above =
+                    |limit: f64| bent.iter().filter(|error| is_above(error, limit)).count() as f64 / bent.len() as f64;
                 let number = |key: &str| map[key].as_f64().expect("a number");
-                let told = ["mean_error", "share_above_10", "share_above_25"].map(number);
-                assert_close(&told, &[mean, above(0.1), above(0.25)], LINEAR_ROUNDING);
+                assert_close(&figures.map(number), &[mean, above(0.1), above(0.25)], LINEAR_ROUNDING);
+                let (all, refused) = (of_force.count(), bent.len() - errors.len());
+                let counted = [all, errors.len(), refused, all - bent.len()].map(|count| count as f64);
+                assert_eq!(counts.map(number), counted, "{map}");
             }
         }
     }
+}
+
+/// A network that refuses most of a map is not published by the mean over the few cells that it answers.
+#[test]
+fn refused_cells_count_as_not_trusted() {
+    let summary = PAPERS.summary();
+    let refusing: Vec<&Value> = array(&summary, "maps")
+        .iter()
+        .filter(|map| map["truth"] == "linear" && map["estimator"] == "network")
+        .filter(|map| map["refused"].as_f64() > Some(0.0))
+        .collect();
+    assert!(refusing.len() >= 2, "the network was not trained on the linear finger");
+    for map in refusing {
+        let number = |key: &str| map[key].as_f64().expect("a number");
+        assert!(number("share_above_10") >= number("refused") / (number("cells") - number("without_equilibrium")));
+    }
+    let page = PAPERS.read("index.html").replace("&#x27;", "'");
+    // Where a share or mean of a map stands, its counts do as well.
+    assert!(page.matches("without equilibrium").count() >= 15, "{}", page.matches("without equilibrium").count());
+    for header in [">cells</th>", ">answered</th>", ">refused</th>", ">no equilibrium</th>"] {
+        assert!(page.contains(header), "{header}");
+    }
+}
+
+/// External, analytical and internal checks are counted apart, in the file, at the page's head and in what the command says.
+#[test]
+fn checks_are_counted_by_kind() {
+    for report in [&*PAPERS, &*SPRING_STEELS] {
+        let summary = report.summary();
+        let checks = array(&summary, "checks");
+        let of_kind = |kind: &str| checks.iter().filter(|check| check["kind"] == kind).count();
+        let counts = ["external", "analytical", "internal"].map(of_kind);
+        assert_eq!(counts.iter().sum::<usize>(), checks.len());
+        let [external, analytical, internal] = counts;
+        let head = report.read("index.html");
+        let head = head.split("<h2").next().expect("the first screen");
+        let said = format!("external {external} of {external}, analytical {analytical} of {analytical}");
+        assert!(head.contains(&said), "{said}");
+        assert!(
+            report.said.contains(&format!("{external} of {external} external checks (figures of another program)"))
+        );
+        assert!(report.said.contains(&format!("{internal} of {internal} internal ones")));
+    }
+    let summary = PAPERS.summary();
+    let checks = array(&summary, "checks");
+    for check in checks {
+        let source = check["source"].as_str().expect("words");
+        let other_program = ["OpenSees", "MuJoCo", "rapier2d lattice"].contains(&source);
+        assert!(check["kind"] != "external" || other_program || source.starts_with("Newton"), "{check}");
+        // The lattice's own equilibrium is no figure of rapier's.
+        let problem = check["problem"].as_str().expect("words");
+        assert!(!problem.contains("in equilibrium") || source != "rapier2d lattice", "{check}");
+        // What was fitted is no check.
+        assert!(source != "paper" && !problem.contains("residual"), "{check}");
+    }
+    let residuals = array(&summary, "comparisons").iter();
+    let residuals = residuals.filter(|entry| entry["problem"].as_str().is_some_and(|text| text.contains("residual")));
+    assert_eq!(residuals.count(), 6);
+}
+
+/// The lattice's springs and MuJoCo's rods are given the beams' EA and EI: nobody claims another physics.
+#[test]
+fn nothing_claims_more_independence_than_there_is() {
+    let readme = Path::new(env!("CARGO_MANIFEST_DIR")).join("../README.md");
+    let readme = std::fs::read_to_string(readme).expect("the README");
+    let exported = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures/mujoco/README.md");
+    let exported = std::fs::read_to_string(exported).expect("the exporter's README");
+    let texts = [readme, exported, PAPERS.read("index.html"), PAPERS.said.clone(), PAPERS.read("summary.json")];
+    for text in texts {
+        let words = text.split_whitespace().collect::<Vec<_>>().join(" ").to_lowercase();
+        for claim in ["shares nothing", "second physics", "other parties", "neither theory", "another physics"] {
+            assert!(!words.contains(claim), "\"{claim}\" in ... {}", &words[..words.len().min(60)]);
+        }
+    }
+    assert!(PAPERS.read("index.html").contains("not that Euler-Bernoulli beams describe a real finger"));
 }
 
 #[test]
@@ -317,7 +400,8 @@ fn networks_that_ship_keep_their_promises() {
     let pairs = ["19 20", "16 17", "18 20", "16 20"].map(str::to_owned);
     let wanted = singles.chain(pairs.into_iter().flat_map(|pair| [pair.clone(), pair]));
     assert_eq!(rows.texts("nodes"), wanted.collect::<Vec<_>>());
-    assert!(rows.numbers("cases").iter().all(|cases| *cases >= 40.0) && rows.numbers("refused") == [0.0; 19]);
+    assert!(rows.numbers("drawn").iter().all(|cases| *cases >= 40.0) && rows.numbers("refused") == [0.0; 19]);
+    assert_eq!(rows.numbers("drawn"), rows.numbers("answered"));
     for (error, bound) in rows.numbers("mean_error").into_iter().zip(rows.numbers("mean_error_bound")) {
         // Forty cases scatter by a sixth; the sums of neighbours lose 1.6 to the bound.
         assert!(error > 0.5 * bound && error < 2.5 * bound, "{error}, bound {bound}");
@@ -327,7 +411,11 @@ fn networks_that_ship_keep_their_promises() {
     let ours: Vec<f64> = promises.filter_map(|check| check["ours"].as_f64()).collect();
     assert_close(&ours, &rows.numbers("mean_error"), LINEAR_ROUNDING);
     let networks = array(&summary, "networks");
-    assert_keys(networks, &["nodes", "quantity"], &["noise_mm", "cases", "refused", "mean_error", "mean_error_bound"]);
+    assert_keys(
+        networks,
+        &["nodes", "quantity"],
+        &["noise_mm", "drawn", "answered", "refused", "mean_error", "mean_error_bound"],
+    );
     assert_eq!(networks.iter().filter_map(|row| row["mean_error"].as_f64()).collect::<Vec<_>>(), ours);
     assert!(PAPERS.read("index.html").contains("id=\"networks\""));
     assert!(!SPRING_STEELS.read("index.html").contains("id=\"networks\""));
@@ -342,12 +430,15 @@ fn four_pairs_keep_their_promises() {
         |check: &&Value| check["problem"].as_str().is_some_and(|text| text.starts_with("nonlinear sensing at nodes"));
     let checks: Vec<_> = array(&summary, "checks").iter().filter(of_pairs).collect();
     let rows = Csv::of(&PAPERS.read("noise.csv"));
+    // Of a sum over its bound, of a force as it is.
     let errors: Vec<(String, String, f64)> = rows
         .texts("nodes")
         .into_iter()
         .zip(rows.texts("quantity"))
-        .zip(rows.numbers("mean_error"))
-        .map(|((nodes, quantity), error)| (nodes.to_owned(), quantity.to_owned(), error))
+        .zip(rows.numbers("mean_error").into_iter().zip(rows.numbers("mean_error_bound")))
+        .map(|((nodes, quantity), (error, bound))| {
+            (nodes.to_owned(), quantity.to_owned(), if quantity == "sum" { error / bound } else { error })
+        })
         .collect();
     assert_eq!(checks.len(), 8);
     for (nodes, promise) in [("19 20", 0.03), ("16 17", 0.03), ("18 20", 0.012), ("16 20", 0.012)] {
@@ -361,7 +452,7 @@ fn four_pairs_keep_their_promises() {
         let said: Vec<f64> =
             said.flat_map(|check| [&check["ours"], &check["tolerance"]]).filter_map(Value::as_f64).collect();
         // A quick report has a hundred cases: their chance may add 22 %.
-        assert_close(&said, &[of(false), 1.22 * promise, of(true), 1.22 * 0.008], LINEAR_ROUNDING);
+        assert_close(&said, &[of(false), 1.22 * promise, of(true), 0.10 + 0.22], LINEAR_ROUNDING);
     }
     for key in ["pairs", "directions", "directions_without_friction"] {
         assert!(array(&summary, key).is_empty(), "{key}");
@@ -369,7 +460,7 @@ fn four_pairs_keep_their_promises() {
     assert!(!PAPERS.read("index.html").contains("id=\"pairs\""));
 }
 
-/// A second physics: finer lattices are nearer to beams at every force, and what the page says of them is in its files.
+/// Another discretisation: finer lattices are nearer to beams at every force, and what the page says of them is in its files.
 #[test]
 fn the_lattice_comes_near_to_beams() {
     let rows = Csv::of(&PAPERS.read("lattice.csv"));
@@ -439,7 +530,11 @@ fn table_two_has_the_network_on_both_fingers() {
     }
     let summary = PAPERS.summary();
     assert_eq!(array(&summary, "table_two").len(), rows.rows.len());
-    assert_keys(array(&summary, "table_two"), &["truth", "estimator", "nodes", "quantity"], &["noise_mm", "cases"]);
+    assert_keys(
+        array(&summary, "table_two"),
+        &["truth", "estimator", "nodes", "quantity"],
+        &["noise_mm", "drawn", "answered", "refused"],
+    );
 }
 
 #[test]
@@ -600,12 +695,18 @@ fn the_page_begins_with_its_summary() {
 fn the_first_sentence_counts_the_cells_of_its_map() {
     let cells = Csv::of(&PAPERS.read("map_corotational_with_noise.csv"));
     let forces = 4;
+    // Least squares answers wherever the finger bends; all of these cells have an equilibrium.
     let errors = cells.numbers("mean_error");
     let worst = errors.chunks(forces).map(|errors| errors.iter().copied().fold(0.0, f64::max));
-    let kept = worst.filter(|error| *error <= 0.1).count() as f64 / (errors.len() / forces) as f64;
+    let count = errors.len() / forces;
+    let kept = worst.filter(|error| *error <= 0.1).count() as f64 / count as f64;
     let summary = PAPERS.summary();
     let first = array(&summary, "verdict")[0].as_str().expect("words");
-    let said = format!("by linear least squares at {:.0} %", 100.0 * kept);
+    let said = format!(
+        "by linear least squares at {:.0} % of the places and directions ({count} cells: {count} answered, 0 refused, 0 without \
+         equilibrium)",
+        100.0 * kept
+    );
     assert!(kept > 0.1 && kept < 0.9 && first.contains(&said), "{said}: {first}");
 }
 

@@ -30,8 +30,11 @@ pub(super) const QUESTIONS: &[Question] = &[
 ];
 
 const TINY_N: [f64; 5] = [1e-9, 1e-7, 1e-5, 1e-3, 1e-1];
-/// Difference between large and small rotations per N at the middle of the finger: twice the 0.08 of 3 N.
-const NONLINEARITY_PER_N: f64 = 0.16;
+/// What large rotations change per N at the middle of the finger as the load goes to nothing, and a tenth more: the change is proportional
+/// to the load, so a stopping rule that ends early shows as more.
+const NONLINEARITY_PER_N: f64 = 1.1 * 0.08;
+/// Load steps end at this share of the load that was asked for: a limit load is known no better than that.
+const LAST_STEP: f64 = 1e-6;
 /// Forces from the tip towards the base, N; the last three are beyond what the finger carries.
 const BUCKLING_N: [f64; 4] = [1.0, 100.0, 1e3, 1e6];
 /// The force of the last case, N, and its directions, degrees from the inward normal.
@@ -77,7 +80,10 @@ fn buckling(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), U
     let &[(_, limit), (_, again), (_, far_beyond), ..] = &limits[..] else { return Ok(()) };
     findings.note(format!("Limit load {limit:.4} N at the tip."));
     findings.vanishes("asking for 1000 N", "change of the limit load / limit load", (again / limit - 1.0).abs(), LIMIT);
-    findings.check("asking for 1e6 N", "carried load / limit load", 0.5, far_beyond / limit, 0.5 + LIMIT);
+    let resolution = LAST_STEP * BUCKLING_N[3] / limit;
+    findings.check("asking for 1e6 N", "carried load / limit load", 1.0, far_beyond / limit, resolution + LIMIT);
+    let said = carries(far_beyond * (1.0 - LIMIT)).is_ok();
+    findings.counts("asking for 1e6 N", "0.999 of the load said to be carried is carried", 1, usize::from(said));
     let load = mesh.frame_load(&Load::at_node(tip, towards_base * BUCKLING_N[1]))?;
     match Statics::sparse(mesh.frame(), Kinematics::Corotational).equilibrium(&[load]) {
         Err(StaticsError::NoEquilibrium { converged_fraction }) => {

@@ -1,4 +1,6 @@
-//! The finger as a lattice of rigid bodies and springs, in which nothing of the beam model's elements or solver is used.
+//! The finger as a lattice of rigid bodies and springs, in which nothing of the beam model's elements or solver is used. Its springs
+//! are EA / l, 12 EI / l^3 and EI / l of the same sections: it is another discretisation of the same theory, and verifies solver and
+//! kinematics, not Euler-Bernoulli itself.
 //!
 //! Plates and ribs are cut into short segments. Between two segments, and at every rod, sits a rigid body; a segment
 //! becomes an axial spring and two or three against bending, laid out in [`springs`]. [`settling`] lets the bodies move in

@@ -117,7 +117,7 @@ impl NetworkStudy {
     pub fn checks_of(&self, row: &ScatterRow) -> Vec<Check> {
         let promise = PROMISES.iter().find(|promise| promise.nodes == row.nodes);
         let Some(promise) = promise.filter(|_| self.noise_mm == CAMERA_NOISE_MM) else { return Vec::new() };
-        let cases = row.cases + row.refused;
+        let cases = row.drawn();
         let nodes = row.nodes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and ");
         let check = |quantity: &str, error: Option<f64>, largest: f64| {
             Check::new(
@@ -129,6 +129,7 @@ impl NetworkStudy {
                 error.unwrap_or(f64::NAN),
                 largest * (1.0 + chance(cases)),
             )
+            .with_refused(row.refused, cases)
         };
         let each = check("each force", row.mean_error(), promise.force);
         let sum = (row.nodes.len() > 1).then(|| check("the sum", row.sum.map(|sum| sum.mean_error), SUM_ERROR));

@@ -1,5 +1,6 @@
 //! A second formulation of plane beams for the problems with limit loads: the differential equation of the elastic
-//! line, integrated from one end to the other (shooting). It shares neither elements nor solver with the model.
+//! line, integrated from one end to the other (shooting). It shares neither elements nor
+//! solver with the model, but the same Euler-Bernoulli theory.
 
 use super::ProblemError;
 use nalgebra::{DMatrix, DVector};

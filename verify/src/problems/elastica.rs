@@ -15,8 +15,8 @@ use serde::Deserialize;
 const ELEMENTS: usize = 400;
 /// EA L^2 / EI: the reference beam does not stretch; 1e6 would still leave 8e-6.
 const AXIAL_RIGIDITY: f64 = 1e9;
-/// Largest difference of a deflection (of the length) or rotation (rad).
-pub const TOLERANCE: f64 = 1e-5;
+/// Largest difference of a deflection (of the length) or rotation (rad): what the reference is known to; elements and stretching add less.
+pub const TOLERANCE: f64 = 1e-7;
 
 /// One row of the reference.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]

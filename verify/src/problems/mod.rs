@@ -1,6 +1,6 @@
 //! Reference problems: one short file each, with its source, its reference values and its tolerance.
 //!
-//! Every problem answers with [`Check`](crate::check::Check)s (promises) or [`Comparison`](crate::check::Comparison)s. The report shows them
+//! Every problem answers with [`Check`](crate::check::Check)s or [`Comparison`](crate::check::Comparison)s. The report shows them
 //! and the tests demand that they pass.
 
 pub mod elastic_line;

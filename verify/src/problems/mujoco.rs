@@ -1,7 +1,8 @@
 //! Fingers solved by MuJoCo 4.0.0: discrete elastic rods between rigid rods, found at rest by Newton's method on its inverse
 //! dynamics, and a cylinder pushed into the paper's finger.
 //!
-//! MuJoCo shares neither theory (its rods bend at vertices alone) nor code with the beams; both tend to the same limit.
+//! MuJoCo shares neither discretisation (its rods bend at vertices alone) nor code with the beams, but is given the same EA and EI, so
+//! both tend to the same limit: it verifies solver and kinematics, not the beam theory behind EA and EI.
 
 use super::ProblemError;
 use crate::check::{Check, Comparison, Kind, worst};
@@ -14,24 +15,32 @@ use finray_model::statics::Statics;
 use finray_model::{Finger, Kinematics, Load, Mesh, statics};
 use rayon::prelude::*;
 
-/// The other party of all rows.
+/// Source of all rows.
 const SOURCE: &str = "MuJoCo";
 /// What most rows compare.
 const DISPLACEMENT: &str = "largest displacement difference / largest displacement";
 const ROTATION: &str = "largest rotation difference (rad)";
 
-/// Largest difference of a displacement under single forces, as a share of the case's largest.
-pub const STATIC_TOLERANCE: f64 = 3e-4;
-/// Largest difference of a rotation, rad.
-pub const ROTATION_TOLERANCE_RAD: f64 = 1e-3;
-/// A difference may be this many times the uncertainties that both parties state.
-pub const UNCERTAINTIES: f64 = 3.0;
+/// Largest difference of a displacement under single forces, as a share of the case's largest: that of the case nearest to a limit load
+/// (tip, 5 N at -60 deg, 1.6e-4), for which MuJoCo itself states 2e-3.
+pub const STATIC_TOLERANCE: f64 = 2e-4;
+/// The same over the cases for which MuJoCo states an uncertainty below [`CERTAIN`]: twice the 1.1e-5 by which its extrapolated meshes and
+/// ours miss their common limit.
+pub const CERTAIN_TOLERANCE: f64 = 2e-5;
+/// Share of the largest displacement below which MuJoCo's stated uncertainty is small; above it the exporter refined further.
+const CERTAIN: f64 = 2e-4;
+/// Largest difference of a rotation, rad: the displacements' 2e-5 over a stretch of plate turn it by as much.
+pub const ROTATION_TOLERANCE_RAD: f64 = 4e-5;
+/// A difference may be this many times the uncertainties that both parties state: they are differences of meshes, no bounds, and under
+/// 0.01 N rounding, which neither states, adds to them (1.7).
+pub const UNCERTAINTIES: f64 = 2.0;
 /// The finger is linear under forces up to this, N, within [`LINEAR_TOLERANCE`].
 const LINEAR_FORCE_N: f64 = 0.01;
 /// What linear theory leaves out at 0.01 N: 1.22e-3 by co-rotational beams as by MuJoCo, and above 1e-3 for 7 of 60 loads.
 pub const LINEAR_TOLERANCE: f64 = 1.3e-3;
-/// Displacements under the exported contact forces, as a share of the step's largest.
-pub const CONTACT_TOLERANCE: f64 = 5e-4;
+/// Displacements under the exported contact forces, as a share of the step's largest: what its meshes of 16 and 32, extrapolated, and ours
+/// of 32 leave (5e-6), as under single forces, and as much again.
+pub const CONTACT_TOLERANCE: f64 = 1e-5;
 /// Elements a member of the two meshes of beams that are extrapolated: their error falls with the square of the size.
 const ELEMENTS: [usize; 2] = [16, 32];
 
@@ -115,7 +124,13 @@ pub fn static_checks(exported: &ExportedFinger) -> Result<Vec<Check>, ProblemErr
     let problem = format!("finger {}, co-rotational, {} forces up to {largest_n} N", exported.name, deviations.len());
     let check =
         |quantity, ours, tolerance| Check::new(Kind::External, problem.clone(), SOURCE, quantity, 0.0, ours, tolerance);
+    let is_certain = |d: &&CaseDeviation| d.case.uncertainty_mm <= CERTAIN * d.case.shape.largest_displacement_mm();
+    let certain: Vec<f64> = deviations.iter().filter(is_certain).map(|d| d.displacement).collect();
+    let problem_certain = format!("{problem}: {} of them known to {CERTAIN}", certain.len());
+    let certain =
+        Check::new(Kind::External, problem_certain, SOURCE, DISPLACEMENT, 0.0, worst(certain), CERTAIN_TOLERANCE);
     Ok(vec![
+        certain,
         check(DISPLACEMENT, over_all(|d| d.displacement), STATIC_TOLERANCE),
         check(ROTATION, over_all(|d| d.rotation_rad), ROTATION_TOLERANCE_RAD),
         check("largest difference / uncertainties stated", over_all(|d| d.uncertainties), UNCERTAINTIES),

@@ -131,7 +131,7 @@ pub(super) fn blank_map(finger: &Finger, places_mm: &[f64], angles_deg: &[f64]) 
 fn missing_label(map: &AccuracyMap) -> &'static str {
     match map.estimator.as_str() {
         "least-squares" | "ridge" => "no equilibrium",
-        _ => "no equilibrium or no answer",
+        _ => "no equilibrium, or refused",
     }
 }
 

@@ -31,7 +31,8 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
     let Some(lattice) = &study.lattice else { return Ok(None) };
     let mut blocks = vec![text(
         "The finger is built a second time, of rigid bodies with springs between them, in which no element or solver of the \
-         beams is used. Plates and ribs are cut into short segments, each an axial spring and two or three against bending. \
+         beams is used. The springs' stiffnesses are EA / l, 12 EI / l^3 and EI / l of the same sections: agreement verifies solver and \
+         large-rotation kinematics, not Euler-Bernoulli theory. Plates and ribs are cut into short segments, each an axial spring and two or three against bending. \
          The physics engine rapier2d lets the bodies move until they rest; where they rest, the springs' energy is \
          least, and Newton's method finds that equilibrium as well, which tells an error of the lattice from one of the \
          settling. No parameter is fitted. finray map --truth lattice maps any finger this way.",
@@ -40,7 +41,7 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
         blocks.push(text(
             "This quick report compares equilibria alone, under fewer loads, on fewer finenesses and on coarser maps. A full \
              one also lets the lattice settle, says what sweeps and single precision cost, and holds the lattice to its \
-             promises.",
+             tolerances.",
         ));
     }
     blocks.push(Block::Table(tables::by_fineness(lattice)));
@@ -62,14 +63,17 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
         blocks.push(Block::Table(tables::settling(lattice)));
     }
     blocks.push(Block::Figures { figures: vec![map_figure(study, lattice)?, sensing_figure(lattice)?] });
-    Ok(Some(sections::section("lattice", "A second physics: the spring lattice", blocks)))
+    Ok(Some(sections::section("lattice", "Another discretisation: the spring lattice", blocks)))
 }
 
 fn map_figure(study: &Study, lattice: &LatticeStudy) -> Result<Figure, ReportError> {
     let map = &lattice.sensing.least_squares;
     Ok(Figure {
         svg: drawings::map_picture(&study.finger, map, Some(DRAWN_FORCE_N))?,
-        caption: format!("Sensed by linear least squares on the lattice, without noise; {DRAWN_FORCE_N} N."),
+        caption: format!(
+            "Sensed by linear least squares on the lattice, without noise; {DRAWN_FORCE_N} N; {}.",
+            map.summary(Some(DRAWN_FORCE_N)).counts()
+        ),
         csv: Some(map_csv_name(map)),
         wide: false,
     })
@@ -100,8 +104,9 @@ fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
         svg: figures::lines(&chart)?,
         caption: format!(
             "The same force at its worst direction: least squares, and the nonlinear estimator, whose model is the \
-             large-rotation finger, on {} directions.",
-            lattice.sensing.nonlinear.request.angles_deg.len()
+             large-rotation finger, on {} directions ({}).",
+            lattice.sensing.nonlinear.request.angles_deg.len(),
+            lattice.sensing.nonlinear.summary(Some(DRAWN_FORCE_N)).counts()
         ),
         csv: Some(map_csv_name(&lattice.sensing.nonlinear)),
         wide: false,
@@ -187,6 +192,8 @@ mod tests {
             mean_error: Some(error),
             bias: Some(error),
             spread: Some(0.0),
+            samples: 1,
+            answered: 1,
         };
         AccuracyMap {
             request,

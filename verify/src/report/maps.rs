@@ -37,6 +37,8 @@ pub(super) struct OverviewRow<'s> {
     angle_deg: f64,
     force_n: f64,
     mean_error: Option<f64>,
+    samples: usize,
+    answered: usize,
 }
 
 /// The cells of both overviews, at the drawn force.
@@ -57,6 +59,8 @@ pub(super) fn overview_rows(study: &Study) -> Vec<OverviewRow<'static>> {
                 angle_deg: cell.angle_deg,
                 force_n: cell.force_n,
                 mean_error: cell.mean_error,
+                samples: cell.samples,
+                answered: cell.answered,
             })
         })
         .collect()
@@ -168,7 +172,9 @@ fn overview(study: &Study, noisy: bool) -> Result<Figure, ReportError> {
     Ok(Figure {
         svg: drawings::overview(study, noisy)?,
         caption: format!(
-            "Error of a sensed force of {DRAWN_FORCE_N} N, {noise}. Rows: the finger that bends; columns: what senses it.{only}"
+            "Error of a sensed force of {DRAWN_FORCE_N} N, {noise}. Rows: the finger that bends; columns: what senses it. Shares are of the \
+             cells with an equilibrium; hatched are cells without, and those of which the estimator refuses more than half of the \
+             noise samples. The list below counts them.{only}"
         ),
         csv: Some(OVERVIEW_CSV.to_owned()),
         wide: true,
@@ -190,7 +196,11 @@ fn least_squares(study: &Study) -> Result<Vec<Block>, ReportError> {
         let truth = if map.truth == "linear" { "the linear finger" } else { "the large-rotation finger (fine mesh)" };
         Ok(Figure {
             svg: map_picture(&study.finger, map, force_n)?,
-            caption: format!("Sensed by linear least squares on {truth}, {}; {force}.", noise_in_words(map)),
+            caption: format!(
+                "Sensed by linear least squares on {truth}, {}; {force}; {}.",
+                noise_in_words(map),
+                map.summary(force_n).counts()
+            ),
             csv: Some(tables::map_csv_name(map)),
             wide: false,
         })
@@ -199,7 +209,10 @@ fn least_squares(study: &Study) -> Result<Vec<Block>, ReportError> {
     let lines = of("corotational").map(|map| {
         Ok(Figure {
             svg: errors_along_the_normal(map)?,
-            caption: "The same along the normal, for each force.".to_owned(),
+            caption: format!(
+                "The same along the normal, for each force ({} of the whole map).",
+                map.summary(None).counts()
+            ),
             csv: Some(tables::map_csv_name(map)),
             wide: false,
         })
@@ -234,10 +247,11 @@ fn bias_and_spread(study: &Study) -> Result<Vec<Block>, ReportError> {
             Ok(Figure {
                 svg: quantity_picture(&study.finger, &map, Some(DRAWN_FORCE_N), quantity)?,
                 caption: format!(
-                    "{what}: {}, {} truth, {DRAWN_FORCE_N} N, {}.",
+                    "{what}: {}, {} truth, {DRAWN_FORCE_N} N, {}; {}.",
                     estimator.replace('-', " "),
                     truth_in_words(&map),
-                    noise_in_words(&map)
+                    noise_in_words(&map),
+                    map.summary(Some(DRAWN_FORCE_N)).counts()
                 ),
                 csv: Some(tables::map_csv_name(&map)),
                 wide: false,

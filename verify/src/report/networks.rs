@@ -7,7 +7,7 @@ use super::tables::{error, verdict};
 use super::{ReportError, curves, recipes};
 use crate::check::Check;
 use crate::networks::accuracy::{ENOUGH_CASES, FORCES_N, NetworkStudy};
-use crate::scatter::{Scatter, ScatterRow};
+use crate::scatter::{Counts, Scatter, ScatterRow};
 use crate::study::Study;
 use serde::Serialize;
 
@@ -25,8 +25,10 @@ pub struct NetworkRow {
     pub quantity: &'static str,
     /// Standard deviation of one coordinate, mm.
     pub noise_mm: f64,
-    /// Cases that were sensed.
-    pub cases: usize,
+    /// Cases that were drawn.
+    pub drawn: usize,
+    /// Cases that the network answered; the mean is theirs.
+    pub answered: usize,
     /// Cases that the network refused.
     pub refused: usize,
     /// Mean of |sensed / true - 1|.
@@ -44,7 +46,8 @@ pub(super) fn rows(networks: &NetworkStudy) -> impl Iterator<Item = NetworkRow> 
             nodes: nodes_in_words(&row.nodes, " "),
             quantity,
             noise_mm: row.noise_mm,
-            cases: row.cases,
+            drawn: row.drawn(),
+            answered: row.cases,
             refused: row.refused,
             mean_error,
             mean_error_bound,
@@ -107,12 +110,13 @@ pub(super) fn words(networks: &NetworkStudy) -> Option<String> {
     let kept = checks.iter().filter(|check| check.passes()).count();
     let promises = match checks.len() {
         0 => String::new(),
-        all => format!(" {kept} of {all} promises of accuracy hold."),
+        all => format!(" {kept} of {all} tolerances of accuracy hold."),
     };
     Some(format!(
         "The networks that ship err by {low} to {high} for one force, by {low_pair} to {high_pair} for each of two, and by no \
-         more than {} for their sum: at most {most:.2} times the bound (node{} {}).{promises}",
+         more than {} for their sum ({}): at most {most:.2} times the bound (node{} {}).{promises}",
         percent(sums),
+        Counts::of(&networks.rows),
         if worst.nodes.len() > 1 { "s" } else { "" },
         nodes_in_words(&worst.nodes, " and ")
     ))
@@ -134,7 +138,7 @@ fn table(networks: &NetworkStudy) -> Table {
     let row = |row: &ScatterRow| {
         let mut cells = vec![
             Cell::plain(nodes_in_words(&row.nodes, ", ")),
-            Cell::plain((row.cases + row.refused).to_string()),
+            Cell::plain(row.drawn().to_string()),
             row.mean_error().map_or_else(|| Cell::plain("-"), shaded),
             shown(row.mean_error_bound()),
             sum(row).map_or_else(|| Cell::plain(""), |sum| shaded(sum.mean_error)),
@@ -150,13 +154,16 @@ fn table(networks: &NetworkStudy) -> Table {
     };
     let promise = promised.then(|| Column::words("promise"));
     let promises = if promised { PROMISED } else { "" };
-    let few = promised && networks.rows.iter().any(|row| row.cases + row.refused < ENOUGH_CASES);
+    let few = promised && networks.rows.iter().any(|row| row.drawn() < ENOUGH_CASES);
     let few = if few { " (here and three standard errors, for few cases)" } else { "" };
     Table {
         caption: format!("Mean error of the networks that ship{promises}{few}"),
         columns: [Column::words("nodes")]
             .into_iter()
-            .chain(["cases", "each force", "bound", "sum", "bound of sum", "covered", "refused"].map(Column::numbers))
+            .chain(
+                ["cases drawn", "each force", "bound", "sum", "bound of sum", "covered", "refused"]
+                    .map(Column::numbers),
+            )
             .chain(promise)
             .collect(),
         rows: networks.rows.iter().map(row).collect(),

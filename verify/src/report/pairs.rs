@@ -6,7 +6,7 @@ use super::page::{Block, Figure, Section};
 use super::sections::{self, text};
 use super::table_two::nodes_in_words;
 use super::tables::percent;
-use crate::scatter::{Scatter, ScatterRow, TWO_FORCES_N};
+use crate::scatter::{Counts, Scatter, ScatterRow, TWO_FORCES_N};
 use crate::study::{NoiseStudy, Study};
 use serde::Serialize;
 
@@ -30,8 +30,10 @@ pub struct PairRow {
     pub estimator: String,
     /// Standard deviation of one coordinate, mm.
     pub noise_mm: f64,
-    /// Cases that were sensed.
-    pub cases: usize,
+    /// Cases that were drawn.
+    pub drawn: usize,
+    /// Cases that were answered; means are theirs.
+    pub answered: usize,
     /// Cases that were refused.
     pub refused: usize,
     /// Mean of |sensed / true - 1| over both forces.
@@ -59,7 +61,8 @@ fn pair_row((row, &condition_number): (&ScatterRow, &f64)) -> PairRow {
         nodes: nodes_in_words(&row.nodes, " "),
         estimator: row.estimator.clone(),
         noise_mm: row.noise_mm,
-        cases: row.cases,
+        drawn: row.drawn(),
+        answered: row.cases,
         refused: row.refused,
         mean_error: row.mean_error(),
         mean_error_bound: row.mean_error_bound(),
@@ -76,7 +79,7 @@ fn worse_over_bound(row: &ScatterRow) -> Option<f64> {
 
 pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
     let Some(noise) = study.noise.as_ref().filter(|noise| !noise.pairs.is_empty()) else { return Ok(None) };
-    let cases = noise.pairs.iter().map(|row| row.cases).max().unwrap_or(0);
+    let cases = noise.pairs.iter().map(ScatterRow::drawn).max().unwrap_or(0);
     let mut blocks = vec![text(format!(
         "The protocol of Table II (Fig. 12 of the paper) at every pair of contact nodes: forces of {} to {} N along the normal at \
          both bend the large-rotation finger, {} mm of noise is added, and both forces are sensed from the same {cases} pictures by \
@@ -166,27 +169,23 @@ fn between([low, high]: [f64; 2]) -> String {
 /// Which pairs can be trusted.
 fn trusted(noise: &NoiseStudy) -> Option<String> {
     let all = noise.pairs.len();
-    let within = |rows: &[ScatterRow], limit: f64| {
-        rows.iter().filter(|row| row.mean_error().is_some_and(|error| error <= limit)).count()
-    };
+    let within = |rows: &[ScatterRow], limit: f64| rows.iter().filter(|row| row.is_within(limit)).count();
     let sums = |rows: &[ScatterRow]| range(rows.iter().filter_map(|row| Some(row.sum?.mean_error)));
-    let bad: Vec<String> = noise
-        .pairs
-        .iter()
-        .filter(|row| row.mean_error().is_none_or(|error| error > 0.10))
-        .map(|row| nodes_in_words(&row.nodes, " and "))
-        .collect();
+    let bad: Vec<String> =
+        noise.pairs.iter().filter(|row| !row.is_within(0.10)).map(|row| nodes_in_words(&row.nodes, " and ")).collect();
     let except = match &bad[..] {
         [] => "every pair can be trusted to 10 % with each of its forces".to_owned(),
         bad => format!("all pairs but {} can be trusted to 10 % with each of their forces", bad.join(", ")),
     };
     Some(format!(
-        "Sensed with large rotations, {except}: {} of {all} err by less than 3 %, and their sum by {}. Linear least squares keeps \
-         10 % at {} of them, and its sum errs by {}.",
+        "Sensed with large rotations, {except}: {} of {all} err by less than 3 %, and their sum by {} ({}). Linear least squares \
+         keeps 10 % at {} of them, and its sum errs by {} ({}). A refused case counts as an error of 100 %.",
         within(&noise.pairs, 0.03),
         between(sums(&noise.pairs)?),
+        Counts::of(&noise.pairs),
         within(&noise.linear_pairs, 0.10),
         between(sums(&noise.linear_pairs)?),
+        Counts::of(&noise.linear_pairs),
     ))
 }
 
@@ -202,7 +201,7 @@ fn neighbours(noise: &NoiseStudy) -> Option<String> {
     let (near_errors, near) = apart(|steps| steps == 1)?;
     let (far_errors, far) = apart(|steps| steps > 2)?;
     let over = |rows: &[ScatterRow]| range(rows.iter().filter_map(worse_over_bound));
-    let cases = noise.pairs.iter().map(|row| row.cases).min()?;
+    let cases = noise.pairs.iter().map(ScatterRow::drawn).min()?;
     let ([low, high], linear) = (over(&noise.pairs)?, over(&noise.linear_pairs)?);
     Some(format!(
         "Neighbours are hard because they bend the finger nearly alike: the two sensitivities are almost parallel, and what tells \

@@ -15,7 +15,8 @@ pub(super) const CSV: &str = "noise.csv";
 pub(super) struct CsvRow {
     nodes: String,
     quantity: String,
-    cases: usize,
+    drawn: usize,
+    answered: usize,
     refused: usize,
     mean_error: f64,
     mean_error_bound: Option<f64>,
@@ -36,7 +37,8 @@ pub(super) fn csv_rows(noise: &NoiseStudy) -> impl Iterator<Item = CsvRow> {
             .map(|(quantity, scatter)| CsvRow {
                 nodes: nodes.clone(),
                 quantity,
-                cases: row.cases,
+                drawn: row.drawn(),
+                answered: row.cases,
                 refused: row.refused,
                 mean_error: scatter.mean_error,
                 mean_error_bound: scatter.bound.map(|bound| bound.mean_error_bound),
@@ -51,7 +53,7 @@ pub(super) fn csv_rows(noise: &NoiseStudy) -> impl Iterator<Item = CsvRow> {
 
 pub(super) fn section(study: &Study) -> Option<Section> {
     let noise = study.noise.as_ref()?;
-    let cases = noise.single.iter().map(|row| row.cases + row.refused).max().unwrap_or(1);
+    let cases = noise.single.iter().map(ScatterRow::drawn).max().unwrap_or(1);
     let mut blocks = vec![
         text(format!(
             "Random forces along the normal ({} to {} N on one node, {} to {} N on each of two) bend the large-rotation \
@@ -59,7 +61,7 @@ pub(super) fn section(study: &Study) -> Option<Section> {
              elements a member senses the forces, {} times for each node. The bound is that of Cramer and Rao: no \
              unbiased estimator scatters less. The last two columns say how often the truth lies within one and within 1.96 \
              of the standard deviations that the estimator states; 68 and 95 % are meant. Chance alone moves a scatter by {}. \
-             What the noise leaves open is refused and counts in no other column.",
+             What the noise leaves open is refused: means and scatters are over the answered cases, so the counts stand beside them.",
             ONE_FORCE_N[0],
             ONE_FORCE_N[1],
             TWO_FORCES_N[0],
@@ -90,6 +92,8 @@ fn single(rows: &[ScatterRow]) -> Table {
             shown(row, |s| Some(format!("{:.2}", s.bound?.over_bound))),
             shown(row, |s| Some(percent(s.coverage?.one_sigma))),
             shown(row, |s| Some(percent(s.coverage?.two_sigma))),
+            row.drawn().to_string(),
+            row.cases.to_string(),
             row.refused.to_string(),
         ]
         .map(Cell::plain)
@@ -104,6 +108,8 @@ fn single(rows: &[ScatterRow]) -> Table {
             "scatter / bound",
             "within sigma",
             "within 1.96 sigma",
+            "drawn",
+            "answered",
             "refused",
         ]
         .map(Column::numbers)
@@ -123,12 +129,14 @@ fn promised(rows: &[ScatterRow]) -> Table {
             shown(row, |_| row.mean_error_bound().map(percent)),
             shown(row, |_| Some(percent(sum?.mean_error))),
             shown(row, |_| Some(percent(sum?.bound?.mean_error_bound))),
+            row.drawn().to_string(),
             row.cases.to_string(),
             row.refused.to_string(),
         ];
         Row { cells: cells.map(Cell::plain).into() }
     };
-    let columns = ["nodes", "mean error of each", "at the bound", "of the sum", "at the bound", "cases", "refused"];
+    let columns =
+        ["nodes", "mean error of each", "at the bound", "of the sum", "at the bound", "drawn", "answered", "refused"];
     Table {
         caption: "Two contacts: neighbours and nodes apart".to_owned(),
         columns: columns.map(Column::numbers).into(),

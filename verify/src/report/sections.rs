@@ -61,9 +61,10 @@ pub(super) fn page(study: &Study, summary: &Summary) -> Result<Page, ReportError
     }
     Ok(Page {
         title: format!("Where the finger \"{}\" can feel", study.scene),
-        subtitle: "Force sensing through the finger's own deformation: where it can be trusted, why not elsewhere, at \
-                   which cost"
-            .to_owned(),
+        subtitle: format!(
+            "Force sensing through the finger's own deformation: where it can be trusted, why not elsewhere, at which cost. {}",
+            words::checks_in_short(study)
+        ),
         verdict: verdict::sentences(study),
         lead: verdict::lead(study)?,
         questions,
@@ -121,6 +122,12 @@ fn checks(study: &Study) -> Section {
              so do the spring lattice and the hard cases; they are left out for this scene.",
         ));
     }
+    blocks.push(text(
+        "External references are figures of another program: OpenSees, MuJoCo, and shapes at which rapier2d comes to rest. Analytical ones \
+         are closed forms, theoretical orders and solutions of the literature. Internal ones are our own: another formulation or mesh, \
+         a balance, a bound, the true forces of a simulation. OpenSees, MuJoCo and the lattice are given the same EA and EI of the same \
+         sections as the beams: they verify solvers and kinematics, not that Euler-Bernoulli beams describe a real finger.",
+    ));
     blocks.push(Block::Table(tables::checks_by_source(&study.checks)));
     blocks.push(Block::Details {
         summary: format!("All {} of them", study.checks.len()),

@@ -25,8 +25,10 @@ pub struct TableTwoRow {
     pub nodes: String,
     /// `each force` or `sum`.
     pub quantity: &'static str,
-    /// Cases that were sensed.
-    pub cases: usize,
+    /// Cases that were drawn.
+    pub drawn: usize,
+    /// Cases that were answered; the mean is theirs.
+    pub answered: usize,
     /// Cases that the estimator refused.
     pub refused: usize,
     /// What the paper measured on its gripper.
@@ -52,7 +54,8 @@ pub(super) fn rows(table: &TableTwo) -> impl Iterator<Item = TableTwoRow> {
             estimator: row.estimator.clone(),
             nodes: nodes_in_words(&row.nodes, " "),
             quantity,
-            cases: row.cases,
+            drawn: row.drawn(),
+            answered: row.cases,
             refused: row.refused,
             paper_mean_error,
             mean_error,

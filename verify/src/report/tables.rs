@@ -5,7 +5,7 @@ use super::{
     causes, claims, contact_scenes, convergence, curves, directions, hard_cases, lattice, maps, networks, pairs,
     recipes, scatter, speed_error, table_two, twin,
 };
-use crate::check::{Check, Comparison, worst};
+use crate::check::{Check, Comparison, Kind, worst};
 use crate::files::csv_text;
 use crate::map::AccuracyMap;
 use crate::study::Study;
@@ -182,24 +182,27 @@ pub(super) fn verdict(holds: bool, [kept, broken]: [&str; 2]) -> Cell {
     if holds { Cell::shaded(kept, Shade::Pass) } else { Cell::shaded(broken, Shade::Fail) }
 }
 
-/// The checks in short: a row for each party that we are held against, with how close its closest check comes to failing.
+/// The checks in short: a row for each reference, grouped by its kind, with how close its closest check comes to failing.
 pub(super) fn checks_by_source(checks: &[Check]) -> Table {
-    let mut sources: Vec<&str> = Vec::new();
+    let mut sources: Vec<(Kind, &str)> = Vec::new();
     for check in checks {
-        if !sources.contains(&check.source.as_str()) {
-            sources.push(&check.source);
+        if !sources.contains(&(check.kind, &check.source)) {
+            sources.push((check.kind, &check.source));
         }
     }
-    let row = |source: &str| {
-        let of_source = || checks.iter().filter(|check| check.source == source);
+    sources.sort_by_key(|(kind, _)| *kind);
+    let row = |(kind, source): (Kind, &str)| {
+        let of_source = || checks.iter().filter(|check| (check.kind, check.source.as_str()) == (kind, source));
         let closest = worst(of_source().map(|check| (check.ours - check.reference).abs() / check.tolerance));
         let figures = [of_source().count().to_string(), percent(closest)].map(Cell::plain);
         let verdict = verdict(of_source().all(Check::passes), ["pass", "fail"]);
-        Row { cells: [Cell::plain(source)].into_iter().chain(figures).chain([verdict]).collect() }
+        let words = [kind.name(), source].map(Cell::plain);
+        Row { cells: words.into_iter().chain(figures).chain([verdict]).collect() }
     };
     Table {
-        caption: "Promises by what they are held against".to_owned(),
-        columns: [Column::words("source")]
+        caption: "Checks by kind and source of their reference".to_owned(),
+        columns: ["kind", "source"]
+            .map(Column::words)
             .into_iter()
             .chain(["checks", "largest difference / tolerance"].map(Column::numbers))
             .chain([Column::words("verdict")])
@@ -212,14 +215,14 @@ pub(super) fn checks_by_source(checks: &[Check]) -> Table {
 pub(super) fn checks<'c>(checks: impl IntoIterator<Item = &'c Check>) -> Table {
     let row = |check: &Check| {
         let verdict = verdict(check.passes(), ["pass", "fail"]);
-        let words = [&check.problem, &check.source, &check.quantity].map(Cell::plain);
+        let words = [check.kind.name(), &check.problem, &check.source, &check.quantity].map(Cell::plain);
         let numbers = [check.reference, check.ours].map(|x| Cell::plain(reference_digits(x, check.tolerance)));
         let tolerance = Cell::plain(format!("{:.0e}", check.tolerance));
         Row { cells: words.into_iter().chain(numbers).chain([tolerance, verdict]).collect() }
     };
     Table {
-        caption: "Promises: our figure against a reference, and the largest difference that passes".to_owned(),
-        columns: ["problem", "source", "quantity"]
+        caption: "Checks: our figure against a reference, and the largest difference that passes".to_owned(),
+        columns: ["kind", "problem", "source", "quantity"]
             .map(Column::words)
             .into_iter()
             .chain(["reference", "ours", "tolerance"].map(Column::numbers))
@@ -287,6 +290,7 @@ pub(super) fn table_one(tables: &[TableOne]) -> Table {
 
 /// The maps in a few figures each.
 pub(super) fn map_figures(summary: &super::Summary) -> Table {
+    let shown = |share: Option<f64>| share.map_or_else(|| "-".to_owned(), percent);
     let rows = summary.maps.iter().map(|entry| {
         let m = &entry.figures;
         let forces = match m.forces_n[..] {
@@ -298,25 +302,42 @@ pub(super) fn map_figures(summary: &super::Summary) -> Table {
             m.estimator.clone(),
             m.noise_mm.to_string(),
             forces,
-            percent(m.mean_error),
-            percent(m.largest_error),
-            percent(m.share_above_10),
-            percent(m.share_above_25),
-            m.cells_without_equilibrium.to_string(),
+            m.cells.to_string(),
+            m.answered.to_string(),
+            m.refused.to_string(),
+            m.without_equilibrium.to_string(),
+            shown(m.mean_error),
+            shown(m.largest_error),
+            shown(m.share_above_10),
+            shown(m.share_above_25),
+            shown(m.share_of_samples_refused),
         ];
         let file = Cell::file(entry.csv.clone());
         Row { cells: cells.map(Cell::plain).into_iter().chain([file]).collect() }
     });
     Table {
-        caption: "The maps in figures (all cells count alike; the network's are contact nodes along the normal)"
+        caption: "The maps in figures: mean and largest error are those of the answered cells; the shares are of all cells with an \
+                  equilibrium, a refused one counts as above. A cell is refused if more than half of its noise samples are; the last \
+                  column is the share of single samples. The network's cells are contact nodes along the normal"
             .to_owned(),
         columns: ["truth", "sensed by", "noise, mm", "force"]
             .map(Column::words)
             .into_iter()
             .chain(
-                ["mean error", "largest", "above 10 %", "above 25 %", "no equilibrium or answer"].map(Column::numbers),
+                [
+                    "cells",
+                    "answered",
+                    "refused",
+                    "no equilibrium",
+                    "mean error",
+                    "largest",
+                    "above 10 %",
+                    "above 25 %",
+                    "samples refused",
+                ]
+                .map(Column::numbers),
             )
-            .chain([Column::words("cells")])
+            .chain([Column::words("data")])
             .collect(),
         rows: rows.collect(),
         csv: None,

@@ -4,9 +4,9 @@ use super::page::Figure;
 use super::tables::{self, percent};
 use super::{ReportError, causes, drawings};
 use crate::estimators::EstimatorKind;
-use crate::map::AccuracyMap;
+use crate::map::{AccuracyMap, Cell, CellState};
 use crate::networks::accuracy::NAME as NETWORK;
-use crate::scatter::ScatterRow;
+use crate::scatter::{Counts, ScatterRow};
 use crate::speed_error::{SpeedErrorPoint, Task, TimedBy};
 use crate::study::Study;
 use finray_model::finger::Plate;
@@ -34,10 +34,11 @@ pub(super) fn lead(study: &Study) -> Result<Option<Figure>, ReportError> {
         svg: drawings::map_picture(&study.finger, map, None)?,
         caption: format!(
             "Error of one force by its place and direction, sensed by {}{}; mean over {}. Inside the line of 10 % it can be \
-             trusted on average.",
+             trusted on average. {}.",
             in_words(&map.estimator),
             noise_in_words(map.noise_mm),
-            forces_in_words(&map.request.forces_n)
+            forces_in_words(&map.request.forces_n),
+            map.summary(None).counts()
         ),
         csv: Some(tables::map_csv_name(map)),
         wide: false,
@@ -81,26 +82,21 @@ fn trusted(study: &Study) -> Option<String> {
         0.0 => "Without noise".to_owned(),
         noise_mm => format!("With {noise_mm} mm noise"),
     };
-    let share = |map| percent(share(study, map, |_, _| true));
+    let share = |map| Trusted::of(study, map, |_, _| true).in_words();
     let mapped = nonlinear.map(|map| {
-        format!(
-            "by the nonlinear estimator at {} of all places and directions, by linear least squares at {}",
-            share(map),
-            share(linear)
-        )
+        format!("by the nonlinear estimator at {}, by linear least squares at {}", share(map), share(linear))
     });
     let feels = mapped.or_else(|| {
         let rows = &study.noise.as_ref()?.single;
-        let kept = rows.iter().filter(|row| row.mean_error().is_some_and(|error| error <= TRUSTED)).count();
+        let kept = rows.iter().filter(|row| row.is_within(TRUSTED)).count();
         Some(format!(
-            "by the nonlinear estimator at {kept} of {} nodes along the normal, by linear least squares at {} of all places \
-             and directions",
+            "by the nonlinear estimator at {kept} of {} nodes along the normal ({}), by linear least squares at {}",
             rows.len(),
+            Counts::of(rows),
             share(linear)
         ))
     });
-    let feels =
-        feels.unwrap_or_else(|| format!("by linear least squares at {} of all places and directions", share(linear)));
+    let feels = feels.unwrap_or_else(|| format!("by linear least squares at {}", share(linear)));
     Some(format!(
         "{noise} a force of {} at a known place, in a known direction, is felt within {} (mean error, each of the forces) {feels}; {}.",
         forces_in_words(&linear.request.forces_n),
@@ -109,19 +105,54 @@ fn trusted(study: &Study) -> Option<String> {
     ))
 }
 
-/// Share of the cells of a region, by place over the plate's length and angle in degrees, whose error is trusted under each of the
-/// forces. A cell without answer is not.
-fn share(study: &Study, map: &AccuracyMap, region: impl Fn(f64, f64) -> bool) -> f64 {
-    let length_mm = study.finger.plate_length_mm(Plate::Front);
-    let (mut all, mut kept) = (0_usize, 0_usize);
-    let forces = map.request.forces_n.len();
-    for cells in map.cells.chunks(forces) {
-        if region(cells[0].s_mm / length_mm, cells[0].angle_deg) {
-            all += 1;
-            kept += usize::from(cells.iter().all(|cell| cell.mean_error.is_some_and(|error| error <= TRUSTED)));
+/// The cells (place, direction) of a region, each under all of the map's forces.
+#[derive(Default)]
+struct Trusted {
+    cells: usize,
+    /// Cells whose error is trusted under each of the forces.
+    kept: usize,
+    /// Cells in which a force is refused; they are not trusted.
+    refused: usize,
+    /// Cells in which a force has no equilibrium: there is nothing to sense.
+    without_equilibrium: usize,
+}
+
+impl Trusted {
+    /// Counts the cells of a region, by place over the plate's length and angle in degrees.
+    fn of(study: &Study, map: &AccuracyMap, region: impl Fn(f64, f64) -> bool) -> Trusted {
+        let length_mm = study.finger.plate_length_mm(Plate::Front);
+        let mut trusted = Trusted::default();
+        for cells in map.cells.chunks(map.request.forces_n.len()) {
+            if !region(cells[0].s_mm / length_mm, cells[0].angle_deg) {
+                continue;
+            }
+            trusted.cells += 1;
+            match cells.iter().map(Cell::state).max() {
+                Some(CellState::WithoutEquilibrium) => trusted.without_equilibrium += 1,
+                Some(CellState::Refused) => trusted.refused += 1,
+                _ => trusted.kept += usize::from(cells.iter().all(|cell| cell.is_above(TRUSTED) == Some(false))),
+            }
+        }
+        trusted
+    }
+
+    /// Share of the cells with an equilibrium; `None` of none.
+    fn share(&self) -> Option<f64> {
+        let bent = self.cells - self.without_equilibrium;
+        (bent > 0).then(|| self.kept as f64 / bent as f64)
+    }
+
+    /// The share with its counts.
+    fn in_words(&self) -> String {
+        let Trusted { cells, refused, without_equilibrium, .. } = self;
+        let answered = cells - refused - without_equilibrium;
+        let counts =
+            format!("{cells} cells: {answered} answered, {refused} refused, {without_equilibrium} without equilibrium");
+        match self.share() {
+            Some(share) => format!("{} of the places and directions ({counts})", percent(share)),
+            None => format!("no place or direction ({counts})"),
         }
     }
-    kept as f64 / all.max(1) as f64
 }
 
 /// A part of a map: its name, and what belongs to it.
@@ -136,7 +167,8 @@ fn weak_regions(study: &Study, map: &AccuracyMap) -> String {
         ("for forces that point more than 45 deg towards the tip", |_, angle| angle > 45.0),
         ("within 45 deg of the normal", |s, angle| (0.1..=0.9).contains(&s) && angle.abs() <= 45.0),
     ];
-    let mut weak: Vec<(f64, &str)> = REGIONS.iter().map(|(name, holds)| (share(study, map, holds), *name)).collect();
+    let share = |(name, holds): &Region| Some((Trusted::of(study, map, holds).share()?, *name));
+    let mut weak: Vec<(f64, &str)> = REGIONS.iter().filter_map(share).collect();
     weak.retain(|(share, _)| *share < MOSTLY);
     weak.sort_by(|a, b| a.0.total_cmp(&b.0));
     let named: Vec<String> = weak.iter().take(2).map(|(share, name)| format!("{name} ({})", percent(*share))).collect();

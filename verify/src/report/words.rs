@@ -2,8 +2,9 @@
 
 use super::tables::percent;
 use super::{causes, contact_scenes, lattice, networks, speed_error, twin, verdict};
+use crate::check::{Check, Kind, Tally, tallies};
 use crate::map::{AccuracyMap, Cell};
-use crate::scatter::ScatterRow;
+use crate::scatter::{Counts, ScatterRow};
 use crate::study::{DRAWN_FORCE_N, Study};
 use finray_model::Finger;
 
@@ -46,8 +47,6 @@ pub(super) fn findings(study: &Study) -> Vec<Finding> {
     let of_section =
         |section, sentences: Vec<String>| sentences.into_iter().map(move |sentence| Finding { section, sentence });
     let one = |sentence: Option<String>| sentence.into_iter().collect::<Vec<_>>();
-    let passed = study.all_checks().filter(|check| check.passes()).count();
-    let checks = format!("{passed} of {} checks against other parties hold their promise.", study.all_checks().count());
     [
         ("maps", maps(study)),
         ("noise", one(nonlinear(study))),
@@ -59,12 +58,30 @@ pub(super) fn findings(study: &Study) -> Vec<Finding> {
         ("speed-error", one(speed_error::words(study))),
         ("networks", one(study.networks.as_ref().and_then(networks::words))),
         ("lattice", one(study.lattice.as_ref().and_then(lattice::verdict))),
-        ("checks", vec![checks]),
+        ("checks", vec![checks(study)]),
         ("hard-cases", one(hard_cases(study))),
     ]
     .into_iter()
     .flat_map(|(section, sentences)| of_section(section, sentences))
     .collect()
+}
+
+/// How many checks pass, those against other programs first and each kind apart.
+pub(super) fn checks(study: &Study) -> String {
+    let of_kind = |Tally { kind, passed, all }: Tally| match kind {
+        Kind::External => format!("{passed} of {all} external checks (figures of another program) pass"),
+        Kind::Analytical => format!("{passed} of {all} analytical ones (closed forms, literature)"),
+        Kind::Internal => format!("{passed} of {all} internal ones (own other formulation, balance or bound)"),
+    };
+    let checks: Vec<&Check> = study.all_checks().collect();
+    format!("{}.", tallies(checks.into_iter()).map(of_kind).join(", "))
+}
+
+/// The same for the page's head, where there is little room.
+pub(super) fn checks_in_short(study: &Study) -> String {
+    let checks: Vec<&Check> = study.all_checks().collect();
+    let of_kind = |Tally { kind, passed, all }: Tally| format!("{} {passed} of {all}", kind.name());
+    format!("Checks that pass: {}.", tallies(checks.into_iter()).map(of_kind).join(", "))
 }
 
 /// Where linear sensing fails, and what noise adds.
@@ -76,12 +93,13 @@ fn maps(study: &Study) -> Vec<String> {
         if let Some(worst) = worst(map, |cell| drawn(cell) && cell.angle_deg == 0.0) {
             sentences.push(format!(
                 "Without noise, linear sensing of {DRAWN_FORCE_N} N along the normal of the large-rotation finger errs by \
-                 up to {} (at {}); over all places and directions {} of the cells err by more than 10 % and {} by more \
-                 than 25 %.",
+                 up to {} (at {}); over all places and directions {} of the cells with an equilibrium err by more than 10 % and \
+                 {} by more than 25 % ({}).",
                 percent(worst.error),
                 place(finger, worst.s_mm),
-                percent(summary.share_above_10),
-                percent(summary.share_above_25)
+                percent(summary.share_above_10.unwrap_or(f64::NAN)),
+                percent(summary.share_above_25.unwrap_or(f64::NAN)),
+                summary.counts()
             ));
         }
         if let Some(worst) = worst(map, drawn) {
@@ -92,10 +110,10 @@ fn maps(study: &Study) -> Vec<String> {
                 percent(worst.error)
             ));
         }
-        if summary.cells_without_equilibrium > 0 {
+        if summary.without_equilibrium > 0 {
             sentences.push(format!(
                 "In {} of {} cells the finger cannot carry {DRAWN_FORCE_N} N: it folds or snaps through before.",
-                summary.cells_without_equilibrium, summary.cells
+                summary.without_equilibrium, summary.cells
             ));
         }
     }
@@ -131,12 +149,14 @@ fn nonlinear(study: &Study) -> Option<String> {
         let low = errors.iter().copied().reduce(f64::min)?;
         Some(format!("{} to {}", percent(low), percent(errors.into_iter().fold(low, f64::max))))
     };
-    let pairs = of_rows(&noise.pairs).map_or_else(String::new, |pairs| format!(", two contacts with {pairs} each"));
+    let pairs = of_rows(&noise.pairs)
+        .map_or_else(String::new, |pairs| format!(", two contacts with {pairs} each ({})", Counts::of(&noise.pairs)));
     Some(format!(
-        "With {} mm noise the nonlinear estimator senses one contact along the normal with a mean error of {}{pairs}, by its \
-         place.",
+        "With {} mm noise the nonlinear estimator senses one contact along the normal with a mean error of {} ({}){pairs}, by \
+         its position.",
         noise.noise_mm,
-        of_rows(&noise.single)?
+        of_rows(&noise.single)?,
+        Counts::of(&noise.single)
     ))
 }
 

@@ -19,6 +19,9 @@ const BLOCK: u64 = 100;
 /// Noise that estimators are told of where there is none, mm: no model is exact, and to the nonlinear estimator what its
 /// mesh gets wrong by some micrometres would be wild markers.
 pub(crate) const LEAST_STATED_MM: f64 = 0.01;
+/// Share of the noise by which the first-order response is found: the forces change by some per cent of sigma then, far above where the
+/// search stops, and curvature leaves a tenth of what it does at the full noise.
+const LITTLE: f64 = 0.1;
 /// Words of the random stream for each case: more than its draws and its noise take, so that cases do not depend on each
 /// other.
 const WORDS: u128 = 1 << 24;
@@ -38,6 +41,9 @@ struct Picture {
     /// The bound: what an estimator of the true finger states at the true shape; `None` without noise, and where the noise
     /// leaves the forces open.
     bound: Option<Sensed>,
+    /// Errors of the forces to first order in the noise, N, by an estimator of the true finger; `None` without noise, and where it was not
+    /// asked for.
+    first_order: Option<Vec<f64>>,
     /// By estimator; `None` where it refused.
     sensed: Vec<Option<Sensed>>,
 }
@@ -48,6 +54,8 @@ pub(super) struct Look<'c> {
     pub case: &'c Case,
     /// The bound of this picture.
     pub bound: Option<&'c Sensed>,
+    /// Errors of the forces to first order in the noise of this picture, N.
+    pub first_order: Option<&'c [f64]>,
     /// What is sensed; `None` where it refused.
     pub sensed: Option<&'c Sensed>,
 }
@@ -56,7 +64,12 @@ impl Case {
     /// Estimator number `estimator` at level of noise number `level`.
     pub fn look(&self, level: usize, estimator: usize) -> Look<'_> {
         let picture = &self.pictures[level];
-        Look { case: self, bound: picture.bound.as_ref(), sensed: picture.sensed[estimator].as_ref() }
+        Look {
+            case: self,
+            bound: picture.bound.as_ref(),
+            first_order: picture.first_order.as_deref(),
+            sensed: picture.sensed[estimator].as_ref(),
+        }
     }
 }
 
@@ -65,7 +78,7 @@ pub(super) fn cases(
     request: &ScatterRequest,
     estimators: &[&dyn Estimator],
     contacts: &[Contact],
-    range_n: [f64; 2],
+    (range_n, controlled): ([f64; 2], bool),
     stream: u64,
 ) -> Result<Vec<Case>, EstimatorError> {
     let count = request.cases as u64;
@@ -77,7 +90,7 @@ pub(super) fn cases(
     let run = |numbers: std::ops::Range<u64>| -> Result<Vec<Case>, EstimatorError> {
         let mut bench = Bench::new(request, &bound, estimators, contacts)?;
         let draws = numbers.map(|number| Draw::new(request, contacts, range_n, stream, number)).collect();
-        Ok(bench.bent(draws, range_n).iter().flatten().map(|bent| bench.case(request, bent)).collect())
+        Ok(bench.bent(draws, range_n).iter().flatten().map(|bent| bench.case(request, bent, controlled)).collect())
     };
     // Wrong contacts, and fingers that carry nothing, show in the first case.
     let mut all = run(0..count.min(1))?;
@@ -165,7 +178,7 @@ impl<'a> Bench<'a> {
     }
 
     /// What everyone makes of the pictures of a bent finger.
-    fn case(&mut self, request: &ScatterRequest, bent: &Bent) -> Case {
+    fn case(&mut self, request: &ScatterRequest, bent: &Bent, controlled: bool) -> Case {
         let picture = |&noise_mm: &f64| {
             let mut seen = bent.clean.clone();
             let mut coordinates = bent.noise.iter();
@@ -175,7 +188,15 @@ impl<'a> Bench<'a> {
             };
             let sensed = self.estimators.iter_mut().map(sense).collect();
             let bound = if noise_mm > 0.0 { self.bound.estimate(&bent.clean, Some(noise_mm)).ok() } else { None };
-            Picture { bound, sensed }
+            let first_order = bound.as_ref().filter(|_| controlled).and_then(|at_rest| {
+                let mut coordinates = bent.noise.iter();
+                let mut seen = bent.clean.clone();
+                seen.add_noise(LITTLE * noise_mm, || coordinates.next().copied().unwrap_or(0.0));
+                let moved = self.bound.estimate(&seen, Some(noise_mm)).ok()?;
+                let pairs = moved.forces_n.iter().zip(&at_rest.forces_n);
+                Some(pairs.map(|(moved, at_rest)| (moved - at_rest) / LITTLE).collect())
+            });
+            Picture { bound, first_order, sensed }
         };
         let pictures = request.noise_levels_mm.iter().map(picture).collect();
         Case { forces_n: bent.forces_n.clone(), pictures, not_carried: bent.not_carried }

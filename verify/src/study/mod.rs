@@ -207,6 +207,7 @@ impl Study {
             progress.part("digital twin", TwinStudy::STEPS);
             let study = TwinStudy::run(finger, before, noise_mm, effort.twin(), &|| progress.step())?;
             checks.extend(study.checks());
+            comparisons.extend(study.comparisons());
             twin = Some(study);
         }
         let twin_finger = twin.as_ref().map(|twin| &twin.finger);

@@ -238,6 +238,7 @@ fn sense<'p>(
 }
 
 impl Outcome {
+    /// Every sample was drawn, and none answered.
     fn refused(pictures: usize, error: &EstimatorError) -> Outcome {
         Outcome { pictures, answered: 0, errors: None, refusal: Some(error.to_string()) }
     }

@@ -37,7 +37,7 @@ impl Table {
     /// The line of column names, with its end.
     pub fn header(self) -> &'static str {
         match self {
-            Table::Map => "s_mm,angle_deg,force_n,mean_error,bias,spread\n",
+            Table::Map => "s_mm,angle_deg,force_n,mean_error,bias,spread,samples,answered\n",
             Table::Sweep => {
                 "truth,estimator,noise_mm,s_mm,angle_deg,force_n,pictures,answered,mean_error,bias,spread,sigma_n,refusal\n"
             }

@@ -2,10 +2,10 @@
 
 use super::fit::{ANGLE_DEG, TwinFit, fit};
 use super::{OTHERS, TWIN, TwinError, twin_of};
-use crate::check::{Check, EXACT_COUNT, Kind};
+use crate::check::{Check, Comparison, Kind, worst};
 use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorKind};
-use crate::scatter::{ONE_FORCE_N, ScatterRequest, ScatterRow, scatter};
-use crate::table_one::{TableOne, TableOneError, WEIGHTS_G, table_one, weight_n};
+use crate::scatter::{Counts, ONE_FORCE_N, ScatterRequest, ScatterRow, scatter};
+use crate::table_one::{TableOne, TableOneError, TableOneRow, WEIGHTS_G, table_one, weight_n};
 use crate::truth::{MeshTruth, Truth, fine_mesh};
 use finray_model::calibration::{CalibrationCase, CalibrationError, FactorEstimate, FactorModel, Unknown, factors};
 use finray_model::measurement::Measurement;
@@ -26,8 +26,6 @@ pub const LOADED: [usize; 9] = [14, 16, 17, 18, 19, 20, 21, 22, 24];
 const SENSED_NODES: std::ops::RangeInclusive<usize> = 14..=24;
 /// Elements a member when zones are calibrated: 54 pictures average noise away to less than the error of a coarse mesh.
 const CALIBRATION_ELEMENTS: usize = 12;
-/// Mean errors come this near to the published ones. The six errors of a node differ among themselves by more.
-const NEAR_TABLE_ONE: f64 = 0.03;
 /// Sensing that knows the zones: mean error at every node, a tenth above the Cramer-Rao bound at the worst (node 24).
 const SENSED: f64 = 0.013;
 /// Root mean square of error over sigma: so far from 1 by chance once in thousands of 10 repetitions of 4 parameters (its
@@ -124,6 +122,18 @@ impl TwinStudy {
         Ok(TwinStudy { finger, before: before.clone(), after, fits, noise_mm, calibrations, sensing })
     }
 
+    /// The fit's residuals: the twin's errors beside those of Table I, which its zones were fitted to.
+    pub fn comparisons(&self) -> Vec<Comparison> {
+        let comparison = |row: &TableOneRow| Comparison {
+            problem: "digital twin of Table I: residual of its fit".to_owned(),
+            source: "paper, Table I".to_owned(),
+            quantity: format!("mean error sensed with the uniform model, node {}", row.node),
+            reference: row.paper_mean_error,
+            ours: row.mean_error,
+        };
+        self.after.rows.iter().map(comparison).collect()
+    }
+
     /// Root mean square of the errors of all calibrated factors over their stated sigmas.
     pub fn rms_over_sigma(&self) -> f64 {
         let squares: Vec<f64> = self
@@ -135,43 +145,32 @@ impl TwinStudy {
         (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
     }
 
-    /// Promises.
+    /// Checks of what follows from the twin. Its nearness to Table I is none: three factors were fitted to these six numbers, so the
+    /// difference is a residual of the fit, which [`comparisons`](TwinStudy::comparisons) show.
     pub fn checks(&self) -> Vec<Check> {
         let problem = "digital twin of Table I";
-        let shade = |error: f64| [0.10, 0.25].iter().filter(|limit| error > **limit).count();
-        let mut checks: Vec<Check> = self
-            .after
-            .rows
-            .iter()
-            .map(|row| {
-                let quantity = format!("mean error sensed with the uniform model, node {}", row.node);
-                Check::new(
-                    Kind::Internal,
-                    problem,
-                    "paper",
-                    quantity,
-                    row.paper_mean_error,
-                    row.mean_error,
-                    NEAR_TABLE_ONE,
-                )
-            })
-            .collect();
-        let alike = self.after.rows.iter().filter(|row| shade(row.mean_error) == shade(row.paper_mean_error)).count();
-        checks.push(Check::new(
+        let nonlinear = || self.sensing.iter().map(|sensing| &sensing.nonlinear);
+        let worst = worst(nonlinear().map(|row| row.mean_error().unwrap_or(f64::NAN)));
+        let counts = Counts::of(nonlinear());
+        let sensed = Check::new(
             Kind::Internal,
             problem,
-            "paper",
-            "nodes shaded as in Table I",
-            self.after.rows.len() as f64,
-            alike as f64,
-            EXACT_COUNT,
-        ));
-        let worst = crate::check::worst(self.sensing.iter().map(|s| s.nonlinear.mean_error().unwrap_or(f64::NAN)));
-        let quantity = "worst mean error of the nonlinear estimator with calibrated zones, nodes 14 to 24";
-        checks.push(Check::new(Kind::Internal, problem, "true forces", quantity, 0.0, worst, SENSED));
-        let quantity = "error over stated sigma of calibrated zones, root mean square";
-        checks.push(Check::new(Kind::Internal, problem, "true factors", quantity, 1.0, self.rms_over_sigma(), COVERED));
-        checks
+            "true forces",
+            "worst mean error of the nonlinear estimator with calibrated zones, nodes 14 to 24",
+            0.0,
+            worst,
+            SENSED,
+        );
+        let covered = Check::new(
+            Kind::Internal,
+            problem,
+            "true factors",
+            "error over stated sigma of calibrated zones, root mean square",
+            1.0,
+            self.rms_over_sigma(),
+            COVERED,
+        );
+        vec![sensed.with_refused(counts.refused, counts.drawn), covered]
     }
 }
 

@@ -18,8 +18,8 @@ const COARSENESS_ORDER: f64 = 2.0;
 pub(in crate::report) fn verdict(lattice: &LatticeStudy) -> Option<String> {
     let finest = lattice.rows.last()?;
     Some(format!(
-        "A second physics, a lattice of rigid bodies and springs that shares nothing with the beams, bends as they do within {} \
-         of the largest displacement up to {} N; sensing errs on it by what it errs by on the large-rotation finger, within {} \
+        "Another discretisation with another solver, a lattice of rigid bodies and springs of the same EA and EI, bends as the beams \
+         do within {} of the largest displacement up to {} N; sensing errs on it by what it errs by on the large-rotation finger, within {} \
          of the force.",
         percent(worst(finest.errors.iter().copied())),
         finest.forces_n.last()?,
@@ -57,13 +57,13 @@ fn agreement(rows: &[FinenessRow]) -> Option<String> {
         finest.fineness,
         percent(largest(finest)),
         match low >= COARSENESS_ORDER {
-            true => "What is left is the lattice's coarseness; there is no sign of another physics.",
+            true => "What remains is the lattice's coarseness; there is no sign of an error in solver or kinematics.",
             false => "That is too little for the lattice's coarseness alone: something else is left.",
         }
     ))
 }
 
-/// How linear theory does where the two large-rotation parties agree.
+/// How linear theory does where both co-rotational solutions agree.
 fn linear(lattice: &LatticeStudy) -> Option<String> {
     let (first, last) = (lattice.linear.first()?, lattice.linear.last()?);
     Some(format!(

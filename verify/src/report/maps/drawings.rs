@@ -40,7 +40,7 @@ pub(super) fn overview(study: &Study, noisy: bool) -> Result<String, FigureError
             format!("grey: up to {dark} %"),
             format!("dark: above {dark} %"),
         ],
-        missing_label: "no equilibrium, or no answer".to_owned(),
+        missing_label: "no equilibrium, or refused".to_owned(),
     })
 }
 
@@ -55,17 +55,28 @@ fn small_map(map: &AccuracyMap) -> SmallMap {
     }
 }
 
-/// What is said above a small map: whole percents, as there is little room.
+/// What is said above a small map: whole percents of the cells with an equilibrium, as there is little room. Dark counts here the cells
+/// that are drawn dark, so that refused ones can stand beside them.
 fn note(summary: &MapSummary) -> String {
     let whole = |share: f64| match 100.0 * share {
         some if some > 0.0 && some < 1.0 => "<1 %".to_owned(),
         some => format!("{some:.0} %"),
     };
-    let MapSummary { share_above_10, share_above_25, cells, cells_without_equilibrium, .. } = *summary;
-    match share_above_10 {
-        _ if 2 * cells_without_equilibrium > cells => format!("{cells_without_equilibrium} of {cells} no answer"),
-        0.0 if cells_without_equilibrium == 0 => "all clear".to_owned(),
-        _ => format!("{} dark, {} grey", whole(share_above_25), whole(share_above_10 - share_above_25)),
+    let MapSummary { cells, refused, without_equilibrium, .. } = *summary;
+    let (Some(above_10), Some(above_25)) = (summary.share_above_10, summary.share_above_25) else {
+        return "no equilibrium".to_owned();
+    };
+    let refused_share = refused as f64 / (cells - without_equilibrium) as f64;
+    match above_10 {
+        0.0 if without_equilibrium == 0 => "all clear".to_owned(),
+        _ if refused > 0 && refused_share < above_10 => format!(
+            "{} dark, {} grey, {} refused",
+            whole(above_25 - refused_share),
+            whole(above_10 - above_25),
+            whole(refused_share)
+        ),
+        _ if refused > 0 => format!("{} refused", whole(refused_share)),
+        _ => format!("{} dark, {} grey", whole(above_25), whole(above_10 - above_25)),
     }
 }
 
@@ -167,4 +178,33 @@ fn explanation(study: &Study, kind: &Kind) -> Result<String, FigureError> {
         missing_label: kind.missing_label.to_owned(),
         ..blank_map(&study.finger, &map.places_mm, &map.angles_deg)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_refused_map_is_not_all_clear() {
+        let summary = |[cells, refused, without_equilibrium]: [usize; 3], [above_10, above_25]: [f64; 2]| MapSummary {
+            truth: "linear".to_owned(),
+            estimator: "network".to_owned(),
+            noise_mm: 0.067,
+            forces_n: vec![3.0],
+            cells,
+            answered: cells - refused - without_equilibrium,
+            refused,
+            without_equilibrium,
+            mean_error: Some(0.0098),
+            largest_error: Some(0.0098),
+            share_above_10: (cells > without_equilibrium).then_some(above_10),
+            share_above_25: (cells > without_equilibrium).then_some(above_25),
+            share_of_samples_refused: None,
+        };
+        assert_eq!(note(&summary([12, 11, 0], [11.0 / 12.0; 2])), "92 % refused");
+        assert_eq!(note(&summary([10, 2, 0], [0.5, 0.3])), "10 % dark, 20 % grey, 20 % refused");
+        assert_eq!(note(&summary([10, 0, 0], [0.5, 0.3])), "30 % dark, 20 % grey");
+        assert_eq!(note(&summary([10, 0, 0], [0.0, 0.0])), "all clear");
+        assert_eq!(note(&summary([10, 0, 10], [0.0, 0.0])), "no equilibrium");
+    }
 }

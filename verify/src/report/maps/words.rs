@@ -2,7 +2,7 @@
 
 use super::{ESTIMATORS, Of, TRUTHS, small};
 use crate::explain::Explanation;
-use crate::map::{AccuracyMap, Cell};
+use crate::map::{AccuracyMap, Cell, CellState};
 use crate::report::tables::percent;
 use crate::study::{DRAWN_FORCE_N, Study};
 use finray_model::finger::Plate;
@@ -48,16 +48,24 @@ fn failing(study: &Study, (estimator, name): (&str, &str), noisy: bool) -> Optio
         .filter_map(|(truth, label)| {
             let map = small(study, truth, estimator, noisy)?;
             let summary = map.summary(Some(DRAWN_FORCE_N));
-            let above =
-                format!("{} and {} on {label}", percent(summary.share_above_10), percent(summary.share_above_25));
-            Some(match summary.cells_without_equilibrium {
-                0 => above,
-                without => format!("{above} ({without} of {} cells carry no force or get no answer)", summary.cells),
+            let counts = summary.counts();
+            Some(match (summary.share_above_10, summary.share_above_25) {
+                (Some(above_10), Some(above_25)) => {
+                    format!("{} and {} on {label} ({counts})", percent(above_10), percent(above_25))
+                }
+                _ => format!("no equilibrium on {label} ({counts})"),
             })
         })
         .collect();
     (!parts.is_empty())
-        .then(|| format!("{}: share of cells above 10 % and above 25 %: {}.", capital(name), parts.join("; ")))
+        .then(|| {
+        format!(
+            "{}: share of the cells with an equilibrium that err by more than 10 % and by more than 25 %, refused ones included: \
+             {}.",
+            capital(name),
+            parts.join("; ")
+        )
+    })
 }
 
 fn capital(words: &str) -> String {
@@ -83,19 +91,21 @@ fn kind_of_error(study: &Study, map: &AccuracyMap) -> Option<String> {
     let length_mm = study.finger.plate_length_mm(Plate::Front);
     let share = |among: &dyn Fn(&Cell) -> bool| {
         let (failing, all) = drawn(map)
-            .filter(|cell| cell.mean_error.is_some() && among(cell))
+            .filter(|cell| cell.state() != CellState::WithoutEquilibrium && among(cell))
             .fold((0.0, 0.0), |(failing, all), cell| (failing + f64::from(u8::from(fails(cell))), all + 1.0));
         percent(failing / f64::max(all, 1.0))
     };
+    // A cell that is refused has neither; least squares answers wherever the finger bends.
     let biased = failed.iter().filter(|cell| cell.bias.map(f64::abs) > cell.spread).count();
     let spread = median(drawn(map).filter_map(|cell| cell.spread))?;
     Some(format!(
-        "Least squares errs by more than {} on the {} finger in {} of the cells within {PRESSING_DEG} deg of the normal, in {} \
+        "Least squares errs by more than {} on the {} finger ({}) in {} of the cells within {PRESSING_DEG} deg of the normal, in {} \
          of those turned further to the tip and in {} of those turned further to the base; in {} of those in the sixth of the \
          plate at the base and {} in the sixth at the tip. The bias exceeds the spread in {} of the cells that fail; the median \
          spread over all cells is {}.",
         percent(GREY),
         truth(map),
+        map.summary(Some(DRAWN_FORCE_N)).counts(),
         share(&|cell| cell.angle_deg.abs() <= PRESSING_DEG),
         share(&|cell| cell.angle_deg > PRESSING_DEG),
         share(&|cell| cell.angle_deg < -PRESSING_DEG),
@@ -106,8 +116,9 @@ fn kind_of_error(study: &Study, map: &AccuracyMap) -> Option<String> {
     ))
 }
 
+/// A refused cell fails as well.
 fn fails(cell: &Cell) -> bool {
-    cell.mean_error.is_some_and(|error| error > GREY)
+    cell.is_above(GREY) == Some(true)
 }
 
 /// A quantity by direction and by place: medians of pressing and tangential directions, of base, middle and tip.
