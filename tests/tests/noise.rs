@@ -111,7 +111,7 @@ fn every_node_and_pair_reaches_the_bound_on_the_fine_truth() {
         cases: FINE_CASES,
         seed: 1,
     };
-    let nonlinear = BeamEstimator { kind: EstimatorKind::Nonlinear, mesh: &model };
+    let nonlinear = BeamEstimator::new(EstimatorKind::Nonlinear, &model);
     let nodes = sampled_nodes(&finger);
     let of_sets = |sets: &[Vec<NodeId>], range_n| {
         scatter_controlled(&request, &[&nonlinear], sets, range_n, &|| {}).expect("contact nodes")
@@ -167,7 +167,7 @@ fn a_fifth_above_the_bound_is_found_out() {
         cases: 4000,
         seed: 1,
     };
-    let wasteful = Wasteful(BeamEstimator { kind: EstimatorKind::Nonlinear, mesh: &mesh });
+    let wasteful = Wasteful(BeamEstimator::new(EstimatorKind::Nonlinear, &mesh));
     let rows = scatter_controlled(&request, &[&wasteful], &singles(&[NodeId(19)]), ONE_FORCE_N, &|| {});
     let found = rows.expect("a contact node")[0].forces[0].bound.and_then(|bound| bound.controlled).expect("a figure");
     assert!((found.over_bound_controlled - 1.2).abs() <= 4.0 * found.standard_error, "{found:?}");

@@ -12,6 +12,7 @@ pub mod causes;
 pub mod check;
 pub mod contact_scene;
 pub mod convergence;
+pub mod coverage;
 pub mod direction;
 pub mod estimators;
 pub mod explain;

@@ -34,6 +34,12 @@ pub struct Cell {
     pub samples: usize,
     /// Samples that were answered; the errors above are theirs.
     pub answered: usize,
+    /// Answered samples with a warning; `None` if no standard deviation is stated.
+    pub warned: Option<usize>,
+    /// Answered samples without a warning of which the interval of 1.96 stated standard deviations holds the true force.
+    pub covered: Option<usize>,
+    /// The same of those with a warning.
+    pub covered_warned: Option<usize>,
 }
 
 /// What became of a cell, or of the same place and direction under several forces.
@@ -75,6 +81,9 @@ impl From<&sweep::Cell> for Cell {
             spread: cell.spread(),
             samples: cell.outcome.pictures,
             answered: cell.outcome.answered,
+            warned: cell.outcome.covered.map(|covered| covered.warned),
+            covered: cell.outcome.covered.map(|covered| covered.covered),
+            covered_warned: cell.outcome.covered.map(|covered| covered.covered_warned),
         }
     }
 }
@@ -122,7 +131,7 @@ pub fn accuracy_maps(
 }
 
 impl AccuracyMap {
-    /// CSV of the cells: `s_mm,angle_deg,force_n,mean_error,bias,spread,samples,answered`.
+    /// CSV of the cells: `s_mm,angle_deg,force_n,mean_error,bias,spread,samples,answered,warned,covered,covered_warned`.
     ///
     /// # Errors
     /// None in memory; the signature is the CSV writer's.
@@ -280,6 +289,9 @@ mod tests {
             spread: None,
             samples,
             answered,
+            warned: None,
+            covered: None,
+            covered_warned: None,
         };
         AccuracyMap {
             request: MapRequest {

@@ -4,8 +4,7 @@ mod common;
 
 use common::*;
 
-const HEADER: &str =
-    "truth,estimator,noise_mm,s_mm,angle_deg,force_n,pictures,answered,mean_error,bias,spread,sigma_n,refusal";
+const HEADER: &str = "truth,estimator,noise_mm,s_mm,angle_deg,force_n,pictures,answered,mean_error,bias,spread,sigma_n,refusal,warned,covered,covered_warned";
 
 /// A sweep of a moment with several of everything.
 const SWEEP: [&str; 16] = [

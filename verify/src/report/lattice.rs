@@ -194,6 +194,9 @@ mod tests {
             spread: Some(0.0),
             samples: 1,
             answered: 1,
+            warned: None,
+            covered: None,
+            covered_warned: None,
         };
         AccuracyMap {
             request,

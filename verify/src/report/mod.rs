@@ -8,6 +8,7 @@ mod causes;
 mod claims;
 mod contact_scenes;
 mod convergence;
+mod coverage;
 mod curves;
 mod directions;
 mod drawings;

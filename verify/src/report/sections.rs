@@ -2,8 +2,8 @@
 
 use super::page::{Block, Figure, Page, Question, Section};
 use super::{
-    ReportError, Summary, causes, claims, contact_scenes, convergence, directions, drawings, hard_cases, lattice, maps,
-    networks, pairs, scatter, speed_error, table_two, tables, twin, verdict, words,
+    ReportError, Summary, causes, claims, contact_scenes, convergence, coverage, directions, drawings, hard_cases,
+    lattice, maps, networks, pairs, scatter, speed_error, table_two, tables, twin, verdict, words,
 };
 use crate::study::{DRAWN_FORCE_N, Study};
 use finray_model::finger::{Plate, RibPlaces};
@@ -23,6 +23,7 @@ fn question(id: &str, heading: &str, sections: Vec<Section>) -> Question {
 /// The whole page.
 pub(super) fn page(study: &Study, summary: &Summary) -> Result<Page, ReportError> {
     let mut feels = vec![maps::section(study, summary)?];
+    feels.extend(coverage::section(study));
     feels.extend(scatter::section(study));
     feels.extend(pairs::section(study)?);
     feels.extend(directions::section(study)?);

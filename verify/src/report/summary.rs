@@ -8,8 +8,9 @@ use super::networks::{self, NetworkRow};
 use super::pairs::{self, PairRow};
 use super::table_two::{self, TableTwoRow};
 use super::twin::{self, CalibrationRow, TwinRow, ZoneSetRow};
-use super::{causes, tables, verdict, words};
+use super::{causes, coverage, tables, verdict, words};
 use crate::check::{Check, Comparison};
+use crate::coverage::CoverageRow;
 use crate::ledger::Claim;
 use crate::map::{AccuracyMap, MapSummary};
 use crate::networks::records::{CurveRow, RecipeRow};
@@ -47,6 +48,8 @@ pub struct Summary {
     pub claims: Vec<Claim>,
     /// Maps at the drawn force and over all forces.
     pub maps: Vec<MapEntry>,
+    /// Stated intervals against the truth, by map.
+    pub coverage: Vec<CoverageRow>,
     /// What makes sensed forces wrong, by truth, way of sensing, force and region.
     pub causes: Vec<CauseSummary>,
     /// What limits sensing of the drawn force, over all places and directions.
@@ -103,6 +106,7 @@ impl Summary {
             speed_error: study.speed_error.clone(),
             claims: study.claims.clone(),
             maps: entry(Some(DRAWN_FORCE_N)).chain(entry(None)).collect(),
+            coverage: coverage::rows(study),
             causes: causes::summaries(study),
             explanations: maps::explanation_rows(&study.explanations),
             table_one: study.tables_one.clone(),

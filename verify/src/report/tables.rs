@@ -2,8 +2,8 @@
 
 use super::page::{Cell, Column, Row, Shade, Table};
 use super::{
-    causes, claims, contact_scenes, convergence, curves, directions, hard_cases, lattice, maps, networks, pairs,
-    recipes, scatter, speed_error, table_two, twin,
+    causes, claims, contact_scenes, convergence, coverage, curves, directions, hard_cases, lattice, maps, networks,
+    pairs, recipes, scatter, speed_error, table_two, twin,
 };
 use crate::check::{Check, Comparison, Kind, worst};
 use crate::files::csv_text;
@@ -90,6 +90,10 @@ pub(super) fn csv_files(study: &Study) -> Result<Vec<(PathBuf, String)>, csv::Er
         (SHAPES_CSV.into(), csv_text(shapes)?),
         (convergence::CSV.into(), csv_text(study.convergence.rows())?),
     ];
+    let covered = coverage::rows(study);
+    if !covered.is_empty() {
+        files.push((coverage::CSV.into(), csv_text(covered)?));
+    }
     if !study.hard_cases.is_empty() {
         files.push((hard_cases::CSV.into(), csv_text(hard_cases::rows(study))?));
     }

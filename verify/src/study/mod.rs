@@ -21,6 +21,7 @@ use crate::causes::{CauseError, CauseMap};
 use crate::check::{Check, Comparison};
 use crate::contact_scene::study::{SceneStudy, SceneStudyError, SceneWithOutline};
 use crate::convergence::{Convergence, convergence, loaded_nodes};
+use crate::coverage;
 use crate::direction::DirectionStudy;
 use crate::estimators::{EstimatorError, EstimatorKind};
 use crate::explain::ExplanationMap;
@@ -289,6 +290,7 @@ impl Study {
             claims: Vec::new(),
             bent,
         };
+        study.checks.extend(coverage::checks(&coverage::rows(study.all_maps())));
         if is_paper {
             study.claims = ledger(&study)?;
         }

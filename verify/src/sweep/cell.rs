@@ -58,6 +58,8 @@ pub struct Outcome {
     pub answered: usize,
     /// `None` where fewer than half of the pictures were answered: the few are no fair sample.
     pub errors: Option<Errors>,
+    /// How often the stated intervals hold; `None` if none are stated, or nothing was answered.
+    pub covered: Option<Covered>,
     /// Why the finger or the first picture that was refused gave no answer; `None` if all were answered.
     pub refusal: Option<String>,
 }
@@ -73,6 +75,17 @@ pub struct Errors {
     pub spread: f64,
     /// Root mean square of the standard deviations that the estimator states, N; `None` if it states none.
     pub sigma_n: Option<f64>,
+}
+
+/// Answered pictures by whether the true force lies within 1.96 stated standard deviations, those with a warning apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Covered {
+    /// Answers with a warning.
+    pub warned: usize,
+    /// Answers without a warning whose interval holds the truth.
+    pub covered: usize,
+    /// Answers with a warning whose interval holds the truth.
+    pub covered_warned: usize,
 }
 
 impl Cell {
@@ -228,10 +241,7 @@ fn sense<'p>(
             noisy.add_noise(noise_mm, || coordinates.next().copied().unwrap_or(0.0));
         }
         match estimator.estimate(&noisy, Some(noise_mm)) {
-            Ok(sensed) => {
-                let sigma_n = sensed.sigmas_n.and_then(|sigmas| sigmas.first().copied());
-                tally.answer(sensed.forces_n[0] / force_n - 1.0, sigma_n);
-            }
+            Ok(sensed) => tally.answer(&sensed, force_n),
             Err(error) => tally.refuse(&error),
         }
     }
@@ -240,11 +250,11 @@ fn sense<'p>(
 impl Outcome {
     /// Every sample was drawn, and none answered.
     fn refused(pictures: usize, error: &EstimatorError) -> Outcome {
-        Outcome { pictures, answered: 0, errors: None, refusal: Some(error.to_string()) }
+        Outcome { pictures, answered: 0, errors: None, covered: None, refusal: Some(error.to_string()) }
     }
 
     fn not_carried() -> Outcome {
         let refusal = "the finger that is sensed has no equilibrium under this force".to_owned();
-        Outcome { pictures: 0, answered: 0, errors: None, refusal: Some(refusal) }
+        Outcome { pictures: 0, answered: 0, errors: None, covered: None, refusal: Some(refusal) }
     }
 }

@@ -17,7 +17,7 @@ mod shard;
 mod table;
 mod tally;
 
-pub use cell::{Cell, Errors, Outcome, Sweep};
+pub use cell::{Cell, Covered, Errors, Outcome, Sweep};
 pub use grid::Grid;
 pub use merge::{MergeError, Shards};
 pub use partial::Partial;

@@ -31,15 +31,21 @@ struct Row<'c> {
     spread: Option<f64>,
     sigma_n: Option<f64>,
     refusal: Option<String>,
+    warned: Option<usize>,
+    covered: Option<usize>,
+    covered_warned: Option<usize>,
 }
 
 impl Table {
     /// The line of column names, with its end.
     pub fn header(self) -> &'static str {
         match self {
-            Table::Map => "s_mm,angle_deg,force_n,mean_error,bias,spread,samples,answered\n",
+            Table::Map => {
+                "s_mm,angle_deg,force_n,mean_error,bias,spread,samples,answered,warned,covered,covered_warned\n"
+            }
             Table::Sweep => {
-                "truth,estimator,noise_mm,s_mm,angle_deg,force_n,pictures,answered,mean_error,bias,spread,sigma_n,refusal\n"
+                "truth,estimator,noise_mm,s_mm,angle_deg,force_n,pictures,answered,mean_error,bias,spread,sigma_n,refusal,\
+                 warned,covered,covered_warned\n"
             }
         }
     }
@@ -79,6 +85,9 @@ impl<'c> Row<'c> {
             sigma_n: outcome.errors.and_then(|errors| errors.sigma_n),
             // A row is a line: rows are counted by their ends.
             refusal: outcome.refusal.as_ref().map(|text| text.split_whitespace().collect::<Vec<_>>().join(" ")),
+            warned: outcome.covered.map(|covered| covered.warned),
+            covered: outcome.covered.map(|covered| covered.covered),
+            covered_warned: outcome.covered.map(|covered| covered.covered_warned),
         }
     }
 }

@@ -1,0 +1,50 @@
+//! How sure: stated intervals against the truth, by finger and estimator.
+
+use super::page::{Block, Cell, Column, Row, Section, Table};
+use super::sections::{self, text};
+use super::tables::percent;
+use crate::coverage::{self, CoverageRow};
+use crate::study::Study;
+
+pub(super) const CSV: &str = "coverage.csv";
+
+/// A row for each noisy map.
+pub(super) fn rows(study: &Study) -> Vec<CoverageRow> {
+    coverage::rows(study.all_maps())
+}
+
+pub(super) fn section(study: &Study) -> Option<Section> {
+    let rows = rows(study);
+    if rows.is_empty() {
+        return None;
+    }
+    let row = |row: &CoverageRow| {
+        let share = |share: Option<f64>| share.map_or_else(|| "-".to_owned(), percent);
+        let of_samples = |count: usize| percent(count as f64 / row.samples.max(1) as f64);
+        let cells = [
+            row.truth.clone(),
+            row.estimator.clone(),
+            row.samples.to_string(),
+            of_samples(row.refused),
+            of_samples(row.warned),
+            of_samples(row.without_warning),
+            share(row.covered_without_warning),
+            share(row.covered_with_warning),
+        ];
+        Row { cells: cells.map(Cell::plain).into() }
+    };
+    let numbers =
+        ["noise samples", "refused", "with a warning", "without", "within 1.96 sigma, without a warning", "with one"];
+    let table = Table {
+        caption: "Stated intervals against the true forces, over the cells of each noisy map".to_owned(),
+        columns: ["finger", "estimator"].map(Column::words).into_iter().chain(numbers.map(Column::numbers)).collect(),
+        rows: rows.iter().map(row).collect(),
+        csv: Some(CSV.to_owned()),
+    };
+    let words = "A stated sigma holds what noise does and what is known of the model's own error: of linearisation (from the estimated \
+                 forces), of the mesh, of the network's training. An estimator warns where the measurement contradicts its model under \
+                 the stated noise (chi-squared test, one false alarm in a hundred), or where its model errs by more than the noise. 95 % \
+                 is meant on the co-rotational finger. On fingers that the model does not know (softer ends), a warning is all that an \
+                 estimator can give: what the softer ends do to the forces is in no sigma.";
+    Some(sections::section("coverage", "How sure: stated intervals", vec![text(words), Block::Table(table)]))
+}
