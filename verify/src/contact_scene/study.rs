@@ -22,9 +22,9 @@ const SOURCE: &str = "rapier2d lattice";
 const DISPLACEMENT: &str = "largest displacement difference / largest displacement";
 /// Contact forces against the hand's and the clamps', as a share of their sum: what rapier's sweeps leave over.
 pub const BALANCE_TOLERANCE: f64 = 1e-3;
-/// Settled shapes against the lattice's equilibrium under the contact forces, as a share of the largest displacement: as still as bodies
-/// must be to count as at rest.
-pub const SETTLING_TOLERANCE: f64 = 2e-5;
+/// Settled shapes against the lattice's equilibrium under the contact forces, as a share of the largest displacement, of any scene and
+/// finger. The scenes that ship come within 7e-7; a stiff finger on many segments may rest farther off before its forces are in doubt.
+pub const SETTLING_TOLERANCE: f64 = 5e-4;
 /// Settled shapes against converged beams under the contact forces, as a share of the largest displacement: what two segments
 /// a stretch leave of the box under 5 N spread over its contacts (1.0e-3; a single force at its worst direction leaves four times as much),
 /// and a quarter more.
