@@ -253,6 +253,8 @@ impl LatticeSensing {
         let forces = MAP_FORCES_N.map(|force_n| force_n.to_string()).join(", ");
         let name = |what: &str, cells: usize| format!("{what}, {forces} N, {cells} cells, no noise");
         let MapDifference { cells, largest, in_one_alone, .. } = self.difference;
+        // Maps without a common cell show nothing.
+        let largest = if cells > 0 { largest } else { f64::NAN };
         let map = name("map of least squares on the lattice against that on the large-rotation finger", cells);
         let nonlinear = name("lattice sensed by the nonlinear estimator", self.nonlinear.cells.len());
         let quantity = "largest difference of sensed / true";
