@@ -1,5 +1,5 @@
-//! From shape to force: least squares, prepared each time and prepared once; Gauss-Newton on the large-rotation finger,
-//! from a cold start and as a stream of frames; and samples by the thousand.
+//! From shape to force: least squares, prepared each time and prepared once; Gauss-Newton on the co-rotational finger,
+//! from a cold start and as a stream of frames of a moving force; and samples by the thousand.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use finray_bench::{paper, push};
@@ -7,6 +7,9 @@ use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, ContactPlace, LinearEstimator, NonlinearEstimator, Prior};
 use finray_model::statics::{FrameLoad, Statics};
 use finray_model::{Kinematics, Mesh, NodeId, statics};
+use finray_verify::speed_error::sensing::{FRAMES_A_PERIOD, Stream};
+use finray_verify::study::CAMERA_NOISE_MM;
+use finray_verify::truth::fine_mesh;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -34,30 +37,31 @@ fn sensing(criterion: &mut Criterion) {
     }
 }
 
-/// One contact on 25 nodes, 3 N and 2.95 N by turns, as a camera would see a force that changes.
+/// A moving force at one contact, seen with the camera's noise on the finger of 684 nodes, on one and four elements a member: each frame from a
+/// cold start, from the frame before, and the preparation for a new contact.
 fn nonlinear(criterion: &mut Criterion) {
     let finger = paper();
-    let mesh = Mesh::key_nodes(&finger);
-    let contact = Contact { place: ContactPlace::Node(NodeId(19)), angle_deg: 0.0 };
-    let frames = [3.0, 2.95].map(|force_n| {
-        let shape =
-            statics::solve(&mesh, &[push(&finger, 19, force_n)], Kinematics::Corotational).expect("3 N are carried");
-        Measurement::of_shape(&finger, &shape)
-    });
-    let mut estimator = NonlinearEstimator::new(&mesh, &[contact.into()]).expect("node 19 is a contact node");
-    criterion.bench_function("nonlinear/cold/1", |bencher| {
-        bencher.iter(|| {
-            estimator.reset();
-            estimator.estimate(black_box(&frames[0]), Some(0.067))
-        });
-    });
-    let mut frame = 0;
-    criterion.bench_function("nonlinear/warm/1", |bencher| {
-        bencher.iter(|| {
-            frame = 1 - frame;
-            estimator.estimate(black_box(&frames[frame]), Some(0.067))
-        });
-    });
+    let truth = fine_mesh(&finger).expect("a mesh of many nodes");
+    let stream = Stream::take(&truth, &[NodeId(19)], CAMERA_NOISE_MM, 2 * FRAMES_A_PERIOD, 0);
+    for elements in [1, 4] {
+        let mesh = Mesh::with_elements_per_member(&finger, elements);
+        let nodes = mesh.node_count();
+        let contacts: Vec<_> = stream.contacts.iter().map(|&contact| contact.into()).collect();
+        let prepare = || NonlinearEstimator::new(&mesh, black_box(&contacts)).expect("node 19 is a contact node");
+        criterion.bench_function(&format!("nonlinear/prepare/{nodes}"), |bencher| bencher.iter(prepare));
+        let mut estimator = prepare();
+        for (start, cold) in [("cold", true), ("warm", false)] {
+            let mut turn = stream.frames.iter().cycle();
+            criterion.bench_function(&format!("nonlinear/{start}/{nodes}"), |bencher| {
+                bencher.iter(|| {
+                    if cold {
+                        estimator.reset();
+                    }
+                    estimator.estimate(black_box(&turn.next().expect("a frame").seen), Some(CAMERA_NOISE_MM))
+                });
+            });
+        }
+    }
 }
 
 /// Nonlinear samples, as for training or for a map: shapes under random forces along the normal at all twelve contact nodes,

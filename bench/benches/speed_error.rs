@@ -1,29 +1,31 @@
 //! The points of the report's chart of time against error, under their own names: `finray report` takes these times in the place of
 //! its own where it finds them.
 //!
-//! An iteration is one answer, to each load or picture in turn, so the median is that of all. Lattices that settle take seconds and
+//! An iteration is one answer, to each load or frame in turn, so the median is that of all; frames of one contact follow each other, as a warm start
+//! needs it. Lattices that settle take seconds and
 //! are left to the report.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use finray_bench::paper;
 use finray_model::statics::Statics;
-use finray_verify::estimators::Estimator;
 use finray_verify::networks::accuracy;
 use finray_verify::networks::{NetworkSensing, Networks};
-use finray_verify::speed_error::{self, Beams, Pictures, Task, criterion::group};
+use finray_verify::speed_error::sensing::{
+    FRAMES_A_PERIOD, Stream, TimedEstimator, beam_estimators, neighbours, sensing_meshes, singles,
+};
+use finray_verify::speed_error::{self, ASKED_NODES, Beams, Start, Task, criterion::group};
 use finray_verify::study::CAMERA_NOISE_MM;
 use finray_verify::truth::fine_mesh;
 use std::hint::black_box;
 
 /// As many as the full report's.
-const NODES: usize = 11;
-const PICTURES: usize = 40;
+const FRAMES: usize = 2 * FRAMES_A_PERIOD;
 /// Lattices take milliseconds: the fewest samples that criterion allows are enough.
 const SAMPLES: usize = 10;
 
 fn shapes(criterion: &mut Criterion) {
     let finger = paper();
-    let loads = speed_error::solved_loads(&finger, NODES);
+    let loads = speed_error::solved_loads(&finger, ASKED_NODES);
     let mut group = criterion.benchmark_group(group(Task::Solve));
     for Beams { model, setting, kinematics, mesh } in speed_error::beams(&finger) {
         let loads: Vec<_> = loads.iter().map(|load| mesh.frame_load(load).expect("free nodes")).collect();
@@ -51,32 +53,27 @@ fn forces(criterion: &mut Criterion) {
     let truth = fine_mesh(&finger).expect("a mesh of many nodes");
     let shipped = Networks::shipped().expect("networks that ship");
     let network = NetworkSensing { name: accuracy::NAME, networks: &shipped, finger: &finger, refuses: true };
-    let meshes = speed_error::sensing_meshes(&finger);
-    let beams = speed_error::beam_estimators(&meshes);
-    let beams = beams.iter().map(|(estimator, setting)| (estimator as &dyn Estimator, setting.as_str()));
-    let estimators: Vec<(&dyn Estimator, &str)> =
-        beams.chain([(&network as &dyn Estimator, "shipped networks")]).collect();
-    let tasks = [
-        (Task::SenseOne, speed_error::singles(&finger, NODES)),
-        (Task::SenseNeighbours, speed_error::neighbours(&finger)),
-    ];
+    let network =
+        TimedEstimator { estimator: Box::new(network), setting: "shipped networks".to_owned(), start: Start::None };
+    let meshes = sensing_meshes(&finger);
+    let estimators: Vec<TimedEstimator> = beam_estimators(&meshes).into_iter().chain([network]).collect();
+    let tasks = [(Task::SenseOne, singles(&finger, ASKED_NODES)), (Task::SenseNeighbours, neighbours(&finger))];
     for (task, sets) in tasks {
-        let take =
-            |(stream, set): (usize, &Vec<_>)| Pictures::take(&truth, set, CAMERA_NOISE_MM, PICTURES, stream as u64);
-        let pictures: Vec<Pictures> = sets.iter().enumerate().map(take).collect();
+        let take = |(stream, set): (usize, &Vec<_>)| Stream::take(&truth, set, CAMERA_NOISE_MM, FRAMES, stream as u64);
+        let streams: Vec<Stream> = sets.iter().enumerate().map(take).collect();
         let mut group = criterion.benchmark_group(group(task));
-        for (estimator, setting) in &estimators {
+        for timed in &estimators {
             let prepare =
-                |pictures: &Pictures| estimator.prepare(&pictures.contacts, &pictures.seen[0].1).expect("contacts");
-            let mut prepared: Vec<_> = pictures.iter().map(prepare).collect();
-            let shown =
-                pictures.iter().enumerate().flat_map(|(set, of)| of.seen.iter().map(move |(_, seen)| (set, seen)));
-            let shown: Vec<_> = shown.collect();
-            let mut turn = shown.iter().cycle();
-            group.bench_function(BenchmarkId::new(estimator.name(), setting), |bencher| {
+                |stream: &Stream| timed.estimator.prepare(&stream.contacts, &stream.frames[0].seen).expect("contacts");
+            let mut prepared: Vec<_> = streams.iter().map(prepare).collect();
+            let frames =
+                streams.iter().enumerate().flat_map(|(set, of)| of.frames.iter().map(move |frame| (set, frame)));
+            let frames: Vec<_> = frames.collect();
+            let mut turn = frames.iter().cycle();
+            group.bench_function(BenchmarkId::new(timed.estimator.name(), timed.in_words()), |bencher| {
                 bencher.iter(|| {
-                    let (set, picture) = turn.next().expect("a picture");
-                    prepared[*set].estimate(black_box(picture), Some(CAMERA_NOISE_MM))
+                    let (set, frame) = turn.next().expect("a frame");
+                    prepared[*set].estimate(black_box(&frame.seen), Some(CAMERA_NOISE_MM))
                 });
             });
         }

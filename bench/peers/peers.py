@@ -25,10 +25,14 @@ import numpy as np
 
 FIXTURES = Path(__file__).resolve().parents[2] / "fixtures"
 SCENE = FIXTURES / "scenes" / "paper.toml"
-COLUMNS = ["task", "model", "setting", "seconds", "error", "program", "version", "machine"]
-REFERENCE_NODES, TRUTH_NODES = 4000, 684  # of shapes: converged; of pictures: the paper's fine mesh
-NODES, ANGLES_DEG, FORCE_N = (14, 18, 22), (-40.0, 0.0, 40.0), 3.0  # loads whose shapes are solved for
-SENSED_N, NOISE_MM, PICTURES, SEED = (0.5, 3.0), 0.067, 10, 11      # random forces, and the pictures of them
+COLUMNS = ["task", "model", "setting", "seconds", "error", "program", "version", "nodes", "forces_n", "machine"]
+REFERENCE_NODES, TRUTH_NODES = 4000, 684  # of shapes: converged; of frames: the paper's fine mesh
+# The nodes, directions and forces of finray's own points (verify/src/speed_error.rs and speed_error/sensing.rs):
+NODES, ANGLES_DEG, FORCE_N = range(14, 25), (-40.0, 0.0, 40.0), 3.0  # loads whose shapes are solved for
+SENSED_N, FRAMES_A_PERIOD, PERIODS = (0.3, 3.0), 25, 2               # a force that swings, frame by frame
+NOISE_MM, SEED = 0.067, 11
+# What finray calls these; it leaves aside rows for other nodes or forces.
+ASKED = {"solve": ("14-24", "3"), "sense-one": ("14-24", "0.3-3")}
 REPEATS = 5              # of every timed answer; the median counts
 SHORT_S = 1e-4           # answers shorter than this are timed a thousand at once
 LONG_S = 0.05            # and longer ones once: the median over all loads is enough
@@ -60,8 +64,14 @@ def timed(answer):
     return found, statistics.median(times)
 
 
+def swing():
+    """The force in each frame of a period, N."""
+    low, high = SENSED_N
+    return [(low + high) / 2 + (high - low) / 2 * math.sin(2 * math.pi * frame / FRAMES_A_PERIOD) for frame in range(FRAMES_A_PERIOD)]
+
+
 class Cases:
-    """Loads and pictures, with finray's answers on its finest meshes."""
+    """Loads and frames, with finray's answers on its finest meshes."""
 
     def __init__(self, finray):
         self.finray = finray
@@ -70,11 +80,12 @@ class Cases:
         self.loads = [(node, angle, FORCE_N) for node in NODES for angle in ANGLES_DEG]
         self.reference = [self.solve(*load, "--mesh-nodes", str(REFERENCE_NODES)) for load in self.loads]
         chance = np.random.default_rng(SEED)
-        self.pictures = []  # node, force, displacements that the camera sees
+        self.frames = []  # node, force, displacements that the camera sees
         for node in NODES:
-            for force in chance.uniform(*SENSED_N, PICTURES):
-                seen = self.solve(node, 0.0, force, "--mesh-nodes", str(TRUTH_NODES))
-                self.pictures.append((node, force, seen[1:-1, :2] + chance.normal(0.0, NOISE_MM, (len(seen) - 2, 2))))
+            exact = [self.solve(node, 0.0, force, "--mesh-nodes", str(TRUTH_NODES)) for force in swing()]
+            for frame, force in enumerate(swing() * PERIODS):
+                seen = exact[frame % FRAMES_A_PERIOD]
+                self.frames.append((node, force, seen[1:-1, :2] + chance.normal(0.0, NOISE_MM, (len(seen) - 2, 2))))
 
     def solve(self, node, angle_deg, force_n, *options):
         """Displacements and rotations (ux, uy, theta) of the key nodes, by finray."""
@@ -178,7 +189,7 @@ def numpy(cases):
     for node in NODES:
         unit = solve(node, finger.force(1.0, 0.0))[1:-1, :2].ravel()
         project = unit / (unit @ unit)  # the pseudoinverse of one column, prepared once
-        for force, seen in ((force, seen) for at, force, seen in cases.pictures if at == node):
+        for force, seen in ((force, seen) for at, force, seen in cases.frames if at == node):
             u = seen.ravel()
             sensed, took = timed(lambda: project @ u)
             errors.append(abs(sensed / force - 1))
@@ -254,7 +265,7 @@ def main():
     for program, package, run in PEERS:
         try:
             for row in run(cases):
-                rows.append([*row, program, metadata.version(package), note])
+                rows.append([*row, program, metadata.version(package), *ASKED[row[0]], note])
                 print(f"{program}: {row[1]}, {row[2]}: {row[3]:.3g} s, error {row[4] if row[4] == '' else format(row[4], '.3g')}", flush=True)
         except ImportError as error:
             print(f"left out: {program} ({error}; pip install -r requirements.txt)", file=sys.stderr)

@@ -34,6 +34,7 @@ pub mod sensing;
 pub mod statics;
 #[cfg(feature = "train")]
 pub mod train;
+pub mod validity;
 
 pub use element::Kinematics;
 pub use finger::{Finger, NodeId};

@@ -6,6 +6,7 @@ mod reader;
 pub use object::{ObjectDescription, ObjectMotion, Outline, ROD_RADIUS_MM, Until};
 
 use crate::finger::{Finger, FingerDescription, Joints, Part, RibDescription, RibPlaces, Strip, Zone};
+use crate::validity::StrainLimits;
 use reader::{Document, TableReader};
 
 /// What a scene file describes.
@@ -15,6 +16,8 @@ pub struct Scene {
     pub name: String,
     /// The finger.
     pub finger: Finger,
+    /// Up to which strain the material of each part is what the model takes it for, where the scene says so.
+    pub strain_limits: StrainLimits,
     /// The camera, where the scene has one.
     pub camera: Option<Camera>,
     /// Radius of the rods that an object meets, mm.
@@ -50,22 +53,10 @@ impl Scene {
         let document = Document::parse(text)?;
         let top = document.top(&["name", "finger", "camera", "contact", "object"])?;
         let name = top.text("name")?;
-        let finger = read_finger(&top.table(
-            "finger",
-            &[
-                "base_width_mm",
-                "front_length_mm",
-                "back_length_mm",
-                "depth_mm",
-                "rod_arm_mm",
-                "poissons_ratio",
-                "front",
-                "back",
-                "ribs",
-                "zone",
-            ],
-        )?)?;
-        let finger = Finger::new(finger).map_err(|impossible| SceneError {
+        let table = top.table("finger", &FINGER_KEYS)?;
+        let description = read_finger(&table)?;
+        let strain_limits = read_strain_limits(&table)?;
+        let finger = Finger::new(description).map_err(|impossible| SceneError {
             line: document.line_of(&impossible.key),
             message: impossible.to_string(),
         })?;
@@ -81,7 +72,7 @@ impl Scene {
             None => None,
             Some(table) => Some(object::read_object(&table, &finger)?),
         };
-        Ok(Scene { name, finger, camera, rod_radius_mm, object })
+        Ok(Scene { name, finger, strain_limits, camera, rod_radius_mm, object })
     }
 }
 
@@ -94,6 +85,19 @@ fn not_negative_mm(table: &TableReader, key: &str) -> Result<f64, SceneError> {
     }
 }
 
+const FINGER_KEYS: [&str; 10] = [
+    "base_width_mm",
+    "front_length_mm",
+    "back_length_mm",
+    "depth_mm",
+    "rod_arm_mm",
+    "poissons_ratio",
+    "front",
+    "back",
+    "ribs",
+    "zone",
+];
+
 fn read_finger(table: &TableReader) -> Result<FingerDescription, SceneError> {
     Ok(FingerDescription {
         base_width_mm: table.number("base_width_mm", "length in mm")?,
@@ -104,10 +108,7 @@ fn read_finger(table: &TableReader) -> Result<FingerDescription, SceneError> {
         poissons_ratio: table.optional_number("poissons_ratio", "ratio")?.unwrap_or(0.0),
         front: read_strip(&table.table("front", &STRIP_KEYS)?)?,
         back: read_strip(&table.table("back", &STRIP_KEYS)?)?,
-        ribs: read_ribs(
-            &table
-                .table("ribs", &["count", "positions_mm", "joints", "rigid", "thickness_mm", "youngs_modulus_mpa"])?,
-        )?,
+        ribs: read_ribs(&table.table("ribs", &RIB_KEYS)?)?,
         zones: table
             .tables("zone", &["plate", "from_mm", "to_mm", "modulus_factor"])?
             .iter()
@@ -116,7 +117,26 @@ fn read_finger(table: &TableReader) -> Result<FingerDescription, SceneError> {
     })
 }
 
-const STRIP_KEYS: [&str; 2] = ["thickness_mm", "youngs_modulus_mpa"];
+/// The material of a plate or rib.
+const MATERIAL_KEYS: [&str; 2] = ["thickness_mm", "youngs_modulus_mpa"];
+const LARGEST_STRAIN: &str = "largest_strain";
+const STRIP_KEYS: [&str; 3] = ["thickness_mm", "youngs_modulus_mpa", LARGEST_STRAIN];
+const RIB_KEYS: [&str; 7] =
+    ["count", "positions_mm", "joints", "rigid", "thickness_mm", "youngs_modulus_mpa", LARGEST_STRAIN];
+
+fn read_strain_limits(finger: &TableReader) -> Result<StrainLimits, SceneError> {
+    let limit = |table: TableReader| match table.optional_number(LARGEST_STRAIN, "strain")? {
+        Some(strain) if !(strain > 0.0 && strain <= 1.0) => {
+            Err(table.wrong(LARGEST_STRAIN, "a strain above 0 and up to 1", &format!("{strain:?}")))
+        }
+        strain => Ok(strain),
+    };
+    Ok(StrainLimits {
+        front: limit(finger.table("front", &STRIP_KEYS)?)?,
+        back: limit(finger.table("back", &STRIP_KEYS)?)?,
+        ribs: limit(finger.table("ribs", &RIB_KEYS)?)?,
+    })
+}
 
 fn read_strip(table: &TableReader) -> Result<Strip, SceneError> {
     Ok(Strip {
@@ -136,10 +156,10 @@ fn read_ribs(table: &TableReader) -> Result<RibDescription, SceneError> {
     let joints = table.choice("joints", &[("rigid", Joints::Rigid), ("hinged", Joints::Hinged)])?;
     let rigid = table.optional_switch("rigid")?.unwrap_or(false);
     let none = places == RibPlaces::Count(0) || places == RibPlaces::Positions(Vec::new());
-    let given = STRIP_KEYS.iter().any(|key| table.has(key));
+    let given = MATERIAL_KEYS.iter().any(|key| table.has(key));
     let strip = if rigid || (none && !given) {
         // Ribs that do not deform have no use for a material, but one that stands there must make sense.
-        for key in STRIP_KEYS {
+        for key in MATERIAL_KEYS {
             match table.optional_number(key, "number")? {
                 Some(value) if !(value.is_normal() && value > 0.0) => {
                     return Err(table.wrong(key, "a positive number", &format!("{value:?}")));

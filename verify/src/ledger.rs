@@ -1,6 +1,7 @@
 //! The paper's figures, one by one, against ours.
 
 mod experiments;
+mod rate;
 
 use crate::check::worst;
 use crate::study::{CAMERA_NOISE_MM, Study};
@@ -249,7 +250,7 @@ fn table_two(study: &Study) -> Vec<Claim> {
 
 /// What the paper says cannot be done, or need not be considered.
 fn limits(study: &Study) -> Result<Vec<Claim>, SensingError> {
-    use ClaimVerdict::{Better, Explained, Refuted, Reproduced};
+    use ClaimVerdict::{Explained, Refuted, Reproduced};
     let finger = &study.finger;
     let all = experiments::all_forces(finger, CAMERA_NOISE_MM)?;
     let near = experiments::redistributed(finger, [18, 19].map(NodeId))?;
@@ -257,7 +258,6 @@ fn limits(study: &Study) -> Result<Vec<Claim>, SensingError> {
     let across = experiments::unknown_direction(finger, CAMERA_NOISE_MM)?;
     let off = experiments::wrong_direction(finger, 12.5)?;
     let torque = experiments::neglected_torque(finger, FRICTION)?;
-    let seconds = experiments::seconds_a_frame(finger, NodeId(19), CAMERA_NOISE_MM)?;
     let noise_mm = study.noise.as_ref().map_or(CAMERA_NOISE_MM, |noise| noise.noise_mm);
     let neighbours = study.table_two.as_ref().and_then(|table| {
         let neighbours = CONTACT_SETS.iter().position(|set| set.name == "neighbours")?;
@@ -312,13 +312,7 @@ fn limits(study: &Study) -> Result<Vec<Claim>, SensingError> {
             format!("linear, nodes 14 to 24, friction of {FRICTION}: its moment alone"),
             if largest(torque) < 0.05 { Reproduced } else { Refuted },
         ),
-        claim(
-            "Sensing runs at 25 Hz, bounded by vision",
-            "40 ms a frame",
-            format!("{:.3} ms a frame", 1e3 * seconds),
-            "nonlinear estimator, 25 nodes, one contact, one core, median of 200 frames timed by this report: vision alone bounds the rate",
-            if seconds < 0.04 { Better } else { Refuted },
-        ),
+        rate::sensing_rate(&study.speed_error),
     ])
 }
 

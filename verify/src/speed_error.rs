@@ -1,24 +1,22 @@
 //! How long an answer takes, and how far it is off: every model of the finger, and every way to sense.
 //!
-//! Each point is timed where it is computed, on one core, as the median of its answers. What is prepared once for a finger, a mesh
-//! or a contact is not counted: a stream of frames, or a sweep, pays for it once. Results of [criterion] and of [other programs](peers)
-//! join them where they were handed over.
+//! Each point is timed where it is computed, on one core, as the median and the 95th percentile of its answers. Preparing for a finger or a
+//! mesh is not counted: a stream of frames, or a sweep, pays for it once; preparing for a contact is given apart. Results of
+//! [criterion] and of [other programs](peers) join them where they were handed over.
 
 pub mod criterion;
 pub mod peers;
+pub mod recommendation;
+pub mod sensing;
 
 use crate::check::worst;
-use crate::estimators::{BeamEstimator, Estimator, EstimatorError, EstimatorKind};
+use crate::estimators::EstimatorError;
 use crate::lattice::accuracy::{CONVERGED_ELEMENTS, difference};
 use crate::lattice::{Lattice, LatticeError};
-use finray_model::measurement::Measurement;
 use finray_model::mesh::{FingerShape, Load};
-use finray_model::sensing::Contact;
 use finray_model::statics::{Statics, StaticsError};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use sensing::{SENSED_N, neighbours, percentile, singles};
 use serde::Serialize;
 use std::fmt;
 use std::time::Instant;
@@ -29,9 +27,9 @@ use std::time::Instant;
 pub enum Task {
     /// The shape under a load.
     Solve,
-    /// One force from a noisy picture.
+    /// One force from a noisy frame.
     SenseOne,
-    /// Two forces at neighbouring nodes from a noisy picture.
+    /// Two forces at neighbouring nodes from a noisy frame.
     SenseNeighbours,
 }
 
@@ -82,6 +80,29 @@ impl From<TimedBy> for String {
     }
 }
 
+/// What an answer starts from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Start {
+    /// Nothing: the answer is found without iteration, or from rest.
+    None,
+    /// Least squares on the linear finger, as for an unrelated measurement.
+    Cold,
+    /// The answer to the frame before.
+    Warm,
+}
+
+impl Start {
+    /// As it ends a setting in words.
+    pub fn suffix(self) -> &'static str {
+        match self {
+            Start::None => "",
+            Start::Cold => ", cold start",
+            Start::Warm => ", warm start",
+        }
+    }
+}
+
 /// One way to answer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SpeedErrorPoint {
@@ -89,13 +110,21 @@ pub struct SpeedErrorPoint {
     pub task: Task,
     /// The model or estimator.
     pub model: String,
-    /// How it is set.
+    /// How it is set, its start included.
     pub setting: String,
+    /// What each answer starts from.
+    pub start: Start,
     /// Median time of an answer, s.
     pub seconds: f64,
+    /// 95th percentile of the time of an answer, s; `None` where only a median was handed over.
+    pub seconds_95: Option<f64>,
+    /// Median time of preparing for a new contact, s, of ways to sense that were timed here.
+    pub preparation_seconds: Option<f64>,
     /// Of shapes the worst difference from the reference, as a share of the largest displacement; of forces the mean
     /// |sensed / true - 1|.
     pub error: f64,
+    /// Largest error where frames carry no noise, in standard deviations of the noise alone: what the model and its mesh are off.
+    pub bias_sigmas: Option<f64>,
     /// Answers that were refused, or had no equilibrium; they count nowhere else.
     pub failed: usize,
     /// Answers asked for.
@@ -106,13 +135,46 @@ pub struct SpeedErrorPoint {
     pub timed_by: TimedBy,
 }
 
+impl SpeedErrorPoint {
+    /// The setting without its start.
+    pub fn mesh(&self) -> &str {
+        self.setting.trim_end_matches(self.start.suffix())
+    }
+}
+
+/// Nodes along the front plate that forces are asked for at; all of the paper's finger that it loads, and fewer where it has fewer.
+pub const ASKED_NODES: usize = 11;
+
+/// What a task asks of a finger.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Asked {
+    /// The loaded nodes, as `14-24`, or one by one.
+    pub nodes: String,
+    /// The sizes of the forces, N, as `3` or `0.3-3`.
+    pub forces_n: String,
+}
+
+/// What points of a task are computed for.
+pub fn asked(finger: &Finger, task: Task) -> Asked {
+    let sets = match task {
+        Task::SenseNeighbours => neighbours(finger),
+        Task::Solve | Task::SenseOne => singles(finger, ASKED_NODES),
+    };
+    let nodes: Vec<usize> = sets.into_iter().flatten().map(|node| node.0).collect();
+    let nodes = match nodes[..] {
+        [first, .., last] if last - first + 1 == nodes.len() => format!("{first}-{last}"),
+        _ => nodes.iter().map(usize::to_string).collect::<Vec<_>>().join(" "),
+    };
+    let forces_n = match task {
+        Task::Solve => SOLVED_N.to_string(),
+        Task::SenseOne | Task::SenseNeighbours => format!("{}-{}", SENSED_N[0], SENSED_N[1]),
+    };
+    Asked { nodes, forces_n }
+}
+
 /// Force of the loads that shapes are solved for, N.
 pub const SOLVED_N: f64 = 3.0;
 const SOLVED_ANGLES_DEG: [f64; 3] = [-40.0, 0.0, 40.0];
-/// Range of the forces that are sensed, N.
-pub const SENSED_N: [f64; 2] = [0.5, 3.0];
-/// Noise that estimators are told of is that of the pictures.
-const SEED: u64 = 11;
 
 /// Why no points were computed.
 #[derive(Debug, thiserror::Error)]
@@ -152,18 +214,21 @@ impl Solved {
                 errors.push(difference(reference, &shape));
             }
         }
-        point(Task::Solve, model, setting, seconds, worst(errors), self.loads.len())
+        solved_point(model, setting, seconds, worst(errors), self.loads.len())
     }
 }
 
-fn point(task: Task, model: &str, setting: String, mut seconds: Vec<f64>, error: f64, asked: usize) -> SpeedErrorPoint {
-    seconds.sort_by(f64::total_cmp);
+fn solved_point(model: &str, setting: String, mut seconds: Vec<f64>, error: f64, asked: usize) -> SpeedErrorPoint {
     SpeedErrorPoint {
-        task,
+        task: Task::Solve,
         model: model.to_owned(),
         setting,
-        seconds: seconds.get(seconds.len() / 2).copied().unwrap_or(f64::NAN),
+        start: Start::None,
+        seconds: percentile(&mut seconds, 50.0),
+        seconds_95: Some(percentile(&mut seconds, 95.0)),
+        preparation_seconds: None,
         error: if seconds.is_empty() { f64::NAN } else { error },
+        bias_sigmas: None,
         failed: asked - seconds.len(),
         asked,
         on_front: false,
@@ -289,132 +354,6 @@ fn spread(finger: &Finger, nodes: usize) -> impl Iterator<Item = NodeId> {
     contact.into_iter().step_by(every)
 }
 
-/// One force on nodes spread over the front plate, and two on neighbours in its middle, sensed from `pictures` noisy pictures each of
-/// the large-rotation finger `truth`; `further` estimators join those of beams.
-///
-/// # Errors
-/// [`SpeedErrorError`] if an estimator is not made for the contacts.
-pub fn sensing(
-    truth: &Mesh,
-    noise_mm: f64,
-    nodes: usize,
-    pictures: usize,
-    further: &[(&dyn Estimator, &str)],
-) -> Result<Vec<SpeedErrorPoint>, SpeedErrorError> {
-    let finger = truth.finger();
-    let meshes = sensing_meshes(finger);
-    let estimators = beam_estimators(&meshes);
-    let all = estimators.iter().map(|(estimator, setting)| (estimator as &dyn Estimator, setting.as_str()));
-    let all: Vec<(&dyn Estimator, &str)> = all.chain(further.iter().copied()).collect();
-
-    let tasks = [(Task::SenseOne, singles(finger, nodes)), (Task::SenseNeighbours, neighbours(finger))];
-    let mut points = Vec::new();
-    for (task, sets) in tasks {
-        let pictures = match task {
-            Task::SenseNeighbours => pictures * nodes,
-            _ => pictures,
-        };
-        let taken: Vec<Pictures> = sets
-            .iter()
-            .enumerate()
-            .map(|(stream, set)| Pictures::take(truth, set, noise_mm, pictures, stream as u64))
-            .collect();
-        for (estimator, setting) in &all {
-            points.push(sensed(task, *estimator, setting, noise_mm, &taken)?);
-        }
-    }
-    mark_fronts(&mut points);
-    Ok(points)
-}
-
-/// One, two, four and eight elements a member.
-pub fn sensing_meshes(finger: &Finger) -> Vec<Mesh> {
-    [1, 2, 4, 8].map(|elements| Mesh::with_elements_per_member(finger, elements)).into()
-}
-
-/// The estimators on beams that are timed, each with its setting in words, on [`sensing_meshes`].
-pub fn beam_estimators(meshes: &[Mesh]) -> Vec<(BeamEstimator<'_>, String)> {
-    fn on(kind: EstimatorKind, mesh: &Mesh) -> (BeamEstimator<'_>, String) {
-        (BeamEstimator::new(kind, mesh), format!("{} nodes", mesh.node_count()))
-    }
-    let linear = [EstimatorKind::LeastSquares, EstimatorKind::Ridge].into_iter();
-    let linear = linear.flat_map(|kind| meshes.first().map(|mesh| on(kind, mesh)));
-    linear.chain(meshes.iter().map(|mesh| on(EstimatorKind::Nonlinear, mesh))).collect()
-}
-
-/// The single nodes whose force is sensed: so many, spread over the front plate.
-pub fn singles(finger: &Finger, nodes: usize) -> Vec<Vec<NodeId>> {
-    spread(finger, nodes).map(|node| vec![node]).collect()
-}
-
-/// The two neighbours whose forces are sensed, in the middle of the front plate; 19 and 20 of the paper's finger.
-pub fn neighbours(finger: &Finger) -> Vec<Vec<NodeId>> {
-    let loaded: Vec<NodeId> = finger.contact_nodes().skip(1).collect();
-    let first = (loaded.len() / 2).min(loaded.len().saturating_sub(2));
-    loaded.windows(2).skip(first).take(1).map(<[NodeId]>::to_vec).collect()
-}
-
-/// Pictures of forces at one set of contacts.
-pub struct Pictures {
-    /// The contacts.
-    pub contacts: Vec<Contact>,
-    /// True forces, N, and what the camera sees.
-    pub seen: Vec<(Vec<f64>, Measurement)>,
-}
-
-impl Pictures {
-    /// Takes pictures of random forces within [`SENSED_N`] on nodes of the large-rotation finger; `stream` tells one set's chance from
-    /// another's.
-    pub fn take(truth: &Mesh, nodes: &[NodeId], noise_mm: f64, pictures: usize, stream: u64) -> Pictures {
-        let finger = truth.finger();
-        let contacts: Vec<Contact> = nodes.iter().copied().map(Contact::at_node).collect();
-        let mut rng = ChaCha8Rng::seed_from_u64(SEED);
-        rng.set_stream(stream);
-        let mut statics = Statics::ladder(truth, Kinematics::Corotational);
-        let mut seen = Vec::new();
-        for _ in 0..pictures {
-            let forces_n: Vec<f64> = contacts.iter().map(|_| rng.random_range(SENSED_N[0]..SENSED_N[1])).collect();
-            let loads = contacts
-                .iter()
-                .zip(&forces_n)
-                .map(|(contact, &force_n)| truth.frame_load(&contact.load(finger, force_n)));
-            let Ok(loads) = loads.collect::<Result<Vec<_>, _>>() else { continue };
-            // A finger that does not carry a draw is not asked for it.
-            let Ok(equilibrium) = statics.equilibrium(&loads) else { continue };
-            let mut picture = Measurement::of_shape(finger, &truth.shape(&equilibrium.motion));
-            picture.add_noise(noise_mm, || StandardNormal.sample(&mut rng));
-            seen.push((forces_n, picture));
-        }
-        Pictures { contacts, seen }
-    }
-}
-
-fn sensed(
-    task: Task,
-    estimator: &dyn Estimator,
-    setting: &str,
-    noise_mm: f64,
-    taken: &[Pictures],
-) -> Result<SpeedErrorPoint, SpeedErrorError> {
-    let (mut seconds, mut errors, mut asked) = (Vec::new(), Vec::new(), 0);
-    for pictures in taken {
-        let Some((_, first)) = pictures.seen.first() else { continue };
-        let mut prepared = estimator.prepare(&pictures.contacts, first)?;
-        for (forces_n, picture) in &pictures.seen {
-            asked += 1;
-            let start = Instant::now();
-            let answer = prepared.estimate(picture, Some(noise_mm));
-            let elapsed = start.elapsed().as_secs_f64();
-            if let Ok(answer) = answer {
-                seconds.push(elapsed);
-                errors.extend(answer.forces_n.iter().zip(forces_n).map(|(sensed, force)| (sensed / force - 1.0).abs()));
-            }
-        }
-    }
-    let mean = errors.iter().sum::<f64>() / errors.len() as f64;
-    Ok(point(task, estimator.name(), setting.to_owned(), seconds, mean, asked))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -423,7 +362,7 @@ mod tests {
     fn the_front_is_what_nothing_beats() {
         let of = |seconds: f64, error: f64| SpeedErrorPoint {
             error,
-            ..point(Task::Solve, "", String::new(), vec![seconds], error, 1)
+            ..solved_point("", String::new(), vec![seconds], error, 1)
         };
         let mut points = [of(1.0, 1.0), of(2.0, 0.5), of(3.0, 0.6), of(1.0, 2.0), of(f64::NAN, 0.1)];
         // Faster than all, for another task.
@@ -434,7 +373,15 @@ mod tests {
 
     #[test]
     fn what_fails_is_counted_and_has_no_error() {
-        let failed = point(Task::Solve, "", String::new(), Vec::new(), 0.0, 3);
+        let failed = solved_point("", String::new(), Vec::new(), 0.0, 3);
         assert!(failed.error.is_nan() && failed.seconds.is_nan() && failed.failed == 3);
+    }
+
+    /// Other programs are asked for the same: `bench/peers` writes these words.
+    #[test]
+    fn what_is_asked_is_said() {
+        let paper = finray_model::Scene::from_toml(crate::fixtures::PAPER_SCENE).expect("the paper's scene").finger;
+        let said = Task::ALL.map(|task| asked(&paper, task)).map(|asked| [asked.nodes, asked.forces_n].join(" at "));
+        assert_eq!(said, ["14-24 at 3", "14-24 at 0.3-3", "19-20 at 0.3-3"]);
     }
 }

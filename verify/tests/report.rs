@@ -5,12 +5,14 @@ mod common;
 use common::*;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
+use std::process::Stdio;
 use std::sync::LazyLock;
 
 /// A report and what was said while it was made. Each takes seconds, so the tests share them.
 struct Report {
     folder: PathBuf,
     said: String,
+    noted: String,
 }
 
 /// The paper's, with results of criterion and of other programs.
@@ -19,13 +21,22 @@ static PAPERS: LazyLock<Report> = LazyLock::new(|| {
     let criterion = folder.path().to_str().expect("a UTF-8 path");
     let peers = folder.path().join("peers.csv");
     std::fs::write(&peers, PEERS).expect("a file");
-    Report::of("paper", &["--criterion", criterion, "--peers", peers.to_str().expect("a UTF-8 path")])
+    Report::of("paper", &["--criterion", criterion, "--peers", peers.to_str().expect("a UTF-8 path")], Some(OPENER))
 });
-static SPRING_STEELS: LazyLock<Report> = LazyLock::new(|| Report::of("spring-steel", &[SPRING_STEEL]));
+static SPRING_STEELS: LazyLock<Report> = LazyLock::new(|| Report::of("spring-steel", &[SPRING_STEEL], None));
 
-const PEERS: &str = "task,model,setting,seconds,error,program,version,machine
-solve,corotational frame,684 nodes,0.15,0.0002,OpenSees,3.7.1.2,\"a desk, one core\"
-sense-one,untrained network,46-150-1,0.00004,,Torch,2.1,\"a desk, one core\"
+/// Notes which page it is given, stays for a while, as a browser does, and notes that it has left.
+const OPENER: &str = r#"#!/bin/sh
+echo "$1" > "${0%/*}/opened"
+/bin/sleep 60
+: > "${0%/*}/left"
+"#;
+
+/// The last row is for other nodes than ours.
+const PEERS: &str = "task,model,setting,seconds,error,program,version,nodes,forces_n,machine
+solve,corotational frame,684 nodes,0.15,0.0002,OpenSees,3.7.1.2,14-24,3,\"a desk, one core\"
+sense-one,untrained network,46-150-1,0.00004,,Torch,2.1,14-24,0.3-3,\"a desk, one core\"
+solve,corotational frame,25 nodes,0.01,0.02,OpenSees,3.7.1.2,14 18 22,3,\"a desk, one core\"
 ";
 
 /// Criterion's times of two of our points, one of them broken, and of a bench that is none.
@@ -45,16 +56,38 @@ fn criterion_folder() -> tempfile::TempDir {
     folder
 }
 
+#[cfg(unix)]
+fn executable(file: &Path) {
+    use std::os::unix::fs::PermissionsExt;
+    std::fs::set_permissions(file, std::fs::Permissions::from_mode(0o755)).expect("a program");
+}
+
+#[cfg(not(unix))]
+fn executable(_: &Path) {}
+
 impl Report {
-    fn of(name: &str, scene: &[&str]) -> Report {
+    /// Runs `report --quick --open` where nothing but the opener can be found, if there is one.
+    fn of(name: &str, scene: &[&str], opener: Option<&str>) -> Report {
         let place = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("report-of-{name}"));
         // From an earlier run, if there was one.
         let _ = std::fs::remove_dir_all(&place);
         // The folder is made, with those above it.
         let folder = place.join("made/report");
         let out = folder.to_str().expect("a UTF-8 path");
-        let said = finray(&[&["report"], scene, &["--quick", "--out", out]].concat()).done();
-        Report { folder, said }
+        let programs = place.join("programs");
+        std::fs::create_dir_all(&programs).expect("a folder");
+        if let Some(script) = opener {
+            let opener = programs.join("xdg-open");
+            std::fs::write(&opener, script).expect("a file");
+            executable(&opener);
+        }
+        let open: &[&str] = if cfg!(target_os = "linux") { &["--open"] } else { &[] };
+        let mut command = command(&[&["report"], scene, &["--quick", "--out", out], open].concat());
+        let answer = command.env("PATH", &programs).stdin(Stdio::null()).output().expect("finray ends");
+        let [said, noted] = [answer.stdout, answer.stderr].map(|text| String::from_utf8(text).expect("UTF-8"));
+        assert_eq!(answer.status.code(), Some(0), "{noted}");
+        assert!(!programs.join("left").exists(), "the report waited for the opener");
+        Report { folder, said, noted }
     }
 
     fn read(&self, name: &str) -> String {
@@ -710,6 +743,49 @@ fn the_first_sentence_counts_the_cells_of_its_map() {
     assert!(kept > 0.1 && kept < 0.9 && first.contains(&said), "{said}: {first}");
 }
 
+/// Time and error of each way of sensing come with the start that they are timed from, their tail, the preparation for a contact, and how far the
+/// model itself is off; the recommended one is within its stated standard deviation.
+#[test]
+fn times_of_sensing_are_of_a_moving_force_cold_and_warm() {
+    let summary = PAPERS.summary();
+    let points: Vec<&Value> = array(&summary, "speed_error")
+        .iter()
+        .filter(|point| point["task"] == "sense-one" && point["model"] == "nonlinear")
+        .collect();
+    let number = |point: &Value, key: &str| point[key].as_f64().unwrap_or_else(|| panic!("{key} of {point}"));
+    let of = |start: &str| -> Vec<&Value> { points.iter().copied().filter(|point| point["start"] == start).collect() };
+    let (cold, warm) = (of("cold"), of("warm"));
+    assert_eq!((cold.len(), warm.len(), points.len()), (4, 4, 8));
+    for (cold, warm) in cold.iter().zip(&warm) {
+        for point in [cold, warm] {
+            assert!(
+                number(point, "seconds") <= number(point, "seconds_95") && number(point, "preparation_seconds") > 0.0
+            );
+            assert_eq!(number(point, "asked"), 11.0 * 25.0, "eleven nodes, a period each");
+            assert_eq!(number(point, "failed"), 0.0);
+        }
+        assert!(cold["setting"].as_str().expect("words").ends_with("cold start"));
+        // The start changes the time, not the answer.
+        assert!((number(cold, "error") - number(warm, "error")).abs() < 1e-3);
+    }
+    // 25 nodes are off by more than their stated standard deviation; the setting that is recommended is not.
+    assert!(warm[0]["setting"] == "25 nodes, warm start" && number(warm[0], "bias_sigmas") > 2.0);
+    let cost = array(&summary, "verdict")
+        .iter()
+        .filter_map(Value::as_str)
+        .find(|said| said.starts_with("Along the normal, sense"));
+    let cost = cost.expect("a sentence on cost");
+    let mesh = |point: &Value| point["setting"].as_str().expect("words").replace(", warm start", "");
+    let named = warm.iter().find(|point| cost.contains(&format!("on {}: ", mesh(point))));
+    assert!(named.is_some_and(|point| number(point, "bias_sigmas") <= 0.4), "{cost}");
+    let rate = array(&summary, "claims")
+        .iter()
+        .find(|claim| claim["claim"] == "Sensing runs at 25 Hz, bounded by vision")
+        .expect("the claim");
+    assert_eq!(rate["verdict"], "not-testable-here");
+    assert_says(rate["how"].as_str().expect("words"), &["Image processing was not run here", "camera noise"]);
+}
+
 /// Times of criterion and of other programs are taken as they are, and say whose they are.
 #[test]
 fn times_say_who_took_them() {
@@ -734,6 +810,9 @@ fn times_say_who_took_them() {
         ">criterion<",
         ">OpenSees 3.7.1.2<",
         ">OpenSees: corotational frame<",
+        "2 points are of other programs",
+        "1 points of other programs are for other nodes or forces than ours and were left aside, the first of them for 3 N on nodes 14 18 22 \
+         instead of 3 N on nodes 14-24",
     ] {
         assert!(section.contains(said), "{said}");
     }
@@ -757,6 +836,8 @@ fn wrong_tables_of_other_programs_are_refused() {
         ("0.0002", "-1", &["line 2: expected an error of at least 0"]),
         (",Torch,", ",,", &["line 3: program: expected words"]),
         ("program,version", "name,version", &["line 1: expected a column program"]),
+        ("nodes,forces_n", "places,forces_n", &["line 1: expected a column nodes"]),
+        ("14-24,3", ",3", &["line 2: nodes: expected words"]),
     ] {
         let peers = folder.put("peers.csv", PEERS.replacen(from, to, 1));
         let message = finray(&["report", "--quick", "--peers", &peers, "--out", &out]).refused();
@@ -798,6 +879,32 @@ fn what_was_found_is_said_on_page_summary_and_standard_output() {
             assert!(page.contains(sentence), "{sentence}");
         }
     }
+}
+
+#[cfg(target_os = "linux")]
+fn opened_by(report: &Report) -> PathBuf {
+    report.folder.join("../../programs/opened")
+}
+
+/// The page goes to the opener, and nothing is waited for.
+#[cfg(target_os = "linux")]
+#[test]
+fn the_page_is_opened_and_left_to_its_opener() {
+    let opened = std::fs::read_to_string(opened_by(&PAPERS)).expect("the opener was started");
+    assert_eq!(Path::new(opened.trim()), PAPERS.folder.join("index.html"));
+    assert_eq!(PAPERS.noted, "");
+}
+
+/// Where nothing can open a page, its path is said and the report is made all the same.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_page_that_nothing_opens_is_still_a_report() {
+    let page = SPRING_STEELS.folder.join("index.html");
+    assert!(page.is_file());
+    assert_says(&SPRING_STEELS.said, &[&format!("The report is in {}", page.display())]);
+    let note = &SPRING_STEELS.noted;
+    assert!(note.starts_with("note: nothing here opens a page (") && note.lines().count() == 1, "{note}");
+    assert_says(note, &[&format!("it is {}", page.display())]);
 }
 
 #[test]

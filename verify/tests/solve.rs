@@ -38,8 +38,8 @@ fn a_row_a_key_node_in_order_with_the_undeformed_place() {
 #[test]
 fn numbers_are_written_with_full_precision() {
     // Twice the load is exactly twice the linear displacement, so a single digit cut off would show.
-    let one = solve(&["--kinematics", "linear", "--load", "19:-0.37,-1.93,3.1"]);
-    let two = solve(&["--kinematics", "linear", "--load", "19:-0.74,-3.86,6.2"]);
+    let one = solve(&["--kinematics", "linear", "--load", "19:-0.17,-0.93,1.1"]);
+    let two = solve(&["--kinematics", "linear", "--load", "19:-0.34,-1.86,2.2"]);
     for column in ["ux_mm", "uy_mm", "theta_rad"] {
         let doubled: Vec<f64> = one.numbers(column).iter().map(|x| 2.0 * x).collect();
         assert_eq!(two.numbers(column), doubled);
@@ -173,10 +173,11 @@ fn without_equilibrium_the_last_share_of_the_load_is_named() {
     let percent = message.split_once("beyond ").and_then(|(_, rest)| rest.split_once(" %")).expect("a share").0;
     let share = percent.parse::<f64>().expect("a number") / 100.0;
     assert!(share > 0.01 && share < 1.0, "{message}");
-    finray(&["solve", PAPER, "--load", &load(0.999 * share)]).done();
+    // Strains are far from small there.
+    finray(&["solve", PAPER, "--load", &load(0.999 * share)]).warned();
     finray(&["solve", PAPER, "--load", &load(1.001 * share)]).failed();
     // The linear finger carries anything.
-    finray(&["solve", PAPER, "--kinematics", "linear", "--load", &load(1.0)]).done();
+    finray(&["solve", PAPER, "--kinematics", "linear", "--load", &load(1.0)]).warned();
 }
 
 #[test]

@@ -4,11 +4,13 @@
 //! [`Response`]; [`crate::frame`] connects ends to nodes through arms, pins and rigid links.
 
 mod chord;
+mod diagram;
 mod interior;
 mod natural;
 
 pub use chord::Chord;
 pub(crate) use chord::quarter_turn;
+pub use diagram::Station;
 
 use crate::Vector;
 use nalgebra::{SMatrix, SVector};

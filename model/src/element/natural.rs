@@ -47,6 +47,11 @@ impl Beam {
         }
     }
 
+    /// The axial strain without its derivatives.
+    pub(super) fn mean_strain(&self, bowing: bool, deformation: &Deformation) -> f64 {
+        self.axial_strain(bowing, deformation).strain
+    }
+
     /// U = EA L eps^2 / 2 + 2 EI / L (phi_a^2 + phi_a phi_b + phi_b^2) and its gradient: axial force (N) and end moments
     /// (N mm).
     #[inline(always)]

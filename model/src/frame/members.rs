@@ -3,7 +3,7 @@
 use super::equations::{MEMBER_COORDINATES, NODE_COORDINATES};
 use super::{BeamEnd, FrameMotion, Member, NodeIndex, PlaneFrame, RotationSlot};
 use crate::Vector;
-use crate::element::{ElementVector, EndMotion, Kinematics, Response};
+use crate::element::{ElementVector, EndMotion, Kinematics, Response, Station};
 use nalgebra::{SMatrix, SVector};
 
 /// Displacement of the end of a lever that turns by `rotation`: (R - 1) lever, without cancellation for small turns.
@@ -57,6 +57,20 @@ impl PlaneFrame {
             gradient[3 * i + 2] += end.arm.x * gradient[3 * i + 1] - end.arm.y * gradient[3 * i];
         }
         (energy, gradient)
+    }
+
+    /// Axial strain and curvature along a member's beam under forces (N) at fractions of its length; see
+    /// [`Beam::stations`](crate::element::Beam).
+    pub(crate) fn stations(
+        &self,
+        motion: &FrameMotion,
+        member: usize,
+        kinematics: Kinematics,
+        loads: &[(f64, Vector)],
+    ) -> Vec<Station> {
+        let Member { beam, ends } = &self.members[member];
+        let motions = self.end_motions(motion, ends, kinematics == Kinematics::Linear);
+        beam.stations(kinematics, &motions, loads)
     }
 
     /// Chain rule from the ends of the elastic part over the arms to the nodes.

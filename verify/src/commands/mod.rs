@@ -17,6 +17,7 @@ mod contacts;
 mod grid;
 mod parse;
 mod progress;
+mod validity;
 
 use finray_model::sensing::SensingError;
 use finray_model::sensing::network::NetworkError;

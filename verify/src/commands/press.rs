@@ -1,6 +1,7 @@
 //! `finray press`
 
 use super::parse::not_negative;
+use super::validity::Pressing;
 use super::{Failure, progress};
 use clap::value_parser;
 use finray_verify::contact_scene::study::{BALANCE_TOLERANCE, SETTLING_TOLERANCE, SceneWithOutline};
@@ -26,6 +27,9 @@ use std::path::{Path, PathBuf};
 /// `angle_deg` is the normal, from the front plate's undeformed inward normal; `force_n` is the true
 /// force along it and `friction_n` the one across it, positive towards the tip. sensed_n stays empty
 /// where the forces cannot be told.
+///
+/// A warning on standard error names the step that strains most where the beam model does not hold, as
+/// beams under the true contact forces have it (see `finray solve --help`).
 ///
 /// Examples:
 ///   finray press fixtures/scenes/contact/disc.toml
@@ -78,6 +82,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let noise_mm = arguments.noise_mm.or(scene.camera.map(|camera| camera.noise_mm)).unwrap_or(0.0);
     let mut noise = standard_normal(arguments.seed);
     let (mut rows, mut steps, mut last) = (Vec::new(), 0, None);
+    let mut validity = Pressing::default();
     let bar = progress::bar(contact_scene.step_count() as u64, "press");
     bar.tick();
     let outcome = contact_scene.run(|step| {
@@ -90,6 +95,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             bar.suspend(|| eprintln!("note: step {steps}: {doubt}"));
         }
         rows.extend(force_rows(&contact_scene, steps, &step, sensed.ok().flatten().as_ref()));
+        validity.examine(&scene, &step);
         last = Some(step);
         bar.inc(1);
     });
@@ -108,7 +114,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             )),
         });
     }
-    write(arguments, &csv_text(rows)?, last.as_ref())
+    write(arguments, &csv_text(rows)?, last.as_ref())?;
+    validity.warn();
+    Ok(())
 }
 
 /// What the report would not promise of a step.

@@ -40,7 +40,7 @@ pub struct Arguments {
     /// Times and errors of other programs on the paper's finger, as bench/peers writes them (CSV); - for standard input
     #[arg(long, value_name = "FILE")]
     peers: Option<PathBuf>,
-    /// Open the page in the browser when it is done
+    /// Open the page in the browser when it is done; where nothing opens it, its path is all there is
     #[arg(long)]
     open: bool,
 }
@@ -72,11 +72,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut sentences = report::Summary::of(&study).verdict;
     sentences.push(format!("The report is in {}\n", page.display()));
     write_text(Path::new("-"), &sentences.join("\n"))?;
-    if arguments.open {
-        open::that_detached(&page)
-            .map_err(|error| Failure::NotComputed(format!("{} cannot be opened: {error}", page.display())))?;
+    if arguments.open
+        && let Err(error) = open::that_detached(&page)
+    {
+        // The report is made, and where it is has been said.
+        eprintln!("note: nothing here opens a page ({}); it is {}", first_line(&error), page.display());
     }
     Ok(())
+}
+
+/// An opener's own message may go on for lines.
+fn first_line(error: &std::io::Error) -> String {
+    error.to_string().lines().next().unwrap_or_default().to_owned()
 }
 
 /// Criterion's results in the folder given, or where cargo leaves them.

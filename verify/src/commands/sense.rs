@@ -2,7 +2,7 @@
 
 use super::contacts::Contacts;
 use super::parse::not_negative;
-use super::{Failure, not_both_from_standard_input};
+use super::{Failure, not_both_from_standard_input, validity};
 use clap::ValueEnum;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::network::NetworkEstimator;
@@ -129,6 +129,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         );
     }
     write_text(&arguments.out, &csv_text(rows(finger, &contacts, &estimate))?)?;
+    validity::warn_of_forces(&scene, &contacts, &estimate.forces_n);
     Ok(())
 }
 

@@ -1,9 +1,10 @@
 //! `finray solve`
 
-use super::Failure;
 use super::parse::{NodeLoad, PlaceLoad, node_load, place_load};
+use super::{Failure, validity};
 use clap::ValueEnum;
-use finray_model::{Kinematics, Load, Mesh, statics};
+use finray_model::statics::{Statics, StaticsError};
+use finray_model::{Kinematics, Load, Mesh};
 use finray_verify::files::{displacements, load_scene, write_text};
 use std::path::PathBuf;
 
@@ -11,6 +12,10 @@ use std::path::PathBuf;
 ///
 /// Writes node,x_mm,y_mm,ux_mm,uy_mm,theta_rad, a row a key node: undeformed position, displacement
 /// and rotation. Loads keep their direction while the finger bends; several on one node add up.
+///
+/// A warning on standard error says where the beam model does not hold: a strain above 5 % (or
+/// largest_strain of the scene's material), shear that would add more than 5 % to how far the loads
+/// move, a finger less deep than thick.
 ///
 /// Examples:
 ///   finray solve fixtures/scenes/paper.toml --load 19:-0.38,-1.96
@@ -58,10 +63,11 @@ impl From<KinematicsArgument> for Kinematics {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let finger = load_scene(&arguments.scene)?.finger;
+    let scene = load_scene(&arguments.scene)?;
+    let finger = &scene.finger;
     let mesh = match arguments.mesh_nodes {
-        None => Mesh::key_nodes(&finger),
-        Some(nodes) => Mesh::with_nodes(&finger, nodes)?,
+        None => Mesh::key_nodes(finger),
+        Some(nodes) => Mesh::with_nodes(finger, nodes)?,
     };
     if arguments.load.is_empty() && arguments.load_at.is_empty() {
         return Err(Failure::BadInput(
@@ -72,8 +78,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         arguments.load.iter().map(|l| Load::Node { node: l.node, force: l.force, moment_nmm: l.moment_nmm });
     let place_loads =
         arguments.load_at.iter().map(|l| Load::at_place(l.s_mm, finger.direction(l.angle_deg) * l.force_n));
-    let loads: Vec<Load> = node_loads.chain(place_loads).collect();
-    let shape = statics::solve(&mesh, &loads, arguments.kinematics.into())?;
-    write_text(&arguments.out, &displacements::to_csv(&shape)?)?;
+    let kinematics = arguments.kinematics.into();
+    let loads = node_loads.chain(place_loads).map(|load| mesh.frame_load(&load));
+    let loads = loads.collect::<Result<Vec<_>, _>>().map_err(StaticsError::from)?;
+    let motion = Statics::ladder(&mesh, kinematics).accurate_equilibrium(&loads)?.motion;
+    write_text(&arguments.out, &displacements::to_csv(&mesh.shape(&motion))?)?;
+    validity::warn_of_equilibrium(&scene.strain_limits, &mesh, &motion, kinematics, &loads);
     Ok(())
 }

@@ -2,15 +2,16 @@
 
 use super::FileError;
 use super::table::{Row, Table};
-use crate::speed_error::Task;
 use crate::speed_error::peers::{Peer, Peers};
+use crate::speed_error::{Asked, Task};
 use std::path::Path;
 
-const COLUMNS: [&str; 7] = ["task", "model", "setting", "seconds", "error", "program", "version"];
+const COLUMNS: [&str; 9] = ["task", "model", "setting", "seconds", "error", "program", "version", "nodes", "forces_n"];
 /// Says where the times were taken; a table without it is read too.
 const MACHINE: &str = "machine";
 
-/// Reads `task,model,setting,seconds,error,program,version` and, where it is there, `machine`; found by name, `error` may be empty.
+/// Reads `task,model,setting,seconds,error,program,version,nodes,forces_n` and, where it is there, `machine`; found by name, `error` may be
+/// empty.
 ///
 /// # Errors
 /// [`FileError`] naming the line and the column of anything that is none of these.
@@ -23,7 +24,7 @@ pub fn load(path: &Path) -> Result<Peers, FileError> {
     Ok(Peers { peers, machine: machine.unwrap_or_default() })
 }
 
-fn peer(table: &Table<7>, row: &Row<7>) -> Result<Peer, FileError> {
+fn peer(table: &Table<9>, row: &Row<9>) -> Result<Peer, FileError> {
     let text = |column: usize| match row.cells[column].as_str() {
         "" => Err(table.wrong(row, format!("{}: expected words, found nothing", COLUMNS[column]))),
         words => Ok(words.to_owned()),
@@ -41,5 +42,6 @@ fn peer(table: &Table<7>, row: &Row<7>) -> Result<Peer, FileError> {
         return Err(table.wrong(row, format!("expected an error of at least 0, or nothing, found {error}")));
     }
     let (model, setting, program, version) = (text(1)?, text(2)?, text(5)?, text(6)?);
-    Ok(Peer { task, model, setting, seconds, error, program, version })
+    let asked = Asked { nodes: text(7)?, forces_n: text(8)? };
+    Ok(Peer { task, asked, model, setting, seconds, error, program, version })
 }

@@ -6,9 +6,8 @@ use finray_model::finger::FingerDescription;
 use finray_model::measurement::Measurement;
 use finray_model::mesh::{FingerShape, Load};
 use finray_model::scene::ROD_RADIUS_MM;
-use finray_model::sensing::{Contact, ContactPlace, LinearEstimator, NonlinearEstimator, Prior, SensingError};
+use finray_model::sensing::{Contact, ContactPlace, LinearEstimator, Prior, SensingError};
 use finray_model::{Finger, Kinematics, Mesh, NodeId, statics};
-use std::time::Instant;
 
 /// Elements a member where rotations are large.
 const ELEMENTS: usize = 8;
@@ -128,30 +127,6 @@ pub fn stiffened(finger: &Finger, poissons_ratio: f64, rod_arm_mm: f64) -> Resul
     };
     let factor = |node| Ok(gives_way(finger, node)? / gives_way(&stiff, node)?);
     Ok(range(loaded(finger).map(factor).collect::<Result<Vec<_>, SensingError>>()?))
-}
-
-/// Frames whose times are taken.
-const FRAMES: usize = 200;
-
-/// Median time of one nonlinear estimate in a stream of frames, s: one force at a node, growing from frame to frame.
-///
-/// # Errors
-/// [`SensingError`] if a frame cannot be sensed.
-pub fn seconds_a_frame(finger: &Finger, node: NodeId, noise_mm: f64) -> Result<f64, SensingError> {
-    let mesh = Mesh::with_elements_per_member(finger, 1);
-    let load = mesh.frame_load(&Load::at_node(node, finger.direction(0.0)))?;
-    let forces_n: Vec<f64> = (1..=FRAMES).map(|frame| 3.0 * frame as f64 / FRAMES as f64).collect();
-    let (equilibria, _) = statics::Statics::ladder(&mesh, Kinematics::Corotational).path(&[load], &forces_n);
-    let mut estimator = NonlinearEstimator::new(&mesh, &[Contact::at_node(node).into()])?;
-    let mut seconds = Vec::with_capacity(FRAMES);
-    for equilibrium in equilibria {
-        let seen = Measurement::of_shape(finger, &mesh.shape(&equilibrium.motion));
-        let start = Instant::now();
-        estimator.estimate(&seen, Some(noise_mm))?;
-        seconds.push(start.elapsed().as_secs_f64());
-    }
-    seconds.sort_by(f64::total_cmp);
-    Ok(seconds.get(seconds.len() / 2).copied().unwrap_or(f64::NAN))
 }
 
 /// The largest size in a range.

@@ -6,7 +6,9 @@ use super::{
     lattice, maps, networks, pairs, scatter, speed_error, table_two, tables, twin, verdict, words,
 };
 use crate::study::{DRAWN_FORCE_N, Study};
+use finray_model::Kinematics;
 use finray_model::finger::{Plate, RibPlaces};
+use finray_model::validity::{LARGEST_SHEAR_SHARE, LARGEST_STRAIN, StrainLimits};
 
 pub(super) fn text(paragraph: impl Into<String>) -> Block {
     Block::Text { paragraph: paragraph.into() }
@@ -111,8 +113,27 @@ fn shapes(study: &Study) -> Result<Section, ReportError> {
             csv: Some(tables::SHAPES_CSV.to_owned()),
             wide: true,
         })]
+        .into_iter()
+        .chain(validity(study).map(text))
+        .collect()
     };
     Ok(section("shapes", "How the finger bends", blocks))
+}
+
+/// What the drawn co-rotational shapes ask of the beam model.
+fn validity(study: &Study) -> Option<String> {
+    let shapes = || study.bent.iter().filter(|bent| bent.kinematics == Kinematics::Corotational);
+    let strains = shapes().filter_map(|bent| bent.validity.largest_strain(&StrainLimits::default()));
+    let strain = strains.max_by(|a, b| a.strain.total_cmp(&b.strain))?;
+    let sheared = shapes().max_by(|a, b| a.validity.shear_share.total_cmp(&b.validity.shear_share))?;
+    let member = sheared.validity.shear_at.map_or_else(String::new, |member| format!(", most of it in {member}"));
+    Some(format!(
+        "The largest strain of a fibre in these co-rotational shapes is {strain}. Shear, which Euler-Bernoulli beams leave out, would let the loads move by \
+         up to {} more{member}. Beams are taken up to {} of strain and {} of shear.",
+        tables::percent(sheared.validity.shear_share),
+        tables::percent(LARGEST_STRAIN),
+        tables::percent(LARGEST_SHEAR_SHARE),
+    ))
 }
 
 fn checks(study: &Study) -> Section {

@@ -1,20 +1,19 @@
 //! The verdict: three sentences at the head of the page, made from the numbers, and the map beside them.
 
+mod cost;
+
 use super::page::Figure;
 use super::tables::{self, percent};
 use super::{ReportError, causes, drawings};
 use crate::estimators::EstimatorKind;
 use crate::map::{AccuracyMap, Cell, CellState};
-use crate::networks::accuracy::NAME as NETWORK;
 use crate::scatter::{Counts, ScatterRow};
-use crate::speed_error::{SpeedErrorPoint, Task, TimedBy};
 use crate::study::Study;
+use cost::cost;
 use finray_model::finger::Plate;
 
 /// Errors up to here are trusted: the lighter of the two shades of the paper's Table I begins there.
 const TRUSTED: f64 = 0.10;
-/// A setting is near enough to the best if it errs by no more than a quarter more: a mean over a few dozen noisy pictures scatters by as much.
-const NEAR_BEST: f64 = 1.25;
 /// Regions of a map of which less than this share is trusted are named.
 const MOSTLY: f64 = 0.9;
 
@@ -206,64 +205,4 @@ pub(super) fn limit(study: &Study) -> Option<String> {
             over.iter().sum::<f64>() / nodes as f64
         ),
     })
-}
-
-/// Which estimator to run, at which cost.
-fn cost(study: &Study) -> Option<String> {
-    let points = |task: Task, model: &str| -> Vec<&SpeedErrorPoint> {
-        let of_task = study.speed_error.iter().filter(|point| point.task == task && point.model == model);
-        of_task
-            .filter(|point| !matches!(point.timed_by, TimedBy::OtherProgram { .. }))
-            .filter(|point| point.error.is_finite() && point.seconds.is_finite())
-            .collect()
-    };
-    let chosen = |model: &str| {
-        let points = points(Task::SenseOne, model);
-        let best = points.iter().map(|point| point.error).reduce(f64::min)?;
-        let near = points.into_iter().filter(|point| point.error <= NEAR_BEST * best);
-        near.min_by(|a, b| a.seconds.total_cmp(&b.seconds))
-    };
-    let of_two = |one: &SpeedErrorPoint| {
-        points(Task::SenseNeighbours, &one.model)
-            .into_iter()
-            .find(|two| two.setting == one.setting)
-            .map(|two| two.error)
-    };
-    let described = |one: &SpeedErrorPoint| {
-        let two = of_two(one).map_or_else(String::new, |error| format!(", two neighbours {}", percent(error)));
-        let setting =
-            if one.model == EstimatorKind::Nonlinear.name() { format!(" on {}", one.setting) } else { String::new() };
-        format!("{}{setting} in {} (error {}{two})", in_words(&one.model), roughly(one.seconds), percent(one.error))
-    };
-    let models = [NETWORK, EstimatorKind::Nonlinear.name(), EstimatorKind::LeastSquares.name()];
-    let chosen: Vec<&SpeedErrorPoint> = models.into_iter().filter_map(chosen).collect();
-    let nonlinear = chosen.iter().find(|point| point.model == EstimatorKind::Nonlinear.name())?;
-    let keeps = |point: &&&SpeedErrorPoint| {
-        point.error <= TRUSTED
-            && of_two(point).is_none_or(|error| error <= TRUSTED)
-            && point.seconds < nonlinear.seconds
-    };
-    let faster = chosen.iter().filter(keeps).min_by(|a, b| a.seconds.total_cmp(&b.seconds));
-    let advice = match faster {
-        Some(point) if point.model == NETWORK => {
-            "run the network where one is trained for the contacts, the nonlinear estimator elsewhere".to_owned()
-        }
-        Some(point) => {
-            format!("along the normal {} will do, elsewhere run the nonlinear estimator", in_words(&point.model))
-        }
-        None => "run the nonlinear estimator".to_owned(),
-    };
-    let answers: Vec<String> = chosen.iter().map(|point| described(point)).collect();
-    Some(format!("Along the normal a force is sensed by {}: {advice}.", answers.join(", by ")))
-}
-
-/// A time in two digits: more would change from run to run.
-fn roughly(seconds: f64) -> String {
-    let (value, unit) = match seconds {
-        s if s < 1e-3 => (1e6 * s, "us"),
-        s if s < 1.0 => (1e3 * s, "ms"),
-        s => (s, "s"),
-    };
-    let digits = (1.0 - value.log10().floor()).clamp(0.0, 3.0) as usize;
-    format!("{value:.digits$} {unit}")
 }

@@ -120,6 +120,7 @@ pub fn take_times(points: &mut [SpeedErrorPoint], times: &CriterionTimes) -> usi
         };
         if let Some(time) = times.times.iter().find(same) {
             point.seconds = time.seconds;
+            point.seconds_95 = None;
             point.timed_by = TimedBy::Criterion;
             taken += 1;
         }

@@ -1,12 +1,14 @@
 //! Other programs on the same tasks, timed and compared by `bench/peers`.
 
-use super::{SpeedErrorPoint, Task, TimedBy};
+use super::{Asked, SpeedErrorPoint, Start, Task, TimedBy};
 
 /// One program on one task.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Peer {
     /// What is asked for.
     pub task: Task,
+    /// At which nodes and forces; only points of the same stand beside each other.
+    pub asked: Asked,
     /// The model or estimator.
     pub model: String,
     /// How it is set.
@@ -36,8 +38,12 @@ impl From<Peer> for SpeedErrorPoint {
             task: peer.task,
             model: peer.model,
             setting: peer.setting,
+            start: Start::None,
             seconds: peer.seconds,
+            seconds_95: None,
+            preparation_seconds: None,
             error: peer.error.unwrap_or(f64::NAN),
+            bias_sigmas: None,
             failed: 0,
             asked: 0,
             on_front: false,

@@ -3,6 +3,7 @@
 use super::DRAWN_FORCE_N;
 use finray_model::sensing::Contact;
 use finray_model::statics::Statics;
+use finray_model::validity::Validity;
 use finray_model::{Finger, Kinematics, Load, Mesh, Vector};
 
 /// A bent finger, for drawing.
@@ -18,6 +19,8 @@ pub struct BentFinger {
     pub at: Vector,
     /// Nodes along every member, mm.
     pub lines: Vec<Vec<Vector>>,
+    /// What the shape asks of the beam model.
+    pub validity: Validity,
 }
 
 /// The finger under the drawn force at three nodes, linear and with large rotations; what has no equilibrium is left
@@ -37,6 +40,7 @@ pub(super) fn bent_fingers(finger: &Finger, mesh: &Mesh) -> Vec<BentFinger> {
             let motion = equilibrium.motion;
             let place = |&index: &usize| mesh.frame().position(index) + motion.displacements[index];
             bent.push(BentFinger {
+                validity: Validity::of(mesh, &motion, kinematics, &[frame_load]),
                 label: format!("{DRAWN_FORCE_N} N at node {node}, {name}"),
                 kinematics,
                 force: finger.direction(0.0) * DRAWN_FORCE_N,

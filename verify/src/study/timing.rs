@@ -1,12 +1,12 @@
 //! Time and error of models and estimators.
 
 use super::{Effort, Progress, Study, StudyError};
-use crate::estimators::Estimator;
 use crate::networks::accuracy;
 use crate::networks::{NetworkSensing, Networks};
 use crate::speed_error::criterion::{self, CriterionTimes};
-use crate::speed_error::peers::Peers;
-use crate::speed_error::{self, SpeedErrorError, SpeedErrorPoint};
+use crate::speed_error::peers::{Peer, Peers};
+use crate::speed_error::sensing::{FRAMES_A_PERIOD, TimedEstimator, sensing};
+use crate::speed_error::{self, ASKED_NODES, Asked, SpeedErrorError, SpeedErrorPoint, Start, Task};
 use finray_model::statics::StaticsError;
 use finray_model::{Finger, Mesh};
 use std::path::Path;
@@ -20,21 +20,24 @@ pub(super) fn time_and_compare(
     effort: Effort,
     progress: &dyn Progress,
 ) -> Result<Vec<SpeedErrorPoint>, StudyError> {
-    let (nodes, pictures) = match effort {
-        Effort::Quick => (3, 10),
-        Effort::Full => (11, 40),
+    // Nodes are the same for every effort, so that other programs always stand beside ours.
+    let frames = match effort {
+        Effort::Quick => FRAMES_A_PERIOD,
+        Effort::Full => 2 * FRAMES_A_PERIOD,
     };
     // What a finger does not carry leaves the chart out; the maps say so already.
-    let mut points = match speed_error::solving(finger, nodes) {
+    let mut points = match speed_error::solving(finger, ASKED_NODES) {
         Err(SpeedErrorError::Statics(StaticsError::NoEquilibrium { .. })) => Vec::new(),
         points => points?,
     };
     progress.step();
     if noise_mm > 0.0 {
         let shipped = Networks::shipped()?;
-        let sensing = NetworkSensing { name: accuracy::NAME, networks: &shipped, finger, refuses: true };
-        let further: &[(&dyn Estimator, &str)] = if is_paper { &[(&sensing, "shipped networks")] } else { &[] };
-        points.extend(speed_error::sensing(fine, noise_mm, nodes, pictures, further)?);
+        let network = NetworkSensing { name: accuracy::NAME, networks: &shipped, finger, refuses: true };
+        let network =
+            TimedEstimator { estimator: Box::new(network), setting: "shipped networks".to_owned(), start: Start::None };
+        let further = if is_paper { vec![network] } else { Vec::new() };
+        points.extend(sensing(fine, noise_mm, ASKED_NODES, frames, further)?);
     }
     progress.step();
     Ok(points)
@@ -76,10 +79,25 @@ impl Study {
             "" => "; the file does not say on which machine".to_owned(),
             machine => format!(", on this machine: {machine}"),
         };
+        // Like with like: the same nodes and forces as ours, or none.
+        let asked = Task::ALL.map(|task| speed_error::asked(&self.finger, task));
+        let (same, others): (Vec<Peer>, Vec<Peer>) =
+            peers.peers.into_iter().partition(|peer| asked[peer.task as usize] == peer.asked);
+        if let Some(other) = others.first() {
+            let Asked { nodes, forces_n } = &asked[other.task as usize];
+            self.timing_notes.push(format!(
+                "{} points of other programs are for other nodes or forces than ours and were left aside, the first of them for {} N on nodes {} \
+                 instead of {forces_n} N on nodes {nodes}.",
+                others.len(),
+                other.asked.forces_n,
+                other.asked.nodes
+            ));
+        }
         self.timing_notes.push(format!(
-            "{} points are of other programs, timed by bench/peers{machine}. They take no part in the dotted line.",
-            peers.peers.len()
+            "{} points are of other programs, timed by bench/peers{machine}, for the same nodes and forces as ours. They take no part in the \
+             dotted line.",
+            same.len()
         ));
-        self.speed_error.extend(peers.peers.into_iter().map(SpeedErrorPoint::from));
+        self.speed_error.extend(same.into_iter().map(SpeedErrorPoint::from));
     }
 }

@@ -60,6 +60,15 @@ impl Answer {
         self.out
     }
 
+    /// Standard output of a run that did what it was asked, and its warnings, with nothing else on standard error.
+    #[track_caller]
+    pub fn warned(self) -> (String, Vec<String>) {
+        assert_eq!(self.code, Some(0), "{}", self.err);
+        let warnings: Vec<String> = self.err.lines().map(str::to_owned).collect();
+        assert!(!warnings.is_empty() && warnings.iter().all(|line| line.starts_with("warning: ")), "{warnings:?}");
+        (self.out, warnings)
+    }
+
     /// The message of a run that refused its input.
     #[track_caller]
     pub fn refused(self) -> String {

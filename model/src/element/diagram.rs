@@ -1,0 +1,82 @@
+//! Axial strain and curvature along a beam, dead loads between its ends included.
+
+use super::natural::Deformation;
+use super::{Beam, Chord, EndMotion, Kinematics};
+use crate::Vector;
+
+/// Axial strain and curvature at one place of a beam; where a load stands, just before or just after it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Station {
+    /// Fraction of the length, 0..1.
+    pub xi: f64,
+    /// Strain of the axis.
+    pub axial_strain: f64,
+    /// Curvature of the axis, 1/mm.
+    pub curvature_per_mm: f64,
+}
+
+/// A dead force at a fraction of a beam's length, in components along and across the chord, N.
+#[derive(Debug, Clone, Copy)]
+struct ChordLoad {
+    xi: f64,
+    along: f64,
+    across: f64,
+}
+
+impl Beam {
+    /// Stations from the first end to the second, two for each segment between ends and loads: within a segment the axial
+    /// strain is constant and the curvature linear, so nothing is larger anywhere else.
+    ///
+    /// The ends' motion gives the deflection w of the cubic beam, w'' = ((6 xi - 4) phi_a + (6 xi - 2) phi_b) / L. A force
+    /// between the ends adds what it does to a beam that is clamped at both: with P across the chord at xi = p, q = 1 - p,
+    /// EI w'' = P L p q^2 at the first end, -2 P L p^2 q^2 at the force, P L p^2 q at the second end; with F along it, the
+    /// axial force F q before and -F p after it (Young and Budynas, Roark's Formulas, table 8.1, case 1d). For small displacements the
+    /// sum is exact, so it does not depend on the mesh.
+    pub(crate) fn stations(
+        &self,
+        kinematics: Kinematics,
+        motion: &[EndMotion; 2],
+        loads: &[(f64, Vector)],
+    ) -> Vec<Station> {
+        let linear = kinematics == Kinematics::Linear;
+        let chord = if linear { Chord::undeformed(self) } else { Chord::deformed(self, motion) };
+        let deformation = if linear { chord.linear_deformation(motion) } else { chord.deformation(motion) };
+        let mut loads: Vec<ChordLoad> = loads
+            .iter()
+            .map(|&(xi, force)| ChordLoad { xi, along: force.dot(&chord.along), across: force.dot(&chord.across) })
+            .collect();
+        loads.sort_by(|a, b| a.xi.total_cmp(&b.xi));
+        let ends: Vec<f64> = std::iter::once(0.0).chain(loads.iter().map(|load| load.xi)).chain([1.0]).collect();
+        let strain = self.mean_strain(kinematics == Kinematics::Corotational, &deformation);
+        let segments = ends.windows(2).enumerate().flat_map(|(nth, ends)| {
+            // So many loads lie before the segment.
+            let (before, after) = loads.split_at(nth);
+            let axial_n = after.iter().map(|load| load.along * (1.0 - load.xi)).sum::<f64>()
+                - before.iter().map(|load| load.along * load.xi).sum::<f64>();
+            let axial_strain = strain + axial_n / self.axial_rigidity_n;
+            [ends[0], ends[1]].map(|xi| {
+                let curvature_per_mm = self.curvature_of_ends(&deformation, xi) + self.curvature_of_loads(&loads, xi);
+                Station { xi, axial_strain, curvature_per_mm }
+            })
+        });
+        segments.collect()
+    }
+
+    fn curvature_of_ends(&self, deformation: &Deformation, xi: f64) -> f64 {
+        ((6.0 * xi - 4.0) * deformation[1] + (6.0 * xi - 2.0) * deformation[2]) / self.length_mm
+    }
+
+    fn curvature_of_loads(&self, loads: &[ChordLoad], xi: f64) -> f64 {
+        let moment = |load: &ChordLoad| {
+            let (p, q) = (load.xi, 1.0 - load.xi);
+            // From the first end's moment with the slope before the force, or back from the second end's.
+            let shape = if xi <= p {
+                p * q * q - q * q * (1.0 + 2.0 * p) * xi
+            } else {
+                p * p * q - p * p * (1.0 + 2.0 * q) * (1.0 - xi)
+            };
+            load.across * self.length_mm * shape
+        };
+        loads.iter().map(moment).sum::<f64>() / self.bending_rigidity_nmm2
+    }
+}

@@ -1,0 +1,220 @@
+//! Whether the beam model holds in an equilibrium: small strain, negligible shear, no bending out of the plane.
+//!
+//! Euler-Bernoulli beams with stress = E times strain answer any load smoothly. [`Validity`] computes from an equilibrium
+//! what they leave out, and [`Validity::doubts`] compares it with limits: those of the material where a scene states them
+//! ([`StrainLimits`]), otherwise [`LARGEST_STRAIN`]; [`LARGEST_SHEAR_SHARE`] for shear. Undeformable ribs take no part.
+
+mod doubt;
+
+pub use doubt::Doubt;
+
+use crate::element::Station;
+use crate::finger::{Finger, Part, Plate};
+use crate::frame::FrameMotion;
+use crate::mesh::{Line, Mesh};
+use crate::statics::FrameLoad;
+use crate::{Kinematics, NodeId, Vector};
+
+/// Strain of a fibre up to which stress is taken as E times strain where the material states no limit of its own.
+///
+/// An incompressible rubber in tension carries the stress E / 3 (l - 1 / l^2) at the stretch l (Treloar, The Physics of Rubber Elasticity,
+/// 1975, ch. 5: neo-Hookean), which is E eps (1 - eps + ...): at 5 % strain it is 5 % under E eps, and engineering and
+/// logarithmic strain differ by 2.5 %. Flexural tests of plastics by beam formulas end at this strain of the outer
+/// fibre, too (ASTM D790).
+pub const LARGEST_STRAIN: f64 = 0.05;
+
+/// Share of shear in the strain energy up to which Euler-Bernoulli beams are taken.
+///
+/// Loads then move the finger by up to 5 % more than computed (see [`Validity::shear_share`]). That and a strain at its limit
+/// leave a force within 10 %, where the paper's Table I begins to shade errors (Xu et al. 2021, sec. V-A). A cantilever
+/// with a load at its end has this share at a length of 3.5 thicknesses, a member clamped at both ends that sways at 7.
+pub const LARGEST_SHEAR_SHARE: f64 = 0.05;
+
+/// Shear correction factor of a rectangular section: the energy of the parabolic shear stress
+/// (Timoshenko and Goodier, Theory of Elasticity; Gere and Timoshenko, Mechanics of Materials, form factor 6/5).
+pub const SHEAR_CORRECTION: f64 = 5.0 / 6.0;
+
+/// Largest strain that the material of each part bears as the model has it; `None` where the scene states none.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StrainLimits {
+    /// Of the front plate.
+    pub front: Option<f64>,
+    /// Of the back plate.
+    pub back: Option<f64>,
+    /// Of the ribs.
+    pub ribs: Option<f64>,
+}
+
+impl StrainLimits {
+    /// What is stated for a part.
+    pub fn stated(&self, part: Part) -> Option<f64> {
+        match part {
+            Part::Front => self.front,
+            Part::Back => self.back,
+            Part::Ribs => self.ribs,
+        }
+    }
+
+    /// The limit of a part: stated, or [`LARGEST_STRAIN`].
+    pub fn of(&self, part: Part) -> f64 {
+        self.stated(part).unwrap_or(LARGEST_STRAIN)
+    }
+}
+
+/// A member of the finger: a segment of a plate between two key nodes, or a rib.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MemberPlace {
+    /// What it belongs to.
+    pub part: Part,
+    /// The key nodes at its ends.
+    pub nodes: [NodeId; 2],
+    /// Free length, without rigid arms, over thickness.
+    pub slenderness: f64,
+}
+
+/// The largest strain of a fibre in one part of the finger.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FibreStrain {
+    /// |axial strain| + |curvature| thickness / 2: one of the two outer fibres has both with the same sign.
+    pub strain: f64,
+    /// Share of it that is strain of the axis, signed.
+    pub axial_strain: f64,
+    /// The member that it is in.
+    pub member: MemberPlace,
+    /// Where: mm along the plate from its base, along a rib from the back plate.
+    pub at_mm: f64,
+}
+
+/// What an equilibrium asks of the assumptions of the beam model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Validity {
+    /// The largest strain of each part that deforms: front plate, back plate, ribs.
+    pub strains: Vec<FibreStrain>,
+    /// Energy of the shear forces, V^2 l / (2 kappa G A) summed over the members, over the strain energy of
+    /// stretching and bending; zero at rest. kappa is [`SHEAR_CORRECTION`], G = E / (2 (1 + nu)).
+    ///
+    /// The loads' work on a linear finger that also shears is larger by at most this share: its section forces
+    /// minimise the complementary energy, and those of Euler-Bernoulli beams are among the admissible ones.
+    pub shear_share: f64,
+    /// The member that holds most of the shear energy; `None` where nothing shears.
+    pub shear_at: Option<MemberPlace>,
+    /// Depth over the thickness of the thickest part.
+    pub depth_ratio: f64,
+}
+
+impl Validity {
+    /// Examines the motion of a mesh in equilibrium with loads, solved with the same kinematics.
+    pub fn of(mesh: &Mesh, motion: &FrameMotion, kinematics: Kinematics, loads: &[FrameLoad]) -> Validity {
+        let finger = mesh.finger();
+        let examined = |line| examine(mesh, line, motion, kinematics, loads);
+        let members: Vec<Examined> = mesh.lines().iter().filter_map(examined).collect();
+        let largest = |part| {
+            let strains = members.iter().filter(|member| member.place.part == part).map(|member| member.strain);
+            strains.max_by(|a, b| a.strain.total_cmp(&b.strain))
+        };
+        let strained: f64 = members.iter().map(|member| member.strain_energy).sum();
+        let sheared: f64 = members.iter().map(|member| member.shear_energy).sum();
+        let most = members.iter().max_by(|a, b| a.shear_energy.total_cmp(&b.shear_energy));
+        let thickest = PARTS.iter().filter_map(|&part| thickness_mm(finger, part)).fold(0.0, f64::max);
+        Validity {
+            strains: PARTS.into_iter().filter_map(largest).collect(),
+            shear_share: if sheared > 0.0 { sheared / strained } else { 0.0 },
+            shear_at: most.filter(|member| member.shear_energy > 0.0).map(|member| member.place),
+            depth_ratio: finger.description().depth_mm / thickest,
+        }
+    }
+
+    /// The part whose strain is the largest share of its limit.
+    pub fn largest_strain(&self, limits: &StrainLimits) -> Option<&FibreStrain> {
+        let share = |strain: &FibreStrain| strain.strain / limits.of(strain.member.part);
+        self.strains.iter().max_by(|a, b| share(a).total_cmp(&share(b)))
+    }
+}
+
+const PARTS: [Part; 3] = [Part::Front, Part::Back, Part::Ribs];
+
+/// Thickness of a part that deforms.
+fn thickness_mm(finger: &Finger, part: Part) -> Option<f64> {
+    let description = finger.description();
+    match part {
+        Part::Front => Some(description.front.thickness_mm),
+        Part::Back => Some(description.back.thickness_mm),
+        Part::Ribs => description.ribs.strip.filter(|_| finger.rib_count() > 0).map(|strip| strip.thickness_mm),
+    }
+}
+
+/// Strain and energies (N mm) of one member.
+struct Examined {
+    place: MemberPlace,
+    strain: FibreStrain,
+    strain_energy: f64,
+    shear_energy: f64,
+}
+
+/// `None` for a rib that does not deform.
+fn examine(
+    mesh: &Mesh,
+    line: &Line,
+    motion: &FrameMotion,
+    kinematics: Kinematics,
+    loads: &[FrameLoad],
+) -> Option<Examined> {
+    let finger = mesh.finger();
+    let thickness_mm = thickness_mm(finger, line.part)?;
+    let members = &mesh.frame().members()[line.members.clone()];
+    let (first, last) = (line.nodes.first()?, line.nodes.last()?);
+    let free_mm: f64 = members.iter().map(|member| member.beam.length_mm).sum();
+    let place = MemberPlace {
+        part: line.part,
+        nodes: [NodeId(first + 1), NodeId(last + 1)],
+        slenderness: free_mm / thickness_mm,
+    };
+    // Where the member's first node is along its part.
+    let origin_mm = match line.part {
+        Part::Front => (mesh.frame().position(*first) - finger.base(Plate::Front)).norm(),
+        Part::Back => (mesh.frame().position(*first) - finger.base(Plate::Back)).norm(),
+        Part::Ribs => 0.0,
+    };
+    let mut start_mm = origin_mm + members.first()?.ends[0].arm.norm();
+    let shear_rigidity = SHEAR_CORRECTION * (1.0 - finger.description().poissons_ratio) / 2.0;
+    let mut strain = FibreStrain { strain: 0.0, axial_strain: 0.0, member: place, at_mm: start_mm };
+    let (mut strain_energy, mut shear_energy) = (0.0, 0.0);
+    for (index, member) in line.members.clone().zip(members) {
+        let beam = &member.beam;
+        let forces: Vec<(f64, Vector)> = loads.iter().filter_map(|load| inside(load, index)).collect();
+        for ends in mesh.frame().stations(motion, index, kinematics, &forces).chunks_exact(2) {
+            let [from, to] = [ends[0], ends[1]];
+            for station in [from, to] {
+                let fibre = station.axial_strain.abs() + 0.5 * thickness_mm * station.curvature_per_mm.abs();
+                if fibre > strain.strain {
+                    let at_mm = start_mm + station.xi * beam.length_mm;
+                    strain = FibreStrain { strain: fibre, axial_strain: station.axial_strain, at_mm, ..strain };
+                }
+            }
+            let length_mm = (to.xi - from.xi) * beam.length_mm;
+            let (axial, bending) = (beam.axial_rigidity_n, beam.bending_rigidity_nmm2);
+            strain_energy += 0.5 * length_mm * (axial * from.axial_strain.powi(2) + bending * mean_square(&from, &to));
+            if length_mm > 0.0 {
+                let shear_n = bending * (to.curvature_per_mm - from.curvature_per_mm) / length_mm;
+                // E A (1 - nu) / 2 is G A: E / (1 - nu^2) is in the axial rigidity.
+                shear_energy += 0.5 * length_mm * shear_n.powi(2) / (shear_rigidity * axial);
+            }
+        }
+        start_mm += beam.length_mm;
+    }
+    Some(Examined { place, strain, strain_energy, shear_energy })
+}
+
+/// Place and force of a load between the ends of a member.
+fn inside(load: &FrameLoad, index: usize) -> Option<(f64, Vector)> {
+    match *load {
+        FrameLoad::Interior { member, xi, force } if member == index => Some((xi, force)),
+        _ => None,
+    }
+}
+
+/// Mean square of a curvature that is linear between two stations.
+fn mean_square(from: &Station, to: &Station) -> f64 {
+    let (a, b) = (from.curvature_per_mm, to.curvature_per_mm);
+    (a * a + a * b + b * b) / 3.0
+}

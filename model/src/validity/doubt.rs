@@ -1,0 +1,124 @@
+//! Assumptions of the beam model that an equilibrium does not keep, in words.
+
+use super::{FibreStrain, LARGEST_SHEAR_SHARE, LARGEST_STRAIN, MemberPlace, StrainLimits, Validity};
+use crate::finger::Part;
+use std::fmt;
+
+/// An assumption that does not hold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Doubt {
+    /// Strains are not small.
+    Strain {
+        /// The part whose strain is the largest share of its limit.
+        strain: FibreStrain,
+        /// The limit.
+        limit: f64,
+        /// Whether the scene states it.
+        stated: bool,
+    },
+    /// Shear, which Euler-Bernoulli beams leave out, counts.
+    Shear {
+        /// Shear energy over strain energy.
+        share: f64,
+        /// The member that holds most of it.
+        member: MemberPlace,
+    },
+    /// The finger bends more easily out of its plane than in it.
+    OutOfPlane {
+        /// Depth over thickness.
+        depth_ratio: f64,
+    },
+}
+
+impl Validity {
+    /// The assumptions that do not hold, by the limits of the material.
+    pub fn doubts(&self, limits: &StrainLimits) -> Vec<Doubt> {
+        let strain = self.largest_strain(limits).and_then(|strain| {
+            let part = strain.member.part;
+            let limit = limits.of(part);
+            // A strain that is no number is not small either.
+            let small = strain.strain <= limit;
+            (!small).then(|| Doubt::Strain { strain: *strain, limit, stated: limits.stated(part).is_some() })
+        });
+        let shear = self.shear_at.filter(|_| self.shear_share > LARGEST_SHEAR_SHARE);
+        let shear = shear.map(|member| Doubt::Shear { share: self.shear_share, member });
+        // A strip as deep as thick is as stiff out of the plane as in it.
+        let flat = (self.depth_ratio < 1.0).then_some(Doubt::OutOfPlane { depth_ratio: self.depth_ratio });
+        strain.into_iter().chain(shear).chain(flat).collect()
+    }
+}
+
+impl fmt::Display for MemberPlace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let part = in_words(self.part);
+        let [from, to] = self.nodes;
+        write!(f, "the {part} between nodes {from} and {to} (length / thickness {:.1})", self.slenderness)
+    }
+}
+
+impl fmt::Display for FibreStrain {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let from = if self.member.part == Part::Ribs { "from the back plate" } else { "from the base" };
+        write!(f, "{} % at {:.1} mm {from} in {}", percent(self.strain), self.at_mm, self.member)
+    }
+}
+
+impl fmt::Display for Doubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Doubt::Strain { strain, limit, stated } => {
+                write!(f, "strains are not small: {strain}, above the limit of {} % ", percent(*limit))?;
+                let key = format!("finger.{}.largest_strain", key(strain.member.part));
+                if *stated {
+                    write!(f, "({key} of the scene)")?;
+                } else {
+                    write!(
+                        f,
+                        "(rubber in tension is {} % softer there than its modulus at rest; {key} in the scene states the \
+                         material's own)",
+                        percent(LARGEST_STRAIN)
+                    )?;
+                }
+                f.write_str("; a finger that strains so much needs a material law, not one modulus")
+            }
+            Doubt::Shear { share, member } => write!(
+                f,
+                "members are too thick for their length: shear, which Euler-Bernoulli beams leave out, lets the loads move \
+                 by up to {} % more (limit {} %: Timoshenko's shear energy over the strain energy), most of it in {member}; \
+                 such a finger needs beams with shear or a solid model",
+                percent(*share),
+                percent(LARGEST_SHEAR_SHARE)
+            ),
+            Doubt::OutOfPlane { depth_ratio } => write!(
+                f,
+                "depth over thickness is {depth_ratio:.2e}, below the limit of 1: the finger bends more easily out of its \
+                 plane than in it and may buckle sideways, which a plane model does not see"
+            ),
+        }
+    }
+}
+
+fn key(part: Part) -> &'static str {
+    match part {
+        Part::Front => "front",
+        Part::Back => "back",
+        Part::Ribs => "ribs",
+    }
+}
+
+fn in_words(part: Part) -> &'static str {
+    match part {
+        Part::Front => "front plate",
+        Part::Back => "back plate",
+        Part::Ribs => "rib",
+    }
+}
+
+/// Two or three digits: more than such a limit is worth.
+fn percent(share: f64) -> String {
+    match 100.0 * share {
+        p if p >= 1000.0 => format!("{p:.1e}"),
+        p if p >= 10.0 => format!("{p:.0}"),
+        p => format!("{}", (p * 100.0).round() / 100.0),
+    }
+}

@@ -1,0 +1,89 @@
+//! Warnings where the beam model no longer holds: strains that are not small, thick members, flat fingers.
+
+use finray_model::finger::Plate;
+use finray_model::frame::FrameMotion;
+use finray_model::sensing::{Contact, ContactPlace};
+use finray_model::statics::{FrameLoad, Statics, StaticsError};
+use finray_model::validity::{Doubt, StrainLimits, Validity};
+use finray_model::{Finger, Kinematics, Load, Mesh, Scene};
+use finray_verify::contact_scene::SceneStep;
+
+/// Elements a member for equilibria that are solved to be examined: shapes are within 0.04 % under 3 N.
+const ELEMENTS: usize = 4;
+
+/// Warns of what an equilibrium does not keep. The answer stands, so the exit code is still 0.
+pub fn warn_of_equilibrium(
+    limits: &StrainLimits,
+    mesh: &Mesh,
+    motion: &FrameMotion,
+    kinematics: Kinematics,
+    loads: &[FrameLoad],
+) {
+    warn("", &Validity::of(mesh, motion, kinematics, loads).doubts(limits));
+}
+
+/// Warns of what the co-rotational finger does not keep under sensed forces.
+pub fn warn_of_forces(scene: &Scene, contacts: &[Contact], forces_n: &[f64]) {
+    let loads = contacts.iter().zip(forces_n).map(|(contact, &force_n)| contact.load(&scene.finger, force_n));
+    match under(&scene.finger, loads) {
+        Ok(validity) => warn("", &validity.doubts(&scene.strain_limits)),
+        Err(error) => eprintln!("warning: the finger has no equilibrium under the sensed forces: {error}"),
+    }
+}
+
+/// The step of a pressed finger that strains most, as beams under the true forces of its contacts have it.
+#[derive(Default)]
+pub struct Pressing {
+    steps: usize,
+    worst: Option<(f64, usize, Vec<Doubt>)>,
+    unsolved: Option<(usize, StaticsError)>,
+}
+
+impl Pressing {
+    /// Examines the next step.
+    pub fn examine(&mut self, scene: &Scene, step: &SceneStep) {
+        self.steps += 1;
+        let finger = &scene.finger;
+        let length_mm = finger.plate_length_mm(Plate::Front);
+        // What touches a clamped part does not bend the finger.
+        let felt = step.contacts.iter().filter(|contact| !contact.clamped);
+        let loads = felt.filter_map(|seen| match seen.contact.place {
+            ContactPlace::Node(node) => Some(Load::at_node(node, seen.force)),
+            ContactPlace::Place(s_mm) if s_mm > 0.0 => Some(Load::at_place(s_mm.min(length_mm), seen.force)),
+            ContactPlace::Place(_) => None,
+        });
+        match under(finger, loads) {
+            Ok(validity) => {
+                let strain = validity.largest_strain(&scene.strain_limits);
+                let share = strain.map_or(0.0, |at| at.strain / scene.strain_limits.of(at.member.part));
+                if self.worst.as_ref().is_none_or(|(most, ..)| share >= *most) {
+                    self.worst = Some((share, self.steps, validity.doubts(&scene.strain_limits)));
+                }
+            }
+            Err(error) => self.unsolved = self.unsolved.take().or(Some((self.steps, error))),
+        }
+    }
+
+    /// Warns of what was found.
+    pub fn warn(&self) {
+        if let Some((step, error)) = &self.unsolved {
+            eprintln!("warning: step {step}: beams have no equilibrium under the contact forces: {error}");
+        }
+        if let Some((_, step, doubts)) = &self.worst {
+            warn(&format!("step {step}: "), doubts);
+        }
+    }
+}
+
+fn under(finger: &Finger, loads: impl Iterator<Item = Load>) -> Result<Validity, StaticsError> {
+    let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
+    let loads = loads.map(|load| mesh.frame_load(&load)).collect::<Result<Vec<_>, _>>()?;
+    let found = Statics::ladder(&mesh, Kinematics::Corotational).equilibrium(&loads)?;
+    Ok(Validity::of(&mesh, &found.motion, Kinematics::Corotational, &loads))
+}
+
+fn warn(of: &str, doubts: &[Doubt]) {
+    for doubt in doubts {
+        eprintln!("warning: {of}{doubt}");
+    }
+}
