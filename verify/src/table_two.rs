@@ -157,7 +157,8 @@ impl TableTwo {
     /// The least and the greatest condition number of a group's sets.
     pub fn condition_range(&self, group: &ContactGroup) -> Option<[f64; 2]> {
         let of_sets = contact_sets().into_iter().zip(&self.condition_numbers);
-        let numbers: Vec<f64> = of_sets.filter(|(set, _)| group.sets.contains(set)).map(|(_, number)| *number).collect();
+        let numbers: Vec<f64> =
+            of_sets.filter(|(set, _)| group.sets.contains(set)).map(|(_, number)| *number).collect();
         let least = numbers.iter().copied().reduce(f64::min)?;
         Some([least, numbers.into_iter().fold(least, f64::max)])
     }

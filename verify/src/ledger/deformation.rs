@@ -22,7 +22,8 @@ fn tested(checks: usize, holds: bool) -> ClaimVerdict {
 
 pub(super) fn claims(study: &Study) -> Result<Vec<Claim>, SensingError> {
     let linear = |source: &'static str| {
-        let of_source = move |check: &&crate::check::Check| check.source.contains(source) && check.problem.contains("linear");
+        let of_source =
+            move |check: &&crate::check::Check| check.source.contains(source) && check.problem.contains("linear");
         study.checks.iter().filter(of_source)
     };
     let off = |source: &'static str| worst(linear(source).map(|check| (check.ours - check.reference).abs()));

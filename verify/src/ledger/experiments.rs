@@ -26,10 +26,7 @@ fn loaded(finger: &Finger) -> impl Iterator<Item = NodeId> {
 }
 
 /// A figure at each of these nodes, from tip to base.
-fn by_node(
-    finger: &Finger,
-    figure: impl Fn(NodeId) -> Result<f64, SensingError>,
-) -> Result<Vec<f64>, SensingError> {
+fn by_node(finger: &Finger, figure: impl Fn(NodeId) -> Result<f64, SensingError>) -> Result<Vec<f64>, SensingError> {
     loaded(finger).map(figure).collect()
 }
 
@@ -271,7 +268,8 @@ mod tests {
     #[test]
     fn a_wrong_direction_costs_more_on_the_other_side() {
         let finger = paper();
-        let [low, high] = range_of(&wrong_direction(&finger, -12.5).unwrap().iter().map(|e| e.abs()).collect::<Vec<_>>());
+        let [low, high] =
+            range_of(&wrong_direction(&finger, -12.5).unwrap().iter().map(|e| e.abs()).collect::<Vec<_>>());
         assert!((low - 0.026).abs() < 0.001 && (high - 0.040).abs() < 0.001, "{low} {high}");
     }
 
@@ -279,7 +277,8 @@ mod tests {
     #[test]
     fn exchanged_forces_are_apart_by_their_shapes_and_the_noise() {
         let finger = paper();
-        let [once, twice] = [0.067, 0.0335].map(|noise_mm| redistributed(&finger, [18, 20].map(NodeId), noise_mm).unwrap());
+        let [once, twice] =
+            [0.067, 0.0335].map(|noise_mm| redistributed(&finger, [18, 20].map(NodeId), noise_mm).unwrap());
         assert!((twice.distance / once.distance - 2.0).abs() < ROUNDING && once.share == twice.share);
         assert_eq!(redistributed(&finger, [19, 19].map(NodeId), 0.067).unwrap().distance, 0.0);
     }

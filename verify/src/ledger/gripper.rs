@@ -42,7 +42,9 @@ fn quoted(group: &ContactGroup, quantity: &str) -> &'static str {
         ("one node", _) => "\"the average relative error is 6.5% when the grasping forces vary from 0.3 to 3 N\"",
         ("neighbours", "sum") => "the resultant of adjacent nodes: \"the average relative error reduces to 7.4%\"",
         ("neighbours", _) => "two adjacent nodes: \"the average relative error is 47.5%\"",
-        (_, "sum") => "nonadjacent nodes: \"the average relative error dramatically decreases to 7.6% when calculating the resultant force\"",
+        (_, "sum") => {
+            "nonadjacent nodes: \"the average relative error dramatically decreases to 7.6% when calculating the resultant force\""
+        }
         _ => "nonadjacent nodes: \"the overall average relative error is 29.8% if only considering a single node\"",
     }
 }
@@ -81,10 +83,14 @@ fn of_the_papers_network(
 }
 
 fn in_the_conclusion(all: &[Figure], noise_mm: f64) -> [Claim; 2] {
-    let of = |quantity: &str| all.iter().filter(|figure| figure.group.paper_sum.is_some() && figure.quantity == quantity).collect::<Vec<_>>();
+    let of = |quantity: &str| {
+        all.iter().filter(|figure| figure.group.paper_sum.is_some() && figure.quantity == quantity).collect::<Vec<_>>()
+    };
     let row = |words: &str, paper: String, figures: Vec<&Figure>, criterion: &str, holds: &dyn Fn(f64) -> bool| {
-        let listed: Vec<String> =
-            figures.iter().map(|figure| format!("{} for {}", percent(figure.recorded.mean), figure.group.name)).collect();
+        let listed: Vec<String> = figures
+            .iter()
+            .map(|figure| format!("{} for {}", percent(figure.recorded.mean), figure.group.name))
+            .collect();
         claim(
             words,
             paper,
@@ -119,7 +125,8 @@ fn with_the_model(two: &TableTwo, group: &ContactGroup, noise_mm: f64) -> Vec<Cl
     let Some(nonlinear) = of("nonlinear") else { return Vec::new() };
     let others = [("linear least squares", of("least-squares")), ("network that ships", of(NETWORK))];
     let beside = |figure: &dyn Fn(&GroupErrors) -> Option<f64>, unit: &dyn Fn(f64) -> String| {
-        let listed = others.iter().filter_map(|(name, found)| Some(format!("{name}: {}", unit(figure(found.as_ref()?)?))));
+        let listed =
+            others.iter().filter_map(|(name, found)| Some(format!("{name}: {}", unit(figure(found.as_ref()?)?))));
         listed.collect::<Vec<_>>().join("; ")
     };
     let how = format!(
@@ -129,12 +136,25 @@ fn with_the_model(two: &TableTwo, group: &ContactGroup, noise_mm: f64) -> Vec<Cl
         nonlinear.refused + nonlinear.answered
     );
     let row = |words: String, paper: String, ours: f64, figure: f64, unit: &dyn Fn(f64) -> String, others: String| {
-        claim(words, paper, format!("{} ({others})", unit(ours)), how.clone(), "less than the paper measured", simulated(ours, figure))
+        claim(
+            words,
+            paper,
+            format!("{} ({others})", unit(ours)),
+            how.clone(),
+            "less than the paper measured",
+            simulated(ours, figure),
+        )
     };
     let force = beside(&|found| Some(found.force), &percent);
     let what = format!("Table II, {}: what a known model could reach", group.name);
-    let mut claims =
-        vec![row(format!("{what}, each force"), percent(group.paper_force), nonlinear.force, group.paper_force, &percent, force)];
+    let mut claims = vec![row(
+        format!("{what}, each force"),
+        percent(group.paper_force),
+        nonlinear.force,
+        group.paper_force,
+        &percent,
+        force,
+    )];
     if let (Some(paper), Some(sum)) = (group.paper_sum, nonlinear.sum) {
         let others = beside(&|found| found.sum, &percent);
         claims.push(row(format!("{what}, the sum"), percent(paper), sum, paper, &percent, others));

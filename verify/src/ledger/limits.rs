@@ -1,7 +1,8 @@
 //! What the paper says cannot be done, or need not be considered (sec. IV-A, V-C, V-D and VI).
 
 use super::criteria::{
-    DIRECTION_SHARE, NEGLIGIBLE_FORCE_SHARE, NEGLIGIBLE_TIME_S, TOLD_APART, WELL_N, ZERO_FORCE_N, at_most_nodes, statement,
+    DIRECTION_SHARE, NEGLIGIBLE_FORCE_SHARE, NEGLIGIBLE_TIME_S, TOLD_APART, WELL_N, ZERO_FORCE_N, at_most_nodes,
+    statement,
 };
 use super::experiments::{self, Exchanged, largest, range_of};
 use super::{Claim, ClaimVerdict, between, claim, newtons, percent};
@@ -74,12 +75,17 @@ fn exchanged(finger: &Finger) -> Result<[Claim; 2], SensingError> {
             "\"when the two contacting nodes are close to each other ... the overall deformation of the finger remains nearly unchanged\" from (1, 4) N \
              to (4, 1) N, nodes 18 and 19: \"poor accuracy in estimating different force distributions\" (sec. V-C, Fig. 12(a))",
             "no figure",
-            format!("{} of the largest displacement, {distance:.0} times the noise", listed.first().map_or("-", String::as_str)),
+            format!(
+                "{} of the largest displacement, {distance:.0} times the noise",
+                listed.first().map_or("-", String::as_str)
+            ),
             format!(
                 "the same; Mahalanobis distance of the 23 free nodes' displacements under {CAMERA_NOISE_MM} mm noise a coordinate. Nearly the same to \
                  the eye, but an estimator with the right model could tell them apart"
             ),
-            format!("nearly unchanged: a distance below {TOLD_APART}, where one measurement leaves more than 5 % doubt which of the two it is"),
+            format!(
+                "nearly unchanged: a distance below {TOLD_APART}, where one measurement leaves more than 5 % doubt which of the two it is"
+            ),
             statement(distance < TOLD_APART),
         ),
     ])
@@ -99,7 +105,9 @@ fn unknown_direction(finger: &Finger) -> Result<Claim, SensingError> {
             newtons(WELL_N),
             across.len()
         ),
-        format!("linear least squares for both components at one node, nodes 14 to 24, {CAMERA_NOISE_MM} mm noise, model known"),
+        format!(
+            "linear least squares for both components at one node, nodes 14 to 24, {CAMERA_NOISE_MM} mm noise, model known"
+        ),
         format!("above {} (a tenth of 3 N) at more than half of the nodes", newtons(WELL_N)),
         statement(fails),
     ))
@@ -110,7 +118,8 @@ fn wrong_direction(finger: &Finger) -> Result<Claim, SensingError> {
     let [tip, base] = sides;
     let (tip, base) = (tip?, base?);
     let above = |errors: &[f64]| errors.iter().filter(|error| error.abs() > DIRECTION_SHARE).count();
-    let sizes = |errors: &[f64]| between(range_of(&errors.iter().map(|error| error.abs()).collect::<Vec<_>>()), percent);
+    let sizes =
+        |errors: &[f64]| between(range_of(&errors.iter().map(|error| error.abs()).collect::<Vec<_>>()), percent);
     Ok(claim(
         "\"the maximum error caused by assuming the grasping force direction to be coincident with the sensor-axis direction is only about \
          1-cos(12.5 deg)=2.4%, which is negligible\" (sec. V-C)",
@@ -142,7 +151,9 @@ fn torque(finger: &Finger) -> Result<Claim, SensingError> {
             percent(NEGLIGIBLE_FORCE_SHARE),
             torque.len()
         ),
-        format!("linear finger and model, nodes 14 to 24, friction of {FRICTION} (assumed) on a rod of 1.5 mm radius: its moment alone"),
+        format!(
+            "linear finger and model, nodes 14 to 24, friction of {FRICTION} (assumed) on a rod of 1.5 mm radius: its moment alone"
+        ),
         "at more than half of the nodes no more than the 2.4 % that the paper calls negligible for the direction",
         statement(most),
     ))
@@ -166,8 +177,10 @@ fn zero_force(finger: &Finger) -> Result<Claim, SensingError> {
 /// The network that ships, as timed by this report.
 fn network_time(study: &Study) -> Option<Claim> {
     let here = |timed_by: &TimedBy| !matches!(timed_by, TimedBy::OtherProgram { .. });
-    let point =
-        study.speed_error.iter().find(|point| point.task == Task::SenseOne && point.model == NETWORK && here(&point.timed_by))?;
+    let point = study
+        .speed_error
+        .iter()
+        .find(|point| point.task == Task::SenseOne && point.model == NETWORK && here(&point.timed_by))?;
     Some(claim(
         "\"the calculating time of the trained NNM-based sensing model is negligible\" (sec. VI)",
         "no figure",

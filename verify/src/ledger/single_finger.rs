@@ -179,7 +179,9 @@ fn on_the_twin(table: &TableOne, twin: &TwinStudy) -> Vec<Claim> {
     };
     let (middle, ends) = split(&twin.after);
     let [middle, ends] = [middle, ends].map(|rows| [mean(&rows, 1.0), mean(&rows, twin.recalibrated)]);
-    let at_ends = |sensing: &&TwinSensing| table.rows.iter().any(|row| row.node == sensing.node && row.paper_mean_error > MUCH_SHARE);
+    let at_ends = |sensing: &&TwinSensing| {
+        table.rows.iter().any(|row| row.node == sensing.node && row.paper_mean_error > MUCH_SHARE)
+    };
     let compensated: Option<Vec<f64>> = twin.sensing.iter().filter(at_ends).map(|of| of.linear.mean_error()).collect();
     let compensated = compensated.unwrap_or_default();
     let how = "simulated: a finger with softer zones at base and tip, fitted to these six means; one of several sets of zones that fit";
@@ -209,7 +211,10 @@ fn on_the_twin(table: &TableOne, twin: &TwinStudy) -> Vec<Claim> {
                 percent(ends[0]),
                 percent(ends[1])
             ),
-            format!("{how}; eq. (11) from weights at nine nodes from 14 to 24 instead of three: {:.2} of the modulus", twin.recalibrated),
+            format!(
+                "{how}; eq. (11) from weights at nine nodes from 14 to 24 instead of three: {:.2} of the modulus",
+                twin.recalibrated
+            ),
             "larger in the middle, smaller at the ends",
             recalibration(middle, ends),
         ),
@@ -218,7 +223,10 @@ fn on_the_twin(table: &TableOne, twin: &TwinStudy) -> Vec<Claim> {
              (sec. V-B)",
             "no figure",
             compensated.iter().map(|error| percent(*error)).collect::<Vec<_>>().join(", ") + " at 14, 16 and 24",
-            format!("{how}; linear least squares with zones calibrated from simulated weights, random forces, {} mm noise", twin.noise_mm),
+            format!(
+                "{how}; linear least squares with zones calibrated from simulated weights, random forces, {} mm noise",
+                twin.noise_mm
+            ),
             format!("each less than {}", percent(MUCH_SHARE)),
             all_simulated(&compensated.iter().map(|error| (*error, MUCH_SHARE)).collect::<Vec<_>>()),
         ),

@@ -30,7 +30,8 @@ pub(super) fn section(study: &Study) -> Option<Section> {
 }
 
 fn row(claim: &Claim) -> Row {
-    let words = [&claim.claim, &claim.paper, &claim.ours, &claim.how, &claim.criterion].map(|text| Cell::plain(text.as_str()));
+    let words =
+        [&claim.claim, &claim.paper, &claim.ours, &claim.how, &claim.criterion].map(|text| Cell::plain(text.as_str()));
     let verdict = claim.verdict.in_words();
     let verdict = match claim.verdict {
         ClaimVerdict::Reproduced | ClaimVerdict::Better => Cell::shaded(verdict, Shade::Pass),
@@ -65,7 +66,10 @@ mod tests {
         };
         let claims = [ClaimVerdict::InSimulation, ClaimVerdict::Refuted, ClaimVerdict::InSimulation].map(claim);
         let words = counted(&claims);
-        assert!(words.contains("Of 3 claims") && words.contains("2 in simulation") && words.contains("1 refuted"), "{words}");
+        assert!(
+            words.contains("Of 3 claims") && words.contains("2 in simulation") && words.contains("1 refuted"),
+            "{words}"
+        );
         assert!(words.contains("0 reproduced"), "{words}");
         // What a simulation betters is no success against a measurement.
         assert_eq!(row(&claims[0]).cells[5], Cell::plain("in simulation"));

@@ -9,9 +9,7 @@ use crate::study::Study;
 use crate::table_two::paper_network::{
     Figure, OverSeeds, PAPER_RECIPES, SAME_FACTOR, figures, quantities, recorded, recorded_sets,
 };
-use crate::table_two::{
-    CASES_WITHOUT_FIT, CONTACT_GROUPS, ContactGroup, FORCES_N, GroupErrors, MOST_FITS, TableTwo,
-};
+use crate::table_two::{CASES_WITHOUT_FIT, CONTACT_GROUPS, ContactGroup, FORCES_N, GroupErrors, MOST_FITS, TableTwo};
 use serde::Serialize;
 
 pub(super) const CSV: &str = "table_two.csv";
@@ -57,7 +55,9 @@ pub(super) fn rows(study: &Study) -> Vec<TableTwoRow> {
     let mut all = Vec::new();
     for finger in &two.fingers {
         for row in &finger.rows {
-            let Some(group) = CONTACT_GROUPS.into_iter().find(|group| group.sets.contains(&&row.nodes[..])) else { continue };
+            let Some(group) = CONTACT_GROUPS.into_iter().find(|group| group.sets.contains(&&row.nodes[..])) else {
+                continue;
+            };
             all.extend(quantities(&group).map(|(quantity, _)| {
                 let [mean_error, mean_error_n, mean_error_bound] = match quantity {
                     "sum" => [sum(row), row.sum.map(|sum| sum.mean_error_n), sum_bound(row)],
@@ -97,8 +97,8 @@ pub(super) fn rows(study: &Study) -> Vec<TableTwoRow> {
                 paper_mean_error: Some(paper),
                 mean_error: found.and_then(|found| if quantity == "sum" { found.sum } else { Some(found.force) }),
                 mean_error_n: found.map(|found| found.force_n).filter(|_| quantity != "sum"),
-                mean_error_bound: found
-                    .and_then(|found| if quantity == "sum" { found.sum_bound } else { found.force_bound }),
+                mean_error_bound:
+                    found.and_then(|found| if quantity == "sum" { found.sum_bound } else { found.force_bound }),
             }));
         }
     }
@@ -224,7 +224,9 @@ pub(super) fn section(study: &Study) -> Option<Section> {
         recorded_in_words(&study.records.recipes)
     ))];
     blocks.extend(words(two).map(text));
-    blocks.extend(PAPER_RECIPES.iter().filter_map(|recipe| paper_words(&study.records.recipes, recipe, study.noise_mm)).map(text));
+    blocks.extend(
+        PAPER_RECIPES.iter().filter_map(|recipe| paper_words(&study.records.recipes, recipe, study.noise_mm)).map(text),
+    );
     blocks.push(Block::Table(table(two, &study.records.recipes)));
     Some(sections::section("table-two", "The paper's Table II", blocks))
 }
@@ -247,7 +249,8 @@ pub(super) fn words(two: &TableTwo) -> Option<String> {
         percent(sums),
     );
     if alone.force < MINOR * near.force {
-        let range = |group: &ContactGroup| two.condition_range(group).map(|[low, high]| format!("{low:.1} to {high:.1}"));
+        let range =
+            |group: &ContactGroup| two.condition_range(group).map(|[low, high]| format!("{low:.1} to {high:.1}"));
         words += &format!(
             " Noise is the lesser part: on the linear finger, with the same noise, neighbours err by {}. The rest is the error of \
              linearisation, enlarged by up to the condition number of the contacts, {} for neighbours and {} for nodes apart: \
@@ -280,8 +283,13 @@ fn paper_words(records: &[RecipeRow], recipe: &str, noise_mm: f64) -> Option<Str
     let (hit, missed): (Vec<&Figure>, Vec<&Figure>) = all.iter().partition(|figure| figure.reproduced());
     let seeds = all.iter().map(|figure| figure.recorded.seeds).min()?;
     let verdict = match (hit.len(), missed.len()) {
-        (_, 0) => format!("reproduces all five figures of Table II within a factor of {SAME_FACTOR}: {}.", listed(&hit)),
-        (0, _) => format!("reproduces none of the five figures of Table II within a factor of {SAME_FACTOR}: {}.", listed(&missed)),
+        (_, 0) => {
+            format!("reproduces all five figures of Table II within a factor of {SAME_FACTOR}: {}.", listed(&hit))
+        }
+        (0, _) => format!(
+            "reproduces none of the five figures of Table II within a factor of {SAME_FACTOR}: {}.",
+            listed(&missed)
+        ),
         (some, _) => format!(
             "does not reproduce Table II: {some} of its five figures are met within a factor of {SAME_FACTOR} ({}), the others are missed \
              ({}).",
@@ -391,9 +399,9 @@ fn recorded_lines(records: &[RecipeRow], truth: &'static str, noise_mm: f64) -> 
             None => Cell::plain("not recorded"),
             Some(over) => Cell { text: in_words(&over), ..error(over.mean) },
         };
-        let cells = CONTACT_GROUPS.iter().flat_map(|group| {
-            quantities(group).map(|(quantity, _)| cell(of(group, quantity))).collect::<Vec<_>>()
-        });
+        let cells = CONTACT_GROUPS
+            .iter()
+            .flat_map(|group| quantities(group).map(|(quantity, _)| cell(of(group, quantity))).collect::<Vec<_>>());
         let words = [finger_name(truth).to_owned(), noise_mm.to_string(), paper_network(recipe) + " (recorded)"];
         let refused = share_in_words(found.iter().map(|over| [over.refused, over.answered]));
         Some(Row { cells: words.map(Cell::plain).into_iter().chain(cells).chain([Cell::plain(refused)]).collect() })

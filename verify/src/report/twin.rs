@@ -5,9 +5,9 @@ use super::figures::{self, Axis, BarGroup, FigureError, Frame, GroupedBars, Hue,
 use super::page::{Block, Cell, Column, Figure, Row, Section, Table};
 use super::sections::{self, text};
 use super::tables::{error, figure, percent};
+use crate::ledger::criteria::TPU_MPA;
 use crate::study::Study;
 use crate::table_one::{TableOne, TableOneRow};
-use crate::ledger::criteria::TPU_MPA;
 use crate::twin::fit::TwinFit;
 use crate::twin::moduli_mpa;
 use crate::twin::study::{LOADED, TwinSensing, TwinStudy};
@@ -154,7 +154,9 @@ fn freedom_in_words(fits: &[TwinFit]) -> String {
     let better: Vec<&str> = others.iter().filter(|fit| fit.misfit < own.misfit).map(|fit| fit.set.name).collect();
     match (others.len(), better.len()) {
         (0, _) => format!("{parameters}; other sets of zones were not fitted this time."),
-        (tried, 0) => format!("{parameters}; of {tried} other sets of zones {fitting} fit as well as the figures are known."),
+        (tried, 0) => {
+            format!("{parameters}; of {tried} other sets of zones {fitting} fit as well as the figures are known.")
+        }
         (tried, _) => format!(
             "{parameters}; of {tried} other sets of zones {fitting} fit as well as the figures are known, and {} better than this one.",
             better.join("; ")
@@ -176,7 +178,10 @@ fn moduli_in_words(moduli: &[f64]) -> String {
     };
     let outside: Vec<f64> = moduli.iter().copied().filter(|modulus| !(least..=most).contains(modulus)).collect();
     match outside.len() {
-        0 => format!("The zones have {} MPa, within the {least} to {most} MPa that the paper quotes for TPU.", listed(moduli)),
+        0 => format!(
+            "The zones have {} MPa, within the {least} to {most} MPa that the paper quotes for TPU.",
+            listed(moduli)
+        ),
         _ => format!(
             "Of the zones' moduli ({} MPa) {} MPa lie outside the {least} to {most} MPa that the paper quotes for TPU.",
             listed(moduli),
@@ -393,7 +398,12 @@ mod tests {
 
     #[test]
     fn the_twin_is_one_of_several_fits() {
-        let words = freedom_in_words(&[fit_of(TWIN, 0.5), fit_of(OTHERS[0], 0.4), fit_of(OTHERS[1], 0.9), fit_of(OTHERS[2], 3.0)]);
+        let words = freedom_in_words(&[
+            fit_of(TWIN, 0.5),
+            fit_of(OTHERS[0], 0.4),
+            fit_of(OTHERS[1], 0.9),
+            fit_of(OTHERS[2], 3.0),
+        ]);
         assert!(words.contains("Its 4 parameters, 3 factors of zones and the modulus outside"), "{words}");
         assert!(words.contains("of 3 other sets of zones 2 fit") && words.contains(OTHERS[0].name), "{words}");
         assert!(words.contains("better than this one") && !words.contains(OTHERS[1].name), "{words}");

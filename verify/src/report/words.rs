@@ -177,8 +177,7 @@ fn hard_cases(study: &Study) -> Option<String> {
 fn table_one(study: &Study) -> Option<String> {
     let table = study.tables_one.first()?;
     let large = table.rows.iter().filter(|row| row.paper_mean_error > 0.10);
-    let (most, less): (Vec<_>, Vec<_>) =
-        large.partition(|row| accounts_for(&[(row.mean_error, row.paper_mean_error)]));
+    let (most, less): (Vec<_>, Vec<_>) = large.partition(|row| accounts_for(&[(row.mean_error, row.paper_mean_error)]));
     let list = |rows: &[&crate::table_one::TableOneRow]| {
         let items: Vec<_> = rows
             .iter()
