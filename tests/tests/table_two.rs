@@ -8,7 +8,7 @@ use finray_verify::estimators::{BeamEstimator, Estimator, EstimatorError, Estima
 use finray_verify::networks::accuracy::{ENOUGH_CASES, NAME, NetworkStudy, PROMISES};
 use finray_verify::networks::{NetworkSensing, Networks};
 use finray_verify::scatter::{Scatter, ScatterRequest, ScatterRow, TWO_FORCES_N, scatter};
-use finray_verify::table_two::{CONTACT_SETS, STEPS, TableTwo, table_two};
+use finray_verify::table_two::{CONTACT_GROUPS, GroupErrors, STEPS, TableTwo, contact_sets, table_two};
 use finray_verify::truth::fine_mesh;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -182,12 +182,35 @@ fn networks_are_held_to_their_promises() {
 }
 
 fn errors(table: &TableTwo, truth: &str, noise_mm: f64, estimator: &str) -> Vec<[f64; 2]> {
-    let finger = table.fingers.iter().find(|finger| finger.truth == truth).expect("a finger of the table");
-    let wanted = finger.rows.iter().filter(|row| row.noise_mm == noise_mm && row.estimator == estimator);
-    let errors: Vec<_> =
-        wanted.map(|row| [row.mean_error().expect("sensed"), row.sum.expect("sensed").mean_error]).collect();
-    assert_eq!(errors.len(), CONTACT_SETS.len(), "{truth}, {noise_mm} mm, {estimator}");
-    errors
+    let rows: Vec<&ScatterRow> = table.of(truth, noise_mm, estimator).collect();
+    assert_eq!(rows.len(), contact_sets().len(), "{truth}, {noise_mm} mm, {estimator}");
+    rows.iter().map(|row| [row.mean_error().expect("sensed"), row.sum.expect("sensed").mean_error]).collect()
+}
+
+/// The paper names its contact nodes (sec. V-C) and lists the mean over the tests of each kind.
+#[test]
+fn table_two_is_of_the_papers_nodes() {
+    let sets: Vec<&[usize]> = vec![&[21], &[19], &[17], &[19, 20], &[16, 17], &[18, 20], &[16, 20]];
+    assert_eq!(contact_sets(), sets);
+    assert_eq!(CONTACT_GROUPS.map(|group| group.sets.len()), [3, 2, 2]);
+    let row = |nodes: &[usize], mean_error: f64, refused: usize| ScatterRow {
+        estimator: "e".into(),
+        nodes: nodes.to_vec(),
+        noise_mm: NOISE_MM,
+        cases: 10 - refused,
+        not_carried: 0,
+        refused,
+        forces: vec![Scatter { mean_error, mean_error_n: 2.0 * mean_error, ..Scatter::default() }; nodes.len()],
+        sum: Some(Scatter { mean_error: 0.5 * mean_error, ..Scatter::default() }),
+    };
+    let [one, neighbours, _] = CONTACT_GROUPS;
+    let rows = [row(&[19, 20], 0.4, 1), row(&[16, 17], 0.2, 3), row(&[19], 0.1, 0)];
+    let found = GroupErrors::of(&neighbours, &rows).expect("both sets");
+    assert!((found.force - 0.3).abs() < 1e-12 && (found.sum.expect("two forces") - 0.15).abs() < 1e-12, "{found:?}");
+    assert!((found.force_n - 0.6).abs() < 1e-12, "{found:?}");
+    assert_eq!((found.answered, found.refused), (16, 4));
+    // A set less is no mean of the paper's.
+    assert_eq!(GroupErrors::of(&one, &rows), None);
 }
 
 /// Large rotation ruins linear sensing of neighbours and leaves their sum; noise alone does not; the nonlinear estimator
@@ -207,12 +230,13 @@ fn table_two_blames_large_rotation() {
         assert!(force < ROUNDING && sum < ROUNDING, "{force}, {sum}");
     }
     let within = |found: f64, study: f64| assert!((found / study - 1.0).abs() < CHANCE, "{found}, study {study}");
-    for ([force, _], study) in
-        errors(&table, "linear", NOISE_MM, "least-squares").into_iter().zip([0.003, 0.025, 0.012])
-    {
+    // The independent study has one set of each kind: 19; 19 and 20; 18 and 20.
+    let studied = |all: Vec<[f64; 2]>| [all[1], all[3], all[5]];
+    let alone = studied(errors(&table, "linear", NOISE_MM, "least-squares"));
+    for ([force, _], study) in alone.into_iter().zip([0.003, 0.025, 0.012]) {
         within(force, study);
     }
-    let large = errors(&table, "corotational", NOISE_MM, "least-squares");
+    let large = studied(errors(&table, "corotational", NOISE_MM, "least-squares"));
     for ([force, sum], study) in large.into_iter().zip([[0.015, 0.015], [0.34, 0.069], [0.15, 0.072]]) {
         within(force, study[0]);
         within(sum, study[1]);
@@ -225,5 +249,6 @@ fn table_two_blames_large_rotation() {
     }
     // Of further estimators the table has rows as well.
     errors(&table, "corotational", NOISE_MM, "constant");
-    assert!(table.condition_numbers[0] == 1.0 && table.condition_numbers[1] > table.condition_numbers[2]);
+    let [alone, near, far] = CONTACT_GROUPS.map(|group| table.condition_range(&group).expect("its sets"));
+    assert!(alone == [1.0; 2] && near[0] > far[1], "{alone:?} {near:?} {far:?}");
 }

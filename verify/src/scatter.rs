@@ -48,6 +48,8 @@ pub struct ScatterRequest<'m> {
 pub struct Scatter {
     /// Mean of |sensed / true - 1|.
     pub mean_error: f64,
+    /// Mean of |sensed - true|, N.
+    pub mean_error_n: f64,
     /// Against the Cramer-Rao bound; left out without noise, where the bound is 0.
     #[serde(flatten)]
     pub bound: Option<AgainstBound>,
@@ -160,6 +162,12 @@ impl ScatterRow {
     /// Mean error of all forces; `None` if no case was sensed.
     pub fn mean_error(&self) -> Option<f64> {
         let errors = self.forces.iter().map(|scatter| scatter.mean_error);
+        (!self.forces.is_empty()).then(|| errors.sum::<f64>() / self.forces.len() as f64)
+    }
+
+    /// Mean absolute error of all forces, N; `None` if no case was sensed.
+    pub fn mean_error_n(&self) -> Option<f64> {
+        let errors = self.forces.iter().map(|scatter| scatter.mean_error_n);
         (!self.forces.is_empty()).then(|| errors.sum::<f64>() / self.forces.len() as f64)
     }
 
@@ -285,6 +293,7 @@ fn row<'c>(name: &str, nodes: &[NodeId], noise_mm: f64, looks: impl Iterator<Ite
 struct Sums {
     cases: usize,
     error: f64,
+    error_n: f64,
     bounded: usize,
     bound: f64,
     standardised: f64,
@@ -303,6 +312,7 @@ impl Sums {
     fn add(&mut self, truth: f64, [error, first_order]: [f64; 2], bound: Option<f64>, stated_sigma: Option<f64>) {
         self.cases += 1;
         self.error += (error / truth).abs();
+        self.error_n += error.abs();
         if let Some(bound) = bound {
             self.bounded += 1;
             self.bound += MEAN_ABSOLUTE * bound / truth;
@@ -334,6 +344,7 @@ impl Sums {
         let over = |sum: f64, count: usize| sum / count as f64;
         (self.cases > 0).then(|| Scatter {
             mean_error: over(self.error, self.cases),
+            mean_error_n: over(self.error_n, self.cases),
             bound: (self.bounded > 0).then(|| AgainstBound {
                 mean_error_bound: over(self.bound, self.bounded),
                 over_bound: over(self.squared, self.bounded).sqrt(),

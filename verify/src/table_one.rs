@@ -3,6 +3,7 @@
 use crate::truth::Truth;
 use finray_model::calibration::{self, CalibrationCase, CalibrationError};
 use finray_model::measurement::Measurement;
+use finray_model::mesh::FingerShape;
 use finray_model::sensing::{Contact, ContactPlace, LinearEstimator, Prior, SensingError};
 use finray_model::{Finger, NodeId};
 use serde::Serialize;
@@ -23,6 +24,13 @@ pub const PAPER_MEAN_ERRORS: [(NodeId, f64); 6] = [
     (NodeId(24), 0.200),
 ];
 
+/// The paper's largest error at nodes 16 and 24 (sec. V-B).
+pub const PAPER_LARGEST_ERRORS: [(NodeId, f64); 2] = [(NodeId(16), 0.18), (NodeId(24), 0.242)];
+/// The paper's smallest and largest error at node 14 (sec. V-B).
+pub const PAPER_RANGE_AT_14: [f64; 2] = [0.496, 0.637];
+/// Bounds that the paper states of the mean and of the largest error at nodes 18, 20 and 22 (sec. V-B).
+pub const PAPER_MIDDLE_BOUNDS: [f64; 2] = [0.03, 0.05];
+
 /// Force of a weight, N.
 pub fn weight_n(weight_g: f64) -> f64 {
     weight_g * 1e-3 * STANDARD_GRAVITY
@@ -41,6 +49,13 @@ pub struct TableOneRow {
     pub mean_error: f64,
     /// The paper's mean error.
     pub paper_mean_error: f64,
+}
+
+impl TableOneRow {
+    /// The smallest and the largest of sensed / true - 1 over the weights.
+    pub fn range(&self) -> [f64; 2] {
+        self.errors.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &e| [low.min(e), high.max(e)])
+    }
 }
 
 /// Table I for one direction of the weights.
@@ -84,27 +99,11 @@ pub enum TableOneError {
 /// [`TableOneError`] if a weight cannot be carried or sensed.
 pub fn table_one(finger: &Finger, truth: &dyn Truth, angle_deg: f64) -> Result<TableOne, TableOneError> {
     let forces_n = WEIGHTS_G.map(weight_n);
-    let shapes = |node: NodeId| {
-        let contact = Contact { place: ContactPlace::Node(node), angle_deg };
-        let shapes = truth.shapes(&contact, &forces_n);
-        match WEIGHTS_G.get(shapes.len()) {
-            Some(&weight_g) => Err(TableOneError::NoEquilibrium { node, weight_g }),
-            None => Ok((contact, shapes)),
-        }
-    };
-    let mut cases = Vec::new();
-    for node in CALIBRATION_NODES {
-        let (contact, shapes) = shapes(node)?;
-        for (shape, force_n) in shapes.iter().zip(forces_n) {
-            let load = contact.load(finger, force_n);
-            cases.push(CalibrationCase { load, measurement: Measurement::of_shape(finger, shape) });
-        }
-    }
-    let modulus = calibration::youngs_modulus(finger, &cases)?;
-    let calibrated = finger.with_modulus_factor(modulus.factor)?;
+    let modulus_factor = modulus_factor(finger, truth, angle_deg, &CALIBRATION_NODES)?;
+    let calibrated = finger.with_modulus_factor(modulus_factor)?;
     let mut rows = Vec::new();
     for (node, paper_mean_error) in PAPER_MEAN_ERRORS {
-        let (contact, shapes) = shapes(node)?;
+        let (contact, shapes) = shapes(truth, node, angle_deg)?;
         let mut errors = Vec::new();
         for (shape, force_n) in shapes.iter().zip(forces_n) {
             let measurement = Measurement::of_shape(&calibrated, shape);
@@ -118,5 +117,36 @@ pub fn table_one(finger: &Finger, truth: &dyn Truth, angle_deg: f64) -> Result<T
         let mean_error = errors.iter().map(|e| e.abs()).sum::<f64>() / errors.len() as f64;
         rows.push(TableOneRow { angle_deg, node: node.0, errors, mean_error, paper_mean_error });
     }
-    Ok(TableOne { truth: truth.name().to_owned(), angle_deg, modulus_factor: modulus.factor, rows })
+    Ok(TableOne { truth: truth.name().to_owned(), angle_deg, modulus_factor, rows })
+}
+
+/// Young's modulus by eq. (11) from the truth's shapes under the weights at some nodes, as a factor on the finger's.
+///
+/// # Errors
+/// [`TableOneError`] if a weight cannot be carried.
+pub fn modulus_factor(
+    finger: &Finger,
+    truth: &dyn Truth,
+    angle_deg: f64,
+    nodes: &[NodeId],
+) -> Result<f64, TableOneError> {
+    let mut cases = Vec::new();
+    for &node in nodes {
+        let (contact, shapes) = shapes(truth, node, angle_deg)?;
+        for (shape, force_n) in shapes.iter().zip(WEIGHTS_G.map(weight_n)) {
+            let load = contact.load(finger, force_n);
+            cases.push(CalibrationCase { load, measurement: Measurement::of_shape(finger, shape) });
+        }
+    }
+    Ok(calibration::youngs_modulus(finger, &cases)?.factor)
+}
+
+/// The truth's shapes under the weights at a node.
+fn shapes(truth: &dyn Truth, node: NodeId, angle_deg: f64) -> Result<(Contact, Vec<FingerShape>), TableOneError> {
+    let contact = Contact { place: ContactPlace::Node(node), angle_deg };
+    let shapes = truth.shapes(&contact, &WEIGHTS_G.map(weight_n));
+    match WEIGHTS_G.get(shapes.len()) {
+        Some(&weight_g) => Err(TableOneError::NoEquilibrium { node, weight_g }),
+        None => Ok((contact, shapes)),
+    }
 }

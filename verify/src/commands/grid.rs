@@ -61,7 +61,7 @@ pub enum TruthArgument {
     /// The finger as MuJoCo solved it: exported shapes of three fingers, at their contact nodes, in the exported
     /// directions, under the exported forces; --places and --step-deg do not count beside it
     Mujoco,
-    /// The paper's finger with the softer base and tip that explain its Table I, with large rotations; for the paper's
+    /// The paper's finger with a softer base and tip, one of several fits of its Table I, co-rotational; for the paper's
     /// scene alone
     Twin,
 }

@@ -7,7 +7,7 @@ use super::{NetworkSensing, Networks};
 use crate::estimators::{Estimator, EstimatorError};
 use crate::scatter::{ScatterRequest, ScatterRow, scatter};
 use crate::study::CAMERA_NOISE_MM;
-use crate::table_two::{CONTACT_SETS, FORCES_N};
+use crate::table_two::{COMPARED_SETS, FORCES_N};
 use crate::truth::fine_mesh;
 use finray_model::mesh::MeshSizeError;
 use finray_model::sensing::Contact;
@@ -87,7 +87,7 @@ pub fn recipes(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<Reci
         .zip(&networks)
         .map(|((_, _, name, _), networks)| NetworkSensing { name, networks, finger, refuses: false })
         .collect();
-    let sets = CONTACT_SETS.map(|set| set.nodes.to_vec());
+    let sets = COMPARED_SETS.map(|set| set.nodes.to_vec());
     let (coarse, fine) = (Mesh::key_nodes(finger), fine_mesh(finger)?);
     let mut rows = Vec::new();
     for (truth, mesh, kinematics) in
@@ -154,7 +154,7 @@ pub fn curves(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<Curve
 
 fn recipe_jobs() -> Vec<Job> {
     let of_recipe = |(name, seeds): (&'static str, u64)| {
-        (1..=seeds).flat_map(move |seed| CONTACT_SETS.map(|set| (seed, set.nodes))).map(move |(seed, nodes)| {
+        (1..=seeds).flat_map(move |seed| COMPARED_SETS.map(|set| (seed, set.nodes))).map(move |(seed, nodes)| {
             let contacts = contacts(nodes);
             let recipe = match name {
                 "a" => TrainingRecipe::paper(contacts),

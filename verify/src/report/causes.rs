@@ -19,11 +19,15 @@ use crate::study::{DRAWN_FORCE_N, Study};
 use finray_model::finger::Plate;
 
 pub(super) const CSV: &str = "causes.csv";
+/// The finger at hand among the true fingers.
+const OWN: &str = "corotational";
+/// The finger that is fitted to the paper's Table I.
+const FITTED: &str = "twin";
 
-/// What limits sensing near the base, in the middle and near the tip, in one sentence.
+/// What limits sensing of the finger at hand near the base, in the middle and near the tip, in one sentence. A fitted finger, whose soft
+/// ends were put in, is not asked.
 pub(super) fn verdict(study: &Study) -> Option<String> {
-    let map = find(study, "twin", Practice::LeastSquares, ContactKnowledge::Known)
-        .or_else(|| find(study, "corotational", Practice::LeastSquares, ContactKnowledge::Known))?;
+    let map = find(study, OWN, Practice::LeastSquares, ContactKnowledge::Known)?;
     let part = |region: Region| {
         let shares = Shares::of(&study.finger, map, DRAWN_FORCE_N, region)?;
         let largest = shares.largest()?;
@@ -34,18 +38,14 @@ pub(super) fn verdict(study: &Study) -> Option<String> {
     if parts.is_empty() {
         return None;
     }
-    let finger = match map.truth {
-        "twin" => "a finger that is softer at both ends, as the paper's seems to be",
-        _ => "this finger",
-    };
     let in_the_middle =
         |map: &CauseMap| Some(Shares::of(&study.finger, map, DRAWN_FORCE_N, Region::Middle)?.largest()?.cause);
-    let assumed = find(study, map.truth, Practice::LeastSquares, ContactKnowledge::Assumed).and_then(in_the_middle);
+    let assumed = find(study, OWN, Practice::LeastSquares, ContactKnowledge::Assumed).and_then(in_the_middle);
     let assumed = assumed.filter(|cause| Some(*cause) != in_the_middle(map)).map_or_else(String::new, |cause| {
         format!("; where a contact is only assumed, in the middle it is {}", cause.name())
     });
     Some(format!(
-        "What limits linear sensing of {DRAWN_FORCE_N} N along the normal on {finger}: {}{assumed}.",
+        "In simulation, what limits linear sensing of {DRAWN_FORCE_N} N along the normal on this finger, as described: {}{assumed}.",
         parts.join(", ")
     ))
 }
@@ -60,8 +60,8 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
              error that goes away. Shares need not add up to one: errors that point the same way grow when squared, and one that \
              hides another has a negative share. Where a contact is assumed, its place is {PLACE_OFF_MM} mm off to either side (the \
              radius of the paper's rods) and its direction {DIRECTION_OFF_DEG} deg to either side (as far as the paper's deformed normal \
-             turns from the one it assumes); the modulus is calibrated from weights by the model that senses; the zones of the finger \
-             that is softer at both ends are not known to it.",
+             turns from the one it assumes); the modulus is calibrated from weights by the model that senses.{}",
+            fitted_in_words(study)
         )),
         Block::Table(by_region(study)),
     ];
@@ -80,23 +80,37 @@ fn find<'s>(study: &'s Study, truth: &str, practice: Practice, contact: ContactK
     study.causes.iter().find(is)
 }
 
-/// The maps over place and direction, those with zones first.
+/// What the fitted finger is, where it was asked.
+fn fitted_in_words(study: &Study) -> &'static str {
+    match study.causes.iter().any(|map| map.truth == FITTED) {
+        true => {
+            " The finger at hand comes first. \"Fitted to Table I\" is one of several fingers with softer zones that err as the paper's table has \
+             it: its zones were put in and are not known to sensing, so that they come out as causes is no finding about the paper's finger."
+        }
+        false => "",
+    }
+}
+
+/// All maps, those of the finger at hand first.
+fn own_first(study: &Study) -> impl Iterator<Item = &CauseMap> {
+    let (own, others): (Vec<_>, Vec<_>) = study.causes.iter().partition(|map| map.truth == OWN);
+    own.into_iter().chain(others)
+}
+
+/// The maps over place and direction, those of the finger at hand first.
 fn drawn(study: &Study) -> impl Iterator<Item = &CauseMap> {
-    let of = |truth: &'static str| {
-        study.causes.iter().filter(move |map| map.truth == truth && map.request.angles_deg.len() > 1)
-    };
-    of("twin").chain(of("corotational"))
+    own_first(study).filter(|map| map.request.angles_deg.len() > 1)
 }
 
 /// The maps whose causes are drawn along the normal.
 fn along(study: &Study) -> impl Iterator<Item = &CauseMap> {
     drawn(study)
         .filter(|map| map.contact == ContactKnowledge::Known)
-        .chain(study.causes.iter().filter(|map| map.practice == Practice::Network))
+        .chain(own_first(study).filter(|map| map.practice == Practice::Network))
 }
 
 fn truth_in_words(map: &CauseMap) -> &'static str {
-    if map.truth == "twin" { "softer at both ends" } else { "as described" }
+    if map.truth == FITTED { "fitted to Table I" } else { "as described" }
 }
 
 fn estimator_in_words(map: &CauseMap) -> &'static str {
@@ -141,12 +155,12 @@ fn by_region(study: &Study) -> Table {
              25 %"
         ),
         columns,
-        rows: study.causes.iter().map(of_map).collect(),
+        rows: own_first(study).map(of_map).collect(),
         csv: Some(CSV.to_owned()),
     }
 }
 
-/// What the finger's mechanics have to do with it: how strongly the markers tell a force, its place and its direction.
+/// What the finger's mechanics have to do with it: how well force, position and direction are identifiable.
 fn mechanism(study: &Study) -> Option<String> {
     let length_mm = study.finger.plate_length_mm(Plate::Front);
     let mean = |region: Region, of: fn(&Explanation) -> Option<f64>| {
@@ -164,17 +178,17 @@ fn mechanism(study: &Study) -> Option<String> {
         format!(" Noise of {} mm leaves no estimator less than {noise}.", study.noise_mm)
     });
     let largest = |region: Region| {
-        let map = find(study, "twin", Practice::LeastSquares, ContactKnowledge::Known)?;
+        let map = find(study, FITTED, Practice::LeastSquares, ContactKnowledge::Known)?;
         Some(Shares::of(&study.finger, map, DRAWN_FORCE_N, region)?.largest()?.cause)
     };
     let mut ends = String::new();
     if largest(Region::Base) == Some(Cause::BaseCompliance) {
-        ends += " Near the clamp a force moves the finger little, so what gives way there is a large part of the motion and is \
-                 taken for force.";
+        ends += " If a finger gives way at its clamp, as the one fitted to Table I was made to, that is a large part of the little motion \
+                 that a force near the clamp causes, and is taken for force.";
     }
     if largest(Region::Tip) == Some(Cause::TipCompliance) {
-        ends += " Near the tip a force bends the last stretches of plate most of all, so their modulus decides, not the one that was \
-                 calibrated in the middle.";
+        ends += " If the last segments of plate are softer, as the fitted one's were made, a force near the tip bends these most of all: their \
+                 modulus decides, not the one that was calibrated in the middle.";
     }
     Some(format!(
         "For the nonlinear estimator, to first order, a place that is 1 mm off changes the force by {}, a direction that is 1 deg off by \
@@ -186,8 +200,7 @@ fn mechanism(study: &Study) -> Option<String> {
 
 /// Error at the nodes as remedies are taken one after the other.
 fn remedies(study: &Study) -> Option<Table> {
-    let map = find(study, "twin", Practice::LeastSquares, ContactKnowledge::Assumed)
-        .or_else(|| find(study, "corotational", Practice::LeastSquares, ContactKnowledge::Assumed))?;
+    let map = find(study, OWN, Practice::LeastSquares, ContactKnowledge::Assumed)?;
     let finger = &study.finger;
     let mut columns = vec![Column::numbers("node"), Column::numbers("as it is")];
     columns.extend(REMEDIES.iter().map(|(name, _)| Column::numbers(format!("+ {name}"))));

@@ -13,13 +13,15 @@ pub(super) fn section(study: &Study) -> Option<Section> {
     }
     let blocks = vec![
         text(
-            "What Xu et al. (IEEE T-RO 2021) say, and what the computations of this report say to it. They are made on models of the finger, \
-             not on the finger: \"better\" and \"refuted\" hold as far as the finger is what its model takes it for.",
+            "What Xu et al. (IEEE T-RO 2021) say, in their words where they stand in quotation marks, and what the computations of this report \
+             say to it. All are made on models of the finger, not on the finger. \"Refuted\" is a statement about its mechanics that the model \
+             contradicts; \"not reproduced\" a measured figure that the model does not give; \"in simulation\" what holds, or errs less than the \
+             paper's measurement, on a simulated finger whose model is known: that says nothing against the measurement.",
         ),
         text(counted(&study.claims)),
         Block::Table(Table {
             caption: "The paper's claims".to_owned(),
-            columns: ["claim", "paper", "ours", "how", "verdict"].map(Column::words).into(),
+            columns: ["claim", "paper", "ours", "how", "criterion", "verdict"].map(Column::words).into(),
             rows: study.claims.iter().map(row).collect(),
             csv: Some(CSV.to_owned()),
         }),
@@ -28,20 +30,20 @@ pub(super) fn section(study: &Study) -> Option<Section> {
 }
 
 fn row(claim: &Claim) -> Row {
-    let words = [&claim.claim, &claim.paper, &claim.ours, &claim.how].map(|text| Cell::plain(text.as_str()));
+    let words =
+        [&claim.claim, &claim.paper, &claim.ours, &claim.how, &claim.criterion].map(|text| Cell::plain(text.as_str()));
     let verdict = claim.verdict.in_words();
     let verdict = match claim.verdict {
-        ClaimVerdict::Reproduced | ClaimVerdict::Better | ClaimVerdict::Explained => Cell::shaded(verdict, Shade::Pass),
-        ClaimVerdict::Refuted => Cell::shaded(verdict, Shade::Fail),
-        ClaimVerdict::NotTestableHere => Cell::plain(verdict),
+        ClaimVerdict::Reproduced => Cell::shaded(verdict, Shade::Pass),
+        ClaimVerdict::Refuted | ClaimVerdict::NotReproduced => Cell::shaded(verdict, Shade::Fail),
+        ClaimVerdict::InSimulation | ClaimVerdict::NotTested => Cell::plain(verdict),
     };
     Row { cells: words.into_iter().chain([verdict]).collect() }
 }
 
 /// How many claims came to what.
 fn counted(claims: &[Claim]) -> String {
-    use ClaimVerdict::{Better, Explained, NotTestableHere, Refuted, Reproduced};
-    let counts = [Reproduced, Better, Explained, Refuted, NotTestableHere].map(|verdict| {
+    let counts = ClaimVerdict::ALL.map(|verdict| {
         let count = claims.iter().filter(|claim| claim.verdict == verdict).count();
         format!("{count} {}", verdict.in_words())
     });
@@ -54,12 +56,23 @@ mod tests {
 
     #[test]
     fn claims_are_counted_by_verdict() {
-        let claim =
-            |verdict| Claim { claim: "a".into(), paper: "1".into(), ours: "2".into(), how: "so".into(), verdict };
-        let claims = [ClaimVerdict::Better, ClaimVerdict::Refuted, ClaimVerdict::Better].map(claim);
+        let claim = |verdict| Claim {
+            claim: "a".into(),
+            paper: "1".into(),
+            ours: "2".into(),
+            how: "so".into(),
+            criterion: "less".into(),
+            verdict,
+        };
+        let claims = [ClaimVerdict::InSimulation, ClaimVerdict::Refuted, ClaimVerdict::InSimulation].map(claim);
         let words = counted(&claims);
-        assert!(words.contains("Of 3 claims") && words.contains("2 better") && words.contains("1 refuted"), "{words}");
+        assert!(
+            words.contains("Of 3 claims") && words.contains("2 in simulation") && words.contains("1 refuted"),
+            "{words}"
+        );
         assert!(words.contains("0 reproduced"), "{words}");
-        assert_eq!(row(&claims[1]).cells[4], Cell::shaded("refuted", Shade::Fail));
+        // What a simulation betters is no success against a measurement.
+        assert_eq!(row(&claims[0]).cells[5], Cell::plain("in simulation"));
+        assert_eq!(row(&claims[1]).cells[5], Cell::shaded("refuted", Shade::Fail));
     }
 }

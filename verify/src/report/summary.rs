@@ -113,7 +113,7 @@ impl Summary {
             twin: study.twin.iter().flat_map(twin::rows).collect(),
             twin_zone_sets: study.twin.iter().flat_map(twin::set_rows).collect(),
             twin_calibration: study.twin.iter().flat_map(twin::calibration_rows).collect(),
-            table_two: study.table_two.iter().flat_map(table_two::rows).collect(),
+            table_two: table_two::rows(study),
             pairs: study.noise.iter().flat_map(pairs::rows).collect(),
             directions: study.directions.iter().flat_map(directions::rows).collect(),
             directions_without_friction: study.directions.iter().flat_map(directions::frictionless_rows).collect(),

@@ -127,8 +127,8 @@ pub(super) fn csv_files(study: &Study) -> Result<Vec<(PathBuf, String)>, csv::Er
     if !study.contact_scenes.is_empty() {
         files.push((contact_scenes::CSV.into(), csv_text(contact_scenes::rows(study))?));
     }
-    if let Some(table) = &study.table_two {
-        files.push((table_two::CSV.into(), csv_text(table_two::rows(table))?));
+    if study.table_two.is_some() {
+        files.push((table_two::CSV.into(), csv_text(table_two::rows(study))?));
     }
     if let Some(study) = &study.networks {
         files.push((networks::CSV.into(), csv_text(networks::rows(study))?));

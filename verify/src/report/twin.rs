@@ -1,13 +1,15 @@
-//! The digital twin of Table I: what explains the table, and what sensing gains from knowing it.
+//! The digital twin of Table I: one of several fingers that are fitted to the table, and what sensing gains from knowing it.
 
 use super::ReportError;
 use super::figures::{self, Axis, BarGroup, FigureError, Frame, GroupedBars, Hue, Reference};
 use super::page::{Block, Cell, Column, Figure, Row, Section, Table};
 use super::sections::{self, text};
 use super::tables::{error, figure, percent};
+use crate::ledger::criteria::TPU_MPA;
 use crate::study::Study;
 use crate::table_one::{TableOne, TableOneRow};
 use crate::twin::fit::TwinFit;
+use crate::twin::moduli_mpa;
 use crate::twin::study::{LOADED, TwinSensing, TwinStudy};
 use serde::Serialize;
 
@@ -125,20 +127,67 @@ pub(super) fn calibration_rows(study: &TwinStudy) -> Vec<CalibrationRow> {
     study.calibrations.iter().enumerate().flat_map(of_one).collect()
 }
 
-/// What the twin comes to, in a sentence or two.
+/// What the twin is, in a sentence or two: a fit, its freedom, and how far its moduli are from the material's.
 pub(super) fn verdict(study: &TwinStudy) -> String {
     let large: Vec<_> = (study.after.rows.iter().filter(|row| row.paper_mean_error > 0.10))
         .map(|row| format!("node {} {} (paper {})", row.node, percent(row.mean_error), percent(row.paper_mean_error)))
         .collect();
-    let worst = |of: fn(&TwinSensing) -> Option<f64>| study.sensing.iter().filter_map(of).fold(0.0, f64::max);
     format!(
-        "A finger that is softer at base and tip, sensed with the uniform model, errs as Table I has it: {}. It explains the \
-         table and does not prove what the finger was like; with its zones calibrated, nonlinear sensing under noise errs by \
-         at most {} at every node from 14 to 24, linear sensing by {}.",
+        "A fit, not a finding: a simulated finger that was given softer zones at base and tip errs as Table I has it: {}. {} {} Material, \
+         hysteresis and what else the paper did not publish are not in it.",
         large.join(", "),
-        percent(worst(|s| s.nonlinear.mean_error())),
-        percent(worst(|s| s.linear.mean_error()))
+        freedom_in_words(&study.fits),
+        moduli_in_words(&moduli_mpa(&study.finger)),
     )
+}
+
+/// How many numbers are fitted to how many, and which other sets of zones do as well or better.
+fn freedom_in_words(fits: &[TwinFit]) -> String {
+    let Some((own, others)) = fits.split_first() else { return String::new() };
+    // The modulus outside the zones is fitted, too.
+    let parameters = format!(
+        "Its {} parameters, {} factors of zones and the modulus outside, are fitted to six means and the calibrated modulus",
+        own.factors.len() + 1,
+        own.factors.len()
+    );
+    let fitting = others.iter().filter(|fit| fit.misfit < FITS).count();
+    let better: Vec<&str> = others.iter().filter(|fit| fit.misfit < own.misfit).map(|fit| fit.set.name).collect();
+    match (others.len(), better.len()) {
+        (0, _) => format!("{parameters}; other sets of zones were not fitted this time."),
+        (tried, 0) => {
+            format!("{parameters}; of {tried} other sets of zones {fitting} fit as well as the figures are known.")
+        }
+        (tried, _) => format!(
+            "{parameters}; of {tried} other sets of zones {fitting} fit as well as the figures are known, and {} better than this one.",
+            better.join("; ")
+        ),
+    }
+}
+
+/// The zones' moduli against those that the paper quotes for its material.
+fn moduli_in_words(moduli: &[f64]) -> String {
+    let [least, most] = TPU_MPA;
+    let listed = |moduli: &[f64]| {
+        let mut words: Vec<String> = Vec::new();
+        for modulus in moduli.iter().map(|modulus| format!("{modulus:.1}")) {
+            if !words.contains(&modulus) {
+                words.push(modulus);
+            }
+        }
+        words.join(", ")
+    };
+    let outside: Vec<f64> = moduli.iter().copied().filter(|modulus| !(least..=most).contains(modulus)).collect();
+    match outside.len() {
+        0 => format!(
+            "The zones have {} MPa, within the {least} to {most} MPa that the paper quotes for TPU.",
+            listed(moduli)
+        ),
+        _ => format!(
+            "Of the zones' moduli ({} MPa) {} MPa lie outside the {least} to {most} MPa that the paper quotes for TPU.",
+            listed(moduli),
+            listed(&outside)
+        ),
+    }
 }
 
 pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
@@ -146,18 +195,19 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
     let mut blocks = vec![
         text(
             "The paper infers from its errors that the modulus \"at the tip and base should be lower\", and leaves it there. \
-             Here that guess is put to the test: the paper's finger gets zones of lower modulus, front and back plate alike; \
+             Here a simulated finger is given zones of lower modulus, front and back plate alike; \
              their factors are fitted to the six published mean errors, and the modulus outside so that the paper's own \
              calibration finds the published one. Sensed too large, by the paper's text, are nodes 14, 16 and 24; at 18 to 22 \
              the signs are not published, and zero is fitted, give or take 3 %. The weights are assumed to pull along the \
-             normal. The result ships as the scene twin.toml and as finray map --truth twin.",
+             normal. That soft ends err so was put in; it is not found out by it. The result ships as the scene twin.toml and as finray \
+             map --truth twin.",
         ),
         text(fit_words(twin)),
         Block::Figure(Figure {
             svg: drawing(twin)?,
             caption: format!(
                 "Mean error by loaded node. First three: the protocol of Table I, without noise. Last two: random forces of \
-                 0.5 to 3 N on the twin with {} mm noise, the zones in the model calibrated from noisy pictures.",
+                 0.5 to 3 N on the twin with {} mm noise, the zones in the model calibrated from noise samples.",
                 twin.noise_mm
             ),
             csv: Some(CSV.to_owned()),
@@ -169,7 +219,7 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
     ];
     blocks.push(text(spread_words(twin)));
     blocks.push(Block::Table(sets_table(twin)));
-    Ok(Some(sections::section("twin", "What explains Table I: a digital twin", blocks)))
+    Ok(Some(sections::section("twin", "One fit of Table I: a digital twin", blocks)))
 }
 
 /// How far the fit determines the zones.
@@ -182,15 +232,15 @@ fn fit_words(study: &TwinStudy) -> String {
         (0, _) => String::new(),
         (tried, 0) => format!(" None of {tried} other sets of zones fits."),
         (tried, found) => format!(
-            " It is not the only answer: of {tried} other sets of zones that were tried, {found} fit within what the figures \
-             leave open ({}). What the table asks for is more give at the base and in the \
-             third next to the tip; it does not say in which plate, in plates or ribs, or how it is spread.",
+            " It is not the only answer: of {tried} other sets of zones that were tried, {found} fit within the uncertainty of the figures \
+             ({}). Within this family of fits the table asks for lower stiffness at the base and in the third next to the tip; it does not \
+             say in which plate, in plates or ribs, or how it is spread, and no other cause was fitted.",
             as_well.join("; ")
         ),
     };
     format!(
-        "Three factors from six numbers: {} (base, before the tip, tip; the deviations take the six numbers for independent \
-         measurements), modulus outside {} of the published one; root mean square misfit {:.2} of what the numbers may be off \
+        "Three factors and the modulus outside, four parameters, from six means and the calibrated modulus: {} (base, before the tip, tip; \
+         the deviations take the six means for independent measurements), modulus outside {} of the published one; root mean square misfit {:.2} of what the numbers may be off \
          (2 % at 14, 16 and 24, 3 % at 18 to 22).{rest}",
         factors.join(", "),
         percent(own.modulus_factor),
@@ -209,7 +259,7 @@ fn spread_words(study: &TwinStudy) -> String {
         .collect();
     format!(
         "Over the six weights the errors on the twin run from {}; the paper has 49.6 to 63.7 % at 14, at most 18 % at 16, \
-         below 5 % at 18 to 22 and at most 24.2 % at 24.",
+         below 5 % at 18 to 22 and at most 24.2 % at 24. These ranges were not fitted.",
         spans.join(", ")
     )
 }
@@ -218,10 +268,10 @@ fn calibration_words(study: &TwinStudy) -> String {
     let Some(first) = study.calibrations.first() else { return String::new() };
     let entangled = match first.entangled().len() {
         0 => "No two of them are entangled: no correlation reaches 0.95".to_owned(),
-        pairs => format!("{pairs} pairs of them are hard to tell apart"),
+        pairs => format!("{pairs} pairs of them are strongly correlated (0.95 or more)"),
     };
     format!(
-        "Such zones can be found on a real finger by hanging weights on it: finray calibrate --zones. From one noisy picture \
+        "Such zones can be found on a real finger by hanging weights on it: finray calibrate --zones. From one noise sample \
          ({} mm) of the twin for each of six weights at nodes {}, {} repetitions find the factors again. \
          {entangled}. Over all repetitions the root mean square of error over stated sigma is {:.2} (1 is meant).",
         study.noise_mm,
@@ -293,7 +343,7 @@ fn calibration_table(study: &TwinStudy) -> Table {
     });
     Table {
         caption:
-            "The twin's factors as calibrated from noisy pictures, over the true ones; the file has all repetitions"
+            "The twin's factors as calibrated from noise samples, over the true ones; the file has all repetitions"
                 .to_owned(),
         columns: std::iter::once(Column::words("parameter"))
             .chain(["found / true", "stated sigma"].map(Column::numbers))
@@ -324,5 +374,51 @@ fn sets_table(study: &TwinStudy) -> Table {
             .collect(),
         rows: rows.collect(),
         csv: Some(SETS_CSV.to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixtures;
+    use crate::twin::{OTHERS, TWIN, ZoneSet};
+    use finray_model::Scene;
+
+    fn fit_of(set: ZoneSet, misfit: f64) -> TwinFit {
+        TwinFit {
+            set,
+            finger: Scene::from_toml(fixtures::PAPER_SCENE).expect("the paper's scene").finger,
+            factors: set.groups.iter().map(|(_, start)| *start).collect(),
+            sigmas: vec![0.1; set.groups.len()],
+            modulus_factor: 1.0,
+            errors: Vec::new(),
+            misfit,
+        }
+    }
+
+    #[test]
+    fn the_twin_is_one_of_several_fits() {
+        let words = freedom_in_words(&[
+            fit_of(TWIN, 0.5),
+            fit_of(OTHERS[0], 0.4),
+            fit_of(OTHERS[1], 0.9),
+            fit_of(OTHERS[2], 3.0),
+        ]);
+        assert!(words.contains("Its 4 parameters, 3 factors of zones and the modulus outside"), "{words}");
+        assert!(words.contains("of 3 other sets of zones 2 fit") && words.contains(OTHERS[0].name), "{words}");
+        assert!(words.contains("better than this one") && !words.contains(OTHERS[1].name), "{words}");
+        let best = freedom_in_words(&[fit_of(TWIN, 0.3), fit_of(OTHERS[0], 0.4)]);
+        assert!(best.contains("1 fit") && !best.contains("better"), "{best}");
+        assert!(freedom_in_words(&[fit_of(TWIN, 0.3)]).contains("not fitted this time"));
+    }
+
+    /// The shipped twin is softer than the softest TPU that the paper quotes; a finger within the range is not said to be.
+    #[test]
+    fn moduli_are_held_against_the_material() {
+        let twin = Scene::from_toml(fixtures::TWIN_SCENE).expect("the twin's scene").finger;
+        let words = moduli_in_words(&moduli_mpa(&twin));
+        assert!(words.contains("(35.7, 7.6, 3.2 MPa) 7.6, 3.2 MPa lie outside the 10 to 1000 MPa"), "{words}");
+        assert!(moduli_in_words(&[12.0, 40.0]).contains("within"));
+        assert!(moduli_in_words(&[12.0, 1200.0]).contains("1200.0 MPa lie outside"));
     }
 }

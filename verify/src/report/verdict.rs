@@ -190,7 +190,7 @@ pub(super) fn limit(study: &Study) -> Option<String> {
         return Some("Linear least squares errs nowhere by more than 10 %.".to_owned());
     }
     let linear = format!(
-        "Where linear least squares errs by more than {}, its bias (the finger's large rotation, which it does not know) outweighs \
+        "Where linear least squares errs by more than {}, its bias (the geometric nonlinearity that it leaves out) outweighs \
          the scatter of the noise in {} of the cells",
         percent(TRUSTED),
         percent(biased as f64 / all as f64)
@@ -200,8 +200,8 @@ pub(super) fn limit(study: &Study) -> Option<String> {
     Some(match over.len() {
         0 => format!("{linear}."),
         nodes => format!(
-            "{linear}; the nonlinear estimator is limited by camera noise alone: along the normal it errs by {:.2} times the \
-             Cramer-Rao bound (mean over {nodes} nodes).",
+            "{linear}; the nonlinear estimator, which has the simulated finger's own model, errs along the normal by {:.2} times the \
+             Cramer-Rao bound of the noise (mean over {nodes} nodes).",
             over.iter().sum::<f64>() / nodes as f64
         ),
     })

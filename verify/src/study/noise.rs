@@ -223,7 +223,7 @@ mod tests {
             bias_over_bound: 0.0,
             controlled: Some(Controlled { over_bound_controlled: 1.05, standard_error: 0.01 }),
         };
-        let scatter = Scatter { mean_error, bound: Some(bound), coverage: None };
+        let scatter = Scatter { mean_error, mean_error_n: 0.0, bound: Some(bound), coverage: None };
         ScatterRow {
             estimator: "nonlinear".to_owned(),
             nodes: nodes.to_vec(),

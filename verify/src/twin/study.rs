@@ -5,7 +5,7 @@ use super::{OTHERS, TWIN, TwinError, twin_of};
 use crate::check::{Check, Comparison, Kind, worst};
 use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorKind};
 use crate::scatter::{Counts, ONE_FORCE_N, ScatterRequest, ScatterRow, scatter};
-use crate::table_one::{TableOne, TableOneError, TableOneRow, WEIGHTS_G, table_one, weight_n};
+use crate::table_one::{TableOne, TableOneError, TableOneRow, WEIGHTS_G, modulus_factor, table_one, weight_n};
 use crate::truth::{MeshTruth, Truth, fine_mesh};
 use finray_model::calibration::{CalibrationCase, CalibrationError, FactorEstimate, FactorModel, Unknown, factors};
 use finray_model::measurement::Measurement;
@@ -41,6 +41,9 @@ pub struct TwinStudy {
     pub before: TableOne,
     /// Table I on the twin.
     pub after: TableOne,
+    /// Modulus that eq. (11) finds on the twin from weights at all nodes of Table I and of the paper's calibration, over that which
+    /// it finds from the paper's three nodes alone.
+    pub recalibrated: f64,
     /// The twin's zones fitted anew, then other sets.
     pub fits: Vec<TwinFit>,
     /// Standard deviation of one coordinate in what follows, mm.
@@ -107,6 +110,7 @@ impl TwinStudy {
         let mesh = fine_mesh(&finger)?;
         let truth = MeshTruth::new("twin", &mesh, Kinematics::Corotational)?;
         let after = table_one(paper, &truth, ANGLE_DEG)?;
+        let recalibrated = modulus_factor(paper, &truth, ANGLE_DEG, &LOADED.map(NodeId))? / after.modulus_factor;
         let all: Vec<_> = std::iter::once(TWIN).chain(OTHERS).take(sets).collect();
         let fits = all.par_iter().map(|set| fit(paper, set)).collect::<Result<_, _>>()?;
         progress();
@@ -119,7 +123,7 @@ impl TwinStudy {
         let known = calibrations.first().map_or(&finger, |first| &first.finger);
         let sensing = sense(&mesh, paper, known, noise_mm, cases)?;
         progress();
-        Ok(TwinStudy { finger, before: before.clone(), after, fits, noise_mm, calibrations, sensing })
+        Ok(TwinStudy { finger, before: before.clone(), after, recalibrated, fits, noise_mm, calibrations, sensing })
     }
 
     /// The fit's residuals: the twin's errors beside those of Table I, which its zones were fitted to.

@@ -1,7 +1,7 @@
 //! Pictures of causes: the largest one over place and direction, and what each costs along the finger.
 
 use super::shares::{Region, Shares};
-use super::{CSV, practice_in_words, truth_in_words};
+use super::{CSV, own_first, practice_in_words, truth_in_words};
 use crate::causes::{Cause, CauseCell, CauseMap, ContactKnowledge, Practice, REMEDIES};
 use crate::report::ReportError;
 use crate::report::drawings::{ALONG_THE_PLATE, DIRECTION_AXIS, PAPER_SHADES_PERCENT};
@@ -142,7 +142,7 @@ pub(super) fn line_figure(map: &CauseMap) -> Result<Option<Figure>, ReportError>
 
 /// Which cells are cleared as remedies are taken one after the other, on each finger; `None` where that was not asked.
 pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
-    let rows: Vec<MapRow> = assumed(study).map(clearing_row).collect();
+    let rows: Vec<MapRow> = own_first(study).filter(assumed).map(clearing_row).collect();
     if rows.is_empty() {
         return Ok(None);
     }
@@ -176,14 +176,11 @@ pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
     }))
 }
 
-/// Linear least squares with an assumed contact, over place and direction.
-fn assumed(study: &Study) -> impl Iterator<Item = &CauseMap> {
-    let is = |map: &&CauseMap| {
-        map.practice == Practice::LeastSquares
-            && map.contact == ContactKnowledge::Assumed
-            && map.request.forces_n.contains(&DRAWN_FORCE_N)
-    };
-    study.causes.iter().filter(is)
+/// Whether it is of linear least squares with an assumed contact, over place and direction.
+fn assumed(map: &&CauseMap) -> bool {
+    map.practice == Practice::LeastSquares
+        && map.contact == ContactKnowledge::Assumed
+        && map.request.forces_n.contains(&DRAWN_FORCE_N)
 }
 
 fn clearing_row(map: &CauseMap) -> MapRow {

@@ -1,0 +1,115 @@
+//! From figures to verdicts: every criterion with its reason, each a small function.
+
+use super::ClaimVerdict::{self, InSimulation, NotReproduced, NotTested, Refuted, Reproduced};
+
+/// A statement about the finger's mechanics, which its model can bear out or contradict.
+pub fn statement(holds: bool) -> ClaimVerdict {
+    if holds { Reproduced } else { Refuted }
+}
+
+/// A measured figure: that our computation does not give it says that what it contains does not suffice.
+pub fn figure(same: bool) -> ClaimVerdict {
+    if same { Reproduced } else { NotReproduced }
+}
+
+/// An error on a simulated finger whose model is known against one measured on a real finger: if smaller, it shows what sensing could
+/// reach if the model were right, and says nothing against the measurement.
+pub fn simulated(ours: f64, paper: f64) -> ClaimVerdict {
+    if ours < paper { InSimulation } else { NotReproduced }
+}
+
+/// The same of several errors; none is no test.
+pub fn all_simulated(pairs: &[(f64, f64)]) -> ClaimVerdict {
+    match pairs {
+        [] => NotTested,
+        pairs if pairs.iter().all(|(ours, paper)| simulated(*ours, *paper) == InSimulation) => InSimulation,
+        _ => NotReproduced,
+    }
+}
+
+/// A statement about every node, by the figures at the nodes: it holds if it does at more than half of them.
+pub fn at_most_nodes(figures: &[f64], holds: impl Fn(f64) -> bool) -> (usize, bool) {
+    let count = figures.iter().filter(|figure| holds(**figure)).count();
+    (count, 2 * count > figures.len())
+}
+
+/// Largest difference of displacements that the paper calls negligible (sec. III).
+pub const NEGLIGIBLE_SHARE: f64 = 0.015;
+/// Largest difference between meshes of which the paper concludes that a finer one is not necessary (sec. III).
+pub const MESH_SHARE: f64 = 0.0026;
+/// What "about 2.4%" can mean, as it is rounded.
+pub const DIRECTION_SHARE: f64 = 0.0245;
+/// A force error that the paper calls negligible (sec. V-C, of the direction): also the bound for torques, which it calls so without a
+/// figure.
+pub const NEGLIGIBLE_FORCE_SHARE: f64 = 0.024;
+/// The lighter shade of the paper's Table I begins here: "accuracy" lost beyond it is much.
+pub const MUCH_SHARE: f64 = 0.10;
+/// A component of the force is estimated well where its standard deviation is a tenth of the gripper tests' largest force, 3 N.
+pub const WELL_N: f64 = 0.3;
+/// Means of Table I are the same if they differ by less: the standard error of a mean of six errors that scatter by about 5 points is 2,
+/// and the fit of the base's, middle's and tip's errors takes 2 to 3.
+pub const SAME_MEAN: f64 = 0.03;
+/// Single errors of Table I are the same if they differ by less: the six at node 14 scatter by so much.
+pub const SAME_ERROR: f64 = 0.05;
+/// A cause accounts for an error if it gives more than half of it.
+pub const MOST_OF: f64 = 0.5;
+/// Two shapes can be told apart from one noisy measurement if their Mahalanobis distance exceeds this: the better of two guesses is then
+/// wrong in less than 5 % of cases, by the standard normal distribution at minus half the distance (-1.645).
+pub const TOLD_APART: f64 = 3.29;
+/// Young's moduli of TPU as the paper quotes them (sec. II), MPa.
+pub const TPU_MPA: [f64; 2] = [10.0, 1000.0];
+/// A zero force is sensed with a smaller error than this (sec. V-D), N.
+pub const ZERO_FORCE_N: f64 = 0.3;
+/// Time that is negligible beside the 40 ms of the paper's vision: a hundredth.
+pub const NEGLIGIBLE_TIME_S: f64 = 4e-4;
+
+/// Whether a cause gives most of every error, as pairs of ours and the paper's.
+pub fn accounts_for(pairs: &[(f64, f64)]) -> bool {
+    !pairs.is_empty() && pairs.iter().all(|(ours, paper)| *ours > MOST_OF * paper)
+}
+
+/// The guess of a lower modulus near both ends: a finger fitted to the errors shows that it suffices, in simulation; it does not show
+/// that it is true, whatever the fit.
+pub fn guess(largest_difference: f64) -> ClaimVerdict {
+    if largest_difference < SAME_MEAN { InSimulation } else { NotReproduced }
+}
+
+/// Recalibration with all nodes, in simulation: worse in the middle and better at the ends, as pairs of mean errors before and after.
+pub fn recalibration(middle: [f64; 2], ends: [f64; 2]) -> ClaimVerdict {
+    if middle[1] > middle[0] && ends[1] < ends[0] { InSimulation } else { NotReproduced }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_of_claim_can_go_either_way() {
+        assert_eq!((statement(true), statement(false)), (Reproduced, Refuted));
+        assert_eq!((figure(true), figure(false)), (Reproduced, NotReproduced));
+        assert_eq!((simulated(0.01, 0.2), simulated(0.3, 0.2)), (InSimulation, NotReproduced));
+        assert_eq!(simulated(f64::NAN, 0.2), NotReproduced);
+        assert_eq!(all_simulated(&[(0.01, 0.2), (0.02, 0.1)]), InSimulation);
+        assert_eq!(all_simulated(&[(0.01, 0.2), (0.2, 0.1)]), NotReproduced);
+        assert_eq!(all_simulated(&[]), NotTested);
+        assert_eq!((guess(0.029), guess(0.031), guess(f64::NAN)), (InSimulation, NotReproduced, NotReproduced));
+        assert_eq!(recalibration([0.02, 0.06], [0.3, 0.25]), InSimulation);
+        assert_eq!(recalibration([0.02, 0.01], [0.3, 0.25]), NotReproduced);
+        assert_eq!(recalibration([0.02, 0.06], [0.3, 0.31]), NotReproduced);
+    }
+
+    #[test]
+    fn a_statement_about_nodes_holds_at_most_of_them() {
+        assert_eq!(at_most_nodes(&[0.1, 0.2, 0.9], |x| x < 0.5), (2, true));
+        assert_eq!(at_most_nodes(&[0.1, 0.9], |x| x < 0.5), (1, false));
+        assert_eq!(at_most_nodes(&[], |x| x < 0.5), (0, false));
+        assert_eq!(at_most_nodes(&[f64::NAN], |x| x < 0.5), (0, false));
+    }
+
+    #[test]
+    fn a_cause_accounts_for_most_of_every_error() {
+        assert!(accounts_for(&[(0.3, 0.563), (0.07, 0.121)]));
+        assert!(!accounts_for(&[(0.3, 0.563), (0.05, 0.121)]));
+        assert!(!accounts_for(&[]));
+    }
+}
