@@ -4,6 +4,10 @@ use crate::Vector;
 use crate::finger::{Finger, NodeId};
 use crate::mesh::FingerShape;
 
+pub mod noise;
+
+pub use noise::DisplacementNoise;
+
 /// One measured node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Marker {

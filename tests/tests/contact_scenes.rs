@@ -6,8 +6,11 @@ use finray_model::scene::{ObjectDescription, ObjectMotion, Until};
 use finray_model::sensing::ContactPlace;
 use finray_model::{Kinematics, Mesh, NodeId, Scene, Vector, statics};
 use finray_verify::check::Check;
-use finray_verify::contact_scene::study::{PICTURES, SceneStudy, shipped};
-use finray_verify::contact_scene::{ContactScene, OutlineError, SceneStep, TurnedOutline, seen_contacts};
+use finray_verify::contact_scene::samples::NoiseSamples;
+use finray_verify::contact_scene::study::{SAMPLES, SceneStudy, shipped};
+use finray_verify::contact_scene::{
+    ContactScene, OutlineError, SceneStep, SensedForce, TurnedOutline, read_contact, seen_contacts, standard_normal,
+};
 use finray_verify::fixtures;
 use finray_verify::lattice::skin::{Touch, TouchedPart};
 use finray_verify::lattice::{Lattice, LatticeError};
@@ -61,28 +64,107 @@ fn a_disc_pressed_to_5_n_keeps_every_promise() {
     assert!(matches!(object.motion, ObjectMotion::Press { until: Until::Force(5.0), .. }));
     object.steps = 2;
     let prepared = prepared(&given.scene).with_fineness(fineness);
-    let study = SceneStudy::run("disc", &prepared, 0.067, PICTURES, &|| ()).expect("beams carry the forces");
+    let study = SceneStudy::run("disc", &prepared, 0.067, SAMPLES, &|| ()).expect("beams carry the forces");
     all_pass(&study.checks());
     all_pass(&study.shipped_checks());
     let end = &study.steps[1].step;
     let nodes: Vec<_> = end.contacts.iter().map(|seen| seen.contact.place).collect();
     assert_eq!(nodes, [19, 18].map(|node| ContactPlace::Node(NodeId(node))), "two neighbours share the force");
-    assert_eq!(study.pictures.expect("noise").sensed.len(), 3);
+    assert_eq!(study.steps[1].samples.as_ref().expect("noise").sensed.len(), 3);
 }
 
-/// The checks of a study can fail: a scene that sensing knows too little of breaks them.
+/// Friction within its known bound is in the stated intervals, and these are of use; sensing that takes forces for normal states intervals
+/// that miss them, and the checks say so.
 #[test]
-fn friction_that_sensing_does_not_know_of_breaks_the_promise() {
-    let scene = scene(
-        "shape = \"disc\"\nradius_mm = 15\nfriction = 0.5\nat_mm = 76\ndirection_deg = -40\ntravel_mm = 4\nsteps = 1",
-    );
-    let mut study =
-        SceneStudy::run("slanted", &prepared(&scene).with_fineness(COARSE), 0.0, 0, &|| ()).expect("a study");
+fn friction_is_within_the_stated_intervals() {
+    let (given, _) = shipped().expect("scenes that ship").swap_remove(3);
+    let known = prepared(&given.scene).with_fineness(COARSE);
+    let run = |scene: &ContactScene| SceneStudy::run("friction", scene, 0.067, 50, &|| ()).expect("a study");
+    let study = run(&known);
     all_pass(&study.checks());
-    study.friction = 0.0;
-    let broken: Vec<_> = study.shipped_checks().into_iter().filter(|check| !check.passes()).collect();
-    assert!(broken.iter().any(|check| check.problem.contains("sensed total")), "{broken:?}");
-    assert!(study.checks().iter().any(|check| !check.passes() && check.source == "Coulomb"));
+    all_pass(&study.shipped_checks());
+    assert!(study.shipped_checks().iter().filter(|check| check.problem.contains("within 1.96 stated sigma")).count() == 4);
+    for studied in &study.steps {
+        let samples = studied.samples.as_ref().expect("noise");
+        for (which, seen) in studied.step.contacts.iter().enumerate() {
+            let sigma_n = samples.rms_sigma_n(which);
+            assert!(sigma_n < 0.5 * seen.normal_n, "{sigma_n} N says little of {} N", seen.normal_n);
+        }
+    }
+    let unknown = run(&known.with_assumed_friction(0.0));
+    let broken: Vec<_> = unknown.shipped_checks().into_iter().filter(|check| !check.passes()).collect();
+    assert!(broken.iter().any(|check| check.problem.contains("every contact's force")), "{broken:?}");
+    let frictionless = SceneStudy { friction: 0.0, ..study };
+    assert!(frictionless.checks().iter().any(|check| !check.passes() && check.source == "Coulomb"));
+}
+
+/// The camera does not see how hard an object pushes where: other forces at the same touches are the same contacts.
+#[test]
+fn contacts_are_seen_alike_whatever_they_carry() {
+    let finger = scene("shape = \"disc\"\nradius_mm = 1\nat_mm = 1\ntravel_mm = 1").finger;
+    let lattice = Lattice::new(&finger, COARSE).expect("a lattice");
+    let touch = |s_mm: f64, angle_deg: f64, force_n: f64| {
+        let normal = finger.direction(angle_deg);
+        let point = finger.plate_point(Plate::Front, s_mm);
+        let (part, force) = (TouchedPart::Plate(s_mm), normal * force_n);
+        Touch { body: 0, part, clamped: false, point, arm: Vector::zeros(), normal, force, overlap_mm: 0.0 }
+    };
+    let seen = |forces_n: [f64; 2]| {
+        let touches = [touch(80.0, -4.0, forces_n[0]), touch(82.0, 6.0, forces_n[1])];
+        let seen = seen_contacts(&lattice, &touches, |_| 10.0);
+        assert_eq!(seen.len(), 1);
+        seen[0]
+    };
+    let (one, other) = (seen([3.0, 1.0]), seen([1.0, 3.0]));
+    assert_eq!((one.contact, one.point), (other.contact, other.point));
+    assert!((one.contact.angle_deg - 1.0).abs() < 1e-9, "the middle: {:?}", one.contact);
+    assert!(matches!(one.contact.place, ContactPlace::Place(s_mm) if (s_mm - 81.0).abs() < 1e-9));
+}
+
+/// Positions and directions that the camera reads scatter as it says, about the true ones.
+#[test]
+fn read_contacts_scatter_as_stated() {
+    const NOISE_MM: f64 = 0.067;
+    const READINGS: usize = 4000;
+    let object = "shape = \"disc\"\nradius_mm = 20\nat_mm = 70.5\ntravel_mm = 1\nsteps = 1";
+    let (step, finger) = (last(object, COARSE), scene(object).finger);
+    let seen = step.contacts[0];
+    assert_eq!(seen.baseline_mm, 21.5, "from the middle of the disc to that of the rod");
+    let plate = finray_verify::contact_scene::SeenContact {
+        contact: finray_model::sensing::Contact { place: ContactPlace::Place(70.0), ..seen.contact },
+        ..seen
+    };
+    let mut normal = standard_normal(7);
+    let (mut turns, mut shifts) = (0.0, 0.0);
+    let mut stated = [0.0; 2];
+    for _ in 0..READINGS {
+        let read = read_contact(&finger, &plate, NOISE_MM, &mut normal);
+        let ContactPlace::Place(s_mm) = read.contact.place else { panic!("a position") };
+        turns += (read.contact.angle_deg - plate.contact.angle_deg).to_radians().powi(2) / READINGS as f64;
+        shifts += (s_mm - 70.0).powi(2) / READINGS as f64;
+        stated = [read.direction_sd_rad, read.position_sd_mm];
+    }
+    // Four standard errors of a variance.
+    let chance = 4.0 * (2.0 / READINGS as f64).sqrt();
+    for (found, stated) in [(turns, stated[0]), (shifts, stated[1])] {
+        assert!((found / stated.powi(2) - 1.0).abs() < chance, "{found}, {} stated", stated.powi(2));
+    }
+    assert!((stated[0] - 2.0_f64.sqrt() * NOISE_MM / 21.5).abs() < 1e-12);
+    let exact = read_contact(&finger, &plate, 0.0, &mut normal);
+    assert_eq!((exact.contact, exact.direction_sd_rad, exact.position_sd_mm), (plate.contact, 0.0, 0.0));
+}
+
+/// Samples that sensing refuses hold no true force: half of them refused is no coverage of 95 %.
+#[test]
+fn refused_samples_are_not_covered() {
+    let exact = SensedForce { true_n: 1.0, sensed_n: 1.0, sigma_n: 0.1 };
+    let samples = NoiseSamples { taken: 100, answered: 50, sensed: vec![vec![exact; 50]; 2] };
+    assert_eq!((samples.covered(0), samples.coverage(1)), (50, 0.5));
+    let scene = scene("shape = \"disc\"\nradius_mm = 20\nat_mm = 76.5\ntravel_mm = 1\nsteps = 1");
+    let mut study = SceneStudy::run("refused", &prepared(&scene).with_fineness(COARSE), 0.067, 1, &|| ()).expect("a study");
+    study.steps[0].samples = Some(samples);
+    let broken = study.shipped_checks().into_iter().filter(|check| !check.passes() && check.problem.contains("sigma"));
+    assert_eq!(broken.count(), 4, "contacts and total, over all and where fewest");
 }
 
 /// A disc over a rod meets the finger's linear stiffness there.
@@ -235,8 +317,7 @@ fn corners_of_a_path_are_passed() {
     assert!((step.total_n() - step.pressed.contact_force().dot(&step.along)).abs() < 1e-12);
 }
 
-/// However near two rods are, each is a contact of its own; plate between them belongs to the one before it. What a touch carries
-/// weighs its direction.
+/// However near two rods are, each is a contact of its own; plate between them belongs to the one before it, which gives the direction.
 #[test]
 fn two_rods_are_two_contacts() {
     let text = fixtures::PAPER_SCENE.replace("count = 11", "positions_mm = [[40, 40], [75, 75], [78, 78], [120, 120]]");
@@ -262,12 +343,11 @@ fn two_rods_are_two_contacts() {
         touch(TouchedPart::Rod(NodeId(8)), -10.0, 1.0),
         touch(TouchedPart::Plate(100.0), 0.0, 1.0),
     ];
-    let seen = seen_contacts(&lattice, &touches);
+    let seen = seen_contacts(&lattice, &touches, |_| 10.0);
     let places: Vec<ContactPlace> = seen.iter().map(|seen| seen.contact.place).collect();
     let expected = [ContactPlace::Node(NodeId(9)), ContactPlace::Node(NodeId(8)), ContactPlace::Place(100.0)];
     assert_eq!(places, expected);
-    let steep_deg = 4.0_f64.atan2(3.0).to_degrees();
-    assert!((seen[0].contact.angle_deg - steep_deg).abs() < 1e-9 && (seen[1].contact.angle_deg + 10.0).abs() < 1e-9);
+    assert!(seen[0].contact.angle_deg.abs() < 1e-9 && (seen[1].contact.angle_deg + 10.0).abs() < 1e-9);
     assert!((seen[0].normal_n - 7.0).abs() < 1e-12 && seen[0].friction_n.abs() < 1e-12);
 }
 
@@ -303,7 +383,7 @@ fn a_force_on_the_clamp_is_told_apart() {
     assert!((step.pressed.hand_force - whole).norm() < 1e-3 * whole.norm());
     let prepared = prepared(&scene("shape = \"disc\"\nradius_mm = 15\nat_mm = 6\nforce_n = 3\nsteps = 1"));
     let sensed = prepared.sense(&step, 0.0, || 0.0).expect("an answer").expect("a contact");
-    assert_eq!(sensed.forces.len(), 1);
+    assert_eq!(sensed.contacts.len(), 1);
     assert!(sensed.total.true_n < 0.9 * 3.0, "{:?}", sensed.total);
 }
 

@@ -1,10 +1,12 @@
 //! Nonlinear sensing under noise: efficient where contacts are known, honest where they are not, right or refused where
 //! markers are missing or wrong. `FINRAY_TEST_CASES=4000` is the full study of scatter, half a minute on two cores.
 
-use finray_model::measurement::{Marker, Measurement};
+use finray_model::measurement::noise::base_motions;
+use finray_model::measurement::{DisplacementNoise, Marker, Measurement};
 use finray_model::sensing::{Contact, ContactPlace, ContactQuestion, Direction, NonlinearEstimator};
 use finray_model::statics::{FrameLoad, Statics};
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Scene, Vector};
+use finray_verify::displacement_noise::{DisplacementNoiseStudy, bound_n2};
 use finray_verify::estimators::{
     BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorKind, PreparedEstimator, Sensed,
 };
@@ -12,6 +14,7 @@ use finray_verify::scatter::{
     AgainstBound, Coverage, ONE_FORCE_N, Scatter, ScatterRequest, ScatterRow, TWO_FORCES_N, pairs, sampled_nodes,
     scatter, scatter_controlled, singles,
 };
+use nalgebra::DMatrix;
 use rand::{RngExt, SeedableRng, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -333,4 +336,38 @@ fn a_force_that_moves_nothing_is_refused() {
     let rows = scatter(&request, &[&nonlinear], &singles(&[finger.tip()]), ONE_FORCE_N, &|| {})
         .expect("the tip is a contact node");
     assert_eq!((rows[0].cases, rows[0].refused), (0, 100), "{rows:?}");
+}
+
+/// Where the undeformed positions come from: bounds by two ways each, and an estimator that knows the covariance at the bound.
+#[test]
+fn floors_follow_from_where_undeformed_positions_come_from() {
+    let study = DisplacementNoiseStudy::run(&paper(), NOISE_MM, 60).expect("contact nodes");
+    assert_eq!(study.rows.len(), 3 * (11 + 4));
+    for check in study.checks() {
+        assert!(check.passes(), "{check:?}");
+    }
+    let of = |nodes: &str, noise: &str| {
+        study.rows.iter().find(|row| row.nodes == nodes && row.noise == noise).expect("a row of each")
+    };
+    for row in study.rows.iter().filter(|row| row.noise == "independent") {
+        let [images, motor] = ["two images", "motor angle"].map(|noise| of(&row.nodes, noise));
+        assert!((images.bound_n / row.bound_n - 2.0_f64.sqrt()).abs() < 1e-12, "{images:?}");
+        assert!(motor.bound_n > row.bound_n && motor.ordinary_rms_n > row.ordinary_rms_n, "{motor:?}");
+        // Averaging takes a frame's own error away and leaves the reference's.
+        assert!((row.bound_of_25_frames_n / row.bound_n - 0.2).abs() < 1e-12);
+        assert!((images.bound_of_25_frames_n / row.bound_n - 1.04_f64.sqrt()).abs() < 1e-12);
+    }
+    // Translations and rotations that nothing is known of are projected out; known ones leave one image's error.
+    let finger = paper();
+    let positions: Vec<Vector> = finger.free_nodes().map(|node| finger.position(node)).collect();
+    let derivatives =
+        DMatrix::from_fn(2 * positions.len(), 1, |row, _| (0.1 * row as f64).sin() + if row % 2 == 1 { 0.5 } else { 0.0 });
+    let kinematic = |translation_sd_mm, rotation_sd_rad| {
+        let noise = DisplacementNoise::Kinematic { image_sd_mm: NOISE_MM, translation_sd_mm, rotation_sd_rad };
+        bound_n2(&noise, &positions, &derivatives, 1).expect("a force that moves nodes")[(0, 0)].sqrt()
+    };
+    let base = base_motions(&positions);
+    let projected = &derivatives - &base * (base.transpose() * &base).try_inverse().expect("three motions") * base.transpose() * &derivatives;
+    assert!((kinematic(1e3, 1e2) * projected.norm() / NOISE_MM - 1.0).abs() < 1e-6);
+    assert!((kinematic(0.0, 0.0) * derivatives.norm() / NOISE_MM - 1.0).abs() < 1e-12);
 }

@@ -706,6 +706,7 @@ fn the_page_begins_with_its_summary() {
         "maps",
         "causes",
         "noise",
+        "displacement-noise",
         "speed-error",
         "networks",
         "table-one",

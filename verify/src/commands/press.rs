@@ -4,7 +4,8 @@ use super::parse::not_negative;
 use super::validity::Pressing;
 use super::{Failure, progress};
 use clap::value_parser;
-use finray_verify::contact_scene::study::{BALANCE_TOLERANCE, SETTLING_TOLERANCE, SceneWithOutline};
+use finray_verify::contact_scene::checks::{BALANCE_TOLERANCE, SETTLING_TOLERANCE};
+use finray_verify::contact_scene::study::SceneWithOutline;
 use finray_verify::contact_scene::{ContactScene, FINENESS, SceneStep, force_rows, standard_normal};
 use finray_verify::files::{
     csv_text, displacements, is_standard_stream, load_scene_with_outline, write_all_or_nothing, write_text,

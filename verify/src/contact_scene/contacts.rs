@@ -1,4 +1,5 @@
-//! What a camera sees of the touches: where the object lies against the finger and which way the surface faces there.
+//! Touches put together to contacts: where the object lies against the finger and which way the surface faces there, from the
+//! surfaces alone.
 
 use crate::lattice::Lattice;
 use crate::lattice::skin::{Touch, TouchedPart};
@@ -6,15 +7,18 @@ use finray_model::finger::Plate;
 use finray_model::sensing::{Contact, ContactPlace};
 use finray_model::{Finger, NodeId, Vector};
 
-/// Touches within this share of the stretch of plate that they lie on are one contact to the camera; with a rod among them, it is
+/// Touches within this share of the segment of plate, from rod to rod, that they lie on are one contact to the camera; with a rod among them, it is
 /// the rod's. Two rods are never one contact.
 const TOGETHER: f64 = 0.25;
 
-/// A contact as a camera sees it, with the force that it truly carries.
+/// A contact as it lies in front of the camera, with the force that it truly carries.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeenContact {
-    /// Place, and direction from the object into the finger: of several touches the mean, weighed by what they carry.
+    /// Position, and direction from the object into the finger, without noise: from the surfaces alone, not from the forces. Of
+    /// several touches of the plate the middle of the interval that they span; with a rod among them, the rod's.
     pub contact: Contact,
+    /// Distance of the two outline points that the camera reads the direction from, mm.
+    pub baseline_mm: f64,
     /// Whether it is on a clamped part, where a force does not bend the finger.
     pub clamped: bool,
     /// Where, finger frame, deformed, mm.
@@ -27,8 +31,13 @@ pub struct SeenContact {
     pub friction_n: f64,
 }
 
-/// Puts touches together to contacts, from base to tip.
-pub fn seen_contacts(lattice: &Lattice, touches: &[Touch]) -> Vec<SeenContact> {
+/// Puts touches together to contacts, from base to tip. `baseline_mm` is the distance of the outline points that the direction of a touch
+/// is read from.
+pub fn seen_contacts(
+    lattice: &Lattice,
+    touches: &[Touch],
+    baseline_mm: impl Fn(&Touch) -> f64,
+) -> Vec<SeenContact> {
     let mut groups: Vec<&[Touch]> = Vec::new();
     let mut rest = touches;
     while let [first, ..] = rest {
@@ -44,43 +53,44 @@ pub fn seen_contacts(lattice: &Lattice, touches: &[Touch]) -> Vec<SeenContact> {
         groups.push(group);
         rest = others;
     }
-    groups.into_iter().map(|group| seen(lattice, group)).collect()
+    groups.into_iter().map(|group| seen(lattice, group, &baseline_mm)).collect()
 }
 
 fn is_rod(touch: &Touch, node: NodeId) -> bool {
     touch.part == TouchedPart::Rod(node)
 }
 
-/// Length of the stretch of front plate that a place lies on, mm.
-fn stretch_mm(finger: &Finger, place_mm: f64) -> f64 {
+/// Length of the segment of front plate, from rod to rod, that a position lies on, mm.
+pub(super) fn stretch_mm(finger: &Finger, place_mm: f64) -> f64 {
     let places = finger.plate_places_mm(Plate::Front);
     let stretch = places.windows(2).find(|stretch| place_mm <= stretch[1]).unwrap_or(&places[places.len() - 2..]);
     stretch[1] - stretch[0]
 }
 
-fn seen(lattice: &Lattice, group: &[Touch]) -> SeenContact {
+fn seen(lattice: &Lattice, group: &[Touch], baseline_mm: &dyn Fn(&Touch) -> f64) -> SeenContact {
     let finger = lattice.finger();
-    let rod = group.iter().find_map(|touch| match touch.part {
-        TouchedPart::Rod(node) => Some(node),
+    let (first, last) = (&group[0], &group[group.len() - 1]);
+    let at_rod = group.iter().find_map(|touch| match touch.part {
+        TouchedPart::Rod(node) => Some((node, touch)),
         TouchedPart::Plate(_) => None,
     });
-    let normal_n = |touch: &Touch| touch.force.dot(&touch.normal);
-    let carried_n: f64 = group.iter().map(normal_n).sum();
-    let carried =
-        |what: &dyn Fn(&Touch) -> f64| group.iter().map(|touch| normal_n(touch) * what(touch)).sum::<f64>() / carried_n;
-    let place = match rod {
-        Some(node) => ContactPlace::Node(node),
-        None => ContactPlace::Place(carried(&|touch| touch.part.place_mm(lattice))),
+    let middle_mm = 0.5 * (first.part.place_mm(lattice) + last.part.place_mm(lattice));
+    let (place, normal, point) = match at_rod {
+        Some((node, touch)) => (ContactPlace::Node(node), touch.normal, touch.point),
+        None => {
+            (ContactPlace::Place(middle_mm), (first.normal + last.normal).normalize(), 0.5 * (first.point + last.point))
+        }
     };
-    let normal = group.iter().map(|touch| touch.normal * normal_n(touch)).sum::<Vector>().normalize();
+    let normal_n = |touch: &Touch| touch.force.dot(&touch.normal);
     // Towards the tip, across each touch's own normal.
     let friction_n = |touch: &Touch| touch.force.dot(&Vector::new(-touch.normal.y, touch.normal.x));
     SeenContact {
         contact: Contact { place, angle_deg: angle_deg(finger, normal) },
-        clamped: group[0].clamped,
-        point: Vector::new(carried(&|touch| touch.point.x), carried(&|touch| touch.point.y)),
+        baseline_mm: baseline_mm(at_rod.map_or(first, |(_, touch)| touch)),
+        clamped: first.clamped,
+        point,
         force: group.iter().map(|touch| touch.force).sum(),
-        normal_n: carried_n,
+        normal_n: group.iter().map(normal_n).sum(),
         friction_n: group.iter().map(friction_n).sum(),
     }
 }

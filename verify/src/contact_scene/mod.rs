@@ -1,14 +1,19 @@
 //! Contact scenes: an object is pressed onto the lattice finger, a camera watches the nodes, and sensing follows.
 //!
-//! The camera sees where the object touches and which way it faces there, not how hard. Sensing then has contacts of
-//! known place and direction, as with every other measurement, and its forces stand beside those that the engine's contacts
-//! carry.
+//! The camera sees where the object touches and which way it faces there, with noise, and not how hard ([`camera`]). Sensing is
+//! given these contacts, the noisy displacements of the markers and a bound of the friction coefficient ([`sensing`]), and its
+//! forces stand beside those that the engine's contacts carry.
 
+mod camera;
+pub mod checks;
 mod contacts;
 mod object;
 mod rows;
+pub mod samples;
+mod sensing;
 pub mod study;
 
+pub use camera::{CameraContact, read_contact};
 pub use contacts::{SeenContact, angle_deg, seen_contacts};
 pub use object::{HandStep, OutlineError, PreparedObject, TurnedOutline};
 pub use rows::{ForceRow, contacts_sensed, force_rows};
@@ -19,13 +24,15 @@ use crate::lattice::{Lattice, LatticeError};
 use crate::scatter::LEAST_STATED_MM;
 use finray_model::measurement::Measurement;
 use finray_model::scene::ObjectDescription;
-use finray_model::sensing::{ContactQuestion, NonlinearEstimator, SensingError};
+use finray_model::sensing::SensingError;
 use finray_model::{Finger, Mesh, Scene, Vector};
+use nalgebra::DVector;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use sensing::Knowledge;
 
-/// Segments in a stretch of plate between two rods: the paper's finger under 5 N is then within 0.1 % of converged beams.
+/// Segments of plate between two rods: the paper's finger under 5 N is then within 0.1 % of converged beams.
 pub const FINENESS: usize = 3;
 /// Elements a member of the finger that senses: objects bend it farther than single forces of the same size, and with four, 0.1 %
 /// of the force would be left of the mesh.
@@ -38,6 +45,8 @@ pub struct ContactScene {
     rod_radius_mm: f64,
     object: PreparedObject,
     fineness: usize,
+    /// Bound of the coefficient of friction that sensing assumes.
+    assumed_friction: f64,
 }
 
 /// One step of a scene, at rest.
@@ -49,7 +58,7 @@ pub struct SceneStep {
     pub along: Vector,
     /// Finger and object.
     pub pressed: Pressed,
-    /// Contacts as the camera sees them, with their true forces.
+    /// Contacts in front of the camera, without its noise, with their true forces.
     pub contacts: Vec<SeenContact>,
     /// How far the shape is from the lattice's equilibrium under the contact forces, as a share of the largest displacement;
     /// `None` where Newton's method finds none.
@@ -68,10 +77,19 @@ impl SceneStep {
 /// Forces sensed in one step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensedStep {
-    /// Force of each contact that is not clamped, along its direction, with its standard deviation, N.
-    pub forces: Vec<SensedForce>,
-    /// Their sum along the object's way.
+    /// Each contact that is not clamped, from base to tip.
+    pub contacts: Vec<SensedContact>,
+    /// The sum of their forces along the object's way.
     pub total: SensedForce,
+}
+
+/// A contact as the camera read it, and the force along its normal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SensedContact {
+    /// Position and direction that sensing was given.
+    pub read: CameraContact,
+    /// The force.
+    pub force: SensedForce,
 }
 
 /// A sensed force.
@@ -108,12 +126,18 @@ impl ContactScene {
             rod_radius_mm: scene.rod_radius_mm,
             object: PreparedObject::new(scene, object, corners)?,
             fineness: FINENESS,
+            assumed_friction: object.friction,
         })
     }
 
     /// The same scene with another number of segments in a stretch of plate.
     pub fn with_fineness(self, fineness: usize) -> ContactScene {
         ContactScene { fineness, ..self }
+    }
+
+    /// The same scene with another bound of the coefficient of friction for sensing, which otherwise knows the object's.
+    pub fn with_assumed_friction(self, assumed_friction: f64) -> ContactScene {
+        ContactScene { assumed_friction, ..self }
     }
 
     /// The finger.
@@ -154,7 +178,10 @@ impl ContactScene {
             each(SceneStep {
                 travel_mm,
                 along: step.along,
-                contacts: seen_contacts(&lattice, &pressed.touches),
+                contacts: seen_contacts(&lattice, &pressed.touches, |touch| {
+                    let outline = &self.object.outline;
+                    camera::baseline_mm(&self.finger, self.rod_radius_mm, outline, pressed.object, touch)
+                }),
                 equilibrium_difference: equilibrium.ok().map(|shape| difference(&shape, &pressed.shape)),
                 pressed,
             });
@@ -162,39 +189,54 @@ impl ContactScene {
         Ok(())
     }
 
-    /// Senses the forces of a step with the nonlinear estimator from what the camera sees: the key nodes, with noise of a
-    /// standard deviation `noise_mm` from `noise`. `None` where nothing touches.
+    /// Senses the forces of a step from what the camera sees: the key nodes, and the contacts, both with noise of a standard deviation
+    /// `noise_mm` a coordinate from `standard_normal`. Forces lie within the cone of the assumed friction. `None` where nothing touches.
     ///
     /// # Errors
-    /// [`SensingError`] if they cannot be told.
+    /// [`SensingError`] if they are not identifiable.
     pub fn sense(
         &self,
         step: &SceneStep,
         noise_mm: f64,
-        noise: impl FnMut() -> f64,
+        mut standard_normal: impl FnMut() -> f64,
     ) -> Result<Option<SensedStep>, SensingError> {
         let felt: Vec<&SeenContact> = step.contacts.iter().filter(|contact| !contact.clamped).collect();
         if felt.is_empty() {
             return Ok(None);
         }
         let mut seen = Measurement::of_shape(&self.finger, &step.pressed.shape);
-        seen.add_noise(noise_mm, noise);
+        seen.add_noise(noise_mm, &mut standard_normal);
+        let read = |contact: &&SeenContact| read_contact(&self.finger, contact, noise_mm, &mut standard_normal);
+        let contacts: Vec<CameraContact> = felt.iter().map(read).collect();
         let mesh = Mesh::with_elements_per_member(&self.finger, ELEMENTS);
-        let questions: Vec<ContactQuestion> = felt.iter().map(|seen| seen.contact.into()).collect();
-        let estimate =
-            NonlinearEstimator::new(&mesh, &questions)?.estimate(&seen, Some(noise_mm.max(LEAST_STATED_MM)))?;
-        let (forces_n, sigmas_n) = (&estimate.forces.forces_n, &estimate.forces.sigmas_n);
-        let forces = felt.iter().zip(forces_n.iter().zip(sigmas_n));
-        let forces =
-            forces.map(|(seen, (&sensed_n, &sigma_n))| SensedForce { true_n: seen.normal_n, sensed_n, sigma_n });
-        let shares = felt.iter().map(|seen| self.finger.direction(seen.contact.angle_deg).dot(&step.along));
-        let shares = nalgebra::DVector::from_iterator(felt.len(), shares);
+        let knowledge = Knowledge {
+            noise_mm: noise_mm.max(LEAST_STATED_MM),
+            friction: self.assumed_friction,
+            rod_radius_mm: self.rod_radius_mm,
+        };
+        let solution = sensing::sense(&mesh, &contacts, &seen, knowledge)?;
+        let count = felt.len();
+        let force = |(i, (seen, read)): (usize, (&&SeenContact, &CameraContact))| SensedContact {
+            read: *read,
+            force: SensedForce {
+                true_n: seen.normal_n,
+                sensed_n: solution.along_n[i],
+                sigma_n: solution.covariance_n2[(i, i)].sqrt(),
+            },
+        };
+        // The sum takes of every force, along and across its contact, what lies along the object's way.
+        let shares = (0..2 * count).map(|i| {
+            let angle_deg = contacts[i % count].contact.angle_deg + if i < count { 0.0 } else { 90.0 };
+            self.finger.direction(angle_deg).dot(&step.along)
+        });
+        let shares = DVector::from_iterator(2 * count, shares);
+        let all_n = DVector::from_iterator(2 * count, solution.along_n.iter().chain(&solution.across_n).copied());
         let total = SensedForce {
             true_n: step.total_n(),
-            sensed_n: shares.iter().zip(forces_n).map(|(share, force)| share * force).sum(),
-            sigma_n: shares.dot(&(&estimate.covariance_n2 * &shares)).sqrt(),
+            sensed_n: shares.dot(&all_n),
+            sigma_n: shares.dot(&(&solution.covariance_n2 * &shares)).sqrt(),
         };
-        Ok(Some(SensedStep { forces: forces.collect(), total }))
+        Ok(Some(SensedStep { contacts: felt.iter().zip(&contacts).enumerate().map(force).collect(), total }))
     }
 }
 

@@ -1,6 +1,6 @@
 //! True and sensed forces, a row a contact.
 
-use super::{ContactScene, SceneStep, SeenContact, SensedForce, SensedStep};
+use super::{ContactScene, SceneStep, SeenContact, SensedContact, SensedStep};
 use finray_model::sensing::ContactPlace;
 use serde::Serialize;
 
@@ -21,18 +21,22 @@ pub struct ForceRow {
     pub force_n: f64,
     /// True force across it, positive towards the tip, N; none for the total.
     pub friction_n: Option<f64>,
-    /// Sensed force, N; none where it cannot be told.
+    /// Sensed force, N; none where it is not identifiable.
     pub sensed_n: Option<f64>,
     /// Its stated standard deviation, N.
     pub sigma_n: Option<f64>,
+    /// Position that the camera read, mm; none where nothing was sensed.
+    pub read_s_mm: Option<f64>,
+    /// Direction that the camera read, degrees.
+    pub read_angle_deg: Option<f64>,
 }
 
 /// Pairs what was sensed with the contacts that it belongs to; clamped ones are not felt.
 pub fn contacts_sensed<'s>(
     step: &'s SceneStep,
     sensed: Option<&'s SensedStep>,
-) -> impl Iterator<Item = (&'s SeenContact, Option<SensedForce>)> {
-    let mut felt = sensed.map(|sensed| sensed.forces.iter().copied()).into_iter().flatten();
+) -> impl Iterator<Item = (&'s SeenContact, Option<SensedContact>)> {
+    let mut felt = sensed.map(|sensed| sensed.contacts.iter().copied()).into_iter().flatten();
     step.contacts.iter().map(move |seen| (seen, if seen.clamped { None } else { felt.next() }))
 }
 
@@ -50,8 +54,10 @@ pub fn force_rows(scene: &ContactScene, number: usize, step: &SceneStep, sensed:
         angle_deg: Some(seen.contact.angle_deg),
         force_n: seen.normal_n,
         friction_n: Some(seen.friction_n),
-        sensed_n: sensed.map(|force| force.sensed_n),
-        sigma_n: sensed.map(|force| force.sigma_n),
+        sensed_n: sensed.map(|sensed| sensed.force.sensed_n),
+        sigma_n: sensed.map(|sensed| sensed.force.sigma_n),
+        read_s_mm: sensed.and_then(|sensed| sensed.read.contact.place_mm(scene.finger())),
+        read_angle_deg: sensed.map(|sensed| sensed.read.contact.angle_deg),
     });
     let total = sensed.map(|sensed| sensed.total);
     let total = ForceRow {
@@ -64,6 +70,8 @@ pub fn force_rows(scene: &ContactScene, number: usize, step: &SceneStep, sensed:
         friction_n: None,
         sensed_n: total.map(|force| force.sensed_n),
         sigma_n: total.map(|force| force.sigma_n),
+        read_s_mm: None,
+        read_angle_deg: None,
     };
     contacts.chain([total]).collect()
 }

@@ -1,4 +1,4 @@
-//! Objects pressed onto the finger: pictures, force over travel, and what sensing made of it.
+//! Objects pressed onto the finger: drawings, force over travel, and sensed forces.
 
 use super::ReportError;
 use super::drawings::{ACROSS_AXIS, ALONG_AXIS, point};
@@ -7,6 +7,7 @@ use super::page::{Block, Cell, Column, Figure, Row, Section, Table};
 use super::sections::{self, text};
 use super::tables::percent;
 use crate::check::worst;
+use crate::contact_scene::samples::NoiseSamples;
 use crate::contact_scene::study::{SceneStudy, StudiedStep};
 use crate::contact_scene::{ForceRow, SeenContact, SensedForce, contacts_sensed};
 use crate::scatter::TWO_SIDED_95;
@@ -35,21 +36,49 @@ pub(super) struct SceneRow<'s> {
     friction_n: Option<f64>,
     sensed_n: Option<f64>,
     sigma_n: Option<f64>,
+    read_s_mm: Option<f64>,
+    read_angle_deg: Option<f64>,
+    /// Noise samples of the step, and how many were answered.
+    samples: Option<usize>,
+    answered: Option<usize>,
+    /// Share of the samples whose stated 95 % interval holds the true force.
+    covered: Option<f64>,
+    rms_error_n: Option<f64>,
+    rms_sigma_n: Option<f64>,
 }
 
 pub(super) fn rows(study: &Study) -> impl Iterator<Item = SceneRow<'_>> {
     study.contact_scenes.iter().flat_map(|scene| {
-        scene.rows.iter().map(|row: &ForceRow| SceneRow {
-            scene: &scene.name,
-            step: row.step,
-            travel_mm: row.travel_mm,
-            contact: &row.contact,
-            s_mm: row.s_mm,
-            angle_deg: row.angle_deg,
-            force_n: row.force_n,
-            friction_n: row.friction_n,
-            sensed_n: row.sensed_n,
-            sigma_n: row.sigma_n,
+        let mut felt = 0;
+        scene.rows.iter().map(move |row: &ForceRow| {
+            let samples = scene.steps.get(row.step - 1).and_then(|studied| studied.samples.as_ref());
+            // Rows of a step are its contacts, those on the clamp not felt, then the total: the order of the samples.
+            let samples = samples.filter(|_| row.contact != "clamp");
+            let which = felt;
+            felt = match row.contact.as_str() {
+                "total" => 0,
+                "clamp" => felt,
+                _ => felt + 1,
+            };
+            SceneRow {
+                scene: &scene.name,
+                step: row.step,
+                travel_mm: row.travel_mm,
+                contact: &row.contact,
+                s_mm: row.s_mm,
+                angle_deg: row.angle_deg,
+                force_n: row.force_n,
+                friction_n: row.friction_n,
+                sensed_n: row.sensed_n,
+                sigma_n: row.sigma_n,
+                read_s_mm: row.read_s_mm,
+                read_angle_deg: row.read_angle_deg,
+                samples: samples.map(|samples| samples.taken),
+                answered: samples.map(|samples| samples.answered),
+                covered: samples.map(|samples| samples.coverage(which)),
+                rms_error_n: samples.filter(|s| s.answered > 0).map(|samples| samples.rms_error_n(which)),
+                rms_sigma_n: samples.filter(|s| s.answered > 0).map(|samples| samples.rms_sigma_n(which)),
+            }
         })
     })
 }
@@ -60,10 +89,12 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
     }
     let mut blocks = vec![text(
         "An object is pressed onto the finger, built as a lattice of rigid bodies and springs in the physics engine rapier, with \
-         its rods as balls and its front plate as capsules. The forces of the engine's contacts are the true ones. Sensing \
-         (nonlinear, on beams) sees what a camera would: noisy displacements of the key nodes, where the object touches, and \
-         which way it faces there; it takes forces to be normal. Lines are true forces, signs are sensed ones with their stated \
-         95 % interval.",
+         its rods as balls and its front plate as capsules. The forces of the engine's contacts are the true ones: this is \
+         simulation. Sensing (nonlinear, on beams) is given what a camera could see: the displacements of the key nodes, and of \
+         every contact its position and direction, read from points on the outlines of object and finger; all carry the camera's \
+         noise, outline points as much a coordinate as markers. Which parts touch is taken as known, and so is the \
+         coefficient of friction, as a bound: where it is not zero, the angle between force and normal is unknown within it. The stated \
+         intervals allow for all of this. Lines are true forces, signs are sensed ones of one noise sample with their stated 95 % interval.",
     )];
     for scene in &study.contact_scenes {
         blocks.push(Block::Figures { figures: figures(&study.finger, scene)? });
@@ -83,12 +114,39 @@ pub(super) fn verdict(study: &Study) -> Option<String> {
         (!totals.is_empty()).then(|| percent(worst(totals)))
     };
     let smooth = worst_total(false)?;
-    let rough = worst_total(true)
-        .map_or(String::new(), |rough| format!(", with friction, of which sensing knows nothing, by up to {rough}"));
+    let rough = worst_total(true).map_or(String::new(), |rough| {
+        format!(", and with friction, of which sensing knows the coefficient alone, by up to {rough}")
+    });
+    let smallest = least_known(&study.contact_scenes).map_or(String::new(), |least| {
+        format!(
+            " Single contacts are sensed worse: {} carries {:.2} N, and its sensed force scatters by {:.2} N.",
+            least.name, least.true_n, least.rms_error_n
+        )
+    });
     Some(format!(
-        "Objects pressed onto the lattice are felt as a camera would see them: without noise and friction the sensed total errs by up to \
-         {smooth}{rough}."
+        "In simulation, with objects pressed onto the lattice, the sensed total errs by up to {smooth} without noise and friction{rough}.{smallest}"
     ))
+}
+
+/// A contact of the last step of a scene under noise.
+struct LeastKnown {
+    name: String,
+    true_n: f64,
+    rms_error_n: f64,
+}
+
+/// The contact, among the last steps of all scenes, whose error under noise is the largest share of its force.
+fn least_known(scenes: &[SceneStudy]) -> Option<LeastKnown> {
+    let ends = scenes.iter().filter_map(|scene| Some((scene, scene.steps.last()?)));
+    let contacts = ends.flat_map(|(scene, last)| {
+        let felt = last.step.contacts.iter().filter(|seen| !seen.clamped).enumerate();
+        felt.filter_map(move |(which, seen)| {
+            let samples = last.samples.as_ref().filter(|samples| samples.answered > 0)?;
+            let name = format!("{} in the scene \"{}\"", name_of(seen), scene.name);
+            Some(LeastKnown { name, true_n: seen.normal_n, rms_error_n: samples.rms_error_n(which) })
+        })
+    });
+    contacts.max_by(|a, b| (a.rms_error_n / a.true_n).total_cmp(&(b.rms_error_n / b.true_n)))
 }
 
 fn figures(finger: &Finger, scene: &SceneStudy) -> Result<Vec<Figure>, FigureError> {
@@ -228,23 +286,34 @@ fn words(scene: &SceneStudy) -> String {
          within {balance:.0e} of their size.",
         percent(total)
     ));
-    if let Some(pictures) = &scene.pictures {
-        let last = pictures.sensed.len().saturating_sub(1);
-        let covers: Vec<String> =
-            (0..=last).map(|which| format!("{:.0} %", 100.0 * pictures.coverage(which))).collect();
+    let sampled: Vec<&NoiseSamples> = scene.steps.iter().filter_map(|studied| studied.samples.as_ref()).collect();
+    if !sampled.is_empty() {
+        let sum = |of: &dyn Fn(&NoiseSamples) -> usize| sampled.iter().map(|samples| of(samples)).sum::<usize>();
+        let coverages = |of: &dyn Fn(&NoiseSamples) -> std::ops::Range<usize>| {
+            let cells = sampled.iter().flat_map(|samples| of(samples).map(|which| samples.coverage(which)));
+            let cells: Vec<f64> = cells.collect();
+            let least = cells.iter().copied().fold(f64::INFINITY, f64::min);
+            (cells.iter().sum::<f64>() / cells.len() as f64, least)
+        };
+        let contacts = coverages(&|samples| 0..samples.sensed.len() - 1);
+        let total = coverages(&|samples| samples.sensed.len() - 1..samples.sensed.len());
         sentences.push(format!(
-            "Of {} noisy pictures of the last step, {} are answered, and the stated 95 % intervals hold the true force in {} (contacts from \
-             base to tip, then the total).",
-            pictures.taken,
-            pictures.answered,
-            covers.join(", ")
+            "Of {} noise samples of all steps, {} are answered. The stated 95 % intervals hold the true force of a contact in {} of all \
+             samples (in {} where that is least), and the true total in {} ({}); refused samples count as not held.",
+            sum(&|samples| samples.taken),
+            sum(&|samples| samples.answered),
+            percent(contacts.0),
+            percent(contacts.1),
+            percent(total.0),
+            percent(total.1),
         ));
     }
     if scene.friction > 0.0 {
         sentences.push(format!(
-            "With friction ({}), forces are not normal, as sensing takes them to be: what it misses is not noise and is not in the \
-             stated intervals.",
-            scene.friction
+            "With friction ({}) forces lie anywhere in a cone of {:.1} deg around the normal; the intervals are widened by what the markers \
+             leave open of that.",
+            scene.friction,
+            scene.friction.atan().to_degrees()
         ));
     }
     sentences.join(" ")
@@ -267,22 +336,25 @@ fn table(scenes: &[SceneStudy]) -> Table {
         Column::numbers("friction, N"),
         Column::numbers("sensed, N"),
         Column::numbers("error"),
-        Column::numbers("noisy, rms, N"),
+        Column::numbers("noise: rms error, N"),
+        Column::numbers("stated sigma, N"),
+        Column::numbers("within 1.96 sigma"),
     ];
     let rows = scenes.iter().filter_map(|scene| Some((scene, scene.steps.last()?))).flat_map(|(scene, last)| {
         let clean = last.clean.as_ref().ok().and_then(Option::as_ref);
         let mut which = 0;
         let mut noisy = move |sensed: Option<SensedForce>| {
-            let pictures = scene.pictures.as_ref()?;
+            let samples = last.samples.as_ref().filter(|samples| samples.answered > 0)?;
             sensed?;
             which += 1;
-            Some(format!("{:.3}", pictures.rms_error_n(which - 1)))
+            let [error, sigma] = [samples.rms_error_n(which - 1), samples.rms_sigma_n(which - 1)];
+            Some([format!("{error:.3}"), format!("{sigma:.3}"), percent(samples.coverage(which - 1))])
         };
         let mut rows: Vec<Row> = Vec::new();
         let contacts = contacts_sensed(&last.step, clean);
         let total = clean.map(|sensed| sensed.total);
         let contacts = contacts.map(|(seen, sensed)| {
-            (name_of(seen), Some(seen.contact.angle_deg), seen.normal_n, Some(seen.friction_n), sensed)
+            (name_of(seen), Some(seen.contact.angle_deg), seen.normal_n, Some(seen.friction_n), sensed.map(|sensed| sensed.force))
         });
         let whole = total.map(|total| ("in all".to_owned(), None, total.true_n, None, Some(total)));
         for (name, angle_deg, true_n, friction_n, sensed) in contacts.chain(whole) {
@@ -291,8 +363,9 @@ fn table(scenes: &[SceneStudy]) -> Table {
                 let rounded = |value: f64| if value.abs() < 0.5 * 0.1_f64.powi(digits as i32) { 0.0 } else { value };
                 Cell::plain(value.map_or("-".to_owned(), |value| format!("{:.digits$}", rounded(value))))
             };
+            let noisy = noisy(sensed).unwrap_or(["-", "-", "-"].map(str::to_owned));
             rows.push(Row {
-                cells: vec![
+                cells: [
                     Cell::plain(scene.name.clone()),
                     Cell::plain(name),
                     number(angle_deg, 1),
@@ -300,14 +373,17 @@ fn table(scenes: &[SceneStudy]) -> Table {
                     number(friction_n, 3),
                     number(sensed.map(|force| force.sensed_n), 3),
                     Cell::plain(sensed.map_or("-".to_owned(), |force| percent(force.relative_error().abs()))),
-                    Cell::plain(noisy(sensed).unwrap_or("-".to_owned())),
-                ],
+                ]
+                .into_iter()
+                .chain(noisy.map(Cell::plain))
+                .collect(),
             });
         }
         rows
     });
     Table {
-        caption: "True and sensed forces at the end of each scene: without noise, and root mean square error with it"
+        caption: "True and sensed forces at the end of each scene: sensed without noise; error, stated standard deviation and coverage with \
+                  noise"
             .to_owned(),
         columns,
         rows: rows.collect(),

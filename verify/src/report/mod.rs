@@ -11,6 +11,7 @@ mod convergence;
 mod coverage;
 mod curves;
 mod directions;
+mod displacement_noise;
 mod drawings;
 mod hard_cases;
 mod lattice;

@@ -2,7 +2,7 @@
 
 use super::page::{Block, Figure, Page, Question, Section};
 use super::{
-    ReportError, Summary, causes, claims, contact_scenes, convergence, coverage, directions, drawings, hard_cases,
+    ReportError, Summary, causes, claims, contact_scenes, convergence, coverage, directions, displacement_noise, drawings, hard_cases,
     lattice, maps, networks, pairs, scatter, speed_error, table_two, tables, twin, verdict, words,
 };
 use crate::study::{DRAWN_FORCE_N, Study};
@@ -27,6 +27,7 @@ pub(super) fn page(study: &Study, summary: &Summary) -> Result<Page, ReportError
     let mut feels = vec![maps::section(study, summary)?];
     feels.extend(coverage::section(study));
     feels.extend(scatter::section(study));
+    feels.extend(displacement_noise::section(study));
     feels.extend(pairs::section(study)?);
     feels.extend(directions::section(study)?);
     feels.extend(table_two::section(study));

@@ -9,6 +9,7 @@ use super::pairs::{self, PairRow};
 use super::table_two::{self, TableTwoRow};
 use super::twin::{self, CalibrationRow, TwinRow, ZoneSetRow};
 use super::{causes, coverage, tables, verdict, words};
+use crate::displacement_noise::DisplacementNoiseRow;
 use crate::check::{Check, Comparison};
 use crate::coverage::CoverageRow;
 use crate::ledger::Claim;
@@ -66,6 +67,8 @@ pub struct Summary {
     pub table_two: Vec<TableTwoRow>,
     /// Two contacts at once, by pair and estimator.
     pub pairs: Vec<PairRow>,
+    /// Floors by the origin of the undeformed positions, by contacts and noise.
+    pub displacement_noise: Vec<DisplacementNoiseRow>,
     /// Forces of unknown direction, by place, direction and force.
     pub directions: Vec<DirectionRow>,
     /// Pushes along the deformed normal, by node, force and assumption.
@@ -115,6 +118,7 @@ impl Summary {
             twin_calibration: study.twin.iter().flat_map(twin::calibration_rows).collect(),
             table_two: table_two::rows(study),
             pairs: study.noise.iter().flat_map(pairs::rows).collect(),
+            displacement_noise: study.displacement_noise.iter().flat_map(|noise| noise.rows.clone()).collect(),
             directions: study.directions.iter().flat_map(directions::rows).collect(),
             directions_without_friction: study.directions.iter().flat_map(directions::frictionless_rows).collect(),
             networks: study.networks.iter().flat_map(networks::rows).collect(),

@@ -2,7 +2,7 @@
 
 use super::page::{Cell, Column, Row, Shade, Table};
 use super::{
-    causes, claims, contact_scenes, convergence, coverage, curves, directions, hard_cases, lattice, maps, networks,
+    causes, claims, contact_scenes, convergence, coverage, curves, directions, displacement_noise, hard_cases, lattice, maps, networks,
     pairs, recipes, scatter, speed_error, table_two, twin,
 };
 use crate::check::{Check, Comparison, Kind, worst};
@@ -113,6 +113,9 @@ pub(super) fn csv_files(study: &Study) -> Result<Vec<(PathBuf, String)>, csv::Er
         if !noise.pairs.is_empty() {
             files.push((pairs::CSV.into(), csv_text(pairs::rows(noise))?));
         }
+    }
+    if let Some(noise) = &study.displacement_noise {
+        files.push((displacement_noise::CSV.into(), csv_text(&noise.rows)?));
     }
     if let Some(study) = &study.directions {
         files.push((directions::CSV.into(), csv_text(directions::rows(study))?));

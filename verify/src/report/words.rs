@@ -1,7 +1,7 @@
 //! What the numbers say, in sentences made from the numbers.
 
 use super::tables::percent;
-use super::{causes, contact_scenes, lattice, networks, speed_error, twin, verdict};
+use super::{causes, contact_scenes, displacement_noise, lattice, networks, speed_error, twin, verdict};
 use crate::check::{Check, Kind, Tally, tallies};
 use crate::ledger::criteria::accounts_for;
 use crate::map::{AccuracyMap, Cell};
@@ -51,6 +51,7 @@ pub(super) fn findings(study: &Study) -> Vec<Finding> {
     [
         ("maps", maps(study)),
         ("noise", one(nonlinear(study))),
+        ("displacement-noise", one(study.displacement_noise.as_ref().and_then(displacement_noise::words))),
         ("contact-scenes", one(contact_scenes::verdict(study))),
         // At the head of the page stands the largest cause, where causes were sought.
         ("causes", one(causes::verdict(study).and_then(|_| verdict::limit(study)))),

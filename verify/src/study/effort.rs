@@ -20,6 +20,14 @@ impl Effort {
         }
     }
 
+    /// Noise samples for each set of contacts and model of the displacements' noise.
+    pub(super) fn displacement_noise_cases(self) -> usize {
+        match self {
+            Effort::Quick => 20,
+            Effort::Full => 200,
+        }
+    }
+
     /// Calibrations of the digital twin, forces a node that are sensed on it, and sets of zones that are fitted.
     pub(super) fn twin(self) -> [usize; 3] {
         match self {

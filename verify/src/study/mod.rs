@@ -23,6 +23,7 @@ use crate::contact_scene::study::{SceneStudy, SceneStudyError, SceneWithOutline}
 use crate::convergence::{Convergence, convergence, loaded_nodes};
 use crate::coverage;
 use crate::direction::DirectionStudy;
+use crate::displacement_noise::DisplacementNoiseStudy;
 use crate::estimators::{EstimatorError, EstimatorKind};
 use crate::explain::ExplanationMap;
 use crate::fixtures;
@@ -82,6 +83,8 @@ pub struct Study {
     pub convergence: Convergence,
     /// Nonlinear sensing under camera noise.
     pub noise: Option<NoiseStudy>,
+    /// Floors by the origin of the undeformed positions, under camera noise.
+    pub displacement_noise: Option<DisplacementNoiseStudy>,
     /// Forces of unknown direction under camera noise, in a full study.
     pub directions: Option<DirectionStudy>,
     /// Table II, for the paper's finger.
@@ -222,6 +225,11 @@ impl Study {
         if is_paper {
             checks.extend(noise.iter().flat_map(NoiseStudy::checks));
         }
+        let displacement_noise = match noise_mm {
+            0.0 => None,
+            noise_mm => Some(DisplacementNoiseStudy::run(finger, noise_mm, effort.displacement_noise_cases()).map_err(StaticsError::from)?),
+        };
+        checks.extend(displacement_noise.iter().flat_map(DisplacementNoiseStudy::checks));
         let directions = directions::directions(&corotational, finger, noise_mm, effort, progress)?;
         let mut hard = Vec::new();
         let (mut two, mut networks, mut records) = (None, None, Records::default());
@@ -277,6 +285,7 @@ impl Study {
             causes,
             convergence,
             noise,
+            displacement_noise,
             directions,
             table_two: two,
             networks,

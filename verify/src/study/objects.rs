@@ -12,7 +12,7 @@ const QUICK_STEPS: usize = 3;
 pub(super) struct Objects {
     /// Each with the fineness of its lattice.
     scenes: Vec<(SceneWithOutline, usize)>,
-    pictures: usize,
+    samples: usize,
 }
 
 impl Objects {
@@ -23,10 +23,10 @@ impl Objects {
             None if is_paper => contact_scene::study::shipped()?,
             None => Vec::new(),
         };
-        let mut pictures = contact_scene::study::PICTURES;
+        let mut samples = contact_scene::study::SAMPLES;
         if effort == Effort::Quick {
-            // The coarse lattice is not near enough to beams for a promise about noise.
-            pictures = 0;
+            // Samples of every step take longer than the rest of a quick study.
+            samples = 0;
             scenes.truncate(1);
             for (given, fineness) in &mut scenes {
                 *fineness = QUICK_FINENESS;
@@ -35,7 +35,7 @@ impl Objects {
                 }
             }
         }
-        Ok(Objects { scenes, pictures })
+        Ok(Objects { scenes, samples })
     }
 
     /// How often progress is reported.
@@ -45,6 +45,6 @@ impl Objects {
 
     /// Presses them onto the finger.
     pub(super) fn press(&self, progress: &dyn Progress) -> Result<Vec<SceneStudy>, SceneStudyError> {
-        contact_scene::study::run_all(&self.scenes, CAMERA_NOISE_MM, self.pictures, &|| progress.step())
+        contact_scene::study::run_all(&self.scenes, CAMERA_NOISE_MM, self.samples, &|| progress.step())
     }
 }

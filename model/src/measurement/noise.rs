@@ -1,0 +1,234 @@
+//! Noise of measured displacements, by where the undeformed positions come from.
+//!
+//! A displacement is a position in an image less the undeformed position. That one is measured too, in an image of the finger at
+//! rest, or computed from the motor angle; either way its error is part of the displacement, and all frames that use it share it.
+
+use super::Measurement;
+use crate::Vector;
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+/// Noise of the displacements of one measurement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum DisplacementNoise {
+    /// Each coordinate has an error of its own, in every frame anew: the undeformed positions are exact.
+    Independent {
+        /// Standard deviation of one displacement coordinate, mm.
+        sd_mm: f64,
+    },
+    /// The undeformed positions come from an image of the finger at rest.
+    TwoImages {
+        /// Standard deviation of one coordinate in one image, mm.
+        image_sd_mm: f64,
+    },
+    /// The undeformed positions come from the motor angle, eqs (6)-(10) of Xu et al. (2021): the finger base is taken to be where
+    /// it is not quite, and turned.
+    Kinematic {
+        /// Standard deviation of one coordinate in one image, mm.
+        image_sd_mm: f64,
+        /// Standard deviation of the base's position along each axis, mm.
+        translation_sd_mm: f64,
+        /// Standard deviation of the base's rotation, rad, about the origin of the finger frame.
+        rotation_sd_rad: f64,
+    },
+}
+
+/// A covariance that has no inverse.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("the noise of the displacements must be positive")]
+pub struct NoNoise;
+
+impl DisplacementNoise {
+    /// Standard deviation of the error that one coordinate has in every frame anew, mm.
+    pub fn frame_sd_mm(&self) -> f64 {
+        match *self {
+            DisplacementNoise::Independent { sd_mm } => sd_mm,
+            DisplacementNoise::TwoImages { image_sd_mm } | DisplacementNoise::Kinematic { image_sd_mm, .. } => {
+                image_sd_mm
+            }
+        }
+    }
+
+    /// Covariance of the mean of so many frames, mm^2: rows and columns are x and y of the node at each position.
+    ///
+    /// `positions_mm` are those of the nodes in the image (deformed), finger frame: the base's rotation moves every node across
+    /// its radius. The undeformed positions' error does not average out.
+    pub fn covariance_mm2(&self, positions_mm: &[Vector], frames: usize) -> DMatrix<f64> {
+        let coordinates = 2 * positions_mm.len();
+        let own = self.frame_sd_mm().powi(2) / frames as f64;
+        let mut covariance = DMatrix::from_diagonal_element(coordinates, coordinates, own);
+        match *self {
+            DisplacementNoise::Independent { .. } => {}
+            DisplacementNoise::TwoImages { image_sd_mm } => {
+                for i in 0..coordinates {
+                    covariance[(i, i)] += image_sd_mm.powi(2);
+                }
+            }
+            DisplacementNoise::Kinematic { translation_sd_mm, rotation_sd_rad, .. } => {
+                let motions = base_motions(positions_mm);
+                let scaled = [translation_sd_mm, translation_sd_mm, rotation_sd_rad];
+                for (motion, sd) in motions.column_iter().zip(scaled) {
+                    covariance += motion * motion.transpose() * (sd * sd);
+                }
+            }
+        }
+        covariance
+    }
+
+    /// Errors that all frames share which use the same undeformed positions, mm, from standard normal numbers.
+    pub fn shared_errors_mm(&self, positions_mm: &[Vector], mut standard_normal: impl FnMut() -> f64) -> Vec<Vector> {
+        match *self {
+            DisplacementNoise::Independent { .. } => vec![Vector::zeros(); positions_mm.len()],
+            DisplacementNoise::TwoImages { image_sd_mm } => {
+                let error = |_: &Vector| Vector::new(standard_normal(), standard_normal()) * -image_sd_mm;
+                positions_mm.iter().map(error).collect()
+            }
+            DisplacementNoise::Kinematic { translation_sd_mm, rotation_sd_rad, .. } => {
+                let translation = Vector::new(standard_normal(), standard_normal()) * translation_sd_mm;
+                let rotation = standard_normal() * rotation_sd_rad;
+                positions_mm.iter().map(|at| -translation - across(at) * rotation).collect()
+            }
+        }
+    }
+
+    /// Adds the shared errors and a frame's own to a measurement whose markers are those at the positions of `shared_mm`.
+    pub fn add_to(
+        &self,
+        measurement: &mut Measurement,
+        shared_mm: &[Vector],
+        mut standard_normal: impl FnMut() -> f64,
+    ) {
+        for (marker, shared) in measurement.markers.iter_mut().zip(shared_mm) {
+            marker.displacement += shared;
+            marker.displacement += Vector::new(standard_normal(), standard_normal()) * self.frame_sd_mm();
+        }
+    }
+
+    /// The covariance of the mean of so many frames, factored: what turns errors into independent ones of standard deviation 1.
+    ///
+    /// # Errors
+    /// [`NoNoise`] if it is not positive definite.
+    pub fn whitening(&self, positions_mm: &[Vector], frames: usize) -> Result<Whitening, NoNoise> {
+        let factor = Cholesky::new(self.covariance_mm2(positions_mm, frames)).ok_or(NoNoise)?;
+        Ok(Whitening { factor })
+    }
+}
+
+/// The covariance of displacements, factored as L L^T.
+#[derive(Debug, Clone)]
+pub struct Whitening {
+    factor: Cholesky<f64, Dyn>,
+}
+
+impl Whitening {
+    /// L^-1 of derivatives: a row a coordinate (mm), a column an unknown.
+    pub fn whitened(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut whitened = columns.clone();
+        self.factor.l_dirty().solve_lower_triangular_mut(&mut whitened);
+        whitened
+    }
+
+    /// L^-1 of a residual, mm.
+    pub fn whitened_residual(&self, residual_mm: &DVector<f64>) -> DVector<f64> {
+        let mut whitened = residual_mm.clone();
+        self.factor.l_dirty().solve_lower_triangular_mut(&mut whitened);
+        whitened
+    }
+}
+
+/// Motion of every coordinate per mm of the base along x, along y, and per rad about the origin: three columns.
+pub fn base_motions(positions_mm: &[Vector]) -> DMatrix<f64> {
+    DMatrix::from_fn(2 * positions_mm.len(), 3, |row, column| match column {
+        2 => across(&positions_mm[row / 2])[row % 2],
+        axis => f64::from(u8::from(row % 2 == axis)),
+    })
+}
+
+/// What a node moves per rad about the origin, mm.
+fn across(position_mm: &Vector) -> Vector {
+    Vector::new(-position_mm.y, position_mm.x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const POSITIONS: [Vector; 3] = [Vector::new(10.0, 29.0), Vector::new(150.0, 0.0), Vector::new(80.0, -12.0)];
+    const MODELS: [DisplacementNoise; 3] = [
+        DisplacementNoise::Independent { sd_mm: 0.067 },
+        DisplacementNoise::TwoImages { image_sd_mm: 0.067 },
+        DisplacementNoise::Kinematic { image_sd_mm: 0.067, translation_sd_mm: 0.05, rotation_sd_rad: 0.002 },
+    ];
+
+    /// A generator of its own, so that the crate needs none: sums of twelve uniform numbers of a linear congruence
+    /// (Irwin and Hall), of mean 0 and variance 1.
+    fn normals() -> impl FnMut() -> f64 {
+        let mut state = 1_u64;
+        let mut uniform = move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        move || (0..12).map(|_| uniform()).sum::<f64>() - 6.0
+    }
+
+    /// Samples of means of frames have the covariance that is stated: what is drawn and what is written down are two things.
+    #[test]
+    fn samples_have_the_stated_covariance() {
+        const FRAMES: usize = 4;
+        const SAMPLES: usize = 20_000;
+        for noise in MODELS {
+            let mut normal = normals();
+            let mut found = DMatrix::<f64>::zeros(6, 6);
+            for _ in 0..SAMPLES {
+                let shared = noise.shared_errors_mm(&POSITIONS, &mut normal);
+                let mut mean = DVector::<f64>::zeros(6);
+                for _ in 0..FRAMES {
+                    let marker = |i| super::super::Marker {
+                        node: crate::NodeId(i),
+                        displacement: Vector::zeros(),
+                        weight: 1.0,
+                    };
+                    let mut seen = Measurement { markers: (2..5).map(marker).collect() };
+                    noise.add_to(&mut seen, &shared, &mut normal);
+                    let coordinates = seen.markers().iter().flat_map(|m| [m.displacement.x, m.displacement.y]);
+                    mean += DVector::from_iterator(6, coordinates) / FRAMES as f64;
+                }
+                found += &mean * mean.transpose() / SAMPLES as f64;
+            }
+            let stated = noise.covariance_mm2(&POSITIONS, FRAMES);
+            for i in 0..6 {
+                for j in 0..6 {
+                    // A sampled covariance scatters by sqrt((s_ii s_jj + s_ij^2) / samples); five of these among 63 figures.
+                    let scatter =
+                        ((stated[(i, i)] * stated[(j, j)] + stated[(i, j)].powi(2)) / SAMPLES as f64).sqrt();
+                    assert!((found[(i, j)] - stated[(i, j)]).abs() < 5.0 * scatter, "{noise:?} {i} {j}: {found}");
+                }
+            }
+        }
+    }
+
+    /// Averaging removes a frame's own error and leaves the reference's.
+    #[test]
+    fn frames_do_not_average_the_reference_away() {
+        let variance = |noise: &DisplacementNoise, frames| noise.covariance_mm2(&POSITIONS, frames)[(0, 0)];
+        let [independent, images, kinematic] = &MODELS;
+        let image = 0.067_f64.powi(2);
+        let many = 1_000_000;
+        assert!(variance(independent, many) < 1e-5 * image);
+        assert!((variance(images, 1) / image - 2.0).abs() < 1e-12);
+        assert!((variance(images, many) / image - 1.0).abs() < 1e-5);
+        // At (10, 29) a rotation moves x by 29 mm a rad.
+        let base = 0.05_f64.powi(2) + (29.0_f64 * 0.002).powi(2);
+        assert!(((variance(kinematic, many) - 1e-6 * image) / base - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn whitened_errors_are_independent() {
+        for noise in MODELS {
+            let whitening = noise.whitening(&POSITIONS, 1).expect("noise");
+            let half = whitening.whitened(&noise.covariance_mm2(&POSITIONS, 1));
+            let whole = whitening.whitened(&half.transpose());
+            assert!((whole - DMatrix::<f64>::identity(6, 6)).amax() < 1e-10);
+        }
+        assert_eq!(DisplacementNoise::Independent { sd_mm: 0.0 }.whitening(&POSITIONS, 1).err(), Some(NoNoise));
+    }
+}
