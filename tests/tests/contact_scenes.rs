@@ -83,7 +83,9 @@ fn friction_is_within_the_stated_intervals() {
     let study = run(&known);
     all_pass(&study.checks());
     all_pass(&study.shipped_checks());
-    assert!(study.shipped_checks().iter().filter(|check| check.problem.contains("within 1.96 stated sigma")).count() == 4);
+    assert!(
+        study.shipped_checks().iter().filter(|check| check.problem.contains("within 1.96 stated sigma")).count() == 4
+    );
     for studied in &study.steps {
         let samples = studied.samples.as_ref().expect("noise");
         for (which, seen) in studied.step.contacts.iter().enumerate() {
@@ -161,7 +163,8 @@ fn refused_samples_are_not_covered() {
     let samples = NoiseSamples { taken: 100, answered: 50, sensed: vec![vec![exact; 50]; 2] };
     assert_eq!((samples.covered(0), samples.coverage(1)), (50, 0.5));
     let scene = scene("shape = \"disc\"\nradius_mm = 20\nat_mm = 76.5\ntravel_mm = 1\nsteps = 1");
-    let mut study = SceneStudy::run("refused", &prepared(&scene).with_fineness(COARSE), 0.067, 1, &|| ()).expect("a study");
+    let mut study =
+        SceneStudy::run("refused", &prepared(&scene).with_fineness(COARSE), 0.067, 1, &|| ()).expect("a study");
     study.steps[0].samples = Some(samples);
     let broken = study.shipped_checks().into_iter().filter(|check| !check.passes() && check.problem.contains("sigma"));
     assert_eq!(broken.count(), 4, "contacts and total, over all and where fewest");

@@ -360,14 +360,16 @@ fn floors_follow_from_where_undeformed_positions_come_from() {
     // Translations and rotations that nothing is known of are projected out; known ones leave one image's error.
     let finger = paper();
     let positions: Vec<Vector> = finger.free_nodes().map(|node| finger.position(node)).collect();
-    let derivatives =
-        DMatrix::from_fn(2 * positions.len(), 1, |row, _| (0.1 * row as f64).sin() + if row % 2 == 1 { 0.5 } else { 0.0 });
+    let derivatives = DMatrix::from_fn(2 * positions.len(), 1, |row, _| {
+        (0.1 * row as f64).sin() + if row % 2 == 1 { 0.5 } else { 0.0 }
+    });
     let kinematic = |translation_sd_mm, rotation_sd_rad| {
         let noise = DisplacementNoise::Kinematic { image_sd_mm: NOISE_MM, translation_sd_mm, rotation_sd_rad };
         bound_n2(&noise, &positions, &derivatives, 1).expect("a force that moves nodes")[(0, 0)].sqrt()
     };
     let base = base_motions(&positions);
-    let projected = &derivatives - &base * (base.transpose() * &base).try_inverse().expect("three motions") * base.transpose() * &derivatives;
+    let projected = &derivatives
+        - &base * (base.transpose() * &base).try_inverse().expect("three motions") * base.transpose() * &derivatives;
     assert!((kinematic(1e3, 1e2) * projected.norm() / NOISE_MM - 1.0).abs() < 1e-6);
     assert!((kinematic(0.0, 0.0) * derivatives.norm() / NOISE_MM - 1.0).abs() < 1e-12);
 }

@@ -20,9 +20,10 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Error of the finger base where it is computed from the motor angle. The offsets of motor and camera stand in figures of the paper that are
-/// not at hand: these two are a choice.
+/// Standard deviation of the finger base's position along each axis where it is computed from the motor angle, mm. The offsets of motor and
+/// camera stand in figures of the paper that are not at hand: this is a choice.
 pub const TRANSLATION_SD_MM: f64 = 0.05;
+/// Standard deviation of its rotation, degrees; likewise a choice.
 pub const ROTATION_SD_DEG: f64 = 0.1;
 /// Force at every contact, N, along the normal: the middle of the paper's 0.3 to 3 N.
 pub const FORCE_N: f64 = 1.5;
@@ -115,7 +116,8 @@ pub fn bound_with_base_as_unknown_n2(
         DisplacementNoise::Kinematic { image_sd_mm, translation_sd_mm, rotation_sd_rad } => {
             // Scaled to their standard deviations, the base's motions have the prior information 1.
             let mut base = base_motions(positions_mm);
-            for (mut motion, sd) in base.column_iter_mut().zip([translation_sd_mm, translation_sd_mm, rotation_sd_rad]) {
+            for (mut motion, sd) in base.column_iter_mut().zip([translation_sd_mm, translation_sd_mm, rotation_sd_rad])
+            {
                 motion *= sd;
             }
             let columns: Vec<_> = derivatives.column_iter().chain(base.column_iter()).collect();
@@ -188,7 +190,8 @@ impl DisplacementNoiseStudy {
         let mesh = Mesh::key_nodes(finger);
         let mut sets: Vec<Vec<NodeId>> = sampled_nodes(finger).into_iter().map(|node| vec![node]).collect();
         sets.retain(|set| set[0] != finger.tip());
-        let on_finger = |pair: &[usize; 2]| pair.iter().all(|&node| finger.contact_nodes().any(|other| other.0 == node));
+        let on_finger =
+            |pair: &[usize; 2]| pair.iter().all(|&node| finger.contact_nodes().any(|other| other.0 == node));
         sets.extend(PAIRS.iter().filter(|pair| on_finger(pair)).map(|pair| pair.map(NodeId).to_vec()));
         let rows: Result<Vec<Vec<DisplacementNoiseRow>>, LoadError> =
             sets.par_iter().map(|nodes| rows_of(&mesh, nodes, image_sd_mm, cases)).collect();
@@ -199,12 +202,7 @@ impl DisplacementNoiseStudy {
     pub fn checks(&self) -> Vec<Check> {
         let mut checks = Vec::new();
         for (name, kind, source, problem) in [
-            (
-                "two images",
-                Kind::Analytical,
-                "closed form",
-                "bound with two images against sqrt(2) times that of one",
-            ),
+            ("two images", Kind::Analytical, "closed form", "bound with two images against sqrt(2) times that of one"),
             (
                 "motor angle",
                 Kind::Internal,

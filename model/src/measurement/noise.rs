@@ -182,11 +182,8 @@ mod tests {
                 let shared = noise.shared_errors_mm(&POSITIONS, &mut normal);
                 let mut mean = DVector::<f64>::zeros(6);
                 for _ in 0..FRAMES {
-                    let marker = |i| super::super::Marker {
-                        node: crate::NodeId(i),
-                        displacement: Vector::zeros(),
-                        weight: 1.0,
-                    };
+                    let marker =
+                        |i| super::super::Marker { node: crate::NodeId(i), displacement: Vector::zeros(), weight: 1.0 };
                     let mut seen = Measurement { markers: (2..5).map(marker).collect() };
                     noise.add_to(&mut seen, &shared, &mut normal);
                     let coordinates = seen.markers().iter().flat_map(|m| [m.displacement.x, m.displacement.y]);
@@ -198,8 +195,7 @@ mod tests {
             for i in 0..6 {
                 for j in 0..6 {
                     // A sampled covariance scatters by sqrt((s_ii s_jj + s_ij^2) / samples); five of these among 63 figures.
-                    let scatter =
-                        ((stated[(i, i)] * stated[(j, j)] + stated[(i, j)].powi(2)) / SAMPLES as f64).sqrt();
+                    let scatter = ((stated[(i, i)] * stated[(j, j)] + stated[(i, j)].powi(2)) / SAMPLES as f64).sqrt();
                     assert!((found[(i, j)] - stated[(i, j)]).abs() < 5.0 * scatter, "{noise:?} {i} {j}: {found}");
                 }
             }

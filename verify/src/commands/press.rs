@@ -18,16 +18,20 @@ use std::path::{Path, PathBuf};
 /// beside the scene), with friction if you like, pressed along a line to a travel or a force, or moved
 /// along a path; see fixtures/scenes/contact. The finger is a lattice of rigid bodies and springs in
 /// the physics engine rapier: the forces of its contacts are the true ones. Sensing sees what a camera
-/// would: displacements of the key nodes, where the object touches and which way it faces there. The
-/// object touches the front plate and its rods; the finger does not touch itself.
+/// could: displacements of the key nodes, and position and direction of every contact, read from the
+/// outlines of object and finger; all with the noise of --noise-mm a coordinate. Which parts touch and
+/// the object's coefficient of friction are taken as known; a force may lie anywhere in the cone of
+/// that friction around its normal. sigma_n allows for all of this. The object touches the front plate
+/// and its rods; the finger does not touch itself.
 ///
-/// Writes step,travel_mm,contact,s_mm,angle_deg,force_n,friction_n,sensed_n,sigma_n: a row a
-/// contact, from the base to the tip, and a row `total` a step: the force along the object's way,
-/// without what the clamp takes.
+/// Writes step,travel_mm,contact,s_mm,angle_deg,force_n,friction_n,sensed_n,sigma_n,read_s_mm,
+/// read_angle_deg: a row a contact, from the base to the tip, and a row `total` a step: the force
+/// along the object's way, without what the clamp takes.
 /// `contact` is a node, `at` for a place between nodes, or `clamp` where a force is not felt;
 /// `angle_deg` is the normal, from the front plate's undeformed inward normal; `force_n` is the true
-/// force along it and `friction_n` the one across it, positive towards the tip. sensed_n stays empty
-/// where the forces cannot be told.
+/// force along it and `friction_n` the one across it, positive towards the tip; `sensed_n` is the
+/// sensed force along the normal, and `read_s_mm` and `read_angle_deg` are the position and normal,
+/// with noise, that it was sensed from. They stay empty where the forces are not identifiable.
 ///
 /// A warning on standard error names the step that strains most where the beam model does not hold, as
 /// beams under the true contact forces have it (see `finray solve --help`).
@@ -40,7 +44,8 @@ use std::path::{Path, PathBuf};
 pub struct Arguments {
     /// Scene file (TOML) with an object; - for standard input
     scene: PathBuf,
-    /// Standard deviation of one measured coordinate, mm; the scene's, or 0, if not given
+    /// Standard deviation of one displacement coordinate and of one coordinate of an outline point, mm;
+    /// the scene's, or 0, if not given
     #[arg(long, value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
     /// Seed of the noise
@@ -120,7 +125,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What the report would not promise of a step.
+/// Why a step would fail the checks of the report.
 fn doubt(step: &SceneStep) -> Option<String> {
     let imbalance = step.pressed.imbalance()?;
     if imbalance > BALANCE_TOLERANCE {

@@ -111,11 +111,20 @@ impl SceneStudy {
     /// force as often as it says, whatever the force.
     pub fn shipped_checks(&self) -> Vec<Check> {
         let scene = format!("{} pressed onto the lattice", self.name);
-        let check = |kind: Kind, what: &str, source: &str, quantity: &str, reference: f64, ours: f64, tolerance: f64| {
-            Check::new(kind, format!("{scene}: {what}"), source, quantity, reference, ours, tolerance)
-        };
+        let check =
+            |kind: Kind, what: &str, source: &str, quantity: &str, reference: f64, ours: f64, tolerance: f64| {
+                Check::new(kind, format!("{scene}: {what}"), source, quantity, reference, ours, tolerance)
+            };
         let stopped = f64::from(u8::from(self.stopped.is_some()));
-        let mut checks = vec![check(Kind::Internal, "goes to its end", SOURCE, "scenes that ended early", 0.0, stopped, EXACT_COUNT)];
+        let mut checks = vec![check(
+            Kind::Internal,
+            "goes to its end",
+            SOURCE,
+            "scenes that ended early",
+            0.0,
+            stopped,
+            EXACT_COUNT,
+        )];
         if self.friction == 0.0 {
             let beams = worst(self.beams_differences.iter().map(|difference| difference.unwrap_or(f64::NAN)));
             checks.push(check(
@@ -207,4 +216,3 @@ impl SceneStudy {
         (tangential_n - self.friction * normal_n).max(0.0)
     }
 }
-

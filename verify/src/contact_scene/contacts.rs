@@ -33,11 +33,7 @@ pub struct SeenContact {
 
 /// Puts touches together to contacts, from base to tip. `baseline_mm` is the distance of the outline points that the direction of a touch
 /// is read from.
-pub fn seen_contacts(
-    lattice: &Lattice,
-    touches: &[Touch],
-    baseline_mm: impl Fn(&Touch) -> f64,
-) -> Vec<SeenContact> {
+pub fn seen_contacts(lattice: &Lattice, touches: &[Touch], baseline_mm: impl Fn(&Touch) -> f64) -> Vec<SeenContact> {
     let mut groups: Vec<&[Touch]> = Vec::new();
     let mut rest = touches;
     while let [first, ..] = rest {

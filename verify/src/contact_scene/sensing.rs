@@ -90,8 +90,7 @@ pub(super) fn sense(
     };
     let mut finger = RespondingFinger::new(mesh);
     let count = contacts.len();
-    let mut state =
-        State { forces_n: start.forces.forces_n, tangents: vec![0.0; count], shifts_mm: vec![0.0; count] };
+    let mut state = State { forces_n: start.forces.forces_n, tangents: vec![0.0; count], shifts_mm: vec![0.0; count] };
     let mut response = problem.bent(&mut finger, &state)?.ok_or(not_converged(0, f64::NAN))?;
     for steps in 1..=MAX_STEPS {
         let step = problem.step(&state, &response)?;

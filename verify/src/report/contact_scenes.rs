@@ -354,7 +354,13 @@ fn table(scenes: &[SceneStudy]) -> Table {
         let contacts = contacts_sensed(&last.step, clean);
         let total = clean.map(|sensed| sensed.total);
         let contacts = contacts.map(|(seen, sensed)| {
-            (name_of(seen), Some(seen.contact.angle_deg), seen.normal_n, Some(seen.friction_n), sensed.map(|sensed| sensed.force))
+            (
+                name_of(seen),
+                Some(seen.contact.angle_deg),
+                seen.normal_n,
+                Some(seen.friction_n),
+                sensed.map(|sensed| sensed.force),
+            )
         });
         let whole = total.map(|total| ("in all".to_owned(), None, total.true_n, None, Some(total)));
         for (name, angle_deg, true_n, friction_n, sensed) in contacts.chain(whole) {

@@ -227,7 +227,10 @@ impl Study {
         }
         let displacement_noise = match noise_mm {
             0.0 => None,
-            noise_mm => Some(DisplacementNoiseStudy::run(finger, noise_mm, effort.displacement_noise_cases()).map_err(StaticsError::from)?),
+            noise_mm => Some(
+                DisplacementNoiseStudy::run(finger, noise_mm, effort.displacement_noise_cases())
+                    .map_err(StaticsError::from)?,
+            ),
         };
         checks.extend(displacement_noise.iter().flat_map(DisplacementNoiseStudy::checks));
         let directions = directions::directions(&corotational, finger, noise_mm, effort, progress)?;
