@@ -223,17 +223,17 @@ impl DisplacementNoiseStudy {
             });
             let over_bound = squares.sum::<f64>().sqrt();
             let refused: usize = rows.iter().map(|row| row.refused).sum();
-            let quantity = format!("rms error / bound, {answered} noise samples answered, {refused} refused");
-            checks.push(Check::new(
+            let drawn: usize = rows.iter().map(|row| row.cases).sum();
+            let check = Check::new(
                 Kind::Internal,
                 format!("generalised least squares under the noise \"{name}\""),
                 "Cramer-Rao bound",
-                quantity,
+                format!("rms error / bound, {drawn} noise samples"),
                 1.0,
-                // Refused samples are no answers at the bound.
-                if refused > 0 { f64::NAN } else { over_bound },
+                over_bound,
                 STANDARD_ERRORS / (2.0 * answered as f64).sqrt(),
-            ));
+            );
+            checks.push(check.with_refused(refused, drawn));
         }
         checks
     }

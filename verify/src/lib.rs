@@ -4,7 +4,7 @@
 //! come to, [`lattice`] another discretisation of the finger, [`mujoco`] what another program says of it, [`truth`] the fingers that sensing is put to the test on, [`estimators`] and [`networks`] what is
 //! tested, [`twin`] what the paper's own finger may have been like,
 //! [`sweep`], [`map`], [`scatter`], [`direction`], [`table_one`] and [`table_two`] what is asked of them, [`contact_scene`] what objects do to it,
-//! [`explain`] what limits them, [`ledger`] and [`speed_error`] what came of it, [`report`] the page. [`files`] reads
+//! [`explain`] and [`displacement_noise`] what limits them, [`response`] how a bent finger's markers move with its forces, [`ledger`] and [`speed_error`] what came of it, [`report`] the page. [`files`] reads
 //! and writes what users bring and take away; physics lives in [`finray_model`].
 #![forbid(unsafe_code)]
 

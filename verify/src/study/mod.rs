@@ -232,7 +232,9 @@ impl Study {
                     .map_err(StaticsError::from)?,
             ),
         };
-        checks.extend(displacement_noise.iter().flat_map(DisplacementNoiseStudy::checks));
+        if is_paper {
+            checks.extend(displacement_noise.iter().flat_map(DisplacementNoiseStudy::checks));
+        }
         let directions = directions::directions(&corotational, finger, noise_mm, effort, progress)?;
         let mut hard = Vec::new();
         let (mut two, mut networks, mut records) = (None, None, Records::default());
