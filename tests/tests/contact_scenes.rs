@@ -77,8 +77,9 @@ fn a_disc_pressed_to_5_n_keeps_every_promise() {
 /// that miss them, and the checks say so.
 #[test]
 fn friction_is_within_the_stated_intervals() {
-    let (given, _) = shipped().expect("scenes that ship").swap_remove(3);
-    let known = prepared(&given.scene).with_fineness(COARSE);
+    // With one segment between rods the lattice differs from beams by more than noise.
+    let (given, fineness) = shipped().expect("scenes that ship").swap_remove(3);
+    let known = prepared(&given.scene).with_fineness(fineness);
     let run = |scene: &ContactScene| SceneStudy::run("friction", scene, 0.067, 50, &|| ()).expect("a study");
     let study = run(&known);
     all_pass(&study.checks());
@@ -128,7 +129,7 @@ fn contacts_are_seen_alike_whatever_they_carry() {
 fn read_contacts_scatter_as_stated() {
     const NOISE_MM: f64 = 0.067;
     const READINGS: usize = 4000;
-    let object = "shape = \"disc\"\nradius_mm = 20\nat_mm = 70.5\ntravel_mm = 1\nsteps = 1";
+    let object = "shape = \"disc\"\nradius_mm = 20\nat_mm = 76.5\ntravel_mm = 1\nsteps = 1";
     let (step, finger) = (last(object, COARSE), scene(object).finger);
     let seen = step.contacts[0];
     assert_eq!(seen.baseline_mm, 21.5, "from the middle of the disc to that of the rod");

@@ -53,6 +53,7 @@ pub struct Arguments {
     seed: u64,
     /// Segments of the lattice in a stretch of plate between two rods: shapes are within 0.4 % under
     /// 5 N with 2, 0.1 % with 3, 0.03 % with 4, in 1, 2 and 4 times the time; 1 is for a first look
+    /// (sigma_n does not allow for this difference: with 1 it is more than the camera's noise)
     #[arg(long, value_name = "N", default_value_t = FINENESS as u16, value_parser = value_parser!(u16).range(1..=12))]
     fineness: u16,
     /// Also write the last shape, as `finray solve` does
