@@ -12,11 +12,13 @@ const SOURCE: &str = "rapier2d lattice";
 const DISPLACEMENT: &str = "largest displacement difference / largest displacement";
 /// Contact forces against the hand's and the clamps', as a share of their sum: what rapier's sweeps leave over.
 pub const BALANCE_TOLERANCE: f64 = 1e-3;
-/// Settled shapes against the lattice's equilibrium under the contact forces, as a share of the largest displacement.
+/// Settled shapes against the lattice's equilibrium under the contact forces, as a share of the largest displacement, of any scene and
+/// finger. The scenes that ship come within 7e-7; a stiff finger on many segments may rest farther off before its forces are in doubt.
 pub const SETTLING_TOLERANCE: f64 = 5e-4;
-/// Settled shapes against converged beams under the contact forces, as a share of the largest displacement: a lattice with two segments of
-/// plate between rods comes within 1e-3 (the box at its end), and as near again with another step of its object.
-const BEAMS_TOLERANCE: f64 = 2e-3;
+/// Settled shapes against converged beams under the contact forces, as a share of the largest displacement: what two segments
+/// a stretch leave of the box under 5 N spread over its contacts (1.0e-3; a single force at its worst direction leaves four times as much),
+/// and a quarter more.
+const BEAMS_TOLERANCE: f64 = 1.3e-3;
 /// Sensed total against the true one, without noise and friction: forces follow shapes in proportion.
 const TOTAL_TOLERANCE: f64 = BEAMS_TOLERANCE;
 /// Overlap of object and finger, mm: beyond it the engine's contacts would give way.

@@ -2,8 +2,9 @@
 
 use super::page::{Block, Figure, Page, Question, Section};
 use super::{
-    ReportError, Summary, causes, claims, contact_scenes, convergence, coverage, directions, displacement_noise, drawings, hard_cases,
-    lattice, maps, networks, pairs, scatter, speed_error, table_two, tables, twin, verdict, words,
+    ReportError, Summary, causes, claims, contact_scenes, convergence, coverage, directions, displacement_noise,
+    drawings, hard_cases, lattice, maps, networks, pairs, scatter, speed_error, table_two, tables, twin, verdict,
+    words,
 };
 use crate::study::{DRAWN_FORCE_N, Study};
 use finray_model::Kinematics;

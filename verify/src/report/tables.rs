@@ -2,8 +2,8 @@
 
 use super::page::{Cell, Column, Row, Shade, Table};
 use super::{
-    causes, claims, contact_scenes, convergence, coverage, curves, directions, displacement_noise, hard_cases, lattice, maps, networks,
-    pairs, recipes, scatter, speed_error, table_two, twin,
+    causes, claims, contact_scenes, convergence, coverage, curves, directions, displacement_noise, hard_cases, lattice,
+    maps, networks, pairs, recipes, scatter, speed_error, table_two, twin,
 };
 use crate::check::{Check, Comparison, Kind, worst};
 use crate::files::csv_text;
