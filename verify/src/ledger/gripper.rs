@@ -1,7 +1,7 @@
 //! Section V-C: the gripper of Table II.
 
 use super::criteria::{figure, simulated};
-use super::{Claim, ClaimVerdict, claim, newtons, percent};
+use super::{Claim, claim, newtons, percent};
 use crate::networks::accuracy::NAME as NETWORK;
 use crate::study::Study;
 use crate::table_two::paper_network::{Figure, PAPER_RECIPES, SAME_FACTOR, figures, recorded_sets};
@@ -175,6 +175,7 @@ fn with_the_model(two: &TableTwo, group: &ContactGroup, noise_mm: f64) -> Vec<Cl
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ledger::ClaimVerdict;
     use crate::networks::records::Records;
     use crate::study::CAMERA_NOISE_MM;
     use crate::table_two::paper_network::OverSeeds;
