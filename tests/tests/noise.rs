@@ -100,6 +100,8 @@ fn every_node_and_pair_reaches_the_bound() {
 /// Cases of each set of contacts on the fine truth: with the chance of the noise taken out, a root mean square is known from them to 2 % for
 /// neighbours and better for all others; 20 s on two cores.
 const FINE_CASES: usize = 200;
+/// Cases of the few sets that chance leaves open.
+const MORE_CASES: usize = 2000;
 
 /// The same at 10 % sharp, on the 684-node truth, sensed by the model of the report: nothing is added for chance, which must be small.
 #[test]
@@ -117,14 +119,24 @@ fn every_node_and_pair_reaches_the_bound_on_the_fine_truth() {
     };
     let nonlinear = BeamEstimator::new(EstimatorKind::Nonlinear, &model);
     let nodes = sampled_nodes(&finger);
-    let of_sets = |sets: &[Vec<NodeId>], range_n| {
+    let drawn = |cases: usize, sets: &[Vec<NodeId>], range_n| {
+        let request = ScatterRequest { cases, ..request };
         scatter_controlled(&request, &[&nonlinear], sets, range_n, &|| {}).expect("contact nodes")
+    };
+    // Sets that are too near to the tolerance to tell are drawn again in more cases, as the report does.
+    let of_sets = |sets: &[Vec<NodeId>], range_n| {
+        let rows = drawn(FINE_CASES, sets, range_n).into_iter().zip(sets);
+        let settled = |(row, set): (ScatterRow, &Vec<NodeId>)| match row.is_near_tolerance(PROMISE) {
+            true => drawn(MORE_CASES, std::slice::from_ref(set), range_n).remove(0),
+            false => row,
+        };
+        rows.map(settled).collect::<Vec<_>>()
     };
     let rows = [of_sets(&singles(&nodes), ONE_FORCE_N), of_sets(&pairs(&nodes), TWO_FORCES_N)].concat();
     assert_eq!(rows.len(), 12 + 66);
     let mut figures = 0;
     for row in &rows {
-        assert_eq!((row.drawn(), row.refused), (FINE_CASES, 0), "{row:?}");
+        assert!(row.refused == 0 && row.drawn() >= FINE_CASES, "{row:?}");
         for scatter in row.forces.iter().chain(&row.sum) {
             let found = scatter.bound.and_then(|bound| bound.controlled).expect("a controlled figure");
             assert!((found.over_bound_controlled - 1.0).abs() <= PROMISE, "{:?}: {found:?}", row.nodes);

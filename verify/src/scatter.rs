@@ -152,6 +152,12 @@ impl ScatterRow {
         self.cases + self.refused
     }
 
+    /// Whether chance (two standard errors) decides if a root mean square is within a tolerance of the bound: more cases are needed then.
+    pub fn is_near_tolerance(&self, tolerance: f64) -> bool {
+        let mut figures = self.forces.iter().chain(&self.sum).filter_map(|scatter| scatter.bound?.controlled);
+        figures.any(|found| (found.over_bound_controlled - 1.0).abs() + 2.0 * found.standard_error > tolerance)
+    }
+
     /// Whether the mean error is within a limit if a refused case counts as an error of 100 %, that of no force at all.
     pub fn is_within(&self, limit: f64) -> bool {
         let drawn = self.drawn() as f64;

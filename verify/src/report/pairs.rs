@@ -79,7 +79,7 @@ fn worse_over_bound(row: &ScatterRow) -> Option<f64> {
 
 pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
     let Some(noise) = study.noise.as_ref().filter(|noise| !noise.pairs.is_empty()) else { return Ok(None) };
-    let cases = noise.pairs.iter().map(ScatterRow::drawn).max().unwrap_or(0);
+    let cases = noise.pairs.iter().map(ScatterRow::drawn).min().unwrap_or(0);
     let mut blocks = vec![text(format!(
         "The protocol of Table II (Fig. 12 of the paper) at every pair of contact nodes: forces of {} to {} N along the normal at \
          both bend the large-rotation finger, {} mm of noise is added, and both forces are sensed from the same {cases} pictures by \

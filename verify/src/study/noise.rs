@@ -101,7 +101,16 @@ impl NoiseStudy {
             scatter::scatter(&request(cases), &[&nonlinear], sets, range_n, &step)
         };
         let both = scatter_controlled(&request(cases.pairs), &[&nonlinear, &linear], &pairs, TWO_FORCES_N, &step)?;
-        let (nonlinear_pairs, linear_pairs) = both.into_iter().partition(|row| row.estimator == nonlinear.name());
+        let (mut nonlinear_pairs, linear_pairs): (Vec<ScatterRow>, Vec<ScatterRow>) =
+            both.into_iter().partition(|row| row.estimator == nonlinear.name());
+        // Pairs that are too near to the tolerance to tell are drawn again, all of their cases anew.
+        let open: Vec<usize> =
+            (0..pairs.len()).filter(|&i| nonlinear_pairs[i].is_near_tolerance(BOUND_TOLERANCE)).collect();
+        let sets: Vec<Vec<NodeId>> = open.iter().map(|&i| pairs[i].clone()).collect();
+        let again = scatter_controlled(&request(ENOUGH_PAIR_CASES), &[&nonlinear], &sets, TWO_FORCES_N, &|| ())?;
+        for (i, row) in open.into_iter().zip(again) {
+            nonlinear_pairs[i] = row;
+        }
         Ok(NoiseStudy {
             noise_mm,
             single: run(&singles, ONE_FORCE_N, cases.single)?,
