@@ -34,7 +34,7 @@ fn linear(
     seen: &Measurement,
     noise_mm: Option<f64>,
 ) -> Result<Estimate, SensingError> {
-    let mesh = Mesh::with_elements_per_member(finger, 2);
+    let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
     let mut linearisation = Linearisation::new(&mesh, &[contact]);
     LinearEstimator::new(finger, &[contact], seen)?.estimate_on(&mut linearisation, seen, noise_mm, Prior::None)
 }
@@ -51,10 +51,10 @@ fn the_error_of_linearisation_is_found_from_the_estimated_force() {
         for noise_mm in [Some(CAMERA_NOISE_MM), None] {
             let estimate = linear(&finger, contact, &clean, noise_mm).expect("an answer");
             let true_error_n = estimate.forces_n[0] - 3.0;
-            // Two elements a member are off by some thousandths of the force.
+            // Four elements a member leave 0.04 % of the shape, which is 1.2 mN of 3 N.
             let off_n = estimate.model_error_n[0] - true_error_n;
             assert!(
-                off_n.abs() <= 0.01 * true_error_n.abs() + 0.006,
+                off_n.abs() <= 0.01 * true_error_n.abs() + 0.0012,
                 "{node} at {angle_deg}: {off_n} of {true_error_n} N"
             );
             assert!(true_error_n.abs() <= TWO_SIDED_95 * estimate.sigmas_n[0], "{estimate:?}");

@@ -1,8 +1,21 @@
-//! Whether stated intervals hold the truth: coverage over the cells of the maps, by finger and estimator.
+//! Whether stated intervals hold the truth: coverage over positions, directions and forces, by finger and estimator.
+//!
+//! Every cell has noise samples of its own: the maps show all cells the same ones, which says little about how often
+//! intervals hold.
 
 use crate::check::{Check, Kind};
-use crate::map::AccuracyMap;
+use crate::estimators::{Estimator, PreparedEstimator};
+use crate::map::MapRequest;
+use crate::scatter::TWO_SIDED_95;
+use crate::truth::Truth;
+use finray_model::Finger;
+use finray_model::measurement::Measurement;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
 use serde::Serialize;
+use std::ops::Add;
 
 /// Share of truths within 1.96 standard deviations of a normal distribution.
 const NOMINAL: f64 = 0.95;
@@ -10,10 +23,10 @@ const NOMINAL: f64 = 0.95;
 const TOLERANCE: f64 = 0.02;
 /// Chance that is allowed for beside it, in standard deviations of a share.
 const CHANCE: f64 = 3.0;
-/// The finger that an estimator must cover; on others (softer ends, a lattice) its model is wrong, and it warns.
+/// The finger that an estimator must cover; on others (softer ends) its model is wrong, and it warns.
 const TRUTH: &str = "corotational";
 
-/// Coverage of one map.
+/// Coverage of one finger by one estimator.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CoverageRow {
     /// Name of the truth.
@@ -22,7 +35,9 @@ pub struct CoverageRow {
     pub estimator: String,
     /// Standard deviation of a measured coordinate, mm.
     pub noise_mm: f64,
-    /// Noise samples of all cells with an equilibrium, positions, directions and forces.
+    /// Positions and directions.
+    pub contacts: usize,
+    /// Noise samples of all contacts and forces with an equilibrium.
     pub samples: usize,
     /// Samples that the estimator refused.
     pub refused: usize,
@@ -36,31 +51,103 @@ pub struct CoverageRow {
     pub covered_with_warning: Option<f64>,
 }
 
-impl CoverageRow {
-    /// Coverage of a noisy map; `None` without noise, and for an estimator that states no standard deviation.
-    pub fn of(map: &AccuracyMap) -> Option<CoverageRow> {
-        let sum = |of: &dyn Fn(&crate::map::Cell) -> usize| map.cells.iter().map(of).sum::<usize>();
-        let stated = map.cells.iter().any(|cell| cell.covered.is_some());
-        if map.noise_mm == 0.0 || !stated {
-            return None;
-        }
-        let samples = sum(&|cell| cell.samples);
-        let answered = sum(&|cell| cell.answered);
-        let warned = sum(&|cell| cell.warned.unwrap_or(0));
-        let share = |part: usize, all: usize| (all > 0).then(|| part as f64 / all as f64);
-        Some(CoverageRow {
-            truth: map.truth.clone(),
-            estimator: map.estimator.clone(),
-            noise_mm: map.noise_mm,
-            samples,
-            refused: samples - answered,
-            warned,
-            without_warning: answered - warned,
-            covered_without_warning: share(sum(&|cell| cell.covered.unwrap_or(0)), answered - warned),
-            covered_with_warning: share(sum(&|cell| cell.covered_warned.unwrap_or(0)), warned),
-        })
-    }
+/// Counts of samples.
+#[derive(Debug, Clone, Copy, Default)]
+struct Counts {
+    samples: usize,
+    refused: usize,
+    /// Without and with a warning: answers, and those whose interval holds the truth.
+    answers: [[usize; 2]; 2],
+}
 
+impl Add for Counts {
+    type Output = Counts;
+
+    fn add(self, other: Counts) -> Counts {
+        let [plain, warned] = [0, 1].map(|k| [0, 1].map(|i| self.answers[k][i] + other.answers[k][i]));
+        Counts {
+            samples: self.samples + other.samples,
+            refused: self.refused + other.refused,
+            answers: [plain, warned],
+        }
+    }
+}
+
+/// Senses every contact and force of a grid in noise samples of its own, as many as the grid asks for, by each estimator; a
+/// row each. `progress` is called after each contact. The result does not depend on the number of threads.
+pub fn coverage(
+    finger: &Finger,
+    truth: &dyn Truth,
+    estimators: &[&dyn Estimator],
+    (grid, noise_mm): (&MapRequest, f64),
+    progress: &(dyn Fn() + Sync),
+) -> Vec<CoverageRow> {
+    let of_contact = |number: usize| {
+        let contact = grid.contact(number);
+        let shapes = truth.shapes(&contact, &grid.forces_n);
+        let mut counts = vec![Counts::default(); estimators.len()];
+        if let Some(first) = shapes.first() {
+            let markers = Measurement::of_shape(finger, first);
+            let mut prepared: Vec<_> = estimators.iter().map(|e| e.prepare(&[contact], &markers).ok()).collect();
+            let mut rng = ChaCha8Rng::seed_from_u64(grid.seed);
+            rng.set_stream(number as u64);
+            for (shape, &force_n) in shapes.iter().zip(&grid.forces_n) {
+                for _ in 0..grid.noise_pictures {
+                    let mut noisy = Measurement::of_shape(finger, shape);
+                    noisy.add_noise(noise_mm, || StandardNormal.sample(&mut rng));
+                    for (counts, prepared) in counts.iter_mut().zip(&mut prepared) {
+                        counts.sense(prepared.as_deref_mut(), &noisy, noise_mm, force_n);
+                    }
+                }
+            }
+        }
+        progress();
+        counts
+    };
+    let contacts: Vec<Vec<Counts>> = (0..grid.contact_count()).into_par_iter().map(of_contact).collect();
+    let row = |(i, estimator): (usize, &&dyn Estimator)| {
+        let counts = contacts.iter().map(|counts| counts[i]).fold(Counts::default(), Counts::add);
+        let share = |[answers, covered]: [usize; 2]| (answers > 0).then(|| covered as f64 / answers as f64);
+        let [plain, warned] = counts.answers;
+        CoverageRow {
+            truth: truth.name().to_owned(),
+            estimator: estimator.name().to_owned(),
+            noise_mm,
+            contacts: grid.contact_count(),
+            samples: counts.samples,
+            refused: counts.refused,
+            warned: warned[0],
+            without_warning: plain[0],
+            covered_without_warning: share(plain),
+            covered_with_warning: share(warned),
+        }
+    };
+    estimators.iter().enumerate().map(row).collect()
+}
+
+impl Counts {
+    /// One sample; an estimator that is not made for the contact refuses.
+    fn sense(
+        &mut self,
+        prepared: Option<&mut (dyn PreparedEstimator + '_)>,
+        noisy: &Measurement,
+        noise_mm: f64,
+        force_n: f64,
+    ) {
+        self.samples += 1;
+        let sensed = prepared.and_then(|prepared| prepared.estimate(noisy, Some(noise_mm)).ok());
+        let stated = sensed.as_ref().and_then(|sensed| Some((sensed, *sensed.sigmas_n.as_ref()?.first()?)));
+        let Some((sensed, sigma_n)) = stated else {
+            self.refused += 1;
+            return;
+        };
+        let [answers, covered] = &mut self.answers[usize::from(sensed.warned)];
+        *answers += 1;
+        *covered += usize::from((sensed.forces_n[0] - force_n).abs() <= TWO_SIDED_95 * sigma_n);
+    }
+}
+
+impl CoverageRow {
     /// What must hold on the finger that the estimators' models are refined to: 93 to 97 % of the truths lie within 1.96
     /// sigma where there is no warning, at least as many where there is one. None for other fingers.
     fn checks(&self) -> Vec<Check> {
@@ -71,7 +158,10 @@ impl CoverageRow {
             let chance = CHANCE * (NOMINAL * (1.0 - NOMINAL) / answers as f64).sqrt();
             Check::new(
                 Kind::Internal,
-                format!("stated intervals of {} over the map, {} mm noise", self.estimator, self.noise_mm),
+                format!(
+                    "stated intervals of {} at {} positions and directions, {} mm noise",
+                    self.estimator, self.contacts, self.noise_mm
+                ),
                 "true forces",
                 format!("share within 1.96 sigma, {answers} of {} answers {which}", self.samples - self.refused),
                 reference,
@@ -91,12 +181,7 @@ impl CoverageRow {
     }
 }
 
-/// Coverage of every noisy map.
-pub fn rows<'m>(maps: impl Iterator<Item = &'m AccuracyMap>) -> Vec<CoverageRow> {
-    maps.filter_map(CoverageRow::of).collect()
-}
-
-/// What must hold of them.
+/// What must hold of some rows.
 pub fn checks(rows: &[CoverageRow]) -> Vec<Check> {
     rows.iter().flat_map(CoverageRow::checks).collect()
 }
@@ -110,6 +195,7 @@ mod tests {
             truth: TRUTH.to_owned(),
             estimator: "least-squares".to_owned(),
             noise_mm: 0.067,
+            contacts: 400,
             samples: 30_000,
             refused: 0,
             warned: 10_000,

@@ -157,7 +157,7 @@ fn measured_at_four(scene: &str, kinematics: &str) -> String {
         let load = paper_load(load_node, 1.0, 0.0);
         let [fx, fy] = paper_force(1.0, 0.0);
         let shape = Csv::of(
-            &finray(&["solve", scene, "--kinematics", kinematics, "--mesh-nodes", "130", "--load", &load]).done(),
+            &finray(&["solve", scene, "--kinematics", kinematics, "--mesh-nodes", "130", "--load", &load]).computed(),
         );
         let markers = shape.texts("node").into_iter().zip(shape.texts("ux_mm")).zip(shape.texts("uy_mm"));
         for ((node, ux), uy) in markers {

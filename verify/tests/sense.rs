@@ -109,16 +109,21 @@ fn twelve_normal_forces_are_told_apart() {
     assert_close(&forces, &truth.iter().map(|(_, _, force)| *force).collect::<Vec<_>>(), 100.0 * SENSED);
 }
 
-/// One contact, by hand: f = c.u / c.c and sigma = noise / |c|, with c the displacements under 1 N; u is c and a part across it
-/// that no force explains, as noise leaves it.
+/// One contact, by hand: f = c.u / c.c and sigma = noise / |c|, with c the displacements under 1 N; u is a little of c and a part
+/// across it that no force explains, as noise leaves it.
 #[test]
 fn force_and_sigma_are_those_of_least_squares() {
     let unit = displacements(&Csv::of(&linear_shape(&[(17, -15.0, 1.0)])));
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let cc = dot(&unit, &unit);
-    let alternating: Vec<f64> = (0..unit.len()).map(|i| if i % 2 == 0 { 0.05 } else { -0.05 }).collect();
-    let measured: Vec<f64> = unit.iter().zip(&alternating).map(|(c, noise)| 0.02 * c + noise).collect();
-    let rows: String = (0..23).map(|i| format!("{},{},{}\n", i + 2, measured[2 * i], measured[2 * i + 1])).collect();
+    // The first and the last node are clamped.
+    let free = 2..unit.len() - 2;
+    let alternating = |i: usize| if i % 2 == 0 { 0.05 } else { -0.05 };
+    let alternating: Vec<f64> = (0..unit.len()).map(|i| if free.contains(&i) { alternating(i) } else { 0.0 }).collect();
+    let along = dot(&unit, &alternating) / cc;
+    let measured: Vec<f64> = unit.iter().zip(&alternating).map(|(c, noise)| (0.02 - along) * c + noise).collect();
+    let row = |(i, u): (usize, &[f64])| format!("{},{},{}\n", i + 1, u[0], u[1]);
+    let rows: String = measured.chunks(2).enumerate().map(row).collect();
     let text = format!("node,ux_mm,uy_mm\n{rows}");
     let (cu, uu) = (dot(&unit, &measured), dot(&measured, &measured));
     let contact = ["--contact", "17@-15"];

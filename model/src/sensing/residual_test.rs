@@ -40,8 +40,10 @@ impl ResidualTest {
 
     /// Whether the measurement contradicts the model or the stated noise.
     pub fn contradicts(&self) -> bool {
-        // The mean of chi-squared lies above its median: a residual below the noise has p > 0.3.
-        self.residual_sd_mm > self.noise_mm && self.p_value() < SIGNIFICANCE
+        let squared = (self.residual_sd_mm / self.noise_mm).powi(2);
+        // What needs no gamma function: the mean of chi-squared lies above its median, so a residual below the noise has
+        // p > 0.3; and the 1 % point over the degrees of freedom is largest for a single one, 6.63.
+        squared > 7.0 || (squared > 1.0 && self.p_value() < SIGNIFICANCE)
     }
 
     /// The standard deviation of one coordinate that deviations of forces rest on, mm: as stated, or, where that is

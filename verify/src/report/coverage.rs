@@ -3,18 +3,13 @@
 use super::page::{Block, Cell, Column, Row, Section, Table};
 use super::sections::{self, text};
 use super::tables::percent;
-use crate::coverage::{self, CoverageRow};
+use crate::coverage::CoverageRow;
 use crate::study::Study;
 
 pub(super) const CSV: &str = "coverage.csv";
 
-/// A row for each noisy map.
-pub(super) fn rows(study: &Study) -> Vec<CoverageRow> {
-    coverage::rows(study.all_maps())
-}
-
 pub(super) fn section(study: &Study) -> Option<Section> {
-    let rows = rows(study);
+    let rows = &study.coverage;
     if rows.is_empty() {
         return None;
     }
@@ -24,6 +19,7 @@ pub(super) fn section(study: &Study) -> Option<Section> {
         let cells = [
             row.truth.clone(),
             row.estimator.clone(),
+            row.contacts.to_string(),
             row.samples.to_string(),
             of_samples(row.refused),
             of_samples(row.warned),
@@ -33,10 +29,17 @@ pub(super) fn section(study: &Study) -> Option<Section> {
         ];
         Row { cells: cells.map(Cell::plain).into() }
     };
-    let numbers =
-        ["noise samples", "refused", "with a warning", "without", "within 1.96 sigma, without a warning", "with one"];
+    let numbers = [
+        "contacts",
+        "noise samples",
+        "refused",
+        "with a warning",
+        "without",
+        "within 1.96 sigma, without a warning",
+        "with one",
+    ];
     let table = Table {
-        caption: "Stated intervals against the true forces, over the cells of each noisy map".to_owned(),
+        caption: "Stated intervals against the true forces, over positions, directions and forces (networks: nodes, along the normal)".to_owned(),
         columns: ["finger", "estimator"].map(Column::words).into_iter().chain(numbers.map(Column::numbers)).collect(),
         rows: rows.iter().map(row).collect(),
         csv: Some(CSV.to_owned()),

@@ -8,7 +8,7 @@ use super::networks::{self, NetworkRow};
 use super::pairs::{self, PairRow};
 use super::table_two::{self, TableTwoRow};
 use super::twin::{self, CalibrationRow, TwinRow, ZoneSetRow};
-use super::{causes, coverage, tables, verdict, words};
+use super::{causes, tables, verdict, words};
 use crate::check::{Check, Comparison};
 use crate::coverage::CoverageRow;
 use crate::displacement_noise::DisplacementNoiseRow;
@@ -49,7 +49,7 @@ pub struct Summary {
     pub claims: Vec<Claim>,
     /// Maps at the drawn force and over all forces.
     pub maps: Vec<MapEntry>,
-    /// Stated intervals against the truth, by map.
+    /// Stated intervals against the truth, by finger and estimator.
     pub coverage: Vec<CoverageRow>,
     /// What makes sensed forces wrong, by truth, way of sensing, force and region.
     pub causes: Vec<CauseSummary>,
@@ -109,7 +109,7 @@ impl Summary {
             speed_error: study.speed_error.clone(),
             claims: study.claims.clone(),
             maps: entry(Some(DRAWN_FORCE_N)).chain(entry(None)).collect(),
-            coverage: coverage::rows(study),
+            coverage: study.coverage.clone(),
             causes: causes::summaries(study),
             explanations: maps::explanation_rows(&study.explanations),
             table_one: study.tables_one.clone(),

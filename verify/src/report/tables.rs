@@ -90,9 +90,8 @@ pub(super) fn csv_files(study: &Study) -> Result<Vec<(PathBuf, String)>, csv::Er
         (SHAPES_CSV.into(), csv_text(shapes)?),
         (convergence::CSV.into(), csv_text(study.convergence.rows())?),
     ];
-    let covered = coverage::rows(study);
-    if !covered.is_empty() {
-        files.push((coverage::CSV.into(), csv_text(covered)?));
+    if !study.coverage.is_empty() {
+        files.push((coverage::CSV.into(), csv_text(&study.coverage)?));
     }
     if !study.hard_cases.is_empty() {
         files.push((hard_cases::CSV.into(), csv_text(hard_cases::rows(study))?));

@@ -78,8 +78,8 @@ fn trusted(study: &Study) -> Option<String> {
     let linear = map_by(study, EstimatorKind::LeastSquares)?;
     let nonlinear = map_by(study, EstimatorKind::Nonlinear);
     let noise = match linear.noise_mm {
-        0.0 => "Without noise".to_owned(),
-        noise_mm => format!("With {noise_mm} mm noise"),
+        0.0 => "In simulation, without noise,".to_owned(),
+        noise_mm => format!("In simulation, with {noise_mm} mm noise,"),
     };
     let share = |map| Trusted::of(study, map, |_, _| true).in_words();
     let mapped = nonlinear.map(|map| {

@@ -28,6 +28,23 @@ impl Effort {
         }
     }
 
+    /// Places along the front plate, degrees between two directions and noise samples a cell, for which stated intervals are
+    /// held against the truth: 816 samples, or 12 240, of which a share of 95 % is known to 0.8 or 0.2 %.
+    pub(super) fn covered_cells(self) -> (usize, f64, usize) {
+        match self {
+            Effort::Quick => (17, 40.0, 3),
+            Effort::Full => (60, 20.0, 6),
+        }
+    }
+
+    /// Noise samples a force at each contact node, for the networks.
+    pub(super) fn covered_at_nodes(self) -> usize {
+        match self {
+            Effort::Quick => 20,
+            Effort::Full => 100,
+        }
+    }
+
     /// Calibrations of the digital twin, forces a node that are sensed on it, and sets of zones that are fitted.
     pub(super) fn twin(self) -> [usize; 3] {
         match self {

@@ -2,6 +2,7 @@
 //! and example shapes of one scene.
 
 mod causes;
+mod coverage;
 mod cross_checks;
 mod directions;
 mod effort;
@@ -21,7 +22,7 @@ use crate::causes::{CauseError, CauseMap};
 use crate::check::{Check, Comparison};
 use crate::contact_scene::study::{SceneStudy, SceneStudyError, SceneWithOutline};
 use crate::convergence::{Convergence, convergence, loaded_nodes};
-use crate::coverage;
+use crate::coverage::{self as intervals, CoverageRow};
 use crate::direction::DirectionStudy;
 use crate::displacement_noise::DisplacementNoiseStudy;
 use crate::estimators::{EstimatorError, EstimatorKind};
@@ -77,6 +78,8 @@ pub struct Study {
     pub tables_one: Vec<TableOne>,
     /// The digital twin of Table I, for the paper's finger under noise.
     pub twin: Option<TwinStudy>,
+    /// Stated intervals against the truth, by finger and estimator.
+    pub coverage: Vec<CoverageRow>,
     /// What makes sensed forces wrong, by truth and way of sensing.
     pub causes: Vec<CauseMap>,
     /// Error by mesh and load.
@@ -215,6 +218,8 @@ impl Study {
             twin = Some(study);
         }
         let twin_finger = twin.as_ref().map(|twin| &twin.finger);
+        let coverage = coverage::run(&corotational, twin_finger, finger, noise_mm, (is_paper, effort), progress)?;
+        checks.extend(intervals::checks(&coverage));
         let causes = causes::run(finger, twin_finger, noise_mm, effort, progress)?;
         progress.part("convergence", loaded_nodes(finger).len());
         let convergence = convergence(finger, effort, &|| progress.step())?;
@@ -287,6 +292,7 @@ impl Study {
             explanations,
             tables_one,
             twin,
+            coverage,
             causes,
             convergence,
             noise,
@@ -304,7 +310,6 @@ impl Study {
             claims: Vec::new(),
             bent,
         };
-        study.checks.extend(coverage::checks(&coverage::rows(study.all_maps())));
         if is_paper {
             study.claims = ledger(&study)?;
         }
