@@ -2,7 +2,7 @@
 //!
 //! The studies of the report draw an error of the camera's standard deviation for each displacement coordinate, as if the undeformed
 //! positions were exact. Here the same camera measures them too, or they come from the motor angle
-//! ([`DisplacementNoise`](finray_model::measurement::DisplacementNoise)). A generalised least-squares estimator knows the covariance; an
+//! ([`DisplacementNoise`]). A generalised least-squares estimator knows the covariance; an
 //! ordinary one takes every coordinate's error for independent.
 
 use crate::check::{Check, Kind, worst};

@@ -181,7 +181,7 @@ pub fn table_two(
     let model = Mesh::with_elements_per_member(finger, ELEMENTS);
     let [least_squares, ridge, nonlinear] =
         [EstimatorKind::LeastSquares, EstimatorKind::Ridge, EstimatorKind::Nonlinear]
-            .map(|kind| BeamEstimator::new(kind, &model));
+            .map(|kind| BeamEstimator::of_noise_alone(kind, &model));
     let sets: Vec<Vec<NodeId>> =
         contact_sets().iter().map(|set| set.iter().map(|&node| NodeId(node)).collect()).collect();
     let run = |mesh, kinematics, cases, estimators: &[&dyn Estimator]| {

@@ -118,7 +118,7 @@ fn force_and_sigma_are_those_of_least_squares() {
     let cc = dot(&unit, &unit);
     // The first and the last node are clamped.
     let free = 2..unit.len() - 2;
-    let alternating = |i: usize| if i % 2 == 0 { 0.05 } else { -0.05 };
+    let alternating = |i: usize| if i.is_multiple_of(2) { 0.05 } else { -0.05 };
     let alternating: Vec<f64> = (0..unit.len()).map(|i| if free.contains(&i) { alternating(i) } else { 0.0 }).collect();
     let along = dot(&unit, &alternating) / cc;
     let measured: Vec<f64> = unit.iter().zip(&alternating).map(|(c, noise)| (0.02 - along) * c + noise).collect();

@@ -39,6 +39,9 @@ fn coverage_tolerance(samples: usize, standard_errors: f64) -> f64 {
     SHIFT + standard_errors * (MEANT * (1.0 - MEANT) / samples as f64).sqrt()
 }
 
+/// Makes a check of a scene: kind, problem, source, quantity, reference, ours, tolerance.
+type NewCheck<'c> = dyn Fn(Kind, &str, &str, &str, f64, f64, f64) -> Check + 'c;
+
 impl SceneStudy {
     /// Checks of every scene: balance, equilibrium, no overlap, Coulomb's cone.
     pub fn checks(&self) -> Vec<Check> {
@@ -168,7 +171,7 @@ impl SceneStudy {
 
     /// Coverage over all samples, contacts and totals of a scene, and of the worst contact of a step. Refused samples are not covered. With
     /// friction the intervals allow for the worst in its cone, so that more may lie within.
-    fn coverage_checks(&self, check: &dyn Fn(Kind, &str, &str, &str, f64, f64, f64) -> Check) -> Vec<Check> {
+    fn coverage_checks(&self, check: &NewCheck) -> Vec<Check> {
         let sampled: Vec<&NoiseSamples> = self.steps.iter().filter_map(|studied| studied.samples.as_ref()).collect();
         if sampled.is_empty() {
             return Vec::new();

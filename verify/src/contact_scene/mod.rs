@@ -1,7 +1,7 @@
 //! Contact scenes: an object is pressed onto the lattice finger, a camera watches the nodes, and sensing follows.
 //!
-//! The camera sees where the object touches and which way it faces there, with noise, and not how hard ([`camera`]). Sensing is
-//! given these contacts, the noisy displacements of the markers and a bound of the friction coefficient ([`sensing`]), and its
+//! The camera sees where the object touches and which way it faces there, with noise, and not how hard (`camera`). Sensing is
+//! given these contacts, the noisy displacements of the markers and a bound of the friction coefficient (`sensing`), and its
 //! forces stand beside those that the engine's contacts carry.
 
 mod camera;

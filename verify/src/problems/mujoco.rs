@@ -24,7 +24,7 @@ const ROTATION: &str = "largest rotation difference (rad)";
 /// Largest difference of a displacement under single forces, as a share of the case's largest: that of the case nearest to a limit load
 /// (tip, 5 N at -60 deg, 1.6e-4), for which MuJoCo itself states 2e-3.
 pub const STATIC_TOLERANCE: f64 = 2e-4;
-/// The same over the cases for which MuJoCo states an uncertainty below [`CERTAIN`]. Its extrapolated meshes and ours miss their common
+/// The same over the cases for which MuJoCo states an uncertainty below `CERTAIN`. Its extrapolated meshes and ours miss their common
 /// limit by 1e-5 on a uniform finger, and by 3.1e-5 where a zone ends inside elements, which average over it.
 pub const CERTAIN_TOLERANCE: f64 = 4e-5;
 /// Share of the largest displacement below which MuJoCo's stated uncertainty is small; above it the exporter refined further.

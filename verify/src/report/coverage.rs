@@ -47,7 +47,8 @@ pub(super) fn section(study: &Study) -> Option<Section> {
     let words = "A stated sigma holds what noise does and what is known of the model's own error: of linearisation (from the estimated \
                  forces), of the mesh, of the network's training. An estimator warns where the measurement contradicts its model under \
                  the stated noise (chi-squared test, one false alarm in a hundred), or where its model errs by more than the noise. 95 % \
-                 is meant on the co-rotational finger. On fingers that the model does not know (softer ends), a warning is all that an \
-                 estimator can give: what the softer ends do to the forces is in no sigma.";
+                 is meant on the co-rotational finger. On a finger with softer ends, of which no estimator knows, \
+                 intervals do not hold, and in many a sample no warning says so, as its shape is one that another force gives the finger \
+                 as described: sigma says how sure a force is if the finger is what the scene says.";
     Some(sections::section("coverage", "How sure: stated intervals", vec![text(words), Block::Table(table)]))
 }

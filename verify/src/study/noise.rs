@@ -85,8 +85,10 @@ impl NoiseStudy {
         };
         progress.part("noise", singles.len() + pairs.len() + promised.len());
         let model = Mesh::with_elements_per_member(finger, ELEMENTS);
-        let [nonlinear, linear] =
-            [EstimatorKind::Nonlinear, EstimatorKind::LeastSquares].map(|kind| BeamEstimator::new(kind, &model));
+        let nonlinear = BeamEstimator::new(EstimatorKind::Nonlinear, &model);
+        // Of pairs, errors are shown and no stated deviations: what the model adds to these need not be found.
+        let of_pairs = [EstimatorKind::Nonlinear, EstimatorKind::LeastSquares]
+            .map(|kind| BeamEstimator::of_noise_alone(kind, &model));
         let noise_levels_mm = [noise_mm];
         let request = |cases| ScatterRequest {
             truth,
@@ -100,14 +102,15 @@ impl NoiseStudy {
         let run = |sets: &[Vec<NodeId>], range_n, cases| {
             scatter::scatter(&request(cases), &[&nonlinear], sets, range_n, &step)
         };
-        let both = scatter_controlled(&request(cases.pairs), &[&nonlinear, &linear], &pairs, TWO_FORCES_N, &step)?;
+        let both =
+            scatter_controlled(&request(cases.pairs), &[&of_pairs[0], &of_pairs[1]], &pairs, TWO_FORCES_N, &step)?;
         let (mut nonlinear_pairs, linear_pairs): (Vec<ScatterRow>, Vec<ScatterRow>) =
             both.into_iter().partition(|row| row.estimator == nonlinear.name());
         // Pairs that are too near to the tolerance to tell are drawn again, all of their cases anew.
         let open: Vec<usize> =
             (0..pairs.len()).filter(|&i| nonlinear_pairs[i].is_near_tolerance(BOUND_TOLERANCE)).collect();
         let sets: Vec<Vec<NodeId>> = open.iter().map(|&i| pairs[i].clone()).collect();
-        let again = scatter_controlled(&request(ENOUGH_PAIR_CASES), &[&nonlinear], &sets, TWO_FORCES_N, &|| ())?;
+        let again = scatter_controlled(&request(ENOUGH_PAIR_CASES), &[&of_pairs[0]], &sets, TWO_FORCES_N, &|| ())?;
         for (i, row) in open.into_iter().zip(again) {
             nonlinear_pairs[i] = row;
         }
