@@ -14,8 +14,8 @@ use finray_model::statics::{self, StaticsError};
 use finray_model::{Finger, Kinematics, Mesh, Scene, Vector};
 use rayon::prelude::*;
 
-/// Noise samples of each step in a full study.
-pub const SAMPLES: usize = 100;
+/// Noise samples of each step in a full study: over the steps of a scene they are some hundreds to a thousand.
+pub const SAMPLES: usize = 50;
 /// Seeds of the samples of a step begin at its number (from 1) times this.
 const SEEDS_A_STEP: u64 = 1_000_000;
 
