@@ -19,27 +19,19 @@ pub(super) fn section(study: &Study) -> Option<Section> {
         let cells = [
             row.truth.clone(),
             row.estimator.clone(),
-            row.contacts.to_string(),
-            row.samples.to_string(),
-            of_samples(row.refused),
-            of_samples(row.warned),
             of_samples(row.without_warning),
             share(row.covered_without_warning),
+            of_samples(row.warned),
             share(row.covered_with_warning),
+            of_samples(row.refused),
+            row.samples.to_string(),
         ];
         Row { cells: cells.map(Cell::plain).into() }
     };
-    let numbers = [
-        "contacts",
-        "noise samples",
-        "refused",
-        "with a warning",
-        "without",
-        "within 1.96 sigma, without a warning",
-        "with one",
-    ];
+    let numbers = ["no warning", "covered", "warned", "covered", "refused", "samples"];
     let table = Table {
-        caption: "Stated intervals against the true forces, over positions, directions and forces (networks: nodes, along the normal)".to_owned(),
+        caption: "Share of noise samples that are answered without and with a warning, and how many of these have the true force within 1.96 \
+                  sigma (covered); over positions, directions and forces, for networks and softer ends over nodes along the normal".to_owned(),
         columns: ["finger", "estimator"].map(Column::words).into_iter().chain(numbers.map(Column::numbers)).collect(),
         rows: rows.iter().map(row).collect(),
         csv: Some(CSV.to_owned()),
