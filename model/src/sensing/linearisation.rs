@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Forces are looked up on a grid of this share of (a power of two below) the largest of them: from a grid point the error is
 /// extrapolated to first order, which leaves a few thousandths of it.
-const GRID: f64 = 0.1;
+const GRID: f64 = 0.05;
 /// Grid points that are kept; a stream of frames moves about a few.
 const MOST_POINTS: usize = 256;
 /// Newton steps; two or three are usual.

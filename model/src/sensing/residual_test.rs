@@ -38,6 +38,14 @@ impl ResidualTest {
         ChiSquared::new(self.degrees_of_freedom as f64).map_or(f64::NAN, |chi_squared| chi_squared.sf(squares))
     }
 
+    /// The same in words: below what rounding leaves of it, as such.
+    pub(super) fn p_in_words(&self) -> String {
+        match self.p_value() {
+            p if p < f64::EPSILON => format!("p < {:.0e}", f64::EPSILON),
+            p => format!("p = {p:.1e}"),
+        }
+    }
+
     /// Whether the measurement contradicts the model or the stated noise.
     pub fn contradicts(&self) -> bool {
         let squared = (self.residual_sd_mm / self.noise_mm).powi(2);
