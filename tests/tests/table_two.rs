@@ -7,7 +7,7 @@ use finray_verify::check::Check;
 use finray_verify::estimators::{BeamEstimator, Estimator, EstimatorError, EstimatorKind, PreparedEstimator, Sensed};
 use finray_verify::networks::accuracy::{ENOUGH_CASES, NAME, NetworkStudy, PROMISES};
 use finray_verify::networks::{NetworkSensing, Networks};
-use finray_verify::scatter::{Scatter, ScatterRequest, ScatterRow, TWO_FORCES_N, scatter};
+use finray_verify::scatter::{AgainstBound, Scatter, ScatterRequest, ScatterRow, TWO_FORCES_N, scatter};
 use finray_verify::table_two::{CONTACT_GROUPS, GroupErrors, STEPS, TableTwo, contact_sets, table_two};
 use finray_verify::truth::fine_mesh;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -63,11 +63,20 @@ impl PreparedEstimator for Prepared {
     }
 }
 
+/// Rows for one set of nodes of the finger on 25 nodes.
 fn rows(estimators: &[&dyn Estimator], kinematics: Kinematics, levels: &[f64], nodes: &[usize]) -> Vec<ScatterRow> {
-    let finger = paper();
-    let mesh = Mesh::key_nodes(&finger);
-    let request =
-        ScatterRequest { truth: &mesh, kinematics, model: &mesh, noise_levels_mm: levels, cases: CASES, seed: 5 };
+    rows_on(&Mesh::key_nodes(&paper()), estimators, kinematics, levels, nodes)
+}
+
+fn rows_on(
+    truth: &Mesh,
+    estimators: &[&dyn Estimator],
+    kinematics: Kinematics,
+    levels: &[f64],
+    nodes: &[usize],
+) -> Vec<ScatterRow> {
+    let model = Mesh::key_nodes(truth.finger());
+    let request = ScatterRequest { truth, kinematics, model: &model, noise_levels_mm: levels, cases: CASES, seed: 5 };
     let set: Vec<NodeId> = nodes.iter().map(|&node| NodeId(node)).collect();
     scatter(&request, estimators, &[set], TWO_FORCES_N, &|| {}).expect("contact nodes")
 }
@@ -151,7 +160,8 @@ fn networks_are_held_to_their_promises() {
     let mesh = Mesh::with_elements_per_member(&finger, 4);
     let networks = Networks::shipped().expect("networks that ship");
     let sensing = NetworkSensing { name: NAME, networks: &networks, finger: &finger, refuses: true };
-    let sensed = rows(&[&sensing], Kinematics::Corotational, &[NOISE_MM], &[19, 20]);
+    // The networks learned the fine finger: on 25 nodes the mesh's error alone is twice the noise's in a sum of neighbours.
+    let sensed = rows_on(&mesh, &[&sensing], Kinematics::Corotational, &[NOISE_MM], &[19, 20]);
     let steps = AtomicUsize::new(0);
     let count = || {
         steps.fetch_add(1, Ordering::Relaxed);
@@ -170,15 +180,18 @@ fn networks_are_held_to_their_promises() {
 
     let other_noise = NetworkStudy { noise_mm: 0.1, ..study.clone() };
     assert!(other_noise.checks().is_empty());
-    // Enough cases are held to the promise alone, few to what chance adds to it.
-    let single = |cases: usize, mean_error: f64| {
-        let forces = vec![Scatter { mean_error, ..Scatter::default() }];
+    // Enough cases are held to the promise alone, few to what chance adds to it; where noise alone allows less, to that.
+    let single = |cases: usize, mean_error: f64, bound: Option<f64>| {
+        let bound = bound.map(|bound| AgainstBound { mean_error_bound: bound, ..AgainstBound::default() });
+        let forces = vec![Scatter { mean_error, bound, ..Scatter::default() }];
         let row = ScatterRow { cases, forces, ..study.rows[0].clone() };
         study.checks_of(&row)[0].passes()
     };
-    assert!(single(ENOUGH_CASES, 0.0159) && !single(ENOUGH_CASES, 0.0161));
-    assert!(single(40, 0.024) && !single(40, 0.025));
-    assert!(!single(ENOUGH_CASES, f64::NAN));
+    let (loose, tight) = (Some(0.1), Some(0.01));
+    assert!(single(ENOUGH_CASES, 0.0159, loose) && !single(ENOUGH_CASES, 0.0161, loose));
+    assert!(single(ENOUGH_CASES, 0.0109, tight) && !single(ENOUGH_CASES, 0.0111, tight));
+    assert!(single(40, 0.024, loose) && !single(40, 0.025, loose));
+    assert!(!single(ENOUGH_CASES, f64::NAN, loose) && !single(ENOUGH_CASES, 0.001, None));
 }
 
 fn errors(table: &TableTwo, truth: &str, noise_mm: f64, estimator: &str) -> Vec<[f64; 2]> {
