@@ -7,7 +7,8 @@ use super::{NetworkSensing, Networks};
 use crate::estimators::{Estimator, EstimatorError};
 use crate::scatter::{ScatterRequest, ScatterRow, scatter};
 use crate::study::CAMERA_NOISE_MM;
-use crate::table_two::{COMPARED_SETS, FORCES_N};
+use crate::table_two::paper_network::PAPER_RECIPES;
+use crate::table_two::{COMPARED_SETS, FORCES_N, contact_sets};
 use crate::truth::fine_mesh;
 use finray_model::mesh::MeshSizeError;
 use finray_model::sensing::Contact;
@@ -67,38 +68,58 @@ pub fn curve_count() -> usize {
     curve_jobs().len()
 }
 
-/// The three recipes on the linear finger and on that with large rotations, without and with noise. As the paper's, these
-/// networks answer whatever they are shown.
+/// The recipes on the linear finger and on the co-rotational one, without and with noise: the paper's at every set of contacts of
+/// its Table II, the others at one of each group. As the paper's, these networks answer whatever they are shown.
 ///
 /// # Errors
 /// [`RecipesError`].
 pub fn recipes(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<RecipeRow>, RecipesError> {
     let jobs = recipe_jobs();
-    let mut groups: Vec<(&'static str, u64, String, Vec<Network>)> = Vec::new();
+    let mut groups: Vec<Group> = Vec::new();
     for (job, network) in jobs.iter().zip(train_all(finger, &jobs, progress)?) {
-        match groups.iter_mut().find(|(recipe, seed, ..)| *recipe == job.name && *seed == job.seed) {
-            Some((.., networks)) => networks.push(network),
-            None => groups.push((job.name, job.seed, format!("{} {}", job.name, job.seed), vec![network])),
+        match groups.iter_mut().find(|group| group.recipe == job.name && group.seed == job.seed) {
+            Some(group) => group.networks.push(network),
+            None => groups.push(Group {
+                recipe: job.name,
+                seed: job.seed,
+                name: format!("{} {}", job.name, job.seed),
+                networks: vec![network],
+            }),
         }
     }
-    let networks: Vec<Networks> = groups.iter().map(|(.., networks)| Networks::of(networks.clone())).collect();
+    let (papers, others): (Vec<Group>, Vec<Group>) =
+        groups.into_iter().partition(|group| PAPER_RECIPES.contains(&group.recipe));
+    Ok([rows_of(finger, papers)?, rows_of(finger, others)?].concat())
+}
+
+/// The networks of one recipe and seed: one a set of contacts.
+struct Group {
+    recipe: &'static str,
+    seed: u64,
+    name: String,
+    networks: Vec<Network>,
+}
+
+/// Errors of groups that are trained for the same sets of contacts.
+fn rows_of(finger: &Finger, groups: Vec<Group>) -> Result<Vec<RecipeRow>, RecipesError> {
+    let sets = groups.first().map_or(Vec::new(), |group| sets_of(group.recipe));
+    let sets: Vec<Vec<usize>> = sets.into_iter().map(<[usize]>::to_vec).collect();
+    let networks: Vec<Networks> = groups.iter().map(|group| Networks::of(group.networks.clone())).collect();
     let sensing: Vec<NetworkSensing> = groups
         .iter()
         .zip(&networks)
-        .map(|((_, _, name, _), networks)| NetworkSensing { name, networks, finger, refuses: false })
+        .map(|(group, networks)| NetworkSensing { name: &group.name, networks, finger, refuses: false })
         .collect();
-    let sets = COMPARED_SETS.map(|set| set.nodes.to_vec());
     let (coarse, fine) = (Mesh::key_nodes(finger), fine_mesh(finger)?);
     let mut rows = Vec::new();
     for (truth, mesh, kinematics) in
         [("linear", &coarse, Kinematics::Linear), ("corotational", &fine, Kinematics::Corotational)]
     {
         for row in errors(mesh, kinematics, &[0.0, CAMERA_NOISE_MM], &sensing, &sets)? {
-            let group = groups.iter().find(|(_, _, name, _)| *name == row.estimator);
-            let Some(&(recipe, seed, ..)) = group else { continue };
+            let Some(group) = groups.iter().find(|group| group.name == row.estimator) else { continue };
             let entry = |quantity: &str, mean_error| RecipeRow {
-                recipe: recipe.to_owned(),
-                seed,
+                recipe: group.recipe.to_owned(),
+                seed: group.seed,
                 truth: truth.to_owned(),
                 noise_mm: row.noise_mm,
                 nodes: listed(&row.nodes),
@@ -152,18 +173,27 @@ pub fn curves(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<Curve
     Ok(rows)
 }
 
+/// The contacts at which a recipe is trained and tested, those of all recipes first: their cases are the same for all.
+fn sets_of(recipe: &str) -> Vec<&'static [usize]> {
+    let compared = COMPARED_SETS.map(|set| set.nodes);
+    let further = contact_sets().into_iter().filter(|set| PAPER_RECIPES.contains(&recipe) && !compared.contains(set));
+    compared.into_iter().chain(further).collect()
+}
+
 fn recipe_jobs() -> Vec<Job> {
     let of_recipe = |(name, seeds): (&'static str, u64)| {
-        (1..=seeds).flat_map(move |seed| COMPARED_SETS.map(|set| (seed, set.nodes))).map(move |(seed, nodes)| {
-            let contacts = contacts(nodes);
-            let recipe = match name {
-                "a" => TrainingRecipe::paper(contacts),
-                "a, by spread" => TrainingRecipe { scaling: Scaling::Spread, ..TrainingRecipe::paper(contacts) },
-                "b" => TrainingRecipe::paper_with_noise(contacts, CAMERA_NOISE_MM),
-                _ => TrainingRecipe::nonlinear(contacts, CAMERA_NOISE_MM),
-            };
-            Job { name, seed, nodes: nodes.to_vec(), recipe: TrainingRecipe { seed, ..recipe } }
-        })
+        (1..=seeds).flat_map(move |seed| sets_of(name).into_iter().map(move |set| (seed, set))).map(
+            move |(seed, nodes)| {
+                let contacts = contacts(nodes);
+                let recipe = match name {
+                    "a" => TrainingRecipe::paper(contacts),
+                    "a, by spread" => TrainingRecipe { scaling: Scaling::Spread, ..TrainingRecipe::paper(contacts) },
+                    "b" => TrainingRecipe::paper_with_noise(contacts, CAMERA_NOISE_MM),
+                    _ => TrainingRecipe::nonlinear(contacts, CAMERA_NOISE_MM),
+                };
+                Job { name, seed, nodes: nodes.to_vec(), recipe: TrainingRecipe { seed, ..recipe } }
+            },
+        )
     };
     RECIPES.into_iter().flat_map(of_recipe).collect()
 }
