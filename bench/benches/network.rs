@@ -1,7 +1,7 @@
 //! Forces from displacements by a network: one frame and 20 000 frames on one core, against burn's own forward pass and
 //! against a plain one on nalgebra. The others start from inputs that are already scaled; ours scales them too, in f64.
 
-use burn::tensor::{Device, Tensor, TensorData, activation};
+use burn_tensor::{Device, Tensor, TensorData, activation};
 use criterion::{Criterion, criterion_group, criterion_main};
 use finray_bench::paper;
 use finray_model::finger::NodeId;

@@ -1,11 +1,10 @@
 //! What the benches time, set up once and the same way: the finger of the paper and its loads.
 
 use finray_model::{Finger, Load, NodeId, Scene};
-use finray_verify::fixtures;
 
 /// The paper's finger.
 pub fn paper() -> Finger {
-    Scene::from_toml(fixtures::PAPER_SCENE).expect("the embedded scene is valid").finger
+    Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the embedded scene is valid").finger
 }
 
 /// A force along the inward normal of a node.

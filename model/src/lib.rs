@@ -12,7 +12,7 @@
 //! ```
 //! use finray_model::{Kinematics, Load, Mesh, NodeId, Scene, statics};
 //!
-//! let scene = Scene::from_toml(include_str!("../../fixtures/scenes/paper.toml"))?;
+//! let scene = Scene::from_toml(finray_fixtures::PAPER_SCENE)?;
 //! let mesh = Mesh::key_nodes(&scene.finger);
 //! let load = Load::at_node(NodeId(19), scene.finger.direction(0.0) * 2.0);
 //! let shape = statics::solve(&mesh, &[load], Kinematics::Corotational)?;

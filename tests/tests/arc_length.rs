@@ -4,7 +4,6 @@ use finray_model::frame::{NodeIndex, PlaneFrame, Section};
 use finray_model::statics::{ArcLength, Assembly, EquilibriumPath, FrameLoad, Statics, StaticsError};
 use finray_model::{Kinematics, Load, Mesh, NodeId, Scene, Vector};
 use finray_tests::{cases, contact_node, finger_with_zones, force_for_deflection};
-use finray_verify::fixtures;
 use proptest::prelude::*;
 
 /// Two paths to one equilibrium, where Newton's method stops on each.
@@ -191,7 +190,7 @@ proptest! {
 /// Load steps on the paper's finger, solved another way (ladder, Cholesky), end where the path has its first limit point.
 #[test]
 fn load_steps_end_at_the_first_limit_point() {
-    let finger = Scene::from_toml(fixtures::PAPER_SCENE).expect("paper scene").finger;
+    let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene").finger;
     let mesh = Mesh::with_elements_per_member(&finger, 4);
     for node in [14, 17, 20].map(NodeId) {
         let load = mesh.frame_load(&Load::at_node(node, finger.direction(0.0) * 30.0)).expect("a contact node");

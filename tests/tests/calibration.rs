@@ -14,7 +14,7 @@ const COUNT: usize = 1000;
 /// three nodes.
 #[test]
 fn sigma_is_the_scatter_of_the_factor() {
-    let finger = Scene::from_toml(include_str!("../../fixtures/scenes/paper.toml")).expect("paper scene").finger;
+    let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene").finger;
     let mesh = Mesh::key_nodes(&finger);
     let clean: Vec<CalibrationCase> = [(17, 0.5), (19, 1.0), (21, 2.0)]
         .into_iter()

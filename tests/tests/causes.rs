@@ -12,7 +12,6 @@ use finray_verify::causes::{
     Cause, CauseCell, CauseMap, CauseRequest, DIRECTION_OFF_DEG, PLACE_OFF_MM, Practice, causes, network,
 };
 use finray_verify::estimators::{BeamEstimator, Estimator, EstimatorError, EstimatorKind, PreparedEstimator, Sensed};
-use finray_verify::fixtures;
 use finray_verify::table_one::{CALIBRATION_NODES, WEIGHTS_G, weight_n};
 use finray_verify::truth::{MeshTruth, Truth, fine_mesh};
 
@@ -88,7 +87,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 #[test]
 fn wrong_direction_and_place_err_as_the_projection_of_one_shape_on_another() {
-    let finger = finger(fixtures::PAPER_SCENE);
+    let finger = finger(finray_fixtures::PAPER_SCENE);
     let modulus = linear_modulus_factor(&finger);
     for (s_mm, angle_deg) in [(25.5, 0.0), (70.0, 30.0), (120.0, -50.0)] {
         let map = one_map(&finger, (LeastSquares, Assumed), [s_mm, angle_deg, SMALL_FORCE_N, 0.0]);
@@ -117,7 +116,7 @@ fn wrong_direction_and_place_err_as_the_projection_of_one_shape_on_another() {
 
 #[test]
 fn what_is_left_when_all_is_known_is_noise_at_its_bound() {
-    let finger = finger(fixtures::PAPER_SCENE);
+    let finger = finger(finray_fixtures::PAPER_SCENE);
     let (s_mm, noise_mm) = (51.0, 1e-3);
     let map = one_map(&finger, (LeastSquares, Assumed), [s_mm, 0.0, SMALL_FORCE_N, noise_mm]);
     let contact = Contact { place: ContactPlace::Place(s_mm), angle_deg: 0.0 };
@@ -135,7 +134,7 @@ fn what_is_left_when_all_is_known_is_noise_at_its_bound() {
 
 #[test]
 fn soft_zones_are_the_cause_where_they_are() {
-    let twin = finger(fixtures::TWIN_SCENE);
+    let twin = finger(finray_fixtures::TWIN_SCENE);
     // Nodes 14 and 24 of the paper's Table I.
     for (s_mm, cause, other) in
         [(140.25, Cause::TipCompliance, Cause::BaseCompliance), (12.75, Cause::BaseCompliance, Cause::TipCompliance)]
@@ -145,13 +144,13 @@ fn soft_zones_are_the_cause_where_they_are() {
         assert_eq!(map.causes[largest], cause, "{s_mm} mm");
         assert!(of_largest > 0.8 && share(&map, other).abs() < 0.1, "{s_mm} mm: {of_largest}, {}", share(&map, other));
     }
-    let uniform = one_map(&finger(fixtures::PAPER_SCENE), (LeastSquares, Known), [140.25, 0.0, 1.0, 0.0]);
+    let uniform = one_map(&finger(finray_fixtures::PAPER_SCENE), (LeastSquares, Known), [140.25, 0.0, 1.0, 0.0]);
     assert_eq!(uniform.causes, [Cause::Linearisation, Cause::Modulus]);
 }
 
 #[test]
 fn large_rotation_is_the_cause_where_all_else_is_known() {
-    let finger = finger(fixtures::PAPER_SCENE);
+    let finger = finger(finray_fixtures::PAPER_SCENE);
     let linear = one_map(&finger, (LeastSquares, Known), [63.75, -40.0, 3.0, 0.0]);
     let nonlinear = one_map(&finger, (Nonlinear, Known), [63.75, -40.0, 3.0, 0.0]);
     assert!(share(&linear, Cause::Linearisation) > 0.9);
@@ -191,7 +190,7 @@ impl PreparedEstimator for PreparedShort<'_> {
 
 #[test]
 fn what_a_network_gets_wrong_is_told_from_what_its_model_does() {
-    let finger = finger(fixtures::PAPER_SCENE);
+    let finger = finger(finray_fixtures::PAPER_SCENE);
     let mesh = Mesh::with_elements_per_member(&finger, finray_verify::estimators::ELEMENTS);
     let model = BeamEstimator::new(EstimatorKind::Nonlinear, &mesh);
     let fit = |network: &dyn Estimator| {

@@ -11,7 +11,6 @@ use finray_verify::contact_scene::study::{SAMPLES, SceneStudy, shipped};
 use finray_verify::contact_scene::{
     ContactScene, OutlineError, SceneStep, SensedForce, TurnedOutline, read_contact, seen_contacts, standard_normal,
 };
-use finray_verify::fixtures;
 use finray_verify::lattice::skin::{Touch, TouchedPart};
 use finray_verify::lattice::{Lattice, LatticeError};
 
@@ -23,7 +22,7 @@ const TINY_TOLERANCE: f64 = 5e-3;
 
 /// A scene with the paper's finger and an object.
 fn scene(object: &str) -> Scene {
-    Scene::from_toml(&format!("{}\n[object]\n{object}", fixtures::PAPER_SCENE)).expect("a good scene")
+    Scene::from_toml(&format!("{}\n[object]\n{object}", finray_fixtures::PAPER_SCENE)).expect("a good scene")
 }
 
 fn prepared(scene: &Scene) -> ContactScene {
@@ -324,7 +323,8 @@ fn corners_of_a_path_are_passed() {
 /// However near two rods are, each is a contact of its own; plate between them belongs to the one before it, which gives the direction.
 #[test]
 fn two_rods_are_two_contacts() {
-    let text = fixtures::PAPER_SCENE.replace("count = 11", "positions_mm = [[40, 40], [75, 75], [78, 78], [120, 120]]");
+    let text =
+        finray_fixtures::PAPER_SCENE.replace("count = 11", "positions_mm = [[40, 40], [75, 75], [78, 78], [120, 120]]");
     let finger = Scene::from_toml(&text).expect("a good scene").finger;
     let lattice = Lattice::new(&finger, COARSE).expect("a lattice");
     let touch = |part, angle_deg: f64, force_n: f64| {
@@ -368,12 +368,12 @@ fn steps_without_contact_break_no_promise() {
 #[test]
 fn soft_fingers_are_pressed_alike() {
     let object = "\n[object]\nshape = \"disc\"\nradius_mm = 20\nat_mm = 76.5\ntravel_mm = 8\nsteps = 1";
-    let soft = fixtures::PAPER_SCENE.replace("47.976", "0.0047976");
+    let soft = finray_fixtures::PAPER_SCENE.replace("47.976", "0.0047976");
     let force_n = |text: String| {
         let scene = Scene::from_toml(&text).expect("a good scene");
         steps(&prepared(&scene).with_fineness(COARSE)).pop().expect("a step").pressed.contact_force().norm()
     };
-    let (usual, soft) = (force_n(fixtures::PAPER_SCENE.to_owned() + object), force_n(soft + object));
+    let (usual, soft) = (force_n(finray_fixtures::PAPER_SCENE.to_owned() + object), force_n(soft + object));
     assert!((soft / usual * 1e4 - 1.0).abs() < 1e-3, "{usual} N, {soft} N");
 }
 

@@ -18,7 +18,7 @@ const STANDARD_ERRORS: f64 = 4.0;
 const CURVED: f64 = 0.1;
 
 fn paper() -> Finger {
-    Scene::from_toml(include_str!("../../fixtures/scenes/paper.toml")).expect("paper scene").finger
+    Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene").finger
 }
 
 static STUDY: LazyLock<DirectionStudy> = LazyLock::new(|| {

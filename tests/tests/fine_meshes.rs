@@ -15,7 +15,7 @@ const RICHARDSON: f64 = 0.2;
 const OVERSTATED: f64 = 0.3;
 
 fn paper() -> Finger {
-    Scene::from_toml(include_str!("../../fixtures/scenes/paper.toml")).expect("paper scene").finger
+    Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene").finger
 }
 
 fn mesh(finger: &Finger, nodes: usize) -> Mesh {

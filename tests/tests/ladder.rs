@@ -59,7 +59,7 @@ proptest! {
 /// The paper's finger on the paper's two meshes, every contact node.
 #[test]
 fn agrees_on_the_papers_meshes() {
-    let finger = Scene::from_toml(include_str!("../../fixtures/scenes/paper.toml")).expect("paper scene").finger;
+    let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene").finger;
     for nodes in [25, 684] {
         let mesh = Mesh::with_nodes(&finger, nodes).expect("the paper's meshes");
         for node in finger.contact_nodes() {

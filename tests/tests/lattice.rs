@@ -7,7 +7,6 @@ use finray_model::sensing::{Contact, ContactPlace};
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Scene, Vector, statics};
 use finray_tests::{cases, contact_node, finger};
 use finray_verify::check::Check;
-use finray_verify::fixtures;
 use finray_verify::lattice::accuracy::{LoadGrid, difference, study};
 use finray_verify::lattice::bodies::{Anchor, Assembly, Body, BodyLoad};
 use finray_verify::lattice::energy::{BodyMotion, Energy};
@@ -36,7 +35,7 @@ const ELASTICA_TOLERANCE: f64 = 2e-4;
 const CANTILEVER_AXIAL_RIGIDITY: f64 = 1e6;
 
 fn paper() -> Finger {
-    Scene::from_toml(fixtures::PAPER_SCENE).expect("paper scene").finger
+    Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene").finger
 }
 
 fn scene(text: &str) -> Finger {
@@ -72,11 +71,7 @@ fn moved(motions: &[BodyMotion], body: usize, coordinate: usize, by: f64) -> Vec
 /// Gradient and second derivatives of the energy are its differences, with arms, hinges, rigid ribs and a load between bodies.
 #[test]
 fn energy_has_its_derivatives() {
-    for text in [
-        include_str!("../../fixtures/opensees/arms.toml"),
-        include_str!("../../fixtures/opensees/hinged.toml"),
-        include_str!("../../fixtures/opensees/rigid-ribs.toml"),
-    ] {
+    for text in [finray_fixtures::ARMS_SCENE, finray_fixtures::HINGED_SCENE, finray_fixtures::RIGID_RIBS_SCENE] {
         let finger = scene(text);
         let assembly = Assembly::new(&finger, 2, AxialSprings::default()).expect("a lattice");
         let mut loads = Vec::new();
@@ -137,7 +132,7 @@ fn cantilever(angle_deg: f64, load: f64) -> (Assembly, Vec<BodyLoad>) {
 /// Against the elastica up to P L^2 / EI = 10, where the end has turned by 82 degrees.
 #[test]
 fn cantilever_is_the_elastica() {
-    let rows: Vec<Vec<f64>> = fixtures::ELASTICA
+    let rows: Vec<Vec<f64>> = finray_fixtures::ELASTICA
         .lines()
         .skip(1)
         .map(|line| line.split(',').map(|field| field.parse().expect("a number")).collect())
@@ -220,12 +215,12 @@ fn few_sweeps_and_single_precision_rest_elsewhere() {
 #[test]
 fn other_fingers_settle_where_beams_are() {
     for (text, force_n, tolerance) in [
-        (fixtures::SPRING_STEEL_SCENE, 1.0, 2e-4),
-        (include_str!("../../fixtures/opensees/arms.toml"), 1.0, 1e-3),
-        (include_str!("../../fixtures/opensees/asymmetric.toml"), 0.3, 3e-3),
-        (include_str!("../../fixtures/opensees/hinged.toml"), 1.0, 1e-3),
-        (include_str!("../../fixtures/opensees/hinged-rigid.toml"), 1.0, 1e-3),
-        (include_str!("../../fixtures/opensees/rigid-ribs.toml"), 0.5, 2e-3),
+        (finray_fixtures::SPRING_STEEL_SCENE, 1.0, 2e-4),
+        (finray_fixtures::ARMS_SCENE, 1.0, 1e-3),
+        (finray_fixtures::ASYMMETRIC_SCENE, 0.3, 3e-3),
+        (finray_fixtures::HINGED_SCENE, 1.0, 1e-3),
+        (finray_fixtures::HINGED_RIGID_SCENE, 1.0, 1e-3),
+        (finray_fixtures::RIGID_RIBS_SCENE, 0.5, 2e-3),
     ] {
         let finger = scene(text);
         let lattice = Lattice::new(&finger, 2).expect("a lattice");

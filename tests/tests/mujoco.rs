@@ -7,7 +7,6 @@ use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, ContactPlace, sense_refining};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, statics};
 use finray_verify::check::Check;
-use finray_verify::fixtures;
 use finray_verify::mujoco::{ContactStep, ExportedFinger, FINGERS, TouchedRod, contact_steps};
 use finray_verify::problems::mujoco;
 use finray_verify::truth::{MujocoTruth, NotExported, Truth};
@@ -221,7 +220,7 @@ fn mujoco_as_truth_answers_for_what_was_exported_alone() {
     assert!(truth.shapes(&Contact { angle_deg: -31.0, ..contact }, &[1.0]).is_empty());
     assert!(truth.require_force(3.0).is_ok());
     assert!(matches!(truth.require_force(2.0), Err(NotExported::Force { .. })));
-    let steel = Scene::from_toml(fixtures::SPRING_STEEL_SCENE).expect("a scene").finger;
+    let steel = Scene::from_toml(finray_fixtures::SPRING_STEEL_SCENE).expect("a scene").finger;
     assert!(matches!(MujocoTruth::new(&steel), Err(NotExported::Finger)));
 }
 

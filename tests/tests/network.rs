@@ -1,6 +1,6 @@
 //! The sensing network: its file, its identity, and its evaluation against burn's.
 
-use burn::tensor::{Device, Tensor, TensorData, activation};
+use burn_tensor::{Device, Tensor, TensorData, activation};
 use finray_model::finger::{FingerDescription, Joints, Part, RibPlaces, Strip, Zone};
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::sensing::network::{
@@ -26,7 +26,7 @@ const ROUNDING: f64 = 1e-9;
 const DERIVATIVE: f64 = 2e-3;
 
 fn paper() -> Finger {
-    Scene::from_toml(include_str!("../../fixtures/scenes/paper.toml")).expect("paper scene").finger
+    Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene").finger
 }
 
 fn at_node(node: usize) -> Contact {
@@ -485,7 +485,7 @@ fn a_fingerprint_is_that_of_the_numbers() {
     let third =
         changed(|d| d.ribs.places = RibPlaces::Positions((1..=11).map(|i| [51.0 * i as f64 / 4.0; 2]).collect()));
     assert_eq!(third, fingerprint);
-    let renamed = include_str!("../../fixtures/scenes/paper.toml").replace("name = \"paper\"", "name = \"mine\"");
+    let renamed = finray_fixtures::PAPER_SCENE.replace("name = \"paper\"", "name = \"mine\"");
     assert_eq!(Fingerprint::of(&Scene::from_toml(&renamed).expect("a scene").finger), fingerprint);
     assert_eq!(fingerprint.to_string().parse(), Ok(fingerprint));
     assert!("0123".parse::<Fingerprint>().is_err());

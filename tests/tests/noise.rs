@@ -27,7 +27,7 @@ const PROMISE: f64 = 0.10;
 const STANDARD_ERRORS: f64 = 4.0;
 
 fn paper() -> Finger {
-    Scene::from_toml(include_str!("../../fixtures/scenes/paper.toml")).expect("paper scene").finger
+    Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene").finger
 }
 
 /// Cases for each set of contacts.
@@ -334,7 +334,7 @@ fn unknown_directions_and_places_are_covered() {
 /// where it looks like the onset of buckling, a claimed force would be ten times the true one.
 #[test]
 fn a_force_that_moves_nothing_is_refused() {
-    let steel = include_str!("../../fixtures/scenes/spring-steel.toml");
+    let steel = finray_fixtures::SPRING_STEEL_SCENE;
     let finger = Scene::from_toml(steel).expect("spring-steel scene").finger;
     let (truth, model) = (Mesh::with_nodes(&finger, 684).expect("fine"), Mesh::with_elements_per_member(&finger, 4));
     let request = ScatterRequest {

@@ -24,29 +24,17 @@ fn worst_deviation(scene: &str, csv: &str, linear_tolerance: f64) {
 }
 
 macro_rules! finger {
-    ($name:ident, $file:literal, $tolerance:expr) => {
+    ($name:ident, $scene:ident, $csv:ident, $tolerance:expr) => {
         #[test]
         fn $name() {
-            worst_deviation(
-                include_str!(concat!("../../fixtures/opensees/", $file, ".toml")),
-                include_str!(concat!("../../fixtures/opensees/", $file, ".csv")),
-                $tolerance,
-            );
+            worst_deviation(finray_fixtures::$scene, finray_fixtures::$csv, $tolerance);
         }
     };
 }
 
-finger!(unequal_plates_with_zones, "asymmetric", LINEAR_TOLERANCE);
-finger!(hinged_ribs, "hinged", LINEAR_TOLERANCE);
-finger!(undeformable_ribs, "rigid-ribs", LINEAR_TOLERANCE);
-finger!(undeformable_hinged_ribs, "hinged-rigid", STEEL_LINEAR_TOLERANCE);
-finger!(rigid_arms, "arms", LINEAR_TOLERANCE);
-
-#[test]
-fn paper_finger() {
-    worst_deviation(
-        include_str!("../../fixtures/scenes/paper.toml"),
-        include_str!("../../fixtures/opensees/paper.csv"),
-        LINEAR_TOLERANCE,
-    );
-}
+finger!(unequal_plates_with_zones, ASYMMETRIC_SCENE, OPENSEES_ASYMMETRIC, LINEAR_TOLERANCE);
+finger!(hinged_ribs, HINGED_SCENE, OPENSEES_HINGED, LINEAR_TOLERANCE);
+finger!(undeformable_ribs, RIGID_RIBS_SCENE, OPENSEES_RIGID_RIBS, LINEAR_TOLERANCE);
+finger!(undeformable_hinged_ribs, HINGED_RIGID_SCENE, OPENSEES_HINGED_RIGID, STEEL_LINEAR_TOLERANCE);
+finger!(rigid_arms, ARMS_SCENE, OPENSEES_ARMS, LINEAR_TOLERANCE);
+finger!(paper_finger, PAPER_SCENE, OPENSEES_PAPER, LINEAR_TOLERANCE);

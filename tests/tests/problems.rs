@@ -9,7 +9,7 @@ use finray_verify::problems::{
     elastica, energy_balance, full_circle, grid_convergence, lee_frame, opensees, refinement, rigid_rotation, tangent,
     toggle,
 };
-use finray_verify::{fixtures, report, study};
+use finray_verify::{report, study};
 
 fn all_pass(checks: &[Check]) {
     assert!(!checks.is_empty());
@@ -19,7 +19,7 @@ fn all_pass(checks: &[Check]) {
 }
 
 fn paper() -> finray_model::Finger {
-    Scene::from_toml(fixtures::PAPER_SCENE).expect("paper scene").finger
+    Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene").finger
 }
 
 #[test]
@@ -53,11 +53,11 @@ fn toggle_limit_loads() {
 #[test]
 fn rigid_rotation_leaves_no_forces() {
     for scene in [
-        fixtures::PAPER_SCENE,
-        fixtures::SPRING_STEEL_SCENE,
-        include_str!("../../fixtures/opensees/arms.toml"),
-        include_str!("../../fixtures/opensees/asymmetric.toml"),
-        include_str!("../../fixtures/opensees/hinged.toml"),
+        finray_fixtures::PAPER_SCENE,
+        finray_fixtures::SPRING_STEEL_SCENE,
+        finray_fixtures::ARMS_SCENE,
+        finray_fixtures::ASYMMETRIC_SCENE,
+        finray_fixtures::HINGED_SCENE,
     ] {
         all_pass(&rigid_rotation::checks(&Scene::from_toml(scene).expect("fixture scene").finger));
     }
@@ -162,7 +162,7 @@ fn map_and_table_one_show_what_is_known() {
         fn part(&self, _: &str, _: usize) {}
         fn step(&self) {}
     }
-    let scene = Scene::from_toml(fixtures::PAPER_SCENE).expect("paper scene");
+    let scene = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene");
     let scene = SceneWithOutline { scene, corners: Vec::new() };
     let study = study::Study::run(&scene, study::Effort::Quick, &Silent).expect("the paper's finger is solved");
     let map = study.map("corotational", false).expect("the map without noise");

@@ -21,7 +21,7 @@ const CHI_SQUARE_6: f64 = 27.9;
 const CHI_SQUARE_11: f64 = 37.4;
 
 fn paper() -> Finger {
-    Scene::from_toml(include_str!("../../fixtures/scenes/paper.toml")).expect("paper scene").finger
+    Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene").finger
 }
 
 fn at_node(node: usize, angle_deg: f64) -> Contact {

@@ -20,7 +20,7 @@ const EXACT: f64 = 1e-9;
 const SOLUTION_ROUNDING: f64 = 1e-6;
 
 fn paper() -> Finger {
-    Scene::from_toml(include_str!("../../fixtures/scenes/paper.toml")).expect("paper scene").finger
+    Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene").finger
 }
 
 fn measured(finger: &Finger, contacts: &[Contact], forces_n: &[f64]) -> Measurement {

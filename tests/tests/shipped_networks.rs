@@ -1,12 +1,12 @@
 //! The networks that ship, on fresh random forces of the finger with large rotations on 684 nodes, seen with camera noise.
 //! `FINRAY_TEST_CASES=4000` is the full study, half a minute on two cores.
 
+use finray_fixtures::PAPER_SCENE;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::network::NetworkEstimator;
 use finray_model::sensing::{Contact, ContactPlace};
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Scene, statics};
 use finray_verify::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorKind};
-use finray_verify::fixtures::PAPER_SCENE;
 use finray_verify::networks::shipping::{Shipping, shipping};
 use finray_verify::networks::{NetworkSensing, Networks, NoNetwork};
 use finray_verify::scatter::{ScatterRequest, ScatterRow, TWO_FORCES_N, scatter, singles};

@@ -15,7 +15,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 fn paper() -> Finger {
-    Scene::from_toml(include_str!("../../fixtures/scenes/paper.toml")).expect("the paper's scene").finger
+    Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the paper's scene").finger
 }
 
 fn at_node(node: usize, angle_deg: f64) -> Contact {

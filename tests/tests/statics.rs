@@ -254,7 +254,7 @@ proptest! {
 /// The finger of the paper, bent by 3 N in its middle, in figures that the paper's text gives: nodes and unknowns.
 #[test]
 fn paper_mesh_has_the_papers_size() {
-    let scene = finray_model::Scene::from_toml(include_str!("../../fixtures/scenes/paper.toml")).expect("paper scene");
+    let scene = finray_model::Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene");
     let mesh = Mesh::key_nodes(&scene.finger);
     assert_eq!((mesh.node_count(), mesh.frame().members().len()), (25, 35));
     // "K is a 69 x 69 symmetric matrix" (sec. III).
@@ -303,7 +303,7 @@ fn a_buckling_load_is_not_jumped_over() {
 /// was once refused as if it did.
 #[test]
 fn a_linear_finger_is_never_said_to_buckle() {
-    let scene = finray_model::Scene::from_toml(include_str!("../../fixtures/scenes/paper.toml")).expect("paper scene");
+    let scene = finray_model::Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene");
     for gap_mm in [1e-3, 1e-4, 1e-5, 1e-6] {
         let mut description = scene.finger.description().clone();
         description.ribs.places = RibPlaces::Positions([40.0, 80.0, 80.0 + gap_mm, 120.0].map(|s| [s, s]).to_vec());
@@ -323,7 +323,7 @@ fn a_linear_finger_is_never_said_to_buckle() {
 /// but the first two are no beginning of it. Reactions were then wrong by 5e-4.
 #[test]
 fn thin_plates_are_solved_to_the_end() {
-    let scene = finray_model::Scene::from_toml(include_str!("../../fixtures/scenes/paper.toml")).expect("paper scene");
+    let scene = finray_model::Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene");
     let mut description = scene.finger.description().clone();
     for strip in [&mut description.front, &mut description.back].into_iter().chain(&mut description.ribs.strip) {
         strip.thickness_mm = 0.01;
@@ -355,8 +355,7 @@ fn thin_plates_are_solved_to_the_end() {
 /// where the strain of the chord is several per cent off.
 #[test]
 fn shallow_arch_strain_makes_coarse_meshes_accurate() {
-    let finger =
-        finray_model::Scene::from_toml(include_str!("../../fixtures/scenes/paper.toml")).expect("paper scene").finger;
+    let finger = finray_model::Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene").finger;
     let coarse = Mesh::key_nodes(&finger);
     let fine = Mesh::with_nodes(&finger, 684).expect("fine mesh");
     let mut worst = [0.0_f64; 2];

@@ -27,7 +27,7 @@ const MESH_ERROR: f64 = 0.002;
 const SAME_FINGER: f64 = 1e-5;
 
 fn paper() -> Finger {
-    Scene::from_toml(include_str!("../../fixtures/scenes/paper.toml")).expect("paper scene").finger
+    Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene").finger
 }
 
 /// An estimator that knows nothing of the finger, states nothing and refuses every measurement but a few.

@@ -29,7 +29,7 @@ const OF_LINEAR: f64 = 0.1;
 const SINGLE_PRECISION: f64 = 1e-3;
 
 fn paper() -> Finger {
-    Scene::from_toml(include_str!("../../fixtures/scenes/paper.toml")).expect("paper scene").finger
+    Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene").finger
 }
 
 fn at_nodes(nodes: &[usize]) -> Vec<Contact> {

@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector, SMatrix};
 /// Linear solutions of the paper's finger keep twelve digits or more.
 const ROUNDING: f64 = 1e-9;
 
-const PAPER: &str = include_str!("../../fixtures/scenes/paper.toml");
+const PAPER: &str = finray_fixtures::PAPER_SCENE;
 
 fn scene(changes: &[(&str, &str)]) -> Scene {
     let text = changes.iter().fold(PAPER.to_owned(), |text, (from, to)| {

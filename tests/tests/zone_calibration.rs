@@ -28,7 +28,7 @@ fn zone(part: Part, from_mm: f64, to_mm: f64, modulus_factor: f64) -> Zone {
 }
 
 fn paper_description() -> FingerDescription {
-    let scene = Scene::from_toml(include_str!("../../fixtures/scenes/paper.toml")).expect("paper scene");
+    let scene = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene");
     scene.finger.description().clone()
 }
 

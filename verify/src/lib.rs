@@ -18,7 +18,6 @@ pub mod displacement_noise;
 pub mod estimators;
 pub mod explain;
 pub mod files;
-pub mod fixtures;
 pub mod hard_cases;
 pub mod lattice;
 pub mod ledger;

@@ -1,7 +1,6 @@
 //! What MuJoCo says of three fingers, read from exported tables: another formulation (discrete elastic rods between rigid
 //! rods) and other code. `fixtures/mujoco/README.md` says how they were made and how far they can be trusted.
 
-use crate::fixtures;
 use finray_model::mesh::FingerShape;
 use finray_model::{Finger, NodeId, Scene, Vector};
 use serde::Deserialize;
@@ -36,9 +35,17 @@ pub struct ExportedFinger {
 
 /// All exported fingers.
 pub const FINGERS: [ExportedFinger; 3] = [
-    ExportedFinger { name: "paper", scene: fixtures::PAPER_SCENE, csv: fixtures::MUJOCO_PAPER },
-    ExportedFinger { name: "asymmetric", scene: fixtures::ASYMMETRIC_SCENE, csv: fixtures::MUJOCO_ASYMMETRIC },
-    ExportedFinger { name: "soft-zone", scene: fixtures::SOFT_ZONE_SCENE, csv: fixtures::MUJOCO_SOFT_ZONE },
+    ExportedFinger { name: "paper", scene: finray_fixtures::PAPER_SCENE, csv: finray_fixtures::MUJOCO_PAPER },
+    ExportedFinger {
+        name: "asymmetric",
+        scene: finray_fixtures::ASYMMETRIC_SCENE,
+        csv: finray_fixtures::MUJOCO_ASYMMETRIC,
+    },
+    ExportedFinger {
+        name: "soft-zone",
+        scene: finray_fixtures::SOFT_ZONE_SCENE,
+        csv: finray_fixtures::MUJOCO_SOFT_ZONE,
+    },
 ];
 
 /// The equilibrium of a finger under one dead force on a node.
@@ -165,7 +172,7 @@ impl ExportedFinger {
 /// [`ExportError`] never in practice: the table ships.
 pub fn contact_steps() -> Result<Vec<ContactStep>, ExportError> {
     let finger = FINGERS[0].finger()?;
-    let rows: Vec<ContactRow> = rows(fixtures::MUJOCO_CONTACT)?;
+    let rows: Vec<ContactRow> = rows(finray_fixtures::MUJOCO_CONTACT)?;
     rows.chunk_by(|a, b| (a.push, a.depth_mm) == (b.push, b.depth_mm))
         .map(|step| {
             let first = &step[0];

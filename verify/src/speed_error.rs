@@ -380,7 +380,7 @@ mod tests {
     /// Other programs are asked for the same: `bench/peers` writes these words.
     #[test]
     fn what_is_asked_is_said() {
-        let paper = finray_model::Scene::from_toml(crate::fixtures::PAPER_SCENE).expect("the paper's scene").finger;
+        let paper = finray_model::Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the paper's scene").finger;
         let said = Task::ALL.map(|task| asked(&paper, task)).map(|asked| [asked.nodes, asked.forces_n].join(" at "));
         assert_eq!(said, ["14-24 at 3", "14-24 at 0.3-3", "19-20 at 0.3-3"]);
     }

@@ -3,7 +3,7 @@
 mod common;
 
 use common::*;
-use finray_verify::fixtures::TWIN_SCENE;
+use finray_fixtures::TWIN_SCENE;
 use std::fmt::Write;
 
 const COLUMNS: &str = "case,load_node,fx_n,fy_n,node,ux_mm,uy_mm\n";

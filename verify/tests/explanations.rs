@@ -6,7 +6,6 @@ use finray_model::sensing::{Contact, ContactPlace, ContactQuestion, Direction, N
 use finray_model::{Finger, Kinematics, Load, Mesh, Scene, Vector, statics};
 use finray_verify::estimators::{BeamEstimator, ELEMENTS, EstimatorKind};
 use finray_verify::explain::{Explanation, ExplanationMap};
-use finray_verify::fixtures;
 use finray_verify::map::{MapRequest, accuracy_maps};
 use finray_verify::truth::MeshTruth;
 use nalgebra::DMatrix;
@@ -33,7 +32,7 @@ const DIFFERENCES: f64 = 5e-3;
 const NOTHING: f64 = 2e-5;
 
 fn paper() -> Finger {
-    Scene::from_toml(fixtures::PAPER_SCENE).expect("the paper's scene").finger
+    Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the paper's scene").finger
 }
 
 fn mesh(finger: &Finger) -> Mesh {

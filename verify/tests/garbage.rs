@@ -3,7 +3,7 @@
 mod common;
 
 use common::*;
-use finray_verify::fixtures::PAPER_SCENE;
+use finray_fixtures::PAPER_SCENE;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::io::Write;

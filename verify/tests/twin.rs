@@ -3,8 +3,8 @@
 mod common;
 
 use common::*;
+use finray_fixtures::{PAPER_SCENE, TWIN_SCENE};
 use finray_model::{Finger, Kinematics, Scene};
-use finray_verify::fixtures::{PAPER_SCENE, TWIN_SCENE};
 use finray_verify::table_one::table_one;
 use finray_verify::truth::{MeshTruth, fine_mesh};
 use finray_verify::twin::fit::{ANGLE_DEG, fit};

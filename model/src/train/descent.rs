@@ -1,17 +1,14 @@
 //! Gradient descent with burn: Adam under a cosine-shaped learning rate, stopped early on a validation set.
 
 use super::TrainError;
+use super::adam::{Parameter, Step};
 use super::recipe::TrainingRecipe;
-use burn::module::{Module, Param};
-use burn::nn::Linear;
-use burn::optim::{AdamConfig, GradientsParams};
-use burn::tensor::{Device, Tensor, TensorData};
+use burn_tensor::module::linear;
+use burn_tensor::{Device, Gradients, Tensor, TensorData};
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::PI;
 
-/// Adam's guard against division by zero: far below the gradients of losses of order one.
-const ADAM_EPSILON: f32 = 1e-8;
 /// The step length ends at this share of its start.
 const LEAST_RATE_SHARE: f64 = 1e-4;
 
@@ -89,37 +86,43 @@ pub(super) struct LayerWeights {
     pub(super) bias: Vec<f32>,
 }
 
-/// The same as burn's parameters.
-#[derive(Module, Debug)]
+/// A dense layer: inputs x outputs, and the bias.
+#[derive(Debug)]
+struct Dense {
+    weight: Parameter<2>,
+    bias: Parameter<1>,
+}
+
+/// [`Weights`] as tensors.
+#[derive(Debug)]
 struct Perceptron {
-    layers: Vec<Linear>,
-    skip: Option<Param<Tensor<2>>>,
+    layers: Vec<Dense>,
+    skip: Option<Parameter<2>>,
 }
 
 impl Perceptron {
     fn new(weights: &Weights, device: &Device) -> Perceptron {
-        let linear = |layer: &LayerWeights| Linear {
-            weight: Param::from_data(TensorData::new(layer.weights.clone(), [layer.inputs, layer.outputs]), device),
-            bias: Some(Param::from_data(TensorData::new(layer.bias.clone(), [layer.outputs]), device)),
+        let dense = |layer: &LayerWeights| Dense {
+            weight: Parameter::new(&layer.weights, [layer.inputs, layer.outputs], device),
+            bias: Parameter::new(&layer.bias, [layer.outputs], device),
         };
         let outputs = weights.layers.last().map_or(0, |last| last.outputs);
-        let skip = weights.skip.as_ref().map(|skip| {
-            Param::from_data(TensorData::new(skip.clone(), [skip.len() / outputs.max(1), outputs]), device)
-        });
-        Perceptron { layers: weights.layers.iter().map(linear).collect(), skip }
+        let skip = weights.skip.as_ref();
+        let skip = skip.map(|skip| Parameter::new(skip, [skip.len() / outputs.max(1), outputs], device));
+        Perceptron { layers: weights.layers.iter().map(dense).collect(), skip }
     }
 
     fn forward(&self, inputs: Tensor<2>) -> Tensor<2> {
-        let beside = self.skip.as_ref().map(|skip| inputs.clone().matmul(skip.val()));
+        let beside = self.skip.as_ref().map(|skip| inputs.clone().matmul(skip.value()));
         let mut signal = inputs;
         for (k, layer) in self.layers.iter().enumerate() {
-            signal = layer.forward(signal);
+            signal = linear(signal, layer.weight.value(), Some(layer.bias.value()));
             if k + 1 < self.layers.len() {
                 signal = signal.tanh();
             }
         }
         match beside {
-            Some(linear) => signal + linear,
+            Some(beside) => signal + beside,
             None => signal,
         }
     }
@@ -133,15 +136,23 @@ impl Perceptron {
         error.clone() * error
     }
 
+    fn stepped(self, mut gradients: Gradients, step: &Step) -> Perceptron {
+        let layers = self.layers.into_iter().map(|Dense { weight, bias }| Dense {
+            weight: weight.stepped(&mut gradients, step),
+            bias: bias.stepped(&mut gradients, step),
+        });
+        Perceptron { layers: layers.collect(), skip: self.skip.map(|skip| skip.stepped(&mut gradients, step)) }
+    }
+
     fn weights(&self) -> Result<Weights, TrainError> {
-        let layer = |linear: &Linear| {
-            let [inputs, outputs] = linear.weight.val().dims();
-            let bias = linear.bias.as_ref().map_or(Ok(Vec::new()), |bias| numbers(bias.val()))?;
-            Ok(LayerWeights { inputs, outputs, weights: numbers(linear.weight.val())?, bias })
+        let layer = |dense: &Dense| {
+            let (weight, bias) = (dense.weight.value(), dense.bias.value());
+            let [inputs, outputs] = weight.dims();
+            Ok(LayerWeights { inputs, outputs, weights: numbers(weight)?, bias: numbers(bias)? })
         };
         Ok(Weights {
             layers: self.layers.iter().map(layer).collect::<Result<_, TrainError>>()?,
-            skip: self.skip.as_ref().map(|skip| numbers(skip.val())).transpose()?,
+            skip: self.skip.as_ref().map(|skip| numbers(skip.value())).transpose()?,
         })
     }
 }
@@ -182,7 +193,6 @@ impl Descent<'_> {
         let TrainingRecipe { epochs, batch, learning_rate, patience, .. } = *self.recipe;
         let device = Device::flex().autodiff();
         let mut model = Perceptron::new(start, &device);
-        let mut optimizer = AdamConfig::new().with_epsilon(ADAM_EPSILON).init();
         let mut best = (mean_loss(start, self.validation)?, start.clone(), 0);
         let mut order: Vec<usize> = (0..self.recipe.count).collect();
         let steps = epochs * order.len().div_ceil(batch);
@@ -194,9 +204,9 @@ impl Descent<'_> {
             for cases in order.chunks(batch) {
                 let cosine = 0.5 * (1.0 + (PI * step as f64 / steps as f64).cos());
                 let loss = model.squared_errors(table.batch(cases, &device)).mean();
-                let gradients = GradientsParams::from_grads(loss.backward(), &model);
-                model = optimizer.step(learning_rate * cosine.max(LEAST_RATE_SHARE), model, gradients);
                 step += 1;
+                let rate = learning_rate * cosine.max(LEAST_RATE_SHARE);
+                model = model.stepped(loss.backward(), &Step::new(step, rate));
                 if training_loss.is_none() {
                     let loss = numbers(loss)?.first().copied();
                     training_loss = loss.map(|loss| f64::from(loss) / table.counted_share(cases));

@@ -4,6 +4,7 @@
 //! squares (`regression`) and the layers beside it from random weights; Adam does the rest (`descent`). The same recipe
 //! and seed give the same weights on the same machine.
 
+mod adam;
 mod any_of;
 mod cases;
 mod descent;

@@ -7,7 +7,6 @@ use finray_model::sensing::Contact;
 use finray_model::sensing::network::TestError;
 use finray_model::{Finger, Scene};
 use finray_verify::files::{csv_text, write_folder};
-use finray_verify::fixtures;
 use finray_verify::networks::recipes::{self, RecipesError};
 use finray_verify::networks::shipping::{Shipping, shipping};
 use rayon::prelude::*;
@@ -60,7 +59,7 @@ struct Record {
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let finger =
-        Scene::from_toml(fixtures::PAPER_SCENE).map_err(|error| Failure::NotComputed(error.to_string()))?.finger;
+        Scene::from_toml(finray_fixtures::PAPER_SCENE).map_err(|error| Failure::NotComputed(error.to_string()))?.finger;
     let mut files = Vec::new();
     if arguments.parts.contains(&Part::Shipped) {
         files.extend(shipped(&finger)?);

@@ -4,7 +4,6 @@ use super::{Failure, progress};
 use finray_model::Scene;
 use finray_verify::contact_scene::study::SceneWithOutline;
 use finray_verify::files::{FileError, load_scene_with_outline, peers, write_folder, write_text};
-use finray_verify::fixtures;
 use finray_verify::report;
 use finray_verify::speed_error::criterion::CriterionTimes;
 use finray_verify::study::{Effort, Progress, Study};
@@ -49,7 +48,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = match &arguments.scene {
         Some(path) => load_scene_with_outline(path)?,
         None => {
-            let scene = Scene::from_toml(fixtures::PAPER_SCENE);
+            let scene = Scene::from_toml(finray_fixtures::PAPER_SCENE);
             let scene = scene.map_err(|error| Failure::NotComputed(error.to_string()))?;
             SceneWithOutline { scene, corners: Vec::new() }
         }

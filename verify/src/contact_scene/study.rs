@@ -2,7 +2,6 @@
 
 use super::samples::NoiseSamples;
 use super::{ContactScene, FINENESS, ForceRow, OutlineError, SceneStep, SensedStep, force_rows, standard_normal};
-use crate::fixtures;
 use crate::lattice::LatticeError;
 use crate::lattice::accuracy::{CONVERGED_ELEMENTS, difference};
 use crate::lattice::skin::{Touch, TouchedPart};
@@ -114,14 +113,14 @@ pub fn shipped() -> Result<Vec<(SceneWithOutline, usize)>, SceneStudyError> {
     let scene = |text: &str, corners: &[Vector], fineness| -> Result<_, SceneStudyError> {
         Ok((SceneWithOutline { scene: Scene::from_toml(text)?, corners: corners.to_vec() }, fineness))
     };
-    let mut fork = csv::Reader::from_reader(fixtures::FORK_OUTLINE.as_bytes());
+    let mut fork = csv::Reader::from_reader(finray_fixtures::FORK_OUTLINE.as_bytes());
     let fork: Vec<[f64; 2]> = fork.deserialize().collect::<Result<_, _>>()?;
     let fork: Vec<Vector> = fork.into_iter().map(Vector::from).collect();
     Ok(vec![
-        scene(fixtures::DISC_SCENE, &[], FINENESS)?,
-        scene(fixtures::BOX_SCENE, &[], COARSE)?,
-        scene(fixtures::FORK_SCENE, &fork, COARSE)?,
-        scene(fixtures::FRICTION_SCENE, &[], COARSE)?,
+        scene(finray_fixtures::DISC_SCENE, &[], FINENESS)?,
+        scene(finray_fixtures::BOX_SCENE, &[], COARSE)?,
+        scene(finray_fixtures::FORK_SCENE, &fork, COARSE)?,
+        scene(finray_fixtures::FRICTION_SCENE, &[], COARSE)?,
     ])
 }
 

@@ -3,8 +3,8 @@
 use super::soundness::Soundness;
 use super::{Findings, Question, Unexpected};
 use crate::check::worst;
-use crate::fixtures::PAPER_SCENE;
 use crate::study::Effort;
+use finray_fixtures::PAPER_SCENE;
 use finray_model::measurement::{Marker, Measurement, MeasurementError};
 use finray_model::sensing::{Contact, LinearEstimator, NonlinearEstimator, Prior};
 use finray_model::statics::{Statics, StaticsError};

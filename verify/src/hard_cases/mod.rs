@@ -120,7 +120,7 @@ fn answered(question: &Question, finger: &Finger, effort: Effort) -> HardCase {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fixtures::PAPER_SCENE;
+    use finray_fixtures::PAPER_SCENE;
     use finray_model::Scene;
 
     fn answered_by(answer: fn(&Finger, Effort, &mut Findings) -> Result<(), Unexpected>) -> HardCase {

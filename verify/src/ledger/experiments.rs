@@ -192,14 +192,13 @@ pub fn largest(figures: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fixtures;
     use finray_model::Scene;
 
     /// Rounding of a solution and of a least-squares problem after it.
     const ROUNDING: f64 = 1e-9;
 
     fn paper() -> Finger {
-        Scene::from_toml(fixtures::PAPER_SCENE).expect("the paper's scene").finger
+        Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the paper's scene").finger
     }
 
     #[test]

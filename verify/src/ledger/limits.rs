@@ -195,11 +195,10 @@ fn network_time(study: &Study) -> Option<Claim> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fixtures;
     use finray_model::Scene;
 
     fn paper() -> Finger {
-        Scene::from_toml(fixtures::PAPER_SCENE).expect("the paper's scene").finger
+        Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the paper's scene").finger
     }
 
     /// At -12.5 deg the error is 2.6 to 4.0 %, above the paper's maximum at every node.

@@ -8,7 +8,6 @@ pub mod records;
 pub mod shipping;
 
 use crate::estimators::{Estimator, EstimatorError, PreparedEstimator, Sensed};
-use crate::fixtures;
 use finray_model::Finger;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::Contact;
@@ -43,7 +42,7 @@ impl Networks {
     /// # Errors
     /// [`NetworkError`] if one does not read: a fault of the build.
     pub fn shipped() -> Result<Networks, NetworkError> {
-        fixtures::NETWORKS.iter().map(|bytes| Network::from_bytes(bytes)).collect::<Result<_, _>>().map(Networks)
+        finray_fixtures::NETWORKS.iter().map(|bytes| Network::from_bytes(bytes)).collect::<Result<_, _>>().map(Networks)
     }
 
     /// Some networks.

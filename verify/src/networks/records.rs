@@ -2,7 +2,6 @@
 //!
 //! `fixtures/networks` holds them with the command that makes them again.
 
-use crate::fixtures;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
@@ -69,7 +68,7 @@ impl Records {
     /// # Errors
     /// [`csv::Error`] if one does not read: a fault of the build.
     pub fn shipped() -> Result<Records, csv::Error> {
-        Ok(Records { recipes: rows(fixtures::RECIPES)?, curves: rows(fixtures::CURVES)? })
+        Ok(Records { recipes: rows(finray_fixtures::RECIPES)?, curves: rows(finray_fixtures::CURVES)? })
     }
 }
 

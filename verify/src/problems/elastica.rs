@@ -5,7 +5,6 @@
 
 use super::ProblemError;
 use crate::check::{Check, Kind};
-use crate::fixtures;
 use finray_model::frame::{PlaneFrame, Section};
 use finray_model::statics::{FrameLoad, solve_frame};
 use finray_model::{Kinematics, Vector};
@@ -58,7 +57,7 @@ pub(super) fn solve(
 /// [`ProblemError`] if a load has no equilibrium.
 pub fn checks() -> Result<Vec<Check>, ProblemError> {
     let rows: Vec<Row> =
-        csv::Reader::from_reader(fixtures::ELASTICA.as_bytes()).deserialize().collect::<Result<_, _>>()?;
+        csv::Reader::from_reader(finray_fixtures::ELASTICA.as_bytes()).deserialize().collect::<Result<_, _>>()?;
     let mut checks = Vec::new();
     for row in rows {
         let ours = solve(row.load_pl2_ei, row.angle_deg, ELEMENTS, Kinematics::Corotational)?;

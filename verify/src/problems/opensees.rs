@@ -5,7 +5,6 @@
 
 use super::ProblemError;
 use crate::check::{Check, Comparison, Kind, worst};
-use crate::fixtures;
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector, statics};
 use serde::Deserialize;
 
@@ -91,7 +90,7 @@ fn deviation(finger: &Finger, rows: &[Row]) -> Result<CaseDeviation, ProblemErro
 /// # Errors
 /// See [`deviations`].
 pub fn paper_checks(paper: &Finger) -> Result<Vec<Check>, ProblemError> {
-    let deviations = deviations(paper, fixtures::OPENSEES_PAPER)?;
+    let deviations = deviations(paper, finray_fixtures::OPENSEES_PAPER)?;
     let mut groups: Vec<(Kinematics, usize)> = deviations.iter().map(|d| (d.kinematics, d.mesh_nodes)).collect();
     groups.dedup();
     Ok(groups
@@ -122,7 +121,7 @@ pub fn paper_checks(paper: &Finger) -> Result<Vec<Check>, ProblemError> {
 /// See [`deviations`].
 pub fn linear_against_large_rotation(paper: &Finger) -> Result<Vec<Comparison>, ProblemError> {
     let rows: Vec<Row> =
-        csv::Reader::from_reader(fixtures::OPENSEES_PAPER.as_bytes()).deserialize().collect::<Result<_, _>>()?;
+        csv::Reader::from_reader(finray_fixtures::OPENSEES_PAPER.as_bytes()).deserialize().collect::<Result<_, _>>()?;
     let mesh = Mesh::key_nodes(paper);
     let mut comparisons = Vec::new();
     for case in rows.chunk_by(|a, b| a.case == b.case).filter(|case| case[0].kinematics == "corotational") {

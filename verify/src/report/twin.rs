@@ -380,14 +380,13 @@ fn sets_table(study: &TwinStudy) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fixtures;
     use crate::twin::{OTHERS, TWIN, ZoneSet};
     use finray_model::Scene;
 
     fn fit_of(set: ZoneSet, misfit: f64) -> TwinFit {
         TwinFit {
             set,
-            finger: Scene::from_toml(fixtures::PAPER_SCENE).expect("the paper's scene").finger,
+            finger: Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the paper's scene").finger,
             factors: set.groups.iter().map(|(_, start)| *start).collect(),
             sigmas: vec![0.1; set.groups.len()],
             modulus_factor: 1.0,
@@ -415,7 +414,7 @@ mod tests {
     /// The shipped twin is softer than the softest TPU that the paper quotes; a finger within the range is not said to be.
     #[test]
     fn moduli_are_held_against_the_material() {
-        let twin = Scene::from_toml(fixtures::TWIN_SCENE).expect("the twin's scene").finger;
+        let twin = Scene::from_toml(finray_fixtures::TWIN_SCENE).expect("the twin's scene").finger;
         let words = moduli_in_words(&moduli_mpa(&twin));
         assert!(words.contains("(35.7, 7.6, 3.2 MPa) 7.6, 3.2 MPa lie outside the 10 to 1000 MPa"), "{words}");
         assert!(moduli_in_words(&[12.0, 40.0]).contains("within"));

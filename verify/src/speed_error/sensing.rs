@@ -264,7 +264,6 @@ pub(super) fn percentile(values: &mut [f64], percent: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fixtures;
     use crate::truth::fine_mesh;
     use finray_model::Scene;
 
@@ -272,7 +271,7 @@ mod tests {
     const NOISE_MM: f64 = 0.067;
 
     fn stream_at(node: usize) -> (Mesh, Stream) {
-        let finger = Scene::from_toml(fixtures::PAPER_SCENE).expect("the paper's scene").finger;
+        let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the paper's scene").finger;
         let truth = fine_mesh(&finger).expect("a mesh");
         let stream = Stream::take(&truth, &[NodeId(node)], NOISE_MM, FRAMES_A_PERIOD, 0);
         (truth, stream)

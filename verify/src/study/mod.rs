@@ -27,7 +27,6 @@ use crate::direction::DirectionStudy;
 use crate::displacement_noise::DisplacementNoiseStudy;
 use crate::estimators::{EstimatorError, EstimatorKind};
 use crate::explain::ExplanationMap;
-use crate::fixtures;
 use crate::hard_cases::{self, HardCase, hard_cases};
 use crate::lattice::study::LatticeStudy;
 use crate::ledger::{Claim, ledger};
@@ -176,7 +175,7 @@ impl Study {
         let scene = &given.scene;
         let finger = &scene.finger;
         // Reference values were made for this finger, whatever a scene calls itself.
-        let is_paper = Scene::from_toml(fixtures::PAPER_SCENE).is_ok_and(|paper| paper.finger == *finger);
+        let is_paper = Scene::from_toml(finray_fixtures::PAPER_SCENE).is_ok_and(|paper| paper.finger == *finger);
         let noise_mm = scene.camera.map_or(CAMERA_NOISE_MM, |camera| camera.noise_mm);
 
         progress.part("cross-checks", 1);

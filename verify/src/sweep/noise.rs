@@ -70,13 +70,12 @@ impl Noise {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fixtures;
     use finray_model::Scene;
 
     /// Pictures that are kept, drawn on their own or with others before them are the same.
     #[test]
     fn a_picture_does_not_depend_on_what_is_kept() {
-        let finger = Scene::from_toml(fixtures::PAPER_SCENE).expect("the paper's scene").finger;
+        let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the paper's scene").finger;
         let (places_mm, angles_deg) = Grid::grid(&finger, 12, 90.0);
         let grid = Grid {
             places_mm,

@@ -9,7 +9,6 @@
 pub mod fit;
 pub mod study;
 
-use crate::fixtures;
 use finray_model::finger::Part;
 use finray_model::scene::SceneError;
 use finray_model::{Finger, Scene};
@@ -78,10 +77,10 @@ pub enum TwinError {
 /// # Errors
 /// [`TwinError`] for any other finger.
 pub fn twin_of(finger: &Finger) -> Result<Finger, TwinError> {
-    if Scene::from_toml(fixtures::PAPER_SCENE)?.finger != *finger {
+    if Scene::from_toml(finray_fixtures::PAPER_SCENE)?.finger != *finger {
         return Err(TwinError::NotThePapersFinger);
     }
-    Ok(Scene::from_toml(fixtures::TWIN_SCENE)?.finger)
+    Ok(Scene::from_toml(finray_fixtures::TWIN_SCENE)?.finger)
 }
 
 /// Young's modulus of each zone of a fitted finger, MPa.

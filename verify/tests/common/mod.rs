@@ -4,7 +4,7 @@
 pub mod browser;
 pub mod scene;
 
-use finray_verify::fixtures::PAPER_SCENE;
+use finray_fixtures::PAPER_SCENE;
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
