@@ -132,6 +132,20 @@ fn what_is_left_when_all_is_known_is_noise_at_its_bound() {
     assert!(share(&known, Cause::Noise) > 0.99);
 }
 
+/// Once the share of noise rested on the residual, 3.4 % where noise does 0.1 %: the linear finger is contradicted by the shape at 3 N.
+#[test]
+fn noise_does_what_the_inverse_says_also_where_the_model_is_contradicted() {
+    let finger = finger(finray_fixtures::PAPER_SCENE);
+    let (s_mm, force_n, noise_mm) = (76.5, 3.0, 0.067);
+    let map = one_map(&finger, (LeastSquares, Known), [s_mm, 0.0, force_n, noise_mm]);
+    let contact = Contact { place: ContactPlace::Place(s_mm), angle_deg: 0.0 };
+    let markers = Measurement::at_rest(&finger);
+    let per_noise = LinearEstimator::new(&finger, &[contact], &markers).unwrap().inverse().sigmas_per_noise[0];
+    let found = only(&map).rms_error.unwrap() * share(&map, Cause::Noise).sqrt();
+    let expected = linear_modulus_factor(&finger) * per_noise * noise_mm / force_n;
+    assert!((found / expected - 1.0).abs() < 0.01, "{found} for {expected}");
+}
+
 #[test]
 fn soft_zones_are_the_cause_where_they_are() {
     let twin = finger(finray_fixtures::TWIN_SCENE);

@@ -1,7 +1,7 @@
 //! Linear estimators: least squares, and least squares with a prior on the forces (ridge).
 
 use super::linearisation::{LinearModel, Linearisation, weighted};
-use super::residual_test::{ResidualTest, noise_of, residual_sd_mm};
+use super::residual_test::{ResidualTest, noise_of, unstated_noise_mm};
 use super::{Contact, Estimate, LARGEST_SPAN, SensingError, Warning, check_contacts};
 use crate::compliance::{Compliance, NodalCompliance};
 use crate::finger::Finger;
@@ -152,13 +152,15 @@ impl LinearEstimator {
         };
         let stated_mm = noise_mm.filter(|noise_mm| *noise_mm > 0.0);
         let linear_mm2 = estimate.residual_rms_mm.powi(2) * coordinates as f64;
-        let favoured_mm2 = FAVOURED * stated_mm.unwrap_or(0.0).powi(2);
+        // Where no noise is stated, the residual of the linear finger is it, if this finger is the true one.
+        let noise_mm2 = stated_mm.map_or(linear_mm2 / degrees_of_freedom.max(1) as f64, |noise_mm| noise_mm.powi(2));
+        let favoured_mm2 = FAVOURED * noise_mm2;
         if degrees_of_freedom > 0 && linear_mm2 + favoured_mm2 < error.sum_of_squares_mm2 {
             return Ok(estimate);
         }
         // What linearisation leaves unexplained of the residual is noise, or something else that is wrong.
         let test = ResidualTest::new(stated_mm, error.sum_of_squares_mm2, degrees_of_freedom);
-        let residual_mm = || residual_sd_mm(error.sum_of_squares_mm2, degrees_of_freedom);
+        let residual_mm = || unstated_noise_mm(error.sum_of_squares_mm2, degrees_of_freedom);
         let trusted_mm = test.map(|test| test.trusted_noise_mm());
         estimate.noise_mm = trusted_mm.or(stated_mm).or_else(residual_mm).unwrap_or(estimate.noise_mm);
         estimate.sigmas_n = inverse.sigmas_per_noise.iter().map(|per_mm| per_mm * estimate.noise_mm).collect();

@@ -335,7 +335,8 @@ pub struct Estimate {
     /// The model's own error of each force that is part of its standard deviation (linearisation, mesh, training), N; signed
     /// where its sign is known.
     pub model_error_n: Vec<f64>,
-    /// Standard deviation of one measured coordinate that the sigmas rest on, mm: as stated, or the residual's.
+    /// Standard deviation of one measured coordinate that the sigmas rest on, mm: as stated, or the residual's (wider for few degrees of
+    /// freedom where nothing was stated).
     pub noise_mm: f64,
     /// Why the estimate is worth less than noise alone would leave it, if so.
     pub warning: Option<Warning>,

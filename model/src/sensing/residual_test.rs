@@ -1,6 +1,6 @@
 //! Whether a residual is what the stated noise leaves: the chi-squared test of goodness of fit.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF};
+use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 
 /// Chance that a measurement of just the stated noise, by a finger just as modelled, fails the test: one warning in a
 /// hundred frames is a nuisance that a user can live with.
@@ -66,8 +66,25 @@ pub(super) fn residual_sd_mm(sum_of_squares_mm2: f64, degrees_of_freedom: usize)
     (degrees_of_freedom > 0).then(|| (sum_of_squares_mm2 / degrees_of_freedom as f64).sqrt())
 }
 
-/// The standard deviation of one coordinate that deviations of forces rest on, mm: as stated, or the residual's where that is
-/// contradicted or nothing was stated; infinite where there is no residual either.
+/// Chance beyond the upper end of a 95 % interval.
+const UPPER: f64 = 0.975;
+
+/// The standard deviation of one coordinate where none was stated, mm: that of the residual, wider by as much as its own chance asks for, so
+/// that 1.96 times it is a 95 % interval; `None` without a degree of freedom.
+///
+/// # Reference
+/// A normal error over a standard deviation that is estimated from the residual follows Student's t distribution with the residual's degrees
+/// of freedom (Press et al., Numerical Recipes, sec. 15.6): wider than the normal one by 6.5 for 1 degree, 1.14 for 10, 1.03 for 45.
+pub(super) fn unstated_noise_mm(sum_of_squares_mm2: f64, degrees_of_freedom: usize) -> Option<f64> {
+    let residual_sd_mm = residual_sd_mm(sum_of_squares_mm2, degrees_of_freedom)?;
+    // Both distributions exist: there is a degree of freedom.
+    let student = StudentsT::new(0.0, 1.0, degrees_of_freedom as f64).ok()?;
+    let normal = Normal::standard();
+    Some(residual_sd_mm * student.inverse_cdf(UPPER) / normal.inverse_cdf(UPPER))
+}
+
+/// The standard deviation of one coordinate that deviations of forces rest on, mm: as stated, the residual's where that is contradicted, or
+/// [estimated from it](unstated_noise_mm) where nothing was stated; infinite where there is no residual either.
 pub(super) fn noise_of(
     test: Option<ResidualTest>,
     stated_mm: Option<f64>,
@@ -78,7 +95,7 @@ pub(super) fn noise_of(
         (Some(test), _) => test.trusted_noise_mm(),
         (None, Some(noise_mm)) if degrees_of_freedom == 0 => noise_mm,
         // Zero is no noise that a residual could be held against.
-        (None, _) => residual_sd_mm(sum_of_squares_mm2, degrees_of_freedom).unwrap_or(f64::INFINITY),
+        (None, _) => unstated_noise_mm(sum_of_squares_mm2, degrees_of_freedom).unwrap_or(f64::INFINITY),
     }
 }
 
@@ -103,6 +120,16 @@ mod tests {
         assert_eq!(ResidualTest::new(None, 1.0, 3), None);
         assert_eq!(ResidualTest::new(Some(0.0), 1.0, 3), None);
         assert_eq!(ResidualTest::new(Some(0.1), 1.0, 0), None);
+    }
+
+    /// Points of Student's t for 97.5 %: 12.706, 2.2281, 2.0141 for 1, 10, 45 degrees of freedom (Abramowitz and Stegun, table 26.10).
+    #[test]
+    fn unstated_noise_is_as_wide_as_the_table_of_students_t_has_it() {
+        for (degrees_of_freedom, point) in [(1, 12.706), (10, 2.2281), (45, 2.0141)] {
+            let wide_mm = unstated_noise_mm(degrees_of_freedom as f64, degrees_of_freedom).unwrap();
+            assert!((wide_mm * 1.959_964 / point - 1.0).abs() < 1e-4, "{degrees_of_freedom}: {wide_mm}");
+        }
+        assert_eq!(unstated_noise_mm(1.0, 0), None);
     }
 
     #[test]

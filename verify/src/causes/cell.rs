@@ -168,7 +168,9 @@ impl Sensor<'_> {
             let Ok(estimator) = LinearEstimator::new(mesh.finger(), &[*contact], markers) else { return Vec::new() };
             let sense = |(seen, &force_n): (&Measurement, &f64)| {
                 let sensed = estimator.estimate(seen, Some(self.noise_mm), Prior::None);
-                Some(Squared::of(sensed.forces_n[0], sensed.sigmas_n[0], force_n))
+                // The stated deviation rests on the residual where the measurement contradicts the linear finger; noise does this.
+                let noise_n = estimator.inverse().sigmas_per_noise[0] * self.noise_mm;
+                Some(Squared::of(sensed.forces_n[0], noise_n, force_n))
             };
             return pairs.map(sense).collect();
         }
