@@ -64,7 +64,6 @@ fn a_disc_pressed_to_5_n_keeps_every_promise() {
     object.steps = 2;
     let prepared = prepared(&given.scene).with_fineness(fineness);
     let study = SceneStudy::run("disc", &prepared, 0.067, SAMPLES, &|| ()).expect("beams carry the forces");
-    all_pass(&study.checks());
     all_pass(&study.shipped_checks());
     let end = &study.steps[1].step;
     let nodes: Vec<_> = end.contacts.iter().map(|seen| seen.contact.place).collect();
@@ -81,7 +80,6 @@ fn friction_is_within_the_stated_intervals() {
     let known = prepared(&given.scene).with_fineness(fineness);
     let run = |scene: &ContactScene| SceneStudy::run("friction", scene, 0.067, 50, &|| ()).expect("a study");
     let study = run(&known);
-    all_pass(&study.checks());
     all_pass(&study.shipped_checks());
     assert!(
         study.shipped_checks().iter().filter(|check| check.problem.contains("within 1.96 stated sigma")).count() == 4

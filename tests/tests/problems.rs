@@ -113,7 +113,7 @@ fn checks_can_fail() {
 
 /// Every verdict is that of its own row's figures; a simulation betters no experiment.
 fn claims_say_what_was_shown(claims: &[Claim]) {
-    use ClaimVerdict::{InSimulation, NotReproduced, NotTested, Refuted, Reproduced};
+    use ClaimVerdict::{Depends, InSimulation, LessInSimulation, NotReproduced, NotTested, Refuted, Reproduced};
     let row = |words: &str| {
         let found: Vec<&Claim> = claims.iter().filter(|claim| claim.claim.contains(words)).collect();
         assert_eq!(found.len(), 1, "rows with {words}: {found:?}");
@@ -122,20 +122,26 @@ fn claims_say_what_was_shown(claims: &[Claim]) {
     for (words, verdict) in [
         ("less than 1.5%", Reproduced),
         ("less than 0.26%", Reproduced),
-        ("decreasing element size is not necessary", Refuted),
+        ("decreasing element size is not necessary", Depends),
         ("SOLID45", NotTested),
         ("caused by the nonlinearity", NotReproduced),
         ("which ranges from 49.6 to 63.7%", NotReproduced),
         ("reaches 18% and 24.2%\" (sec. V-B): node 16", NotReproduced),
         ("reaches 18% and 24.2%\" (sec. V-B): node 24", NotReproduced),
-        ("equivalent Young's modulus at the tip and base should be lower", InSimulation),
+        ("equivalent Young's modulus at the tip and base should be lower", NotTested),
         ("two adjacent nodes: \"the average relative error is 47.5%\"", Reproduced),
         ("the overall average relative error is 29.8%", NotReproduced),
         ("error more than 30%", NotReproduced),
-        ("neighbours: what a known model could reach, each force", InSimulation),
-        ("apart: what a known model could reach, the sum", InSimulation),
-        ("the overall average absolute error is 0.07 N", InSimulation),
+        ("neighbours: what a known model could reach, each force", LessInSimulation),
+        ("apart: what a known model could reach, the sum", LessInSimulation),
+        ("the overall average absolute error is 0.07 N", LessInSimulation),
         ("1-cos(12.5 deg)", Refuted),
+        // With undeformed positions measured in an image too, the noise is larger by sqrt(2), and more than half of the nodes are poor.
+        ("will not work", Depends),
+        ("the force sensing accuracy is poor", Depends),
+        ("resulting torque", Refuted),
+        ("remains nearly unchanged", Reproduced),
+        ("nonconstant Young's modulus", InSimulation),
     ] {
         assert_eq!(row(words).verdict, verdict, "{:?}", row(words));
     }
@@ -148,7 +154,7 @@ fn claims_say_what_was_shown(claims: &[Claim]) {
         assert_eq!(claim.criterion.is_empty(), claim.verdict == NotTested, "{claim:?}");
     }
     // A simulated finger is called so.
-    for claim in claims.iter().filter(|claim| claim.verdict == InSimulation) {
+    for claim in claims.iter().filter(|claim| [InSimulation, LessInSimulation].contains(&claim.verdict)) {
         assert!(claim.how.contains("simulated"), "{claim:?}");
     }
 }

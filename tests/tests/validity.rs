@@ -2,7 +2,7 @@
 
 use finray_model::finger::Part;
 use finray_model::frame::FrameMotion;
-use finray_model::sensing::Contact;
+use finray_model::sensing::{Contact, ContactPlace};
 use finray_model::statics::{FrameLoad, Statics};
 use finray_model::validity::{Doubt, LARGEST_SHEAR_SHARE, LARGEST_STRAIN, SHEAR_CORRECTION, StrainLimits, Validity};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector};
@@ -244,8 +244,9 @@ fn undeformable_ribs_take_no_part() {
     assert!(found.shear_share > 0.0 && found.shear_at.is_some_and(|at| at.part != Part::Ribs));
 }
 
-/// The forces of the paper's gripper experiments (up to 3 N, sec. V-C) keep within the limits at every node and in every direction; 5 N, the largest
-/// that it trains for, do not along the normal. `-- --nocapture papers` prints the figures.
+/// The forces of the paper's gripper experiments (up to 3 N, sec. V-C) keep within the limits at every contact node but the tip, which the paper
+/// does not load, over directions 20 degrees apart; 5 N, the largest that it trains for, do not along the normal. Close to the clamp, where a
+/// plate is a beam as long as it is thick, shear exceeds its limit under any force. `-- --nocapture papers` prints the figures.
 #[test]
 fn the_papers_finger_keeps_within_the_limits_up_to_three_newtons() {
     let finger = finger(&[]);
@@ -253,7 +254,7 @@ fn the_papers_finger_keeps_within_the_limits_up_to_three_newtons() {
     let mut doubted = Vec::new();
     for force_n in [3.0, 5.0] {
         for node in finger.contact_nodes().skip(1) {
-            for angle_deg in [-60.0, 0.0, 60.0] {
+            for angle_deg in [-80.0, -60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0, 80.0] {
                 let contact = Contact { angle_deg, ..Contact::at_node(node) };
                 let found = examined(&mesh, Kinematics::Corotational, &[contact.load(&finger, force_n)]);
                 let most = found.largest_strain(&StrainLimits::default()).expect("it strains");
@@ -268,4 +269,15 @@ fn the_papers_finger_keeps_within_the_limits_up_to_three_newtons() {
     let along_the_normal: Vec<usize> =
         doubted.iter().filter(|(_, _, angle_deg)| *angle_deg == 0.0).map(|(_, node, _)| *node).collect();
     assert_eq!(along_the_normal, (15..=24).collect::<Vec<_>>());
+    let shear = |s_mm: f64| {
+        let contact = Contact { place: ContactPlace::Place(s_mm), angle_deg: 0.0 };
+        examined(&mesh, Kinematics::Corotational, &[contact.load(&finger, 0.01)]).shear_share
+    };
+    assert!(
+        shear(4.0) > 0.05 && shear(6.4) > 0.05 && shear(7.5) < 0.05,
+        "{} {} {}",
+        shear(4.0),
+        shear(6.4),
+        shear(7.5)
+    );
 }

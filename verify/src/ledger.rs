@@ -25,8 +25,12 @@ pub enum ClaimVerdict {
     Reproduced,
     /// Our computation, on a model of the finger, does not give what the paper measured.
     NotReproduced,
-    /// Holds, or is bettered, on a simulated finger whose model is known: no experiment stands behind it.
+    /// Holds on a simulated finger: no experiment stands behind it.
     InSimulation,
+    /// On a simulated finger whose model is known, sensing errs less than the paper measured on a real one.
+    LessInSimulation,
+    /// Another verdict under another assumption that the paper leaves open.
+    Depends,
     /// A statement about the finger's mechanics that its model contradicts.
     Refuted,
     /// What it rests on is not published, or needs the finger itself.
@@ -35,9 +39,9 @@ pub enum ClaimVerdict {
 
 impl ClaimVerdict {
     /// All of them, in the order of tables.
-    pub const ALL: [ClaimVerdict; 5] = {
-        use ClaimVerdict::{InSimulation, NotReproduced, NotTested, Refuted, Reproduced};
-        [Reproduced, NotReproduced, InSimulation, Refuted, NotTested]
+    pub const ALL: [ClaimVerdict; 7] = {
+        use ClaimVerdict::{Depends, InSimulation, LessInSimulation, NotReproduced, NotTested, Refuted, Reproduced};
+        [Reproduced, NotReproduced, Refuted, Depends, InSimulation, LessInSimulation, NotTested]
     };
 
     /// In words, for tables.
@@ -46,6 +50,8 @@ impl ClaimVerdict {
             ClaimVerdict::Reproduced => "reproduced",
             ClaimVerdict::NotReproduced => "not reproduced",
             ClaimVerdict::InSimulation => "in simulation",
+            ClaimVerdict::LessInSimulation => "less error in simulation",
+            ClaimVerdict::Depends => "depends on assumption",
             ClaimVerdict::Refuted => "refuted",
             ClaimVerdict::NotTested => "not tested",
         }

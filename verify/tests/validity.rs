@@ -115,6 +115,10 @@ fn sensed_forces_are_judged() {
         (strain_percent(&sensed) - strain_percent(&solved)).abs() <= 0.05 * strain_percent(&solved),
         "{sensed:?} against {solved:?}"
     );
+    for linear in ["least-squares", "ridge"] {
+        let (_, warnings) = sense(&soft, linear).warned();
+        assert!(warnings.iter().any(|warning| warning.contains("strains are not small")), "{linear}: {warnings:?}");
+    }
     let paper = finray(&["solve", PAPER, "--load", &load]).done();
     let shape = folder.put("shape.csv", paper);
     finray(&[

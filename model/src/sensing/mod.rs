@@ -223,7 +223,7 @@ pub enum SensingError {
     /// The measurement contradicts the linear finger, and the error of linearisation cannot be found.
     #[error(
         "the measurement contradicts the linear model, and the co-rotational finger carries no forces that the linear model \
-         would answer so: its error is not known (the nonlinear estimator makes none)"
+         would answer so: its error is not known (the nonlinear estimator does without linearisation)"
     )]
     NotLinearised,
     /// The finger itself could not be solved.

@@ -29,7 +29,7 @@ pub struct Arguments {
     /// Folder for the report; made if it does not exist
     #[arg(long, value_name = "DIR", default_value = "finray-report")]
     out: PathBuf,
-    /// Coarse maps and fewer cases: a quarter of a minute instead of three
+    /// Coarse maps and fewer cases: half a minute instead of four
     #[arg(long)]
     quick: bool,
     /// Folder of criterion's results of the bench `speed_error`, whose times take the place of those taken here, for

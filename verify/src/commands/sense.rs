@@ -137,10 +137,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn advice(arguments: &Arguments, warning: &Warning) -> &'static str {
     match (warning, arguments.estimator) {
         (_, EstimatorArgument::LeastSquares | EstimatorArgument::Ridge) => {
-            "sigma_n holds the error of linearisation; --estimator nonlinear makes none"
+            "sigma_n holds the error of linearisation; --estimator nonlinear does without linearisation, where it answers"
         }
         (Warning::Residual(_), _) => {
-            "sigma_n rests on the residual; check the contacts, their directions, the finger's dimensions and the noise"
+            "sigma_n rests on the residual and does not hold what a wrong model does; check the contacts, their directions, the \
+             finger's dimensions and the noise"
         }
         _ => "sigma_n holds that error",
     }

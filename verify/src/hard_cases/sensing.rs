@@ -148,6 +148,8 @@ impl<'m> Task<'m> {
     /// Scatter of noisy estimates against their sigma.
     fn true_within_sigma(&self, noise_mm: f64, draws: usize, findings: &mut Findings) -> Result<(), Unexpected> {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
+        // Draws of its own for each level: the same ones would give a linear finger the same figures again.
+        rng.set_stream(noise_mm.to_bits());
         let mut off = Vec::new();
         for _ in 0..draws {
             for (kinematics, seen) in &self.seen {

@@ -1,6 +1,8 @@
 //! From figures to verdicts: every criterion with its reason, each a small function.
 
-use super::ClaimVerdict::{self, InSimulation, NotReproduced, NotTested, Refuted, Reproduced};
+use super::ClaimVerdict::{
+    self, Depends, InSimulation, LessInSimulation, NotReproduced, NotTested, Refuted, Reproduced,
+};
 
 /// A statement about the finger's mechanics, which its model can bear out or contradict.
 pub fn statement(holds: bool) -> ClaimVerdict {
@@ -15,19 +17,33 @@ pub fn figure(same: bool) -> ClaimVerdict {
 /// An error on a simulated finger whose model is known against one measured on a real finger: if smaller, it shows what sensing could
 /// reach if the model were right, and says nothing against the measurement.
 pub fn simulated(ours: f64, paper: f64) -> ClaimVerdict {
-    if ours < paper { InSimulation } else { NotReproduced }
+    if ours < paper { LessInSimulation } else { NotReproduced }
 }
 
 /// The same of several errors; none is no test.
 pub fn all_simulated(pairs: &[(f64, f64)]) -> ClaimVerdict {
     match pairs {
         [] => NotTested,
-        pairs if pairs.iter().all(|(ours, paper)| simulated(*ours, *paper) == InSimulation) => InSimulation,
+        pairs if pairs.iter().all(|(ours, paper)| simulated(*ours, *paper) == LessInSimulation) => LessInSimulation,
         _ => NotReproduced,
     }
 }
 
-/// A statement about every node, by the figures at the nodes: it holds if it does at more than half of them.
+/// What holds on a simulated finger, or does not.
+pub fn in_simulation(holds: bool) -> ClaimVerdict {
+    if holds { InSimulation } else { NotReproduced }
+}
+
+/// The verdict under each of several assumptions between which the paper leaves the choice.
+pub fn over_assumptions(verdicts: &[ClaimVerdict]) -> ClaimVerdict {
+    match verdicts {
+        [] => NotTested,
+        [first, others @ ..] if others.iter().all(|other| other == first) => *first,
+        _ => Depends,
+    }
+}
+
+/// A statement without a figure about nodes in general: it holds if it does at more than half of them.
 pub fn at_most_nodes(figures: &[f64], holds: impl Fn(f64) -> bool) -> (usize, bool) {
     let count = figures.iter().filter(|figure| holds(**figure)).count();
     (count, 2 * count > figures.len())
@@ -46,37 +62,21 @@ pub const NEGLIGIBLE_FORCE_SHARE: f64 = 0.024;
 pub const MUCH_SHARE: f64 = 0.10;
 /// A component of the force is estimated well where its standard deviation is a tenth of the gripper tests' largest force, 3 N.
 pub const WELL_N: f64 = 0.3;
-/// Means of Table I are the same if they differ by less: the standard error of a mean of six errors that scatter by about 5 points is 2,
-/// and the fit of the base's, middle's and tip's errors takes 2 to 3.
-pub const SAME_MEAN: f64 = 0.03;
 /// Single errors of Table I are the same if they differ by less: the six at node 14 scatter by so much.
 pub const SAME_ERROR: f64 = 0.05;
 /// A cause accounts for an error if it gives more than half of it.
 pub const MOST_OF: f64 = 0.5;
-/// Two shapes can be told apart from one noisy measurement if their Mahalanobis distance exceeds this: the better of two guesses is then
-/// wrong in less than 5 % of cases, by the standard normal distribution at minus half the distance (-1.645).
-pub const TOLD_APART: f64 = 3.29;
 /// Young's moduli of TPU as the paper quotes them (sec. II), MPa.
 pub const TPU_MPA: [f64; 2] = [10.0, 1000.0];
-/// A zero force is sensed with a smaller error than this (sec. V-D), N.
-pub const ZERO_FORCE_N: f64 = 0.3;
-/// Time that is negligible beside the 40 ms of the paper's vision: a hundredth.
-pub const NEGLIGIBLE_TIME_S: f64 = 4e-4;
 
 /// Whether a cause gives most of every error, as pairs of ours and the paper's.
 pub fn accounts_for(pairs: &[(f64, f64)]) -> bool {
     !pairs.is_empty() && pairs.iter().all(|(ours, paper)| *ours > MOST_OF * paper)
 }
 
-/// The guess of a lower modulus near both ends: a finger fitted to the errors shows that it suffices, in simulation; it does not show
-/// that it is true, whatever the fit.
-pub fn guess(largest_difference: f64) -> ClaimVerdict {
-    if largest_difference < SAME_MEAN { InSimulation } else { NotReproduced }
-}
-
 /// Recalibration with all nodes, in simulation: worse in the middle and better at the ends, as pairs of mean errors before and after.
 pub fn recalibration(middle: [f64; 2], ends: [f64; 2]) -> ClaimVerdict {
-    if middle[1] > middle[0] && ends[1] < ends[0] { InSimulation } else { NotReproduced }
+    in_simulation(middle[1] > middle[0] && ends[1] < ends[0])
 }
 
 #[cfg(test)]
@@ -87,15 +87,23 @@ mod tests {
     fn every_kind_of_claim_can_go_either_way() {
         assert_eq!((statement(true), statement(false)), (Reproduced, Refuted));
         assert_eq!((figure(true), figure(false)), (Reproduced, NotReproduced));
-        assert_eq!((simulated(0.01, 0.2), simulated(0.3, 0.2)), (InSimulation, NotReproduced));
+        assert_eq!((simulated(0.01, 0.2), simulated(0.3, 0.2)), (LessInSimulation, NotReproduced));
+        assert_eq!((in_simulation(true), in_simulation(false)), (InSimulation, NotReproduced));
         assert_eq!(simulated(f64::NAN, 0.2), NotReproduced);
-        assert_eq!(all_simulated(&[(0.01, 0.2), (0.02, 0.1)]), InSimulation);
+        assert_eq!(all_simulated(&[(0.01, 0.2), (0.02, 0.1)]), LessInSimulation);
         assert_eq!(all_simulated(&[(0.01, 0.2), (0.2, 0.1)]), NotReproduced);
         assert_eq!(all_simulated(&[]), NotTested);
-        assert_eq!((guess(0.029), guess(0.031), guess(f64::NAN)), (InSimulation, NotReproduced, NotReproduced));
         assert_eq!(recalibration([0.02, 0.06], [0.3, 0.25]), InSimulation);
         assert_eq!(recalibration([0.02, 0.01], [0.3, 0.25]), NotReproduced);
         assert_eq!(recalibration([0.02, 0.06], [0.3, 0.31]), NotReproduced);
+    }
+
+    #[test]
+    fn a_verdict_that_an_assumption_turns_depends_on_it() {
+        assert_eq!(over_assumptions(&[Reproduced, Reproduced]), Reproduced);
+        assert_eq!(over_assumptions(&[Refuted, Reproduced]), Depends);
+        assert_eq!(over_assumptions(&[NotReproduced]), NotReproduced);
+        assert_eq!(over_assumptions(&[]), NotTested);
     }
 
     #[test]

@@ -15,8 +15,9 @@ pub(super) fn section(study: &Study) -> Option<Section> {
         text(
             "What Xu et al. (IEEE T-RO 2021) say, in their words where they stand in quotation marks, and what the computations of this report \
              say to it. All are made on models of the finger, not on the finger. \"Refuted\" is a statement about its mechanics that the model \
-             contradicts; \"not reproduced\" a measured figure that the model does not give; \"in simulation\" what holds, or errs less than the \
-             paper's measurement, on a simulated finger whose model is known: that says nothing against the measurement.",
+             contradicts; \"not reproduced\" a measured figure that the model does not give; \"depends on assumption\" what turns with something that \
+             the paper leaves open; \"in simulation\" what holds on a simulated finger; \"less error in simulation\" what is sensed better than the \
+             paper measured, on a simulated finger whose model is known: that says nothing against the measurement.",
         ),
         text(counted(&study.claims)),
         Block::Table(Table {
@@ -36,7 +37,10 @@ fn row(claim: &Claim) -> Row {
     let verdict = match claim.verdict {
         ClaimVerdict::Reproduced => Cell::shaded(verdict, Shade::Pass),
         ClaimVerdict::Refuted | ClaimVerdict::NotReproduced => Cell::shaded(verdict, Shade::Fail),
-        ClaimVerdict::InSimulation | ClaimVerdict::NotTested => Cell::plain(verdict),
+        ClaimVerdict::InSimulation
+        | ClaimVerdict::LessInSimulation
+        | ClaimVerdict::Depends
+        | ClaimVerdict::NotTested => Cell::plain(verdict),
     };
     Row { cells: words.into_iter().chain([verdict]).collect() }
 }

@@ -31,7 +31,7 @@ pub(super) fn section(study: &Study) -> Option<Section> {
     let numbers = ["no warning", "covered", "warned", "covered", "refused", "samples"];
     let table = Table {
         caption: "Share of noise samples that are answered without and with a warning, and how many of these have the true force within 1.96 \
-                  sigma (covered); over positions, directions and forces, for networks and softer ends over nodes along the normal".to_owned(),
+                  sigma (covered): one force of 0.5 to 3 N, over positions and directions, for networks and softer ends over nodes along the normal".to_owned(),
         columns: ["finger", "estimator"].map(Column::words).into_iter().chain(numbers.map(Column::numbers)).collect(),
         rows: rows.iter().map(row).collect(),
         csv: Some(CSV.to_owned()),

@@ -81,7 +81,7 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
     let Some(noise) = study.noise.as_ref().filter(|noise| !noise.pairs.is_empty()) else { return Ok(None) };
     let cases = noise.pairs.iter().map(ScatterRow::drawn).min().unwrap_or(0);
     let mut blocks = vec![text(format!(
-        "The protocol of Table II (Fig. 12 of the paper) at every pair of contact nodes: forces of {} to {} N along the normal at \
+        "The protocol of Table II (Figs. 9 to 11 of the paper) at every pair of contact nodes: forces of {} to {} N along the normal at \
          both bend the large-rotation finger, {} mm of noise is added, and both forces are sensed from the same {cases} pictures by \
          the nonlinear estimator (above the diagonal) and by linear least squares (below it).",
         TWO_FORCES_N[0], TWO_FORCES_N[1], noise.noise_mm

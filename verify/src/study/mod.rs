@@ -274,10 +274,9 @@ impl Study {
         let (lattice, contact_scenes) = (lattice?, contact_scenes?);
         checks.extend(lattice.iter().flat_map(LatticeStudy::checks));
         comparisons.extend(lattice.iter().flat_map(|study| study.comparisons.iter().cloned()));
-        checks.extend(contact_scenes.iter().flat_map(SceneStudy::checks));
-        if is_paper && scene.object.is_none() {
-            checks.extend(contact_scenes.iter().flat_map(SceneStudy::shipped_checks));
-        }
+        let shipped = is_paper && scene.object.is_none();
+        let scene_checks = if shipped { SceneStudy::shipped_checks } else { SceneStudy::checks };
+        checks.extend(contact_scenes.iter().flat_map(scene_checks));
         progress.part("speed and error", 2);
         let speed_error = timing::time_and_compare(finger, &fine, noise_mm, is_paper, effort, progress)?;
         let bent = shapes::bent_fingers(finger, &fine);

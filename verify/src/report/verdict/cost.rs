@@ -47,12 +47,12 @@ pub(super) fn cost(study: &Study) -> Option<String> {
     } else {
         format!("; faster, but not to be trusted: {}", faults.join(", "))
     };
-    let slowest = way.cold.map_or(way.one.seconds, |cold| cold.seconds.max(way.one.seconds));
-    let camera = if slowest < 0.1 * CAMERA_FRAME_S {
-        "; next to the 40 ms of a camera frame at 25 Hz none of these differences matter"
-    } else {
-        ""
-    };
+    let slowest =
+        [Some(way.one), way.cold].into_iter().flatten().map(|point| point.seconds_95.unwrap_or(point.seconds));
+    let camera = format!(
+        "; of the 40 ms of a camera frame at 25 Hz that is {}, cold or warm, in 95 % of frames at most",
+        percent(slowest.fold(0.0, f64::max) / CAMERA_FRAME_S)
+    );
     Some(format!(
         "Along the normal, sense forces of {low} to {high} N by {}: {}{bias}{network}{faster}{camera}.",
         named(&way),
