@@ -3,13 +3,14 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use finray_bench::{paper, push};
+use finray_model::frame::FrameLoad;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, ContactPlace, LinearEstimator, NonlinearEstimator, Prior};
-use finray_model::statics::{FrameLoad, Statics};
+use finray_model::statics::Statics;
 use finray_model::{Kinematics, Mesh, NodeId, statics};
-use finray_verify::speed_error::sensing::{FRAMES_A_PERIOD, Stream};
-use finray_verify::study::CAMERA_NOISE_MM;
-use finray_verify::truth::fine_mesh;
+use finray_verify::experiments::speed_error::sensing::{FRAMES_A_PERIOD, Stream};
+use finray_verify::settings::CAMERA_NOISE_MM;
+use finray_verify::truths::fine_mesh;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;

@@ -5,8 +5,8 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use finray_bench::paper;
 use finray_model::{Kinematics, Mesh};
 use finray_verify::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorKind};
-use finray_verify::sweep::{Grid, Sweep, Table};
-use finray_verify::truth::{MeshTruth, Truth, fine_mesh};
+use finray_verify::sampling::sweep::{Grid, Sweep, Table};
+use finray_verify::truths::{MeshTruth, Truth, fine_mesh};
 use std::hint::black_box;
 
 /// Name, truth, estimator, forces (N), degrees between directions and noise pictures.

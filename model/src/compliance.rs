@@ -3,9 +3,10 @@
 //! The linear finger is exact at its key nodes with one element a member, so the coarsest mesh serves.
 
 use crate::finger::{Finger, NodeId};
+use crate::frame::FrameLoad;
 use crate::frame::FrameMotion;
 use crate::mesh::{Load, LoadError, Mesh};
-use crate::statics::{FrameLoad, Statics, StaticsError};
+use crate::statics::{Statics, StaticsError};
 use crate::{Kinematics, Vector};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::OnceLock;

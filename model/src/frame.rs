@@ -13,6 +13,7 @@ mod members;
 
 pub use equations::Equations;
 pub(crate) use equations::MEMBER_COORDINATES;
+pub use loads::FrameLoad;
 
 use crate::Vector;
 use crate::element::Beam;

@@ -8,8 +8,8 @@ mod zones;
 
 use crate::Vector;
 use crate::finger::{Finger, Joints, NodeId, Part, Plate, Zone};
+use crate::frame::FrameLoad;
 use crate::frame::{BeamEnd, FrameMotion, NodeIndex, PlaneFrame, Section};
-use crate::statics::FrameLoad;
 use zones::{ElementPlaces, mean_compliance};
 
 /// A dead load on a finger, in the finger frame.

@@ -4,10 +4,11 @@
 
 use crate::Kinematics;
 use crate::finger::{Finger, NodeId};
+use crate::frame::FrameLoad;
 use crate::measurement::Measurement;
 use crate::mesh::Mesh;
 use crate::sensing::{Contact, SensingError, check_contacts};
-use crate::statics::{FrameLoad, Statics};
+use crate::statics::Statics;
 use nalgebra::DMatrix;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -10,9 +10,9 @@ pub use doubt::Doubt;
 
 use crate::element::Station;
 use crate::finger::{Finger, Part, Plate};
+use crate::frame::FrameLoad;
 use crate::frame::FrameMotion;
 use crate::mesh::{Line, Mesh};
-use crate::statics::FrameLoad;
 use crate::{Kinematics, NodeId, Vector};
 
 /// Strain of a fibre up to which stress is taken as E times strain where the material states no limit of its own.

@@ -6,14 +6,14 @@ use finray_model::measurement::Measurement;
 use finray_model::mesh::FingerShape;
 use finray_model::sensing::{Contact, ContactPlace, LinearEstimator};
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Scene};
-use finray_verify::causes::ContactKnowledge::{Assumed, Known};
-use finray_verify::causes::Practice::{LeastSquares, Nonlinear};
-use finray_verify::causes::{
+use finray_verify::estimators::{BeamEstimator, Estimator, EstimatorError, EstimatorKind, PreparedEstimator, Sensed};
+use finray_verify::experiments::causes::ContactKnowledge::{Assumed, Known};
+use finray_verify::experiments::causes::Practice::{LeastSquares, Nonlinear};
+use finray_verify::experiments::causes::{
     Cause, CauseCell, CauseMap, CauseRequest, DIRECTION_OFF_DEG, PLACE_OFF_MM, Practice, causes, network,
 };
-use finray_verify::estimators::{BeamEstimator, Estimator, EstimatorError, EstimatorKind, PreparedEstimator, Sensed};
-use finray_verify::table_one::{CALIBRATION_NODES, WEIGHTS_G, weight_n};
-use finray_verify::truth::{MeshTruth, Truth, fine_mesh};
+use finray_verify::experiments::table_one::{CALIBRATION_NODES, WEIGHTS_G, weight_n};
+use finray_verify::truths::{MeshTruth, Truth, fine_mesh};
 
 /// Forces this small leave the finger linear: what large rotations do to shapes of 0.02 mm is a thousandth of them.
 const SMALL_FORCE_N: f64 = 2e-3;
@@ -26,7 +26,7 @@ fn finger(scene: &str) -> Finger {
 
 fn one_map(
     truth: &Finger,
-    practice: (Practice, finray_verify::causes::ContactKnowledge),
+    practice: (Practice, finray_verify::experiments::causes::ContactKnowledge),
     [s_mm, angle_deg, force_n, noise_mm]: [f64; 4],
 ) -> CauseMap {
     let request = CauseRequest {

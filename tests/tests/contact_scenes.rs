@@ -6,9 +6,9 @@ use finray_model::scene::{ObjectDescription, ObjectMotion, Until};
 use finray_model::sensing::ContactPlace;
 use finray_model::{Kinematics, Mesh, NodeId, Scene, Vector, statics};
 use finray_verify::check::Check;
-use finray_verify::contact_scene::samples::NoiseSamples;
-use finray_verify::contact_scene::study::{SAMPLES, SceneStudy, shipped};
-use finray_verify::contact_scene::{
+use finray_verify::experiments::contact_scene::samples::NoiseSamples;
+use finray_verify::experiments::contact_scene::study::{SAMPLES, SceneStudy, shipped};
+use finray_verify::experiments::contact_scene::{
     ContactScene, OutlineError, SceneStep, SensedForce, TurnedOutline, read_contact, seen_contacts, standard_normal,
 };
 use finray_verify::lattice::skin::{Touch, TouchedPart};
@@ -130,7 +130,7 @@ fn read_contacts_scatter_as_stated() {
     let (step, finger) = (last(object, COARSE), scene(object).finger);
     let seen = step.contacts[0];
     assert_eq!(seen.baseline_mm, 21.5, "from the middle of the disc to that of the rod");
-    let plate = finray_verify::contact_scene::SeenContact {
+    let plate = finray_verify::experiments::contact_scene::SeenContact {
         contact: finray_model::sensing::Contact { place: ContactPlace::Place(70.0), ..seen.contact },
         ..seen
     };

@@ -2,10 +2,10 @@
 //! assuming the deformed normal gains.
 
 use finray_model::{Finger, Kinematics, Mesh, Scene};
-use finray_verify::direction::{
+use finray_verify::experiments::direction::{
     Assumption, DirectionCell, DirectionRequest, DirectionStudy, FORCES_N, TOLD_DEG, TOLD_FORCE,
 };
-use finray_verify::truth::MeshTruth;
+use finray_verify::truths::MeshTruth;
 use std::sync::LazyLock;
 
 /// Standard deviation of the camera's coordinates, mm.

@@ -1,6 +1,7 @@
 //! The block elimination along the ladder against the general sparse path.
 
-use finray_model::statics::{FrameLoad, Statics};
+use finray_model::frame::FrameLoad;
+use finray_model::statics::Statics;
 use finray_model::{Kinematics, Load, Mesh, Scene};
 use finray_tests::{cases, contact_node, finger_with_zones, force_for_deflection};
 use proptest::prelude::*;

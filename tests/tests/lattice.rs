@@ -14,7 +14,7 @@ use finray_verify::lattice::settling::{Precision, Settling};
 use finray_verify::lattice::springs::{AxialSprings, Segment};
 use finray_verify::lattice::{Lattice, LatticeError, causes, settling};
 use finray_verify::problems::lattice;
-use finray_verify::truth::{LatticeTruth, MeshTruth, Truth, fine_mesh};
+use finray_verify::truths::{LatticeTruth, MeshTruth, Truth, fine_mesh};
 use proptest::prelude::*;
 
 /// Central differences over a step of 1e-5 err by its square times the third derivative, and by rounding over the step.

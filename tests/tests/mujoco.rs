@@ -9,7 +9,7 @@ use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, statics};
 use finray_verify::check::Check;
 use finray_verify::mujoco::{ContactStep, ExportedFinger, FINGERS, TouchedRod, contact_steps};
 use finray_verify::problems::mujoco;
-use finray_verify::truth::{MujocoTruth, NotExported, Truth};
+use finray_verify::truths::{MujocoTruth, NotExported, Truth};
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeSet;

@@ -1,19 +1,21 @@
 //! Nonlinear sensing under noise: efficient where contacts are known, honest where they are not, right or refused where
 //! markers are missing or wrong. `FINRAY_TEST_CASES=4000` is the full study of scatter, half a minute on two cores.
 
+use finray_model::frame::FrameLoad;
 use finray_model::measurement::noise::base_motions;
 use finray_model::measurement::{DisplacementNoise, Marker, Measurement};
 use finray_model::sensing::{Contact, ContactPlace, ContactQuestion, Direction, NonlinearEstimator};
-use finray_model::statics::{FrameLoad, Statics};
+use finray_model::statics::Statics;
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Scene, Vector};
-use finray_verify::displacement_noise::{DisplacementNoiseStudy, bound_n2};
 use finray_verify::estimators::{
     BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorKind, PreparedEstimator, Sensed,
 };
-use finray_verify::scatter::{
-    AgainstBound, Coverage, ONE_FORCE_N, Scatter, ScatterRequest, ScatterRow, TWO_FORCES_N, pairs, sampled_nodes,
-    scatter, scatter_controlled, singles,
+use finray_verify::experiments::displacement_noise::{DisplacementNoiseStudy, bound_n2};
+use finray_verify::sampling::scatter::{
+    AgainstBound, Coverage, Scatter, ScatterRequest, ScatterRow, pairs, sampled_nodes, scatter, scatter_controlled,
+    singles,
 };
+use finray_verify::settings::{ONE_FORCE_N, TWO_FORCES_N};
 use nalgebra::DMatrix;
 use rand::{RngExt, SeedableRng, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;

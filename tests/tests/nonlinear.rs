@@ -1,10 +1,11 @@
 //! Sensing with the large-rotation finger.
 
+use finray_model::frame::FrameLoad;
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::sensing::{
     Contact, ContactPlace, ContactQuestion, Direction, NonlinearEstimator, SensingError, sense_refining,
 };
-use finray_model::statics::{FrameLoad, Statics};
+use finray_model::statics::Statics;
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector};
 use finray_tests::{cases, contact_node, finger_with_zones, force_for_deflection};
 use proptest::prelude::*;

@@ -2,14 +2,14 @@
 
 use finray_model::Scene;
 use finray_verify::check::{Check, Kind};
-use finray_verify::contact_scene::study::SceneWithOutline;
-use finray_verify::ledger::{Claim, ClaimVerdict};
+use finray_verify::claims::{Claim, ClaimVerdict, ledger};
+use finray_verify::experiments::contact_scene::study::SceneWithOutline;
 use finray_verify::problems::grid_convergence::GridConvergence;
 use finray_verify::problems::{
     elastica, energy_balance, full_circle, grid_convergence, lee_frame, opensees, refinement, rigid_rotation, tangent,
     toggle,
 };
-use finray_verify::{report, study};
+use finray_verify::{report, settings, study};
 
 fn all_pass(checks: &[Check]) {
     assert!(!checks.is_empty());
@@ -164,13 +164,13 @@ fn claims_say_what_was_shown(claims: &[Claim]) {
 #[test]
 fn map_and_table_one_show_what_is_known() {
     struct Silent;
-    impl study::Progress for Silent {
+    impl settings::Progress for Silent {
         fn part(&self, _: &str, _: usize) {}
         fn step(&self) {}
     }
     let scene = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene");
     let scene = SceneWithOutline { scene, corners: Vec::new() };
-    let study = study::Study::run(&scene, study::Effort::Quick, &Silent).expect("the paper's finger is solved");
+    let study = study::Study::run(&scene, settings::Effort::Quick, &Silent).expect("the paper's finger is solved");
     let map = study.map("corotational", false).expect("the map without noise");
     let at_3_n = |angle: f64| map.cells.iter().filter(move |c| c.force_n == 3.0 && c.angle_deg == angle);
     let largest = at_3_n(0.0).filter_map(|c| c.mean_error).fold(0.0, f64::max);
@@ -178,9 +178,10 @@ fn map_and_table_one_show_what_is_known() {
     let middle: Vec<f64> =
         at_3_n(-80.0).filter(|c| (30.0..140.0).contains(&c.s_mm)).filter_map(|c| c.mean_error).collect();
     assert!(middle.iter().all(|e| *e > 0.30), "at -80 deg: {middle:?}");
-    claims_say_what_was_shown(&study.claims);
+    let claims = ledger(&study).expect("small experiments");
+    claims_say_what_was_shown(&claims);
     // The head of the page speaks of the finger at hand: soft ends that were put into a fitted one are no cause of it.
-    let head: Vec<String> = report::Summary::of(&study).verdict.into_iter().take(3).collect();
+    let head: Vec<String> = report::Summary::of(&study, &claims).verdict.into_iter().take(3).collect();
     let limits = head.iter().find(|sentence| sentence.contains("what limits linear sensing")).expect("a sentence");
     assert!(limits.contains("this finger, as described"), "{limits}");
     for circular in ["compliance", "softer", "twin", "as the paper's seems"] {
@@ -190,7 +191,7 @@ fn map_and_table_one_show_what_is_known() {
     assert!(linear.cells.iter().all(|c| c.mean_error.is_some_and(|e| e < 1e-9)));
     let table = &study.tables_one[0];
     assert!(table.rows.iter().all(|row| row.mean_error < 0.10), "{table:?}");
-    let files = report::files(&study).expect("the report is drawn");
+    let files = report::files(&study, &claims).expect("the report is drawn");
     let page = &files.iter().find(|(name, _)| name.ends_with("index.html")).expect("a page").1;
     for (name, _) in files.iter().filter(|(name, _)| name.extension().is_some_and(|e| e == "csv")) {
         let name = name.display().to_string();

@@ -1,11 +1,12 @@
 //! Random load cases: repeatable on any number of threads, in the ranges that were asked for, and with the shapes that
 //! the finger takes under them.
 
+use finray_model::frame::FrameLoad;
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::mesh::LoadError;
 use finray_model::samples::{SampleRecipe, Samples, SamplesError, Stream};
 use finray_model::sensing::{Contact, ContactPlace, LinearEstimator, Prior, SensingError};
-use finray_model::statics::{FrameLoad, Statics};
+use finray_model::statics::Statics;
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector};
 use rand::Rng;
 use std::collections::{HashMap, HashSet};

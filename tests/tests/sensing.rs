@@ -165,7 +165,8 @@ fn stated_sigma_is_the_scatter() {
             "contact {i} is biased"
         );
     }
-    let estimated = (estimated_noise / f64::from(count)).sqrt();
+    // Wider by Student's t where nothing is stated: 2.0167 for the 43 degrees of freedom of 46 coordinates, over 1.9600.
+    let estimated = (estimated_noise / f64::from(count)).sqrt() * 1.959_96 / 2.0167;
     assert!((estimated / noise_mm - 1.0).abs() < 0.01, "noise from residuals: {estimated}");
 }
 

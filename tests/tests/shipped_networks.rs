@@ -6,11 +6,12 @@ use finray_model::measurement::Measurement;
 use finray_model::sensing::network::NetworkEstimator;
 use finray_model::sensing::{Contact, ContactPlace};
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Scene, statics};
+use finray_verify::estimators::network::{NetworkSensing, Networks, NoNetwork};
 use finray_verify::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorKind};
-use finray_verify::networks::shipping::{Shipping, shipping};
-use finray_verify::networks::{NetworkSensing, Networks, NoNetwork};
-use finray_verify::scatter::{ScatterRequest, ScatterRow, TWO_FORCES_N, scatter, singles};
-use finray_verify::truth::fine_mesh;
+use finray_verify::experiments::networks::shipping::{Shipping, shipping};
+use finray_verify::sampling::scatter::{ScatterRequest, ScatterRow, scatter, singles};
+use finray_verify::settings::TWO_FORCES_N;
+use finray_verify::truths::fine_mesh;
 
 /// Standard deviation of the camera's coordinates, mm.
 const NOISE_MM: f64 = 0.067;

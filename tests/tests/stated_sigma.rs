@@ -7,9 +7,9 @@ use finray_model::sensing::{
 };
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Scene, statics};
 use finray_verify::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorKind};
-use finray_verify::scatter::TWO_SIDED_95;
-use finray_verify::study::CAMERA_NOISE_MM;
-use finray_verify::truth::{MeshTruth, Truth, fine_mesh};
+use finray_verify::settings::CAMERA_NOISE_MM;
+use finray_verify::settings::TWO_SIDED_95;
+use finray_verify::truths::{MeshTruth, Truth, fine_mesh};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};

@@ -4,12 +4,14 @@ use finray_model::measurement::Measurement;
 use finray_model::sensing::Contact;
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Scene};
 use finray_verify::check::Check;
+use finray_verify::estimators::network::{NetworkSensing, Networks};
 use finray_verify::estimators::{BeamEstimator, Estimator, EstimatorError, EstimatorKind, PreparedEstimator, Sensed};
-use finray_verify::networks::accuracy::{ENOUGH_CASES, NAME, NetworkStudy, PROMISES};
-use finray_verify::networks::{NetworkSensing, Networks};
-use finray_verify::scatter::{AgainstBound, Scatter, ScatterRequest, ScatterRow, TWO_FORCES_N, scatter};
-use finray_verify::table_two::{CONTACT_GROUPS, GroupErrors, STEPS, TableTwo, contact_sets, table_two};
-use finray_verify::truth::fine_mesh;
+use finray_verify::experiments::networks::accuracy::{NAME, NetworkStudy, PROMISES};
+use finray_verify::experiments::table_two::{CONTACT_GROUPS, GroupErrors, STEPS, TableTwo, contact_sets, table_two};
+use finray_verify::sampling::scatter::{AgainstBound, Scatter, ScatterRequest, ScatterRow, scatter};
+use finray_verify::settings::ENOUGH_CASES;
+use finray_verify::settings::TWO_FORCES_N;
+use finray_verify::truths::fine_mesh;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Standard deviation of the camera's coordinates, mm.

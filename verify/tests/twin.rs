@@ -5,10 +5,10 @@ mod common;
 use common::*;
 use finray_fixtures::{PAPER_SCENE, TWIN_SCENE};
 use finray_model::{Finger, Kinematics, Scene};
-use finray_verify::table_one::table_one;
-use finray_verify::truth::{MeshTruth, fine_mesh};
-use finray_verify::twin::fit::{ANGLE_DEG, fit};
-use finray_verify::twin::{TWIN, TwinError, twin_of};
+use finray_verify::experiments::table_one::table_one;
+use finray_verify::experiments::twin::fit::{ANGLE_DEG, fit};
+use finray_verify::experiments::twin::{TWIN, TwinError, twin_of};
+use finray_verify::truths::{MeshTruth, fine_mesh};
 
 /// The scene's numbers are rounded to four digits (0.0641: three), and the fit ends within 1e-7.
 const ROUNDED: f64 = 1e-3;

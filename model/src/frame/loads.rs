@@ -1,11 +1,72 @@
-//! Dead loads seen from the coordinates of the nodes that carry them.
+//! Dead loads, and how the coordinates of the nodes that carry them see them.
 
 use super::members::turned;
-use super::{BeamEnd, FrameMotion, PlaneFrame};
+use super::{BeamEnd, FrameMotion, NodeIndex, PlaneFrame};
 use crate::Vector;
 use crate::element::{Beam, ElementVector, EndMotion, Kinematics, Response};
-use crate::statics::FrameLoad;
 use nalgebra::{SMatrix, SVector};
+
+/// A dead load on a frame: it keeps its direction whatever the frame does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FrameLoad {
+    /// Force (N) and moment (N mm) on a node.
+    Node {
+        /// The node.
+        node: NodeIndex,
+        /// Force, N.
+        force: Vector,
+        /// Moment, N mm, from x to y.
+        moment_nmm: f64,
+    },
+    /// Force (N) at the end of a rigid arm.
+    Arm {
+        /// The beam end whose arm carries the force.
+        end: BeamEnd,
+        /// Force, N.
+        force: Vector,
+    },
+    /// Force (N) between the ends of a member.
+    Interior {
+        /// Index of the member.
+        member: usize,
+        /// Fraction of its length, 0..1.
+        xi: f64,
+        /// Force, N.
+        force: Vector,
+    },
+}
+
+impl FrameLoad {
+    /// The load multiplied by a factor.
+    pub fn scaled(self, factor: f64) -> FrameLoad {
+        match self {
+            FrameLoad::Node { node, force, moment_nmm } => {
+                FrameLoad::Node { node, force: force * factor, moment_nmm: moment_nmm * factor }
+            }
+            FrameLoad::Arm { end, force } => FrameLoad::Arm { end, force: force * factor },
+            FrameLoad::Interior { member, xi, force } => FrameLoad::Interior { member, xi, force: force * factor },
+        }
+    }
+
+    /// The beam end that carries the load, and its force and moment; an interior load counts at its member's first end.
+    pub(crate) fn at_end(&self, frame: &PlaneFrame) -> (BeamEnd, Vector, f64) {
+        match *self {
+            FrameLoad::Node { node, force, moment_nmm } => (frame.clamped_end(node), force, moment_nmm),
+            FrameLoad::Arm { end, force } => (end, force, 0.0),
+            FrameLoad::Interior { member, force, .. } => (frame.members()[member].ends[0], force, 0.0),
+        }
+    }
+
+    /// Whether force, moment and place are finite numbers.
+    pub fn is_finite(&self) -> bool {
+        let force_is_finite = |force: &Vector| force.iter().all(|f| f.is_finite());
+        match self {
+            FrameLoad::Node { force, moment_nmm, .. } => force_is_finite(force) && moment_nmm.is_finite(),
+            FrameLoad::Arm { force, .. } => force_is_finite(force),
+            FrameLoad::Interior { xi, force, .. } => xi.is_finite() && force_is_finite(force),
+        }
+    }
+}
 
 /// Potentials of dead loads (minus their work), by the motions of the nodes that carry them.
 impl PlaneFrame {

@@ -3,10 +3,11 @@
 use super::{Contact, SensingError};
 use crate::Kinematics;
 use crate::Vector;
+use crate::frame::FrameLoad;
 use crate::frame::FrameMotion;
 use crate::measurement::Measurement;
 use crate::mesh::Mesh;
-use crate::statics::{FrameLoad, Ladder, Statics, StaticsError};
+use crate::statics::{Ladder, Statics, StaticsError};
 use nalgebra::{DMatrix, DVector};
 
 /// Forces are looked up on a grid of this share of (a power of two below) the largest of them: from a grid point the error is

@@ -2,7 +2,8 @@
 
 use super::bordered::{Bordered, Direction};
 use super::indefinite::IndefiniteFactor;
-use super::{Assembly, FrameLoad, StaticsError};
+use super::{Assembly, StaticsError};
+use crate::frame::FrameLoad;
 use crate::frame::{FrameMotion, PlaneFrame};
 use crate::{Kinematics, Vector};
 
@@ -105,8 +106,8 @@ pub struct EquilibriumPath {
 /// Structures, vol. 1, ch. 9.
 ///
 /// ```
-/// use finray_model::frame::{PlaneFrame, Section};
-/// use finray_model::statics::{ArcLength, FrameLoad};
+/// use finray_model::frame::{FrameLoad, PlaneFrame, Section};
+/// use finray_model::statics::ArcLength;
 /// use finray_model::{Kinematics, Vector};
 ///
 /// // A shallow toggle under a load at its apex snaps through.

@@ -4,7 +4,8 @@
 //! the more digits cancel. Newton's corrections win back what the factored tangent loses, as long as it is roughly right;
 //! what the residual itself has lost stays.
 
-use super::{Equilibrium, EquilibriumEquations, FrameLoad, Statics, StaticsError};
+use super::{Equilibrium, EquilibriumEquations, Statics, StaticsError};
+use crate::frame::FrameLoad;
 use crate::frame::FrameMotion;
 
 /// Solutions with fewer digits are refused: 0.01 % is what the finest results are compared to.

@@ -12,14 +12,14 @@ mod outcome;
 mod sparse;
 
 pub use arc_length::{ArcLength, EquilibriumPath, LimitPoint, PathPoint};
-pub use assembly::{Assembly, FrameLoad};
+pub use assembly::Assembly;
 pub use ladder::Ladder;
 pub use newton::{Equilibrium, Statics};
 pub use outcome::{Reaction, elastic_energy, reaction};
 pub use sparse::SparseEquations;
 
 use crate::Kinematics;
-use crate::frame::{FrameMotion, PlaneFrame};
+use crate::frame::{FrameLoad, FrameMotion, PlaneFrame};
 use crate::mesh::{FingerShape, Load, LoadError, Mesh};
 
 /// Why no equilibrium was found.

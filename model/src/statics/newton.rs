@@ -5,8 +5,9 @@
 //! branch ends, the last load that could be carried is reported.
 
 use super::digits::FEWEST_DIGITS;
-use super::{EquilibriumEquations, FrameLoad, Ladder, SparseEquations, StaticsError};
+use super::{EquilibriumEquations, Ladder, SparseEquations, StaticsError};
 use crate::Kinematics;
+use crate::frame::FrameLoad;
 use crate::frame::{FrameMotion, PlaneFrame};
 use crate::mesh::Mesh;
 

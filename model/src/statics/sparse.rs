@@ -1,9 +1,10 @@
 //! The general path: any frame, assembled into a sparse matrix (sprs) and factored by Cholesky (faer).
 
+use super::EquilibriumEquations;
 use super::assembly::Assembly;
 use super::factor::Factor;
-use super::{EquilibriumEquations, FrameLoad};
 use crate::Kinematics;
+use crate::frame::FrameLoad;
 use crate::frame::{FrameMotion, PlaneFrame};
 
 /// Sparse equilibrium equations of any frame; pattern and order of the equations are found once.

@@ -4,7 +4,7 @@ use super::Failure;
 use super::grid::{beside, table_path};
 use finray_model::Scene;
 use finray_verify::files::{Reader, Stream, is_stream, write_from};
-use finray_verify::sweep::{MergeError, Shards};
+use finray_verify::sampling::sweep::{MergeError, Shards};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 

@@ -24,7 +24,7 @@ use finray_model::sensing::network::NetworkError;
 use finray_model::statics::StaticsError;
 use finray_verify::files::{FileError, is_standard_stream};
 use finray_verify::lattice::LatticeError;
-use finray_verify::truth::NotExported;
+use finray_verify::truths::NotExported;
 use std::path::Path;
 use std::process::ExitCode;
 

@@ -4,12 +4,11 @@ use super::parse::not_negative;
 use super::validity::Pressing;
 use super::{Failure, progress};
 use clap::value_parser;
-use finray_verify::contact_scene::checks::{BALANCE_TOLERANCE, SETTLING_TOLERANCE};
-use finray_verify::contact_scene::study::SceneWithOutline;
-use finray_verify::contact_scene::{ContactScene, FINENESS, SceneStep, force_rows, standard_normal};
-use finray_verify::files::{
-    csv_text, displacements, is_standard_stream, load_scene_with_outline, write_all_or_nothing, write_text,
-};
+use finray_verify::experiments::contact_scene::checks::{BALANCE_TOLERANCE, SETTLING_TOLERANCE};
+use finray_verify::experiments::contact_scene::file::load_scene_with_outline;
+use finray_verify::experiments::contact_scene::study::SceneWithOutline;
+use finray_verify::experiments::contact_scene::{ContactScene, FINENESS, SceneStep, force_rows, standard_normal};
+use finray_verify::files::{csv_text, displacements, is_standard_stream, write_all_or_nothing, write_text};
 use std::path::{Path, PathBuf};
 
 /// Press an object onto the finger, and sense the contact forces as it goes.

@@ -2,11 +2,15 @@
 
 use super::{Failure, progress};
 use finray_model::Scene;
-use finray_verify::contact_scene::study::SceneWithOutline;
-use finray_verify::files::{FileError, load_scene_with_outline, peers, write_folder, write_text};
+use finray_verify::claims::ledger;
+use finray_verify::experiments::contact_scene::file::load_scene_with_outline;
+use finray_verify::experiments::contact_scene::study::SceneWithOutline;
+use finray_verify::experiments::speed_error::criterion::CriterionTimes;
+use finray_verify::experiments::speed_error::file as peers;
+use finray_verify::files::{FileError, write_folder, write_text};
 use finray_verify::report;
-use finray_verify::speed_error::criterion::CriterionTimes;
-use finray_verify::study::{Effort, Progress, Study};
+use finray_verify::settings::{Effort, Progress};
+use finray_verify::study::Study;
 use indicatif::ProgressBar;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -59,16 +63,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let bars = Bars(Mutex::new(ProgressBar::hidden()));
     let mut study = Study::run(&scene, effort, &bars).map_err(|error| Failure::NotComputed(error.to_string()))?;
     bars.finish();
+    let claims = ledger(&study).map_err(|error| Failure::NotComputed(error.to_string()))?;
     if let Some((folder, times)) = &criterion {
         study.take_criterion(folder, times);
     }
     if let Some(peers) = peers {
         study.take_peers(peers);
     }
-    let files = report::files(&study).map_err(|error| Failure::NotComputed(error.to_string()))?;
+    let files = report::files(&study, &claims).map_err(|error| Failure::NotComputed(error.to_string()))?;
     write_folder(&arguments.out, &files)?;
     let page = arguments.out.join("index.html");
-    let mut sentences = report::Summary::of(&study).verdict;
+    let mut sentences = report::Summary::of(&study, &claims).verdict;
     sentences.push(format!("The report is in {}\n", page.display()));
     write_text(Path::new("-"), &sentences.join("\n"))?;
     if arguments.open

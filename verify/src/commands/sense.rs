@@ -12,8 +12,8 @@ use finray_model::sensing::{
 };
 use finray_model::{Finger, Mesh};
 use finray_verify::estimators::ELEMENTS;
+use finray_verify::estimators::network::Networks;
 use finray_verify::files::{csv_text, displacements, load_network, load_scene, write_text};
-use finray_verify::networks::Networks;
 use serde::Serialize;
 use std::path::PathBuf;
 

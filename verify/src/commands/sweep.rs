@@ -4,7 +4,7 @@ use super::Failure;
 use super::grid::{Candidates, GridArguments, TruthArgument, run as run_grid};
 use super::parse::not_negative;
 use super::sense::EstimatorArgument;
-use finray_verify::sweep::Table;
+use finray_verify::sampling::sweep::Table;
 
 /// Put several fingers, estimators and levels of noise to the test of `finray map`, in one table.
 ///

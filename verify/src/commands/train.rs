@@ -10,7 +10,7 @@ use finray_model::sensing::network::{Network, Scaling, TestError};
 use finray_model::train::{TrainingRecipe, train};
 use finray_model::{Kinematics, NodeId};
 use finray_verify::files::{load_scene, write_bytes};
-use finray_verify::study::CAMERA_NOISE_MM;
+use finray_verify::settings::CAMERA_NOISE_MM;
 use std::path::PathBuf;
 
 /// Train a sensing network for a finger and its contacts.

@@ -1,12 +1,13 @@
 //! Warnings where the beam model no longer holds: strains that are not small, thick members, flat fingers.
 
 use finray_model::finger::Plate;
+use finray_model::frame::FrameLoad;
 use finray_model::frame::FrameMotion;
 use finray_model::sensing::{Contact, ContactPlace};
-use finray_model::statics::{FrameLoad, Statics, StaticsError};
+use finray_model::statics::{Statics, StaticsError};
 use finray_model::validity::{Doubt, StrainLimits, Validity};
 use finray_model::{Finger, Kinematics, Load, Mesh, Scene};
-use finray_verify::contact_scene::SceneStep;
+use finray_verify::experiments::contact_scene::SceneStep;
 
 /// Elements a member for equilibria that are solved to be examined: shapes are within 0.04 % under 3 N.
 const ELEMENTS: usize = 4;

@@ -1,17 +1,14 @@
 //! What users bring and take away: scenes, displacements and measurements as text, results as whole files.
 
 mod networks;
-mod outline;
 mod output;
 mod scene;
-mod table;
+pub(crate) mod table;
 
 pub mod displacements;
 pub mod measurements;
-pub mod peers;
 
 pub use networks::{load_network, load_network_and_digest};
-pub use outline::load_scene_with_outline;
 pub use output::{
     Reader, Stream, csv_text, is_stream, write_all_or_nothing, write_bytes, write_folder, write_from, write_text,
 };

@@ -4,7 +4,7 @@ use super::{FileError, read_text};
 use std::path::{Path, PathBuf};
 
 /// A table with the wanted columns of a CSV file, in the wanted order.
-pub(super) struct Table<const N: usize> {
+pub(crate) struct Table<const N: usize> {
     path: PathBuf,
     text: String,
     columns: [&'static str; N],
@@ -12,19 +12,19 @@ pub(super) struct Table<const N: usize> {
 }
 
 /// One row and where it begins in the text.
-pub(super) struct Row<const N: usize> {
+pub(crate) struct Row<const N: usize> {
     byte: usize,
     pub cells: [String; N],
 }
 
 impl<const N: usize> Table<N> {
     /// Reads the named columns; further columns are ignored, short rows and files without rows refused.
-    pub(super) fn read(path: &Path, columns: [&'static str; N]) -> Result<Table<N>, FileError> {
+    pub(crate) fn read(path: &Path, columns: [&'static str; N]) -> Result<Table<N>, FileError> {
         Table::of_text(path, &read_text(path)?, columns)
     }
 
     /// As [`Table::read`], from the text of the file.
-    pub(super) fn of_text(path: &Path, text: &str, columns: [&'static str; N]) -> Result<Table<N>, FileError> {
+    pub(crate) fn of_text(path: &Path, text: &str, columns: [&'static str; N]) -> Result<Table<N>, FileError> {
         let text = text.trim_start_matches('\u{feff}').to_owned();
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
         let wrong = |error: csv::Error| FileError::content(path, described(&text, &error));
@@ -57,17 +57,17 @@ impl<const N: usize> Table<N> {
         Ok(Table { path: path.to_owned(), text, columns, rows })
     }
 
-    pub(super) fn rows(&self) -> &[Row<N>] {
+    pub(crate) fn rows(&self) -> &[Row<N>] {
         &self.rows
     }
 
     /// The error for something wrong in a row.
-    pub(super) fn wrong(&self, row: &Row<N>, message: impl ToString) -> FileError {
+    pub(crate) fn wrong(&self, row: &Row<N>, message: impl ToString) -> FileError {
         FileError::content(&self.path, format!("line {}: {}", line_of(&self.text, row.byte), message.to_string()))
     }
 
     /// A finite number.
-    pub(super) fn number(&self, row: &Row<N>, column: usize) -> Result<f64, FileError> {
+    pub(crate) fn number(&self, row: &Row<N>, column: usize) -> Result<f64, FileError> {
         let cell = &row.cells[column];
         cell.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| {
             self.wrong(row, format!("{}: expected a finite number, found {cell:?}", self.columns[column]))
@@ -75,7 +75,7 @@ impl<const N: usize> Table<N> {
     }
 
     /// A node number.
-    pub(super) fn node(&self, row: &Row<N>, column: usize) -> Result<finray_model::NodeId, FileError> {
+    pub(crate) fn node(&self, row: &Row<N>, column: usize) -> Result<finray_model::NodeId, FileError> {
         let cell = &row.cells[column];
         cell.parse().map(finray_model::NodeId).map_err(|_| {
             self.wrong(row, format!("{}: expected the number of a node, found {cell:?}", self.columns[column]))

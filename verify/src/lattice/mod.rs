@@ -22,7 +22,6 @@ pub mod pressing;
 pub mod settling;
 pub mod skin;
 pub mod springs;
-pub mod study;
 
 use bodies::{Assembly, BodyLoad};
 use energy::{BodyMotion, Energy, Lost};

@@ -6,8 +6,9 @@
 use super::ProblemError;
 use super::elastic_line::{self, Rigidity};
 use crate::check::{Check, EXACT_COUNT, Kind};
+use finray_model::frame::FrameLoad;
 use finray_model::frame::{NodeIndex, PlaneFrame, Section};
-use finray_model::statics::{ArcLength, FrameLoad, reaction};
+use finray_model::statics::{ArcLength, reaction};
 use finray_model::{Kinematics, Vector};
 
 /// E = 720, A = 6, I = 2.

@@ -8,7 +8,7 @@ use super::ProblemError;
 use crate::check::{Check, Comparison, Kind, worst};
 use crate::lattice::accuracy::difference;
 use crate::mujoco::{ContactStep, ExportedFinger, FINGERS, StaticCase, TouchedRod, contact_steps};
-use crate::truth::{LatticeTruth, Truth};
+use crate::truths::{LatticeTruth, Truth};
 use finray_model::mesh::FingerShape;
 use finray_model::sensing::Contact;
 use finray_model::statics::Statics;

@@ -5,7 +5,7 @@
 
 use super::ProblemError;
 use crate::check::{Check, Comparison, Kind, worst};
-use crate::truth::fine_mesh;
+use crate::truths::fine_mesh;
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, statics};
 
 /// Rounding of a double-precision solution on 684 nodes, which grows about as the fourth power of the node count.

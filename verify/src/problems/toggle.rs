@@ -8,8 +8,9 @@
 use super::ProblemError;
 use super::elastic_line::{self, Rigidity};
 use crate::check::{Check, EXACT_COUNT, Kind};
+use finray_model::frame::FrameLoad;
 use finray_model::frame::{NodeIndex, PlaneFrame, Section};
-use finray_model::statics::{ArcLength, FrameLoad, reaction};
+use finray_model::statics::{ArcLength, reaction};
 use finray_model::{Kinematics, Vector};
 
 /// EA in lb, EI in lb in^2.

@@ -13,9 +13,12 @@ use super::ReportError;
 use super::page::{Block, Cell, Column, Figure, Row, Section, Table};
 use super::sections::{section as section_of, text};
 use super::tables::{error, percent};
-use crate::causes::{Cause, CauseMap, ContactKnowledge, DIRECTION_OFF_DEG, PLACE_OFF_MM, Practice, REMEDIES};
-use crate::explain::Explanation;
-use crate::study::{DRAWN_FORCE_N, Study};
+use crate::experiments::causes::{
+    Cause, CauseMap, ContactKnowledge, DIRECTION_OFF_DEG, PLACE_OFF_MM, Practice, REMEDIES,
+};
+use crate::experiments::explain::Explanation;
+use crate::settings::DRAWN_FORCE_N;
+use crate::study::Study;
 use finray_model::finger::Plate;
 
 pub(super) const CSV: &str = "causes.csv";

@@ -2,13 +2,12 @@
 
 use super::page::{Block, Cell, Column, Row, Section, Shade, Table};
 use super::sections::{self, text};
-use crate::ledger::{Claim, ClaimVerdict};
-use crate::study::Study;
+use crate::claims::{Claim, ClaimVerdict};
 
 pub(super) const CSV: &str = "claims.csv";
 
-pub(super) fn section(study: &Study) -> Option<Section> {
-    if study.claims.is_empty() {
+pub(super) fn section(claims: &[Claim]) -> Option<Section> {
+    if claims.is_empty() {
         return None;
     }
     let blocks = vec![
@@ -19,11 +18,11 @@ pub(super) fn section(study: &Study) -> Option<Section> {
              the paper leaves open; \"in simulation\" what holds on a simulated finger; \"less error in simulation\" what is sensed better than the \
              paper measured, on a simulated finger whose model is known: that says nothing against the measurement.",
         ),
-        text(counted(&study.claims)),
+        text(counted(claims)),
         Block::Table(Table {
             caption: "The paper's claims".to_owned(),
             columns: ["claim", "paper", "ours", "how", "criterion", "verdict"].map(Column::words).into(),
-            rows: study.claims.iter().map(row).collect(),
+            rows: claims.iter().map(row).collect(),
             csv: Some(CSV.to_owned()),
         }),
     ];

@@ -4,7 +4,7 @@ use super::ReportError;
 use super::figures::{self, Axis, FigureError, Frame, LineChart, Reference, Series};
 use super::page::{Block, Cell, Column, Figure, Row, Section, Table};
 use super::sections::{self, text};
-use crate::convergence::{Convergence, MeshSize};
+use crate::experiments::convergence::{Convergence, MeshSize};
 use crate::study::Study;
 
 pub(super) const CSV: &str = "convergence.csv";

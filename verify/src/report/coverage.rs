@@ -3,7 +3,7 @@
 use super::page::{Block, Cell, Column, Row, Section, Table};
 use super::sections::{self, text};
 use super::tables::percent;
-use crate::coverage::CoverageRow;
+use crate::experiments::coverage::CoverageRow;
 use crate::study::Study;
 
 pub(super) const CSV: &str = "coverage.csv";

@@ -5,7 +5,7 @@ use super::figures::{self, Axis, Frame, LineChart, Reference, Series, Spread};
 use super::page::{Block, Cell, Column, Figure, Row, Table};
 use super::sections::text;
 use super::tables::percent;
-use crate::networks::records::CurveRow;
+use crate::experiments::networks::records::CurveRow;
 
 pub(super) const CSV: &str = "training_curves.csv";
 /// So many cases are enough if more of them lower the error by no more than this share.

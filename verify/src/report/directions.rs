@@ -6,7 +6,7 @@ use super::figures::{self, Axis, ColourScale, FigureError, Frame, HeatMap, LineC
 use super::page::{Block, Figure, Section};
 use super::sections::{self, text};
 use super::tables::percent;
-use crate::direction::{
+use crate::experiments::direction::{
     Assumption, DirectionCell, DirectionStudy, FORCES_N, FrictionlessPush, TOLD_ANSWERED, TOLD_DEG, TOLD_FORCE,
 };
 use crate::study::Study;

@@ -2,7 +2,7 @@
 
 use super::page::{Block, Cell, Column, Row, Section, Table};
 use super::sections::{self, text};
-use crate::displacement_noise::{
+use crate::experiments::displacement_noise::{
     DisplacementNoiseRow, DisplacementNoiseStudy, FORCE_N, FRAMES, ROTATION_SD_DEG, TRANSLATION_SD_MM,
 };
 use crate::study::Study;

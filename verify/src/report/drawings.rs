@@ -4,9 +4,9 @@ use super::figures::{
     self, Arrow, Axis, BarGroup, ColourScale, Dash, FigureError, FingerDrawing, Frame, GroupedBars, HeatMap, Hue,
     LineChart, NodeMark, PlaceMark, Reference, Series, Shape, Shapes,
 };
-use crate::map::AccuracyMap;
+use crate::experiments::table_one::TableOne;
+use crate::sampling::map::AccuracyMap;
 use crate::study::Study;
-use crate::table_one::TableOne;
 use finray_model::finger::Plate;
 use finray_model::{Finger, Kinematics, Vector};
 

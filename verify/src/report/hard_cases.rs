@@ -5,7 +5,7 @@ use super::sections::{self, text};
 use super::tables::{self, figure, verdict};
 use crate::check::Check;
 use crate::check::EXACT_COUNT;
-use crate::hard_cases::{HardCase, TIME_LIMIT_S};
+use crate::experiments::hard_cases::{HardCase, TIME_LIMIT_S};
 use crate::study::Study;
 use serde::Serialize;
 

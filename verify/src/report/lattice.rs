@@ -11,9 +11,10 @@ use super::page::{Block, Figure, Section};
 use super::sections::{self, text};
 use super::tables::map_csv_name;
 use crate::check::worst;
+use crate::experiments::lattice::LatticeStudy;
 use crate::lattice::accuracy::{FinenessRow, LoadGrid};
-use crate::lattice::study::LatticeStudy;
-use crate::study::{DRAWN_FORCE_N, Study};
+use crate::settings::DRAWN_FORCE_N;
+use crate::study::Study;
 
 pub use rows::{AxialSpringsRow, LatticeRow, SettlingRow};
 pub(super) use rows::{axial_rows, rows, settling_rows};
@@ -169,10 +170,10 @@ fn picture(rows: &[FinenessRow]) -> Result<String, FigureError> {
 mod tests {
     use super::tables::{axial, by_fineness, costs, settling};
     use super::*;
+    use crate::experiments::lattice::{LatticeSensing, MapDifference};
     use crate::lattice::accuracy::SettlingCost;
     use crate::lattice::causes::{self, AXIAL_SPRINGS, AxialRow, SETTLINGS};
-    use crate::lattice::study::{LatticeSensing, MapDifference};
-    use crate::map::{AccuracyMap, Cell as MapCell, MapRequest};
+    use crate::sampling::map::{AccuracyMap, Cell as MapCell, MapRequest};
     use finray_model::NodeId;
 
     /// Least squares or the nonlinear estimator, off by `error` in its one cell.

@@ -7,9 +7,10 @@ use super::drawings::{Quantity, errors_along_the_normal, map_picture, quantity_p
 use super::page::{Block, Figure, Section};
 use super::sections::{section as page_section, text};
 use super::{ReportError, Summary, tables};
-use crate::explain::{Explanation, ExplanationMap};
-use crate::map::AccuracyMap;
-use crate::study::{DRAWN_FORCE_N, MAP_FORCES_N, Study};
+use crate::experiments::explain::{Explanation, ExplanationMap};
+use crate::sampling::map::AccuracyMap;
+use crate::settings::{DRAWN_FORCE_N, MAP_FORCES_N};
+use crate::study::Study;
 use serde::Serialize;
 
 pub(super) const OVERVIEW_CSV: &str = "map_overview.csv";

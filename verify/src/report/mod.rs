@@ -40,6 +40,7 @@ pub use summary::Summary;
 pub use table_two::TableTwoRow;
 pub use twin::{CalibrationRow, TwinRow, ZoneSetRow};
 
+use crate::claims::Claim;
 use crate::study::Study;
 use figures::FigureError;
 use std::path::PathBuf;
@@ -65,11 +66,11 @@ pub enum ReportError {
 ///
 /// # Errors
 /// [`ReportError`] if a figure has nothing to draw.
-pub fn files(study: &Study) -> Result<Vec<(PathBuf, String)>, ReportError> {
-    let mut files = tables::csv_files(study)?;
-    let summary = Summary::of(study);
+pub fn files(study: &Study, claims: &[Claim]) -> Result<Vec<(PathBuf, String)>, ReportError> {
+    let mut files = tables::csv_files(study, claims)?;
+    let summary = Summary::of(study, claims);
     files.push(("summary.json".into(), serde_json::to_string_pretty(&summary)? + "\n"));
-    let page = sections::page(study, &summary)?;
+    let page = sections::page(study, claims, &summary)?;
     files.push(("index.html".into(), page::render(&page)?));
     Ok(files)
 }

@@ -6,13 +6,14 @@ use super::table_two::{nodes_in_words, share_refused};
 use super::tables::{error, verdict};
 use super::{ReportError, curves, recipes};
 use crate::check::Check;
-use crate::networks::accuracy::{ENOUGH_CASES, FORCES_N, NetworkStudy};
-use crate::scatter::{Counts, Scatter, ScatterRow};
+use crate::experiments::networks::accuracy::{FORCES_N, NetworkStudy};
+use crate::sampling::scatter::{Counts, Scatter, ScatterRow};
+use crate::settings::ENOUGH_CASES;
 use crate::study::Study;
 use serde::Serialize;
 
 pub(super) const CSV: &str = "networks.csv";
-/// What [`PROMISES`](crate::networks::accuracy::PROMISES) say.
+/// What [`PROMISES`](crate::experiments::networks::accuracy::PROMISES) say.
 const PROMISED: &str = "; promised are 1.6 % for a single node, 4 % for each of two neighbours, 2 % for each of two nodes apart, 1 % \
                         for a sum";
 

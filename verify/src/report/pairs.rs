@@ -6,7 +6,8 @@ use super::page::{Block, Figure, Section};
 use super::sections::{self, text};
 use super::table_two::nodes_in_words;
 use super::tables::percent;
-use crate::scatter::{Counts, Scatter, ScatterRow, TWO_FORCES_N};
+use crate::sampling::scatter::{Counts, Scatter, ScatterRow};
+use crate::settings::TWO_FORCES_N;
 use crate::study::{NoiseStudy, Study};
 use serde::Serialize;
 

@@ -4,9 +4,9 @@ use super::page::{Block, Cell, Column, Row, Table};
 use super::sections::text;
 use super::table_two::{self, finger_name};
 use super::tables::{error, percent};
-use crate::networks::records::RecipeRow;
-use crate::scatter::ScatterRow;
-use crate::table_two::{COMPARED_SETS, ComparedSet, TableTwo, contact_sets};
+use crate::experiments::networks::records::RecipeRow;
+use crate::experiments::table_two::{COMPARED_SETS, ComparedSet, TableTwo, contact_sets};
+use crate::sampling::scatter::ScatterRow;
 
 pub(super) const CSV: &str = "training_recipes.csv";
 /// Name and how it is shown.
@@ -250,8 +250,8 @@ fn setting_rows(setting: &Setting) -> Vec<Row> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scatter::Scatter;
-    use crate::table_two::TableTwoFinger;
+    use crate::experiments::table_two::TableTwoFinger;
+    use crate::sampling::scatter::Scatter;
 
     const NOISE_MM: f64 = 0.067;
 

@@ -4,7 +4,8 @@ use super::page::{Block, Cell, Column, Row, Section, Table};
 use super::sections::{self, text};
 use super::table_two::nodes_in_words;
 use super::tables::percent;
-use crate::scatter::{ONE_FORCE_N, Scatter, ScatterRow, TWO_FORCES_N};
+use crate::sampling::scatter::{Scatter, ScatterRow};
+use crate::settings::{ONE_FORCE_N, TWO_FORCES_N};
 use crate::study::{NoiseStudy, Study};
 use serde::Serialize;
 

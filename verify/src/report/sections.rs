@@ -6,7 +6,9 @@ use super::{
     drawings, hard_cases, lattice, maps, networks, pairs, scatter, speed_error, table_two, tables, twin, verdict,
     words,
 };
-use crate::study::{DRAWN_FORCE_N, Study};
+use crate::claims::Claim;
+use crate::settings::DRAWN_FORCE_N;
+use crate::study::Study;
 use finray_model::Kinematics;
 use finray_model::finger::{Plate, RibPlaces};
 use finray_model::validity::{LARGEST_SHEAR_SHARE, LARGEST_STRAIN, StrainLimits};
@@ -24,7 +26,7 @@ fn question(id: &str, heading: &str, sections: Vec<Section>) -> Question {
 }
 
 /// The whole page.
-pub(super) fn page(study: &Study, summary: &Summary) -> Result<Page, ReportError> {
+pub(super) fn page(study: &Study, claimed: &[Claim], summary: &Summary) -> Result<Page, ReportError> {
     let mut feels = vec![maps::section(study, summary)?];
     feels.extend(coverage::section(study));
     feels.extend(scatter::section(study));
@@ -49,7 +51,7 @@ pub(super) fn page(study: &Study, summary: &Summary) -> Result<Page, ReportError
     if !study.hard_cases.is_empty() {
         physics.push(hard_cases::section(study));
     }
-    physics.extend(claims::section(study));
+    physics.extend(claims::section(claimed));
     physics.push(finger(study)?);
 
     let mut questions = vec![

@@ -5,9 +5,9 @@ use super::figures::{self, Axis, Dash, FigureError, Frame, Hue, LineChart, Refer
 use super::page::{Block, Cell, Column, Figure, Row, Section, Shade, Table};
 use super::sections::{self, text};
 use super::tables::percent;
-use crate::speed_error::recommendation::LARGEST_BIAS_SIGMAS;
-use crate::speed_error::sensing::{FRAMES_A_PERIOD, SENSED_N};
-use crate::speed_error::{SOLVED_N, SpeedErrorPoint, Task, TimedBy};
+use crate::experiments::speed_error::recommendation::LARGEST_BIAS_SIGMAS;
+use crate::experiments::speed_error::sensing::{FRAMES_A_PERIOD, SENSED_N};
+use crate::experiments::speed_error::{SOLVED_N, SpeedErrorPoint, Task, TimedBy};
 use crate::study::Study;
 
 pub(super) const CSV: &str = "speed_error.csv";
@@ -194,7 +194,7 @@ fn table(points: &[SpeedErrorPoint]) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::speed_error::Start;
+    use crate::experiments::speed_error::Start;
 
     fn point(model: &str, seconds: f64, error: f64, failed: usize) -> SpeedErrorPoint {
         SpeedErrorPoint {

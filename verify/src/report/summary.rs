@@ -10,14 +10,15 @@ use super::table_two::{self, TableTwoRow};
 use super::twin::{self, CalibrationRow, TwinRow, ZoneSetRow};
 use super::{causes, tables, verdict, words};
 use crate::check::{Check, Comparison};
-use crate::coverage::CoverageRow;
-use crate::displacement_noise::DisplacementNoiseRow;
-use crate::ledger::Claim;
-use crate::map::{AccuracyMap, MapSummary};
-use crate::networks::records::{CurveRow, RecipeRow};
-use crate::speed_error::SpeedErrorPoint;
-use crate::study::{DRAWN_FORCE_N, Study};
-use crate::table_one::TableOne;
+use crate::claims::Claim;
+use crate::experiments::coverage::CoverageRow;
+use crate::experiments::displacement_noise::DisplacementNoiseRow;
+use crate::experiments::networks::records::{CurveRow, RecipeRow};
+use crate::experiments::speed_error::SpeedErrorPoint;
+use crate::experiments::table_one::TableOne;
+use crate::sampling::map::{AccuracyMap, MapSummary};
+use crate::settings::DRAWN_FORCE_N;
+use crate::study::Study;
 use serde::Serialize;
 
 /// A map in a few figures, and where its cells are.
@@ -89,7 +90,7 @@ pub struct Summary {
 
 impl Summary {
     /// Collects a study.
-    pub fn of(study: &Study) -> Summary {
+    pub fn of(study: &Study, claims: &[Claim]) -> Summary {
         let entry = |force_n: Option<f64>| {
             // The mean over a single force is that force's map.
             let has = move |map: &&AccuracyMap| match force_n {
@@ -107,7 +108,7 @@ impl Summary {
             checks: study.all_checks().cloned().collect(),
             comparisons: study.comparisons.clone(),
             speed_error: study.speed_error.clone(),
-            claims: study.claims.clone(),
+            claims: claims.to_vec(),
             maps: entry(Some(DRAWN_FORCE_N)).chain(entry(None)).collect(),
             coverage: study.coverage.clone(),
             causes: causes::summaries(study),

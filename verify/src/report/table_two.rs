@@ -3,13 +3,15 @@
 use super::page::{Block, Cell, Column, Row, Section, Table};
 use super::sections::{self, text};
 use super::tables::{error, percent};
-use crate::networks::records::RecipeRow;
-use crate::scatter::ScatterRow;
-use crate::study::Study;
-use crate::table_two::paper_network::{
+use crate::experiments::networks::paper::{
     Figure, OverSeeds, PAPER_RECIPES, SAME_FACTOR, figures, quantities, recorded, recorded_sets,
 };
-use crate::table_two::{CASES_WITHOUT_FIT, CONTACT_GROUPS, ContactGroup, FORCES_N, GroupErrors, MOST_FITS, TableTwo};
+use crate::experiments::networks::records::RecipeRow;
+use crate::experiments::table_two::{
+    CASES_WITHOUT_FIT, CONTACT_GROUPS, ContactGroup, FORCES_N, GroupErrors, MOST_FITS, TableTwo,
+};
+use crate::sampling::scatter::ScatterRow;
+use crate::study::Study;
 use serde::Serialize;
 
 pub(super) const CSV: &str = "table_two.csv";
@@ -429,8 +431,8 @@ pub(super) fn errors(force: Option<f64>, sum: Option<f64>, has_sum: bool) -> Vec
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::networks::records::Records;
-    use crate::study::CAMERA_NOISE_MM;
+    use crate::experiments::networks::records::Records;
+    use crate::settings::CAMERA_NOISE_MM;
 
     fn with(records: &[RecipeRow], error: impl Fn(&RecipeRow) -> f64) -> Vec<RecipeRow> {
         records.iter().map(|row| RecipeRow { mean_error: Some(error(row)), ..row.clone() }).collect()

@@ -6,10 +6,11 @@ use super::{
     maps, networks, pairs, recipes, scatter, speed_error, table_two, twin,
 };
 use crate::check::{Check, Comparison, Kind, worst};
+use crate::claims::Claim;
+use crate::experiments::table_one::{TableOne, WEIGHTS_G};
 use crate::files::csv_text;
-use crate::map::AccuracyMap;
+use crate::sampling::map::AccuracyMap;
 use crate::study::Study;
-use crate::table_one::{TableOne, WEIGHTS_G};
 use finray_model::finger::Plate;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -57,7 +58,7 @@ struct ShapeRow<'a> {
 }
 
 /// All CSV files of a report.
-pub(super) fn csv_files(study: &Study) -> Result<Vec<(PathBuf, String)>, csv::Error> {
+pub(super) fn csv_files(study: &Study, claimed: &[Claim]) -> Result<Vec<(PathBuf, String)>, csv::Error> {
     let table_one = study.tables_one.iter().flat_map(|table| {
         table.rows.iter().flat_map(|row| {
             row.errors.iter().zip(WEIGHTS_G).map(|(&error, weight_g)| TableOneCell {
@@ -123,8 +124,8 @@ pub(super) fn csv_files(study: &Study) -> Result<Vec<(PathBuf, String)>, csv::Er
     if !study.speed_error.is_empty() {
         files.push((speed_error::CSV.into(), csv_text(&study.speed_error)?));
     }
-    if !study.claims.is_empty() {
-        files.push((claims::CSV.into(), csv_text(&study.claims)?));
+    if !claimed.is_empty() {
+        files.push((claims::CSV.into(), csv_text(claimed)?));
     }
     if !study.contact_scenes.is_empty() {
         files.push((contact_scenes::CSV.into(), csv_text(contact_scenes::rows(study))?));

@@ -5,12 +5,12 @@ use super::figures::{self, Axis, BarGroup, FigureError, Frame, GroupedBars, Hue,
 use super::page::{Block, Cell, Column, Figure, Row, Section, Table};
 use super::sections::{self, text};
 use super::tables::{error, figure, percent};
-use crate::ledger::criteria::TPU_MPA;
+use crate::claims::criteria::TPU_MPA;
+use crate::experiments::table_one::{TableOne, TableOneRow};
+use crate::experiments::twin::fit::TwinFit;
+use crate::experiments::twin::moduli_mpa;
+use crate::experiments::twin::study::{LOADED, TwinSensing, TwinStudy};
 use crate::study::Study;
-use crate::table_one::{TableOne, TableOneRow};
-use crate::twin::fit::TwinFit;
-use crate::twin::moduli_mpa;
-use crate::twin::study::{LOADED, TwinSensing, TwinStudy};
 use serde::Serialize;
 
 pub(super) const CSV: &str = "twin.csv";
@@ -380,7 +380,7 @@ fn sets_table(study: &TwinStudy) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::twin::{OTHERS, TWIN, ZoneSet};
+    use crate::experiments::twin::{OTHERS, TWIN, ZoneSet};
     use finray_model::Scene;
 
     fn fit_of(set: ZoneSet, misfit: f64) -> TwinFit {

@@ -3,10 +3,11 @@
 use super::tables::percent;
 use super::{causes, contact_scenes, displacement_noise, lattice, networks, speed_error, twin, verdict};
 use crate::check::{Check, Kind, Tally, tallies};
-use crate::ledger::criteria::accounts_for;
-use crate::map::{AccuracyMap, Cell};
-use crate::scatter::{Counts, ScatterRow};
-use crate::study::{DRAWN_FORCE_N, Study};
+use crate::claims::criteria::accounts_for;
+use crate::sampling::map::{AccuracyMap, Cell};
+use crate::sampling::scatter::{Counts, ScatterRow};
+use crate::settings::DRAWN_FORCE_N;
+use crate::study::Study;
 use finray_model::Finger;
 
 /// Where a map is worst among some of its cells.
@@ -179,7 +180,7 @@ fn table_one(study: &Study) -> Option<String> {
     let table = study.tables_one.first()?;
     let large = table.rows.iter().filter(|row| row.paper_mean_error > 0.10);
     let (most, less): (Vec<_>, Vec<_>) = large.partition(|row| accounts_for(&[(row.mean_error, row.paper_mean_error)]));
-    let list = |rows: &[&crate::table_one::TableOneRow]| {
+    let list = |rows: &[&crate::experiments::table_one::TableOneRow]| {
         let items: Vec<_> = rows
             .iter()
             .map(|row| {

@@ -1,11 +1,11 @@
 //! Why sensing fails, on the finger as it is described and on its twin.
 
-use super::{DRAWN_FORCE_N, Effort, MAP_FORCES_N, Progress};
-use crate::causes::ContactKnowledge::{Assumed, Known};
-use crate::causes::Practice::{LeastSquares, Nonlinear};
-use crate::causes::{self, CauseError, CauseMap, CauseRequest, network};
-use crate::networks::{NetworkSensing, Networks};
-use crate::sweep::Grid;
+use crate::estimators::network::{NetworkSensing, Networks};
+use crate::experiments::causes::ContactKnowledge::{Assumed, Known};
+use crate::experiments::causes::Practice::{LeastSquares, Nonlinear};
+use crate::experiments::causes::{self, CauseError, CauseMap, CauseRequest, network};
+use crate::sampling::sweep::Grid;
+use crate::settings::{DRAWN_FORCE_N, Effort, MAP_FORCES_N, Progress};
 use finray_model::Finger;
 
 /// Maps for the finger, and for its twin where there is one; where networks ship for the finger, theirs too.

@@ -1,11 +1,13 @@
 //! Stated intervals against the truth, for every estimator.
 
-use super::{Effort, MAP_FORCES_N, Progress, StudyError};
-use crate::coverage::{CoverageRow, coverage};
+use super::StudyError;
+use crate::estimators::network::{NetworkSensing, Networks};
 use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorKind};
-use crate::map::MapRequest;
-use crate::networks::{NetworkSensing, Networks, accuracy};
-use crate::truth::{MeshTruth, Truth, fine_mesh};
+use crate::experiments::coverage::{CoverageRow, coverage};
+use crate::experiments::networks::accuracy;
+use crate::sampling::map::MapRequest;
+use crate::settings::{Effort, MAP_FORCES_N, Progress};
+use crate::truths::{MeshTruth, Truth, fine_mesh};
 use finray_model::{Finger, Kinematics, Mesh};
 
 /// Seed of the noise samples.

@@ -1,9 +1,9 @@
 //! Where unknown directions can be told.
 
-use super::{Effort, Progress};
-use crate::direction::{DirectionRequest, DirectionStudy};
 use crate::estimators::ELEMENTS;
-use crate::truth::Truth;
+use crate::experiments::direction::{DirectionRequest, DirectionStudy};
+use crate::settings::{Effort, Progress};
+use crate::truths::Truth;
 use finray_model::sensing::SensingError;
 use finray_model::{Finger, Mesh};
 

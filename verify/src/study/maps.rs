@@ -1,14 +1,16 @@
 //! Maps of where sensing fails, for every truth and estimator, and what explains them.
 
-use super::{DRAWN_FORCE_N, Effort, MAP_FORCES_N, Progress, StudyError};
+use super::StudyError;
+use crate::estimators::network::{NetworkSensing, Networks};
 use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorKind};
-use crate::explain::ExplanationMap;
-use crate::map::{AccuracyMap, MapRequest, accuracy_maps};
-use crate::networks::{NetworkSensing, Networks, accuracy};
+use crate::experiments::explain::ExplanationMap;
+use crate::experiments::networks::accuracy;
+use crate::experiments::twin::study::TwinStudyError;
+use crate::experiments::twin::twin_of;
 use crate::problems::ProblemError;
-use crate::truth::{LatticeTruth, MeshTruth, MujocoTruth, NotExported, Truth, fine_mesh};
-use crate::twin::study::TwinStudyError;
-use crate::twin::twin_of;
+use crate::sampling::map::{AccuracyMap, MapRequest, accuracy_maps};
+use crate::settings::{DRAWN_FORCE_N, Effort, MAP_FORCES_N, Progress};
+use crate::truths::{LatticeTruth, MeshTruth, MujocoTruth, NotExported, Truth, fine_mesh};
 use finray_model::statics::StaticsError;
 use finray_model::{Finger, Kinematics, Mesh};
 

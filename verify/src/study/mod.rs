@@ -5,56 +5,43 @@ mod causes;
 mod coverage;
 mod cross_checks;
 mod directions;
-mod effort;
 mod maps;
 mod noise;
 mod objects;
 mod shapes;
 mod timing;
 
-pub use effort::Effort;
 pub use noise::NoiseStudy;
 pub use shapes::BentFinger;
 
 use objects::Objects;
 
-use crate::causes::{CauseError, CauseMap};
 use crate::check::{Check, Comparison};
-use crate::contact_scene::study::{SceneStudy, SceneStudyError, SceneWithOutline};
-use crate::convergence::{Convergence, convergence, loaded_nodes};
-use crate::coverage::{self as intervals, CoverageRow};
-use crate::direction::DirectionStudy;
-use crate::displacement_noise::DisplacementNoiseStudy;
+use crate::estimators::network::{NetworkSensing, Networks};
 use crate::estimators::{EstimatorError, EstimatorKind};
-use crate::explain::ExplanationMap;
-use crate::hard_cases::{self, HardCase, hard_cases};
-use crate::lattice::study::LatticeStudy;
-use crate::ledger::{Claim, ledger};
-use crate::map::AccuracyMap;
-use crate::networks::accuracy::{self, NetworkStudy};
-use crate::networks::records::Records;
-use crate::networks::{NetworkSensing, Networks};
+use crate::experiments::causes::{CauseError, CauseMap};
+use crate::experiments::contact_scene::study::{SceneStudy, SceneStudyError, SceneWithOutline};
+use crate::experiments::convergence::{Convergence, convergence, loaded_nodes};
+use crate::experiments::coverage::{self as intervals, CoverageRow};
+use crate::experiments::direction::DirectionStudy;
+use crate::experiments::displacement_noise::DisplacementNoiseStudy;
+use crate::experiments::explain::ExplanationMap;
+use crate::experiments::hard_cases::{self, HardCase, hard_cases};
+use crate::experiments::lattice::LatticeStudy;
+use crate::experiments::networks::accuracy::{self, NetworkStudy};
+use crate::experiments::networks::records::Records;
+use crate::experiments::speed_error::{SpeedErrorError, SpeedErrorPoint};
+use crate::experiments::table_one::{TableOne, TableOneError, table_one};
+use crate::experiments::table_two::{self, TableTwo, table_two};
+use crate::experiments::twin::study::{TwinStudy, TwinStudyError};
 use crate::problems::ProblemError;
-use crate::speed_error::{SpeedErrorError, SpeedErrorPoint};
-use crate::table_one::{TableOne, TableOneError, table_one};
-use crate::table_two::{self, TableTwo, table_two};
-use crate::truth::{MeshTruth, NotExported, fine_mesh};
-use crate::twin::study::{TwinStudy, TwinStudyError};
+use crate::sampling::map::AccuracyMap;
+use crate::settings::{CAMERA_NOISE_MM, Effort, Progress, TABLE_ONE_ANGLES_DEG};
+use crate::truths::{MeshTruth, NotExported, fine_mesh};
 use finray_model::sensing::SensingError;
 use finray_model::sensing::network::NetworkError;
 use finray_model::statics::StaticsError;
 use finray_model::{Finger, Kinematics, Mesh, Scene};
-
-/// Noise of one measured coordinate, mm: the paper's worst position error of 0.2 mm (sec. IV-B) taken as three standard
-/// deviations.
-pub const CAMERA_NOISE_MM: f64 = 0.067;
-/// Forces of the maps, N: the range of the paper's gripper experiments (sec. V-C).
-pub const MAP_FORCES_N: [f64; 4] = [0.5, 1.0, 2.0, 3.0];
-/// The force at which maps are drawn, N.
-pub const DRAWN_FORCE_N: f64 = 3.0;
-/// Directions assumed for the paper's "vertical" weights, degrees from the inward normal. 10.9 is vertical when the
-/// finger's axis lies level: asin(29 / 153).
-pub const TABLE_ONE_ANGLES_DEG: [f64; 5] = [0.0, 10.9, -20.0, 20.0, 40.0];
 
 /// All results for one scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,8 +94,6 @@ pub struct Study {
     pub timing_notes: Vec<String>,
     /// Standard deviation of one coordinate in noisy pictures, mm.
     pub noise_mm: f64,
-    /// The paper's figures against ours, for the paper's finger.
-    pub claims: Vec<Claim>,
     /// Example shapes.
     pub bent: Vec<BentFinger>,
 }
@@ -155,14 +140,6 @@ pub enum StudyError {
     /// A recorded training does not read.
     #[error("a recorded training: {0}")]
     Record(#[from] csv::Error),
-}
-
-/// Told how far a study is: steps in all, once at the start of each part with its name, and one by one.
-pub trait Progress: Sync {
-    /// A part begins.
-    fn part(&self, name: &str, steps: usize);
-    /// One step of the part is done.
-    fn step(&self);
 }
 
 impl Study {
@@ -218,7 +195,7 @@ impl Study {
         }
         let twin_finger = twin.as_ref().map(|twin| &twin.finger);
         let coverage = coverage::run(&corotational, twin_finger, finger, noise_mm, (is_paper, effort), progress)?;
-        checks.extend(intervals::checks(&coverage));
+        checks.extend(intervals::checks(&coverage, is_paper));
         let causes = causes::run(finger, twin_finger, noise_mm, effort, progress)?;
         progress.part("convergence", loaded_nodes(finger).len());
         let convergence = convergence(finger, effort, &|| progress.step())?;
@@ -280,7 +257,7 @@ impl Study {
         progress.part("speed and error", 2);
         let speed_error = timing::time_and_compare(finger, &fine, noise_mm, is_paper, effort, progress)?;
         let bent = shapes::bent_fingers(finger, &fine);
-        let mut study = Study {
+        Ok(Study {
             scene: scene.name.clone(),
             finger: finger.clone(),
             is_paper,
@@ -305,13 +282,8 @@ impl Study {
             speed_error,
             timing_notes: Vec::new(),
             noise_mm,
-            claims: Vec::new(),
             bent,
-        };
-        if is_paper {
-            study.claims = ledger(&study)?;
-        }
-        Ok(study)
+        })
     }
 
     /// Every map, those of the lattice last.

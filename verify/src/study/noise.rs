@@ -1,12 +1,11 @@
 //! Sensing of random forces under camera noise: one contact and two.
 
-use super::{CAMERA_NOISE_MM, Effort, Progress};
 use crate::check::{Check, Kind, worst};
 use crate::estimators::{BeamEstimator, ELEMENTS, Estimator as _, EstimatorError, EstimatorKind};
-use crate::scatter::{
-    self, Controlled, Counts, ONE_FORCE_N, ScatterRequest, ScatterRow, TWO_FORCES_N, scatter_controlled,
-};
-use crate::table_two::condition_number;
+use crate::experiments::table_two::condition_number;
+use crate::sampling::scatter::{self, Controlled, Counts, ScatterRequest, ScatterRow, scatter_controlled};
+use crate::settings::{CAMERA_NOISE_MM, Effort, Progress};
+use crate::settings::{ONE_FORCE_N, TWO_FORCES_N};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
 
 /// Largest mean error of one force at nodes 14 to 24, which was asked for; the Cramer-Rao bound comes nearest to it at node 24, 1.2 %.
@@ -226,7 +225,7 @@ impl NoiseStudy {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scatter::{AgainstBound, Scatter};
+    use crate::sampling::scatter::{AgainstBound, Scatter};
 
     fn row(nodes: &[usize], mean_error: f64, [cases, refused]: [usize; 2]) -> ScatterRow {
         let bound = AgainstBound {

@@ -1,8 +1,8 @@
 //! Objects pressed onto the finger.
 
-use super::{CAMERA_NOISE_MM, Effort, Progress};
-use crate::contact_scene;
-use crate::contact_scene::study::{SceneStudy, SceneStudyError, SceneWithOutline};
+use crate::experiments::contact_scene;
+use crate::experiments::contact_scene::study::{SceneStudy, SceneStudyError, SceneWithOutline};
+use crate::settings::{CAMERA_NOISE_MM, Effort, Progress};
 
 /// Segments in a stretch of plate, and steps of the object, in the contact scene of a quick study.
 const QUICK_FINENESS: usize = 2;

@@ -1,6 +1,6 @@
 //! Example shapes.
 
-use super::DRAWN_FORCE_N;
+use crate::settings::DRAWN_FORCE_N;
 use finray_model::sensing::Contact;
 use finray_model::statics::Statics;
 use finray_model::validity::Validity;

@@ -1,12 +1,13 @@
 //! Time and error of models and estimators.
 
-use super::{Effort, Progress, Study, StudyError};
-use crate::networks::accuracy;
-use crate::networks::{NetworkSensing, Networks};
-use crate::speed_error::criterion::{self, CriterionTimes};
-use crate::speed_error::peers::{Peer, Peers};
-use crate::speed_error::sensing::{FRAMES_A_PERIOD, TimedEstimator, sensing};
-use crate::speed_error::{self, ASKED_NODES, Asked, SpeedErrorError, SpeedErrorPoint, Start, Task};
+use super::{Study, StudyError};
+use crate::estimators::network::{NetworkSensing, Networks};
+use crate::experiments::networks::accuracy;
+use crate::experiments::speed_error::criterion::{self, CriterionTimes};
+use crate::experiments::speed_error::peers::{Peer, Peers};
+use crate::experiments::speed_error::sensing::{FRAMES_A_PERIOD, TimedEstimator, sensing};
+use crate::experiments::speed_error::{self, ASKED_NODES, Asked, SpeedErrorError, SpeedErrorPoint, Start, Task};
+use crate::settings::{Effort, Progress};
 use finray_model::statics::StaticsError;
 use finray_model::{Finger, Mesh};
 use std::path::Path;

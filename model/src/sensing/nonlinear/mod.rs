@@ -22,10 +22,11 @@ pub use refine::sense_refining;
 use super::{
     Contact, ContactPlace, ContactQuestion, Direction, Estimate, ModelError, SensingError, Warning, check_contacts,
 };
+use crate::frame::FrameLoad;
 use crate::frame::FrameMotion;
 use crate::measurement::Measurement;
 use crate::mesh::Mesh;
-use crate::statics::{FrameLoad, Ladder, Statics};
+use crate::statics::{Ladder, Statics};
 use crate::{Finger, Kinematics};
 use linearised::Linearised;
 use nalgebra::DMatrix;

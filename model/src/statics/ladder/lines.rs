@@ -4,8 +4,8 @@ use super::chain::numbers;
 use super::{Ladder, Place};
 use crate::Kinematics;
 use crate::element::Response;
+use crate::frame::FrameLoad;
 use crate::frame::{FrameMotion, PlaneFrame};
-use crate::statics::FrameLoad;
 
 impl Ladder<'_> {
     /// Condenses every line with the loads that stand on it.

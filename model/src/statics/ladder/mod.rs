@@ -14,8 +14,9 @@ mod response;
 mod retraction;
 mod rung;
 
-use super::{EquilibriumEquations, FrameLoad};
+use super::EquilibriumEquations;
 use crate::element::ElementMatrix;
+use crate::frame::FrameLoad;
 use crate::frame::FrameMotion;
 use crate::mesh::Mesh;
 use crate::{Kinematics, Vector};

@@ -3,8 +3,8 @@
 use super::chain::{Ends, joined, numbers};
 use super::{Ladder, Place};
 use crate::Vector;
+use crate::frame::FrameLoad;
 use crate::frame::FrameMotion;
-use crate::statics::FrameLoad;
 
 /// A gradient on the two nodes of an element of a line: minus the forces there.
 struct OnElement {

@@ -2,7 +2,7 @@
 
 use super::shares::{Region, Shares};
 use super::{CSV, own_first, practice_in_words, truth_in_words};
-use crate::causes::{Cause, CauseCell, CauseMap, ContactKnowledge, Practice, REMEDIES};
+use crate::experiments::causes::{Cause, CauseCell, CauseMap, ContactKnowledge, Practice, REMEDIES};
 use crate::report::ReportError;
 use crate::report::drawings::{ALONG_THE_PLATE, DIRECTION_AXIS, PAPER_SHADES_PERCENT};
 use crate::report::figures::{
@@ -10,7 +10,8 @@ use crate::report::figures::{
 };
 use crate::report::page::Figure;
 use crate::report::tables::percent;
-use crate::study::{DRAWN_FORCE_N, Study};
+use crate::settings::DRAWN_FORCE_N;
+use crate::study::Study;
 use finray_model::finger::Plate;
 
 /// Below this an error needs no explanation: root mean square of sensed / true - 1.

@@ -1,7 +1,7 @@
 //! Causes as rows: the file behind the section, and what the summary has of it.
 
 use super::shares::{Region, Shares};
-use crate::causes::{Cause, CauseCell, CauseMap};
+use crate::experiments::causes::{Cause, CauseCell, CauseMap};
 use crate::study::Study;
 use serde::Serialize;
 

@@ -1,6 +1,6 @@
 //! Shares of the mean square error over a part of the finger.
 
-use crate::causes::{Cause, CauseCell, CauseMap};
+use crate::experiments::causes::{Cause, CauseCell, CauseMap};
 use crate::report::tables::percent;
 use finray_model::Finger;
 use finray_model::finger::Plate;

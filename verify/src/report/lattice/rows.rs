@@ -1,7 +1,7 @@
 //! The lattice's figures as they stand in the CSV files and the summary.
 
+use crate::experiments::lattice::LatticeStudy;
 use crate::lattice::settling::Precision;
-use crate::lattice::study::LatticeStudy;
 use serde::Serialize;
 
 /// Error and cost of one fineness at one force, as it stands in the CSV.

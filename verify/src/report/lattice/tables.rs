@@ -5,8 +5,8 @@ use super::super::page::{Cell, Column, Row, Table};
 use super::super::tables::error;
 use super::rows::settling_rows;
 use super::{AXIAL_CSV, CSV, SETTLING_CSV, loads_in_words};
+use crate::experiments::lattice::LatticeStudy;
 use crate::lattice::accuracy::{FinenessRow, LoadGrid};
-use crate::lattice::study::LatticeStudy;
 use crate::problems::lattice::FINENESS;
 
 /// How near each fineness is to beams.

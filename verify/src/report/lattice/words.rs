@@ -2,10 +2,10 @@
 
 use super::super::convergence::percent;
 use crate::check::{Check, worst};
+use crate::experiments::lattice::LatticeStudy;
 use crate::lattice::accuracy::FinenessRow;
 use crate::lattice::causes::{AxialRow, SettlingRow};
 use crate::lattice::settling::{AT_REST, Precision, SWEEPS};
-use crate::lattice::study::LatticeStudy;
 use crate::problems::lattice::FINENESS;
 
 /// Twice the sweeps that change the distance from the equilibrium by no more than this share do not help.

@@ -1,14 +1,15 @@
 //! The overview, and the maps that explain.
 
 use super::{ESTIMATORS, EXPLANATIONS_CSV, Of, TRUTHS, small};
-use crate::map::{AccuracyMap, MapSummary};
 use crate::report::ReportError;
 use crate::report::drawings::{ALONG_THE_PLATE, DIRECTION_AXIS, PAPER_SHADES_PERCENT, blank_map};
 use crate::report::figures::{
     Axis, ColourScale, FigureError, Frame, HeatMap, MapGrid, MapRow, SmallMap, heat_map, map_grid,
 };
 use crate::report::page::Figure;
-use crate::study::{DRAWN_FORCE_N, Study};
+use crate::sampling::map::{AccuracyMap, MapSummary};
+use crate::settings::DRAWN_FORCE_N;
+use crate::study::Study;
 use finray_model::finger::Plate;
 
 /// Every truth by every estimator, in the paper's shades.

@@ -1,10 +1,11 @@
 //! What the maps say, in sentences made from their numbers.
 
 use super::{ESTIMATORS, Of, TRUTHS, small};
-use crate::explain::Explanation;
-use crate::map::{AccuracyMap, Cell, CellState};
+use crate::experiments::explain::Explanation;
 use crate::report::tables::percent;
-use crate::study::{DRAWN_FORCE_N, Study};
+use crate::sampling::map::{AccuracyMap, Cell, CellState};
+use crate::settings::DRAWN_FORCE_N;
+use crate::study::Study;
 use finray_model::finger::Plate;
 
 /// Directions up to this many degrees from the normal count as pressing, those from the second on as tangential.

@@ -3,9 +3,9 @@
 use super::super::tables::percent;
 use super::in_words;
 use crate::estimators::EstimatorKind;
-use crate::networks::accuracy::NAME as NETWORK;
-use crate::speed_error::recommendation::{LARGEST_BIAS_SIGMAS, Recommendation, recommended, ways};
-use crate::speed_error::sensing::SENSED_N;
+use crate::experiments::networks::accuracy::NAME as NETWORK;
+use crate::experiments::speed_error::recommendation::{LARGEST_BIAS_SIGMAS, Recommendation, recommended, ways};
+use crate::experiments::speed_error::sensing::SENSED_N;
 use crate::study::Study;
 
 /// Time of one frame of the paper's camera at 25 Hz, s.

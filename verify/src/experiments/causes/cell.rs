@@ -1,0 +1,183 @@
+//! The causes at one place and direction.
+
+use super::models::{Bending, Known, Models};
+use super::{Cause, CauseCell, ContactKnowledge, DIRECTION_OFF_DEG, PLACE_OFF_MM, Practice, REMEDIES};
+use crate::settings::LEAST_STATED_MM;
+use crate::truths::Truth;
+use finray_model::finger::Plate;
+use finray_model::measurement::Measurement;
+use finray_model::sensing::{Contact, ContactPlace, LinearEstimator, NonlinearEstimator, Prior};
+
+/// A practice with all that it needs to know.
+pub(super) struct Sensor<'m> {
+    pub practice: Practice,
+    pub contact: ContactKnowledge,
+    pub models: &'m Models,
+    pub noise_mm: f64,
+    pub zones_known: bool,
+    /// The causes that there are.
+    pub causes: Vec<Cause>,
+}
+
+/// The cells of each sensor at one place and direction, a force each.
+pub(super) fn cells(
+    truth: &dyn Truth,
+    sensors: &[Sensor],
+    s_mm: f64,
+    angle_deg: f64,
+    forces_n: &[f64],
+) -> Vec<Vec<CauseCell>> {
+    let contact = Contact { place: ContactPlace::Place(s_mm), angle_deg };
+    let shapes = truth.shapes(&contact, forces_n);
+    let of_sensor = |sensor: &Sensor| {
+        let seen: Vec<_> = shapes.iter().map(|shape| Measurement::of_shape(sensor.models.finger(), shape)).collect();
+        let with_all = sensor.errors(&seen, s_mm, angle_deg, forces_n, &[]);
+        let without: Vec<_> = sensor
+            .causes
+            .iter()
+            .map(|&cause| match cause {
+                Cause::Noise => with_all.iter().map(|error| error.map(Squared::without_noise)).collect(),
+                cause => sensor.errors(&seen, s_mm, angle_deg, forces_n, &[cause]),
+            })
+            .collect();
+        let remedied: Vec<_> = (1..=REMEDIES.len())
+            .map(|taken| {
+                let off: Vec<Cause> = REMEDIES[..taken].iter().flat_map(|(_, causes)| *causes).copied().collect();
+                sensor.errors(&seen, s_mm, angle_deg, forces_n, &off)
+            })
+            .collect();
+        let cell = |(i, &force_n): (usize, &f64)| {
+            let all = with_all[i].map(Squared::sum);
+            let share = |without: &Vec<Option<Squared>>| Some(1.0 - without[i]?.sum() / all?);
+            CauseCell {
+                s_mm,
+                angle_deg,
+                force_n,
+                rms_error: all.map(f64::sqrt),
+                shares: without.iter().map(share).collect(),
+                remedied: remedied.iter().map(|errors| Some(errors[i]?.sum().sqrt())).collect(),
+            }
+        };
+        forces_n.iter().enumerate().map(cell).collect()
+    };
+    sensors.iter().map(of_sensor).collect()
+}
+
+/// Mean square of sensed / true - 1.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Squared {
+    /// What is wrong even without noise.
+    bias: f64,
+    /// Variance by noise.
+    noise: f64,
+}
+
+impl Squared {
+    fn of(sensed_n: f64, sigma_n: f64, force_n: f64) -> Squared {
+        Squared { bias: (sensed_n / force_n - 1.0).powi(2), noise: (sigma_n / force_n).powi(2) }
+    }
+
+    /// What the nonlinear estimator makes of a shape without noise, and what noise would add; `None` where it refuses.
+    pub(super) fn of_nonlinear(
+        estimator: &mut NonlinearEstimator,
+        seen: &Measurement,
+        force_n: f64,
+        noise_mm: f64,
+    ) -> Option<Squared> {
+        estimator.reset();
+        // What is stated only decides how much of a misfit is taken for wild markers.
+        let sensed = estimator.estimate(seen, Some(noise_mm.max(LEAST_STATED_MM))).ok()?.forces;
+        // Where the model is wrong, the stated deviation rests on the residual instead of the noise.
+        Some(Squared::of(sensed.forces_n[0], sensed.sigmas_n[0] * noise_mm / sensed.noise_mm, force_n))
+    }
+
+    pub(super) fn sum(self) -> f64 {
+        self.bias + self.noise
+    }
+
+    fn without_noise(self) -> Squared {
+        Squared { noise: 0.0, ..self }
+    }
+}
+
+impl Sensor<'_> {
+    /// Mean over both sides of what is off, with some causes switched off; a value a force. `None` where there is no shape, or
+    /// sensing refuses on either side.
+    fn errors(
+        &self,
+        seen: &[Measurement],
+        s_mm: f64,
+        angle_deg: f64,
+        forces_n: &[f64],
+        off: &[Cause],
+    ) -> Vec<Option<Squared>> {
+        let on = |cause: Cause| !off.contains(&cause) && !self.contact.leaves_out().contains(&cause);
+        let known = Known {
+            base: self.zones_known || !on(Cause::BaseCompliance),
+            tip: self.zones_known || !on(Cause::TipCompliance),
+            modulus: !on(Cause::Modulus),
+            bending: self.bending(off),
+        };
+        let assumed = self.assumed(s_mm, angle_deg, on(Cause::Place), on(Cause::Direction));
+        let mut sums = vec![Some(Squared { bias: 0.0, noise: 0.0 }); forces_n.len()];
+        for contact in &assumed {
+            let errors = self.sense(known, contact, seen, forces_n);
+            for (i, sum) in sums.iter_mut().enumerate() {
+                *sum = sum.zip(errors.get(i).copied().flatten()).map(|(sum, error)| Squared {
+                    bias: sum.bias + error.bias / assumed.len() as f64,
+                    noise: sum.noise + error.noise / assumed.len() as f64,
+                });
+            }
+        }
+        sums
+    }
+
+    fn bending(&self, off: &[Cause]) -> Bending {
+        if self.practice == Practice::LeastSquares && !off.contains(&Cause::Linearisation) {
+            Bending::Linear
+        } else if off.contains(&Cause::Discretisation) {
+            Bending::Refined
+        } else {
+            Bending::Coarse
+        }
+    }
+
+    /// What sensing takes the contact for: off to both sides, as far as the plate reaches.
+    fn assumed(&self, s_mm: f64, angle_deg: f64, place_off: bool, direction_off: bool) -> Vec<Contact> {
+        let sides = |off: bool, by: f64| if off { vec![-by, by] } else { vec![0.0] };
+        let length_mm = self.models.finger().plate_length_mm(Plate::Front);
+        let mut contacts = Vec::new();
+        for place_off_mm in sides(place_off, PLACE_OFF_MM) {
+            for direction_off_deg in sides(direction_off, DIRECTION_OFF_DEG) {
+                let assumed_mm = s_mm + place_off_mm;
+                if assumed_mm > 0.0 && assumed_mm <= length_mm {
+                    let place = ContactPlace::Place(assumed_mm);
+                    contacts.push(Contact { place, angle_deg: angle_deg + direction_off_deg });
+                }
+            }
+        }
+        contacts
+    }
+
+    /// Squared errors of what one model senses, a value a shape.
+    fn sense(&self, known: Known, contact: &Contact, seen: &[Measurement], forces_n: &[f64]) -> Vec<Option<Squared>> {
+        let mesh = self.models.mesh(known);
+        let Some(markers) = seen.first() else { return Vec::new() };
+        let pairs = seen.iter().zip(forces_n);
+        if known.bending == Bending::Linear {
+            let Ok(estimator) = LinearEstimator::new(mesh.finger(), &[*contact], markers) else { return Vec::new() };
+            let sense = |(seen, &force_n): (&Measurement, &f64)| {
+                let sensed = estimator.estimate(seen, Some(self.noise_mm), Prior::None);
+                // The stated deviation rests on the residual where the measurement contradicts the linear finger; noise does this.
+                let noise_n = estimator.inverse().sigmas_per_noise[0] * self.noise_mm;
+                Some(Squared::of(sensed.forces_n[0], noise_n, force_n))
+            };
+            return pairs.map(sense).collect();
+        }
+        let Ok(mut estimator) = NonlinearEstimator::new(mesh, &[(*contact).into()]) else { return Vec::new() };
+        let sense = |(seen, &force_n): (&Measurement, &f64)| {
+            Squared::of_nonlinear(&mut estimator, seen, force_n, self.noise_mm)
+        };
+        pairs.map(sense).collect()
+    }
+}

@@ -1,0 +1,282 @@
+//! Why a sensed force is wrong: what goes away when one cause is switched off, and what is left when several are.
+//!
+//! A true finger, with large rotations on a fine mesh, is pushed at a place in a direction. Sensing does what a user would:
+//! it takes the finger for uniform where it is softer, calibrates its modulus by shapes under weights, assumes a direction and a
+//! place that are somewhat off, and sees through a camera with noise. Each [`Cause`] can be taken away, the others left as they are.
+//! The share of a cause is the part of the mean square error that goes away with it. Shares need not add up to one: errors that
+//! point the same way grow when squared, and a cause that hides another one has a negative share.
+
+mod cell;
+mod models;
+pub mod network;
+
+use crate::truths::{MeshTruth, fine_mesh};
+use cell::Sensor;
+use finray_model::calibration::CalibrationError;
+use finray_model::finger::ImpossibleFinger;
+use finray_model::mesh::MeshSizeError;
+use finray_model::sensing::SensingError;
+use finray_model::statics::StaticsError;
+use finray_model::{Finger, Kinematics};
+use models::{End, Models};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// How far the true direction is from the one assumed, degrees, to either side: the paper assumes the undeformed normal, from which the
+/// deformed one turns by up to 12.5 deg (sec. V-C).
+pub const DIRECTION_OFF_DEG: f64 = 12.5;
+/// How far the true place is from the one assumed, mm, to either side: the radius of the paper's rods (sec. V-C), round which an object may touch.
+pub const PLACE_OFF_MM: f64 = 1.5;
+
+/// What makes a sensed force wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Cause {
+    /// Of the camera. Off: none.
+    Noise,
+    /// Small rotations are assumed. Off: the nonlinear estimator.
+    Linearisation,
+    /// An element a member. Off: four. The linear finger is exact at its key nodes, whatever the mesh.
+    Discretisation,
+    /// Young's modulus as the model at hand calibrates it from shapes under weights (eq. (11) of the paper). Off: the true one.
+    Modulus,
+    /// Off by [`DIRECTION_OFF_DEG`] to either side. Off: the true one.
+    Direction,
+    /// Off by [`PLACE_OFF_MM`] to either side. Off: the true one.
+    Place,
+    /// Zones nearer to the base than to the tip are not known. Off: known.
+    BaseCompliance,
+    /// Zones nearer to the tip than to the base are not known. Off: known.
+    TipCompliance,
+    /// A network stands for the model that it was trained on. Off: the nonlinear estimator on that model.
+    NetworkFit,
+}
+
+impl Cause {
+    /// For tables, legends and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Cause::Noise => "noise",
+            Cause::Linearisation => "linearisation",
+            Cause::Discretisation => "discretisation",
+            Cause::Modulus => "wrong modulus",
+            Cause::Direction => "wrong direction",
+            Cause::Place => "wrong place",
+            Cause::BaseCompliance => "base compliance",
+            Cause::TipCompliance => "tip compliance",
+            Cause::NetworkFit => "network fit",
+        }
+    }
+}
+
+/// How a user senses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Practice {
+    /// Linear least squares.
+    LeastSquares,
+    /// The nonlinear estimator with an element a member.
+    Nonlinear,
+    /// A network trained on the nonlinear finger, at a contact node and along the normal.
+    Network,
+}
+
+/// What a user knows of a contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ContactKnowledge {
+    /// Place and direction are assumed, and off.
+    Assumed,
+    /// Both are known.
+    Known,
+}
+
+impl Practice {
+    /// The estimator's name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Practice::LeastSquares => "least-squares",
+            Practice::Nonlinear => "nonlinear",
+            Practice::Network => "network",
+        }
+    }
+
+    fn causes(self) -> [Cause; 7] {
+        use Cause::{
+            BaseCompliance, Direction, Discretisation, Linearisation, Modulus, NetworkFit, Noise, Place, TipCompliance,
+        };
+        let of_the_model = match self {
+            Practice::LeastSquares => Linearisation,
+            Practice::Nonlinear => Discretisation,
+            Practice::Network => NetworkFit,
+        };
+        [Noise, of_the_model, Modulus, Direction, Place, BaseCompliance, TipCompliance]
+    }
+}
+
+/// What is known of a contact leaves no cause.
+impl ContactKnowledge {
+    fn leaves_out(self) -> &'static [Cause] {
+        match self {
+            ContactKnowledge::Assumed => &[],
+            ContactKnowledge::Known => &[Cause::Direction, Cause::Place],
+        }
+    }
+
+    /// For tables and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            ContactKnowledge::Assumed => "assumed",
+            ContactKnowledge::Known => "known",
+        }
+    }
+}
+
+/// What is asked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CauseRequest {
+    /// Who senses, and what he knows of the contact: a map each. Not the network, which is [apart](network).
+    pub practices: Vec<(Practice, ContactKnowledge)>,
+    /// Places on the front plate, mm from the base.
+    pub places_mm: Vec<f64>,
+    /// Directions, degrees from the inward normal, positive towards the tip.
+    pub angles_deg: Vec<f64>,
+    /// Forces, N, growing.
+    pub forces_n: Vec<f64>,
+    /// Standard deviation of a measured coordinate, mm.
+    pub noise_mm: f64,
+    /// Whether sensing knows the zones of the finger; they are a cause otherwise.
+    pub zones_known: bool,
+}
+
+/// The causes of one force at one place and direction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CauseCell {
+    /// Place on the front plate, mm from the base.
+    pub s_mm: f64,
+    /// Direction, degrees from the inward normal, positive towards the tip.
+    pub angle_deg: f64,
+    /// True force, N.
+    pub force_n: f64,
+    /// Root mean square of sensed / true - 1 with every cause; `None` where the finger has no equilibrium or sensing refuses.
+    pub rms_error: Option<f64>,
+    /// By cause, in the order of the map's: the part of the mean square error that goes away with it; `None` where sensing refuses
+    /// without it.
+    pub shares: Vec<Option<f64>>,
+    /// Root mean square of sensed / true - 1 as [`REMEDIES`] are taken one after the other.
+    pub remedied: Vec<Option<f64>>,
+}
+
+impl CauseCell {
+    /// Position of the cause with the largest share, and that share; `None` if no cause lessens the error by being away.
+    pub fn largest(&self) -> Option<(usize, f64)> {
+        let known = self.shares.iter().enumerate().filter_map(|(i, share)| Some((i, (*share)?)));
+        known.filter(|(_, share)| *share > 0.0).max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// The error that goes away with a cause, root mean square of sensed / true - 1; none for a cause that hides others.
+    pub fn error_of(&self, cause: usize) -> Option<f64> {
+        let share = (*self.shares.get(cause)?)?;
+        Some(self.rms_error? * share.max(0.0).sqrt())
+    }
+}
+
+/// What a user can do about errors, one after the other, with the causes that each takes away: knowing zones and modulus, then place
+/// and direction of the contact, then sensing with large rotations and four elements a member.
+pub const REMEDIES: [(&str, &[Cause]); 3] = [
+    ("zones known", &[Cause::BaseCompliance, Cause::TipCompliance, Cause::Modulus]),
+    ("contact known", &[Cause::Direction, Cause::Place]),
+    ("nonlinear", &[Cause::Linearisation, Cause::Discretisation]),
+];
+
+/// The causes of one truth and practice on a grid.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CauseMap {
+    /// What was asked for.
+    pub request: CauseRequest,
+    /// Name of the truth.
+    pub truth: &'static str,
+    /// How it is sensed.
+    pub practice: Practice,
+    /// What is known of the contact.
+    pub contact: ContactKnowledge,
+    /// The causes that there are, in the order of the cells' shares.
+    pub causes: Vec<Cause>,
+    /// By place, then direction, then force.
+    pub cells: Vec<CauseCell>,
+}
+
+/// Why causes could not be studied.
+#[derive(Debug, thiserror::Error)]
+pub enum CauseError {
+    /// The finger could not be meshed.
+    #[error(transparent)]
+    Mesh(#[from] MeshSizeError),
+    /// The finger at rest could not be solved.
+    #[error(transparent)]
+    Statics(#[from] StaticsError),
+    /// A finger with other zones or modulus is impossible.
+    #[error(transparent)]
+    Finger(#[from] ImpossibleFinger),
+    /// The modulus could not be calibrated.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationError),
+    /// A contact cannot be sensed.
+    #[error(transparent)]
+    Sensing(#[from] SensingError),
+    /// A network does not read.
+    #[error(transparent)]
+    Network(#[from] finray_model::sensing::network::NetworkError),
+}
+
+/// The causes of every practice on a true finger, called `truth`. `progress` is called once for every place and direction. The result does not depend on the number of threads.
+///
+/// # Errors
+/// [`CauseError`] if the finger at rest cannot be solved or its modulus not calibrated.
+pub fn causes(
+    truth: &'static str,
+    finger: &Finger,
+    request: &CauseRequest,
+    progress: &(dyn Fn() + Sync),
+) -> Result<Vec<CauseMap>, CauseError> {
+    let mesh = fine_mesh(finger)?;
+    let pushed = MeshTruth::new(truth, &mesh, Kinematics::Corotational)?;
+    let models = Models::of(finger, &pushed)?;
+    let sensor = |&(practice, contact): &(Practice, ContactKnowledge)| Sensor {
+        practice,
+        contact,
+        models: &models,
+        noise_mm: request.noise_mm,
+        zones_known: request.zones_known,
+        causes: present(practice, contact, finger, request),
+    };
+    let sensors: Vec<Sensor> = request.practices.iter().map(sensor).collect();
+    let contacts: Vec<_> =
+        request.places_mm.iter().flat_map(|&s_mm| request.angles_deg.iter().map(move |&angle| (s_mm, angle))).collect();
+    let at = |&(s_mm, angle_deg): &(f64, f64)| {
+        let cells = cell::cells(&pushed, &sensors, s_mm, angle_deg, &request.forces_n);
+        progress();
+        cells
+    };
+    let cells: Vec<Vec<Vec<CauseCell>>> = contacts.par_iter().with_max_len(1).map(at).collect();
+    let of_sensor = |(i, sensor): (usize, &Sensor)| CauseMap {
+        request: request.clone(),
+        truth,
+        practice: sensor.practice,
+        contact: sensor.contact,
+        causes: sensor.causes.clone(),
+        cells: cells.iter().flat_map(|by_sensor| by_sensor[i].iter().cloned()).collect(),
+    };
+    Ok(sensors.iter().enumerate().map(of_sensor).collect())
+}
+
+/// The causes that there are.
+fn present(practice: Practice, contact: ContactKnowledge, finger: &Finger, request: &CauseRequest) -> Vec<Cause> {
+    let exists = |cause: &Cause| match cause {
+        Cause::Noise => request.noise_mm > 0.0,
+        Cause::BaseCompliance => !request.zones_known && models::has_zones(finger, End::Base),
+        Cause::TipCompliance => !request.zones_known && models::has_zones(finger, End::Tip),
+        cause => !contact.leaves_out().contains(cause),
+    };
+    practice.causes().into_iter().filter(exists).collect()
+}

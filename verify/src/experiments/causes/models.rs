@@ -1,0 +1,148 @@
+//! What sensing takes the finger for: with zones known or not, its modulus calibrated or true.
+
+use super::CauseError;
+use crate::estimators::ELEMENTS;
+use crate::experiments::table_one::{WEIGHTS_G, weight_n};
+use crate::truths::Truth;
+use finray_model::calibration::{CalibrationCase, FactorModel, Unknown, factors};
+use finray_model::finger::{Part, Plate, Zone};
+use finray_model::measurement::Measurement;
+use finray_model::sensing::Contact;
+use finray_model::{Finger, Kinematics, Mesh, NodeId};
+
+/// An end of the finger that may have zones of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum End {
+    Base,
+    Tip,
+}
+
+/// How the model bends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Bending {
+    /// Linear, exact at key nodes.
+    Linear,
+    /// With large rotations, an element a member.
+    Coarse,
+    /// With large rotations, [`ELEMENTS`] a member.
+    Refined,
+}
+
+const BENDINGS: [Bending; 3] = [Bending::Linear, Bending::Coarse, Bending::Refined];
+
+/// What is known of the finger.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Known {
+    /// The zones at the base.
+    pub base: bool,
+    /// The zones at the tip.
+    pub tip: bool,
+    /// Young's modulus; calibrated otherwise.
+    pub modulus: bool,
+    /// Which model calibrates, and senses.
+    pub bending: Bending,
+}
+
+/// Models of the finger by what is known of it.
+pub(super) struct Models {
+    finger: Finger,
+    meshes: Vec<Mesh>,
+}
+
+impl Models {
+    /// All models of a true finger, calibrated on shapes of it under the paper's weights at nodes a third, half and two thirds
+    /// of the way from the tip to the base: nodes 17, 19 and 21 of the paper's finger (sec. V-A).
+    pub fn of(finger: &Finger, truth: &dyn Truth) -> Result<Models, CauseError> {
+        let cases = weighed(finger, truth);
+        let mut meshes = Vec::new();
+        for number in 0..Known::COUNT {
+            let known = Known::numbered(number);
+            let zoned = with_zones(finger, known.base, known.tip)?;
+            let model = if known.modulus { zoned } else { calibrated(&zoned, &cases, known.bending)? };
+            meshes.push(Mesh::with_elements_per_member(&model, known.bending.elements()));
+        }
+        Ok(Models { finger: finger.clone(), meshes })
+    }
+
+    /// The model of a finger of which this much is known.
+    pub fn mesh(&self, known: Known) -> &Mesh {
+        &self.meshes[known.number()]
+    }
+
+    /// The true finger.
+    pub fn finger(&self) -> &Finger {
+        &self.finger
+    }
+}
+
+impl Known {
+    const COUNT: usize = 8 * BENDINGS.len();
+
+    fn numbered(number: usize) -> Known {
+        let bit = |place: usize| (number / BENDINGS.len()) >> place & 1 == 1;
+        Known { base: bit(0), tip: bit(1), modulus: bit(2), bending: BENDINGS[number % BENDINGS.len()] }
+    }
+
+    fn number(self) -> usize {
+        let bits = usize::from(self.base) + 2 * usize::from(self.tip) + 4 * usize::from(self.modulus);
+        BENDINGS.len() * bits + self.bending as usize
+    }
+}
+
+impl Bending {
+    fn elements(self) -> usize {
+        if self == Bending::Refined { ELEMENTS } else { 1 }
+    }
+
+    fn kinematics(self) -> Kinematics {
+        if self == Bending::Linear { Kinematics::Linear } else { Kinematics::Corotational }
+    }
+}
+
+/// The end that the middle of a zone is nearer to.
+fn end_of(finger: &Finger, zone: &Zone) -> End {
+    let plate = if zone.part == Part::Back { Plate::Back } else { Plate::Front };
+    // Twice the middle, against twice the half.
+    if zone.from_mm + zone.to_mm < finger.plate_length_mm(plate) { End::Base } else { End::Tip }
+}
+
+/// Whether a finger has zones at an end.
+pub(super) fn has_zones(finger: &Finger, end: End) -> bool {
+    finger.description().zones.iter().any(|zone| end_of(finger, zone) == end)
+}
+
+/// The finger with the zones that are known; what is not known is taken for uniform.
+pub(super) fn with_zones(finger: &Finger, base: bool, tip: bool) -> Result<Finger, CauseError> {
+    let mut description = finger.description().clone();
+    description.zones.retain(|zone| match end_of(finger, zone) {
+        End::Base => base,
+        End::Tip => tip,
+    });
+    Ok(Finger::new(description)?)
+}
+
+/// Shapes under weights along the normal, as far as the finger carries them.
+pub(super) fn weighed(finger: &Finger, truth: &dyn Truth) -> Vec<CalibrationCase> {
+    let nodes: Vec<NodeId> = finger.contact_nodes().collect();
+    let mut loaded = [nodes.len() / 3, nodes.len() / 2, 2 * nodes.len() / 3].map(|i| nodes[i]).to_vec();
+    loaded.dedup();
+    let under = |node: NodeId| {
+        let contact = Contact::at_node(node);
+        let shapes = truth.shapes(&contact, &WEIGHTS_G.map(weight_n));
+        let case = move |(shape, weight_g)| CalibrationCase {
+            load: contact.load(finger, weight_n(weight_g)),
+            measurement: Measurement::of_shape(finger, &shape),
+        };
+        shapes.into_iter().zip(WEIGHTS_G).map(case).collect::<Vec<_>>()
+    };
+    loaded.into_iter().flat_map(under).collect()
+}
+
+/// The finger with the modulus that explains the shapes best; as it is where there are none.
+pub(super) fn calibrated(finger: &Finger, cases: &[CalibrationCase], bending: Bending) -> Result<Finger, CauseError> {
+    if cases.is_empty() {
+        return Ok(finger.clone());
+    }
+    let model = FactorModel { kinematics: bending.kinematics(), elements: bending.elements(), noise_mm: None };
+    Ok(factors(finger, cases, &[Unknown::Modulus], &model)?.finger)
+}

@@ -1,0 +1,190 @@
+//! What a network adds to the errors of the model that it was trained on.
+//!
+//! A network senses at the contact nodes and along the normal that it was made for, so here it is the true contact that is off, by as much as
+//! elsewhere the assumed one, and the true finger that is made uniform. Noise is in the pictures.
+
+use super::cell::Squared;
+use super::models::{Bending, calibrated, weighed, with_zones};
+use super::{
+    Cause, CauseCell, CauseError, CauseMap, CauseRequest, ContactKnowledge, DIRECTION_OFF_DEG, PLACE_OFF_MM, Practice,
+    present,
+};
+use crate::estimators::{ELEMENTS, Estimator};
+use crate::settings::LEAST_STATED_MM;
+use crate::truths::{MeshTruth, Truth, fine_mesh};
+use finray_model::finger::Plate;
+use finray_model::frame::FrameMotion;
+use finray_model::measurement::Measurement;
+use finray_model::sensing::{Contact, ContactPlace, NonlinearEstimator};
+use finray_model::{Finger, Kinematics, Mesh, NodeId};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
+
+/// Noise pictures of every shape: an error by noise is then known to a sixth.
+const PICTURES: usize = 40;
+const SEED: u64 = 1;
+
+/// The causes of a network's errors on a true finger, called `truth`, at every contact node that there is a network for. The `believed` finger is
+/// the one that it was trained on; its modulus may be another, as forces are proportional to it.
+///
+/// # Errors
+/// [`CauseError`] if a finger at rest cannot be solved or its modulus not calibrated.
+pub fn causes(
+    truth: &'static str,
+    finger: &Finger,
+    believed: &Finger,
+    network: &dyn Estimator,
+    forces_n: &[f64],
+    noise_mm: f64,
+) -> Result<CauseMap, CauseError> {
+    let mut request = CauseRequest {
+        practices: vec![(Practice::Network, ContactKnowledge::Assumed)],
+        places_mm: Vec::new(),
+        angles_deg: vec![0.0],
+        forces_n: forces_n.to_vec(),
+        noise_mm,
+        zones_known: false,
+    };
+    let causes = present(Practice::Network, ContactKnowledge::Assumed, finger, &request);
+    let worlds = causes.iter().map(|cause| Some(*cause)).chain([None]);
+    let worlds: Vec<World> =
+        worlds.map(|off| World::without(off, truth, finger, believed)).collect::<Result<_, CauseError>>()?;
+    let key_nodes = Mesh::key_nodes(finger);
+    let at_rest = Measurement::of_shape(finger, &key_nodes.shape(&FrameMotion::at_rest(key_nodes.frame())));
+    let nodes: Vec<NodeId> =
+        believed.contact_nodes().filter(|node| network.prepare(&[Contact::at_node(*node)], &at_rest).is_ok()).collect();
+    let cells = |&node: &NodeId| -> Vec<CauseCell> {
+        let errors: Vec<_> = worlds.iter().map(|world| world.errors(node, network, forces_n, noise_mm)).collect();
+        let cell = |(i, &force_n): (usize, &f64)| {
+            let (without, all) = (&errors[..causes.len()], errors[causes.len()][i]);
+            CauseCell {
+                s_mm: believed.front_place_mm(node).unwrap_or(f64::NAN),
+                angle_deg: 0.0,
+                force_n,
+                rms_error: all.map(f64::sqrt),
+                shares: without.iter().map(|errors| Some(1.0 - errors[i]? / all?)).collect(),
+                remedied: Vec::new(),
+            }
+        };
+        forces_n.iter().enumerate().map(cell).collect()
+    };
+    let cells: Vec<CauseCell> = nodes.par_iter().with_max_len(1).flat_map_iter(cells).collect();
+    request.places_mm = nodes.iter().filter_map(|node| believed.front_place_mm(*node)).collect();
+    Ok(CauseMap { request, truth, practice: Practice::Network, contact: ContactKnowledge::Assumed, causes, cells })
+}
+
+/// The finger and what is made of it, with one cause switched off.
+struct World {
+    off: Option<Cause>,
+    /// The true finger.
+    mesh: Mesh,
+    truth: &'static str,
+    /// The finger that the network stands for, of the modulus that it is used with.
+    model: Mesh,
+    /// That modulus over the one that it was trained with.
+    modulus_factor: f64,
+}
+
+impl World {
+    fn without(
+        off: Option<Cause>,
+        truth: &'static str,
+        finger: &Finger,
+        believed: &Finger,
+    ) -> Result<World, CauseError> {
+        let finger = with_zones(finger, off != Some(Cause::BaseCompliance), off != Some(Cause::TipCompliance))?;
+        let mesh = fine_mesh(&finger)?;
+        let modulus = |finger: &Finger| finger.description().front.youngs_modulus_mpa;
+        let taken_for = if off == Some(Cause::Modulus) {
+            modulus(&finger)
+        } else {
+            let cases = weighed(&finger, &MeshTruth::new(truth, &mesh, Kinematics::Corotational)?);
+            modulus(&calibrated(believed, &cases, Bending::Refined)?)
+        };
+        let modulus_factor = taken_for / modulus(believed);
+        let model = Mesh::with_elements_per_member(&believed.with_modulus_factor(modulus_factor)?, ELEMENTS);
+        Ok(World { off, mesh, truth, model, modulus_factor })
+    }
+
+    /// Mean square of sensed / true - 1 at a node, a value a force; `None` where sensing refuses, or the finger has no
+    /// equilibrium, on either side of what is off.
+    fn errors(&self, node: NodeId, network: &dyn Estimator, forces_n: &[f64], noise_mm: f64) -> Vec<Option<f64>> {
+        let off = |cause| self.off == Some(cause);
+        let mut sums = vec![Some(0.0); forces_n.len()];
+        let Ok(truth) = MeshTruth::new(self.truth, &self.mesh, Kinematics::Corotational) else {
+            return vec![None; forces_n.len()];
+        };
+        let finger = self.mesh.finger();
+        let contacts = true_contacts(finger, node, !off(Cause::Place), !off(Cause::Direction));
+        for contact in &contacts {
+            let shapes = truth.shapes(contact, forces_n);
+            let seen: Vec<_> = shapes.iter().map(|shape| Measurement::of_shape(finger, shape)).collect();
+            let errors = match self.off {
+                Some(Cause::NetworkFit) => self.by_the_model(node, &seen, forces_n, noise_mm),
+                Some(Cause::Noise) => self.by_the_network(node, network, &seen, forces_n, 0.0),
+                _ => self.by_the_network(node, network, &seen, forces_n, noise_mm),
+            };
+            for (i, sum) in sums.iter_mut().enumerate() {
+                let error = errors.get(i).copied().flatten();
+                *sum = sum.zip(error).map(|(sum, error)| sum + error / contacts.len() as f64);
+            }
+        }
+        sums
+    }
+
+    fn by_the_network(
+        &self,
+        node: NodeId,
+        network: &dyn Estimator,
+        seen: &[Measurement],
+        forces_n: &[f64],
+        noise_mm: f64,
+    ) -> Vec<Option<f64>> {
+        let contacts = [Contact::at_node(node)];
+        let Some(Ok(mut network)) = seen.first().map(|markers| network.prepare(&contacts, markers)) else {
+            return Vec::new();
+        };
+        let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+        let pictures = if noise_mm > 0.0 { PICTURES } else { 1 };
+        let mut of_force = |(seen, &force_n): (&Measurement, &f64)| {
+            let mut sum = 0.0;
+            for _ in 0..pictures {
+                let mut picture = seen.clone();
+                if noise_mm > 0.0 {
+                    picture.add_noise(noise_mm, || StandardNormal.sample(&mut rng));
+                }
+                let sensed = network.estimate(&picture, Some(noise_mm.max(LEAST_STATED_MM))).ok()?;
+                sum += (self.modulus_factor * sensed.forces_n[0] / force_n - 1.0).powi(2);
+            }
+            Some(sum / pictures as f64)
+        };
+        seen.iter().zip(forces_n).map(&mut of_force).collect()
+    }
+
+    fn by_the_model(&self, node: NodeId, seen: &[Measurement], forces_n: &[f64], noise_mm: f64) -> Vec<Option<f64>> {
+        let contact = Contact::at_node(node);
+        let Ok(mut estimator) = NonlinearEstimator::new(&self.model, &[contact.into()]) else { return Vec::new() };
+        let squared = |(seen, &force_n): (&Measurement, &f64)| {
+            Some(Squared::of_nonlinear(&mut estimator, seen, force_n, noise_mm)?.sum())
+        };
+        seen.iter().zip(forces_n).map(squared).collect()
+    }
+}
+
+/// Where the force may act that is taken for one on a node along the normal; as far as the plate reaches.
+fn true_contacts(finger: &Finger, node: NodeId, place_off: bool, direction_off: bool) -> Vec<Contact> {
+    let sides = |off: bool, by: f64| if off { vec![-by, by] } else { vec![0.0] };
+    let Some(s_mm) = finger.front_place_mm(node) else { return Vec::new() };
+    let mut contacts = Vec::new();
+    for place_off_mm in sides(place_off, PLACE_OFF_MM) {
+        for angle_deg in sides(direction_off, DIRECTION_OFF_DEG) {
+            let place_mm = s_mm + place_off_mm;
+            if place_mm <= finger.plate_length_mm(Plate::Front) {
+                contacts.push(Contact { place: ContactPlace::Place(place_mm), angle_deg });
+            }
+        }
+    }
+    contacts
+}

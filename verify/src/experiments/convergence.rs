@@ -1,0 +1,276 @@
+//! How fine a mesh must be: large-rotation solutions on ever finer meshes against the converged one.
+//!
+//! Every member is divided into 1, 2, 4, ... elements. The differences between the three finest solutions give the
+//! observed order p; Richardson's extrapolation from the last two gives the converged solution, and Roache's grid
+//! convergence index what may be left on the finest mesh.
+//!
+//! Source: Roache, Perspective: A Method for Uniform Reporting of Grid Refinement Studies, J. Fluids Eng. 116 (1994).
+
+use crate::check::{Check, Kind, worst};
+use crate::settings::Effort;
+use crate::truths::FINE_MESH_NODES;
+use finray_model::mesh::MeshSizeError;
+use finray_model::statics::Statics;
+use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// The force at which a fine enough mesh is promised, N.
+pub const PROMISED_FORCE_N: f64 = 3.0;
+/// Forces of the full table, N, growing.
+const FORCES_N: [f64; 4] = [0.5, 1.0, 2.0, PROMISED_FORCE_N];
+/// About so many nodes are loaded, one after the other.
+const LOADED_NODES: usize = 12;
+/// Factor of safety of the grid convergence index for three meshes (Roache 1994).
+const SAFETY: f64 = 1.25;
+/// Orders outside this range are not the element's but rounding's or chance's.
+const ORDERS: [f64; 2] = [0.5, 4.0];
+/// Largest error on the meshes of the paper's finger, as a share of the largest displacement.
+const KEY_NODES_TOLERANCE: f64 = 1e-2;
+const TWO_ELEMENTS_TOLERANCE: f64 = 6e-3;
+const FINE_MESH_TOLERANCE: f64 = 1e-4;
+/// A reference must be ten times better than what it judges.
+const REFERENCE_TOLERANCE: f64 = 0.1 * FINE_MESH_TOLERANCE;
+
+impl Effort {
+    /// Forces, N, and nodes of the largest mesh.
+    fn convergence(self) -> (&'static [f64], usize) {
+        match self {
+            Effort::Quick => (&FORCES_N[3..], 2500),
+            Effort::Full => (&FORCES_N, 5000),
+        }
+    }
+}
+
+/// A mesh of the table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MeshSize {
+    /// Its nodes.
+    pub nodes: usize,
+    /// Elements of every member; `None` for the paper's fine mesh, whose elements have about one length.
+    pub elements_a_member: Option<usize>,
+}
+
+/// Solutions of one load on all meshes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refinement {
+    /// By mesh: largest difference of a key node's displacement from the converged one, over the largest displacement.
+    pub errors: Vec<f64>,
+    /// Observed order of convergence in the element length; `None` where the differences do not shrink.
+    pub order: Option<f64>,
+    /// What may be left on the finest mesh, over the largest displacement.
+    pub left: f64,
+}
+
+/// A force along the front plate's inward normal, and what the meshes make of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RefinedLoad {
+    /// The loaded node.
+    pub node: NodeId,
+    /// The force, N.
+    pub force_n: f64,
+    /// `None` if a mesh has no equilibrium under it.
+    pub refinement: Option<Refinement>,
+}
+
+/// The table: meshes, and loads solved on each of them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Convergence {
+    /// Meshes by size.
+    pub meshes: Vec<MeshSize>,
+    /// Loads by node, then force.
+    pub loads: Vec<RefinedLoad>,
+}
+
+/// One error, for the CSV file.
+#[derive(Debug, Serialize)]
+pub struct ConvergenceRow {
+    load_node: NodeId,
+    force_n: f64,
+    mesh_nodes: usize,
+    elements_a_member: Option<usize>,
+    error: Option<f64>,
+    observed_order: Option<f64>,
+    left_on_finest_mesh: Option<f64>,
+}
+
+/// Solves every load on every mesh; loads without equilibrium are gaps. `progress` is called once for every loaded node.
+///
+/// # Errors
+/// [`MeshSizeError`] never in practice: the paper's fine mesh is left out where it is smaller than the finger.
+pub fn convergence(
+    finger: &Finger,
+    effort: Effort,
+    progress: &(dyn Fn() + Sync),
+) -> Result<Convergence, MeshSizeError> {
+    let (forces_n, most_nodes) = effort.convergence();
+    let mut meshes = doubled_meshes(finger, most_nodes);
+    let doubled = meshes.len();
+    if finger.key_node_count() < FINE_MESH_NODES {
+        meshes.push((None, Mesh::with_nodes(finger, FINE_MESH_NODES)?));
+    }
+    let mut order: Vec<usize> = (0..meshes.len()).collect();
+    order.sort_by_key(|&i| meshes[i].1.node_count());
+    let loads = loaded_nodes(finger)
+        .into_par_iter()
+        .flat_map_iter(|node| {
+            let solutions: Vec<_> = meshes.iter().map(|(_, mesh)| path(mesh, node, forces_n)).collect();
+            progress();
+            let order = &order;
+            forces_n.iter().enumerate().map(move |(i, &force_n)| {
+                let solved: Option<Vec<&[Vector]>> =
+                    solutions.iter().map(|path| path.get(i).map(Vec::as_slice)).collect();
+                let refinement = solved.and_then(|solved| refine(&solved, doubled, order));
+                RefinedLoad { node, force_n, refinement }
+            })
+        })
+        .collect();
+    let size = |&i: &usize| MeshSize { nodes: meshes[i].1.node_count(), elements_a_member: meshes[i].0 };
+    Ok(Convergence { meshes: order.iter().map(size).collect(), loads })
+}
+
+/// Contact nodes but the tip, thinned to about a dozen; the tip where there is no other.
+pub fn loaded_nodes(finger: &Finger) -> Vec<NodeId> {
+    let nodes: Vec<NodeId> = finger.contact_nodes().skip(1).collect();
+    if nodes.is_empty() {
+        return vec![finger.tip()];
+    }
+    nodes.iter().copied().step_by(nodes.len().div_ceil(LOADED_NODES)).collect()
+}
+
+/// Meshes with 1, 2, 4, ... elements a member: up to a size, but never fewer than the three that an order takes.
+fn doubled_meshes(finger: &Finger, most_nodes: usize) -> Vec<(Option<usize>, Mesh)> {
+    let mut meshes: Vec<(Option<usize>, Mesh)> = Vec::new();
+    let mut elements = 1;
+    loop {
+        let mesh = Mesh::with_elements_per_member(finger, elements);
+        if meshes.len() >= 3 && mesh.node_count() > most_nodes {
+            return meshes;
+        }
+        meshes.push((Some(elements), mesh));
+        elements *= 2;
+    }
+}
+
+/// Displacements of the key nodes under growing forces, as far as there is an equilibrium.
+fn path(mesh: &Mesh, node: NodeId, forces_n: &[f64]) -> Vec<Vec<Vector>> {
+    let unit = Load::at_node(node, mesh.finger().direction(0.0));
+    let Ok(load) = mesh.frame_load(&unit) else { return Vec::new() };
+    let (equilibria, _) = Statics::ladder(mesh, Kinematics::Corotational).path(&[load], forces_n);
+    let key_nodes = mesh.finger().key_node_count();
+    equilibria.into_iter().map(|found| found.motion.displacements[..key_nodes].to_vec()).collect()
+}
+
+/// Errors of some solutions, of which the first `doubled` double the elements; listed in `order`.
+fn refine(solutions: &[&[Vector]], doubled: usize, order: &[usize]) -> Option<Refinement> {
+    let [.., coarse, middle, fine] = solutions[..doubled] else { return None };
+    let largest = worst(fine.iter().map(|u| u.norm()));
+    let (before, last) = (difference(coarse, middle), difference(middle, fine));
+    let observed = (before / last).log2();
+    let observed = (observed > 0.0 && observed.is_finite()).then_some(observed);
+    // Where the differences do not shrink, nothing can be extrapolated.
+    let gain = observed.map_or(0.0, |p| 1.0 / (p.clamp(ORDERS[0], ORDERS[1]).exp2() - 1.0));
+    let converged: Vec<Vector> = fine.iter().zip(middle).map(|(f, m)| f + (f - m) * gain).collect();
+    let left = if observed.is_some() { SAFETY * gain * last } else { before.max(last) };
+    Some(Refinement {
+        errors: order.iter().map(|&i| difference(solutions[i], &converged) / largest).collect(),
+        order: observed,
+        left: left / largest,
+    })
+}
+
+fn difference(a: &[Vector], b: &[Vector]) -> f64 {
+    worst(a.iter().zip(b).map(|(a, b)| (a - b).norm()))
+}
+
+impl Convergence {
+    /// The forces, N.
+    pub fn forces_n(&self) -> Vec<f64> {
+        let Some(first) = self.loads.first() else { return Vec::new() };
+        self.loads.iter().take_while(|load| load.node == first.node).map(|load| load.force_n).collect()
+    }
+
+    fn refinements(&self, force_n: f64) -> impl Iterator<Item = &Refinement> {
+        self.loads.iter().filter(move |load| load.force_n == force_n).filter_map(|load| load.refinement.as_ref())
+    }
+
+    /// Largest error on a mesh over the loaded nodes; `None` if no load of this size has an equilibrium.
+    pub fn error(&self, mesh: usize, force_n: f64) -> Option<f64> {
+        let errors: Vec<f64> = self.refinements(force_n).map(|refinement| refinement.errors[mesh]).collect();
+        (!errors.is_empty()).then(|| worst(errors))
+    }
+
+    /// What may be left on the finest mesh over the loaded nodes.
+    pub fn left(&self, force_n: f64) -> Option<f64> {
+        let left: Vec<f64> = self.refinements(force_n).map(|refinement| refinement.left).collect();
+        (!left.is_empty()).then(|| worst(left))
+    }
+
+    /// Smallest and largest observed order over the loaded nodes.
+    pub fn orders(&self, force_n: f64) -> Option<[f64; 2]> {
+        let orders: Vec<f64> = self.refinements(force_n).filter_map(|refinement| refinement.order).collect();
+        let smallest = orders.iter().copied().reduce(f64::min)?;
+        Some([smallest, worst(orders)])
+    }
+
+    /// Loads of one size that some mesh has no equilibrium under.
+    pub fn gaps(&self, force_n: f64) -> usize {
+        self.loads.iter().filter(|load| load.force_n == force_n && load.refinement.is_none()).count()
+    }
+
+    /// The table by load and mesh.
+    pub fn rows(&self) -> impl Iterator<Item = ConvergenceRow> + '_ {
+        self.loads.iter().flat_map(move |load| {
+            self.meshes.iter().enumerate().map(move |(i, mesh)| ConvergenceRow {
+                load_node: load.node,
+                force_n: load.force_n,
+                mesh_nodes: mesh.nodes,
+                elements_a_member: mesh.elements_a_member,
+                error: load.refinement.as_ref().map(|refinement| refinement.errors[i]),
+                observed_order: load.refinement.as_ref().and_then(|refinement| refinement.order),
+                left_on_finest_mesh: load.refinement.as_ref().map(|refinement| refinement.left),
+            })
+        })
+    }
+
+    /// What is promised for the paper's finger at 3 N: all loads are carried, and the errors on three meshes.
+    pub fn checks(&self) -> Vec<Check> {
+        let mesh = |wanted: fn(&MeshSize) -> bool| self.meshes.iter().position(wanted);
+        let error = |mesh: Option<usize>| mesh.and_then(|i| self.error(i, PROMISED_FORCE_N)).unwrap_or(f64::NAN);
+        let promise = |name: &str, error: f64, tolerance: f64| {
+            Check::new(
+                Kind::Internal,
+                format!("{name}, co-rotational, {PROMISED_FORCE_N} N along the normal"),
+                "Richardson extrapolation",
+                "largest displacement difference / largest displacement",
+                0.0,
+                error,
+                tolerance,
+            )
+        };
+        let finest = self.meshes.last().map_or(0, |mesh| mesh.nodes);
+        vec![
+            promise("key nodes alone", error(mesh(|m| m.elements_a_member == Some(1))), KEY_NODES_TOLERANCE),
+            promise("two elements a member", error(mesh(|m| m.elements_a_member == Some(2))), TWO_ELEMENTS_TOLERANCE),
+            promise("684 nodes", error(mesh(|m| m.elements_a_member.is_none())), FINE_MESH_TOLERANCE),
+            Check::new(
+                Kind::Internal,
+                format!("{finest} nodes, co-rotational, {PROMISED_FORCE_N} N along the normal"),
+                "grid convergence index",
+                "what may be left / largest displacement",
+                0.0,
+                self.left(PROMISED_FORCE_N).unwrap_or(f64::NAN),
+                REFERENCE_TOLERANCE,
+            ),
+            Check::new(
+                Kind::Internal,
+                format!("all meshes, co-rotational, {PROMISED_FORCE_N} N along the normal"),
+                "the finger carries them",
+                "loads without equilibrium",
+                0.0,
+                self.gaps(PROMISED_FORCE_N) as f64,
+                0.5,
+            ),
+        ]
+    }
+}

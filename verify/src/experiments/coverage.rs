@@ -1,0 +1,260 @@
+//! Whether stated intervals hold the truth: coverage over positions, directions and forces, by finger and estimator.
+//!
+//! Every cell has noise samples of its own: the maps show all cells the same ones, which says little about how often
+//! intervals hold.
+
+use crate::check::{Check, Kind};
+use crate::estimators::{Estimator, PreparedEstimator};
+use crate::sampling::map::MapRequest;
+use crate::settings::TWO_SIDED_95;
+use crate::truths::Truth;
+use finray_model::Finger;
+use finray_model::measurement::Measurement;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::ops::Add;
+
+/// Share of truths within 1.96 standard deviations of a normal distribution.
+const NOMINAL: f64 = 0.95;
+/// How far from it an estimator without a warning may be: 93 to 97 %, so that a stated sigma is right within a tenth.
+const TOLERANCE: f64 = 0.02;
+/// Chance that is allowed for beside it, in standard deviations of a share.
+const CHANCE: f64 = 3.0;
+/// Share of samples of the paper's finger that may be refused: a force next to a limit load, one in 10 000, is no fault of an estimator. One
+/// more sample may be where few are drawn.
+const REFUSED: f64 = 0.001;
+/// The same of another finger, on which forces may be too small to tell: who refuses most is not shown to cover anything.
+const REFUSED_OF_ANOTHER: f64 = 0.5;
+/// Root mean square of sigma over that of the error where a warning widened it: more, and sigma would cover by saying nothing.
+const LARGEST_SIGMA: f64 = 3.0;
+/// The finger that an estimator must cover; on others (softer ends) its model is wrong, and it warns.
+const TRUTH: &str = "corotational";
+
+/// Coverage of one finger by one estimator.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CoverageRow {
+    /// Name of the truth.
+    pub truth: String,
+    /// Name of the estimator.
+    pub estimator: String,
+    /// Standard deviation of a measured coordinate, mm.
+    pub noise_mm: f64,
+    /// Positions and directions.
+    pub contacts: usize,
+    /// Noise samples of all contacts and forces with an equilibrium.
+    pub samples: usize,
+    /// Samples that the estimator refused.
+    pub refused: usize,
+    /// Answers with a warning.
+    pub warned: usize,
+    /// Answers without a warning.
+    pub without_warning: usize,
+    /// Of the answers without a warning, the share whose interval holds the truth; `None` if there are none.
+    pub covered_without_warning: Option<f64>,
+    /// The same of those with a warning.
+    pub covered_with_warning: Option<f64>,
+    /// Of the answers with a warning, the root mean square of the error over that of the stated sigma; `None` if there are none.
+    pub error_over_sigma_with_warning: Option<f64>,
+}
+
+/// Counts of samples.
+#[derive(Debug, Clone, Copy, Default)]
+struct Counts {
+    samples: usize,
+    refused: usize,
+    /// Without and with a warning: answers, and those whose interval holds the truth.
+    answers: [[usize; 2]; 2],
+    /// Sums of squares over the answers with a warning: of errors and of stated sigmas, N^2.
+    squares_n2: [f64; 2],
+}
+
+impl Add for Counts {
+    type Output = Counts;
+
+    fn add(self, other: Counts) -> Counts {
+        let [plain, warned] = [0, 1].map(|k| [0, 1].map(|i| self.answers[k][i] + other.answers[k][i]));
+        Counts {
+            samples: self.samples + other.samples,
+            refused: self.refused + other.refused,
+            answers: [plain, warned],
+            squares_n2: [0, 1].map(|i| self.squares_n2[i] + other.squares_n2[i]),
+        }
+    }
+}
+
+/// Senses every contact and force of a grid in noise samples of its own, as many as the grid asks for, by each estimator; a
+/// row each. `progress` is called after each contact. The result does not depend on the number of threads.
+pub fn coverage(
+    finger: &Finger,
+    truth: &dyn Truth,
+    estimators: &[&dyn Estimator],
+    (grid, noise_mm): (&MapRequest, f64),
+    progress: &(dyn Fn() + Sync),
+) -> Vec<CoverageRow> {
+    let of_contact = |number: usize| {
+        let contact = grid.contact(number);
+        let shapes = truth.shapes(&contact, &grid.forces_n);
+        let mut counts = vec![Counts::default(); estimators.len()];
+        if let Some(first) = shapes.first() {
+            let markers = Measurement::of_shape(finger, first);
+            let mut prepared: Vec<_> = estimators.iter().map(|e| e.prepare(&[contact], &markers).ok()).collect();
+            let mut rng = ChaCha8Rng::seed_from_u64(grid.seed);
+            rng.set_stream(number as u64);
+            for (shape, &force_n) in shapes.iter().zip(&grid.forces_n) {
+                for _ in 0..grid.noise_pictures {
+                    let mut noisy = Measurement::of_shape(finger, shape);
+                    noisy.add_noise(noise_mm, || StandardNormal.sample(&mut rng));
+                    for (counts, prepared) in counts.iter_mut().zip(&mut prepared) {
+                        counts.sense(prepared.as_deref_mut(), &noisy, noise_mm, force_n);
+                    }
+                }
+            }
+        }
+        progress();
+        counts
+    };
+    let contacts: Vec<Vec<Counts>> = (0..grid.contact_count()).into_par_iter().map(of_contact).collect();
+    let row = |(i, estimator): (usize, &&dyn Estimator)| {
+        let counts = contacts.iter().map(|counts| counts[i]).fold(Counts::default(), Counts::add);
+        let share = |[answers, covered]: [usize; 2]| (answers > 0).then(|| covered as f64 / answers as f64);
+        let [plain, warned] = counts.answers;
+        CoverageRow {
+            truth: truth.name().to_owned(),
+            estimator: estimator.name().to_owned(),
+            noise_mm,
+            contacts: grid.contact_count(),
+            samples: counts.samples,
+            refused: counts.refused,
+            warned: warned[0],
+            without_warning: plain[0],
+            covered_without_warning: share(plain),
+            covered_with_warning: share(warned),
+            error_over_sigma_with_warning: (warned[0] > 0)
+                .then(|| (counts.squares_n2[0] / counts.squares_n2[1]).sqrt()),
+        }
+    };
+    estimators.iter().enumerate().map(row).collect()
+}
+
+impl Counts {
+    /// One sample; an estimator that is not made for the contact refuses.
+    fn sense(
+        &mut self,
+        prepared: Option<&mut (dyn PreparedEstimator + '_)>,
+        noisy: &Measurement,
+        noise_mm: f64,
+        force_n: f64,
+    ) {
+        self.samples += 1;
+        let sensed = prepared.and_then(|prepared| prepared.estimate(noisy, Some(noise_mm)).ok());
+        let stated = sensed.as_ref().and_then(|sensed| Some((sensed, *sensed.sigmas_n.as_ref()?.first()?)));
+        let Some((sensed, sigma_n)) = stated else {
+            self.refused += 1;
+            return;
+        };
+        let [answers, covered] = &mut self.answers[usize::from(sensed.warned)];
+        *answers += 1;
+        let error_n = sensed.forces_n[0] - force_n;
+        *covered += usize::from(error_n.abs() <= TWO_SIDED_95 * sigma_n);
+        if sensed.warned {
+            for (sum, figure) in self.squares_n2.iter_mut().zip([error_n, sigma_n]) {
+                *sum += figure * figure;
+            }
+        }
+    }
+}
+
+impl CoverageRow {
+    /// What must hold on the finger that the estimators' models are refined to: all but hardly any samples are answered, 93 to 97 % of the
+    /// truths lie within 1.96 sigma where there is no warning, at least as many where there is one, by a sigma that is not much larger than
+    /// the error. None for other fingers.
+    fn checks(&self, is_paper: bool) -> Vec<Check> {
+        if self.truth != TRUTH {
+            return Vec::new();
+        }
+        let new = |quantity: String, reference: f64, ours: f64, tolerance: f64| {
+            let problem = format!(
+                "stated intervals of {} at {} positions and directions, {} mm noise",
+                self.estimator, self.contacts, self.noise_mm
+            );
+            Check::new(Kind::Internal, problem, "true forces", quantity, reference, ours, tolerance)
+        };
+        let answered = new(
+            format!("share of {} samples that is refused", self.samples),
+            0.0,
+            self.refused as f64 / self.samples as f64,
+            if is_paper { REFUSED + 1.0 / self.samples as f64 } else { REFUSED_OF_ANOTHER },
+        );
+        let check = |which: &str, covered: f64, answers: usize, reference: f64, tolerance: f64| {
+            let chance = CHANCE * (NOMINAL * (1.0 - NOMINAL) / answers as f64).sqrt();
+            let quantity =
+                format!("share within 1.96 sigma, {answers} of {} answers {which}", self.samples - self.refused);
+            new(quantity, reference, covered, tolerance + chance)
+        };
+        let plain = self
+            .covered_without_warning
+            .map(|covered| check("without a warning", covered, self.without_warning, NOMINAL, TOLERANCE));
+        // At least 93 %: from there up to all of them.
+        let least = NOMINAL - TOLERANCE;
+        let warned = self
+            .covered_with_warning
+            .map(|covered| check("with a warning", covered, self.warned, 0.5 * (1.0 + least), 0.5 * (1.0 - least)));
+        let sharp = self
+            .error_over_sigma_with_warning
+            .map(|share| new("rms sigma / rms error with a warning".to_owned(), 0.0, 1.0 / share, LARGEST_SIGMA));
+        std::iter::once(answered).chain(plain).chain(warned).chain(sharp).collect()
+    }
+}
+
+/// What must hold of some rows.
+pub fn checks(rows: &[CoverageRow], is_paper: bool) -> Vec<Check> {
+    rows.iter().flat_map(|row| row.checks(is_paper)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(covered_without_warning: f64, covered_with_warning: f64) -> CoverageRow {
+        CoverageRow {
+            truth: TRUTH.to_owned(),
+            estimator: "least-squares".to_owned(),
+            noise_mm: 0.067,
+            contacts: 400,
+            samples: 30_000,
+            refused: 0,
+            warned: 10_000,
+            without_warning: 20_000,
+            covered_without_warning: Some(covered_without_warning),
+            covered_with_warning: Some(covered_with_warning),
+            error_over_sigma_with_warning: Some(0.9),
+        }
+    }
+
+    #[test]
+    fn intervals_that_are_too_narrow_or_too_wide_fail() {
+        let passes = |row: CoverageRow| row.checks(true).iter().map(Check::passes).collect::<Vec<_>>();
+        assert_eq!(passes(row(0.95, 1.0)), [true, true, true, true]);
+        assert_eq!(passes(row(0.92, 0.92)), [true, false, false, true]);
+        assert_eq!(passes(row(0.98, 0.95)), [true, false, true, true]);
+        let vague = CoverageRow { error_over_sigma_with_warning: Some(0.1), ..row(0.95, 1.0) };
+        assert_eq!(passes(vague), [true, true, true, false]);
+        let silent = CoverageRow {
+            refused: 30_000,
+            warned: 0,
+            without_warning: 0,
+            covered_without_warning: None,
+            covered_with_warning: None,
+            error_over_sigma_with_warning: None,
+            ..row(0.95, 1.0)
+        };
+        assert_eq!(passes(silent), [false]);
+        let half = CoverageRow { refused: 10_000, ..row(0.95, 1.0) };
+        assert_eq!((passes(half.clone())[0], half.checks(false)[0].passes()), (false, true));
+        assert_eq!(passes(CoverageRow { samples: 0, refused: 0, ..row(0.95, 1.0) })[0], false);
+        assert_eq!(passes(CoverageRow { truth: "twin".to_owned(), ..row(0.5, 0.5) }), Vec::<bool>::new());
+    }
+}

@@ -1,0 +1,232 @@
+//! Forces of unknown direction at a known place: where direction and force can be told, and where not.
+//!
+//! The paper leaves them out ("will not work", Fig. 13): shapes under forces of other directions are nearly alike. How
+//! nearly, noise decides. Every place of the front plate is pushed in many directions; the nonlinear estimator, told the
+//! place alone, answers or refuses, picture by picture. A contact without friction pushes along the deformed normal: who
+//! assumes that has one unknown less ([`without_friction`](DirectionStudy::without_friction)).
+
+mod frictionless;
+
+pub use frictionless::{Assumption, FrictionlessPush};
+
+use crate::sampling::sweep::Grid;
+use crate::truths::Truth;
+use finray_model::measurement::Measurement;
+use finray_model::sensing::{
+    Contact, ContactPlace, ContactQuestion, Direction, NonlinearEstimate, NonlinearEstimator, SensingError,
+};
+use finray_model::{Finger, Mesh};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
+
+/// Forces, N.
+pub const FORCES_N: [f64; 3] = [0.5, 1.0, 3.0];
+/// A direction counts as told if its root mean square error is within this, degrees, ...
+pub const TOLD_DEG: f64 = 10.0;
+/// ... the force's within this share, ...
+pub const TOLD_FORCE: f64 = 0.10;
+/// ... and at least this share of the pictures is answered.
+pub const TOLD_ANSWERED: f64 = 0.9;
+/// Words of the random stream for each picture, more than it takes.
+const WORDS: u128 = 1 << 24;
+
+/// What is asked.
+#[derive(Debug, Clone, Copy)]
+pub struct DirectionRequest<'m> {
+    /// Mesh of the estimator.
+    pub model: &'m Mesh,
+    /// Standard deviation of a coordinate, mm.
+    pub noise_mm: f64,
+    /// About how many places along the front plate.
+    pub places: usize,
+    /// Degrees from one direction to the next.
+    pub step_deg: f64,
+    /// Noise pictures a cell, the same for all.
+    pub pictures: usize,
+    /// Seed of the noise.
+    pub seed: u64,
+}
+
+/// What came out, by place and direction and without friction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DirectionStudy {
+    /// Standard deviation of a coordinate, mm.
+    pub noise_mm: f64,
+    /// Pictures a cell.
+    pub pictures: usize,
+    /// By place, then direction, then force.
+    pub cells: Vec<DirectionCell>,
+    /// Pushes along the deformed normal, by node, force and assumption.
+    pub without_friction: Vec<FrictionlessPush>,
+}
+
+/// One force at one place in one direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DirectionCell {
+    /// Place on the front plate, mm from the base.
+    pub s_mm: f64,
+    /// True direction, degrees from the undeformed inward normal, positive towards the tip.
+    pub angle_deg: f64,
+    /// True force, N.
+    pub force_n: f64,
+    /// What the estimator made of it.
+    pub answers: Answers,
+    /// Least standard deviation of the direction for any unbiased estimator (Cramer-Rao), degrees.
+    pub angle_bound_deg: Option<f64>,
+    /// The same of the force, as a share of it.
+    pub force_bound: Option<f64>,
+}
+
+/// What the estimator made of some pictures of one push; errors are root mean squares over those that are answered.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Answers {
+    /// Noise pictures; none where the finger carries no such force.
+    pub pictures: usize,
+    /// Pictures that were answered.
+    pub answered: usize,
+    /// Error of the force as a share of it.
+    pub force_error: Option<f64>,
+    /// Standard deviation that is stated of the force, as a share of it.
+    pub force_sigma: Option<f64>,
+    /// Error of the direction, degrees.
+    pub angle_error_deg: Option<f64>,
+}
+
+impl Answers {
+    /// Whether direction and force are told: see [`TOLD_DEG`], [`TOLD_FORCE`] and [`TOLD_ANSWERED`].
+    pub fn told(&self) -> bool {
+        self.answered as f64 >= TOLD_ANSWERED * self.pictures as f64
+            && self.angle_error_deg.is_some_and(|error| error <= TOLD_DEG)
+            && self.force_error.is_some_and(|error| error <= TOLD_FORCE)
+    }
+
+    /// Senses every picture of what is seen under a force, all with the same question.
+    fn of(
+        estimator: &mut NonlinearEstimator,
+        seen: &Measurement,
+        pictures: &[Vec<f64>],
+        noise_mm: f64,
+        truth: &Contact,
+        force_n: f64,
+    ) -> Answers {
+        let mut answers = Answers { pictures: pictures.len(), ..Answers::default() };
+        let (mut force, mut sigma, mut angle) = (0.0, 0.0, 0.0);
+        for picture in pictures {
+            let mut noisy = seen.clone();
+            let mut coordinates = picture.iter();
+            noisy.add_noise(noise_mm, || coordinates.next().copied().unwrap_or(0.0));
+            estimator.reset();
+            let Ok(NonlinearEstimate { forces, contacts, .. }) = estimator.estimate(&noisy, Some(noise_mm)) else {
+                continue;
+            };
+            answers.answered += 1;
+            force += (forces.forces_n[0] / force_n - 1.0).powi(2);
+            sigma += (forces.sigmas_n[0] / force_n).powi(2);
+            angle += turn_deg(contacts[0].angle_deg, truth.angle_deg).powi(2);
+        }
+        let mean = |sum: f64| (answers.answered > 0).then(|| (sum / answers.answered as f64).sqrt());
+        (answers.force_error, answers.force_sigma, answers.angle_error_deg) = (mean(force), mean(sigma), mean(angle));
+        answers
+    }
+}
+
+impl DirectionStudy {
+    /// Computes everything in parallel; the result does not depend on the number of threads. `progress` is called
+    /// [`steps`](DirectionStudy::steps) times.
+    ///
+    /// # Errors
+    /// [`SensingError`] for a finger that has no contact.
+    pub fn run(
+        truth: &dyn Truth,
+        request: &DirectionRequest,
+        progress: &(dyn Fn() + Sync),
+    ) -> Result<DirectionStudy, SensingError> {
+        let finger = request.model.finger();
+        let pictures = pictures(finger, request);
+        let contacts = contacts(finger, request);
+        let cells = contacts.par_iter().map(|contact| {
+            let cells = cells(truth, request, &pictures, contact);
+            progress();
+            cells
+        });
+        let cells: Vec<Vec<DirectionCell>> = cells.collect::<Result<_, SensingError>>()?;
+        Ok(DirectionStudy {
+            noise_mm: request.noise_mm,
+            pictures: request.pictures,
+            cells: cells.into_iter().flatten().collect(),
+            without_friction: frictionless::rows(truth, request, &pictures, progress)?,
+        })
+    }
+
+    /// How often progress is reported.
+    pub fn steps(request: &DirectionRequest) -> usize {
+        let finger = request.model.finger();
+        contacts(finger, request).len() + frictionless::nodes(finger).len()
+    }
+
+    /// Cells of one force that the finger carries, and how many of them are told.
+    pub fn told(&self, force_n: f64) -> [usize; 2] {
+        let carried = self.cells.iter().filter(|cell| cell.force_n == force_n && cell.answers.pictures > 0);
+        carried.fold([0, 0], |[told, all], cell| [told + usize::from(cell.answers.told()), all + 1])
+    }
+}
+
+fn contacts(finger: &Finger, request: &DirectionRequest) -> Vec<Contact> {
+    let (places, angles) = Grid::grid(finger, request.places, request.step_deg);
+    let at = |s_mm| {
+        angles.iter().map(move |&angle_deg| Contact { place: ContactPlace::Place(s_mm), angle_deg }).collect::<Vec<_>>()
+    };
+    places.iter().flat_map(|&s_mm| at(s_mm)).collect()
+}
+
+/// Noise of every coordinate in units of the noise, by picture.
+fn pictures(finger: &Finger, request: &DirectionRequest) -> Vec<Vec<f64>> {
+    let mut rng = ChaCha8Rng::seed_from_u64(request.seed);
+    let mut picture = |number: usize| {
+        rng.set_word_pos(WORDS * number as u128);
+        (0..2 * finger.free_nodes().len()).map(|_| StandardNormal.sample(&mut rng)).collect()
+    };
+    (0..request.pictures).map(&mut picture).collect()
+}
+
+/// The cells of one place and direction.
+fn cells(
+    truth: &dyn Truth,
+    request: &DirectionRequest,
+    pictures: &[Vec<f64>],
+    contact: &Contact,
+) -> Result<Vec<DirectionCell>, SensingError> {
+    let finger = request.model.finger();
+    let question = ContactQuestion { place: Some(contact.place), direction: Direction::Auto };
+    let mut estimator = NonlinearEstimator::new(request.model, &[question])?;
+    let across = Contact { angle_deg: contact.angle_deg + 90.0, ..*contact };
+    let mut components = NonlinearEstimator::new(request.model, &[(*contact).into(), across.into()])?;
+    let shapes = truth.shapes(contact, &FORCES_N);
+    let cell = |(n, &force_n): (usize, &f64)| {
+        let seen = shapes.get(n).map(|shape| Measurement::of_shape(finger, shape));
+        let answers = seen.as_ref().map_or_else(Answers::default, |seen| {
+            Answers::of(&mut estimator, seen, pictures, request.noise_mm, contact, force_n)
+        });
+        // Cramer-Rao: along and across its direction the force is two unknowns, and a small angle is the one over the other.
+        components.reset();
+        let bound = seen.and_then(|seen| components.estimate(&seen, Some(request.noise_mm)).ok());
+        let sigma = |k: usize| bound.as_ref().map(|bound| bound.covariance_n2[(k, k)].sqrt() / force_n);
+        DirectionCell {
+            s_mm: contact.place_mm(finger).unwrap_or(f64::NAN),
+            angle_deg: contact.angle_deg,
+            force_n,
+            answers,
+            angle_bound_deg: sigma(1).map(f64::to_degrees),
+            force_bound: sigma(0),
+        }
+    };
+    Ok(FORCES_N.iter().enumerate().map(cell).collect())
+}
+
+/// From one direction to another the shorter way, degrees.
+fn turn_deg(from: f64, to: f64) -> f64 {
+    let turn = (to - from).rem_euclid(360.0);
+    if turn > 180.0 { turn - 360.0 } else { turn }
+}

@@ -1,0 +1,109 @@
+//! Contacts without friction: they push along the deformed normal, which the estimator may assume.
+
+use super::{Answers, DirectionRequest, FORCES_N};
+use crate::sampling::scatter::sampled_nodes;
+use crate::truths::Truth;
+use finray_model::measurement::Measurement;
+use finray_model::mesh::FingerShape;
+use finray_model::sensing::{Contact, ContactPlace, ContactQuestion, Direction, NonlinearEstimator, SensingError};
+use finray_model::{Finger, NodeId};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Turn of the normal, degrees, below which push and plate agree: worth 1e-6 of the force.
+const SETTLED_DEG: f64 = 1e-4;
+/// A normal that has not settled after so many shapes does not.
+const MOST_TURNS: usize = 30;
+
+/// What is assumed of the direction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Assumption {
+    /// The undeformed normal.
+    Undeformed,
+    /// The deformed normal.
+    Normal,
+    /// Nothing.
+    Unknown,
+}
+
+impl Assumption {
+    /// All of them.
+    pub const ALL: [Assumption; 3] = [Assumption::Undeformed, Assumption::Normal, Assumption::Unknown];
+
+    fn direction(self) -> Direction {
+        match self {
+            Assumption::Undeformed => Direction::Angle(0.0),
+            Assumption::Normal => Direction::Normal,
+            Assumption::Unknown => Direction::Auto,
+        }
+    }
+}
+
+/// A push along the deformed normal, sensed under one assumption.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrictionlessPush {
+    /// The contact node.
+    pub node: usize,
+    /// Its place on the front plate, mm from the base.
+    pub s_mm: f64,
+    /// True force, N.
+    pub force_n: f64,
+    /// Direction of the push, degrees from the undeformed normal; `None` where the finger carries no such push.
+    pub angle_deg: Option<f64>,
+    /// What the estimator assumes.
+    pub assumed: Assumption,
+    /// What it made of it.
+    pub answers: Answers,
+}
+
+pub(super) fn nodes(finger: &Finger) -> Vec<NodeId> {
+    sampled_nodes(finger)
+}
+
+/// A row for each node, force and assumption. `progress` is called after each node.
+pub(super) fn rows(
+    truth: &dyn Truth,
+    request: &DirectionRequest,
+    pictures: &[Vec<f64>],
+    progress: &(dyn Fn() + Sync),
+) -> Result<Vec<FrictionlessPush>, SensingError> {
+    let finger = request.model.finger();
+    let of_node = |node: &NodeId| -> Result<Vec<FrictionlessPush>, SensingError> {
+        let place = ContactPlace::Node(*node);
+        let mut rows = Vec::new();
+        for force_n in FORCES_N {
+            let push = pushed(truth, *node, force_n);
+            for assumed in Assumption::ALL {
+                let question = ContactQuestion { place: Some(place), direction: assumed.direction() };
+                let mut estimator = NonlinearEstimator::new(request.model, &[question])?;
+                let answers = push.as_ref().map_or_else(Answers::default, |(contact, shape)| {
+                    let seen = Measurement::of_shape(finger, shape);
+                    Answers::of(&mut estimator, &seen, pictures, request.noise_mm, contact, force_n)
+                });
+                let s_mm = finger.front_place_mm(*node).unwrap_or(f64::NAN);
+                let angle_deg = push.as_ref().map(|(contact, _)| contact.angle_deg);
+                rows.push(FrictionlessPush { node: node.0, s_mm, force_n, angle_deg, assumed, answers });
+            }
+        }
+        progress();
+        Ok(rows)
+    };
+    let rows: Result<Vec<_>, SensingError> = nodes(finger).par_iter().map(of_node).collect();
+    Ok(rows?.into_iter().flatten().collect())
+}
+
+/// The finger pushed at a node along its own deformed normal; `None` where no such shape is found.
+fn pushed(truth: &dyn Truth, node: NodeId, force_n: f64) -> Option<(Contact, FingerShape)> {
+    let mut contact = Contact::at_node(node);
+    for _ in 0..MOST_TURNS {
+        let shape = truth.shapes(&contact, &[force_n]).pop()?;
+        // The normal turns with the plate.
+        let normal_deg = shape.motion(node).rotation.to_degrees();
+        if (normal_deg - contact.angle_deg).abs() <= SETTLED_DEG {
+            return Some((contact, shape));
+        }
+        contact.angle_deg = normal_deg;
+    }
+    None
+}

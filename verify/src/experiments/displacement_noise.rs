@@ -1,0 +1,308 @@
+//! What the origin of the undeformed positions does to the floors of sensing: Cramer-Rao bounds and a Monte Carlo study beside them.
+//!
+//! The studies of the report draw an error of the camera's standard deviation for each displacement coordinate, as if the undeformed
+//! positions were exact. Here the same camera measures them too, or they come from the motor angle
+//! ([`DisplacementNoise`]). A generalised least-squares estimator knows the covariance; an
+//! ordinary one takes every coordinate's error for independent.
+
+use crate::check::{Check, Kind, worst};
+use crate::experiments::response::{ContactForce, RespondingFinger, Response};
+use crate::sampling::scatter::sampled_nodes;
+use finray_model::measurement::noise::base_motions;
+use finray_model::measurement::{DisplacementNoise, Measurement};
+use finray_model::mesh::LoadError;
+use finray_model::sensing::Contact;
+use finray_model::{Finger, Mesh, NodeId, Vector};
+use nalgebra::{DMatrix, DVector};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Standard deviation of the finger base's position along each axis where it is computed from the motor angle, mm. The offsets of motor and
+/// camera stand in figures of the paper that are not at hand: this is a choice.
+pub const TRANSLATION_SD_MM: f64 = 0.05;
+/// Standard deviation of its rotation, degrees; likewise a choice.
+pub const ROTATION_SD_DEG: f64 = 0.1;
+/// Force at every contact, N, along the normal: the middle of the paper's 0.3 to 3 N.
+pub const FORCE_N: f64 = 1.5;
+/// Frames that are averaged in the second bound: a second of the paper's camera.
+pub const FRAMES: usize = 25;
+/// Pairs of contact nodes of the paper's Table II.
+const PAIRS: [[usize; 2]; 4] = [[19, 20], [16, 17], [18, 20], [16, 20]];
+/// Steps of an estimator, and the last one as a share of the force.
+const MAX_STEPS: usize = 20;
+const SETTLED: f64 = 1e-8;
+/// Standard errors that chance is allowed in a root mean square.
+const STANDARD_ERRORS: f64 = 4.0;
+/// Rounding of two ways to the same bound, as a share of it.
+const SAME_BOUND: f64 = 1e-9;
+
+/// One set of contacts under one model of the noise. Of several forces, the root mean square over them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DisplacementNoiseRow {
+    /// Contact nodes, with spaces between.
+    pub nodes: String,
+    /// `independent`, `two images` or `motor angle`.
+    pub noise: &'static str,
+    /// Cramer-Rao bound of a force from one frame, N.
+    pub bound_n: f64,
+    /// The same from the mean of [`FRAMES`] frames that share their undeformed positions, N.
+    pub bound_of_25_frames_n: f64,
+    /// Noise samples, and those in which an estimator found no minimum.
+    pub cases: usize,
+    /// Samples without an answer of one of the estimators.
+    pub refused: usize,
+    /// Root mean square error of generalised least squares, which knows the covariance, N.
+    pub generalised_rms_n: f64,
+    /// Root mean square error of ordinary least squares, N.
+    pub ordinary_rms_n: f64,
+    /// The bound by another way: sqrt(2) times that of independent errors for two images, the base's motion as further unknowns with a
+    /// prior for the motor angle, N.
+    #[serde(skip)]
+    pub other_way_n: f64,
+}
+
+/// The three models, by set of contacts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DisplacementNoiseStudy {
+    /// Standard deviation of one coordinate in one image, mm.
+    pub image_sd_mm: f64,
+    /// By set of contacts, then model.
+    pub rows: Vec<DisplacementNoiseRow>,
+}
+
+/// The models for a camera, with their names.
+pub fn models(image_sd_mm: f64) -> [(&'static str, DisplacementNoise); 3] {
+    let kinematic = DisplacementNoise::Kinematic {
+        image_sd_mm,
+        translation_sd_mm: TRANSLATION_SD_MM,
+        rotation_sd_rad: ROTATION_SD_DEG.to_radians(),
+    };
+    [
+        ("independent", DisplacementNoise::Independent { sd_mm: image_sd_mm }),
+        ("two images", DisplacementNoise::TwoImages { image_sd_mm }),
+        ("motor angle", kinematic),
+    ]
+}
+
+/// Cramer-Rao bound of forces: the covariance (J^T S^-1 J)^-1 for derivatives J (mm/N, two rows a node) and the covariance S of the mean of so
+/// many frames, N^2. `None` where the forces are not identifiable.
+pub fn bound_n2(
+    noise: &DisplacementNoise,
+    positions_mm: &[Vector],
+    derivatives: &DMatrix<f64>,
+    frames: usize,
+) -> Option<DMatrix<f64>> {
+    let whitened = noise.whitening(positions_mm, frames).ok()?.whitened(derivatives);
+    (whitened.transpose() * whitened).cholesky().map(|information| information.inverse())
+}
+
+/// The same bound of one frame by another way: no covariance of the displacements is inverted. `None` as for [`bound_n2`].
+pub fn bound_with_base_as_unknown_n2(
+    noise: &DisplacementNoise,
+    positions_mm: &[Vector],
+    derivatives: &DMatrix<f64>,
+) -> Option<DMatrix<f64>> {
+    let forces = derivatives.ncols();
+    let inverse = |information: DMatrix<f64>| information.cholesky().map(|factor| factor.inverse());
+    match *noise {
+        DisplacementNoise::Independent { sd_mm } => inverse(derivatives.transpose() * derivatives / sd_mm.powi(2)),
+        DisplacementNoise::TwoImages { image_sd_mm } => {
+            let one = inverse(derivatives.transpose() * derivatives / image_sd_mm.powi(2))?;
+            Some(one * 2.0)
+        }
+        DisplacementNoise::Kinematic { image_sd_mm, translation_sd_mm, rotation_sd_rad } => {
+            // Scaled to their standard deviations, the base's motions have the prior information 1.
+            let mut base = base_motions(positions_mm);
+            for (mut motion, sd) in base.column_iter_mut().zip([translation_sd_mm, translation_sd_mm, rotation_sd_rad])
+            {
+                motion *= sd;
+            }
+            let columns: Vec<_> = derivatives.column_iter().chain(base.column_iter()).collect();
+            let all = DMatrix::from_columns(&columns) / image_sd_mm;
+            let mut information = all.transpose() * all;
+            for i in forces..forces + 3 {
+                information[(i, i)] += 1.0;
+            }
+            Some(inverse(information)?.view((0, 0), (forces, forces)).into_owned())
+        }
+    }
+}
+
+/// Nodes in a row of the finger frame, deformed, mm.
+fn positions_mm(finger: &Finger, displacements_mm: &DVector<f64>) -> Vec<Vector> {
+    let displaced = |(i, node): (usize, NodeId)| {
+        finger.position(node) + Vector::new(displacements_mm[2 * i], displacements_mm[2 * i + 1])
+    };
+    finger.free_nodes().enumerate().map(displaced).collect()
+}
+
+fn forces_at(nodes: &[NodeId], forces_n: &DVector<f64>) -> Vec<ContactForce> {
+    let force = |(node, along_n): (&NodeId, &f64)| ContactForce {
+        contact: Contact::at_node(*node),
+        along_n: *along_n,
+        across_n: 0.0,
+        lever_mm: 0.0,
+    };
+    nodes.iter().zip(forces_n.iter()).map(force).collect()
+}
+
+/// Least squares on the co-rotational finger from a start; with a model of the noise generalised, without ordinary. The covariance is that at
+/// the measured positions. `None` if the search does not settle.
+pub fn least_squares(
+    finger: &mut RespondingFinger,
+    nodes: &[NodeId],
+    seen_mm: &DVector<f64>,
+    known: Option<(&DisplacementNoise, &[Vector])>,
+    start_n: &DVector<f64>,
+) -> Option<DVector<f64>> {
+    let whitening = match known {
+        Some((noise, positions_mm)) => Some(noise.whitening(positions_mm, 1).ok()?),
+        None => None,
+    };
+    let mut forces_n = start_n.clone();
+    for _ in 0..MAX_STEPS {
+        let response = finger.under(&forces_at(nodes, &forces_n)).ok()??;
+        let mut derivatives = DMatrix::from_columns(&response.along);
+        let mut residual = seen_mm - &response.displacements_mm;
+        if let Some(whitening) = &whitening {
+            derivatives = whitening.whitened(&derivatives);
+            residual = whitening.whitened_residual(&residual);
+        }
+        let normal = derivatives.transpose() * &derivatives;
+        let step = normal.cholesky()?.solve(&(derivatives.transpose() * residual));
+        forces_n += &step;
+        if step.amax() <= SETTLED * forces_n.amax() {
+            return Some(forces_n);
+        }
+    }
+    None
+}
+
+impl DisplacementNoiseStudy {
+    /// All single contact nodes but the tip, and the pairs of Table II where the finger has them, each with so many noise samples.
+    ///
+    /// # Errors
+    /// [`LoadError`] for a finger without these nodes. Contacts that carry no force of [`FORCE_N`] are left out.
+    pub fn run(finger: &Finger, image_sd_mm: f64, cases: usize) -> Result<DisplacementNoiseStudy, LoadError> {
+        let mesh = Mesh::key_nodes(finger);
+        let mut sets: Vec<Vec<NodeId>> = sampled_nodes(finger).into_iter().map(|node| vec![node]).collect();
+        sets.retain(|set| set[0] != finger.tip());
+        let on_finger =
+            |pair: &[usize; 2]| pair.iter().all(|&node| finger.contact_nodes().any(|other| other.0 == node));
+        sets.extend(PAIRS.iter().filter(|pair| on_finger(pair)).map(|pair| pair.map(NodeId).to_vec()));
+        let rows: Result<Vec<Vec<DisplacementNoiseRow>>, LoadError> =
+            sets.par_iter().map(|nodes| rows_of(&mesh, nodes, image_sd_mm, cases)).collect();
+        Ok(DisplacementNoiseStudy { image_sd_mm, rows: rows?.concat() })
+    }
+
+    /// Bounds by two ways, and generalised least squares at the bound.
+    pub fn checks(&self) -> Vec<Check> {
+        let mut checks = Vec::new();
+        for (name, kind, source, problem) in [
+            ("two images", Kind::Analytical, "closed form", "bound with two images against sqrt(2) times that of one"),
+            (
+                "motor angle",
+                Kind::Internal,
+                "base as unknown with a prior",
+                "bound with the motor angle: covariance inverted against the base's motion as unknowns",
+            ),
+        ] {
+            let rows = self.rows.iter().filter(|row| row.noise == name);
+            let off = worst(rows.map(|row| (row.bound_n / row.other_way_n - 1.0).abs()));
+            checks.push(Check::new(kind, problem, source, "largest relative difference", 0.0, off, SAME_BOUND));
+        }
+        for (name, _) in models(self.image_sd_mm) {
+            let rows: Vec<_> = self.rows.iter().filter(|row| row.noise == name).collect();
+            let answered: usize = rows.iter().map(|row| row.cases - row.refused).sum();
+            // A row without an answer is not a number, and fails.
+            let squares = rows.iter().map(|row| {
+                (row.generalised_rms_n / row.bound_n).powi(2) * (row.cases - row.refused) as f64 / answered as f64
+            });
+            let over_bound = squares.sum::<f64>().sqrt();
+            let refused: usize = rows.iter().map(|row| row.refused).sum();
+            let drawn: usize = rows.iter().map(|row| row.cases).sum();
+            let check = Check::new(
+                Kind::Internal,
+                format!("generalised least squares under the noise \"{name}\""),
+                "Cramer-Rao bound",
+                format!("rms error / bound, {drawn} noise samples"),
+                1.0,
+                over_bound,
+                STANDARD_ERRORS / (2.0 * answered as f64).sqrt(),
+            );
+            checks.push(check.with_refused(refused, drawn));
+        }
+        checks
+    }
+}
+
+fn rows_of(
+    mesh: &Mesh,
+    nodes: &[NodeId],
+    image_sd_mm: f64,
+    cases: usize,
+) -> Result<Vec<DisplacementNoiseRow>, LoadError> {
+    let finger = mesh.finger();
+    let truth_n = DVector::from_element(nodes.len(), FORCE_N);
+    let mut bent = RespondingFinger::new(mesh);
+    let Some(truth) = bent.under(&forces_at(nodes, &truth_n))? else { return Ok(Vec::new()) };
+    let rows = models(image_sd_mm).into_iter().enumerate().filter_map(|(number, (name, noise))| {
+        let mut row = bounds(finger, nodes, name, &noise, &truth)?;
+        let mut generator = ChaCha8Rng::seed_from_u64(1);
+        generator.set_stream((number * 1000 + nodes.iter().fold(0, |sum, node| 30 * sum + node.0)) as u64);
+        let mut normal = || StandardNormal.sample(&mut generator);
+        let [mut generalised, mut ordinary] = [0.0; 2];
+        for _ in 0..cases {
+            let at = positions_mm(finger, &truth.displacements_mm);
+            let shared = noise.shared_errors_mm(&at, &mut normal);
+            let mut seen = Measurement::at_rest(finger);
+            noise.add_to(&mut seen, &shared, &mut normal);
+            let errors = seen.markers().iter().flat_map(|marker| [marker.displacement.x, marker.displacement.y]);
+            let seen_mm = &truth.displacements_mm + DVector::from_iterator(2 * at.len(), errors);
+            let measured = positions_mm(finger, &seen_mm);
+            // The start is not the truth.
+            let start_n = &truth_n * 0.8;
+            let found = least_squares(&mut bent, nodes, &seen_mm, Some((&noise, &measured)), &start_n)
+                .zip(least_squares(&mut bent, nodes, &seen_mm, None, &start_n));
+            match found {
+                Some((with, without)) => {
+                    generalised += (with - &truth_n).norm_squared() / nodes.len() as f64;
+                    ordinary += (without - &truth_n).norm_squared() / nodes.len() as f64;
+                }
+                None => row.refused += 1,
+            }
+        }
+        let answered = (cases - row.refused) as f64;
+        row.cases = cases;
+        row.generalised_rms_n = (generalised / answered).sqrt();
+        row.ordinary_rms_n = (ordinary / answered).sqrt();
+        Some(row)
+    });
+    Ok(rows.collect())
+}
+
+fn bounds(
+    finger: &Finger,
+    nodes: &[NodeId],
+    name: &'static str,
+    noise: &DisplacementNoise,
+    truth: &Response,
+) -> Option<DisplacementNoiseRow> {
+    let at = positions_mm(finger, &truth.displacements_mm);
+    let derivatives = DMatrix::from_columns(&truth.along);
+    let rms_n = |covariance: DMatrix<f64>| (covariance.trace() / nodes.len() as f64).sqrt();
+    Some(DisplacementNoiseRow {
+        nodes: nodes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" "),
+        noise: name,
+        bound_n: rms_n(bound_n2(noise, &at, &derivatives, 1)?),
+        bound_of_25_frames_n: rms_n(bound_n2(noise, &at, &derivatives, FRAMES)?),
+        cases: 0,
+        refused: 0,
+        generalised_rms_n: f64::NAN,
+        ordinary_rms_n: f64::NAN,
+        other_way_n: rms_n(bound_with_base_as_unknown_n2(noise, &at, &derivatives)?),
+    })
+}

@@ -1,0 +1,197 @@
+//! Numbers that are none, or hardly.
+
+use super::soundness::Soundness;
+use super::{Findings, Question, Unexpected};
+use crate::check::worst;
+use crate::settings::Effort;
+use finray_fixtures::PAPER_SCENE;
+use finray_model::measurement::{Marker, Measurement, MeasurementError};
+use finray_model::sensing::{Contact, LinearEstimator, NonlinearEstimator, Prior};
+use finray_model::statics::{Statics, StaticsError};
+use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector};
+
+pub(super) const QUESTIONS: &[Question] = &[
+    Question {
+        case: "denormal, infinite and not-a-number loads",
+        difficulty: "energies under- and overflow long before the displacements do",
+        promise: "infinite and not a number: refused; what is finite scales with the load down to the smallest normal number",
+        answer: loads,
+    },
+    Question {
+        case: "denormal, infinite and not-a-number scene values",
+        difficulty: "one such value spoils every number that it touches",
+        promise: "each refused with its line and key",
+        answer: scene_values,
+    },
+    Question {
+        case: "scene values of 1e-100 to 1e100",
+        difficulty: "legal numbers whose products under- and overflow",
+        promise: "refused, or a sound equilibrium",
+        answer: extreme_scene_values,
+    },
+    Question {
+        case: "denormal, infinite and not-a-number displacements",
+        difficulty: "no camera measures them, but files hold them",
+        promise: "infinite and not a number: refused; what is finite gives forces in proportion, or is refused",
+        answer: displacements,
+    },
+];
+
+const NOT_FINITE: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+/// Nine digits of a number that is scaled by powers of ten.
+const PROPORTIONAL: f64 = 1e-9;
+/// A displacement that is none.
+const NOTHING_MM: f64 = 1e-300;
+/// What no scene value may be, and what no size may be.
+const NO_NUMBERS: [&str; 4] = ["nan", "inf", "-inf", "1e999"];
+const NO_SIZES: [&str; 3] = ["5e-324", "-5e-324", "-1.0"];
+/// Optional keys, for the paper's scene: beside the depth, and at the end.
+const OPTIONAL_SIZES: &str = "rod_arm_mm = 0.5\npoissons_ratio = 0.3\n";
+const ZONE: &str = "[[finger.zone]]\nplate = \"front\"\nfrom_mm = 60.0\nto_mm = 95.0\nmodulus_factor = 0.5\n[camera]\nnoise_mm = 0.1\n";
+const EXTREME_VALUES: [&str; 6] = ["1e-100", "1e-30", "1e-10", "1e10", "1e30", "1e100"];
+/// A load that extreme fingers are asked to carry, N.
+const LOAD_N: f64 = 1e-3;
+
+fn middle(finger: &Finger) -> NodeId {
+    let nodes: Vec<NodeId> = finger.contact_nodes().collect();
+    nodes[nodes.len() / 2]
+}
+
+fn loads(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unexpected> {
+    let mesh = Mesh::key_nodes(finger);
+    let node = middle(finger);
+    let solve = |load: &Load, kinematics| {
+        let load = mesh.frame_load(load)?;
+        Ok(Statics::ladder(&mesh, kinematics).equilibrium(&[load])?.motion.displacements[mesh.frame_node(node)])
+    };
+    let (mut asked, mut refused) = (0, 0);
+    for bad in NOT_FINITE {
+        for kinematics in [Kinematics::Linear, Kinematics::Corotational] {
+            for load in [
+                Load::at_node(node, Vector::new(bad, 0.0)),
+                Load::Node { node, force: Vector::zeros(), moment_nmm: bad },
+                Load::at_place(50.0, Vector::new(0.0, bad)),
+                Load::at_place(bad, Vector::new(0.0, 1.0)),
+            ] {
+                asked += 1;
+                let answer: Result<Vector, StaticsError> = solve(&load, kinematics);
+                refused += usize::from(matches!(answer, Err(StaticsError::LoadNotFinite | StaticsError::Load(_))));
+            }
+        }
+    }
+    findings.counts("not a load", "loads refused", asked, refused);
+    let unit = solve(&Load::at_node(node, finger.direction(0.0)), Kinematics::Linear)?;
+    let mut off = Vec::new();
+    for exponent in [-300, -200, -160, -100, -20] {
+        let force_n = 10_f64.powi(exponent);
+        for kinematics in [Kinematics::Linear, Kinematics::Corotational] {
+            let moved = solve(&Load::at_node(node, finger.direction(0.0) * force_n), kinematics)?;
+            off.push((moved / force_n - unit).norm() / unit.norm());
+        }
+    }
+    findings.vanishes(
+        "linear limit",
+        "displacement / (load x compliance) - 1, 1e-300 to 1e-20 N",
+        worst(off),
+        PROPORTIONAL,
+    );
+    let denormal = solve(&Load::at_node(node, finger.direction(0.0) * 5e-324), Kinematics::Corotational)?;
+    findings.vanishes("linear limit", "displacement under 5e-324 N (mm)", denormal.norm(), NOTHING_MM);
+    let huge = solve(&Load::at_node(node, finger.direction(0.0) * 1e300), Kinematics::Corotational);
+    findings.counts("no equilibrium", "refusals of 1e300 N", 1, usize::from(huge.is_err()));
+    Ok(())
+}
+
+/// A scene with one number after the other replaced; with the key that holds it.
+fn scenes_with<'s>(scene: &'s str, value: &'static str) -> impl Iterator<Item = (&'s str, String)> {
+    let lines: Vec<&str> = scene.lines().collect();
+    (0..lines.len()).filter_map(move |i| {
+        let (key, old) = lines[i].split_once(" = ")?;
+        old.parse::<f64>().ok()?;
+        let replaced = format!("{key} = {value}");
+        let changed = lines.iter().enumerate().map(|(j, line)| if i == j { replaced.as_str() } else { line });
+        Some((key, changed.collect::<Vec<_>>().join("\n")))
+    })
+}
+
+/// The paper's scene with all optional keys.
+fn full_scene() -> String {
+    PAPER_SCENE.replacen("[finger.front]", &format!("{OPTIONAL_SIZES}[finger.front]"), 1) + ZONE
+}
+
+fn scene_values(_: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unexpected> {
+    let full = full_scene();
+    Scene::from_toml(&full)?;
+    let no_numbers = NO_NUMBERS.into_iter().flat_map(|value| scenes_with(&full, value));
+    // Optional keys may be zero, and a denormal number as good as that.
+    let no_sizes = NO_SIZES.into_iter().flat_map(|value| scenes_with(PAPER_SCENE, value));
+    let (mut asked, mut refused) = (0, 0);
+    for (key, scene) in no_numbers.chain(no_sizes) {
+        asked += 1;
+        refused += usize::from(Scene::from_toml(&scene).is_err_and(|error| error.message.contains(key)));
+    }
+    findings.counts("no size", "scenes refused by line and key", asked, refused);
+    Ok(())
+}
+
+fn extreme_scene_values(_: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unexpected> {
+    let mut sound = Soundness::default();
+    let (mut asked, mut refused) = (0, 0);
+    let full = full_scene();
+    for (_, scene) in EXTREME_VALUES.into_iter().flat_map(|value| scenes_with(&full, value)) {
+        asked += 1;
+        let Ok(scene) = Scene::from_toml(&scene) else {
+            refused += 1;
+            continue;
+        };
+        let finger = scene.finger;
+        let mesh = Mesh::key_nodes(&finger);
+        let force = finger.direction(0.0) * LOAD_N;
+        if sound.add(&mesh, middle(&finger), force).is_err() {
+            refused += 1;
+        }
+    }
+    findings.note(format!("{refused} of {asked} refused."));
+    sound.report(findings);
+    Ok(())
+}
+
+fn displacements(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unexpected> {
+    let mesh = Mesh::key_nodes(finger);
+    let node = middle(finger);
+    let contact = Contact::at_node(node);
+    let refused = NOT_FINITE.into_iter().filter(|bad| {
+        let marker = Marker { node, displacement: Vector::new(0.0, *bad), weight: 1.0 };
+        matches!(Measurement::new(finger, [marker]), Err(MeasurementError::NotFinite { .. }))
+    });
+    findings.counts("not a displacement", "markers refused", NOT_FINITE.len(), refused.count());
+    let load = mesh.frame_load(&contact.unit_load(finger))?;
+    let motion = Statics::ladder(&mesh, Kinematics::Linear).equilibrium(&[load])?.motion;
+    let unit = Measurement::of_shape(finger, &mesh.shape(&motion));
+    let linear = LinearEstimator::new(finger, &[contact], &unit)?;
+    let mut nonlinear = NonlinearEstimator::new(&mesh, &[contact.into()])?;
+    let (mut off, mut wrong, mut refusals) = (Vec::new(), 0, Vec::new());
+    for exponent in [-300, -160, -100, -20, 20, 100, 160, 300] {
+        let factor = 10_f64.powi(exponent);
+        let scaled =
+            unit.markers().iter().map(|marker| Marker { displacement: marker.displacement * factor, ..*marker });
+        let scaled = Measurement::new(finger, scaled)?;
+        off.push((linear.estimate(&scaled, None, Prior::None).forces_n[0] / factor - 1.0).abs());
+        nonlinear.reset();
+        match nonlinear.estimate(&scaled, None) {
+            // Tiny displacements are those of the linear finger; no finger moves by 1e20 mm.
+            Ok(found) if exponent < 0 => off.push((found.forces.forces_n[0] / factor - 1.0).abs()),
+            Ok(found) => {
+                // A force may come out if its residual says that it explains nothing.
+                wrong += usize::from(found.forces.residual_rms_mm < 0.01 * factor);
+            }
+            Err(error) => refusals.push((exponent, error)),
+        }
+    }
+    if let Some((exponent, error)) = refusals.first() {
+        findings.note(format!("From 1e{exponent} mm on: {error}."));
+    }
+    findings.vanishes("proportionality", "force / (displacement x stiffness) - 1", worst(off), PROPORTIONAL);
+    findings.counts("no finger moves so far", "forces that claim to explain 1e20 mm and more", 0, wrong);
+    Ok(())
+}

@@ -1,0 +1,119 @@
+//! Loads that are hard to follow.
+
+use super::soundness::{LIMIT, Soundness, difference};
+use super::{Findings, Question, Unexpected};
+use crate::check::worst;
+use crate::settings::Effort;
+use finray_model::frame::FrameMotion;
+use finray_model::statics::{Equilibrium, Statics, StaticsError};
+use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
+
+pub(super) const QUESTIONS: &[Question] = &[
+    Question {
+        case: "loads from 1e-9 N on",
+        difficulty: "the finger hardly moves: stopping rules with a unit end too early or never",
+        promise: "what large rotations change is proportional to the load",
+        answer: tiny,
+    },
+    Question {
+        case: "buckling and beyond",
+        difficulty: "no equilibrium, or one far away that an iteration might jump to",
+        promise: "a clear refusal with the load that was carried, whatever was asked for; a little less is carried",
+        answer: buckling,
+    },
+    Question {
+        case: "load at the tip, along the plate, pulling",
+        difficulty: "directions in which the finger is stiffest, softest, or unstable",
+        promise: "sound equilibrium, or a clear refusal with a load that is carried",
+        answer: directions,
+    },
+];
+
+const TINY_N: [f64; 5] = [1e-9, 1e-7, 1e-5, 1e-3, 1e-1];
+/// What large rotations change per N at the middle of the finger as the load goes to nothing, and a tenth more: the change is proportional
+/// to the load, so a stopping rule that ends early shows as more.
+const NONLINEARITY_PER_N: f64 = 1.1 * 0.08;
+/// Load steps end at this share of the load that was asked for: a limit load is known no better than that.
+const LAST_STEP: f64 = 1e-6;
+/// Forces from the tip towards the base, N; the last three are beyond what the finger carries.
+const BUCKLING_N: [f64; 4] = [1.0, 100.0, 1e3, 1e6];
+/// The force of the last case, N, and its directions, degrees from the inward normal.
+const FORCE_N: f64 = 3.0;
+const ANGLES_DEG: [f64; 6] = [0.0, 90.0, -90.0, 135.0, -135.0, 180.0];
+
+fn solve(mesh: &Mesh, node: NodeId, force: Vector, kinematics: Kinematics) -> Result<Equilibrium, StaticsError> {
+    let load = mesh.frame_load(&Load::at_node(node, force))?;
+    Statics::ladder(mesh, kinematics).equilibrium(&[load])
+}
+
+fn tiny(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unexpected> {
+    let mesh = Mesh::key_nodes(finger);
+    let nodes: Vec<NodeId> = finger.contact_nodes().collect();
+    let mut per_newton = Vec::new();
+    for force_n in TINY_N {
+        let force = finger.direction(0.0) * force_n;
+        let moved = |kinematics| -> Result<FrameMotion, Unexpected> {
+            Ok(solve(&mesh, nodes[nodes.len() / 2], force, kinematics)?.motion)
+        };
+        per_newton.push(difference(&moved(Kinematics::Corotational)?, &moved(Kinematics::Linear)?) / force_n);
+    }
+    let quantity = "difference / (largest displacement x force) (1/N)";
+    findings.vanishes("linear limit", quantity, worst(per_newton), NONLINEARITY_PER_N);
+    Ok(())
+}
+
+fn buckling(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unexpected> {
+    let mesh = Mesh::key_nodes(finger);
+    let (tip, towards_base) = (finger.tip(), -finger.position(finger.tip()).normalize());
+    let carries = |force_n: f64| solve(&mesh, tip, towards_base * force_n, Kinematics::Corotational).map(|_| ());
+    let mut limits = Vec::new();
+    for force_n in BUCKLING_N {
+        match carries(force_n) {
+            Ok(()) => {}
+            Err(StaticsError::NoEquilibrium { converged_fraction }) => {
+                limits.push((force_n, converged_fraction * force_n))
+            }
+            Err(other) => return Err(other.into()),
+        }
+    }
+    findings.counts("the limit load", "loads beyond it refused", BUCKLING_N.len() - 1, limits.len());
+    let &[(_, limit), (_, again), (_, far_beyond), ..] = &limits[..] else { return Ok(()) };
+    findings.note(format!("Limit load {limit:.4} N at the tip."));
+    findings.vanishes("asking for 1000 N", "change of the limit load / limit load", (again / limit - 1.0).abs(), LIMIT);
+    let resolution = LAST_STEP * BUCKLING_N[3] / limit;
+    findings.check("asking for 1e6 N", "carried load / limit load", 1.0, far_beyond / limit, resolution + LIMIT);
+    let said = carries(far_beyond * (1.0 - LIMIT)).is_ok();
+    findings.counts("asking for 1e6 N", "0.999 of the load said to be carried is carried", 1, usize::from(said));
+    let load = mesh.frame_load(&Load::at_node(tip, towards_base * BUCKLING_N[1]))?;
+    match Statics::sparse(mesh.frame(), Kinematics::Corotational).equilibrium(&[load]) {
+        Err(StaticsError::NoEquilibrium { converged_fraction }) => {
+            let change = (converged_fraction * BUCKLING_N[1] / limit - 1.0).abs();
+            findings.vanishes("general sparse path", "change of the limit load / limit load", change, LIMIT);
+        }
+        _ => findings.counts("general sparse path", "loads refused", 1, 0),
+    }
+    let below = carries(limit * (1.0 - LIMIT)).is_ok();
+    let above = carries(limit * (1.0 + LIMIT)).is_ok();
+    findings.counts("below the limit load", "0.999 of the limit load carried", 1, usize::from(below));
+    findings.counts("beyond the limit load", "1.001 of the limit load carried", 0, usize::from(above));
+    Ok(())
+}
+
+fn directions(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unexpected> {
+    let mesh = Mesh::key_nodes(finger);
+    let nodes: Vec<NodeId> = finger.contact_nodes().collect();
+    let chosen = [finger.tip(), nodes[nodes.len() / 2], nodes[nodes.len() - 1]];
+    let mut sound = Soundness::default();
+    let mut refused = Vec::new();
+    for (node, angle_deg) in chosen.into_iter().flat_map(|node| ANGLES_DEG.map(|angle| (node, angle))) {
+        let share = sound.add_or_refused(&mesh, node, finger.direction(angle_deg) * FORCE_N)?;
+        if share < 1.0 {
+            refused.push(format!("{:.3} N at node {node}, {angle_deg} deg", FORCE_N * share));
+        }
+    }
+    if !refused.is_empty() {
+        findings.note(format!("Of {FORCE_N} N is carried: {}.", refused.join("; ")));
+    }
+    sound.report(findings);
+    Ok(())
+}

@@ -1,0 +1,162 @@
+//! Hard cases: fingers, loads, measurements and inputs at the edge of what can be computed, and what is promised there.
+//!
+//! A promise never rests on the solver's own word: it is a scaling law, another solution method, an energy balance, the
+//! equilibrium of the reactions, a limit with a known answer, or a refusal. All cases are variants of one finger.
+
+mod fingers;
+mod input;
+mod loads;
+mod sensing;
+mod soundness;
+
+use crate::check::{Check, EXACT_COUNT, Kind};
+use crate::settings::Effort;
+use finray_model::Finger;
+use std::time::Instant;
+
+/// No case may take longer, s.
+pub const TIME_LIMIT_S: f64 = 5.0;
+
+/// A case and what came out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HardCase {
+    /// What is asked.
+    pub case: &'static str,
+    /// What makes it hard.
+    pub difficulty: &'static str,
+    /// What is promised.
+    pub promise: &'static str,
+    /// What came out, in words, where figures alone do not tell.
+    pub notes: Vec<String>,
+    /// What came out, in figures, each against its promise.
+    pub checks: Vec<Check>,
+    /// How long it took, s.
+    pub seconds: f64,
+}
+
+impl HardCase {
+    /// Whether every promise is kept, that of the time too.
+    pub fn kept(&self) -> bool {
+        self.seconds <= TIME_LIMIT_S && self.checks.iter().all(Check::passes)
+    }
+}
+
+/// A case before it is computed.
+struct Question {
+    case: &'static str,
+    difficulty: &'static str,
+    promise: &'static str,
+    answer: fn(&Finger, Effort, &mut Findings) -> Result<(), Unexpected>,
+}
+
+/// What ends a case before its checks are made: an error where none was promised.
+type Unexpected = Box<dyn std::error::Error>;
+
+/// Collects what comes out of a case.
+struct Findings {
+    case: &'static str,
+    notes: Vec<String>,
+    checks: Vec<Check>,
+}
+
+impl Findings {
+    fn note(&mut self, words: impl Into<String>) {
+        self.notes.push(words.into());
+    }
+
+    /// What every hard case is held against is our own: another way of solving, a law that our solutions obey, a count of refusals.
+    fn check(&mut self, source: &str, quantity: &str, reference: f64, ours: f64, tolerance: f64) {
+        self.checks.push(Check::new(Kind::Internal, self.case, source, quantity, reference, ours, tolerance));
+    }
+
+    /// An error that should be nothing.
+    fn vanishes(&mut self, source: &str, quantity: &str, ours: f64, tolerance: f64) {
+        self.check(source, quantity, 0.0, ours, tolerance);
+    }
+
+    /// A number of things that must be just so many.
+    fn counts(&mut self, source: &str, quantity: &str, reference: usize, ours: usize) {
+        self.check(source, quantity, reference as f64, ours as f64, EXACT_COUNT);
+    }
+}
+
+/// Every case, one after the other; `progress` is called once for each.
+pub fn hard_cases(finger: &Finger, effort: Effort, progress: &dyn Fn()) -> Vec<HardCase> {
+    questions()
+        .map(|question| {
+            let case = answered(question, finger, effort);
+            progress();
+            case
+        })
+        .collect()
+}
+
+/// Number of cases.
+pub fn count() -> usize {
+    questions().count()
+}
+
+fn questions() -> impl Iterator<Item = &'static Question> {
+    [fingers::QUESTIONS, loads::QUESTIONS, sensing::QUESTIONS, input::QUESTIONS].into_iter().flatten()
+}
+
+fn answered(question: &Question, finger: &Finger, effort: Effort) -> HardCase {
+    let mut findings = Findings { case: question.case, notes: Vec::new(), checks: Vec::new() };
+    let begin = Instant::now();
+    if let Err(error) = (question.answer)(finger, effort, &mut findings) {
+        findings.note(format!("Error: {error}."));
+        findings.counts("the promise", "errors where none was promised", 0, 1);
+    }
+    HardCase {
+        case: question.case,
+        difficulty: question.difficulty,
+        promise: question.promise,
+        notes: findings.notes,
+        checks: findings.checks,
+        seconds: begin.elapsed().as_secs_f64(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use finray_fixtures::PAPER_SCENE;
+    use finray_model::Scene;
+
+    fn answered_by(answer: fn(&Finger, Effort, &mut Findings) -> Result<(), Unexpected>) -> HardCase {
+        let finger = Scene::from_toml(PAPER_SCENE).unwrap().finger;
+        let question = Question { case: "case", difficulty: "difficulty", promise: "promise", answer };
+        answered(&question, &finger, Effort::Quick)
+    }
+
+    fn with_error(ours: f64) -> HardCase {
+        let case = answered_by(|_, _, _| Ok(()));
+        HardCase { checks: vec![Check::new(Kind::Internal, "case", "law", "error", 0.0, ours, 1.0)], ..case }
+    }
+
+    #[test]
+    fn a_promise_that_does_not_hold_breaks_its_case() {
+        assert!(with_error(0.9).kept());
+        assert!(!with_error(1.1).kept() && !with_error(f64::NAN).kept());
+    }
+
+    #[test]
+    fn an_error_that_nothing_promised_breaks_its_case() {
+        let case = answered_by(|_, _, _| Err("it fell over".into()));
+        assert!(!case.kept() && case.notes[0].contains("it fell over"), "{case:?}");
+    }
+
+    #[test]
+    fn laws_that_nothing_was_held_against_are_broken() {
+        let case = answered_by(|_, _, findings| {
+            soundness::Soundness::default().report(findings);
+            Ok(())
+        });
+        assert!(!case.kept());
+    }
+
+    #[test]
+    fn a_slow_case_is_broken() {
+        assert!(!HardCase { seconds: 1.1 * TIME_LIMIT_S, ..with_error(0.0) }.kept());
+    }
+}

@@ -1,0 +1,266 @@
+//! Measurements that are hard to sense from.
+
+use super::{Findings, Question, Unexpected};
+use crate::check::worst;
+use crate::settings::{CAMERA_NOISE_MM, Effort};
+use finray_model::frame::FrameLoad;
+use finray_model::measurement::{Marker, Measurement};
+use finray_model::sensing::{
+    Contact, ContactPlace, ContactQuestion, Estimate, LinearEstimator, NonlinearEstimator, Prior, SensingError,
+};
+use finray_model::statics::Statics;
+use finray_model::{Finger, Kinematics, Mesh, NodeId, Vector};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+pub(super) const QUESTIONS: &[Question] = &[
+    Question {
+        case: "contacts on neighbouring nodes",
+        difficulty: "two forces that deform the finger nearly alike",
+        promise: "exact without noise, true within the stated sigma with it",
+        answer: neighbours,
+    },
+    Question {
+        case: "two contacts on one node",
+        difficulty: "two components of one force; at the same angle they are one",
+        promise: "two angles: as for neighbours; the same angle: refused",
+        answer: twice_on_one_node,
+    },
+    Question {
+        case: "all contact nodes at once",
+        difficulty: "as many forces as the front plate has nodes: the worst condition of all",
+        promise: "exact without noise, true within the stated sigma with it",
+        answer: everywhere,
+    },
+    Question {
+        case: "1 to 20 hidden markers",
+        difficulty: "little is left to see",
+        promise: "true within the stated sigma, which grows with every marker that is lost; refused when none is left",
+        answer: hidden,
+    },
+    Question {
+        case: "noise from 0 to 1 mm",
+        difficulty: "noise as large as the displacements of many nodes",
+        promise: "exact without noise, true within the stated sigma with it",
+        answer: noise,
+    },
+    Question {
+        case: "one marker off by 20 mm",
+        difficulty: "a marker taken for another outweighs all others in least squares",
+        promise: "large rotations: the force moves by less than 2 %; linear: the residual shows that something is wrong",
+        answer: wild_marker,
+    },
+];
+
+/// Without noise forces come back to rounding times the condition of the problem (363 for twelve forces).
+const EXACT: f64 = 1e-7;
+/// Errors beyond this many sigma do not happen in some hundred draws (6e-7 each).
+const SIGMAS: f64 = 5.0;
+/// How far the scatter over the stated sigma may be from 1: over four standard errors of the draws that are made, and
+/// what large rotations add at 1 mm.
+const SCATTER: f64 = 0.25;
+/// A good camera, for twelve forces at once: with the paper's they would be drowned.
+const GOOD_NOISE_MM: f64 = 0.0067;
+const NOISES_MM: [f64; 4] = [0.01, CAMERA_NOISE_MM, 0.3, 1.0];
+/// Distance of the wild marker, mm; what it may change of a force; and how far its residual stands out.
+const WILD_MM: Vector = Vector::new(12.0, 16.0);
+const WILD_CHANGE: f64 = 0.02;
+const CONSPICUOUS: f64 = 10.0;
+
+impl Effort {
+    /// Noise pictures of a case.
+    fn draws(self) -> usize {
+        match self {
+            Effort::Quick => 60,
+            Effort::Full => 300,
+        }
+    }
+}
+
+fn at_node(node: NodeId, angle_deg: f64) -> Contact {
+    Contact { place: ContactPlace::Node(node), angle_deg }
+}
+
+fn middle(finger: &Finger) -> NodeId {
+    let nodes: Vec<NodeId> = finger.contact_nodes().collect();
+    nodes[nodes.len() / 2]
+}
+
+/// Forces on a finger and what a camera without noise sees of them, by kinematics.
+struct Task<'m> {
+    mesh: &'m Mesh,
+    contacts: Vec<Contact>,
+    forces_n: Vec<f64>,
+    seen: [(Kinematics, Measurement); 2],
+}
+
+impl<'m> Task<'m> {
+    fn new(mesh: &'m Mesh, contacts: Vec<Contact>, forces_n: Vec<f64>) -> Result<Task<'m>, Unexpected> {
+        let loads: Vec<FrameLoad> = contacts
+            .iter()
+            .zip(&forces_n)
+            .map(|(contact, force)| mesh.frame_load(&contact.load(mesh.finger(), *force)))
+            .collect::<Result<_, _>>()?;
+        let seen = |kinematics| -> Result<_, Unexpected> {
+            let motion = Statics::ladder(mesh, kinematics).equilibrium(&loads)?.motion;
+            Ok((kinematics, Measurement::of_shape(mesh.finger(), &mesh.shape(&motion))))
+        };
+        let seen = [seen(Kinematics::Linear)?, seen(Kinematics::Corotational)?];
+        Ok(Task { mesh, contacts, forces_n, seen })
+    }
+
+    /// Senses with the estimator of the finger that was seen.
+    fn sense(
+        &self,
+        kinematics: Kinematics,
+        measurement: &Measurement,
+        noise_mm: f64,
+    ) -> Result<Estimate, SensingError> {
+        if kinematics == Kinematics::Linear {
+            let estimator = LinearEstimator::new(self.mesh.finger(), &self.contacts, measurement)?;
+            return Ok(estimator.estimate(measurement, Some(noise_mm), Prior::None));
+        }
+        let questions: Vec<ContactQuestion> = self.contacts.iter().copied().map(ContactQuestion::from).collect();
+        Ok(NonlinearEstimator::new(self.mesh, &questions)?.estimate(measurement, Some(noise_mm))?.forces)
+    }
+
+    /// Largest error of a force, as a share of the largest force.
+    fn error(&self, found: &Estimate) -> f64 {
+        let largest = worst(self.forces_n.iter().copied());
+        worst(found.forces_n.iter().zip(&self.forces_n).map(|(found, force)| (found - force).abs())) / largest
+    }
+
+    /// Errors over the stated sigma, by force.
+    fn sigmas_off<'e>(&'e self, found: &'e Estimate) -> impl Iterator<Item = f64> + 'e {
+        let errors = found.forces_n.iter().zip(&self.forces_n).map(|(found, force)| (found - force).abs());
+        errors.zip(&found.sigmas_n).map(|(error, sigma)| error / sigma)
+    }
+
+    fn exact_without_noise(&self, findings: &mut Findings) -> Result<(), Unexpected> {
+        let mut errors = Vec::new();
+        for (kinematics, seen) in &self.seen {
+            errors.push(self.error(&self.sense(*kinematics, seen, 0.0)?));
+        }
+        findings.vanishes("no noise", "largest error / largest force", worst(errors), EXACT);
+        Ok(())
+    }
+
+    /// Scatter of noisy estimates against their sigma.
+    fn true_within_sigma(&self, noise_mm: f64, draws: usize, findings: &mut Findings) -> Result<(), Unexpected> {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        // Draws of its own for each level: the same ones would give a linear finger the same figures again.
+        rng.set_stream(noise_mm.to_bits());
+        let mut off = Vec::new();
+        for _ in 0..draws {
+            for (kinematics, seen) in &self.seen {
+                let mut noisy = seen.clone();
+                noisy.add_noise(noise_mm, || StandardNormal.sample(&mut rng));
+                off.extend(self.sigmas_off(&self.sense(*kinematics, &noisy, noise_mm)?).collect::<Vec<_>>());
+            }
+        }
+        let scatter = (off.iter().map(|z| z * z).sum::<f64>() / off.len() as f64).sqrt();
+        let source = format!("{noise_mm} mm noise");
+        findings.vanishes(&source, "largest error / sigma", worst(off), SIGMAS);
+        findings.check(&source, "scatter / sigma", 1.0, scatter, SCATTER);
+        Ok(())
+    }
+}
+
+fn neighbours(finger: &Finger, effort: Effort, findings: &mut Findings) -> Result<(), Unexpected> {
+    let mesh = Mesh::key_nodes(finger);
+    let node = middle(finger);
+    let contacts = vec![at_node(node, 0.0), at_node(NodeId(node.0 + 1), 0.0)];
+    let task = Task::new(&mesh, contacts, vec![1.0, 2.0])?;
+    task.exact_without_noise(findings)?;
+    task.true_within_sigma(CAMERA_NOISE_MM, effort.draws(), findings)
+}
+
+fn twice_on_one_node(finger: &Finger, effort: Effort, findings: &mut Findings) -> Result<(), Unexpected> {
+    let mesh = Mesh::key_nodes(finger);
+    let node = middle(finger);
+    let task = Task::new(&mesh, vec![at_node(node, 0.0), at_node(node, 60.0)], vec![1.0, 1.0])?;
+    task.exact_without_noise(findings)?;
+    task.true_within_sigma(CAMERA_NOISE_MM, effort.draws(), findings)?;
+    let same = Task { contacts: vec![at_node(node, 10.0); 2], ..task };
+    let refused = same.seen.iter().filter(|(kinematics, seen)| {
+        matches!(same.sense(*kinematics, seen, CAMERA_NOISE_MM), Err(SensingError::SameContact { .. }))
+    });
+    findings.counts("both estimators", "refusals of the same angle twice", 2, refused.count());
+    Ok(())
+}
+
+fn everywhere(finger: &Finger, effort: Effort, findings: &mut Findings) -> Result<(), Unexpected> {
+    let mesh = Mesh::key_nodes(finger);
+    let contacts: Vec<Contact> = finger.contact_nodes().map(|node| at_node(node, 0.0)).collect();
+    let forces_n = vec![3.0 / contacts.len() as f64; contacts.len()];
+    let task = Task::new(&mesh, contacts, forces_n)?;
+    task.exact_without_noise(findings)?;
+    task.true_within_sigma(GOOD_NOISE_MM, effort.draws() / 4, findings)
+}
+
+fn hidden(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unexpected> {
+    let mesh = Mesh::key_nodes(finger);
+    let task = Task::new(&mesh, vec![at_node(middle(finger), 10.0)], vec![2.0])?;
+    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    let nodes: Vec<NodeId> = finger.free_nodes().collect();
+    // From both plates in turn.
+    let order: Vec<NodeId> = (0..nodes.len()).map(|i| nodes[(i * 10) % nodes.len()]).collect();
+    let (mut off, mut shrinks, mut refused) = (Vec::new(), 0, 0);
+    for (kinematics, seen) in &task.seen {
+        let mut noisy = seen.clone();
+        noisy.add_noise(CAMERA_NOISE_MM, || StandardNormal.sample(&mut rng));
+        let mut before = 0.0;
+        for count in 0..=20 {
+            let found = task.sense(*kinematics, &noisy.clone().without(&order[..count]), CAMERA_NOISE_MM)?;
+            off.extend(task.sigmas_off(&found).collect::<Vec<_>>());
+            // The nonlinear sigma also moves with the estimate itself, by less than this.
+            shrinks += usize::from(found.sigmas_n[0] < 0.98 * before);
+            before = found.sigmas_n[0];
+        }
+        let none = task.sense(*kinematics, &noisy.without(&order), CAMERA_NOISE_MM);
+        refused += usize::from(matches!(none, Err(SensingError::TooFewMarkers { .. })));
+    }
+    findings.vanishes("0.067 mm noise", "largest error / sigma", worst(off), SIGMAS);
+    findings.counts("information only shrinks", "markers whose loss made sigma smaller", 0, shrinks);
+    findings.counts("both estimators", "refusals without any marker", 2, refused);
+    Ok(())
+}
+
+fn noise(finger: &Finger, effort: Effort, findings: &mut Findings) -> Result<(), Unexpected> {
+    let mesh = Mesh::key_nodes(finger);
+    let task = Task::new(&mesh, vec![at_node(middle(finger), 0.0)], vec![2.0])?;
+    task.exact_without_noise(findings)?;
+    for noise_mm in NOISES_MM {
+        task.true_within_sigma(noise_mm, effort.draws(), findings)?;
+    }
+    Ok(())
+}
+
+fn wild_marker(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unexpected> {
+    let mesh = Mesh::key_nodes(finger);
+    let task = Task::new(&mesh, vec![at_node(middle(finger), 10.0)], vec![2.0])?;
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let (mut changes, mut residuals) = (Vec::new(), Vec::new());
+    for (kinematics, seen) in &task.seen {
+        let mut noisy = seen.clone();
+        noisy.add_noise(CAMERA_NOISE_MM, || StandardNormal.sample(&mut rng));
+        for spoiled in finger.free_nodes() {
+            let moved = noisy.markers().iter().map(|marker| {
+                let wild = if marker.node == spoiled { WILD_MM } else { Vector::zeros() };
+                Marker { displacement: marker.displacement + wild, ..*marker }
+            });
+            let found = task.sense(*kinematics, &Measurement::new(finger, moved)?, CAMERA_NOISE_MM)?;
+            match kinematics {
+                Kinematics::Linear => residuals.push(found.residual_rms_mm / CAMERA_NOISE_MM),
+                _ => changes.push(task.error(&found)),
+            }
+        }
+    }
+    findings.vanishes("true force", "largest error / force", worst(changes), WILD_CHANGE);
+    let least = residuals.into_iter().fold(f64::INFINITY, f64::min);
+    findings.note(format!("The linear residual is {least:.0} times the noise at least."));
+    let seen = usize::from(least >= CONSPICUOUS);
+    findings.counts("the noise", "linear residual always over ten times the noise", 1, seen);
+    Ok(())
+}

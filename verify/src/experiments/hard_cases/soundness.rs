@@ -1,0 +1,154 @@
+//! What holds for every equilibrium of every finger, checked without the solver's help.
+
+use super::{Findings, Unexpected};
+use crate::check::worst;
+use finray_model::frame::FrameLoad;
+use finray_model::frame::FrameMotion;
+use finray_model::statics::{Statics, StaticsError, elastic_energy, reaction};
+use finray_model::{Kinematics, Load, Mesh, NodeId, Vector};
+
+/// Largest difference between the ladder and the general sparse path, as a share of the largest displacement.
+pub const AGREEMENT: f64 = 1e-8;
+/// Largest force and moment that reactions and loads leave, as a share of the load's. Reactions come from the strains of
+/// stiff elements, which keep fewer digits than the displacements.
+pub const BALANCE: f64 = 1e-6;
+/// Largest difference between elastic energy and work, as a share of the work: what the quadrature along the load path
+/// leaves.
+pub const ENERGY: f64 = 1e-6;
+/// How near a limit load is known: load steps end at 1e-6 of the load that was asked for.
+pub const LIMIT: f64 = 1e-3;
+/// What two solutions are compared by: see [`difference`].
+pub const DIFFERENCE: &str = "difference / largest displacement";
+/// Stretches of the load path that are integrated each by itself: shallow arches soften on the way.
+const PANELS: usize = 4;
+/// Gauss-Legendre rule with eight points on 0..1: (abscissa, weight).
+const GAUSS: [(f64, f64); 8] = [
+    (0.019_855_071_751_231_884, 0.050_614_268_145_188_13),
+    (0.101_666_761_293_186_63, 0.111_190_517_226_687_24),
+    (0.237_233_795_041_835_5, 0.156_853_322_938_943_64),
+    (0.408_282_678_752_175_1, 0.181_341_891_689_181),
+    (0.591_717_321_247_825, 0.181_341_891_689_181),
+    (0.762_766_204_958_164_5, 0.156_853_322_938_943_64),
+    (0.898_333_238_706_813_4, 0.111_190_517_226_687_24),
+    (0.980_144_928_248_768_1, 0.050_614_268_145_188_13),
+];
+
+/// Worst violations over some equilibria.
+#[derive(Debug, Default)]
+pub struct Soundness {
+    against_sparse: Vec<f64>,
+    unbalanced: Vec<f64>,
+    energy: Vec<f64>,
+    /// Loads without equilibrium, and how many of these refusals smaller loads confirm.
+    refused: usize,
+    confirmed: usize,
+}
+
+impl Soundness {
+    /// Solves a force on a node, linear and with large rotations; returns both displacement fields.
+    pub fn add(&mut self, mesh: &Mesh, node: NodeId, force: Vector) -> Result<[FrameMotion; 2], Unexpected> {
+        let load = mesh.frame_load(&Load::at_node(node, force))?;
+        Ok([self.linear(mesh, load)?, self.large_rotation(mesh, load)?])
+    }
+
+    /// As [`add`](Soundness::add) for a force that may have no equilibrium. Then a little less than what is said to be
+    /// carried must be carried, and half of it soundly; returns the carried share.
+    pub fn add_or_refused(&mut self, mesh: &Mesh, node: NodeId, force: Vector) -> Result<f64, Unexpected> {
+        let solve = |share: f64| {
+            let load = mesh.frame_load(&Load::at_node(node, force * share))?;
+            Statics::ladder(mesh, Kinematics::Corotational).equilibrium(&[load])
+        };
+        match solve(1.0) {
+            Ok(_) => self.add(mesh, node, force).map(|_| 1.0),
+            Err(StaticsError::NoEquilibrium { converged_fraction }) => {
+                self.refused += 1;
+                self.confirmed += usize::from(solve(converged_fraction * (1.0 - LIMIT)).is_ok());
+                self.add(mesh, node, force * (0.5 * converged_fraction))?;
+                Ok(converged_fraction)
+            }
+            Err(other) => Err(other.into()),
+        }
+    }
+
+    fn linear(&mut self, mesh: &Mesh, load: FrameLoad) -> Result<FrameMotion, Unexpected> {
+        let motion = Statics::ladder(mesh, Kinematics::Linear).equilibrium(&[load])?.motion;
+        // Clapeyron: the energy is half the work of the full load.
+        self.judge(mesh, &load, &motion, Kinematics::Linear, 0.5 * work(&load, &motion))?;
+        Ok(motion)
+    }
+
+    fn large_rotation(&mut self, mesh: &Mesh, load: FrameLoad) -> Result<FrameMotion, Unexpected> {
+        let points: Vec<(f64, f64)> = (0..PANELS)
+            .flat_map(|panel| GAUSS.map(|(x, weight)| ((panel as f64 + x) / PANELS as f64, weight / PANELS as f64)))
+            .collect();
+        let shares: Vec<f64> = points.iter().map(|(share, _)| *share).chain([1.0]).collect();
+        let (path, stopped) = Statics::ladder(mesh, Kinematics::Corotational).path(&[load], &shares);
+        if let Some(error) = stopped {
+            return Err(error.into());
+        }
+        let Some(full) = path.last() else { return Err("no equilibrium on the way".into()) };
+        // Work of the growing load: F u at its end less the complementary energy.
+        let complementary: f64 =
+            path.iter().zip(&points).map(|(found, (_, weight))| weight * work(&load, &found.motion)).sum();
+        let done = work(&load, &full.motion) - complementary;
+        self.judge(mesh, &load, &full.motion, Kinematics::Corotational, done)?;
+        Ok(full.motion.clone())
+    }
+
+    fn judge(
+        &mut self,
+        mesh: &Mesh,
+        load: &FrameLoad,
+        motion: &FrameMotion,
+        kinematics: Kinematics,
+        work: f64,
+    ) -> Result<(), Unexpected> {
+        let sparse = Statics::sparse(mesh.frame(), kinematics).equilibrium(&[*load])?.motion;
+        self.against_sparse.push(difference(motion, &sparse));
+        self.unbalanced.push(unbalanced(mesh, load, motion, kinematics));
+        self.energy.push((elastic_energy(mesh.frame(), motion, kinematics) / work - 1.0).abs());
+        Ok(())
+    }
+
+    /// A check for each law over all equilibria; without any, nothing is proven and all fail.
+    pub fn report(self, findings: &mut Findings) {
+        let worst = |figures: Vec<f64>| if figures.is_empty() { f64::NAN } else { worst(figures) };
+        findings.vanishes("general sparse path", DIFFERENCE, worst(self.against_sparse), AGREEMENT);
+        findings.vanishes("reactions", "force or moment left / load", worst(self.unbalanced), BALANCE);
+        findings.vanishes("energy balance", "energy / work - 1", worst(self.energy), ENERGY);
+        if self.refused > 0 {
+            findings.counts("a smaller load", "refusals confirmed", self.refused, self.confirmed);
+        }
+    }
+}
+
+/// Largest difference of two motions' displacements, as a share of the second's largest.
+pub fn difference(a: &FrameMotion, b: &FrameMotion) -> f64 {
+    let differences = a.displacements.iter().zip(&b.displacements).map(|(a, b)| (a - b).norm());
+    worst(differences) / b.largest_displacement()
+}
+
+/// Work of the full load on the way to a motion, as if it had been there from the beginning.
+fn work(load: &FrameLoad, motion: &FrameMotion) -> f64 {
+    match *load {
+        FrameLoad::Node { node, force, .. } => force.dot(&motion.displacements[node]),
+        _ => f64::NAN,
+    }
+}
+
+/// What loads and reactions leave, as a share of the load: force, and moment about the origin over the plate's length.
+fn unbalanced(mesh: &Mesh, load: &FrameLoad, motion: &FrameMotion, kinematics: Kinematics) -> f64 {
+    let FrameLoad::Node { node, force, .. } = *load else { return f64::NAN };
+    let (frame, finger) = (mesh.frame(), mesh.finger());
+    let moment = |at: Vector, force: Vector| at.x * force.y - at.y * force.x;
+    // Linear theory balances moments at the undeformed places.
+    let moved = if kinematics == Kinematics::Linear { Vector::zeros() } else { motion.displacements[node] };
+    let (mut force_sum, mut moment_sum) = (force, moment(frame.position(node) + moved, force));
+    for clamp in finger.clamped_nodes().map(|clamp| mesh.frame_node(clamp)) {
+        let support = reaction(frame, motion, kinematics, &[*load], clamp);
+        force_sum += support.force;
+        moment_sum += moment(frame.position(clamp), support.force) + support.moment_nmm;
+    }
+    let arm = frame.position(node).norm();
+    worst([force_sum.norm() / force.norm(), moment_sum.abs() / (force.norm() * arm)])
+}

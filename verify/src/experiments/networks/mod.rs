@@ -1,0 +1,9 @@
+//! Networks: what those that ship reach, ways to train them, and the paper's on its Table II.
+
+pub mod accuracy;
+pub mod paper;
+#[cfg(feature = "train")]
+pub mod recipes;
+pub mod records;
+#[cfg(feature = "train")]
+pub mod shipping;

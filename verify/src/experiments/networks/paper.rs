@@ -1,0 +1,193 @@
+//! The paper's own method on its Table II: its network as recorded at the paper's contact nodes, against the five figures.
+//!
+//! Networks are trained as sec. IV-A describes, on noise-free cases of the linear finger, with several seeds; what is recorded
+//! is their error on simulated fingers. How the paper scales displacements it does not say: two ways are recorded.
+
+use crate::experiments::networks::records::RecipeRow;
+use crate::experiments::table_two::{CONTACT_GROUPS, ContactGroup};
+
+/// The recorded recipes that follow the paper, by their scaling of displacements: by the largest, or by their spread.
+pub const PAPER_RECIPES: [&str; 2] = ["a", "a, by spread"];
+/// A figure is reproduced if ours is within this factor of it: recorded networks that differ in their seed alone are within such a
+/// factor of their mean for two contacts, so that less would judge the seed.
+pub const SAME_FACTOR: f64 = 1.5;
+
+/// Whether an error is the paper's, by [`SAME_FACTOR`].
+pub fn reproduces(paper: f64, ours: f64) -> bool {
+    ours <= SAME_FACTOR * paper && SAME_FACTOR * ours >= paper
+}
+
+/// A recorded mean error over the sets of a group.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OverSeeds {
+    /// Mean over the seeds.
+    pub mean: f64,
+    /// Of the best seed.
+    pub least: f64,
+    /// Of the worst seed.
+    pub greatest: f64,
+    /// Number of seeds.
+    pub seeds: usize,
+    /// Cases that were sensed, over sets and seeds.
+    pub answered: usize,
+    /// Cases that were refused.
+    pub refused: usize,
+}
+
+/// One of the paper's five figures beside the recorded one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    /// The group of tests.
+    pub group: ContactGroup,
+    /// `each force` or `sum`.
+    pub quantity: &'static str,
+    /// The paper's.
+    pub paper: f64,
+    /// As recorded.
+    pub recorded: OverSeeds,
+}
+
+impl Figure {
+    /// Whether the mean over the seeds is the paper's, by [`SAME_FACTOR`].
+    pub fn reproduced(&self) -> bool {
+        reproduces(self.paper, self.recorded.mean)
+    }
+}
+
+/// The quantities of a group that the paper's table has, with its figures.
+pub fn quantities(group: &ContactGroup) -> impl Iterator<Item = (&'static str, f64)> {
+    [Some(("each force", group.paper_force)), group.paper_sum.map(|sum| ("sum", sum))].into_iter().flatten()
+}
+
+/// Node numbers as records have them.
+pub fn nodes_in_records(nodes: &[usize]) -> String {
+    nodes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
+}
+
+/// The sets of a group at which a recipe is recorded: not all need be, and what is said of the group holds for these alone.
+pub fn recorded_sets(records: &[RecipeRow], recipe: &str, group: &ContactGroup) -> Vec<&'static [usize]> {
+    let recorded = |nodes: &&&'static [usize]| {
+        let name = nodes_in_records(nodes);
+        records.iter().any(|row| row.recipe == recipe && row.nodes == name)
+    };
+    group.sets.iter().filter(recorded).copied().collect()
+}
+
+/// What is recorded of a recipe on a finger, for one quantity of a group: for each seed the mean over the sets that are
+/// [recorded](recorded_sets); `None` if none is, or a seed is missing or unanswered at one of them.
+pub fn recorded(
+    records: &[RecipeRow],
+    [recipe, truth]: [&str; 2],
+    noise_mm: f64,
+    group: &ContactGroup,
+    quantity: &str,
+) -> Option<OverSeeds> {
+    let of_finger = |row: &&RecipeRow| {
+        row.recipe == recipe && row.truth == truth && row.noise_mm == noise_mm && row.quantity == quantity
+    };
+    let rows: Vec<&RecipeRow> = records.iter().filter(of_finger).collect();
+    let of_set = |nodes: &&[usize]| {
+        let name = nodes_in_records(nodes);
+        rows.iter().filter(|row| row.nodes == name).copied().collect::<Vec<_>>()
+    };
+    let sets: Vec<Vec<&RecipeRow>> = recorded_sets(records, recipe, group).iter().map(of_set).collect();
+    let seeds: Vec<u64> = sets.first()?.iter().map(|row| row.seed).collect();
+    let of_seed = |seed: &u64| {
+        let of_set = |set: &Vec<&RecipeRow>| set.iter().find(|row| row.seed == *seed)?.mean_error;
+        let errors: Vec<f64> = sets.iter().map(of_set).collect::<Option<_>>()?;
+        Some(errors.iter().sum::<f64>() / errors.len() as f64)
+    };
+    let errors: Vec<f64> = seeds.iter().map(of_seed).collect::<Option<_>>()?;
+    let least = errors.iter().copied().reduce(f64::min)?;
+    Some(OverSeeds {
+        mean: errors.iter().sum::<f64>() / errors.len() as f64,
+        least,
+        greatest: errors.iter().copied().fold(least, f64::max),
+        seeds: seeds.len(),
+        answered: sets.iter().flatten().map(|row| row.cases).sum(),
+        refused: sets.iter().flatten().map(|row| row.refused).sum(),
+    })
+}
+
+/// The five figures of the table beside those recorded of a recipe on the co-rotational finger; `None` unless something is recorded for
+/// each.
+pub fn figures(records: &[RecipeRow], recipe: &str, noise_mm: f64) -> Option<Vec<Figure>> {
+    let mut all = Vec::new();
+    for group in CONTACT_GROUPS {
+        for (quantity, paper) in quantities(&group) {
+            let recorded = recorded(records, [recipe, "corotational"], noise_mm, &group, quantity)?;
+            all.push(Figure { group, quantity, paper, recorded });
+        }
+    }
+    Some(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiments::networks::records::Records;
+    use crate::settings::CAMERA_NOISE_MM;
+
+    #[test]
+    fn a_figure_is_reproduced_within_the_factor_on_both_sides() {
+        assert!(reproduces(0.298, 0.200) && reproduces(0.298, 0.446));
+        assert!(!reproduces(0.298, 0.198) && !reproduces(0.298, 0.448));
+        // What was recorded at nodes 18 and 20 is not the paper's 29.8 %.
+        assert!([0.08, 0.14].into_iter().all(|ours| !reproduces(0.298, ours)));
+        assert!(!reproduces(0.298, f64::NAN));
+    }
+
+    /// The paper's recipes are recorded with four seeds, at one set of each group; without one, nothing is said of the table.
+    #[test]
+    fn the_papers_network_is_recorded_at_one_set_of_each_group() {
+        let records = Records::shipped().expect("records").recipes;
+        for recipe in PAPER_RECIPES {
+            let all = figures(&records, recipe, CAMERA_NOISE_MM).expect("all five figures");
+            assert_eq!(all.iter().map(|figure| figure.paper).collect::<Vec<_>>(), [0.065, 0.475, 0.074, 0.298, 0.076]);
+            assert!(all.iter().all(|figure| figure.recorded.seeds == 4 && figure.recorded.refused == 0), "{all:?}");
+        }
+        let sets = CONTACT_GROUPS.map(|group| recorded_sets(&records, "a", &group));
+        assert_eq!(sets, [vec![&[19][..]], vec![&[19, 20][..]], vec![&[18, 20][..]]]);
+        for nodes in ["19", "19 20", "18 20"] {
+            let less: Vec<RecipeRow> = records.iter().filter(|row| row.nodes != nodes).cloned().collect();
+            assert!(figures(&less, "a", CAMERA_NOISE_MM).is_none(), "without {nodes}");
+        }
+    }
+
+    /// The reason for the factor: for two contacts, seeds are within it of their mean.
+    #[test]
+    fn seeds_scatter_by_no_more_than_the_factor() {
+        let records = Records::shipped().expect("records").recipes;
+        let all = figures(&records, "a", CAMERA_NOISE_MM).expect("all five figures");
+        for figure in all.iter().filter(|figure| figure.group.paper_sum.is_some()) {
+            let OverSeeds { mean, least, greatest, .. } = figure.recorded;
+            assert!(reproduces(mean, least) && reproduces(mean, greatest), "{figure:?}");
+        }
+    }
+
+    #[test]
+    fn sets_are_averaged_seed_by_seed() {
+        let row = |seed, nodes: &str, error| RecipeRow {
+            recipe: "a".into(),
+            seed,
+            truth: "corotational".into(),
+            noise_mm: 0.067,
+            nodes: nodes.into(),
+            quantity: "each force".into(),
+            cases: 10,
+            refused: 1,
+            mean_error: Some(error),
+        };
+        let [one, _, _] = CONTACT_GROUPS;
+        let records = [
+            [row(1, "21", 0.1), row(1, "19", 0.2), row(1, "17", 0.3)],
+            [row(2, "21", 0.3), row(2, "19", 0.3), row(2, "17", 0.6)],
+        ]
+        .concat();
+        let found = recorded(&records, ["a", "corotational"], 0.067, &one, "each force").expect("recorded");
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
+        assert!(close(found.mean, 0.3) && close(found.least, 0.2) && close(found.greatest, 0.4), "{found:?}");
+        assert_eq!((found.seeds, found.answered, found.refused), (2, 60, 6));
+        assert!(recorded(&records[..5], ["a", "corotational"], 0.067, &one, "each force").is_none());
+    }
+}

@@ -1,0 +1,264 @@
+//! How a network should be trained: three recipes side by side, and the error by number of samples and by size.
+//!
+//! Training takes minutes, so the report shows what was recorded: `fixtures/networks/recipes.csv` and `curves.csv`.
+
+use super::records::{CurveRow, RecipeRow};
+use crate::estimators::network::{NetworkSensing, Networks};
+use crate::estimators::{Estimator, EstimatorError};
+use crate::experiments::networks::paper::PAPER_RECIPES;
+use crate::experiments::table_two::{COMPARED_SETS, FORCES_N, contact_sets};
+use crate::sampling::scatter::{ScatterRequest, ScatterRow, scatter};
+use crate::settings::CAMERA_NOISE_MM;
+use crate::truths::fine_mesh;
+use finray_model::mesh::MeshSizeError;
+use finray_model::sensing::Contact;
+use finray_model::sensing::network::{Network, Scaling};
+use finray_model::train::{TrainError, TrainingRecipe, train};
+use finray_model::{Finger, Kinematics, Mesh, NodeId};
+use rayon::prelude::*;
+
+/// Random cases for each set of contacts: a mean error is known to about 2 % of itself.
+const CASES: usize = 4000;
+/// Seed of forces and noise; that of Table II.
+const SEED: u64 = 1;
+/// The recipes, and with how many seeds each is trained: the first two depend on their seed most.
+const RECIPES: [(&str, u64); 4] = [("a", 4), ("a, by spread", 4), ("b", 3), ("c", 3)];
+/// Contacts of the curves: the node next to the tip, where noise costs most, and neighbours.
+const CURVE_SETS: [&[usize]; 2] = [&[24], &[19, 20]];
+/// Training cases of the one curve, with the layers of the networks that ship.
+const SAMPLES: [usize; 7] = [30, 100, 300, 1000, 3000, 10_000, 30_000];
+const SAMPLES_SEEDS: u64 = 3;
+/// Cases that training sees in all, repeated or not, so that the points of the curve take as many steps; a few cases repeat
+/// at most so often.
+const SEEN: usize = 2_000_000;
+const MOST_EPOCHS: usize = 7000;
+/// Hidden layers of the other curve; none is linear regression.
+const SIZES: [&[usize]; 8] = [&[], &[4], &[8], &[16], &[16, 16], &[32, 32], &[64, 64], &[150, 200, 150]];
+const SIZES_SEEDS: u64 = 2;
+
+/// Why a study of recipes could not be finished.
+#[derive(Debug, thiserror::Error)]
+pub enum RecipesError {
+    /// A network could not be trained.
+    #[error(transparent)]
+    Train(#[from] TrainError),
+    /// A network refuses what it was trained for, or a contact is wrong.
+    #[error(transparent)]
+    Estimator(#[from] EstimatorError),
+    /// The finger could not be meshed.
+    #[error(transparent)]
+    Mesh(#[from] MeshSizeError),
+}
+
+/// A network to train, and what it is called.
+struct Job {
+    name: &'static str,
+    seed: u64,
+    nodes: Vec<usize>,
+    recipe: TrainingRecipe,
+}
+
+/// How many networks [`recipes`] trains: so often it reports progress.
+pub fn recipe_count() -> usize {
+    recipe_jobs().len()
+}
+
+/// How many networks [`curves`] trains: so often it reports progress.
+pub fn curve_count() -> usize {
+    curve_jobs().len()
+}
+
+/// The recipes on the linear finger and on the co-rotational one, without and with noise: the paper's at every set of contacts of
+/// its Table II, the others at one of each group. As the paper's, these networks answer whatever they are shown.
+///
+/// # Errors
+/// [`RecipesError`].
+pub fn recipes(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<RecipeRow>, RecipesError> {
+    let jobs = recipe_jobs();
+    let mut groups: Vec<Group> = Vec::new();
+    for (job, network) in jobs.iter().zip(train_all(finger, &jobs, progress)?) {
+        match groups.iter_mut().find(|group| group.recipe == job.name && group.seed == job.seed) {
+            Some(group) => group.networks.push(network),
+            None => groups.push(Group {
+                recipe: job.name,
+                seed: job.seed,
+                name: format!("{} {}", job.name, job.seed),
+                networks: vec![network],
+            }),
+        }
+    }
+    let (papers, others): (Vec<Group>, Vec<Group>) =
+        groups.into_iter().partition(|group| PAPER_RECIPES.contains(&group.recipe));
+    Ok([rows_of(finger, papers)?, rows_of(finger, others)?].concat())
+}
+
+/// The networks of one recipe and seed: one a set of contacts.
+struct Group {
+    recipe: &'static str,
+    seed: u64,
+    name: String,
+    networks: Vec<Network>,
+}
+
+/// Errors of groups that are trained for the same sets of contacts.
+fn rows_of(finger: &Finger, groups: Vec<Group>) -> Result<Vec<RecipeRow>, RecipesError> {
+    let sets = groups.first().map_or(Vec::new(), |group| sets_of(group.recipe));
+    let sets: Vec<Vec<usize>> = sets.into_iter().map(<[usize]>::to_vec).collect();
+    let networks: Vec<Networks> = groups.iter().map(|group| Networks::of(group.networks.clone())).collect();
+    let sensing: Vec<NetworkSensing> = groups
+        .iter()
+        .zip(&networks)
+        .map(|(group, networks)| NetworkSensing { name: &group.name, networks, finger, refuses: false })
+        .collect();
+    let (coarse, fine) = (Mesh::key_nodes(finger), fine_mesh(finger)?);
+    let mut rows = Vec::new();
+    for (truth, mesh, kinematics) in
+        [("linear", &coarse, Kinematics::Linear), ("corotational", &fine, Kinematics::Corotational)]
+    {
+        for row in errors(mesh, kinematics, &[0.0, CAMERA_NOISE_MM], &sensing, &sets)? {
+            let Some(group) = groups.iter().find(|group| group.name == row.estimator) else { continue };
+            let entry = |quantity: &str, mean_error| RecipeRow {
+                recipe: group.recipe.to_owned(),
+                seed: group.seed,
+                truth: truth.to_owned(),
+                noise_mm: row.noise_mm,
+                nodes: listed(&row.nodes),
+                quantity: quantity.to_owned(),
+                cases: row.cases,
+                refused: row.refused,
+                mean_error,
+            };
+            rows.push(entry("each force", row.mean_error()));
+            if row.nodes.len() > 1 {
+                rows.push(entry("sum", row.sum.map(|sum| sum.mean_error)));
+            }
+        }
+    }
+    Ok(rows)
+}
+
+/// Error by number of samples and by size of the network, on the finger with large rotations and with noise.
+///
+/// # Errors
+/// [`RecipesError`].
+pub fn curves(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<CurveRow>, RecipesError> {
+    let jobs = curve_jobs();
+    let trained = train_all(finger, &jobs, progress)?;
+    let fine = fine_mesh(finger)?;
+    let mut rows = Vec::new();
+    for set in CURVE_SETS {
+        let of_set: Vec<(&Job, &Network)> = jobs.iter().zip(&trained).filter(|(j, _)| j.nodes == set).collect();
+        let networks: Vec<Networks> = of_set.iter().map(|&(_, network)| Networks::of(vec![network.clone()])).collect();
+        let sensing: Vec<NetworkSensing> = networks
+            .iter()
+            .map(|networks| NetworkSensing { name: "network", networks, finger, refuses: false })
+            .collect();
+        let errors = errors(&fine, Kinematics::Corotational, &[CAMERA_NOISE_MM], &sensing, &[set.to_vec()])?;
+        // One set, one level of noise: a row an estimator, in their order.
+        rows.extend(of_set.iter().zip(&errors).map(|(&(job, network), row)| CurveRow {
+            curve: job.name.to_owned(),
+            nodes: listed(&job.nodes),
+            samples: job.recipe.count,
+            hidden_layers: match job.recipe.hidden_layers[..] {
+                [] => "none".to_owned(),
+                ref widths => joined(widths, "-"),
+            },
+            weights: weight_count(network),
+            seed: job.seed,
+            cases: row.cases,
+            mean_error: row.mean_error(),
+            mean_error_bound: row.mean_error_bound(),
+        }));
+    }
+    Ok(rows)
+}
+
+/// The contacts at which a recipe is trained and tested, those of all recipes first: their cases are the same for all.
+fn sets_of(recipe: &str) -> Vec<&'static [usize]> {
+    let compared = COMPARED_SETS.map(|set| set.nodes);
+    let further = contact_sets().into_iter().filter(|set| PAPER_RECIPES.contains(&recipe) && !compared.contains(set));
+    compared.into_iter().chain(further).collect()
+}
+
+fn recipe_jobs() -> Vec<Job> {
+    let of_recipe = |(name, seeds): (&'static str, u64)| {
+        (1..=seeds).flat_map(move |seed| sets_of(name).into_iter().map(move |set| (seed, set))).map(
+            move |(seed, nodes)| {
+                let contacts = contacts(nodes);
+                let recipe = match name {
+                    "a" => TrainingRecipe::paper(contacts),
+                    "a, by spread" => TrainingRecipe { scaling: Scaling::Spread, ..TrainingRecipe::paper(contacts) },
+                    "b" => TrainingRecipe::paper_with_noise(contacts, CAMERA_NOISE_MM),
+                    _ => TrainingRecipe::nonlinear(contacts, CAMERA_NOISE_MM),
+                };
+                Job { name, seed, nodes: nodes.to_vec(), recipe: TrainingRecipe { seed, ..recipe } }
+            },
+        )
+    };
+    RECIPES.into_iter().flat_map(of_recipe).collect()
+}
+
+fn curve_jobs() -> Vec<Job> {
+    let job = |name: &'static str, seed: u64, nodes: &[usize], change: &dyn Fn(&mut TrainingRecipe)| {
+        let mut recipe = TrainingRecipe { seed, ..TrainingRecipe::nonlinear(contacts(nodes), CAMERA_NOISE_MM) };
+        change(&mut recipe);
+        Job { name, seed, nodes: nodes.to_vec(), recipe }
+    };
+    let mut jobs = Vec::new();
+    for nodes in CURVE_SETS {
+        for (count, seed) in SAMPLES.iter().flat_map(|&count| (1..=SAMPLES_SEEDS).map(move |seed| (count, seed))) {
+            let all_steps = |recipe: &mut TrainingRecipe| {
+                recipe.count = count;
+                recipe.epochs = (SEEN / count).min(MOST_EPOCHS);
+                recipe.patience = recipe.epochs.div_ceil(5);
+            };
+            jobs.push(job("samples", seed, nodes, &all_steps));
+        }
+        for (widths, seed) in SIZES.iter().flat_map(|&widths| (1..=SIZES_SEEDS).map(move |seed| (widths, seed))) {
+            jobs.push(job("size", seed, nodes, &|recipe| recipe.hidden_layers = widths.to_vec()));
+        }
+    }
+    jobs
+}
+
+/// Networks in the order of the jobs.
+fn train_all(finger: &Finger, jobs: &[Job], progress: &(dyn Fn() + Sync)) -> Result<Vec<Network>, RecipesError> {
+    let train_one = |job: &Job| {
+        let network = train(finger, &job.recipe, &mut |_| {})?;
+        progress();
+        Ok(network)
+    };
+    jobs.par_iter().map(train_one).collect()
+}
+
+fn errors(
+    truth: &Mesh,
+    kinematics: Kinematics,
+    noise_levels_mm: &[f64],
+    sensing: &[NetworkSensing],
+    sets: &[Vec<usize>],
+) -> Result<Vec<ScatterRow>, RecipesError> {
+    let key_nodes = Mesh::key_nodes(truth.finger());
+    let request = ScatterRequest { truth, kinematics, model: &key_nodes, noise_levels_mm, cases: CASES, seed: SEED };
+    let estimators: Vec<&dyn Estimator> = sensing.iter().map(|sensing| sensing as &dyn Estimator).collect();
+    let sets: Vec<Vec<NodeId>> = sets.iter().map(|set| set.iter().copied().map(NodeId).collect()).collect();
+    Ok(scatter(&request, &estimators, &sets, FORCES_N, &|| ())?)
+}
+
+/// Without hidden layers, the last layer and the linear branch are one.
+fn weight_count(network: &Network) -> usize {
+    let layers: usize = network.layers.iter().map(|layer| layer.weights.len() + layer.bias.len()).sum();
+    if network.layers.len() == 1 { layers } else { layers + network.skip.len() }
+}
+
+fn contacts(nodes: &[usize]) -> Vec<Contact> {
+    nodes.iter().copied().map(NodeId).map(Contact::at_node).collect()
+}
+
+fn listed(nodes: &[usize]) -> String {
+    joined(nodes, " ")
+}
+
+fn joined(numbers: &[usize], by: &str) -> String {
+    numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(by)
+}

@@ -1,0 +1,39 @@
+//! The recipes of the networks that ship.
+
+use crate::settings::CAMERA_NOISE_MM;
+use finray_model::Finger;
+use finray_model::finger::NodeId;
+use finray_model::sensing::Contact;
+use finray_model::train::TrainingRecipe;
+
+/// The paper's pairs (sec. V-C): two of neighbours and two further apart.
+const PAIRS: [[usize; 2]; 4] = [[19, 20], [16, 17], [18, 20], [16, 20]];
+/// The tip: the paper's single contacts are the nodes after it.
+const TIP: usize = 13;
+
+/// A network that ships.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shipping {
+    /// Name of its file, without extension.
+    pub name: String,
+    /// How it is trained.
+    pub recipe: TrainingRecipe,
+}
+
+/// Everything that ships, in the order of its files' list.
+pub fn shipping(finger: &Finger) -> Vec<Shipping> {
+    let fixed = |nodes: &[usize]| Shipping {
+        name: nodes.iter().map(ToString::to_string).collect::<Vec<_>>().join("-"),
+        recipe: TrainingRecipe::nonlinear(
+            nodes.iter().map(|&node| Contact::at_node(NodeId(node))).collect(),
+            CAMERA_NOISE_MM,
+        ),
+    };
+    let singles = finger.contact_nodes().filter(|node| node.0 != TIP).map(|node| fixed(&[node.0]));
+    let pairs = PAIRS.iter().map(|pair| fixed(pair));
+    let any_of = Shipping {
+        name: "any".to_owned(),
+        recipe: TrainingRecipe::any_of(finger.contact_nodes().map(Contact::at_node).collect(), CAMERA_NOISE_MM),
+    };
+    singles.chain(pairs).chain([any_of]).collect()
+}

@@ -1,0 +1,152 @@
+//! The protocol of Table I of Xu et al. (2021): weights on a single finger, force sensed by the linear model.
+
+use crate::truths::Truth;
+use finray_model::calibration::{self, CalibrationCase, CalibrationError};
+use finray_model::measurement::Measurement;
+use finray_model::mesh::FingerShape;
+use finray_model::sensing::{Contact, ContactPlace, LinearEstimator, Prior, SensingError};
+use finray_model::{Finger, NodeId};
+use serde::Serialize;
+
+/// Standard gravity, m/s^2 (CGPM 1901).
+pub const STANDARD_GRAVITY: f64 = 9.80665;
+/// The weights, g (sec. V-A and V-B).
+pub const WEIGHTS_G: [f64; 6] = [50.0, 100.0, 150.0, 200.0, 250.0, 300.0];
+/// Nodes at which Young's modulus is calibrated (sec. V-A).
+pub const CALIBRATION_NODES: [NodeId; 3] = [NodeId(17), NodeId(19), NodeId(21)];
+/// Loaded nodes and the paper's mean error at each (Table I, as the text of sec. V-B gives it).
+pub const PAPER_MEAN_ERRORS: [(NodeId, f64); 6] = [
+    (NodeId(14), 0.563),
+    (NodeId(16), 0.121),
+    (NodeId(18), 0.014),
+    (NodeId(20), 0.015),
+    (NodeId(22), 0.024),
+    (NodeId(24), 0.200),
+];
+
+/// The paper's largest error at nodes 16 and 24 (sec. V-B).
+pub const PAPER_LARGEST_ERRORS: [(NodeId, f64); 2] = [(NodeId(16), 0.18), (NodeId(24), 0.242)];
+/// The paper's smallest and largest error at node 14 (sec. V-B).
+pub const PAPER_RANGE_AT_14: [f64; 2] = [0.496, 0.637];
+/// Bounds that the paper states of the mean and of the largest error at nodes 18, 20 and 22 (sec. V-B).
+pub const PAPER_MIDDLE_BOUNDS: [f64; 2] = [0.03, 0.05];
+
+/// Force of a weight, N.
+pub fn weight_n(weight_g: f64) -> f64 {
+    weight_g * 1e-3 * STANDARD_GRAVITY
+}
+
+/// One loaded node.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TableOneRow {
+    /// Direction of the weight, degrees from the inward normal.
+    pub angle_deg: f64,
+    /// The loaded node.
+    pub node: usize,
+    /// Sensed / true - 1 for each weight.
+    pub errors: Vec<f64>,
+    /// Mean of |sensed / true - 1| over the weights.
+    pub mean_error: f64,
+    /// The paper's mean error.
+    pub paper_mean_error: f64,
+}
+
+impl TableOneRow {
+    /// The smallest and the largest of sensed / true - 1 over the weights.
+    pub fn range(&self) -> [f64; 2] {
+        self.errors.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &e| [low.min(e), high.max(e)])
+    }
+}
+
+/// Table I for one direction of the weights.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TableOne {
+    /// Name of the truth.
+    pub truth: String,
+    /// Direction of the weights, degrees from the inward normal.
+    pub angle_deg: f64,
+    /// Modulus by eq. (11) from the shapes under weights at nodes 17, 19 and 21, as a factor on the true one.
+    pub modulus_factor: f64,
+    /// A row a loaded node, from tip to base.
+    pub rows: Vec<TableOneRow>,
+}
+
+/// Why the protocol could not be run.
+#[derive(Debug, thiserror::Error)]
+pub enum TableOneError {
+    /// The modulus could not be calibrated.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationError),
+    /// A force could not be sensed.
+    #[error(transparent)]
+    Sensing(#[from] SensingError),
+    /// The calibrated finger is impossible.
+    #[error(transparent)]
+    Finger(#[from] finray_model::finger::ImpossibleFinger),
+    /// The truth cannot carry a weight.
+    #[error("the finger cannot carry {weight_g} g at node {node}")]
+    NoEquilibrium {
+        /// The loaded node.
+        node: NodeId,
+        /// The weight, g.
+        weight_g: f64,
+    },
+}
+
+/// Runs the protocol: calibrates the modulus on the truth, then senses each weight at each node without noise.
+///
+/// # Errors
+/// [`TableOneError`] if a weight cannot be carried or sensed.
+pub fn table_one(finger: &Finger, truth: &dyn Truth, angle_deg: f64) -> Result<TableOne, TableOneError> {
+    let forces_n = WEIGHTS_G.map(weight_n);
+    let modulus_factor = modulus_factor(finger, truth, angle_deg, &CALIBRATION_NODES)?;
+    let calibrated = finger.with_modulus_factor(modulus_factor)?;
+    let mut rows = Vec::new();
+    for (node, paper_mean_error) in PAPER_MEAN_ERRORS {
+        let (contact, shapes) = shapes(truth, node, angle_deg)?;
+        let mut errors = Vec::new();
+        for (shape, force_n) in shapes.iter().zip(forces_n) {
+            let measurement = Measurement::of_shape(&calibrated, shape);
+            let estimate = LinearEstimator::new(&calibrated, &[contact], &measurement)?.estimate(
+                &measurement,
+                Some(0.0),
+                Prior::None,
+            );
+            errors.push(estimate.forces_n[0] / force_n - 1.0);
+        }
+        let mean_error = errors.iter().map(|e| e.abs()).sum::<f64>() / errors.len() as f64;
+        rows.push(TableOneRow { angle_deg, node: node.0, errors, mean_error, paper_mean_error });
+    }
+    Ok(TableOne { truth: truth.name().to_owned(), angle_deg, modulus_factor, rows })
+}
+
+/// Young's modulus by eq. (11) from the truth's shapes under the weights at some nodes, as a factor on the finger's.
+///
+/// # Errors
+/// [`TableOneError`] if a weight cannot be carried.
+pub fn modulus_factor(
+    finger: &Finger,
+    truth: &dyn Truth,
+    angle_deg: f64,
+    nodes: &[NodeId],
+) -> Result<f64, TableOneError> {
+    let mut cases = Vec::new();
+    for &node in nodes {
+        let (contact, shapes) = shapes(truth, node, angle_deg)?;
+        for (shape, force_n) in shapes.iter().zip(WEIGHTS_G.map(weight_n)) {
+            let load = contact.load(finger, force_n);
+            cases.push(CalibrationCase { load, measurement: Measurement::of_shape(finger, shape) });
+        }
+    }
+    Ok(calibration::youngs_modulus(finger, &cases)?.factor)
+}
+
+/// The truth's shapes under the weights at a node.
+fn shapes(truth: &dyn Truth, node: NodeId, angle_deg: f64) -> Result<(Contact, Vec<FingerShape>), TableOneError> {
+    let contact = Contact { place: ContactPlace::Node(node), angle_deg };
+    let shapes = truth.shapes(&contact, &WEIGHTS_G.map(weight_n));
+    match WEIGHTS_G.get(shapes.len()) {
+        Some(&weight_g) => Err(TableOneError::NoEquilibrium { node, weight_g }),
+        None => Ok((contact, shapes)),
+    }
+}

@@ -1,0 +1,216 @@
+//! The protocol of Table II of Xu et al. (2021): forces of 0.3 to 3 N on one node, on two neighbours and on two nodes apart.
+//!
+//! The paper measures on its gripper, at the nodes that sec. V-C names, and lists the mean over the tests of each kind; here a
+//! finger of known kinematics stands for it, seen without and with camera noise, and every estimator senses the same noise
+//! samples at the same nodes.
+
+use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorKind};
+use crate::sampling::scatter::{ScatterRequest, ScatterRow, scatter};
+use crate::settings::TWO_FORCES_N;
+use finray_model::measurement::Measurement;
+use finray_model::sensing::{Contact, LinearEstimator, SensingError};
+use finray_model::{Finger, Kinematics, Mesh, NodeId, statics};
+
+/// A row of the paper's table: the contacts of its tests (sec. V-C), and the mean errors over these tests.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactGroup {
+    /// Short name.
+    pub name: &'static str,
+    /// Contact nodes of each test.
+    pub sets: &'static [&'static [usize]],
+    /// The paper's mean error of each force.
+    pub paper_force: f64,
+    /// The paper's mean error of their sum, of several.
+    pub paper_sum: Option<f64>,
+}
+
+/// The rows of the paper's table.
+pub const CONTACT_GROUPS: [ContactGroup; 3] = [
+    ContactGroup { name: "one node", sets: &[&[21], &[19], &[17]], paper_force: 0.065, paper_sum: None },
+    ContactGroup { name: "neighbours", sets: &[&[19, 20], &[16, 17]], paper_force: 0.475, paper_sum: Some(0.074) },
+    ContactGroup { name: "apart", sets: &[&[18, 20], &[16, 20]], paper_force: 0.298, paper_sum: Some(0.076) },
+];
+/// The paper's mean absolute error of a single force, N (sec. V-C: forces of 0 to 3 N).
+pub const PAPER_ERROR_N: f64 = 0.07;
+
+/// Every set of contacts, in the order of the groups.
+pub fn contact_sets() -> Vec<&'static [usize]> {
+    CONTACT_GROUPS.iter().flat_map(|group| group.sets).copied().collect()
+}
+
+/// The contacts at which ways to train a network are compared: one set of each group.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ComparedSet {
+    /// Short name.
+    pub name: &'static str,
+    /// Contact nodes.
+    pub nodes: &'static [usize],
+}
+
+/// One set of each group.
+pub const COMPARED_SETS: [ComparedSet; 3] = [
+    ComparedSet { name: "node 19", nodes: &[19] },
+    ComparedSet { name: "19 and 20", nodes: &[19, 20] },
+    ComparedSet { name: "18 and 20", nodes: &[18, 20] },
+];
+
+/// Range of each force, N (sec. V-C).
+pub const FORCES_N: [f64; 2] = TWO_FORCES_N;
+
+/// Cases of each set for the nonlinear estimator on the linear finger, whose shapes no co-rotational finger takes: it searches
+/// from every start and often refuses, a hundred times slower than where it fits.
+pub const CASES_WITHOUT_FIT: usize = 20;
+/// And no more than this share of the cases.
+const SHARE_WITHOUT_FIT: usize = 4;
+/// Most cases of each set for the nonlinear estimator, which takes as long as everything else together: a mean error over the
+/// sets of a group, whose relative errors scatter by 1.1 of their mean, is known to 4 %.
+pub const MOST_FITS: usize = 500;
+/// How often progress is reported: each of four runs tells of every set of contacts.
+pub const STEPS: usize = 4 * {
+    let [one, neighbours, apart] = CONTACT_GROUPS;
+    one.sets.len() + neighbours.sets.len() + apart.sets.len()
+};
+/// Seed of forces and noise.
+const SEED: u64 = 1;
+
+/// Table II on two fingers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TableTwo {
+    /// Random cases for each set of contacts; the nonlinear estimator senses the first of them, [`MOST_FITS`] and on the
+    /// linear finger a quarter of them, at most [`CASES_WITHOUT_FIT`].
+    pub cases: usize,
+    /// Largest over smallest singular value of the compliance at the markers, of the linear finger, by [`contact_sets`]: a
+    /// wrong shape shows in the forces by up to so many times its share.
+    pub condition_numbers: Vec<f64>,
+    /// By the finger that is sensed.
+    pub fingers: Vec<TableTwoFinger>,
+}
+
+/// Table II on one finger.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TableTwoFinger {
+    /// Name of the truth.
+    pub truth: &'static str,
+    /// By [`contact_sets`], level of noise, estimator.
+    pub rows: Vec<ScatterRow>,
+}
+
+impl TableTwo {
+    /// What one estimator makes of one finger at one level of noise, by [`contact_sets`].
+    pub fn of<'t>(&'t self, truth: &str, noise_mm: f64, estimator: &str) -> impl Iterator<Item = &'t ScatterRow> {
+        let finger = self.fingers.iter().find(|finger| finger.truth == truth);
+        let rows = finger.map_or(&[][..], |finger| &finger.rows);
+        rows.iter().filter(move |row| row.noise_mm == noise_mm && row.estimator == estimator)
+    }
+}
+
+/// What an estimator makes of the tests of one group: the mean over its sets, as the paper's table lists it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GroupErrors {
+    /// Mean error of each force.
+    pub force: f64,
+    /// Mean absolute error of each force, N.
+    pub force_n: f64,
+    /// Mean error of the sum, of several forces.
+    pub sum: Option<f64>,
+    /// Mean error of each force at the Cramer-Rao bound; `None` without noise.
+    pub force_bound: Option<f64>,
+    /// Mean error of the sum at the bound.
+    pub sum_bound: Option<f64>,
+    /// Cases that were sensed; the means are over these.
+    pub answered: usize,
+    /// Cases that were refused.
+    pub refused: usize,
+}
+
+impl GroupErrors {
+    /// The mean over rows of one estimator, a row a set of the group; `None` if a set is missing or none of its cases was sensed.
+    pub fn of<'r>(group: &ContactGroup, rows: impl IntoIterator<Item = &'r ScatterRow>) -> Option<GroupErrors> {
+        let rows: Vec<&ScatterRow> = rows.into_iter().collect();
+        let of_set = |nodes: &&[usize]| rows.iter().find(|row| row.nodes == *nodes).copied();
+        let rows: Vec<&ScatterRow> = group.sets.iter().map(of_set).collect::<Option<_>>()?;
+        let mean = |figure: &dyn Fn(&ScatterRow) -> Option<f64>| -> Option<f64> {
+            let figures: Vec<f64> = rows.iter().map(|row| figure(row)).collect::<Option<_>>()?;
+            Some(figures.iter().sum::<f64>() / figures.len() as f64)
+        };
+        // The sum of one force is that force.
+        let several = |figure: Option<f64>| figure.filter(|_| group.paper_sum.is_some());
+        Some(GroupErrors {
+            force: mean(&ScatterRow::mean_error)?,
+            force_n: mean(&ScatterRow::mean_error_n)?,
+            sum: several(mean(&|row| Some(row.sum?.mean_error))),
+            force_bound: mean(&ScatterRow::mean_error_bound),
+            sum_bound: several(mean(&|row| Some(row.sum?.bound?.mean_error_bound))),
+            answered: rows.iter().map(|row| row.cases).sum(),
+            refused: rows.iter().map(|row| row.refused).sum(),
+        })
+    }
+}
+
+impl TableTwo {
+    /// What one estimator makes of a group of tests on one finger at one level of noise.
+    pub fn group(&self, group: &ContactGroup, truth: &str, noise_mm: f64, estimator: &str) -> Option<GroupErrors> {
+        GroupErrors::of(group, self.of(truth, noise_mm, estimator))
+    }
+
+    /// The least and the greatest condition number of a group's sets.
+    pub fn condition_range(&self, group: &ContactGroup) -> Option<[f64; 2]> {
+        let of_sets = contact_sets().into_iter().zip(&self.condition_numbers);
+        let numbers: Vec<f64> =
+            of_sets.filter(|(set, _)| group.sets.contains(set)).map(|(_, number)| *number).collect();
+        let least = numbers.iter().copied().reduce(f64::min)?;
+        Some([least, numbers.into_iter().fold(least, f64::max)])
+    }
+}
+
+/// Runs the protocol on the linear finger and on `fine`, the mesh of the co-rotational one: least squares, ridge,
+/// `further` estimators and the nonlinear one. `progress` is called after each set of contacts, [`STEPS`] times in all.
+///
+/// # Errors
+/// [`EstimatorError`] for a finger without these nodes, or an estimator that is not made for one of the sets.
+pub fn table_two(
+    fine: &Mesh,
+    noise_levels_mm: &[f64],
+    cases: usize,
+    further: &[&dyn Estimator],
+    progress: &(dyn Fn() + Sync),
+) -> Result<TableTwo, EstimatorError> {
+    let finger = fine.finger();
+    let key_nodes = Mesh::key_nodes(finger);
+    let model = Mesh::with_elements_per_member(finger, ELEMENTS);
+    let [least_squares, ridge, nonlinear] =
+        [EstimatorKind::LeastSquares, EstimatorKind::Ridge, EstimatorKind::Nonlinear]
+            .map(|kind| BeamEstimator::of_noise_alone(kind, &model));
+    let sets: Vec<Vec<NodeId>> =
+        contact_sets().iter().map(|set| set.iter().map(|&node| NodeId(node)).collect()).collect();
+    let run = |mesh, kinematics, cases, estimators: &[&dyn Estimator]| {
+        // The bound changes little with the mesh: the coarsest serves.
+        let request = ScatterRequest { truth: mesh, kinematics, model: &key_nodes, noise_levels_mm, cases, seed: SEED };
+        scatter(&request, estimators, &sets, FORCES_N, progress)
+    };
+    let others = [&[&least_squares as &dyn Estimator, &ridge], further].concat();
+    let mut linear = run(&key_nodes, Kinematics::Linear, cases, &others)?;
+    linear.extend(run(
+        &key_nodes,
+        Kinematics::Linear,
+        cases.div_ceil(SHARE_WITHOUT_FIT).min(CASES_WITHOUT_FIT),
+        &[&nonlinear],
+    )?);
+    let mut corotational = run(fine, Kinematics::Corotational, cases, &others)?;
+    corotational.extend(run(fine, Kinematics::Corotational, cases.min(MOST_FITS), &[&nonlinear])?);
+    let fingers = vec![
+        TableTwoFinger { truth: "linear", rows: linear },
+        TableTwoFinger { truth: "corotational", rows: corotational },
+    ];
+    let condition_numbers = sets.iter().map(|set| condition_number(finger, set)).collect::<Result<_, _>>()?;
+    Ok(TableTwo { cases, condition_numbers, fingers })
+}
+
+/// Largest over smallest singular value of the displacements of all markers under unit forces along the normal.
+pub(crate) fn condition_number(finger: &Finger, nodes: &[NodeId]) -> Result<f64, EstimatorError> {
+    let contacts: Vec<Contact> = nodes.iter().copied().map(Contact::at_node).collect();
+    let at_rest = statics::solve(&Mesh::key_nodes(finger), &[], Kinematics::Linear).map_err(SensingError::from)?;
+    let estimator = LinearEstimator::new(finger, &contacts, &Measurement::of_shape(finger, &at_rest))?;
+    let values = estimator.singular_values();
+    Ok(values.first().zip(values.last()).map_or(1.0, |(largest, smallest)| largest / smallest))
+}

@@ -1,0 +1,5 @@
+//! Sensing put to the test over many positions, directions, forces and noise samples.
+
+pub mod map;
+pub mod scatter;
+pub mod sweep;

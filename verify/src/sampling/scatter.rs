@@ -1,0 +1,384 @@
+//! Sensing under camera noise: errors of each estimator against the Cramer-Rao bound, and what its stated sigma covers.
+//!
+//! Random forces bend a true finger, noise is added to what the camera sees, and each estimator, which knows the contact
+//! nodes and directions (along the undeformed normal), starts afresh. All estimators see the same forces and the same
+//! noise. Errors are divided by the bound at the case's own true forces, so their root mean square is 1 for an estimator
+//! that wastes nothing.
+
+mod cases;
+
+use crate::estimators::{Estimator, EstimatorError, Sensed};
+use crate::settings::TWO_SIDED_95;
+use cases::Look;
+use finray_model::sensing::Contact;
+use finray_model::{Finger, Kinematics, Mesh, NodeId};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Mean of |x| for x of a normal distribution with standard deviation 1: sqrt(2 / pi).
+const MEAN_ABSOLUTE: f64 = 0.797_884_560_802_865_4;
+/// More contact nodes than these are thinned out.
+const MOST_NODES: usize = 12;
+
+/// What is asked of estimators.
+#[derive(Debug, Clone, Copy)]
+pub struct ScatterRequest<'m> {
+    /// The true finger's mesh.
+    pub truth: &'m Mesh,
+    /// How the true finger bends.
+    pub kinematics: Kinematics,
+    /// Mesh on which the bound is computed, of the same finger.
+    pub model: &'m Mesh,
+    /// Standard deviations of a coordinate, mm; 0 for none. The same forces and, scaled, the same noise for each.
+    pub noise_levels_mm: &'m [f64],
+    /// Random cases for each set of contacts.
+    pub cases: usize,
+    /// Seed of the random numbers.
+    pub seed: u64,
+}
+
+/// Errors of one quantity, a force or the sum of all.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Scatter {
+    /// Mean of |sensed / true - 1|.
+    pub mean_error: f64,
+    /// Mean of |sensed - true|, N.
+    pub mean_error_n: f64,
+    /// Against the Cramer-Rao bound; left out without noise, where the bound is 0.
+    #[serde(flatten)]
+    pub bound: Option<AgainstBound>,
+    /// What the stated standard deviations cover; left out without noise, and for an estimator that states none.
+    #[serde(flatten)]
+    pub coverage: Option<Coverage>,
+}
+
+/// Errors over the Cramer-Rao bound at the true forces.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct AgainstBound {
+    /// What an estimator that reaches the bound has as its mean error.
+    pub mean_error_bound: f64,
+    /// Root mean square of error / bound.
+    pub over_bound: f64,
+    /// Mean of error / bound.
+    pub bias_over_bound: f64,
+    /// Root mean square of error / bound with the chance of the drawn noise taken out, where it was asked for.
+    #[serde(flatten)]
+    pub controlled: Option<Controlled>,
+}
+
+/// Root mean square of error / bound, controlled by the first-order response to the same noise.
+///
+/// To first order the error is a linear function of the noise, whose standard deviation is the bound: the mean square z1^2 of that
+/// response over the bound is 1, but for the chance of the draws. Error and response share this chance, so 1 + mean(z^2 - z1^2) is known
+/// far better than mean(z^2) from the same cases.
+///
+/// Reference: control variates; e.g. Owen, Monte Carlo theory, methods and examples, ch. 8.9.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Controlled {
+    /// sqrt(1 + mean(z^2 - z1^2)).
+    pub over_bound_controlled: f64,
+    /// Its standard error, from the scatter of z^2 - z1^2 over the cases.
+    pub standard_error: f64,
+}
+
+/// How often the truth lies within the interval that an estimator states.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Coverage {
+    /// Share of cases in which it lies within one stated standard deviation; 0.683 is meant.
+    pub one_sigma: f64,
+    /// Share of cases in which it lies within 1.96; 0.95 is meant.
+    pub two_sigma: f64,
+}
+
+/// Results of one estimator for one set of contact nodes and one level of noise.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ScatterRow {
+    /// Name of the estimator.
+    pub estimator: String,
+    /// The contact nodes.
+    pub nodes: Vec<usize>,
+    /// Standard deviation of a coordinate, mm.
+    pub noise_mm: f64,
+    /// Cases that were answered: what all means below are over.
+    pub cases: usize,
+    /// Draws that were repeated because the finger does not carry them.
+    pub not_carried: usize,
+    /// Cases that the estimator refused: in no mean, so every mean is shown with them, and a check over refused cases fails.
+    pub refused: usize,
+    /// Each force in the order of the nodes; empty if no case was sensed.
+    pub forces: Vec<Scatter>,
+    /// The sum of the forces; `None` if no case was sensed.
+    pub sum: Option<Scatter>,
+}
+
+/// Cases that were drawn, answered and refused: what belongs beside a mean over the answered ones.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Counts {
+    /// Cases that the finger carries.
+    pub drawn: usize,
+    /// Those that were answered.
+    pub answered: usize,
+    /// Those that were refused.
+    pub refused: usize,
+}
+
+impl Counts {
+    /// Of all rows together.
+    pub fn of<'r>(rows: impl IntoIterator<Item = &'r ScatterRow>) -> Counts {
+        let none = Counts { drawn: 0, answered: 0, refused: 0 };
+        rows.into_iter().fold(none, |sum, row| Counts {
+            drawn: sum.drawn + row.drawn(),
+            answered: sum.answered + row.cases,
+            refused: sum.refused + row.refused,
+        })
+    }
+}
+
+impl std::fmt::Display for Counts {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} cases drawn, {} answered, {} refused", self.drawn, self.answered, self.refused)
+    }
+}
+
+impl ScatterRow {
+    /// Cases that were drawn: how many an estimator was asked, whatever it answered.
+    pub fn drawn(&self) -> usize {
+        self.cases + self.refused
+    }
+
+    /// Whether chance (two standard errors) decides if a root mean square is within a tolerance of the bound: more cases are needed then.
+    pub fn is_near_tolerance(&self, tolerance: f64) -> bool {
+        let mut figures = self.forces.iter().chain(&self.sum).filter_map(|scatter| scatter.bound?.controlled);
+        figures.any(|found| (found.over_bound_controlled - 1.0).abs() + 2.0 * found.standard_error > tolerance)
+    }
+
+    /// Whether the mean error is within a limit if a refused case counts as an error of 100 %, that of no force at all.
+    pub fn is_within(&self, limit: f64) -> bool {
+        let drawn = self.drawn() as f64;
+        let refused = self.refused as f64 / drawn;
+        self.mean_error().is_some_and(|error| error * (1.0 - refused) + refused <= limit)
+    }
+
+    /// Mean error of all forces; `None` if no case was sensed.
+    pub fn mean_error(&self) -> Option<f64> {
+        let errors = self.forces.iter().map(|scatter| scatter.mean_error);
+        (!self.forces.is_empty()).then(|| errors.sum::<f64>() / self.forces.len() as f64)
+    }
+
+    /// Mean absolute error of all forces, N; `None` if no case was sensed.
+    pub fn mean_error_n(&self) -> Option<f64> {
+        let errors = self.forces.iter().map(|scatter| scatter.mean_error_n);
+        (!self.forces.is_empty()).then(|| errors.sum::<f64>() / self.forces.len() as f64)
+    }
+
+    /// Mean error of all forces at the bound; `None` where there is none.
+    pub fn mean_error_bound(&self) -> Option<f64> {
+        let bounds: Option<Vec<f64>> = self.forces.iter().map(|s| Some(s.bound?.mean_error_bound)).collect();
+        bounds.filter(|bounds| !bounds.is_empty()).map(|bounds| bounds.iter().sum::<f64>() / bounds.len() as f64)
+    }
+}
+
+/// A row for each set of contact nodes, level of noise and estimator, in this order; forces drawn evenly from `range_n`.
+/// `progress` is called after each set. The result does not depend on the number of threads, nor that of an estimator on
+/// the others.
+///
+/// # Errors
+/// [`EstimatorError`] for a node that is no contact node, or contacts that an estimator is not made for.
+pub fn scatter(
+    request: &ScatterRequest,
+    estimators: &[&dyn Estimator],
+    sets: &[Vec<NodeId>],
+    range_n: [f64; 2],
+    progress: &(dyn Fn() + Sync),
+) -> Result<Vec<ScatterRow>, EstimatorError> {
+    rows(request, estimators, sets, (range_n, false), progress)
+}
+
+/// [`scatter`] that also tells each row's [`Controlled`] figure, for one more estimate a case.
+///
+/// # Errors
+/// As there.
+pub fn scatter_controlled(
+    request: &ScatterRequest,
+    estimators: &[&dyn Estimator],
+    sets: &[Vec<NodeId>],
+    range_n: [f64; 2],
+    progress: &(dyn Fn() + Sync),
+) -> Result<Vec<ScatterRow>, EstimatorError> {
+    rows(request, estimators, sets, (range_n, true), progress)
+}
+
+fn rows(
+    request: &ScatterRequest,
+    estimators: &[&dyn Estimator],
+    sets: &[Vec<NodeId>],
+    (range_n, controlled): ([f64; 2], bool),
+    progress: &(dyn Fn() + Sync),
+) -> Result<Vec<ScatterRow>, EstimatorError> {
+    let of_set = |(stream, nodes): (usize, &Vec<NodeId>)| {
+        let contacts: Vec<Contact> = nodes.iter().copied().map(Contact::at_node).collect();
+        let cases = cases::cases(request, estimators, &contacts, (range_n, controlled), stream as u64)?;
+        progress();
+        let mut rows = Vec::new();
+        for (level, &noise_mm) in request.noise_levels_mm.iter().enumerate() {
+            for (i, estimator) in estimators.iter().enumerate() {
+                let looks = cases.iter().map(|case| case.look(level, i));
+                rows.push(row(estimator.name(), nodes, noise_mm, looks));
+            }
+        }
+        Ok(rows)
+    };
+    let rows: Result<Vec<_>, EstimatorError> = sets.par_iter().enumerate().map(of_set).collect();
+    Ok(rows?.into_iter().flatten().collect())
+}
+
+/// Every contact node, or about a dozen of many.
+pub fn sampled_nodes(finger: &Finger) -> Vec<NodeId> {
+    let nodes = finger.contact_nodes();
+    let every = nodes.len().div_ceil(MOST_NODES);
+    nodes.step_by(every).collect()
+}
+
+/// Every node alone.
+pub fn singles(nodes: &[NodeId]) -> Vec<Vec<NodeId>> {
+    nodes.iter().map(|&node| vec![node]).collect()
+}
+
+/// Every pair of nodes.
+pub fn pairs(nodes: &[NodeId]) -> Vec<Vec<NodeId>> {
+    let from = |i: usize| nodes[i + 1..].iter().map(|&second| vec![nodes[i], second]).collect::<Vec<_>>();
+    (0..nodes.len()).flat_map(from).collect()
+}
+
+/// What one estimator made of the cases at one level of noise.
+fn row<'c>(name: &str, nodes: &[NodeId], noise_mm: f64, looks: impl Iterator<Item = Look<'c>>) -> ScatterRow {
+    let mut forces = vec![Sums::default(); nodes.len()];
+    let mut sum = Sums::default();
+    let (mut cases, mut refused, mut not_carried) = (0, 0, 0);
+    for Look { case, bound, first_order, sensed } in looks {
+        not_carried += case.not_carried;
+        let Some(sensed) = sensed else {
+            refused += 1;
+            continue;
+        };
+        cases += 1;
+        for (i, sums) in forces.iter_mut().enumerate() {
+            let sigma = |of: &Sensed| of.sigmas_n.as_ref().map(|sigmas| sigmas[i]);
+            let errors = [sensed.forces_n[i] - case.forces_n[i], first_order.map_or(f64::NAN, |errors| errors[i])];
+            sums.add(case.forces_n[i], errors, bound.and_then(sigma), sigma(sensed));
+        }
+        let bound = bound.and_then(|bound| bound.sum_sigma_n);
+        let true_sum: f64 = case.forces_n.iter().sum();
+        let errors = [
+            sensed.forces_n.iter().sum::<f64>() - true_sum,
+            first_order.map_or(f64::NAN, |errors| errors.iter().sum::<f64>()),
+        ];
+        sum.add(true_sum, errors, bound, sensed.sum_sigma_n);
+    }
+    let noisy = noise_mm > 0.0;
+    ScatterRow {
+        estimator: name.to_owned(),
+        nodes: nodes.iter().map(|node| node.0).collect(),
+        noise_mm,
+        cases,
+        not_carried,
+        refused,
+        forces: forces.iter().filter_map(|sums| sums.mean(noisy)).collect(),
+        sum: sum.mean(noisy),
+    }
+}
+
+/// Sums over the cases of one quantity.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    cases: usize,
+    error: f64,
+    error_n: f64,
+    bounded: usize,
+    bound: f64,
+    standardised: f64,
+    squared: f64,
+    /// Sums of z^2 - z1^2 and of its square over the cases with a first-order response: see [`Controlled`].
+    controlled: usize,
+    beyond: f64,
+    beyond_squared: f64,
+    stated: usize,
+    one_sigma: usize,
+    two_sigma: usize,
+}
+
+impl Sums {
+    /// A case: true value, error and first-order error (not a number if it was not computed), bound and stated sigma.
+    fn add(&mut self, truth: f64, [error, first_order]: [f64; 2], bound: Option<f64>, stated_sigma: Option<f64>) {
+        self.cases += 1;
+        self.error += (error / truth).abs();
+        self.error_n += error.abs();
+        if let Some(bound) = bound {
+            self.bounded += 1;
+            self.bound += MEAN_ABSOLUTE * bound / truth;
+            self.standardised += error / bound;
+            self.squared += (error / bound).powi(2);
+            if first_order.is_finite() {
+                let beyond = (error / bound).powi(2) - (first_order / bound).powi(2);
+                self.controlled += 1;
+                self.beyond += beyond;
+                self.beyond_squared += beyond * beyond;
+            }
+        }
+        if let Some(sigma) = stated_sigma {
+            self.stated += 1;
+            self.one_sigma += usize::from(error.abs() <= sigma);
+            self.two_sigma += usize::from(error.abs() <= TWO_SIDED_95 * sigma);
+        }
+    }
+
+    fn controlled(&self) -> Controlled {
+        let count = self.controlled as f64;
+        let mean = self.beyond / count;
+        let variance = (self.beyond_squared / count - mean * mean).max(0.0) / (count - 1.0);
+        let root = (1.0 + mean).sqrt();
+        Controlled { over_bound_controlled: root, standard_error: variance.sqrt() / (2.0 * root) }
+    }
+
+    fn mean(&self, noisy: bool) -> Option<Scatter> {
+        let over = |sum: f64, count: usize| sum / count as f64;
+        (self.cases > 0).then(|| Scatter {
+            mean_error: over(self.error, self.cases),
+            mean_error_n: over(self.error_n, self.cases),
+            bound: (self.bounded > 0).then(|| AgainstBound {
+                mean_error_bound: over(self.bound, self.bounded),
+                over_bound: over(self.squared, self.bounded).sqrt(),
+                bias_over_bound: over(self.standardised, self.bounded),
+                // A case whose response could not be computed would leave the figure of the others alone: none then.
+                controlled: (self.controlled > 1 && self.controlled == self.cases).then(|| self.controlled()),
+            }),
+            coverage: (noisy && self.stated > 0).then(|| Coverage {
+                one_sigma: over(self.one_sigma as f64, self.stated),
+                two_sigma: over(self.two_sigma as f64, self.stated),
+            }),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_refused_case_counts_as_an_error_of_the_whole_force() {
+        let row = |cases: usize, refused: usize| ScatterRow {
+            estimator: "nonlinear".to_owned(),
+            nodes: vec![19],
+            noise_mm: 0.067,
+            cases,
+            not_carried: 0,
+            refused,
+            forces: vec![Scatter { mean_error: 0.01, ..Scatter::default() }],
+            sum: None,
+        };
+        assert!(row(100, 0).is_within(0.10) && row(95, 5).is_within(0.10));
+        assert!(!row(90, 10).is_within(0.10) && !row(1, 99).is_within(0.10));
+        let counts = Counts::of(&[row(90, 10), row(100, 0)]);
+        assert_eq!(counts.to_string(), "200 cases drawn, 190 answered, 10 refused");
+    }
+}

@@ -1,0 +1,256 @@
+//! Random cases: forces that bend the true finger, pictures of it, and what every estimator makes of the same pictures.
+
+use super::ScatterRequest;
+use crate::estimators::{BeamEstimator, Estimator, EstimatorError, EstimatorKind, PreparedEstimator, Sensed};
+use crate::settings::LEAST_STATED_MM;
+use finray_model::frame::FrameLoad;
+use finray_model::frame::FrameMotion;
+use finray_model::measurement::Measurement;
+use finray_model::sensing::Contact;
+use finray_model::statics::{Ladder, Statics};
+use finray_model::{Finger, Kinematics, Mesh};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
+
+/// A finger that carries none of so many draws in a row carries no force of the range.
+const MOST_DRAWS: usize = 100;
+/// Cases that share prepared estimators; threads take turns by as many.
+const BLOCK: u64 = 100;
+/// Share of the noise by which the first-order response is found: the forces change by some per cent of sigma then, far above where the
+/// search stops, and curvature leaves a tenth of what it does at the full noise.
+const LITTLE: f64 = 0.1;
+/// Words of the random stream for each case: more than its draws and its noise take, so that cases do not depend on each
+/// other.
+const WORDS: u128 = 1 << 24;
+
+/// One case, seen with every level of noise by every estimator.
+pub(super) struct Case {
+    /// True forces, N.
+    pub forces_n: Vec<f64>,
+    /// By level of noise.
+    pictures: Vec<Picture>,
+    /// Draws that were repeated because the finger does not carry them.
+    pub not_carried: usize,
+}
+
+/// What is made of one picture.
+struct Picture {
+    /// The bound: what an estimator of the true finger states at the true shape; `None` without noise, and where the noise
+    /// leaves the forces open.
+    bound: Option<Sensed>,
+    /// Errors of the forces to first order in the noise, N, by an estimator of the true finger; `None` without noise, and where it was not
+    /// asked for.
+    first_order: Option<Vec<f64>>,
+    /// By estimator; `None` where it refused.
+    sensed: Vec<Option<Sensed>>,
+}
+
+/// What one estimator makes of one picture.
+pub(super) struct Look<'c> {
+    /// The case.
+    pub case: &'c Case,
+    /// The bound of this picture.
+    pub bound: Option<&'c Sensed>,
+    /// Errors of the forces to first order in the noise of this picture, N.
+    pub first_order: Option<&'c [f64]>,
+    /// What is sensed; `None` where it refused.
+    pub sensed: Option<&'c Sensed>,
+}
+
+impl Case {
+    /// Estimator number `estimator` at level of noise number `level`.
+    pub fn look(&self, level: usize, estimator: usize) -> Look<'_> {
+        let picture = &self.pictures[level];
+        Look {
+            case: self,
+            bound: picture.bound.as_ref(),
+            first_order: picture.first_order.as_deref(),
+            sensed: picture.sensed[estimator].as_ref(),
+        }
+    }
+}
+
+/// All cases of one set of contacts in their order; none for a finger that carries no force of the range.
+pub(super) fn cases(
+    request: &ScatterRequest,
+    estimators: &[&dyn Estimator],
+    contacts: &[Contact],
+    (range_n, controlled): ([f64; 2], bool),
+    stream: u64,
+) -> Result<Vec<Case>, EstimatorError> {
+    let count = request.cases as u64;
+    let kind = match request.kinematics {
+        Kinematics::Linear => EstimatorKind::LeastSquares,
+        _ => EstimatorKind::Nonlinear,
+    };
+    let bound = BeamEstimator::of_noise_alone(kind, request.model);
+    let run = |numbers: std::ops::Range<u64>| -> Result<Vec<Case>, EstimatorError> {
+        let mut bench = Bench::new(request, &bound, estimators, contacts)?;
+        let draws = numbers.map(|number| Draw::new(request, contacts, range_n, stream, number)).collect();
+        Ok(bench.bent(draws, range_n).iter().flatten().map(|bent| bench.case(request, bent, controlled)).collect())
+    };
+    // Wrong contacts, and fingers that carry nothing, show in the first case.
+    let mut all = run(0..count.min(1))?;
+    if all.is_empty() {
+        return Ok(all);
+    }
+    let blocks: Vec<u64> = (1..count).step_by(BLOCK as usize).collect();
+    let rest: Result<Vec<_>, _> = blocks.into_par_iter().map(|first| run(first..(first + BLOCK).min(count))).collect();
+    all.extend(rest?.into_iter().flatten());
+    Ok(all)
+}
+
+/// The true finger and everything that looks at it.
+struct Bench<'a> {
+    finger: &'a Finger,
+    mesh: &'a Mesh,
+    contacts: &'a [Contact],
+    statics: Statics<Ladder<'a>>,
+    bound: Box<dyn PreparedEstimator + 'a>,
+    estimators: Vec<Box<dyn PreparedEstimator + 'a>>,
+}
+
+impl<'a> Bench<'a> {
+    fn new(
+        request: &ScatterRequest<'a>,
+        bound: &'a dyn Estimator,
+        estimators: &[&'a dyn Estimator],
+        contacts: &'a [Contact],
+    ) -> Result<Bench<'a>, EstimatorError> {
+        let mesh = request.truth;
+        let finger = mesh.finger();
+        let markers = Measurement::of_shape(finger, &mesh.shape(&FrameMotion::at_rest(mesh.frame())));
+        let prepared = estimators.iter().map(|estimator| estimator.prepare(contacts, &markers));
+        Ok(Bench {
+            finger,
+            mesh,
+            contacts,
+            statics: Statics::ladder(mesh, request.kinematics),
+            bound: bound.prepare(contacts, &markers)?,
+            estimators: prepared.collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// Bends the finger by every draw; `None` for those that it does not carry, however often they are drawn again. Each shape
+    /// is followed from that of the nearest forces among those already found, rest included, which takes fewer iterations.
+    fn bent(&mut self, mut draws: Vec<Draw>, range_n: [f64; 2]) -> Vec<Option<Bent>> {
+        let mut starts = vec![Start::at_rest(self.mesh, self.contacts.len())];
+        let mut bent: Vec<Option<Bent>> = draws.iter().map(|_| None).collect();
+        let mut open: Vec<usize> = (0..draws.len()).collect();
+        loop {
+            let pairs = (0..open.len()).flat_map(|place| (0..starts.len()).map(move |start| (place, start)));
+            let pairs =
+                pairs.map(|(place, start)| (starts[start].distance_n(&draws[open[place]].forces_n), place, start));
+            let Some((_, place, start)) = pairs.min_by(|a, b| a.0.total_cmp(&b.0)) else { return bent };
+            let number = open.remove(place);
+            let Some((motion, not_carried)) = self.carried(&mut draws[number], &starts[start], range_n) else {
+                continue;
+            };
+            let Draw { forces_n, noise, .. } = &draws[number];
+            let clean = Measurement::of_shape(self.finger, &self.mesh.shape(&motion));
+            bent[number] = Some(Bent { forces_n: forces_n.clone(), noise: noise.clone(), clean, not_carried });
+            starts.push(Start { forces_n: forces_n.clone(), motion });
+        }
+    }
+
+    /// The motion under a draw, and how many draws were not carried; they are drawn again. `None` if none is carried.
+    fn carried(&mut self, draw: &mut Draw, start: &Start, range_n: [f64; 2]) -> Option<(FrameMotion, usize)> {
+        let from = self.loads(&start.forces_n)?;
+        if let Ok(found) = self.statics.shifted(&start.motion, &from, &self.loads(&draw.forces_n)?) {
+            return Some((found.motion, 0));
+        }
+        for not_carried in 0..MOST_DRAWS {
+            let loads = self.loads(&draw.forces_n)?;
+            if let Ok(found) = self.statics.equilibrium(&loads) {
+                return Some((found.motion, not_carried));
+            }
+            draw.again(range_n);
+        }
+        None
+    }
+
+    fn loads(&self, forces_n: &[f64]) -> Option<Vec<FrameLoad>> {
+        let load = |(c, f): (&Contact, &f64)| self.mesh.frame_load(&c.load(self.finger, *f)).ok();
+        self.contacts.iter().zip(forces_n).map(load).collect()
+    }
+
+    /// What everyone makes of the pictures of a bent finger.
+    fn case(&mut self, request: &ScatterRequest, bent: &Bent, controlled: bool) -> Case {
+        let picture = |&noise_mm: &f64| {
+            let mut seen = bent.clean.clone();
+            let mut coordinates = bent.noise.iter();
+            seen.add_noise(noise_mm, || coordinates.next().copied().unwrap_or(0.0));
+            let sense = |estimator: &mut Box<dyn PreparedEstimator + 'a>| {
+                estimator.estimate(&seen, Some(noise_mm.max(LEAST_STATED_MM))).ok()
+            };
+            let sensed = self.estimators.iter_mut().map(sense).collect();
+            let bound = if noise_mm > 0.0 { self.bound.estimate(&bent.clean, Some(noise_mm)).ok() } else { None };
+            let first_order = bound.as_ref().filter(|_| controlled).and_then(|at_rest| {
+                let mut coordinates = bent.noise.iter();
+                let mut seen = bent.clean.clone();
+                seen.add_noise(LITTLE * noise_mm, || coordinates.next().copied().unwrap_or(0.0));
+                let moved = self.bound.estimate(&seen, Some(noise_mm)).ok()?;
+                let pairs = moved.forces_n.iter().zip(&at_rest.forces_n);
+                Some(pairs.map(|(moved, at_rest)| (moved - at_rest) / LITTLE).collect())
+            });
+            Picture { bound, first_order, sensed }
+        };
+        let pictures = request.noise_levels_mm.iter().map(picture).collect();
+        Case { forces_n: bent.forces_n.clone(), pictures, not_carried: bent.not_carried }
+    }
+}
+
+/// What chance gives to one case, the same whoever looks.
+struct Draw {
+    forces_n: Vec<f64>,
+    /// Of each coordinate, in standard deviations.
+    noise: Vec<f64>,
+    /// For forces that must be drawn again.
+    rng: ChaCha8Rng,
+}
+
+impl Draw {
+    /// Case number `number` of the stream.
+    fn new(request: &ScatterRequest, contacts: &[Contact], range_n: [f64; 2], stream: u64, number: u64) -> Draw {
+        let mut rng = ChaCha8Rng::seed_from_u64(request.seed);
+        rng.set_stream(stream);
+        rng.set_word_pos(WORDS * u128::from(number));
+        let coordinates = 2 * request.truth.finger().free_nodes().len();
+        let noise = (0..coordinates).map(|_| StandardNormal.sample(&mut rng)).collect();
+        let mut draw = Draw { forces_n: vec![0.0; contacts.len()], noise, rng };
+        draw.again(range_n);
+        draw
+    }
+
+    fn again(&mut self, range_n: [f64; 2]) {
+        self.forces_n.fill_with(|| self.rng.random_range(range_n[0]..range_n[1]));
+    }
+}
+
+/// A draw that the finger carries.
+struct Bent {
+    forces_n: Vec<f64>,
+    noise: Vec<f64>,
+    /// What the camera sees without noise.
+    clean: Measurement,
+    not_carried: usize,
+}
+
+/// An equilibrium from which others are followed.
+struct Start {
+    forces_n: Vec<f64>,
+    motion: FrameMotion,
+}
+
+impl Start {
+    fn at_rest(mesh: &Mesh, contacts: usize) -> Start {
+        Start { forces_n: vec![0.0; contacts], motion: FrameMotion::at_rest(mesh.frame()) }
+    }
+
+    /// Sum of the differences to other forces.
+    fn distance_n(&self, forces_n: &[f64]) -> f64 {
+        self.forces_n.iter().zip(forces_n).map(|(a, b)| (a - b).abs()).sum()
+    }
+}

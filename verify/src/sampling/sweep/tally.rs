@@ -1,0 +1,64 @@
+//! The pictures of a cell, counted one by one in constant memory.
+
+use super::cell::{Covered, Errors, Outcome};
+use crate::estimators::{EstimatorError, Sensed};
+use crate::settings::TWO_SIDED_95;
+
+/// Sums over the pictures of one cell.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Tally {
+    answered: usize,
+    sum: f64,
+    absolute: f64,
+    /// Running mean of the errors, and the sum of their squared differences from it (Welford 1962).
+    mean: f64,
+    squares: f64,
+    variance_n2: f64,
+    /// Answers that come with a standard deviation.
+    stated: usize,
+    covered: Covered,
+    /// Why the first picture that was refused gave no answer.
+    refusal: Option<String>,
+}
+
+impl Tally {
+    /// An answer to a picture of one true force.
+    pub(super) fn answer(&mut self, sensed: &Sensed, force_n: f64) {
+        let error = sensed.forces_n[0] / force_n - 1.0;
+        self.answered += 1;
+        self.sum += error;
+        self.absolute += error.abs();
+        let from_mean = error - self.mean;
+        self.mean += from_mean / self.answered as f64;
+        self.squares += from_mean * (error - self.mean);
+        if let Some(sigma_n) = sensed.sigmas_n.as_ref().and_then(|sigmas_n| sigmas_n.first()) {
+            self.stated += 1;
+            self.variance_n2 += sigma_n * sigma_n;
+            let covered = usize::from((sensed.forces_n[0] - force_n).abs() <= TWO_SIDED_95 * sigma_n);
+            self.covered.warned += usize::from(sensed.warned);
+            match sensed.warned {
+                false => self.covered.covered += covered,
+                true => self.covered.covered_warned += covered,
+            }
+        }
+    }
+
+    /// A picture without an answer.
+    pub(super) fn refuse(&mut self, error: &EstimatorError) {
+        self.refusal.get_or_insert_with(|| error.to_string());
+    }
+
+    /// What came out of so many pictures.
+    pub(super) fn outcome(&self, pictures: usize) -> Outcome {
+        let count = self.answered as f64;
+        let enough = self.answered > 0 && 2 * self.answered >= pictures;
+        let errors = enough.then(|| Errors {
+            mean_error: self.absolute / count,
+            bias: self.sum / count,
+            spread: if self.answered > 1 { (self.squares / (count - 1.0)).sqrt() } else { 0.0 },
+            sigma_n: (self.stated == self.answered).then(|| (self.variance_n2 / count).sqrt()),
+        });
+        let covered = (self.answered > 0 && self.stated == self.answered).then_some(self.covered);
+        Outcome { pictures, answered: self.answered, errors, covered, refusal: self.refusal.clone() }
+    }
+}
