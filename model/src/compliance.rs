@@ -3,8 +3,7 @@
 //! The linear finger is exact at its key nodes with one element a member, so the coarsest mesh serves.
 
 use crate::finger::{Finger, NodeId};
-use crate::frame::FrameLoad;
-use crate::frame::FrameMotion;
+use crate::frame::{FrameLoad, FrameMotion};
 use crate::mesh::{Load, LoadError, Mesh};
 use crate::statics::{Statics, StaticsError};
 use crate::{Kinematics, Vector};

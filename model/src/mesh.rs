@@ -8,8 +8,7 @@ mod zones;
 
 use crate::Vector;
 use crate::finger::{Finger, Joints, NodeId, Part, Plate, Zone};
-use crate::frame::FrameLoad;
-use crate::frame::{BeamEnd, FrameMotion, NodeIndex, PlaneFrame, Section};
+use crate::frame::{BeamEnd, FrameLoad, FrameMotion, NodeIndex, PlaneFrame, Section};
 use zones::{ElementPlaces, mean_compliance};
 
 /// A dead load on a finger, in the finger frame.

@@ -10,8 +10,7 @@ pub use doubt::Doubt;
 
 use crate::element::Station;
 use crate::finger::{Finger, Part, Plate};
-use crate::frame::FrameLoad;
-use crate::frame::FrameMotion;
+use crate::frame::{FrameLoad, FrameMotion};
 use crate::mesh::{Line, Mesh};
 use crate::{Kinematics, NodeId, Vector};
 

@@ -1,9 +1,14 @@
-//! Random fingers and loads for the property tests beside this crate.
+//! What the tests beside this crate share: the paper's finger, random fingers and loads.
 
 use finray_model::finger::{FingerDescription, Joints, Part, Plate, RibDescription, RibPlaces, Strip, Zone};
-use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector, statics};
+use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector, statics};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
+
+/// The paper's finger.
+pub fn paper() -> Finger {
+    Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the paper's scene reads").finger
+}
 
 /// Settings of the property tests: the same random cases on every run, others with `FINRAY_TEST_SEED=<number>`. A case that shows
 /// nothing, as where a finger carries no load, is rejected and drawn again; a test of which more than half of the cases are fails, as it

@@ -1,7 +1,6 @@
 //! Equilibrium paths by arc length: what holds for every frame and finger.
 
-use finray_model::frame::FrameLoad;
-use finray_model::frame::{NodeIndex, PlaneFrame, Section};
+use finray_model::frame::{FrameLoad, NodeIndex, PlaneFrame, Section};
 use finray_model::statics::{ArcLength, Assembly, EquilibriumPath, Statics, StaticsError};
 use finray_model::{Kinematics, Load, Mesh, NodeId, Scene, Vector};
 use finray_tests::{cases, contact_node, finger_with_zones, force_for_deflection};

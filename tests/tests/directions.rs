@@ -1,7 +1,8 @@
 //! Forces of unknown direction: errors of answers against the Cramer-Rao bound, refusals where the bound is high, and what
 //! assuming the deformed normal gains.
 
-use finray_model::{Finger, Kinematics, Mesh, Scene};
+use finray_model::{Kinematics, Mesh};
+use finray_tests::paper;
 use finray_verify::experiments::direction::{
     Assumption, DirectionCell, DirectionRequest, DirectionStudy, FORCES_N, TOLD_DEG, TOLD_FORCE,
 };
@@ -16,10 +17,6 @@ const PICTURES: usize = 24;
 const STANDARD_ERRORS: f64 = 4.0;
 /// What a direction's curve may add to an error that the bound, which is linear, does not have: where the bound is small.
 const CURVED: f64 = 0.1;
-
-fn paper() -> Finger {
-    Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene").finger
-}
 
 static STUDY: LazyLock<DirectionStudy> = LazyLock::new(|| {
     let mesh = Mesh::key_nodes(&paper());

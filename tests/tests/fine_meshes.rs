@@ -3,8 +3,8 @@
 use finray_model::finger::{FingerDescription, Part, Zone};
 use finray_model::mesh::FingerShape;
 use finray_model::statics::{Equilibrium, Statics, StaticsError};
-use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, statics};
-use finray_tests::{cases, contact_node, finger_with_zones, force_for_deflection};
+use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, statics};
+use finray_tests::{cases, contact_node, finger_with_zones, force_for_deflection, paper};
 use proptest::prelude::*;
 
 /// 11 or 12 are counted; Newton's corrections added as they are take 190.
@@ -13,10 +13,6 @@ const MOST_ITERATIONS: usize = 20;
 const RICHARDSON: f64 = 0.2;
 /// Digits that may be stated too many: a factor of two.
 const OVERSTATED: f64 = 0.3;
-
-fn paper() -> Finger {
-    Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene").finger
-}
 
 fn mesh(finger: &Finger, nodes: usize) -> Mesh {
     Mesh::with_nodes(finger, nodes).expect("within the limits")

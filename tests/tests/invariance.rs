@@ -1,8 +1,7 @@
 //! The answer does not depend on how the finger is written down: place and turn of the scene, units, order of nodes.
 
 use finray_model::finger::{FingerDescription, Joints, Part, Plate, RibPlaces};
-use finray_model::frame::FrameLoad;
-use finray_model::frame::{FrameMotion, PlaneFrame};
+use finray_model::frame::{FrameLoad, FrameMotion, PlaneFrame};
 use finray_model::statics::{solve, solve_frame};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
 use finray_tests::{cases, contact_node, finger, finger_with_zones, force_for_deflection};

@@ -5,7 +5,7 @@ use finray_model::frame::Section;
 use finray_model::mesh::{Load, LoadError};
 use finray_model::sensing::{Contact, ContactPlace};
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Scene, Vector, statics};
-use finray_tests::{cases, contact_node, finger};
+use finray_tests::{cases, contact_node, finger, paper};
 use finray_verify::check::Check;
 use finray_verify::lattice::accuracy::{LoadGrid, difference, study};
 use finray_verify::lattice::bodies::{Anchor, Assembly, Body, BodyLoad};
@@ -33,10 +33,6 @@ const CANTILEVER_SEGMENTS: usize = 16;
 const ELASTICA_TOLERANCE: f64 = 2e-4;
 /// EA L^2 / EI of the cantilever: the reference does not stretch; this one does by 1e-5 at the largest load.
 const CANTILEVER_AXIAL_RIGIDITY: f64 = 1e6;
-
-fn paper() -> Finger {
-    Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene").finger
-}
 
 fn scene(text: &str) -> Finger {
     Scene::from_toml(text).expect("fixture scene").finger

@@ -9,7 +9,7 @@ use finray_model::sensing::network::{
 };
 use finray_model::sensing::{Contact, ContactPlace, Estimate, SensingError, Warning};
 use finray_model::{Finger, Kinematics, NodeId, Scene, Vector};
-use finray_tests::cases;
+use finray_tests::{cases, paper};
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
@@ -24,10 +24,6 @@ const BETWEEN_INSTRUCTIONS_N: f64 = 5e-6;
 const ROUNDING: f64 = 1e-9;
 /// A derivative in f64 against a difference of f32 forces over a step of 1e-2.
 const DERIVATIVE: f64 = 2e-3;
-
-fn paper() -> Finger {
-    Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene").finger
-}
 
 fn at_node(node: usize) -> Contact {
     Contact { place: ContactPlace::Node(NodeId(node)), angle_deg: 0.0 }

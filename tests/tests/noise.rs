@@ -6,7 +6,8 @@ use finray_model::measurement::noise::base_motions;
 use finray_model::measurement::{DisplacementNoise, Marker, Measurement};
 use finray_model::sensing::{Contact, ContactPlace, ContactQuestion, Direction, NonlinearEstimator};
 use finray_model::statics::Statics;
-use finray_model::{Finger, Kinematics, Mesh, NodeId, Scene, Vector};
+use finray_model::{Kinematics, Mesh, NodeId, Scene, Vector};
+use finray_tests::paper;
 use finray_verify::estimators::{
     BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorKind, PreparedEstimator, Sensed,
 };
@@ -27,10 +28,6 @@ const NOISE_MM: f64 = 0.067;
 const PROMISE: f64 = 0.10;
 /// Random deviations allowed, in standard errors: among some hundred figures one beyond them is met once in a hundred runs.
 const STANDARD_ERRORS: f64 = 4.0;
-
-fn paper() -> Finger {
-    Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene").finger
-}
 
 /// Cases for each set of contacts.
 fn case_count() -> usize {

@@ -6,16 +6,12 @@ use finray_model::sensing::{
     Contact, ContactPlace, ContactQuestion, Direction, NonlinearEstimator, SensingError, sense_refining,
 };
 use finray_model::statics::Statics;
-use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector};
-use finray_tests::{cases, contact_node, finger_with_zones, force_for_deflection};
+use finray_model::{Kinematics, Load, Mesh, NodeId, Vector};
+use finray_tests::{cases, contact_node, finger_with_zones, force_for_deflection, paper};
 use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-
-fn paper() -> Finger {
-    Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene").finger
-}
 
 fn at_node(node: usize, angle_deg: f64) -> Contact {
     Contact { place: ContactPlace::Node(NodeId(node)), angle_deg }

@@ -7,7 +7,8 @@ use finray_model::mesh::LoadError;
 use finray_model::samples::{SampleRecipe, Samples, SamplesError, Stream};
 use finray_model::sensing::{Contact, ContactPlace, LinearEstimator, Prior, SensingError};
 use finray_model::statics::Statics;
-use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector};
+use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
+use finray_tests::paper;
 use rand::Rng;
 use std::collections::{HashMap, HashSet};
 
@@ -20,10 +21,6 @@ const ROUNDING: f64 = 1e-9;
 /// Largest chi-squares by degrees of freedom that are still chance: one of ten thousand draws exceeds them.
 const CHI_SQUARE_6: f64 = 27.9;
 const CHI_SQUARE_11: f64 = 37.4;
-
-fn paper() -> Finger {
-    Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene").finger
-}
 
 fn at_node(node: usize, angle_deg: f64) -> Contact {
     Contact { place: ContactPlace::Node(NodeId(node)), angle_deg }

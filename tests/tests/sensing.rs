@@ -5,8 +5,8 @@ use finray_model::compliance::{Compliance, NodalCompliance};
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::sensing::{Contact, ContactPlace, Estimate, LinearEstimator, Prior, SensingError};
 use finray_model::statics::solve;
-use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene};
-use finray_tests::{cases, contact_node, finger_with_zones};
+use finray_model::{Finger, Kinematics, Load, Mesh, NodeId};
+use finray_tests::{cases, contact_node, finger_with_zones, paper};
 use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -18,10 +18,6 @@ const EXACT: f64 = 1e-9;
 /// Two solutions of fingers that differ in their modulus alone round differently: thin plates stretch up to 1e5 times
 /// less than they bend, and a chain of them adds another 1e4 to the condition of the stiffness.
 const SOLUTION_ROUNDING: f64 = 1e-6;
-
-fn paper() -> Finger {
-    Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene").finger
-}
 
 fn measured(finger: &Finger, contacts: &[Contact], forces_n: &[f64]) -> Measurement {
     let loads: Vec<Load> = contacts.iter().zip(forces_n).map(|(c, f)| c.load(finger, *f)).collect();

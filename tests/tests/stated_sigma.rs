@@ -5,18 +5,14 @@ use finray_model::sensing::{
     Contact, ContactPlace, Discretisation, Estimate, LinearEstimator, Linearisation, NonlinearEstimator, Prior,
     SIGNIFICANCE, SensingError, Warning,
 };
-use finray_model::{Finger, Kinematics, Mesh, NodeId, Scene, statics};
+use finray_model::{Finger, Kinematics, Mesh, NodeId, statics};
+use finray_tests::paper;
 use finray_verify::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorKind};
-use finray_verify::settings::CAMERA_NOISE_MM;
-use finray_verify::settings::TWO_SIDED_95;
+use finray_verify::settings::{CAMERA_NOISE_MM, TWO_SIDED_95};
 use finray_verify::truths::{MeshTruth, Truth, fine_mesh};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-
-fn paper() -> Finger {
-    Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the paper's scene").finger
-}
 
 fn at_node(node: usize, angle_deg: f64) -> Contact {
     Contact { place: ContactPlace::Node(NodeId(node)), angle_deg }

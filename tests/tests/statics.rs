@@ -1,8 +1,7 @@
 //! What holds for every finger in equilibrium.
 
 use finray_model::finger::{FingerDescription, Joints, RibDescription, RibPlaces, Strip};
-use finray_model::frame::FrameLoad;
-use finray_model::frame::FrameMotion;
+use finray_model::frame::{FrameLoad, FrameMotion};
 use finray_model::statics::{Statics, StaticsError, elastic_energy, reaction, solve};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
 use finray_tests::{cases, contact_node, finger, finger_with_zones, force_for_deflection};

@@ -2,15 +2,15 @@
 
 use finray_model::measurement::Measurement;
 use finray_model::sensing::Contact;
-use finray_model::{Finger, Kinematics, Mesh, NodeId, Scene};
+use finray_model::{Kinematics, Mesh, NodeId};
+use finray_tests::paper;
 use finray_verify::check::Check;
 use finray_verify::estimators::network::{NetworkSensing, Networks};
 use finray_verify::estimators::{BeamEstimator, Estimator, EstimatorError, EstimatorKind, PreparedEstimator, Sensed};
 use finray_verify::experiments::networks::accuracy::{NAME, NetworkStudy, PROMISES};
 use finray_verify::experiments::table_two::{CONTACT_GROUPS, GroupErrors, STEPS, TableTwo, contact_sets, table_two};
 use finray_verify::sampling::scatter::{AgainstBound, Scatter, ScatterRequest, ScatterRow, scatter};
-use finray_verify::settings::ENOUGH_CASES;
-use finray_verify::settings::TWO_FORCES_N;
+use finray_verify::settings::{ENOUGH_CASES, TWO_FORCES_N};
 use finray_verify::truths::fine_mesh;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -27,10 +27,6 @@ const ROUNDING: f64 = 1e-8;
 const MESH_ERROR: f64 = 0.002;
 /// Nonlinear sensing without noise on the mesh of the true finger, whose iteration stops at some millionths.
 const SAME_FINGER: f64 = 1e-5;
-
-fn paper() -> Finger {
-    Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene").finger
-}
 
 /// An estimator that knows nothing of the finger, states nothing and refuses every measurement but a few.
 struct Constant {

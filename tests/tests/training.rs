@@ -8,7 +8,8 @@ use finray_model::samples::{SampleRecipe, Samples, SamplesError, Stream};
 use finray_model::sensing::network::{ContactSet, Network, NetworkEstimator, Scaling};
 use finray_model::sensing::{Contact, ContactPlace, SensingError};
 use finray_model::train::{Epoch, TrainError, TrainingRecipe, train};
-use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector, statics};
+use finray_model::{Kinematics, Load, Mesh, NodeId, Vector, statics};
+use finray_tests::paper;
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -27,10 +28,6 @@ const OVER_BOUND: f64 = 2.0;
 const OF_LINEAR: f64 = 0.1;
 /// Losses that training finds in single precision against the same from forces in N, relative.
 const SINGLE_PRECISION: f64 = 1e-3;
-
-fn paper() -> Finger {
-    Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene").finger
-}
 
 fn at_nodes(nodes: &[usize]) -> Vec<Contact> {
     nodes.iter().map(|&node| Contact { place: ContactPlace::Node(NodeId(node)), angle_deg: 0.0 }).collect()

@@ -1,8 +1,7 @@
 //! Largest strain and share of shear against closed forms, finer meshes and beams with shear.
 
 use finray_model::finger::Part;
-use finray_model::frame::FrameLoad;
-use finray_model::frame::FrameMotion;
+use finray_model::frame::{FrameLoad, FrameMotion};
 use finray_model::sensing::{Contact, ContactPlace};
 use finray_model::statics::Statics;
 use finray_model::validity::{Doubt, LARGEST_SHEAR_SHARE, LARGEST_STRAIN, SHEAR_CORRECTION, StrainLimits, Validity};

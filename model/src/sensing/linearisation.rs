@@ -1,13 +1,11 @@
 //! What the linear finger gets wrong of a sensed force: the error of linearisation, from the estimated force itself.
 
 use super::{Contact, SensingError};
-use crate::Kinematics;
-use crate::Vector;
-use crate::frame::FrameLoad;
-use crate::frame::FrameMotion;
+use crate::frame::{FrameLoad, FrameMotion};
 use crate::measurement::Measurement;
 use crate::mesh::Mesh;
 use crate::statics::{Ladder, Statics, StaticsError};
+use crate::{Kinematics, Vector};
 use nalgebra::{DMatrix, DVector};
 
 /// Forces are looked up on a grid of this share of (a power of two below) the largest of them: from a grid point the error is

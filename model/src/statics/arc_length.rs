@@ -3,8 +3,7 @@
 use super::bordered::{Bordered, Direction};
 use super::indefinite::IndefiniteFactor;
 use super::{Assembly, StaticsError};
-use crate::frame::FrameLoad;
-use crate::frame::{FrameMotion, PlaneFrame};
+use crate::frame::{FrameLoad, FrameMotion, PlaneFrame};
 use crate::{Kinematics, Vector};
 
 /// First step along the path, in the measure of [`ArcLength`]: about a degree.

@@ -5,8 +5,7 @@
 //! what the residual itself has lost stays.
 
 use super::{Equilibrium, EquilibriumEquations, Statics, StaticsError};
-use crate::frame::FrameLoad;
-use crate::frame::FrameMotion;
+use crate::frame::{FrameLoad, FrameMotion};
 
 /// Solutions with fewer digits are refused: 0.01 % is what the finest results are compared to.
 pub(super) const FEWEST_DIGITS: f64 = 4.0;

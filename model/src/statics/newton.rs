@@ -7,8 +7,7 @@
 use super::digits::FEWEST_DIGITS;
 use super::{EquilibriumEquations, Ladder, SparseEquations, StaticsError};
 use crate::Kinematics;
-use crate::frame::FrameLoad;
-use crate::frame::{FrameMotion, PlaneFrame};
+use crate::frame::{FrameLoad, FrameMotion, PlaneFrame};
 use crate::mesh::Mesh;
 
 /// Newton has converged when the energy norm of its *next* correction would be below this share of the solution's. The

@@ -4,8 +4,7 @@ use super::EquilibriumEquations;
 use super::assembly::Assembly;
 use super::factor::Factor;
 use crate::Kinematics;
-use crate::frame::FrameLoad;
-use crate::frame::{FrameMotion, PlaneFrame};
+use crate::frame::{FrameLoad, FrameMotion, PlaneFrame};
 
 /// Sparse equilibrium equations of any frame; pattern and order of the equations are found once.
 #[derive(Debug, Clone)]

@@ -1,7 +1,6 @@
 //! `finray networks`
 
-use super::Failure;
-use super::progress;
+use super::{Failure, progress};
 use clap::ValueEnum;
 use finray_model::sensing::Contact;
 use finray_model::sensing::network::TestError;

@@ -1,8 +1,7 @@
 //! Warnings where the beam model no longer holds: strains that are not small, thick members, flat fingers.
 
 use finray_model::finger::Plate;
-use finray_model::frame::FrameLoad;
-use finray_model::frame::FrameMotion;
+use finray_model::frame::{FrameLoad, FrameMotion};
 use finray_model::sensing::{Contact, ContactPlace};
 use finray_model::statics::{Statics, StaticsError};
 use finray_model::validity::{Doubt, StrainLimits, Validity};

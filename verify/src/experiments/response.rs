@@ -1,7 +1,6 @@
 //! A bent finger, and how its markers move, to first order, with the forces on it and where these act.
 
-use finray_model::frame::FrameLoad;
-use finray_model::frame::FrameMotion;
+use finray_model::frame::{FrameLoad, FrameMotion};
 use finray_model::mesh::LoadError;
 use finray_model::sensing::{Contact, ContactPlace};
 use finray_model::statics::{Ladder, Statics};

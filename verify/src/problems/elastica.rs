@@ -5,8 +5,7 @@
 
 use super::ProblemError;
 use crate::check::{Check, Kind};
-use finray_model::frame::FrameLoad;
-use finray_model::frame::{PlaneFrame, Section};
+use finray_model::frame::{FrameLoad, PlaneFrame, Section};
 use finray_model::statics::solve_frame;
 use finray_model::{Kinematics, Vector};
 use serde::Deserialize;

@@ -4,8 +4,7 @@
 
 use super::ProblemError;
 use crate::check::{Check, Kind};
-use finray_model::frame::FrameLoad;
-use finray_model::frame::{NodeIndex, PlaneFrame, Section};
+use finray_model::frame::{FrameLoad, NodeIndex, PlaneFrame, Section};
 use finray_model::statics::solve_frame;
 use finray_model::{Kinematics, Vector};
 use std::f64::consts::{PI, TAU};

@@ -6,8 +6,7 @@
 use super::ProblemError;
 use super::elastic_line::{self, Rigidity};
 use crate::check::{Check, EXACT_COUNT, Kind};
-use finray_model::frame::FrameLoad;
-use finray_model::frame::{NodeIndex, PlaneFrame, Section};
+use finray_model::frame::{FrameLoad, NodeIndex, PlaneFrame, Section};
 use finray_model::statics::{ArcLength, reaction};
 use finray_model::{Kinematics, Vector};
 

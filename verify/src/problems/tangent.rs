@@ -6,8 +6,7 @@
 use super::ProblemError;
 use crate::check::{Check, Kind, worst};
 use finray_model::element::{Beam, EndMotion, Response};
-use finray_model::frame::FrameLoad;
-use finray_model::frame::FrameMotion;
+use finray_model::frame::{FrameLoad, FrameMotion};
 use finray_model::statics::Assembly;
 use finray_model::{Finger, Kinematics, Load, Mesh, Vector};
 use nalgebra::DVector;

@@ -277,13 +277,10 @@ fn words(scene: &SceneStudy) -> String {
         return sentences.join(" ");
     }
     let total = worst(clean.iter().map(|sensed| sensed.total.relative_error().abs()));
-    let balance = worst(scene.steps.iter().filter(|studied| !studied.step.pressed.touches.is_empty()).map(|studied| {
-        let pressed = &studied.step.pressed;
-        (pressed.contact_force() - pressed.base_force).norm() / pressed.contact_force().norm()
-    }));
+    let balance = worst(scene.steps.iter().filter_map(|studied| studied.step.pressed.imbalance()));
     sentences.push(format!(
-        "Without noise the sensed total is within {} of the true one at every step; contact forces and the forces on the clamps balance \
-         within {balance:.0e} of their size.",
+        "Without noise the sensed total is within {} of the true one at every step; contact forces balance those of the hand and \
+         of the clamps within {balance:.0e} of their size.",
         percent(total)
     ));
     let sampled: Vec<&NoiseSamples> = scene.steps.iter().filter_map(|studied| studied.samples.as_ref()).collect();

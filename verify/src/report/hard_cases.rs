@@ -3,8 +3,7 @@
 use super::page::{Block, Cell, Column, Row, Section, Table};
 use super::sections::{self, text};
 use super::tables::{self, figure, verdict};
-use crate::check::Check;
-use crate::check::EXACT_COUNT;
+use crate::check::{Check, EXACT_COUNT};
 use crate::experiments::hard_cases::{HardCase, TIME_LIMIT_S};
 use crate::study::Study;
 use serde::Serialize;

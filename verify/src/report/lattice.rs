@@ -4,12 +4,11 @@ mod rows;
 mod tables;
 mod words;
 
-use super::ReportError;
-use super::drawings;
 use super::figures::{self, Axis, Dash, FigureError, Frame, Hue, LineChart, Series};
 use super::page::{Block, Figure, Section};
 use super::sections::{self, text};
 use super::tables::map_csv_name;
+use super::{ReportError, drawings};
 use crate::check::worst;
 use crate::experiments::lattice::LatticeStudy;
 use crate::lattice::accuracy::{FinenessRow, LoadGrid};

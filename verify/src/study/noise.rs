@@ -4,8 +4,7 @@ use crate::check::{Check, Kind, worst};
 use crate::estimators::{BeamEstimator, ELEMENTS, Estimator as _, EstimatorError, EstimatorKind};
 use crate::experiments::table_two::condition_number;
 use crate::sampling::scatter::{self, Controlled, Counts, ScatterRequest, ScatterRow, scatter_controlled};
-use crate::settings::{CAMERA_NOISE_MM, Effort, Progress};
-use crate::settings::{ONE_FORCE_N, TWO_FORCES_N};
+use crate::settings::{CAMERA_NOISE_MM, Effort, ONE_FORCE_N, Progress, TWO_FORCES_N};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
 
 /// Largest mean error of one force at nodes 14 to 24, which was asked for; the Cramer-Rao bound comes nearest to it at node 24, 1.2 %.

@@ -22,8 +22,7 @@ pub use refine::sense_refining;
 use super::{
     Contact, ContactPlace, ContactQuestion, Direction, Estimate, ModelError, SensingError, Warning, check_contacts,
 };
-use crate::frame::FrameLoad;
-use crate::frame::FrameMotion;
+use crate::frame::{FrameLoad, FrameMotion};
 use crate::measurement::Measurement;
 use crate::mesh::Mesh;
 use crate::statics::{Ladder, Statics};

@@ -4,8 +4,7 @@ use super::chain::numbers;
 use super::{Ladder, Place};
 use crate::Kinematics;
 use crate::element::Response;
-use crate::frame::FrameLoad;
-use crate::frame::{FrameMotion, PlaneFrame};
+use crate::frame::{FrameLoad, FrameMotion, PlaneFrame};
 
 impl Ladder<'_> {
     /// Condenses every line with the loads that stand on it.

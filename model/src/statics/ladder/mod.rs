@@ -16,8 +16,7 @@ mod rung;
 
 use super::EquilibriumEquations;
 use crate::element::ElementMatrix;
-use crate::frame::FrameLoad;
-use crate::frame::FrameMotion;
+use crate::frame::{FrameLoad, FrameMotion};
 use crate::mesh::Mesh;
 use crate::{Kinematics, Vector};
 use block::Block;

@@ -3,8 +3,7 @@
 use super::chain::{Ends, joined, numbers};
 use super::{Ladder, Place};
 use crate::Vector;
-use crate::frame::FrameLoad;
-use crate::frame::FrameMotion;
+use crate::frame::{FrameLoad, FrameMotion};
 
 /// A gradient on the two nodes of an element of a line: minus the forces there.
 struct OnElement {

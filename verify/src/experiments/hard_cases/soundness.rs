@@ -2,8 +2,7 @@
 
 use super::{Findings, Unexpected};
 use crate::check::worst;
-use finray_model::frame::FrameLoad;
-use finray_model::frame::FrameMotion;
+use finray_model::frame::{FrameLoad, FrameMotion};
 use finray_model::statics::{Statics, StaticsError, elastic_energy, reaction};
 use finray_model::{Kinematics, Load, Mesh, NodeId, Vector};
 

@@ -4,8 +4,7 @@ use crate::check::{Check, Kind};
 use crate::estimators::EstimatorError;
 use crate::estimators::network::{NetworkSensing, Networks};
 use crate::sampling::scatter::{ScatterRequest, ScatterRow, scatter};
-use crate::settings::TWO_FORCES_N;
-use crate::settings::{CAMERA_NOISE_MM, ENOUGH_CASES};
+use crate::settings::{CAMERA_NOISE_MM, ENOUGH_CASES, TWO_FORCES_N};
 use finray_model::{Kinematics, Mesh, NodeId};
 
 /// Range of each force, N.

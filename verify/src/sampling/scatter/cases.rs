@@ -3,8 +3,7 @@
 use super::ScatterRequest;
 use crate::estimators::{BeamEstimator, Estimator, EstimatorError, EstimatorKind, PreparedEstimator, Sensed};
 use crate::settings::LEAST_STATED_MM;
-use finray_model::frame::FrameLoad;
-use finray_model::frame::FrameMotion;
+use finray_model::frame::{FrameLoad, FrameMotion};
 use finray_model::measurement::Measurement;
 use finray_model::sensing::Contact;
 use finray_model::statics::{Ladder, Statics};

@@ -1,0 +1,47 @@
+//! Where does linear least squares err on a finger that bends co-rotationally? An accuracy map in a few lines.
+//!
+//! `cargo run --release -p finray-verify --example accuracy_map` writes `accuracy_map.svg`.
+
+use finray_model::{Kinematics, Mesh, Scene};
+use finray_verify::estimators::{BeamEstimator, EstimatorKind};
+use finray_verify::report::{map_picture, standalone};
+use finray_verify::sampling::map::{MapRequest, accuracy_maps};
+use finray_verify::sampling::sweep::Grid;
+use finray_verify::truths::{MeshTruth, fine_mesh};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    // The problem: forces of 3 N all along the front plate, from -80 to 80 degrees, seen without noise.
+    let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE)?.finger;
+    let (places_mm, angles_deg) = Grid::grid(&finger, 24, 10.0);
+    let request = MapRequest {
+        places_mm,
+        angles_deg,
+        forces_n: vec![3.0],
+        noise_levels_mm: vec![0.0],
+        noise_pictures: 1,
+        seed: 1,
+    };
+
+    // The finger that is true, the one that the estimator takes for true, and the map of the difference.
+    let fine = fine_mesh(&finger)?;
+    let truth = MeshTruth::new("corotational", &fine, Kinematics::Corotational)?;
+    let mesh = Mesh::key_nodes(&finger);
+    let least_squares = BeamEstimator::new(EstimatorKind::LeastSquares, &mesh);
+    let map = accuracy_maps(&finger, &truth, &[&least_squares], &request, &|| ()).remove(0);
+
+    // The comparison: along the normal errors stay below 10 %, far from it they do not.
+    let largest = |angle_deg: f64| {
+        let cells = map.cells.iter().filter(|cell| cell.angle_deg == angle_deg);
+        cells.filter_map(|cell| cell.mean_error).fold(0.0, f64::max)
+    };
+    println!(
+        "largest error: {:.1} % along the normal, {:.1} % at -60 deg",
+        100.0 * largest(0.0),
+        100.0 * largest(-60.0)
+    );
+    assert!(largest(0.0) < 0.1 && largest(-60.0) > 0.1);
+
+    // The picture, apart.
+    std::fs::write("accuracy_map.svg", standalone(&map_picture(&finger, &map, Some(3.0))?))?;
+    Ok(())
+}
