@@ -7,7 +7,7 @@ use finray_model::sensing::network::{
     ContactSet, Dense, FORMAT, Fingerprint, Inputs, Instructions, Network, NetworkCard, NetworkError, NetworkEstimator,
     Origin, Scaling, TestError,
 };
-use finray_model::sensing::{Contact, ContactPlace, Estimate, SensingError, Warning};
+use finray_model::sensing::{Contact, ContactPlace, SensingError, Warning};
 use finray_model::{Finger, Kinematics, NodeId, Scene, Vector};
 use finray_tests::{cases, paper};
 use nalgebra::{DMatrix, DVector};
