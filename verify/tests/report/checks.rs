@@ -5,13 +5,6 @@ use crate::shared::*;
 use serde_json::Value;
 use std::path::Path;
 
-fn sources(summary: &Value) -> Vec<&str> {
-    let mut sources: Vec<_> = array(summary, "checks").iter().filter_map(|check| check["source"].as_str()).collect();
-    sources.sort();
-    sources.dedup();
-    sources
-}
-
 #[test]
 fn every_check_of_the_papers_finger_passes() {
     let summary = PAPERS.summary();

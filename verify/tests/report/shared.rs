@@ -135,3 +135,10 @@ pub fn verdicts_pass(summary: &Value) {
         assert!(number("tolerance") > 0.0);
     }
 }
+
+pub fn sources(summary: &Value) -> Vec<&str> {
+    let mut sources: Vec<_> = array(summary, "checks").iter().filter_map(|check| check["source"].as_str()).collect();
+    sources.sort();
+    sources.dedup();
+    sources
+}
