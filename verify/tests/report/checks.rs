@@ -2,7 +2,6 @@
 
 use crate::common::*;
 use crate::shared::*;
-use serde_json::Value;
 use std::path::Path;
 
 #[test]
