@@ -6,7 +6,7 @@
 //! becomes an axial spring and two or three against bending, laid out in [`springs`]. [`settling`] lets the bodies move in
 //! the physics engine rapier until they rest. Their place of rest is a minimum of the springs' [`energy`], which Newton's
 //! method finds as well: that tells an error of the lattice from one of the settling. [`accuracy`] measures both, [`causes`] what they
-//! come from, and [`study`] gathers what the report shows.
+//! come from, and [`experiments::lattice`](crate::experiments::lattice) gathers what the report shows.
 //!
 //! No parameter is fitted. For small displacements the lattice is exact at the key nodes, like a frame of slender beams;
 //! its error under large rotations falls with the third to fourth power of the segments' length.
