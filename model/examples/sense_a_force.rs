@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     seen.add_noise(noise_mm, || StandardNormal.sample(&mut rng));
 
-    // Back from the displacements to the force, on a mesh that costs a tenth.
+    // Back from the displacements to the force, on a coarser mesh.
     let mesh = Mesh::with_elements_per_member(&finger, 4);
     let sensed = NonlinearEstimator::new(&mesh, &[contact.into()])?.estimate(&seen, Some(noise_mm))?.forces;
 

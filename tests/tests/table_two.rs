@@ -178,7 +178,7 @@ fn networks_are_held_to_their_promises() {
 
     let other_noise = NetworkStudy { noise_mm: 0.1, ..study.clone() };
     assert!(other_noise.checks().is_empty());
-    // Enough cases are held to the promise alone, few to what chance adds to it; where noise alone allows less, to that.
+    // Many cases are held to the tolerance alone, few to what chance adds to it; where noise alone allows less, to that.
     let single = |cases: usize, mean_error: f64, bound: Option<f64>| {
         let bound = bound.map(|bound| AgainstBound { mean_error_bound: bound, ..AgainstBound::default() });
         let forces = vec![Scatter { mean_error, bound, ..Scatter::default() }];

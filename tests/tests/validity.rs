@@ -245,8 +245,8 @@ fn undeformable_ribs_take_no_part() {
 }
 
 /// The forces of the paper's gripper experiments (up to 3 N, sec. V-C) keep within the limits at every contact node but the tip, which the paper
-/// does not load, over directions 20 degrees apart; 5 N, the largest that it trains for, do not along the normal. Close to the clamp, where a
-/// plate is a beam as long as it is thick, shear exceeds its limit under any force. `-- --nocapture papers` prints the figures.
+/// does not load, over directions 20 degrees apart; 5 N, the largest that it trains for, do not along the normal. Within 6 mm of the clamp the
+/// loaded piece of plate is so short that shear exceeds its limit, under any force. `-- --nocapture papers` prints the figures.
 #[test]
 fn the_papers_finger_keeps_within_the_limits_up_to_three_newtons() {
     let finger = finger(&[]);

@@ -68,7 +68,7 @@ impl Step {
 mod tests {
     use super::*;
 
-    /// Two steps by hand on the loss x^2 / 2: gradients 1 and 0.9, and both first steps are as long as the rate.
+    /// Five steps on the loss x^2 / 2, whose gradient is x, against the same in double precision.
     #[test]
     fn steps_are_those_of_the_paper() {
         let device = Device::flex().autodiff();

@@ -28,7 +28,7 @@ const SETTLED: Settled = Settled { clamps: BALANCE_TOLERANCE, equilibrium: SETTL
 /// Of the scenes that ship, which come within 1.1e-6.
 const SHIPPED: Settled = Settled { clamps: 1.5e-6, equilibrium: 1.5e-6 };
 /// Settled shapes against converged beams under the contact forces, as a share of the largest displacement, and sensed totals against the
-/// true ones, as forces follow shapes: what two segments a stretch leave of box and disc under 5 N (1.0e-3 and 1.1e-3; a single force at its
+/// true ones, as forces follow shapes: what two segments between rods leave of box and disc under 5 N (1.0e-3 and 1.1e-3; a single force at its
 /// worst direction leaves four times as much), and less by the square of more segments (2.0e-4 for the disc on four).
 const BEAMS_TOLERANCE: f64 = 1.3e-3;
 const SEGMENTS: f64 = 2.0;

@@ -136,7 +136,7 @@ impl ContactScene {
         ContactScene { fineness, ..self }
     }
 
-    /// Segments in a stretch of plate of the lattice.
+    /// Segments of plate between two rods of the lattice.
     pub fn fineness(&self) -> usize {
         self.fineness
     }

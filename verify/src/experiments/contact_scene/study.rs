@@ -36,7 +36,7 @@ pub struct StudiedStep {
 pub struct SceneStudy {
     /// Name of the scene.
     pub name: String,
-    /// Segments in a stretch of plate of its lattice.
+    /// Segments of plate between two rods of its lattice.
     pub fineness: usize,
     /// Coefficient of friction.
     pub friction: f64,
