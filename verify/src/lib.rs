@@ -14,6 +14,7 @@ pub mod files;
 pub mod lattice;
 pub mod mujoco;
 pub mod problems;
+mod registry;
 pub mod report;
 pub mod sampling;
 pub mod settings;

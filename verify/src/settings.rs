@@ -1,5 +1,7 @@
 //! What all experiments share: how much is computed, forces, noise, and who is told of progress. Nothing here depends on another room.
 
+use finray_model::{Finger, Scene};
+
 /// Standard deviation of a measured coordinate, mm: the paper's worst position error of 0.2 mm (sec. IV-B) taken as three standard
 /// deviations.
 pub const CAMERA_NOISE_MM: f64 = 0.067;
@@ -21,6 +23,11 @@ pub const ENOUGH_CASES: usize = 4000;
 /// Directions assumed for the paper's "vertical" weights, degrees from the inward normal. 10.9 is vertical when the finger's axis lies level:
 /// asin(29 / 153).
 pub const TABLE_ONE_ANGLES_DEG: [f64; 5] = [0.0, 10.9, -20.0, 20.0, 40.0];
+
+/// Whether a finger is the paper's, for which reference values exist, whatever its scene calls itself.
+pub fn is_papers_finger(finger: &Finger) -> bool {
+    Scene::from_toml(finray_fixtures::PAPER_SCENE).is_ok_and(|paper| paper.finger == *finger)
+}
 
 /// Callbacks of progress: a stage starts with its name and step count, and each step is done.
 pub trait Progress: Sync {

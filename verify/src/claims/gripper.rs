@@ -2,10 +2,11 @@
 
 use super::criteria::{figure, over_assumptions, simulated};
 use super::{Claim, claim, newtons, percent};
-use crate::experiments::networks::accuracy::NAME as NETWORK;
+use crate::estimators::EstimatorId;
 use crate::experiments::networks::paper::{Figure, PAPER_RECIPES, SAME_FACTOR, figures, recorded_sets};
 use crate::experiments::table_two::{CONTACT_GROUPS, ContactGroup, GroupErrors, PAPER_ERROR_N, TableTwo};
 use crate::study::Study;
+use crate::truths::TruthId;
 
 /// Bound of the resultant's error, and what each of two forces is said to exceed (sec. VII).
 const SUM_BOUND: f64 = 0.08;
@@ -137,9 +138,10 @@ fn in_the_conclusion(largest: &[Figure], spread: &[Figure], noise_mm: f64) -> [C
 
 /// The same nodes with estimators that have the simulated finger's own model.
 fn with_the_model(two: &TableTwo, group: &ContactGroup, noise_mm: f64) -> Vec<Claim> {
-    let of = |estimator: &str| two.group(group, "corotational", noise_mm, estimator);
-    let Some(nonlinear) = of("nonlinear") else { return Vec::new() };
-    let others = [("linear least squares", of("least-squares")), ("network that ships", of(NETWORK))];
+    let of = |estimator| two.group(group, TruthId::Corotational, noise_mm, estimator);
+    let Some(nonlinear) = of(EstimatorId::Nonlinear) else { return Vec::new() };
+    let others =
+        [("linear least squares", of(EstimatorId::LeastSquares)), ("network that ships", of(EstimatorId::Network))];
     let beside = |figure: &dyn Fn(&GroupErrors) -> Option<f64>, unit: &dyn Fn(f64) -> String| {
         let listed =
             others.iter().filter_map(|(name, found)| Some(format!("{name}: {}", unit(figure(found.as_ref()?)?))));

@@ -5,7 +5,7 @@ use super::criteria::{
 };
 use super::experiments::{self, Exchanged, largest, range_of};
 use super::{Claim, ClaimVerdict, between, claim, newtons, percent};
-use crate::experiments::networks::accuracy::NAME as NETWORK;
+use crate::estimators::EstimatorId;
 use crate::experiments::speed_error::{Task, TimedBy};
 use crate::settings::CAMERA_NOISE_MM;
 use crate::study::Study;
@@ -193,10 +193,9 @@ fn zero_force(finger: &Finger) -> Result<Claim, SensingError> {
 /// The network that ships, as timed by this report.
 fn network_time(study: &Study) -> Option<Claim> {
     let here = |timed_by: &TimedBy| !matches!(timed_by, TimedBy::OtherProgram { .. });
-    let point = study
-        .speed_error
-        .iter()
-        .find(|point| point.task == Task::SenseOne && point.model == NETWORK && here(&point.timed_by))?;
+    let point = study.speed_error.iter().find(|point| {
+        point.task == Task::SenseOne && point.estimator == Some(EstimatorId::Network) && here(&point.timed_by)
+    })?;
     Some(claim(
         "\"the calculating time of the trained NNM-based sensing model is negligible\" (sec. VI)",
         "no figure",

@@ -1,21 +1,17 @@
 //! What `finray map`, `sweep` and `merge` share: the grid, who is put to the test on it, and how the table is written.
 
 use super::parse::{degrees_between, positive};
-use super::sense::EstimatorArgument;
 use super::{Failure, progress};
-use clap::ValueEnum;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::SensingError;
-use finray_model::{Finger, Kinematics, Mesh, Scene};
-use finray_verify::estimators::network::{NetworkSensing, Networks};
-use finray_verify::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorKind};
-use finray_verify::experiments::networks::accuracy::NAME;
-use finray_verify::experiments::twin::twin_of;
+use finray_model::{Finger, Mesh, Scene};
+use finray_verify::estimators::network::Networks;
+use finray_verify::estimators::{Estimator, EstimatorId};
 use finray_verify::files::{FileError, Reader, Stream, is_stream, load_network_and_digest, load_scene_and_text};
 use finray_verify::report::{map_picture, standalone};
 use finray_verify::sampling::map::AccuracyMap;
 use finray_verify::sampling::sweep::{Grid, Head, Partial, Request, Shard, Sweep, Table};
-use finray_verify::truths::{LatticeTruth, MeshTruth, MujocoTruth, Truth, fine_mesh};
+use finray_verify::truths::{Truth, TruthId};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -49,90 +45,17 @@ pub struct GridArguments {
     out: PathBuf,
 }
 
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-pub enum TruthArgument {
-    /// The linear finger
-    Linear,
-    /// The finger with large rotations, on 684 nodes or four elements a member if that is more
-    Corotational,
-    /// The finger as rigid bodies and springs, four segments between two key nodes, in the shape of least energy.
-    /// Letting the engine settle each shape, the same within 0.05 %, would take an hour
-    Lattice,
-    /// The finger as MuJoCo solved it: exported shapes of three fingers, at their contact nodes, in the exported
-    /// directions, under the exported forces; --places and --step-deg do not count beside it
-    Mujoco,
-    /// The paper's finger with a softer base and tip, one of several fits of its Table I, co-rotational; for the paper's
-    /// scene alone
-    Twin,
-}
-
 /// Who is put to the test.
 pub struct Candidates<'a> {
-    pub truths: &'a [TruthArgument],
-    pub estimators: &'a [EstimatorArgument],
+    pub truths: &'a [TruthId],
+    pub estimators: &'a [EstimatorId],
     /// Standard deviations of one measured coordinate, mm; none given: the scene's camera, else no noise.
     pub noise_mm: &'a [f64],
 }
 
-/// The meshes and networks that truths and estimators borrow.
-struct Models {
-    key_nodes: Mesh,
-    fine: Mesh,
-    sensing: Mesh,
-    networks: Networks,
-    /// Of the twin, if it is asked for.
-    twin: Option<Mesh>,
-}
-
-impl Models {
-    fn new(finger: &Finger, networks: Networks, truths: &[TruthArgument]) -> Result<Models, Failure> {
-        let twin = if truths.contains(&TruthArgument::Twin) {
-            let twin = twin_of(finger).map_err(|error| Failure::BadInput(format!("--truth twin: {error}")))?;
-            Some(fine_mesh(&twin)?)
-        } else {
-            None
-        };
-        Ok(Models {
-            twin,
-            key_nodes: Mesh::key_nodes(finger),
-            fine: fine_mesh(finger)?,
-            sensing: Mesh::with_elements_per_member(finger, ELEMENTS),
-            networks,
-        })
-    }
-
-    fn truth(&self, which: TruthArgument) -> Result<Box<dyn Truth + '_>, Failure> {
-        let mesh = self.twin.as_ref().unwrap_or(&self.fine);
-        Ok(match which {
-            TruthArgument::Twin => Box::new(MeshTruth::new("twin", mesh, Kinematics::Corotational)?),
-            TruthArgument::Linear => Box::new(MeshTruth::new("linear", &self.key_nodes, Kinematics::Linear)?),
-            TruthArgument::Corotational => {
-                Box::new(MeshTruth::new("corotational", &self.fine, Kinematics::Corotational)?)
-            }
-            TruthArgument::Lattice => Box::new(LatticeTruth::new(self.key_nodes.finger())?),
-            TruthArgument::Mujoco => Box::new(MujocoTruth::new(self.key_nodes.finger())?),
-        })
-    }
-
-    fn estimator(&self, which: EstimatorArgument) -> Box<dyn Estimator + '_> {
-        let beam = |kind, mesh| Box::new(BeamEstimator::new(kind, mesh));
-        match which {
-            EstimatorArgument::LeastSquares => beam(EstimatorKind::LeastSquares, &self.key_nodes),
-            EstimatorArgument::Ridge => beam(EstimatorKind::Ridge, &self.key_nodes),
-            EstimatorArgument::Nonlinear => beam(EstimatorKind::Nonlinear, &self.sensing),
-            EstimatorArgument::Network => Box::new(NetworkSensing {
-                name: NAME,
-                networks: &self.networks,
-                finger: self.key_nodes.finger(),
-                refuses: true,
-            }),
-        }
-    }
-}
-
 /// Computes a table and writes it, row by row, with what belongs beside it.
 pub fn run(arguments: &GridArguments, table: Table, candidates: &Candidates) -> Result<(), Failure> {
-    if arguments.network.is_some() && !candidates.estimators.contains(&EstimatorArgument::Network) {
+    if arguments.network.is_some() && !candidates.estimators.contains(&EstimatorId::Network) {
         return Err(Failure::BadInput("--network is for --estimator network".to_owned()));
     }
     let (scene, text) = load_scene_and_text(&arguments.scene)?;
@@ -143,10 +66,13 @@ pub fn run(arguments: &GridArguments, table: Table, candidates: &Candidates) -> 
         }
         None => (Networks::shipped()?, None),
     };
-    let models = Models::new(finger, networks, candidates.truths)?;
-    let truths = candidates.truths.iter().map(|&truth| models.truth(truth)).collect::<Result<Vec<_>, _>>()?;
-    let estimators: Vec<_> = candidates.estimators.iter().map(|&estimator| models.estimator(estimator)).collect();
-    let grid = grid(arguments, candidates, &scene)?;
+    let truth_meshes = candidates.truths.iter().map(|id| id.mesh(finger)).collect::<Result<Vec<_>, _>>()?;
+    let truths = candidates.truths.iter().zip(&truth_meshes).map(|(id, mesh)| id.on(mesh));
+    let truths = truths.collect::<Result<Vec<_>, _>>()?;
+    let meshes: Vec<Mesh> = candidates.estimators.iter().map(|id| id.mesh(finger)).collect();
+    let estimators: Vec<_> =
+        candidates.estimators.iter().zip(&meshes).map(|(id, mesh)| id.on(mesh, &networks)).collect();
+    let grid = grid(arguments, candidates, &scene, &truths)?;
     for estimator in &estimators {
         require_an_answer(finger, &**estimator, &grid)?;
     }
@@ -156,12 +82,11 @@ pub fn run(arguments: &GridArguments, table: Table, candidates: &Candidates) -> 
         estimators.iter().map(|estimator| &**estimator).collect(),
         &grid,
     );
-    let owned = |names: Vec<&str>| names.into_iter().map(str::to_owned).collect();
     let request = Request {
         finray: Request::version(),
         table,
-        truths: owned(sweep.truth_names()),
-        estimators: owned(sweep.estimator_names()),
+        truths: candidates.truths.to_vec(),
+        estimators: candidates.estimators.to_vec(),
         network: digest,
         scene: text,
         grid: grid.clone(),
@@ -169,12 +94,19 @@ pub fn run(arguments: &GridArguments, table: Table, candidates: &Candidates) -> 
     write(&sweep, finger, Head { shard: arguments.shard, request }, &arguments.out)
 }
 
-fn grid(arguments: &GridArguments, candidates: &Candidates, scene: &Scene) -> Result<Grid, Failure> {
-    let (places_mm, angles_deg) = if candidates.truths.contains(&TruthArgument::Mujoco) {
-        exported_grid(&scene.finger, &arguments.force_n)?
-    } else {
-        Grid::grid(&scene.finger, arguments.places as usize, arguments.step_deg)
-    };
+fn grid(
+    arguments: &GridArguments,
+    candidates: &Candidates,
+    scene: &Scene,
+    truths: &[Box<dyn Truth + '_>],
+) -> Result<Grid, Failure> {
+    // A truth that answers at some positions alone decides where all are asked.
+    let given = truths.iter().map(|truth| truth.positions(&arguments.force_n)).collect::<Result<Vec<_>, _>>()?;
+    let (places_mm, angles_deg) = given
+        .into_iter()
+        .flatten()
+        .next()
+        .unwrap_or_else(|| Grid::grid(&scene.finger, arguments.places as usize, arguments.step_deg));
     let growing = |numbers: &[f64]| {
         let mut numbers = numbers.to_vec();
         numbers.sort_by(f64::total_cmp);
@@ -195,16 +127,7 @@ fn grid(arguments: &GridArguments, candidates: &Candidates, scene: &Scene) -> Re
     })
 }
 
-/// The places and directions that MuJoCo's shapes were exported for, if the forces were.
-fn exported_grid(finger: &Finger, forces_n: &[f64]) -> Result<(Vec<f64>, Vec<f64>), Failure> {
-    let exported = MujocoTruth::new(finger)?;
-    for &force_n in forces_n {
-        exported.require_force(force_n)?;
-    }
-    Ok(exported.grid())
-}
-
-/// An estimator that refuses every place and direction, as a network of another finger, is no candidate.
+/// An estimator that refuses every position and direction, as a network of another finger, is no candidate.
 fn require_an_answer(finger: &Finger, estimator: &dyn Estimator, grid: &Grid) -> Result<(), Failure> {
     let at_rest = Measurement::at_rest(finger);
     let mut refusal = None;
@@ -214,12 +137,7 @@ fn require_an_answer(finger: &Finger, estimator: &dyn Estimator, grid: &Grid) ->
             Err(error) => refusal = refusal.or(Some(error)),
         }
     }
-    Err(match refusal {
-        Some(EstimatorError::Sensing(error)) => error.into(),
-        Some(EstimatorError::Network(error)) => error.into(),
-        Some(EstimatorError::NoNetwork(error)) => Failure::BadInput(error.to_string()),
-        None => SensingError::NoContact.into(),
-    })
+    Err(refusal.unwrap_or(SensingError::NoContact.into()).into())
 }
 
 fn write(sweep: &Sweep, finger: &Finger, head: Head, out: &Path) -> Result<(), Failure> {

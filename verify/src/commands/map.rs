@@ -1,10 +1,11 @@
 //! `finray map`
 
 use super::Failure;
-use super::grid::{Candidates, GridArguments, TruthArgument, run as run_grid};
+use super::grid::{Candidates, GridArguments, run as run_grid};
 use super::parse::not_negative;
-use super::sense::EstimatorArgument;
+use finray_verify::estimators::EstimatorId;
 use finray_verify::sampling::sweep::Table;
+use finray_verify::truths::TruthId;
 
 /// Map where a finger can be trusted to feel: error of the sensed force by place and direction.
 ///
@@ -31,11 +32,11 @@ pub struct Arguments {
     #[command(flatten)]
     grid: GridArguments,
     /// The finger that is sensed
-    #[arg(long, value_enum, default_value_t = TruthArgument::Corotational)]
-    truth: TruthArgument,
+    #[arg(long, value_enum, default_value_t = TruthId::Corotational)]
+    truth: TruthId,
     /// How forces are sensed
-    #[arg(long, value_enum, default_value_t = EstimatorArgument::LeastSquares)]
-    estimator: EstimatorArgument,
+    #[arg(long, value_enum, default_value_t = EstimatorId::LeastSquares)]
+    estimator: EstimatorId,
     /// Standard deviation of one measured coordinate, mm; the scene's camera table if not given, else none
     #[arg(long, value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,

@@ -22,9 +22,10 @@ mod validity;
 use finray_model::sensing::SensingError;
 use finray_model::sensing::network::NetworkError;
 use finray_model::statics::StaticsError;
+use finray_verify::estimators::EstimatorError;
 use finray_verify::files::{FileError, is_standard_stream};
 use finray_verify::lattice::LatticeError;
-use finray_verify::truths::NotExported;
+use finray_verify::truths::{NotExported, TruthError, TwinError};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -132,11 +133,28 @@ impl From<LatticeError> for Failure {
     }
 }
 
-impl From<NotExported> for Failure {
-    fn from(error: NotExported) -> Failure {
+impl From<TruthError> for Failure {
+    fn from(error: TruthError) -> Failure {
         match error {
-            NotExported::Finger | NotExported::Force { .. } => Failure::BadInput(format!("--truth mujoco: {error}")),
-            NotExported::Table(_) => Failure::NotComputed(error.to_string()),
+            TruthError::Mesh(inner) => inner.into(),
+            TruthError::Statics(inner) => inner.into(),
+            TruthError::Lattice(inner) => inner.into(),
+            TruthError::NotExported(NotExported::Table(_)) | TruthError::Twin(TwinError::Scene(_)) => {
+                Failure::NotComputed(error.to_string())
+            }
+            TruthError::NotExported(_) | TruthError::Twin(_) => Failure::BadInput(error.to_string()),
+        }
+    }
+}
+
+impl From<EstimatorError> for Failure {
+    fn from(error: EstimatorError) -> Failure {
+        match error {
+            EstimatorError::Sensing(inner) => inner.into(),
+            EstimatorError::Network(inner) => inner.into(),
+            EstimatorError::NoNetwork(_) | EstimatorError::Mesh(_) | EstimatorError::NotKnown => {
+                Failure::BadInput(error.to_string())
+            }
         }
     }
 }

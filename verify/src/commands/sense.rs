@@ -3,16 +3,10 @@
 use super::contacts::Contacts;
 use super::parse::not_negative;
 use super::{Failure, not_both_from_standard_input, validity};
-use clap::ValueEnum;
-use finray_model::measurement::Measurement;
-use finray_model::sensing::network::NetworkEstimator;
-use finray_model::sensing::{
-    Contact, ContactPlace, ContactQuestion, Discretisation, Estimate, LinearEstimator, Linearisation,
-    NonlinearEstimator, Prior, Warning, check_contacts, sense_refining,
-};
-use finray_model::{Finger, Mesh};
-use finray_verify::estimators::ELEMENTS;
+use finray_model::Finger;
+use finray_model::sensing::{Contact, ContactPlace, Estimate, Warning};
 use finray_verify::estimators::network::Networks;
+use finray_verify::estimators::{EstimatorId, Question};
 use finray_verify::files::{csv_text, displacements, load_network, load_scene, write_text};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -61,8 +55,8 @@ pub struct Arguments {
     #[command(flatten)]
     contacts: Contacts,
     /// How forces are sensed
-    #[arg(long, value_enum, default_value_t = EstimatorArgument::Nonlinear)]
-    estimator: EstimatorArgument,
+    #[arg(long, value_enum, default_value_t = EstimatorId::Nonlinear)]
+    estimator: EstimatorId,
     /// Network of `finray train`; without it, the one that ships for these contacts
     #[arg(long, value_name = "FILE")]
     network: Option<PathBuf>,
@@ -75,18 +69,6 @@ pub struct Arguments {
     /// Result file; - for standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
     out: PathBuf,
-}
-
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-pub enum EstimatorArgument {
-    /// Linear least squares
-    LeastSquares,
-    /// Least squares with the paper's range of forces as a prior
-    Ridge,
-    /// Gauss-Newton on the finger with large rotations
-    Nonlinear,
-    /// A trained network
-    Network,
 }
 
 #[derive(Serialize)]
@@ -102,16 +84,21 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     not_both_from_standard_input(&arguments.scene, &arguments.displacements, "--displacements")?;
     let scene = load_scene(&arguments.scene)?;
     let finger = &scene.finger;
-    let noise_mm = arguments.noise_mm.or(scene.camera.map(|camera| camera.noise_mm));
-    if arguments.network.is_some() && arguments.estimator != EstimatorArgument::Network {
-        return Err(Failure::BadInput("--network is for --estimator network".to_owned()));
-    }
-    let (contacts, estimate) = match arguments.estimator {
-        EstimatorArgument::LeastSquares => linear(arguments, finger, noise_mm, Prior::None)?,
-        EstimatorArgument::Ridge => linear(arguments, finger, noise_mm, Prior::PAPER)?,
-        EstimatorArgument::Nonlinear => nonlinear(arguments, finger, noise_mm)?,
-        EstimatorArgument::Network => network(arguments, finger, noise_mm)?,
+    let networks = match &arguments.network {
+        Some(_) if arguments.estimator != EstimatorId::Network => {
+            return Err(Failure::BadInput("--network is for --estimator network".to_owned()));
+        }
+        Some(path) => Networks::of(vec![load_network(path)?]),
+        None => Networks::shipped()?,
     };
+    let question = Question {
+        contacts: &arguments.contacts.0,
+        measurement: &displacements::load(&arguments.displacements, finger)?,
+        noise_mm: arguments.noise_mm.or(scene.camera.map(|camera| camera.noise_mm)),
+        mesh_nodes: arguments.mesh_nodes,
+        networks: &networks,
+    };
+    let (contacts, estimate) = arguments.estimator.answer(finger, &question)?;
     if let Some(i) = estimate.forces_n.iter().position(|force| !force.is_finite()) {
         return Err(Failure::BadInput(format!(
             "not identifiable: a force at contact {} hardly moves the measured nodes, or the displacements are not \
@@ -120,7 +107,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         )));
     }
     if let Some(warning) = estimate.warning {
-        eprintln!("warning: {warning}; {}", advice(arguments, &warning));
+        eprintln!("warning: {warning}; {}", advice(arguments.estimator, &warning));
     }
     if estimate.noise_mm.is_infinite() {
         eprintln!(
@@ -134,70 +121,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// What a warning leaves to do.
-fn advice(arguments: &Arguments, warning: &Warning) -> &'static str {
-    match (warning, arguments.estimator) {
-        (_, EstimatorArgument::LeastSquares | EstimatorArgument::Ridge) => {
+fn advice(estimator: EstimatorId, warning: &Warning) -> &'static str {
+    match warning {
+        _ if estimator.is_linear() => {
             "sigma_n holds the error of linearisation; --estimator nonlinear does without linearisation, where it answers"
         }
-        (Warning::Residual(_), _) => {
+        Warning::Residual(_) => {
             "sigma_n rests on the residual and does not hold what a wrong model does; check the contacts, their directions, the \
              finger's dimensions and the noise"
         }
         _ => "sigma_n holds that error",
     }
-}
-
-/// Forces of contacts whose place and direction are now known.
-type Sensed = (Vec<Contact>, Estimate);
-
-fn linear(arguments: &Arguments, finger: &Finger, noise_mm: Option<f64>, prior: Prior) -> Result<Sensed, Failure> {
-    let contacts = known(&arguments.contacts.0)?;
-    check_contacts(finger, &contacts)?;
-    let measurement = measured(arguments, finger)?;
-    let estimator = LinearEstimator::new(finger, &contacts, &measurement)?;
-    let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
-    let estimate = estimator.estimate_on(&mut Linearisation::new(&mesh, &contacts), &measurement, noise_mm, prior)?;
-    Ok((contacts, estimate))
-}
-
-fn nonlinear(arguments: &Arguments, finger: &Finger, noise_mm: Option<f64>) -> Result<Sensed, Failure> {
-    let questions = &arguments.contacts.0;
-    let sensed = match arguments.mesh_nodes {
-        None => sense_refining(finger, questions, &measured(arguments, finger)?, noise_mm)?,
-        Some(nodes) => {
-            let mesh = Mesh::with_nodes(finger, nodes)?;
-            let finer = Discretisation::finer(&mesh);
-            let measurement = measured(arguments, finger)?;
-            let mut estimator = NonlinearEstimator::new(&mesh, questions)?;
-            let mut estimate = estimator.estimate(&measurement, noise_mm)?;
-            Discretisation::new(&mesh, &finer).widen(&mut estimator, &measurement, &mut estimate)?;
-            estimate
-        }
-    };
-    Ok((sensed.contacts, sensed.forces))
-}
-
-fn network(arguments: &Arguments, finger: &Finger, noise_mm: Option<f64>) -> Result<Sensed, Failure> {
-    let contacts = known(&arguments.contacts.0)?;
-    check_contacts(finger, &contacts)?;
-    let networks = match &arguments.network {
-        None => Networks::shipped()?,
-        Some(path) => Networks::of(vec![load_network(path)?]),
-    };
-    let network = networks.choose(finger, &contacts).map_err(|error| Failure::BadInput(error.to_string()))?;
-    let measurement = measured(arguments, finger)?;
-    let mut estimator = NetworkEstimator::new(network, finger, &contacts, &measurement)?;
-    Ok((contacts, estimator.estimate(&measurement, noise_mm)?))
-}
-
-fn measured(arguments: &Arguments, finger: &Finger) -> Result<Measurement, Failure> {
-    Ok(displacements::load(&arguments.displacements, finger)?)
-}
-
-/// Contacts of known place and direction: all that other estimators than the nonlinear one can sense.
-fn known(questions: &[ContactQuestion]) -> Result<Vec<Contact>, Failure> {
-    let needs = "a place or direction that is `normal` or `auto` needs --estimator nonlinear";
-    questions.iter().map(|q| q.known().ok_or_else(|| Failure::BadInput(needs.to_owned()))).collect()
 }
 
 fn rows(finger: &Finger, contacts: &[Contact], estimate: &Estimate) -> Vec<Row> {

@@ -1,10 +1,11 @@
 //! `finray sweep`
 
 use super::Failure;
-use super::grid::{Candidates, GridArguments, TruthArgument, run as run_grid};
+use super::grid::{Candidates, GridArguments, run as run_grid};
 use super::parse::not_negative;
-use super::sense::EstimatorArgument;
+use finray_verify::estimators::EstimatorId;
 use finray_verify::sampling::sweep::Table;
+use finray_verify::truths::TruthId;
 
 /// Put several fingers, estimators and levels of noise to the test of `finray map`, in one table.
 ///
@@ -26,11 +27,11 @@ pub struct Arguments {
     #[command(flatten)]
     grid: GridArguments,
     /// The fingers that are sensed: one, or several with commas between them
-    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [TruthArgument::Corotational])]
-    truth: Vec<TruthArgument>,
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [TruthId::Corotational])]
+    truth: Vec<TruthId>,
     /// How forces are sensed: one way, or several with commas between them
-    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [EstimatorArgument::LeastSquares])]
-    estimator: Vec<EstimatorArgument>,
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [EstimatorId::LeastSquares])]
+    estimator: Vec<EstimatorId>,
     /// Standard deviations of one measured coordinate, mm: one, or several as 0,0.067; the scene's camera table if none
     /// is given, else no noise
     #[arg(long, value_name = "S", value_delimiter = ',', value_parser = not_negative)]

@@ -4,13 +4,13 @@ use super::Failure;
 use super::contacts::Contacts;
 use super::parse::{not_negative, positive};
 use super::progress::TrainingBar;
-use clap::ValueEnum;
+use finray_model::NodeId;
 use finray_model::sensing::Contact;
 use finray_model::sensing::network::{Network, Scaling, TestError};
 use finray_model::train::{TrainingRecipe, train};
-use finray_model::{Kinematics, NodeId};
 use finray_verify::files::{load_scene, write_bytes};
 use finray_verify::settings::CAMERA_NOISE_MM;
+use finray_verify::truths::TruthId;
 use std::path::PathBuf;
 
 /// Train a sensing network for a finger and its contacts.
@@ -37,8 +37,8 @@ pub struct Arguments {
     #[arg(long, conflicts_with = "plain")]
     any_of: bool,
     /// The finger that is sensed
-    #[arg(long, value_enum, default_value_t = TruthArgument::Corotational)]
-    truth: TruthArgument,
+    #[arg(long, value_name = "TRUTH", default_value_t = TruthId::Corotational, value_parser = own_beams)]
+    truth: TruthId,
     /// Number of training cases [default: 20000; 100000 with --any-of]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     samples: Option<u32>,
@@ -77,12 +77,11 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum TruthArgument {
-    /// The linear finger
-    Linear,
-    /// The finger with large rotations
-    Corotational,
+/// The truths that are the scene's own beams: what samples can be drawn from.
+fn own_beams(name: &str) -> Result<TruthId, String> {
+    let own = || TruthId::ALL.iter().filter(|id| id.kinematics().is_some());
+    let names: Vec<&str> = own().map(|id| id.name()).collect();
+    own().find(|id| id.name() == name).copied().ok_or_else(|| format!("expected one of {}", names.join(", ")))
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -122,10 +121,9 @@ fn recipe(arguments: &Arguments, contacts: Vec<Contact>, noise_mm: f64) -> Train
         },
     };
     let samples = &mut recipe.samples;
-    samples.kinematics = match arguments.truth {
-        TruthArgument::Linear => Kinematics::Linear,
-        TruthArgument::Corotational => Kinematics::Corotational,
-    };
+    if let Some(kinematics) = arguments.truth.kinematics() {
+        samples.kinematics = kinematics;
+    }
     samples.largest_force_n = arguments.largest_force_n;
     samples.largest_sum_n = arguments.largest_sum_n;
     samples.direction_spread_deg = arguments.direction_spread_deg;

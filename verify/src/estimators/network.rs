@@ -1,10 +1,28 @@
 //! Sensing networks as estimators: those that ship with finray, and a user's own.
 
-use super::{Estimator, EstimatorError, PreparedEstimator, Sensed};
-use finray_model::Finger;
+use super::{Answer, Estimator, EstimatorError, EstimatorId, EstimatorRow, PreparedEstimator, Question, Sensed};
 use finray_model::measurement::Measurement;
 use finray_model::sensing::Contact;
 use finray_model::sensing::network::{ContactSet, Network, NetworkError, NetworkEstimator};
+use finray_model::{Finger, Mesh};
+
+pub(super) const ROW: EstimatorRow = EstimatorRow {
+    name: "network",
+    label: "network",
+    help: "A trained network",
+    is_linear: false,
+    mesh: Mesh::key_nodes,
+    on: |mesh, networks| Box::new(NetworkSensing { networks, finger: mesh.finger(), refuses: true }),
+    answer,
+};
+
+fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
+    let contacts = question.known_contacts(finger)?;
+    let network = question.networks.choose(finger, &contacts)?;
+    let mut estimator = NetworkEstimator::new(network, finger, &contacts, question.measurement)?;
+    let estimate = estimator.estimate(question.measurement, question.noise_mm)?;
+    Ok((contacts, estimate))
+}
 
 /// Networks to choose from by finger and contacts.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,8 +83,6 @@ impl Networks {
 /// Networks as an estimator for one finger; which of them answers depends on the contacts.
 #[derive(Debug, Clone, Copy)]
 pub struct NetworkSensing<'n> {
-    /// Name in tables.
-    pub name: &'n str,
     /// The networks.
     pub networks: &'n Networks,
     /// The finger.
@@ -76,8 +92,8 @@ pub struct NetworkSensing<'n> {
 }
 
 impl Estimator for NetworkSensing<'_> {
-    fn name(&self) -> &str {
-        self.name
+    fn id(&self) -> EstimatorId {
+        EstimatorId::Network
     }
 
     fn prepare<'a>(

@@ -6,6 +6,7 @@
 //!
 //! Source: Roache, Perspective: A Method for Uniform Reporting of Grid Refinement Studies, J. Fluids Eng. 116 (1994).
 
+use super::{Context, Evidence};
 use crate::check::{Check, Kind, worst};
 use crate::settings::Effort;
 use crate::truths::FINE_MESH_NODES;
@@ -92,6 +93,21 @@ pub struct ConvergenceRow {
     error: Option<f64>,
     observed_order: Option<f64>,
     left_on_finest_mesh: Option<f64>,
+}
+
+impl Evidence for Convergence {
+    fn checks(&self, context: &Context) -> Vec<Check> {
+        if context.is_paper { self.checks() } else { Vec::new() }
+    }
+}
+
+/// [`convergence`] of the finger.
+///
+/// # Errors
+/// As there.
+pub fn run(context: &Context) -> Result<Convergence, MeshSizeError> {
+    context.progress.part("convergence", loaded_nodes(context.finger).len());
+    convergence(context.finger, context.effort, &|| context.progress.step())
 }
 
 /// Solves every load on every mesh; loads without equilibrium are gaps. `progress` is called once for every loaded node.

@@ -3,16 +3,15 @@
 //! Every cell has noise samples of its own: the maps show all cells the same ones, which says little about how often
 //! intervals hold.
 
+use super::{Context, Evidence};
 use crate::check::{Check, Kind};
-use crate::estimators::{Estimator, PreparedEstimator};
+use crate::estimators::{Estimator, EstimatorId, PreparedEstimator};
 use crate::sampling::map::MapRequest;
-use crate::settings::TWO_SIDED_95;
-use crate::truths::Truth;
-use finray_model::Finger;
+use crate::sampling::noise::Noise;
+use crate::settings::{MAP_FORCES_N, TWO_SIDED_95};
+use crate::truths::{MeshTruth, Truth, TruthError, TruthId, fine_mesh};
 use finray_model::measurement::Measurement;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use finray_model::{Finger, Kinematics, Mesh};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::ops::Add;
@@ -31,15 +30,15 @@ const REFUSED_OF_ANOTHER: f64 = 0.5;
 /// Root mean square of sigma over that of the error where a warning widened it: more, and sigma would cover by saying nothing.
 const LARGEST_SIGMA: f64 = 3.0;
 /// The finger that an estimator must cover; on others (softer ends) its model is wrong, and it warns.
-const TRUTH: &str = "corotational";
+const TRUTH: TruthId = TruthId::Corotational;
 
 /// Coverage of one finger by one estimator.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CoverageRow {
-    /// Name of the truth.
-    pub truth: String,
-    /// Name of the estimator.
-    pub estimator: String,
+    /// The true finger.
+    pub truth: TruthId,
+    /// How it is sensed.
+    pub estimator: EstimatorId,
     /// Standard deviation of a measured coordinate, mm.
     pub noise_mm: f64,
     /// Positions and directions.
@@ -58,6 +57,60 @@ pub struct CoverageRow {
     pub covered_with_warning: Option<f64>,
     /// Of the answers with a warning, the root mean square of the error over that of the stated sigma; `None` if there are none.
     pub error_over_sigma_with_warning: Option<f64>,
+}
+
+/// Seed of the noise samples.
+const SEED: u64 = 5;
+
+impl Evidence for CoverageRow {
+    fn checks(&self, context: &Context) -> Vec<Check> {
+        self.checks(context.is_paper)
+    }
+}
+
+/// Coverage on the co-rotational finger over positions and directions and, of the networks, at the contact nodes; at these also on
+/// the finger with softer ends, if there is one, of whose ends no estimator knows. None without noise.
+///
+/// # Errors
+/// [`TruthError`] if the softer finger at rest cannot be solved.
+pub fn run(context: &Context, softer: Option<&Finger>) -> Result<Vec<CoverageRow>, TruthError> {
+    let &Context { finger, noise_mm, effort, is_paper, .. } = context;
+    if noise_mm == 0.0 {
+        return Ok(Vec::new());
+    }
+    let (places, step_deg, samples) = effort.covered_cells();
+    let request = |(places_mm, angles_deg), samples| MapRequest {
+        places_mm,
+        angles_deg,
+        forces_n: MAP_FORCES_N.to_vec(),
+        noise_levels_mm: vec![noise_mm],
+        noise_pictures: samples,
+        seed: SEED,
+    };
+    let cells = request(MapRequest::grid(finger, places, step_deg), samples);
+    let nodes_mm = finger.contact_nodes().rev().filter_map(|node| finger.front_place_mm(node)).collect();
+    let nodes = request((nodes_mm, vec![0.0]), effort.covered_at_nodes());
+    let at_nodes = usize::from(is_paper) * (1 + usize::from(softer.is_some())) * nodes.contact_count();
+    context.progress.part("coverage", cells.contact_count() + at_nodes);
+    let step = || context.progress.step();
+
+    let meshes: Vec<(EstimatorId, Mesh)> = EstimatorId::ALL.iter().map(|id| (*id, id.mesh(finger))).collect();
+    let all: Vec<Box<dyn Estimator>> = meshes.iter().map(|(id, mesh)| id.on(mesh, context.networks)).collect();
+    let all: Vec<&dyn Estimator> = all.iter().map(|estimator| &**estimator).collect();
+    // Networks answer at the contact nodes alone.
+    let (networks, beams): (Vec<_>, Vec<_>) = all.iter().partition(|estimator| estimator.id() == EstimatorId::Network);
+    let truth = context.corotational;
+    let mut rows = coverage(finger, truth, &beams, (&cells, noise_mm), &step);
+    if !is_paper {
+        return Ok(rows);
+    }
+    rows.extend(coverage(finger, truth, &networks, (&nodes, noise_mm), &step));
+    if let Some(softer) = softer {
+        let mesh = fine_mesh(softer)?;
+        let softer = MeshTruth::new(TruthId::Twin, &mesh, Kinematics::Corotational)?;
+        rows.extend(coverage(finger, &softer, &all, (&MapRequest { noise_pictures: 1, ..nodes }, noise_mm), &step));
+    }
+    Ok(rows)
 }
 
 /// Counts of samples.
@@ -101,12 +154,10 @@ pub fn coverage(
         if let Some(first) = shapes.first() {
             let markers = Measurement::of_shape(finger, first);
             let mut prepared: Vec<_> = estimators.iter().map(|e| e.prepare(&[contact], &markers).ok()).collect();
-            let mut rng = ChaCha8Rng::seed_from_u64(grid.seed);
-            rng.set_stream(number as u64);
+            let mut noise = Noise::of_stream(grid.seed, number as u64);
             for (shape, &force_n) in shapes.iter().zip(&grid.forces_n) {
                 for _ in 0..grid.noise_pictures {
-                    let mut noisy = Measurement::of_shape(finger, shape);
-                    noisy.add_noise(noise_mm, || StandardNormal.sample(&mut rng));
+                    let noisy = noise.on(&Measurement::of_shape(finger, shape), noise_mm);
                     for (counts, prepared) in counts.iter_mut().zip(&mut prepared) {
                         counts.sense(prepared.as_deref_mut(), &noisy, noise_mm, force_n);
                     }
@@ -122,8 +173,8 @@ pub fn coverage(
         let share = |[answers, covered]: [usize; 2]| (answers > 0).then(|| covered as f64 / answers as f64);
         let [plain, warned] = counts.answers;
         CoverageRow {
-            truth: truth.name().to_owned(),
-            estimator: estimator.name().to_owned(),
+            truth: truth.id(),
+            estimator: estimator.id(),
             noise_mm,
             contacts: grid.contact_count(),
             samples: counts.samples,
@@ -209,19 +260,14 @@ impl CoverageRow {
     }
 }
 
-/// What must hold of some rows.
-pub fn checks(rows: &[CoverageRow], is_paper: bool) -> Vec<Check> {
-    rows.iter().flat_map(|row| row.checks(is_paper)).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn row(covered_without_warning: f64, covered_with_warning: f64) -> CoverageRow {
         CoverageRow {
-            truth: TRUTH.to_owned(),
-            estimator: "least-squares".to_owned(),
+            truth: TRUTH,
+            estimator: EstimatorId::LeastSquares,
             noise_mm: 0.067,
             contacts: 400,
             samples: 30_000,
@@ -255,6 +301,6 @@ mod tests {
         let half = CoverageRow { refused: 10_000, ..row(0.95, 1.0) };
         assert_eq!((passes(half.clone())[0], half.checks(false)[0].passes()), (false, true));
         assert!(!passes(CoverageRow { samples: 0, refused: 0, ..row(0.95, 1.0) })[0]);
-        assert_eq!(passes(CoverageRow { truth: "twin".to_owned(), ..row(0.5, 0.5) }), Vec::<bool>::new());
+        assert_eq!(passes(CoverageRow { truth: TruthId::Twin, ..row(0.5, 0.5) }), Vec::<bool>::new());
     }
 }

@@ -9,16 +9,17 @@ mod frictionless;
 
 pub use frictionless::{Assumption, FrictionlessPush};
 
+use super::{Context, Evidence};
+use crate::estimators::ELEMENTS;
+use crate::sampling::noise::Noise;
 use crate::sampling::sweep::Grid;
+use crate::settings::Effort;
 use crate::truths::Truth;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{
     Contact, ContactPlace, ContactQuestion, Direction, NonlinearEstimate, NonlinearEstimator, SensingError,
 };
 use finray_model::{Finger, Mesh};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 /// Forces, N.
@@ -29,8 +30,11 @@ pub const TOLD_DEG: f64 = 10.0;
 pub const TOLD_FORCE: f64 = 0.10;
 /// ... and at least this share of the pictures is answered.
 pub const TOLD_ANSWERED: f64 = 0.9;
-/// Words of the random stream for each picture, more than it takes.
-const WORDS: u128 = 1 << 24;
+/// Of a report: about how many positions, degrees between two directions, and noise samples a cell. Seconds of work, most of them for samples
+/// that are refused after a search from every start.
+const POSITIONS: usize = 12;
+const STEP_DEG: f64 = 20.0;
+const SAMPLES: usize = 8;
 
 /// What is asked.
 #[derive(Debug, Clone, Copy)]
@@ -132,6 +136,29 @@ impl Answers {
     }
 }
 
+impl Evidence for DirectionStudy {}
+
+/// Nothing without noise, which makes it a question, nor in a quick report.
+///
+/// # Errors
+/// [`SensingError`] for a finger that has no contact.
+pub fn run(context: &Context) -> Result<Option<DirectionStudy>, SensingError> {
+    if context.effort == Effort::Quick || context.noise_mm == 0.0 {
+        return Ok(None);
+    }
+    let model = Mesh::with_elements_per_member(context.finger, ELEMENTS);
+    let request = DirectionRequest {
+        model: &model,
+        noise_mm: context.noise_mm,
+        places: POSITIONS,
+        step_deg: STEP_DEG,
+        pictures: SAMPLES,
+        seed: 1,
+    };
+    context.progress.part("unknown directions", DirectionStudy::steps(&request));
+    DirectionStudy::run(context.corotational, &request, &|| context.progress.step()).map(Some)
+}
+
 impl DirectionStudy {
     /// Computes everything in parallel; the result does not depend on the number of threads. `progress` is called
     /// [`steps`](DirectionStudy::steps) times.
@@ -183,10 +210,10 @@ fn contacts(finger: &Finger, request: &DirectionRequest) -> Vec<Contact> {
 
 /// Noise of every coordinate in units of the noise, by picture.
 fn pictures(finger: &Finger, request: &DirectionRequest) -> Vec<Vec<f64>> {
-    let mut rng = ChaCha8Rng::seed_from_u64(request.seed);
+    let mut noise = Noise::new(request.seed);
     let mut picture = |number: usize| {
-        rng.set_word_pos(WORDS * number as u128);
-        (0..2 * finger.free_nodes().len()).map(|_| StandardNormal.sample(&mut rng)).collect()
+        noise.go_to(number as u64);
+        noise.standard_normals(2 * finger.free_nodes().len()).collect()
     };
     (0..request.pictures).map(&mut picture).collect()
 }

@@ -5,8 +5,10 @@
 //! ([`DisplacementNoise`]). A generalised least-squares estimator knows the covariance; an
 //! ordinary one takes every coordinate's error for independent.
 
+use super::{Context, Evidence};
 use crate::check::{Check, Kind, worst};
 use crate::experiments::response::{ContactForce, RespondingFinger, Response};
+use crate::sampling::noise::Noise;
 use crate::sampling::scatter::sampled_nodes;
 use finray_model::measurement::noise::base_motions;
 use finray_model::measurement::{DisplacementNoise, Measurement};
@@ -14,9 +16,6 @@ use finray_model::mesh::LoadError;
 use finray_model::sensing::Contact;
 use finray_model::{Finger, Mesh, NodeId, Vector};
 use nalgebra::{DMatrix, DVector};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -181,6 +180,22 @@ pub fn least_squares(
     None
 }
 
+impl Evidence for DisplacementNoiseStudy {
+    fn checks(&self, context: &Context) -> Vec<Check> {
+        if context.is_paper { self.checks() } else { Vec::new() }
+    }
+}
+
+/// Nothing without noise.
+///
+/// # Errors
+/// [`LoadError`] for a finger without contact nodes.
+pub fn run(context: &Context) -> Result<Option<DisplacementNoiseStudy>, LoadError> {
+    let cases = context.effort.displacement_noise_cases();
+    let study = || DisplacementNoiseStudy::run(context.finger, context.noise_mm, cases);
+    (context.noise_mm > 0.0).then(study).transpose()
+}
+
 impl DisplacementNoiseStudy {
     /// All single contact nodes but the tip, and the pairs of Table II where the finger has them, each with so many noise samples.
     ///
@@ -251,9 +266,9 @@ fn rows_of(
     let Some(truth) = bent.under(&forces_at(nodes, &truth_n))? else { return Ok(Vec::new()) };
     let rows = models(image_sd_mm).into_iter().enumerate().filter_map(|(number, (name, noise))| {
         let mut row = bounds(finger, nodes, name, &noise, &truth)?;
-        let mut generator = ChaCha8Rng::seed_from_u64(1);
-        generator.set_stream((number * 1000 + nodes.iter().fold(0, |sum, node| 30 * sum + node.0)) as u64);
-        let mut normal = || StandardNormal.sample(&mut generator);
+        let stream = number * 1000 + nodes.iter().fold(0, |sum, node| 30 * sum + node.0);
+        let mut chance = Noise::of_stream(1, stream as u64);
+        let mut normal = || chance.standard_normal();
         let [mut generalised, mut ordinary] = [0.0; 2];
         for _ in 0..cases {
             let at = positions_mm(finger, &truth.displacements_mm);

@@ -5,6 +5,10 @@
 //! (along it, and across it), or when the force moves along the plate: columns j, c and m of the tangent compliance of the
 //! large-rotation finger in its loaded shape. The stiffness of the deformed finger counts, not that of the finger at rest.
 
+use super::{Context, Evidence};
+use crate::estimators::ELEMENTS;
+use crate::sampling::map::MapRequest;
+use crate::settings::{DRAWN_FORCE_N, Effort};
 use finray_model::mesh::LoadError;
 use finray_model::sensing::{Contact, ContactPlace, LARGEST_SPAN};
 use finray_model::statics::{Ladder, Statics};
@@ -52,6 +56,27 @@ pub struct ExplanationMap {
     pub noise_mm: f64,
     /// The cells.
     pub cells: Vec<Explanation>,
+}
+
+impl Evidence for ExplanationMap {}
+
+/// What limits sensing of the drawn force on the co-rotational finger; without noise the bounds are 0.
+///
+/// # Errors
+/// [`LoadError`] never in practice: all positions are on the front plate.
+pub fn run(context: &Context) -> Result<ExplanationMap, LoadError> {
+    let (finger, effort) = (context.finger, context.effort);
+    let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
+    let (places, step_deg, _) = effort.coarse_resolution();
+    // Explanations cost a single shape a cell.
+    let (places_mm, angles_deg) = match effort {
+        Effort::Quick => {
+            let coarse = MapRequest::grid(finger, places, step_deg).0.len();
+            MapRequest::grid(finger, coarse, effort.resolution().1)
+        }
+        Effort::Full => MapRequest::grid(finger, places, step_deg),
+    };
+    ExplanationMap::new(&mesh, &places_mm, &angles_deg, DRAWN_FORCE_N, context.noise_mm)
 }
 
 impl ExplanationMap {

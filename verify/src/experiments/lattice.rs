@@ -1,7 +1,10 @@
 //! What the report shows of the lattice: its error and cost, what they come from, and what sensing makes of its shapes.
 
+use super::contact_scene::objects::Objects;
+use super::contact_scene::study::{SceneStudy, SceneStudyError};
+use super::{Context, Evidence};
 use crate::check::{Check, Comparison, EXACT_COUNT, Kind, worst};
-use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorKind};
+use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorId};
 use crate::lattice::accuracy::{FinenessRow, LoadGrid, study};
 use crate::lattice::causes::{self, AxialRow, SettlingRow};
 use crate::lattice::settling::Precision;
@@ -10,7 +13,7 @@ use crate::problems::lattice::{FINENESS, NEWTON};
 use crate::problems::{self, ProblemError};
 use crate::sampling::map::{AccuracyMap, Cell, MapRequest, accuracy_maps};
 use crate::settings::{Effort, MAP_FORCES_N};
-use crate::truths::LatticeTruth;
+use crate::truths::{LatticeTruth, TruthId};
 use finray_model::{Finger, Mesh};
 use std::collections::HashMap;
 use std::ops::RangeInclusive;
@@ -127,6 +130,52 @@ impl Extent {
     }
 }
 
+impl Evidence for LatticeStudy {
+    fn checks(&self, _: &Context) -> Vec<Check> {
+        self.checks()
+    }
+
+    fn comparisons(&self) -> Vec<Comparison> {
+        self.comparisons.clone()
+    }
+}
+
+/// The lattice of the paper's finger, beside the objects that are pressed: each settles for long on a single thread. `maps` has that of
+/// least squares on the co-rotational finger without noise.
+///
+/// # Errors
+/// [`ProblemError`] if a load has no equilibrium or a lattice does not settle; what is wrong with an object.
+pub fn run_beside_objects(
+    context: &Context,
+    maps: &[AccuracyMap],
+) -> Result<(Option<LatticeStudy>, Vec<SceneStudy>), LatticeStudyError> {
+    let of_beams = |map: &&AccuracyMap| {
+        map.truth == TruthId::Corotational && map.estimator == EstimatorId::LeastSquares && map.noise_mm == 0.0
+    };
+    let theirs = maps.iter().find(of_beams).filter(|_| context.is_paper);
+    let objects = Objects::of(context)?;
+    let steps = if theirs.is_some() { LatticeStudy::STEPS } else { 0 };
+    context.progress.part("lattice, objects", steps + objects.steps());
+    let noise_levels_mm = context.noise_levels_mm();
+    let settled = |theirs: &AccuracyMap| {
+        let noise = (&noise_levels_mm[..], context.effort.coarse_resolution().2);
+        LatticeStudy::run(context.finger, context.effort, theirs, noise, &|| context.progress.step())
+    };
+    let (lattice, scenes) = rayon::join(|| theirs.map(settled).transpose(), || objects.press(context.progress));
+    Ok((lattice?, scenes?))
+}
+
+/// Why the lattice or an object could not be studied.
+#[derive(Debug, thiserror::Error)]
+pub enum LatticeStudyError {
+    /// The lattice.
+    #[error(transparent)]
+    Lattice(#[from] ProblemError),
+    /// An object.
+    #[error("contact scene: {0}")]
+    Object(#[from] SceneStudyError),
+}
+
 impl LatticeStudy {
     /// Steps of [`run`](LatticeStudy::run).
     pub const STEPS: usize = 7;
@@ -214,19 +263,16 @@ impl LatticeSensing {
             let (forces_n, noise_levels_mm) = (MAP_FORCES_N.to_vec(), noise_levels_mm.to_vec());
             MapRequest { places_mm, angles_deg, forces_n, noise_levels_mm, noise_pictures, seed: 1 }
         });
-        let map = |kinds: &[EstimatorKind], mesh: &Mesh, request: &MapRequest| {
-            let estimators: Vec<_> = kinds.iter().map(|&kind| BeamEstimator::new(kind, mesh)).collect();
-            let estimators: Vec<&dyn Estimator> =
-                estimators.iter().map(|estimator| estimator as &dyn Estimator).collect();
-            let maps = accuracy_maps(finger, &truth, &estimators, request, &|| ());
+        let map = |estimators: &[&dyn Estimator], request: &MapRequest| {
+            let maps = accuracy_maps(finger, &truth, estimators, request, &|| ());
             step();
             maps
         };
         let coarse = Mesh::key_nodes(finger);
         let fine = Mesh::with_elements_per_member(finger, ELEMENTS);
         // The first of each is without noise.
-        let mut linear = map(&[EstimatorKind::LeastSquares, EstimatorKind::Ridge], &coarse, &linear);
-        let mut nonlinear = map(&[EstimatorKind::Nonlinear], &fine, &nonlinear);
+        let mut linear = map(&[&BeamEstimator::least_squares(&coarse), &BeamEstimator::ridge(&coarse)], &linear);
+        let mut nonlinear = map(&[&BeamEstimator::nonlinear(&fine)], &nonlinear);
         let (least_squares, exact) = (linear.remove(0), nonlinear.remove(0));
         let difference = MapDifference::of(&least_squares, theirs);
         linear.append(&mut nonlinear);

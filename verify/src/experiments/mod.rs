@@ -1,4 +1,7 @@
 //! What is asked of fingers, estimators and models: an experiment a file, each with results of its own type.
+//!
+//! Those of the report have a `run` that takes the [`Context`] and, typed, the results of others that they rest on;
+//! [`study`](crate::study) lists them.
 
 pub mod causes;
 pub mod contact_scene;
@@ -9,9 +12,82 @@ pub mod displacement_noise;
 pub mod explain;
 pub mod hard_cases;
 pub mod lattice;
+pub mod maps;
 pub mod networks;
+pub mod noise;
 pub mod response;
+pub mod shapes;
 pub mod speed_error;
 pub mod table_one;
 pub mod table_two;
 pub mod twin;
+
+use crate::check::{Check, Comparison};
+use crate::estimators::network::Networks;
+use crate::settings::{Effort, Progress};
+use crate::truths::MeshTruth;
+use contact_scene::study::SceneWithOutline;
+use finray_model::{Finger, Mesh};
+
+/// What every experiment of a report is given.
+#[derive(Clone, Copy)]
+pub struct Context<'c> {
+    /// The scene.
+    pub given: &'c SceneWithOutline,
+    /// Its finger.
+    pub finger: &'c Finger,
+    /// Whether it is the paper's finger: only then there are reference values.
+    pub is_paper: bool,
+    /// Standard deviation of one coordinate of the camera, mm.
+    pub noise_mm: f64,
+    /// How much is computed.
+    pub effort: Effort,
+    /// The finger's [fine mesh](crate::truths::fine_mesh).
+    pub fine: &'c Mesh,
+    /// The co-rotational finger on it.
+    pub corotational: &'c MeshTruth<'c>,
+    /// The networks that ship.
+    pub networks: &'c Networks,
+    /// Callbacks of progress.
+    pub progress: &'c dyn Progress,
+}
+
+impl Context<'_> {
+    /// No noise, and the camera's if it has any; mm.
+    pub fn noise_levels_mm(&self) -> Vec<f64> {
+        if self.noise_mm > 0.0 { vec![0.0, self.noise_mm] } else { vec![0.0] }
+    }
+}
+
+/// What results prove, and what they are only compared with.
+pub trait Evidence {
+    /// Figures against references, with tolerances.
+    fn checks(&self, _context: &Context) -> Vec<Check> {
+        Vec::new()
+    }
+
+    /// Figures beside others, where a difference is expected.
+    fn comparisons(&self) -> Vec<Comparison> {
+        Vec::new()
+    }
+}
+
+impl<E: Evidence> Evidence for Option<E> {
+    fn checks(&self, context: &Context) -> Vec<Check> {
+        self.iter().flat_map(|evidence| evidence.checks(context)).collect()
+    }
+
+    fn comparisons(&self) -> Vec<Comparison> {
+        self.iter().flat_map(E::comparisons).collect()
+    }
+}
+
+impl<E: Evidence> Evidence for Vec<E> {
+    fn checks(&self, context: &Context) -> Vec<Check> {
+        self.iter().flat_map(|evidence| evidence.checks(context)).collect()
+    }
+
+    fn comparisons(&self) -> Vec<Comparison> {
+        self.iter().flat_map(E::comparisons).collect()
+    }
+}

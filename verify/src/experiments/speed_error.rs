@@ -8,10 +8,13 @@ pub mod criterion;
 pub mod file;
 pub mod peers;
 pub mod recommendation;
+mod run;
 pub mod sensing;
 
+pub use run::run;
+
 use crate::check::worst;
-use crate::estimators::EstimatorError;
+use crate::estimators::{EstimatorError, EstimatorId};
 use crate::lattice::accuracy::{CONVERGED_ELEMENTS, difference};
 use crate::lattice::{Lattice, LatticeError};
 use finray_model::mesh::{FingerShape, Load};
@@ -111,6 +114,9 @@ pub struct SpeedErrorPoint {
     pub task: Task,
     /// The model or estimator.
     pub model: String,
+    /// Which estimator, if it is one of ours.
+    #[serde(skip)]
+    pub estimator: Option<EstimatorId>,
     /// How it is set, its start included.
     pub setting: String,
     /// What each answer starts from.
@@ -223,6 +229,7 @@ fn solved_point(model: &str, setting: String, mut seconds: Vec<f64>, error: f64,
     SpeedErrorPoint {
         task: Task::Solve,
         model: model.to_owned(),
+        estimator: None,
         setting,
         start: Start::None,
         seconds: percentile(&mut seconds, 50.0),

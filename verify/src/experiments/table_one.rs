@@ -1,6 +1,8 @@
 //! The protocol of Table I of Xu et al. (2021): weights on a single finger, force sensed by the linear model.
 
-use crate::truths::Truth;
+use super::{Context, Evidence};
+use crate::settings::TABLE_ONE_ANGLES_DEG;
+use crate::truths::{Truth, TruthId};
 use finray_model::calibration::{self, CalibrationCase, CalibrationError};
 use finray_model::measurement::Measurement;
 use finray_model::mesh::FingerShape;
@@ -61,8 +63,8 @@ impl TableOneRow {
 /// Table I for one direction of the weights.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TableOne {
-    /// Name of the truth.
-    pub truth: String,
+    /// The true finger.
+    pub truth: TruthId,
     /// Direction of the weights, degrees from the inward normal.
     pub angle_deg: f64,
     /// Modulus by eq. (11) from the shapes under weights at nodes 17, 19 and 21, as a factor on the true one.
@@ -93,6 +95,25 @@ pub enum TableOneError {
     },
 }
 
+impl Evidence for TableOne {}
+
+/// Table I for each assumed direction, on the co-rotational finger; of the paper's finger alone.
+///
+/// # Errors
+/// [`TableOneError`] if the finger cannot carry a weight.
+pub fn run(context: &Context) -> Result<Vec<TableOne>, TableOneError> {
+    if !context.is_paper {
+        return Ok(Vec::new());
+    }
+    context.progress.part("Table I", TABLE_ONE_ANGLES_DEG.len());
+    let table = |angle_deg| {
+        let table = table_one(context.finger, context.corotational, angle_deg);
+        context.progress.step();
+        table
+    };
+    TABLE_ONE_ANGLES_DEG.into_iter().map(table).collect()
+}
+
 /// Runs the protocol: calibrates the modulus on the truth, then senses each weight at each node without noise.
 ///
 /// # Errors
@@ -117,7 +138,7 @@ pub fn table_one(finger: &Finger, truth: &dyn Truth, angle_deg: f64) -> Result<T
         let mean_error = errors.iter().map(|e| e.abs()).sum::<f64>() / errors.len() as f64;
         rows.push(TableOneRow { angle_deg, node: node.0, errors, mean_error, paper_mean_error });
     }
-    Ok(TableOne { truth: truth.name().to_owned(), angle_deg, modulus_factor, rows })
+    Ok(TableOne { truth: truth.id(), angle_deg, modulus_factor, rows })
 }
 
 /// Young's modulus by eq. (11) from the truth's shapes under the weights at some nodes, as a factor on the finger's.

@@ -4,9 +4,12 @@
 //! finger of known kinematics stands for it, seen without and with camera noise, and every estimator senses the same noise
 //! samples at the same nodes.
 
-use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorKind};
+use super::{Context, Evidence};
+use crate::estimators::network::NetworkSensing;
+use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorId};
 use crate::sampling::scatter::{ScatterRequest, ScatterRow, scatter};
 use crate::settings::TWO_FORCES_N;
+use crate::truths::TruthId;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, LinearEstimator, SensingError};
 use finray_model::{Finger, Kinematics, Mesh, NodeId, statics};
@@ -89,15 +92,15 @@ pub struct TableTwo {
 /// Table II on one finger.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableTwoFinger {
-    /// Name of the truth.
-    pub truth: &'static str,
+    /// The true finger.
+    pub truth: TruthId,
     /// By [`contact_sets`], level of noise, estimator.
     pub rows: Vec<ScatterRow>,
 }
 
 impl TableTwo {
     /// What one estimator makes of one finger at one level of noise, by [`contact_sets`].
-    pub fn of<'t>(&'t self, truth: &str, noise_mm: f64, estimator: &str) -> impl Iterator<Item = &'t ScatterRow> {
+    pub fn of(&self, truth: TruthId, noise_mm: f64, estimator: EstimatorId) -> impl Iterator<Item = &ScatterRow> {
         let finger = self.fingers.iter().find(|finger| finger.truth == truth);
         let rows = finger.map_or(&[][..], |finger| &finger.rows);
         rows.iter().filter(move |row| row.noise_mm == noise_mm && row.estimator == estimator)
@@ -149,7 +152,13 @@ impl GroupErrors {
 
 impl TableTwo {
     /// What one estimator makes of a group of tests on one finger at one level of noise.
-    pub fn group(&self, group: &ContactGroup, truth: &str, noise_mm: f64, estimator: &str) -> Option<GroupErrors> {
+    pub fn group(
+        &self,
+        group: &ContactGroup,
+        truth: TruthId,
+        noise_mm: f64,
+        estimator: EstimatorId,
+    ) -> Option<GroupErrors> {
         GroupErrors::of(group, self.of(truth, noise_mm, estimator))
     }
 
@@ -161,6 +170,23 @@ impl TableTwo {
         let least = numbers.iter().copied().reduce(f64::min)?;
         Some([least, numbers.into_iter().fold(least, f64::max)])
     }
+}
+
+impl Evidence for TableTwo {}
+
+/// Table II of the paper's finger, by every estimator.
+///
+/// # Errors
+/// [`EstimatorError`] if an estimator is not made for one of the sets.
+pub fn run(context: &Context) -> Result<Option<TableTwo>, EstimatorError> {
+    if !context.is_paper {
+        return Ok(None);
+    }
+    let sensing = NetworkSensing { networks: context.networks, finger: context.finger, refuses: true };
+    let [cases, _] = context.effort.sensed_cases();
+    context.progress.part("Table II", STEPS);
+    let step = || context.progress.step();
+    table_two(context.fine, &context.noise_levels_mm(), cases, &[&sensing], &step).map(Some)
 }
 
 /// Runs the protocol on the linear finger and on `fine`, the mesh of the co-rotational one: least squares, ridge,
@@ -179,8 +205,8 @@ pub fn table_two(
     let key_nodes = Mesh::key_nodes(finger);
     let model = Mesh::with_elements_per_member(finger, ELEMENTS);
     let [least_squares, ridge, nonlinear] =
-        [EstimatorKind::LeastSquares, EstimatorKind::Ridge, EstimatorKind::Nonlinear]
-            .map(|kind| BeamEstimator::of_noise_alone(kind, &model));
+        [BeamEstimator::least_squares, BeamEstimator::ridge, BeamEstimator::nonlinear]
+            .map(|estimator| estimator(&model).of_noise_alone());
     let sets: Vec<Vec<NodeId>> =
         contact_sets().iter().map(|set| set.iter().map(|&node| NodeId(node)).collect()).collect();
     let run = |mesh, kinematics, cases, estimators: &[&dyn Estimator]| {
@@ -199,8 +225,8 @@ pub fn table_two(
     let mut corotational = run(fine, Kinematics::Corotational, cases, &others)?;
     corotational.extend(run(fine, Kinematics::Corotational, cases.min(MOST_FITS), &[&nonlinear])?);
     let fingers = vec![
-        TableTwoFinger { truth: "linear", rows: linear },
-        TableTwoFinger { truth: "corotational", rows: corotational },
+        TableTwoFinger { truth: TruthId::Linear, rows: linear },
+        TableTwoFinger { truth: TruthId::Corotational, rows: corotational },
     ];
     let condition_numbers = sets.iter().map(|set| condition_number(finger, set)).collect::<Result<_, _>>()?;
     Ok(TableTwo { cases, condition_numbers, fingers })

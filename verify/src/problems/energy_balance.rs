@@ -3,10 +3,15 @@
 //! Source: conservation of energy. The work is F u(F) less the integral of u over F (the complementary energy), by
 //! Simpson's rule with one Richardson extrapolation (Boole's rule).
 
-use super::ProblemError;
+use super::{Problem, ProblemError};
 use crate::check::{Check, Kind};
+use crate::settings::is_papers_finger;
 use finray_model::statics::{Statics, elastic_energy};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId};
+
+/// This problem.
+pub(super) const PROBLEM: Problem =
+    Problem { name: "energy and work", applies_to: is_papers_finger, solve: |finger| Ok(checks(finger)?.into()) };
 
 /// Full load, N.
 const FORCE_N: f64 = 3.0;

@@ -2,12 +2,19 @@
 //!
 //! Source: closed form (pure bending): the axis is an arc of radius EI / M. L = EI = 1.
 
-use super::ProblemError;
+use super::{Problem, ProblemError};
 use crate::check::{Check, Kind};
 use finray_model::frame::{FrameLoad, NodeIndex, PlaneFrame, Section};
 use finray_model::statics::solve_frame;
 use finray_model::{Kinematics, Vector};
 use std::f64::consts::{PI, TAU};
+
+/// This problem.
+pub(super) const PROBLEM: Problem = Problem {
+    name: "cantilever bent into a circle by an end moment",
+    applies_to: |_| true,
+    solve: |_| Ok(checks()?.into()),
+};
 
 /// Elements of the cantilever.
 const ELEMENTS: usize = 64;

@@ -4,16 +4,21 @@
 //! MuJoCo shares neither discretisation (its rods bend at vertices alone) nor code with the beams, but is given the same EA and EI, so
 //! both tend to the same limit: it verifies solver and kinematics, not the beam theory behind EA and EI.
 
-use super::ProblemError;
+use super::{Problem, ProblemError, Solved};
 use crate::check::{Check, Comparison, Kind, worst};
 use crate::lattice::accuracy::difference;
 use crate::mujoco::{ContactStep, ExportedFinger, FINGERS, StaticCase, TouchedRod, contact_steps};
+use crate::settings::is_papers_finger;
 use crate::truths::{LatticeTruth, Truth};
 use finray_model::mesh::FingerShape;
 use finray_model::sensing::Contact;
 use finray_model::statics::Statics;
 use finray_model::{Finger, Kinematics, Load, Mesh, statics};
 use rayon::prelude::*;
+
+/// This problem.
+pub(super) const PROBLEM: Problem =
+    Problem { name: "MuJoCo's shapes", applies_to: |finger| ExportedFinger::of(finger).is_some(), solve: solve };
 
 /// Source of all rows.
 const SOURCE: &str = "MuJoCo";
@@ -111,6 +116,14 @@ fn apart(a: &FingerShape, b: &FingerShape) -> (f64, f64) {
         worst(pairs().map(|(a, b)| (a.displacement - b.displacement).norm())),
         worst(pairs().map(|(a, b)| (a.rotation - b.rotation).abs())),
     )
+}
+
+fn solve(finger: &Finger) -> Result<Solved, ProblemError> {
+    let checks = ExportedFinger::of(finger).map_or_else(|| Ok(Vec::new()), static_checks)?;
+    if !is_papers_finger(finger) {
+        return Ok(checks.into());
+    }
+    Ok(Solved { checks: [checks, contact_checks()?].concat(), comparisons: triangle()? })
 }
 
 /// Every exported finger under every exported force, against converged beams, and against linear beams under the least force.

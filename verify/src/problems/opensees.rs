@@ -3,10 +3,18 @@
 //! OpenSees shares the theory (Euler-Bernoulli beams of the same EA and EI, co-rotation, strain of the chord) but none of the code, so the
 //! two must agree to the digits printed. It verifies the solver, not the theory.
 
-use super::ProblemError;
+use super::{Problem, ProblemError, Solved};
 use crate::check::{Check, Comparison, Kind, worst};
+use crate::settings::is_papers_finger;
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector, statics};
 use serde::Deserialize;
+
+/// This problem.
+pub(super) const PROBLEM: Problem = Problem {
+    name: "OpenSees on the paper's finger",
+    applies_to: is_papers_finger,
+    solve: |finger| Ok(Solved { checks: paper_checks(finger)?, comparisons: linear_against_corotational(finger)? }),
+};
 
 /// Largest difference of a linear displacement, as a share of the case's largest: OpenSees prints nine digits.
 pub const LINEAR_TOLERANCE: f64 = 1e-8;
@@ -119,7 +127,7 @@ pub fn paper_checks(paper: &Finger) -> Result<Vec<Check>, ProblemError> {
 ///
 /// # Errors
 /// See [`deviations`].
-pub fn linear_against_large_rotation(paper: &Finger) -> Result<Vec<Comparison>, ProblemError> {
+pub fn linear_against_corotational(paper: &Finger) -> Result<Vec<Comparison>, ProblemError> {
     let rows: Vec<Row> =
         csv::Reader::from_reader(finray_fixtures::OPENSEES_PAPER.as_bytes()).deserialize().collect::<Result<_, _>>()?;
     let mesh = Mesh::key_nodes(paper);

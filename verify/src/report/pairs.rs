@@ -6,9 +6,10 @@ use super::page::{Block, Figure, Section};
 use super::sections::{self, text};
 use super::table_two::nodes_in_words;
 use super::tables::percent;
+use crate::experiments::noise::NoiseStudy;
 use crate::sampling::scatter::{Counts, Scatter, ScatterRow};
 use crate::settings::TWO_FORCES_N;
-use crate::study::{NoiseStudy, Study};
+use crate::study::Study;
 use serde::Serialize;
 
 pub(super) const CSV: &str = "pairs.csv";

@@ -4,9 +4,10 @@ use super::page::{Block, Cell, Column, Row, Section, Table};
 use super::sections::{self, text};
 use super::table_two::nodes_in_words;
 use super::tables::percent;
+use crate::experiments::noise::NoiseStudy;
 use crate::sampling::scatter::{Scatter, ScatterRow};
 use crate::settings::{ONE_FORCE_N, TWO_FORCES_N};
-use crate::study::{NoiseStudy, Study};
+use crate::study::Study;
 use serde::Serialize;
 
 pub(super) const CSV: &str = "noise.csv";

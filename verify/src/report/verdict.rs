@@ -5,7 +5,7 @@ mod cost;
 use super::page::Figure;
 use super::tables::{self, percent};
 use super::{ReportError, causes, drawings};
-use crate::estimators::EstimatorKind;
+use crate::estimators::EstimatorId;
 use crate::sampling::map::{AccuracyMap, Cell, CellState};
 use crate::sampling::scatter::{Counts, ScatterRow};
 use crate::study::Study;
@@ -25,8 +25,7 @@ pub(super) fn sentences(study: &Study) -> Vec<String> {
 /// The one map beside the sentences.
 pub(super) fn lead(study: &Study) -> Result<Option<Figure>, ReportError> {
     // The estimator that is recommended, where it was mapped.
-    let Some(map) = map_by(study, EstimatorKind::Nonlinear).or_else(|| map_by(study, EstimatorKind::LeastSquares))
-    else {
+    let Some(map) = map_by(study, EstimatorId::Nonlinear).or_else(|| map_by(study, EstimatorId::LeastSquares)) else {
         return Ok(None);
     };
     Ok(Some(Figure {
@@ -45,7 +44,7 @@ pub(super) fn lead(study: &Study) -> Result<Option<Figure>, ReportError> {
 }
 
 /// The noisiest map of the large-rotation finger by an estimator.
-fn map_by(study: &Study, kind: EstimatorKind) -> Option<&AccuracyMap> {
+fn map_by(study: &Study, kind: EstimatorId) -> Option<&AccuracyMap> {
     let maps = study.all_maps().filter(|map| map.truth == "corotational" && map.estimator == kind.name());
     maps.max_by(|a, b| a.noise_mm.total_cmp(&b.noise_mm))
 }
@@ -75,8 +74,8 @@ fn forces_in_words(forces_n: &[f64]) -> String {
 
 /// Where the finger can be trusted.
 fn trusted(study: &Study) -> Option<String> {
-    let linear = map_by(study, EstimatorKind::LeastSquares)?;
-    let nonlinear = map_by(study, EstimatorKind::Nonlinear);
+    let linear = map_by(study, EstimatorId::LeastSquares)?;
+    let nonlinear = map_by(study, EstimatorId::Nonlinear);
     let noise = match linear.noise_mm {
         0.0 => "In simulation, without noise,".to_owned(),
         noise_mm => format!("In simulation, with {noise_mm} mm noise,"),
@@ -179,7 +178,7 @@ fn weak_regions(study: &Study, map: &AccuracyMap) -> String {
 
 /// What limits it there: how often linear sensing fails by its bias, and how near the nonlinear estimator is to what noise allows.
 pub(super) fn limit(study: &Study) -> Option<String> {
-    let map = map_by(study, EstimatorKind::LeastSquares)?;
+    let map = map_by(study, EstimatorId::LeastSquares)?;
     let failed = map.cells.iter().filter(|cell| cell.mean_error.is_some_and(|error| error > TRUSTED));
     let (mut all, mut biased) = (0_usize, 0_usize);
     for cell in failed {

@@ -3,9 +3,9 @@
 //! Place and direction are known to the estimator; only the size of the force is sought. The error is
 //! |sensed / true - 1|, averaged over the forces and the noise pictures of a cell.
 
-use crate::estimators::Estimator;
+use crate::estimators::{Estimator, EstimatorId};
 use crate::sampling::sweep::{self, Grid, Sweep};
-use crate::truths::Truth;
+use crate::truths::{Truth, TruthId};
 use finray_model::Finger;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -93,10 +93,10 @@ impl From<&sweep::Cell> for Cell {
 pub struct AccuracyMap {
     /// What was asked for.
     pub request: MapRequest,
-    /// Name of the truth.
-    pub truth: String,
-    /// Name of the estimator.
-    pub estimator: String,
+    /// The true finger.
+    pub truth: TruthId,
+    /// How it is sensed.
+    pub estimator: EstimatorId,
     /// Standard deviation of a measured coordinate, mm.
     pub noise_mm: f64,
     /// The cells.
@@ -122,8 +122,8 @@ pub fn accuracy_maps(
     let (forces, levels) = (request.forces_n.len(), request.noise_levels_mm.len());
     let map = |number: usize| AccuracyMap {
         request: request.clone(),
-        truth: truth.name().to_owned(),
-        estimator: estimators[number / levels].name().to_owned(),
+        truth: truth.id(),
+        estimator: estimators[number / levels].id(),
         noise_mm: request.noise_levels_mm[number % levels],
         cells: blocks.iter().flat_map(|block| &block[number * forces..][..forces]).copied().collect(),
     };
@@ -145,11 +145,10 @@ impl AccuracyMap {
     /// # Errors
     /// [`csv::Error`] if the table is none.
     pub fn from_csv(request: &sweep::Request, table: impl Read) -> Result<AccuracyMap, csv::Error> {
-        let first = |names: &[String]| names.first().cloned().unwrap_or_default();
         Ok(AccuracyMap {
             cells: csv::Reader::from_reader(table).into_deserialize().collect::<Result<_, _>>()?,
-            truth: first(&request.truths),
-            estimator: first(&request.estimators),
+            truth: request.truths.first().copied().unwrap_or(TruthId::Corotational),
+            estimator: request.estimators.first().copied().unwrap_or(EstimatorId::LeastSquares),
             noise_mm: request.grid.noise_levels_mm.first().copied().unwrap_or(0.0),
             request: request.grid.clone(),
         })
@@ -210,8 +209,8 @@ impl AccuracyMap {
         let samples: usize = bent().map(|cell| cell.samples).sum();
         let answered_samples: usize = bent().map(|cell| cell.answered).sum();
         MapSummary {
-            truth: self.truth.clone(),
-            estimator: self.estimator.clone(),
+            truth: self.truth,
+            estimator: self.estimator,
             noise_mm: self.noise_mm,
             forces_n: force_n.map_or_else(|| self.request.forces_n.clone(), |f| vec![f]),
             cells: states.len(),
@@ -236,10 +235,10 @@ fn ratio(part: usize, all: usize) -> Option<f64> {
 /// beside it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MapSummary {
-    /// Name of the truth.
-    pub truth: String,
-    /// Name of the estimator.
-    pub estimator: String,
+    /// The true finger.
+    pub truth: TruthId,
+    /// How it is sensed.
+    pub estimator: EstimatorId,
     /// Standard deviation of a measured coordinate, mm.
     pub noise_mm: f64,
     /// Forces that the errors are averaged over, N.
@@ -302,8 +301,8 @@ mod tests {
                 noise_pictures: 10,
                 seed: 1,
             },
-            truth: "linear".to_owned(),
-            estimator: "network".to_owned(),
+            truth: TruthId::Linear,
+            estimator: EstimatorId::Network,
             noise_mm: 0.1,
             cells: cells.iter().enumerate().map(cell).collect(),
         }

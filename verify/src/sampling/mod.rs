@@ -1,5 +1,6 @@
 //! Sensing put to the test over many positions, directions, forces and noise samples.
 
 pub mod map;
+pub mod noise;
 pub mod scatter;
 pub mod sweep;

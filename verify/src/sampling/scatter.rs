@@ -7,7 +7,7 @@
 
 mod cases;
 
-use crate::estimators::{Estimator, EstimatorError, Sensed};
+use crate::estimators::{Estimator, EstimatorError, EstimatorId, Sensed};
 use crate::settings::TWO_SIDED_95;
 use cases::Look;
 use finray_model::sensing::Contact;
@@ -93,8 +93,8 @@ pub struct Coverage {
 /// Results of one estimator for one set of contact nodes and one level of noise.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ScatterRow {
-    /// Name of the estimator.
-    pub estimator: String,
+    /// The estimator.
+    pub estimator: EstimatorId,
     /// The contact nodes.
     pub nodes: Vec<usize>,
     /// Standard deviation of a coordinate, mm.
@@ -223,7 +223,7 @@ fn rows(
         for (level, &noise_mm) in request.noise_levels_mm.iter().enumerate() {
             for (i, estimator) in estimators.iter().enumerate() {
                 let looks = cases.iter().map(|case| case.look(level, i));
-                rows.push(row(estimator.name(), nodes, noise_mm, looks));
+                rows.push(row(estimator.id(), nodes, noise_mm, looks));
             }
         }
         Ok(rows)
@@ -251,7 +251,12 @@ pub fn pairs(nodes: &[NodeId]) -> Vec<Vec<NodeId>> {
 }
 
 /// What one estimator made of the cases at one level of noise.
-fn row<'c>(name: &str, nodes: &[NodeId], noise_mm: f64, looks: impl Iterator<Item = Look<'c>>) -> ScatterRow {
+fn row<'c>(
+    estimator: EstimatorId,
+    nodes: &[NodeId],
+    noise_mm: f64,
+    looks: impl Iterator<Item = Look<'c>>,
+) -> ScatterRow {
     let mut forces = vec![Sums::default(); nodes.len()];
     let mut sum = Sums::default();
     let (mut cases, mut refused, mut not_carried) = (0, 0, 0);
@@ -277,7 +282,7 @@ fn row<'c>(name: &str, nodes: &[NodeId], noise_mm: f64, looks: impl Iterator<Ite
     }
     let noisy = noise_mm > 0.0;
     ScatterRow {
-        estimator: name.to_owned(),
+        estimator,
         nodes: nodes.iter().map(|node| node.0).collect(),
         noise_mm,
         cases,
@@ -367,7 +372,7 @@ mod tests {
     #[test]
     fn a_refused_case_counts_as_an_error_of_the_whole_force() {
         let row = |cases: usize, refused: usize| ScatterRow {
-            estimator: "nonlinear".to_owned(),
+            estimator: EstimatorId::Nonlinear,
             nodes: vec![19],
             noise_mm: 0.067,
             cases,

@@ -1,48 +1,10 @@
-//! Time and error of models and estimators.
+//! Times of models and estimators that others took.
 
-use super::{Study, StudyError};
-use crate::estimators::network::{NetworkSensing, Networks};
-use crate::experiments::networks::accuracy;
+use super::Study;
 use crate::experiments::speed_error::criterion::{self, CriterionTimes};
 use crate::experiments::speed_error::peers::{Peer, Peers};
-use crate::experiments::speed_error::sensing::{FRAMES_A_PERIOD, TimedEstimator, sensing};
-use crate::experiments::speed_error::{self, ASKED_NODES, Asked, SpeedErrorError, SpeedErrorPoint, Start, Task};
-use crate::settings::{Effort, Progress};
-use finray_model::statics::StaticsError;
-use finray_model::{Finger, Mesh};
+use crate::experiments::speed_error::{self, Asked, SpeedErrorPoint, Task};
 use std::path::Path;
-
-/// Times models and estimators, one after the other: nothing else may run beside them.
-pub(super) fn time_and_compare(
-    finger: &Finger,
-    fine: &Mesh,
-    noise_mm: f64,
-    is_paper: bool,
-    effort: Effort,
-    progress: &dyn Progress,
-) -> Result<Vec<SpeedErrorPoint>, StudyError> {
-    // Nodes are the same for every effort, so that other programs always stand beside ours.
-    let frames = match effort {
-        Effort::Quick => FRAMES_A_PERIOD,
-        Effort::Full => 2 * FRAMES_A_PERIOD,
-    };
-    // What a finger does not carry leaves the chart out; the maps say so already.
-    let mut points = match speed_error::solving(finger, ASKED_NODES) {
-        Err(SpeedErrorError::Statics(StaticsError::NoEquilibrium { .. })) => Vec::new(),
-        points => points?,
-    };
-    progress.step();
-    if noise_mm > 0.0 {
-        let shipped = Networks::shipped()?;
-        let network = NetworkSensing { name: accuracy::NAME, networks: &shipped, finger, refuses: true };
-        let network =
-            TimedEstimator { estimator: Box::new(network), setting: "shipped networks".to_owned(), start: Start::None };
-        let further = if is_paper { vec![network] } else { Vec::new() };
-        points.extend(sensing(fine, noise_mm, ASKED_NODES, frames, further)?);
-    }
-    progress.step();
-    Ok(points)
-}
 
 impl Study {
     /// Puts criterion's times in the place of the report's own, for the points that both have. Benches time the paper's finger: others

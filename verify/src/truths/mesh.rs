@@ -1,6 +1,6 @@
-//! The beam finger itself, linear or on a fine co-rotational mesh.
+//! Fingers of beams, solved by the model's own statics: what several truths rest on.
 
-use super::Truth;
+use super::{Truth, TruthId};
 use finray_model::compliance::NodalCompliance;
 use finray_model::mesh::{FingerShape, MeshSizeError};
 use finray_model::sensing::Contact;
@@ -25,7 +25,7 @@ pub fn fine_mesh(finger: &Finger) -> Result<Mesh, MeshSizeError> {
 /// A meshed finger, solved by the model's own statics.
 #[derive(Debug, Clone)]
 pub struct MeshTruth<'m> {
-    name: &'static str,
+    id: TruthId,
     mesh: &'m Mesh,
     /// The equations, prepared once and copied for each contact.
     prepared: Statics<Ladder<'m>>,
@@ -34,12 +34,12 @@ pub struct MeshTruth<'m> {
 }
 
 impl<'m> MeshTruth<'m> {
-    /// Prepares a mesh under a name.
+    /// Prepares a mesh of a kind of true finger.
     ///
     /// # Errors
     /// [`StaticsError`] if the finger at rest cannot be factorised, or rounding leaves fewer than four digits of how it
     /// gives way to a force on its tip.
-    pub fn new(name: &'static str, mesh: &'m Mesh, kinematics: Kinematics) -> Result<MeshTruth<'m>, StaticsError> {
+    pub fn new(id: TruthId, mesh: &'m Mesh, kinematics: Kinematics) -> Result<MeshTruth<'m>, StaticsError> {
         let finger = mesh.finger();
         let push = Load::at_node(finger.tip(), finger.direction(0.0));
         Statics::ladder(mesh, Kinematics::Linear).accurate_equilibrium(&[mesh.frame_load(&push)?])?;
@@ -47,7 +47,7 @@ impl<'m> MeshTruth<'m> {
         prepared.equilibrium(&[])?;
         let key_nodes_alone = mesh.node_count() == finger.key_node_count();
         let solved = (key_nodes_alone && kinematics == Kinematics::Linear).then(|| NodalCompliance::new(finger));
-        Ok(MeshTruth { name, mesh, prepared, solved })
+        Ok(MeshTruth { id, mesh, prepared, solved })
     }
 
     /// Shapes of the linear finger, multiples of that under 1 N.
@@ -74,8 +74,8 @@ impl<'m> MeshTruth<'m> {
 }
 
 impl Truth for MeshTruth<'_> {
-    fn name(&self) -> &str {
-        self.name
+    fn id(&self) -> TruthId {
+        self.id
     }
 
     fn is_linear(&self) -> bool {

@@ -1,12 +1,22 @@
 //! The finger as MuJoCo solved it: exported shapes, and nothing between them.
 
-use super::Truth;
+use super::{Positions, Truth, TruthError, TruthId, TruthRow};
 use crate::mujoco::{ExportError, ExportedFinger, FINGERS, StaticCase};
 use finray_model::mesh::FingerShape;
 use finray_model::sensing::Contact;
-use finray_model::{Finger, NodeId};
+use finray_model::{Finger, Mesh, NodeId};
 
-/// Places (mm) and directions (degrees) that are the same but for rounding.
+pub(super) const ROW: TruthRow = TruthRow {
+    name: "mujoco",
+    label: "MuJoCo",
+    help: "The finger as MuJoCo solved it: exported shapes of three fingers, at their contact nodes, in the exported directions, under the \
+           exported forces; --places and --step-deg do not count beside it",
+    kinematics: None,
+    mesh: |finger| Ok(Mesh::key_nodes(finger)),
+    on: |mesh| Ok(Box::new(MujocoTruth::new(mesh.finger())?)),
+};
+
+/// Positions (mm) and directions (degrees) that are the same but for rounding.
 const SAME: f64 = 1e-9;
 
 /// Why there are no shapes from MuJoCo for a question.
@@ -52,17 +62,12 @@ impl MujocoTruth {
         Ok(MujocoTruth { finger: finger.clone(), name: exported.name, cases: exported.cases()? })
     }
 
-    /// The exported places along the front plate (mm from the base) and directions (degrees), both growing.
-    pub fn grid(&self) -> (Vec<f64>, Vec<f64>) {
-        let places = self.cases.iter().filter_map(|case| self.finger.front_place_mm(case.node));
-        (growing(places), growing(self.cases.iter().map(|case| case.angle_deg)))
+    /// The forces (N) among some that shapes were exported for.
+    pub fn exported(&self, forces_n: &[f64]) -> Vec<f64> {
+        forces_n.iter().copied().filter(|force_n| self.require_force(*force_n).is_ok()).collect()
     }
 
-    /// Refuses a force (N) that was not exported.
-    ///
-    /// # Errors
-    /// [`NotExported::Force`] names those that were.
-    pub fn require_force(&self, force_n: f64) -> Result<(), NotExported> {
+    fn require_force(&self, force_n: f64) -> Result<(), NotExported> {
         let forces = growing(self.cases.iter().map(|case| case.force_n));
         if forces.iter().any(|force| (force - force_n).abs() < SAME) {
             return Ok(());
@@ -89,8 +94,17 @@ fn growing(figures: impl Iterator<Item = f64>) -> Vec<f64> {
 }
 
 impl Truth for MujocoTruth {
-    fn name(&self) -> &str {
-        "mujoco"
+    fn id(&self) -> TruthId {
+        TruthId::Mujoco
+    }
+
+    /// The exported ones, both growing; refuses forces that were not exported.
+    fn positions(&self, forces_n: &[f64]) -> Result<Option<Positions>, TruthError> {
+        for &force_n in forces_n {
+            self.require_force(force_n)?;
+        }
+        let places = self.cases.iter().filter_map(|case| self.finger.front_place_mm(case.node));
+        Ok(Some((growing(places), growing(self.cases.iter().map(|case| case.angle_deg)))))
     }
 
     /// Ends before the first force that was not exported, be it that the finger cannot carry it.

@@ -9,8 +9,12 @@
 mod cell;
 mod models;
 pub mod network;
+mod run;
 
-use crate::truths::{MeshTruth, fine_mesh};
+pub use run::run;
+
+use crate::estimators::EstimatorId;
+use crate::truths::{MeshTruth, TruthId, fine_mesh};
 use cell::Sensor;
 use finray_model::calibration::CalibrationError;
 use finray_model::finger::ImpossibleFinger;
@@ -92,12 +96,12 @@ pub enum ContactKnowledge {
 }
 
 impl Practice {
-    /// The estimator's name.
-    pub fn name(self) -> &'static str {
+    /// The estimator.
+    pub fn estimator(self) -> EstimatorId {
         match self {
-            Practice::LeastSquares => "least-squares",
-            Practice::Nonlinear => "nonlinear",
-            Practice::Network => "network",
+            Practice::LeastSquares => EstimatorId::LeastSquares,
+            Practice::Nonlinear => EstimatorId::Nonlinear,
+            Practice::Network => EstimatorId::Network,
         }
     }
 
@@ -194,8 +198,8 @@ pub const REMEDIES: [(&str, &[Cause]); 3] = [
 pub struct CauseMap {
     /// What was asked for.
     pub request: CauseRequest,
-    /// Name of the truth.
-    pub truth: &'static str,
+    /// The true finger.
+    pub truth: TruthId,
     /// How it is sensed.
     pub practice: Practice,
     /// What is known of the contact.
@@ -229,12 +233,12 @@ pub enum CauseError {
     Network(#[from] finray_model::sensing::network::NetworkError),
 }
 
-/// The causes of every practice on a true finger, called `truth`. `progress` is called once for every place and direction. The result does not depend on the number of threads.
+/// The causes of every practice on a true finger. `progress` is called once for every place and direction. The result does not depend on the number of threads.
 ///
 /// # Errors
 /// [`CauseError`] if the finger at rest cannot be solved or its modulus not calibrated.
 pub fn causes(
-    truth: &'static str,
+    truth: TruthId,
     finger: &Finger,
     request: &CauseRequest,
     progress: &(dyn Fn() + Sync),

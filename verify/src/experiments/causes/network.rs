@@ -10,29 +10,27 @@ use super::{
     present,
 };
 use crate::estimators::{ELEMENTS, Estimator};
+use crate::sampling::noise::Noise;
 use crate::settings::LEAST_STATED_MM;
-use crate::truths::{MeshTruth, Truth, fine_mesh};
+use crate::truths::{MeshTruth, Truth, TruthId, fine_mesh};
 use finray_model::finger::Plate;
 use finray_model::frame::FrameMotion;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, ContactPlace, NonlinearEstimator};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 /// Noise pictures of every shape: an error by noise is then known to a sixth.
 const PICTURES: usize = 40;
 const SEED: u64 = 1;
 
-/// The causes of a network's errors on a true finger, called `truth`, at every contact node that there is a network for. The `believed` finger is
+/// The causes of a network's errors on a true finger, at every contact node that there is a network for. The `believed` finger is
 /// the one that it was trained on; its modulus may be another, as forces are proportional to it.
 ///
 /// # Errors
 /// [`CauseError`] if a finger at rest cannot be solved or its modulus not calibrated.
 pub fn causes(
-    truth: &'static str,
+    truth: TruthId,
     finger: &Finger,
     believed: &Finger,
     network: &dyn Estimator,
@@ -80,7 +78,7 @@ struct World {
     off: Option<Cause>,
     /// The true finger.
     mesh: Mesh,
-    truth: &'static str,
+    truth: TruthId,
     /// The finger that the network stands for, of the modulus that it is used with.
     model: Mesh,
     /// That modulus over the one that it was trained with.
@@ -88,12 +86,7 @@ struct World {
 }
 
 impl World {
-    fn without(
-        off: Option<Cause>,
-        truth: &'static str,
-        finger: &Finger,
-        believed: &Finger,
-    ) -> Result<World, CauseError> {
+    fn without(off: Option<Cause>, truth: TruthId, finger: &Finger, believed: &Finger) -> Result<World, CauseError> {
         let finger = with_zones(finger, off != Some(Cause::BaseCompliance), off != Some(Cause::TipCompliance))?;
         let mesh = fine_mesh(&finger)?;
         let modulus = |finger: &Finger| finger.description().front.youngs_modulus_mpa;
@@ -146,16 +139,13 @@ impl World {
         let Some(Ok(mut network)) = seen.first().map(|markers| network.prepare(&contacts, markers)) else {
             return Vec::new();
         };
-        let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+        let mut noise = Noise::new(SEED);
         let pictures = if noise_mm > 0.0 { PICTURES } else { 1 };
         let mut of_force = |(seen, &force_n): (&Measurement, &f64)| {
             let mut sum = 0.0;
             for _ in 0..pictures {
-                let mut picture = seen.clone();
-                if noise_mm > 0.0 {
-                    picture.add_noise(noise_mm, || StandardNormal.sample(&mut rng));
-                }
-                let sensed = network.estimate(&picture, Some(noise_mm.max(LEAST_STATED_MM))).ok()?;
+                let sample = noise.on(seen, noise_mm);
+                let sensed = network.estimate(&sample, Some(noise_mm.max(LEAST_STATED_MM))).ok()?;
                 sum += (self.modulus_factor * sensed.forces_n[0] / force_n - 1.0).powi(2);
             }
             Some(sum / pictures as f64)

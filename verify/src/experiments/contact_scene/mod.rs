@@ -9,6 +9,7 @@ pub mod checks;
 mod contacts;
 pub mod file;
 mod object;
+pub mod objects;
 mod rows;
 pub mod samples;
 mod sensing;
@@ -28,9 +29,6 @@ use finray_model::scene::ObjectDescription;
 use finray_model::sensing::SensingError;
 use finray_model::{Finger, Mesh, Scene, Vector};
 use nalgebra::DVector;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use sensing::Knowledge;
 
 /// Segments of plate between two rods: the paper's finger under 5 N is then within 0.1 % of converged beams.
@@ -244,10 +242,4 @@ impl ContactScene {
         };
         Ok(Some(SensedStep { contacts: felt.iter().zip(&contacts).enumerate().map(force).collect(), total }))
     }
-}
-
-/// Standard normal numbers of a seed.
-pub fn standard_normal(seed: u64) -> impl FnMut() -> f64 {
-    let mut generator = ChaCha8Rng::seed_from_u64(seed);
-    move || StandardNormal.sample(&mut generator)
 }

@@ -1,6 +1,7 @@
 //! Noise samples of one step: how often the stated intervals hold the true forces.
 
-use super::{ContactScene, SceneStep, SensedForce, SensedStep, standard_normal};
+use super::{ContactScene, SceneStep, SensedForce, SensedStep};
+use crate::sampling::noise::Noise;
 use crate::settings::TWO_SIDED_95;
 use rayon::prelude::*;
 
@@ -28,7 +29,10 @@ impl NoiseSamples {
         if contacts == 0 || taken == 0 {
             return None;
         }
-        let sample = |n: usize| scene.sense(step, noise_mm, standard_normal(first_seed + n as u64)).ok().flatten();
+        let sample = |n: usize| {
+            let mut noise = Noise::new(first_seed + n as u64);
+            scene.sense(step, noise_mm, || noise.standard_normal()).ok().flatten()
+        };
         let answers: Vec<SensedStep> = (0..taken).into_par_iter().filter_map(sample).collect();
         let force = |which: usize| {
             move |answer: &SensedStep| answer.contacts.get(which).map_or(answer.total, |contact| contact.force)

@@ -1,10 +1,11 @@
 //! A scene run to its end, sensed at every step, and the scenes that ship.
 
 use super::samples::NoiseSamples;
-use super::{ContactScene, FINENESS, ForceRow, OutlineError, SceneStep, SensedStep, force_rows, standard_normal};
+use super::{ContactScene, FINENESS, ForceRow, OutlineError, SceneStep, SensedStep, force_rows};
 use crate::lattice::LatticeError;
 use crate::lattice::accuracy::{CONVERGED_ELEMENTS, difference};
 use crate::lattice::skin::{Touch, TouchedPart};
+use crate::sampling::noise::Noise;
 use finray_model::finger::Plate;
 use finray_model::mesh::{FingerShape, Load};
 use finray_model::scene::SceneError;
@@ -140,11 +141,11 @@ impl SceneStudy {
         done: &dyn Fn(),
     ) -> Result<SceneStudy, SceneStudyError> {
         let (mut steps, mut rows) = (Vec::new(), Vec::new());
-        let mut noise = standard_normal(1);
+        let mut noise = Noise::new(1);
         let stopped = scene
             .run(|step| {
                 let clean = scene.sense(&step, 0.0, || 0.0);
-                let noisy = scene.sense(&step, noise_mm, &mut noise);
+                let noisy = scene.sense(&step, noise_mm, || noise.standard_normal());
                 rows.extend(force_rows(scene, steps.len() + 1, &step, noisy.as_ref().ok().and_then(Option::as_ref)));
                 steps.push(StudiedStep { step, clean, noisy, samples: None });
                 done();

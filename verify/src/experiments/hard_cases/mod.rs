@@ -10,8 +10,10 @@ mod sensing;
 mod soundness;
 
 use crate::check::{Check, EXACT_COUNT, Kind};
+use crate::experiments::{Context, Evidence};
 use crate::settings::Effort;
 use finray_model::Finger;
+use std::convert::Infallible;
 use std::time::Instant;
 
 /// No case may take longer, s.
@@ -80,6 +82,20 @@ impl Findings {
     }
 }
 
+impl Evidence for HardCase {}
+
+/// Every case, of the paper's finger.
+///
+/// # Errors
+/// None: a case that ends in an error is broken.
+pub fn run(context: &Context) -> Result<Vec<HardCase>, Infallible> {
+    if !context.is_paper {
+        return Ok(Vec::new());
+    }
+    context.progress.part("hard cases", questions().count());
+    Ok(hard_cases(context.finger, context.effort, &|| context.progress.step()))
+}
+
 /// Every case, one after the other; `progress` is called once for each.
 pub fn hard_cases(finger: &Finger, effort: Effort, progress: &dyn Fn()) -> Vec<HardCase> {
     questions()
@@ -89,11 +105,6 @@ pub fn hard_cases(finger: &Finger, effort: Effort, progress: &dyn Fn()) -> Vec<H
             case
         })
         .collect()
-}
-
-/// Number of cases.
-pub fn count() -> usize {
-    questions().count()
 }
 
 fn questions() -> impl Iterator<Item = &'static Question> {

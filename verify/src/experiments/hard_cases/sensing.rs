@@ -2,6 +2,7 @@
 
 use super::{Findings, Question, Unexpected};
 use crate::check::worst;
+use crate::sampling::noise::Noise;
 use crate::settings::{CAMERA_NOISE_MM, Effort};
 use finray_model::frame::FrameLoad;
 use finray_model::measurement::{Marker, Measurement};
@@ -10,9 +11,6 @@ use finray_model::sensing::{
 };
 use finray_model::statics::Statics;
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Vector};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 
 pub(super) const QUESTIONS: &[Question] = &[
     Question {
@@ -148,14 +146,12 @@ impl<'m> Task<'m> {
 
     /// Scatter of noisy estimates against their sigma.
     fn true_within_sigma(&self, noise_mm: f64, draws: usize, findings: &mut Findings) -> Result<(), Unexpected> {
-        let mut rng = ChaCha8Rng::seed_from_u64(1);
         // Draws of its own for each level: the same ones would give a linear finger the same figures again.
-        rng.set_stream(noise_mm.to_bits());
+        let mut noise = Noise::of_stream(1, noise_mm.to_bits());
         let mut off = Vec::new();
         for _ in 0..draws {
             for (kinematics, seen) in &self.seen {
-                let mut noisy = seen.clone();
-                noisy.add_noise(noise_mm, || StandardNormal.sample(&mut rng));
+                let noisy = noise.on(seen, noise_mm);
                 off.extend(self.sigmas_off(&self.sense(*kinematics, &noisy, noise_mm)?).collect::<Vec<_>>());
             }
         }
@@ -202,14 +198,13 @@ fn everywhere(finger: &Finger, effort: Effort, findings: &mut Findings) -> Resul
 fn hidden(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unexpected> {
     let mesh = Mesh::key_nodes(finger);
     let task = Task::new(&mesh, vec![at_node(middle(finger), 10.0)], vec![2.0])?;
-    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    let mut noise = Noise::new(2);
     let nodes: Vec<NodeId> = finger.free_nodes().collect();
     // From both plates in turn.
     let order: Vec<NodeId> = (0..nodes.len()).map(|i| nodes[(i * 10) % nodes.len()]).collect();
     let (mut off, mut shrinks, mut refused) = (Vec::new(), 0, 0);
     for (kinematics, seen) in &task.seen {
-        let mut noisy = seen.clone();
-        noisy.add_noise(CAMERA_NOISE_MM, || StandardNormal.sample(&mut rng));
+        let noisy = noise.on(seen, CAMERA_NOISE_MM);
         let mut before = 0.0;
         for count in 0..=20 {
             let found = task.sense(*kinematics, &noisy.clone().without(&order[..count]), CAMERA_NOISE_MM)?;
@@ -240,11 +235,10 @@ fn noise(finger: &Finger, effort: Effort, findings: &mut Findings) -> Result<(),
 fn wild_marker(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unexpected> {
     let mesh = Mesh::key_nodes(finger);
     let task = Task::new(&mesh, vec![at_node(middle(finger), 10.0)], vec![2.0])?;
-    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let mut noise = Noise::new(3);
     let (mut changes, mut residuals) = (Vec::new(), Vec::new());
     for (kinematics, seen) in &task.seen {
-        let mut noisy = seen.clone();
-        noisy.add_noise(CAMERA_NOISE_MM, || StandardNormal.sample(&mut rng));
+        let noisy = noise.on(seen, CAMERA_NOISE_MM);
         for spoiled in finger.free_nodes() {
             let moved = noisy.markers().iter().map(|marker| {
                 let wild = if marker.node == spoiled { WILD_MM } else { Vector::zeros() };

@@ -1,16 +1,17 @@
 //! What the networks that ship make of the large-rotation finger under camera noise, and what is promised of them.
 
 use crate::check::{Check, Kind};
-use crate::estimators::EstimatorError;
 use crate::estimators::network::{NetworkSensing, Networks};
+use crate::estimators::{EstimatorError, EstimatorId};
+use crate::experiments::table_two::TableTwo;
+use crate::experiments::{Context, Evidence};
 use crate::sampling::scatter::{ScatterRequest, ScatterRow, scatter};
 use crate::settings::{CAMERA_NOISE_MM, ENOUGH_CASES, TWO_FORCES_N};
+use crate::truths::TruthId;
 use finray_model::{Kinematics, Mesh, NodeId};
 
 /// Range of each force, N.
 pub const FORCES_N: [f64; 2] = TWO_FORCES_N;
-/// Name of the networks that ship among estimators.
-pub const NAME: &str = "network";
 /// Relative errors scatter by 1.1 of their mean; three standard errors of the mean are hardly ever met by chance.
 const CHANCE: f64 = 3.3;
 /// Largest mean error of the sum of two forces.
@@ -68,6 +69,25 @@ pub struct NetworkStudy {
     pub rows: Vec<ScatterRow>,
 }
 
+impl Evidence for NetworkStudy {
+    fn checks(&self, _: &Context) -> Vec<Check> {
+        self.checks()
+    }
+}
+
+/// The networks that ship, under noise; what Table II has sensed already is taken as it is.
+///
+/// # Errors
+/// [`EstimatorError`] for a finger or contacts for which no network ships.
+pub fn run(context: &Context, sensed: Option<&TableTwo>) -> Result<Option<NetworkStudy>, EstimatorError> {
+    let Some(sensed) = sensed.filter(|_| context.noise_mm > 0.0) else { return Ok(None) };
+    let sensed: Vec<_> = sensed.of(TruthId::Corotational, context.noise_mm, EstimatorId::Network).cloned().collect();
+    context.progress.part("networks", NetworkStudy::steps(&sensed));
+    let [_, cases] = context.effort.sensed_cases();
+    let step = || context.progress.step();
+    NetworkStudy::run(context.fine, context.networks, context.noise_mm, cases, &sensed, &step).map(Some)
+}
+
 impl NetworkStudy {
     /// Number of contact sets that [`NetworkStudy::run`] works on: those that are not `sensed` yet.
     pub fn steps(sensed: &[ScatterRow]) -> usize {
@@ -88,7 +108,7 @@ impl NetworkStudy {
         progress: &(dyn Fn() + Sync),
     ) -> Result<NetworkStudy, EstimatorError> {
         let finger = fine.finger();
-        let network = NetworkSensing { name: NAME, networks, finger, refuses: true };
+        let network = NetworkSensing { networks, finger, refuses: true };
         let open = PROMISES.iter().filter(|promise| found(promise, sensed).is_none());
         let sets: Vec<Vec<NodeId>> =
             open.map(|promise| promise.nodes.iter().map(|&node| NodeId(node)).collect()).collect();

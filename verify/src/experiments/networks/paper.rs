@@ -5,6 +5,7 @@
 
 use crate::experiments::networks::records::RecipeRow;
 use crate::experiments::table_two::{CONTACT_GROUPS, ContactGroup};
+use crate::truths::TruthId;
 
 /// The recorded recipes that follow the paper, by their scaling of displacements: by the largest, or by their spread.
 pub const PAPER_RECIPES: [&str; 2] = ["a", "a, by spread"];
@@ -78,7 +79,8 @@ pub fn recorded_sets(records: &[RecipeRow], recipe: &str, group: &ContactGroup) 
 /// [recorded](recorded_sets); `None` if none is, or a seed is missing or unanswered at one of them.
 pub fn recorded(
     records: &[RecipeRow],
-    [recipe, truth]: [&str; 2],
+    recipe: &str,
+    truth: TruthId,
     noise_mm: f64,
     group: &ContactGroup,
     quantity: &str,
@@ -116,7 +118,7 @@ pub fn figures(records: &[RecipeRow], recipe: &str, noise_mm: f64) -> Option<Vec
     let mut all = Vec::new();
     for group in CONTACT_GROUPS {
         for (quantity, paper) in quantities(&group) {
-            let recorded = recorded(records, [recipe, "corotational"], noise_mm, &group, quantity)?;
+            let recorded = recorded(records, recipe, TruthId::Corotational, noise_mm, &group, quantity)?;
             all.push(Figure { group, quantity, paper, recorded });
         }
     }
@@ -171,7 +173,7 @@ mod tests {
         let row = |seed, nodes: &str, error| RecipeRow {
             recipe: "a".into(),
             seed,
-            truth: "corotational".into(),
+            truth: TruthId::Corotational,
             noise_mm: 0.067,
             nodes: nodes.into(),
             quantity: "each force".into(),
@@ -185,10 +187,10 @@ mod tests {
             [row(2, "21", 0.3), row(2, "19", 0.3), row(2, "17", 0.6)],
         ]
         .concat();
-        let found = recorded(&records, ["a", "corotational"], 0.067, &one, "each force").expect("recorded");
+        let found = recorded(&records, "a", TruthId::Corotational, 0.067, &one, "each force").expect("recorded");
         let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
         assert!(close(found.mean, 0.3) && close(found.least, 0.2) && close(found.greatest, 0.4), "{found:?}");
         assert_eq!((found.seeds, found.answered, found.refused), (2, 60, 6));
-        assert!(recorded(&records[..5], ["a", "corotational"], 0.067, &one, "each force").is_none());
+        assert!(recorded(&records[..5], "a", TruthId::Corotational, 0.067, &one, "each force").is_none());
     }
 }

@@ -9,7 +9,7 @@ use crate::experiments::networks::paper::PAPER_RECIPES;
 use crate::experiments::table_two::{COMPARED_SETS, FORCES_N, contact_sets};
 use crate::sampling::scatter::{ScatterRequest, ScatterRow, scatter};
 use crate::settings::CAMERA_NOISE_MM;
-use crate::truths::fine_mesh;
+use crate::truths::{TruthId, fine_mesh};
 use finray_model::mesh::MeshSizeError;
 use finray_model::sensing::Contact;
 use finray_model::sensing::network::{Network, Scaling};
@@ -79,12 +79,7 @@ pub fn recipes(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<Reci
     for (job, network) in jobs.iter().zip(train_all(finger, &jobs, progress)?) {
         match groups.iter_mut().find(|group| group.recipe == job.name && group.seed == job.seed) {
             Some(group) => group.networks.push(network),
-            None => groups.push(Group {
-                recipe: job.name,
-                seed: job.seed,
-                name: format!("{} {}", job.name, job.seed),
-                networks: vec![network],
-            }),
+            None => groups.push(Group { recipe: job.name, seed: job.seed, networks: vec![network] }),
         }
     }
     let (papers, others): (Vec<Group>, Vec<Group>) =
@@ -96,7 +91,6 @@ pub fn recipes(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<Reci
 struct Group {
     recipe: &'static str,
     seed: u64,
-    name: String,
     networks: Vec<Network>,
 }
 
@@ -105,22 +99,20 @@ fn rows_of(finger: &Finger, groups: Vec<Group>) -> Result<Vec<RecipeRow>, Recipe
     let sets = groups.first().map_or(Vec::new(), |group| sets_of(group.recipe));
     let sets: Vec<Vec<usize>> = sets.into_iter().map(<[usize]>::to_vec).collect();
     let networks: Vec<Networks> = groups.iter().map(|group| Networks::of(group.networks.clone())).collect();
-    let sensing: Vec<NetworkSensing> = groups
-        .iter()
-        .zip(&networks)
-        .map(|(group, networks)| NetworkSensing { name: &group.name, networks, finger, refuses: false })
-        .collect();
+    let sensing: Vec<NetworkSensing> =
+        networks.iter().map(|networks| NetworkSensing { networks, finger, refuses: false }).collect();
     let (coarse, fine) = (Mesh::key_nodes(finger), fine_mesh(finger)?);
     let mut rows = Vec::new();
     for (truth, mesh, kinematics) in
-        [("linear", &coarse, Kinematics::Linear), ("corotational", &fine, Kinematics::Corotational)]
+        [(TruthId::Linear, &coarse, Kinematics::Linear), (TruthId::Corotational, &fine, Kinematics::Corotational)]
     {
-        for row in errors(mesh, kinematics, &[0.0, CAMERA_NOISE_MM], &sensing, &sets)? {
-            let Some(group) = groups.iter().find(|group| group.name == row.estimator) else { continue };
+        // The groups' rows stand side by side for each set and level of noise.
+        let rows_of_groups = errors(mesh, kinematics, &[0.0, CAMERA_NOISE_MM], &sensing, &sets)?;
+        for (row, group) in rows_of_groups.into_iter().zip(groups.iter().cycle()) {
             let entry = |quantity: &str, mean_error| RecipeRow {
                 recipe: group.recipe.to_owned(),
                 seed: group.seed,
-                truth: truth.to_owned(),
+                truth,
                 noise_mm: row.noise_mm,
                 nodes: listed(&row.nodes),
                 quantity: quantity.to_owned(),
@@ -149,10 +141,8 @@ pub fn curves(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<Curve
     for set in CURVE_SETS {
         let of_set: Vec<(&Job, &Network)> = jobs.iter().zip(&trained).filter(|(j, _)| j.nodes == set).collect();
         let networks: Vec<Networks> = of_set.iter().map(|&(_, network)| Networks::of(vec![network.clone()])).collect();
-        let sensing: Vec<NetworkSensing> = networks
-            .iter()
-            .map(|networks| NetworkSensing { name: "network", networks, finger, refuses: false })
-            .collect();
+        let sensing: Vec<NetworkSensing> =
+            networks.iter().map(|networks| NetworkSensing { networks, finger, refuses: false }).collect();
         let errors = errors(&fine, Kinematics::Corotational, &[CAMERA_NOISE_MM], &sensing, &[set.to_vec()])?;
         // One set, one level of noise: a row an estimator, in their order.
         rows.extend(of_set.iter().zip(&errors).map(|(&(job, network), row)| CurveRow {

@@ -2,6 +2,8 @@
 //!
 //! `fixtures/networks` holds them with the command that makes them again.
 
+use crate::experiments::{Context, Evidence};
+use crate::truths::TruthId;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
@@ -14,8 +16,8 @@ pub struct RecipeRow {
     pub recipe: String,
     /// Seed of the training.
     pub seed: u64,
-    /// Kinematics of the sensed finger: `linear` or `corotational`.
-    pub truth: String,
+    /// The finger that is sensed, linear or co-rotational.
+    pub truth: TruthId,
     /// Standard deviation of one coordinate, mm.
     pub noise_mm: f64,
     /// Contact nodes, by spaces.
@@ -60,6 +62,16 @@ pub struct Records {
     pub recipes: Vec<RecipeRow>,
     /// Error against samples and size.
     pub curves: Vec<CurveRow>,
+}
+
+impl Evidence for Records {}
+
+/// The records, for the paper's finger.
+///
+/// # Errors
+/// [`csv::Error`] if one does not read: a fault of the build.
+pub fn run(context: &Context) -> Result<Records, csv::Error> {
+    if context.is_paper { Records::shipped() } else { Ok(Records::default()) }
 }
 
 impl Records {

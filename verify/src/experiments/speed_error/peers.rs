@@ -35,6 +35,7 @@ pub struct Peers {
 impl From<Peer> for SpeedErrorPoint {
     fn from(peer: Peer) -> SpeedErrorPoint {
         SpeedErrorPoint {
+            estimator: None,
             task: peer.task,
             model: peer.model,
             setting: peer.setting,

@@ -1,7 +1,7 @@
 //! Which way of sensing to run.
 
 use super::{SpeedErrorPoint, Start, Task, TimedBy};
-use crate::experiments::networks::accuracy::NAME as NETWORK;
+use crate::estimators::EstimatorId;
 
 /// Largest error of the model itself, in standard deviations of the noise, of a setting that is recommended. With 0.4 the interval of 1.96 standard
 /// deviations still holds 93 % of the truths instead of 95 %, the least that coverage may be: Phi(1.96 - 0.4) - Phi(-1.96 - 0.4).
@@ -59,7 +59,7 @@ pub fn ways(points: &[SpeedErrorPoint]) -> Vec<Recommendation<'_>> {
 /// contacts that they were trained for alone.
 pub fn recommended(points: &[SpeedErrorPoint]) -> Option<Recommendation<'_>> {
     let hold: Vec<Recommendation> =
-        ways(points).into_iter().filter(|way| way.one.model != NETWORK && way.holds()).collect();
+        ways(points).into_iter().filter(|way| way.one.estimator != Some(EstimatorId::Network) && way.holds()).collect();
     let error = |way: &Recommendation| way.neighbours.map_or(way.one.error, |two| two.error.max(way.one.error));
     let best = hold.iter().map(error).reduce(f64::min)?;
     let near = hold.into_iter().filter(|way| error(way) <= NEAR_BEST * best);
@@ -74,7 +74,8 @@ pub(crate) mod tests {
     pub fn point(task: Task, nodes: usize, seconds: f64, error: f64, bias_sigmas: f64) -> SpeedErrorPoint {
         SpeedErrorPoint {
             task,
-            model: "nonlinear".to_owned(),
+            model: EstimatorId::Nonlinear.name().to_owned(),
+            estimator: Some(EstimatorId::Nonlinear),
             setting: format!("{nodes} nodes{}", Start::Warm.suffix()),
             start: Start::Warm,
             seconds,
@@ -105,7 +106,8 @@ pub(crate) mod tests {
         points[3].failed = 1;
         assert_eq!(nodes(&points), None);
         // A network takes no contact but its own, however fast it is.
-        let network = SpeedErrorPoint { model: NETWORK.to_owned(), ..point(Task::SenseOne, 1, 1e-6, 0.009, 0.1) };
+        let network =
+            SpeedErrorPoint { estimator: Some(EstimatorId::Network), ..point(Task::SenseOne, 1, 1e-6, 0.009, 0.1) };
         assert_eq!(nodes(&[network]), None);
     }
 }

@@ -7,14 +7,12 @@
 //! the mesh shows against them; finding that error, as `finray sense` does to widen them, is not timed.
 
 use super::{SpeedErrorError, SpeedErrorPoint, Start, Task, TimedBy, mark_fronts, spread};
-use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorKind, PreparedEstimator, Sensed};
+use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorId, PreparedEstimator, Sensed};
+use crate::sampling::noise::Noise;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, NonlinearEstimator};
 use finray_model::statics::Statics;
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::time::Instant;
 
@@ -53,11 +51,10 @@ impl Stream {
     pub fn take(truth: &Mesh, nodes: &[NodeId], noise_mm: f64, frames: usize, stream: u64) -> Stream {
         let finger = truth.finger();
         let contacts: Vec<Contact> = nodes.iter().copied().map(Contact::at_node).collect();
-        let mut rng = ChaCha8Rng::seed_from_u64(SEED);
-        rng.set_stream(stream);
+        let mut noise = Noise::of_stream(SEED, stream);
         let mut statics = Statics::ladder(truth, Kinematics::Corotational);
         let model = Mesh::with_elements_per_member(finger, ELEMENTS);
-        let bound = BeamEstimator::of_noise_alone(EstimatorKind::Nonlinear, &model);
+        let bound = BeamEstimator::nonlinear(&model).of_noise_alone();
         let mut taken = Vec::new();
         for frame in 0..frames {
             let forces_n: Vec<f64> = (0..contacts.len()).map(|contact| force_n(frame, contact)).collect();
@@ -69,8 +66,7 @@ impl Stream {
             // A finger that does not carry a frame's forces is not asked for it.
             let Ok(equilibrium) = statics.equilibrium(&loads) else { continue };
             let exact = Measurement::of_shape(finger, &truth.shape(&equilibrium.motion));
-            let mut seen = exact.clone();
-            seen.add_noise(noise_mm, || StandardNormal.sample(&mut rng));
+            let seen = noise.on(&exact, noise_mm);
             let at_truth = bound.prepare(&contacts, &exact).and_then(|mut it| it.estimate(&exact, Some(noise_mm)));
             let bound_n = at_truth.ok().and_then(|sensed| sensed.sigmas_n);
             taken.push(Frame { forces_n, seen, exact, bound_n });
@@ -111,17 +107,16 @@ pub fn sensing_meshes(finger: &Finger) -> Vec<Mesh> {
 /// The estimators on beams that are timed: linear ones on the first of [`sensing_meshes`], which is exact for them, the nonlinear one on
 /// all, cold and warm.
 pub fn beam_estimators(meshes: &[Mesh]) -> Vec<TimedEstimator<'_>> {
-    fn on<'m>(kind: EstimatorKind, mesh: &'m Mesh, start: Start) -> TimedEstimator<'m> {
-        let estimator: Box<dyn Estimator + 'm> = match start {
-            Start::Warm => Box::new(Streaming { mesh }),
-            Start::Cold | Start::None => Box::new(BeamEstimator::of_noise_alone(kind, mesh)),
-        };
-        TimedEstimator { estimator, setting: format!("{} nodes", mesh.node_count()), start }
+    fn on<'m>(mesh: &'m Mesh, estimator: impl Estimator + 'm, start: Start) -> TimedEstimator<'m> {
+        TimedEstimator { estimator: Box::new(estimator), setting: format!("{} nodes", mesh.node_count()), start }
     }
-    let linear = [EstimatorKind::LeastSquares, EstimatorKind::Ridge].into_iter();
-    let linear = linear.flat_map(|kind| meshes.first().map(|mesh| on(kind, mesh, Start::None)));
-    let nonlinear = |start| meshes.iter().map(move |mesh| on(EstimatorKind::Nonlinear, mesh, start));
-    linear.chain(nonlinear(Start::Cold)).chain(nonlinear(Start::Warm)).collect()
+    let linear = |mesh| {
+        [BeamEstimator::least_squares(mesh), BeamEstimator::ridge(mesh)]
+            .map(|estimator| on(mesh, estimator.of_noise_alone(), Start::None))
+    };
+    let cold = meshes.iter().map(|mesh| on(mesh, BeamEstimator::nonlinear(mesh).of_noise_alone(), Start::Cold));
+    let warm = meshes.iter().map(|mesh| on(mesh, Streaming { mesh }, Start::Warm));
+    meshes.first().into_iter().flat_map(linear).chain(cold).chain(warm).collect()
 }
 
 /// The nonlinear estimator, each frame from the one before it.
@@ -130,8 +125,8 @@ struct Streaming<'m> {
 }
 
 impl Estimator for Streaming<'_> {
-    fn name(&self) -> &str {
-        EstimatorKind::Nonlinear.name()
+    fn id(&self) -> EstimatorId {
+        EstimatorId::Nonlinear
     }
 
     fn prepare<'a>(
@@ -246,7 +241,8 @@ fn sensed(
     let error = if errors.is_empty() { f64::NAN } else { errors.iter().sum::<f64>() / errors.len() as f64 };
     Ok(SpeedErrorPoint {
         task,
-        model: estimator.name().to_owned(),
+        model: estimator.id().name().to_owned(),
+        estimator: Some(estimator.id()),
         setting: timed.in_words(),
         start: timed.start,
         seconds: percentile(&mut seconds, 50.0),

@@ -3,7 +3,7 @@
 use super::{STRETCH_MM, ZoneSet};
 use crate::estimators::ELEMENTS;
 use crate::experiments::table_one::{TableOne, TableOneError, table_one};
-use crate::truths::MeshTruth;
+use crate::truths::{MeshTruth, TruthId};
 use finray_model::finger::{FingerDescription, ImpossibleFinger, Zone};
 use finray_model::statics::StaticsError;
 use finray_model::{Finger, Kinematics, Mesh};
@@ -125,7 +125,7 @@ fn run(paper: &Finger, set: &ZoneSet, logs: &DVector<f64>) -> Result<(Finger, Ta
     let (factors, modulus) = numbers.split_at(set.groups.len());
     let finger = with_factors(paper, set, factors, modulus[0])?;
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
-    let truth = MeshTruth::new("twin", &mesh, Kinematics::Corotational).map_err(held)?;
+    let truth = MeshTruth::new(TruthId::Twin, &mesh, Kinematics::Corotational).map_err(held)?;
     let table = table_one(paper, &truth, ANGLE_DEG)?;
     Ok((finger, table))
 }

@@ -9,9 +9,8 @@
 pub mod fit;
 pub mod study;
 
+use finray_model::Finger;
 use finray_model::finger::Part;
-use finray_model::scene::SceneError;
-use finray_model::{Finger, Scene};
 
 /// One zone: part, and from where to where along it, in stretches between key nodes from the base.
 pub type Stretch = (Part, f64, f64);
@@ -60,28 +59,6 @@ pub const OTHERS: [ZoneSet; 6] = [
     },
     ZoneSet { name: "clamp of the front plate alone, half a stretch", groups: &[(&[(Part::Front, 0.0, 0.5)], 0.014)] },
 ];
-
-/// The twin is of the paper's finger alone.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum TwinError {
-    /// Another finger.
-    #[error("the digital twin is of the paper's finger (fixtures/scenes/paper.toml); this scene has another")]
-    NotThePapersFinger,
-    /// A shipped scene does not read.
-    #[error("a scene that ships: {0}")]
-    Scene(#[from] SceneError),
-}
-
-/// The twin of a finger, which must be the paper's.
-///
-/// # Errors
-/// [`TwinError`] for any other finger.
-pub fn twin_of(finger: &Finger) -> Result<Finger, TwinError> {
-    if Scene::from_toml(finray_fixtures::PAPER_SCENE)?.finger != *finger {
-        return Err(TwinError::NotThePapersFinger);
-    }
-    Ok(Scene::from_toml(finray_fixtures::TWIN_SCENE)?.finger)
-}
 
 /// Young's modulus of each zone of a fitted finger, MPa.
 pub fn moduli_mpa(finger: &Finger) -> Vec<f64> {

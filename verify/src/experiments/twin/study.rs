@@ -1,24 +1,23 @@
 //! What follows from the twin: Table I before and after, its zones calibrated from noisy pictures, and sensing with them.
 
 use super::fit::{ANGLE_DEG, TwinFit, fit};
-use super::{OTHERS, TWIN, TwinError, twin_of};
+use super::{OTHERS, TWIN};
 use crate::check::{Check, Comparison, Kind, worst};
-use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorKind};
+use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError};
 use crate::experiments::table_one::{
     TableOne, TableOneError, TableOneRow, WEIGHTS_G, modulus_factor, table_one, weight_n,
 };
+use crate::experiments::{Context, Evidence};
+use crate::sampling::noise::Noise;
 use crate::sampling::scatter::{Counts, ScatterRequest, ScatterRow, scatter};
 use crate::settings::ONE_FORCE_N;
-use crate::truths::{MeshTruth, Truth, fine_mesh};
+use crate::truths::{MeshTruth, Truth, TruthId, TwinError, fine_mesh, twin_of};
 use finray_model::calibration::{CalibrationCase, CalibrationError, FactorEstimate, FactorModel, Unknown, factors};
 use finray_model::measurement::Measurement;
 use finray_model::mesh::MeshSizeError;
 use finray_model::sensing::Contact;
 use finray_model::statics::StaticsError;
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 /// The zones of the twin's scene that share a factor: front and back.
@@ -93,6 +92,27 @@ pub enum TwinStudyError {
     Estimator(#[from] EstimatorError),
 }
 
+impl Evidence for TwinStudy {
+    fn checks(&self, _: &Context) -> Vec<Check> {
+        self.checks()
+    }
+
+    fn comparisons(&self) -> Vec<Comparison> {
+        self.comparisons()
+    }
+}
+
+/// The twin of the paper's finger under noise; `before` is Table I of the uniform finger.
+///
+/// # Errors
+/// [`TwinStudyError`] if a fit or a calibration fails.
+pub fn run(context: &Context, before: Option<&TableOne>) -> Result<Option<TwinStudy>, TwinStudyError> {
+    let Some(before) = before.filter(|_| context.noise_mm > 0.0) else { return Ok(None) };
+    context.progress.part("digital twin", TwinStudy::STEPS);
+    let step = || context.progress.step();
+    TwinStudy::run(context.finger, before, context.noise_mm, context.effort.twin(), &step).map(Some)
+}
+
 impl TwinStudy {
     /// How often progress is reported.
     pub const STEPS: usize = 3;
@@ -111,7 +131,7 @@ impl TwinStudy {
     ) -> Result<TwinStudy, TwinStudyError> {
         let finger = twin_of(paper)?;
         let mesh = fine_mesh(&finger)?;
-        let truth = MeshTruth::new("twin", &mesh, Kinematics::Corotational)?;
+        let truth = MeshTruth::new(TruthId::Twin, &mesh, Kinematics::Corotational)?;
         let after = table_one(paper, &truth, ANGLE_DEG)?;
         let recalibrated = modulus_factor(paper, &truth, ANGLE_DEG, &LOADED.map(NodeId))? / after.modulus_factor;
         let all: Vec<_> = std::iter::once(TWIN).chain(OTHERS).take(sets).collect();
@@ -202,10 +222,10 @@ fn calibrate(
     noise_mm: f64,
     seed: u64,
 ) -> Result<FactorEstimate, CalibrationError> {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut noise = Noise::new(seed);
     let mut cases = clean.to_vec();
     for case in &mut cases {
-        case.measurement.add_noise(noise_mm, || StandardNormal.sample(&mut rng));
+        case.measurement = noise.on(&case.measurement, noise_mm);
     }
     let unknowns: Vec<_> =
         std::iter::once(Unknown::Modulus).chain(GROUPS.map(|zones| Unknown::Zones(zones.to_vec()))).collect();
@@ -225,9 +245,9 @@ fn sense(
     let nonlinear = Mesh::with_elements_per_member(known, ELEMENTS);
     let bound = Mesh::with_elements_per_member(twin.finger(), ELEMENTS);
     let estimators = [
-        BeamEstimator::new(EstimatorKind::LeastSquares, &uniform),
-        BeamEstimator::new(EstimatorKind::LeastSquares, &linear),
-        BeamEstimator::new(EstimatorKind::Nonlinear, &nonlinear),
+        BeamEstimator::least_squares(&uniform),
+        BeamEstimator::least_squares(&linear),
+        BeamEstimator::nonlinear(&nonlinear),
     ];
     let request = ScatterRequest {
         truth: twin,

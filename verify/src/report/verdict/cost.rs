@@ -2,8 +2,7 @@
 
 use super::super::tables::percent;
 use super::in_words;
-use crate::estimators::EstimatorKind;
-use crate::experiments::networks::accuracy::NAME as NETWORK;
+use crate::estimators::EstimatorId;
 use crate::experiments::speed_error::recommendation::{LARGEST_BIAS_SIGMAS, Recommendation, recommended, ways};
 use crate::experiments::speed_error::sensing::SENSED_N;
 use crate::study::Study;
@@ -26,19 +25,19 @@ pub(super) fn cost(study: &Study) -> Option<String> {
     let bias = way.bias_sigmas().map_or_else(String::new, |bias| {
         format!("; its model is off by {bias:.2} standard deviations of the noise at most")
     });
-    let fastest = |model: &str, holds: bool| {
-        let others = all.iter().filter(|other| other.one.model == model && other.holds() == holds);
+    let fastest = |estimator: EstimatorId, holds: bool| {
+        let others = all.iter().filter(|other| other.one.estimator == Some(estimator) && other.holds() == holds);
         let faster = others.filter(|other| other.one.seconds < way.one.seconds);
         faster.min_by(|a, b| a.one.seconds.total_cmp(&b.one.seconds))
     };
-    let network = fastest(NETWORK, true).map_or_else(String::new, |network| {
+    let network = fastest(EstimatorId::Network, true).map_or_else(String::new, |network| {
         format!(
             "; a network takes {} for contacts that it is trained for (mean error {})",
             roughly(network.one.seconds),
             percent(network.one.error)
         )
     });
-    let models = [EstimatorKind::LeastSquares.name(), EstimatorKind::Nonlinear.name(), NETWORK];
+    let models = [EstimatorId::LeastSquares, EstimatorId::Nonlinear, EstimatorId::Network];
     let faults = models.into_iter().filter_map(|model| fastest(model, false));
     let faults: Vec<String> =
         faults.map(|other| format!("{} ({}; {})", named(other), roughly(other.one.seconds), fault(other))).collect();
@@ -62,7 +61,7 @@ pub(super) fn cost(study: &Study) -> Option<String> {
 
 fn named(way: &Recommendation) -> String {
     // Linear estimators are exact on any mesh, and a network has none.
-    let mesh = if way.one.model == EstimatorKind::Nonlinear.name() {
+    let mesh = if way.one.estimator == Some(EstimatorId::Nonlinear) {
         format!(" on {}", way.one.mesh())
     } else {
         String::new()

@@ -1,16 +1,14 @@
 //! Random cases: forces that bend the true finger, pictures of it, and what every estimator makes of the same pictures.
 
 use super::ScatterRequest;
-use crate::estimators::{BeamEstimator, Estimator, EstimatorError, EstimatorKind, PreparedEstimator, Sensed};
+use crate::estimators::{BeamEstimator, Estimator, EstimatorError, PreparedEstimator, Sensed};
+use crate::sampling::noise::Noise;
 use crate::settings::LEAST_STATED_MM;
 use finray_model::frame::{FrameLoad, FrameMotion};
 use finray_model::measurement::Measurement;
 use finray_model::sensing::Contact;
 use finray_model::statics::{Ladder, Statics};
 use finray_model::{Finger, Kinematics, Mesh};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 /// A finger that carries none of so many draws in a row carries no force of the range.
@@ -20,9 +18,6 @@ const BLOCK: u64 = 100;
 /// Share of the noise by which the first-order response is found: the forces change by some per cent of sigma then, far above where the
 /// search stops, and curvature leaves a tenth of what it does at the full noise.
 const LITTLE: f64 = 0.1;
-/// Words of the random stream for each case: more than its draws and its noise take, so that cases do not depend on each
-/// other.
-const WORDS: u128 = 1 << 24;
 
 /// One case, seen with every level of noise by every estimator.
 pub(super) struct Case {
@@ -80,11 +75,11 @@ pub(super) fn cases(
     stream: u64,
 ) -> Result<Vec<Case>, EstimatorError> {
     let count = request.cases as u64;
-    let kind = match request.kinematics {
-        Kinematics::Linear => EstimatorKind::LeastSquares,
-        _ => EstimatorKind::Nonlinear,
-    };
-    let bound = BeamEstimator::of_noise_alone(kind, request.model);
+    let bound = match request.kinematics {
+        Kinematics::Linear => BeamEstimator::least_squares(request.model),
+        _ => BeamEstimator::nonlinear(request.model),
+    }
+    .of_noise_alone();
     let run = |numbers: std::ops::Range<u64>| -> Result<Vec<Case>, EstimatorError> {
         let mut bench = Bench::new(request, &bound, estimators, contacts)?;
         let draws = numbers.map(|number| Draw::new(request, contacts, range_n, stream, number)).collect();
@@ -207,24 +202,22 @@ struct Draw {
     /// Of each coordinate, in standard deviations.
     noise: Vec<f64>,
     /// For forces that must be drawn again.
-    rng: ChaCha8Rng,
+    chance: Noise,
 }
 
 impl Draw {
     /// Case number `number` of the stream.
     fn new(request: &ScatterRequest, contacts: &[Contact], range_n: [f64; 2], stream: u64, number: u64) -> Draw {
-        let mut rng = ChaCha8Rng::seed_from_u64(request.seed);
-        rng.set_stream(stream);
-        rng.set_word_pos(WORDS * u128::from(number));
-        let coordinates = 2 * request.truth.finger().free_nodes().len();
-        let noise = (0..coordinates).map(|_| StandardNormal.sample(&mut rng)).collect();
-        let mut draw = Draw { forces_n: vec![0.0; contacts.len()], noise, rng };
+        let mut chance = Noise::of_stream(request.seed, stream);
+        chance.go_to(number);
+        let noise = chance.standard_normals(2 * request.truth.finger().free_nodes().len()).collect();
+        let mut draw = Draw { forces_n: vec![0.0; contacts.len()], noise, chance };
         draw.again(range_n);
         draw
     }
 
     fn again(&mut self, range_n: [f64; 2]) {
-        self.forces_n.fill_with(|| self.rng.random_range(range_n[0]..range_n[1]));
+        self.forces_n.fill_with(|| self.chance.evenly(range_n));
     }
 }
 

@@ -1,10 +1,10 @@
 //! The cells of a sweep.
 
-use super::noise::Noise;
+use super::samples::NoiseSamples;
 use super::tally::Tally;
 use super::{Grid, Table};
-use crate::estimators::{Estimator, EstimatorError, PreparedEstimator};
-use crate::truths::Truth;
+use crate::estimators::{Estimator, EstimatorError, EstimatorId, PreparedEstimator};
+use crate::truths::{Truth, TruthId};
 use finray_model::Finger;
 use finray_model::measurement::Measurement;
 use rayon::prelude::*;
@@ -27,16 +27,16 @@ pub struct Sweep<'s> {
     /// The same, made ready for many contacts where that gains something: of fingers that bend as they do, and of linear ones.
     for_many: Vec<[Option<Box<dyn Estimator + 's>>; 2]>,
     grid: &'s Grid,
-    noise: Noise,
+    noise: NoiseSamples,
 }
 
 /// One force at one place and direction, at one level of noise, on one truth, by one estimator.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
-    /// Position of the truth in the sweep's list.
-    pub truth: usize,
-    /// Position of the estimator in the sweep's list.
-    pub estimator: usize,
+    /// The true finger.
+    pub truth: TruthId,
+    /// The estimator.
+    pub estimator: EstimatorId,
     /// Standard deviation of a measured coordinate, mm.
     pub noise_mm: f64,
     /// Place on the front plate, mm from the base.
@@ -106,7 +106,7 @@ impl<'s> Sweep<'s> {
     ) -> Sweep<'s> {
         let for_many =
             estimators.iter().map(|estimator| [false, true].map(|linear| estimator.for_many(linear))).collect();
-        Sweep { finger, truths, estimators, for_many, grid, noise: Noise::new(grid, finger) }
+        Sweep { finger, truths, estimators, for_many, grid, noise: NoiseSamples::new(grid, finger) }
     }
 
     /// Number of blocks: a truth and contact each.
@@ -119,29 +119,19 @@ impl<'s> Sweep<'s> {
         self.estimators.len() * self.grid.noise_levels_mm.len() * self.grid.forces_n.len()
     }
 
-    /// Names of the truths.
-    pub fn truth_names(&self) -> Vec<&str> {
-        self.truths.iter().map(|truth| truth.name()).collect()
-    }
-
-    /// Names of the estimators.
-    pub fn estimator_names(&self) -> Vec<&str> {
-        self.estimators.iter().map(|estimator| estimator.name()).collect()
-    }
-
     /// Computes the cells of a block, by estimator, then noise, then force.
     pub fn block(&self, number: usize) -> Vec<Cell> {
-        let truth = number / self.grid.contact_count();
+        let truth = self.truths[number / self.grid.contact_count()];
         let contact = self.grid.contact(number % self.grid.contact_count());
         let s_mm = contact.place_mm(self.finger).unwrap_or(f64::NAN);
-        let shapes = self.truths[truth].shapes(&contact, &self.grid.forces_n);
+        let shapes = truth.shapes(&contact, &self.grid.forces_n);
         let seen: Vec<Measurement> = shapes.iter().map(|shape| Measurement::of_shape(self.finger, shape)).collect();
         let mut prepared: Vec<_> = self
             .estimators
             .iter()
             .zip(&self.for_many)
             .map(|(estimator, for_many)| {
-                let linear = usize::from(self.truths[truth].is_linear());
+                let linear = usize::from(truth.is_linear());
                 for_many[linear].as_deref().unwrap_or(*estimator)
             })
             .map(|estimator| seen.first().map(|markers| estimator.prepare(&[contact], markers)))
@@ -153,25 +143,34 @@ impl<'s> Sweep<'s> {
                 for (noise_mm, force_n, n) in self.levels() {
                     let Some(tally) = tallies.next() else { return };
                     if let (Some(Ok(estimator)), Some(seen)) = (estimator.as_mut(), seen.get(n)) {
-                        let count = self.noise.pictures(noise_mm).saturating_sub(first);
+                        let count = self.noise.samples(noise_mm).saturating_sub(first);
                         let pictures = pictures.chunks_exact(self.noise.coordinates()).take(count);
                         sense(&mut **estimator, seen, noise_mm, force_n, pictures, tally);
                     }
                 }
             }
         });
-        let outcomes = tallies.chunks(self.cells_in_block() / self.estimators.len().max(1)).zip(&prepared).enumerate();
+        let outcomes =
+            tallies.chunks(self.cells_in_block() / self.estimators.len().max(1)).zip(&prepared).zip(&self.estimators);
         outcomes
-            .flat_map(|(estimator, (tallies, prepared))| {
-                let seen = &seen;
+            .flat_map(|((tallies, prepared), estimator)| {
+                let (seen, estimator) = (&seen, estimator.id());
                 tallies.iter().zip(self.levels()).map(move |(tally, (noise_mm, force_n, n))| {
-                    let pictures = self.noise.pictures(noise_mm);
+                    let pictures = self.noise.samples(noise_mm);
                     let outcome = match (prepared, seen.get(n)) {
                         (Some(Ok(_)), Some(_)) => tally.outcome(pictures),
                         (Some(Err(error)), Some(_)) => Outcome::refused(pictures, error),
                         _ => Outcome::not_carried(),
                     };
-                    Cell { truth, estimator, noise_mm, s_mm, angle_deg: contact.angle_deg, force_n, outcome }
+                    Cell {
+                        truth: truth.id(),
+                        estimator,
+                        noise_mm,
+                        s_mm,
+                        angle_deg: contact.angle_deg,
+                        force_n,
+                        outcome,
+                    }
                 })
             })
             .collect()
@@ -205,7 +204,7 @@ impl<'s> Sweep<'s> {
             };
             let rows = |number| {
                 let cells: Vec<Cell> = piece(number).flat_map(|block| self.block(block)).collect();
-                Ok((piece(number).len(), table.rows(self, &cells)?))
+                Ok((piece(number).len(), table.rows(&cells)?))
             };
             let count = pieces.min((blocks.end - next).div_ceil(length));
             let begun = Instant::now();

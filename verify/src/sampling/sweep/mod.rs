@@ -10,9 +10,9 @@
 mod cell;
 mod grid;
 mod merge;
-mod noise;
 mod partial;
 mod request;
+mod samples;
 mod shard;
 mod table;
 mod tally;

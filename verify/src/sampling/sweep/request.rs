@@ -1,6 +1,8 @@
 //! What was asked for, at the head of files that are to be gone on with or put together.
 
 use super::{Grid, Shard, Table};
+use crate::estimators::EstimatorId;
+use crate::truths::TruthId;
 use serde::{Deserialize, Serialize};
 use std::io::BufRead;
 
@@ -12,10 +14,10 @@ pub struct Request {
     pub finray: String,
     /// Which columns.
     pub table: Table,
-    /// Names of the truths.
-    pub truths: Vec<String>,
-    /// Names of the estimators.
-    pub estimators: Vec<String>,
+    /// The true fingers.
+    pub truths: Vec<TruthId>,
+    /// The estimators.
+    pub estimators: Vec<EstimatorId>,
     /// SHA-256 of a network file of the user's, in hexadecimal digits.
     pub network: Option<String>,
     /// Text of the scene file.

@@ -1,8 +1,10 @@
 //! The tables that a sweep can be written as.
 
-use super::{Cell, Sweep};
+use super::Cell;
+use crate::estimators::EstimatorId;
 use crate::files::csv_text;
 use crate::sampling::map;
+use crate::truths::TruthId;
 use serde::{Deserialize, Serialize};
 
 /// Which columns are written.
@@ -17,9 +19,9 @@ pub enum Table {
 
 /// A row of [`Table::Sweep`].
 #[derive(Serialize)]
-struct Row<'c> {
-    truth: &'c str,
-    estimator: &'c str,
+struct Row {
+    truth: TruthId,
+    estimator: EstimatorId,
     noise_mm: f64,
     s_mm: f64,
     angle_deg: f64,
@@ -54,25 +56,22 @@ impl Table {
     ///
     /// # Errors
     /// None in memory; the signature is the CSV writer's.
-    pub(super) fn rows(self, sweep: &Sweep, cells: &[Cell]) -> Result<String, csv::Error> {
+    pub(super) fn rows(self, cells: &[Cell]) -> Result<String, csv::Error> {
         let text = match self {
             Table::Map => csv_text(cells.iter().map(map::Cell::from))?,
-            Table::Sweep => {
-                let (truths, estimators) = (sweep.truth_names(), sweep.estimator_names());
-                csv_text(cells.iter().map(|cell| Row::of(cell, &truths, &estimators)))?
-            }
+            Table::Sweep => csv_text(cells.iter().map(Row::of))?,
         };
         debug_assert!(text.starts_with(self.header()));
         Ok(text[self.header().len()..].to_owned())
     }
 }
 
-impl<'c> Row<'c> {
-    fn of(cell: &'c Cell, truths: &[&'c str], estimators: &[&'c str]) -> Row<'c> {
+impl Row {
+    fn of(cell: &Cell) -> Row {
         let outcome = &cell.outcome;
         Row {
-            truth: truths[cell.truth],
-            estimator: estimators[cell.estimator],
+            truth: cell.truth,
+            estimator: cell.estimator,
             noise_mm: cell.noise_mm,
             s_mm: cell.s_mm,
             angle_deg: cell.angle_deg,

@@ -1,15 +1,24 @@
 //! Objects pressed onto the finger.
 
-use crate::experiments::contact_scene;
-use crate::experiments::contact_scene::study::{SceneStudy, SceneStudyError, SceneWithOutline};
+use super::FINENESS;
+use super::study::{SAMPLES, SceneStudy, SceneStudyError, SceneWithOutline, run_all, shipped};
+use crate::check::Check;
+use crate::experiments::{Context, Evidence};
 use crate::settings::{CAMERA_NOISE_MM, Effort, Progress};
 
-/// Segments in a stretch of plate, and steps of the object, in the contact scene of a quick study.
+impl Evidence for SceneStudy {
+    fn checks(&self, context: &Context) -> Vec<Check> {
+        let ships = context.is_paper && context.given.scene.object.is_none();
+        if ships { self.shipped_checks() } else { self.checks() }
+    }
+}
+
+/// Segments of plate between two key nodes, and steps of the object, in the contact scene of a quick study.
 const QUICK_FINENESS: usize = 2;
 const QUICK_STEPS: usize = 3;
 
 /// Contact scenes that are to be run.
-pub(super) struct Objects {
+pub struct Objects {
     /// Each with the fineness of its lattice.
     scenes: Vec<(SceneWithOutline, usize)>,
     samples: usize,
@@ -17,13 +26,17 @@ pub(super) struct Objects {
 
 impl Objects {
     /// The scene's own object, or for the paper's finger without one the scenes that ship.
-    pub(super) fn of(given: &SceneWithOutline, is_paper: bool, effort: Effort) -> Result<Objects, SceneStudyError> {
+    ///
+    /// # Errors
+    /// [`SceneStudyError`] if a scene that ships does not read.
+    pub fn of(context: &Context) -> Result<Objects, SceneStudyError> {
+        let &Context { given, is_paper, effort, .. } = context;
         let mut scenes = match &given.scene.object {
-            Some(_) => vec![(given.clone(), contact_scene::FINENESS)],
-            None if is_paper => contact_scene::study::shipped()?,
+            Some(_) => vec![(given.clone(), FINENESS)],
+            None if is_paper => shipped()?,
             None => Vec::new(),
         };
-        let mut samples = contact_scene::study::SAMPLES;
+        let mut samples = SAMPLES;
         if effort == Effort::Quick {
             // Samples of every step take longer than the rest of a quick study.
             samples = 0;
@@ -39,12 +52,15 @@ impl Objects {
     }
 
     /// How often progress is reported.
-    pub(super) fn steps(&self) -> usize {
+    pub fn steps(&self) -> usize {
         self.scenes.iter().filter_map(|(given, _)| given.scene.object.as_ref()).map(|object| object.steps).sum()
     }
 
     /// Presses them onto the finger.
-    pub(super) fn press(&self, progress: &dyn Progress) -> Result<Vec<SceneStudy>, SceneStudyError> {
-        contact_scene::study::run_all(&self.scenes, CAMERA_NOISE_MM, self.samples, &|| progress.step())
+    ///
+    /// # Errors
+    /// [`SceneStudyError`] for an outline that is none.
+    pub fn press(&self, progress: &dyn Progress) -> Result<Vec<SceneStudy>, SceneStudyError> {
+        run_all(&self.scenes, CAMERA_NOISE_MM, self.samples, &|| progress.step())
     }
 }

@@ -1,10 +1,14 @@
 //! Example shapes.
 
+use super::{Context, Evidence};
 use crate::settings::DRAWN_FORCE_N;
 use finray_model::sensing::Contact;
 use finray_model::statics::Statics;
 use finray_model::validity::Validity;
-use finray_model::{Finger, Kinematics, Load, Mesh, Vector};
+use finray_model::{Kinematics, Load, Vector};
+use std::convert::Infallible;
+
+impl Evidence for BentFinger {}
 
 /// A bent finger, for drawing.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,14 +29,18 @@ pub struct BentFinger {
 
 /// The finger under the drawn force at three nodes, linear and with large rotations; what has no equilibrium is left
 /// out.
-pub(super) fn bent_fingers(finger: &Finger, mesh: &Mesh) -> Vec<BentFinger> {
+///
+/// # Errors
+/// None.
+pub fn run(context: &Context) -> Result<Vec<BentFinger>, Infallible> {
+    let (finger, mesh) = (context.finger, context.fine);
     let nodes: Vec<_> = finger.contact_nodes().collect();
     let chosen = [nodes.len() / 8, nodes.len() / 2, nodes.len() - 1].map(|i| nodes[i]);
     let mut chosen = chosen.to_vec();
     chosen.dedup();
     let mut bent = Vec::new();
     for node in chosen {
-        for (kinematics, name) in [(Kinematics::Linear, "linear"), (Kinematics::Corotational, "large rotation")] {
+        for (kinematics, name) in [(Kinematics::Linear, "linear"), (Kinematics::Corotational, "co-rotational")] {
             let contact = Contact::at_node(node);
             let load: Load = contact.load(finger, DRAWN_FORCE_N);
             let Ok(frame_load) = mesh.frame_load(&load) else { continue };
@@ -49,5 +57,5 @@ pub(super) fn bent_fingers(finger: &Finger, mesh: &Mesh) -> Vec<BentFinger> {
             });
         }
     }
-    bent
+    Ok(bent)
 }

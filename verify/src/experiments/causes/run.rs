@@ -1,21 +1,23 @@
 //! Why sensing fails, on the finger as it is described and on its twin.
 
-use crate::estimators::network::{NetworkSensing, Networks};
-use crate::experiments::causes::ContactKnowledge::{Assumed, Known};
-use crate::experiments::causes::Practice::{LeastSquares, Nonlinear};
-use crate::experiments::causes::{self, CauseError, CauseMap, CauseRequest, network};
+use super::ContactKnowledge::{Assumed, Known};
+use super::Practice::{LeastSquares, Nonlinear};
+use super::{CauseError, CauseMap, CauseRequest, causes, network};
+use crate::estimators::network::NetworkSensing;
+use crate::experiments::{Context, Evidence};
 use crate::sampling::sweep::Grid;
-use crate::settings::{DRAWN_FORCE_N, Effort, MAP_FORCES_N, Progress};
+use crate::settings::{DRAWN_FORCE_N, Effort, MAP_FORCES_N};
+use crate::truths::TruthId;
 use finray_model::Finger;
 
+impl Evidence for CauseMap {}
+
 /// Maps for the finger, and for its twin where there is one; where networks ship for the finger, theirs too.
-pub(super) fn run(
-    finger: &Finger,
-    twin: Option<&Finger>,
-    noise_mm: f64,
-    effort: Effort,
-    progress: &dyn Progress,
-) -> Result<Vec<CauseMap>, CauseError> {
+///
+/// # Errors
+/// [`CauseError`] if a finger at rest cannot be solved or its modulus not calibrated.
+pub fn run(context: &Context, twin: Option<&Finger>) -> Result<Vec<CauseMap>, CauseError> {
+    let &Context { finger, noise_mm, effort, .. } = context;
     let (places, step_deg, forces_n) = match effort {
         Effort::Quick => (12, 40.0, vec![DRAWN_FORCE_N]),
         Effort::Full => (24, 20.0, vec![MAP_FORCES_N[0], DRAWN_FORCE_N]),
@@ -29,8 +31,7 @@ pub(super) fn run(
         noise_mm,
         zones_known: true,
     };
-    // What is not known misleads the nonlinear model so far that it searches from many starts: fewer forces and directions
-    // then.
+    // What is not known misleads the nonlinear model so far that it searches from many starts: fewer forces and directions then.
     let requests = match effort {
         Effort::Quick => vec![of(&[(LeastSquares, Known)])],
         Effort::Full => vec![
@@ -39,19 +40,19 @@ pub(super) fn run(
             CauseRequest { angles_deg: vec![0.0], forces_n: vec![DRAWN_FORCE_N], ..of(&[(Nonlinear, Assumed)]) },
         ],
     };
-    let truths: Vec<_> = [("corotational", finger)].into_iter().chain(twin.map(|twin| ("twin", twin))).collect();
+    let twin = twin.map(|twin| (TruthId::Twin, twin));
+    let truths: Vec<_> = [(TruthId::Corotational, finger)].into_iter().chain(twin).collect();
     let contacts = |request: &CauseRequest| request.places_mm.len() * request.angles_deg.len();
-    progress.part("causes", truths.len() * requests.iter().map(contacts).sum::<usize>());
+    context.progress.part("causes", truths.len() * requests.iter().map(contacts).sum::<usize>());
     let mut maps = Vec::new();
     for (truth, as_it_is) in truths {
         for request in &requests {
             // A finger is known as it is described; what its twin has besides is not.
-            let request = CauseRequest { zones_known: truth != "twin", ..request.clone() };
-            maps.extend(causes::causes(truth, as_it_is, &request, &|| progress.step())?);
+            let request = CauseRequest { zones_known: truth != TruthId::Twin, ..request.clone() };
+            maps.extend(causes(truth, as_it_is, &request, &|| context.progress.step())?);
         }
         if effort == Effort::Full {
-            let shipped = Networks::shipped()?;
-            let sensing = NetworkSensing { name: "network", networks: &shipped, finger, refuses: false };
+            let sensing = NetworkSensing { networks: context.networks, finger, refuses: false };
             let map = network::causes(truth, as_it_is, finger, &sensing, &forces_n, noise_mm)?;
             maps.extend((!map.cells.is_empty()).then_some(map));
         }

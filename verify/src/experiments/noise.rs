@@ -1,11 +1,12 @@
 //! Sensing of random forces under camera noise: one contact and two.
 
+use super::{Context, Evidence};
 use crate::check::{Check, Kind, worst};
-use crate::estimators::{BeamEstimator, ELEMENTS, Estimator as _, EstimatorError, EstimatorKind};
+use crate::estimators::{BeamEstimator, ELEMENTS, EstimatorError, EstimatorId};
 use crate::experiments::table_two::condition_number;
 use crate::sampling::scatter::{self, Controlled, Counts, ScatterRequest, ScatterRow, scatter_controlled};
-use crate::settings::{CAMERA_NOISE_MM, Effort, ONE_FORCE_N, Progress, TWO_FORCES_N};
-use finray_model::{Finger, Kinematics, Mesh, NodeId};
+use crate::settings::{CAMERA_NOISE_MM, Effort, ONE_FORCE_N, TWO_FORCES_N};
+use finray_model::{Kinematics, Mesh, NodeId};
 
 /// Largest mean error of one force at nodes 14 to 24, which was asked for; the Cramer-Rao bound comes nearest to it at node 24, 1.2 %.
 const ONE_FORCE_TOLERANCE: f64 = 0.013;
@@ -64,16 +65,24 @@ impl Cases {
     }
 }
 
+impl Evidence for NoiseStudy {
+    fn checks(&self, context: &Context) -> Vec<Check> {
+        if context.is_paper { self.checks() } else { Vec::new() }
+    }
+}
+
+/// Nothing without noise.
+///
+/// # Errors
+/// [`EstimatorError`] if the contact nodes are not on the finger.
+pub fn run(context: &Context) -> Result<Option<NoiseStudy>, EstimatorError> {
+    (context.noise_mm > 0.0).then(|| NoiseStudy::run(context)).transpose()
+}
+
 impl NoiseStudy {
-    pub(super) fn run(
-        finger: &Finger,
-        truth: &Mesh,
-        noise_mm: f64,
-        is_paper: bool,
-        effort: Effort,
-        progress: &dyn Progress,
-    ) -> Result<NoiseStudy, EstimatorError> {
-        let cases = Cases::of(effort);
+    fn run(context: &Context) -> Result<NoiseStudy, EstimatorError> {
+        let &Context { finger, fine: truth, noise_mm, is_paper, progress, .. } = context;
+        let cases = Cases::of(context.effort);
         let nodes = scatter::sampled_nodes(finger);
         let singles = scatter::singles(&nodes);
         let pairs = if cases.pairs > 0 { scatter::pairs(&nodes) } else { Vec::new() };
@@ -83,10 +92,10 @@ impl NoiseStudy {
         };
         progress.part("noise", singles.len() + pairs.len() + promised.len());
         let model = Mesh::with_elements_per_member(finger, ELEMENTS);
-        let nonlinear = BeamEstimator::new(EstimatorKind::Nonlinear, &model);
+        let nonlinear = BeamEstimator::nonlinear(&model);
         // Of pairs, errors are shown and no stated deviations: what the model adds to these need not be found.
-        let of_pairs = [EstimatorKind::Nonlinear, EstimatorKind::LeastSquares]
-            .map(|kind| BeamEstimator::of_noise_alone(kind, &model));
+        let of_pairs = [BeamEstimator::nonlinear, BeamEstimator::least_squares]
+            .map(|estimator| estimator(&model).of_noise_alone());
         let noise_levels_mm = [noise_mm];
         let request = |cases| ScatterRequest {
             truth,
@@ -103,7 +112,7 @@ impl NoiseStudy {
         let both =
             scatter_controlled(&request(cases.pairs), &[&of_pairs[0], &of_pairs[1]], &pairs, TWO_FORCES_N, &step)?;
         let (mut nonlinear_pairs, linear_pairs): (Vec<ScatterRow>, Vec<ScatterRow>) =
-            both.into_iter().partition(|row| row.estimator == nonlinear.name());
+            both.into_iter().partition(|row| row.estimator == EstimatorId::Nonlinear);
         // Pairs that are too near to the tolerance to tell are drawn again, all of their cases anew.
         let open: Vec<usize> =
             (0..pairs.len()).filter(|&i| nonlinear_pairs[i].is_near_tolerance(BOUND_TOLERANCE)).collect();
@@ -235,7 +244,7 @@ mod tests {
         };
         let scatter = Scatter { mean_error, mean_error_n: 0.0, bound: Some(bound), coverage: None };
         ScatterRow {
-            estimator: "nonlinear".to_owned(),
+            estimator: EstimatorId::Nonlinear,
             nodes: nodes.to_vec(),
             noise_mm: CAMERA_NOISE_MM,
             cases,

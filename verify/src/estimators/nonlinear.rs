@@ -1,0 +1,56 @@
+//! Gauss-Newton on the co-rotational finger.
+
+use super::{Answer, BeamEstimator, ELEMENTS, EstimatorError, EstimatorRow, PreparedEstimator, Question, Sensed};
+use finray_model::measurement::Measurement;
+use finray_model::sensing::{Discretisation, NonlinearEstimator, sense_refining};
+use finray_model::{Finger, Mesh};
+
+pub(super) const ROW: EstimatorRow = EstimatorRow {
+    name: "nonlinear",
+    label: "nonlinear",
+    help: "Gauss-Newton on the co-rotational finger",
+    is_linear: false,
+    mesh: |finger| Mesh::with_elements_per_member(finger, ELEMENTS),
+    on: |mesh, _| Box::new(BeamEstimator::nonlinear(mesh)),
+    answer,
+};
+
+/// On a mesh of so many nodes, or refining until doubling the mesh changes little.
+fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
+    let &Question { contacts, measurement, noise_mm, .. } = question;
+    let sensed = match question.mesh_nodes {
+        None => sense_refining(finger, contacts, measurement, noise_mm)?,
+        Some(nodes) => {
+            let mesh = Mesh::with_nodes(finger, nodes)?;
+            let finer = Discretisation::finer(&mesh);
+            let mut estimator = NonlinearEstimator::new(&mesh, contacts)?;
+            let mut estimate = estimator.estimate(measurement, noise_mm)?;
+            Discretisation::new(&mesh, &finer).widen(&mut estimator, measurement, &mut estimate)?;
+            estimate
+        }
+    };
+    Ok((sensed.contacts, sensed.forces))
+}
+
+/// A nonlinear estimator that is ready to sense.
+pub(super) struct Nonlinear<'m> {
+    pub(super) estimator: NonlinearEstimator<'m>,
+    pub(super) discretisation: Option<Discretisation<'m>>,
+}
+
+impl PreparedEstimator for Nonlinear<'_> {
+    fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Sensed, EstimatorError> {
+        // A stream's start from the last frame would be too easy.
+        self.estimator.reset();
+        let mut estimate = self.estimator.estimate(measurement, noise_mm)?;
+        if let Some(discretisation) = &mut self.discretisation {
+            discretisation.widen(&mut self.estimator, measurement, &mut estimate)?;
+        }
+        Ok(Sensed {
+            sum_sigma_n: Some(estimate.covariance_n2.sum().sqrt()),
+            warned: estimate.forces.warning.is_some(),
+            forces_n: estimate.forces.forces_n,
+            sigmas_n: Some(estimate.forces.sigmas_n),
+        })
+    }
+}

@@ -1,0 +1,81 @@
+//! Maps of where sensing fails, for every truth and estimator.
+
+use super::{Context, Evidence};
+use crate::estimators::EstimatorId;
+use crate::sampling::map::{AccuracyMap, MapRequest, accuracy_maps};
+use crate::settings::{DRAWN_FORCE_N, MAP_FORCES_N};
+use crate::truths::{Truth, TruthError, TruthId};
+
+impl Evidence for AccuracyMap {}
+
+/// A map to compute.
+struct Plan {
+    truth: TruthId,
+    estimator: EstimatorId,
+    request: MapRequest,
+}
+
+/// A map for each truth and estimator, those of scenes other than the paper's on their own beams alone. Those of the spring lattice that
+/// need no network are of [its own study](super::lattice).
+///
+/// # Errors
+/// [`TruthError`] if a finger at rest cannot be solved.
+pub fn run(context: &Context) -> Result<Vec<AccuracyMap>, TruthError> {
+    let finger = context.finger;
+    let ids: Vec<TruthId> =
+        TruthId::ALL.iter().copied().filter(|id| context.is_paper || id.kinematics().is_some()).collect();
+    let meshes = ids.iter().map(|id| id.mesh(finger)).collect::<Result<Vec<_>, _>>()?;
+    let truths = ids.iter().zip(&meshes).map(|(id, mesh)| id.on(mesh)).collect::<Result<Vec<_>, _>>()?;
+    let mut plans = Vec::new();
+    for truth in &truths {
+        for &estimator in EstimatorId::ALL {
+            plans.extend(plan(context, &**truth, estimator)?);
+        }
+    }
+    context.progress.part("maps", plans.iter().map(|plan| plan.request.contact_count()).sum());
+    let map = |plan: &Plan| {
+        let mesh = plan.estimator.mesh(finger);
+        let estimator = plan.estimator.on(&mesh, context.networks);
+        let truth = truths.iter().find(|truth| truth.id() == plan.truth);
+        let of = |truth: &dyn Truth| {
+            accuracy_maps(finger, truth, &[&*estimator], &plan.request, &|| context.progress.step())
+        };
+        truth.map_or_else(Vec::new, |truth| of(&**truth))
+    };
+    Ok(plans.iter().flat_map(map).collect())
+}
+
+/// Where and how often an estimator is asked about a truth: one that takes long, or whose errors need no fine grid, is asked less. `None`
+/// if it is not asked here.
+fn plan(context: &Context, truth: &dyn Truth, estimator: EstimatorId) -> Result<Option<Plan>, TruthError> {
+    let is_network = estimator == EstimatorId::Network;
+    if is_network && !context.is_paper || !is_network && truth.id() == TruthId::Lattice {
+        return Ok(None);
+    }
+    let effort = context.effort;
+    // A shape that the nonlinear estimator's model cannot take costs it a hundred times as much, as it searches from every start.
+    let unexplained = estimator == EstimatorId::Nonlinear && (truth.is_linear() || truth.id() == TruthId::Twin);
+    let (places, step_deg, noise_pictures) = match estimator {
+        EstimatorId::LeastSquares if truth.id().kinematics().is_some() => effort.resolution(),
+        EstimatorId::Network => effort.resolution(),
+        _ if unexplained => effort.coarsest_resolution(),
+        _ => effort.coarse_resolution(),
+    };
+    let mut noise_levels_mm = context.noise_levels_mm();
+    if unexplained {
+        noise_levels_mm.drain(..noise_levels_mm.len() - 1);
+    }
+    let mut forces_n = if unexplained { vec![DRAWN_FORCE_N] } else { MAP_FORCES_N.to_vec() };
+    forces_n.retain(|force_n| truth.positions(&[*force_n]).is_ok());
+    // Networks that ship sense at the contact nodes along the normal.
+    let (places_mm, angles_deg) = match truth.positions(&forces_n)? {
+        Some(positions) if !is_network => positions,
+        _ if is_network => {
+            let nodes = context.finger.contact_nodes().rev();
+            (nodes.filter_map(|node| context.finger.front_place_mm(node)).collect(), vec![0.0])
+        }
+        _ => MapRequest::grid(context.finger, places, step_deg),
+    };
+    let request = MapRequest { places_mm, angles_deg, forces_n, noise_levels_mm, noise_pictures, seed: 1 };
+    Ok(Some(Plan { truth: truth.id(), estimator, request }))
+}

@@ -1,0 +1,39 @@
+//! The points of a report.
+
+use super::sensing::{FRAMES_A_PERIOD, TimedEstimator, sensing};
+use super::{ASKED_NODES, SpeedErrorError, SpeedErrorPoint, Start, solving};
+use crate::estimators::network::NetworkSensing;
+use crate::experiments::{Context, Evidence};
+use crate::settings::Effort;
+use finray_model::statics::StaticsError;
+
+impl Evidence for SpeedErrorPoint {}
+
+/// Times models and estimators, one after the other: nothing else may run beside them.
+///
+/// # Errors
+/// [`SpeedErrorError`] if a model or an estimator fails where it is timed.
+pub fn run(context: &Context) -> Result<Vec<SpeedErrorPoint>, SpeedErrorError> {
+    let &Context { finger, noise_mm, progress, .. } = context;
+    progress.part("speed and error", 2);
+    // Nodes are the same for every effort, so that other programs always stand beside ours.
+    let frames = match context.effort {
+        Effort::Quick => FRAMES_A_PERIOD,
+        Effort::Full => 2 * FRAMES_A_PERIOD,
+    };
+    // What a finger does not carry leaves the chart out; the maps say so already.
+    let mut points = match solving(finger, ASKED_NODES) {
+        Err(SpeedErrorError::Statics(StaticsError::NoEquilibrium { .. })) => Vec::new(),
+        points => points?,
+    };
+    progress.step();
+    if noise_mm > 0.0 {
+        let network = NetworkSensing { networks: context.networks, finger, refuses: true };
+        let network =
+            TimedEstimator { estimator: Box::new(network), setting: "shipped networks".to_owned(), start: Start::None };
+        let further = if context.is_paper { vec![network] } else { Vec::new() };
+        points.extend(sensing(context.fine, noise_mm, ASKED_NODES, frames, further)?);
+    }
+    progress.step();
+    Ok(points)
+}

@@ -1,0 +1,64 @@
+//! Lists of named things: an enum whose every variant is one row.
+
+/// Declares the enum `$id` with a variant for each row, in the order of every list, help text and figure.
+///
+/// A row is a constant of type `$row` with the fields `name` (command line, files), `label` (page) and `help` (command line). The enum is
+/// an argument of the command line and reads and writes as its name. Adding a row takes its own file and a line here.
+macro_rules! registry {
+    ($(#[$doc:meta])* $id:ident: $row:ty { $($(#[$about:meta])* $variant:ident => $value:expr),+ $(,)? }) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum $id { $($(#[$about])* $variant),+ }
+
+        impl $id {
+            /// All of them, in the order of lists and figures.
+            pub const ALL: &[$id] = &[$($id::$variant),+];
+
+            fn row(self) -> &'static $row {
+                match self { $($id::$variant => &$value),+ }
+            }
+
+            /// Name on the command line and in files.
+            pub fn name(self) -> &'static str {
+                self.row().name
+            }
+
+            /// Name on the page.
+            pub fn label(self) -> &'static str {
+                self.row().label
+            }
+        }
+
+        impl std::fmt::Display for $id {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.pad(self.name())
+            }
+        }
+
+        impl clap::ValueEnum for $id {
+            fn value_variants<'a>() -> &'a [$id] {
+                $id::ALL
+            }
+
+            fn to_possible_value(&self) -> Option<clap::builder::PossibleValue> {
+                Some(clap::builder::PossibleValue::new(self.name()).help(self.row().help))
+            }
+        }
+
+        impl serde::Serialize for $id {
+            fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                serializer.serialize_str(self.name())
+            }
+        }
+
+        impl<'de> serde::Deserialize<'de> for $id {
+            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<$id, D::Error> {
+                let name = <String as serde::Deserialize>::deserialize(deserializer)?;
+                let found = $id::ALL.iter().copied().find(|id| id.name() == name);
+                found.ok_or_else(|| serde::de::Error::custom(format!("no {} is called `{name}`", stringify!($id))))
+            }
+        }
+    };
+}
+
+pub(crate) use registry;

@@ -1,0 +1,13 @@
+//! The finger itself, co-rotational on a fine mesh.
+
+use super::{MeshTruth, TruthId, TruthRow, fine_mesh};
+use finray_model::Kinematics;
+
+pub(super) const ROW: TruthRow = TruthRow {
+    name: "corotational",
+    label: "co-rotational",
+    help: "The co-rotational finger, on 684 nodes or four elements a member if that is more",
+    kinematics: Some(Kinematics::Corotational),
+    mesh: |finger| Ok(fine_mesh(finger)?),
+    on: |mesh| Ok(Box::new(MeshTruth::new(TruthId::Corotational, mesh, Kinematics::Corotational)?)),
+};

@@ -1,0 +1,13 @@
+//! The finger itself, linear: exact on its key nodes.
+
+use super::{MeshTruth, TruthId, TruthRow};
+use finray_model::{Kinematics, Mesh};
+
+pub(super) const ROW: TruthRow = TruthRow {
+    name: "linear",
+    label: "linear",
+    help: "The linear finger",
+    kinematics: Some(Kinematics::Linear),
+    mesh: |finger| Ok(Mesh::key_nodes(finger)),
+    on: |mesh| Ok(Box::new(MeshTruth::new(TruthId::Linear, mesh, Kinematics::Linear)?)),
+};

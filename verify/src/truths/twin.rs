@@ -1,0 +1,37 @@
+//! The paper's finger with a softer base and tip: one of several fits of its Table I, see [`experiments::twin`](crate::experiments::twin).
+
+use super::{MeshTruth, TruthId, TruthRow, fine_mesh};
+use crate::settings::is_papers_finger;
+use finray_model::scene::SceneError;
+use finray_model::{Finger, Kinematics, Scene};
+
+pub(super) const ROW: TruthRow = TruthRow {
+    name: "twin",
+    label: "digital twin",
+    help: "The paper's finger with a softer base and tip, one of several fits of its Table I, co-rotational; for the paper's scene alone",
+    kinematics: None,
+    mesh: |finger| Ok(fine_mesh(&twin_of(finger)?)?),
+    on: |mesh| Ok(Box::new(MeshTruth::new(TruthId::Twin, mesh, Kinematics::Corotational)?)),
+};
+
+/// The twin is of the paper's finger alone.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TwinError {
+    /// Another finger.
+    #[error("the digital twin is of the paper's finger (fixtures/scenes/paper.toml); this scene has another")]
+    NotThePapersFinger,
+    /// A shipped scene does not read.
+    #[error("a scene that ships: {0}")]
+    Scene(#[from] SceneError),
+}
+
+/// The twin of a finger, which must be the paper's.
+///
+/// # Errors
+/// [`TwinError`] for any other finger.
+pub fn twin_of(finger: &Finger) -> Result<Finger, TwinError> {
+    if !is_papers_finger(finger) {
+        return Err(TwinError::NotThePapersFinger);
+    }
+    Ok(Scene::from_toml(finray_fixtures::TWIN_SCENE)?.finger)
+}
