@@ -2,7 +2,6 @@
 
 use super::ReportError;
 use super::drawings::{ACROSS_AXIS, ALONG_AXIS, point};
-use super::figures::{self, Arrow, Axis, Dash, FigureError, Frame, Hue, LineChart, Series, Shape, Shapes, Spread};
 use super::page::{Block, Cell, Column, Figure, Row, Section, Table};
 use super::sections::{self, text};
 use super::tables::percent;
@@ -10,6 +9,7 @@ use crate::check::worst;
 use crate::experiments::contact_scene::samples::NoiseSamples;
 use crate::experiments::contact_scene::study::{SceneStudy, StudiedStep};
 use crate::experiments::contact_scene::{ForceRow, SeenContact, SensedForce, contacts_sensed};
+use crate::figures::{Arrow, Axis, Chart, Drawing, FigureError, Frame, Hue, Series, Spread, Stroke};
 use crate::settings::TWO_SIDED_95;
 use crate::study::Study;
 use finray_model::Finger;
@@ -162,13 +162,9 @@ fn figures(finger: &Finger, scene: &SceneStudy) -> Result<Vec<Figure>, FigureErr
     let series = force_over_travel(finger, scene);
     if !series.is_empty() {
         let title = format!("{}, {} mm noise", scene.name, scene.noise_mm);
-        let svg = figures::lines(&LineChart {
-            frame: Frame::half(title, format!("True and sensed forces of the scene {} over the travel.", scene.name)),
-            x: Axis::linear("travel of the object, mm"),
-            y: Axis::linear("force, N"),
-            series,
-            references: Vec::new(),
-        })?;
+        let frame = Frame::half(title, format!("True and sensed forces of the scene {} over the travel.", scene.name));
+        let axes = [Axis::linear("travel of the object, mm"), Axis::linear("force, N")];
+        let svg = Chart::new(frame, axes, series).svg()?;
         figures.push(Figure {
             svg,
             caption: "Force along each contact's normal, and in all along the object's way.".to_owned(),
@@ -204,21 +200,22 @@ fn picture(finger: &Finger, scene: &SceneStudy, last: &StudiedStep) -> Result<St
         label: format!("{:.2} N", seen.force.norm()),
         hue: Hue::Vermilion,
     });
-    figures::deformed_shapes(&Shapes {
+    Drawing {
         frame: Frame::half(
             scene.name.clone(),
             format!("The finger bent by the object of the scene {}, with the contact forces.", scene.name),
         ),
         x_label: ALONG_AXIS.to_owned(),
         y_label: ACROSS_AXIS.to_owned(),
-        undeformed: lines_of(finger, |node| point(&finger.position(node))),
-        undeformed_label: "at rest".to_owned(),
-        deformed: vec![
-            Shape { label: "pressed".to_owned(), lines: deformed(&pressed.shape), hue: Hue::Blue, dash: Dash::Solid },
-            Shape { label: "object".to_owned(), lines: vec![outline], hue: Hue::Green, dash: Dash::Solid },
+        strokes: vec![
+            Stroke::new("at rest", lines_of(finger, |node| point(&finger.position(node))), Hue::Neutral, 3.0),
+            Stroke::new("pressed", deformed(&pressed.shape), Hue::Blue, 2.4),
+            Stroke::new("object", vec![outline], Hue::Green, 2.4),
         ],
+        nodes: Vec::new(),
         arrows: arrows.collect(),
-    })
+    }
+    .svg()
 }
 
 /// One contact through the steps in which it is there.

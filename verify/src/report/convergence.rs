@@ -1,10 +1,10 @@
 //! How fine a mesh must be: table and figure.
 
 use super::ReportError;
-use super::figures::{self, Axis, FigureError, Frame, LineChart, Reference, Series};
 use super::page::{Block, Cell, Column, Figure, Row, Section, Table};
 use super::sections::{self, text};
 use crate::experiments::convergence::{Convergence, MeshSize};
+use crate::figures::{Axis, Chart, FigureError, Frame, Series};
 use crate::study::Study;
 
 pub(super) const CSV: &str = "convergence.csv";
@@ -47,18 +47,10 @@ fn error_by_nodes(convergence: &Convergence) -> Vec<Series> {
 }
 
 fn picture(series: Vec<Series>) -> Result<String, FigureError> {
-    figures::lines(&LineChart {
-        frame: Frame::full(
-            "",
-            "Worst error of the displacements by number of mesh nodes, a line a force, both axes \
-                                logarithmic",
-        )
-        .with_plot_height(300.0),
-        x: Axis::log("nodes of the mesh"),
-        y: Axis::log("error / largest displacement, %"),
-        series,
-        references: REFERENCES.map(|(value, label)| Reference { value, label: label.to_owned() }).into(),
-    })
+    let alt = "Worst error of the displacements by number of mesh nodes, a line a force, both axes logarithmic";
+    let frame = Frame::full("", alt).with_plot_height(300.0);
+    let axes = [Axis::log("nodes of the mesh"), Axis::log("error / largest displacement, %")];
+    Chart::new(frame, axes, series).compared(REFERENCES.map(|(value, label)| (value, label.to_owned()))).svg()
 }
 
 fn mesh_name(mesh: &MeshSize) -> String {

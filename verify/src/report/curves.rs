@@ -1,11 +1,11 @@
 //! How many cases a network must see, and how large it must be.
 
 use super::ReportError;
-use super::figures::{self, Axis, Frame, LineChart, Reference, Series, Spread};
 use super::page::{Block, Cell, Column, Figure, Row, Table};
 use super::sections::text;
 use super::tables::percent;
 use crate::experiments::networks::records::CurveRow;
+use crate::figures::{Axis, Chart, Frame, Series, Spread};
 
 pub(super) const CSV: &str = "training_curves.csv";
 /// So many cases are enough if more of them lower the error by no more than this share.
@@ -107,14 +107,10 @@ fn figure(curves: &[Curve], x_label: &str, caption: &str) -> Result<Figure, Repo
         let spread = Spread::Bars(curve.points.iter().map(|point| point.range).collect());
         Series { spread, ..Series::nth(n, nodes_in_words(&curve.nodes), points) }
     });
-    let chart = LineChart {
-        frame: Frame::half("", format!("{caption} A line a set of contacts.")),
-        x: Axis::log(x_label),
-        y: Axis::linear("mean error / bound"),
-        series: series.collect(),
-        references: vec![Reference { value: 1.0, label: "bound".to_owned() }],
-    };
-    Ok(Figure { svg: figures::lines(&chart)?, caption: caption.to_owned(), csv: Some(CSV.to_owned()), wide: false })
+    let frame = Frame::half("", format!("{caption} A line a set of contacts."));
+    let chart = Chart::new(frame, [Axis::log(x_label), Axis::linear("mean error / bound")], series.collect());
+    let svg = chart.compared([(1.0, "bound".to_owned())]).svg()?;
+    Ok(Figure { svg, caption: caption.to_owned(), csv: Some(CSV.to_owned()), wide: false })
 }
 
 /// From how many cases on the error is that of the most.

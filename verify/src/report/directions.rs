@@ -1,14 +1,14 @@
 //! Forces of unknown direction: where they can be told.
 
 use super::ReportError;
-use super::drawings::{ALONG_THE_PLATE, node_marks};
-use super::figures::{self, Axis, ColourScale, FigureError, Frame, HeatMap, LineChart, Reference, Series};
+use super::drawings::{ALONG_THE_PLATE, percent_line, plate_map};
 use super::page::{Block, Figure, Section};
 use super::sections::{self, text};
 use super::tables::percent;
 use crate::experiments::direction::{
     Assumption, DirectionCell, DirectionStudy, FORCES_N, FrictionlessPush, TOLD_ANSWERED, TOLD_DEG, TOLD_FORCE,
 };
+use crate::figures::{Axis, Cells, Chart, ColourScale, FigureError, Frame, Map, Series, Shades};
 use crate::study::Study;
 use finray_model::Finger;
 use serde::Serialize;
@@ -119,11 +119,11 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
     let answered = |cell: &DirectionCell| cell.answers.angle_error_deg;
     let force = |cell: &DirectionCell| cell.answers.force_error.map(|error| 100.0 * error);
     let bound = |cell: &DirectionCell| cell.angle_bound_deg;
-    let all = |map: &Map| -> Result<Block, FigureError> {
+    let all = |map: &Shown| -> Result<Block, FigureError> {
         let figures = FORCES_N.map(|force_n| map.figure(finger, directions, force_n));
         Ok(Block::Figures { figures: figures.into_iter().collect::<Result<_, _>>()? })
     };
-    blocks.push(all(&Map {
+    blocks.push(all(&Shown {
         what: "error of the direction, deg",
         line: None,
         missing: "cannot be told",
@@ -132,19 +132,19 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
     blocks.push(Block::Details {
         summary: "The least that any estimator can reach, and the errors of all answers".to_owned(),
         blocks: vec![
-            all(&Map {
+            all(&Shown {
                 what: "Cramer-Rao bound of the direction, deg",
                 line: Some(TOLD_DEG),
                 missing: "open",
                 value: &bound,
             })?,
-            all(&Map {
+            all(&Shown {
                 what: "error of answered directions, deg",
                 line: Some(TOLD_DEG),
                 missing: "no answer",
                 value: &answered,
             })?,
-            all(&Map {
+            all(&Shown {
                 what: "error of answered forces, %",
                 line: Some(100.0 * TOLD_FORCE),
                 missing: "no answer",
@@ -159,7 +159,7 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
 }
 
 /// One quantity by place and direction.
-struct Map<'v> {
+struct Shown<'v> {
     what: &'v str,
     /// Where a line is drawn.
     line: Option<f64>,
@@ -167,9 +167,9 @@ struct Map<'v> {
     value: &'v dyn Fn(&DirectionCell) -> Option<f64>,
 }
 
-impl Map<'_> {
+impl Shown<'_> {
     fn figure(&self, finger: &Finger, directions: &DirectionStudy, force_n: f64) -> Result<Figure, FigureError> {
-        let Map { what, line, missing, value } = *self;
+        let Shown { what, line, missing, value } = *self;
         let cells: Vec<&DirectionCell> = directions.cells.iter().filter(|cell| cell.force_n == force_n).collect();
         let mut places: Vec<f64> = cells.iter().map(|cell| cell.s_mm).collect();
         places.dedup();
@@ -178,24 +178,13 @@ impl Map<'_> {
         // Cells go by place, then direction; rows of the map by direction, then place.
         let row = |angle| cells.iter().skip(angle).step_by(angles.len().max(1)).map(|cell| value(cell)).collect();
         let title = format!("{force_n} N");
-        let svg = figures::heat_map(&HeatMap {
-            frame: Frame::half(title.clone(), format!("{title}: {what}, by place and true direction of the force.")),
-            x_label: ALONG_THE_PLATE.to_owned(),
-            x: places,
-            y_label: "force direction, deg from normal (+ to tip)".to_owned(),
-            y_ticks: Some((-4..=4).map(|i| f64::from(i) * 20.0).collect()),
-            values: (0..angles.len()).map(row).collect(),
-            y: angles,
-            value_label: what.to_owned(),
-            colours: ColourScale::log(COLOURS[0], COLOURS[1]),
-            contours: line.into_iter().collect(),
-            contour_unit: String::new(),
-            missing_label: missing.to_owned(),
-            marks_label: "node".to_owned(),
-            marks: node_marks(finger),
-        })?;
+        let frame = Frame::half(&title, format!("{title}: {what}, by place and true direction of the force."));
+        let values = (0..angles.len()).map(row).collect();
+        let shades = Shades::Scale(ColourScale::log(COLOURS[0], COLOURS[1]), what.to_owned());
+        let cells = Cells { note: String::new(), x: places, y: angles, values };
+        let map = Map { missing_label: missing.to_owned(), ..plate_map(finger, frame, shades, cells) };
         Ok(Figure {
-            svg,
+            svg: Map { contours: line.into_iter().collect(), ..map }.svg()?,
             caption: format!("{force_n} N: {what}, by place and true direction; hatched: {missing}."),
             csv: Some(CSV.to_owned()),
             wide: false,
@@ -295,17 +284,11 @@ fn frictionless_chart(directions: &DirectionStudy, force_n: f64) -> Result<Figur
         Series::nth(n, label, points)
     });
     let title = format!("Pushed without friction, {force_n} N");
+    let alt = format!("{title}: error of the force by place, a line for each assumption.");
+    let axes = [Axis::linear(ALONG_THE_PLATE), Axis::log("root mean square error of the force, %")];
+    let chart = Chart::new(Frame::half(title, alt), axes, series.collect());
     Ok(Figure {
-        svg: figures::lines(&LineChart {
-            frame: Frame::half(
-                title.clone(),
-                format!("{title}: error of the force by place, a line for each assumption."),
-            ),
-            x: Axis::linear(ALONG_THE_PLATE),
-            y: Axis::log("root mean square error of the force, %"),
-            series: series.collect(),
-            references: vec![Reference { value: 100.0 * TOLD_FORCE, label: format!("{} %", 100.0 * TOLD_FORCE) }],
-        })?,
+        svg: chart.compared([percent_line(100.0 * TOLD_FORCE)]).svg()?,
         caption: format!(
             "{force_n} N along the deformed normal: error of the force by what is assumed of its direction."
         ),

@@ -1,10 +1,10 @@
-//! Pictures of a study: its numbers arranged for [`figures`](super::figures).
+//! Pictures of a study: its numbers arranged for [`figures`](crate::figures).
 
-use super::figures::{
-    self, Arrow, Axis, BarGroup, ColourScale, Dash, FigureError, FingerDrawing, Frame, GroupedBars, HeatMap, Hue,
-    LineChart, NodeMark, PlaceMark, Reference, Series, Shape, Shapes,
-};
 use crate::experiments::table_one::TableOne;
+use crate::figures::{
+    Arrow, Axis, Bars, Cells, Chart, Class, ColourScale, Dash, Drawing, FigureError, Frame, Hue, Map, NodeMark, Series,
+    Shades, Stroke,
+};
 use crate::sampling::map::AccuracyMap;
 use crate::study::Study;
 use finray_model::finger::Plate;
@@ -98,33 +98,54 @@ pub(super) fn quantity_picture(
         map.estimator
     );
     let percent = |error: Option<f64>| error.map(|e| 100.0 * e);
-    figures::heat_map(&HeatMap {
-        frame: Frame::half(title, alt),
+    let cells = Cells {
+        note: String::new(),
+        x: map.request.places_mm.clone(),
+        y: map.request.angles_deg.clone(),
         values: values.into_iter().map(|row| row.into_iter().map(percent).collect()).collect(),
-        value_label: value_label.to_owned(),
-        missing_label: missing_label(map).to_owned(),
-        ..blank_map(finger, &map.request.places_mm, &map.request.angles_deg)
-    })
+    };
+    let shades = Shades::Scale(error_colours(), value_label.to_owned());
+    let missing_label = missing_label(map).to_owned();
+    Map { missing_label, ..plate_map(finger, Frame::half(title, alt), shades, cells) }.svg()
 }
 
-/// A map over place and direction in the colours of errors, still without values.
-pub(super) fn blank_map(finger: &Finger, places_mm: &[f64], angles_deg: &[f64]) -> HeatMap {
-    HeatMap {
-        frame: Frame::half("", ""),
-        x_label: ALONG_THE_PLATE.to_owned(),
-        x: places_mm.to_vec(),
-        y_label: DIRECTION_AXIS.to_owned(),
-        y: angles_deg.to_vec(),
-        y_ticks: Some((-4..=4).map(|i| f64::from(i) * 20.0).collect()),
-        values: Vec::new(),
-        value_label: String::new(),
-        colours: ColourScale::log(ERROR_SCALE_PERCENT[0], ERROR_SCALE_PERCENT[1]),
+/// The colours of errors, %, one scale for all maps.
+pub(super) fn error_colours() -> ColourScale {
+    ColourScale::log(ERROR_SCALE_PERCENT[0], ERROR_SCALE_PERCENT[1])
+}
+
+/// A map over position along the plate and direction, with node numbers along its top and contours at the paper's shades.
+pub(super) fn plate_map(finger: &Finger, frame: Frame, shades: Shades, cells: Cells) -> Map {
+    let y = Axis::linear(DIRECTION_AXIS).with_ticks((-4..=4).map(|i| f64::from(i) * 20.0));
+    Map {
         contours: PAPER_SHADES_PERCENT.to_vec(),
-        contour_unit: " %".to_owned(),
+        contour_unit: " %",
         missing_label: "no equilibrium".to_owned(),
-        marks_label: "node".to_owned(),
-        marks: node_marks(finger),
+        top: Some(node_axis(finger)),
+        ..Map::new(frame, [Axis::linear(ALONG_THE_PLATE), y], shades, cells)
     }
+}
+
+/// Small maps over the whole plate and all directions in the paper's shades: names of the columns, and rows with theirs.
+pub(super) fn small_maps(
+    finger: &Finger,
+    frame: Frame,
+    columns: Vec<String>,
+    rows: Vec<(String, Vec<Option<Cells>>)>,
+    missing_label: &str,
+) -> Map {
+    let [grey, dark] = PAPER_SHADES_PERCENT;
+    let class = |up_to, label: String, colour| Class { up_to, label, sign: String::new(), colour };
+    let (rows, plots): (Vec<String>, Vec<Vec<Option<Cells>>>) = rows.into_iter().unzip();
+    // From clear to dark, the same in light and dark mode: the order of lightness carries the meaning.
+    let shades = Shades::Classes(vec![
+        class(grey, format!("clear: error up to {grey} %"), [0xd9, 0xee, 0xdf]),
+        class(dark, format!("grey: up to {dark} %"), [0xa4, 0xac, 0xb5]),
+        class(f64::INFINITY, format!("dark: above {dark} %"), [0x41, 0x49, 0x53]),
+    ]);
+    let x = Axis::linear(ALONG_THE_PLATE).within(0.0, finger.plate_length_mm(Plate::Front));
+    let y = Axis::linear(DIRECTION_AXIS).within(-90.0, 90.0).with_ticks([-60.0, 0.0, 60.0]);
+    Map { columns, missing_label: missing_label.to_owned(), ..Map::grid(frame, [x, y], shades, rows, plots.concat()) }
 }
 
 /// Why cells are empty: linear sensing answers whatever it is shown.
@@ -135,11 +156,18 @@ fn missing_label(map: &AccuracyMap) -> &'static str {
     }
 }
 
-/// Node numbers along the front plate, thinned so that they do not run into each other.
-pub(super) fn node_marks(finger: &Finger) -> Vec<PlaceMark> {
+/// Node numbers along the front plate.
+fn node_axis(finger: &Finger) -> Axis {
+    // Thinned evenly, so that they do not run into each other.
     let every = finger.contact_nodes().len().div_ceil(13);
     let marks = finger.contact_nodes().rev().step_by(every);
-    marks.filter_map(|node| Some(PlaceMark { x: finger.front_place_mm(node)?, label: node.to_string() })).collect()
+    Axis::linear("node")
+        .named(marks.filter_map(|node| Some((finger.front_place_mm(node)?, node.to_string()))).collect())
+}
+
+/// A line to compare percentages with.
+pub(super) fn percent_line(value: f64) -> (f64, String) {
+    (value, format!("{value} %"))
 }
 
 /// Error along the front plate for forces along the normal, one line a force.
@@ -160,17 +188,9 @@ pub(super) fn errors_along_the_normal(map: &AccuracyMap) -> Result<String, Figur
             Series { marker: None, ..Series::nth(n, format!("{force_n} N"), points) }
         })
         .collect();
-    figures::lines(&LineChart {
-        frame: Frame::half(title.clone(), format!("{title}: error of the sensed force by place, one line a force.")),
-        x: Axis::linear(ALONG_THE_PLATE),
-        y: Axis::linear("error |sensed / true - 1|, %"),
-        series,
-        references: PAPER_SHADES_PERCENT
-            .map(|value| Reference { value, label: format!("{value} %") })
-            .into_iter()
-            .take(1)
-            .collect(),
-    })
+    let alt = format!("{title}: error of the sensed force by place, one line a force.");
+    let axes = [Axis::linear(ALONG_THE_PLATE), Axis::linear("error |sensed / true - 1|, %")];
+    Chart::new(Frame::half(title, alt), axes, series).compared([percent_line(PAPER_SHADES_PERCENT[0])]).svg()
 }
 
 /// The finger with its node numbers.
@@ -194,21 +214,25 @@ pub(super) fn finger(study: &Study) -> Result<String, FigureError> {
         label: label.to_owned(),
         hue,
     };
-    figures::finger(&FingerDrawing {
+    let ribs = (0..finger.rib_count())
+        .map(|rib| finger.rib_nodes(rib).map(|node| point(&finger.position(node))).to_vec())
+        .collect();
+    Drawing {
         frame: Frame::full(
             "",
             "The finger with its numbered key nodes; the base is on the left, the tip on the right.",
         ),
         x_label: ALONG_AXIS.to_owned(),
         y_label: ACROSS_AXIS.to_owned(),
-        front: places(Plate::Front),
-        back: places(Plate::Back),
-        ribs: (0..finger.rib_count())
-            .map(|rib| finger.rib_nodes(rib).map(|node| point(&finger.position(node))).to_vec())
-            .collect(),
+        strokes: vec![
+            Stroke::new("front plate", vec![places(Plate::Front)], Hue::Blue, 4.0),
+            Stroke::new("back plate", vec![places(Plate::Back)], Hue::Vermilion, 4.0),
+            Stroke::new("ribs", ribs, Hue::Green, 2.6),
+        ],
         nodes,
         arrows: vec![arrow(0.0, "0 deg", Hue::Blue), arrow(40.0, "+40 deg", Hue::Vermilion)],
-    })
+    }
+    .svg()
 }
 
 /// The finger at rest and bent.
@@ -217,51 +241,48 @@ pub(super) fn bent(study: &Study) -> Result<String, FigureError> {
     let at_rest = |plate| finger.plate_nodes(plate).iter().map(|&n| point(&finger.position(n))).collect::<Vec<_>>();
     let ribs =
         (0..finger.rib_count()).map(|rib| finger.rib_nodes(rib).map(|node| point(&finger.position(node))).to_vec());
-    let deformed = study.bent.iter().enumerate().map(|(n, bent)| Shape {
-        label: bent.label.clone(),
-        lines: bent.lines.iter().map(|line| line.iter().map(point).collect()).collect(),
-        hue: Hue::nth(n / 2),
-        dash: if bent.kinematics == Kinematics::Linear { Dash::Dotted } else { Dash::Solid },
+    let rest = [at_rest(Plate::Front), at_rest(Plate::Back)].into_iter().chain(ribs).collect();
+    let deformed = study.bent.iter().enumerate().map(|(n, bent)| {
+        let lines = bent.lines.iter().map(|line| line.iter().map(point).collect()).collect();
+        let dash = if bent.kinematics == Kinematics::Linear { Dash::Dotted } else { Dash::Solid };
+        Stroke { dash, ..Stroke::new(&bent.label, lines, Hue::nth(n / 2), 2.4) }
     });
     let arrows = study.bent.iter().enumerate().filter(|(_, bent)| bent.kinematics != Kinematics::Linear);
     let arrows = arrows.map(|(n, bent)| {
         let reach = bent.force.normalize() * (0.1 * finger.plate_length_mm(Plate::Front));
         Arrow { from: point(&(bent.at - reach)), to: point(&bent.at), label: String::new(), hue: Hue::nth(n / 2) }
     });
-    figures::deformed_shapes(&Shapes {
+    Drawing {
         frame: Frame::full(
             "",
             "The finger at rest and bent by a force at three nodes, linear and with large rotations.",
         ),
         x_label: ALONG_AXIS.to_owned(),
         y_label: ACROSS_AXIS.to_owned(),
-        undeformed: [at_rest(Plate::Front), at_rest(Plate::Back)].into_iter().chain(ribs).collect(),
-        undeformed_label: "at rest".to_owned(),
-        deformed: deformed.collect(),
+        strokes: std::iter::once(Stroke::new("at rest", rest, Hue::Neutral, 3.0)).chain(deformed).collect(),
+        nodes: Vec::new(),
         arrows: arrows.collect(),
-    })
+    }
+    .svg()
 }
 
 /// Table I as bars: the paper's mean errors and ours.
 pub(super) fn table_one(tables: &[TableOne]) -> Result<String, FigureError> {
     let rows = tables.first().map_or(&[][..], |table| &table.rows[..]);
     let percent = |error: f64| Some((1000.0 * error).round() / 10.0);
-    let paper = BarGroup {
+    let paper = Bars {
         label: "paper".to_owned(),
         hue: Hue::Neutral,
         values: rows.iter().map(|row| percent(row.paper_mean_error)).collect(),
     };
-    let ours = tables.iter().take(2).enumerate().map(|(n, table)| BarGroup {
+    let ours = tables.iter().take(2).enumerate().map(|(n, table)| Bars {
         label: format!("large rotation, weights at {} deg", table.angle_deg),
         hue: Hue::nth(n),
         values: table.rows.iter().map(|row| percent(row.mean_error)).collect(),
     });
-    figures::bars(&GroupedBars {
-        frame: Frame::full("", "Mean error of the sensed force at six nodes: the paper's Table I and ours."),
-        category_label: "loaded node".to_owned(),
-        categories: rows.iter().map(|row| row.node.to_string()).collect(),
-        y: Axis::linear("mean error, %"),
-        groups: std::iter::once(paper).chain(ours).collect(),
-        references: PAPER_SHADES_PERCENT.map(|value| Reference { value, label: format!("{value} %") }).into(),
-    })
+    let frame = Frame::full("", "Mean error of the sensed force at six nodes: the paper's Table I and ours.");
+    let nodes = Axis::categories("loaded node", rows.iter().map(|row| row.node.to_string()).collect());
+    let bars = std::iter::once(paper).chain(ours).collect();
+    let chart = Chart::of_bars(frame, [nodes, Axis::linear("mean error, %")], bars);
+    chart.compared(PAPER_SHADES_PERCENT.map(percent_line)).svg()
 }

@@ -4,13 +4,13 @@ mod rows;
 mod tables;
 mod words;
 
-use super::figures::{self, Axis, Dash, FigureError, Frame, Hue, LineChart, Series};
 use super::page::{Block, Figure, Section};
 use super::sections::{self, text};
 use super::tables::map_csv_name;
 use super::{ReportError, drawings};
 use crate::check::worst;
 use crate::experiments::lattice::LatticeStudy;
+use crate::figures::{Axis, Chart, FigureError, Frame, Series};
 use crate::lattice::accuracy::{FinenessRow, LoadGrid};
 use crate::settings::DRAWN_FORCE_N;
 use crate::study::Study;
@@ -90,18 +90,11 @@ fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
         };
         Series::nth(n, map.estimator.replace('-', " "), map.request.places_mm.iter().filter_map(worst).collect())
     });
-    let chart = LineChart {
-        frame: Frame::half(
-            title.clone(),
-            format!("{title}: error of the sensed force by place, one line an estimator."),
-        ),
-        x: Axis::linear("place along the front plate from the base, mm"),
-        y: Axis::log("error |sensed / true - 1|, %"),
-        series: series.filter(|series| !series.points.is_empty()).collect(),
-        references: Vec::new(),
-    };
+    let alt = format!("{title}: error of the sensed force by place, one line an estimator.");
+    let axes = [Axis::linear(drawings::ALONG_THE_PLATE), Axis::log("error |sensed / true - 1|, %")];
+    let series = series.filter(|series| !series.points.is_empty()).collect();
     Ok(Figure {
-        svg: figures::lines(&chart)?,
+        svg: Chart::new(Frame::half(title, alt), axes, series).svg()?,
         caption: format!(
             "The same force at its worst direction: least squares, and the nonlinear estimator, whose model is the \
              large-rotation finger, on {} directions ({}).",
@@ -137,32 +130,17 @@ fn picture(rows: &[FinenessRow]) -> Result<String, FigureError> {
         .filter(|series| !series.points.is_empty())
         .collect();
     if let Some([[first, error], .., [last, _]]) = series.last().map(|series| &series.points[..]) {
-        let guide = Series {
-            label: "slope of the fourth order".to_owned(),
-            points: vec![[*first, *error], [*last, error * (first / last).powi(GUIDE_ORDER)]],
-            hue: Hue::Neutral,
-            dash: Some(Dash::Dotted),
-            marker: None,
-            spread: figures::Spread::None,
-            labels: Vec::new(),
-        };
-        series.push(guide);
+        let guide = vec![[*first, *error], [*last, error * (first / last).powi(GUIDE_ORDER)]];
+        series.push(Series::guide("slope of the fourth order", guide));
     }
     let finenesses: Vec<f64> = rows.iter().map(|row| row.fineness as f64).collect();
     let widest = [f64::INFINITY, 0.0_f64];
     let ends = finenesses.iter().fold(widest, |[low, high], &x| [low.min(x / BESIDE), high.max(x * BESIDE)]);
-    figures::lines(&LineChart {
-        frame: Frame::full(
-            "",
-            "Worst difference of the lattice's displacements from converged beams by segments in a stretch of plate, a line \
-             a force, both axes logarithmic",
-        )
-        .with_plot_height(320.0),
-        x: Axis::log("segments in a stretch of plate").within(ends[0], ends[1]).with_ticks(finenesses),
-        y: Axis::log("difference / largest displacement, %"),
-        series,
-        references: Vec::new(),
-    })
+    let alt = "Worst difference of the lattice's displacements from converged beams by segments in a stretch of plate, a line \
+               a force, both axes logarithmic";
+    let x = Axis::log("segments in a stretch of plate").within(ends[0], ends[1]).with_ticks(finenesses);
+    let axes = [x, Axis::log("difference / largest displacement, %")];
+    Chart::new(Frame::full("", alt).with_plot_height(320.0), axes, series).svg()
 }
 
 #[cfg(test)]
@@ -170,6 +148,7 @@ mod tests {
     use super::tables::{axial, by_fineness, costs, settling};
     use super::*;
     use crate::experiments::lattice::{LatticeSensing, MapDifference};
+    use crate::figures::{Axis, Chart, FigureError, Frame, Series};
     use crate::lattice::accuracy::SettlingCost;
     use crate::lattice::causes::{self, AXIAL_SPRINGS, AxialRow, SETTLINGS};
     use crate::sampling::map::{AccuracyMap, Cell as MapCell, MapRequest};

@@ -1,7 +1,6 @@
 //! From a [`Study`] to what a person looks at: page, pictures, tables and the summary for machines. Nothing is computed
 //! here.
 
-pub mod figures;
 pub mod page;
 
 mod causes;
@@ -41,8 +40,8 @@ pub use table_two::TableTwoRow;
 pub use twin::{CalibrationRow, TwinRow, ZoneSetRow};
 
 use crate::claims::Claim;
+use crate::figures::FigureError;
 use crate::study::Study;
-use figures::FigureError;
 use std::path::PathBuf;
 
 /// Why a report could not be put together.

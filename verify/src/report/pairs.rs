@@ -1,14 +1,14 @@
 //! Two contacts at once: which pairs of nodes can be trusted, and why neighbours are hard.
 
 use super::ReportError;
-use super::figures::{self, ColourScale, FigureError, Frame, PairCell, PairMatrix};
 use super::page::{Block, Figure, Section};
 use super::sections::{self, text};
 use super::table_two::nodes_in_words;
 use super::tables::percent;
-use crate::experiments::noise::NoiseStudy;
+use crate::figures::{Axis, Cells, ColourScale, FigureError, Frame, Map, Shades};
 use crate::sampling::scatter::{Counts, Scatter, ScatterRow};
 use crate::settings::TWO_FORCES_N;
+use crate::experiments::noise::NoiseStudy;
 use crate::study::Study;
 use serde::Serialize;
 
@@ -22,6 +22,8 @@ const ERROR_COLOURS_PERCENT: [f64; 2] = [0.1, 100.0];
 const BOUND_COLOURS: [f64; 2] = [0.8, 100.0];
 /// The two shades of the paper's Table I.
 const SHADES_PERCENT: [f64; 2] = [10.0, 25.0];
+/// Its cells are about square, px.
+const MATRIX_HEIGHT: f64 = 480.0;
 
 /// One estimator at one pair of nodes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -128,23 +130,30 @@ fn matrix(
             true => (&noise.pairs, [nodes[row], nodes[column]]),
             false => (&noise.linear_pairs, [nodes[column], nodes[row]]),
         };
-        let value = rows.iter().find(|row| row.nodes == pair).and_then(&value)?;
-        Some(PairCell { value, text: two_digits(value) })
+        rows.iter().find(|row| row.nodes == pair).and_then(&value)
     };
-    figures::pair_matrix(&PairMatrix {
-        frame: Frame::half(
-            title,
-            format!(
-                "{title}, for every pair of contact nodes, by the nonlinear estimator and by linear least squares."
-            ),
-        ),
-        names: nodes.iter().map(ToString::to_string).collect(),
-        halves: ["nonlinear".to_owned(), "linear least squares".to_owned()],
-        cells: (0..nodes.len()).map(|row| (0..nodes.len()).map(|column| cell(row, column)).collect()).collect(),
-        value_label: title.to_owned(),
-        colours: ColourScale::log(colours[0], colours[1]),
-        levels: levels.to_vec(),
-    })
+    let names: Vec<String> = nodes.iter().map(ToString::to_string).collect();
+    let at: Vec<f64> = (0..nodes.len()).map(|n| n as f64).collect();
+    let cells = Cells {
+        note: String::new(),
+        // Rows run downwards.
+        y: at.iter().rev().copied().collect(),
+        values: (0..nodes.len()).map(|row| (0..nodes.len()).map(|column| cell(row, column)).collect()).collect(),
+        x: at,
+    };
+    let alt =
+        format!("{title}, for every pair of contact nodes, by the nonlinear estimator and by linear least squares.");
+    let (above, below) = (Axis::categories("nonlinear", names.iter().rev().cloned().collect()), "linear least squares");
+    let shades = Shades::Scale(ColourScale::log(colours[0], colours[1]), title.to_owned());
+    let frame = Frame::half(title, alt).with_plot_height(MATRIX_HEIGHT);
+    Map {
+        contours: levels.to_vec(),
+        top: Some(Axis::categories("", names)),
+        written: Some(two_digits),
+        blank: |row, column| row == column,
+        ..Map::new(frame, [Axis::linear(below).with_ticks([]), above], shades, cells)
+    }
+    .svg()
 }
 
 /// Short enough for a cell: 0.62, 2.4, 47.

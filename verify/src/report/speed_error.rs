@@ -1,13 +1,13 @@
 //! What an answer costs, and how far it is off.
 
 use super::ReportError;
-use super::figures::{self, Axis, Dash, FigureError, Frame, Hue, LineChart, Reference, Series};
 use super::page::{Block, Cell, Column, Figure, Row, Section, Shade, Table};
 use super::sections::{self, text};
 use super::tables::percent;
 use crate::experiments::speed_error::recommendation::LARGEST_BIAS_SIGMAS;
 use crate::experiments::speed_error::sensing::{FRAMES_A_PERIOD, SENSED_N};
 use crate::experiments::speed_error::{SOLVED_N, SpeedErrorPoint, Task, TimedBy};
+use crate::figures::{Axis, Chart, FigureError, Frame, Series};
 use crate::study::Study;
 
 pub(super) const CSV: &str = "speed_error.csv";
@@ -116,22 +116,12 @@ fn picture(points: &[&SpeedErrorPoint], title: &str, floor: Option<f64>) -> Resu
     }
     let mut front: Vec<[f64; 2]> = drawn.iter().filter(|point| point.on_front).map(|point| place(point)).collect();
     front.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    series.push(Series {
-        hue: Hue::Neutral,
-        dash: Some(Dash::Dotted),
-        marker: None,
-        ..Series::nth(0, "nothing is faster and nearer", front)
-    });
-    let references =
-        floor.map(|left| Reference { value: 100.0 * left, label: "may be left in the reference".to_owned() });
-    figures::lines(&LineChart {
-        frame: Frame::full("", format!("Error of {title} over the time that it takes, both axes logarithmic."))
-            .with_plot_height(360.0),
-        x: Axis::log("time of one answer, us"),
-        y: Axis::log(if title.contains("shape") { "error / largest displacement, %" } else { "mean error, %" }),
-        series,
-        references: references.into_iter().collect(),
-    })
+    series.push(Series::guide("nothing is faster and nearer", front));
+    let alt = format!("Error of {title} over the time that it takes, both axes logarithmic.");
+    let y = Axis::log(if title.contains("shape") { "error / largest displacement, %" } else { "mean error, %" });
+    let axes = [Axis::log("time of one answer, us"), y];
+    let chart = Chart::new(Frame::full("", alt).with_plot_height(360.0), axes, series);
+    chart.compared(floor.map(|left| (100.0 * left, "may be left in the reference".to_owned()))).svg()
 }
 
 fn seconds(seconds: f64) -> String {

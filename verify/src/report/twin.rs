@@ -1,7 +1,7 @@
 //! The digital twin of Table I: one of several fingers that are fitted to the table, and what sensing gains from knowing it.
 
 use super::ReportError;
-use super::figures::{self, Axis, BarGroup, FigureError, Frame, GroupedBars, Hue, Reference};
+use super::drawings::{PAPER_SHADES_PERCENT, percent_line};
 use super::page::{Block, Cell, Column, Figure, Row, Section, Table};
 use super::sections::{self, text};
 use super::tables::{error, figure, percent};
@@ -10,6 +10,7 @@ use crate::experiments::table_one::{TableOne, TableOneRow};
 use crate::experiments::twin::fit::TwinFit;
 use crate::experiments::twin::moduli_mpa;
 use crate::experiments::twin::study::{LOADED, TwinSensing, TwinStudy};
+use crate::figures::{Axis, Bars, Chart, FigureError, Frame, Hue};
 use crate::study::Study;
 use serde::Serialize;
 
@@ -284,28 +285,22 @@ fn calibration_words(study: &TwinStudy) -> String {
 fn drawing(study: &TwinStudy) -> Result<String, FigureError> {
     let rows = rows(study);
     let rounded = |error: f64| (1000.0 * error).round() / 10.0;
-    let group = |label: &str, hue, of: fn(&TwinRow) -> Option<f64>| BarGroup {
+    let group = |label: &str, hue, of: fn(&TwinRow) -> Option<f64>| Bars {
         label: label.to_owned(),
         hue,
         values: rows.iter().map(|row| of(row).map(rounded)).collect(),
     };
-    figures::bars(&GroupedBars {
-        frame: Frame::full(
-            "",
-            "Mean error by node: the paper's, the uniform finger, the twin, and with its zones known.",
-        ),
-        category_label: "loaded node".to_owned(),
-        categories: rows.iter().map(|row| row.node.to_string()).collect(),
-        y: Axis::linear("mean error, %"),
-        groups: vec![
-            group("paper", Hue::Neutral, |row| row.paper_mean_error),
-            group("uniform finger", Hue::nth(0), |row| row.uniform_finger),
-            group("twin", Hue::nth(1), |row| row.twin),
-            group("zones known, linear", Hue::nth(2), |row| row.noisy_zones_least_squares),
-            group("zones known, nonlinear", Hue::nth(3), |row| row.noisy_zones_nonlinear),
-        ],
-        references: [10.0, 25.0].map(|value| Reference { value, label: format!("{value} %") }).into(),
-    })
+    let alt = "Mean error by node: the paper's, the uniform finger, the twin, and with its zones known.";
+    let nodes = Axis::categories("loaded node", rows.iter().map(|row| row.node.to_string()).collect());
+    let bars = vec![
+        group("paper", Hue::Neutral, |row| row.paper_mean_error),
+        group("uniform finger", Hue::nth(0), |row| row.uniform_finger),
+        group("twin", Hue::nth(1), |row| row.twin),
+        group("zones known, linear", Hue::nth(2), |row| row.noisy_zones_least_squares),
+        group("zones known, nonlinear", Hue::nth(3), |row| row.noisy_zones_nonlinear),
+    ];
+    let chart = Chart::of_bars(Frame::full("", alt), [nodes, Axis::linear("mean error, %")], bars);
+    chart.compared(PAPER_SHADES_PERCENT.map(percent_line)).svg()
 }
 
 fn table(study: &TwinStudy) -> Table {

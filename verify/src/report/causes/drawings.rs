@@ -3,23 +3,25 @@
 use super::shares::{Region, Shares};
 use super::{CSV, own_first, practice_in_words, truth_in_words};
 use crate::experiments::causes::{Cause, CauseCell, CauseMap, ContactKnowledge, Practice, REMEDIES};
+use crate::figures::{Axis, Cells, Chart, Class, Dash, Frame, Hue, Map, Marker, Point, Series, Shades};
 use crate::report::ReportError;
-use crate::report::drawings::{ALONG_THE_PLATE, DIRECTION_AXIS, PAPER_SHADES_PERCENT};
-use crate::report::figures::{
-    self, Axis, Category, CategoryMap, Dash, Frame, Hue, LineChart, MapGrid, MapRow, Marker, Point, Series, SmallMap,
-};
+use crate::report::drawings::{ALONG_THE_PLATE, DIRECTION_AXIS, PAPER_SHADES_PERCENT, small_maps};
 use crate::report::page::Figure;
 use crate::report::tables::percent;
 use crate::settings::DRAWN_FORCE_N;
 use crate::study::Study;
-use finray_model::finger::Plate;
 
 /// Below this an error needs no explanation: root mean square of sensed / true - 1.
 const SMALL_ERROR: f64 = 0.02;
 /// Less is not drawn, %.
 const LEAST_DRAWN_PERCENT: f64 = 0.1;
 
-fn category(cause: Cause) -> Category {
+/// The n-th class of a map is that of the n-th cause.
+fn class(n: usize, label: &str, sign: &str, colour: [u8; 3]) -> Class {
+    Class { up_to: n as f64, label: label.to_owned(), sign: sign.to_owned(), colour }
+}
+
+fn class_of(n: usize, cause: Cause) -> Class {
     // Okabe and Ito's colours, and two greys.
     let (sign, colour) = match cause {
         Cause::Noise => ("N", [0x56, 0xb4, 0xe9]),
@@ -32,7 +34,7 @@ fn category(cause: Cause) -> Category {
         Cause::TipCompliance => ("T", [0xd5, 0x5e, 0x00]),
         Cause::NetworkFit => ("F", [0x5c, 0x60, 0x66]),
     };
-    Category { label: cause.name().to_owned(), sign: sign.to_owned(), colour }
+    class(n, cause.name(), sign, colour)
 }
 
 /// As near to the colour on the maps as lines have one.
@@ -52,40 +54,31 @@ fn line(cause: Cause) -> (Hue, Dash) {
 
 pub(super) fn map_figure(study: &Study, map: &CauseMap) -> Result<Figure, ReportError> {
     let (angles, places) = (map.request.angles_deg.len(), map.request.places_mm.len());
-    let (mut categories, small) =
-        (map.causes.iter().map(|cause| category(*cause)).collect::<Vec<_>>(), map.causes.len());
-    let hidden = small + 1;
-    categories.push(Category {
-        label: format!("error below {}", percent(SMALL_ERROR)),
-        sign: String::new(),
-        colour: [0xd9, 0xdd, 0xe2],
-    });
-    categories.push(Category {
-        label: "each hides others".to_owned(),
-        sign: "-".to_owned(),
-        colour: [0xa9, 0xae, 0xb5],
-    });
+    let (small, hidden) = (map.causes.len(), map.causes.len() + 1);
+    let mut classes: Vec<Class> = map.causes.iter().enumerate().map(|(n, cause)| class_of(n, *cause)).collect();
+    classes.push(class(small, &format!("error below {}", percent(SMALL_ERROR)), "", [0xd9, 0xdd, 0xe2]));
+    classes.push(class(hidden, "each hides others", "-", [0xa9, 0xae, 0xb5]));
     let of_cell = |place: usize, angle: usize| {
         let mut at = map.cells.iter().filter(|cell| cell.force_n == DRAWN_FORCE_N);
         let cell = at.nth(place * angles + angle)?;
         Some(match cell.rms_error? {
-            rms if rms < SMALL_ERROR => small,
-            _ => cell.largest().map_or(hidden, |(cause, _)| cause),
+            rms if rms < SMALL_ERROR => small as f64,
+            _ => cell.largest().map_or(hidden, |(cause, _)| cause) as f64,
         })
     };
     let title =
         format!("Largest cause at {DRAWN_FORCE_N} N, finger {}; {}", truth_in_words(map), practice_in_words(map));
-    let svg = figures::category_map(&CategoryMap {
-        frame: Frame::half(title.clone(), format!("{title}: by place along the front plate and direction.")),
-        x_label: ALONG_THE_PLATE.to_owned(),
+    let frame = Frame::half(&title, format!("{title}: by place along the front plate and direction."));
+    let y = Axis::linear(DIRECTION_AXIS).with_ticks((-2..=2).map(|i| f64::from(i) * 40.0));
+    let cells = Cells {
+        note: String::new(),
         x: map.request.places_mm.clone(),
-        y_label: DIRECTION_AXIS.to_owned(),
         y: map.request.angles_deg.clone(),
-        y_ticks: (-2..=2).map(|i| f64::from(i) * 40.0).collect(),
-        categories,
         values: (0..angles).map(|angle| (0..places).map(|place| of_cell(place, angle)).collect()).collect(),
-        missing_label: "no equilibrium or no answer".to_owned(),
-    })?;
+    };
+    let missing_label = "no equilibrium or no answer".to_owned();
+    let drawn = Map::new(frame, [Axis::linear(ALONG_THE_PLATE), y], Shades::Classes(classes), cells);
+    let svg = Map { missing_label, ..drawn }.svg()?;
     let shares = Shares::of(&study.finger, map, DRAWN_FORCE_N, Region::All);
     let over_all = shares.map_or_else(String::new, |shares| {
         let list: Vec<_> = (shares.by_cause.iter().take(3).filter(|of| of.share > 0.0))
@@ -124,14 +117,10 @@ pub(super) fn line_figure(map: &CauseMap) -> Result<Option<Figure>, ReportError>
     if series.is_empty() {
         return Ok(None);
     }
+    let alt = format!("{title}: error by place, one line a cause.");
+    let axes = [Axis::linear(ALONG_THE_PLATE), Axis::log("error that goes away with it, %")];
     Ok(Some(Figure {
-        svg: figures::lines(&LineChart {
-            frame: Frame::half(title.clone(), format!("{title}: error by place, one line a cause.")),
-            x: Axis::linear(ALONG_THE_PLATE),
-            y: Axis::log("error that goes away with it, %"),
-            series,
-            references: Vec::new(),
-        })?,
+        svg: Chart::new(Frame::half(title, alt), axes, series).svg()?,
         caption: format!(
             "Root of the mean square error that goes away when a cause is switched off; nothing below {LEAST_DRAWN_PERCENT} %, nor for \
              one that hides others."
@@ -143,31 +132,16 @@ pub(super) fn line_figure(map: &CauseMap) -> Result<Option<Figure>, ReportError>
 
 /// Which cells are cleared as remedies are taken one after the other, on each finger; `None` where that was not asked.
 pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
-    let rows: Vec<MapRow> = own_first(study).filter(assumed).map(clearing_row).collect();
+    let rows: Vec<_> = own_first(study).filter(assumed).map(clearing_row).collect();
     if rows.is_empty() {
         return Ok(None);
     }
-    let [grey, dark] = PAPER_SHADES_PERCENT;
     let title = format!("Error of {DRAWN_FORCE_N} N as remedies are taken, from left to right");
-    let svg = figures::map_grid(&MapGrid {
-        frame: Frame::full(
-            title.clone(),
-            format!("{title}: small maps by place and direction, a row for each finger, a column for each remedy."),
-        ),
-        x: Axis::linear(ALONG_THE_PLATE).within(0.0, study.finger.plate_length_mm(Plate::Front)),
-        y: Axis::linear(DIRECTION_AXIS).within(-90.0, 90.0).with_ticks(vec![-60.0, 0.0, 60.0]),
-        columns: std::iter::once("as it is").chain(REMEDIES.map(|(name, _)| name)).map(str::to_owned).collect(),
-        rows,
-        limits: PAPER_SHADES_PERCENT,
-        shades: [
-            format!("clear: error up to {grey} %"),
-            format!("grey: up to {dark} %"),
-            format!("dark: above {dark} %"),
-        ],
-        missing_label: "no equilibrium, or no answer".to_owned(),
-    })?;
+    let alt = format!("{title}: small maps by place and direction, a row for each finger, a column for each remedy.");
+    let columns = std::iter::once("as it is").chain(REMEDIES.map(|(name, _)| name)).map(str::to_owned).collect();
+    let map = small_maps(&study.finger, Frame::full(title, alt), columns, rows, "no equilibrium, or no answer");
     Ok(Some(Figure {
-        svg,
+        svg: map.svg()?,
         caption: "What clears it: root mean square error by place and direction, by linear least squares with an assumed contact; then with \
                   zones and modulus known; with place and direction known too; and by the nonlinear estimator with four elements a \
                   member."
@@ -184,13 +158,13 @@ fn assumed(map: &&CauseMap) -> bool {
         && map.request.forces_n.contains(&DRAWN_FORCE_N)
 }
 
-fn clearing_row(map: &CauseMap) -> MapRow {
+fn clearing_row(map: &CauseMap) -> (String, Vec<Option<Cells>>) {
     let angles = map.request.angles_deg.len();
     let cells: Vec<&CauseCell> = map.cells.iter().filter(|cell| cell.force_n == DRAWN_FORCE_N).collect();
     let small = |error: &dyn Fn(&CauseCell) -> Option<f64>| {
         let percents: Vec<Option<f64>> = cells.iter().map(|cell| error(cell).map(|error| 100.0 * error)).collect();
         let clear = percents.iter().filter(|error| error.is_some_and(|error| error <= PAPER_SHADES_PERCENT[0])).count();
-        SmallMap {
+        Cells {
             note: format!("{:.0} % clear", 100.0 * clear as f64 / percents.len().max(1) as f64),
             x: map.request.places_mm.clone(),
             y: map.request.angles_deg.clone(),
@@ -199,7 +173,7 @@ fn clearing_row(map: &CauseMap) -> MapRow {
     };
     let remedied = (0..REMEDIES.len()).map(|taken| small(&|cell| cell.remedied.get(taken).copied().flatten()));
     let maps = std::iter::once(small(&|cell| cell.rms_error)).chain(remedied).map(Some).collect();
-    MapRow { label: truth_in_words(map).to_owned(), maps }
+    (truth_in_words(map).to_owned(), maps)
 }
 
 /// A series broken where there is no point; the legend has it once. A point on its own is marked, or it would not be seen.

@@ -1,16 +1,13 @@
 //! The overview, and the maps that explain.
 
 use super::{ESTIMATORS, EXPLANATIONS_CSV, Of, TRUTHS, small};
+use crate::figures::{Cells, ColourScale, FigureError, Frame, Map, Shades};
 use crate::report::ReportError;
-use crate::report::drawings::{ALONG_THE_PLATE, DIRECTION_AXIS, PAPER_SHADES_PERCENT, blank_map};
-use crate::report::figures::{
-    Axis, ColourScale, FigureError, Frame, HeatMap, MapGrid, MapRow, SmallMap, heat_map, map_grid,
-};
+use crate::report::drawings::{error_colours, plate_map, small_maps};
 use crate::report::page::Figure;
 use crate::sampling::map::{AccuracyMap, MapSummary};
 use crate::settings::DRAWN_FORCE_N;
 use crate::study::Study;
-use finray_model::finger::Plate;
 
 /// Every truth by every estimator, in the paper's shades.
 pub(super) fn overview(study: &Study, noisy: bool) -> Result<String, FigureError> {
@@ -21,34 +18,22 @@ pub(super) fn overview(study: &Study, noisy: bool) -> Result<String, FigureError
         let row = maps(truth);
         let label = (*label).to_owned();
         let any = row.iter().any(Option::is_some);
-        any.then(|| MapRow { label, maps: columns.iter().map(|column| row[*column].as_ref().map(small_map)).collect() })
+        any.then(|| (label, columns.iter().map(|column| row[*column].as_ref().map(small_map)).collect()))
     });
-    let [grey, dark] = PAPER_SHADES_PERCENT;
     let noise = if noisy { format!("{} mm noise", study.noise_mm) } else { "no noise".to_owned() };
-    map_grid(&MapGrid {
-        frame: Frame::full(
-            format!("Error of {DRAWN_FORCE_N} N by place and direction, {noise}"),
-            "Small maps of the error of a sensed force by place and direction: a row for each true finger, a column for each \
-             estimator.",
-        ),
-        x: Axis::linear(ALONG_THE_PLATE).within(0.0, study.finger.plate_length_mm(Plate::Front)),
-        y: Axis::linear(DIRECTION_AXIS).within(-90.0, 90.0).with_ticks(vec![-60.0, 0.0, 60.0]),
-        columns: columns.iter().map(|column| ESTIMATORS[*column].1.to_owned()).collect(),
-        rows: rows.collect(),
-        limits: PAPER_SHADES_PERCENT,
-        shades: [
-            format!("clear: error up to {grey} %"),
-            format!("grey: up to {dark} %"),
-            format!("dark: above {dark} %"),
-        ],
-        missing_label: "no equilibrium, or refused".to_owned(),
-    })
+    let frame = Frame::full(
+        format!("Error of {DRAWN_FORCE_N} N by place and direction, {noise}"),
+        "Small maps of the error of a sensed force by place and direction: a row for each true finger, a column for each \
+         estimator.",
+    );
+    let names = columns.iter().map(|column| ESTIMATORS[*column].1.to_owned()).collect();
+    small_maps(&study.finger, frame, names, rows.collect(), "no equilibrium, or refused").svg()
 }
 
-fn small_map(map: &AccuracyMap) -> SmallMap {
+fn small_map(map: &AccuracyMap) -> Cells {
     let summary = map.summary(Some(DRAWN_FORCE_N));
     let percents = |row: Vec<Option<f64>>| row.into_iter().map(|error| error.map(|e| 100.0 * e)).collect();
-    SmallMap {
+    Cells {
         note: note(&summary),
         x: map.request.places_mm.clone(),
         y: map.request.angles_deg.clone(),
@@ -109,7 +94,7 @@ pub(super) fn explanations(study: &Study) -> Result<Vec<Figure>, ReportError> {
 }
 
 fn kinds() -> [Kind; 5] {
-    let errors = ColourScale::log(0.1, 100.0);
+    let errors = error_colours();
     [
         Kind {
             title: "bound, direction known",
@@ -169,16 +154,16 @@ fn explanation(study: &Study, kind: &Kind) -> Result<String, FigureError> {
     let map = &study.explanations;
     let title = format!("{}, {} N", kind.title, map.force_n);
     let alt = format!("{title}: {} by place along the front plate and direction.", kind.value_label);
-    heat_map(&HeatMap {
-        frame: Frame::half(title, alt),
-        values: map.values(kind.of),
-        value_label: kind.value_label.to_owned(),
-        colours: kind.colours,
+    let cells =
+        Cells { note: String::new(), x: map.places_mm.clone(), y: map.angles_deg.clone(), values: map.values(kind.of) };
+    let shades = Shades::Scale(kind.colours, kind.value_label.to_owned());
+    Map {
         contours: kind.contours.to_vec(),
-        contour_unit: kind.contour_unit.to_owned(),
+        contour_unit: kind.contour_unit,
         missing_label: kind.missing_label.to_owned(),
-        ..blank_map(&study.finger, &map.places_mm, &map.angles_deg)
-    })
+        ..plate_map(&study.finger, Frame::half(title, alt), shades, cells)
+    }
+    .svg()
 }
 
 #[cfg(test)]

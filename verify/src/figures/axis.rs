@@ -1,0 +1,240 @@
+//! Axes: limits, ticks, and the coordinate that plotters draws them with.
+
+use std::ops::Range;
+
+use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
+
+use super::error::{FigureError, require, require_finite, require_limits};
+use super::sheet::{SPACE, TICK_TEXT};
+use super::text::{fixed, number, width_of};
+
+/// Whether equal lengths are equal differences or equal ratios.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scale {
+    /// Equal differences.
+    Linear,
+    /// Equal ratios; values must be above zero.
+    Log,
+}
+
+impl Scale {
+    /// The number that grows evenly along this scale.
+    pub(super) fn measure(self, value: f64) -> f64 {
+        if self == Self::Log { value.log10() } else { value }
+    }
+
+    /// Position of a value within limits, 0 to 1.
+    pub(super) fn fraction(self, value: f64, limits: [f64; 2]) -> f64 {
+        let [value, low, high] = [value, limits[0], limits[1]].map(|number| self.measure(number));
+        (value - low) / (high - low)
+    }
+}
+
+/// One axis of a figure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    pub(super) label: String,
+    pub(super) scale: Scale,
+    pub(super) limits: Option<[f64; 2]>,
+    pub(super) ticks: Option<Vec<(f64, String)>>,
+}
+
+impl Axis {
+    /// A linear axis of this quantity and unit, e.g. "force, N", that takes its limits from the data.
+    pub fn linear(label: impl Into<String>) -> Self {
+        Self { label: label.into(), scale: Scale::Linear, limits: None, ticks: None }
+    }
+
+    /// A logarithmic axis that takes its limits from the data.
+    pub fn log(label: impl Into<String>) -> Self {
+        Self { scale: Scale::Log, ..Self::linear(label) }
+    }
+
+    /// An axis of named categories at 0, 1, 2, ...
+    pub fn categories(label: impl Into<String>, names: Vec<String>) -> Self {
+        let end = names.len() as f64 - 0.5;
+        Self::linear(label).within(-0.5, end).named((0..).map(f64::from).zip(names).collect())
+    }
+
+    /// The same axis with these ends; what lies beyond them is drawn at the edge.
+    pub fn within(self, low: f64, high: f64) -> Self {
+        Self { limits: Some([low, high]), ..self }
+    }
+
+    /// The same axis with ticks at these values.
+    pub fn with_ticks(self, ticks: impl IntoIterator<Item = f64>) -> Self {
+        self.named(ticks.into_iter().map(|value| (value, number(value))).collect())
+    }
+
+    /// The same axis with ticks at these values, under these names.
+    pub fn named(self, ticks: Vec<(f64, String)>) -> Self {
+        Self { ticks: Some(ticks), ..self }
+    }
+
+    /// How many ticks are given: of categories, their number.
+    pub(super) fn names(&self) -> usize {
+        self.ticks.as_ref().map_or(0, Vec::len)
+    }
+
+    /// Limits, or round numbers just beyond the data; and the ticks that fit `pixels`.
+    pub(super) fn ruler(&self, data: &[f64], pixels: f64, upright: bool) -> Result<Ruler, FigureError> {
+        require_finite(&self.label, data.iter())?;
+        require(self.limits.is_some() || !data.is_empty(), FigureError::Empty, &self.label)?;
+        let all = data.iter().chain(self.limits.iter().flatten()).copied();
+        let low = all.clone().fold(f64::INFINITY, f64::min);
+        require(self.scale == Scale::Linear || low > 0.0, FigureError::NotPositive, &self.label)?;
+        let span = self.limits.unwrap_or_else(|| round_out(self.scale, [low, all.fold(low, f64::max)]));
+        require_limits(&self.label, span)?;
+        let spacing = if upright { 44.0 } else { 75.0 };
+        let most = (pixels / spacing).clamp(2.0, 12.0).floor();
+        let ticks = self.ticks.clone().unwrap_or_else(|| round_ticks(self.scale, span, most));
+        let mut ruler = Ruler { scale: self.scale, span, ticks };
+        ruler.thin(pixels, upright);
+        Ok(ruler)
+    }
+}
+
+/// An axis with limits and ticks: the coordinate of plotters' charts.
+#[derive(Debug, Clone)]
+pub(super) struct Ruler {
+    pub(super) scale: Scale,
+    pub(super) span: [f64; 2],
+    /// Values with their names; a tick without a name has no label.
+    pub(super) ticks: Vec<(f64, String)>,
+}
+
+impl Ruler {
+    /// Drops ticks beyond the span, and names that would touch the one before.
+    fn thin(&mut self, pixels: f64, upright: bool) {
+        let (span, scale, mut free) = (self.span, self.scale, f64::NEG_INFINITY);
+        self.ticks.retain(|(value, _)| (-1e-9..=1.0 + 1e-9).contains(&scale.fraction(*value, span)));
+        self.ticks.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (value, name) in &mut self.ticks {
+            let at = scale.fraction(*value, span) * pixels;
+            let room = if upright { TICK_TEXT * 1.1 } else { width_of(name, TICK_TEXT) + SPACE };
+            if at - room / 2.0 < free {
+                name.clear();
+            } else {
+                free = at + room / 2.0;
+            }
+        }
+    }
+}
+
+impl Ranged for Ruler {
+    type FormatOption = NoDefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, (from, to): (i32, i32)) -> i32 {
+        let part = self.scale.fraction(*value, self.span);
+        // The logarithm of zero or less is no number: the axis's foot stands for it.
+        let part = if part.is_finite() { part.clamp(0.0, 1.0) } else { 0.0 };
+        from + (part * f64::from(to - from)).round() as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        if hint.weight().allow_light_points() { Vec::new() } else { self.ticks.iter().map(|tick| tick.0).collect() }
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.span[0]..self.span[1]
+    }
+}
+
+impl ValueFormatter<f64> for Ruler {
+    fn format_ext(&self, value: &f64) -> String {
+        self.ticks.iter().find(|tick| tick.0 == *value).map_or(String::new(), |tick| tick.1.clone())
+    }
+}
+
+/// Round values within the span, at most about `most`.
+pub(super) fn round_ticks(scale: Scale, [low, high]: [f64; 2], most: f64) -> Vec<(f64, String)> {
+    let decades = (high / low).log10();
+    // Less than a decade holds too few powers of ten: it is marked like a linear axis.
+    if scale == Scale::Linear || decades < 1.0 {
+        let step = round_up((high - low) / most);
+        let decimals = (-(step.log10() + 1e-9).floor()).max(0.0) as usize;
+        let [first, last] = [(low / step - 1e-9).ceil(), (high / step + 1e-9).floor()];
+        let values = (0..).map(|i| first + f64::from(i)).take_while(|multiple| *multiple <= last);
+        return values.map(|multiple| multiple * step).map(|value| (value, fixed(value, decimals))).collect();
+    }
+    let factors: &[f64] = if 3.0 * decades <= most { &[1.0, 2.0, 5.0] } else { &[1.0] };
+    let stride = (decades / most).ceil().max(1.0) as i32;
+    let powers =
+        (low.log10().floor() as i32..=high.log10().ceil() as i32).filter(|power| power.rem_euclid(stride) == 0);
+    let values = powers.flat_map(|power| factors.iter().map(move |factor| factor * 10f64.powi(power)));
+    let within = values.filter(|value| *value >= low * (1.0 - 1e-9) && *value <= high * (1.0 + 1e-9));
+    within.map(|value| (value, number(value))).collect()
+}
+
+/// The smallest of 1, 2, 5 times a power of ten that is not below a value above zero.
+fn round_up(value: f64) -> f64 {
+    let power = 10f64.powf(value.log10().floor());
+    [1.0, 2.0, 5.0]
+        .map(|factor| factor * power)
+        .into_iter()
+        .find(|step| *step >= value * (1.0 - 1e-9))
+        .unwrap_or(10.0 * power)
+}
+
+fn round_out(scale: Scale, [low, high]: [f64; 2]) -> [f64; 2] {
+    match scale {
+        Scale::Linear if low == high => {
+            // A single value has room on both sides, in its own order of size.
+            let room = if low == 0.0 { 1.0 } else { low.abs() * 0.5 };
+            [low - room, high + room]
+        }
+        Scale::Linear => {
+            let step = round_up((high - low) / 8.0);
+            [(low / step + 1e-9).floor() * step, (high / step - 1e-9).ceil() * step]
+        }
+        // The largest round number that is not above a value is the inverse of the smallest not below its inverse.
+        Scale::Log => match [1.0 / round_up(1.0 / low), round_up(high)] {
+            [low, high] if low < high => [low, high],
+            [low, high] => [low / 2.0, high * 2.0],
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(scale: Scale, span: [f64; 2], most: f64) -> String {
+        round_ticks(scale, span, most).into_iter().map(|tick| tick.1).collect::<Vec<_>>().join(" ")
+    }
+
+    #[test]
+    fn ticks_are_round_and_within_the_span() {
+        assert_eq!(names(Scale::Linear, [-60.0, 60.0], 8.0), "−60 −40 −20 0 20 40 60");
+        assert_eq!(names(Scale::Linear, [0.0, 0.5], 6.0), "0 0.1 0.2 0.3 0.4 0.5");
+        assert_eq!(names(Scale::Log, [0.01, 100.0], 6.0), "0.01 0.1 1 10 100");
+        assert_eq!(names(Scale::Log, [1.0, 20.0], 6.0), "1 2 5 10 20");
+    }
+
+    #[test]
+    fn names_that_would_touch_are_left_out_and_their_ticks_stay() {
+        let crowded = Axis::linear("x").within(0.0, 10.0).with_ticks([0.0, 4.0, 5.0, 10.0, 11.0]);
+        let ticks = crowded.ruler(&[], 100.0, false).unwrap().ticks;
+        assert_eq!(ticks.iter().map(|tick| tick.1.as_str()).collect::<Vec<_>>(), ["0", "4", "", "10"]);
+    }
+
+    #[test]
+    fn a_log_ruler_has_its_geometric_mean_in_the_middle() {
+        let ruler = Axis::log("x").within(0.1, 10.0).ruler(&[], 200.0, false).unwrap();
+        assert_eq!([0.1, 1.0, 10.0, 0.0, 99.0].map(|value| ruler.map(&value, (200, 0))), [200, 100, 0, 200, 0]);
+    }
+
+    #[test]
+    fn the_span_holds_the_data_and_refuses_what_has_no_position() {
+        let span = |axis: Axis, data: &[f64]| axis.ruler(data, 400.0, true).map(|ruler| ruler.span);
+        assert_eq!(span(Axis::linear("y"), &[0.3, 9.7]), Ok([0.0, 10.0]));
+        assert_eq!(span(Axis::linear("y"), &[3.0]), Ok([1.5, 4.5]));
+        let [low, high] = span(Axis::log("y"), &[0.3, 70.0]).unwrap();
+        assert!((low - 0.2).abs() < 1e-12 && (high - 100.0).abs() < 1e-9);
+        assert!(matches!(span(Axis::log("y"), &[0.0, 1.0]), Err(FigureError::NotPositive(_))));
+        assert!(matches!(span(Axis::linear("y"), &[f64::NAN]), Err(FigureError::NotFinite(_))));
+        assert!(matches!(span(Axis::linear("y"), &[]), Err(FigureError::Empty(_))));
+        assert!(matches!(span(Axis::linear("y").within(1.0, 1.0), &[]), Err(FigureError::NoRoom(..))));
+    }
+}

@@ -1,0 +1,144 @@
+//! Bars in groups, with their values above them.
+
+use plotters::style::text_anchor::{HPos, VPos};
+
+use super::axis::Axis;
+use super::colour::{Hue, OVER_LINES};
+use super::error::{FigureError, require, require_finite, require_len};
+use super::geometry::Area;
+use super::legend::Entry;
+use super::panels::Plot;
+use super::sheet::{Sheet, TICK_TEXT, Words};
+use super::text::{number, widest};
+
+/// The bars of one source.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bars {
+    /// Words in the legend, e.g. "paper".
+    pub label: String,
+    /// Colour.
+    pub hue: Hue,
+    /// One value for each category; none where there is no value.
+    pub values: Vec<Option<f64>>,
+}
+
+/// Share of a category's room that its bars fill.
+const FILLED: f64 = 0.82;
+
+impl Bars {
+    pub(super) fn check(&self, categories: &Axis) -> Result<(), FigureError> {
+        require_len(&self.label, &self.values, categories.names())?;
+        require_finite(&self.label, self.values.iter().flatten())?;
+        require(self.values.iter().flatten().all(|value| *value >= 0.0), FigureError::NotPositive, &self.label)
+    }
+
+    /// What the axis must hold: the values, and zero, or lengths would not be in proportion to values.
+    pub(super) fn heights(&self) -> impl Iterator<Item = f64> {
+        self.values.iter().flatten().copied().chain([0.0])
+    }
+
+    pub(super) fn entry(&self) -> Entry<'_> {
+        Entry::patch(&self.label, self.hue.ink())
+    }
+
+    /// The n-th of some bars of a category; without value it has no height.
+    fn area(plot: &Plot, [nth, of]: [usize; 2], category: usize, value: Option<f64>) -> Area {
+        let bar = FILLED / of as f64;
+        let left = category as f64 - FILLED / 2.0 + bar * nth as f64;
+        Area::between(plot.at([left + 0.04 * bar, 0.0]), plot.at([left + 0.96 * bar, value.unwrap_or(0.0)]))
+    }
+
+    pub(super) fn draw(&self, sheet: &Sheet, plot: &Plot, nth: [usize; 2]) -> Result<(), FigureError> {
+        let drawn = self.values.iter().enumerate().filter(|(_, value)| value.is_some());
+        drawn.into_iter().try_for_each(|(i, value)| sheet.cell(Self::area(plot, nth, i, *value), self.hue.ink()))
+    }
+}
+
+/// How the values above bars are written.
+pub(super) struct Writing {
+    /// Values wider than their bars are written upwards.
+    rising: bool,
+    size: f64,
+    /// Room that the longest takes above its bar.
+    pub(super) height: f64,
+}
+
+impl Writing {
+    /// The writing for bars that share so many pixels.
+    pub(super) fn of(bars: &[Bars], categories: &Axis, pixels: f64) -> Self {
+        let texts: Vec<String> =
+            bars.iter().flat_map(|bars| &bars.values).flatten().map(|value| number(*value)).collect();
+        let bar = pixels * FILLED / (categories.names() * bars.len()).max(1) as f64;
+        let rising = widest(&texts, TICK_TEXT) + 2.0 > bar;
+        // Text that rises is as wide as its bar, so that it does not cover the neighbours, and no smaller than can be read.
+        let size = if rising { bar.clamp(13.0, TICK_TEXT) } else { TICK_TEXT };
+        let height = if rising { widest(&texts, size) } else { size } + 10.0;
+        Self { rising, size, height: if bars.is_empty() { 0.0 } else { height } }
+    }
+
+    /// Writes the values above their bars; where there is none, a dash.
+    pub(super) fn write(&self, sheet: &Sheet, plot: &Plot, bars: &Bars, nth: [usize; 2]) -> Result<(), FigureError> {
+        bars.values.iter().enumerate().try_for_each(|(category, value)| {
+            let bar = Bars::area(plot, nth, category, *value);
+            let text = value.map_or("–".to_owned(), number);
+            let words = Words::new(&text, [bar.centre()[0], bar.top - 4.0]).size(self.size).ink(OVER_LINES);
+            let rising = self.rising && value.is_some();
+            sheet.words(if rising { words.rising() } else { words.anchor(HPos::Center, VPos::Bottom) })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figures::{Chart, Frame};
+
+    fn chart() -> Chart {
+        let bars =
+            |label: &str, hue, values: [Option<f64>; 2]| Bars { label: label.to_owned(), hue, values: values.into() };
+        let bars = vec![bars("paper", Hue::Blue, [Some(2.0), Some(4.0)]), bars("ours", Hue::Orange, [Some(1.0), None])];
+        let categories = Axis::categories("node", vec!["14".to_owned(), "16".to_owned()]);
+        Chart::of_bars(Frame::full("Error by node", "error by node"), [categories, Axis::linear("error, %")], bars)
+    }
+
+    /// Heights of the drawn bars of one colour, the legend's patch left out.
+    fn heights(svg: &str, colour: &str) -> Vec<f64> {
+        let bars = svg.lines().filter(|line| line.starts_with("<rect") && line.contains(colour));
+        let height = |line: &str| line.split("height=\"").nth(1)?.split('"').next()?.parse().ok();
+        let heights: Vec<f64> = bars.filter_map(height).collect();
+        heights[..heights.len() - 1].to_vec()
+    }
+
+    #[test]
+    fn bars_are_as_tall_as_their_values() {
+        let svg = chart().svg().unwrap();
+        let (blue, orange) = (heights(&svg, "#1f82c4"), heights(&svg, "#e69f00"));
+        assert_eq!((blue.len(), orange.len()), (2, 1));
+        assert!(
+            (blue[1] / blue[0] - 2.0).abs() < 0.01 && (blue[0] / orange[0] - 2.0).abs() < 0.01,
+            "{blue:?} {orange:?}"
+        );
+        assert!(svg.contains(">–</text>") && svg.contains(">paper</text>"));
+    }
+
+    #[test]
+    fn narrow_bars_have_their_values_written_upwards_with_room_above() {
+        let Chart { x, bars, .. } = chart();
+        assert!(!Writing::of(&bars, &x, 400.0).rising);
+        let narrow = Writing::of(&bars, &x, 20.0);
+        assert!(narrow.rising && narrow.height > widest(&["4".to_owned()], 13.0));
+    }
+
+    #[test]
+    fn what_makes_no_bar_is_refused() {
+        let refusal = |change: fn(&mut Chart)| {
+            let mut broken = chart();
+            change(&mut broken);
+            broken.svg().unwrap_err()
+        };
+        assert!(matches!(refusal(|c| c.bars[0].values[0] = Some(f64::INFINITY)), FigureError::NotFinite(_)));
+        assert!(matches!(refusal(|c| c.bars[0].values[0] = Some(-1.0)), FigureError::NotPositive(_)));
+        assert!(matches!(refusal(|c| c.bars[0].values.truncate(1)), FigureError::Mismatch(_, 2, 1)));
+        assert!(matches!(refusal(|c| c.y = Axis::log("error, %")), FigureError::NotPositive(_)));
+    }
+}

@@ -1,0 +1,115 @@
+//! Points, lines and rectangles of a drawing.
+
+/// A point (x, y): of the data, usually in millimetres, or of the sheet, in pixels.
+pub type Point = [f64; 2];
+
+/// Several lines, each through its points in order.
+pub type Lines = Vec<Vec<Point>>;
+
+/// An upright rectangle in pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Area {
+    pub(super) left: f64,
+    pub(super) top: f64,
+    pub(super) right: f64,
+    pub(super) bottom: f64,
+}
+
+impl Area {
+    /// The rectangle of this size about a centre.
+    pub(super) fn about([x, y]: Point, width: f64, height: f64) -> Self {
+        Self { left: x - width / 2.0, top: y - height / 2.0, right: x + width / 2.0, bottom: y + height / 2.0 }
+    }
+
+    /// The rectangle between two opposite corners.
+    pub(super) fn between(a: Point, b: Point) -> Self {
+        Self { left: a[0].min(b[0]), top: a[1].min(b[1]), right: a[0].max(b[0]), bottom: a[1].max(b[1]) }
+    }
+
+    pub(super) fn width(&self) -> f64 {
+        self.right - self.left
+    }
+
+    pub(super) fn height(&self) -> f64 {
+        self.bottom - self.top
+    }
+
+    pub(super) fn centre(&self) -> Point {
+        between([self.left, self.top], [self.right, self.bottom], 0.5)
+    }
+
+    /// The closed line around it.
+    pub(super) fn outline(&self) -> [Point; 5] {
+        let Self { left, top, right, bottom } = *self;
+        [[left, top], [right, top], [right, bottom], [left, bottom], [left, top]]
+    }
+
+    /// Whether another rectangle lies inside.
+    pub(super) fn holds(&self, other: &Self) -> bool {
+        let across = self.left <= other.left && other.right <= self.right;
+        across && self.top <= other.top && other.bottom <= self.bottom
+    }
+
+    /// Whether two rectangles overlap.
+    pub(super) fn meets(&self, other: &Self) -> bool {
+        self.left < other.right && other.left < self.right && self.top < other.bottom && other.top < self.bottom
+    }
+
+    /// The part of a segment that lies inside (Liang and Barsky).
+    pub(super) fn clip(&self, from: Point, to: Point) -> Option<[Point; 2]> {
+        let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+        let [dx, dy] = [to[0] - from[0], to[1] - from[1]];
+        let sides = [
+            (-dx, from[0] - self.left),
+            (dx, self.right - from[0]),
+            (-dy, from[1] - self.top),
+            (dy, self.bottom - from[1]),
+        ];
+        for (step, room) in sides {
+            match step {
+                0.0 if room < 0.0 => return None,
+                0.0 => {}
+                step if step < 0.0 => enter = enter.max(room / step),
+                step => leave = leave.min(room / step),
+            }
+        }
+        (enter <= leave).then(|| [between(from, to, enter), between(from, to, leave)])
+    }
+}
+
+/// Segments of lines.
+pub(super) fn segments<'a>(lines: impl IntoIterator<Item = &'a Vec<Point>>) -> impl Iterator<Item = [Point; 2]> {
+    lines.into_iter().flat_map(|line| line.windows(2)).map(|pair| [pair[0], pair[1]])
+}
+
+/// Length of a line.
+pub(super) fn length(line: &[Point]) -> f64 {
+    line.windows(2).map(|pair| distance(pair[0], pair[1])).sum()
+}
+
+pub(super) fn distance(a: Point, b: Point) -> f64 {
+    (b[0] - a[0]).hypot(b[1] - a[1])
+}
+
+/// The point at a fraction of the way from `a` to `b`.
+pub(super) fn between(a: Point, b: Point, part: f64) -> Point {
+    [a[0] + (b[0] - a[0]) * part, a[1] + (b[1] - a[1]) * part]
+}
+
+/// `from`, moved by a length along a direction.
+pub(super) fn along(from: Point, direction: Point, length: f64) -> Point {
+    [from[0] + direction[0] * length, from[1] + direction[1] * length]
+}
+
+/// The direction from `a` to `b`, of unit length; none where they are one point.
+pub(super) fn direction(a: Point, b: Point) -> Option<Point> {
+    let length = distance(a, b);
+    (length > 0.0).then(|| [(b[0] - a[0]) / length, (b[1] - a[1]) / length])
+}
+
+/// Distance of a point from a segment.
+pub(super) fn gap(at: Point, [from, to]: [Point; 2]) -> f64 {
+    let along = direction(from, to).unwrap_or([0.0, 0.0]);
+    let reach = (at[0] - from[0]) * along[0] + (at[1] - from[1]) * along[1];
+    distance(at, self::along(from, along, reach.clamp(0.0, distance(from, to))))
+}

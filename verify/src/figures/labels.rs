@@ -1,0 +1,94 @@
+//! Positions of labels that hide neither lines nor each other.
+
+use super::colour::OVER_LINES;
+use super::error::FigureError;
+use super::geometry::{Area, Lines, Point, along, distance, segments};
+use super::sheet::{Sheet, TICK_TEXT, Words};
+use super::text::width_of;
+
+/// A label that is to stand near its anchor.
+pub(super) struct Label {
+    pub(super) text: String,
+    /// The point that the label belongs to.
+    pub(super) anchor: Point,
+    /// Direction in which it should stand, of unit length.
+    pub(super) side: Point,
+}
+
+/// What labels must keep off.
+pub(super) struct Obstacles {
+    pub(super) lines: Lines,
+    pub(super) areas: Vec<Area>,
+    pub(super) within: Area,
+}
+
+impl Obstacles {
+    /// Writes each label in turn where it costs least, and keeps the others off it.
+    pub(super) fn write(&mut self, sheet: &Sheet, labels: &[Label]) -> Result<(), FigureError> {
+        for label in labels.iter().filter(|label| !label.text.is_empty()) {
+            sheet.words(Words::new(&label.text, self.position(label)).ink(OVER_LINES))?;
+        }
+        Ok(())
+    }
+
+    /// The best centre of a label around its anchor: close, on its side, hiding nothing. One that hides something is taken only when
+    /// every other does so too.
+    fn position(&mut self, label: &Label) -> Point {
+        let [width, height] = [width_of(&label.text, TICK_TEXT) + 4.0, TICK_TEXT + 2.0];
+        let start = label.side[1].atan2(label.side[0]);
+        let candidates = [5.0, 9.0, 14.0, 20.0, 28.0].into_iter().flat_map(|gap| {
+            (0..24).map(move |turn| {
+                let (up, across) = (start + f64::from(turn) * std::f64::consts::TAU / 24.0).sin_cos();
+                // So far that the label's edge, not its middle, keeps the gap.
+                let reach = (across.abs() * width + up.abs() * height) / 2.0 - 1.0;
+                along(label.anchor, [across, up], gap + reach)
+            })
+        });
+        let costs = candidates.map(|at| (self.cost(label, Area::about(at, width, height)), at));
+        let best = costs.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(label.anchor, |(_, at)| at);
+        self.areas.push(Area::about(best, width, height));
+        best
+    }
+
+    fn cost(&self, label: &Label, area: Area) -> f64 {
+        let crossed = segments(&self.lines).filter(|[from, to]| area.clip(*from, *to).is_some()).count();
+        let hidden = self.areas.iter().filter(|other| other.meets(&area)).count();
+        let outside = f64::from(!self.within.holds(&area));
+        let (at, from) = (area.centre(), label.anchor);
+        let far = distance(from, at);
+        let turned = 1.0 - ((at[0] - from[0]) * label.side[0] + (at[1] - from[1]) * label.side[1]) / far.max(1e-9);
+        100.0 * crossed as f64 + 200.0 * hidden as f64 + 1000.0 * outside + far + 18.0 * turned
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn obstacles(lines: Lines) -> Obstacles {
+        Obstacles { lines, areas: vec![], within: Area::between([0.0, 0.0], [400.0, 200.0]) }
+    }
+
+    fn label(anchor: Point) -> Label {
+        Label { text: "123".to_owned(), anchor, side: [0.0, -1.0] }
+    }
+
+    #[test]
+    fn crowded_labels_hide_neither_each_other_nor_the_line() {
+        let mut obstacles = obstacles(vec![vec![[20.0, 100.0], [380.0, 100.0]]]);
+        for i in 0..8 {
+            obstacles.position(&label([60.0 + 14.0 * f64::from(i), 100.0]));
+        }
+        for (index, area) in obstacles.areas.iter().enumerate() {
+            assert!(area.clip([20.0, 100.0], [380.0, 100.0]).is_none());
+            assert!(obstacles.areas[..index].iter().all(|other| !other.meets(area)));
+        }
+    }
+
+    #[test]
+    fn a_label_stands_on_its_side_where_there_is_room_and_stays_on_the_sheet() {
+        let [x, y] = obstacles(vec![]).position(&label([200.0, 100.0]));
+        assert!((x - 200.0).abs() < 1e-9 && y < 100.0);
+        assert!(obstacles(vec![]).position(&label([200.0, 4.0]))[1] >= 8.0);
+    }
+}

@@ -1,0 +1,93 @@
+//! The legend: samples with words, in rows below the plots, where they hide no data.
+
+use plotters::style::RGBColor;
+
+use super::error::FigureError;
+use super::geometry::Area;
+use super::sheet::{Sheet, TICK_TEXT, Words};
+use super::text::{widest, wrap};
+
+/// Draws a sample into an area.
+type Sample<'a> = Box<dyn Fn(&Sheet, Area) -> Result<(), FigureError> + 'a>;
+
+/// Words with a sample before them.
+pub(super) struct Entry<'a> {
+    text: String,
+    sample: Sample<'a>,
+}
+
+impl<'a> Entry<'a> {
+    pub(super) fn new(text: impl Into<String>, sample: impl Fn(&Sheet, Area) -> Result<(), FigureError> + 'a) -> Self {
+        Self { text: text.into(), sample: Box::new(sample) }
+    }
+
+    /// A filled patch.
+    pub(super) fn patch(text: impl Into<String>, ink: RGBColor) -> Self {
+        Self::new(text, move |sheet, area| sheet.cell(Area::about(area.centre(), 26.0, 15.0), ink))
+    }
+}
+
+const SAMPLE: f64 = 38.0;
+const GAP: f64 = 8.0;
+const BETWEEN: f64 = 24.0;
+const ROW: f64 = 24.0;
+
+/// Entries in rows: their lines of words, left edge and row.
+pub(super) struct Legend<'a> {
+    entries: Vec<(Sample<'a>, Vec<String>, f64, usize)>,
+    rows: usize,
+}
+
+impl<'a> Legend<'a> {
+    /// Sets the entries that have words in rows between two positions across.
+    pub(super) fn lay_out(entries: Vec<Entry<'a>>, [left, right]: [f64; 2]) -> Self {
+        let mut placed = Vec::new();
+        // `row` is the row being filled, `next` the first one below everything in it.
+        let (mut x, mut row, mut next) = (left, 0, 0);
+        for Entry { text, sample } in entries.into_iter().filter(|entry| !entry.text.is_empty()) {
+            let lines = wrap(&text, TICK_TEXT, right - left - SAMPLE - GAP);
+            let width = SAMPLE + GAP + widest(&lines, TICK_TEXT);
+            if x > left && x + width > right {
+                (x, row) = (left, next);
+            }
+            next = next.max(row + lines.len());
+            placed.push((sample, lines, x, row));
+            x += width + BETWEEN;
+        }
+        Self { entries: placed, rows: next }
+    }
+
+    pub(super) fn height(&self) -> f64 {
+        self.rows as f64 * ROW
+    }
+
+    /// Draws the rows below `top`.
+    pub(super) fn draw(&self, sheet: &Sheet, top: f64) -> Result<(), FigureError> {
+        for (sample, lines, x, row) in &self.entries {
+            let y = |line: usize| top + ((row + line) as f64 + 0.5) * ROW;
+            sample(sheet, Area::about([x + SAMPLE / 2.0, y(0)], SAMPLE, 15.0))?;
+            for (index, line) in lines.iter().enumerate() {
+                sheet.words(Words::new(line, [x + SAMPLE + GAP, y(index)]).left())?;
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figures::colour::TEXT;
+
+    fn rows(texts: &[&str], right: f64) -> Vec<(usize, usize)> {
+        let entries = texts.iter().map(|text| Entry::patch(*text, TEXT)).collect();
+        Legend::lay_out(entries, [0.0, right]).entries.iter().map(|entry| (entry.3, entry.1.len())).collect()
+    }
+
+    #[test]
+    fn entries_go_on_in_the_next_row_and_long_words_are_broken() {
+        assert_eq!(rows(&["one", "two", "three"], 200.0), [(0, 1), (0, 1), (1, 1)]);
+        let broken = rows(&["a co-rotational solution with every node free to turn", "", "next"], 260.0);
+        assert!(broken.len() == 2 && broken[0].1 > 1 && broken[1].0 == broken[0].1, "{broken:?}");
+    }
+}

@@ -1,0 +1,39 @@
+//! Figures: numbers in, SVG text out.
+//!
+//! Each figure is a pure function of its data. The SVG is meant to stand inside an HTML page: it scales with the page's width, its
+//! neutral ink is the page's text colour (`currentColor`), and what must hide something behind it is drawn in the page's background,
+//! `--paper` where the page defines it. Colours stay apart for colour-blind readers, in light and dark mode; dashes and markers
+//! distinguish series without any colour.
+//!
+//! Plotters computes coordinates, axes and shapes; here are what it does not have (maps with holes and contours, positions of labels,
+//! drawings to scale) and one layout for all.
+
+mod axis;
+mod bars;
+mod chart;
+mod colour;
+mod colour_bar;
+mod contour;
+mod drawing;
+mod error;
+mod geometry;
+mod labels;
+mod legend;
+mod map;
+mod marks;
+mod panels;
+mod sheet;
+mod svg;
+mod text;
+
+pub use axis::{Axis, Scale};
+pub use bars::Bars;
+pub use chart::{Chart, Series, Spread};
+pub use colour::{ColourScale, Hue};
+pub use drawing::{Arrow, Drawing, NodeMark, Stroke};
+pub use error::FigureError;
+pub use geometry::{Lines, Point};
+pub use map::{Cells, Class, Map, Shades};
+pub use marks::Marker;
+pub use panels::Frame;
+pub use sheet::Dash;

@@ -1,0 +1,264 @@
+//! The layout that every figure shares: heading, label of the upright axis, plots, label of the level axis, colour bar, legend.
+
+use plotters::chart::{ChartBuilder, ChartContext, LabelAreaPosition};
+use plotters::coord::cartesian::Cartesian2d;
+use plotters::drawing::IntoDrawingArea;
+use plotters::style::text_anchor::{HPos, VPos};
+
+use super::axis::{Axis, Ruler};
+use super::colour::TEXT;
+use super::error::FigureError;
+use super::geometry::{Area, Point};
+use super::legend::{Entry, Legend};
+use super::sheet::{LABEL_TEXT, Pen, SPACE, Sheet, TICK_TEXT, Words, font, units};
+use super::svg::{Svg, escape};
+use super::text::{widest, wrap};
+
+/// Heading, description and size of a figure.
+///
+/// The drawing scales with the page; its width fixes how large its text is against its lines.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frame {
+    pub(super) title: String,
+    alt: String,
+    pub(super) width: f64,
+    pub(super) plot_height: Option<f64>,
+}
+
+impl Frame {
+    /// A figure as wide as the page's column (900 px): its heading, none where empty, and what it shows, in words, for a reader who cannot
+    /// see it.
+    pub fn full(title: impl Into<String>, alt: impl Into<String>) -> Self {
+        Self { title: title.into(), alt: alt.into(), width: 900.0, plot_height: None }
+    }
+
+    /// A figure that shares its row with another, or is read on a phone (560 px).
+    pub fn half(title: impl Into<String>, alt: impl Into<String>) -> Self {
+        Self { width: 560.0, ..Self::full(title, alt) }
+    }
+
+    /// The same figure with plots of this height, px; the most for drawings of equal aspect.
+    pub fn with_plot_height(self, pixels: f64) -> Self {
+        Self { plot_height: Some(pixels), ..self }
+    }
+
+    /// Height of a lone plot. Narrow ones are squarer, or their curves would be flattened.
+    pub(super) fn height(&self) -> f64 {
+        self.plot_height.unwrap_or(self.width * if self.width > 700.0 { 0.46 } else { 0.62 })
+    }
+
+    fn opening(&self, height: f64) -> String {
+        let (width, height) = (self.width, height.round());
+        let name = escape(if self.title.is_empty() { &self.alt } else { &self.title });
+        let label = name.replace('"', "&quot;");
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"100%\" \
+             style=\"display:block;height:auto;max-width:{width}px\" role=\"img\" aria-label=\"{label}\" stroke-linejoin=\"round\">\
+             <title>{name}</title><desc>{}</desc>\n",
+            escape(&self.alt)
+        )
+    }
+}
+
+/// A plot with its two axes.
+pub(super) struct Plot {
+    chart: ChartContext<'static, Svg, Cartesian2d<Ruler, Ruler>>,
+    pub(super) area: Area,
+}
+
+impl Plot {
+    /// Draws axes, and grid lines of an opacity, with so much room left, above and below for tick labels.
+    pub(super) fn new(
+        sheet: &Sheet,
+        area: Area,
+        [x, y]: [Ruler; 2],
+        [left, top, bottom]: [f64; 3],
+        grid: f64,
+    ) -> Result<Self, FigureError> {
+        let corner = (units(area.left - left), units(area.top - top));
+        let size = (units(area.width() + left), units(area.height() + top + bottom));
+        let mut chart = ChartBuilder::on(&sheet.0.clone().shrink(corner, size))
+            .set_label_area_size(LabelAreaPosition::Left, units(left))
+            .set_label_area_size(LabelAreaPosition::Top, units(top))
+            .set_label_area_size(LabelAreaPosition::Bottom, units(bottom))
+            .build_cartesian_2d(x, y)?;
+        chart
+            .configure_mesh()
+            .label_style(font(TICK_TEXT))
+            .axis_style(Pen::axis().style())
+            .bold_line_style(Pen::new(TEXT, 1.0).faint(grid).style())
+            .set_all_tick_mark_size(units(4.0))
+            .draw()?;
+        Ok(Self { chart, area })
+    }
+
+    /// Position of a point of the data on the sheet; what lies beyond an axis is at its end.
+    pub(super) fn at(&self, [x, y]: Point) -> Point {
+        let (x, y) = self.chart.backend_coord(&(x, y));
+        [f64::from(x), f64::from(y)].map(|units| units / super::svg::UNITS)
+    }
+
+    pub(super) fn line(&self, points: &[Point]) -> Vec<Point> {
+        points.iter().map(|point| self.at(*point)).collect()
+    }
+}
+
+/// What surrounds the plots of a figure.
+pub(super) struct Panels<'a> {
+    pub(super) frame: &'a Frame,
+    pub(super) axes: [&'a Axis; 2],
+    /// Values that the axes must hold where their limits are not given.
+    pub(super) data: [Vec<f64>; 2],
+    /// Height of a plot, px.
+    pub(super) height: f64,
+    /// Room kept free in each plot, above its axis's upper limit.
+    pub(super) head: f64,
+    /// A further scale along the top.
+    pub(super) top: Option<&'a Axis>,
+    /// Least room left of the plots, and room right of them.
+    pub(super) sides: [f64; 2],
+    /// Opacity of grid lines.
+    pub(super) grid: f64,
+    /// Names of small multiples; none for a lone plot.
+    pub(super) rows: &'a [String],
+    /// Names of their columns.
+    pub(super) columns: &'a [String],
+    /// Room above each plot.
+    pub(super) above: f64,
+    /// Height of what the caller draws between the level axis and the legend.
+    pub(super) below: f64,
+    pub(super) legend: Vec<Entry<'a>>,
+}
+
+const ROW_NAMES: f64 = 92.0;
+const HEADING_TEXT: f64 = 18.0;
+const HEADING_LINE: f64 = HEADING_TEXT * 1.3;
+const LABEL_LINE: f64 = LABEL_TEXT * 1.5;
+const TICKS: f64 = TICK_TEXT * 1.3 + SPACE;
+
+impl<'a> Panels<'a> {
+    /// A lone plot with grid lines.
+    pub(super) fn new(frame: &'a Frame, axes: [&'a Axis; 2]) -> Self {
+        let (height, sides) = (frame.height(), [30.0, 3.0 * SPACE]);
+        let (data, rows, columns, legend) = ([vec![], vec![]], &[], &[], vec![]);
+        Self {
+            frame,
+            axes,
+            data,
+            height,
+            head: 0.0,
+            top: None,
+            sides,
+            grid: 0.14,
+            rows,
+            columns,
+            above: 0.0,
+            below: 0.0,
+            legend,
+        }
+    }
+
+    /// Draws the surroundings; `paint` draws into the plots, row by row, and below them at its third argument.
+    pub(super) fn draw(
+        self,
+        paint: impl FnOnce(&Sheet, &[Plot], f64) -> Result<(), FigureError>,
+    ) -> Result<String, FigureError> {
+        let frame = self.frame;
+        let heading = wrap(&frame.title, HEADING_TEXT * 1.08, frame.width - 2.0 * SPACE);
+        let heading_height = heading.len() as f64 * HEADING_LINE + SPACE;
+        let [x_axis, y_axis] = self.axes;
+        let mut y = y_axis.ruler(&self.data[1], self.height - self.head, true)?;
+        y.span[1] += (y.span[1] - y.span[0]) * self.head / (self.height - self.head);
+        let tick_room = (widest(y.ticks.iter().map(|tick| &tick.1), TICK_TEXT) + 2.5 * SPACE).max(self.sides[0]);
+        let left = tick_room + if self.rows.is_empty() { 0.0 } else { ROW_NAMES };
+        let [rows, columns] = [self.rows, self.columns].map(|names| names.len().max(1));
+        let gap = if columns > 1 { 2.0 * SPACE } else { 0.0 };
+        let width = (frame.width - self.sides[1] - left + gap) / columns as f64 - gap;
+        let x = x_axis.ruler(&self.data[0], width, false)?;
+        let top = if self.top.is_some() { TICKS } else { 0.0 };
+        let names = if self.columns.is_empty() { 0.0 } else { LABEL_LINE };
+        let first = heading_height + LABEL_LINE + SPACE / 2.0 + names + self.above + top;
+        let pitch = self.above + self.height + SPACE;
+        let bottom = first + rows as f64 * pitch - self.above - SPACE;
+        let under = bottom + TICKS + LABEL_LINE + SPACE;
+        let legend = Legend::lay_out(self.legend, [SPACE, frame.width - SPACE]);
+        let end = under + self.below + legend.height() + SPACE;
+
+        let svg = Svg { size: (units(frame.width) as u32, units(end) as u32), ..Svg::default() };
+        svg.text.borrow_mut().push_str(&frame.opening(end));
+        let sheet = Sheet(svg.clone().into_drawing_area());
+        for (index, line) in heading.iter().enumerate() {
+            let at = [SPACE, (index as f64 + 0.5) * HEADING_LINE];
+            sheet.words(Words::new(line, at).size(HEADING_TEXT).left().bold())?;
+        }
+        // Level, above the plots, so that nobody tilts the head.
+        sheet.words(Words::label(&y_axis.label, [SPACE, heading_height + LABEL_LINE * 0.4]).left())?;
+        sheet.words(Words::label(
+            &x_axis.label,
+            [(left + frame.width - self.sides[1]) / 2.0, bottom + TICKS + LABEL_LINE * 0.4],
+        ))?;
+        let area = |row: usize, column: usize| {
+            let corner = [left + column as f64 * (width + gap), first + row as f64 * pitch];
+            Area::between(corner, [corner[0] + width, corner[1] + self.height])
+        };
+        for (column, name) in self.columns.iter().enumerate() {
+            sheet.words(
+                Words::label(name, [area(0, column).left, first - self.above - LABEL_LINE * 0.5]).left().bold(),
+            )?;
+        }
+        for (row, name) in self.rows.iter().enumerate() {
+            for (index, line) in wrap(name, LABEL_TEXT * 1.08, ROW_NAMES).iter().enumerate() {
+                let y = area(row, 0).top + (index as f64 + 0.5) * LABEL_TEXT * 1.25;
+                sheet.words(Words::label(line, [SPACE, y]).left().bold())?;
+            }
+        }
+        if let Some(axis) = self.top {
+            let ruler = axis.clone().within(x.span[0], x.span[1]).ruler(&[], width, false)?;
+            Plot::new(&sheet, area(0, 0), [ruler, y.clone()], [0.0, top, 0.0], 0.0)?;
+            let name = Words::new(&axis.label, [left - SPACE, first - SPACE]);
+            sheet.words(name.anchor(HPos::Right, VPos::Bottom))?;
+        }
+        let mut plots = Vec::new();
+        for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
+            let room = [if column == 0 { tick_room } else { 0.0 }, 0.0, if row + 1 == rows { TICKS } else { 0.0 }];
+            plots.push(Plot::new(&sheet, area(row, column), [x.clone(), y.clone()], room, self.grid)?);
+        }
+        paint(&sheet, &plots, under)?;
+        plots.iter().try_for_each(|plot| sheet.line(&plot.area.outline(), Pen::axis()))?;
+        legend.draw(&sheet, under + self.below)?;
+        let drawn = svg.text.borrow().clone();
+        Ok(drawn + "</svg>\n")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figures::colour::OVER_LINES;
+
+    fn sample() -> String {
+        let (frame, axis) = (Frame::full("a < b & \"c\"", "what it shows"), Axis::linear("x, mm").within(0.0, 1.0));
+        let paint = |sheet: &Sheet, plots: &[Plot], _: f64| {
+            assert_eq!(plots[0].at([0.0, 1.0]), [plots[0].area.left, plots[0].area.top]);
+            sheet.words(Words::new("fill=\"#010203\" & <i>", [0.0, 0.0]).ink(OVER_LINES))
+        };
+        Panels::new(&frame, [&axis, &axis]).draw(paint).unwrap()
+    }
+
+    #[test]
+    fn the_drawing_scales_and_has_a_name() {
+        let svg = sample();
+        assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n") && svg.matches("<svg").count() == 1);
+        assert!(svg.contains("viewBox=\"0 0 900 ") && svg.contains("width=\"100%\"") && svg.contains("role=\"img\""));
+        assert!(svg.contains("<title>a &lt; b &amp; \"c\"</title><desc>what it shows</desc>"));
+        assert!(svg.contains("aria-label=\"a &lt; b &amp; &quot;c&quot;\""));
+    }
+
+    #[test]
+    fn neutral_ink_is_the_page_s_and_words_are_escaped() {
+        let svg = sample();
+        assert!(svg.contains("stroke=\"currentColor\"") && svg.contains("var(--paper,Canvas)"));
+        assert!(!svg.contains("=\"#01020") && !svg.contains("#000000"), "{svg}");
+        assert!(svg.contains(">fill=\"#010203\" &amp; &lt;i&gt;</text>"));
+    }
+}

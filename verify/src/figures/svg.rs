@@ -1,0 +1,170 @@
+//! The SVG writer behind plotters.
+//!
+//! Plotters draws in whole units; one is a tenth of a pixel, which keeps curves smooth. Neutral ink becomes the page's own
+//! colours here: text in `currentColor`, outlines of text in the page's background.
+
+use std::cell::RefCell;
+use std::fmt::{Error, Write};
+use std::rc::Rc;
+
+use plotters::style::{FontStyle, RGBColor};
+use plotters_backend::text_anchor::{HPos, VPos};
+use plotters_backend::{
+    BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind, FontTransform,
+};
+
+use super::colour::{ON_MAP, OVER_LINES, TEXT};
+use super::text::width_of;
+
+/// Units of the drawing in a pixel.
+pub(super) const UNITS: f64 = 10.0;
+
+type Done = Result<(), DrawingErrorKind<Error>>;
+
+/// A drawing in the making; copies write to the same text.
+#[derive(Clone, Default)]
+pub(super) struct Svg {
+    pub(super) text: Rc<RefCell<String>>,
+    /// Width and height in units.
+    pub(super) size: (u32, u32),
+}
+
+impl Svg {
+    /// Writes an element; nothing where it would not be seen.
+    fn element(&self, colour: BackendColor, text: std::fmt::Arguments) -> Done {
+        if colour.alpha == 0.0 {
+            return Ok(());
+        }
+        writeln!(self.text.borrow_mut(), "{text}").map_err(DrawingErrorKind::DrawingError)
+    }
+}
+
+/// The value of a `fill` or `stroke`, with its opacity.
+fn paint(name: &str, colour: BackendColor) -> String {
+    let (r, g, b) = colour.rgb;
+    let value = match RGBColor(r, g, b) {
+        TEXT | OVER_LINES => "currentColor".to_owned(),
+        ON_MAP => "#14171a".to_owned(),
+        _ => format!("#{r:02x}{g:02x}{b:02x}"),
+    };
+    let opacity = if colour.alpha < 1.0 { format!(" opacity=\"{}\"", colour.alpha) } else { String::new() };
+    format!("{name}=\"{value}\"{opacity}")
+}
+
+/// Fill or outline of a shape.
+fn dress(filled: bool, style: &impl BackendStyle) -> String {
+    match filled {
+        true => paint("fill", style.color()),
+        false => format!(
+            "fill=\"none\" {} stroke-width=\"{}\"",
+            paint("stroke", style.color()),
+            px(style.stroke_width() as i32)
+        ),
+    }
+}
+
+fn px(units: i32) -> f64 {
+    f64::from(units) / UNITS
+}
+
+fn list(points: impl IntoIterator<Item = BackendCoord>) -> String {
+    points.into_iter().map(|(x, y)| format!("{},{}", px(x), px(y))).collect::<Vec<_>>().join(" ")
+}
+
+/// Text that stands in markup as it reads.
+pub(super) fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
+impl DrawingBackend for Svg {
+    type ErrorType = Error;
+
+    fn get_size(&self) -> (u32, u32) {
+        self.size
+    }
+
+    fn ensure_prepared(&mut self) -> Done {
+        Ok(())
+    }
+
+    fn present(&mut self) -> Done {
+        Ok(())
+    }
+
+    fn draw_pixel(&mut self, (x, y): BackendCoord, colour: BackendColor) -> Done {
+        self.draw_rect((x, y), (x + 1, y + 1), &colour, true)
+    }
+
+    fn draw_line<S: BackendStyle>(&mut self, from: BackendCoord, to: BackendCoord, style: &S) -> Done {
+        self.draw_path([from, to], style)
+    }
+
+    /// Edges of filled rectangles are not softened, so that neighbours leave no gap.
+    fn draw_rect<S: BackendStyle>(&mut self, from: BackendCoord, to: BackendCoord, style: &S, fill: bool) -> Done {
+        let [x, y, width, height] = [from.0, from.1, to.0 - from.0, to.1 - from.1].map(px);
+        let edges = if fill { " shape-rendering=\"crispEdges\"" } else { "" };
+        let paint = dress(fill, style);
+        let at = format_args!("<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" {paint}{edges}/>");
+        self.element(style.color(), at)
+    }
+
+    fn draw_path<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(&mut self, path: I, style: &S) -> Done {
+        let paint = dress(false, style);
+        self.element(style.color(), format_args!("<polyline points=\"{}\" {paint}/>", list(path)))
+    }
+
+    fn draw_circle<S: BackendStyle>(&mut self, centre: BackendCoord, radius: u32, style: &S, fill: bool) -> Done {
+        let ([x, y], radius) = ([centre.0, centre.1].map(px), px(radius as i32));
+        let paint = dress(fill, style);
+        self.element(style.color(), format_args!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" {paint}/>"))
+    }
+
+    fn fill_polygon<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(&mut self, path: I, style: &S) -> Done {
+        let paint = dress(true, style);
+        self.element(style.color(), format_args!("<polygon points=\"{}\" {paint}/>", list(path)))
+    }
+
+    fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, (x, y): BackendCoord) -> Done {
+        let ([x, y], size) = ([x, y].map(px), style.size() / UNITS);
+        let across = match style.anchor().h_pos {
+            HPos::Left => "start",
+            HPos::Center => "middle",
+            HPos::Right => "end",
+        };
+        // Shares of the size by which a line's baseline lies below its top, middle and bottom.
+        let down = size
+            * match style.anchor().v_pos {
+                VPos::Top => 0.76,
+                VPos::Center => 0.35,
+                VPos::Bottom => -0.24,
+            };
+        let (r, g, b) = style.color().rgb;
+        let outline = match RGBColor(r, g, b) {
+            OVER_LINES => "stroke:var(--paper,Canvas);stroke-width:5px",
+            ON_MAP => "stroke:#ffffff;stroke-width:8px",
+            _ => "stroke:none",
+        };
+        let bold = if matches!(style.style(), FontStyle::Bold) { " font-weight=\"bold\"" } else { "" };
+        let turned = match style.transform() {
+            FontTransform::Rotate270 => format!(" transform=\"rotate(270 {x} {y})\""),
+            _ => String::new(),
+        };
+        let (paint, text) = (paint("fill", style.color()), escape(text));
+        let baseline = ((y + down) * UNITS).round() / UNITS;
+        self.element(
+            style.color(),
+            format_args!(
+                "<text x=\"{x}\" y=\"{baseline}\" font-family=\"sans-serif\" font-size=\"{size}\" text-anchor=\"{across}\"{bold}{turned} \
+                 {paint} style=\"paint-order:stroke;stroke-linejoin:round;{outline}\">{text}</text>"
+            ),
+        )
+    }
+
+    fn estimate_text_size<S: BackendTextStyle>(
+        &self,
+        text: &str,
+        style: &S,
+    ) -> Result<(u32, u32), DrawingErrorKind<Error>> {
+        Ok((width_of(text, style.size()) as u32, style.size() as u32))
+    }
+}

@@ -1,0 +1,75 @@
+//! Width of words and notation of numbers.
+//!
+//! The reader's fonts are unknown when a figure is drawn: widths are estimates, wide enough for the common sans-serif faces.
+
+/// Estimated width of one line of text, in the unit of its size.
+pub(super) fn width_of(text: &str, size: f64) -> f64 {
+    let ems = text.chars().map(|letter| match letter {
+        'i' | 'j' | 'l' | '.' | ',' | ':' | ';' | '\'' | '|' | '!' => 0.32,
+        ' ' | 'f' | 't' | 'r' | '(' | ')' | '-' | '/' | 'I' => 0.38,
+        'm' | 'M' | 'w' | 'W' | '%' | '—' | '@' => 0.95,
+        '−' | '+' | '=' | '<' | '>' | '≤' | '≥' | '×' => 0.78,
+        'A'..='Z' => 0.72,
+        _ => 0.61,
+    });
+    ems.sum::<f64>() * size
+}
+
+/// Width of the widest of some lines.
+pub(super) fn widest<'a>(lines: impl IntoIterator<Item = &'a String>, size: f64) -> f64 {
+    lines.into_iter().map(|line| width_of(line, size)).fold(0.0, f64::max)
+}
+
+/// Breaks text at spaces into lines no wider than `width`; a single long word stays whole.
+pub(super) fn wrap(text: &str, size: f64, width: f64) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if width_of(&format!("{line} {word}"), size) <= width => *line += &format!(" {word}"),
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
+/// A number to about three significant digits, with a true minus sign; powers of ten where it is very small or large.
+pub(super) fn number(value: f64) -> String {
+    let size = value.abs();
+    if size > 0.0 && !(1e-3..1e5).contains(&size) {
+        let exponent = size.log10().floor();
+        let factor = fixed(value / 10f64.powf(exponent), 1);
+        let raised = |digit: char| match digit.to_digit(10) {
+            Some(digit) => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][digit as usize],
+            None => '⁻',
+        };
+        let power: String = exponent.to_string().chars().map(raised).collect();
+        return if factor == "1" { format!("10{power}") } else { format!("{factor}×10{power}") };
+    }
+    fixed(value, (2.0 - size.max(1e-3).log10().floor()).clamp(0.0, 5.0) as usize)
+}
+
+/// A number with at most so many digits after the point.
+pub(super) fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    if text == "-0" { "0".to_owned() } else { text.replace('-', "−") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_keep_three_digits_and_lose_trailing_zeros() {
+        let numbers = [0.0, -2.5, 0.012_34, 1234.6, 100.0, 1e-6, 2.5e7, -0.0];
+        assert_eq!(numbers.map(number), ["0", "−2.5", "0.0123", "1235", "100", "10⁻⁶", "2.5×10⁷", "0"]);
+    }
+
+    #[test]
+    fn wrapped_lines_fit_and_lose_no_word() {
+        let text = "force found from the shape of the front plate against the force applied";
+        let lines = wrap(text, 16.0, 200.0);
+        assert!(lines.len() > 1 && lines.iter().all(|line| width_of(line, 16.0) <= 200.0));
+        assert_eq!(lines.join(" "), text);
+    }
+}
