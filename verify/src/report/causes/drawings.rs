@@ -8,8 +8,8 @@ use crate::report::drawings::{ALONG_THE_PLATE, DIRECTION_AXIS, PAPER_SHADES_PERC
 use crate::report::figures::{
     self, Axis, Category, CategoryMap, Dash, Frame, Hue, LineChart, MapGrid, MapRow, Marker, Point, Series, SmallMap,
 };
+use crate::report::format::percent;
 use crate::report::page::Figure;
-use crate::report::tables::percent;
 use crate::settings::DRAWN_FORCE_N;
 use crate::study::Study;
 use finray_model::finger::Plate;

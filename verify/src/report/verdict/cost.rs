@@ -1,6 +1,6 @@
 //! Which way of sensing to run, and what it costs.
 
-use super::super::tables::percent;
+use super::super::format::percent;
 use super::in_words;
 use crate::estimators::EstimatorKind;
 use crate::experiments::networks::accuracy::NAME as NETWORK;
