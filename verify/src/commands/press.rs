@@ -7,8 +7,9 @@ use clap::value_parser;
 use finray_verify::experiments::contact_scene::checks::{BALANCE_TOLERANCE, SETTLING_TOLERANCE};
 use finray_verify::experiments::contact_scene::file::load_scene_with_outline;
 use finray_verify::experiments::contact_scene::study::SceneWithOutline;
-use finray_verify::experiments::contact_scene::{ContactScene, FINENESS, SceneStep, force_rows, standard_normal};
+use finray_verify::experiments::contact_scene::{ContactScene, FINENESS, SceneStep, force_rows};
 use finray_verify::files::{csv_text, displacements, is_standard_stream, write_all_or_nothing, write_text};
+use finray_verify::sampling::noise::Noise;
 use std::path::{Path, PathBuf};
 
 /// Press an object onto the finger, and sense the contact forces as it goes.
@@ -86,14 +87,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         .map_err(|error| Failure::BadInput(error.to_string()))?
         .with_fineness(arguments.fineness.into());
     let noise_mm = arguments.noise_mm.or(scene.camera.map(|camera| camera.noise_mm)).unwrap_or(0.0);
-    let mut noise = standard_normal(arguments.seed);
+    let mut noise = Noise::new(arguments.seed);
     let (mut rows, mut steps, mut last) = (Vec::new(), 0, None);
     let mut validity = Pressing::default();
     let bar = progress::bar(contact_scene.step_count() as u64, "press");
     bar.tick();
     let outcome = contact_scene.run(|step| {
         steps += 1;
-        let sensed = contact_scene.sense(&step, noise_mm, &mut noise);
+        let sensed = contact_scene.sense(&step, noise_mm, || noise.standard_normal());
         if let Err(refusal) = &sensed {
             bar.suspend(|| eprintln!("note: step {steps}: {refusal}"));
         }

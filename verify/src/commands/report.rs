@@ -70,10 +70,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(peers) = peers {
         study.take_peers(peers);
     }
-    let files = report::files(&study, &claims).map_err(|error| Failure::NotComputed(error.to_string()))?;
-    write_folder(&arguments.out, &files)?;
+    let report = report::report(&study, &claims).map_err(|error| Failure::NotComputed(error.to_string()))?;
+    write_folder(&arguments.out, &report.files)?;
     let page = arguments.out.join("index.html");
-    let mut sentences = report::Summary::of(&study, &claims).verdict;
+    let mut sentences = report.verdict;
     sentences.push(format!("The report is in {}\n", page.display()));
     write_text(Path::new("-"), &sentences.join("\n"))?;
     if arguments.open

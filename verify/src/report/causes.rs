@@ -4,32 +4,31 @@ mod drawings;
 mod rows;
 mod shares;
 
-pub use rows::{CauseRow, CauseSummary};
-pub(super) use rows::{rows, summaries};
-
 use self::drawings::{clearing, line_figure, map_figure};
 use self::shares::{Region, Shares};
-use super::ReportError;
-use super::page::{Block, Cell, Column, Figure, Row, Section, Table};
-use super::sections::{section as section_of, text};
-use super::tables::{error, percent};
+use super::dataset::{Columns, Dataset, Format};
+use super::format::{Span, error, error_as, percent};
+use super::page::{Block, Cell, Column, Figure, Section, Table, text};
+use super::{ReportError, Results, verdict};
 use crate::experiments::causes::{
-    Cause, CauseMap, ContactKnowledge, DIRECTION_OFF_DEG, PLACE_OFF_MM, Practice, REMEDIES,
+    Cause, CauseCell, CauseMap, ContactKnowledge, DIRECTION_OFF_DEG, PLACE_OFF_MM, Practice, REMEDIES,
 };
 use crate::experiments::explain::Explanation;
 use crate::settings::DRAWN_FORCE_N;
 use crate::study::Study;
+use crate::truths::TruthId;
+use finray_model::NodeId;
 use finray_model::finger::Plate;
 
-pub(super) const CSV: &str = "causes.csv";
+const CSV: &str = "causes.csv";
 /// The finger at hand among the true fingers.
-const OWN: &str = "corotational";
+const OWN: TruthId = TruthId::Corotational;
 /// The finger that is fitted to the paper's Table I.
-const FITTED: &str = "twin";
+const FITTED: TruthId = TruthId::Twin;
 
 /// What limits sensing of the finger at hand near the base, in the middle and near the tip, in one sentence. A fitted finger, whose soft
 /// ends were put in, is not asked.
-pub(super) fn verdict(study: &Study) -> Option<String> {
+pub(super) fn in_short(study: &Study) -> Option<String> {
     let map = find(study, OWN, Practice::LeastSquares, ContactKnowledge::Known)?;
     let part = |region: Region| {
         let shares = Shares::of(&study.finger, map, DRAWN_FORCE_N, region)?;
@@ -53,7 +52,11 @@ pub(super) fn verdict(study: &Study) -> Option<String> {
     ))
 }
 
-pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    vec![rows::by_cell(study), rows::by_region(study)]
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     if study.causes.is_empty() {
         return Ok(None);
     }
@@ -61,7 +64,7 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
         text(format!(
             "Each cause of error is switched off in turn, the others left as they are; its share is the part of the mean square \
              error that goes away. Shares need not add up to one: errors that point the same way grow when squared, and one that \
-             hides another has a negative share. Where a contact is assumed, its place is {PLACE_OFF_MM} mm off to either side (the \
+             hides another has a negative share. Where a contact is assumed, its position is {PLACE_OFF_MM} mm off to either side (the \
              radius of the paper's rods) and its direction {DIRECTION_OFF_DEG} deg to either side (as far as the paper's deformed normal \
              turns from the one it assumes); the modulus is calibrated from weights by the model that senses.{}",
             fitted_in_words(study)
@@ -75,10 +78,12 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
     blocks.push(Block::Figures { figures: lines.into_iter().flatten().collect() });
     blocks.extend(clearing(study)?.map(Block::Figure));
     blocks.extend(remedies(study).map(Block::Table));
-    Ok(Some(section_of("causes", "Why sensing fails", blocks)))
+    // At the head of the page stands the largest cause, where causes were sought.
+    let says = in_short(study).and_then(|_| verdict::limit(study));
+    Ok(Some(Section::new("causes", "Why sensing fails", blocks).saying(says)))
 }
 
-fn find<'s>(study: &'s Study, truth: &str, practice: Practice, contact: ContactKnowledge) -> Option<&'s CauseMap> {
+fn find<'s>(study: &'s Study, truth: TruthId, practice: Practice, contact: ContactKnowledge) -> Option<&'s CauseMap> {
     let is = |map: &&CauseMap| map.truth == truth && map.practice == practice && map.contact == contact;
     study.causes.iter().find(is)
 }
@@ -130,37 +135,34 @@ fn practice_in_words(map: &CauseMap) -> String {
 
 /// The largest causes region by region.
 fn by_region(study: &Study) -> Table {
-    let mut columns = vec![Column::words("finger, contact"), Column::words("sensed by")];
-    columns.extend(Region::ENDS_AND_MIDDLE.iter().map(|region| Column::words(region.name())));
-    let of_map = |map: &CauseMap| {
-        let region = |region: Region| {
-            let Some(shares) = Shares::of(&study.finger, map, DRAWN_FORCE_N, region) else {
-                return Cell::plain("refused");
-            };
-            let rms = error(shares.rms_error);
-            let why = match shares.largest() {
-                Some(largest) => format!("{}, {}", largest.cause.name(), shares.without(&largest)),
-                None => "each hides others".to_owned(),
-            };
-            let refused = match shares.cells - shares.answered {
-                0 => String::new(),
-                refused => format!("; refused at {refused} of {} places", shares.cells),
-            };
-            Cell { text: format!("{}: {why}{refused}", rms.text), ..rms }
+    let cell = |map: &CauseMap, region: Region| {
+        let Some(shares) = Shares::of(&study.finger, map, DRAWN_FORCE_N, region) else {
+            return Cell::plain("refused");
         };
-        let what = format!("{}, {}", truth_in_words(map), map.contact.name());
-        let cells = [what, estimator_in_words(map).to_owned()].map(Cell::plain);
-        Row { cells: cells.into_iter().chain(Region::ENDS_AND_MIDDLE.map(region)).collect() }
+        let why = match shares.largest() {
+            Some(largest) => format!("{}, {}", largest.cause.name(), shares.without(&largest)),
+            None => "each hides others".to_owned(),
+        };
+        let refused = match shares.cells - shares.answered {
+            0 => String::new(),
+            refused => format!("; refused at {refused} of {} positions", shares.cells),
+        };
+        error_as(format!("{}: {why}{refused}", percent(shares.rms_error)), shares.rms_error)
     };
-    Table {
-        caption: format!(
-            "Root mean square error at {DRAWN_FORCE_N} N along the normal, the cause with the largest share of its square, and the error without that cause. Near an end: within a sixth of the plate's length. Grey above 10 %, dark above \
-             25 %"
-        ),
-        columns,
-        rows: own_first(study).map(of_map).collect(),
-        csv: Some(CSV.to_owned()),
-    }
+    Columns::<&CauseMap>::new()
+        .page("finger, contact", Format::Words, |map| format!("{}, {}", truth_in_words(map), map.contact.name()))
+        .page("sensed by", Format::Words, |map| estimator_in_words(map))
+        .each(Region::ENDS_AND_MIDDLE, |columns, region| {
+            columns.cells(Column::words(region.name()), move |map| cell(map, region))
+        })
+        .table(
+            format!(
+                "Root mean square error at {DRAWN_FORCE_N} N along the normal, the cause with the largest share of its square, and the error \
+                 without that cause. Near an end: within a sixth of the plate's length. Grey above 10 %, dark above 25 %"
+            ),
+            CSV,
+            own_first(study),
+        )
 }
 
 /// What the finger's mechanics have to do with it: how well force, position and direction are identifiable.
@@ -168,16 +170,15 @@ fn mechanism(study: &Study) -> Option<String> {
     let length_mm = study.finger.plate_length_mm(Plate::Front);
     let mean = |region: Region, of: fn(&Explanation) -> Option<f64>| {
         let cells = study.explanations.cells.iter();
-        let values: Vec<f64> =
-            cells.filter(|cell| region.covers(length_mm, cell.s_mm, cell.angle_deg)).filter_map(of).collect();
-        (!values.is_empty()).then(|| percent(values.iter().sum::<f64>() / values.len() as f64))
+        let cells = cells.filter(|cell| region.covers(length_mm, cell.s_mm, cell.angle_deg));
+        Some(percent(Span::of(cells.filter_map(of))?.mean))
     };
-    let list = |of: fn(&Explanation) -> Option<f64>| -> Option<String> {
+    let by_region = |of: fn(&Explanation) -> Option<f64>| -> Option<String> {
         let part = |region: &Region| Some(format!("{} {}", mean(*region, of)?, region.in_words()));
         let parts: Option<Vec<String>> = Region::ENDS_AND_MIDDLE.iter().map(part).collect();
         Some(parts?.join(", "))
     };
-    let noise = list(|cell| cell.bound).filter(|_| study.noise_mm > 0.0).map_or_else(String::new, |noise| {
+    let noise = by_region(|cell| cell.bound).filter(|_| study.noise_mm > 0.0).map_or_else(String::new, |noise| {
         format!(" Noise of {} mm leaves no estimator less than {noise}.", study.noise_mm)
     });
     let largest = |region: Region| {
@@ -194,10 +195,10 @@ fn mechanism(study: &Study) -> Option<String> {
                  modulus decides, not the one that was calibrated in the middle.";
     }
     Some(format!(
-        "For the nonlinear estimator, to first order, a place that is 1 mm off changes the force by {}, a direction that is 1 deg off by \
+        "For the nonlinear estimator, to first order, a position that is 1 mm off changes the force by {}, a direction that is 1 deg off by \
          {}.{noise} (Means at {DRAWN_FORCE_N} N along the normal, finger as described.){ends}",
-        list(|cell| cell.error_per_mm)?,
-        list(|cell| cell.error_per_deg)?
+        by_region(|cell| cell.error_per_mm)?,
+        by_region(|cell| cell.error_per_deg)?
     ))
 }
 
@@ -205,28 +206,24 @@ fn mechanism(study: &Study) -> Option<String> {
 fn remedies(study: &Study) -> Option<Table> {
     let map = find(study, OWN, Practice::LeastSquares, ContactKnowledge::Assumed)?;
     let finger = &study.finger;
-    let mut columns = vec![Column::numbers("node"), Column::numbers("as it is")];
-    columns.extend(REMEDIES.iter().map(|(name, _)| Column::numbers(format!("+ {name}"))));
-    let cell = |value: Option<f64>| value.map_or_else(|| Cell::plain("refused"), error);
-    let mut rows = Vec::new();
-    for node in finger.contact_nodes() {
-        let Some(s_mm) = finger.front_place_mm(node) else { continue };
-        let at = map.cells.iter().filter(|cell| cell.angle_deg == 0.0 && (cell.s_mm - s_mm).abs() < 1e-9 * s_mm);
-        for found in at {
-            let mut cells = vec![Cell::plain(node.to_string()), cell(found.rms_error)];
-            cells.extend(found.remedied.iter().map(|value| cell(*value)));
-            rows.push(Row { cells });
-        }
-    }
-    Some(Table {
-        caption: format!(
-            "What clears it: root mean square error of {DRAWN_FORCE_N} N along the normal on the finger {} by linear least squares, then with remedies taken \
-             one after the other. Errors of opposite sign hide each other, so taking one cause away can raise what is left; in the last \
-             column that is noise. Grey above 10 %, dark above 25 %",
-            truth_in_words(map)
-        ),
-        columns,
-        rows,
-        csv: Some(CSV.to_owned()),
-    })
+    let rows = finger.contact_nodes().filter_map(|node| Some((node, finger.front_place_mm(node)?)));
+    let rows = rows.flat_map(|(node, s_mm)| {
+        let at = map.cells.iter().filter(move |cell| cell.angle_deg == 0.0 && (cell.s_mm - s_mm).abs() < 1e-9 * s_mm);
+        at.map(move |cell| (node, cell))
+    });
+    let shaded = |share: Option<f64>| share.map_or_else(|| Cell::plain("refused"), error);
+    let columns = Columns::<(NodeId, &CauseCell)>::new()
+        .page("node", Format::Plain, |(node, _)| node.to_string())
+        .cells(Column::numbers("as it is"), move |(_, cell)| shaded(cell.rms_error))
+        .each(REMEDIES.iter().enumerate(), |columns, (taken, (name, _))| {
+            let remedied = move |(_, cell): &(NodeId, &CauseCell)| shaded(cell.remedied.get(taken).copied().flatten());
+            columns.cells(Column::numbers(format!("+ {name}")), remedied)
+        });
+    let caption = format!(
+        "What clears it: root mean square error of {DRAWN_FORCE_N} N along the normal on the finger {} by linear least squares, then with remedies taken \
+         one after the other. Errors of opposite sign hide each other, so taking one cause away can raise the rest; in the last \
+         column that is noise. Grey above 10 %, dark above 25 %",
+        truth_in_words(map)
+    );
+    Some(columns.table(caption, CSV, rows))
 }

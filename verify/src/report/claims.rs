@@ -1,15 +1,27 @@
-//! The paper's claims, and what became of them.
+//! The paper's claims and their verdicts.
 
-use super::page::{Block, Cell, Column, Row, Section, Shade, Table};
-use super::sections::{self, text};
+use super::dataset::{Columns, Dataset, Format};
+use super::page::{Block, Cell, Column, Section, Shade, text};
+use super::{ReportError, Results};
 use crate::claims::{Claim, ClaimVerdict};
 
-pub(super) const CSV: &str = "claims.csv";
+const CSV: &str = "claims.csv";
 
-pub(super) fn section(claims: &[Claim]) -> Option<Section> {
+pub(super) fn datasets<'s>(Results { claims, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    vec![Dataset::records(CSV, claims)]
+}
+
+pub(super) fn section(Results { claims, .. }: Results) -> Result<Option<Section>, ReportError> {
     if claims.is_empty() {
-        return None;
+        return Ok(None);
     }
+    let columns = Columns::<&Claim>::new()
+        .page("claim", Format::Words, |claim| claim.claim.clone())
+        .page("paper", Format::Words, |claim| claim.paper.clone())
+        .page("ours", Format::Words, |claim| claim.ours.clone())
+        .page("how", Format::Words, |claim| claim.how.clone())
+        .page("criterion", Format::Words, |claim| claim.criterion.clone())
+        .cells(Column::words("verdict"), |claim| verdict(claim.verdict));
     let blocks = vec![
         text(
             "What Xu et al. (IEEE T-RO 2021) say, in their words where they stand in quotation marks, and what the computations of this report \
@@ -19,32 +31,25 @@ pub(super) fn section(claims: &[Claim]) -> Option<Section> {
              paper measured, on a simulated finger whose model is known: that says nothing against the measurement.",
         ),
         text(counted(claims)),
-        Block::Table(Table {
-            caption: "The paper's claims".to_owned(),
-            columns: ["claim", "paper", "ours", "how", "criterion", "verdict"].map(Column::words).into(),
-            rows: claims.iter().map(row).collect(),
-            csv: Some(CSV.to_owned()),
-        }),
+        Block::Table(columns.table("The paper's claims", CSV, claims)),
     ];
-    Some(sections::section("claims", "The paper's claims, one by one", blocks))
+    Ok(Some(Section::new("claims", "The paper's claims, one by one", blocks)))
 }
 
-fn row(claim: &Claim) -> Row {
-    let words =
-        [&claim.claim, &claim.paper, &claim.ours, &claim.how, &claim.criterion].map(|text| Cell::plain(text.as_str()));
-    let verdict = claim.verdict.in_words();
-    let verdict = match claim.verdict {
-        ClaimVerdict::Reproduced => Cell::shaded(verdict, Shade::Pass),
-        ClaimVerdict::Refuted | ClaimVerdict::NotReproduced => Cell::shaded(verdict, Shade::Fail),
+fn verdict(verdict: ClaimVerdict) -> Cell {
+    let words = verdict.in_words();
+    match verdict {
+        ClaimVerdict::Reproduced => Cell::shaded(words, Shade::Pass),
+        ClaimVerdict::Refuted | ClaimVerdict::NotReproduced => Cell::shaded(words, Shade::Fail),
+        // What a simulation betters is no success against a measurement.
         ClaimVerdict::InSimulation
         | ClaimVerdict::LessInSimulation
         | ClaimVerdict::Depends
-        | ClaimVerdict::NotTested => Cell::plain(verdict),
-    };
-    Row { cells: words.into_iter().chain([verdict]).collect() }
+        | ClaimVerdict::NotTested => Cell::plain(words),
+    }
 }
 
-/// How many claims came to what.
+/// Number of claims by verdict.
 fn counted(claims: &[Claim]) -> String {
     let counts = ClaimVerdict::ALL.map(|verdict| {
         let count = claims.iter().filter(|claim| claim.verdict == verdict).count();
@@ -74,8 +79,7 @@ mod tests {
             "{words}"
         );
         assert!(words.contains("0 reproduced"), "{words}");
-        // What a simulation betters is no success against a measurement.
-        assert_eq!(row(&claims[0]).cells[5], Cell::plain("in simulation"));
-        assert_eq!(row(&claims[1]).cells[5], Cell::shaded("refuted", Shade::Fail));
+        assert_eq!(super::verdict(ClaimVerdict::InSimulation), Cell::plain("in simulation"));
+        assert_eq!(super::verdict(ClaimVerdict::Refuted), Cell::shaded("refuted", Shade::Fail));
     }
 }

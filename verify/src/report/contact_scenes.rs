@@ -1,89 +1,69 @@
 //! Objects pressed onto the finger: drawings, force over travel, and sensed forces.
 
-use super::ReportError;
+mod words;
+
+use super::dataset::{Columns, Dataset, Format};
 use super::drawings::{ACROSS_AXIS, ALONG_AXIS, point};
-use super::page::{Block, Cell, Column, Figure, Row, Section, Table};
-use super::sections::{self, text};
-use super::tables::percent;
+use super::page::{Block, Figure, Section, Table, text};
+use super::{ReportError, Results};
 use crate::check::worst;
 use crate::experiments::contact_scene::samples::NoiseSamples;
 use crate::experiments::contact_scene::study::{SceneStudy, StudiedStep};
 use crate::experiments::contact_scene::{ForceRow, SeenContact, SensedForce, contacts_sensed};
 use crate::figures::{Arrow, Axis, Chart, Drawing, FigureError, Frame, Hue, Series, Spread, Stroke};
 use crate::settings::TWO_SIDED_95;
-use crate::study::Study;
 use finray_model::Finger;
 use finray_model::finger::Plate;
 use finray_model::mesh::FingerShape;
 use finray_model::sensing::ContactPlace;
-use serde::Serialize;
 use std::collections::BTreeMap;
 
-pub(super) const CSV: &str = "contact_scenes.csv";
+const CSV: &str = "contact_scenes.csv";
 /// Length of the largest force's arrow, as a share of the front plate's.
 const LONGEST_ARROW: f64 = 0.2;
 
-/// A row of the CSV file.
-#[derive(Serialize)]
-pub(super) struct SceneRow<'s> {
-    scene: &'s str,
-    step: usize,
-    travel_mm: f64,
-    contact: &'s str,
-    s_mm: Option<f64>,
-    angle_deg: Option<f64>,
-    force_n: f64,
-    friction_n: Option<f64>,
-    sensed_n: Option<f64>,
-    sigma_n: Option<f64>,
-    read_s_mm: Option<f64>,
-    read_angle_deg: Option<f64>,
-    /// Noise samples of the step, and how many were answered.
-    samples: Option<usize>,
-    answered: Option<usize>,
-    /// Share of the samples whose stated 95 % interval holds the true force.
-    covered: Option<f64>,
-    rms_error_n: Option<f64>,
-    rms_sigma_n: Option<f64>,
-}
+/// A row of a scene, with the noise samples of its step and which of their forces it is.
+type StepRow<'s> = (&'s SceneStudy, &'s ForceRow, Option<(&'s NoiseSamples, usize)>);
 
-pub(super) fn rows(study: &Study) -> impl Iterator<Item = SceneRow<'_>> {
-    study.contact_scenes.iter().flat_map(|scene| {
-        let mut felt = 0;
-        scene.rows.iter().map(move |row: &ForceRow| {
-            let samples = scene.steps.get(row.step - 1).and_then(|studied| studied.samples.as_ref());
-            // Rows of a step are its contacts, those on the clamp not felt, then the total: the order of the samples.
-            let samples = samples.filter(|_| row.contact != "clamp");
-            let which = felt;
-            felt = match row.contact.as_str() {
-                "total" => 0,
-                "clamp" => felt,
-                _ => felt + 1,
-            };
-            SceneRow {
-                scene: &scene.name,
-                step: row.step,
-                travel_mm: row.travel_mm,
-                contact: &row.contact,
-                s_mm: row.s_mm,
-                angle_deg: row.angle_deg,
-                force_n: row.force_n,
-                friction_n: row.friction_n,
-                sensed_n: row.sensed_n,
-                sigma_n: row.sigma_n,
-                read_s_mm: row.read_s_mm,
-                read_angle_deg: row.read_angle_deg,
-                samples: samples.map(|samples| samples.taken),
-                answered: samples.map(|samples| samples.answered),
-                covered: samples.map(|samples| samples.coverage(which)),
-                rms_error_n: samples.filter(|s| s.answered > 0).map(|samples| samples.rms_error_n(which)),
-                rms_sigma_n: samples.filter(|s| s.answered > 0).map(|samples| samples.rms_sigma_n(which)),
-            }
-        })
+fn rows(scene: &SceneStudy) -> impl Iterator<Item = StepRow<'_>> {
+    let mut felt = 0;
+    scene.rows.iter().map(move |row| {
+        let samples = scene.steps.get(row.step - 1).and_then(|studied| studied.samples.as_ref());
+        // Rows of a step are its contacts, those on the clamp not felt, then the total: the order of the samples.
+        let which = felt;
+        felt = match row.contact.as_str() {
+            "total" => 0,
+            "clamp" => felt,
+            _ => felt + 1,
+        };
+        (scene, row, samples.filter(|_| row.contact != "clamp").map(|samples| (samples, which)))
     })
 }
 
-pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    let answered = |samples: &Option<(&'s NoiseSamples, usize)>| samples.filter(|(samples, _)| samples.answered > 0);
+    let columns = Columns::<StepRow>::new()
+        .file("scene", |(scene, ..)| scene.name.clone())
+        .file("step", |(_, row, _)| row.step)
+        .file("travel_mm", |(_, row, _)| row.travel_mm)
+        .file("contact", |(_, row, _)| row.contact.clone())
+        .file("s_mm", |(_, row, _)| row.s_mm)
+        .file("angle_deg", |(_, row, _)| row.angle_deg)
+        .file("force_n", |(_, row, _)| row.force_n)
+        .file("friction_n", |(_, row, _)| row.friction_n)
+        .file("sensed_n", |(_, row, _)| row.sensed_n)
+        .file("sigma_n", |(_, row, _)| row.sigma_n)
+        .file("read_s_mm", |(_, row, _)| row.read_s_mm)
+        .file("read_angle_deg", |(_, row, _)| row.read_angle_deg)
+        .file("samples", |(.., samples)| samples.map(|(samples, _)| samples.taken))
+        .file("answered", |(.., samples)| samples.map(|(samples, _)| samples.answered))
+        .file("covered", |(.., samples)| samples.map(|(samples, which)| samples.coverage(which)))
+        .file("rms_error_n", move |(.., samples)| answered(samples).map(|(samples, which)| samples.rms_error_n(which)))
+        .file("rms_sigma_n", move |(.., samples)| answered(samples).map(|(samples, which)| samples.rms_sigma_n(which)));
+    vec![Dataset::new(CSV, &columns, study.contact_scenes.iter().flat_map(rows)).csv_alone()]
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     if study.contact_scenes.is_empty() {
         return Ok(None);
     }
@@ -98,55 +78,11 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
     )];
     for scene in &study.contact_scenes {
         blocks.push(Block::Figures { figures: figures(&study.finger, scene)? });
-        blocks.push(text(words(scene)));
+        blocks.push(text(words::of_scene(scene)));
     }
     blocks.push(Block::Table(table(&study.contact_scenes)));
-    Ok(Some(sections::section("contact-scenes", "Pressing objects", blocks)))
-}
-
-/// The sentence at the head of the page: scenes without friction, and with it.
-pub(super) fn verdict(study: &Study) -> Option<String> {
-    let worst_total = |with_friction: bool| {
-        let scenes = study.contact_scenes.iter().filter(|scene| (scene.friction > 0.0) == with_friction);
-        let steps = scenes.flat_map(|scene| &scene.steps);
-        let totals = steps.filter_map(|step| Some(step.clean.as_ref().ok()?.as_ref()?.total.relative_error().abs()));
-        let totals: Vec<f64> = totals.collect();
-        (!totals.is_empty()).then(|| percent(worst(totals)))
-    };
-    let smooth = worst_total(false)?;
-    let rough = worst_total(true).map_or(String::new(), |rough| {
-        format!(", and with friction, of which sensing knows the coefficient alone, by up to {rough}")
-    });
-    let smallest = least_known(&study.contact_scenes).map_or(String::new(), |least| {
-        format!(
-            " Single contacts are sensed worse: {} carries {:.2} N, and its sensed force scatters by {:.2} N.",
-            least.name, least.true_n, least.rms_error_n
-        )
-    });
-    Some(format!(
-        "In simulation, with objects pressed onto the lattice, the sensed total errs by up to {smooth} without noise and friction{rough}.{smallest}"
-    ))
-}
-
-/// A contact of the last step of a scene under noise.
-struct LeastKnown {
-    name: String,
-    true_n: f64,
-    rms_error_n: f64,
-}
-
-/// The contact, among the last steps of all scenes, whose error under noise is the largest share of its force.
-fn least_known(scenes: &[SceneStudy]) -> Option<LeastKnown> {
-    let ends = scenes.iter().filter_map(|scene| Some((scene, scene.steps.last()?)));
-    let contacts = ends.flat_map(|(scene, last)| {
-        let felt = last.step.contacts.iter().filter(|seen| !seen.clamped).enumerate();
-        felt.filter_map(move |(which, seen)| {
-            let samples = last.samples.as_ref().filter(|samples| samples.answered > 0)?;
-            let name = format!("{} in the scene \"{}\"", name_of(seen), scene.name);
-            Some(LeastKnown { name, true_n: seen.normal_n, rms_error_n: samples.rms_error_n(which) })
-        })
-    });
-    contacts.max_by(|a, b| (a.rms_error_n / a.true_n).total_cmp(&(b.rms_error_n / b.true_n)))
+    let section = Section::new("contact-scenes", "Pressing objects", blocks);
+    Ok(Some(section.saying(words::verdict(&study.contact_scenes))))
 }
 
 fn figures(finger: &Finger, scene: &SceneStudy) -> Result<Vec<Figure>, FigureError> {
@@ -263,56 +199,6 @@ fn force_over_travel(finger: &Finger, scene: &SceneStudy) -> Vec<Series> {
     series
 }
 
-fn words(scene: &SceneStudy) -> String {
-    let mut sentences = Vec::new();
-    if let Some(error) = &scene.stopped {
-        sentences.push(format!("The scene ended after {} steps: {error}.", scene.steps.len()));
-    }
-    let clean: Vec<_> = scene.steps.iter().filter_map(|studied| studied.clean.as_ref().ok()?.as_ref()).collect();
-    if clean.is_empty() {
-        sentences.push("Nothing was sensed.".to_owned());
-        return sentences.join(" ");
-    }
-    let total = worst(clean.iter().map(|sensed| sensed.total.relative_error().abs()));
-    let balance = worst(scene.steps.iter().filter_map(|studied| studied.step.pressed.imbalance()));
-    sentences.push(format!(
-        "Without noise the sensed total is within {} of the true one at every step; contact forces balance those of the hand and \
-         of the clamps within {balance:.0e} of their size.",
-        percent(total)
-    ));
-    let sampled: Vec<&NoiseSamples> = scene.steps.iter().filter_map(|studied| studied.samples.as_ref()).collect();
-    if !sampled.is_empty() {
-        let sum = |of: &dyn Fn(&NoiseSamples) -> usize| sampled.iter().map(|samples| of(samples)).sum::<usize>();
-        let coverages = |of: &dyn Fn(&NoiseSamples) -> std::ops::Range<usize>| {
-            let cells = sampled.iter().flat_map(|samples| of(samples).map(|which| samples.coverage(which)));
-            let cells: Vec<f64> = cells.collect();
-            let least = cells.iter().copied().fold(f64::INFINITY, f64::min);
-            (cells.iter().sum::<f64>() / cells.len() as f64, least)
-        };
-        let contacts = coverages(&|samples| 0..samples.sensed.len() - 1);
-        let total = coverages(&|samples| samples.sensed.len() - 1..samples.sensed.len());
-        sentences.push(format!(
-            "Of {} noise samples of all steps, {} are answered. The stated 95 % intervals hold the true force of a contact in {} of all \
-             samples (in {} where that is least), and the true total in {} ({}); refused samples count as not held.",
-            sum(&|samples| samples.taken),
-            sum(&|samples| samples.answered),
-            percent(contacts.0),
-            percent(contacts.1),
-            percent(total.0),
-            percent(total.1),
-        ));
-    }
-    if scene.friction > 0.0 {
-        sentences.push(format!(
-            "With friction ({}) forces lie anywhere in a cone of {:.1} deg around the normal; the intervals are widened by what the markers \
-             leave open of that.",
-            scene.friction,
-            scene.friction.atan().to_degrees()
-        ));
-    }
-    sentences.join(" ")
-}
-
 fn name_of(seen: &SeenContact) -> String {
     match seen.contact.place {
         _ if seen.clamped => "clamp (not felt)".to_owned(),
@@ -321,72 +207,67 @@ fn name_of(seen: &SeenContact) -> String {
     }
 }
 
-fn table(scenes: &[SceneStudy]) -> Table {
-    let columns = vec![
-        Column::words("scene"),
-        Column::words("contact"),
-        Column::numbers("normal, deg"),
-        Column::numbers("true, N"),
-        Column::numbers("friction, N"),
-        Column::numbers("sensed, N"),
-        Column::numbers("error"),
-        Column::numbers("noise: rms error, N"),
-        Column::numbers("stated sigma, N"),
-        Column::numbers("within 1.96 sigma"),
-    ];
-    let rows = scenes.iter().filter_map(|scene| Some((scene, scene.steps.last()?))).flat_map(|(scene, last)| {
-        let clean = last.clean.as_ref().ok().and_then(Option::as_ref);
-        let mut which = 0;
-        let mut noisy = move |sensed: Option<SensedForce>| {
-            let samples = last.samples.as_ref().filter(|samples| samples.answered > 0)?;
-            sensed?;
-            which += 1;
-            let [error, sigma] = [samples.rms_error_n(which - 1), samples.rms_sigma_n(which - 1)];
-            Some([format!("{error:.3}"), format!("{sigma:.3}"), percent(samples.coverage(which - 1))])
-        };
-        let mut rows: Vec<Row> = Vec::new();
-        let contacts = contacts_sensed(&last.step, clean);
-        let total = clean.map(|sensed| sensed.total);
-        let contacts = contacts.map(|(seen, sensed)| {
-            (
-                name_of(seen),
-                Some(seen.contact.angle_deg),
-                seen.normal_n,
-                Some(seen.friction_n),
-                sensed.map(|sensed| sensed.force),
-            )
-        });
-        let whole = total.map(|total| ("in all".to_owned(), None, total.true_n, None, Some(total)));
-        for (name, angle_deg, true_n, friction_n, sensed) in contacts.chain(whole) {
-            let number = |value: Option<f64>, digits: usize| {
-                // What rounds to nothing has no sign.
-                let rounded = |value: f64| if value.abs() < 0.5 * 0.1_f64.powi(digits as i32) { 0.0 } else { value };
-                Cell::plain(value.map_or("-".to_owned(), |value| format!("{:.digits$}", rounded(value))))
-            };
-            let noisy = noisy(sensed).unwrap_or(["-", "-", "-"].map(str::to_owned));
-            rows.push(Row {
-                cells: [
-                    Cell::plain(scene.name.clone()),
-                    Cell::plain(name),
-                    number(angle_deg, 1),
-                    number(Some(true_n), 3),
-                    number(friction_n, 3),
-                    number(sensed.map(|force| force.sensed_n), 3),
-                    Cell::plain(sensed.map_or("-".to_owned(), |force| percent(force.relative_error().abs()))),
-                ]
-                .into_iter()
-                .chain(noisy.map(Cell::plain))
-                .collect(),
-            });
-        }
-        rows
+/// A contact at the end of a scene, or the total.
+struct AtEnd<'s> {
+    scene: &'s SceneStudy,
+    name: String,
+    angle_deg: Option<f64>,
+    true_n: f64,
+    friction_n: Option<f64>,
+    sensed: Option<SensedForce>,
+    /// Root mean square of the error under noise and of the stated sigma, N, and the share of samples within 1.96 of it.
+    noisy: Option<[f64; 3]>,
+}
+
+fn at_end(scene: &SceneStudy) -> Vec<AtEnd<'_>> {
+    let Some(last) = scene.steps.last() else { return Vec::new() };
+    let clean = last.clean.as_ref().ok().and_then(Option::as_ref);
+    let contacts = contacts_sensed(&last.step, clean).map(|(seen, sensed)| AtEnd {
+        scene,
+        name: name_of(seen),
+        angle_deg: Some(seen.contact.angle_deg),
+        true_n: seen.normal_n,
+        friction_n: Some(seen.friction_n),
+        sensed: sensed.map(|sensed| sensed.force),
+        noisy: None,
     });
-    Table {
-        caption: "True and sensed forces at the end of each scene: sensed without noise; error, stated standard deviation and coverage with \
-                  noise"
-            .to_owned(),
-        columns,
-        rows: rows.collect(),
-        csv: Some(CSV.to_owned()),
+    let total = clean.map(|sensed| sensed.total).map(|total| AtEnd {
+        scene,
+        name: "in all".to_owned(),
+        angle_deg: None,
+        true_n: total.true_n,
+        friction_n: None,
+        sensed: Some(total),
+        noisy: None,
+    });
+    let mut rows: Vec<AtEnd> = contacts.chain(total).collect();
+    if let Some(samples) = last.samples.as_ref().filter(|samples| samples.answered > 0) {
+        // Samples hold what is sensed alone, in this order.
+        for (which, row) in rows.iter_mut().filter(|row| row.sensed.is_some()).enumerate() {
+            row.noisy = Some([samples.rms_error_n(which), samples.rms_sigma_n(which), samples.coverage(which)]);
+        }
     }
+    rows
+}
+
+fn table(scenes: &[SceneStudy]) -> Table {
+    // What rounds to nothing has no sign.
+    let unsigned = |value: f64, digits: i32| if value.abs() < 0.5 * 0.1_f64.powi(digits) { 0.0 } else { value };
+    Columns::<AtEnd>::new()
+        .page("scene", Format::Words, |row| row.scene.name.clone())
+        .page("contact", Format::Words, |row| row.name.clone())
+        .page("normal, deg", Format::Fixed(1), move |row| row.angle_deg.map(|angle_deg| unsigned(angle_deg, 1)))
+        .page("true, N", Format::Fixed(3), move |row| unsigned(row.true_n, 3))
+        .page("friction, N", Format::Fixed(3), move |row| row.friction_n.map(|force_n| unsigned(force_n, 3)))
+        .page("sensed, N", Format::Fixed(3), move |row| row.sensed.map(|force| unsigned(force.sensed_n, 3)))
+        .page("error", Format::Percent, |row| row.sensed.map(|force| force.relative_error().abs()))
+        .page("noise: rms error, N", Format::Fixed(3), |row| Some(row.noisy?[0]))
+        .page("stated sigma, N", Format::Fixed(3), |row| Some(row.noisy?[1]))
+        .page("within 1.96 sigma", Format::Percent, |row| Some(row.noisy?[2]))
+        .table(
+            "True and sensed forces at the end of each scene: sensed without noise; error, stated standard deviation and coverage with \
+             noise",
+            CSV,
+            scenes.iter().flat_map(at_end),
+        )
 }

@@ -1,20 +1,24 @@
 //! How fine a mesh must be: table and figure.
 
-use super::ReportError;
-use super::page::{Block, Cell, Column, Figure, Row, Section, Table};
-use super::sections::{self, text};
+use super::dataset::{Columns, Dataset, Format};
+use super::format::{or_nothing, percent_two_digits};
+use super::page::{Block, Figure, Section, Table, text};
+use super::{ReportError, Results};
 use crate::experiments::convergence::{Convergence, MeshSize};
 use crate::figures::{Axis, Chart, FigureError, Frame, Series};
-use crate::study::Study;
 
-pub(super) const CSV: &str = "convergence.csv";
+const CSV: &str = "convergence.csv";
 /// Errors worth comparing with.
 const REFERENCES: [(f64, &str); 2] = [(1.0, "1 %"), (0.01, "0.01 %")];
 
-pub(super) fn section(study: &Study) -> Result<Section, ReportError> {
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    vec![Dataset::records(CSV, study.convergence.rows()).csv_alone()]
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let convergence = &study.convergence;
     let mut blocks = vec![text(
-        "Forces along the front plate's normal, one node after the other (tip left out), solved with large rotations on \
+        "Forces along the front plate's normal, one node after the other (tip left out), solved co-rotationally on \
          ever finer meshes. The error is the largest difference of a key node's displacement from the converged solution, \
          as a share of the largest displacement; the worst loaded node counts. The converged solution is Richardson's \
          extrapolation from the two finest meshes of 1, 2, 4, ... elements a member; what may be left on the finest mesh \
@@ -30,7 +34,7 @@ pub(super) fn section(study: &Study) -> Result<Section, ReportError> {
         }));
     }
     blocks.push(Block::Table(table(convergence)));
-    Ok(sections::section("convergence", "How fine a mesh must be", blocks))
+    Ok(Some(Section::new("convergence", "How fine a mesh must be", blocks)))
 }
 
 /// A series a force: nodes and error in %.
@@ -61,39 +65,26 @@ fn mesh_name(mesh: &MeshSize) -> String {
     }
 }
 
-/// In per cent with two digits, however small.
-pub(super) fn percent(error: f64) -> String {
-    match 100.0 * error {
-        p if p < 1e-3 => format!("{p:.1e} %"),
-        p => format!("{p:.*} %", (1.0 - p.log10().floor()).max(0.0) as usize),
-    }
-}
-
 fn table(convergence: &Convergence) -> Table {
+    type Line<'c> = (String, Box<dyn Fn(f64) -> Option<String> + 'c>);
+    let percent = |share: Option<f64>| share.map(percent_two_digits);
+    let mut lines: Vec<Line> = Vec::new();
+    for (mesh, size) in convergence.meshes.iter().enumerate() {
+        lines.push((mesh_name(size), Box::new(move |force_n| percent(convergence.error(mesh, force_n)))));
+    }
+    let left = "may be left on the finest mesh".to_owned();
+    lines.push((left, Box::new(move |force_n| percent(convergence.left(force_n)))));
+    let orders = |force_n| convergence.orders(force_n).map(|[low, high]| format!("{low:.1} to {high:.1}"));
+    lines.push(("observed order".to_owned(), Box::new(orders)));
     let forces_n = convergence.forces_n();
-    let row = |name: String, cell: &dyn Fn(f64) -> Option<String>| Row {
-        cells: std::iter::once(Cell::plain(name))
-            .chain(forces_n.iter().map(|&force_n| Cell::plain(cell(force_n).unwrap_or_else(|| "-".to_owned()))))
-            .collect(),
-    };
-    let meshes = convergence.meshes.iter().enumerate();
-    let mut rows: Vec<Row> = meshes
-        .map(|(mesh, size)| row(mesh_name(size), &|force_n| convergence.error(mesh, force_n).map(percent)))
-        .collect();
-    rows.push(row("may be left on the finest mesh".to_owned(), &|force_n| convergence.left(force_n).map(percent)));
-    rows.push(row("observed order".to_owned(), &|force_n| {
-        convergence.orders(force_n).map(|[low, high]| format!("{low:.1} to {high:.1}"))
-    }));
     if forces_n.iter().any(|&force_n| convergence.gaps(force_n) > 0) {
-        let loads = |force_n| Some(convergence.gaps(force_n).to_string());
-        rows.push(row("loads without equilibrium (in no figure above)".to_owned(), &loads));
+        let gaps = |force_n| Some(convergence.gaps(force_n).to_string());
+        lines.push(("loads without equilibrium (in no figure above)".to_owned(), Box::new(gaps)));
     }
-    Table {
-        caption: "Worst error by mesh and force".to_owned(),
-        columns: std::iter::once(Column::words("mesh"))
-            .chain(forces_n.iter().map(|force_n| Column::numbers(format!("{force_n} N"))))
-            .collect(),
-        rows,
-        csv: Some(CSV.to_owned()),
-    }
+    Columns::<Line>::new()
+        .page("mesh", Format::Words, |(name, _)| name.clone())
+        .each(forces_n, |columns, force_n| {
+            columns.page(format!("{force_n} N"), Format::Plain, move |(_, of)| or_nothing(of(force_n)))
+        })
+        .table("Worst error by mesh and force", CSV, lines)
 }

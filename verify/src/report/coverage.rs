@@ -1,46 +1,41 @@
 //! How sure: stated intervals against the truth, by finger and estimator.
 
-use super::page::{Block, Cell, Column, Row, Section, Table};
-use super::sections::{self, text};
-use super::tables::percent;
+use super::dataset::{Columns, Dataset, Format};
+use super::page::{Block, Section, text};
+use super::{ReportError, Results};
 use crate::experiments::coverage::CoverageRow;
-use crate::study::Study;
 
-pub(super) const CSV: &str = "coverage.csv";
+const CSV: &str = "coverage.csv";
 
-pub(super) fn section(study: &Study) -> Option<Section> {
-    let rows = &study.coverage;
-    if rows.is_empty() {
-        return None;
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    vec![Dataset::records(CSV, &study.coverage)]
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
+    if study.coverage.is_empty() {
+        return Ok(None);
     }
-    let row = |row: &CoverageRow| {
-        let share = |share: Option<f64>| share.map_or_else(|| "-".to_owned(), percent);
-        let of_samples = |count: usize| percent(count as f64 / row.samples.max(1) as f64);
-        let cells = [
-            row.truth.clone(),
-            row.estimator.clone(),
-            of_samples(row.without_warning),
-            share(row.covered_without_warning),
-            of_samples(row.warned),
-            share(row.covered_with_warning),
-            of_samples(row.refused),
-            row.samples.to_string(),
-        ];
-        Row { cells: cells.map(Cell::plain).into() }
-    };
-    let numbers = ["no warning", "covered", "warned", "covered", "refused", "samples"];
-    let table = Table {
-        caption: "Share of noise samples that are answered without and with a warning, and how many of these have the true force within 1.96 \
-                  sigma (covered): one force of 0.5 to 3 N, over positions and directions, for networks and softer ends over nodes along the normal".to_owned(),
-        columns: ["finger", "estimator"].map(Column::words).into_iter().chain(numbers.map(Column::numbers)).collect(),
-        rows: rows.iter().map(row).collect(),
-        csv: Some(CSV.to_owned()),
-    };
+    let of_samples = |row: &CoverageRow, count: usize| count as f64 / row.samples.max(1) as f64;
+    let columns = Columns::<&CoverageRow>::new()
+        .page("finger", Format::Words, |row| row.truth.label())
+        .page("estimator", Format::Words, |row| row.estimator.label())
+        .page("no warning", Format::Percent, |row| of_samples(row, row.without_warning))
+        .page("covered", Format::Percent, |row| row.covered_without_warning)
+        .page("warned", Format::Percent, |row| of_samples(row, row.warned))
+        .page("covered", Format::Percent, |row| row.covered_with_warning)
+        .page("refused", Format::Percent, |row| of_samples(row, row.refused))
+        .page("samples", Format::Plain, |row| row.samples);
+    let table = columns.table(
+        "Share of noise samples that are answered without and with a warning, and how many of these have the true force within 1.96 \
+         sigma (covered): one force of 0.5 to 3 N, over positions and directions, for networks and softer ends over nodes along the normal",
+        CSV,
+        &study.coverage,
+    );
     let words = "A stated sigma holds what noise does and what is known of the model's own error: of linearisation (from the estimated \
                  forces), of the mesh, of the network's training. An estimator warns where the measurement contradicts its model under \
                  the stated noise (chi-squared test, one false alarm in a hundred), or where its model errs by more than the noise. 95 % \
                  is meant on the co-rotational finger. On a finger with softer ends, of which no estimator knows, \
                  intervals do not hold, and in many a sample no warning says so, as its shape is one that another force gives the finger \
                  as described: sigma says how sure a force is if the finger is what the scene says.";
-    Some(sections::section("coverage", "How sure: stated intervals", vec![text(words), Block::Table(table)]))
+    Ok(Some(Section::new("coverage", "How sure: stated intervals", vec![text(words), Block::Table(table)])))
 }

@@ -1,13 +1,13 @@
-//! How many cases a network must see, and how large it must be.
+//! How many cases a network must see, and how large it must be: recorded trainings.
 
 use super::ReportError;
-use super::page::{Block, Cell, Column, Figure, Row, Table};
-use super::sections::text;
-use super::tables::percent;
+use super::dataset::{Columns, Dataset, Format};
+use super::format::{Span, percent, percent_with};
+use super::page::{Block, Figure, Table, details, text};
 use crate::experiments::networks::records::CurveRow;
 use crate::figures::{Axis, Chart, Frame, Series, Spread};
 
-pub(super) const CSV: &str = "training_curves.csv";
+const CSV: &str = "training_curves.csv";
 /// So many cases are enough if more of them lower the error by no more than this share.
 const ENOUGH: f64 = 0.05;
 /// A network keeps the error of another if its own is no more than this share above it.
@@ -22,9 +22,8 @@ struct Point {
     /// Training cases, or trained numbers.
     x: usize,
     layers: String,
-    /// Mean error over that of the bound: mean over the seeds, least and greatest.
-    over_bound: f64,
-    range: [f64; 2],
+    /// Mean error over that of the bound.
+    over_bound: Span,
     error: f64,
     bound: f64,
 }
@@ -33,6 +32,10 @@ struct Point {
 struct Curve {
     nodes: String,
     points: Vec<Point>,
+}
+
+pub(super) fn dataset(rows: &[CurveRow]) -> Dataset<'_> {
+    Dataset::records(CSV, rows)
 }
 
 pub(super) fn blocks(rows: &[CurveRow]) -> Result<Vec<Block>, ReportError> {
@@ -52,46 +55,35 @@ pub(super) fn blocks(rows: &[CurveRow]) -> Result<Vec<Block>, ReportError> {
         blocks.push(Block::Figures { figures });
     }
     if !sizes.is_empty() {
-        let table = Block::Table(table(&sizes));
-        blocks.push(Block::Details { summary: "Networks by size".to_owned(), blocks: vec![table] });
+        blocks.push(details("Networks by size", vec![Block::Table(table(&sizes))]));
     }
     Ok(blocks)
 }
 
+/// Networks that differ in nothing but their seed make a point; those of which one sensed nothing are left out.
 fn curves(rows: &[CurveRow], curve: &str, x: fn(&CurveRow) -> usize) -> Vec<Curve> {
-    let of_curve: Vec<&CurveRow> = rows.iter().filter(|row| row.curve == curve).collect();
-    let mut nodes: Vec<&str> = Vec::new();
-    for row in &of_curve {
-        if !nodes.contains(&row.nodes.as_str()) {
-            nodes.push(&row.nodes);
-        }
-    }
-    let points = |nodes: &str| {
-        let mut of_nodes: Vec<&CurveRow> = of_curve.iter().copied().filter(|row| row.nodes == nodes).collect();
-        of_nodes.sort_by(|a, b| (x(a), &a.hidden_layers).cmp(&(x(b), &b.hidden_layers)));
-        let same = |a: &&CurveRow, b: &&CurveRow| x(a) == x(b) && a.hidden_layers == b.hidden_layers;
-        of_nodes.chunk_by(same).filter_map(|seeds| point(seeds, x)).collect()
+    let mut of_curve: Vec<&CurveRow> = rows.iter().filter(|row| row.curve == curve).collect();
+    let first = |row: &CurveRow| rows.iter().position(|other| other.curve == curve && other.nodes == row.nodes);
+    of_curve.sort_by(|a, b| (first(a), x(a), &a.hidden_layers).cmp(&(first(b), x(b), &b.hidden_layers)));
+    let point = |seeds: &[&CurveRow]| {
+        let errors: Vec<f64> = seeds.iter().map(|row| row.mean_error).collect::<Option<_>>()?;
+        let bounds: Vec<f64> = seeds.iter().map(|row| row.mean_error_bound).collect::<Option<_>>()?;
+        Some(Point {
+            x: x(seeds.first()?),
+            layers: seeds.first()?.hidden_layers.clone(),
+            over_bound: Span::of(errors.iter().zip(&bounds).map(|(error, bound)| error / bound))?,
+            error: Span::of(errors)?.mean,
+            bound: Span::of(bounds)?.mean,
+        })
     };
-    nodes.into_iter().map(|nodes| Curve { nodes: nodes.to_owned(), points: points(nodes) }).collect()
-}
-
-/// Networks that differ in nothing but their seed; `None` if one sensed nothing.
-fn point(seeds: &[&CurveRow], x: fn(&CurveRow) -> usize) -> Option<Point> {
-    let errors = seeds.iter().map(|row| Some([row.mean_error?, row.mean_error_bound?]));
-    let errors: Vec<[f64; 2]> = errors.collect::<Option<_>>()?;
-    let mean = |of: fn(&[f64; 2]) -> f64| errors.iter().map(of).sum::<f64>() / errors.len() as f64;
-    let over_bound = |[error, bound]: &[f64; 2]| error / bound;
-    let range = [f64::INFINITY, f64::NEG_INFINITY];
-    let range = errors.iter().map(over_bound).fold(range, |[low, high], over| [low.min(over), high.max(over)]);
-    let first = seeds.first()?;
-    Some(Point {
-        x: x(first),
-        layers: first.hidden_layers.clone(),
-        over_bound: mean(over_bound),
-        range,
-        error: mean(|row| row[0]),
-        bound: mean(|row| row[1]),
-    })
+    let of_nodes = of_curve.chunk_by(|a, b| a.nodes == b.nodes).map(|of_nodes| Curve {
+        nodes: of_nodes[0].nodes.clone(),
+        points: of_nodes
+            .chunk_by(|a, b| (x(a), &a.hidden_layers) == (x(b), &b.hidden_layers))
+            .filter_map(point)
+            .collect(),
+    });
+    of_nodes.collect()
 }
 
 fn nodes_in_words(nodes: &str) -> String {
@@ -103,8 +95,10 @@ fn nodes_in_words(nodes: &str) -> String {
 
 fn figure(curves: &[Curve], x_label: &str, caption: &str) -> Result<Figure, ReportError> {
     let series = curves.iter().enumerate().map(|(n, curve)| {
-        let points = curve.points.iter().map(|point| [point.x as f64, point.over_bound]).collect();
-        let spread = Spread::Bars(curve.points.iter().map(|point| point.range).collect());
+        let points = curve.points.iter().map(|point| [point.x as f64, point.over_bound.mean]).collect();
+        let spread = Spread::Bars(
+            curve.points.iter().map(|point| [point.over_bound.least, point.over_bound.greatest]).collect(),
+        );
         Series { spread, ..Series::nth(n, nodes_in_words(&curve.nodes), points) }
     });
     let frame = Frame::half("", format!("{caption} A line a set of contacts."));
@@ -125,9 +119,11 @@ fn samples_in_words(curves: &[Curve]) -> Option<String> {
     Some(match needed < most {
         true => format!(
             "How many cases? From {needed} on, the error is within {} of that with {most}, for every set of contacts here.",
-            in_words(ENOUGH)
+            percent_with(ENOUGH, 0)
         ),
-        false => format!("How many cases? The error still falls by more than {} towards {most}.", in_words(ENOUGH)),
+        false => {
+            format!("How many cases? The error still falls by more than {} towards {most}.", percent_with(ENOUGH, 0))
+        }
     })
 }
 
@@ -151,10 +147,10 @@ fn sizes_in_words(curves: &[Curve]) -> Option<String> {
             layers_in_words(&smallest.layers),
             smallest.x,
             papers.x,
-            in_words(KEEPS)
+            percent_with(KEEPS, 0)
         )
     } else {
-        format!("Is {PAPERS} needed? Yes: every smaller network errs by more than {} more.", in_words(KEEPS))
+        format!("Is {PAPERS} needed? Yes: every smaller network errs by more than {} more.", percent_with(KEEPS, 0))
     };
     let above = curves.iter().filter_map(|curve| {
         Some(curve.points[find(curve, SHIP)?].error / curve.points[find(curve, PAPERS)?].error - 1.0)
@@ -171,11 +167,6 @@ fn sizes_in_words(curves: &[Curve]) -> Option<String> {
     Some(words)
 }
 
-/// The share in whole percent.
-fn in_words(share: f64) -> String {
-    format!("{:.0} %", 100.0 * share)
-}
-
 fn layers_in_words(layers: &str) -> String {
     match layers {
         "none" => "linear regression".to_owned(),
@@ -185,30 +176,18 @@ fn layers_in_words(layers: &str) -> String {
 }
 
 fn table(curves: &[Curve]) -> Table {
-    let rows = curves.iter().flat_map(|curve| {
-        curve.points.iter().map(|point| Row {
-            cells: [
-                curve.nodes.replace(' ', ", "),
-                layers_in_words(&point.layers),
-                point.x.to_string(),
-                percent(point.error),
-                percent(point.bound),
-                format!("{:.2}", point.over_bound),
-            ]
-            .map(Cell::plain)
-            .into(),
-        })
-    });
-    Table {
-        caption: "Mean error of each force by size of the network, mean over the seeds".to_owned(),
-        columns: ["nodes", "hidden layers"]
-            .map(Column::words)
-            .into_iter()
-            .chain(["weights", "mean error", "bound", "error / bound"].map(Column::numbers))
-            .collect(),
-        rows: rows.collect(),
-        csv: Some(CSV.to_owned()),
-    }
+    Columns::<(&str, &Point)>::new()
+        .page("nodes", Format::Words, |(nodes, _)| nodes.replace(' ', ", "))
+        .page("hidden layers", Format::Words, |(_, point)| layers_in_words(&point.layers))
+        .page("weights", Format::Plain, |(_, point)| point.x)
+        .page("mean error", Format::Percent, |(_, point)| point.error)
+        .page("bound", Format::Percent, |(_, point)| point.bound)
+        .page("error / bound", Format::Fixed(2), |(_, point)| point.over_bound.mean)
+        .table(
+            "Mean error of each force by size of the network, mean over the seeds",
+            CSV,
+            curves.iter().flat_map(|curve| curve.points.iter().map(|point| (curve.nodes.as_str(), point))),
+        )
 }
 
 #[cfg(test)]
@@ -275,7 +254,11 @@ mod tests {
         let [one, pair] = &curves(&all, "samples", |row| row.samples)[..] else { panic!("two curves") };
         assert_eq!((one.nodes.as_str(), pair.nodes.as_str(), one.points.len()), ("24", "19 20", 1));
         let point = &one.points[0];
-        assert!((point.over_bound - 1.5).abs() < 1e-12 && (point.range[0] - 1.49).abs() < 1e-12, "{:?}", point.range);
+        assert!(
+            (point.over_bound.mean - 1.5).abs() < 1e-12 && (point.over_bound.least - 1.49).abs() < 1e-12,
+            "{:?}",
+            point.over_bound
+        );
         assert!(blocks(&[]).expect("nothing to draw").is_empty());
         assert_eq!(blocks(&all).expect("a figure").len(), 2);
     }

@@ -1,114 +1,61 @@
-//! Forces of unknown direction: where they can be told.
+//! Forces of unknown direction: where they are identifiable.
 
-use super::ReportError;
+use super::dataset::{Columns, Dataset};
 use super::drawings::{ALONG_THE_PLATE, percent_line, plate_map};
-use super::page::{Block, Figure, Section};
-use super::sections::{self, text};
-use super::tables::percent;
+use super::format::{Span, percent};
+use super::page::{Block, Figure, Section, details, text};
+use super::{ReportError, Results};
 use crate::experiments::direction::{
     Assumption, DirectionCell, DirectionStudy, FORCES_N, FrictionlessPush, TOLD_ANSWERED, TOLD_DEG, TOLD_FORCE,
 };
 use crate::figures::{Axis, Cells, Chart, ColourScale, FigureError, Frame, Map, Series, Shades};
-use crate::study::Study;
 use finray_model::Finger;
-use serde::Serialize;
 
-pub(super) const CSV: &str = "directions.csv";
-pub(super) const FRICTIONLESS_CSV: &str = "directions_without_friction.csv";
+const CSV: &str = "directions.csv";
+const FRICTIONLESS_CSV: &str = "directions_without_friction.csv";
 /// Colours of errors of a direction, degrees, and of a force, %.
 const COLOURS: [f64; 2] = [0.1, 100.0];
 
-/// One force at one place in one direction, sensed with the direction unknown; errors are root mean squares.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct DirectionRow {
-    /// Place on the front plate, mm from the base.
-    pub s_mm: f64,
-    /// True direction, degrees from the undeformed inward normal, positive towards the tip.
-    pub angle_deg: f64,
-    /// True force, N.
-    pub force_n: f64,
-    /// Noise pictures; none where the finger carries no such force.
-    pub pictures: usize,
-    /// Pictures that were answered.
-    pub answered: usize,
-    /// Whether direction and force are told.
-    pub told: bool,
-    /// Error of the direction, degrees.
-    pub angle_error_deg: Option<f64>,
-    /// Its Cramer-Rao bound, degrees.
-    pub angle_bound_deg: Option<f64>,
-    /// Error of the force as a share of it.
-    pub force_error: Option<f64>,
-    /// Its Cramer-Rao bound.
-    pub force_bound: Option<f64>,
-    /// Standard deviation that the estimator states of the force, as a share of it.
-    pub force_sigma: Option<f64>,
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    // Errors are root mean squares; without samples the finger carries no such force.
+    let by_cell = Columns::<&DirectionCell>::new()
+        .file("s_mm", |cell| cell.s_mm)
+        .file("angle_deg", |cell| cell.angle_deg)
+        .file("force_n", |cell| cell.force_n)
+        .file("pictures", |cell| cell.answers.pictures)
+        .file("answered", |cell| cell.answers.answered)
+        .file("told", |cell| cell.answers.told())
+        .file("angle_error_deg", |cell| cell.answers.angle_error_deg)
+        .file("angle_bound_deg", |cell| cell.angle_bound_deg)
+        .file("force_error", |cell| cell.answers.force_error)
+        .file("force_bound", |cell| cell.force_bound)
+        .file("force_sigma", |cell| cell.answers.force_sigma);
+    let without_friction = Columns::<&FrictionlessPush>::new()
+        .file("node", |push| push.node)
+        .file("s_mm", |push| push.s_mm)
+        .file("force_n", |push| push.force_n)
+        .file("angle_deg", |push| push.angle_deg)
+        .file("assumed", |push| push.assumed.name())
+        .file("pictures", |push| push.answers.pictures)
+        .file("answered", |push| push.answers.answered)
+        .file("angle_error_deg", |push| push.answers.angle_error_deg)
+        .file("force_error", |push| push.answers.force_error)
+        .file("force_sigma", |push| push.answers.force_sigma);
+    let directions = || study.directions.iter();
+    vec![
+        Dataset::new(CSV, &by_cell, directions().flat_map(|of| &of.cells)),
+        Dataset::new(FRICTIONLESS_CSV, &without_friction, directions().flat_map(|of| &of.without_friction)),
+    ]
 }
 
-/// A push along the deformed normal, sensed under an assumption; errors are root mean squares.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct FrictionlessRow {
-    /// The contact node.
-    pub node: usize,
-    /// Its place on the front plate, mm from the base.
-    pub s_mm: f64,
-    /// True force, N.
-    pub force_n: f64,
-    /// Direction of the push, degrees from the undeformed normal; `None` where the finger carries no such push.
-    pub angle_deg: Option<f64>,
-    /// `undeformed`, `normal` or `unknown` direction.
-    pub assumed: Assumption,
-    /// Noise pictures.
-    pub pictures: usize,
-    /// Pictures that were answered.
-    pub answered: usize,
-    /// Error of the direction, degrees.
-    pub angle_error_deg: Option<f64>,
-    /// Error of the force as a share of it.
-    pub force_error: Option<f64>,
-    /// Standard deviation that the estimator states of the force, as a share of it.
-    pub force_sigma: Option<f64>,
-}
-
-pub(super) fn rows(directions: &DirectionStudy) -> impl Iterator<Item = DirectionRow> {
-    directions.cells.iter().map(|cell| DirectionRow {
-        s_mm: cell.s_mm,
-        angle_deg: cell.angle_deg,
-        force_n: cell.force_n,
-        pictures: cell.answers.pictures,
-        answered: cell.answers.answered,
-        told: cell.answers.told(),
-        angle_error_deg: cell.answers.angle_error_deg,
-        angle_bound_deg: cell.angle_bound_deg,
-        force_error: cell.answers.force_error,
-        force_bound: cell.force_bound,
-        force_sigma: cell.answers.force_sigma,
-    })
-}
-
-pub(super) fn frictionless_rows(directions: &DirectionStudy) -> impl Iterator<Item = FrictionlessRow> {
-    directions.without_friction.iter().map(|push| FrictionlessRow {
-        node: push.node,
-        s_mm: push.s_mm,
-        force_n: push.force_n,
-        angle_deg: push.angle_deg,
-        assumed: push.assumed,
-        pictures: push.answers.pictures,
-        answered: push.answers.answered,
-        angle_error_deg: push.answers.angle_error_deg,
-        force_error: push.answers.force_error,
-        force_sigma: push.answers.force_sigma,
-    })
-}
-
-pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(directions) = &study.directions else { return Ok(None) };
     let finger = &study.finger;
     let mut blocks = vec![text(format!(
         "The paper takes the direction of a force as known: with size and direction both unknown, sensing \"will not work\" \
-         (Fig. 13). Here the nonlinear estimator is told the place alone, under {} mm of noise, {} pictures a cell. A cell \
-         counts as told where the direction is known to {TOLD_DEG} deg and the force to {} (root mean squares) and at least {} of the \
-         pictures are answered; the rest is hatched. What the noise leaves open, the estimator refuses rather than guesses.",
+         (Fig. 13). Here the nonlinear estimator knows the position alone, under {} mm of noise, {} noise samples a cell. A cell \
+         counts as identifiable where the direction is known to {TOLD_DEG} deg and the force to {} (root mean squares) and at least {} of the \
+         samples are answered; the rest is hatched. What the noise leaves open, the estimator refuses rather than guesses.",
         directions.noise_mm,
         directions.pictures,
         percent(TOLD_FORCE),
@@ -126,36 +73,23 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
     blocks.push(all(&Shown {
         what: "error of the direction, deg",
         line: None,
-        missing: "cannot be told",
+        missing: "not identifiable",
         value: &told,
     })?);
-    blocks.push(Block::Details {
-        summary: "The least that any estimator can reach, and the errors of all answers".to_owned(),
-        blocks: vec![
-            all(&Shown {
-                what: "Cramer-Rao bound of the direction, deg",
-                line: Some(TOLD_DEG),
-                missing: "open",
-                value: &bound,
-            })?,
-            all(&Shown {
-                what: "error of answered directions, deg",
-                line: Some(TOLD_DEG),
-                missing: "no answer",
-                value: &answered,
-            })?,
-            all(&Shown {
-                what: "error of answered forces, %",
-                line: Some(100.0 * TOLD_FORCE),
-                missing: "no answer",
-                value: &force,
-            })?,
-        ],
-    });
+    let of_all: [(_, _, _, &dyn Fn(&DirectionCell) -> Option<f64>); 3] = [
+        ("Cramer-Rao bound of the direction, deg", TOLD_DEG, "not identifiable", &bound),
+        ("error of answered directions, deg", TOLD_DEG, "no answer", &answered),
+        ("error of answered forces, %", 100.0 * TOLD_FORCE, "no answer", &force),
+    ];
+    let maps = of_all.map(|(what, line, missing, value)| all(&Shown { what, line: Some(line), missing, value }));
+    blocks.push(details(
+        "The least that any estimator can reach, and the errors of all answers",
+        maps.into_iter().collect::<Result<_, _>>()?,
+    ));
     blocks.extend(without_friction(directions).map(text));
     let charts = [FORCES_N[0], FORCES_N[2]].map(|force_n| frictionless_chart(directions, force_n));
     blocks.push(Block::Figures { figures: charts.into_iter().collect::<Result<_, FigureError>>()? });
-    Ok(Some(sections::section("directions", "Unknown directions", blocks)))
+    Ok(Some(Section::new("directions", "Unknown directions", blocks)))
 }
 
 /// One quantity by place and direction.
@@ -192,7 +126,7 @@ impl Shown<'_> {
     }
 }
 
-/// At how many places and in which directions both are told.
+/// In which cells both are identifiable.
 fn where_told(directions: &DirectionStudy) -> Option<String> {
     let shares: Vec<String> = FORCES_N
         .iter()
@@ -201,7 +135,7 @@ fn where_told(directions: &DirectionStudy) -> Option<String> {
             (all > 0).then(|| format!("{} at {force_n} N", percent(told as f64 / all as f64)))
         })
         .collect();
-    // Places at which every direction is told under the largest force, and those at which none is.
+    // Positions at which every direction is identifiable under the largest force, and those at which none is.
     let largest = FORCES_N[FORCES_N.len() - 1];
     let mut places: Vec<(f64, usize, usize)> = Vec::new();
     let carried = |cell: &&DirectionCell| cell.force_n == largest && cell.answers.pictures > 0;
@@ -217,24 +151,26 @@ fn where_told(directions: &DirectionStudy) -> Option<String> {
             [] => None,
             [one] => Some(format!("{one:.0} mm")),
             [first, .., last] => {
-                Some(format!("{first:.0} to {last:.0} mm from the base ({} of {} places)", list.len(), places.len()))
+                Some(format!("{first:.0} to {last:.0} mm from the base ({} of {} positions)", list.len(), places.len()))
             }
         }
     };
     let everywhere = of(|told, all| told == all)
-        .map_or("at no place are all directions told".to_owned(), |list| format!("all directions are told at {list}"));
+        .map_or("at no position are all directions identifiable".to_owned(), |list| {
+            format!("all directions are identifiable at {list}")
+        });
     let nowhere =
-        of(|told, _| told == 0).map_or("at every place some are".to_owned(), |list| format!("none is at {list}"));
+        of(|told, _| told == 0).map_or("at every position some are".to_owned(), |list| format!("none is at {list}"));
     let [told, all] = directions.told(largest);
     let verdict = match 2 * told > all {
         true => {
-            "the paper's \"will not work\" holds for small forces and for places that hardly show a direction, not for the finger"
+            "the paper's \"will not work\" holds for small forces and for positions that hardly show a direction, not for the finger"
         }
         false => "the paper's \"will not work\" holds for most pushes, though not for all",
     };
     (!shares.is_empty()).then(|| {
         format!(
-            "Direction and force together are told in these shares of the places and directions: {}. Under {largest} N \
+            "Direction and force together are identifiable in these shares of the cells (position, direction): {}. Under {largest} N \
              {everywhere}, {nowhere}. So {verdict}.",
             shares.join(", ")
         )
@@ -246,26 +182,23 @@ fn without_friction(directions: &DirectionStudy) -> Option<String> {
     let errors = |assumed: Assumption, force_n: f64| {
         let rows =
             directions.without_friction.iter().filter(move |row| row.assumed == assumed && row.force_n == force_n);
-        let errors: Vec<f64> = rows.filter_map(|row| row.answers.force_error).collect();
-        (!errors.is_empty()).then(|| {
-            let mean = errors.iter().sum::<f64>() / errors.len() as f64;
-            format!("{} (at worst {})", percent(mean), percent(errors.into_iter().fold(0.0, f64::max)))
-        })
+        let errors = Span::of(rows.filter_map(|row| row.answers.force_error))?;
+        Some(format!("{} (at worst {})", percent(errors.mean), percent(errors.greatest)))
     };
     let of_all = |count: fn(&FrictionlessPush) -> usize| -> usize {
         directions.without_friction.iter().filter(|row| row.assumed == Assumption::Unknown).map(count).sum()
     };
-    let (pictures, answered) = (of_all(|row| row.answers.pictures), of_all(|row| row.answers.answered));
+    let (samples, answered) = (of_all(|row| row.answers.pictures), of_all(|row| row.answers.answered));
     let [small, _, large] = FORCES_N;
     Some(format!(
-        "A contact without friction pushes along the normal of the deformed plate. Who assumes so has no direction to tell: the \
+        "A contact without friction pushes along the normal of the deformed plate. Who assumes so has no direction to estimate: the \
          force errs by {} at {small} N and by {} at {large} N, mean over the nodes, against {} and {} with the direction unknown \
-         (refused in {} of {pictures} pictures of all forces, which count in no error) and {} and {} with the undeformed normal assumed.",
+         (refused in {} of {samples} noise samples of all forces, which count in no error) and {} and {} with the undeformed normal assumed.",
         errors(Assumption::Normal, small)?,
         errors(Assumption::Normal, large)?,
         errors(Assumption::Unknown, small)?,
         errors(Assumption::Unknown, large)?,
-        pictures - answered,
+        samples - answered,
         errors(Assumption::Undeformed, small)?,
         errors(Assumption::Undeformed, large)?,
     ))

@@ -1,17 +1,30 @@
 //! What the origin of the undeformed positions does to the floors of sensing: a table.
 
-use super::page::{Block, Cell, Column, Row, Section, Table};
-use super::sections::{self, text};
+use super::dataset::{Columns, Dataset, Format};
+use super::format::Span;
+use super::page::{Block, Section, text};
+use super::{ReportError, Results};
 use crate::experiments::displacement_noise::{
     DisplacementNoiseRow, DisplacementNoiseStudy, FORCE_N, FRAMES, ROTATION_SD_DEG, TRANSLATION_SD_MM,
 };
-use crate::study::Study;
 
-pub(super) const CSV: &str = "displacement_noise.csv";
+const CSV: &str = "displacement_noise.csv";
 
-pub(super) fn section(study: &Study) -> Option<Section> {
-    let noise = study.displacement_noise.as_ref().filter(|noise| !noise.rows.is_empty())?;
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    vec![Dataset::records(CSV, study.displacement_noise.iter().flat_map(|noise| &noise.rows))]
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
+    let Some(noise) = study.displacement_noise.as_ref().filter(|noise| !noise.rows.is_empty()) else { return Ok(None) };
     let cases = noise.rows.first().map_or(0, |row| row.cases);
+    let columns = Columns::<&DisplacementNoiseRow>::new()
+        .page("nodes", Format::Plain, |row| row.nodes.clone())
+        .page("undeformed positions", Format::Words, |row| row.noise)
+        .page("bound, N", Format::Fixed(4), |row| row.bound_n)
+        .page("bound, 25 frames, N", Format::Fixed(4), |row| row.bound_of_25_frames_n)
+        .page("generalised / bound", Format::Fixed(2), |row| row.generalised_rms_n / row.bound_n)
+        .page("ordinary / bound", Format::Fixed(2), |row| row.ordinary_rms_n / row.bound_n)
+        .page("refused", Format::Plain, |row| row.refused);
     let blocks = vec![
         text(format!(
             "A displacement is a position in an image less the undeformed position, and that is not exact either. Everywhere else on this page \
@@ -30,54 +43,22 @@ pub(super) fn section(study: &Study) -> Option<Section> {
              least squares, which takes all errors for independent. Chance moves a scatter by {:.0} %.",
             100.0 / (2.0 * cases.max(1) as f64).sqrt()
         )),
-        Block::Table(table(noise)),
+        Block::Table(columns.table("Floors of a force by the noise of displacements", CSV, &noise.rows)),
     ];
-    Some(sections::section("displacement-noise", "Where undeformed positions come from", blocks))
+    let section = Section::new("displacement-noise", "Where undeformed positions come from", blocks);
+    Ok(Some(section.saying(in_words(noise))))
 }
 
-/// The sentence of the section.
-pub(super) fn words(study: &DisplacementNoiseStudy) -> Option<String> {
+/// How much larger the floors become.
+fn in_words(study: &DisplacementNoiseStudy) -> Option<String> {
     let of = |name: &'static str| study.rows.iter().filter(move |row| row.noise == name);
     let worse = of("motor angle").zip(of("independent")).map(|(motor, alone)| motor.bound_n / alone.bound_n);
     let ordinary = of("motor angle").map(|row| row.ordinary_rms_n / row.bound_n);
-    let largest = |ratios: &mut dyn Iterator<Item = f64>| ratios.reduce(f64::max);
-    let worse: Vec<f64> = worse.collect();
-    let least = worse.iter().copied().reduce(f64::min)?;
+    let (worse, ordinary) = (Span::of(worse)?, Span::of(ordinary)?);
     Some(format!(
         "If the undeformed finger is measured by the same camera, no estimator does better than sqrt(2) times the floors shown elsewhere; if it comes \
-         from the motor angle (with {TRANSLATION_SD_MM} mm and {ROTATION_SD_DEG} deg, a choice), {least:.1} to {:.1} times, and ordinary least \
+         from the motor angle (with {TRANSLATION_SD_MM} mm and {ROTATION_SD_DEG} deg, a choice), {:.1} to {:.1} times, and ordinary least \
          squares up to {:.1} times that bound.",
-        largest(&mut worse.iter().copied())?,
-        largest(&mut ordinary.into_iter())?
+        worse.least, worse.greatest, ordinary.greatest
     ))
-}
-
-fn table(study: &DisplacementNoiseStudy) -> Table {
-    let row = |row: &DisplacementNoiseRow| Row {
-        cells: [
-            row.nodes.clone(),
-            row.noise.to_owned(),
-            format!("{:.4}", row.bound_n),
-            format!("{:.4}", row.bound_of_25_frames_n),
-            format!("{:.2}", row.generalised_rms_n / row.bound_n),
-            format!("{:.2}", row.ordinary_rms_n / row.bound_n),
-            row.refused.to_string(),
-        ]
-        .map(Cell::plain)
-        .into(),
-    };
-    Table {
-        caption: "Floors of a force by the noise of displacements".to_owned(),
-        columns: vec![
-            Column::numbers("nodes"),
-            Column::words("undeformed positions"),
-            Column::numbers("bound, N"),
-            Column::numbers("bound, 25 frames, N"),
-            Column::numbers("generalised / bound"),
-            Column::numbers("ordinary / bound"),
-            Column::numbers("refused"),
-        ],
-        rows: study.rows.iter().map(row).collect(),
-        csv: Some(CSV.to_owned()),
-    }
 }

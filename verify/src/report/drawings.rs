@@ -14,20 +14,10 @@ use finray_model::{Finger, Kinematics, Vector};
 pub(super) const PAPER_SHADES_PERCENT: [f64; 2] = [10.0, 25.0];
 /// One colour scale for all maps, %.
 const ERROR_SCALE_PERCENT: [f64; 2] = [0.1, 100.0];
-pub(super) const ALONG_THE_PLATE: &str = "place along the front plate from the base, mm";
+pub(super) const ALONG_THE_PLATE: &str = "position along the front plate from the base, mm";
 pub(super) const DIRECTION_AXIS: &str = "force direction, deg from normal (+ to tip)";
 pub(super) const ALONG_AXIS: &str = "base to tip, mm";
 pub(super) const ACROSS_AXIS: &str = "back to front, mm";
-
-/// The truth of a map, for people.
-pub(super) fn truth_in_words(map: &AccuracyMap) -> &str {
-    match map.truth.as_str() {
-        "corotational" => "large-rotation",
-        "twin" => "digital-twin",
-        "mujoco" => "MuJoCo",
-        other => other,
-    }
-}
 
 /// What a map's colours say.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -78,24 +68,24 @@ pub(super) fn quantity_picture(
         |f| format!("{f} N"),
     );
     let noise = if map.noise_mm > 0.0 { format!("{} mm noise", map.noise_mm) } else { "no noise".to_owned() };
-    let truth = truth_in_words(map);
+    let truth = map.truth.label();
     let (title, what, values, value_label) = match quantity {
         Quantity::Error => {
             let title = format!("{truth} truth, {noise}, {force}");
             (title, "Error", map.errors(force_n), "error |sensed / true - 1|, %")
         }
         Quantity::Bias => {
-            let title = format!("bias: {truth} truth, {}", map.estimator.replace('-', " "));
+            let title = format!("bias: {truth} truth, {}", map.estimator.label());
             (title, "Bias", map.values(force_n, |cell| cell.bias.map(f64::abs)), "|mean of sensed / true - 1|, %")
         }
         Quantity::Spread => {
-            let title = format!("spread: {truth} truth, {}", map.estimator.replace('-', " "));
+            let title = format!("spread: {truth} truth, {}", map.estimator.label());
             (title, "Spread", map.values(force_n, |cell| cell.spread), "standard deviation of sensed / true, %")
         }
     };
     let alt = format!(
-        "{what} of the sensed force by place along the front plate and direction: {title}, {} estimator.",
-        map.estimator
+        "{what} of the sensed force by position along the front plate and direction: {title}, {} estimator.",
+        map.estimator.label()
     );
     let percent = |error: Option<f64>| error.map(|e| 100.0 * e);
     let cells = Cells {
@@ -150,10 +140,7 @@ pub(super) fn small_maps(
 
 /// Why cells are empty: linear sensing answers whatever it is shown.
 fn missing_label(map: &AccuracyMap) -> &'static str {
-    match map.estimator.as_str() {
-        "least-squares" | "ridge" => "no equilibrium",
-        _ => "no equilibrium, or refused",
-    }
+    if map.estimator.is_linear() { "no equilibrium" } else { "no equilibrium, or refused" }
 }
 
 /// Node numbers along the front plate.
@@ -174,7 +161,7 @@ pub(super) fn percent_line(value: f64) -> (f64, String) {
 pub(super) fn errors_along_the_normal(map: &AccuracyMap) -> Result<String, FigureError> {
     let title = format!(
         "Along the normal, {} truth, {}",
-        truth_in_words(map),
+        map.truth.label(),
         if map.noise_mm > 0.0 { format!("{} mm noise", map.noise_mm) } else { "no noise".to_owned() }
     );
     let series = map

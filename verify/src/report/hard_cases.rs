@@ -1,66 +1,73 @@
-//! Hard cases: what is promised at the edge of what can be computed, and what came out.
+//! Hard cases: what is checked at the edge of what can be computed, and the results.
 
-use super::page::{Block, Cell, Column, Row, Section, Table};
-use super::sections::{self, text};
-use super::tables::{self, figure, verdict};
+use super::checks;
+use super::dataset::{Columns, Dataset, Format};
+use super::format::{figure, verdict};
+use super::page::{Block, Column, Section, details, text};
+use super::{ReportError, Results};
 use crate::check::{Check, EXACT_COUNT};
 use crate::experiments::hard_cases::{HardCase, TIME_LIMIT_S};
-use crate::study::Study;
-use serde::Serialize;
 
-pub(super) const CSV: &str = "hard_cases.csv";
+const CSV: &str = "hard_cases.csv";
 const VERDICTS: [&str; 2] = ["kept", "broken"];
 
-/// A case in the CSV file.
-#[derive(Serialize)]
-pub(super) struct CaseRow<'c> {
-    case: &'c str,
-    difficulty: &'c str,
-    promise: &'c str,
-    outcome: String,
-    seconds: f64,
-    verdict: &'static str,
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    vec![Dataset::new(CSV, &columns(), &study.hard_cases).csv_alone()]
 }
 
-pub(super) fn rows(study: &Study) -> impl Iterator<Item = CaseRow<'_>> {
-    study.hard_cases.iter().map(|case| CaseRow {
-        case: case.case,
-        difficulty: case.difficulty,
-        promise: case.promise,
-        outcome: outcome(case),
-        seconds: case.seconds,
-        verdict: if case.kept() { VERDICTS[0] } else { VERDICTS[1] },
-    })
+fn columns<'s>() -> Columns<'s, &'s HardCase> {
+    Columns::new()
+        .file("case", |case: &&HardCase| case.case)
+        .page("case", Format::Words, |case| unbroken(case.case))
+        .file("difficulty", |case| case.difficulty)
+        .page("what makes it hard", Format::Words, |case| unbroken(case.difficulty))
+        .file("promise", |case| case.promise)
+        .page("what is checked", Format::Words, |case| unbroken(case.promise))
+        .file("outcome", |case| outcome(case))
+        .page("result", Format::Words, |case| unbroken(&outcome(case)))
+        .file("seconds", |case| case.seconds)
+        .file("verdict", |case| VERDICTS[usize::from(!case.kept())])
+        .cells(Column::words("verdict"), |case| verdict(case.kept(), VERDICTS))
 }
 
-pub(super) fn section(study: &Study) -> Section {
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
+    if study.hard_cases.is_empty() {
+        return Ok(None);
+    }
     let kept = study.hard_cases.iter().filter(|case| case.kept()).count();
+    let figures = study.hard_cases.iter().flat_map(|case| &case.checks);
     let blocks = vec![
         text(format!(
-            "Variants of the finger at the edge of what can be computed. No promise rests on the solver's own word: it is \
+            "Variants of the finger at the edge of what can be computed. No check rests on the solver's own word: a case is \
              held against a scaling law, another solution method, a known limit or the true force. An equilibrium is sound \
-             if the general sparse path finds the same, linear and with large rotations, if reactions and load leave no \
+             if the general sparse path finds the same, linear and co-rotational, if reactions and load leave no \
              force or moment, and if the elastic energy is the work of the load. No case may take more than {TIME_LIMIT_S} \
-             s. {kept} of {} cases keep their promise.",
+             s. {kept} of {} cases pass all of their checks.",
             study.hard_cases.len()
         )),
         text(
             "A broken row means that finray may answer wrongly, or not at all, near such a case: do not trust numbers there \
              before its check is understood. It says nothing about the other rows.",
         ),
-        Block::Table(table(&study.hard_cases)),
-        Block::Details {
-            summary: "Every figure behind these verdicts".to_owned(),
-            blocks: vec![Block::Table(tables::checks(study.hard_cases.iter().flat_map(|case| &case.checks)))],
-        },
+        Block::Table(columns().table("What is checked, and the results", CSV, &study.hard_cases)),
+        details("Every figure behind these verdicts", vec![Block::Table(checks::table(figures))]),
     ];
-    sections::section("hard-cases", "Hard cases", blocks)
+    Ok(Some(Section::new("hard-cases", "Hard cases", blocks).saying([in_words(&study.hard_cases)])))
 }
 
-/// What came out: words, then figure by figure, a line each.
+/// Which cases fail a check.
+fn in_words(cases: &[HardCase]) -> String {
+    let broken: Vec<&str> = cases.iter().filter(|case| !case.kept()).map(|case| case.case).collect();
+    match &broken[..] {
+        [] => format!("All {} hard cases are answered soundly or refused with a reason.", cases.len()),
+        broken => format!("{} of {} hard cases fail their checks: {}.", broken.len(), cases.len(), broken.join("; ")),
+    }
+}
+
+/// The results: words, then figure by figure, a line each.
 fn outcome(case: &HardCase) -> String {
     let mut lines = case.notes.clone();
-    lines.extend(case.checks.iter().map(came_out));
+    lines.extend(case.checks.iter().map(compared));
     lines.push(match case.seconds {
         s if s < 0.01 => "< 0.01 s".to_owned(),
         s => format!("{s:.2} s"),
@@ -68,7 +75,7 @@ fn outcome(case: &HardCase) -> String {
     lines.join("\n")
 }
 
-fn came_out(check: &Check) -> String {
+fn compared(check: &Check) -> String {
     let Check { source, quantity, reference, ours, tolerance, .. } = check;
     let broken = if check.passes() { "" } else { " - BROKEN" };
     if *tolerance == EXACT_COUNT {
@@ -88,20 +95,4 @@ fn came_out(check: &Check) -> String {
 /// Keeps powers of ten such as 1e-6 on one line.
 fn unbroken(words: &str) -> String {
     words.replace("e-", "e\u{2011}")
-}
-
-fn table(cases: &[HardCase]) -> Table {
-    let row = |case: &HardCase| {
-        let words = [case.case, case.difficulty, case.promise].map(|words| Cell::plain(unbroken(words)));
-        let answers = [Cell::plain(unbroken(&outcome(case))), verdict(case.kept(), VERDICTS)];
-        Row { cells: words.into_iter().chain(answers).collect() }
-    };
-    Table {
-        caption: "What is promised, and what came out".to_owned(),
-        columns: ["case", "what makes it hard", "what we promise", "what came out", "verdict"]
-            .map(Column::words)
-            .into(),
-        rows: cases.iter().map(row).collect(),
-        csv: Some(CSV.to_owned()),
-    }
 }

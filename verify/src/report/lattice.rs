@@ -1,13 +1,15 @@
 //! The finger as rigid bodies and springs: how near it is to beams, what that rests on, and what sensing makes of it.
 
-mod rows;
+#[cfg(test)]
+mod samples;
 mod tables;
 mod words;
 
-use super::page::{Block, Figure, Section};
-use super::sections::{self, text};
-use super::tables::map_csv_name;
-use super::{ReportError, drawings};
+use super::dataset::Dataset;
+use super::format::list;
+use super::maps::map_csv_name;
+use super::page::{Block, Figure, Section, text};
+use super::{ReportError, Results, drawings};
 use crate::check::worst;
 use crate::experiments::lattice::LatticeStudy;
 use crate::figures::{Axis, Chart, FigureError, Frame, Series};
@@ -15,26 +17,26 @@ use crate::lattice::accuracy::{FinenessRow, LoadGrid};
 use crate::settings::DRAWN_FORCE_N;
 use crate::study::Study;
 
-pub use rows::{AxialSpringsRow, LatticeRow, SettlingRow};
-pub(super) use rows::{axial_rows, rows, settling_rows};
-pub(super) use words::verdict;
-
-pub(super) const CSV: &str = "lattice.csv";
-pub(super) const AXIAL_CSV: &str = "lattice_axial_springs.csv";
-pub(super) const SETTLING_CSV: &str = "lattice_settling.csv";
+const CSV: &str = "lattice.csv";
+const AXIAL_CSV: &str = "lattice_axial_springs.csv";
+const SETTLING_CSV: &str = "lattice_settling.csv";
 /// Order of the guide in the figure: an error by the fourth power of the segments' length.
 const GUIDE_ORDER: i32 = 4;
 /// Room beside the first and the last point of the figure, as a factor of their places.
 const BESIDE: f64 = 1.08;
 
-pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    tables::datasets(study.lattice.as_ref())
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(lattice) = &study.lattice else { return Ok(None) };
     let mut blocks = vec![text(
         "The finger is built a second time, of rigid bodies with springs between them, in which no element or solver of the \
          beams is used. The springs' stiffnesses are EA / l, 12 EI / l^3 and EI / l of the same sections: agreement verifies solver and \
-         large-rotation kinematics, not Euler-Bernoulli theory. Plates and ribs are cut into short segments, each an axial spring and two or three against bending. \
+         co-rotational kinematics, not Euler-Bernoulli theory. Plates and ribs are cut into short segments, each an axial spring and two or three against bending. \
          The physics engine rapier2d lets the bodies move until they rest; where they rest, the springs' energy is \
-         least, and Newton's method finds that equilibrium as well, which tells an error of the lattice from one of the \
+         least, and Newton's method finds that equilibrium as well, which separates an error of the lattice from one of the \
          settling. No parameter is fitted. finray map --truth lattice maps any finger this way.",
     )];
     if lattice.settling.is_empty() {
@@ -63,7 +65,8 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
         blocks.push(Block::Table(tables::settling(lattice)));
     }
     blocks.push(Block::Figures { figures: vec![map_figure(study, lattice)?, sensing_figure(lattice)?] });
-    Ok(Some(sections::section("lattice", "Another discretisation: the spring lattice", blocks)))
+    let section = Section::new("lattice", "Another discretisation: the spring lattice", blocks);
+    Ok(Some(section.saying(words::verdict(lattice))))
 }
 
 fn map_figure(study: &Study, lattice: &LatticeStudy) -> Result<Figure, ReportError> {
@@ -88,7 +91,7 @@ fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
             let error = worst(here.filter_map(|cell| cell.mean_error));
             (error > 0.0).then_some([s_mm, 100.0 * error])
         };
-        Series::nth(n, map.estimator.replace('-', " "), map.request.places_mm.iter().filter_map(worst).collect())
+        Series::nth(n, map.estimator.label(), map.request.places_mm.iter().filter_map(worst).collect())
     });
     let alt = format!("{title}: error of the sensed force by place, one line an estimator.");
     let axes = [Axis::linear(drawings::ALONG_THE_PLATE), Axis::log("error |sensed / true - 1|, %")];
@@ -113,8 +116,7 @@ fn loads_in_words(grid: &LoadGrid) -> String {
         (Some(one), _) => format!("node {one}"),
         _ => "no node".to_owned(),
     };
-    let angles: Vec<String> = grid.angles_deg.iter().map(f64::to_string).collect();
-    format!("{nodes}, {} deg", angles.join(", "))
+    format!("{nodes}, {} deg", list(&grid.angles_deg, ", "))
 }
 
 /// A series a force, and the slope of the fourth order from where the last begins.
@@ -145,89 +147,9 @@ fn picture(rows: &[FinenessRow]) -> Result<String, FigureError> {
 
 #[cfg(test)]
 mod tests {
-    use super::tables::{axial, by_fineness, costs, settling};
+    use super::samples::sample;
+    use super::tables::{axial, by_fineness, costs, datasets, settling};
     use super::*;
-    use crate::experiments::lattice::{LatticeSensing, MapDifference};
-    use crate::figures::{Axis, Chart, FigureError, Frame, Series};
-    use crate::lattice::accuracy::SettlingCost;
-    use crate::lattice::causes::{self, AXIAL_SPRINGS, AxialRow, SETTLINGS};
-    use crate::sampling::map::{AccuracyMap, Cell as MapCell, MapRequest};
-    use finray_model::NodeId;
-
-    /// Least squares or the nonlinear estimator, off by `error` in its one cell.
-    fn map(estimator: &str, error: f64) -> AccuracyMap {
-        let request = MapRequest {
-            places_mm: vec![76.5],
-            angles_deg: vec![20.0],
-            forces_n: vec![3.0],
-            noise_levels_mm: vec![0.0],
-            noise_pictures: 1,
-            seed: 1,
-        };
-        let cell = MapCell {
-            s_mm: 76.5,
-            angle_deg: 20.0,
-            force_n: 3.0,
-            mean_error: Some(error),
-            bias: Some(error),
-            spread: Some(0.0),
-            samples: 1,
-            answered: 1,
-            warned: None,
-            covered: None,
-            covered_warned: None,
-        };
-        AccuracyMap {
-            request,
-            truth: "lattice".to_owned(),
-            estimator: estimator.to_owned(),
-            noise_mm: 0.0,
-            cells: vec![cell],
-        }
-    }
-
-    /// A study of 2 and 4 segments a stretch: errors that fall to an eighth at 1 N and to a sixteenth at 5 N.
-    pub(super) fn sample() -> LatticeStudy {
-        let row = |fineness: usize, errors: [f64; 2], settling| FinenessRow {
-            fineness,
-            bodies: 40 * fineness,
-            springs: 200 * fineness,
-            forces_n: vec![1.0, 5.0],
-            errors: errors.into(),
-            newton_ms: 12.3,
-            settling,
-        };
-        let loads =
-            LoadGrid { nodes: vec![NodeId(14), NodeId(18)], angles_deg: vec![-60.0, 60.0], forces_n: vec![1.0, 5.0] };
-        let axial = AXIAL_SPRINGS.into_iter().zip([Some(0.0016), Some(0.03), Some(0.7), None]);
-        let settling = SETTLINGS.into_iter().zip([Some(0.02), Some(5e-4), Some(6e-5), Some(6e-5), Some(7e-4)]);
-        let (least_squares, nonlinear) = (map("least-squares", 0.2), map("nonlinear", 4e-4));
-        LatticeStudy {
-            rows: vec![
-                row(2, [8e-4, 1.6e-3], Some(SettlingCost { error: 1e-5, steps: 2331, ms: 512.4 })),
-                row(4, [1e-4, 1e-4], None),
-            ],
-            loads: [loads.clone(), loads.clone()],
-            axial: axial
-                .map(|((name, axial), error)| AxialRow { name, axial, errors: error.map(|error| vec![error; 2]) })
-                .collect(),
-            axial_forces_n: vec![1.0, 5.0],
-            settling: settling
-                .map(|((sweeps, positions), error)| causes::SettlingRow { sweeps, positions, error, steps: Some(2000) })
-                .collect(),
-            settled: loads,
-            out_of_balance: 6e-4,
-            problem_checks: Vec::new(),
-            comparisons: Vec::new(),
-            linear: vec![(1.0, 0.1), (5.0, 0.5)],
-            sensing: LatticeSensing {
-                difference: MapDifference::of(&least_squares, &map("least-squares", 0.2003)),
-                least_squares,
-                nonlinear,
-                others: Vec::new(),
-            },
-        }
-    }
 
     #[test]
     fn a_line_a_force_and_the_guide_are_drawn() {
@@ -269,7 +191,8 @@ mod tests {
         let mut study = sample();
         let none = axial(&study).rows.pop().expect("springs left out");
         assert_eq!(none.cells[4].text, "no equilibrium");
-        assert_eq!(axial_rows(&study).filter(|row| row.error.is_none()).count(), 2);
+        let file = datasets(Some(&study))[1].csv().expect("text").expect("a file").1;
+        assert_eq!(file.lines().filter(|line| line.ends_with(',')).count(), 2);
         (study.settling[4].error, study.settling[4].steps) = (None, None);
         let single = settling(&study).rows.pop().expect("single precision");
         assert_eq!(

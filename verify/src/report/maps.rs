@@ -1,135 +1,45 @@
 //! Where sensing fails: an overview of all truths and estimators, then the maps one by one and what explains them.
 
 mod drawings;
+mod tables;
 mod words;
 
-use super::drawings::{Quantity, errors_along_the_normal, map_picture, quantity_picture, truth_in_words};
-use super::page::{Block, Figure, Section};
-use super::sections::{section as page_section, text};
-use super::{ReportError, Summary, tables};
-use crate::experiments::explain::{Explanation, ExplanationMap};
+use super::dataset::Dataset;
+use super::drawings::{Quantity, errors_along_the_normal, map_picture, quantity_picture};
+use super::page::{Block, Figure, Section, details, text};
+use super::{ReportError, Results};
+use crate::estimators::EstimatorId;
+use crate::experiments::explain::Explanation;
 use crate::sampling::map::AccuracyMap;
 use crate::settings::{DRAWN_FORCE_N, MAP_FORCES_N};
 use crate::study::Study;
-use serde::Serialize;
+use crate::truths::TruthId;
+use tables::{EXPLANATIONS_CSV, OVERVIEW_CSV};
 
-pub(super) const OVERVIEW_CSV: &str = "map_overview.csv";
-pub(super) const EXPLANATIONS_CSV: &str = "explanations.csv";
-
-/// Truths in the order of the overview, as in summaries and for people; large rotation first: it is what a real finger does.
-const TRUTHS: [(&str, &str); 5] = [
-    ("corotational", "large rotation"),
-    ("twin", "digital twin"),
-    ("lattice", "spring lattice"),
-    ("mujoco", "MuJoCo"),
-    ("linear", "linear"),
-];
-/// Estimators in the order of the overview.
-const ESTIMATORS: [(&str, &str); 4] =
-    [("least-squares", "least squares"), ("ridge", "ridge"), ("nonlinear", "nonlinear"), ("network", "network")];
-
-/// One cell of the overview.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub(super) struct OverviewRow<'s> {
-    truth: &'s str,
-    estimator: &'s str,
-    noise_mm: f64,
-    s_mm: f64,
-    angle_deg: f64,
-    force_n: f64,
-    mean_error: Option<f64>,
-    samples: usize,
-    answered: usize,
-}
-
-/// The cells of both overviews, at the drawn force.
-pub(super) fn overview_rows(study: &Study) -> Vec<OverviewRow<'static>> {
-    let shown = [true, false].into_iter().flat_map(|noisy| {
-        let pairs =
-            TRUTHS.iter().flat_map(|(truth, _)| ESTIMATORS.iter().map(move |(estimator, _)| (*truth, *estimator)));
-        pairs.filter_map(move |(truth, estimator)| Some((truth, estimator, small(study, truth, estimator, noisy)?)))
-    });
-    shown
-        .flat_map(|(truth, estimator, map)| {
-            let cells = map.cells.into_iter().filter(|cell| cell.force_n == DRAWN_FORCE_N);
-            cells.map(move |cell| OverviewRow {
-                truth,
-                estimator,
-                noise_mm: map.noise_mm,
-                s_mm: cell.s_mm,
-                angle_deg: cell.angle_deg,
-                force_n: cell.force_n,
-                mean_error: cell.mean_error,
-                samples: cell.samples,
-                answered: cell.answered,
-            })
-        })
-        .collect()
-}
+pub(super) use tables::map_csv_name;
 
 /// A map of the overview: on the coarse grid where it was computed on the fine one, which would only weigh the page down.
-fn small(study: &Study, truth: &str, estimator: &str, noisy: bool) -> Option<AccuracyMap> {
+fn small(study: &Study, truth: TruthId, estimator: EstimatorId, noisy: bool) -> Option<AccuracyMap> {
     let map = study.map_by(truth, estimator, noisy).filter(|map| map.request.forces_n.contains(&DRAWN_FORCE_N))?;
-    let coarse = study.map_by(truth, "ridge", noisy).map(|map| &map.request);
+    let coarse = study.map_by(truth, EstimatorId::Ridge, noisy).map(|map| &map.request);
     Some(match coarse.filter(|coarse| coarse.contact_count() < map.request.contact_count()) {
         Some(coarse) => map.thinned(&coarse.places_mm, &coarse.angles_deg),
         None => map.clone(),
     })
 }
 
-/// What one kind of explanation comes to over all places and directions.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ExplanationRow {
-    /// Column of the file.
-    pub quantity: &'static str,
-    /// Force, N.
-    pub force_n: f64,
-    /// Standard deviation of a measured coordinate, mm.
-    pub noise_mm: f64,
-    /// Median over the cells that have one.
-    pub median: Option<f64>,
-    /// Largest.
-    pub largest: Option<f64>,
-    /// Cells without: no equilibrium, or the markers do not tell.
-    pub cells_without: usize,
-    /// File with the cells, beside the summary.
-    pub csv: &'static str,
-}
-
 /// A quantity of explanations.
 type Of = fn(&Explanation) -> Option<f64>;
 
-/// A row for each quantity of the explanations.
-pub(super) fn explanation_rows(map: &ExplanationMap) -> Vec<ExplanationRow> {
-    let quantities: [(&'static str, Of); 6] = [
-        ("bound", |cell| cell.bound),
-        ("bound_unknown_direction", |cell| cell.bound_unknown_direction),
-        ("direction_sigma_deg", |cell| cell.direction_sigma_deg),
-        ("condition", |cell| cell.condition),
-        ("error_per_deg", |cell| cell.error_per_deg),
-        ("error_per_mm", |cell| cell.error_per_mm),
-    ];
-    let row = |(quantity, of): (&'static str, Of)| {
-        let values: Vec<f64> = map.cells.iter().filter_map(of).collect();
-        ExplanationRow {
-            quantity,
-            force_n: map.force_n,
-            noise_mm: map.noise_mm,
-            median: words::median(values.iter().copied()),
-            largest: values.iter().copied().reduce(f64::max),
-            cells_without: map.cells.len() - values.len(),
-            csv: EXPLANATIONS_CSV,
-        }
-    };
-    quantities.map(row).into()
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    tables::datasets(study)
 }
 
-/// The section.
-pub(super) fn section(study: &Study, summary: &Summary) -> Result<Section, ReportError> {
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let noisy = study.noise_mm > 0.0;
     let mut blocks = vec![
         text(
-            "A force is put on a true finger at a known place and in a known direction; its size is sensed from the \
+            "A force is put on a true finger at a known position and in a known direction; its size is sensed from the \
              displacements of the key nodes by an estimator that knows the uniform finger, not the truth. The shades are those \
              of the paper's Table I: clear up to 10 %, grey up to 25 %, dark above.",
         ),
@@ -138,27 +48,25 @@ pub(super) fn section(study: &Study, summary: &Summary) -> Result<Section, Repor
     ];
     blocks.push(details("The finest maps: linear least squares", least_squares(study)?));
     blocks.push(details("Bias and spread apart", bias_and_spread(study)?));
-    blocks.push(details("What explains them: bound, condition, wrong directions and places", explanations(study)?));
+    blocks.push(details("What explains them: bound, condition, wrong directions and positions", explanations(study)?));
     if noisy {
         blocks.push(details("All truths and estimators without noise", vec![Block::Figure(overview(study, false)?)]));
     }
-    blocks.push(details("Every map in figures, with its cells", vec![Block::Table(tables::map_figures(summary))]));
-    Ok(page_section("maps", "Where sensing fails", blocks))
-}
-
-fn details(summary: &str, blocks: Vec<Block>) -> Block {
-    Block::Details { summary: summary.to_owned(), blocks }
+    blocks.push(details("Every map in figures, with its cells", vec![Block::Table(tables::figures(study))]));
+    Ok(Some(Section::new("maps", "Where sensing fails", blocks).saying(words::says(study))))
 }
 
 fn overview(study: &Study, noisy: bool) -> Result<Figure, ReportError> {
     let pictures =
-        |estimator: &str| study.map_by("corotational", estimator, noisy).map(|map| map.request.noise_pictures);
-    let noise = match (pictures("least-squares"), pictures("nonlinear")) {
+        |estimator| study.map_by(TruthId::Corotational, estimator, noisy).map(|map| map.request.noise_pictures);
+    let noise = match (pictures(EstimatorId::LeastSquares), pictures(EstimatorId::Nonlinear)) {
         (Some(most), Some(fewer)) if noisy => {
-            let few = study.map_by("linear", "nonlinear", noisy).map_or(fewer, |map| map.request.noise_pictures);
+            let few = study
+                .map_by(TruthId::Linear, EstimatorId::Nonlinear, noisy)
+                .map_or(fewer, |map| map.request.noise_pictures);
             let (networks, twin) = if study.is_paper { (" and for networks", "the twin and ") } else { ("", "") };
             format!(
-                "with {} mm noise a coordinate: mean error of {most} pictures a cell for least squares on the large-rotation \
+                "with {} mm noise a coordinate: mean error of {most} noise samples a cell for least squares on the co-rotational \
                  and the linear finger{networks}, {few} for the nonlinear estimator on {twin}the linear finger, which it cannot \
                  explain, {fewer} for all others",
                 study.noise_mm
@@ -185,36 +93,36 @@ fn overview(study: &Study, noisy: bool) -> Result<Figure, ReportError> {
 fn noise_in_words(map: &AccuracyMap) -> String {
     match map.noise_mm {
         0.0 => "without noise".to_owned(),
-        noise => format!("with {noise} mm noise a coordinate, {} pictures a cell", map.request.noise_pictures),
+        noise => format!("with {noise} mm noise a coordinate, {} noise samples a cell", map.request.noise_pictures),
     }
 }
 
 /// Least squares on the large-rotation and the linear finger: the maps on the finest grid, each force and their mean.
 fn least_squares(study: &Study) -> Result<Vec<Block>, ReportError> {
-    let of = |truth: &'static str| [false, true].into_iter().filter_map(move |noisy| study.map(truth, noisy));
+    let of = |truth: TruthId| [false, true].into_iter().filter_map(move |noisy| study.map(truth, noisy));
     let picture = |map: &AccuracyMap, force_n: Option<f64>| -> Result<Figure, ReportError> {
         let force = force_n.map_or_else(|| "mean over all forces".to_owned(), |f| format!("{f} N"));
-        let truth = if map.truth == "linear" { "the linear finger" } else { "the large-rotation finger (fine mesh)" };
         Ok(Figure {
             svg: map_picture(&study.finger, map, force_n)?,
             caption: format!(
-                "Sensed by linear least squares on {truth}, {}; {force}; {}.",
+                "Sensed by linear least squares on the {} finger, {}; {force}; {}.",
+                map.truth.label(),
                 noise_in_words(map),
                 map.summary(force_n).counts()
             ),
-            csv: Some(tables::map_csv_name(map)),
+            csv: Some(map_csv_name(map)),
             wide: false,
         })
     };
-    let pictures = |force_n| of("corotational").chain(of("linear")).map(move |map| picture(map, force_n));
-    let lines = of("corotational").map(|map| {
+    let pictures = |force_n| of(TruthId::Corotational).chain(of(TruthId::Linear)).map(move |map| picture(map, force_n));
+    let lines = of(TruthId::Corotational).map(|map| {
         Ok(Figure {
             svg: errors_along_the_normal(map)?,
             caption: format!(
                 "The same along the normal, for each force ({} of the whole map).",
                 map.summary(None).counts()
             ),
-            csv: Some(tables::map_csv_name(map)),
+            csv: Some(map_csv_name(map)),
             wide: false,
         })
     });
@@ -236,12 +144,14 @@ fn bias_and_spread(study: &Study) -> Result<Vec<Block>, ReportError> {
     let noisy = study.noise_mm > 0.0;
     let mut blocks = vec![text(
         "The bias is what is wrong whatever the noise: no camera mends it, a better model does. The spread is what the noise \
-         does: a better camera, more pictures or more markers lessen it. The bias of n pictures is itself told to spread / sqrt(n) \
+         does: a better camera, more images or more markers lessen it. The bias of n noise samples is itself known to spread / sqrt(n) \
          only.",
     )];
-    for (truth, estimator) in
-        [("corotational", "least-squares"), ("corotational", "nonlinear"), ("twin", "least-squares")]
-    {
+    for (truth, estimator) in [
+        (TruthId::Corotational, EstimatorId::LeastSquares),
+        (TruthId::Corotational, EstimatorId::Nonlinear),
+        (TruthId::Twin, EstimatorId::LeastSquares),
+    ] {
         let Some(map) = small(study, truth, estimator, noisy) else { continue };
         let figure = |quantity: Quantity| -> Result<Figure, ReportError> {
             let what = if quantity == Quantity::Bias { "Bias (its size)" } else { "Spread" };
@@ -249,12 +159,12 @@ fn bias_and_spread(study: &Study) -> Result<Vec<Block>, ReportError> {
                 svg: quantity_picture(&study.finger, &map, Some(DRAWN_FORCE_N), quantity)?,
                 caption: format!(
                     "{what}: {}, {} truth, {DRAWN_FORCE_N} N, {}; {}.",
-                    estimator.replace('-', " "),
-                    truth_in_words(&map),
+                    estimator.label(),
+                    map.truth.label(),
                     noise_in_words(&map),
                     map.summary(Some(DRAWN_FORCE_N)).counts()
                 ),
-                csv: Some(tables::map_csv_name(&map)),
+                csv: Some(map_csv_name(&map)),
                 wide: false,
             })
         };
@@ -267,7 +177,7 @@ fn bias_and_spread(study: &Study) -> Result<Vec<Block>, ReportError> {
 fn explanations(study: &Study) -> Result<Vec<Block>, ReportError> {
     Ok(vec![
         text(format!(
-            "All of these follow from the tangent stiffness of the large-rotation finger in its shape under {DRAWN_FORCE_N} N, \
+            "All of these follow from the tangent stiffness of the co-rotational finger in its shape under {DRAWN_FORCE_N} N, \
              to first order, with all free key nodes as markers. The bound is the Cramer-Rao bound: no unbiased estimator \
              scatters less."
         )),

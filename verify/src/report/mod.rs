@@ -1,17 +1,21 @@
-//! From a [`Study`] to what a person looks at: page, pictures, tables and the summary for machines. Nothing is computed
+//! From a [`Study`] to what a person looks at: page, figures, tables and the summary for machines. Nothing is computed
 //! here.
 
 pub mod page;
 
 mod causes;
+mod checks;
 mod claims;
 mod contact_scenes;
 mod convergence;
 mod coverage;
 mod curves;
+mod dataset;
 mod directions;
 mod displacement_noise;
 mod drawings;
+mod finger;
+mod format;
 mod hard_cases;
 mod lattice;
 mod maps;
@@ -20,29 +24,23 @@ mod pairs;
 mod recipes;
 mod scatter;
 mod sections;
+mod shapes;
 mod speed_error;
-mod summary;
+mod table_one;
 mod table_two;
-mod tables;
 mod twin;
 mod verdict;
-mod words;
 
-pub use causes::{CauseRow, CauseSummary};
-pub use directions::{DirectionRow, FrictionlessRow};
 pub use drawings::{map_picture, standalone};
-pub use lattice::{AxialSpringsRow, LatticeRow, SettlingRow};
-pub use maps::ExplanationRow;
-pub use networks::NetworkRow;
-pub use pairs::PairRow;
-pub use summary::Summary;
-pub use table_two::TableTwoRow;
-pub use twin::{CalibrationRow, TwinRow, ZoneSetRow};
 
 use crate::claims::Claim;
 use crate::figures::FigureError;
 use crate::study::Study;
+use dataset::Dataset;
 use std::path::PathBuf;
+
+/// Version of finray that makes the report.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Why a report could not be put together.
 #[derive(Debug, thiserror::Error)]
@@ -61,15 +59,52 @@ pub enum ReportError {
     Summary(#[from] serde_json::Error),
 }
 
-/// The files of a report, by name within its folder: `index.html`, `summary.json` and a CSV behind every figure.
+/// What a report is made from.
+#[derive(Clone, Copy)]
+struct Results<'s> {
+    study: &'s Study,
+    claims: &'s [Claim],
+}
+
+/// A report, ready to be written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    /// Name within the folder and text: `index.html`, `summary.json` and a CSV behind every figure.
+    pub files: Vec<(PathBuf, String)>,
+    /// What the numbers say: the head of the page, then what its sections say.
+    pub verdict: Vec<String>,
+}
+
+/// Puts the report on a study together.
 ///
 /// # Errors
 /// [`ReportError`] if a figure has nothing to draw.
-pub fn files(study: &Study, claims: &[Claim]) -> Result<Vec<(PathBuf, String)>, ReportError> {
-    let mut files = tables::csv_files(study, claims)?;
-    let summary = Summary::of(study, claims);
-    files.push(("summary.json".into(), serde_json::to_string_pretty(&summary)? + "\n"));
-    let page = sections::page(study, claims, &summary)?;
+pub fn report(study: &Study, claims: &[Claim]) -> Result<Report, ReportError> {
+    let results = Results { study, claims };
+    let page = sections::page(results)?;
+    let data = sections::datasets(results);
+    let says = page.questions.iter().flat_map(|question| &question.sections).flat_map(|section| &section.says);
+    let verdict: Vec<String> = page.verdict.iter().chain(says).cloned().collect();
+    let mut files: Vec<(PathBuf, String)> = Vec::new();
+    for dataset in &data {
+        files.extend(dataset.csv()?.map(|(name, text)| (name.into(), text)));
+    }
+    files.push(("summary.json".into(), summary(&study.scene, &verdict, &data)?));
     files.push(("index.html".into(), page::render(&page)?));
-    Ok(files)
+    Ok(Report { files, verdict })
+}
+
+/// `summary.json`: every figure that the page shows, for machines. Arrays come as their datasets write them.
+fn summary(scene: &str, verdict: &[String], data: &[Dataset]) -> Result<String, ReportError> {
+    let mut fields = vec![
+        ("scene", serde_json::to_string(scene)?),
+        ("version", serde_json::to_string(VERSION)?),
+        ("verdict", serde_json::to_string_pretty(verdict)?),
+    ];
+    for dataset in data {
+        fields.extend(dataset.json()?);
+    }
+    // No JSON text holds a line break that is not its layout.
+    let fields = fields.into_iter().map(|(key, text)| format!("  \"{key}\": {}", text.replace('\n', "\n  ")));
+    Ok(format!("{{\n{}\n}}\n", fields.collect::<Vec<_>>().join(",\n")))
 }

@@ -19,7 +19,7 @@ pub struct Page {
     pub verdict: Vec<String>,
     /// The one drawing beside the verdict.
     pub lead: Option<Figure>,
-    /// What is told, question by question, in the order of the table of contents.
+    /// The results, question by question, in the order of the table of contents.
     pub questions: Vec<Question>,
     /// Small print at the end.
     pub footer: String,
@@ -95,7 +95,7 @@ pub struct Figure {
 }
 
 /// Numbers in rows and columns.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Table {
     /// Words above the table.
     pub caption: String,
@@ -146,6 +146,28 @@ pub enum Shade {
     Grey,
     /// Dark: an error of more than a quarter.
     Dark,
+}
+
+/// A paragraph.
+pub fn text(paragraph: impl Into<String>) -> Block {
+    Block::Text { paragraph: paragraph.into() }
+}
+
+/// Blocks under a line that opens them.
+pub fn details(summary: impl Into<String>, blocks: Vec<Block>) -> Block {
+    Block::Details { summary: summary.into(), blocks }
+}
+
+impl Section {
+    /// A section by its anchor, heading and blocks.
+    pub fn new(id: &str, heading: &str, blocks: Vec<Block>) -> Self {
+        Section { id: id.to_owned(), heading: heading.to_owned(), says: Vec::new(), blocks }
+    }
+
+    /// The same with the sentences that its numbers say.
+    pub fn saying(self, says: impl IntoIterator<Item = String>) -> Self {
+        Section { says: says.into_iter().collect(), ..self }
+    }
 }
 
 impl Column {

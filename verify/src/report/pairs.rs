@@ -1,18 +1,15 @@
 //! Two contacts at once: which pairs of nodes can be trusted, and why neighbours are hard.
 
-use super::ReportError;
-use super::page::{Block, Figure, Section};
-use super::sections::{self, text};
-use super::table_two::nodes_in_words;
-use super::tables::percent;
+use super::dataset::{Columns, Dataset};
+use super::format::{Span, list, nodes_in_words};
+use super::page::{Block, Figure, Section, text};
+use super::{ReportError, Results};
+use crate::experiments::noise::NoiseStudy;
 use crate::figures::{Axis, Cells, ColourScale, FigureError, Frame, Map, Shades};
 use crate::sampling::scatter::{Counts, Scatter, ScatterRow};
 use crate::settings::TWO_FORCES_N;
-use crate::experiments::noise::NoiseStudy;
-use crate::study::Study;
-use serde::Serialize;
 
-pub(super) const CSV: &str = "pairs.csv";
+const CSV: &str = "pairs.csv";
 const EACH: &str = "Mean error of each force, %";
 const SUM: &str = "Mean error of the sum of both, %";
 const OVER_BOUND: &str = "Error of a force over its Cramer-Rao bound";
@@ -25,68 +22,38 @@ const SHADES_PERCENT: [f64; 2] = [10.0, 25.0];
 /// Its cells are about square, px.
 const MATRIX_HEIGHT: f64 = 480.0;
 
-/// One estimator at one pair of nodes.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct PairRow {
-    /// Contact nodes, by spaces.
-    pub nodes: String,
-    /// Name of the estimator.
-    pub estimator: String,
-    /// Standard deviation of one coordinate, mm.
-    pub noise_mm: f64,
-    /// Cases that were drawn.
-    pub drawn: usize,
-    /// Cases that were answered; means are theirs.
-    pub answered: usize,
-    /// Cases that were refused.
-    pub refused: usize,
-    /// Mean of |sensed / true - 1| over both forces.
-    pub mean_error: Option<f64>,
-    /// The same for an estimator that reaches the Cramer-Rao bound.
-    pub mean_error_bound: Option<f64>,
-    /// Root mean square of a force's error over its bound, the worse of the two forces.
-    pub over_bound: Option<f64>,
-    /// Mean error of the sum of both forces.
-    pub sum_mean_error: Option<f64>,
-    /// Root mean square of the sum's error over its bound.
-    pub sum_over_bound: Option<f64>,
-    /// Largest over smallest singular value of the linear compliance of the two contacts.
-    pub condition_number: f64,
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    let rows = study.noise.iter().flat_map(|noise| {
+        let estimators = [&noise.pairs, &noise.linear_pairs];
+        estimators.into_iter().flat_map(|rows| rows.iter().zip(noise.condition_numbers.iter().copied()))
+    });
+    let columns = Columns::<(&ScatterRow, f64)>::new()
+        .file("nodes", |(row, _)| list(&row.nodes, " "))
+        .file("estimator", |(row, _)| row.estimator)
+        .file("noise_mm", |(row, _)| row.noise_mm)
+        .file("drawn", |(row, _)| row.drawn())
+        .file("answered", |(row, _)| row.cases)
+        .file("refused", |(row, _)| row.refused)
+        .file("mean_error", |(row, _)| row.mean_error())
+        .file("mean_error_bound", |(row, _)| row.mean_error_bound())
+        .file("over_bound", |(row, _)| worse_over_bound(row))
+        .file("sum_mean_error", |(row, _)| Some(row.sum?.mean_error))
+        .file("sum_over_bound", |(row, _)| Some(row.sum?.bound?.over_bound))
+        .file("condition_number", |(_, condition_number)| *condition_number);
+    vec![Dataset::new(CSV, &columns, rows)]
 }
 
-/// A row for each pair and estimator.
-pub(super) fn rows(noise: &NoiseStudy) -> impl Iterator<Item = PairRow> {
-    let estimators = [&noise.pairs, &noise.linear_pairs];
-    estimators.into_iter().flat_map(|rows| rows.iter().zip(&noise.condition_numbers).map(pair_row))
-}
-
-fn pair_row((row, &condition_number): (&ScatterRow, &f64)) -> PairRow {
-    PairRow {
-        nodes: nodes_in_words(&row.nodes, " "),
-        estimator: row.estimator.clone(),
-        noise_mm: row.noise_mm,
-        drawn: row.drawn(),
-        answered: row.cases,
-        refused: row.refused,
-        mean_error: row.mean_error(),
-        mean_error_bound: row.mean_error_bound(),
-        over_bound: worse_over_bound(row),
-        sum_mean_error: row.sum.map(|sum| sum.mean_error),
-        sum_over_bound: row.sum.and_then(|sum| Some(sum.bound?.over_bound)),
-        condition_number,
-    }
-}
-
+/// Root mean square of a force's error over its bound, the worse of the two forces.
 fn worse_over_bound(row: &ScatterRow) -> Option<f64> {
     row.forces.iter().filter_map(|force: &Scatter| Some(force.bound?.over_bound)).reduce(f64::max)
 }
 
-pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(noise) = study.noise.as_ref().filter(|noise| !noise.pairs.is_empty()) else { return Ok(None) };
     let cases = noise.pairs.iter().map(ScatterRow::drawn).min().unwrap_or(0);
     let mut blocks = vec![text(format!(
         "The protocol of Table II (Figs. 9 to 11 of the paper) at every pair of contact nodes: forces of {} to {} N along the normal at \
-         both bend the large-rotation finger, {} mm of noise is added, and both forces are sensed from the same {cases} pictures by \
+         both bend the co-rotational finger, {} mm of noise is added, and both forces are sensed from the same {cases} noise samples by \
          the nonlinear estimator (above the diagonal) and by linear least squares (below it).",
         TWO_FORCES_N[0], TWO_FORCES_N[1], noise.noise_mm
     ))];
@@ -111,7 +78,7 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
         wide: false,
     });
     blocks.push(Block::Figures { figures: figures.into() });
-    Ok(Some(sections::section("pairs", "Two contacts at once", blocks)))
+    Ok(Some(Section::new("pairs", "Two contacts at once", blocks)))
 }
 
 /// One quantity of every pair, the nonlinear estimator above the diagonal.
@@ -165,37 +132,25 @@ fn two_digits(value: f64) -> String {
     }
 }
 
-/// Smallest and largest of some figures, as shares; `None` of none.
-fn range(figures: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
-    figures.fold(None, |range, figure| match range {
-        None => Some([figure; 2]),
-        Some([low, high]) => Some([f64::min(low, figure), f64::max(high, figure)]),
-    })
-}
-
-fn between([low, high]: [f64; 2]) -> String {
-    format!("{} to {}", percent(low), percent(high))
-}
-
 /// Which pairs can be trusted.
 fn trusted(noise: &NoiseStudy) -> Option<String> {
     let all = noise.pairs.len();
     let within = |rows: &[ScatterRow], limit: f64| rows.iter().filter(|row| row.is_within(limit)).count();
-    let sums = |rows: &[ScatterRow]| range(rows.iter().filter_map(|row| Some(row.sum?.mean_error)));
+    let sums = |rows: &[ScatterRow]| Some(Span::of(rows.iter().filter_map(|row| Some(row.sum?.mean_error)))?.range());
     let bad: Vec<String> =
-        noise.pairs.iter().filter(|row| !row.is_within(0.10)).map(|row| nodes_in_words(&row.nodes, " and ")).collect();
+        noise.pairs.iter().filter(|row| !row.is_within(0.10)).map(|row| nodes_in_words(&row.nodes)).collect();
     let except = match &bad[..] {
         [] => "every pair can be trusted to 10 % with each of its forces".to_owned(),
         bad => format!("all pairs but {} can be trusted to 10 % with each of their forces", bad.join(", ")),
     };
     Some(format!(
-        "Sensed with large rotations, {except}: {} of {all} err by less than 3 %, and their sum by {} ({}). Linear least squares \
+        "Sensed by the nonlinear estimator, {except}: {} of {all} err by less than 3 %, and their sum by {} ({}). Linear least squares \
          keeps 10 % at {} of them, and its sum errs by {} ({}). A refused case counts as an error of 100 %.",
         within(&noise.pairs, 0.03),
-        between(sums(&noise.pairs)?),
+        sums(&noise.pairs)?,
         Counts::of(&noise.pairs),
         within(&noise.linear_pairs, 0.10),
-        between(sums(&noise.linear_pairs)?),
+        sums(&noise.linear_pairs)?,
         Counts::of(&noise.linear_pairs),
     ))
 }
@@ -206,29 +161,31 @@ fn neighbours(noise: &NoiseStudy) -> Option<String> {
     // Errors and condition numbers of pairs by how many nodes apart they are.
     let apart = |wanted: fn(usize) -> bool| {
         let of = pairs().filter(move |(row, _)| wanted(row.nodes[1] - row.nodes[0]));
-        let errors = range(of.clone().filter_map(|(row, _)| row.mean_error()))?;
-        Some((errors, range(of.map(|(_, condition)| *condition))?))
+        let errors = Span::of(of.clone().filter_map(|(row, _)| row.mean_error()))?.range();
+        Some((errors, Span::of(of.map(|(_, condition)| *condition))?))
     };
     let (near_errors, near) = apart(|steps| steps == 1)?;
     let (far_errors, far) = apart(|steps| steps > 2)?;
-    let over = |rows: &[ScatterRow]| range(rows.iter().filter_map(worse_over_bound));
+    let over = |rows: &[ScatterRow]| Span::of(rows.iter().filter_map(worse_over_bound));
     let cases = noise.pairs.iter().map(ScatterRow::drawn).min()?;
-    let ([low, high], linear) = (over(&noise.pairs)?, over(&noise.linear_pairs)?);
+    let (nonlinear, linear) = (over(&noise.pairs)?, over(&noise.linear_pairs)?);
     Some(format!(
-        "Neighbours are hard because they bend the finger nearly alike: the two sensitivities are almost parallel, and what tells \
-         them apart is {:.1} to {:.1} times smaller than what they share (the condition number; {:.1} to {:.1} for nodes three or more \
+        "Neighbours are hard because they bend the finger nearly alike: the two sensitivities are almost parallel, and what \
+         distinguishes them is {:.1} to {:.1} times smaller than what they share (the condition number; {:.1} to {:.1} for nodes three or more \
          apart). Each force of neighbours errs by {}, of nodes three or more apart by {}. No unbiased estimator does \
-         better: the nonlinear one errs by {low:.2} to {high:.2} of the Cramer-Rao bound (root mean square, the worse force of each pair; \
+         better: the nonlinear one errs by {:.2} to {:.2} of the Cramer-Rao bound (root mean square, the worse force of each pair; \
          {cases} cases leave {:.0} % to chance), linear least squares by {:.1} to {:.0} of it, as what it gets wrong of the shape is \
          no noise.",
-        near[0],
-        near[1],
-        far[0],
-        far[1],
-        between(near_errors),
-        between(far_errors),
+        near.least,
+        near.greatest,
+        far.least,
+        far.greatest,
+        near_errors,
+        far_errors,
+        nonlinear.least,
+        nonlinear.greatest,
         100.0 / (2.0 * cases as f64).sqrt(),
-        linear[0],
-        linear[1]
+        linear.least,
+        linear.greatest
     ))
 }

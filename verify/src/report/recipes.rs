@@ -1,14 +1,16 @@
-//! Three ways to train a network, side by side with what needs no training.
+//! Three ways to train a network, recorded, side by side with what needs no training.
 
-use super::page::{Block, Cell, Column, Row, Table};
-use super::sections::text;
-use super::table_two::{self, finger_name};
-use super::tables::{error, percent};
+use super::dataset::{Columns, Dataset, Format};
+use super::format::{NOTHING, Span, error_as, list, percent, share_of_counts, share_refused};
+use super::page::{Block, Cell, Column, Table, text};
+use super::table_two::{error_or_rounding, recorded_settings};
+use crate::estimators::EstimatorId;
 use crate::experiments::networks::records::RecipeRow;
 use crate::experiments::table_two::{COMPARED_SETS, ComparedSet, TableTwo, contact_sets};
 use crate::sampling::scatter::ScatterRow;
+use crate::truths::TruthId;
 
-pub(super) const CSV: &str = "training_recipes.csv";
+const CSV: &str = "training_recipes.csv";
 /// Name and how it is shown.
 const RECIPES: [(&str, &str); 4] = [("a", "(a)"), ("a, by spread", "(a), by spread"), ("b", "(b)"), ("c", "(c)")];
 /// Seeds whose largest error exceeds the smallest by this factor matter.
@@ -18,81 +20,57 @@ const ALIKE: f64 = 1.6;
 /// Errors on another finger that exceed those on the finger of the training by this factor are due to the finger.
 const OTHER_FINGER: f64 = 3.0;
 
-/// The errors of one recipe over its seeds.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct OverSeeds {
-    mean: f64,
-    least: f64,
-    greatest: f64,
-}
-
-impl OverSeeds {
-    fn of(errors: impl Iterator<Item = f64>) -> Option<OverSeeds> {
-        let errors: Vec<f64> = errors.collect();
-        let least = errors.iter().copied().reduce(f64::min)?;
-        let greatest = errors.iter().copied().fold(least, f64::max);
-        Some(OverSeeds { mean: errors.iter().sum::<f64>() / errors.len() as f64, least, greatest })
-    }
-
-    /// `5.1 % (4.2\u{2013}6.0)`: mean, least and greatest.
-    fn in_words(self) -> String {
-        let bare = |share: f64| percent(share).trim_end_matches(" %").to_owned();
-        let [least, greatest] = [self.least, self.greatest].map(bare);
-        match least == greatest {
-            true => percent(self.mean),
-            false => format!("{} ({least}\u{2013}{greatest})", percent(self.mean)),
-        }
-    }
-
-    fn range(self) -> String {
-        format!("{} to {}", percent(self.least), percent(self.greatest))
-    }
-}
-
 /// One finger at one level of noise.
 #[derive(Debug, Clone, Copy)]
 struct Setting<'r> {
     recorded: &'r [RecipeRow],
     live: &'r TableTwo,
-    truth: &'static str,
+    truth: TruthId,
     noise_mm: f64,
 }
 
-impl Setting<'_> {
+impl<'r> Setting<'r> {
     /// At the compared sets of contacts.
-    fn rows<'s>(&'s self, recipe: &'s str) -> impl Iterator<Item = &'s RecipeRow> {
-        let compared = COMPARED_SETS.map(|set| table_two::nodes_in_words(set.nodes, " "));
+    fn rows(self, recipe: &str) -> impl Iterator<Item = &'r RecipeRow> {
+        let compared = COMPARED_SETS.map(|set| list(set.nodes, " "));
         self.recorded
             .iter()
             .filter(move |row| row.recipe == recipe && row.truth == self.truth && row.noise_mm == self.noise_mm)
             .filter(move |row| compared.contains(&row.nodes))
     }
 
-    fn recipe(&self, recipe: &str, set: &ComparedSet, quantity: &str) -> Option<OverSeeds> {
-        let nodes = table_two::nodes_in_words(set.nodes, " ");
+    /// Over the seeds.
+    fn recipe(self, recipe: &str, set: &ComparedSet, quantity: &str) -> Option<Span> {
+        let nodes = list(set.nodes, " ");
         let wanted = self.rows(recipe).filter(|row| row.nodes == nodes && row.quantity == quantity);
-        OverSeeds::of(wanted.filter_map(|row| row.mean_error))
+        Span::of(wanted.filter_map(|row| row.mean_error))
     }
 
-    /// The mean error of each force, and of the sum, of an estimator of Table II.
-    fn estimator(&self, estimator: &str, set: &ComparedSet) -> [Option<f64>; 2] {
+    /// What an estimator of Table II makes of the compared sets.
+    fn live(self, estimator: EstimatorId) -> impl Iterator<Item = &'r ScatterRow> {
         let rows = self.live.of(self.truth, self.noise_mm, estimator);
-        let row = rows.into_iter().find(|row| row.nodes == set.nodes);
-        row.map_or([None, None], |row| [row.mean_error(), table_two::sum(row)])
+        rows.filter(|row| COMPARED_SETS.iter().any(|set| row.nodes == set.nodes))
     }
+
+    /// Its mean error of each force, or of the sum.
+    fn estimator(self, estimator: EstimatorId, set: &ComparedSet, quantity: &str) -> Option<f64> {
+        let row = self.live(estimator).find(|row| row.nodes == set.nodes)?;
+        if quantity == "sum" { Some(row.sum?.mean_error) } else { row.mean_error() }
+    }
+}
+
+pub(super) fn dataset(rows: &[RecipeRow]) -> Dataset<'_> {
+    Dataset::records(CSV, rows)
 }
 
 pub(super) fn blocks(recorded: &[RecipeRow], live: &TableTwo) -> Vec<Block> {
     if recorded.is_empty() {
         return Vec::new();
     }
-    let seeds = |recipe: &str| {
-        let mut seeds: Vec<u64> = recorded.iter().filter(|row| row.recipe == recipe).map(|row| row.seed).collect();
-        seeds.sort_unstable();
-        seeds.dedup();
-        seeds.len()
-    };
-    let [a, spread, b, c] = RECIPES.map(|(recipe, _)| seeds(recipe));
+    let [a, spread, b, c] = RECIPES.map(|(recipe, _)| {
+        let seeds = recorded.iter().filter(|row| row.recipe == recipe).map(|row| row.seed);
+        seeds.collect::<std::collections::BTreeSet<_>>().len()
+    });
     let mut blocks = vec![text(format!(
         "Three ways to train, recorded once, with {a}, {spread}, {b} and {c} seeds. (a) is the paper's: 150-200-150 hidden units, \
          20 000 cases of the linear finger, no noise. How it scales displacements the paper does not say; here they are divided \
@@ -108,17 +86,17 @@ pub(super) fn blocks(recorded: &[RecipeRow], live: &TableTwo) -> Vec<Block> {
 /// What the table says, and why; sentences that the numbers do not bear out are left away.
 fn words(recorded: &[RecipeRow], live: &TableTwo) -> Vec<String> {
     let noise_mm = recorded.iter().map(|row| row.noise_mm).fold(0.0, f64::max);
-    let rotating = Setting { recorded, live, truth: "corotational", noise_mm };
-    let clean = Setting { noise_mm: 0.0, ..rotating };
-    let linear = Setting { truth: "linear", noise_mm: 0.0, ..rotating };
-    let paragraphs = [another_finger(&rotating, &linear), random_start(&clean), cure(&rotating)];
+    let corotational = Setting { recorded, live, truth: TruthId::Corotational, noise_mm };
+    let clean = Setting { noise_mm: 0.0, ..corotational };
+    let linear = Setting { truth: TruthId::Linear, noise_mm: 0.0, ..corotational };
+    let paragraphs = [another_finger(corotational, linear), random_start(clean), cure(corotational)];
     paragraphs.into_iter().flatten().collect()
 }
 
 /// What (a) has learnt, and what it makes of a finger that it was not trained on.
-fn another_finger(rotating: &Setting, linear: &Setting) -> Option<String> {
+fn another_finger(corotational: Setting, linear: Setting) -> Option<String> {
     let [_, neighbours, _] = COMPARED_SETS;
-    let near = rotating.recipe("a", &neighbours, "each force")?;
+    let near = corotational.recipe("a", &neighbours, "each force")?;
     let learnt = linear.recipe("a", &neighbours, "each force")?;
     if near.mean < OTHER_FINGER * learnt.mean {
         return None;
@@ -132,10 +110,10 @@ fn another_finger(rotating: &Setting, linear: &Setting) -> Option<String> {
 }
 
 /// Where the seed matters, training left weights as they were drawn.
-fn random_start(clean: &Setting) -> Option<String> {
+fn random_start(clean: Setting) -> Option<String> {
     let [_, neighbours, _] = COMPARED_SETS;
     let (a, b) = (clean.recipe("a", &neighbours, "each force")?, clean.recipe("b", &neighbours, "each force")?);
-    let least_squares = clean.estimator("least-squares", &neighbours)[0]?;
+    let least_squares = clean.estimator(EstimatorId::LeastSquares, &neighbours, "each force")?;
     if a.greatest < SEEDS_MATTER * a.least {
         return None;
     }
@@ -160,13 +138,13 @@ fn random_start(clean: &Setting) -> Option<String> {
 }
 
 /// (c) senses the finger that it was trained on.
-fn cure(rotating: &Setting) -> Option<String> {
+fn cure(corotational: Setting) -> Option<String> {
     let [one, neighbours, apart] = COMPARED_SETS;
     let sets = [&one, &neighbours, &apart];
-    let errors = |recipe: &str| sets.map(|set| rotating.recipe(recipe, set, "each force"));
+    let errors = |recipe: &str| sets.map(|set| corotational.recipe(recipe, set, "each force"));
     let [Some(single), Some(near), Some(far)] = errors("c") else { return None };
     let [_, Some(near_b), _] = errors("b") else { return None };
-    let nonlinear = rotating.estimator("nonlinear", &neighbours)[0]?;
+    let nonlinear = corotational.estimator(EstimatorId::Nonlinear, &neighbours, "each force")?;
     if near.mean > 0.5 * near_b.mean {
         return None;
     }
@@ -180,71 +158,87 @@ fn cure(rotating: &Setting) -> Option<String> {
     ))
 }
 
-fn table(recorded: &[RecipeRow], live: &TableTwo) -> Table {
-    let mut settings: Vec<(&'static str, f64)> = Vec::new();
-    for truth in ["linear", "corotational"] {
-        let mut levels: Vec<f64> = recorded.iter().filter(|row| row.truth == truth).map(|row| row.noise_mm).collect();
-        levels.sort_by(f64::total_cmp);
-        levels.dedup();
-        settings.extend(levels.into_iter().map(|noise_mm| (truth, noise_mm)));
-    }
-    let rows = settings.into_iter().flat_map(|(truth, noise_mm)| {
-        let mut rows = setting_rows(&Setting { recorded, live, truth, noise_mm });
-        // Said once for all that sense it.
-        rows.iter_mut().skip(1).for_each(|row| row.cells[0] = Cell::plain(""));
-        rows
-    });
-    let columns = COMPARED_SETS.iter().flat_map(|set| {
-        let sum = (set.nodes.len() > 1).then(|| Column::numbers("sum"));
-        [Some(Column::numbers(set.name)), sum].into_iter().flatten()
-    });
-    Table {
-        caption: "Three ways to train: mean error over the seeds (least to greatest), and the estimators of Table II; grey above \
-                  10 %, dark above 25 %"
-            .to_owned(),
-        columns: ["finger, noise", "by"]
-            .map(Column::words)
-            .into_iter()
-            .chain(columns)
-            .chain([Column::numbers("refused")])
-            .collect(),
-        rows: rows.collect(),
-        csv: Some(CSV.to_owned()),
+/// What senses: a recorded recipe, by its name and how it is shown, or an estimator of Table II.
+#[derive(Debug, Clone, Copy)]
+enum By {
+    Recipe(&'static str, &'static str),
+    Estimator(EstimatorId),
+}
+
+impl By {
+    fn label(self) -> &'static str {
+        match self {
+            By::Recipe(_, label) => label,
+            By::Estimator(estimator) => estimator.label(),
+        }
     }
 }
 
-fn setting_rows(setting: &Setting) -> Vec<Row> {
-    let line = |name: &str, cells: Vec<Cell>, refused: String| {
-        let noise =
-            if setting.noise_mm > 0.0 { format!("{}\u{a0}mm", setting.noise_mm) } else { "no noise".to_owned() };
-        let words = [format!("{}, {noise}", finger_name(setting.truth)), name.to_owned()].map(Cell::plain);
-        let refused = Cell::plain(refused);
-        Row { cells: words.into_iter().chain(cells).chain([refused]).collect() }
-    };
-    let recorded = RECIPES.iter().filter(|(recipe, _)| setting.rows(recipe).next().is_some());
-    let recipes = recorded.map(|(recipe, name)| {
-        let cell = |set: &ComparedSet, quantity: &str| match setting.recipe(recipe, set, quantity) {
-            None => Cell::plain("-"),
-            Some(errors) => Cell { text: errors.in_words(), ..error(errors.mean) },
-        };
-        let cells = COMPARED_SETS.iter().flat_map(|set| {
-            let sum = (set.nodes.len() > 1).then(|| cell(set, "sum"));
-            [Some(cell(set, "each force")), sum].into_iter().flatten()
-        });
-        let counts = setting.rows(recipe).filter(|row| row.quantity == "each force");
-        line(name, cells.collect(), table_two::share_in_words(counts.map(|row| [row.refused, row.cases])))
-    });
-    let estimators = ["least-squares", "ridge", "nonlinear"].into_iter().filter_map(|estimator| {
-        let compared = |row: &&ScatterRow| COMPARED_SETS.iter().any(|set| row.nodes == set.nodes);
-        let mut rows = setting.live.of(setting.truth, setting.noise_mm, estimator).filter(compared).peekable();
-        rows.peek()?;
-        let cells = COMPARED_SETS.iter().flat_map(|set| {
-            let [force, sum] = setting.estimator(estimator, set);
-            table_two::errors(force, sum, set.nodes.len() > 1)
-        });
-        Some(line(estimator, cells.collect(), table_two::share_refused(rows)))
-    });
-    recipes.chain(estimators).collect()
+/// A recipe or an estimator at one setting: a row of the table.
+struct Line<'r> {
+    setting: Setting<'r>,
+    by: By,
+    /// The setting is named once for all lines of it.
+    is_first: bool,
+}
+
+impl Line<'_> {
+    fn setting(&self) -> String {
+        let Setting { truth, noise_mm, .. } = self.setting;
+        let noise = if noise_mm > 0.0 { format!("{noise_mm}\u{a0}mm") } else { "no noise".to_owned() };
+        if self.is_first { format!("{}, {noise}", truth.label()) } else { String::new() }
+    }
+
+    fn cell(&self, set: &ComparedSet, quantity: &str) -> Cell {
+        match self.by {
+            By::Estimator(estimator) => error_or_rounding(self.setting.estimator(estimator, set, quantity)),
+            By::Recipe(recipe, _) => match self.setting.recipe(recipe, set, quantity) {
+                None => Cell::plain(NOTHING),
+                Some(errors) => error_as(errors.in_words(), errors.mean),
+            },
+        }
+    }
+
+    fn refused(&self) -> String {
+        match self.by {
+            By::Estimator(estimator) => share_refused(self.setting.live(estimator)),
+            By::Recipe(recipe, _) => {
+                let counts = self.setting.rows(recipe).filter(|row| row.quantity == "each force");
+                share_of_counts(counts.map(|row| [row.refused, row.cases]))
+            }
+        }
+    }
+}
+
+fn table(recorded: &[RecipeRow], live: &TableTwo) -> Table {
+    let mut lines = Vec::new();
+    for (truth, noise_mm) in recorded_settings(recorded) {
+        let setting = Setting { recorded, live, truth, noise_mm };
+        let recipes = RECIPES.iter().filter(|(recipe, _)| setting.rows(recipe).next().is_some());
+        let recipes = recipes.map(|&(recipe, name)| By::Recipe(recipe, name));
+        // The networks that ship are trained as recipe (c).
+        let others = EstimatorId::ALL.iter().filter(|estimator| **estimator != EstimatorId::Network);
+        let estimators = others.filter(|estimator| setting.live(**estimator).next().is_some());
+        let all = recipes.chain(estimators.map(|estimator| By::Estimator(*estimator))).enumerate();
+        lines.extend(all.map(|(i, by)| Line { setting, by, is_first: i == 0 }));
+    }
+    Columns::<Line>::new()
+        .page("finger, noise", Format::Words, Line::setting)
+        .page("by", Format::Words, |line| line.by.label())
+        .each(COMPARED_SETS, |columns, set| {
+            let columns = columns.cells(Column::numbers(set.name), move |line| line.cell(&set, "each force"));
+            match set.nodes.len() {
+                1 => columns,
+                _ => columns.cells(Column::numbers("sum"), move |line| line.cell(&set, "sum")),
+            }
+        })
+        .page("refused", Format::Plain, Line::refused)
+        .table(
+            "Three ways to train: mean error over the seeds (least to greatest), and the estimators of Table II; grey above \
+             10 %, dark above 25 %",
+            CSV,
+            lines,
+        )
 }
 
 #[cfg(test)]
@@ -256,7 +250,7 @@ mod tests {
     const NOISE_MM: f64 = 0.067;
 
     /// Rows of two seeds, for one node, neighbours and their sum, by recipe and finger, alike at both levels of noise.
-    fn recorded(errors: &[(&str, &str, [[f64; 2]; 3])]) -> Vec<RecipeRow> {
+    fn recorded(errors: &[(&str, TruthId, [[f64; 2]; 3])]) -> Vec<RecipeRow> {
         let mut rows = Vec::new();
         for &(recipe, truth, of_quantities) in errors {
             let quantities = [("19", "each force"), ("19 20", "each force"), ("19 20", "sum"), ("18 20", "each force")];
@@ -267,7 +261,7 @@ mod tests {
                     rows.extend((1..).zip(of_seeds).map(|(seed, error)| RecipeRow {
                         recipe: recipe.to_owned(),
                         seed,
-                        truth: truth.to_owned(),
+                        truth,
                         noise_mm,
                         nodes: nodes.to_owned(),
                         quantity: quantity.to_owned(),
@@ -281,10 +275,10 @@ mod tests {
         rows
     }
 
-    /// Neighbours on the large-rotation finger: least squares errs by 30 %, the nonlinear estimator by 2 %.
+    /// Neighbours on the co-rotational finger: least squares errs by 30 %, the nonlinear estimator by 2 %.
     fn live() -> TableTwo {
-        let row = |estimator: &str, noise_mm: f64, mean_error: f64| ScatterRow {
-            estimator: estimator.to_owned(),
+        let row = |estimator: EstimatorId, noise_mm: f64, mean_error: f64| ScatterRow {
+            estimator,
             nodes: vec![19, 20],
             noise_mm,
             cases: 100,
@@ -295,19 +289,19 @@ mod tests {
         };
         let rows = [0.0, NOISE_MM]
             .into_iter()
-            .flat_map(|noise| [row("least-squares", noise, 0.3), row("nonlinear", noise, 0.02)]);
-        let fingers = vec![TableTwoFinger { truth: "corotational", rows: rows.collect() }];
+            .flat_map(|noise| [row(EstimatorId::LeastSquares, noise, 0.3), row(EstimatorId::Nonlinear, noise, 0.02)]);
+        let fingers = vec![TableTwoFinger { truth: TruthId::Corotational, rows: rows.collect() }];
         TableTwo { cases: 100, condition_numbers: vec![1.0, 1.0, 1.0, 13.2, 13.0, 6.5, 4.0], fingers }
     }
 
-    const A_LINEAR: (&str, &str, [[f64; 2]; 3]) = ("a", "linear", [[0.004; 2], [0.03; 2], [0.004; 2]]);
-    const A: (&str, &str, [[f64; 2]; 3]) = ("a", "corotational", [[0.05, 0.06], [0.3, 0.5], [0.08, 0.09]]);
-    const A_BY_SPREAD: (&str, &str, [[f64; 2]; 3]) =
-        ("a, by spread", "corotational", [[0.07, 0.09], [0.3, 0.4], [0.12; 2]]);
-    const B: (&str, &str, [[f64; 2]; 3]) = ("b", "corotational", [[0.02; 2], [0.31, 0.33], [0.07; 2]]);
-    const C: (&str, &str, [[f64; 2]; 3]) = ("c", "corotational", [[0.003; 2], [0.022, 0.024], [0.002; 2]]);
+    const A_LINEAR: (&str, TruthId, [[f64; 2]; 3]) = ("a", TruthId::Linear, [[0.004; 2], [0.03; 2], [0.004; 2]]);
+    const A: (&str, TruthId, [[f64; 2]; 3]) = ("a", TruthId::Corotational, [[0.05, 0.06], [0.3, 0.5], [0.08, 0.09]]);
+    const A_BY_SPREAD: (&str, TruthId, [[f64; 2]; 3]) =
+        ("a, by spread", TruthId::Corotational, [[0.07, 0.09], [0.3, 0.4], [0.12; 2]]);
+    const B: (&str, TruthId, [[f64; 2]; 3]) = ("b", TruthId::Corotational, [[0.02; 2], [0.31, 0.33], [0.07; 2]]);
+    const C: (&str, TruthId, [[f64; 2]; 3]) = ("c", TruthId::Corotational, [[0.003; 2], [0.022, 0.024], [0.002; 2]]);
 
-    fn said(errors: &[(&str, &str, [[f64; 2]; 3])]) -> String {
+    fn said(errors: &[(&str, TruthId, [[f64; 2]; 3])]) -> String {
         words(&recorded(errors), &live()).join(" ")
     }
 
@@ -330,16 +324,16 @@ mod tests {
 
     #[test]
     fn what_the_numbers_deny_is_not_said() {
-        let good = ("a", "corotational", [[0.05, 0.06], [0.04, 0.06], [0.08, 0.09]]);
+        let good = ("a", TruthId::Corotational, [[0.05, 0.06], [0.04, 0.06], [0.08, 0.09]]);
         assert!(!said(&[A_LINEAR, good, B, C]).contains("has learnt"));
         // The paper's table is compared at all of its nodes, elsewhere.
         assert!(!said(&[A_LINEAR, A, A_BY_SPREAD, B, C]).contains("reproduces"));
-        let alike = ("a", "corotational", [[0.05, 0.06], [0.40, 0.42], [0.08, 0.09]]);
+        let alike = ("a", TruthId::Corotational, [[0.05, 0.06], [0.40, 0.42], [0.08, 0.09]]);
         assert!(!said(&[A_LINEAR, alike, B, C]).contains("seed"));
-        let unlike = ("b", "corotational", [[0.02; 2], [0.11, 0.12], [0.07; 2]]);
+        let unlike = ("b", TruthId::Corotational, [[0.02; 2], [0.11, 0.12], [0.07; 2]]);
         let said_of_unlike = said(&[A_LINEAR, A, unlike, C]);
         assert!(said_of_unlike.contains("seed") && !said_of_unlike.contains("condition number"));
-        let no_cure = ("c", "corotational", [[0.003; 2], [0.2, 0.2], [0.002; 2]]);
+        let no_cure = ("c", TruthId::Corotational, [[0.003; 2], [0.2, 0.2], [0.002; 2]]);
         assert!(!said(&[A_LINEAR, A, B, no_cure]).contains("end this"));
     }
 

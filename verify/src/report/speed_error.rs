@@ -1,18 +1,22 @@
 //! What an answer costs, and how far it is off.
 
-use super::ReportError;
-use super::page::{Block, Cell, Column, Figure, Row, Section, Shade, Table};
-use super::sections::{self, text};
-use super::tables::percent;
+use super::dataset::{Columns, Dataset, Format};
+use super::format::{NOTHING, or_nothing, percent};
+use super::page::{Block, Cell, Column, Figure, Section, Shade, Table, text};
+use super::{ReportError, Results};
 use crate::experiments::speed_error::recommendation::LARGEST_BIAS_SIGMAS;
 use crate::experiments::speed_error::sensing::{FRAMES_A_PERIOD, SENSED_N};
 use crate::experiments::speed_error::{SOLVED_N, SpeedErrorPoint, Task, TimedBy};
 use crate::figures::{Axis, Chart, FigureError, Frame, Series};
 use crate::study::Study;
 
-pub(super) const CSV: &str = "speed_error.csv";
+const CSV: &str = "speed_error.csv";
 
-pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    vec![Dataset::records(CSV, &study.speed_error)]
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let points = &study.speed_error;
     if points.is_empty() {
         return Ok(None);
@@ -52,14 +56,14 @@ pub(super) fn section(study: &Study) -> Result<Option<Section>, ReportError> {
         }
     }
     blocks.push(Block::Table(table(points)));
-    Ok(Some(sections::section("speed-error", "What an answer costs", blocks)))
+    Ok(Some(Section::new("speed-error", "What an answer costs", blocks).saying(in_words(study))))
 }
 
 /// An error that a model of the finger may add: as much as the paper's mesh of key nodes is promised to.
 const GOOD_SHAPE: f64 = 0.01;
 
 /// Which model of the finger to run at which cost: the fastest that is good enough, the nearest, and linear theory.
-pub(super) fn words(study: &Study) -> Option<String> {
+fn in_words(study: &Study) -> Option<String> {
     let points = study.speed_error.iter().filter(|point| point.task == Task::Solve && !is_peer(point));
     let points: Vec<&SpeedErrorPoint> = points.filter(|point| point.error.is_finite()).collect();
     let faster = |a: &&&SpeedErrorPoint, b: &&&SpeedErrorPoint| a.seconds.total_cmp(&b.seconds);
@@ -78,7 +82,7 @@ pub(super) fn words(study: &Study) -> Option<String> {
     ))
 }
 
-fn in_words(task: Task) -> &'static str {
+fn answer(task: Task) -> &'static str {
     match task {
         Task::Solve => "shape",
         Task::SenseOne => "one force",
@@ -133,52 +137,30 @@ fn seconds(seconds: f64) -> String {
 }
 
 fn table(points: &[SpeedErrorPoint]) -> Table {
-    let row = |point: &SpeedErrorPoint| {
-        let failed = match point.asked {
-            0 => "-".to_owned(),
-            asked => format!("{} of {asked}", point.failed),
-        };
-        let error = if point.error.is_finite() { percent(point.error) } else { "-".to_owned() };
-        let time = |time: Option<f64>| time.map_or_else(|| "-".to_owned(), seconds);
-        let bias = match point.bias_sigmas {
-            None => Cell::plain("-"),
-            Some(bias) if bias > LARGEST_BIAS_SIGMAS => Cell::shaded(format!("{bias:.2}"), Shade::Grey),
-            Some(bias) => Cell::plain(format!("{bias:.2}")),
-        };
-        Row {
-            cells: vec![
-                Cell::plain(in_words(point.task)),
-                Cell::plain(name(point)),
-                Cell::plain(point.setting.clone()),
-                Cell::plain(seconds(point.seconds)),
-                Cell::plain(time(point.seconds_95)),
-                Cell::plain(time(point.preparation_seconds)),
-                Cell::plain(point.timed_by.to_string()),
-                Cell::plain(error),
-                bias,
-                if point.failed > 0 { Cell::shaded(failed, Shade::Grey) } else { Cell::plain(failed) },
-                if point.on_front { Cell::shaded("yes", Shade::Pass) } else { Cell::plain("") },
-            ],
-        }
-    };
-    Table {
-        caption: "Time and error of every model and estimator".to_owned(),
-        columns: vec![
-            Column::words("answer"),
-            Column::words("model"),
-            Column::words("setting"),
-            Column::numbers("time"),
-            Column::numbers("95 %"),
-            Column::numbers("preparation"),
-            Column::words("timed by"),
-            Column::numbers("error"),
-            Column::numbers("model error"),
-            Column::numbers("failed"),
-            Column::words("unbeaten"),
-        ],
-        rows: points.iter().map(row).collect(),
-        csv: Some(CSV.to_owned()),
-    }
+    // Grey: what speaks against a way.
+    let grey_if = |grey: bool, words: String| Cell { shade: grey.then_some(Shade::Grey), ..Cell::plain(words) };
+    Columns::<&SpeedErrorPoint>::new()
+        .page("answer", Format::Words, |point| answer(point.task))
+        .page("model", Format::Words, |point| name(point))
+        .page("setting", Format::Words, |point| point.setting.clone())
+        .page("time", Format::Plain, |point| seconds(point.seconds))
+        .page("95 %", Format::Plain, |point| point.seconds_95.map(seconds))
+        .page("preparation", Format::Plain, |point| point.preparation_seconds.map(seconds))
+        .page("timed by", Format::Words, |point| point.timed_by.to_string())
+        .page("error", Format::Percent, |point| Some(point.error).filter(|error| error.is_finite()))
+        .cells(Column::numbers("model error"), move |point| {
+            let words = or_nothing(point.bias_sigmas.map(|bias| format!("{bias:.2}")));
+            grey_if(point.bias_sigmas > Some(LARGEST_BIAS_SIGMAS), words)
+        })
+        .cells(Column::numbers("failed"), move |point| match point.asked {
+            0 => Cell::plain(NOTHING),
+            asked => grey_if(point.failed > 0, format!("{} of {asked}", point.failed)),
+        })
+        .cells(Column::words("unbeaten"), |point| match point.on_front {
+            true => Cell::shaded("yes", Shade::Pass),
+            false => Cell::plain(""),
+        })
+        .table("Time and error of every model and estimator", CSV, points)
 }
 
 #[cfg(test)]

@@ -2,13 +2,15 @@
 
 mod cost;
 
+use super::format::{Span, percent};
+use super::maps::map_csv_name;
 use super::page::Figure;
-use super::tables::{self, percent};
 use super::{ReportError, causes, drawings};
 use crate::estimators::EstimatorId;
 use crate::sampling::map::{AccuracyMap, Cell, CellState};
 use crate::sampling::scatter::{Counts, ScatterRow};
 use crate::study::Study;
+use crate::truths::TruthId;
 use cost::cost;
 use finray_model::finger::Plate;
 
@@ -19,7 +21,7 @@ const MOSTLY: f64 = 0.9;
 
 /// Where the finger can be trusted to feel, what limits it, and what to run at which cost.
 pub(super) fn sentences(study: &Study) -> Vec<String> {
-    [trusted(study), causes::verdict(study).or_else(|| limit(study)), cost(study)].into_iter().flatten().collect()
+    [trusted(study), causes::in_short(study).or_else(|| limit(study)), cost(study)].into_iter().flatten().collect()
 }
 
 /// The one map beside the sentences.
@@ -31,36 +33,36 @@ pub(super) fn lead(study: &Study) -> Result<Option<Figure>, ReportError> {
     Ok(Some(Figure {
         svg: drawings::map_picture(&study.finger, map, None)?,
         caption: format!(
-            "Error of one force by its place and direction, sensed by {}{}; mean over {}. Inside the line of 10 % it can be \
+            "Error of one force by its position and direction, sensed by {}{}; mean over {}. Inside the line of 10 % it can be \
              trusted on average. {}.",
-            in_words(&map.estimator),
+            in_words(map.estimator),
             noise_in_words(map.noise_mm),
             forces_in_words(&map.request.forces_n),
             map.summary(None).counts()
         ),
-        csv: Some(tables::map_csv_name(map)),
+        csv: Some(map_csv_name(map)),
         wide: false,
     }))
 }
 
-/// The noisiest map of the large-rotation finger by an estimator.
-fn map_by(study: &Study, kind: EstimatorId) -> Option<&AccuracyMap> {
-    let maps = study.all_maps().filter(|map| map.truth == "corotational" && map.estimator == kind.name());
+/// The noisiest map of the co-rotational finger by an estimator.
+fn map_by(study: &Study, estimator: EstimatorId) -> Option<&AccuracyMap> {
+    let maps = study.all_maps().filter(|map| map.truth == TruthId::Corotational && map.estimator == estimator);
     maps.max_by(|a, b| a.noise_mm.total_cmp(&b.noise_mm))
 }
 
-fn in_words(estimator: &str) -> String {
+fn in_words(estimator: EstimatorId) -> String {
     match estimator {
-        "least-squares" => "linear least squares".to_owned(),
-        "network" => "the network".to_owned(),
-        other => format!("the {other} estimator"),
+        EstimatorId::LeastSquares => "linear least squares".to_owned(),
+        EstimatorId::Network => "the network".to_owned(),
+        other => format!("the {} estimator", other.label()),
     }
 }
 
 fn noise_in_words(noise_mm: f64) -> String {
     match noise_mm {
         0.0 => " without noise".to_owned(),
-        noise_mm => format!(" from pictures with {noise_mm} mm noise"),
+        noise_mm => format!(" from displacements with {noise_mm} mm noise"),
     }
 }
 
@@ -96,7 +98,7 @@ fn trusted(study: &Study) -> Option<String> {
     });
     let feels = feels.unwrap_or_else(|| format!("by linear least squares at {}", share(linear)));
     Some(format!(
-        "{noise} a force of {} at a known place, in a known direction, is felt within {} (mean error, each of the forces) {feels}; {}.",
+        "{noise} a force of {} at a known position, in a known direction, is sensed within {} (mean error, each of the forces) {feels}; {}.",
         forces_in_words(&linear.request.forces_n),
         percent(TRUSTED),
         weak_regions(study, nonlinear.unwrap_or(linear))
@@ -173,7 +175,7 @@ fn weak_regions(study: &Study, map: &AccuracyMap) -> String {
     if named.is_empty() {
         return "no end of the plate and no range of directions falls behind".to_owned();
     }
-    format!("{} can be trusted least {}", in_words(&map.estimator), named.join(" and "))
+    format!("{} can be trusted least {}", in_words(map.estimator), named.join(" and "))
 }
 
 /// What limits it there: how often linear sensing fails by its bias, and how near the nonlinear estimator is to what noise allows.
@@ -196,12 +198,13 @@ pub(super) fn limit(study: &Study) -> Option<String> {
     );
     let over = |row: &ScatterRow| Some(row.mean_error()? / row.mean_error_bound()?);
     let over: Vec<f64> = study.noise.iter().flat_map(|noise| &noise.single).filter_map(over).collect();
-    Some(match over.len() {
-        0 => format!("{linear}."),
-        nodes => format!(
+    let nodes = over.len();
+    Some(match Span::of(over) {
+        None => format!("{linear}."),
+        Some(over) => format!(
             "{linear}; the nonlinear estimator, which has the simulated finger's own model, errs along the normal by {:.2} times the \
              Cramer-Rao bound of the noise (mean over {nodes} nodes).",
-            over.iter().sum::<f64>() / nodes as f64
+            over.mean
         ),
     })
 }

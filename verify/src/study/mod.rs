@@ -68,6 +68,7 @@ macro_rules! study {
         }
 
         impl Study {
+            #[expect(unused_parens, reason = "results of one type are no tuple")]
             fn of($context: &Context) -> Result<Study, StudyError> {
                 $context.progress.part("problems", 1);
                 let solved = problems::solve_all($context.finger).map_err(within("problems"))?;

@@ -8,7 +8,6 @@ use finray_model::mesh::FingerShape;
 use finray_model::sensing::{Contact, ContactPlace, ContactQuestion, Direction, NonlinearEstimator, SensingError};
 use finray_model::{Finger, NodeId};
 use rayon::prelude::*;
-use serde::Serialize;
 
 /// Turn of the normal, degrees, below which push and plate agree: worth 1e-6 of the force.
 const SETTLED_DEG: f64 = 1e-4;
@@ -16,8 +15,7 @@ const SETTLED_DEG: f64 = 1e-4;
 const MOST_TURNS: usize = 30;
 
 /// What is assumed of the direction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Assumption {
     /// The undeformed normal.
     Undeformed,
@@ -30,6 +28,15 @@ pub enum Assumption {
 impl Assumption {
     /// All of them.
     pub const ALL: [Assumption; 3] = [Assumption::Undeformed, Assumption::Normal, Assumption::Unknown];
+
+    /// As files have it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Assumption::Undeformed => "undeformed",
+            Assumption::Normal => "normal",
+            Assumption::Unknown => "unknown",
+        }
+    }
 
     fn direction(self) -> Direction {
         match self {

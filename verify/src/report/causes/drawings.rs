@@ -6,8 +6,8 @@ use crate::experiments::causes::{Cause, CauseCell, CauseMap, ContactKnowledge, P
 use crate::figures::{Axis, Cells, Chart, Class, Dash, Frame, Hue, Map, Marker, Point, Series, Shades};
 use crate::report::ReportError;
 use crate::report::drawings::{ALONG_THE_PLATE, DIRECTION_AXIS, PAPER_SHADES_PERCENT, small_maps};
+use crate::report::format::percent;
 use crate::report::page::Figure;
-use crate::report::tables::percent;
 use crate::settings::DRAWN_FORCE_N;
 use crate::study::Study;
 

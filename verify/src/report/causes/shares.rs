@@ -1,11 +1,11 @@
 //! Shares of the mean square error over a part of the finger.
 
 use crate::experiments::causes::{Cause, CauseCell, CauseMap};
-use crate::report::tables::percent;
+use crate::report::format::percent;
 use finray_model::Finger;
 use finray_model::finger::Plate;
 
-/// Share of the plate's length at either end that counts as near it: two stretches of the paper's finger.
+/// Share of the plate's length at either end that counts as near it: two segments of the paper's finger.
 const NEAR_AN_END: f64 = 1.0 / 6.0;
 
 /// Cells that are looked at together. Those along the normal are what every way of sensing is asked about.
@@ -111,7 +111,7 @@ impl Shares {
     pub(super) fn without(&self, of: &CauseShare) -> String {
         let left = format!("{} without it", percent(of.rms_without));
         if of.cells < self.answered {
-            return format!("{left} at the {} of {} places that are answered then", of.cells, self.answered);
+            return format!("{left} at the {} of {} positions that are answered then", of.cells, self.answered);
         }
         left
     }

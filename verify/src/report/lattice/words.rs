@@ -1,12 +1,12 @@
 //! What agrees, what does not, and why, in sentences made from the numbers.
 
-use super::super::convergence::percent;
 use crate::check::{Check, worst};
 use crate::experiments::lattice::LatticeStudy;
 use crate::lattice::accuracy::FinenessRow;
 use crate::lattice::causes::{AxialRow, SettlingRow};
 use crate::lattice::settling::{AT_REST, Precision, SWEEPS};
 use crate::problems::lattice::FINENESS;
+use crate::report::format::{Span, percent_two_digits as percent};
 
 /// Twice the sweeps that change the distance from the equilibrium by no more than this share do not help.
 const NO_NEARER: f64 = 0.2;
@@ -14,12 +14,12 @@ const NO_NEARER: f64 = 0.2;
 /// A difference that falls at least with this power of the segments' length goes to nothing with it; one that does not would stay.
 const COARSENESS_ORDER: f64 = 2.0;
 
-/// The sentence at the head of the page.
-pub(in crate::report) fn verdict(lattice: &LatticeStudy) -> Option<String> {
+/// How near the lattice is to beams, and sensing on it to sensing on the co-rotational finger.
+pub(super) fn verdict(lattice: &LatticeStudy) -> Option<String> {
     let finest = lattice.rows.last()?;
     Some(format!(
         "Another discretisation with another solver, a lattice of rigid bodies and springs of the same EA and EI, bends as the beams \
-         do within {} of the largest displacement up to {} N; sensing errs on it by what it errs by on the large-rotation finger, within {} \
+         do within {} of the largest displacement up to {} N; sensing errs on it by what it errs by on the co-rotational finger, within {} \
          of the force.",
         percent(worst(finest.errors.iter().copied())),
         finest.forces_n.last()?,
@@ -47,7 +47,7 @@ fn agreement(rows: &[FinenessRow]) -> Option<String> {
     let largest = |row: &FinenessRow| worst(row.errors.iter().copied());
     let refined = (finest.fineness as f64 / coarsest.fineness as f64).ln();
     let orders = coarsest.errors.iter().zip(&finest.errors).map(|(coarse, fine)| (coarse / fine).ln() / refined);
-    let [low, high] = orders.fold([f64::INFINITY, 0.0_f64], |[low, high], order| [low.min(order), high.max(order)]);
+    let Span { least: low, greatest: high, .. } = Span::of(orders)?;
     Some(format!(
         "Shapes: with {} segments a stretch the lattice differs from converged beams by up to {} of the largest \
          displacement under forces up to {force_n} N, with {} by {}: the difference falls with the power {low:.1} to {high:.1} of \
@@ -58,7 +58,7 @@ fn agreement(rows: &[FinenessRow]) -> Option<String> {
         percent(largest(finest)),
         match low >= COARSENESS_ORDER {
             true => "What remains is the lattice's coarseness; there is no sign of an error in solver or kinematics.",
-            false => "That is too little for the lattice's coarseness alone: something else is left.",
+            false => "That is too little for the lattice's coarseness alone: something else remains.",
         }
     ))
 }
@@ -75,14 +75,14 @@ fn linear(lattice: &LatticeStudy) -> Option<String> {
     ))
 }
 
-/// The maps of both large-rotation fingers, and the nonlinear estimator.
+/// The maps of lattice and co-rotational finger, and the nonlinear estimator.
 fn sensing(lattice: &LatticeStudy) -> Option<String> {
     let difference = &lattice.sensing.difference;
     let at = difference.at?;
     Some(format!(
-        "Sensing{}: least squares on the lattice and on the large-rotation finger give forces that differ by at most {} of \
+        "Sensing{}: least squares on the lattice and on the co-rotational finger give forces that differ by at most {} of \
          the true force over {} cells of their maps (at s = {:.0} mm, {} deg, {} N, where least squares itself errs by {}). The \
-         nonlinear estimator, whose model is the large-rotation finger, senses the lattice within {}: the errors in the maps \
+         nonlinear estimator, whose model is the co-rotational finger, senses the lattice within {}: the errors in the maps \
          are those of linear theory, not of this finger's model.",
         if lattice.sensing.checks().iter().all(Check::passes) { " agrees" } else { " DOES NOT AGREE" },
         percent(difference.largest),
@@ -150,14 +150,14 @@ fn sweeps(rows: &[SettlingRow]) -> Option<String> {
         .collect();
     let more = settled(rows, Precision::Double, 2 * SWEEPS).map(|more| match (more / usual - 1.0).abs() <= NO_NEARER {
         true => format!(
-            "Twice as many bring it no nearer: what is left then is when bodies count as at rest ({AT_REST:.0e} of the largest \
+            "Twice as many bring it no nearer: what remains then is when bodies count as at rest ({AT_REST:.0e} of the largest \
              displacement while the slowest motion takes its course), not softness."
         ),
         false => format!("Twice as many bring it to {}.", percent(more)),
     });
     Some(format!(
-        "rapier's joints are soft: the engine solves the springs' forces by so many sweeps a step, and what these leave shifts the \
-         place of rest from the least energy: {}, and by {} with {SWEEPS}, the number used. {}",
+        "rapier's joints are soft: the engine solves the springs' forces by so many sweeps a step, and what remains shifts the \
+         rest position from the least energy: {}, and by {} with {SWEEPS}, the number used. {}",
         fewer.join(", "),
         percent(usual),
         more.unwrap_or_default()
@@ -193,7 +193,7 @@ fn single_precision(lattice: &LatticeStudy) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::sample;
+    use super::super::samples::sample;
     use super::*;
 
     #[track_caller]
@@ -239,7 +239,7 @@ mod tests {
         );
         study.rows[1].errors = vec![4e-4, 1e-4];
         study.sensing.difference.largest = 0.1;
-        says(&study, &["something else is left", "Sensing DOES NOT AGREE"]);
+        says(&study, &["something else remains", "Sensing DOES NOT AGREE"]);
         // A quick study has not settled anything.
         study.settling.clear();
         let said = findings(&study).join("\n");

@@ -1,6 +1,7 @@
 //! The overview, and the maps that explain.
 
-use super::{ESTIMATORS, EXPLANATIONS_CSV, Of, TRUTHS, small};
+use super::{EXPLANATIONS_CSV, Of, small};
+use crate::estimators::EstimatorId;
 use crate::figures::{Cells, ColourScale, FigureError, Frame, Map, Shades};
 use crate::report::ReportError;
 use crate::report::drawings::{error_colours, plate_map, small_maps};
@@ -8,17 +9,17 @@ use crate::report::page::Figure;
 use crate::sampling::map::{AccuracyMap, MapSummary};
 use crate::settings::DRAWN_FORCE_N;
 use crate::study::Study;
+use crate::truths::TruthId;
 
 /// Every truth by every estimator, in the paper's shades.
 pub(super) fn overview(study: &Study, noisy: bool) -> Result<String, FigureError> {
-    let maps = |truth: &str| ESTIMATORS.map(|(estimator, _)| small(study, truth, estimator, noisy));
-    let shown = |column: usize| TRUTHS.iter().any(|(truth, _)| maps(truth)[column].is_some());
-    let columns: Vec<usize> = (0..ESTIMATORS.len()).filter(|column| shown(*column)).collect();
-    let rows = TRUTHS.iter().filter_map(|(truth, label)| {
-        let row = maps(truth);
-        let label = (*label).to_owned();
-        let any = row.iter().any(Option::is_some);
-        any.then(|| (label, columns.iter().map(|column| row[*column].as_ref().map(small_map)).collect()))
+    let shown =
+        |estimator: &EstimatorId| TruthId::ALL.iter().any(|truth| small(study, *truth, *estimator, noisy).is_some());
+    let columns: Vec<EstimatorId> = EstimatorId::ALL.iter().copied().filter(shown).collect();
+    let rows = TruthId::ALL.iter().filter_map(|&truth| {
+        let row = columns.iter().map(|&estimator| small(study, truth, estimator, noisy));
+        let row: Vec<Option<Cells>> = row.map(|map| map.as_ref().map(small_map)).collect();
+        row.iter().any(Option::is_some).then(|| (truth.label().to_owned(), row))
     });
     let noise = if noisy { format!("{} mm noise", study.noise_mm) } else { "no noise".to_owned() };
     let frame = Frame::full(
@@ -26,7 +27,7 @@ pub(super) fn overview(study: &Study, noisy: bool) -> Result<String, FigureError
         "Small maps of the error of a sensed force by place and direction: a row for each true finger, a column for each \
          estimator.",
     );
-    let names = columns.iter().map(|column| ESTIMATORS[*column].1.to_owned()).collect();
+    let names = columns.iter().map(|estimator| estimator.label().to_owned()).collect();
     small_maps(&study.finger, frame, names, rows.collect(), "no equilibrium, or refused").svg()
 }
 
@@ -173,8 +174,8 @@ mod tests {
     #[test]
     fn a_refused_map_is_not_all_clear() {
         let summary = |[cells, refused, without_equilibrium]: [usize; 3], [above_10, above_25]: [f64; 2]| MapSummary {
-            truth: "linear".to_owned(),
-            estimator: "network".to_owned(),
+            truth: TruthId::Linear,
+            estimator: EstimatorId::Network,
             noise_mm: 0.067,
             forces_n: vec![3.0],
             cells,

@@ -1,11 +1,14 @@
 //! What the maps say, in sentences made from their numbers.
 
-use super::{ESTIMATORS, Of, TRUTHS, small};
+use super::{Of, small};
+use crate::estimators::EstimatorId;
 use crate::experiments::explain::Explanation;
-use crate::report::tables::percent;
+use crate::report::format::percent;
 use crate::sampling::map::{AccuracyMap, Cell, CellState};
 use crate::settings::DRAWN_FORCE_N;
 use crate::study::Study;
+use crate::truths::TruthId;
+use finray_model::Finger;
 use finray_model::finger::Plate;
 
 /// Directions up to this many degrees from the normal count as pressing, those from the second on as tangential.
@@ -27,13 +30,96 @@ pub(super) fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
     Some(if sorted.len() % 2 == 1 { upper } else { (sorted[middle - 1] + upper) / 2.0 })
 }
 
+/// Where a map is worst among some of its cells.
+struct Worst {
+    error: f64,
+    s_mm: f64,
+    angle_deg: f64,
+}
+
+fn worst(map: &AccuracyMap, among: impl Fn(&Cell) -> bool) -> Option<Worst> {
+    map.cells
+        .iter()
+        .filter(|cell| among(cell))
+        .filter_map(|cell| Some(Worst { error: cell.mean_error?, s_mm: cell.s_mm, angle_deg: cell.angle_deg }))
+        .max_by(|a, b| a.error.total_cmp(&b.error))
+}
+
+/// How far along the plate a position is, and which node is next to it.
+fn position(finger: &Finger, s_mm: f64) -> String {
+    let distance = |node| finger.front_place_mm(node).map_or(f64::INFINITY, |at: f64| (at - s_mm).abs());
+    let nearest = finger.contact_nodes().min_by(|a, b| distance(*a).total_cmp(&distance(*b)));
+    nearest.map_or_else(|| format!("s = {s_mm:.0} mm"), |node| format!("s = {s_mm:.0} mm, near node {node}"))
+}
+
+fn is_drawn(cell: &Cell) -> bool {
+    cell.force_n == DRAWN_FORCE_N
+}
+
+/// Where linear sensing fails, and what noise adds.
+pub(super) fn says(study: &Study) -> Vec<String> {
+    let mut sentences = Vec::new();
+    let finger = &study.finger;
+    if let Some(map) = study.map(TruthId::Corotational, false) {
+        let summary = map.summary(Some(DRAWN_FORCE_N));
+        if let Some(worst) = worst(map, |cell| is_drawn(cell) && cell.angle_deg == 0.0) {
+            sentences.push(format!(
+                "Without noise, linear sensing of {DRAWN_FORCE_N} N along the normal of the co-rotational finger errs by \
+                 up to {} (at {}); over all positions and directions {} of the cells with an equilibrium err by more than 10 % and \
+                 {} by more than 25 % ({}).",
+                percent(worst.error),
+                position(finger, worst.s_mm),
+                percent(summary.share_above_10.unwrap_or(f64::NAN)),
+                percent(summary.share_above_25.unwrap_or(f64::NAN)),
+                summary.counts()
+            ));
+        }
+        if let Some(worst) = worst(map, is_drawn) {
+            sentences.push(format!(
+                "Over all directions it fails most at {:.0} deg, at {}: {}.",
+                worst.angle_deg,
+                position(finger, worst.s_mm),
+                percent(worst.error)
+            ));
+        }
+        if summary.without_equilibrium > 0 {
+            sentences.push(format!(
+                "In {} of {} cells the finger cannot carry {DRAWN_FORCE_N} N: it folds or snaps through before.",
+                summary.without_equilibrium, summary.cells
+            ));
+        }
+    }
+    if let Some(map) = study.map(TruthId::Linear, true) {
+        let smallest = map.request.forces_n.first().copied().unwrap_or(DRAWN_FORCE_N);
+        let along_normal = |cell: &Cell| cell.force_n == smallest && cell.angle_deg == 0.0;
+        let best = map
+            .cells
+            .iter()
+            .filter(|c| along_normal(c))
+            .filter_map(|c| Some((c.mean_error?, c.s_mm)))
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        if let (Some(worst), Some(best)) = (worst(map, along_normal), best) {
+            sentences.push(format!(
+                "Camera noise alone ({} mm a coordinate, linear truth) costs {smallest} N along the normal between {} (at {}) \
+                 and {} (at {}).",
+                map.noise_mm,
+                percent(best.0),
+                position(finger, best.1),
+                percent(worst.error),
+                position(finger, worst.s_mm)
+            ));
+        }
+    }
+    sentences
+}
+
 /// The sentences below the overview.
 pub(super) fn findings(study: &Study) -> Vec<String> {
     let noisy = study.noise_mm > 0.0;
     let mut sentences: Vec<String> =
-        ESTIMATORS.iter().filter_map(|estimator| failing(study, *estimator, noisy)).collect();
-    sentences.extend(study.map("corotational", noisy).and_then(|map| kind_of_error(study, map)));
-    sentences.extend(study.map("twin", noisy).and_then(|map| kind_of_error(study, map)));
+        EstimatorId::ALL.iter().filter_map(|estimator| failing(study, *estimator, noisy)).collect();
+    sentences.extend(study.map(TruthId::Corotational, noisy).and_then(|map| kind_of_error(study, map)));
+    sentences.extend(study.map(TruthId::Twin, noisy).and_then(|map| kind_of_error(study, map)));
     if noisy {
         sentences.extend(bound(study));
         sentences.extend(unknown_direction(study));
@@ -43,10 +129,11 @@ pub(super) fn findings(study: &Study) -> Vec<String> {
 }
 
 /// Where one estimator fails, truth by truth.
-fn failing(study: &Study, (estimator, name): (&str, &str), noisy: bool) -> Option<String> {
-    let parts: Vec<String> = TRUTHS
+fn failing(study: &Study, estimator: EstimatorId, noisy: bool) -> Option<String> {
+    let parts: Vec<String> = TruthId::ALL
         .iter()
-        .filter_map(|(truth, label)| {
+        .filter_map(|&truth| {
+            let label = truth.label();
             let map = small(study, truth, estimator, noisy)?;
             let summary = map.summary(Some(DRAWN_FORCE_N));
             let counts = summary.counts();
@@ -63,7 +150,7 @@ fn failing(study: &Study, (estimator, name): (&str, &str), noisy: bool) -> Optio
         format!(
             "{}: share of the cells with an equilibrium that err by more than 10 % and by more than 25 %, refused ones included: \
              {}.",
-            capital(name),
+            capital(estimator.label()),
             parts.join("; ")
         )
     })
@@ -74,13 +161,8 @@ fn capital(words: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// The truth of a map in a sentence.
-fn truth(map: &AccuracyMap) -> &str {
-    TRUTHS.iter().find(|(name, _)| *name == map.truth).map_or(map.truth.as_str(), |(_, label)| label)
-}
-
 fn drawn(map: &AccuracyMap) -> impl Iterator<Item = &Cell> {
-    map.cells.iter().filter(|cell| cell.force_n == DRAWN_FORCE_N)
+    map.cells.iter().filter(|cell| is_drawn(cell))
 }
 
 /// Where least squares fails by direction and place, and whether bias or spread is at fault.
@@ -105,7 +187,7 @@ fn kind_of_error(study: &Study, map: &AccuracyMap) -> Option<String> {
          plate at the base and {} in the sixth at the tip. The bias exceeds the spread in {} of the cells that fail; the median \
          spread over all cells is {}.",
         percent(GREY),
-        truth(map),
+        map.truth.label(),
         map.summary(Some(DRAWN_FORCE_N)).counts(),
         share(&|cell| cell.angle_deg.abs() <= PRESSING_DEG),
         share(&|cell| cell.angle_deg > PRESSING_DEG),
@@ -165,12 +247,12 @@ fn unknown_direction(study: &Study) -> Option<String> {
     let cells = || study.explanations.cells.iter().filter(|cell| cell.bound.is_some());
     let loss = median(cells().filter_map(|cell| Some(cell.bound_unknown_direction? / cell.bound?)))?;
     let condition = median(cells().filter_map(|cell| cell.condition))?;
-    let told =
+    let identifiable =
         cells().filter(|cell| cell.direction_sigma_deg.is_some_and(|sigma| sigma <= LARGEST_ANGLE_SIGMA_DEG)).count();
     Some(format!(
         "If the direction is sought too, the bound of the force is {loss:.1} times larger in the median; the markers see one component \
-         {condition:.0} times better than the other, and tell the direction to {LARGEST_ANGLE_SIGMA_DEG} deg or better in {} of the cells.",
-        percent(told as f64 / cells().count() as f64)
+         {condition:.0} times better than the other, and the direction is identifiable to {LARGEST_ANGLE_SIGMA_DEG} deg or better in {} of the cells.",
+        percent(identifiable as f64 / cells().count() as f64)
     ))
 }
 
@@ -179,7 +261,7 @@ fn carried(study: &Study) -> Option<String> {
     let (direction, place) = (medians(study, |cell| cell.error_per_deg)?, medians(study, |cell| cell.error_per_mm)?);
     Some(format!(
         "A direction that is wrong by one degree changes the force by {} in the median near the normal and by {} from \
-         {TANGENTIAL_DEG} deg on; a place that is wrong by one millimetre by {} at the base, {} in the middle and {} at the tip \
+         {TANGENTIAL_DEG} deg on; a position that is wrong by one millimetre by {} at the base, {} in the middle and {} at the tip \
          (near the normal).",
         percent(direction.pressing),
         percent(direction.tangential),

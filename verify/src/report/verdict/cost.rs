@@ -1,6 +1,6 @@
 //! Which way of sensing to run, and what it costs.
 
-use super::super::tables::percent;
+use super::super::format::percent;
 use super::in_words;
 use crate::estimators::EstimatorId;
 use crate::experiments::speed_error::recommendation::{LARGEST_BIAS_SIGMAS, Recommendation, recommended, ways};
@@ -66,7 +66,7 @@ fn named(way: &Recommendation) -> String {
     } else {
         String::new()
     };
-    format!("{}{mesh}", in_words(&way.one.model))
+    format!("{}{mesh}", way.one.estimator.map_or_else(|| way.one.model.clone(), in_words))
 }
 
 /// Times and errors of the recommended way.

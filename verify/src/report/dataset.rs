@@ -1,0 +1,367 @@
+//! What is a table of the page, a CSV file beside it and an array of `summary.json` at once: its columns are written once.
+//!
+//! [`Columns`] say of a row what stands where: a key for the files, a heading and a [`Format`] for the page. A [`Dataset`] is rows
+//! under such columns, and a name.
+
+use super::format::{self, error, figure, percent, percent_two_digits, percent_with};
+use super::page::{self, Cell, Row, Table};
+use crate::estimators::EstimatorId;
+use crate::files::csv_text;
+use crate::truths::TruthId;
+use serde::{Serialize, Serializer};
+
+/// A value of a file: CSV has it in its shortest form that reads back the same, nothing as an empty field and a list by spaces.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub(super) enum Value {
+    Text(String),
+    Integer(usize),
+    Number(f64),
+    Bool(bool),
+    List(Vec<Value>),
+    None,
+}
+
+macro_rules! value_from {
+    ($($from:ty => $to:expr),*) => {
+        $(impl From<$from> for Value {
+            fn from(value: $from) -> Value {
+                $to(value)
+            }
+        })*
+    };
+}
+value_from!(String => Value::Text, usize => Value::Integer, f64 => Value::Number, bool => Value::Bool);
+
+impl From<TruthId> for Value {
+    fn from(truth: TruthId) -> Value {
+        truth.name().into()
+    }
+}
+
+impl From<EstimatorId> for Value {
+    fn from(estimator: EstimatorId) -> Value {
+        estimator.name().into()
+    }
+}
+
+impl From<&str> for Value {
+    fn from(text: &str) -> Value {
+        Value::Text(text.to_owned())
+    }
+}
+
+impl<V: Into<Value>> From<Option<V>> for Value {
+    fn from(value: Option<V>) -> Value {
+        value.map_or(Value::None, V::into)
+    }
+}
+
+impl<V: Into<Value>> From<Vec<V>> for Value {
+    fn from(values: Vec<V>) -> Value {
+        Value::List(values.into_iter().map(V::into).collect())
+    }
+}
+
+impl Value {
+    /// As a reader of plain text has it.
+    fn in_words(&self) -> String {
+        match self {
+            Value::Text(text) => text.clone(),
+            Value::Integer(integer) => integer.to_string(),
+            Value::Number(number) => number.to_string(),
+            Value::Bool(holds) => holds.to_string(),
+            Value::List(values) => values.iter().map(Value::in_words).collect::<Vec<_>>().join(" "),
+            Value::None => format::NOTHING.to_owned(),
+        }
+    }
+}
+
+/// How a value is shown on the page.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Format {
+    /// Flush left, as it is.
+    Words,
+    /// Flush right, as it is.
+    Plain,
+    /// Four significant digits.
+    Figure,
+    /// So many decimals.
+    Fixed(usize),
+    /// A share in percent.
+    Percent,
+    /// A share in percent with so many decimals.
+    PercentFixed(usize),
+    /// A share in percent with two significant digits, however small.
+    PercentTwoDigits,
+    /// An error: a share in percent, grey above 10 % and dark above 25 %.
+    Error,
+}
+
+impl Format {
+    fn cell(self, value: &Value) -> Cell {
+        let Value::Number(number) = *value else { return Cell::plain(value.in_words()) };
+        match self {
+            Format::Words | Format::Plain => Cell::plain(value.in_words()),
+            Format::Figure => Cell::plain(figure(number)),
+            Format::Fixed(decimals) => Cell::plain(format!("{number:.decimals$}")),
+            Format::Percent => Cell::plain(percent(number)),
+            Format::PercentFixed(decimals) => Cell::plain(percent_with(number, decimals)),
+            Format::PercentTwoDigits => Cell::plain(percent_two_digits(number)),
+            Format::Error => error(number),
+        }
+    }
+}
+
+/// The columns of a table over rows of type `R`.
+pub(super) struct Columns<'c, R>(Vec<Column<'c, R>>);
+
+struct Column<'c, R> {
+    in_files: Option<(&'static str, Accessor<'c, R, Value>)>,
+    on_page: Option<(page::Column, Accessor<'c, R, Cell>)>,
+}
+
+type Accessor<'c, R, T> = std::rc::Rc<dyn Fn(&R) -> T + 'c>;
+
+impl<'c, R: 'c> Columns<'c, R> {
+    pub(super) fn new() -> Self {
+        Columns(Vec::new())
+    }
+
+    /// A column of the files: its key, with the unit, and its values.
+    pub(super) fn file<V: Into<Value>>(mut self, key: &'static str, of: impl Fn(&R) -> V + 'c) -> Self {
+        let value = move |row: &R| of(row).into();
+        self.0.push(Column { in_files: Some((key, std::rc::Rc::new(value))), on_page: None });
+        self
+    }
+
+    /// Shows the last column on the page as well.
+    pub(super) fn shown(mut self, heading: impl Into<String>, format: Format) -> Self {
+        if let Some(Column { in_files: Some((_, of)), on_page }) = self.0.last_mut() {
+            let of = of.clone();
+            *on_page = Some((heading_of(heading, format), std::rc::Rc::new(move |row: &R| format.cell(&of(row)))));
+        }
+        self
+    }
+
+    /// A column of the page alone.
+    pub(super) fn page<V: Into<Value>>(
+        self,
+        heading: impl Into<String>,
+        format: Format,
+        of: impl Fn(&R) -> V + 'c,
+    ) -> Self {
+        self.cells(heading_of(heading, format), move |row| format.cell(&of(row).into()))
+    }
+
+    /// A column of the page alone whose cells need more than a format.
+    pub(super) fn cells(mut self, heading: page::Column, of: impl Fn(&R) -> Cell + 'c) -> Self {
+        self.0.push(Column { in_files: None, on_page: Some((heading, std::rc::Rc::new(of))) });
+        self
+    }
+
+    /// A column for each of several things, all made the same way.
+    pub(super) fn each<T>(self, things: impl IntoIterator<Item = T>, add: impl Fn(Self, T) -> Self) -> Self {
+        things.into_iter().fold(self, add)
+    }
+
+    /// The page's table of some rows; `csv` names the file with the same numbers.
+    pub(super) fn table(&self, caption: impl Into<String>, csv: &str, rows: impl IntoIterator<Item = R>) -> Table {
+        let shown = || self.0.iter().filter_map(|column| column.on_page.as_ref());
+        let rows = rows.into_iter().map(|row| Row { cells: shown().map(|(_, of)| of(&row)).collect() });
+        Table {
+            caption: caption.into(),
+            columns: shown().map(|(heading, _)| heading.clone()).collect(),
+            rows: rows.collect(),
+            csv: Some(csv.to_owned()),
+        }
+    }
+}
+
+fn heading_of(heading: impl Into<String>, format: Format) -> page::Column {
+    page::Column { name: heading.into(), numeric: format != Format::Words }
+}
+
+/// Rows under a name.
+pub(super) struct Dataset<'s> {
+    csv: String,
+    rows: Box<dyn Rows + 's>,
+    is_empty: bool,
+    table: Table,
+    goes_to: GoesTo,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum GoesTo {
+    Both,
+    CsvAlone,
+    SummaryAlone,
+}
+
+/// Rows that know their own texts.
+trait Rows {
+    fn csv(&self) -> Result<String, csv::Error>;
+    fn json(&self) -> Result<String, serde_json::Error>;
+}
+
+/// Rows that are written as they are.
+struct Records<T>(Vec<T>);
+
+impl<T: Serialize> Rows for Records<T> {
+    fn csv(&self) -> Result<String, csv::Error> {
+        csv_text(&self.0)
+    }
+
+    fn json(&self) -> Result<String, serde_json::Error> {
+        serde_json::to_string_pretty(&self.0)
+    }
+}
+
+/// Values by row, under keys.
+struct Values {
+    keys: Vec<&'static str>,
+    rows: Vec<Vec<Value>>,
+}
+
+impl Rows for Values {
+    fn csv(&self) -> Result<String, csv::Error> {
+        // A list is one field.
+        let flat = |value: &Value| match value {
+            Value::List(_) => Value::Text(value.in_words()),
+            other => other.clone(),
+        };
+        let header = self.keys.iter().map(|key| Value::from(*key)).collect();
+        let rows = self.rows.iter().map(|row| row.iter().map(flat).collect());
+        csv_text(std::iter::once(header).chain(rows).collect::<Vec<Vec<Value>>>())
+    }
+
+    fn json(&self) -> Result<String, serde_json::Error> {
+        let rows: Vec<Fields> = self.rows.iter().map(|row| Fields(&self.keys, row)).collect();
+        serde_json::to_string_pretty(&rows)
+    }
+}
+
+/// A row as an object, in the order of its keys.
+struct Fields<'v>(&'v [&'static str], &'v [Value]);
+
+impl Serialize for Fields<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().zip(self.1))
+    }
+}
+
+impl<'s> Dataset<'s> {
+    /// Rows under columns, for a CSV file of this name and the array of the summary that is called as the file is.
+    pub(super) fn new<R: 's>(csv: &str, columns: &Columns<'s, R>, rows: impl IntoIterator<Item = R>) -> Self {
+        let rows: Vec<R> = rows.into_iter().collect();
+        let in_files = || columns.0.iter().filter_map(|column| column.in_files.as_ref());
+        let values = Values {
+            keys: in_files().map(|(key, _)| *key).collect(),
+            rows: rows.iter().map(|row| in_files().map(|(_, of)| of(row)).collect()).collect(),
+        };
+        let is_empty = rows.is_empty();
+        let table = columns.table("", csv, rows);
+        Dataset { csv: csv.to_owned(), rows: Box::new(values), is_empty, table, goes_to: GoesTo::Both }
+    }
+
+    /// The same of rows that are written as an experiment has them.
+    pub(super) fn records<T: Serialize + 's>(csv: &str, rows: impl IntoIterator<Item = T>) -> Self {
+        let rows = Records(rows.into_iter().collect());
+        let (csv, is_empty) = (csv.to_owned(), rows.0.is_empty());
+        Dataset { csv, rows: Box::new(rows), is_empty, table: Table::default(), goes_to: GoesTo::Both }
+    }
+
+    /// Only as a CSV file.
+    pub(super) fn csv_alone(self) -> Self {
+        Dataset { goes_to: GoesTo::CsvAlone, ..self }
+    }
+
+    /// Only as an array of the summary.
+    pub(super) fn summary_alone(self) -> Self {
+        Dataset { goes_to: GoesTo::SummaryAlone, ..self }
+    }
+
+    /// The page's table of the columns that are shown.
+    pub(super) fn table(self, caption: impl Into<String>) -> Table {
+        Table { caption: caption.into(), ..self.table }
+    }
+
+    /// Name and text of the CSV file; `None` without rows.
+    pub(super) fn csv(&self) -> Result<Option<(String, String)>, csv::Error> {
+        if self.is_empty || self.goes_to == GoesTo::SummaryAlone {
+            return Ok(None);
+        }
+        Ok(Some((self.csv.clone(), self.rows.csv()?)))
+    }
+
+    /// Key and text of the summary's array, empty without rows.
+    pub(super) fn json(&self) -> Result<Option<(&str, String)>, serde_json::Error> {
+        if self.goes_to == GoesTo::CsvAlone {
+            return Ok(None);
+        }
+        Ok(Some((self.csv.trim_end_matches(".csv"), self.rows.json()?)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::page::Shade;
+
+    /// A node with an error that may be missing, and its contacts.
+    type Sample = (usize, Option<f64>, Vec<usize>);
+
+    fn columns() -> Columns<'static, Sample> {
+        Columns::new()
+            .file("node", |(node, ..)| *node)
+            .shown("node", Format::Plain)
+            .file("mean_error", |(_, error, _)| *error)
+            .shown("mean error", Format::Error)
+            .file("nodes", |(.., nodes)| nodes.clone())
+            .page("known", Format::Words, |(_, error, _)| if error.is_some() { "yes" } else { "no" })
+    }
+
+    fn dataset() -> Dataset<'static> {
+        let rows: [Sample; 2] = [(17, Some(1.0 / 3.0), vec![17, 18]), (18, None, Vec::new())];
+        Dataset::new("samples.csv", &columns(), rows)
+    }
+
+    #[test]
+    fn a_file_has_shortest_numbers_and_empty_fields() {
+        let (name, text) = dataset().csv().expect("text").expect("a file");
+        assert_eq!(name, "samples.csv");
+        assert_eq!(text, "node,mean_error,nodes\n17,0.3333333333333333,17 18\n18,,\n");
+        assert!(dataset().summary_alone().csv().expect("no text").is_none());
+        assert!(Dataset::new("samples.csv", &columns(), Vec::new()).csv().expect("no text").is_none());
+    }
+
+    #[test]
+    fn the_summary_has_null_and_lists_in_the_order_of_the_columns() {
+        let dataset = dataset();
+        let (key, text) = dataset.json().expect("text").expect("an array");
+        let lines: String = text.lines().map(str::trim).collect();
+        let wanted = r#"[{"node": 17,"mean_error": 0.3333333333333333,"nodes": [17,18]},{"node": 18,"mean_error": null,"nodes": []}]"#;
+        assert_eq!((key, lines.as_str()), ("samples", wanted));
+        assert!(dataset.csv_alone().json().expect("no text").is_none());
+        // An array is there also where a scene has no such study.
+        let none = Dataset::new("samples.csv", &columns(), Vec::new());
+        assert_eq!(none.json().expect("text"), Some(("samples", "[]".to_owned())));
+    }
+
+    #[test]
+    fn the_page_has_the_shown_columns_formatted() {
+        let table = dataset().table("Samples");
+        assert_eq!((table.caption.as_str(), table.csv.as_deref()), ("Samples", Some("samples.csv")));
+        let headings: Vec<_> = table.columns.iter().map(|column| (column.name.as_str(), column.numeric)).collect();
+        assert_eq!(headings, [("node", true), ("mean error", true), ("known", false)]);
+        assert_eq!(table.rows[0].cells, [Cell::plain("17"), Cell::shaded("33 %", Shade::Dark), Cell::plain("yes")]);
+        assert_eq!(table.rows[1].cells, ["18", "-", "no"].map(Cell::plain));
+    }
+
+    #[test]
+    fn records_are_written_as_they_are() {
+        let dataset = Dataset::records("pairs.csv", [(1, 0.5), (2, f64::NAN)]);
+        assert_eq!(dataset.csv().expect("text").expect("a file").1, "1,0.5\n2,NaN\n");
+        assert!(dataset.json().expect("text").expect("an array").1.contains("null"));
+    }
+}

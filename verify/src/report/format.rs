@@ -1,0 +1,146 @@
+//! Numbers in words: each way of writing a number stands here once.
+
+use super::page::{Cell, Shade};
+use crate::sampling::scatter::ScatterRow;
+
+/// Stands where there is no number.
+pub(super) const NOTHING: &str = "-";
+/// The two shades of the paper's Table I: errors above the first are grey, above the second dark.
+const GREY: f64 = 0.10;
+const DARK: f64 = 0.25;
+
+/// A figure for reading: four significant digits, powers of ten where it is very small or large.
+pub(super) fn figure(value: f64) -> String {
+    let size = value.abs();
+    if size != 0.0 && !(1e-3..1e5).contains(&size) {
+        return format!("{value:.2e}");
+    }
+    let digits = if size == 0.0 { 0 } else { (3 - size.log10().floor() as i32).clamp(0, 7) as usize };
+    format!("{value:.digits$}")
+}
+
+/// A share in percent: a decimal below 10 %, a power of ten below 0.05 %.
+pub(super) fn percent(share: f64) -> String {
+    match 100.0 * share.abs() {
+        p if p < 0.05 && p > 0.0 => format!("{:.0e} %", 100.0 * share),
+        p if p < 9.95 => percent_with(share, 1),
+        _ => percent_with(share, 0),
+    }
+}
+
+/// A share in percent with so many decimals.
+pub(super) fn percent_with(share: f64, decimals: usize) -> String {
+    format!("{:.decimals$} %", 100.0 * share)
+}
+
+/// A share in percent with two significant digits, however small.
+pub(super) fn percent_two_digits(share: f64) -> String {
+    match 100.0 * share {
+        p if p < 1e-3 => format!("{p:.1e} %"),
+        p => percent_with(share, (1.0 - p.log10().floor()).max(0.0) as usize),
+    }
+}
+
+/// An error, shaded as the paper shades its Table I: grey above 10 %, dark above 25 %.
+pub(super) fn error(share: f64) -> Cell {
+    let shade = match share {
+        e if e > DARK => Some(Shade::Dark),
+        e if e > GREY => Some(Shade::Grey),
+        _ => None,
+    };
+    Cell { shade, ..Cell::plain(percent(share)) }
+}
+
+/// An error in the words given, shaded as [`error`] is.
+pub(super) fn error_as(words: impl Into<String>, share: f64) -> Cell {
+    Cell { text: words.into(), ..error(share) }
+}
+
+/// A number that may be missing.
+pub(super) fn or_nothing(value: Option<impl ToString>) -> String {
+    value.map_or_else(|| NOTHING.to_owned(), |value| value.to_string())
+}
+
+/// Whether a tolerance holds, in green or red.
+pub(super) fn verdict(holds: bool, [kept, broken]: [&str; 2]) -> Cell {
+    if holds { Cell::shaded(kept, Shade::Pass) } else { Cell::shaded(broken, Shade::Fail) }
+}
+
+/// Numbers or words in a row.
+pub(super) fn list<T: ToString>(items: impl IntoIterator<Item = T>, between: &str) -> String {
+    items.into_iter().map(|item| item.to_string()).collect::<Vec<_>>().join(between)
+}
+
+/// Node numbers in a sentence: `19 and 20`.
+pub(super) fn nodes_in_words(nodes: &[usize]) -> String {
+    list(nodes, " and ")
+}
+
+/// Share of refused cases, `0` of none.
+pub(super) fn share_refused<'r>(rows: impl IntoIterator<Item = &'r ScatterRow>) -> String {
+    share_of_counts(rows.into_iter().map(|row| [row.refused, row.cases]))
+}
+
+/// The same of numbers of refused and of answered cases.
+pub(super) fn share_of_counts(counts: impl Iterator<Item = [usize; 2]>) -> String {
+    let [refused, answered] = counts.fold([0, 0], |[r, a], [refused, answered]| [r + refused, a + answered]);
+    if refused == 0 { "0".to_owned() } else { percent(refused as f64 / (refused + answered) as f64) }
+}
+
+/// Mean, least and greatest of some figures, as of networks that differ in their seed alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Span {
+    pub mean: f64,
+    pub least: f64,
+    pub greatest: f64,
+}
+
+impl Span {
+    /// `None` of no figures.
+    pub(super) fn of(figures: impl IntoIterator<Item = f64>) -> Option<Span> {
+        let figures: Vec<f64> = figures.into_iter().collect();
+        let least = figures.iter().copied().reduce(f64::min)?;
+        let greatest = figures.iter().copied().fold(least, f64::max);
+        Some(Span { mean: figures.iter().sum::<f64>() / figures.len() as f64, least, greatest })
+    }
+
+    /// `5.1 % (4.2\u{2013}6.0)`: mean, least and greatest.
+    pub(super) fn in_words(self) -> String {
+        let bare = |share: f64| percent(share).trim_end_matches(" %").to_owned();
+        let [least, greatest] = [self.least, self.greatest].map(bare);
+        match least == greatest {
+            true => percent(self.mean),
+            false => format!("{} ({least}\u{2013}{greatest})", percent(self.mean)),
+        }
+    }
+
+    /// `4.2 % to 6.0 %`.
+    pub(super) fn range(self) -> String {
+        format!("{} to {}", percent(self.least), percent(self.greatest))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_keep_two_digits_where_it_matters() {
+        assert_eq!([0.0003, 0.0123, 0.123, -0.5].map(percent), ["3e-2 %", "1.2 %", "12 %", "-50 %"]);
+        assert_eq!([1e-6, 0.0016, 0.5].map(percent_two_digits), ["1.0e-4 %", "0.16 %", "50 %"]);
+        assert_eq!([0.000_123_4, 0.1234, 1234.5, 0.0].map(figure), ["1.23e-4", "0.1234", "1234", "0"]);
+    }
+
+    #[test]
+    fn seeds_that_agree_have_no_range() {
+        assert_eq!(Span::of([0.3, 0.5]).map(Span::in_words).as_deref(), Some("40 % (30\u{2013}50)"));
+        assert_eq!(Span::of([0.02, 0.02]).map(Span::in_words).as_deref(), Some("2.0 %"));
+        assert_eq!(Span::of([]), None);
+    }
+
+    #[test]
+    fn refused_cases_are_a_share_of_all() {
+        assert_eq!(share_of_counts([[0, 10], [5, 5]].into_iter()), "25 %");
+        assert_eq!(share_of_counts([[0, 10]].into_iter()), "0");
+    }
+}

@@ -1,0 +1,58 @@
+//! How the finger bends under a few forces, and whether the beam model holds there.
+
+use super::dataset::{Columns, Dataset};
+use super::format::percent;
+use super::page::{Block, Figure, Section, text};
+use super::{ReportError, Results, drawings};
+use crate::experiments::shapes::BentFinger;
+use crate::settings::DRAWN_FORCE_N;
+use crate::study::Study;
+use finray_model::validity::{LARGEST_SHEAR_SHARE, LARGEST_STRAIN, StrainLimits};
+use finray_model::{Kinematics, Vector};
+
+const CSV: &str = "shapes.csv";
+
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    let lines = study.bent.iter().flat_map(|bent| bent.lines.iter().enumerate().map(move |(n, line)| (bent, n, line)));
+    let points = lines.flat_map(|(bent, n, line)| line.iter().map(move |point| (bent, n + 1, point)));
+    let columns = Columns::<(&BentFinger, usize, &Vector)>::new()
+        .file("shape", |(bent, ..)| bent.label.clone())
+        .file("line", |(_, line, _)| *line)
+        .file("x_mm", |(.., point)| point.x)
+        .file("y_mm", |(.., point)| point.y);
+    vec![Dataset::new(CSV, &columns, points).csv_alone()]
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
+    let mut blocks = Vec::new();
+    if study.bent.is_empty() {
+        blocks.push(text(format!("The finger cannot carry {DRAWN_FORCE_N} N at any of the nodes tried.")));
+    } else {
+        blocks.push(Block::Figure(Figure {
+            svg: drawings::bent(study)?,
+            caption: format!(
+                "At rest and under {DRAWN_FORCE_N} N along the normal: dotted by linear theory, solid by the co-rotational formulation."
+            ),
+            csv: Some(CSV.to_owned()),
+            wide: true,
+        }));
+        blocks.extend(validity(study).map(text));
+    }
+    Ok(Some(Section::new("shapes", "How the finger bends", blocks)))
+}
+
+/// What the drawn co-rotational shapes ask of the beam model.
+fn validity(study: &Study) -> Option<String> {
+    let shapes = || study.bent.iter().filter(|bent| bent.kinematics == Kinematics::Corotational);
+    let strains = shapes().filter_map(|bent| bent.validity.largest_strain(&StrainLimits::default()));
+    let strain = strains.max_by(|a, b| a.strain.total_cmp(&b.strain))?;
+    let sheared = shapes().max_by(|a, b| a.validity.shear_share.total_cmp(&b.validity.shear_share))?;
+    let member = sheared.validity.shear_at.map_or_else(String::new, |member| format!(", most of it in {member}"));
+    Some(format!(
+        "The largest strain of a fibre in these co-rotational shapes is {strain}. Shear, which Euler-Bernoulli beams leave out, would let the loads move by \
+         up to {} more{member}. Beams are taken up to {} of strain and {} of shear.",
+        percent(sheared.validity.shear_share),
+        percent(LARGEST_STRAIN),
+        percent(LARGEST_SHEAR_SHARE),
+    ))
+}
