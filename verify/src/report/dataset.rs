@@ -3,115 +3,13 @@
 //! [`Columns`] say of a row what stands where: a key for the files, a heading and a [`Format`] for the page. A [`Dataset`] is rows
 //! under such columns, and a name.
 
-use super::format::{self, error, figure, percent, percent_two_digits, percent_with};
-use super::page::{self, Cell, Row, Table};
-use crate::estimators::EstimatorId;
+mod value;
+
+pub(super) use value::{Format, Value};
+
+use super::page::{self, Cell, Table};
 use crate::files::csv_text;
-use crate::truths::TruthId;
 use serde::{Serialize, Serializer};
-
-/// A value of a file: CSV has it in its shortest form that reads back the same, nothing as an empty field and a list by spaces.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(untagged)]
-pub(super) enum Value {
-    Text(String),
-    Integer(usize),
-    Number(f64),
-    Bool(bool),
-    List(Vec<Value>),
-    None,
-}
-
-macro_rules! value_from {
-    ($($from:ty => $to:expr),*) => {
-        $(impl From<$from> for Value {
-            fn from(value: $from) -> Value {
-                $to(value)
-            }
-        })*
-    };
-}
-value_from!(String => Value::Text, usize => Value::Integer, f64 => Value::Number, bool => Value::Bool);
-
-impl From<TruthId> for Value {
-    fn from(truth: TruthId) -> Value {
-        truth.name().into()
-    }
-}
-
-impl From<EstimatorId> for Value {
-    fn from(estimator: EstimatorId) -> Value {
-        estimator.name().into()
-    }
-}
-
-impl From<&str> for Value {
-    fn from(text: &str) -> Value {
-        Value::Text(text.to_owned())
-    }
-}
-
-impl<V: Into<Value>> From<Option<V>> for Value {
-    fn from(value: Option<V>) -> Value {
-        value.map_or(Value::None, V::into)
-    }
-}
-
-impl<V: Into<Value>> From<Vec<V>> for Value {
-    fn from(values: Vec<V>) -> Value {
-        Value::List(values.into_iter().map(V::into).collect())
-    }
-}
-
-impl Value {
-    /// As a reader of plain text has it.
-    fn in_words(&self) -> String {
-        match self {
-            Value::Text(text) => text.clone(),
-            Value::Integer(integer) => integer.to_string(),
-            Value::Number(number) => number.to_string(),
-            Value::Bool(holds) => holds.to_string(),
-            Value::List(values) => values.iter().map(Value::in_words).collect::<Vec<_>>().join(" "),
-            Value::None => format::NOTHING.to_owned(),
-        }
-    }
-}
-
-/// How a value is shown on the page.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Format {
-    /// Flush left, as it is.
-    Words,
-    /// Flush right, as it is.
-    Plain,
-    /// Four significant digits.
-    Figure,
-    /// So many decimals.
-    Fixed(usize),
-    /// A share in percent.
-    Percent,
-    /// A share in percent with so many decimals.
-    PercentFixed(usize),
-    /// A share in percent with two significant digits, however small.
-    PercentTwoDigits,
-    /// An error: a share in percent, grey above 10 % and dark above 25 %.
-    Error,
-}
-
-impl Format {
-    fn cell(self, value: &Value) -> Cell {
-        let Value::Number(number) = *value else { return Cell::plain(value.in_words()) };
-        match self {
-            Format::Words | Format::Plain => Cell::plain(value.in_words()),
-            Format::Figure => Cell::plain(figure(number)),
-            Format::Fixed(decimals) => Cell::plain(format!("{number:.decimals$}")),
-            Format::Percent => Cell::plain(percent(number)),
-            Format::PercentFixed(decimals) => Cell::plain(percent_with(number, decimals)),
-            Format::PercentTwoDigits => Cell::plain(percent_two_digits(number)),
-            Format::Error => error(number),
-        }
-    }
-}
 
 /// The columns of a table over rows of type `R`.
 pub(super) struct Columns<'c, R>(Vec<Column<'c, R>>);
@@ -168,7 +66,7 @@ impl<'c, R: 'c> Columns<'c, R> {
     /// The page's table of some rows; `csv` names the file with the same numbers.
     pub(super) fn table(&self, caption: impl Into<String>, csv: &str, rows: impl IntoIterator<Item = R>) -> Table {
         let shown = || self.0.iter().filter_map(|column| column.on_page.as_ref());
-        let rows = rows.into_iter().map(|row| Row { cells: shown().map(|(_, of)| of(&row)).collect() });
+        let rows = rows.into_iter().map(|row| shown().map(|(_, of)| of(&row)).collect());
         Table {
             caption: caption.into(),
             columns: shown().map(|(heading, _)| heading.clone()).collect(),
@@ -354,8 +252,8 @@ mod tests {
         assert_eq!((table.caption.as_str(), table.csv.as_deref()), ("Samples", Some("samples.csv")));
         let headings: Vec<_> = table.columns.iter().map(|column| (column.name.as_str(), column.numeric)).collect();
         assert_eq!(headings, [("node", true), ("mean error", true), ("known", false)]);
-        assert_eq!(table.rows[0].cells, [Cell::plain("17"), Cell::shaded("33 %", Shade::Dark), Cell::plain("yes")]);
-        assert_eq!(table.rows[1].cells, ["18", "-", "no"].map(Cell::plain));
+        assert_eq!(table.rows[0], [Cell::plain("17"), Cell::shaded("33 %", Shade::Dark), Cell::plain("yes")]);
+        assert_eq!(table.rows[1], ["18", "-", "no"].map(Cell::plain));
     }
 
     #[test]

@@ -175,28 +175,28 @@ mod tests {
     fn what_was_not_settled_is_not_shown() {
         let mut study = sample();
         let table = costs(&study);
-        assert!(table.rows.iter().all(|row| row.cells.len() == table.columns.len()));
-        let last = |row: usize| table.rows[row].cells.last().map(|cell| cell.text.clone());
+        assert!(table.rows.iter().all(|row| row.len() == table.columns.len()));
+        let last = |row: usize| table.rows[row].last().map(|cell| cell.text.clone());
         assert_eq!((last(0).as_deref(), last(1).as_deref()), (Some("0.0010 %"), Some("-")));
         study.rows[0].settling = None;
         let table = costs(&study);
-        assert!(table.rows.iter().all(|row| row.cells.len() == table.columns.len()));
+        assert!(table.rows.iter().all(|row| row.len() == table.columns.len()));
         assert_eq!(table.columns.last().map(|column| column.name.as_str()), Some("Newton, ms"));
         assert!(!table.caption.contains("settle"));
-        assert!(by_fineness(&study).rows.iter().all(|row| row.cells.len() == 3));
+        assert!(by_fineness(&study).rows.iter().all(|row| row.len() == 3));
     }
 
     #[test]
     fn what_has_no_equilibrium_or_does_not_settle_is_said() {
         let mut study = sample();
         let none = axial(&study).rows.pop().expect("springs left out");
-        assert_eq!(none.cells[4].text, "no equilibrium");
+        assert_eq!(none[4].text, "no equilibrium");
         let file = datasets(Some(&study))[1].csv().expect("text").expect("a file").1;
         assert_eq!(file.lines().filter(|line| line.ends_with(',')).count(), 2);
         (study.settling[4].error, study.settling[4].steps) = (None, None);
         let single = settling(&study).rows.pop().expect("single precision");
         assert_eq!(
-            single.cells.iter().map(|cell| cell.text.as_str()).collect::<Vec<_>>(),
+            single.iter().map(|cell| cell.text.as_str()).collect::<Vec<_>>(),
             ["32", "single", "does not settle", "-"]
         );
     }

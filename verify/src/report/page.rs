@@ -102,7 +102,7 @@ pub struct Table {
     /// The columns.
     pub columns: Vec<Column>,
     /// The rows, each with one cell a column.
-    pub rows: Vec<Row>,
+    pub rows: Vec<Vec<Cell>>,
     /// Where the same numbers lie as a file, seen from the page.
     pub csv: Option<String>,
 }
@@ -114,13 +114,6 @@ pub struct Column {
     pub name: String,
     /// Numbers are set flush right, words flush left.
     pub numeric: bool,
-}
-
-/// A row of a table.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Row {
-    /// Its cells.
-    pub cells: Vec<Cell>,
 }
 
 /// A cell of a table.
@@ -159,49 +152,44 @@ pub fn details(summary: impl Into<String>, blocks: Vec<Block>) -> Block {
 }
 
 impl Section {
-    /// A section by its anchor, heading and blocks.
+    /// A section by its anchor, heading and blocks; its numbers say nothing yet.
     pub fn new(id: &str, heading: &str, blocks: Vec<Block>) -> Self {
-        Section { id: id.to_owned(), heading: heading.to_owned(), says: Vec::new(), blocks }
+        Self { id: id.to_owned(), heading: heading.to_owned(), says: Vec::new(), blocks }
     }
 
-    /// The same with the sentences that its numbers say.
+    /// The section with the sentences that its numbers say.
     pub fn saying(self, says: impl IntoIterator<Item = String>) -> Self {
-        Section { says: says.into_iter().collect(), ..self }
+        Self { says: says.into_iter().collect(), ..self }
     }
 }
 
 impl Column {
     /// A column of words.
     pub fn words(name: impl Into<String>) -> Self {
-        let name = name.into();
-        Self { name, numeric: false }
+        Self { name: name.into(), numeric: false }
     }
 
     /// A column of numbers.
     pub fn numbers(name: impl Into<String>) -> Self {
-        let name = name.into();
-        Self { name, numeric: true }
+        Self { name: name.into(), numeric: true }
     }
 }
 
 impl Cell {
     /// A cell without background.
     pub fn plain(text: impl Into<String>) -> Self {
-        let text = text.into();
-        Self { text, shade: None, link: None }
+        Self { text: text.into(), shade: None, link: None }
     }
 
     /// A cell with a background.
     pub fn shaded(text: impl Into<String>, shade: Shade) -> Self {
-        let text = text.into();
-        let shade = Some(shade);
-        Self { text, shade, link: None }
+        Self { shade: Some(shade), ..Self::plain(text) }
     }
 
     /// The name of a file beside the page, which it leads to.
     pub fn file(name: impl Into<String>) -> Self {
         let name = name.into();
-        Self { text: name.clone(), shade: None, link: Some(name) }
+        Self { link: Some(name.clone()), ..Self::plain(name) }
     }
 }
 
@@ -244,7 +232,7 @@ mod tests {
         let table = Table {
             caption: "Errors".into(),
             columns: vec![Column::words("node"), Column::numbers("error, %")],
-            rows: vec![Row { cells: vec![Cell::file("24.csv"), Cell::shaded("12 < 25", Shade::Grey)] }],
+            rows: vec![vec![Cell::file("24.csv"), Cell::shaded("12 < 25", Shade::Grey)]],
             csv: Some("errors.csv".into()),
         };
         Section {

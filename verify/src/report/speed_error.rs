@@ -195,7 +195,7 @@ mod tests {
         }
         assert!(!svg.contains("exact set"), "an error of nothing has no place");
         let rows = table(&points).rows;
-        assert_eq!(rows[1].cells[9], Cell::shaded("2 of 5", Shade::Grey));
-        assert_eq!([3, 4, 5].map(|cell| rows[0].cells[cell].text.as_str()), ["10.000 us", "20.000 us", "-"]);
+        assert_eq!(rows[1][9], Cell::shaded("2 of 5", Shade::Grey));
+        assert_eq!([3, 4, 5].map(|cell| rows[0][cell].text.as_str()), ["10.000 us", "20.000 us", "-"]);
     }
 }

@@ -1,15 +1,14 @@
 //! The paper's Table II, by finger, noise and estimator; the paper's own network beside them, as recorded.
 
 mod rows;
+mod words;
 
 use super::dataset::{Columns, Dataset, Format};
-use super::format::{NOTHING, Span, error, error_as, list, nodes_in_words, percent, share_of_counts, share_refused};
+use super::format::{NOTHING, Span, error, error_as, list, nodes_in_words, share_of_counts, share_refused};
 use super::page::{Block, Cell, Column, Section, Table, text};
 use super::{ReportError, Results};
 use crate::estimators::EstimatorId;
-use crate::experiments::networks::paper::{
-    Figure, OverSeeds, PAPER_RECIPES, SAME_FACTOR, figures, quantities, recorded, recorded_sets,
-};
+use crate::experiments::networks::paper::{OverSeeds, PAPER_RECIPES, quantities, recorded};
 use crate::experiments::networks::records::RecipeRow;
 use crate::experiments::table_two::{CASES_WITHOUT_FIT, CONTACT_GROUPS, ContactGroup, FORCES_N, MOST_FITS, TableTwo};
 use crate::truths::TruthId;
@@ -17,8 +16,6 @@ use crate::truths::TruthId;
 const CSV: &str = "table_two.csv";
 /// Errors below this are shown as none: no reader asks for a millionth of a percent.
 const ROUNDING: f64 = 1e-8;
-/// Noise is not the cause where the linear finger, with the same noise, errs by less than this share.
-const MINOR: f64 = 0.5;
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
     vec![rows::dataset(study)]
@@ -44,11 +41,14 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         FORCES_N[1],
         two.cases.min(MOST_FITS),
         two.cases.min(CASES_WITHOUT_FIT),
-        recorded_in_words(&study.records.recipes)
+        words::recorded_at(&study.records.recipes)
     ))];
-    blocks.extend(words(two).map(text));
+    blocks.extend(words::linear(two).map(text));
     blocks.extend(
-        PAPER_RECIPES.iter().filter_map(|recipe| paper_words(&study.records.recipes, recipe, study.noise_mm)).map(text),
+        PAPER_RECIPES
+            .iter()
+            .filter_map(|recipe| words::papers(&study.records.recipes, recipe, study.noise_mm))
+            .map(text),
     );
     blocks.push(Block::Table(table(two, &study.records.recipes)));
     Ok(Some(Section::new("table-two", "The paper's Table II", blocks)))
@@ -89,85 +89,6 @@ fn settings(two: &TableTwo) -> Vec<(TruthId, f64, EstimatorId)> {
     all
 }
 
-/// What linear sensing has to do with the table.
-fn words(two: &TableTwo) -> Option<String> {
-    let noise_mm = two.fingers.iter().flat_map(|finger| &finger.rows).map(|row| row.noise_mm).fold(0.0, f64::max);
-    let of = |group: &ContactGroup, truth, estimator| two.group(group, truth, noise_mm, estimator);
-    let [_, neighbours, apart] = CONTACT_GROUPS;
-    let near = of(&neighbours, TruthId::Corotational, EstimatorId::LeastSquares)?;
-    let far = of(&apart, TruthId::Corotational, EstimatorId::LeastSquares)?;
-    let alone = of(&neighbours, TruthId::Linear, EstimatorId::LeastSquares)?;
-    let nonlinear = of(&neighbours, TruthId::Corotational, EstimatorId::Nonlinear)?;
-    let sums = near.sum?.max(far.sum?);
-    let mut words = format!(
-        "Least squares on the co-rotational finger errs by {} for each of two neighbours, by {} for each of two nodes apart, and by no \
-         more than {} in a sum.",
-        percent(near.force),
-        percent(far.force),
-        percent(sums),
-    );
-    if alone.force < MINOR * near.force {
-        let range =
-            |group: &ContactGroup| two.condition_range(group).map(|[low, high]| format!("{low:.1} to {high:.1}"));
-        words += &format!(
-            " Noise is the lesser part: on the linear finger, with the same noise, neighbours err by {}. The rest is the error of \
-             linearisation, enlarged by up to the condition number of the contacts, {} for neighbours and {} for nodes apart: \
-             neighbours bend the finger nearly alike, and what linear theory gets wrong of the shape is taken for a shift of force from \
-             one node to the other.",
-            percent(alone.force),
-            range(&neighbours)?,
-            range(&apart)?,
-        );
-    }
-    words += &format!(
-        " The nonlinear estimator, which has the finger's own model, errs by {} for neighbours ({} of {} cases refused).",
-        percent(nonlinear.force),
-        nonlinear.refused,
-        nonlinear.refused + nonlinear.answered
-    );
-    Some(words)
-}
-
-/// Which of the paper's five figures its own method reproduces on the simulated finger.
-fn paper_words(records: &[RecipeRow], recipe: &str, noise_mm: f64) -> Option<String> {
-    let all = figures(records, recipe, noise_mm)?;
-    let listed = |figures: &[&Figure]| {
-        let one = |figure: &&Figure| {
-            let Figure { group, quantity, paper, recorded } = figure;
-            format!("{}, {quantity}: {} (paper {})", group.name, span(recorded).in_words(), percent(*paper))
-        };
-        list(figures.iter().map(one), "; ")
-    };
-    let (hit, missed): (Vec<&Figure>, Vec<&Figure>) = all.iter().partition(|figure| figure.reproduced());
-    let seeds = all.iter().map(|figure| figure.recorded.seeds).min()?;
-    let verdict = match (hit.len(), missed.len()) {
-        (_, 0) => {
-            format!("reproduces all five figures of Table II within a factor of {SAME_FACTOR}: {}.", listed(&hit))
-        }
-        (0, _) => format!(
-            "reproduces none of the five figures of Table II within a factor of {SAME_FACTOR}: {}.",
-            listed(&missed)
-        ),
-        (some, _) => format!(
-            "does not reproduce Table II: {some} of its five figures are met within a factor of {SAME_FACTOR} ({}), the others are missed \
-             ({}).",
-            listed(&hit),
-            listed(&missed)
-        ),
-    };
-    let name = paper_network(recipe);
-    let sets = recorded_in_words(records);
-    Some(format!(
-        "In simulation, on the co-rotational finger with {noise_mm} mm noise, the {name} (recorded at {sets}; {seeds} seeds) {verdict}"
-    ))
-}
-
-/// The sets of contacts with records.
-fn recorded_in_words(records: &[RecipeRow]) -> String {
-    let sets = CONTACT_GROUPS.iter().flat_map(|group| recorded_sets(records, PAPER_RECIPES[0], group));
-    format!("nodes {}", list(sets.map(nodes_in_words), "; "))
-}
-
 fn span(over: &OverSeeds) -> Span {
     Span { mean: over.mean, least: over.least, greatest: over.greatest }
 }
@@ -183,16 +104,18 @@ struct Line {
 }
 
 /// By group and quantity, in the order of the columns.
-fn by_group(cell: impl Fn(&ContactGroup, &'static str) -> Cell) -> Vec<Cell> {
+fn by_group<T>(of: impl Fn(&ContactGroup, &'static str) -> T) -> Vec<T> {
     let of_group =
-        |group: &ContactGroup| quantities(group).map(|(quantity, _)| cell(group, quantity)).collect::<Vec<_>>();
+        |group: &ContactGroup| quantities(group).map(|(quantity, _)| of(group, quantity)).collect::<Vec<_>>();
     CONTACT_GROUPS.iter().flat_map(of_group).collect()
 }
 
 /// A line for the paper, then one for each finger, noise and estimator; a bound where there is noise.
 fn table(two: &TableTwo, records: &[RecipeRow]) -> Table {
-    let paper =
-        |group: &ContactGroup, quantity| if quantity == "sum" { group.paper_sum } else { Some(group.paper_force) };
+    let paper = |group: &ContactGroup, quantity| match quantity {
+        "sum" => group.paper_sum,
+        _ => Some(group.paper_force),
+    };
     let mut lines = vec![Line {
         finger: "the paper's gripper",
         noise: NOTHING.to_owned(),
@@ -234,19 +157,12 @@ fn table(two: &TableTwo, records: &[RecipeRow]) -> Table {
             lines.push(line(estimator.label(), cells, share_refused(two.of(truth, noise_mm, estimator))));
         }
     }
-    let headings = CONTACT_GROUPS.iter().flat_map(|group| {
-        quantities(group)
-            .map(|(quantity, _)| match quantity {
-                "sum" => "sum",
-                _ => group.name,
-            })
-            .collect::<Vec<_>>()
-    });
+    let headings = by_group(|group, quantity| if quantity == "sum" { quantity } else { group.name });
     Columns::<Line>::new()
         .page("finger", Format::Words, |line| line.finger)
         .page("noise, mm", Format::Words, |line| line.noise.clone())
         .page("sensed by", Format::Words, |line| line.sensed_by.clone())
-        .each(headings.enumerate(), |columns, (i, heading)| {
+        .each(headings.into_iter().enumerate(), |columns, (i, heading)| {
             columns.cells(Column::numbers(heading), move |line| line.cells[i].clone())
         })
         .page("refused", Format::Plain, |line| line.refused.clone())
@@ -267,49 +183,5 @@ pub(super) fn error_or_rounding(share: Option<f64>) -> Cell {
         None => Cell::plain(NOTHING),
         Some(rounding) if rounding < ROUNDING => Cell::plain("0 %"),
         Some(share) => error(share),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::experiments::networks::records::Records;
-    use crate::settings::CAMERA_NOISE_MM;
-
-    fn with(records: &[RecipeRow], error: impl Fn(&RecipeRow) -> f64) -> Vec<RecipeRow> {
-        records.iter().map(|row| RecipeRow { mean_error: Some(error(row)), ..row.clone() }).collect()
-    }
-
-    fn papers(row: &RecipeRow) -> f64 {
-        let of_set = |group: &ContactGroup| group.sets.iter().any(|set| list(*set, " ") == row.nodes);
-        let group = CONTACT_GROUPS.into_iter().find(of_set).expect("a set of the table");
-        if row.quantity == "sum" { group.paper_sum.expect("a sum") } else { group.paper_force }
-    }
-
-    /// Four of five figures are not Table II: what is missed is named, with the paper's figure.
-    #[test]
-    fn table_two_is_reproduced_by_all_five_figures_alone() {
-        let records = Records::shipped().expect("records").recipes;
-        let said = |records: &[RecipeRow]| paper_words(records, "a", CAMERA_NOISE_MM).expect("recorded at all nodes");
-        assert!(said(&with(&records, papers)).contains("reproduces all five figures"));
-        let apart_missed = with(&records, |row| match (&row.nodes[..], &row.quantity[..]) {
-            ("18 20" | "16 20", "each force") => 0.11,
-            _ => papers(row),
-        });
-        let words = said(&apart_missed);
-        assert!(words.contains("does not reproduce Table II: 4 of its five figures"), "{words}");
-        assert!(words.contains("the others are missed (apart, each force: 11 % (paper 30 %))"), "{words}");
-        let none = said(&with(&records, |row| 10.0 * papers(row)));
-        assert!(none.contains("reproduces none of the five"), "{none}");
-    }
-
-    /// What is recorded today misses some of the paper's figures, and the page says so.
-    #[test]
-    fn the_recorded_network_does_not_reproduce_table_two() {
-        let records = Records::shipped().expect("records").recipes;
-        for recipe in PAPER_RECIPES {
-            let words = paper_words(&records, recipe, CAMERA_NOISE_MM).expect("recorded at all nodes");
-            assert!(words.contains("does not reproduce Table II") && words.contains("missed"), "{words}");
-        }
     }
 }
