@@ -1,8 +1,6 @@
 //! `finray train`, and `finray sense --estimator network`.
 
-mod common;
-
-use common::*;
+use crate::kit::*;
 
 /// A network that is trained in a blink.
 const SMALL: [&str; 6] = ["--samples", "400", "--epochs", "4", "--hidden-layers", "6"];
@@ -24,9 +22,8 @@ fn network(folder: &Folder, contacts: &[&str], options: &[&str]) -> String {
 }
 
 fn shape(loads: &[(usize, f64)]) -> String {
-    let loads: Vec<_> = loads.iter().map(|&(node, force)| paper_load(node, force, 0.0)).collect();
-    let loads = loads.iter().flat_map(|load| ["--load", load.as_str()]);
-    finray(&["solve", PAPER].into_iter().chain(loads).collect::<Vec<_>>()).computed()
+    let forces: Vec<_> = loads.iter().map(|&(node, force_n)| (node, force_n, 0.0)).collect();
+    paper_shape(&forces, &[]).computed()
 }
 
 fn sense(displacements: &str, contacts: &[&str], network: Option<&str>) -> Answer {

@@ -1,7 +1,7 @@
 //! Checks: all pass, are counted by kind, and claim no more than they show.
 
-use crate::common::*;
-use crate::shared::*;
+use super::shared::*;
+use crate::kit::*;
 use std::path::Path;
 
 #[test]

@@ -1,8 +1,6 @@
 //! `finray solve`: loads in, displacements of the key nodes out.
 
-mod common;
-
-use common::*;
+use crate::kit::*;
 
 const HEADER: [&str; 6] = ["node", "x_mm", "y_mm", "ux_mm", "uy_mm", "theta_rad"];
 /// Newton's last correction is below 1e-9 of the solution; two ways to one equilibrium may differ by as much.

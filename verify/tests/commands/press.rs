@@ -1,8 +1,6 @@
 //! `finray press`: rows that agree with `sense`, and scenes that cannot be pressed.
 
-mod common;
-
-use common::*;
+use crate::kit::*;
 
 const DISC: &str = "[object]\nshape = \"disc\"\nradius_mm = 20\nat_mm = 74\nforce_n = 2\nsteps = 2\n";
 /// `press` senses on a mesh of its own, `sense` refines until 0.2 % are settled.

@@ -1,7 +1,7 @@
 //! What the command says, opens, leaves out and refuses.
 
-use crate::common::*;
-use crate::shared::*;
+use super::shared::*;
+use crate::kit::*;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

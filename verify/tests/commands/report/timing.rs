@@ -1,7 +1,7 @@
 //! Times: of a moving force, by whom they were taken.
 
-use crate::common::*;
-use crate::shared::*;
+use super::shared::*;
+use crate::kit::*;
 use serde_json::Value;
 
 /// Time and error of each way of sensing come with the start that they are timed from, their tail, the preparation for a contact, and how far the

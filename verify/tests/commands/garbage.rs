@@ -1,12 +1,9 @@
 //! Damaged input: truncated and overwritten scenes and tables never make `finray` panic, hang or half-finish.
 
-mod common;
-
-use common::*;
+use crate::kit::*;
 use finray_fixtures::PAPER_SCENE;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use std::io::Write;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
@@ -71,14 +68,7 @@ fn damaged(input: &[u8], rng: &mut ChaCha8Rng) -> Vec<u8> {
 
 /// Exit code and message of a run that must end in time.
 fn outcome(input: &[u8], arguments: &[&str]) -> (Option<i32>, String) {
-    let mut child = command(arguments)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("finray starts");
-    // Inputs are far smaller than a pipe's buffer, and a run may end without reading them.
-    let _ = child.stdin.take().expect("standard input").write_all(input);
+    let mut child = started(input, arguments, Stdio::null());
     let start = Instant::now();
     while child.try_wait().expect("a child").is_none() {
         if start.elapsed() > PATIENCE {

@@ -1,8 +1,6 @@
 //! `finray map`: how wrong a force is sensed, by its place and direction.
 
-mod common;
-
-use common::*;
+use crate::kit::*;
 
 const HEADER: [&str; 11] = [
     "s_mm",
@@ -199,4 +197,31 @@ fn mujoco_answers_for_what_was_exported_and_nothing_else() {
     let other = folder.put("scene.toml", paper_with(&[("count = 11", "count = 10")]));
     let message = finray(&["map", &other, "--truth", "mujoco"]).refused();
     assert!(message.contains("paper, asymmetric, soft-zone"), "{message}");
+}
+
+#[test]
+fn the_twin_is_of_the_papers_finger_alone() {
+    let message = finray(&["map", SPRING_STEEL, "--truth", "twin"]).refused();
+    assert_says(&message, &["--truth twin", "the paper's finger"]);
+}
+
+/// The map of the twin shows Table I along the normal: places of nodes 14, 19 and 24.
+#[test]
+fn the_map_of_the_twin_fails_at_tip_and_base() {
+    let map = Csv::of(&finray(&["map", PAPER, "--truth", "twin", "--force-n", "1"]).done());
+    // Far from the normal the soft tip folds: no error there.
+    let errors = map.texts("mean_error").into_iter().map(|cell| cell.parse::<f64>().unwrap_or(f64::NAN));
+    let cells: Vec<_> = map.numbers("s_mm").into_iter().zip(map.numbers("angle_deg")).zip(errors).collect();
+    let error = |s_mm: f64| {
+        let along = cells.iter().filter(|((_, angle), _)| *angle == 0.0);
+        let nearest = along.min_by(|((a, _), _), ((b, _), _)| (a - s_mm).abs().total_cmp(&(b - s_mm).abs()));
+        nearest.expect("cells").1
+    };
+    assert!(
+        error(140.25) > 0.4 && error(76.5) < 0.1 && error(12.75) > 0.1,
+        "{} {} {}",
+        error(140.25),
+        error(76.5),
+        error(12.75)
+    );
 }

@@ -1,8 +1,6 @@
 //! The command line itself: help, completions, and what it does not know.
 
-mod common;
-
-use common::*;
+use crate::kit::*;
 
 const COMMANDS: [&str; 6] = ["report", "solve", "sense", "calibrate", "map", "sweep"];
 

@@ -1,8 +1,6 @@
 //! `finray calibrate`: measured shapes under known loads in, Young's modulus out.
 
-mod common;
-
-use common::*;
+use crate::kit::*;
 use finray_fixtures::TWIN_SCENE;
 use std::fmt::Write;
 

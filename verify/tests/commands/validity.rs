@@ -1,8 +1,6 @@
 //! Warnings where the beam model does not hold, as users of the commands see them.
 
-mod common;
-
-use common::*;
+use crate::kit::*;
 
 /// The paper's finger 0.4 um deep. It strains as the paper's finger does under 50 000 times the force.
 fn flat() -> String {

@@ -1,8 +1,6 @@
 //! Where results go: whole to `--out` or standard output, or nowhere.
 
-mod common;
-
-use common::*;
+use crate::kit::*;
 use std::io::pipe;
 use std::process::Stdio;
 

@@ -1,6 +1,6 @@
 //! Reports that all tests share, and what reads them.
 
-use crate::common::*;
+use crate::kit::*;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;

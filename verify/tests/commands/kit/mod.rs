@@ -1,5 +1,4 @@
 //! Running `finray` as its users do, and taking apart what it answers.
-#![allow(dead_code, reason = "every test file compiles this module and uses its own share of it")]
 
 pub mod browser;
 pub mod scene;
@@ -7,7 +6,7 @@ pub mod scene;
 use finray_fixtures::PAPER_SCENE;
 use std::io::Write;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 use tempfile::TempDir;
 
 /// The paper's finger.
@@ -37,17 +36,19 @@ pub fn finray(arguments: &[&str]) -> Answer {
     finray_reading(b"", arguments)
 }
 
-/// Runs `finray` with bytes on standard input.
-pub fn finray_reading(input: &[u8], arguments: &[&str]) -> Answer {
-    let mut child = command(arguments)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("finray starts");
+/// Starts `finray` with bytes on standard input.
+pub fn started(input: &[u8], arguments: &[&str], stdout: Stdio) -> Child {
+    let mut command = command(arguments);
+    command.stdin(Stdio::piped()).stdout(stdout).stderr(Stdio::piped());
+    let mut child = command.spawn().expect("finray starts");
     // A run that refuses its arguments closes its input unread.
     let _ = child.stdin.take().expect("standard input").write_all(input);
-    let output = child.wait_with_output().expect("finray ends");
+    child
+}
+
+/// Runs `finray` with bytes on standard input.
+pub fn finray_reading(input: &[u8], arguments: &[&str]) -> Answer {
+    let output = started(input, arguments, Stdio::piped()).wait_with_output().expect("finray ends");
     let text = |bytes| String::from_utf8(bytes).expect("finray writes UTF-8");
     Answer { code: output.status.code(), out: text(output.stdout), err: text(output.stderr) }
 }
@@ -219,4 +220,11 @@ pub fn paper_force(force_n: f64, angle_deg: f64) -> [f64; 2] {
 pub fn paper_load(node: usize, force_n: f64, angle_deg: f64) -> String {
     let [fx, fy] = paper_force(force_n, angle_deg);
     format!("{node}:{fx},{fy}")
+}
+
+/// What `solve` writes for forces on the paper's finger: node, size in N and angle in degrees of each.
+pub fn paper_shape(forces: &[(usize, f64, f64)], options: &[&str]) -> Answer {
+    let loads: Vec<_> = forces.iter().map(|&(node, force_n, angle_deg)| paper_load(node, force_n, angle_deg)).collect();
+    let loads: Vec<_> = loads.iter().flat_map(|load| ["--load", load.as_str()]).collect();
+    finray(&[&["solve", PAPER], options, &loads[..]].concat())
 }

@@ -1,7 +1,7 @@
 //! Meshes and the lattice against each other.
 
-use crate::common::*;
-use crate::shared::*;
+use super::shared::*;
+use crate::kit::*;
 use serde_json::Value;
 
 /// Errors of the table by mesh nodes, at one force: the worst over the loaded nodes.

@@ -1,7 +1,7 @@
 //! Networks that ship, and Table II.
 
-use crate::common::*;
-use crate::shared::*;
+use super::shared::*;
+use crate::kit::*;
 
 /// Eleven single nodes and four pairs, each with its promises among the checks; the summary has what the file has.
 #[test]

@@ -1,7 +1,7 @@
 //! The page: files, drawings, windows and print, its head.
 
-use crate::common::*;
-use crate::shared::*;
+use super::shared::*;
+use crate::kit::*;
 
 #[test]
 fn every_file_that_the_page_names_is_there() {

@@ -1,9 +1,7 @@
 //! Fingers that cannot be: refused with exit code 2 and one message that names file, line, key and what was expected.
 
-mod common;
-
-use common::scene::{assert_refused, refused};
-use common::*;
+use crate::kit::scene::{assert_refused, refused};
+use crate::kit::*;
 
 #[test]
 fn sizes_must_be_positive_finite_numbers() {

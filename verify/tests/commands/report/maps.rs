@@ -1,7 +1,7 @@
 //! Maps: their figures, cells, counts, and what explains them.
 
-use crate::common::*;
-use crate::shared::*;
+use super::shared::*;
+use crate::kit::*;
 use serde_json::Value;
 
 #[test]

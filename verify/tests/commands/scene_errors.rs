@@ -1,10 +1,8 @@
 //! Scenes that cannot be used: refused with exit code 2 and one message that names file, line, key and what was
 //! expected.
 
-mod common;
-
-use common::scene::{assert_refused, refused};
-use common::*;
+use crate::kit::scene::{assert_refused, refused};
+use crate::kit::*;
 
 #[test]
 fn every_scene_of_the_repository_is_good() {
