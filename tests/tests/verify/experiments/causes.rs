@@ -16,6 +16,7 @@ use finray_verify::experiments::causes::{
 };
 use finray_verify::experiments::table_one::{CALIBRATION_NODES, WEIGHTS_G, weight_n};
 use finray_verify::truths::{MeshTruth, Truth, fine_mesh};
+use std::sync::LazyLock;
 
 /// Forces this small leave the finger linear: what large rotations do to shapes of 0.02 mm is a thousandth of them.
 const SMALL_FORCE_N: f64 = 2e-3;
@@ -61,23 +62,24 @@ fn column(finger: &Finger, s_mm: f64, angle_deg: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Modulus over the true one that linear shapes explain best, from the paper's weights on the paper's nodes (sec. V-A).
-fn linear_modulus_factor(finger: &Finger) -> f64 {
-    let mesh = fine_mesh(finger).unwrap();
+/// Modulus over the true one, of the paper's finger, that linear shapes explain best, from the paper's weights on the paper's nodes (sec. V-A).
+static LINEAR_MODULUS_FACTOR: LazyLock<f64> = LazyLock::new(|| {
+    let finger = paper();
+    let mesh = fine_mesh(&finger).unwrap();
     let truth = MeshTruth::new("corotational", &mesh, Kinematics::Corotational).unwrap();
     let of_node = |node: &NodeId| {
         let contact = Contact::at_node(*node);
         let shapes = truth.shapes(&contact, &WEIGHTS_G.map(weight_n));
         let case = |(shape, weight_g): (FingerShape, f64)| CalibrationCase {
-            load: contact.load(finger, weight_n(weight_g)),
-            measurement: Measurement::of_shape(finger, &shape),
+            load: contact.load(&finger, weight_n(weight_g)),
+            measurement: Measurement::of_shape(&finger, &shape),
         };
         shapes.into_iter().zip(WEIGHTS_G).map(case).collect::<Vec<_>>()
     };
     let cases: Vec<_> = CALIBRATION_NODES.iter().flat_map(of_node).collect();
     let model = FactorModel { kinematics: Kinematics::Linear, elements: 1, noise_mm: None };
-    factors(finger, &cases, &[Unknown::Modulus], &model).unwrap().factors[0]
-}
+    factors(&finger, &cases, &[Unknown::Modulus], &model).unwrap().factors[0]
+});
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
@@ -86,7 +88,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 #[test]
 fn wrong_direction_and_place_err_as_the_projection_of_one_shape_on_another() {
     let finger = paper();
-    let modulus = linear_modulus_factor(&finger);
+    let modulus = *LINEAR_MODULUS_FACTOR;
     for (s_mm, angle_deg) in [(25.5, 0.0), (70.0, 30.0), (120.0, -50.0)] {
         let map = one_map(&finger, (LeastSquares, Assumed), [s_mm, angle_deg, SMALL_FORCE_N, 0.0]);
         let true_shape = column(&finger, s_mm, angle_deg);
@@ -138,7 +140,7 @@ fn noise_does_what_the_inverse_says_also_where_the_model_is_contradicted() {
     let markers = Measurement::at_rest(&finger);
     let per_noise = LinearEstimator::new(&finger, &[contact], &markers).unwrap().inverse().sigmas_per_noise[0];
     let found = only(&map).rms_error.unwrap() * share(&map, Cause::Noise).sqrt();
-    let expected = linear_modulus_factor(&finger) * per_noise * noise_mm / force_n;
+    let expected = *LINEAR_MODULUS_FACTOR * per_noise * noise_mm / force_n;
     assert!((found / expected - 1.0).abs() < 0.01, "{found} for {expected}");
 }
 

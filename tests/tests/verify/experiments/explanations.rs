@@ -3,7 +3,7 @@
 
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{ContactPlace, ContactQuestion, Direction, NonlinearEstimator};
-use finray_model::{Finger, Kinematics, Load, Mesh, Vector, statics};
+use finray_model::{Kinematics, Load, Mesh, Vector, statics};
 use finray_tests::{at_position, noisy, paper};
 use finray_verify::estimators::{BeamEstimator, ELEMENTS, EstimatorKind};
 use finray_verify::experiments::explain::{Explanation, ExplanationMap};
@@ -12,6 +12,7 @@ use finray_verify::truths::MeshTruth;
 use nalgebra::DMatrix;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use std::sync::LazyLock;
 
 const FORCE_N: f64 = 3.0;
 /// Between the ribs, which stand every 12.75 mm: at them a plate stretches by another rate on either side.
@@ -31,16 +32,13 @@ const DIFFERENCES: f64 = 5e-3;
 /// Of an error per degree or mm that is nearly nothing, in units of 1: where its sign changes, the third order is all.
 const NOTHING: f64 = 2e-5;
 
-fn mesh(finger: &Finger) -> Mesh {
-    Mesh::with_elements_per_member(finger, ELEMENTS)
-}
-
-fn explained(mesh: &Mesh) -> Vec<Explanation> {
-    let map = ExplanationMap::new(mesh, &PLACES_MM, &ANGLES_DEG, FORCE_N, NOISE_MM).expect("places on the plate");
+static MESH: LazyLock<Mesh> = LazyLock::new(|| Mesh::with_elements_per_member(&paper(), ELEMENTS));
+static EXPLAINED: LazyLock<Vec<Explanation>> = LazyLock::new(|| {
+    let map = ExplanationMap::new(&MESH, &PLACES_MM, &ANGLES_DEG, FORCE_N, NOISE_MM).expect("places on the plate");
     assert_eq!(map.cells.len(), PLACES_MM.len() * ANGLES_DEG.len());
     assert!(map.cells.iter().all(|cell| cell.bound.is_some()), "3 N are carried everywhere");
     map.cells
-}
+});
 
 fn shape_under(mesh: &Mesh, s_mm: f64, force: Vector) -> Measurement {
     let shape = statics::solve(mesh, &[Load::at_place(s_mm, force)], Kinematics::Corotational).expect("an equilibrium");
@@ -59,9 +57,8 @@ fn assert_near(ours: f64, theirs: f64, relative: f64, absolute: f64, cell: &Expl
 #[test]
 fn the_bound_is_how_the_nonlinear_estimator_scatters() {
     let finger = paper();
-    let mesh = mesh(&finger);
-    let truth = MeshTruth::new("corotational", &mesh, Kinematics::Corotational).expect("a finger");
-    let nonlinear = BeamEstimator::new(EstimatorKind::Nonlinear, &mesh);
+    let truth = MeshTruth::new("corotational", &MESH, Kinematics::Corotational).expect("a finger");
+    let nonlinear = BeamEstimator::new(EstimatorKind::Nonlinear, &MESH);
     let request = MapRequest {
         places_mm: PLACES_MM.into(),
         angles_deg: ANGLES_DEG.into(),
@@ -71,7 +68,7 @@ fn the_bound_is_how_the_nonlinear_estimator_scatters() {
         seed: 5,
     };
     let map = accuracy_maps(&finger, &truth, &[&nonlinear], &request, &|| ()).swap_remove(0);
-    for (cell, sensed) in explained(&mesh).iter().zip(&map.cells) {
+    for (cell, sensed) in EXPLAINED.iter().zip(&map.cells) {
         assert_eq!((cell.s_mm, cell.angle_deg), (sensed.s_mm, sensed.angle_deg));
         assert_near(cell.bound.unwrap(), sensed.spread.expect("an answer"), SCATTER, 0.0, cell);
     }
@@ -80,13 +77,11 @@ fn the_bound_is_how_the_nonlinear_estimator_scatters() {
 /// Force and direction are both sought.
 #[test]
 fn the_bounds_of_an_unknown_direction_are_how_force_and_direction_scatter() {
-    let finger = paper();
-    let mesh = mesh(&finger);
     let mut rng = ChaCha8Rng::seed_from_u64(6);
-    for cell in explained(&mesh).iter().filter(|cell| cell.s_mm > 40.0) {
+    for cell in EXPLAINED.iter().filter(|cell| cell.s_mm > 40.0) {
         let question = ContactQuestion { place: Some(ContactPlace::Place(cell.s_mm)), direction: Direction::Auto };
-        let mut estimator = NonlinearEstimator::new(&mesh, &[question]).expect("a contact");
-        let clean = picture(&mesh, cell);
+        let mut estimator = NonlinearEstimator::new(&MESH, &[question]).expect("a contact");
+        let clean = picture(&MESH, cell);
         let (mut forces, mut angles) = (Vec::new(), Vec::new());
         for _ in 0..PICTURES {
             let noisy = noisy(&clean, NOISE_MM, &mut rng);
@@ -108,11 +103,10 @@ fn deviation(values: &[f64]) -> f64 {
 #[test]
 fn bounds_and_condition_follow_from_differences_of_equilibria() {
     let finger = paper();
-    let mesh = mesh(&finger);
-    for cell in &explained(&mesh) {
+    for cell in EXPLAINED.iter() {
         let column = |direction: Vector| -> Vec<f64> {
             let at = |step: f64| {
-                shape_under(&mesh, cell.s_mm, finger.direction(cell.angle_deg) * FORCE_N + direction * step)
+                shape_under(&MESH, cell.s_mm, finger.direction(cell.angle_deg) * FORCE_N + direction * step)
             };
             let (more, less) = (at(FORCE_STEP_N), at(-FORCE_STEP_N));
             let pairs = more.markers().iter().zip(less.markers());
@@ -147,10 +141,8 @@ fn sensed(mesh: &Mesh, cell: &Explanation, s_mm: f64, angle_deg: f64) -> f64 {
 /// Sensed with a direction that is half a degree wrong, either way.
 #[test]
 fn wrong_directions_carry_as_far_as_said() {
-    let finger = paper();
-    let mesh = mesh(&finger);
-    for cell in &explained(&mesh) {
-        let off = |step: f64| sensed(&mesh, cell, cell.s_mm, cell.angle_deg + step);
+    for cell in EXPLAINED.iter() {
+        let off = |step: f64| sensed(&MESH, cell, cell.s_mm, cell.angle_deg + step);
         let per_deg = (off(ANGLE_STEP_DEG) - off(-ANGLE_STEP_DEG)) / (2.0 * ANGLE_STEP_DEG);
         assert_near(cell.error_per_deg.unwrap(), per_deg.abs(), DIFFERENCES, NOTHING, cell);
     }
@@ -159,10 +151,8 @@ fn wrong_directions_carry_as_far_as_said() {
 /// Sensed at a place that is a tenth of a millimetre wrong, either way.
 #[test]
 fn wrong_places_carry_as_far_as_said() {
-    let finger = paper();
-    let mesh = mesh(&finger);
-    for cell in &explained(&mesh) {
-        let off = |step: f64| sensed(&mesh, cell, cell.s_mm + step, cell.angle_deg);
+    for cell in EXPLAINED.iter() {
+        let off = |step: f64| sensed(&MESH, cell, cell.s_mm + step, cell.angle_deg);
         let per_mm = (off(PLACE_STEP_MM) - off(-PLACE_STEP_MM)) / (2.0 * PLACE_STEP_MM);
         assert_near(cell.error_per_mm.unwrap(), per_mm.abs(), DIFFERENCES, NOTHING, cell);
     }
@@ -170,10 +160,9 @@ fn wrong_places_carry_as_far_as_said() {
 
 #[test]
 fn what_has_no_equilibrium_has_no_explanation() {
-    let finger = paper();
-    let map = ExplanationMap::new(&mesh(&finger), &[150.0], &[0.0], 1e4, NOISE_MM).expect("a place on the plate");
+    let map = ExplanationMap::new(&MESH, &[150.0], &[0.0], 1e4, NOISE_MM).expect("a place on the plate");
     let cell = map.cells[0];
     let all = [cell.bound, cell.bound_unknown_direction, cell.condition, cell.error_per_deg, cell.error_per_mm];
     assert_eq!(all, [None; 5]);
-    assert!(ExplanationMap::new(&mesh(&finger), &[160.0], &[0.0], FORCE_N, NOISE_MM).is_err(), "off the plate");
+    assert!(ExplanationMap::new(&MESH, &[160.0], &[0.0], FORCE_N, NOISE_MM).is_err(), "off the plate");
 }

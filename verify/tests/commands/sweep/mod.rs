@@ -6,6 +6,7 @@ mod shards;
 mod stopped;
 
 use crate::kit::*;
+use std::sync::LazyLock;
 
 const HEADER: &str = "truth,estimator,noise_mm,s_mm,angle_deg,force_n,pictures,answered,mean_error,bias,spread,sigma_n,refusal,warned,covered,covered_warned";
 
@@ -28,6 +29,8 @@ const SWEEP: [&str; 16] = [
     "--step-deg",
     "40",
 ];
+/// What [`SWEEP`] writes.
+static SWEPT: LazyLock<String> = LazyLock::new(|| finray(&SWEEP).done());
 /// Blocks of [`SWEEP`]: two truths, twelve places, five directions; rows of each: two estimators, noises and forces.
 const BLOCKS: usize = 2 * 12 * 5;
 const ROWS_IN_BLOCK: usize = 2 * 2 * 2;

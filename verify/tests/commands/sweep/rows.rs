@@ -1,13 +1,12 @@
 //! What a row says of a cell, and which sweeps are refused.
 
-use super::{BLOCKS, HEADER, MAP, ROWS_IN_BLOCK, SWEEP, with};
+use super::{BLOCKS, HEADER, MAP, ROWS_IN_BLOCK, SWEPT, with};
 use crate::kit::*;
 
 #[test]
 fn a_row_says_all_that_is_known_of_a_cell() {
-    let text = finray(&SWEEP).done();
-    assert_eq!(text.lines().next(), Some(HEADER));
-    let table = Csv::of(&text);
+    assert_eq!(SWEPT.lines().next(), Some(HEADER));
+    let table = Csv::of(&SWEPT);
     assert_eq!(table.rows.len(), BLOCKS * ROWS_IN_BLOCK);
     // Truth, place, direction, estimator, noise, force: the last one changes first.
     let key = |row: &[String]| -> Vec<String> { [0, 3, 4, 1, 2, 5].iter().map(|&i| row[i].clone()).collect() };

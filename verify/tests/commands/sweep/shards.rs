@@ -1,12 +1,11 @@
 //! Shards and their merging.
 
-use super::{BLOCKS, MAP, SWEEP, merged, shards, with};
+use super::{BLOCKS, MAP, SWEEP, SWEPT, merged, shards, with};
 use crate::kit::*;
 
 #[test]
 fn merged_shards_are_the_bytes_of_one_run() {
     let folder = Folder::new();
-    let sweep = finray(&SWEEP).done();
     let map = folder.path("map.csv");
     finray(&with(&MAP, &["--out", &map])).done();
     // More shards than blocks: some have no rows.
@@ -14,8 +13,8 @@ fn merged_shards_are_the_bytes_of_one_run() {
         let out = folder.path("merged.csv");
         let parts = shards(&folder, &SWEEP, of);
         assert_eq!(merged(&parts, &out).done(), "");
-        assert!(folder.read("merged.csv") == sweep, "{of} shards");
-        assert!(merged(&parts, "-").done() == sweep, "{of} shards");
+        assert!(folder.read("merged.csv") == *SWEPT, "{of} shards");
+        assert!(merged(&parts, "-").done() == *SWEPT, "{of} shards");
         if of > 7 {
             continue;
         }
@@ -56,7 +55,7 @@ fn shards_that_do_not_fit_are_refused() {
     let first = folder.read("1-of-3.csv");
     let torn = folder.put("torn.csv", &first[..first.len() - 9]);
     let short = folder.put("short.csv", first.trim_end().rsplit_once('\n').expect("rows").0.to_owned() + "\n");
-    let whole = folder.put("whole.csv", finray(&SWEEP).done());
+    let whole = folder.put("whole.csv", SWEPT.as_str());
     let bytes = folder.put("bytes.csv", [b'#', 0xff, 0xfe]);
     let missing = folder.path("missing.csv");
     let [third, second, one] = [&parts[0], &parts[1], &parts[2]].map(String::as_str);
