@@ -1,107 +1,16 @@
-//! What the tests beside this crate share: the paper's finger, random fingers and loads.
+//! What the tests of `model` and of `verify` beside this crate share: fingers, the paper's and random ones; contacts and loads on them;
+//! what a camera sees of them; and how results are compared.
 
-use finray_model::finger::{FingerDescription, Joints, Part, Plate, RibDescription, RibPlaces, Strip, Zone};
-use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector, statics};
-use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
+mod chance;
+mod comparison;
+mod fingers;
+mod loads;
+mod measurements;
+mod strategies;
 
-/// The paper's finger.
-pub fn paper() -> Finger {
-    Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the paper's scene reads").finger
-}
-
-/// Settings of the property tests: the same random cases on every run, others with `FINRAY_TEST_SEED=<number>`. A case that shows
-/// nothing, as where a finger carries no load, is rejected and drawn again; a test of which more than half of the cases are fails, as it
-/// would hardly test.
-pub fn cases(count: u32) -> ProptestConfig {
-    let seed = std::env::var("FINRAY_TEST_SEED").ok().and_then(|seed| seed.parse().ok()).unwrap_or(2021);
-    ProptestConfig {
-        cases: count,
-        max_global_rejects: count,
-        rng_seed: RngSeed::Fixed(seed),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    }
-}
-
-fn strip() -> impl Strategy<Value = Strip> {
-    (0.5..3.0, 5.0..500.0).prop_map(|(thickness_mm, youngs_modulus_mpa)| Strip { thickness_mm, youngs_modulus_mpa })
-}
-
-/// Up to seven ribs, evenly or unevenly spaced, clamped or pinned, deformable or not.
-fn ribs() -> impl Strategy<Value = (usize, Vec<[f64; 2]>, Joints, Option<Strip>)> {
-    (
-        0..8_usize,
-        prop::collection::vec([0.3..1.0, 0.3..1.0], 8),
-        prop_oneof![Just(Joints::Rigid), Just(Joints::Hinged)],
-        prop::option::weighted(0.7, strip()),
-    )
-}
-
-/// Fingers of every kind that a scene file can describe, without zones.
-pub fn finger() -> impl Strategy<Value = Finger> {
-    let sizes = (40.0..90.0, 80.0..200.0, 0.85..1.2, 8.0..40.0);
-    let extras = (prop_oneof![Just(0.0), 0.005..0.02], prop_oneof![Just(0.0), 0.1..0.49]);
-    (sizes, extras, strip(), strip(), ribs()).prop_filter_map(
-        "an impossible finger",
-        |(sizes, extras, front, back, ribs)| {
-            let (base_width_mm, front_length_mm, ratio, depth_mm) = sizes;
-            let back_length_mm = front_length_mm * ratio;
-            let (count, gaps, joints, strip) = ribs;
-            // Gaps between ribs, drawn, become places that grow from the base to the tip.
-            let place = |plate: usize, length: f64, rib: usize| {
-                let until = |n: usize| gaps[..n].iter().map(|gap| gap[plate]).sum::<f64>();
-                length * until(rib + 1) / until(count + 1)
-            };
-            let places =
-                (0..count).map(|rib| [place(0, front_length_mm, rib), place(1, back_length_mm, rib)]).collect();
-            let description = FingerDescription {
-                base_width_mm,
-                front_length_mm,
-                back_length_mm,
-                depth_mm,
-                rod_arm_mm: extras.0 * front_length_mm,
-                poissons_ratio: extras.1,
-                front,
-                back,
-                ribs: RibDescription { places: RibPlaces::Positions(places), joints, strip },
-                zones: Vec::new(),
-            };
-            Finger::new(description).ok()
-        },
-    )
-}
-
-/// Fingers whose plates carry up to two zones of other modulus.
-pub fn finger_with_zones() -> impl Strategy<Value = Finger> {
-    let zone = (prop_oneof![Just(Part::Front), Just(Part::Back), Just(Part::Ribs)], 0.0..0.7, 0.05..0.3, 0.1..3.0);
-    (finger(), prop::collection::vec(zone, 0..3)).prop_filter_map("an impossible zone", |(finger, zones)| {
-        let length = finger.plate_length_mm(Plate::Front).min(finger.plate_length_mm(Plate::Back));
-        let mut description = finger.description().clone();
-        description.zones = zones
-            .into_iter()
-            .map(|(part, from, long, modulus_factor)| Zone {
-                part,
-                from_mm: from * length,
-                to_mm: (from + long) * length,
-                modulus_factor,
-            })
-            .collect();
-        Finger::new(description).ok()
-    })
-}
-
-/// A contact node of the finger, chosen by a fraction 0..1 from tip to base.
-pub fn contact_node(finger: &Finger, fraction: f64) -> NodeId {
-    let count = finger.contact_nodes().len();
-    NodeId(finger.tip().0 + ((fraction * count as f64) as usize).min(count - 1))
-}
-
-/// A force on a node that bends the linear finger by `share` of its front plate, so that soft and stiff fingers are
-/// put to the same test.
-pub fn force_for_deflection(finger: &Finger, node: NodeId, angle_deg: f64, share: f64) -> Vector {
-    let direction = finger.direction(angle_deg);
-    let shape = statics::solve(&Mesh::key_nodes(finger), &[Load::at_node(node, direction)], Kinematics::Linear)
-        .expect("a checked finger has a linear solution");
-    direction * (share * finger.plate_length_mm(Plate::Front) / shape.largest_displacement_mm())
-}
+pub use chance::{CAMERA_NOISE_MM, STANDARD_ERRORS, TWO_SIDED_95, case_count, cases, share_error};
+pub use comparison::{KINEMATICS, assert_all_pass, largest, motions_apart, shapes_apart};
+pub use fingers::{ELEMENTS, fine_mesh, finger_of, paper, paper_scene_with};
+pub use loads::{at_node, at_nodes, at_position, contact_node, force_for_deflection};
+pub use measurements::{noisy, seen};
+pub use strategies::{finger, finger_with_zones};

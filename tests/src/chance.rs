@@ -1,0 +1,36 @@
+//! How many random cases are drawn, and what chance may do to them.
+
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+
+pub use finray_verify::settings::{CAMERA_NOISE_MM, TWO_SIDED_95};
+
+/// Random deviations allowed, in standard errors: among some hundred figures one beyond them is met once in a hundred runs.
+pub const STANDARD_ERRORS: f64 = 4.0;
+
+fn from_environment<T: std::str::FromStr>(name: &str, otherwise: T) -> T {
+    std::env::var(name).ok().and_then(|number| number.parse().ok()).unwrap_or(otherwise)
+}
+
+/// Settings of the property tests: the same random cases on every run, others with `FINRAY_TEST_SEED=<number>`. A case that shows
+/// nothing, as where a finger carries no load, is rejected and drawn again; a test of which more than half of the cases are fails, as it
+/// would hardly test.
+pub fn cases(count: u32) -> ProptestConfig {
+    ProptestConfig {
+        cases: count,
+        max_global_rejects: count,
+        rng_seed: RngSeed::Fixed(from_environment("FINRAY_TEST_SEED", 2021)),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    }
+}
+
+/// Noise samples for each set of contacts: 200, or `FINRAY_TEST_CASES=<number>`.
+pub fn case_count() -> usize {
+    from_environment("FINRAY_TEST_CASES", 200)
+}
+
+/// Standard error of a share among so many cases.
+pub fn share_error(share: f64, cases: usize) -> f64 {
+    (share * (1.0 - share) / cases as f64).sqrt()
+}

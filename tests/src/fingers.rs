@@ -1,0 +1,27 @@
+//! Fingers of scene files, and the meshes of the paper's.
+
+use finray_model::{Finger, Scene};
+
+pub use finray_verify::estimators::ELEMENTS;
+pub use finray_verify::truths::fine_mesh;
+
+/// The paper's finger.
+pub fn paper() -> Finger {
+    finger_of(finray_fixtures::PAPER_SCENE)
+}
+
+/// The finger of a scene's text.
+#[track_caller]
+pub fn finger_of(scene: &str) -> Finger {
+    Scene::from_toml(scene).expect("a good scene").finger
+}
+
+/// The paper's scene with texts replaced, everywhere they stand.
+#[track_caller]
+pub fn paper_scene_with(changes: &[(&str, &str)]) -> Scene {
+    let text = changes.iter().fold(finray_fixtures::PAPER_SCENE.to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "the paper's scene has no {from}");
+        text.replace(from, to)
+    });
+    Scene::from_toml(&text).expect("a good scene")
+}

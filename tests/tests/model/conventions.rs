@@ -1,0 +1,75 @@
+//! What signs, angles and node numbers mean, on a finger without symmetry.
+
+use finray_model::finger::Plate;
+use finray_model::{Finger, Mesh, NodeId, Scene};
+
+/// Rounding of coordinates of a finger of some hundred mm.
+const ROUNDING: f64 = 1e-12;
+
+/// Three ribs whose ends lie at other places along the front than along the back plate; the triangle has no symmetry.
+fn lopsided(zones: &str) -> Finger {
+    let text = format!(
+        "name = \"lopsided\"\n[finger]\nbase_width_mm = 60.0\nfront_length_mm = 120.0\nback_length_mm = 150.0\ndepth_mm = 20.0\n\
+         [finger.front]\nthickness_mm = 1.0\nyoungs_modulus_mpa = 50.0\n\
+         [finger.back]\nthickness_mm = 1.0\nyoungs_modulus_mpa = 50.0\n\
+         [finger.ribs]\npositions_mm = [[20.0, 60.0], [50.0, 90.0], [80.0, 120.0]]\njoints = \"rigid\"\nthickness_mm = 1.0\n\
+         youngs_modulus_mpa = 50.0\n{zones}"
+    );
+    Scene::from_toml(&text).expect("a sound scene").finger
+}
+
+/// Rib by rib, how much stiffer than without the zone.
+fn rib_factors(zones: &str) -> Vec<f64> {
+    let rigidities = |finger: &Finger| -> Vec<f64> {
+        let mesh = Mesh::key_nodes(finger);
+        let ribs = mesh.lines()[2 * (finger.rib_count() + 1)..].iter();
+        ribs.map(|rib| mesh.frame().members()[rib.members.start].beam.bending_rigidity_nmm2).collect()
+    };
+    let plain = rigidities(&lopsided(""));
+    rigidities(&lopsided(zones)).iter().zip(&plain).map(|(a, b)| a / b).collect()
+}
+
+/// A zone of the ribs takes those whose front end lies in it, whatever their back ends do.
+#[test]
+fn zones_of_ribs_go_by_their_front_ends() {
+    let zone = |from: f64, to: f64| {
+        rib_factors(&format!(
+            "[[finger.zone]]\nplate = \"ribs\"\nfrom_mm = {from}\nto_mm = {to}\nmodulus_factor = 0.25\n"
+        ))
+    };
+    assert_eq!(zone(40.0, 55.0), [1.0, 0.25, 1.0]);
+    // By the back ends this would be the first rib.
+    assert_eq!(zone(55.0, 85.0), [1.0, 1.0, 0.25]);
+}
+
+/// Angle 0 points from the front plate into the finger, at a right angle; positive angles lean towards the tip.
+#[test]
+fn angles_are_counted_from_the_inward_normal_towards_the_tip() {
+    let finger = lopsided("");
+    let tip = finger.position(finger.tip());
+    let front_base = finger.base(Plate::Front);
+    let along = (tip - front_base).normalize();
+    let inward = finger.base(Plate::Back) - front_base;
+    let normal = finger.direction(0.0);
+    assert!(normal.dot(&along).abs() < ROUNDING && normal.dot(&inward) > 0.0);
+    assert!((finger.direction(90.0) - along).norm() < ROUNDING);
+    assert!((finger.direction(30.0).dot(&along) - 0.5).abs() < ROUNDING);
+    assert!((finger.direction(30.0).dot(&normal) - 0.75_f64.sqrt()).abs() < ROUNDING);
+}
+
+/// The front plate is the one with positive y, node numbers run from the back base over the tip to the front base.
+#[test]
+fn numbering_goes_over_the_tip() {
+    let finger = lopsided("");
+    assert_eq!(finger.tip(), NodeId(5));
+    assert!((finger.position(NodeId(1)).y + 30.0).abs() < ROUNDING);
+    assert!((finger.position(NodeId(9)).y - 30.0).abs() < ROUNDING);
+    // From the tip down the front plate: ribs 3, 2, 1; from the base up the back plate: ribs 1, 2, 3.
+    let from_base = |node: usize, base: usize| (finger.position(NodeId(node)) - finger.position(NodeId(base))).norm();
+    for (node, place) in [(6, 80.0), (7, 50.0), (8, 20.0)] {
+        assert!((from_base(node, 9) - place).abs() < 1e3 * ROUNDING, "node {node}");
+    }
+    for (node, place) in [(2, 60.0), (3, 90.0), (4, 120.0)] {
+        assert!((from_base(node, 1) - place).abs() < 1e3 * ROUNDING, "node {node}");
+    }
+}

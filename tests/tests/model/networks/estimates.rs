@@ -1,0 +1,86 @@
+//! Estimates: stated deviations, the test of the residual, and shapes that are refused.
+
+use super::{estimator, measured, random_network, random_shape};
+use finray_model::measurement::{Marker, Measurement};
+use finray_model::sensing::network::{ContactSet, Instructions, NetworkError, TestError};
+use finray_model::sensing::{SensingError, Warning};
+use finray_tests::{CAMERA_NOISE_MM, paper};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Least squares in f64 of a shape that the network can take.
+const ROUNDING: f64 = 1e-9;
+/// A derivative in f64 against a difference of f32 forces over a step of 1e-2.
+const DERIVATIVE: f64 = 2e-3;
+
+#[test]
+fn sigmas_are_noise_through_the_derivatives_and_the_networks_own_error() {
+    for contact_set in [ContactSet::Fixed, ContactSet::AnyOf] {
+        let mut network = random_network(5, &[17, 20], contact_set, &[20, 10], 30);
+        // Neither part of the sum is lost in the other.
+        let (noise_mm, clean_rms_n) = (0.1, 0.3);
+        network.card.test_errors = vec![TestError { rms_n: 0.3, clean_rms_n }; 2];
+        let mut estimator = estimator(&network, &[17, 20], Instructions::Detected);
+        let shape = random_shape(&network, 6);
+        let estimate = estimator
+            .estimate(&measured(&network.card.markers, &shape), Some(noise_mm))
+            .expect("a shape as in training");
+        let step_mm = 1e-2;
+        let mut squares = [0.0; 2];
+        for k in 0..shape.len() {
+            let mut forces_n = [[0.0; 2]; 2];
+            for (forces_n, sign) in forces_n.iter_mut().zip([-0.5, 0.5]) {
+                let mut shifted = shape.clone();
+                shifted[k] += sign * step_mm;
+                estimator.forces(&shifted, forces_n).expect("a frame");
+            }
+            for (i, square) in squares.iter_mut().enumerate() {
+                *square += ((forces_n[1][i] - forces_n[0][i]) / step_mm * noise_mm).powi(2);
+            }
+        }
+        for (sigma_n, square) in estimate.sigmas_n.iter().zip(squares) {
+            let expected_n = f64::sqrt(square + clean_rms_n * clean_rms_n);
+            assert!((sigma_n / expected_n - 1.0).abs() <= DERIVATIVE, "{sigma_n} against {expected_n}");
+        }
+        assert!(estimate.residual_rms_mm <= ROUNDING, "{}", estimate.residual_rms_mm);
+    }
+}
+
+#[test]
+fn noise_that_the_residual_contradicts_is_not_believed() {
+    let network = random_network(5, &[17, 20], ContactSet::Fixed, &[20], 10);
+    let mut estimator = estimator(&network, &[17, 20], Instructions::Detected);
+    let shape = random_shape(&network, 6);
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let noisy: Vec<f64> = shape.iter().map(|x| x + rng.random_range(-0.5..0.5)).collect();
+    let measurement = measured(&network.card.markers, &noisy);
+    let unknown = estimator.estimate(&measurement, None).expect("noise alone");
+    // 36 coordinates of uniform noise between -0.5 and 0.5, of standard deviation 0.29.
+    assert!((0.2..0.4).contains(&unknown.noise_mm), "{}", unknown.noise_mm);
+    let contradicted = estimator.estimate(&measurement, Some(CAMERA_NOISE_MM)).expect("noise alone");
+    assert!(matches!(contradicted.warning, Some(Warning::Residual(_))));
+    assert_eq!((&contradicted.forces_n, contradicted.residual_rms_mm), (&unknown.forces_n, unknown.residual_rms_mm));
+    // Where nothing was stated the residual is all that is known of the noise: Student's t for 36 degrees of freedom, 2.0281, over 1.9600.
+    let wider = unknown.noise_mm / contradicted.noise_mm;
+    assert!((wider - 2.0281 / 1.959_96).abs() < 1e-4, "{wider}");
+    let believed = estimator.estimate(&measurement, Some(0.25)).expect("noise alone");
+    assert_eq!((believed.noise_mm, believed.warning), (0.25, None));
+}
+
+#[test]
+fn strange_shapes_are_refused() {
+    let network = random_network(5, &[17, 20], ContactSet::Fixed, &[20], 10);
+    let mut estimator = estimator(&network, &[17, 20], Instructions::Detected);
+    let shape = random_shape(&network, 6);
+    let far: Vec<f64> = shape.iter().zip(&network.inputs.mean).map(|(x, mean)| mean + 10.0 * (x - mean)).collect();
+    let refused = estimator.estimate(&measured(&network.card.markers, &far), Some(CAMERA_NOISE_MM));
+    assert!(matches!(refused, Err(NetworkError::OutsideTraining { .. })), "{refused:?}");
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let noisy: Vec<f64> = shape.iter().map(|x| x + rng.random_range(-9.0..9.0)).collect();
+    let refused = estimator.estimate(&measured(&network.card.markers, &noisy), Some(CAMERA_NOISE_MM));
+    assert!(matches!(refused, Err(NetworkError::Sensing(SensingError::Unexplained { .. }))), "{refused:?}");
+    let mut weighted: Vec<Marker> = measured(&network.card.markers, &shape).markers().to_vec();
+    weighted[3].weight = 0.5;
+    let refused = estimator.estimate(&Measurement::new(&paper(), weighted).expect("markers"), Some(CAMERA_NOISE_MM));
+    assert!(matches!(refused, Err(NetworkError::Weighted { .. })), "{refused:?}");
+}

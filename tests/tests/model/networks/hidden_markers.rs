@@ -1,0 +1,89 @@
+//! Directions few enough that the seen markers identify them.
+
+use super::{BETWEEN_INSTRUCTIONS_N, estimator, largest_difference, measured, random_network, random_shape};
+use finray_model::NodeId;
+use finray_model::measurement::{Marker, Measurement};
+use finray_model::sensing::network::{ContactSet, Instructions, NetworkError, NetworkEstimator, Scaling, TestError};
+use finray_tests::{CAMERA_NOISE_MM, at_nodes, paper};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+
+/// Directions few enough that half of the markers tell them: hidden markers are filled in, and sigmas grow.
+#[test]
+fn hidden_markers_are_filled_in() {
+    let network = random_network(5, &[17, 20], ContactSet::Fixed, &[20], 10);
+    let contacts = at_nodes(&[17, 20]);
+    let shape = random_shape(&network, 6);
+    let all = measured(&network.card.markers, &shape);
+    let full = estimator(&network, &[17, 20], Instructions::Detected)
+        .estimate(&all, Some(CAMERA_NOISE_MM))
+        .expect("all markers");
+    let mut wider = full.sigmas_n.clone();
+    for hidden in [3_usize, 8, 12] {
+        let seen = all.clone().without(&network.card.markers[..hidden]);
+        let mut estimator = NetworkEstimator::new(&network, &paper(), &contacts, &seen).expect("some markers");
+        let estimate = estimator.estimate(&seen, Some(CAMERA_NOISE_MM)).expect("some markers");
+        for i in 0..2 {
+            let error_n = (estimate.forces_n[i] - full.forces_n[i]).abs();
+            assert!(
+                error_n <= 4.0 * estimate.sigmas_n[i],
+                "{hidden} hidden: {error_n} N off, sigma {}",
+                estimate.sigmas_n[i]
+            );
+            assert!(estimate.sigmas_n[i] > wider[i], "{hidden} hidden");
+        }
+        wider = estimate.sigmas_n;
+    }
+    // The order of the markers is that of the measurement.
+    let reversed: Vec<Marker> = all.markers().iter().rev().copied().collect();
+    let reversed = Measurement::new(&paper(), reversed).expect("markers");
+    let mut estimator = NetworkEstimator::new(&network, &paper(), &contacts, &reversed).expect("all markers");
+    let estimate = estimator.estimate(&reversed, Some(CAMERA_NOISE_MM)).expect("all markers");
+    assert!(largest_difference(&estimate.forces_n, &full.forces_n) <= BETWEEN_INSTRUCTIONS_N);
+    assert_eq!(estimator.estimate(&all, None), Err(NetworkError::OtherMarkers));
+
+    let mut coordinates = network;
+    coordinates.card.scaling = Scaling::Spread;
+    let refused = NetworkEstimator::new(&coordinates, &paper(), &contacts, &all.without(&[NodeId(5)])).map(|_| ());
+    assert_eq!(refused, Err(NetworkError::HiddenMarkers { expected: 23, found: 22 }));
+}
+
+/// With fewer seen coordinates than directions much stays open, and sigmas say how much: over shapes drawn as the network
+/// supposes, a linear one is off by its sigmas.
+#[test]
+fn sigmas_tell_what_hidden_markers_leave_open() {
+    const DRAWS: usize = 1000;
+    /// The ratio of 1000 errors to their standard deviation scatters by 1 / sqrt(2000); four times that.
+    const SCATTER: f64 = 0.09;
+    let mut network = random_network(5, &[17, 20], ContactSet::Fixed, &[], 10);
+    network.card.test_errors = vec![TestError { rms_n: 0.0, clean_rms_n: 0.0 }; 2];
+    network.inputs.largest = vec![10.0; 10];
+    let contacts = at_nodes(&[17, 20]);
+    let noise_mm = network.card.noise_mm;
+    let mut rng = ChaCha8Rng::seed_from_u64(8);
+    let mut whole = estimator(&network, &[17, 20], Instructions::Detected);
+    let hidden = &network.card.markers[..20];
+    let markers = measured(&network.card.markers, &network.inputs.mean).without(hidden);
+    let mut partial = NetworkEstimator::new(&network, &paper(), &contacts, &markers).expect("some markers");
+    let mut squares = [0.0; 2];
+    for _ in 0..DRAWS {
+        let mut shape = network.inputs.mean.clone();
+        for (row, variance) in network.inputs.projection.row_iter().zip(&network.inputs.variances) {
+            let coefficient = variance.sqrt() * rng.sample::<f64, _>(StandardNormal);
+            shape.iter_mut().zip((row / row.norm()).iter()).for_each(|(x, v)| *x += coefficient * v);
+        }
+        let mut forces_n = [0.0; 2];
+        whole.forces(&shape, &mut forces_n).expect("a frame");
+        let mut seen = measured(&network.card.markers, &shape).without(hidden);
+        seen.add_noise(noise_mm, || rng.sample(StandardNormal));
+        let estimate = partial.estimate(&seen, Some(noise_mm)).expect("some markers");
+        for (i, square) in squares.iter_mut().enumerate() {
+            *square += ((estimate.forces_n[i] - forces_n[i]) / estimate.sigmas_n[i]).powi(2);
+        }
+    }
+    for square in squares {
+        let ratio = f64::sqrt(square / DRAWS as f64);
+        assert!((ratio - 1.0).abs() <= SCATTER, "errors are {ratio} times their sigmas");
+    }
+}

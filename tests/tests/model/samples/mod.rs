@@ -1,0 +1,29 @@
+//! Random load cases: repeatable on any number of threads, in the ranges that were asked for (`draws`), with the shapes that the finger takes
+//! under them (`shapes`), or refused (`refusals`).
+
+use finray_model::Kinematics;
+use finray_model::samples::{SampleRecipe, Samples, Stream};
+use finray_tests::{STANDARD_ERRORS, at_node, paper};
+
+mod draws;
+mod refusals;
+mod shapes;
+
+/// Normal forces at some nodes of the linear finger.
+fn linear(nodes: impl IntoIterator<Item = usize>) -> SampleRecipe {
+    SampleRecipe::paper(nodes.into_iter().map(|node| at_node(node, 0.0)).collect(), Kinematics::Linear)
+}
+
+fn draw(recipe: &SampleRecipe, count: usize) -> Samples {
+    recipe.draw(&paper(), count, 1, Stream::Test).expect("forces that the finger carries")
+}
+
+/// Checks the mean of some numbers and their standard deviation against those that they were drawn with.
+fn assert_normal(numbers: &[f64], mean: f64, deviation: f64) {
+    let count = numbers.len() as f64;
+    let found = numbers.iter().sum::<f64>() / count;
+    let scatter = (numbers.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / count).sqrt();
+    assert!((found - mean).abs() <= STANDARD_ERRORS * deviation / count.sqrt(), "mean {found}, not {mean}");
+    let relative = STANDARD_ERRORS / (2.0 * count).sqrt();
+    assert!((scatter / deviation - 1.0).abs() <= relative, "standard deviation {scatter}, not {deviation}");
+}

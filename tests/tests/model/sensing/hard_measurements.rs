@@ -1,0 +1,136 @@
+//! Nonlinear sensing of hard measurements: right within the stated deviation, or refused, where markers are missing or wrong, noise is large
+//! and directions or positions are unknown.
+
+use finray_model::frame::FrameLoad;
+use finray_model::measurement::{Marker, Measurement};
+use finray_model::sensing::{Contact, ContactPlace, ContactQuestion, Direction, NonlinearEstimator};
+use finray_model::statics::Statics;
+use finray_model::{Kinematics, Mesh, NodeId, Vector};
+use finray_tests::{
+    CAMERA_NOISE_MM, STANDARD_ERRORS, at_node, at_nodes, at_position, largest, noisy, paper, share_error,
+};
+use rand::seq::SliceRandom;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// What makes a measurement hard.
+#[derive(Debug, Clone, Copy)]
+struct Hardship {
+    noise_mm: f64,
+    /// Markers hidden at random.
+    hidden: usize,
+    /// Whether a marker is 20 mm off.
+    wild: bool,
+    forces_n: [f64; 2],
+}
+
+const CAMERA: Hardship = Hardship { noise_mm: CAMERA_NOISE_MM, hidden: 0, wild: false, forces_n: [0.3, 3.0] };
+
+/// Errors in stated sigmas, and the share of cases refused. The contacts are drawn anew for each case.
+fn standardised_errors(
+    questions: &[ContactQuestion],
+    contacts: impl Fn(&mut ChaCha8Rng) -> Vec<Contact>,
+    hardship: Hardship,
+    cases: usize,
+) -> (Vec<f64>, f64) {
+    let finger = paper();
+    let mesh = Mesh::key_nodes(&finger);
+    let mut statics = Statics::ladder(&mesh, Kinematics::Corotational);
+    let mut estimator = NonlinearEstimator::new(&mesh, questions).expect("possible questions");
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let (mut errors, mut refused, mut carried) = (Vec::new(), 0, 0);
+    for _ in 0..cases {
+        let contacts = contacts(&mut rng);
+        let [least, most] = hardship.forces_n;
+        let forces_n: Vec<f64> = contacts.iter().map(|_| rng.random_range(least..most)).collect();
+        let load = |(c, f): (&Contact, &f64)| mesh.frame_load(&c.load(&finger, *f)).expect("on the finger");
+        let loads: Vec<FrameLoad> = contacts.iter().zip(&forces_n).map(load).collect();
+        let Ok(equilibrium) = statics.equilibrium(&loads) else { continue };
+        carried += 1;
+        let clean = Measurement::of_shape(&finger, &mesh.shape(&equilibrium.motion));
+        let all = noisy(&clean, hardship.noise_mm, &mut rng);
+        let mut nodes: Vec<NodeId> = finger.free_nodes().collect();
+        nodes.shuffle(&mut rng);
+        let mut seen = all.without(&nodes[..hardship.hidden]);
+        if hardship.wild {
+            let wild = nodes[hardship.hidden];
+            let (sin, cos) = rng.random_range(0.0..std::f64::consts::TAU).sin_cos();
+            let off = |m: &Marker| if m.node == wild { Vector::new(cos, sin) * 20.0 } else { Vector::zeros() };
+            let markers = seen.markers().iter().map(|m| Marker { displacement: m.displacement + off(m), ..*m });
+            seen = Measurement::new(&finger, markers).expect("the same markers");
+        }
+        estimator.reset();
+        match estimator.estimate(&seen, Some(hardship.noise_mm)) {
+            Ok(found) => {
+                let found = found.forces.forces_n.into_iter().zip(found.forces.sigmas_n).zip(&forces_n);
+                errors.extend(found.map(|((sensed, sigma), truth)| (sensed - truth) / sigma));
+            }
+            Err(_) => refused += 1,
+        }
+    }
+    assert!(carried > cases / 2, "the finger carries {carried} of {cases}");
+    (errors, f64::from(refused) / carried as f64)
+}
+
+fn known(contacts: &[Contact]) -> Vec<ContactQuestion> {
+    contacts.iter().copied().map(ContactQuestion::from).collect()
+}
+
+/// Right within a few sigma, or refused: more than 6 sigma is met once in 10^9.
+fn assert_honest(what: &str, (errors, refused): &(Vec<f64>, f64), most_refused: f64) {
+    let worst = largest(errors);
+    assert!(worst <= 6.0, "{what}: {worst} sigma");
+    assert!(*refused <= most_refused, "{what}: {refused} refused");
+    let covered = errors.iter().filter(|e| e.abs() <= 1.96).count() as f64 / errors.len().max(1) as f64;
+    let allowed = STANDARD_ERRORS * share_error(0.95, errors.len().max(1)) + 0.01;
+    assert!(covered >= 0.95 - allowed, "{what}: covered {covered}");
+    // A sigma of twice the error would cover by saying too little; a hundred draws know their scatter to 7 %.
+    let scatter = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len().max(1) as f64).sqrt();
+    assert!(errors.len() < 50 || scatter > 0.6, "{what}: scatter {scatter} of sigma");
+}
+
+/// Hidden markers (1 to 21 of 23), 1 mm of noise, a marker 20 mm off, neighbouring contacts, two angles on one node, all
+/// twelve nodes at once.
+#[test]
+fn hard_measurements_are_right_or_refused() {
+    for hidden in [1, 5, 10, 15, 20, 21] {
+        for nodes in [vec![14], vec![19, 20]] {
+            let contacts = at_nodes(&nodes);
+            let found =
+                standardised_errors(&known(&contacts), |_| contacts.clone(), Hardship { hidden, ..CAMERA }, 100);
+            assert_honest(&format!("{hidden} hidden, {nodes:?}"), &found, 0.1);
+        }
+    }
+    for nodes in [vec![13], vec![19], vec![24], vec![19, 20], vec![14, 24]] {
+        let contacts = at_nodes(&nodes);
+        for hardship in [Hardship { noise_mm: 1.0, ..CAMERA }, Hardship { wild: true, ..CAMERA }] {
+            let found = standardised_errors(&known(&contacts), |_| contacts.clone(), hardship, 100);
+            assert_honest(&format!("{hardship:?}, {nodes:?}"), &found, 0.01);
+        }
+    }
+    for (contacts, forces_n) in [
+        (vec![at_node(19, -30.0), at_node(19, 40.0)], [0.3, 3.0]),
+        (at_nodes(&(13..=24).collect::<Vec<_>>()), [0.05, 0.5]),
+    ] {
+        let found = standardised_errors(&known(&contacts), |_| contacts.clone(), Hardship { forces_n, ..CAMERA }, 100);
+        assert_honest(&format!("{contacts:?}"), &found, 0.0);
+    }
+}
+
+/// Unknown directions and places: the stated sigma covers the force.
+#[test]
+fn unknown_directions_and_places_are_covered() {
+    let anywhere = |rng: &mut ChaCha8Rng| vec![at_position(rng.random_range(15.0..150.0), 0.0)];
+    let hardship = Hardship { forces_n: [0.5, 3.0], ..CAMERA };
+    for direction in [Direction::Angle(0.0), Direction::Auto] {
+        let question = ContactQuestion { place: None, direction };
+        let found = standardised_errors(&[question], anywhere, hardship, 150);
+        assert_honest(&format!("{question:?}"), &found, 0.1);
+    }
+    for node in [14, 19, 24] {
+        let question = ContactQuestion { place: Some(ContactPlace::Node(NodeId(node))), direction: Direction::Auto };
+        let found = standardised_errors(&[question], |_| vec![at_node(node, 0.0)], hardship, 150);
+        // Near the base a force hardly shows its direction.
+        assert_honest(&format!("{question:?}"), &found, if node == 24 { 0.5 } else { 0.01 });
+    }
+}

@@ -1,0 +1,131 @@
+//! Meshes far finer than any use: they must take no more load steps than coarse ones, and come to the same shape.
+
+use finray_model::finger::{FingerDescription, Part, Zone};
+use finray_model::statics::{Equilibrium, Statics, StaticsError};
+use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, statics};
+use finray_tests::{cases, contact_node, finger_with_zones, force_for_deflection, paper, shapes_apart};
+use proptest::prelude::*;
+
+/// 11 or 12 are counted; Newton's corrections added as they are take 190.
+const MOST_ITERATIONS: usize = 20;
+/// Share by which a Richardson estimate may err: the next term of the error is some percent on 684 nodes.
+const RICHARDSON: f64 = 0.2;
+/// Digits that may be stated too many: a factor of two.
+const OVERSTATED: f64 = 0.3;
+
+fn mesh(finger: &Finger, nodes: usize) -> Mesh {
+    Mesh::with_nodes(finger, nodes).expect("within the limits")
+}
+
+fn bent(mesh: &Mesh, load: &Load) -> Result<Equilibrium, StaticsError> {
+    Statics::ladder(mesh, Kinematics::Corotational).equilibrium(&[mesh.frame_load(load)?])
+}
+
+/// A hundred thousand nodes under 3 N: as many Newton iterations as two or three load steps take, and the shape that
+/// Richardson extrapolation of two coarse meshes foretells.
+#[test]
+fn a_hundred_thousand_nodes_are_where_coarse_meshes_point() {
+    let finger = paper();
+    let meshes = [684, 1340, 100_000].map(|nodes| mesh(&finger, nodes));
+    for node in [14, 19, 22] {
+        let load = Load::at_node(NodeId(node), finger.direction(0.0) * 3.0);
+        let found = meshes.each_ref().map(|mesh| bent(mesh, &load).expect("3 N are carried"));
+        let spent = found[2].iterations;
+        assert!(spent <= MOST_ITERATIONS, "{spent} iterations under 3 N at node {node}");
+        let [coarse, finer, fine] = [0, 1, 2].map(|i| meshes[i].shape(&found[i].motion));
+        // The error falls with the square of the elements' length.
+        let ratio = (1340.0_f64 / 684.0).powi(2);
+        let foretold = shapes_apart(&coarse, &finer) * ratio / (ratio - 1.0);
+        let left = shapes_apart(&coarse, &fine);
+        assert!(
+            (left - foretold).abs() <= RICHARDSON * foretold,
+            "node {node}: {left:e} from 684 nodes, not {foretold:e}"
+        );
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(48))]
+
+    /// Zones, hinges, arms and rigid ribs: 256 elements a member take hardly more load steps than four. Adding Newton's
+    /// corrections as they are takes about sixteen times as many.
+    #[test]
+    fn load_steps_do_not_grow_with_the_mesh(
+        finger in finger_with_zones(),
+        at in 0.0..1.0,
+        angle in -80.0..80.0,
+        share in 0.01..0.1,
+    ) {
+        let node = contact_node(&finger, at);
+        let load = Load::at_node(node, force_for_deflection(&finger, node, angle, share));
+        let [coarse, fine] = [4, 256].map(|elements| bent(&Mesh::with_elements_per_member(&finger, elements), &load));
+        // Near a limit load one mesh may find an equilibrium and the other none.
+        // Such cases are drawn again, and counted.
+        let (Ok(coarse), Ok(fine)) = (coarse, fine) else { return Err(TestCaseError::reject("no equilibrium")) };
+        prop_assert!(fine.load_steps <= 2 * coarse.load_steps, "{} after {}", fine.load_steps, coarse.load_steps);
+    }
+}
+
+/// The paper's finger; one with plates like foil; two with a stretch between key nodes that is a million times stiffer or
+/// softer. Forces in N that bend them a little.
+fn hard_fingers() -> Vec<(Finger, f64)> {
+    let of = |change: &dyn Fn(&mut FingerDescription)| {
+        let mut description = paper().description().clone();
+        change(&mut description);
+        Finger::new(description).expect("hard, but possible")
+    };
+    let zone = |modulus_factor| {
+        move |description: &mut FingerDescription| {
+            let rib = description.front_length_mm / 12.0;
+            description.zones.push(Zone { part: Part::Front, from_mm: 4.0 * rib, to_mm: 6.0 * rib, modulus_factor });
+        }
+    };
+    vec![
+        (paper(), 1.0),
+        (of(&|description| description.front.thickness_mm = 0.01), 1e-6),
+        (of(&zone(1e6)), 1.0),
+        (of(&zone(1e-6)), 1e-6),
+    ]
+}
+
+/// Linear solutions are known without refinement, whatever the mesh: the key nodes alone are exact. No solution has fewer
+/// digits than stated, and none is given with fewer than four.
+#[test]
+fn stated_digits_are_there() {
+    let mut refused = 0;
+    for (finger, force) in hard_fingers() {
+        let load = Load::at_node(NodeId(19), finger.direction(0.0) * force);
+        let key_nodes = Mesh::key_nodes(&finger);
+        let exact = Statics::sparse(key_nodes.frame(), Kinematics::Linear)
+            .equilibrium(&[key_nodes.frame_load(&load).expect("node 19 is free")])
+            .map(|found| key_nodes.shape(&found.motion))
+            .expect("linear solution");
+        for nodes in [684, 10_000, 15_000, 30_000, 100_000] {
+            let mesh = mesh(&finger, nodes);
+            let loads = [mesh.frame_load(&load).expect("node 19 is free")];
+            let mut statics = Statics::ladder(&mesh, Kinematics::Linear);
+            match statics.accurate_equilibrium(&loads) {
+                Ok(found) => {
+                    let stated = statics.digits_left(&found.motion, &loads);
+                    let error = shapes_apart(&mesh.shape(&found.motion), &exact);
+                    assert!(-error.log10() >= stated - OVERSTATED, "{nodes} nodes: {stated} digits, but {error:e} off");
+                }
+                Err(StaticsError::TooFewDigits { .. } | StaticsError::NotHeld) => refused += 1,
+                Err(other) => panic!("{nodes} nodes: {other}"),
+            }
+        }
+    }
+    assert!((1..10).contains(&refused), "{refused} of 20 refused");
+}
+
+/// Where rounding leaves nothing, large rotations are not blamed on a finger that snaps.
+#[test]
+fn meshes_that_are_too_fine_are_refused() {
+    let (finger, force) = hard_fingers().swap_remove(2);
+    let load = Load::at_node(NodeId(19), finger.direction(0.0) * force);
+    for nodes in [15_000, 30_000] {
+        let found = statics::solve(&mesh(&finger, nodes), &[load], Kinematics::Corotational);
+        let refused = matches!(found, Err(StaticsError::TooFewDigits { .. } | StaticsError::NotHeld));
+        assert!(refused, "{nodes} nodes: {found:?}");
+    }
+}

@@ -1,0 +1,74 @@
+//! The block elimination along the ladder against the general sparse path.
+
+use finray_model::frame::FrameLoad;
+use finray_model::statics::Statics;
+use finray_model::{Kinematics, Load, Mesh};
+use finray_tests::{KINEMATICS, cases, contact_node, finger_with_zones, force_for_deflection, motions_apart, paper};
+use proptest::prelude::*;
+
+/// Largest difference of a displacement, as a share of the largest, up to about 684 nodes.
+const AGREEMENT: f64 = 1e-8;
+
+proptest! {
+    #![proptest_config(cases(192))]
+
+    /// Any finger, any mesh: hinges, rigid links, arms, zones; loads on nodes with moments, at places, inside elements.
+    #[test]
+    fn agrees_with_the_sparse_path(
+        finger in finger_with_zones(),
+        elements in prop_oneof![4 => 1..6_usize, 1 => 20..30_usize],
+        at in [0.0..1.0, 0.05..1.0],
+        angle in -80.0..80.0,
+        share in 0.002..0.02,
+        moment in -20.0..20.0,
+    ) {
+        let mesh = Mesh::with_elements_per_member(&finger, elements);
+        let node = contact_node(&finger, at[0]);
+        let force = force_for_deflection(&finger, node, angle, share);
+        // A node made by refinement, inside a plate or rib, carries a little of the load too.
+        let inside = FrameLoad::Node { node: mesh.frame().node_count() - 1, force: force * 0.1, moment_nmm: 0.1 * moment };
+        let loads: Vec<FrameLoad> = [
+            Load::Node { node, force: force * 0.6, moment_nmm: moment * force.norm() },
+            Load::at_place(at[1] * finger.description().front_length_mm, force * 0.3),
+        ]
+        .iter()
+        .map(|load| mesh.frame_load(load).expect("on the finger"))
+        .chain((elements > 1).then_some(inside))
+        .collect();
+        for kinematics in KINEMATICS {
+            let ladder = Statics::ladder(&mesh, kinematics).equilibrium(&loads);
+            let sparse = Statics::sparse(mesh.frame(), kinematics).equilibrium(&loads);
+            prop_assert_eq!(ladder.is_ok(), sparse.is_ok(), "{:?} {:?}", ladder.err(), sparse.err());
+            let (Ok(ladder), Ok(sparse)) = (ladder, sparse) else { return Err(TestCaseError::reject("no equilibrium")) };
+            let apart = motions_apart(&ladder.motion, &sparse.motion);
+            prop_assert!(apart <= AGREEMENT, "{kinematics:?}: {apart}");
+            let largest = sparse.motion.largest_displacement();
+            for (a, b) in ladder.motion.rotations.iter().zip(&sparse.motion.rotations) {
+                prop_assert!((a - b).abs() <= AGREEMENT * largest.max(1.0));
+            }
+            // A linear solution is corrected by its residual only where the ladder sees that digits were lost; and with
+            // inner nodes the ladder mends what Newton does to them, and may get there in fewer steps.
+            if elements == 1 && kinematics != Kinematics::Linear {
+                prop_assert_eq!(ladder.iterations, sparse.iterations, "the same Newton steps");
+            }
+        }
+    }
+}
+
+/// The paper's finger on the paper's two meshes, every contact node.
+#[test]
+fn agrees_on_the_papers_meshes() {
+    let finger = paper();
+    for nodes in [25, 684] {
+        let mesh = Mesh::with_nodes(&finger, nodes).expect("the paper's meshes");
+        for node in finger.contact_nodes() {
+            let load = mesh.frame_load(&Load::at_node(node, finger.direction(-20.0) * 2.0)).expect("a contact node");
+            for kinematics in KINEMATICS {
+                let ladder = Statics::ladder(&mesh, kinematics).equilibrium(&[load]).expect("2 N are carried");
+                let sparse = Statics::sparse(mesh.frame(), kinematics).equilibrium(&[load]).expect("2 N are carried");
+                let apart = motions_apart(&ladder.motion, &sparse.motion);
+                assert!(apart <= AGREEMENT, "{nodes} nodes, load at {node}, {kinematics:?}: {apart}");
+            }
+        }
+    }
+}

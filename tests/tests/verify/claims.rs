@@ -1,0 +1,94 @@
+//! The paper's claims: every verdict is that of its own row's figures.
+
+use finray_model::Scene;
+use finray_verify::claims::{Claim, ClaimVerdict, ledger};
+use finray_verify::experiments::contact_scene::study::SceneWithOutline;
+use finray_verify::{report, settings, study};
+
+/// Every verdict is that of its own row's figures; a simulation betters no experiment.
+fn claims_say_what_was_shown(claims: &[Claim]) {
+    use ClaimVerdict::{Depends, InSimulation, LessInSimulation, NotReproduced, NotTested, Refuted, Reproduced};
+    let row = |words: &str| {
+        let found: Vec<&Claim> = claims.iter().filter(|claim| claim.claim.contains(words)).collect();
+        assert_eq!(found.len(), 1, "rows with {words}: {found:?}");
+        found[0]
+    };
+    for (words, verdict) in [
+        ("less than 1.5%", Reproduced),
+        ("less than 0.26%", Reproduced),
+        ("decreasing element size is not necessary", Depends),
+        ("SOLID45", NotTested),
+        ("caused by the nonlinearity", NotReproduced),
+        ("which ranges from 49.6 to 63.7%", NotReproduced),
+        ("reaches 18% and 24.2%\" (sec. V-B): node 16", NotReproduced),
+        ("reaches 18% and 24.2%\" (sec. V-B): node 24", NotReproduced),
+        ("equivalent Young's modulus at the tip and base should be lower", NotTested),
+        ("two adjacent nodes: \"the average relative error is 47.5%\"", NotReproduced),
+        ("the overall average relative error is 29.8%", NotReproduced),
+        ("error more than 30%", NotReproduced),
+        ("neighbours: what a known model could reach, each force", LessInSimulation),
+        ("apart: what a known model could reach, the sum", LessInSimulation),
+        ("the overall average absolute error is 0.07 N", LessInSimulation),
+        ("1-cos(12.5 deg)", Refuted),
+        // With undeformed positions measured in an image too, the noise is larger by sqrt(2), and more than half of the nodes are poor.
+        ("will not work", Depends),
+        ("the force sensing accuracy is poor", Depends),
+        ("resulting torque", Refuted),
+        ("remains nearly unchanged", Reproduced),
+        ("nonconstant Young's modulus", InSimulation),
+    ] {
+        assert_eq!(row(words).verdict, verdict, "{:?}", row(words));
+    }
+    assert!(row("1-cos(12.5 deg)").ours.contains("towards the base 2.6 % to 4.0 % (at 11 of 11)"));
+    for words in ["resulting torque", "will not work"] {
+        assert!(row(words).ours.contains("of 11 nodes"), "{:?}", row(words));
+    }
+    // What is judged has a criterion, and what is not has none.
+    for claim in claims {
+        assert_eq!(claim.criterion.is_empty(), claim.verdict == NotTested, "{claim:?}");
+    }
+    // A simulated finger is called so.
+    for claim in claims.iter().filter(|claim| [InSimulation, LessInSimulation].contains(&claim.verdict)) {
+        assert!(claim.how.contains("simulated"), "{claim:?}");
+    }
+}
+
+/// The figures of the accuracy map that other programs found: along the normal at 3 N up to about 9 % (node 24), over
+/// 30 % at -80 deg; and Table I is not explained by large rotation.
+#[test]
+fn map_and_table_one_show_what_is_known() {
+    struct Silent;
+    impl settings::Progress for Silent {
+        fn part(&self, _: &str, _: usize) {}
+        fn step(&self) {}
+    }
+    let scene = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene");
+    let scene = SceneWithOutline { scene, corners: Vec::new() };
+    let study = study::Study::run(&scene, settings::Effort::Quick, &Silent).expect("the paper's finger is solved");
+    let map = study.map("corotational", false).expect("the map without noise");
+    let at_3_n = |angle: f64| map.cells.iter().filter(move |c| c.force_n == 3.0 && c.angle_deg == angle);
+    let largest = at_3_n(0.0).filter_map(|c| c.mean_error).fold(0.0, f64::max);
+    assert!((0.08..0.10).contains(&largest), "along the normal: {largest}");
+    let middle: Vec<f64> =
+        at_3_n(-80.0).filter(|c| (30.0..140.0).contains(&c.s_mm)).filter_map(|c| c.mean_error).collect();
+    assert!(middle.iter().all(|e| *e > 0.30), "at -80 deg: {middle:?}");
+    let claims = ledger(&study).expect("small experiments");
+    claims_say_what_was_shown(&claims);
+    // The head of the page speaks of the finger at hand: soft ends that were put into a fitted one are no cause of it.
+    let head: Vec<String> = report::Summary::of(&study, &claims).verdict.into_iter().take(3).collect();
+    let limits = head.iter().find(|sentence| sentence.contains("what limits linear sensing")).expect("a sentence");
+    assert!(limits.contains("this finger, as described"), "{limits}");
+    for circular in ["compliance", "softer", "twin", "as the paper's seems"] {
+        assert!(!head.iter().any(|sentence| sentence.contains(circular)), "{circular}: {head:?}");
+    }
+    let linear = study.map("linear", false).expect("the linear map");
+    assert!(linear.cells.iter().all(|c| c.mean_error.is_some_and(|e| e < 1e-9)));
+    let table = &study.tables_one[0];
+    assert!(table.rows.iter().all(|row| row.mean_error < 0.10), "{table:?}");
+    let files = report::files(&study, &claims).expect("the report is drawn");
+    let page = &files.iter().find(|(name, _)| name.ends_with("index.html")).expect("a page").1;
+    for (name, _) in files.iter().filter(|(name, _)| name.extension().is_some_and(|e| e == "csv")) {
+        let name = name.display().to_string();
+        assert!(page.contains(&name), "the page does not name {name}");
+    }
+}

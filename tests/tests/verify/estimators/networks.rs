@@ -1,0 +1,156 @@
+//! The networks that ship, on fresh random forces of the co-rotational finger on 684 nodes, seen with camera noise.
+//! `FINRAY_TEST_CASES=4000` is the full study, half a minute on two cores.
+
+use finray_model::measurement::Measurement;
+use finray_model::sensing::network::NetworkEstimator;
+use finray_model::{Kinematics, Mesh, NodeId, statics};
+use finray_tests::{
+    CAMERA_NOISE_MM, STANDARD_ERRORS, at_node, at_nodes, case_count, paper, paper_scene_with, share_error,
+};
+use finray_verify::estimators::network::{NetworkSensing, Networks, NoNetwork};
+use finray_verify::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorKind};
+use finray_verify::experiments::networks::shipping::{Shipping, shipping};
+use finray_verify::sampling::scatter::{ScatterRequest, ScatterRow, scatter, singles};
+use finray_verify::settings::TWO_FORCES_N;
+use finray_verify::truths::fine_mesh;
+
+/// A mean of relative errors of forces from 0.3 to 3 N scatters by 1.4 of itself from case to case.
+const SPREAD: f64 = 1.4;
+/// What a network adds to the root-mean-square error of the Cramer-Rao bound: up to a tenth for neighbours, most at small
+/// forces.
+const OVER_BOUND: f64 = 0.15;
+
+fn nodes(numbers: &[usize]) -> Vec<NodeId> {
+    numbers.iter().copied().map(NodeId).collect()
+}
+
+fn errors(
+    fine: &Mesh,
+    model: &Mesh,
+    estimators: &[&dyn Estimator],
+    sets: &[Vec<NodeId>],
+    cases: usize,
+) -> Vec<ScatterRow> {
+    let request = ScatterRequest {
+        truth: fine,
+        kinematics: Kinematics::Corotational,
+        model,
+        noise_levels_mm: &[CAMERA_NOISE_MM],
+        cases,
+        seed: 20,
+    };
+    scatter(&request, estimators, sets, TWO_FORCES_N, &|| {}).expect("contact nodes")
+}
+
+/// Every node and every pair that a network ships for: mean errors as promised, none of them much above the bound, none
+/// refused, and stated deviations that cover the truth as often as they claim.
+#[test]
+fn errors_are_near_the_bound() {
+    let finger = paper();
+    let networks = Networks::shipped().expect("networks that read");
+    let sensing = NetworkSensing { name: "network", networks: &networks, finger: &finger, refuses: true };
+    let (fine, key_nodes) = (fine_mesh(&finger).expect("a mesh"), Mesh::key_nodes(&finger));
+    let cases = case_count();
+    let each = singles(&nodes(&[14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24]));
+    let near = [nodes(&[19, 20]), nodes(&[16, 17])];
+    let apart = [nodes(&[18, 20]), nodes(&[16, 20])];
+    let chance = 1.0 + STANDARD_ERRORS * SPREAD / (cases as f64).sqrt();
+    for (sets, force, sum) in [(&each[..], 0.016, 0.016), (&near[..], 0.04, 0.01), (&apart[..], 0.02, 0.01)] {
+        for row in errors(&fine, &key_nodes, &[&sensing], sets, cases) {
+            assert_eq!((row.cases, row.refused), (cases, 0), "{row:?}");
+            let all = row.sum.expect("a sum");
+            println!(
+                "{:?}: {:.2} %, bound {:.2} %; sum {:.2} %",
+                row.nodes,
+                100.0 * row.mean_error().expect("forces"),
+                100.0 * row.mean_error_bound().expect("noise"),
+                100.0 * all.mean_error,
+            );
+            let mean_error = row.mean_error().expect("forces");
+            assert!(mean_error <= force * chance, "{mean_error}: {row:?}");
+            assert!(all.mean_error <= sum * chance, "{row:?}");
+            for scatter in &row.forces {
+                let (bound, covered) = scatter.bound.zip(scatter.coverage).expect("noise and deviations");
+                let random = STANDARD_ERRORS / (2.0 * cases as f64).sqrt();
+                assert!((bound.over_bound - 1.0).abs() <= OVER_BOUND + random, "{row:?}");
+                for (found, meant) in [(covered.one_sigma, 0.683), (covered.two_sigma, 0.95)] {
+                    let allowed = STANDARD_ERRORS * share_error(meant, cases) + 0.02;
+                    assert!((found - meant).abs() <= allowed, "covers {found}, meant {meant}: {row:?}");
+                }
+            }
+        }
+    }
+}
+
+/// Sets that have no network of their own go to the one for any of the nodes: better than linear ridge, which it starts from.
+#[test]
+fn the_network_for_any_nodes_beats_ridge() {
+    let finger = paper();
+    let networks = Networks::shipped().expect("networks that read");
+    let sensing = NetworkSensing { name: "network", networks: &networks, finger: &finger, refuses: true };
+    let (fine, key_nodes) = (fine_mesh(&finger).expect("a mesh"), Mesh::key_nodes(&finger));
+    let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
+    let ridge = BeamEstimator::new(EstimatorKind::Ridge, &mesh);
+    let sets = [&[15, 22][..], &[14, 18, 22], &[15, 16, 17], &[13, 16, 19, 22], &[14, 16, 18, 20, 22]];
+    let sets: Vec<_> = sets.into_iter().map(nodes).collect();
+    let rows = errors(&fine, &key_nodes, &[&sensing, &ridge], &sets, case_count() / 2);
+    for pair in rows.chunks(2) {
+        let [network, ridge] = pair else { panic!("a row for each estimator") };
+        let [ours, theirs] = [network, ridge].map(|row| row.mean_error().expect("forces"));
+        println!("{:?}: {:.1} %, ridge {:.1} %", network.nodes, 100.0 * ours, 100.0 * theirs);
+        assert!(ours < 0.8 * theirs, "{network:?} {ridge:?}");
+    }
+}
+
+/// The embedded networks are those that `finray networks shipped` makes.
+#[test]
+fn what_ships_was_trained_as_told() {
+    let finger = paper();
+    let networks = Networks::shipped().expect("networks that read");
+    let told = shipping(&finger);
+    assert_eq!(told.len(), 16);
+    for Shipping { name, recipe } in told {
+        let network = networks.choose(&finger, &recipe.samples.contacts).expect("a network");
+        let (card, origin) = (&network.card, &network.card.origin);
+        assert_eq!(card.contacts, recipe.samples.contacts, "{name}");
+        assert_eq!((card.scaling, card.noise_mm), (recipe.scaling, recipe.noise_mm), "{name}");
+        assert_eq!((origin.samples, origin.seed), (recipe.count, recipe.seed), "{name}");
+        assert_eq!(origin.kinematics, Kinematics::Corotational, "{name}");
+        let widths: Vec<usize> = network.layers[..network.layers.len() - 1].iter().map(|layer| layer.outputs).collect();
+        assert_eq!(widths, recipe.hidden_layers, "{name}");
+    }
+}
+
+/// Contacts in any order; hidden markers; nothing for others.
+#[test]
+fn networks_are_found_by_their_contacts() {
+    let finger = paper();
+    let networks = Networks::shipped().expect("networks that read");
+    let name =
+        |numbers: &[usize]| networks.choose(&finger, &at_nodes(numbers)).map(|network| network.card.contacts.len());
+    for numbers in [[19, 20], [20, 19], [16, 17], [20, 18], [16, 20]] {
+        assert_eq!(name(&numbers), Ok(2), "{numbers:?}");
+    }
+    for node in 14..=24 {
+        assert_eq!(name(&[node]), Ok(1), "{node}");
+    }
+    for numbers in [&[13][..], &[17, 19], &[13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24]] {
+        assert_eq!(name(numbers), Ok(12), "{numbers:?}");
+    }
+    let tilted = [at_node(19, 5.0)];
+    assert_eq!(networks.choose(&finger, &tilted), Err(NoNetwork::Contacts("19@5".to_owned())));
+    let other = paper_scene_with(&[("depth_mm = 20.0", "depth_mm = 21.0")]).finger;
+    assert_ne!(other, finger);
+    assert_eq!(networks.choose(&other, &at_nodes(&[19])), Err(NoNetwork::Finger));
+
+    let bent = statics::solve(
+        &fine_mesh(&finger).expect("a mesh"),
+        &[at_nodes(&[19])[0].load(&finger, 2.0)],
+        Kinematics::Corotational,
+    );
+    let seen = Measurement::of_shape(&finger, &bent.expect("an equilibrium")).without(&nodes(&[5, 13, 14, 22]));
+    let network = networks.choose(&finger, &at_nodes(&[19])).expect("a network");
+    let mut estimator = NetworkEstimator::new(network, &finger, &at_nodes(&[19]), &seen).expect("principal directions");
+    let sensed = estimator.estimate(&seen, Some(CAMERA_NOISE_MM)).expect("an estimate");
+    assert!((sensed.forces_n[0] - 2.0).abs() < 2.0 * sensed.sigmas_n[0], "{sensed:?}");
+}

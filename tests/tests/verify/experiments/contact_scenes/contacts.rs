@@ -1,0 +1,146 @@
+//! Contacts as the camera sees them, and the forces sensed at them.
+
+use super::{COARSE, last, prepared, scene, steps};
+use finray_model::finger::Plate;
+use finray_model::scene::ObjectDescription;
+use finray_model::sensing::ContactPlace;
+use finray_model::{NodeId, Scene, Vector};
+use finray_tests::CAMERA_NOISE_MM;
+use finray_verify::experiments::contact_scene::study::shipped;
+use finray_verify::experiments::contact_scene::{ContactScene, read_contact, seen_contacts, standard_normal};
+use finray_verify::lattice::Lattice;
+use finray_verify::lattice::skin::{Touch, TouchedPart};
+
+/// The camera does not see how hard an object pushes where: other forces at the same touches are the same contacts.
+#[test]
+fn contacts_are_seen_alike_whatever_they_carry() {
+    let finger = scene("shape = \"disc\"\nradius_mm = 1\nat_mm = 1\ntravel_mm = 1").finger;
+    let lattice = Lattice::new(&finger, COARSE).expect("a lattice");
+    let touch = |s_mm: f64, angle_deg: f64, force_n: f64| {
+        let normal = finger.direction(angle_deg);
+        let point = finger.plate_point(Plate::Front, s_mm);
+        let (part, force) = (TouchedPart::Plate(s_mm), normal * force_n);
+        Touch { body: 0, part, clamped: false, point, arm: Vector::zeros(), normal, force, overlap_mm: 0.0 }
+    };
+    let seen = |forces_n: [f64; 2]| {
+        let touches = [touch(80.0, -4.0, forces_n[0]), touch(82.0, 6.0, forces_n[1])];
+        let seen = seen_contacts(&lattice, &touches, |_| 10.0);
+        assert_eq!(seen.len(), 1);
+        seen[0]
+    };
+    let (one, other) = (seen([3.0, 1.0]), seen([1.0, 3.0]));
+    assert_eq!((one.contact, one.point), (other.contact, other.point));
+    assert!((one.contact.angle_deg - 1.0).abs() < 1e-9, "the middle: {:?}", one.contact);
+    assert!(matches!(one.contact.place, ContactPlace::Place(s_mm) if (s_mm - 81.0).abs() < 1e-9));
+}
+
+/// Positions and directions that the camera reads scatter as it says, about the true ones.
+#[test]
+fn read_contacts_scatter_as_stated() {
+    const READINGS: usize = 4000;
+    let object = "shape = \"disc\"\nradius_mm = 20\nat_mm = 76.5\ntravel_mm = 1\nsteps = 1";
+    let (step, finger) = (last(object, COARSE), scene(object).finger);
+    let seen = step.contacts[0];
+    assert_eq!(seen.baseline_mm, 21.5, "from the middle of the disc to that of the rod");
+    let plate = finray_verify::experiments::contact_scene::SeenContact {
+        contact: finray_model::sensing::Contact { place: ContactPlace::Place(70.0), ..seen.contact },
+        ..seen
+    };
+    let mut normal = standard_normal(7);
+    let (mut turns, mut shifts) = (0.0, 0.0);
+    let mut stated = [0.0; 2];
+    for _ in 0..READINGS {
+        let read = read_contact(&finger, &plate, CAMERA_NOISE_MM, &mut normal);
+        let ContactPlace::Place(s_mm) = read.contact.place else { panic!("a position") };
+        turns += (read.contact.angle_deg - plate.contact.angle_deg).to_radians().powi(2) / READINGS as f64;
+        shifts += (s_mm - 70.0).powi(2) / READINGS as f64;
+        stated = [read.direction_sd_rad, read.position_sd_mm];
+    }
+    // Four standard errors of a variance.
+    let chance = 4.0 * (2.0 / READINGS as f64).sqrt();
+    for (found, stated) in [(turns, stated[0]), (shifts, stated[1])] {
+        assert!((found / stated.powi(2) - 1.0).abs() < chance, "{found}, {} stated", stated.powi(2));
+    }
+    assert!((stated[0] - 2.0_f64.sqrt() * CAMERA_NOISE_MM / 21.5).abs() < 1e-12);
+    let exact = read_contact(&finger, &plate, 0.0, &mut normal);
+    assert_eq!((exact.contact, exact.direction_sd_rad, exact.position_sd_mm), (plate.contact, 0.0, 0.0));
+}
+
+/// However near two rods are, each is a contact of its own; plate between them belongs to the one before it, which gives the direction.
+#[test]
+fn two_rods_are_two_contacts() {
+    let text =
+        finray_fixtures::PAPER_SCENE.replace("count = 11", "positions_mm = [[40, 40], [75, 75], [78, 78], [120, 120]]");
+    let finger = Scene::from_toml(&text).expect("a good scene").finger;
+    let lattice = Lattice::new(&finger, COARSE).expect("a lattice");
+    let touch = |part, angle_deg: f64, force_n: f64| {
+        let normal = finger.direction(angle_deg);
+        Touch {
+            body: 0,
+            part,
+            clamped: false,
+            point: Vector::zeros(),
+            arm: Vector::zeros(),
+            normal,
+            force: normal * force_n,
+            overlap_mm: 0.0,
+        }
+    };
+    // Nodes 9 and 8 at 75 and 78 mm.
+    let touches = [
+        touch(TouchedPart::Rod(NodeId(9)), 0.0, 3.0),
+        touch(TouchedPart::Plate(75.2), 90.0, 4.0),
+        touch(TouchedPart::Rod(NodeId(8)), -10.0, 1.0),
+        touch(TouchedPart::Plate(100.0), 0.0, 1.0),
+    ];
+    let seen = seen_contacts(&lattice, &touches, |_| 10.0);
+    let places: Vec<ContactPlace> = seen.iter().map(|seen| seen.contact.place).collect();
+    let expected = [ContactPlace::Node(NodeId(9)), ContactPlace::Node(NodeId(8)), ContactPlace::Place(100.0)];
+    assert_eq!(places, expected);
+    assert!(seen[0].contact.angle_deg.abs() < 1e-9 && (seen[1].contact.angle_deg + 10.0).abs() < 1e-9);
+    assert!((seen[0].normal_n - 7.0).abs() < 1e-12 && seen[0].friction_n.abs() < 1e-12);
+}
+
+/// Whatever touches there, rods and plate and tip: without friction none is reported, and sensing finds the force.
+#[test]
+fn smooth_objects_have_no_friction() {
+    for object in [
+        "shape = \"disc\"\nradius_mm = 5\nat_mm = 152\ntravel_mm = 4\nsteps = 1",
+        "shape = \"box\"\nwidth_mm = 20\nheight_mm = 20\nrotation_deg = 30\nat_mm = 70\nforce_n = 2\nsteps = 1",
+    ] {
+        let prepared = prepared(&scene(object)).with_fineness(2);
+        let step = steps(&prepared).pop().expect("a step");
+        assert!(step.contacts.iter().all(|seen| seen.friction_n.abs() < 1e-9), "{:?}", step.contacts);
+        let sensed = prepared.sense(&step, 0.0, || 0.0).expect("an answer").expect("a contact");
+        assert!(sensed.total.relative_error().abs() < 0.03, "{:?}", sensed.total);
+    }
+}
+
+/// What presses on the clamp is not felt, and counts among the forces on the base.
+#[test]
+fn a_force_on_the_clamp_is_told_apart() {
+    let step = last("shape = \"disc\"\nradius_mm = 15\nat_mm = 6\nforce_n = 3\nsteps = 1", 2);
+    assert!(step.contacts.iter().any(|seen| seen.clamped) && step.contacts.iter().any(|seen| !seen.clamped));
+    let whole = step.pressed.contact_force();
+    assert!((step.pressed.base_force - whole).norm() < 1e-3 * whole.norm());
+    assert!((step.pressed.hand_force - whole).norm() < 1e-3 * whole.norm());
+    let prepared = prepared(&scene("shape = \"disc\"\nradius_mm = 15\nat_mm = 6\nforce_n = 3\nsteps = 1"));
+    let sensed = prepared.sense(&step, 0.0, || 0.0).expect("an answer").expect("a contact");
+    assert_eq!(sensed.contacts.len(), 1);
+    assert!(sensed.total.true_n < 0.9 * 3.0, "{:?}", sensed.total);
+}
+
+/// An outline that is not convex pushes with its prongs, and not with what lies between.
+#[test]
+fn a_fork_touches_with_its_prongs() {
+    let (given, _) = shipped().expect("scenes that ship").swap_remove(2);
+    let scene = given.scene;
+    let object = ObjectDescription { steps: 1, ..scene.object.clone().expect("an object") };
+    let prepared = ContactScene::new(&scene, &object, &given.corners).expect("an outline").with_fineness(COARSE);
+    let step = steps(&prepared).pop().expect("a step");
+    assert_eq!(step.contacts.len(), 2, "{:?}", step.contacts);
+    let places: Vec<f64> =
+        step.contacts.iter().map(|seen| seen.contact.place_mm(&scene.finger).expect("a place")).collect();
+    // The prongs are 28 to 44 mm apart; the rods next to them carry.
+    assert!((28.0..44.0).contains(&(places[1] - places[0])), "{places:?}");
+}

@@ -1,0 +1,34 @@
+//! Objects pressed onto the lattice: closed forms and beams that the equilibria meet (`equilibria`), the contacts that the camera sees (`contacts`),
+//! what sensing makes of them (`studies`), and scenes that are refused (`refusals`). Here: scenes with the paper's finger.
+
+use finray_model::Scene;
+use finray_model::scene::ObjectDescription;
+use finray_verify::experiments::contact_scene::{ContactScene, SceneStep};
+
+mod contacts;
+mod equilibria;
+mod refusals;
+mod studies;
+
+/// Segments in a stretch of plate where nothing but the order of magnitude of the bending matters.
+const COARSE: usize = 1;
+
+/// A scene with the paper's finger and an object.
+fn scene(object: &str) -> Scene {
+    Scene::from_toml(&format!("{}\n[object]\n{object}", finray_fixtures::PAPER_SCENE)).expect("a good scene")
+}
+
+fn prepared(scene: &Scene) -> ContactScene {
+    let object: &ObjectDescription = scene.object.as_ref().expect("an object");
+    ContactScene::new(scene, object, &[]).expect("an outline")
+}
+
+fn steps(scene: &ContactScene) -> Vec<SceneStep> {
+    let mut steps = Vec::new();
+    scene.run(|step| steps.push(step)).expect("everything comes to rest");
+    steps
+}
+
+fn last(object: &str, fineness: usize) -> SceneStep {
+    steps(&prepared(&scene(object)).with_fineness(fineness)).pop().expect("a step")
+}

@@ -1,0 +1,49 @@
+//! What is no scene, and what has no equilibrium.
+
+use super::{COARSE, prepared, scene, steps};
+use finray_model::Vector;
+use finray_model::finger::Plate;
+use finray_verify::experiments::contact_scene::{OutlineError, TurnedOutline};
+use finray_verify::lattice::LatticeError;
+
+#[test]
+fn what_is_no_outline_is_refused() {
+    let given = scene("shape = \"polygon\"\npoints_csv = \"x.csv\"\nat_mm = 70\ntravel_mm = 1");
+    let object = given.object.expect("an object");
+    let outline = |corners: &[[f64; 2]]| {
+        let corners: Vec<Vector> = corners.iter().map(|&corner| corner.into()).collect();
+        TurnedOutline::new(&object, &corners)
+    };
+    let crossed = [[0.0, 0.0], [10.0, 10.0], [10.0, 0.0], [0.0, 10.0]];
+    assert_eq!(outline(&crossed), Err(OutlineError::Crossed));
+    assert_eq!(outline(&[[0.0, 0.0], [5.0, 5.0], [10.0, 10.0]]), Err(OutlineError::Crossed));
+    assert_eq!(outline(&crossed[..2]), Err(OutlineError::TooFewCorners { corners: 2 }));
+    assert_eq!(outline(&[[0.0, 0.0], [1e9, 0.0], [0.0, 1.0]]), Err(OutlineError::TooFar { corner: 2 }));
+    assert!(outline(&[[0.0, 0.0], [0.0, 10.0], [10.0, 10.0], [10.0, 0.0]]).is_ok(), "clockwise");
+}
+
+#[test]
+fn an_object_that_the_finger_lets_go_is_said_so() {
+    let off = scene("shape = \"disc\"\nradius_mm = 5\nat_mm = 153\ndirection_deg = 80\nforce_n = 5\nsteps = 1");
+    let outcome = prepared(&off).with_fineness(COARSE).run(|_| ());
+    assert_eq!(outcome, Err(LatticeError::LetGo));
+}
+
+#[test]
+fn an_object_must_start_outside_the_finger() {
+    let inside = scene("shape = \"disc\"\nradius_mm = 10\npath_mm = [[50, 20], [50, 10]]");
+    let outcome = prepared(&inside).with_fineness(COARSE).run(|_| ());
+    assert!(matches!(outcome, Err(LatticeError::Overlap { .. })), "{outcome:?}");
+    // The first touch of a press is no overlap, wherever and however it goes.
+    for (at_mm, direction_deg) in [(0.0, 0.0), (70.0, 60.0), (70.0, -60.0), (153.0, 20.0)] {
+        let object = format!(
+            "shape = \"disc\"\nradius_mm = 10\nat_mm = {at_mm}\ndirection_deg = {direction_deg}\ntravel_mm = 0.01\nsteps = 1"
+        );
+        let scene = scene(&object);
+        steps(&prepared(&scene).with_fineness(COARSE));
+        let along = scene.finger.direction(direction_deg);
+        let start = prepared(&scene).object().start;
+        let line = scene.finger.plate_point(Plate::Front, at_mm) - start;
+        assert!(line.perp(&along).abs() < 1e-9, "the line meets the place");
+    }
+}

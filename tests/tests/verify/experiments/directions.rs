@@ -1,0 +1,106 @@
+//! Forces of unknown direction: errors of answers against the Cramer-Rao bound, refusals where the bound is high, and what
+//! assuming the deformed normal gains.
+
+use finray_model::{Kinematics, Mesh};
+use finray_tests::{CAMERA_NOISE_MM, STANDARD_ERRORS, paper};
+use finray_verify::experiments::direction::{
+    Assumption, DirectionCell, DirectionRequest, DirectionStudy, FORCES_N, TOLD_DEG, TOLD_FORCE,
+};
+use finray_verify::truths::MeshTruth;
+use std::sync::LazyLock;
+
+/// Noise pictures a cell.
+const PICTURES: usize = 24;
+/// What a direction's curve may add to an error that the bound, which is linear, does not have: where the bound is small.
+const CURVED: f64 = 0.1;
+
+static STUDY: LazyLock<DirectionStudy> = LazyLock::new(|| {
+    let mesh = Mesh::key_nodes(&paper());
+    let truth = MeshTruth::new("corotational", &mesh, Kinematics::Corotational).expect("the finger at rest");
+    let request = DirectionRequest {
+        model: &mesh,
+        noise_mm: CAMERA_NOISE_MM,
+        places: 6,
+        step_deg: 40.0,
+        pictures: PICTURES,
+        seed: 5,
+    };
+    DirectionStudy::run(&truth, &request, &|| {}).expect("contacts on the finger")
+});
+
+/// Where the bound is low every picture is answered, and the errors are the bound's.
+#[test]
+fn what_can_be_told_is_told_to_the_bound() {
+    let allowed = CURVED + STANDARD_ERRORS / (2.0 * PICTURES as f64).sqrt();
+    let mut sure = 0;
+    let low = |cell: &&DirectionCell| {
+        let bounds = cell.angle_bound_deg.zip(cell.force_bound);
+        bounds.is_some_and(|(angle, force)| angle < 0.5 * TOLD_DEG && force < 0.5 * TOLD_FORCE)
+    };
+    for cell in STUDY.cells.iter().filter(low) {
+        sure += 1;
+        assert_eq!(cell.answers.answered, PICTURES, "{cell:?}");
+        let over = |error: Option<f64>, bound: Option<f64>| error.expect("answers") / bound.expect("a bound");
+        let angle = over(cell.answers.angle_error_deg, cell.angle_bound_deg);
+        let force = over(cell.answers.force_error, cell.force_bound);
+        assert!((angle - 1.0).abs() <= allowed && (force - 1.0).abs() <= allowed, "{angle} {force} {cell:?}");
+    }
+    assert!(sure >= 12, "{sure} cells say little");
+}
+
+/// Where no estimator could tell a direction to 60 degrees, much is refused, nothing is called told, and what is answered,
+/// as noise made a force look larger than it is, states how far it may be off.
+#[test]
+fn what_cannot_be_told_is_refused_or_open() {
+    let open = STUDY.cells.iter().filter(|cell| cell.angle_bound_deg.is_some_and(|bound| bound > 60.0));
+    let mut count = 0;
+    for cell in open {
+        count += 1;
+        let answers = cell.answers;
+        assert!(4 * answers.answered <= 3 * PICTURES && !answers.told(), "{cell:?}");
+        assert!(
+            answers.force_error.zip(answers.force_sigma).is_none_or(|(error, sigma)| error < 2.0 * sigma),
+            "{cell:?}"
+        );
+    }
+    assert!(count > 0);
+    assert!(
+        STUDY
+            .cells
+            .iter()
+            .filter(|cell| cell.answers.told())
+            .all(|cell| cell.angle_bound_deg.is_some_and(|bound| bound < 1.3 * TOLD_DEG))
+    );
+}
+
+/// The larger the force the better its direction is told.
+#[test]
+fn larger_forces_are_told_in_more_directions() {
+    let shares = FORCES_N.map(|force_n| {
+        let [told, all] = STUDY.told(force_n);
+        told as f64 / all as f64
+    });
+    assert!(shares[0] < shares[1] && shares[1] < shares[2], "{shares:?}");
+}
+
+/// A push along the deformed normal: who assumes just that errs least, without bias; the undeformed normal is off by the
+/// plate's turn.
+#[test]
+fn the_deformed_normal_is_worth_assuming() {
+    let mean = |assumed: Assumption| {
+        let pushes = STUDY.without_friction.iter().filter(|push| push.assumed == assumed && push.force_n == 3.0);
+        let errors: Vec<f64> = pushes.filter_map(|push| push.answers.force_error).collect();
+        (errors.iter().sum::<f64>() / errors.len() as f64, errors.len())
+    };
+    let [(undeformed, _), (normal, nodes), (unknown, _)] = Assumption::ALL.map(mean);
+    assert_eq!(nodes, 12);
+    assert!(2.0 * normal < undeformed && normal < unknown, "{undeformed} {normal} {unknown}");
+    for push in STUDY.without_friction.iter().filter(|push| push.assumed == Assumption::Normal) {
+        let turned = push.angle_deg.expect("it is carried");
+        assert_eq!(push.answers.answered, PICTURES, "{push:?}");
+        // The estimate's own normal is the true one.
+        assert!(push.answers.angle_error_deg.expect("answers") < 1.0 + 0.1 * turned.abs(), "{push:?}");
+        let over = push.answers.force_error.expect("answers") / push.answers.force_sigma.expect("answers");
+        assert!((over - 1.0).abs() <= CURVED + STANDARD_ERRORS / (2.0 * PICTURES as f64).sqrt(), "{over} {push:?}");
+    }
+}

@@ -1,0 +1,46 @@
+//! Models of the noise of displacements.
+
+use finray_model::Vector;
+use finray_model::measurement::DisplacementNoise;
+use finray_model::measurement::noise::base_motions;
+use finray_tests::{CAMERA_NOISE_MM, paper};
+use finray_verify::experiments::displacement_noise::{DisplacementNoiseStudy, bound_n2};
+use nalgebra::DMatrix;
+
+/// Where the undeformed positions come from: bounds by two ways each, and an estimator that knows the covariance at the bound.
+#[test]
+fn floors_follow_from_where_undeformed_positions_come_from() {
+    let study = DisplacementNoiseStudy::run(&paper(), CAMERA_NOISE_MM, 60).expect("contact nodes");
+    assert_eq!(study.rows.len(), 3 * (11 + 4));
+    let checks = study.checks();
+    assert_eq!(checks.len(), 5);
+    for check in checks {
+        assert!(check.passes(), "{check:?}");
+    }
+    let of = |nodes: &str, noise: &str| {
+        study.rows.iter().find(|row| row.nodes == nodes && row.noise == noise).expect("a row of each")
+    };
+    for row in study.rows.iter().filter(|row| row.noise == "independent") {
+        let [images, motor] = ["two images", "motor angle"].map(|noise| of(&row.nodes, noise));
+        assert!((images.bound_n / row.bound_n - 2.0_f64.sqrt()).abs() < 1e-12, "{images:?}");
+        assert!(motor.bound_n > row.bound_n && motor.ordinary_rms_n > row.ordinary_rms_n, "{motor:?}");
+        // Averaging takes a frame's own error away and leaves the reference's.
+        assert!((row.bound_of_25_frames_n / row.bound_n - 0.2).abs() < 1e-12);
+        assert!((images.bound_of_25_frames_n / row.bound_n - 1.04_f64.sqrt()).abs() < 1e-12);
+    }
+    // Translations and rotations that nothing is known of are projected out; known ones leave one image's error.
+    let finger = paper();
+    let positions: Vec<Vector> = finger.free_nodes().map(|node| finger.position(node)).collect();
+    let derivatives = DMatrix::from_fn(2 * positions.len(), 1, |row, _| {
+        (0.1 * row as f64).sin() + if row % 2 == 1 { 0.5 } else { 0.0 }
+    });
+    let kinematic = |translation_sd_mm, rotation_sd_rad| {
+        let noise = DisplacementNoise::Kinematic { image_sd_mm: CAMERA_NOISE_MM, translation_sd_mm, rotation_sd_rad };
+        bound_n2(&noise, &positions, &derivatives, 1).expect("a force that moves nodes")[(0, 0)].sqrt()
+    };
+    let base = base_motions(&positions);
+    let projected = &derivatives
+        - &base * (base.transpose() * &base).try_inverse().expect("three motions") * base.transpose() * &derivatives;
+    assert!((kinematic(1e3, 1e2) * projected.norm() / CAMERA_NOISE_MM - 1.0).abs() < 1e-6);
+    assert!((kinematic(0.0, 0.0) * derivatives.norm() / CAMERA_NOISE_MM - 1.0).abs() < 1e-12);
+}

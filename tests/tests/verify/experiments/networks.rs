@@ -1,0 +1,52 @@
+//! The study of the networks: fifteen sets of contacts, those of Table II as they are.
+
+use crate::sampling::scatter::{CASES, rows_on};
+use finray_model::{Kinematics, Mesh};
+use finray_tests::{CAMERA_NOISE_MM, paper};
+use finray_verify::check::Check;
+use finray_verify::estimators::network::{NetworkSensing, Networks};
+use finray_verify::experiments::networks::accuracy::{NAME, NetworkStudy, PROMISES};
+use finray_verify::sampling::scatter::{AgainstBound, Scatter, ScatterRow};
+use finray_verify::settings::ENOUGH_CASES;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Promises are for the camera's noise alone, and can be broken.
+#[test]
+fn networks_are_held_to_their_promises() {
+    let finger = paper();
+    let mesh = Mesh::with_elements_per_member(&finger, 4);
+    let networks = Networks::shipped().expect("networks that ship");
+    let sensing = NetworkSensing { name: NAME, networks: &networks, finger: &finger, refuses: true };
+    // The networks learned the fine finger: on 25 nodes the mesh's error alone is twice the noise's in a sum of neighbours.
+    let sensed = rows_on(&mesh, &[&sensing], Kinematics::Corotational, &[CAMERA_NOISE_MM], &[19, 20]);
+    let steps = AtomicUsize::new(0);
+    let count = || {
+        steps.fetch_add(1, Ordering::Relaxed);
+    };
+    let study = NetworkStudy::run(&mesh, &networks, CAMERA_NOISE_MM, 20, &sensed, &count).expect("networks for all");
+    assert_eq!((steps.into_inner(), NetworkStudy::steps(&sensed)), (14, 14));
+    assert_eq!(study.rows.len(), PROMISES.len());
+    for (row, promise) in study.rows.iter().zip(PROMISES) {
+        assert_eq!(row.nodes, promise.nodes);
+        assert_eq!(row.cases, if row.nodes == [19, 20] { CASES } else { 20 });
+    }
+    assert!(study.rows.contains(&sensed[0]));
+    let checks = study.checks();
+    assert_eq!(checks.len(), 11 + 2 * 4);
+    assert!(checks.iter().all(Check::passes), "{checks:?}");
+
+    let other_noise = NetworkStudy { noise_mm: 0.1, ..study.clone() };
+    assert!(other_noise.checks().is_empty());
+    // Many cases are held to the tolerance alone, few to what chance adds to it; where noise alone allows less, to that.
+    let single = |cases: usize, mean_error: f64, bound: Option<f64>| {
+        let bound = bound.map(|bound| AgainstBound { mean_error_bound: bound, ..AgainstBound::default() });
+        let forces = vec![Scatter { mean_error, bound, ..Scatter::default() }];
+        let row = ScatterRow { cases, forces, ..study.rows[0].clone() };
+        study.checks_of(&row)[0].passes()
+    };
+    let (loose, tight) = (Some(0.1), Some(0.01));
+    assert!(single(ENOUGH_CASES, 0.0159, loose) && !single(ENOUGH_CASES, 0.0161, loose));
+    assert!(single(ENOUGH_CASES, 0.0109, tight) && !single(ENOUGH_CASES, 0.0111, tight));
+    assert!(single(40, 0.024, loose) && !single(40, 0.025, loose));
+    assert!(!single(ENOUGH_CASES, f64::NAN, loose) && !single(ENOUGH_CASES, 0.001, None));
+}

@@ -1,0 +1,31 @@
+//! How near the lattice comes to beams, and what that rests on.
+
+use finray_model::NodeId;
+use finray_tests::paper;
+use finray_verify::lattice::accuracy::{LoadGrid, study};
+use finray_verify::lattice::causes;
+
+/// The error falls with the fourth power of the segments' length: by more than ten when they are halved.
+#[test]
+fn finer_lattices_are_nearer_to_beams() {
+    let finger = paper();
+    let grid = LoadGrid { nodes: vec![NodeId(22)], angles_deg: vec![-30.0], forces_n: vec![3.0] };
+    let rows = study(&finger, &[2, 4], &grid, |_| None).expect("equilibria");
+    assert!(rows[1].bodies > rows[0].bodies && rows[1].springs > rows[0].springs);
+    assert!(rows[1].errors[0] * 10.0 < rows[0].errors[0], "{rows:?}");
+}
+
+/// What the lattice rests on is what a segment of beam asks for: other axial springs are farther off, and none hold nothing.
+#[test]
+fn axial_springs_must_be_those_of_a_beam() {
+    let finger = paper();
+    let nodes = vec![NodeId(14), NodeId(23)];
+    let grid = LoadGrid { nodes, angles_deg: vec![-60.0, 60.0], forces_n: vec![0.1, 3.0] };
+    let rows = causes::axial(&finger, 2, &grid).expect("equilibria");
+    let [beams, at_ends, rigid, none] = &rows[..] else { panic!("{rows:?}") };
+    let error = |row: &causes::AxialRow| row.errors.as_ref().expect("an equilibrium")[1];
+    assert!(error(beams) * 3.0 < error(at_ends), "{rows:?}");
+    // Stretching is no matter of large rotations: without it even the smallest displacement is far off.
+    assert!(error(rigid) > 0.2 && rigid.errors.as_ref().expect("an equilibrium")[0] > 0.2, "{rows:?}");
+    assert_eq!(none.errors, None);
+}

@@ -1,0 +1,42 @@
+//! Library tests of `verify`, a module for each of its rooms: the lattice and the shapes that MuJoCo found, the fingers that sensing is
+//! tested on (`truths`), `estimators`, `sampling`, the reference `problems`, the `experiments` and the paper's `claims`. `rooms` checks that no
+//! rooms use each other in a circle, and `stand_ins` has the estimators that stand in for real ones. Tests that run the `finray` command
+//! stand in `verify/tests`.
+
+mod claims;
+mod estimators {
+    mod networks;
+    mod stated_intervals;
+}
+mod experiments {
+    mod causes;
+    mod contact_scenes;
+    mod directions;
+    mod displacement_noise;
+    mod explanations;
+    mod networks;
+    mod table_two;
+    mod twin;
+}
+mod lattice {
+    mod accuracy;
+    mod energy;
+    mod settling;
+}
+mod mujoco;
+mod problems {
+    mod closed_forms;
+    mod lattice;
+    mod mujoco;
+    mod opensees;
+}
+mod rooms;
+mod sampling {
+    mod bound;
+    pub mod scatter;
+}
+mod stand_ins;
+mod truths {
+    mod lattice;
+    mod mujoco;
+}

@@ -1,0 +1,107 @@
+//! Estimators side by side on the same random cases.
+
+use crate::stand_ins::Constant;
+use finray_model::{Kinematics, Mesh, NodeId};
+use finray_tests::{CAMERA_NOISE_MM, paper};
+use finray_verify::estimators::{BeamEstimator, Estimator, EstimatorKind};
+use finray_verify::sampling::scatter::{ScatterRequest, ScatterRow, scatter};
+use finray_verify::settings::TWO_FORCES_N;
+
+/// Cases for each set of contacts.
+pub const CASES: usize = 100;
+/// Chance moves the mean of so many relative errors, which scatter by 1.1 of it, by a tenth; three times that is met once in
+/// four hundred figures.
+pub const CHANCE: f64 = 0.33;
+/// Nonlinear sensing without noise on the mesh of the true finger, whose iteration stops at some millionths.
+const SAME_FINGER: f64 = 1e-5;
+
+/// Rows for one set of nodes of the finger on 25 nodes.
+fn rows(estimators: &[&dyn Estimator], kinematics: Kinematics, levels: &[f64], nodes: &[usize]) -> Vec<ScatterRow> {
+    rows_on(&Mesh::key_nodes(&paper()), estimators, kinematics, levels, nodes)
+}
+
+/// Rows for one set of nodes.
+pub fn rows_on(
+    truth: &Mesh,
+    estimators: &[&dyn Estimator],
+    kinematics: Kinematics,
+    levels: &[f64],
+    nodes: &[usize],
+) -> Vec<ScatterRow> {
+    let model = Mesh::key_nodes(truth.finger());
+    let request = ScatterRequest { truth, kinematics, model: &model, noise_levels_mm: levels, cases: CASES, seed: 5 };
+    let set: Vec<NodeId> = nodes.iter().map(|&node| NodeId(node)).collect();
+    scatter(&request, estimators, &[set], TWO_FORCES_N, &|| {}).expect("contact nodes")
+}
+
+/// Who looks beside it and at what other noise changes nothing.
+#[test]
+fn estimators_see_the_same_cases() {
+    let finger = paper();
+    let mesh = Mesh::key_nodes(&finger);
+    let [least_squares, ridge, nonlinear] = EstimatorKind::ALL.map(|kind| BeamEstimator::new(kind, &mesh));
+    let nodes = [19, 20];
+    for kinematics in [Kinematics::Linear, Kinematics::Corotational] {
+        let together = rows(&[&ridge, &least_squares], kinematics, &[0.0, CAMERA_NOISE_MM], &nodes);
+        let alone = rows(&[&least_squares], kinematics, &[CAMERA_NOISE_MM], &nodes);
+        assert_eq!(together.len(), 4);
+        assert_eq!(together[3], alone[0]);
+        // The finger, not the estimator, decides what is carried.
+        assert_eq!(together[0].not_carried, together[3].not_carried);
+    }
+    // On its own finger each reaches the bound, and the same bound stands beside all.
+    let found = rows(&[&least_squares, &nonlinear], Kinematics::Corotational, &[CAMERA_NOISE_MM], &nodes);
+    assert_eq!(found[0].mean_error_bound(), found[1].mean_error_bound());
+    let reaches = |row: &ScatterRow| {
+        let bound = row.mean_error_bound().expect("there is noise");
+        assert!((row.mean_error().expect("sensed") / bound - 1.0).abs() < CHANCE, "{row:?}");
+    };
+    reaches(&found[1]);
+    reaches(&rows(&[&least_squares], Kinematics::Linear, &[CAMERA_NOISE_MM], &nodes)[0]);
+}
+
+/// Without noise there is no bound to divide by; an estimator that states nothing is not said to cover anything; nothing
+/// becomes a number that JSON does not know.
+#[test]
+fn what_makes_no_sense_is_left_out() {
+    let (constant, refusing) = (Constant { refuses: false }, Constant { refuses: true });
+    let found = rows(&[&constant, &refusing], Kinematics::Linear, &[0.0, CAMERA_NOISE_MM], &[18, 20]);
+    let [without, refused, with, _] = &found[..] else { panic!("{found:?}") };
+    assert_eq!((without.cases, without.refused), (CASES, 0));
+    for scatter in without.forces.iter().chain(&without.sum) {
+        assert!(scatter.bound.is_none() && scatter.coverage.is_none() && scatter.mean_error > 0.0);
+    }
+    for scatter in with.forces.iter().chain(&with.sum) {
+        assert!(scatter.bound.is_some_and(|bound| bound.over_bound > 1.0) && scatter.coverage.is_none());
+    }
+    assert_eq!((refused.cases, refused.refused, refused.mean_error()), (0, CASES, None));
+    assert!(refused.forces.is_empty() && refused.sum.is_none());
+}
+
+/// The sum's stated sigma covers it, although neighbours' forces err against each other; a strong prior makes it smaller.
+#[test]
+fn the_sigma_of_a_sum_knows_of_the_correlation() {
+    let finger = paper();
+    let mesh = Mesh::key_nodes(&finger);
+    let [least_squares, ridge, _] = EstimatorKind::ALL.map(|kind| BeamEstimator::new(kind, &mesh));
+    let found = rows(&[&least_squares, &ridge], Kinematics::Linear, &[CAMERA_NOISE_MM], &[19, 20]);
+    for row in &found {
+        let covered = row.sum.and_then(|sum| sum.coverage).expect("stated");
+        // Four standard errors of a share among a hundred cases: 0.19 and 0.09.
+        assert!((covered.one_sigma - 0.683).abs() < 0.19 && (covered.two_sigma - 0.95).abs() < 0.09, "{row:?}");
+    }
+}
+
+/// Every picture is that of its forces, however the truth was followed there: who knows the true finger errs by the
+/// rounding of two Newton iterations alone.
+#[test]
+fn pictures_are_those_of_the_forces() {
+    let finger = paper();
+    let mesh = Mesh::key_nodes(&finger);
+    let nonlinear = BeamEstimator::new(EstimatorKind::Nonlinear, &mesh);
+    for nodes in [&[24][..], &[19, 20], &[14, 23]] {
+        let [row] = &rows(&[&nonlinear], Kinematics::Corotational, &[0.0], nodes)[..] else { panic!("one row") };
+        assert_eq!((row.cases, row.refused), (CASES, 0));
+        assert!(row.mean_error().expect("sensed") < SAME_FINGER, "{row:?}");
+    }
+}

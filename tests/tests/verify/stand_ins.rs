@@ -1,0 +1,74 @@
+//! Estimators that stand in for real ones.
+
+use finray_model::measurement::Measurement;
+use finray_model::sensing::{Contact, SensingError};
+use finray_verify::estimators::{BeamEstimator, Estimator, EstimatorError, PreparedEstimator, Sensed};
+
+/// An estimator that knows nothing of the finger and states nothing: it answers every measurement with 1 N, or refuses it.
+pub struct Constant {
+    pub refuses: bool,
+}
+
+impl Estimator for Constant {
+    fn name(&self) -> &str {
+        "constant"
+    }
+
+    fn prepare<'a>(
+        &'a self,
+        contacts: &[Contact],
+        _: &Measurement,
+    ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError> {
+        Ok(Box::new(PreparedConstant { refuses: self.refuses, contacts: contacts.len() }))
+    }
+}
+
+struct PreparedConstant {
+    refuses: bool,
+    contacts: usize,
+}
+
+impl PreparedEstimator for PreparedConstant {
+    fn estimate(&mut self, _: &Measurement, _: Option<f64>) -> Result<Sensed, EstimatorError> {
+        if self.refuses {
+            return Err(SensingError::NoContact.into());
+        }
+        Ok(Sensed { forces_n: vec![1.0; self.contacts], sigmas_n: None, sum_sigma_n: None, warned: false })
+    }
+}
+
+/// A real estimator made worse: it gets another measurement than was taken, and its answer is changed.
+pub struct Worse<'m> {
+    pub estimator: BeamEstimator<'m>,
+    pub sees: fn(&Measurement) -> Measurement,
+    pub force_factor: f64,
+}
+
+impl Estimator for Worse<'_> {
+    fn name(&self) -> &str {
+        "worse"
+    }
+
+    fn prepare<'a>(
+        &'a self,
+        contacts: &[Contact],
+        markers: &Measurement,
+    ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError> {
+        let estimator = self.estimator.prepare(contacts, markers)?;
+        Ok(Box::new(PreparedWorse { estimator, sees: self.sees, force_factor: self.force_factor }))
+    }
+}
+
+struct PreparedWorse<'m> {
+    estimator: Box<dyn PreparedEstimator + 'm>,
+    sees: fn(&Measurement) -> Measurement,
+    force_factor: f64,
+}
+
+impl PreparedEstimator for PreparedWorse<'_> {
+    fn estimate(&mut self, seen: &Measurement, noise_mm: Option<f64>) -> Result<Sensed, EstimatorError> {
+        let mut sensed = self.estimator.estimate(&(self.sees)(seen), noise_mm)?;
+        sensed.forces_n.iter_mut().for_each(|force_n| *force_n *= self.force_factor);
+        Ok(sensed)
+    }
+}

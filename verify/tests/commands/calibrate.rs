@@ -1,0 +1,244 @@
+//! `finray calibrate`: measured shapes under known loads in, Young's modulus out.
+
+use crate::kit::*;
+use finray_fixtures::TWIN_SCENE;
+use std::fmt::Write;
+
+const COLUMNS: &str = "case,load_node,fx_n,fy_n,node,ux_mm,uy_mm\n";
+/// Rounding of displacements, and of the search for the factor.
+const RECOVERED: f64 = 1e-9;
+/// Loads of two cases: node and force.
+const LOADS: [(usize, [f64; 2]); 2] = [(17, [0.1, -1.0]), (21, [-0.2, -2.0])];
+
+/// Measurements of all free nodes of a linear finger under the loads, a case each.
+fn measured(scene: &str) -> String {
+    let mut text = COLUMNS.to_owned();
+    for (case, (load_node, [fx, fy])) in LOADS.iter().enumerate() {
+        let load = format!("{load_node}:{fx},{fy}");
+        let shape = Csv::of(&finray(&["solve", scene, "--kinematics", "linear", "--load", &load]).done());
+        let markers = shape.texts("node").into_iter().zip(shape.texts("ux_mm")).zip(shape.texts("uy_mm"));
+        for ((node, ux), uy) in markers {
+            writeln!(text, "weight {case},{load_node},{fx},{fy},{node},{ux},{uy}").expect("memory");
+        }
+    }
+    text
+}
+
+fn calibrate(scene: &str, measurements: &str) -> Answer {
+    finray_reading(measurements.as_bytes(), &["calibrate", scene, "--measurements", "-"])
+}
+
+#[test]
+fn a_softer_finger_gives_its_own_modulus() {
+    let folder = Folder::new();
+    // Every modulus by 0.8, written out: the scene has but one.
+    let truth = folder.put("truth.toml", paper_with(&[("47.976", "38.3808")]));
+    let answer = Csv::of(&calibrate(PAPER, &measured(&truth)).done());
+    assert_eq!(answer.header, ["parameter", "value", "sigma"]);
+    assert_eq!(answer.texts("parameter"), ["youngs_modulus_mpa", "modulus_factor"]);
+    let value = answer.numbers("value");
+    assert_close(&value[..1], &[38.3808], RECOVERED);
+    assert_close(&value[1..], &[0.8], RECOVERED);
+    assert!(answer.numbers("sigma").iter().all(|sigma| (0.0..RECOVERED).contains(sigma)));
+}
+
+#[test]
+fn parts_of_different_moduli_are_listed_each() {
+    let folder = Folder::new();
+    let moduli = |front: f64, back: f64, ribs: f64| {
+        let mut parts = [front, back, ribs].into_iter();
+        let with_next = |line: &str| match line.starts_with("youngs_modulus_mpa") {
+            true => format!("youngs_modulus_mpa = {:?}\n", parts.next().expect("three parts")),
+            false => format!("{line}\n"),
+        };
+        paper_with(&[]).lines().map(with_next).collect::<String>()
+    };
+    let scene = folder.put("scene.toml", moduli(40.0, 60.0, 50.0));
+    let truth = folder.put("truth.toml", moduli(50.0, 75.0, 62.5));
+    let answer = Csv::of(&calibrate(&scene, &measured(&truth)).done());
+    let names = ["front_youngs_modulus_mpa", "back_youngs_modulus_mpa", "ribs_youngs_modulus_mpa", "modulus_factor"];
+    assert_eq!(answer.texts("parameter"), names);
+    for (ours, truth) in answer.numbers("value").into_iter().zip([50.0, 75.0, 62.5, 1.25]) {
+        assert_close(&[ours], &[truth], RECOVERED);
+    }
+    // Ribs that do not deform have no modulus.
+    let load = ["solve", SPRING_STEEL, "--kinematics", "linear", "--load", "8:0,-1"];
+    let shape = finray(&load).done();
+    let rows: String = shape
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').collect::<Vec<_>>())
+        .map(|cells| format!("a,8,0,-1,{},{},{}\n", cells[0], cells[3], cells[4]))
+        .collect();
+    let answer = Csv::of(&calibrate(SPRING_STEEL, &(COLUMNS.to_owned() + &rows)).done());
+    assert_eq!(answer.texts("parameter"), [names[0], names[1], names[3]]);
+    assert_close(&answer.numbers("value")[2..], &[1.0], RECOVERED);
+}
+
+/// Rows in another order and columns between them; sums of distances forgive one marker that was taken for another.
+#[test]
+fn order_does_not_matter_and_single_bad_markers_hardly() {
+    let text = measured(PAPER);
+    let mut rows: Vec<_> = text.lines().skip(1).collect();
+    rows.reverse();
+    rows.swap(3, 30);
+    let shuffled = format!("{COLUMNS}{}\r\n", rows.join("\r\n"));
+    let factor = |text: &str| {
+        let answer = Csv::of(&calibrate(PAPER, text).done());
+        (answer.numbers("value")[1], answer.numbers("sigma")[1])
+    };
+    assert_close(&[factor(&shuffled).0], &[1.0], RECOVERED);
+    let bad = rows.iter().position(|row| row.starts_with("weight 1,21,-0.2,-2,5,")).expect("node 5");
+    rows[bad] = "weight 1,21,-0.2,-2,5,3.0,-9.0";
+    let (factor, sigma) = factor(&format!("{COLUMNS}{}", rows.join("\n")));
+    assert!((factor - 1.0).abs() < 1e-3 && sigma >= 0.0, "{factor} +- {sigma}");
+}
+
+#[test]
+fn measurements_that_do_not_fit_are_refused_by_file_and_line() {
+    let folder = Folder::new();
+    let good = "a,19,0,-1,7,0,-1\n";
+    for (rows, expected) in [
+        ("a,19,0,-1,8,0,-1\na,19,0,-1.1,9,0,-1\n", "line 4: case a: expected the load of the case's first row again"),
+        ("b,19,0,-1,8,0,-1\na,18,0,-1,9,0,-1\n", "line 4: case a: expected the load of the case's first row again"),
+        ("a,19,0,-1,7,0,-1\n", "line 3: node 7 is listed twice"),
+        ("a,19,0,-1,26,0,-1\n", "line 3: node 26 does not exist"),
+        ("a,19,0,-1,25,0,-1\n", "line 3: node 25 is clamped"),
+        ("b,1,0,-1,7,0,-1\n", "line 3: node 1 is clamped: a load there"),
+        ("b,27,0,-1,7,0,-1\n", "line 3: node 27 does not exist"),
+        ("b,19,0,down,7,0,-1\n", "line 3: fy_n: expected a finite number, found \"down\""),
+        ("b,19,0,nan,7,0,-1\n", "line 3: fy_n: expected a finite number"),
+        ("b,19,0,-1,7,inf,-1\n", "line 3: ux_mm: expected a finite number"),
+        ("b,tip,0,-1,7,0,-1\n", "line 3: load_node: expected the number of a node, found \"tip\""),
+        ("b,19,0,-1,7,0\n", "line 3: expected 7 columns as in the header, found 6"),
+    ] {
+        let path = folder.put("weights.csv", format!("{COLUMNS}{good}{rows}"));
+        let message = finray(&["calibrate", PAPER, "--measurements", &path]).refused();
+        assert_says(&message, &[&path, expected]);
+    }
+    for (text, expected) in [
+        ("", "found nothing"),
+        (COLUMNS, "expected rows of case,load_node,fx_n,fy_n,node,ux_mm,uy_mm, found none"),
+        ("case,load_node,fx_n,node,ux_mm,uy_mm\na,19,0,7,0,-1\n", "line 1: expected a column fy_n"),
+    ] {
+        let path = folder.put("weights.csv", text);
+        assert_says(&finray(&["calibrate", PAPER, "--measurements", &path]).refused(), &[&path, expected]);
+    }
+}
+
+#[test]
+fn measurements_that_tell_no_modulus_are_refused() {
+    for (rows, expected) in [
+        ("a,19,0,0,7,0,-1\n", "no load of the measurements moves a measured node"),
+        ("a,19,0,-1,1,0,0\n", "no load of the measurements moves a measured node"),
+        ("a,19,0,-1,7,0,1\na,19,0,-1,18,0,1\n", "do not move with the loads"),
+        ("a,19,0,-1,7,0,0\na,19,0,-1,18,0,0\n", "do not move with the loads"),
+        ("a,19,0,-1,7,0,-1e-310\n", "not identifiable"),
+    ] {
+        assert_says(&calibrate(PAPER, &(COLUMNS.to_owned() + rows)).refused(), &[expected]);
+    }
+}
+
+/// The twin with other factors: zones that front and back share.
+fn twin_with(factors: [f64; 3]) -> String {
+    let from = ["0.7216", "0.1528", "0.0641"].map(|factor| format!("modulus_factor = {factor}"));
+    from.iter().zip(factors).fold(TWIN_SCENE.to_owned(), |scene, (from, factor)| {
+        assert!(scene.contains(from));
+        scene.replace(from, &format!("modulus_factor = {factor:?}"))
+    })
+}
+
+/// Measurements of a scene under weights along the tangent's normal at four nodes.
+fn measured_at_four(scene: &str, kinematics: &str) -> String {
+    let mut text = COLUMNS.to_owned();
+    for load_node in [14, 16, 20, 24] {
+        let load = paper_load(load_node, 1.0, 0.0);
+        let [fx, fy] = paper_force(1.0, 0.0);
+        let shape = Csv::of(
+            &finray(&["solve", scene, "--kinematics", kinematics, "--mesh-nodes", "130", "--load", &load]).computed(),
+        );
+        let markers = shape.texts("node").into_iter().zip(shape.texts("ux_mm")).zip(shape.texts("uy_mm"));
+        for ((node, ux), uy) in markers {
+            writeln!(text, "{load_node},{load_node},{fx},{fy},{node},{ux},{uy}").expect("memory");
+        }
+    }
+    text
+}
+
+#[test]
+fn zones_are_found_with_their_sigmas_and_correlations() {
+    let folder = Folder::new();
+    let truth = folder.put("truth.toml", twin_with([0.6, 0.2, 0.1]));
+    let start = folder.put("start.toml", twin_with([1.0, 1.0, 1.0]));
+    // Linear shapes are exact; the large-rotation finger is measured on a mesh of other elements.
+    for (kinematics, tolerance) in [("linear", 1e-6), ("corotational", 0.01)] {
+        let measurements = measured_at_four(&truth, kinematics);
+        let correlations = folder.path("correlations.csv");
+        let zones = ["--zones=1+2,3+4,5+6", "--kinematics", kinematics, "--correlations", &correlations];
+        let command = [&["calibrate", &start, "--measurements", "-"][..], &zones].concat();
+        let answer = Csv::of(&finray_reading(measurements.as_bytes(), &command).done());
+        assert_eq!(answer.header, ["parameter", "value", "sigma"]);
+        let zones = (1..=6).map(|zone| format!("zone_{zone}_modulus_factor"));
+        let names: Vec<_> =
+            ["youngs_modulus_mpa", "modulus_factor"].map(str::to_owned).into_iter().chain(zones).collect();
+        assert_eq!(answer.texts("parameter"), names);
+        for (ours, truth) in answer.numbers("value").iter().zip([49.44, 1.0, 0.6, 0.6, 0.2, 0.2, 0.1, 0.1]) {
+            assert!((ours / truth - 1.0).abs() < tolerance, "{kinematics}: {ours}, true {truth}");
+        }
+        assert!(answer.numbers("sigma").iter().all(|sigma| *sigma >= 0.0));
+        let pairs = Csv::of(&folder.read("correlations.csv"));
+        assert_eq!(pairs.header, ["parameter", "other", "correlation"]);
+        assert_eq!(pairs.texts("other").len(), 6);
+        assert!(pairs.numbers("correlation").iter().all(|correlation| correlation.abs() < 1.0));
+    }
+}
+
+/// Sigmas grow with the noise; front and back alone are hard to tell apart, and the command says so without failing.
+#[test]
+fn noise_sets_the_sigmas_of_zones() {
+    let folder = Folder::new();
+    let scene = folder.put("scene.toml", twin_with([0.6, 0.2, 0.1]));
+    let measurements = measured_at_four(&scene, "linear");
+    let answer = |zones: &str, noise: &str| {
+        let options = [zones, "--kinematics", "linear", "--noise-mm", noise];
+        finray_reading(measurements.as_bytes(), &[&["calibrate", &scene, "--measurements", "-"][..], &options].concat())
+    };
+    let sigmas = |noise: &str| Csv::of(&answer("--zones=1+2,3+4,5+6", noise).done()).numbers("sigma");
+    let (one, two) = (sigmas("0.001"), sigmas("0.002"));
+    assert!(one.iter().zip(&two).all(|(one, two)| *one > 0.0 && (two / one - 2.0).abs() < 1e-3), "{one:?} {two:?}");
+    let entangled = answer("--zones", "0.001");
+    assert_eq!(entangled.code, Some(0), "{}", entangled.err);
+    assert_eq!(Csv::of(&entangled.out).rows.len(), 8);
+    assert_says(
+        &entangled.err,
+        &[
+            "warning: the measurements hardly tell zone_1_modulus_factor and zone_2_modulus_factor apart: correlation -0.9",
+        ],
+    );
+}
+
+#[test]
+fn zones_that_cannot_be_told_or_named_are_refused() {
+    let folder = Folder::new();
+    let measurements = measured(PAPER);
+    let refused = |scene: &str, options: &[&str]| {
+        finray_reading(measurements.as_bytes(), &[&["calibrate", scene, "--measurements", "-"], options].concat())
+            .refused()
+    };
+    assert_says(&refused(PAPER, &["--zones"]), &["--zones", "no [[finger.zone]]"]);
+    assert_says(&refused(PAPER, &["--kinematics", "linear"]), &["--zones"]);
+    let scene = folder.put("scene.toml", twin_with([1.0, 1.0, 1.0]));
+    for (groups, expected) in [
+        ("--zones=7", "expected groups of zones, 1 to 6"),
+        ("--zones=0", "expected groups of zones, 1 to 6"),
+        ("--zones=1,tip", "found \"tip\""),
+        ("--zones=1+2,2", "zone 2 is named twice"),
+    ] {
+        assert_says(&refused(&scene, &[groups]), &["--zones", expected]);
+    }
+    // The same zone twice is one unknown too many.
+    let twice = "[[finger.zone]]\nplate = \"front\"\nfrom_mm = 0.0\nto_mm = 30.0\nmodulus_factor = 1.0\n";
+    let scene = folder.put("twice.toml", format!("{}\n{twice}\n{twice}", paper_with(&[])));
+    let message = refused(&scene, &["--zones", "--kinematics", "linear"]);
+    assert_says(&message, &["zone_1_modulus_factor, zone_2_modulus_factor apart"]);
+}

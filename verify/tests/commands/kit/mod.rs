@@ -1,0 +1,230 @@
+//! Running `finray` as its users do, and taking apart what it answers.
+
+pub mod browser;
+pub mod scene;
+
+use finray_fixtures::PAPER_SCENE;
+use std::io::Write;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use tempfile::TempDir;
+
+/// The paper's finger.
+pub const PAPER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/scenes/paper.toml");
+/// The spring-steel finger.
+pub const SPRING_STEEL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/scenes/spring-steel.toml");
+/// Two ways to the same linear result differ by rounding, which grows with the finger's 1e4 of condition.
+pub const LINEAR_ROUNDING: f64 = 1e-9;
+
+/// How a run ended.
+#[derive(Debug, Clone)]
+pub struct Answer {
+    pub code: Option<i32>,
+    pub out: String,
+    pub err: String,
+}
+
+/// The command with its arguments.
+pub fn command(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_finray"));
+    command.args(arguments);
+    command
+}
+
+/// Runs `finray`.
+pub fn finray(arguments: &[&str]) -> Answer {
+    finray_reading(b"", arguments)
+}
+
+/// Starts `finray` with bytes on standard input.
+pub fn started(input: &[u8], arguments: &[&str], stdout: Stdio) -> Child {
+    let mut command = command(arguments);
+    command.stdin(Stdio::piped()).stdout(stdout).stderr(Stdio::piped());
+    let mut child = command.spawn().expect("finray starts");
+    // A run that refuses its arguments closes its input unread.
+    let _ = child.stdin.take().expect("standard input").write_all(input);
+    child
+}
+
+/// Runs `finray` with bytes on standard input.
+pub fn finray_reading(input: &[u8], arguments: &[&str]) -> Answer {
+    let output = started(input, arguments, Stdio::piped()).wait_with_output().expect("finray ends");
+    let text = |bytes| String::from_utf8(bytes).expect("finray writes UTF-8");
+    Answer { code: output.status.code(), out: text(output.stdout), err: text(output.stderr) }
+}
+
+impl Answer {
+    /// Standard output of a run that did what it was asked without a word on standard error.
+    #[track_caller]
+    pub fn done(self) -> String {
+        assert_eq!((self.code, self.err.as_str()), (Some(0), ""));
+        self.out
+    }
+
+    /// Standard output of a run that did what it was asked, whatever it warned of.
+    #[track_caller]
+    pub fn computed(self) -> String {
+        if self.err.is_empty() { self.done() } else { self.warned().0 }
+    }
+
+    /// Standard output of a run that did what it was asked, and its warnings, with nothing else on standard error.
+    #[track_caller]
+    pub fn warned(self) -> (String, Vec<String>) {
+        assert_eq!(self.code, Some(0), "{}", self.err);
+        let warnings: Vec<String> = self.err.lines().map(str::to_owned).collect();
+        assert!(!warnings.is_empty() && warnings.iter().all(|line| line.starts_with("warning: ")), "{warnings:?}");
+        (self.out, warnings)
+    }
+
+    /// The message of a run that refused its input.
+    #[track_caller]
+    pub fn refused(self) -> String {
+        self.message(2)
+    }
+
+    /// The message of a run that could not compute or write.
+    #[track_caller]
+    pub fn failed(self) -> String {
+        self.message(1)
+    }
+
+    /// Nothing but one message on standard error, and the exit code. What is wrong in the arguments comes with clap's
+    /// hint to `--help`, anything else on one line.
+    #[track_caller]
+    fn message(self, code: i32) -> String {
+        assert_eq!((self.code, self.out.as_str()), (Some(code), ""), "{}", self.err);
+        let message = self.err.strip_prefix("error: ").unwrap_or_else(|| panic!("no message: {:?}", self.err));
+        assert!(!message.contains("error:"), "more than one message: {message}");
+        assert!(!message.contains("panicked"), "{message}");
+        let (first, rest) = message.split_once('\n').expect("a whole line");
+        assert!(rest.is_empty() || rest.contains("--help"), "more than one line: {message}");
+        assert!(first.len() > 10, "says nothing: {message}");
+        message.trim_end().to_owned()
+    }
+}
+
+/// Checks that a message holds all parts.
+#[track_caller]
+pub fn assert_says(message: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(message.contains(part), "\"{part}\" is not in: {message}");
+    }
+}
+
+/// A folder that is gone after the test.
+pub struct Folder(TempDir);
+
+impl Folder {
+    pub fn new() -> Folder {
+        Folder(tempfile::tempdir().expect("a temporary folder"))
+    }
+
+    /// The path of a file in the folder, as an argument.
+    pub fn path(&self, name: &str) -> String {
+        self.0.path().join(name).to_str().expect("a UTF-8 path").to_owned()
+    }
+
+    /// Writes a file and gives its path.
+    pub fn put(&self, name: &str, content: impl AsRef<[u8]>) -> String {
+        let path = self.path(name);
+        std::fs::write(&path, content).expect("a file");
+        path
+    }
+
+    pub fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    /// Names of all files in the folder, hidden ones too, sorted.
+    pub fn names(&self) -> Vec<String> {
+        names_in(self.0.path())
+    }
+}
+
+/// Names of all files in a folder, hidden ones too, sorted.
+pub fn names_in(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).expect("the folder");
+    let mut names: Vec<_> =
+        entries.map(|entry| entry.expect("an entry").file_name().into_string().expect("a UTF-8 name")).collect();
+    names.sort();
+    names
+}
+
+/// The paper's scene with texts replaced, everywhere they stand.
+#[track_caller]
+pub fn paper_with(changes: &[(&str, &str)]) -> String {
+    changes.iter().fold(PAPER_SCENE.to_owned(), |scene, (from, to)| {
+        assert!(scene.contains(from), "the paper's scene has no {from}");
+        scene.replace(from, to)
+    })
+}
+
+/// Header and rows of a CSV text.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Csv {
+    pub header: Vec<String>,
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Csv {
+    #[track_caller]
+    pub fn of(text: &str) -> Csv {
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let cells = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect();
+        let header = cells(reader.headers().expect("a header"));
+        let rows = reader.records().map(|record| cells(&record.expect("rows as long as the header"))).collect();
+        Csv { header, rows }
+    }
+
+    /// The cells of a column.
+    #[track_caller]
+    pub fn texts(&self, column: &str) -> Vec<&str> {
+        let place = self.header.iter().position(|name| name == column);
+        let place = place.unwrap_or_else(|| panic!("no column {column} in {:?}", self.header));
+        self.rows.iter().map(|row| row[place].as_str()).collect()
+    }
+
+    /// The numbers of a column.
+    #[track_caller]
+    pub fn numbers(&self, column: &str) -> Vec<f64> {
+        self.texts(column).iter().map(|cell| cell.parse().unwrap_or_else(|_| panic!("{column}: {cell}"))).collect()
+    }
+}
+
+/// Checks that two lists of numbers agree, to a share of the largest of them.
+#[track_caller]
+pub fn assert_close(ours: &[f64], reference: &[f64], tolerance: f64) {
+    assert_eq!(ours.len(), reference.len());
+    let scale = reference.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+    assert!(scale > 0.0, "nothing to compare with");
+    for (i, (a, b)) in ours.iter().zip(reference).enumerate() {
+        assert!((a - b).abs() <= tolerance * scale, "number {i}: {a} against {b}, largest {scale}");
+    }
+}
+
+/// Displacements of a shape that `solve` wrote: ux and uy, a pair a row.
+pub fn displacements(csv: &Csv) -> Vec<f64> {
+    let (ux, uy) = (csv.numbers("ux_mm"), csv.numbers("uy_mm"));
+    ux.into_iter().zip(uy).flat_map(|(x, y)| [x, y]).collect()
+}
+
+/// Force in the finger frame of the paper's finger, from its size and its angle from the inward normal.
+pub fn paper_force(force_n: f64, angle_deg: f64) -> [f64; 2] {
+    // The front plate leans towards the axis by asin(29 / 153).
+    let (lean, angle) = ((29.0_f64 / 153.0).asin(), angle_deg.to_radians());
+    let (tangent, inward) = ([lean.cos(), -lean.sin()], [-lean.sin(), -lean.cos()]);
+    [0, 1].map(|i| force_n * (inward[i] * angle.cos() + tangent[i] * angle.sin()))
+}
+
+/// Argument of `--load` for a force on the paper's finger.
+pub fn paper_load(node: usize, force_n: f64, angle_deg: f64) -> String {
+    let [fx, fy] = paper_force(force_n, angle_deg);
+    format!("{node}:{fx},{fy}")
+}
+
+/// What `solve` writes for forces on the paper's finger: node, size in N and angle in degrees of each.
+pub fn paper_shape(forces: &[(usize, f64, f64)], options: &[&str]) -> Answer {
+    let loads: Vec<_> = forces.iter().map(|&(node, force_n, angle_deg)| paper_load(node, force_n, angle_deg)).collect();
+    let loads: Vec<_> = loads.iter().flat_map(|load| ["--load", load.as_str()]).collect();
+    finray(&[&["solve", PAPER], options, &loads[..]].concat())
+}

@@ -1,0 +1,227 @@
+//! `finray map`: how wrong a force is sensed, by its place and direction.
+
+use crate::kit::*;
+
+const HEADER: [&str; 11] = [
+    "s_mm",
+    "angle_deg",
+    "force_n",
+    "mean_error",
+    "bias",
+    "spread",
+    "samples",
+    "answered",
+    "warned",
+    "covered",
+    "covered_warned",
+];
+/// A linear finger, sensed linearly: what is left without noise.
+const ROUNDING: f64 = 1e-9;
+/// Four segments a stretch of plate are within 1e-4 of beams; sensing enlarges that near the base.
+const LATTICE_TOLERANCE: f64 = 2e-3;
+
+fn quick_noisy_map(out: &str) -> [&str; 10] {
+    ["map", PAPER, "--truth", "linear", "--noise-mm", "0.067", "--seeds", "10", "--out", out]
+}
+
+#[test]
+fn a_map_is_a_csv_and_a_picture_beside_it() {
+    let folder = Folder::new();
+    let out = folder.path("map.csv");
+    assert_eq!(finray(&[&quick_noisy_map(&out)[..], &["--force-n", "1.5"]].concat()).done(), "");
+    assert_eq!(folder.names(), ["map.csv", "map.svg"]);
+    let map = Csv::of(&folder.read("map.csv"));
+    assert_eq!(map.header, HEADER);
+    let (s, angle) = (map.numbers("s_mm"), map.numbers("angle_deg"));
+    assert!(s.iter().all(|s| *s > 0.0 && *s <= 153.0) && s.contains(&153.0) && s.contains(&76.5));
+    assert!(angle.iter().all(|a| a.abs() <= 80.0) && angle.contains(&0.0) && angle.contains(&-80.0));
+    assert!(map.numbers("force_n").iter().all(|force| *force == 1.5));
+    let places = angle.iter().filter(|a| **a == 0.0).count();
+    assert_eq!(map.rows.len() % places, 0, "every place has every direction");
+    for (mean, (bias, spread)) in
+        map.numbers("mean_error").into_iter().zip(map.numbers("bias").into_iter().zip(map.numbers("spread")))
+    {
+        assert!(mean >= bias.abs() && spread > 0.0 && mean.is_finite());
+    }
+    let picture = folder.read("map.svg");
+    assert!(picture.starts_with("<svg ") && picture.trim_end().ends_with("</svg>"));
+    assert!(picture.contains("xmlns=\"http://www.w3.org/2000/svg\""), "a file of its own needs its namespace");
+}
+
+#[test]
+fn the_name_of_the_picture_gives_the_table_beside_it() {
+    let folder = Folder::new();
+    finray(&quick_noisy_map(&folder.path("m.svg"))).done();
+    assert_eq!(folder.names(), ["m.csv", "m.svg"]);
+    assert!(folder.read("m.svg").starts_with("<svg "));
+    assert_eq!(Csv::of(&folder.read("m.csv")).header, HEADER);
+}
+
+#[test]
+fn the_bits_do_not_depend_on_the_number_of_threads() {
+    let folder = Folder::new();
+    let ribless = folder.put("scene.toml", paper_with(&[("count = 11", "count = 0")]));
+    let rotating = ["map", &ribless, "--force-n", "0.01", "--noise-mm", "0.067", "--seeds", "20"];
+    let linear = quick_noisy_map("-");
+    for arguments in [&linear[..], &rotating[..]] {
+        let with_threads = |threads| {
+            let output = command(arguments).env("RAYON_NUM_THREADS", threads).output().expect("finray runs");
+            assert!(output.status.success());
+            assert!(output.stdout.starts_with(b"s_mm,"));
+            output.stdout
+        };
+        let once = with_threads("1");
+        assert!(once == with_threads("4") && once == with_threads("4"), "{arguments:?}");
+    }
+}
+
+#[test]
+fn the_seed_decides_the_noise_and_more_pictures_calm_it() {
+    let map = |seed, seeds| {
+        let arguments = ["map", PAPER, "--truth", "linear", "--noise-mm", "0.067", "--seed", seed, "--seeds", seeds];
+        Csv::of(&finray(&arguments).done())
+    };
+    let first = map("1", "40");
+    assert_eq!(first, map("1", "40"));
+    assert_ne!(first, map("2", "40"));
+    // The linear finger is sensed without bias: over n pictures the mean wanders by spread / sqrt(n).
+    for (bias, spread) in first.numbers("bias").iter().zip(first.numbers("spread")) {
+        assert!(bias.abs() < 5.0 * spread / 40.0_f64.sqrt(), "{bias} of {spread}");
+    }
+}
+
+/// Spread of the sensed force, for one cell as `sense` says it.
+#[test]
+fn the_spread_is_the_uncertainty_that_sense_gives() {
+    let arguments = ["map", PAPER, "--truth", "linear", "--noise-mm", "0.067", "--seeds", "400", "--force-n", "2"];
+    let map = Csv::of(&finray(&arguments).done());
+    let (s, angle, spread) = (map.numbers("s_mm"), map.numbers("angle_deg"), map.numbers("spread"));
+    let cell = (0..s.len()).find(|&i| s[i] == 76.5 && angle[i] == -20.0).expect("node 19 at -20 degrees");
+    let shape = finray(&["solve", PAPER, "--kinematics", "linear", "--load", "19:0,-1"]).done();
+    let all = ["sense", PAPER, "--displacements", "-", "--contact", "19@-20", "--noise-mm", "0.067"];
+    let all = [&all[..], &["--estimator", "least-squares"]].concat();
+    let sigma = Csv::of(&finray_reading(shape.as_bytes(), &all).done()).numbers("sigma_n")[0];
+    // A standard deviation from 400 numbers scatters by 1 / sqrt(800) = 3.5 %.
+    assert_close(&[spread[cell]], &[sigma / 2.0], 4.0 / 800.0_f64.sqrt());
+}
+
+#[test]
+fn without_noise_the_linear_finger_is_sensed_exactly() {
+    let map = Csv::of(&finray(&["map", PAPER, "--truth", "linear"]).done());
+    assert!(map.numbers("mean_error").iter().all(|error| *error < ROUNDING));
+    assert!(map.numbers("spread").iter().all(|spread| *spread == 0.0));
+    // The camera of a scene brings its noise.
+    let folder = Folder::new();
+    let scene = folder.put("scene.toml", paper_with(&[]) + "\n[camera]\nnoise_mm = 0.1\n");
+    let camera = finray(&["map", &scene, "--truth", "linear", "--seeds", "10"]).done();
+    let told = finray(&["map", PAPER, "--truth", "linear", "--seeds", "10", "--noise-mm", "0.1"]).done();
+    assert_eq!(camera, told);
+}
+
+/// Large rotations: the error of a cell is what `solve` on the fine mesh and `sense` make of it.
+#[test]
+fn a_cell_of_the_large_rotation_map_is_solve_and_sense() {
+    let folder = Folder::new();
+    let scene = folder.put("scene.toml", paper_with(&[("count = 11", "count = 0")]));
+    let map = Csv::of(&finray(&["map", &scene, "--force-n", "0.01"]).done());
+    let (s, angle, bias) = (map.numbers("s_mm"), map.numbers("angle_deg"), map.numbers("bias"));
+    for (place, direction) in [(114.75, 30.0), (76.5, 0.0), (153.0, -45.0)] {
+        let load = format!("{place}:0.01,{direction}");
+        let shape = finray(&["solve", &scene, "--mesh-nodes", "684", "--load-at", &load]).done();
+        let contact = format!("{place}@{direction}");
+        let all = ["sense", &scene, "--displacements", "-", "--contact-at", &contact, "--estimator", "least-squares"];
+        let force = Csv::of(&finray_reading(shape.as_bytes(), &all).computed()).numbers("force_n")[0];
+        let cell = (0..s.len()).find(|&i| s[i] == place && angle[i] == direction).expect("the cell");
+        assert_close(&[1.0 + bias[cell]], &[force / 0.01], ROUNDING);
+    }
+}
+
+/// Where the finger cannot carry the force the cell stays empty.
+#[test]
+fn cells_without_equilibrium_are_empty() {
+    let folder = Folder::new();
+    let scene = folder.put("scene.toml", paper_with(&[("count = 11", "count = 0")]));
+    let map = Csv::of(&finray(&["map", &scene, "--force-n", "0.15"]).done());
+    assert!(map.rows.iter().flatten().all(|cell| !cell.contains("NaN") && !cell.contains("inf")));
+    let solve = |row: &Vec<String>| {
+        let load = format!("{}:0.15,{}", row[0], row[1]);
+        finray(&["solve", &scene, "--mesh-nodes", "684", "--load-at", &load])
+    };
+    let (carried, empty): (Vec<_>, Vec<_>) =
+        map.rows.iter().partition(|row| row[3..].iter().all(|cell| !cell.is_empty()));
+    assert!(empty.iter().all(|row| row[3..] == ["", "", "", "0", "0", "", "", ""]));
+    solve(empty[0]).failed();
+    solve(carried[0]).done();
+}
+
+#[test]
+fn maps_that_make_no_sense_are_refused() {
+    for (arguments, expected) in [
+        (["--force-n", "0"], "expected more than zero"),
+        (["--force-n=-3", "--seeds=1"], "expected more than zero"),
+        (["--force-n", "nan"], "expected a finite number"),
+        (["--noise-mm=-0.1", "--seeds=1"], "expected zero or more"),
+        (["--noise-mm", "inf"], "expected a finite number"),
+        (["--seeds", "0"], "0"),
+        (["--seed", "one"], "one"),
+        (["--truth", "plastic"], "linear, corotational"),
+        (["--estimator", "guess"], "least-squares"),
+    ] {
+        assert_says(&finray(&[&["map", PAPER], &arguments[..]].concat()).refused(), &[expected]);
+    }
+}
+
+/// The finger as bodies and springs answers as beams do, so the maps are alike.
+#[test]
+fn the_lattice_gives_the_map_of_beams() {
+    let hinged = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/opensees/hinged.toml");
+    let map = |truth| Csv::of(&finray(&["map", hinged, "--truth", truth, "--force-n", "0.5"]).done());
+    let (lattice, beams) = (map("lattice"), map("corotational"));
+    assert_eq!(lattice.numbers("s_mm"), beams.numbers("s_mm"));
+    let biases: Vec<(f64, f64)> = lattice.numbers("bias").into_iter().zip(beams.numbers("bias")).collect();
+    assert!(biases.iter().all(|(ours, theirs)| (ours - theirs).abs() < LATTICE_TOLERANCE));
+    assert!(biases.iter().any(|(ours, theirs)| ours != theirs), "they are two models");
+}
+
+#[test]
+fn mujoco_answers_for_what_was_exported_and_nothing_else() {
+    let map = |more: &[&str]| finray(&[&["map", PAPER, "--truth", "mujoco"][..], more].concat());
+    let exported = Csv::of(&map(&[]).done());
+    assert_eq!(exported.header, HEADER);
+    assert_eq!(exported.rows.len(), 12 * 5, "contact nodes and directions");
+    assert!(exported.numbers("s_mm").contains(&153.0) && exported.numbers("angle_deg").contains(&-60.0));
+    let folder = Folder::new();
+    let message = map(&["--force-n", "2.5", "--out", &folder.path("map.csv")]).refused();
+    assert!(message.contains("0.01, 1, 3, 5"), "{message}");
+    assert!(folder.names().is_empty());
+    let other = folder.put("scene.toml", paper_with(&[("count = 11", "count = 10")]));
+    let message = finray(&["map", &other, "--truth", "mujoco"]).refused();
+    assert!(message.contains("paper, asymmetric, soft-zone"), "{message}");
+}
+
+#[test]
+fn the_twin_is_of_the_papers_finger_alone() {
+    let message = finray(&["map", SPRING_STEEL, "--truth", "twin"]).refused();
+    assert_says(&message, &["--truth twin", "the paper's finger"]);
+}
+
+/// The map of the twin shows Table I along the normal: places of nodes 14, 19 and 24.
+#[test]
+fn the_map_of_the_twin_fails_at_tip_and_base() {
+    let map = Csv::of(&finray(&["map", PAPER, "--truth", "twin", "--force-n", "1"]).done());
+    // Far from the normal the soft tip folds: no error there.
+    let errors = map.texts("mean_error").into_iter().map(|cell| cell.parse::<f64>().unwrap_or(f64::NAN));
+    let cells: Vec<_> = map.numbers("s_mm").into_iter().zip(map.numbers("angle_deg")).zip(errors).collect();
+    let error = |s_mm: f64| {
+        let along = cells.iter().filter(|((_, angle), _)| *angle == 0.0);
+        let nearest = along.min_by(|((a, _), _), ((b, _), _)| (a - s_mm).abs().total_cmp(&(b - s_mm).abs()));
+        nearest.expect("cells").1
+    };
+    assert!(
+        error(140.25) > 0.4 && error(76.5) < 0.1 && error(12.75) > 0.1,
+        "{} {} {}",
+        error(140.25),
+        error(76.5),
+        error(12.75)
+    );
+}

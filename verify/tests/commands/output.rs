@@ -1,0 +1,144 @@
+//! Where results go: whole to `--out` or standard output, or nowhere.
+
+use crate::kit::*;
+use std::io::pipe;
+use std::process::Stdio;
+
+const MEASURED: &str = "node,ux_mm,uy_mm\n7,0.1,-1\n18,0.1,-1\n";
+const WEIGHTS: &str = "case,load_node,fx_n,fy_n,node,ux_mm,uy_mm\na,19,0,-1,7,0.1,-1\na,19,0,-1,18,0.1,-1\n";
+
+/// A folder with inputs, and each command as it succeeds within a moment, without `--out`.
+fn commands() -> (Folder, Vec<Vec<String>>) {
+    let folder = Folder::new();
+    let measured = folder.put("measured.csv", MEASURED);
+    let weights = folder.put("weights.csv", WEIGHTS);
+    let commands = [
+        vec!["solve", PAPER, "--load", "19:0,-1"],
+        vec!["sense", PAPER, "--displacements", &measured, "--contact", "19"],
+        vec!["calibrate", PAPER, "--measurements", &weights],
+        vec!["map", PAPER, "--truth", "linear"],
+    ];
+    let commands = commands.map(|command| command.into_iter().map(str::to_owned).collect()).to_vec();
+    (folder, commands)
+}
+
+fn run(command: &[String], further: &[&str]) -> Answer {
+    finray(&command.iter().map(String::as_str).chain(further.iter().copied()).collect::<Vec<_>>())
+}
+
+#[test]
+fn a_file_gets_what_standard_output_gets() {
+    let (folder, commands) = commands();
+    for command in commands {
+        let text = run(&command, &[]).done();
+        assert_eq!(run(&command, &["--out", "-"]).done(), text);
+        let out = folder.put("out.csv", "an older and longer result\n".repeat(10_000));
+        assert_eq!(run(&command, &["--out", &out]).done(), "");
+        assert_eq!(folder.read("out.csv"), text);
+        assert!(text.ends_with('\n') && Csv::of(&text).rows.iter().flatten().all(|cell| !cell.is_empty()));
+    }
+    assert_eq!(folder.names(), ["measured.csv", "out.csv", "out.svg", "weights.csv"]);
+}
+
+#[test]
+fn the_result_may_take_the_place_of_the_input() {
+    let folder = Folder::new();
+    let file = folder.put("file.csv", MEASURED);
+    finray(&["sense", PAPER, "--displacements", &file, "--contact", "19", "--out", &file]).done();
+    assert!(folder.read("file.csv").starts_with("contact,"));
+}
+
+#[test]
+fn an_error_leaves_the_file_as_it_was_and_nothing_beside_it() {
+    let folder = Folder::new();
+    let kept = "kept \u{b5}m\r\n";
+    let out = folder.put("out.csv", kept);
+    let bad = folder.put("bad.csv", "node,ux_mm,uy_mm\n7,0,?\n");
+    let names = folder.names();
+    let missing = folder.path("missing");
+    for (code, command) in [
+        (2, vec!["solve", PAPER, "--load", "1:0,-1"]),
+        (2, vec!["solve", PAPER, "--load", "19:0,down"]),
+        (2, vec!["solve", &missing, "--load", "19:0,-1"]),
+        (2, vec!["solve", &bad, "--load", "19:0,-1"]),
+        (1, vec!["solve", PAPER, "--load", "19:-40,-200"]),
+        (2, vec!["sense", PAPER, "--displacements", &bad, "--contact", "19"]),
+        (2, vec!["sense", PAPER, "--displacements", &missing, "--contact", "19"]),
+        (2, vec!["sense", PAPER, "--displacements", &bad, "--contact", "1"]),
+        (2, vec!["calibrate", PAPER, "--measurements", &bad]),
+        (2, vec!["map", &bad]),
+        (2, vec!["map", PAPER, "--force-n", "0"]),
+    ] {
+        let answer = finray(&[&command[..], &["--out", &out]].concat());
+        assert_eq!(answer.code, Some(code), "{command:?}: {}", answer.err);
+        assert_eq!(folder.read("out.csv"), kept, "{command:?}");
+        assert_eq!(folder.names(), names, "{command:?}");
+    }
+}
+
+#[test]
+fn a_place_that_cannot_be_written_is_named() {
+    let (folder, commands) = commands();
+    let names = folder.names();
+    for command in commands {
+        for place in ["no-such-folder/out.csv", "measured.csv/out.csv", ""] {
+            let out = folder.path(place);
+            assert_says(&run(&command, &["--out", &out]).failed(), &[&out, "cannot be written"]);
+            assert_eq!(folder.names(), names, "{command:?}");
+        }
+    }
+}
+
+/// A map is two files: if one cannot be written, the other is left as it was.
+#[test]
+fn a_map_is_written_with_its_picture_or_not_at_all() {
+    let folder = Folder::new();
+    let out = folder.put("map.csv", "kept");
+    std::fs::create_dir(folder.path("map.svg")).expect("a folder");
+    let message = finray(&["map", PAPER, "--truth", "linear", "--out", &out]).failed();
+    assert_says(&message, &["map.svg", "cannot be written"]);
+    assert_eq!(folder.names(), ["map.csv", "map.svg"]);
+    assert_eq!(folder.read("map.csv"), "kept");
+}
+
+/// As in `finray solve ... | head -1`.
+#[test]
+fn a_reader_that_has_seen_enough_is_no_error() {
+    let (folder, mut commands) = commands();
+    let stiff = folder.put("stiff.toml", paper_with(&[("count = 11", "count = 0"), ("47.976", "47976.0")]));
+    let out = folder.path("report");
+    commands.push(["completions", "bash"].map(str::to_owned).to_vec());
+    commands.push(["report", &stiff, "--quick", "--out", &out].map(str::to_owned).to_vec());
+    commands.push(["solve", "--help"].map(str::to_owned).to_vec());
+    for arguments in commands {
+        let (reader, writer) = pipe().expect("a pipe");
+        drop(reader);
+        let arguments: Vec<_> = arguments.iter().map(String::as_str).collect();
+        let run = command(&arguments).stdin(Stdio::null()).stdout(writer).output().expect("finray runs");
+        let message = String::from_utf8_lossy(&run.stderr);
+        assert_eq!((run.status.code(), message.as_ref()), (Some(0), ""), "{arguments:?}");
+    }
+    assert!(folder.names().contains(&"report".to_owned()));
+}
+
+/// A full disk is an error, unlike a reader that has left.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_device_is_an_error() {
+    let (_folder, commands) = commands();
+    for command in commands {
+        assert_says(&run(&command, &["--out", "/dev/full"]).failed(), &["/dev/full: cannot be written"]);
+        run(&command, &["--out", "/dev/null"]).done();
+    }
+    assert!(!names_in(std::path::Path::new("/dev")).iter().any(|name| name == "null.svg" || name == "full.svg"));
+}
+
+#[test]
+fn standard_input_is_read_once() {
+    let scene = std::fs::read(PAPER).expect("the scene");
+    for arguments in
+        [&["sense", "-", "--displacements", "-", "--contact", "19"][..], &["calibrate", "-", "--measurements", "-"]]
+    {
+        assert_says(&finray_reading(&scene, arguments).refused(), &["cannot both be -"]);
+    }
+}

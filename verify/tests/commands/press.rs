@@ -1,0 +1,105 @@
+//! `finray press`: rows that agree with `sense`, and scenes that cannot be pressed.
+
+use crate::kit::*;
+
+const DISC: &str = "[object]\nshape = \"disc\"\nradius_mm = 20\nat_mm = 74\nforce_n = 2\nsteps = 2\n";
+/// `press` senses on a mesh of its own, `sense` refines until 0.2 % are settled.
+const MESH_TOLERANCE: f64 = 2e-3;
+
+fn scene(folder: &Folder, object: &str) -> String {
+    folder.put("scene.toml", paper_with(&[]) + "\n" + object)
+}
+
+/// Sensing from the shape that `press` writes gives the forces that it writes.
+#[test]
+fn its_shape_and_forces_agree_with_sense() {
+    let folder = Folder::new();
+    let scene = scene(&folder, DISC);
+    let (shape, out) = (folder.path("shape.csv"), folder.path("forces.csv"));
+    finray(&["press", &scene, "--fineness", "2", "--shape", &shape, "--out", &out]).done();
+    let forces = Csv::of(&folder.read("forces.csv"));
+    assert_eq!(forces.texts("contact"), ["19", "total", "19", "total"]);
+    assert_eq!(forces.texts("step"), ["1", "1", "2", "2"]);
+    let true_n: Vec<f64> = forces.numbers("force_n");
+    assert!((true_n[3] - 2.0).abs() < 1e-3, "pressed to 2 N: {true_n:?}");
+    let contact = format!("19@{}", forces.texts("angle_deg")[2]);
+    let sense = ["sense", &scene, "--displacements", &shape, "--contact", &contact, "--estimator", "nonlinear"];
+    let other = Csv::of(&finray(&sense).done()).numbers("force_n")[0];
+    let own: f64 = forces.texts("sensed_n")[2].parse().expect("a number");
+    assert!((own / other - 1.0).abs() < MESH_TOLERANCE, "{own} N, sense has {other} N");
+}
+
+#[test]
+fn noise_is_that_of_its_seed() {
+    let folder = Folder::new();
+    let scene = scene(&folder, &DISC.replace("steps = 2", "steps = 1"));
+    let run = |seed: &str, noise: &str| {
+        finray(&["press", &scene, "--fineness", "1", "--seed", seed, "--noise-mm", noise]).done()
+    };
+    assert_eq!(run("1", "0.067"), run("1", "0.067"));
+    assert_ne!(run("1", "0.067"), run("2", "0.067"));
+    assert_eq!(run("1", "0"), run("2", "0"));
+}
+
+#[test]
+fn scenes_without_an_object_are_refused() {
+    let message = finray(&["press", PAPER]).refused();
+    assert_says(&message, &[PAPER, "line 1: object is missing: expected a table [object]"]);
+}
+
+#[test]
+fn the_shape_goes_to_a_file_of_its_own() {
+    let folder = Folder::new();
+    let (scene, out) = (scene(&folder, DISC), folder.path("out.csv"));
+    assert_says(&finray(&["press", &scene, "--shape", "-"]).refused(), &["--shape: expected a file, found -"]);
+    assert_says(
+        &finray(&["press", &scene, "--shape", &out, "--out", &out]).refused(),
+        &["--shape and --out are the same file"],
+    );
+}
+
+/// The outline lies beside the scene.
+#[test]
+fn outlines_are_read_and_checked() {
+    let folder = Folder::new();
+    let polygon =
+        DISC.replace("\"disc\"\nradius_mm = 20", "\"polygon\"\npoints_csv = \"outline.csv\"").replace("= 2", "= 1");
+    let scene = scene(&folder, &polygon);
+    let outline = folder.path("outline.csv");
+    let press = ["press", &scene, "--fineness", "1"];
+    assert_says(&finray(&press).refused(), &[&outline, "cannot be read"]);
+    for (text, expected) in [
+        ("x_mm,y_mm\n-5,-5\n5,-5\n", "expected three corners or more, found 2"),
+        ("x_mm,y_mm\n-5,-5\n5,5\n5,-5\n-5,5\n", "crosses itself or encloses nothing"),
+        ("x_mm,y_mm\n-5,-5\n5,five\n5,-5\n", "line 3: y_mm: expected a finite number, found \"five\""),
+        ("x_mm,y_mm\n-5,-5\n5,5\n5,-5e7\n", "line 4: corner 3 is not within 10000 mm"),
+        ("x,y\n-5,-5\n5,5\n5,-5\n", "line 1: expected a column x_mm"),
+    ] {
+        folder.put("outline.csv", text);
+        assert_says(&finray(&press).refused(), &[&outline, expected]);
+    }
+    folder.put("outline.csv", "x_mm,y_mm\n-5,-5\n5,-5\n5,5\n-5,5\n");
+    let square = finray(&press).done();
+    folder.put(
+        "scene.toml",
+        paper_with(&[])
+            + "\n"
+            + &DISC.replace("\"disc\"\nradius_mm = 20", "\"box\"\nwidth_mm = 10\nheight_mm = 10").replace("= 2", "= 1"),
+    );
+    assert_eq!(finray(&press).done(), square, "a square is a box");
+}
+
+/// Nothing is written when a step has no place of rest; what was reached is said.
+#[test]
+fn an_object_that_nothing_holds_is_an_error() {
+    let folder = Folder::new();
+    // It passes the tip and never comes back.
+    let scene = scene(
+        &folder,
+        "[object]\nshape = \"disc\"\nradius_mm = 5\nat_mm = 153\ndirection_deg = 80\nforce_n = 5\nsteps = 1\n",
+    );
+    let out = folder.path("out.csv");
+    let message = finray(&["press", &scene, "--fineness", "1", "--out", &out]).failed();
+    assert_says(&message, &["step 1 of 1: the finger does not hold the object against the force"]);
+    assert_eq!(folder.names(), ["scene.toml"]);
+}

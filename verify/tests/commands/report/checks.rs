@@ -1,0 +1,95 @@
+//! Checks: all pass, are counted by kind, and claim no more than they show.
+
+use super::shared::*;
+use crate::kit::*;
+use std::path::Path;
+
+#[test]
+fn every_check_of_the_papers_finger_passes() {
+    let summary = PAPERS.summary();
+    assert_eq!(summary["scene"], "paper");
+    verdicts_pass(&summary);
+    let sources = sources(&summary);
+    assert!(sources.contains(&"OpenSees") && sources.len() >= 3, "{sources:?}");
+}
+
+#[test]
+fn comparisons_promise_nothing() {
+    let summary = PAPERS.summary();
+    let comparisons = array(&summary, "comparisons");
+    assert_keys(comparisons, &["problem", "source", "quantity"], &["reference", "ours"]);
+    assert!(comparisons.iter().all(|entry| entry.get("verdict").is_none() && entry.get("tolerance").is_none()));
+}
+
+/// External, analytical and internal checks are counted apart, in the file, at the page's head and in what the command says.
+#[test]
+fn checks_are_counted_by_kind() {
+    for report in [&*PAPERS, &*SPRING_STEELS] {
+        let summary = report.summary();
+        let checks = array(&summary, "checks");
+        let of_kind = |kind: &str| checks.iter().filter(|check| check["kind"] == kind).count();
+        let counts = ["external", "analytical", "internal"].map(of_kind);
+        assert_eq!(counts.iter().sum::<usize>(), checks.len());
+        let [external, analytical, internal] = counts;
+        let head = report.read("index.html");
+        let head = head.split("<h2").next().expect("the first screen");
+        let said = format!("external {external} of {external}, analytical {analytical} of {analytical}");
+        assert!(head.contains(&said), "{said}");
+        assert!(
+            report.said.contains(&format!("{external} of {external} external checks (figures of another program)"))
+        );
+        assert!(report.said.contains(&format!("{internal} of {internal} internal ones")));
+    }
+    let summary = PAPERS.summary();
+    let checks = array(&summary, "checks");
+    for check in checks {
+        let source = check["source"].as_str().expect("words");
+        let other_program = ["OpenSees", "MuJoCo", "rapier2d lattice"].contains(&source);
+        assert!(check["kind"] != "external" || other_program || source.starts_with("Newton"), "{check}");
+        // The lattice's own equilibrium is no figure of rapier's.
+        let problem = check["problem"].as_str().expect("words");
+        assert!(!problem.contains("in equilibrium") || source != "rapier2d lattice", "{check}");
+        // What was fitted is no check.
+        assert!(source != "paper" && !problem.contains("residual"), "{check}");
+    }
+    let residuals = array(&summary, "comparisons").iter();
+    let residuals = residuals.filter(|entry| entry["problem"].as_str().is_some_and(|text| text.contains("residual")));
+    assert_eq!(residuals.count(), 6);
+}
+
+/// The lattice's springs and MuJoCo's rods are given the beams' EA and EI: nobody claims another physics.
+#[test]
+fn nothing_claims_more_independence_than_there_is() {
+    let readme = Path::new(env!("CARGO_MANIFEST_DIR")).join("../README.md");
+    let readme = std::fs::read_to_string(readme).expect("the README");
+    let exported = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures/mujoco/README.md");
+    let exported = std::fs::read_to_string(exported).expect("the exporter's README");
+    let texts = [readme, exported, PAPERS.read("index.html"), PAPERS.said.clone(), PAPERS.read("summary.json")];
+    for text in texts {
+        let words = text.split_whitespace().collect::<Vec<_>>().join(" ").to_lowercase();
+        for claim in ["shares nothing", "second physics", "other parties", "neither theory", "another physics"] {
+            assert!(!words.contains(claim), "\"{claim}\" in ... {}", &words[..words.len().min(60)]);
+        }
+    }
+    assert!(PAPERS.read("index.html").contains("not that Euler-Bernoulli beams describe a real finger"));
+}
+
+#[test]
+fn hard_cases_keep_their_promises() {
+    let cases = Csv::of(&PAPERS.read("hard_cases.csv"));
+    let names = cases.texts("case");
+    assert!(names.len() >= 20, "{names:?}");
+    for (name, verdict) in names.iter().zip(cases.texts("verdict")) {
+        assert_eq!(verdict, "kept", "{name}");
+    }
+    for column in ["difficulty", "promise", "outcome"] {
+        assert!(cases.texts(column).iter().all(|words| words.len() > 10), "{column}");
+    }
+    // Each case is among the checks, and on the page.
+    let summary = PAPERS.summary();
+    let page = PAPERS.read("index.html");
+    for name in &names {
+        assert!(array(&summary, "checks").iter().any(|check| check["problem"] == **name), "{name}");
+        assert!(page.contains("id=\"hard-cases\"") && page.replace('\u{2011}', "-").contains(*name), "{name}");
+    }
+}

@@ -1,0 +1,90 @@
+//! What the command says, opens, leaves out and refuses.
+
+use super::shared::*;
+use crate::kit::*;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+#[test]
+fn what_exists_for_the_papers_finger_alone_is_left_out_for_others() {
+    let summary = SPRING_STEELS.summary();
+    assert_eq!(summary["scene"], "spring-steel");
+    verdicts_pass(&summary);
+    assert!(!sources(&summary).contains(&"OpenSees"));
+    let said =
+        "Reference values of other programs (OpenSees) and the paper's Table I exist for the paper's finger alone";
+    let page = SPRING_STEELS.read("index.html");
+    assert!(page.replace("&#x27;", "'").contains(said) && !page.contains("id=\"table-one\""));
+    assert!(!SPRING_STEELS.names().contains(&"table_one.csv".to_owned()));
+    assert!(!page.contains("id=\"hard-cases\"") && !SPRING_STEELS.names().contains(&"hard_cases.csv".to_owned()));
+    let page = PAPERS.read("index.html");
+    assert!(!page.replace("&#x27;", "'").contains(said) && page.contains("id=\"table-one\""));
+    assert!(PAPERS.names().contains(&"table_one.csv".to_owned()));
+}
+
+#[test]
+fn what_was_found_is_said_on_page_summary_and_standard_output() {
+    for report in [&*PAPERS, &*SPRING_STEELS] {
+        let lines: Vec<_> = report.said.lines().collect();
+        let verdict: Vec<_> = report.summary()["verdict"].as_array().expect("sentences").to_vec();
+        assert!(verdict.len() >= 3);
+        assert_eq!(lines[..lines.len() - 1], verdict.iter().filter_map(Value::as_str).collect::<Vec<_>>());
+        assert!(lines[lines.len() - 1].ends_with("made/report/index.html"), "{lines:?}");
+        let page = report.read("index.html").replace("&#x27;", "'").replace("&quot;", "\"").replace("&#x2f;", "/");
+        for sentence in &lines[..lines.len() - 1] {
+            assert!(page.contains(sentence), "{sentence}");
+        }
+    }
+}
+
+#[cfg(target_os = "linux")]
+fn opened_by(report: &Report) -> PathBuf {
+    report.folder.join("../../programs/opened")
+}
+
+/// The page goes to the opener, and nothing is waited for.
+#[cfg(target_os = "linux")]
+#[test]
+fn the_page_is_opened_and_left_to_its_opener() {
+    let opened = std::fs::read_to_string(opened_by(&PAPERS)).expect("the opener was started");
+    assert_eq!(Path::new(opened.trim()), PAPERS.folder.join("index.html"));
+    assert_eq!(PAPERS.noted, "");
+}
+
+/// Where nothing can open a page, its path is said and the report is made all the same.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_page_that_nothing_opens_is_still_a_report() {
+    let page = SPRING_STEELS.folder.join("index.html");
+    assert!(page.is_file());
+    assert_says(&SPRING_STEELS.said, &[&format!("The report is in {}", page.display())]);
+    let note = &SPRING_STEELS.noted;
+    assert!(note.starts_with("note: nothing here opens a page (") && note.lines().count() == 1, "{note}");
+    assert_says(note, &[&format!("it is {}", page.display())]);
+}
+
+#[test]
+fn a_report_that_cannot_be_made_leaves_nothing() {
+    let folder = Folder::new();
+    let bad = folder.put("bad.toml", paper_with(&[("58.0", "400.0")]));
+    let out = folder.path("report");
+    assert_says(&finray(&["report", &bad, "--quick", "--out", &out]).refused(), &["bad.toml: line 9"]);
+    let missing = folder.path("missing.toml");
+    assert_says(&finray(&["report", &missing, "--out", &out]).refused(), &["missing.toml: cannot be read"]);
+    // A finger so soft that its stiffness is nothing cannot be solved.
+    let soft = folder.put("soft.toml", paper_with(&[("47.976", "1e-307")]));
+    finray(&["report", &soft, "--quick", "--out", &out]).failed();
+    assert_eq!(folder.names(), ["bad.toml", "soft.toml"]);
+}
+
+#[test]
+fn a_folder_that_cannot_be_made_is_named() {
+    let folder = Folder::new();
+    let ribless = folder.put("scene.toml", paper_with(&[("count = 11", "count = 0"), ("47.976", "47976.0")]));
+    let file = folder.put("file", "kept");
+    for out in [file.clone(), folder.path("file/report")] {
+        assert_says(&finray(&["report", &ribless, "--quick", "--out", &out]).failed(), &[&out, "cannot be written"]);
+    }
+    assert_eq!(folder.names(), ["file", "scene.toml"]);
+    assert_eq!(folder.read("file"), "kept");
+}

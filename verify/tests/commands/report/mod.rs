@@ -1,0 +1,10 @@
+//! `finray report`: the page, the summary for machines and a CSV behind every figure.
+
+mod checks;
+mod command;
+mod maps;
+mod models;
+mod networks;
+mod page;
+mod shared;
+mod timing;

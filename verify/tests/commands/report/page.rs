@@ -1,0 +1,178 @@
+//! The page: files, drawings, windows and print, its head.
+
+use super::shared::*;
+use crate::kit::*;
+
+#[test]
+fn every_file_that_the_page_names_is_there() {
+    for report in [&*PAPERS, &*SPRING_STEELS] {
+        let names = report.names();
+        assert!(names.contains(&"index.html".to_owned()) && names.contains(&"summary.json".to_owned()));
+        let page = report.read("index.html");
+        let (anchors, files): (Vec<_>, Vec<_>) = report.links().into_iter().partition(|link| link.starts_with('#'));
+        for anchor in &anchors {
+            assert!(page.contains(&format!("id=\"{}\"", &anchor[1..])), "{anchor}");
+        }
+        assert!(files.len() >= 6 && !anchors.is_empty());
+        for name in files.iter().filter(|link| !link.starts_with("https://")) {
+            assert!(names.contains(name), "{name} is not in {names:?}");
+            assert!(!Csv::of(&report.read(name)).rows.is_empty(), "{name}");
+        }
+        // And no table lies there that the page does not name.
+        for name in names.iter().filter(|name| name.ends_with(".csv")) {
+            assert!(files.contains(name), "{name} is named nowhere");
+        }
+        // Results are ordinary files, whole, and nothing else.
+        assert!(names.iter().all(|name| !name.starts_with('.')), "{names:?}");
+    }
+}
+
+#[test]
+fn the_page_needs_nothing_but_itself() {
+    for report in [&*PAPERS, &*SPRING_STEELS] {
+        // The name of SVG's namespace is no address that anything is loaded from.
+        let page = report.read("index.html").replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
+        for outside in ["http://", "src=", "@import", "url(http", "<script", "<link", "<iframe"] {
+            assert!(!page.contains(outside), "{outside}");
+        }
+        assert!(page.starts_with("<!DOCTYPE html>") || page.starts_with("<!doctype html>"));
+        let figures = page.matches("<svg").count();
+        assert!(figures >= 8 && figures == page.matches("</svg>").count(), "{figures} figures");
+        assert!(!page.contains("NaN"), "a figure holds no number");
+    }
+}
+
+/// Widths of a desk's and of a phone's window, px.
+const WIDTHS: [u32; 2] = [1280, 390];
+
+/// In headless Chromium, light and dark, at the width of a desk and of a phone, and in print. Where there is no Chromium nothing is
+/// looked at: the test says so and passes, for a browser is no part of what the project needs.
+#[test]
+fn the_page_fits_its_window_and_prints() {
+    let Some(browser) = browser::browser() else {
+        eprintln!("left out: no Chromium here (chromium, chromium-browser, google-chrome, or the path in CHROME)");
+        return;
+    };
+    let html = PAPERS.read("index.html");
+    let folder = tempfile::tempdir().expect("a folder");
+    let measure = |html: &str, width, dark| browser::measure(&browser, folder.path(), html, width, dark);
+    for (width, dark) in WIDTHS.into_iter().flat_map(|width| [(width, false), (width, true)]) {
+        let measured = measure(&html, width, dark);
+        assert_eq!(measured.window, f64::from(width));
+        assert!(measured.page <= measured.window, "{width} px: the page has {} px: {}", measured.page, measured.wide);
+        assert_eq!((measured.drawings, measured.flat), (html.matches("<svg").count(), 0), "{width} px");
+    }
+    // What is too wide is seen.
+    let broken = measure(&html.replace("</main>", "<div style=\"width:2000px\">wide</div></main>"), WIDTHS[1], false);
+    assert!(broken.page >= 2000.0 && broken.wide.contains("DIV"), "{} px, {}", broken.page, broken.wide);
+
+    let (page, pdf) = (folder.path().join("printed.html"), folder.path().join("printed.pdf"));
+    std::fs::write(&page, &html).expect("a copy of the page");
+    let print = format!("--print-to-pdf={}", pdf.display());
+    browser::assert_silent(&browser::run(&browser, &page, &[&print, "--no-pdf-header-footer"]));
+    let printed = std::fs::read(&pdf).expect("a PDF");
+    assert!(printed.starts_with(b"%PDF") && printed.len() > html.len() / 20, "{} bytes", printed.len());
+}
+
+/// Drawings of a page: the figures that hold an `<svg>`.
+fn drawings(page: &str) -> Vec<&str> {
+    let figures = page.split("<figure").skip(1).filter_map(|rest| rest.split("</figure>").next());
+    figures.filter(|figure| figure.contains("<svg")).collect()
+}
+
+/// The words of a drawing, without those that are numbers.
+fn words(figure: &str) -> Vec<&str> {
+    let texts = figure.split("<text").skip(1).filter_map(|rest| rest.split_once('>')?.1.split("</text>").next());
+    texts.map(str::trim).filter(|text| !text.is_empty() && text.parse::<f64>().is_err()).collect()
+}
+
+/// Every drawing has a name, a caption and its numbers as a file; what has axes says what they are, and in which unit.
+#[test]
+fn every_drawing_says_what_it_shows() {
+    // Units, and what counts or compares: what has none of them is no axis.
+    let units = [
+        " mm",
+        ", N",
+        ", %",
+        " deg",
+        " us",
+        "nodes",
+        "node",
+        "bodies",
+        "segments",
+        "cases",
+        "modulus",
+        "factor",
+        "parameters",
+    ];
+    for report in [&*PAPERS, &*SPRING_STEELS] {
+        let page = report.read("index.html");
+        let drawings = drawings(&page);
+        assert!(drawings.len() >= 8 && drawings.len() == page.matches("<svg").count());
+        for figure in drawings {
+            let start = &figure[..figure.len().min(400)];
+            let between = |open: &str, close: &str| figure.split(open).nth(1)?.split(close).next();
+            assert!(between("<title>", "</title>").is_some_and(|name| !name.is_empty()), "{start}");
+            assert!(between("<figcaption>", "<").is_some_and(|caption| caption.trim().len() > 20), "{start}");
+            assert!(figure.contains("class=\"csv\" href=\""), "{start}");
+            let axes = words(figure).into_iter().filter(|text| units.iter().any(|unit| text.contains(unit))).count();
+            assert!(axes >= 2, "{:?} in {start}", words(figure));
+        }
+    }
+}
+
+/// Three sentences and a map before everything else, then questions; what sections say stands at their heads.
+#[test]
+fn the_page_begins_with_its_summary() {
+    let page = PAPERS.read("index.html");
+    let at = |part: &str| page.find(part).unwrap_or_else(|| panic!("no {part}"));
+    let verdict = &page[at("<div class=\"verdict\">")..at("<nav class=\"bar\"")];
+    assert_eq!((verdict.matches("<p>").count(), verdict.matches("<svg").count()), (3, 1));
+    let questions = ["where", "why", "cost", "physics"].map(|id| at(&format!("<h2 id=\"{id}\"")));
+    assert!(questions.is_sorted() && at("<nav class=\"contents\"") < questions[0]);
+    for id in [
+        "maps",
+        "causes",
+        "noise",
+        "displacement-noise",
+        "speed-error",
+        "networks",
+        "table-one",
+        "twin",
+        "lattice",
+        "contact-scenes",
+        "hard-cases",
+        "checks",
+    ] {
+        let section = page[at(&format!("<h3 id=\"{id}\""))..].split("</section>").next().unwrap_or_default();
+        let blocks = section.split("class=\"says\"").nth(1).and_then(|says| says.split("</div>").next());
+        assert!(blocks.is_some_and(|says| says.matches("<p>").count() >= 1), "{id} says nothing");
+    }
+    // Every sentence of the summary for machines is on the page once, the verdict's three first.
+    let page = page.replace("&#x27;", "'").replace("&quot;", "\"").replace("&#x2f;", "/");
+    for (n, sentence) in array(&PAPERS.summary(), "verdict").iter().enumerate() {
+        let sentence = sentence.as_str().expect("words");
+        assert_eq!(page.matches(sentence).count(), 1, "{sentence}");
+        assert_eq!(n < 3, page[..questions[0]].contains(sentence), "{sentence}");
+    }
+}
+
+/// The share of places and directions in the first sentence is that of the cells in the file.
+#[test]
+fn the_first_sentence_counts_the_cells_of_its_map() {
+    let cells = Csv::of(&PAPERS.read("map_corotational_with_noise.csv"));
+    let forces = 4;
+    // Least squares answers wherever the finger bends; all of these cells have an equilibrium.
+    let errors = cells.numbers("mean_error");
+    let worst = errors.chunks(forces).map(|errors| errors.iter().copied().fold(0.0, f64::max));
+    let count = errors.len() / forces;
+    let kept = worst.filter(|error| *error <= 0.1).count() as f64 / count as f64;
+    let summary = PAPERS.summary();
+    let first = array(&summary, "verdict")[0].as_str().expect("words");
+    let said = format!(
+        "by linear least squares at {:.0} % of the places and directions ({count} cells: {count} answered, 0 refused, 0 without \
+         equilibrium)",
+        100.0 * kept
+    );
+    assert!(kept > 0.1 && kept < 0.9 && first.contains(&said), "{said}: {first}");
+}

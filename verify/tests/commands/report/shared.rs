@@ -1,0 +1,144 @@
+//! Reports that all tests share, and what reads them.
+
+use crate::kit::*;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+use std::sync::LazyLock;
+
+/// A report and what was said while it was made. Each takes seconds, so the tests share them.
+pub struct Report {
+    pub folder: PathBuf,
+    pub said: String,
+    pub noted: String,
+}
+
+/// The paper's, with results of criterion and of other programs.
+pub static PAPERS: LazyLock<Report> = LazyLock::new(|| {
+    let folder = criterion_folder();
+    let criterion = folder.path().to_str().expect("a UTF-8 path");
+    let peers = folder.path().join("peers.csv");
+    std::fs::write(&peers, PEERS).expect("a file");
+    Report::of("paper", &["--criterion", criterion, "--peers", peers.to_str().expect("a UTF-8 path")], Some(OPENER))
+});
+pub static SPRING_STEELS: LazyLock<Report> = LazyLock::new(|| Report::of("spring-steel", &[SPRING_STEEL], None));
+
+/// Notes which page it is given, stays for a while, as a browser does, and notes that it has left.
+pub const OPENER: &str = r#"#!/bin/sh
+echo "$1" > "${0%/*}/opened"
+/bin/sleep 60
+: > "${0%/*}/left"
+"#;
+
+/// The last row is for other nodes than ours.
+pub const PEERS: &str = "task,model,setting,seconds,error,program,version,nodes,forces_n,machine
+solve,corotational frame,684 nodes,0.15,0.0002,OpenSees,3.7.1.2,14-24,3,\"a desk, one core\"
+sense-one,untrained network,46-150-1,0.00004,,Torch,2.1,14-24,0.3-3,\"a desk, one core\"
+solve,corotational frame,25 nodes,0.01,0.02,OpenSees,3.7.1.2,14 18 22,3,\"a desk, one core\"
+";
+
+/// Criterion's times of two of our points, one of them broken, and of a bench that is none.
+pub fn criterion_folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let put = |bench: &str, [group, function, value]: [&str; 3], estimates: &str| {
+        let place = folder.path().join(bench).join("new");
+        std::fs::create_dir_all(&place).expect("a folder");
+        let names = serde_json::json!({ "group_id": group, "function_id": function, "value_str": value });
+        std::fs::write(place.join("benchmark.json"), names.to_string()).expect("a file");
+        std::fs::write(place.join("estimates.json"), estimates).expect("a file");
+    };
+    let median = |ns: f64| format!(r#"{{"mean":{{"point_estimate":1.0}},"median":{{"point_estimate":{ns}}}}}"#);
+    put("solve/large rotations/25 nodes", ["speed_error/solve", "large rotations", "25 nodes"], &median(123456.75));
+    put("solve/large rotations/61 nodes", ["speed_error/solve", "large rotations", "61 nodes"], "{\"median\": 1");
+    put("corotational/ladder/25", ["corotational", "large rotations", "25 nodes"], &median(1.0));
+    folder
+}
+
+#[cfg(unix)]
+pub fn executable(file: &Path) {
+    use std::os::unix::fs::PermissionsExt;
+    std::fs::set_permissions(file, std::fs::Permissions::from_mode(0o755)).expect("a program");
+}
+
+#[cfg(not(unix))]
+pub fn executable(_: &Path) {}
+
+impl Report {
+    /// Runs `report --quick --open` where nothing but the opener can be found, if there is one.
+    pub fn of(name: &str, scene: &[&str], opener: Option<&str>) -> Report {
+        let place = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("report-of-{name}"));
+        // From an earlier run, if there was one.
+        let _ = std::fs::remove_dir_all(&place);
+        // The folder is made, with those above it.
+        let folder = place.join("made/report");
+        let out = folder.to_str().expect("a UTF-8 path");
+        let programs = place.join("programs");
+        std::fs::create_dir_all(&programs).expect("a folder");
+        if let Some(script) = opener {
+            let opener = programs.join("xdg-open");
+            std::fs::write(&opener, script).expect("a file");
+            executable(&opener);
+        }
+        let open: &[&str] = if cfg!(target_os = "linux") { &["--open"] } else { &[] };
+        let mut command = command(&[&["report"], scene, &["--quick", "--out", out], open].concat());
+        let answer = command.env("PATH", &programs).stdin(Stdio::null()).output().expect("finray ends");
+        let [said, noted] = [answer.stdout, answer.stderr].map(|text| String::from_utf8(text).expect("UTF-8"));
+        assert_eq!(answer.status.code(), Some(0), "{noted}");
+        assert!(!programs.join("left").exists(), "the report waited for the opener");
+        Report { folder, said, noted }
+    }
+
+    pub fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    pub fn names(&self) -> Vec<String> {
+        names_in(&self.folder)
+    }
+
+    pub fn summary(&self) -> Value {
+        serde_json::from_str(&self.read("summary.json")).expect("JSON")
+    }
+
+    /// What the page links to: the values of `href`.
+    pub fn links(&self) -> Vec<String> {
+        let page = self.read("index.html");
+        page.split("href=\"").skip(1).map(|rest| rest.split('"').next().unwrap_or_default().to_owned()).collect()
+    }
+}
+
+#[track_caller]
+pub fn array<'v>(summary: &'v Value, key: &str) -> &'v Vec<Value> {
+    summary[key].as_array().unwrap_or_else(|| panic!("no array {key}"))
+}
+
+#[track_caller]
+pub fn assert_keys(entries: &[Value], texts: &[&str], numbers: &[&str]) {
+    assert!(!entries.is_empty());
+    for entry in entries {
+        for key in texts {
+            assert!(entry[key].as_str().is_some_and(|text| !text.is_empty()), "{key} in {entry}");
+        }
+        for key in numbers {
+            assert!(entry[key].as_f64().is_some_and(f64::is_finite), "{key} in {entry}");
+        }
+    }
+}
+
+pub fn verdicts_pass(summary: &Value) {
+    let checks = array(summary, "checks");
+    assert_keys(checks, &["problem", "source", "quantity", "verdict"], &["reference", "ours", "tolerance"]);
+    for check in checks {
+        assert_eq!(check["verdict"], "pass", "{check}");
+        let number = |key: &str| check[key].as_f64().expect("a number");
+        assert!((number("ours") - number("reference")).abs() <= number("tolerance"), "{check}");
+        assert!(number("tolerance") > 0.0);
+    }
+}
+
+pub fn sources(summary: &Value) -> Vec<&str> {
+    let mut sources: Vec<_> = array(summary, "checks").iter().filter_map(|check| check["source"].as_str()).collect();
+    sources.sort();
+    sources.dedup();
+    sources
+}

@@ -1,0 +1,283 @@
+//! Scenes that cannot be used: refused with exit code 2 and one message that names file, line, key and what was
+//! expected.
+
+use crate::kit::scene::{assert_refused, refused};
+use crate::kit::*;
+
+#[test]
+fn every_scene_of_the_repository_is_good() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures");
+    let mut scenes = 0;
+    for inner in ["scenes", "scenes/contact", "opensees"] {
+        for entry in std::fs::read_dir(format!("{folder}/{inner}")).expect("fixtures") {
+            let path = entry.expect("an entry").path();
+            if path.extension().is_some_and(|extension| extension == "toml") {
+                finray(&["solve", path.to_str().expect("a UTF-8 path"), "--load-at", "60:0.05"]).done();
+                scenes += 1;
+            }
+        }
+    }
+    assert!(scenes >= 6);
+}
+
+#[test]
+fn a_scene_may_be_written_in_many_ways() {
+    let folder = Folder::new();
+    let shape = |scene: &str| {
+        let path = folder.put("scene.toml", scene);
+        finray(&["solve", &path, "--load", "19:0,-1"]).done()
+    };
+    let reference = shape(&paper_with(&[]));
+    for (from, to) in [
+        ("\n", "\r\n"),
+        ("# The finger", "\u{feff}# The finger"),
+        ("58.0", "58"),
+        ("58.0", "+5.80e1"),
+        ("153.0", "1_53.0"),
+        ("count = 11", "count = 0x0B"),
+        ("base_width_mm", "\"base_width_mm\""),
+        ("[finger.ribs]", "[finger.ribs] # eleven"),
+        ("depth_mm = 20.0", "depth_mm = 20.0\nrod_arm_mm = 0\npoissons_ratio = 0.0\nzone = []"),
+        ("joints = \"rigid\"", "joints = 'rigid'\nrigid = false"),
+        ("\n[finger]", "[camera]\nnoise_mm = 0.1\n[finger]"),
+    ] {
+        // A comment keeps its first line even with a byte order mark before it.
+        assert_eq!(shape(&paper_with(&[(from, to)])), reference, "{to:?}");
+    }
+    let evenly: Vec<_> = (1..=11).map(|i| format!("[{0:?}, {0:?}]", 153.0 * f64::from(i) / 12.0)).collect();
+    let places = format!("positions_mm = [{}]", evenly.join(", "));
+    assert_eq!(shape(&paper_with(&[("count = 11", &places)])), reference);
+    // A zone that covers everything is another modulus.
+    let zones = |to: &str| {
+        format!(
+            "{}\n[[finger.zone]]\nplate = \"front\"\nfrom_mm = 0\nto_mm = {to}\nmodulus_factor = 2\n",
+            paper_with(&[])
+        )
+    };
+    assert_ne!(shape(&zones("153")), reference);
+    assert_ne!(shape(&zones("153")), shape(&zones("70")));
+}
+
+#[test]
+fn unknown_keys_are_named_with_the_nearest_known_one() {
+    for (from, to, key, nearest) in [
+        ("base_width_mm", "base_widht_mm", "finger.base_widht_mm", "base_width_mm"),
+        ("base_width_mm", "base_width", "finger.base_width", "base_width_mm"),
+        ("base_width_mm", "basewidth", "finger.basewidth", "base_width_mm"),
+        ("base_width_mm", "width", "finger.width", "base_width_mm"),
+        ("back_length_mm", "length_back", "finger.length_back", "back_length_mm"),
+        ("depth_mm = 20.0", "depth_mm = 20.0\nrod_arm = 1.0", "finger.rod_arm", "rod_arm_mm"),
+        ("depth_mm = 20.0", "depth_mm = 20.0\nposson_ratio = 0.3", "finger.posson_ratio", "poissons_ratio"),
+        ("count = 11", "counts = 11", "finger.ribs.counts", "count"),
+        ("count = 11", "position_mm = []", "finger.ribs.position_mm", "positions_mm"),
+        ("joints", "joint", "finger.ribs.joint", "joints"),
+        ("name", "nmae", "nmae", "name"),
+        ("\n[finger]", "[cammera]\n[finger]", "cammera", "camera"),
+        ("\n[finger]", "[camera]\nnoise = 0.1\n[finger]", "camera.noise", "noise_mm"),
+    ] {
+        let written = key.rsplit('.').next().expect("a key");
+        let scene = paper_with(&[(from, to)]);
+        let is_it = |line: &&str| line.trim_start_matches('[').starts_with(written);
+        let line = scene.lines().find(is_it).expect("the line");
+        let nearest = format!("; the nearest known key is `{nearest}`");
+        assert_refused(from, to, line, &[&format!("unknown key `{key}`"), &nearest]);
+    }
+    // In a plate's table and in the second of two zones the line is theirs.
+    let scene = paper_with(&[("[finger.back]\nthickness_mm", "[finger.back]\nthicknes_mm")]);
+    assert_says(&refused(&scene), &["line 19: unknown key `finger.back.thicknes_mm`", "`thickness_mm`"]);
+    let zone = "[[finger.zone]]\nplate = \"front\"\nfrom_mm = 1\nto_mm = 2\nmodulus_factor = 2\n";
+    let scene = paper_with(&[]) + zone + &zone.replace("modulus_factor", "factor");
+    assert_says(&refused(&scene), &["line 36: unknown key `finger.zone[2].factor`", "`modulus_factor`"]);
+}
+
+#[test]
+fn values_of_another_type_are_refused() {
+    for (value, found) in [
+        ("\"58 mm\"", "found the text \"58 mm\""),
+        ("\"58\\n mm\"", "found the text \"58\\n mm\""),
+        ("true", "found true"),
+        ("[58.0]", "found a list"),
+        ("{ mm = 58.0 }", "found a table"),
+        ("1979-05-27", "found the date 1979-05-27"),
+        ("99999999999999999999", "found 99999999999999999999"),
+    ] {
+        let expected = ["finger.base_width_mm: expected a length in mm, as a plain number", found];
+        assert_refused("58.0", value, "base_width_mm", &expected);
+    }
+    for (from, to, at, expected) in [
+        ("\"paper\"", "5", "name", "name: expected a text in quotes, found 5"),
+        ("count = 11", "count = 11.0", "count", "finger.ribs.count: expected a whole number, zero or more, found 11.0"),
+        ("count = 11", "count = -1", "count", "expected a whole number, zero or more, found -1"),
+        ("count = 11", "count = \"11\"", "count", "expected a whole number, zero or more, found the text \"11\""),
+        ("count = 11", "count = 99999999999999999999", "count", "expected a whole number, zero or more"),
+        (
+            "\"rigid\"",
+            "\"glued\"",
+            "joints",
+            "finger.ribs.joints: expected one of \"rigid\", \"hinged\", found the text \"glued\"",
+        ),
+        ("\"rigid\"", "true", "joints", "expected one of \"rigid\", \"hinged\", found true"),
+        ("count = 11", "count = 11\nrigid = 1", "rigid", "finger.ribs.rigid: expected true or false, found 1"),
+        ("count = 11", "positions_mm = 11", "positions_mm", "expected a list of pairs [front, back]"),
+        ("count = 11", "positions_mm = [[1.0, 2.0, 3.0]]", "positions_mm", "expected a list of pairs [front, back]"),
+        ("count = 11", "positions_mm = [1.0, 2.0]", "positions_mm", "expected a list of pairs [front, back]"),
+        ("count = 11", "positions_mm = [[\"1 mm\", 2.0]]", "positions_mm", "expected a list of pairs [front, back]"),
+        (
+            "depth_mm = 20.0",
+            "depth_mm = 20.0\nzone = 5",
+            "zone",
+            "finger.zone: expected tables [[finger.zone]], found 5",
+        ),
+        (
+            "depth_mm = 20.0",
+            "depth_mm = 20.0\nzone = [5]",
+            "zone",
+            "finger.zone: expected tables [[finger.zone]], found 5",
+        ),
+        ("\n[finger]", "camera = 0.1\n[finger]", "camera", "camera: expected a table, found 0.1"),
+    ] {
+        assert_refused(from, to, at, &[expected]);
+    }
+    assert_says(&refused("name = \"x\"\nfinger = 5\n"), &["line 2: finger: expected a table, found 5"]);
+}
+
+/// The line is that of the table which should hold the key.
+#[test]
+fn missing_keys_are_named() {
+    for (from, at, expected) in [
+        ("base_width_mm = 58.0\n", "[finger]", "finger.base_width_mm is missing: expected a length in mm"),
+        ("front_length_mm = 153.0\n", "[finger]", "finger.front_length_mm is missing"),
+        ("back_length_mm = 153.0\n", "[finger]", "finger.back_length_mm is missing"),
+        ("depth_mm = 20.0\n", "[finger]", "finger.depth_mm is missing"),
+        (
+            "joints = \"rigid\"\n",
+            "[finger.ribs]",
+            "finger.ribs.joints is missing: expected one of \"rigid\", \"hinged\"",
+        ),
+        ("count = 11\n", "[finger.ribs]", "finger.ribs.count is missing: expected the number of ribs, or positions_mm"),
+    ] {
+        assert_refused(from, "", at, &[expected]);
+    }
+    for (table, line) in [("front", 14), ("back", 18), ("ribs", 22)] {
+        let scene = paper_with(&[]);
+        let (before, after) = scene.split_once(&format!("[finger.{table}]\n")).expect("the table");
+        for key in ["thickness_mm", "youngs_modulus_mpa"] {
+            let without: String = {
+                let start = after.find(key).expect("the key");
+                let end = start + after[start..].find('\n').expect("a line end") + 1;
+                format!("{before}[finger.{table}]\n{}{}", &after[..start], &after[end..])
+            };
+            assert_says(&refused(&without), &[&format!("line {line}: finger.{table}.{key} is missing")]);
+        }
+        let without = format!("{before}{}", after.split_once("\n\n").map_or("", |(_, rest)| rest));
+        assert_says(&refused(&without), &[&format!("line 8: finger.{table} is missing: expected a table")]);
+    }
+    assert_says(&refused(""), &["line 1: name is missing"]);
+    assert_says(&refused("name = \"x\"\n"), &["line 1: finger is missing: expected a table"]);
+    assert_refused("name = \"paper\"\n", "", "#", &["name is missing: expected a text in quotes"]);
+    assert_refused("\n[finger]", "[camera]\n[finger]", "[camera]", &["camera.noise_mm is missing"]);
+    let scene = paper_with(&[]) + "\n[[finger.zone]]\nplate = \"back\"\nfrom_mm = 1\nmodulus_factor = 2\n";
+    assert_says(&refused(&scene), &["line 28: finger.zone[1].to_mm is missing"]);
+}
+
+#[test]
+fn text_that_is_no_toml_is_refused_by_line() {
+    for (from, to, at) in [
+        ("58.0", "58 mm", "base_width_mm"),
+        ("\"paper\"", "\"paper", "name"),
+        ("[finger]", "[finger", "[finger"),
+        ("depth_mm = 20.0", "depth_mm = 20.0\ndepth_mm = 21.0", "depth_mm = 21"),
+        ("[finger.back]", "[finger.front]\n[finger.back]", "[finger.front]\n"),
+        ("depth_mm = 20.0", "depth_mm", "depth_mm"),
+    ] {
+        if at.ends_with('\n') {
+            assert_says(&refused(&paper_with(&[(from, to)])), &["line 18: not valid TOML: "]);
+        } else {
+            assert_refused(from, to, at, &["not valid TOML: "]);
+        }
+    }
+    let folder = Folder::new();
+    let path = folder.put("scene.toml", [paper_with(&[]).as_bytes(), b"# \xe9\n"].concat());
+    assert_says(&finray(&["solve", &path, "--load", "19:0,-1"]).refused(), &[&path, "line 27: expected text in UTF-8"]);
+    for path in [folder.path("missing.toml"), folder.path("")] {
+        assert_says(&finray(&["solve", &path, "--load", "19:0,-1"]).refused(), &[&path, "cannot be read"]);
+    }
+    assert_says(&finray_reading(b"[", &["solve", "-", "--load", "19:0,-1"]).refused(), &["standard input: line 1: "]);
+}
+
+/// Objects and rods, each fault on its own line.
+#[test]
+fn objects_that_cannot_be_are_refused() {
+    let disc = "[object]\nshape = \"disc\"\nradius_mm = 5\nat_mm = 70\ntravel_mm = 3\n";
+    let with = |from: &str, to: &str| paper_with(&[]) + "\n" + &disc.replace(from, to);
+    for (from, to, line, expected) in [
+        ("radius_mm = 5", "radius = 5", 30, "unknown key `object.radius`; the nearest known key is `radius_mm`"),
+        (
+            "\"disc\"",
+            "\"ring\"",
+            29,
+            "object.shape: expected one of \"disc\", \"box\", \"polygon\", found the text \"ring\"",
+        ),
+        ("radius_mm = 5\n", "", 28, "object.radius_mm is missing: expected a length in mm"),
+        ("= 5", "= 0", 30, "object.radius_mm: expected a length in mm above zero, up to 10000, found 0.0"),
+        ("= 5", "= inf", 30, "object.radius_mm: expected a length in mm above zero, up to 10000, found inf"),
+        ("= 5", "= 5\nwidth_mm = 5", 31, "object.width_mm: expected nothing, found a value that a disc does not have"),
+        ("\"disc\"", "\"box\"", 30, "object.radius_mm: expected nothing, found a value that a box does not have"),
+        ("= 70", "= 154", 31, "object.at_mm: expected a place on the front plate, 0 to 153 mm, found 154"),
+        ("= 70", "= nan", 31, "object.at_mm: expected a place on the front plate, 0 to 153 mm, found NaN"),
+        ("at_mm = 70\n", "", 28, "object.at_mm is missing: expected the place on the front plate to press on"),
+        ("= 70", "= 70\ndirection_deg = 90", 32, "expected an angle between -90 and 90 degrees"),
+        ("travel_mm = 3", "", 28, "object.travel_mm is missing: expected how far to press, in mm (or force_n)"),
+        ("= 3", "= -3", 32, "object.travel_mm: expected a length in mm above zero, up to 10000, found -3.0"),
+        ("= 3", "= 3\nforce_n = 2", 33, "object.force_n: expected either travel_mm or force_n, found both"),
+        ("= 3", "= 3\nfriction = -1", 33, "object.friction: expected a coefficient of friction, 0 to 10"),
+        ("= 3", "= 3\nsteps = 0", 33, "object.steps: expected a whole number, 1 to 10000, found 0"),
+        ("= 3", "= 3\nrotation_deg = inf", 33, "object.rotation_deg: expected a finite angle"),
+        (
+            "= 3",
+            "= 3\npath_mm = [[1, 2], [3, 4]]",
+            31,
+            "object.at_mm: expected nothing, found a value that an object with path_mm",
+        ),
+        (
+            "at_mm = 70\ntravel_mm = 3",
+            "path_mm = [[1, 2], [1, 2]]",
+            31,
+            "object.path_mm: expected two or more different points",
+        ),
+        (
+            "at_mm = 70\ntravel_mm = 3",
+            "path_mm = [[1, 2], [inf, 2]]",
+            31,
+            "object.path_mm: expected two or more different points",
+        ),
+        (
+            "[object]",
+            "[contact]\nrod_radius_mm = -1\n[object]",
+            29,
+            "contact.rod_radius_mm: expected a length in mm, zero or more",
+        ),
+    ] {
+        assert_says(&refused(&with(from, to)), &[&format!("line {line}: "), expected]);
+    }
+}
+
+/// Whatever command reads the scene.
+#[test]
+fn every_command_refuses_a_bad_scene() {
+    let folder = Folder::new();
+    let bad = folder.put("bad.toml", paper_with(&[("58.0", "-58.0")]));
+    let out = folder.path("out");
+    for command in [
+        vec!["solve", &bad, "--load", "19:0,-1"],
+        vec!["sense", &bad, "--displacements", PAPER, "--contact", "19"],
+        vec!["calibrate", &bad, "--measurements", PAPER],
+        vec!["map", &bad],
+        vec!["press", &bad],
+        vec!["report", &bad],
+    ] {
+        let message = finray(&[&command[..], &["--out", &out]].concat()).refused();
+        assert_says(&message, &[&bad, "line 9: finger.base_width_mm: expected a positive length in mm, found -58.0"]);
+    }
+    assert_eq!(folder.names(), ["bad.toml"]);
+}

@@ -1,0 +1,102 @@
+//! How a measurement may be written.
+
+use super::{CONTACTS, HEADER, SENSED, TRUTH, linear_shape, sense, sense_text};
+use crate::kit::*;
+
+#[test]
+fn what_solve_writes_sense_reads() {
+    let sensed = sense(&linear_shape(&TRUTH), &CONTACTS);
+    assert_eq!(sensed.header, HEADER);
+    assert_eq!(sensed.texts("contact"), ["16", "20", "23"]);
+    assert_close(&sensed.numbers("s_mm"), &[114.75, 63.75, 25.5], 1e-15);
+    assert_eq!(sensed.numbers("angle_deg"), TRUTH.map(|(_, angle, _)| angle));
+    assert_close(&sensed.numbers("force_n"), &TRUTH.map(|(_, _, force)| force), SENSED);
+    // A perfect fit leaves no residual, and so no noise.
+    assert!(sensed.numbers("sigma_n").iter().all(|sigma| (0.0..SENSED).contains(sigma)));
+}
+
+/// Hidden markers, another order, further columns, Windows line ends, a byte order mark, spaces, no last line end.
+#[test]
+fn a_measurement_may_be_written_in_many_ways() {
+    let shape = Csv::of(&linear_shape(&TRUTH));
+    let (node, ux, uy) = (shape.texts("node"), shape.texts("ux_mm"), shape.texts("uy_mm"));
+    let row = |i: usize| format!("{},a word,{} , {},{}", uy[i], node[i], ux[i], i as f64);
+    for hidden in [vec![], vec![3, 4, 11, 17], (6..25).collect::<Vec<_>>()] {
+        let mut rows: Vec<_> = (0..25).rev().filter(|i| !hidden.contains(i)).map(row).collect();
+        rows.rotate_left(2);
+        rows.swap(0, 3);
+        for line_end in ["\n", "\r\n"] {
+            let text = format!("\u{feff}uy_mm,remark, node ,ux_mm,weight{line_end}{}", rows.join(line_end));
+            let forces = sense(&text, &CONTACTS).numbers("force_n");
+            // Five markers at the back base tell the forces apart less well.
+            let lost = if hidden.len() > 10 { 1e4 } else { 1.0 };
+            assert_close(&forces, &TRUTH.map(|(_, _, force)| force), lost * SENSED);
+        }
+    }
+}
+
+#[test]
+fn rows_of_clamped_nodes_are_ignored_at_zero_and_refused_elsewhere() {
+    let shape = linear_shape(&TRUTH);
+    let free: String =
+        shape.lines().filter(|l| !l.starts_with("1,") && !l.starts_with("25,")).map(|l| format!("{l}\n")).collect();
+    assert_eq!(free.lines().count(), shape.lines().count() - 2);
+    assert_eq!(sense(&free, &CONTACTS), sense(&shape, &CONTACTS));
+    for moving in ["1,0,1e-9", "25,0.2,0", "25,-1,-1"] {
+        let text = format!("node,ux_mm,uy_mm\n7,0,-1\n{moving}\n8,0,-1\n");
+        let message = sense_text(&text, &["--contact", "19"]).refused();
+        assert_says(&message, &["standard input: line 3: node ", "is clamped, so its displacement must be zero"]);
+    }
+}
+
+#[test]
+fn measurements_that_cannot_be_read_are_refused_by_file_and_line() {
+    let folder = Folder::new();
+    for (text, expected) in [
+        ("", vec!["expected the columns node,ux_mm,uy_mm, found nothing"]),
+        ("\n\n", vec!["expected the columns node,ux_mm,uy_mm, found nothing"]),
+        ("node,ux_mm,uy_mm\n", vec!["expected rows of node,ux_mm,uy_mm, found none"]),
+        ("node,ux_mm\n7,0\n", vec!["line 1: expected a column uy_mm", "node,ux_mm"]),
+        ("7,0,-1\n8,0,-1\n", vec!["line 1: expected a column node"]),
+        ("node,ux_mm,uy_mm,uy_mm\n7,0,-1,2\n", vec!["line 1: the column uy_mm stands there twice"]),
+        ("node,ux_mm,uy_mm\n7,0,-1\n\n99,0,-1\n", vec!["line 4: node 99 does not exist", "1 to 25"]),
+        ("node,ux_mm,uy_mm\n0,0,-1\n", vec!["line 2: node 0 does not exist"]),
+        ("node,ux_mm,uy_mm\n7,0,-1\n8,0,-1\n7,0,-1\n", vec!["line 4: node 7 is listed twice"]),
+        (
+            "node,ux_mm,uy_mm\r\n7,0,-1\r\n8,left,-1\r\n",
+            vec!["line 3: ux_mm: expected a finite number, found \"left\""],
+        ),
+        ("node,ux_mm,uy_mm\n7,0,NaN\n", vec!["line 2: uy_mm: expected a finite number, found \"NaN\""]),
+        ("node,ux_mm,uy_mm\n7,-inf,0\n", vec!["line 2: ux_mm: expected a finite number"]),
+        ("node,ux_mm,uy_mm\n7,1e999,0\n", vec!["line 2: ux_mm: expected a finite number"]),
+        ("node,ux_mm,uy_mm\n7,,0\n", vec!["line 2: ux_mm: expected a finite number, found \"\""]),
+        ("node,ux_mm,uy_mm\n7.0,0,0\n", vec!["line 2: node: expected the number of a node, found \"7.0\""]),
+        ("node,ux_mm,uy_mm\n-7,0,0\n", vec!["line 2: node: expected the number of a node, found \"-7\""]),
+        ("node,ux_mm,uy_mm\n7,\"0\n0\",0\n", vec!["line 2: ux_mm: expected a finite number, found \"0\\n0\""]),
+        ("node,ux_mm,uy_mm\r\n7,0,-1\r\n8,0\r\n", vec!["line 3: expected 3 columns as in the header, found 2"]),
+        ("node,ux_mm,uy_mm\n7,0,-1\n8,0,-1,5\n", vec!["line 3: expected 3 columns as in the header, found 4"]),
+        ("node;ux_mm;uy_mm\n7;0;-1\n", vec!["line 1: expected a column node", "node;ux_mm;uy_mm"]),
+        ("node,ux_mm,uy_mm\n7,0,\"-1\n8,0,-1\n", vec!["line 2: uy_mm: expected a finite number, found \"-1\\n8,0,-1"]),
+    ] {
+        let path = folder.put("measured.csv", text);
+        let message = finray(&["sense", PAPER, "--displacements", &path, "--contact", "19"]).refused();
+        assert_says(&message, &[&[path.as_str()], &expected[..]].concat());
+    }
+    let path = folder.put("measured.csv", b"node,ux_mm,uy_mm\n7,0,-1\n\xff,0,0\n");
+    let message = finray(&["sense", PAPER, "--displacements", &path, "--contact", "19"]).refused();
+    assert_says(&message, &[&path, "line 3: expected text in UTF-8"]);
+    for path in [folder.path("missing.csv"), folder.path("")] {
+        let message = finray(&["sense", PAPER, "--displacements", &path, "--contact", "19"]).refused();
+        assert_says(&message, &[&path, "cannot be read"]);
+    }
+}
+
+#[test]
+fn more_unknowns_than_coordinates_are_refused() {
+    let two_markers = "node,ux_mm,uy_mm\n7,0,-1\n8,0,-1\n";
+    let five = ["--contact", "14", "16", "18", "20", "22"];
+    let message = sense_text(two_markers, &five).refused();
+    assert_says(&message, &["not identifiable", "5 unknown forces", "4 measured coordinates"]);
+    let message = sense_text("node,ux_mm,uy_mm\n1,0,0\n25,0,0\n", &["--contact", "19"]).refused();
+    assert_says(&message, &["1 unknown force", "0 measured coordinates"]);
+}

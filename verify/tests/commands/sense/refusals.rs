@@ -1,0 +1,52 @@
+//! Contacts that cannot be sensed.
+
+use super::{LEAST_SQUARES, TRUTH, linear_shape, sense_text};
+use crate::kit::*;
+
+#[test]
+fn contacts_that_cannot_be_sensed_are_refused() {
+    let shape = linear_shape(&TRUTH);
+    for (contacts, expected) in [
+        (vec![], "no contact was given"),
+        (vec!["--contact", "1"], "node 1 is clamped"),
+        (vec!["--contact", "25"], "node 25 is clamped"),
+        (vec!["--contact", "26"], "node 26 does not exist"),
+        (vec!["--contact", "0"], "node 0 does not exist"),
+        (vec!["--contact", "12"], "contacts lie on the front plate, nodes 13 (tip) to 24"),
+        (vec!["--contact", "19", "--contact", "2"], "node 2 is not a contact node"),
+        (vec!["--contact", "19", "20", "19"], "contacts 1 and 3 are the same place and direction"),
+        (vec!["--contact", "19@5", "19@5.0"], "contacts 1 and 2 are the same place and direction"),
+        (vec!["--contact", "19", "--contact-at", "76.5"], "contacts 1 and 2 are the same place and direction"),
+        // A force and its opposite are one unknown, whatever they are called.
+        (vec!["--contact", "19", "19@180"], "not identifiable"),
+        (vec!["--contact", "19", "19@360"], "not identifiable"),
+        (vec!["--contact", "19", "19@30", "19@60"], "not identifiable"),
+        (vec!["--contact-at", "0"], "s = 0 mm is not on the front plate"),
+        (vec!["--contact-at", "153.1"], "s = 153.1 mm is not on the front plate"),
+        (vec!["--contact-at", "1e-300"], "not identifiable"),
+        (vec!["--contact", "19@normal"], "`normal` or `auto` needs --estimator nonlinear"),
+        (vec!["--contact", "19@auto"], "`normal` or `auto` needs --estimator nonlinear"),
+        (vec!["--contact-at", "auto"], "`normal` or `auto` needs --estimator nonlinear"),
+        (vec!["--contact", "19@nan"], "expected an angle in degrees, `normal` or `auto`"),
+        (vec!["--contact", "19@"], "expected an angle in degrees, `normal` or `auto`"),
+        (vec!["--contact", "tip"], "expected the number of a node, found \"tip\""),
+        (vec!["--contact", "19", "--noise-mm=-0.1"], "expected zero or more"),
+        (vec!["--contact", "19", "--noise-mm", "nan"], "expected a finite number"),
+        (vec!["--contact", "19", "--estimator", "guess"], "least-squares"),
+    ] {
+        assert_says(&sense_text(&shape, &contacts).refused(), &[expected]);
+    }
+}
+
+#[test]
+fn a_contact_on_the_rigid_arm_of_the_clamp_moves_nothing() {
+    let folder = Folder::new();
+    let scene = folder.put("scene.toml", paper_with(&[("depth_mm = 20.0", "depth_mm = 20.0\nrod_arm_mm = 2.0")]));
+    let shape = linear_shape(&TRUTH);
+    for contacts in [vec!["--contact-at", "1.5"], vec!["--contact", "19", "--contact-at", "1.5"]] {
+        let all = [&["sense", &scene, "--displacements", "-"], &LEAST_SQUARES[..], &contacts[..]].concat();
+        let message = finray_reading(shape.as_bytes(), &all).refused();
+        assert_says(&message, &["not identifiable", &format!("contact {} least", contacts.len() / 2)]);
+        assert!(!message.contains("NaN"), "{message}");
+    }
+}

@@ -1,0 +1,215 @@
+//! `finray solve`: loads in, displacements of the key nodes out.
+
+use crate::kit::*;
+
+const HEADER: [&str; 6] = ["node", "x_mm", "y_mm", "ux_mm", "uy_mm", "theta_rad"];
+/// Newton's last correction is below 1e-9 of the solution; two ways to one equilibrium may differ by as much.
+const NEWTON: f64 = 1e-8;
+/// Far above what Newton leaves of displacements of some millimetres.
+const NOTICEABLE_MM: f64 = 1e-4;
+/// Beams of one element a member are this close to the fine mesh at 2.5 N, as a share of the largest displacement.
+const COARSE_MESH: f64 = 0.05;
+
+fn solve(arguments: &[&str]) -> Csv {
+    Csv::of(&finray(&[&["solve", PAPER], arguments].concat()).done())
+}
+
+#[test]
+fn a_row_a_key_node_in_order_with_the_undeformed_place() {
+    let shape = solve(&["--load", "19:-0.38,-1.96"]);
+    assert_eq!(shape.header, HEADER);
+    assert_eq!(shape.texts("node"), (1..=25).map(|n| n.to_string()).collect::<Vec<_>>());
+    let (x, y) = (shape.numbers("x_mm"), shape.numbers("y_mm"));
+    let height = (153.0_f64 * 153.0 - 29.0 * 29.0).sqrt();
+    for i in 0..=12 {
+        let share = i as f64 / 12.0;
+        assert_close(&[x[i], y[i]], &[height * share, -29.0 * (1.0 - share)], 1e-14);
+        assert_close(&[x[24 - i], y[24 - i]], &[height * share, 29.0 * (1.0 - share)], 1e-14);
+    }
+    for row in [&shape.rows[0], &shape.rows[24]] {
+        assert_eq!(row[3..], ["0.0", "0.0", "0.0"], "clamped");
+    }
+    // The force pushes the front plate to -y, and the finger with it.
+    assert!(shape.numbers("uy_mm")[1..24].iter().all(|u| *u < 0.0));
+}
+
+#[test]
+fn numbers_are_written_with_full_precision() {
+    // Twice the load is exactly twice the linear displacement, so a single digit cut off would show.
+    let one = solve(&["--kinematics", "linear", "--load", "19:-0.17,-0.93,1.1"]);
+    let two = solve(&["--kinematics", "linear", "--load", "19:-0.34,-1.86,2.2"]);
+    for column in ["ux_mm", "uy_mm", "theta_rad"] {
+        let doubled: Vec<f64> = one.numbers(column).iter().map(|x| 2.0 * x).collect();
+        assert_eq!(two.numbers(column), doubled);
+    }
+    // And none is longer than it takes to read back the same.
+    for cell in one.rows.iter().flatten().skip(6).filter(|cell| cell.contains('.')) {
+        let number: f64 = cell.parse().expect("a number");
+        assert!(cell.len() <= format!("{number:?}").len(), "{cell}");
+    }
+}
+
+#[test]
+fn loads_on_one_node_add_up() {
+    for kinematics in ["linear", "corotational", "corotational-chord"] {
+        let sum = solve(&["--kinematics", kinematics, "--load", "19:-0.4,-2,5", "--load", "16:0,-0.5"]);
+        let parts = ["--load", "19:-0.1,-1.5,4", "--load", "16:0,-0.25", "19:-0.3,-0.5,1", "16:0,-0.25"];
+        let parts = solve(&[&["--kinematics", kinematics], &parts[..]].concat());
+        assert_close(&displacements(&parts), &displacements(&sum), NEWTON);
+    }
+}
+
+#[test]
+fn a_load_at_the_place_of_a_node_is_a_load_on_it() {
+    for kinematics in ["linear", "corotational", "corotational-chord"] {
+        for (node, s_mm, angle_deg) in [(24, "12.75", 0.0), (19, "76.5", -35.0), (13, "153", 60.0)] {
+            for mesh in ["25", "101"] {
+                let settings = ["--kinematics", kinematics, "--mesh-nodes", mesh];
+                let at_node = solve(&[&settings[..], &["--load", &paper_load(node, 1.2, angle_deg)]].concat());
+                let place = format!("{s_mm}:1.2,{angle_deg}");
+                let at_place = solve(&[&settings[..], &["--load-at", &place]].concat());
+                assert_close(&displacements(&at_place), &displacements(&at_node), NEWTON);
+            }
+        }
+    }
+}
+
+#[test]
+fn an_angle_left_out_is_the_inward_normal() {
+    assert_eq!(solve(&["--load-at", "80:2"]), solve(&["--load-at", "80:2,0"]));
+    let shape = solve(&["--kinematics", "linear", "--load-at", "76.5:2"]);
+    let reference = solve(&["--kinematics", "linear", "--load", &paper_load(19, 2.0, 0.0)]);
+    assert_close(&displacements(&shape), &displacements(&reference), LINEAR_ROUNDING);
+}
+
+/// Once the last element ended a rounding error before the tip.
+#[test]
+fn the_tip_is_on_the_plate_whatever_its_length() {
+    let folder = Folder::new();
+    let tip = "107.23665742694708";
+    let scene =
+        folder.put("scene.toml", paper_with(&[("front_length_mm = 153.0", &format!("front_length_mm = {tip}"))]));
+    for nodes in 25..125 {
+        let load = format!("{tip}:0.1");
+        let arguments =
+            ["solve", &scene, "--kinematics", "linear", "--mesh-nodes", &nodes.to_string(), "--load-at", &load];
+        finray(&arguments).done();
+    }
+}
+
+#[test]
+fn large_rotations_are_the_default_and_differ_from_the_others() {
+    let load = ["--load", "13:-0.4,-2"];
+    let with = |kinematics| displacements(&solve(&[&["--kinematics", kinematics], &load[..]].concat()));
+    let default = displacements(&solve(&load));
+    assert_eq!(default, with("corotational"));
+    for other in ["linear", "corotational-chord"] {
+        let largest = with(other).iter().zip(&default).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(largest > NOTICEABLE_MM, "{other} differs by {largest} mm alone");
+    }
+}
+
+#[test]
+fn a_finer_mesh_still_gives_the_key_nodes() {
+    let load = ["--load", "16:-0.5,-2.5"];
+    let coarse = solve(&load);
+    assert_eq!(solve(&[&load[..], &["--mesh-nodes", "25"]].concat()), coarse);
+    let fine = solve(&[&load[..], &["--mesh-nodes", "684"]].concat());
+    assert_eq!(fine.texts("x_mm"), coarse.texts("x_mm"));
+    assert_ne!(fine, coarse);
+    assert_close(&displacements(&coarse), &displacements(&fine), COARSE_MESH);
+}
+
+#[test]
+fn the_scene_may_come_from_standard_input() {
+    let scene = std::fs::read(PAPER).expect("the scene");
+    let load = ["--load", "19:0,-1"];
+    let piped = finray_reading(&scene, &[&["solve", "-"], &load[..]].concat()).done();
+    assert_eq!(Csv::of(&piped), solve(&load));
+}
+
+#[test]
+fn loads_that_the_finger_cannot_take_are_refused() {
+    for (load, expected) in [
+        (["--load", "1:0,-1"], "node 1 is clamped"),
+        (["--load", "25:0,-1"], "node 25 is clamped"),
+        (["--load", "26:0,-1"], "node 26 does not exist: the finger has the key nodes 1 to 25"),
+        (["--load", "0:0,-1"], "node 0 does not exist"),
+        (["--load-at", "0:1,0"], "s = 0 mm is not on the front plate"),
+        (["--load-at", "153.001:1,0"], "reaches from 0 (clamped) to 153 mm (tip)"),
+        (["--load", "19"], "expected NODE:FX,FY or NODE:FX,FY,M"),
+        (["--load", "19:1"], "expected NODE:FX,FY or NODE:FX,FY,M"),
+        (["--load", "19:1,2,3,4"], "expected NODE:FX,FY or NODE:FX,FY,M"),
+        (["--load", "19:1,x"], "expected a finite number, found \"x\""),
+        (["--load", "19:1,nan"], "expected a finite number, found \"nan\""),
+        (["--load", "19:inf,0"], "expected a finite number, found \"inf\""),
+        (["--load", "19:1e999,0"], "expected a finite number, found \"1e999\""),
+        (["--load", "tip:1,0"], "expected the number of a node, found \"tip\""),
+        (["--load", "-1:1,0"], "-1"),
+        (["--load-at", "80"], "expected S_MM:FORCE,ANGLE_DEG"),
+        (["--load-at", "80:1,normal"], "expected a finite number, found \"normal\""),
+        (["--load-at", "80:1,0,0"], "expected a finite number, found \"0,0\""),
+        (["--mesh-nodes", "24"], "--mesh-nodes: expected 25 (the key nodes alone) to 200000 mesh nodes, found 24"),
+        (["--mesh-nodes", "200001"], "found 200001"),
+        (["--mesh-nodes", "many"], "many"),
+        (["--kinematics", "quadratic"], "corotational-chord"),
+    ] {
+        // A good load beside it, so that nothing else is missing.
+        let answer = finray(&[&["solve", PAPER, "--load", "19:0,-1"], &load[..]].concat());
+        assert_says(&answer.refused(), &[expected]);
+    }
+    assert_says(&finray(&["solve", PAPER]).refused(), &["--load NODE:FX,FY", "--load-at S_MM:FORCE,ANGLE_DEG"]);
+}
+
+/// The message names the share of the load up to which there is an equilibrium: below it `solve` works, above it not.
+#[test]
+fn without_equilibrium_the_last_share_of_the_load_is_named() {
+    let [fx, fy] = paper_force(200.0, 0.0);
+    let load = |share: f64| format!("19:{},{}", share * fx, share * fy);
+    let message = finray(&["solve", PAPER, "--load", &load(1.0)]).failed();
+    assert_says(&message, &["no stable equilibrium", "% of the load"]);
+    let percent = message.split_once("beyond ").and_then(|(_, rest)| rest.split_once(" %")).expect("a share").0;
+    let share = percent.parse::<f64>().expect("a number") / 100.0;
+    assert!(share > 0.01 && share < 1.0, "{message}");
+    // Strains are far from small there.
+    finray(&["solve", PAPER, "--load", &load(0.999 * share)]).warned();
+    finray(&["solve", PAPER, "--load", &load(1.001 * share)]).failed();
+    // The linear finger carries anything.
+    finray(&["solve", PAPER, "--kinematics", "linear", "--load", &load(1.0)]).warned();
+}
+
+#[test]
+fn fingers_with_other_joints_and_ribs_are_solved() {
+    let folder = Folder::new();
+    let hinged = ("joints = \"rigid\"", "joints = \"hinged\"");
+    let undeformable = ("count = 11", "count = 11\nrigid = true");
+    let ribless = ("count = 11", "count = 0");
+    for (changes, key_nodes) in [
+        (vec![hinged], 25),
+        (vec![undeformable], 25),
+        (vec![hinged, undeformable], 25),
+        (vec![ribless], 3),
+        (vec![("depth_mm = 20.0", "depth_mm = 20.0\nrod_arm_mm = 1.5\npoissons_ratio = 0.45")], 25),
+    ] {
+        let scene = folder.put("scene.toml", paper_with(&changes));
+        let shape = Csv::of(&finray(&["solve", &scene, "--load-at", "100:0.05,10"]).done());
+        assert_eq!(shape.rows.len(), key_nodes);
+        assert!(displacements(&shape).iter().any(|u| u.abs() > 1e-3));
+    }
+    let spring = Csv::of(&finray(&["solve", SPRING_STEEL, "--load-at", "81:0.5"]).done());
+    assert_eq!(spring.rows.len(), 11);
+}
+
+#[test]
+fn a_mesh_too_fine_for_double_precision_is_refused() {
+    let stiff = "[[finger.zone]]\nplate = \"front\"\nfrom_mm = 51.0\nto_mm = 76.5\nmodulus_factor = 1e6\n";
+    let scene = format!("{}\n{stiff}", paper_with(&[]));
+    for (nodes, kinematics) in [("30000", "linear"), ("15000", "corotational")] {
+        let arguments =
+            ["solve", "-", "--kinematics", kinematics, "--mesh-nodes", nodes, "--load", &paper_load(19, 1.0, 0.0)];
+        assert_says(
+            &finray_reading(scene.as_bytes(), &arguments).failed(),
+            &["digits of the solution", "coarser mesh"],
+        );
+    }
+}
