@@ -53,7 +53,7 @@ fn forces(criterion: &mut Criterion) {
     let finger = paper();
     let truth = fine_mesh(&finger).expect("a mesh of many nodes");
     let shipped = Networks::shipped().expect("networks that ship");
-    let network = NetworkSensing { name: accuracy::NAME, networks: &shipped, finger: &finger, refuses: true };
+    let network = NetworkSensing { networks: &shipped, finger: &finger, refuses: true };
     let network =
         TimedEstimator { estimator: Box::new(network), setting: "shipped networks".to_owned(), start: Start::None };
     let meshes = sensing_meshes(&finger);
@@ -71,7 +71,7 @@ fn forces(criterion: &mut Criterion) {
                 streams.iter().enumerate().flat_map(|(set, of)| of.frames.iter().map(move |frame| (set, frame)));
             let frames: Vec<_> = frames.collect();
             let mut turn = frames.iter().cycle();
-            group.bench_function(BenchmarkId::new(timed.estimator.name(), timed.in_words()), |bencher| {
+            group.bench_function(BenchmarkId::new(timed.estimator.id().name(), timed.in_words()), |bencher| {
                 bencher.iter(|| {
                     let (set, frame) = turn.next().expect("a frame");
                     prepared[*set].estimate(black_box(&frame.seen), Some(CAMERA_NOISE_MM))

@@ -4,8 +4,9 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use finray_bench::paper;
 use finray_model::{Kinematics, Mesh};
-use finray_verify::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorKind};
+use finray_verify::estimators::{BeamEstimator, ELEMENTS, Estimator};
 use finray_verify::sampling::sweep::{Grid, Sweep, Table};
+use finray_verify::truths::TruthId;
 use finray_verify::truths::{MeshTruth, Truth, fine_mesh};
 use std::hint::black_box;
 
@@ -16,10 +17,11 @@ fn sweep(criterion: &mut Criterion) {
     let finger = paper();
     let (coarse, sensing) = (Mesh::key_nodes(&finger), Mesh::with_elements_per_member(&finger, ELEMENTS));
     let fine = fine_mesh(&finger).expect("a mesh of many nodes");
-    let linear = MeshTruth::new("linear", &coarse, Kinematics::Linear).expect("the finger at rest");
-    let corotational = MeshTruth::new("corotational", &fine, Kinematics::Corotational).expect("the finger at rest");
-    let least_squares = BeamEstimator::new(EstimatorKind::LeastSquares, &coarse);
-    let nonlinear = BeamEstimator::new(EstimatorKind::Nonlinear, &sensing);
+    let linear = MeshTruth::new(TruthId::Linear, &coarse, Kinematics::Linear).expect("the finger at rest");
+    let corotational =
+        MeshTruth::new(TruthId::Corotational, &fine, Kinematics::Corotational).expect("the finger at rest");
+    let least_squares = BeamEstimator::least_squares(&coarse);
+    let nonlinear = BeamEstimator::nonlinear(&sensing);
     let four = [0.5, 1.0, 2.0, 3.0];
     let cases: [Case; 5] = [
         ("linear/least_squares/200_pictures", &linear, &least_squares, &four, 20.0, 200),

@@ -3,10 +3,11 @@
 //! `cargo run --release -p finray-verify --example accuracy_map` writes `accuracy_map.svg`.
 
 use finray_model::{Kinematics, Mesh, Scene};
-use finray_verify::estimators::{BeamEstimator, EstimatorKind};
+use finray_verify::estimators::BeamEstimator;
 use finray_verify::report::{map_picture, standalone};
 use finray_verify::sampling::map::{MapRequest, accuracy_maps};
 use finray_verify::sampling::sweep::Grid;
+use finray_verify::truths::TruthId;
 use finray_verify::truths::{MeshTruth, fine_mesh};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -24,9 +25,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // The finger that is true, the one that the estimator takes for true, and the map of the difference.
     let fine = fine_mesh(&finger)?;
-    let truth = MeshTruth::new("corotational", &fine, Kinematics::Corotational)?;
+    let truth = MeshTruth::new(TruthId::Corotational, &fine, Kinematics::Corotational)?;
     let mesh = Mesh::key_nodes(&finger);
-    let least_squares = BeamEstimator::new(EstimatorKind::LeastSquares, &mesh);
+    let least_squares = BeamEstimator::least_squares(&mesh);
     let map = accuracy_maps(&finger, &truth, &[&least_squares], &request, &|| ()).remove(0);
 
     // The comparison: along the normal errors stay below 10 %, far from it they do not.

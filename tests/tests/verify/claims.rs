@@ -3,6 +3,7 @@
 use finray_model::Scene;
 use finray_verify::claims::{Claim, ClaimVerdict, ledger};
 use finray_verify::experiments::contact_scene::study::SceneWithOutline;
+use finray_verify::truths::TruthId;
 use finray_verify::{report, settings, study};
 
 /// Every verdict is that of its own row's figures; a simulation betters no experiment.
@@ -65,7 +66,7 @@ fn map_and_table_one_show_what_is_known() {
     let scene = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene");
     let scene = SceneWithOutline { scene, corners: Vec::new() };
     let study = study::Study::run(&scene, settings::Effort::Quick, &Silent).expect("the paper's finger is solved");
-    let map = study.map("corotational", false).expect("the map without noise");
+    let map = study.map(TruthId::Corotational, false).expect("the map without noise");
     let at_3_n = |angle: f64| map.cells.iter().filter(move |c| c.force_n == 3.0 && c.angle_deg == angle);
     let largest = at_3_n(0.0).filter_map(|c| c.mean_error).fold(0.0, f64::max);
     assert!((0.08..0.10).contains(&largest), "along the normal: {largest}");
@@ -74,18 +75,19 @@ fn map_and_table_one_show_what_is_known() {
     assert!(middle.iter().all(|e| *e > 0.30), "at -80 deg: {middle:?}");
     let claims = ledger(&study).expect("small experiments");
     claims_say_what_was_shown(&claims);
+    let drawn = report::report(&study, &claims).expect("the report is drawn");
     // The head of the page speaks of the finger at hand: soft ends that were put into a fitted one are no cause of it.
-    let head: Vec<String> = report::Summary::of(&study, &claims).verdict.into_iter().take(3).collect();
+    let head: Vec<String> = drawn.verdict.iter().take(3).cloned().collect();
     let limits = head.iter().find(|sentence| sentence.contains("what limits linear sensing")).expect("a sentence");
     assert!(limits.contains("this finger, as described"), "{limits}");
     for circular in ["compliance", "softer", "twin", "as the paper's seems"] {
         assert!(!head.iter().any(|sentence| sentence.contains(circular)), "{circular}: {head:?}");
     }
-    let linear = study.map("linear", false).expect("the linear map");
+    let linear = study.map(TruthId::Linear, false).expect("the linear map");
     assert!(linear.cells.iter().all(|c| c.mean_error.is_some_and(|e| e < 1e-9)));
     let table = &study.tables_one[0];
     assert!(table.rows.iter().all(|row| row.mean_error < 0.10), "{table:?}");
-    let files = report::files(&study, &claims).expect("the report is drawn");
+    let files = drawn.files;
     let page = &files.iter().find(|(name, _)| name.ends_with("index.html")).expect("a page").1;
     for (name, _) in files.iter().filter(|(name, _)| name.extension().is_some_and(|e| e == "csv")) {
         let name = name.display().to_string();

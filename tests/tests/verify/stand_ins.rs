@@ -2,16 +2,17 @@
 
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, SensingError};
-use finray_verify::estimators::{BeamEstimator, Estimator, EstimatorError, PreparedEstimator, Sensed};
+use finray_verify::estimators::{BeamEstimator, Estimator, EstimatorError, EstimatorId, PreparedEstimator, Sensed};
 
-/// An estimator that knows nothing of the finger and states nothing: it answers every measurement with 1 N, or refuses it.
+/// An estimator that knows nothing of the finger and states nothing: it answers every measurement with 1 N, or refuses it. It
+/// goes by the name of ridge, where that does not take part.
 pub struct Constant {
     pub refuses: bool,
 }
 
 impl Estimator for Constant {
-    fn name(&self) -> &str {
-        "constant"
+    fn id(&self) -> EstimatorId {
+        EstimatorId::Ridge
     }
 
     fn prepare<'a>(
@@ -45,8 +46,8 @@ pub struct Worse<'m> {
 }
 
 impl Estimator for Worse<'_> {
-    fn name(&self) -> &str {
-        "worse"
+    fn id(&self) -> EstimatorId {
+        self.estimator.id()
     }
 
     fn prepare<'a>(

@@ -8,7 +8,7 @@ use finray_tests::{
     CAMERA_NOISE_MM, STANDARD_ERRORS, at_node, at_nodes, case_count, paper, paper_scene_with, share_error,
 };
 use finray_verify::estimators::network::{NetworkSensing, Networks, NoNetwork};
-use finray_verify::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorKind};
+use finray_verify::estimators::{BeamEstimator, ELEMENTS, Estimator};
 use finray_verify::experiments::networks::shipping::{Shipping, shipping};
 use finray_verify::sampling::scatter::{ScatterRequest, ScatterRow, scatter, singles};
 use finray_verify::settings::TWO_FORCES_N;
@@ -48,7 +48,7 @@ fn errors(
 fn errors_are_near_the_bound() {
     let finger = paper();
     let networks = Networks::shipped().expect("networks that read");
-    let sensing = NetworkSensing { name: "network", networks: &networks, finger: &finger, refuses: true };
+    let sensing = NetworkSensing { networks: &networks, finger: &finger, refuses: true };
     let (fine, key_nodes) = (fine_mesh(&finger).expect("a mesh"), Mesh::key_nodes(&finger));
     let cases = case_count();
     let each = singles(&nodes(&[14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24]));
@@ -87,10 +87,10 @@ fn errors_are_near_the_bound() {
 fn the_network_for_any_nodes_beats_ridge() {
     let finger = paper();
     let networks = Networks::shipped().expect("networks that read");
-    let sensing = NetworkSensing { name: "network", networks: &networks, finger: &finger, refuses: true };
+    let sensing = NetworkSensing { networks: &networks, finger: &finger, refuses: true };
     let (fine, key_nodes) = (fine_mesh(&finger).expect("a mesh"), Mesh::key_nodes(&finger));
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
-    let ridge = BeamEstimator::new(EstimatorKind::Ridge, &mesh);
+    let ridge = BeamEstimator::ridge(&mesh);
     let sets = [&[15, 22][..], &[14, 18, 22], &[15, 16, 17], &[13, 16, 19, 22], &[14, 16, 18, 20, 22]];
     let sets: Vec<_> = sets.into_iter().map(nodes).collect();
     let rows = errors(&fine, &key_nodes, &[&sensing, &ridge], &sets, case_count() / 2);

@@ -3,8 +3,9 @@
 use finray_model::measurement::Measurement;
 use finray_model::{Kinematics, Mesh, NodeId};
 use finray_tests::{CAMERA_NOISE_MM, at_node, at_position, noisy, paper, seen};
-use finray_verify::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorKind};
+use finray_verify::estimators::{BeamEstimator, ELEMENTS, Estimator};
 use finray_verify::settings::TWO_SIDED_95;
+use finray_verify::truths::TruthId;
 use finray_verify::truths::{MeshTruth, Truth, fine_mesh};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -18,9 +19,9 @@ fn intervals_cover_the_truth_where_no_noise_is_stated() {
     let fine = fine_mesh(&finger).expect("684 nodes");
     let [key_nodes, four] = [1, ELEMENTS].map(|elements| Mesh::with_elements_per_member(&finger, elements));
     let estimators = [
-        ("least squares", BeamEstimator::new(EstimatorKind::LeastSquares, &key_nodes)),
-        ("ridge", BeamEstimator::new(EstimatorKind::Ridge, &key_nodes)),
-        ("nonlinear", BeamEstimator::new(EstimatorKind::Nonlinear, &four)),
+        ("least squares", BeamEstimator::least_squares(&key_nodes)),
+        ("ridge", BeamEstimator::ridge(&key_nodes)),
+        ("nonlinear", BeamEstimator::nonlinear(&four)),
     ];
     let mut rng = ChaCha8Rng::seed_from_u64(12);
     let all: Vec<NodeId> = finger.free_nodes().collect();
@@ -70,13 +71,13 @@ fn intervals_cover_the_truth_where_no_noise_is_stated() {
 fn stated_intervals_cover_the_truth_over_the_map() {
     let finger = paper();
     let fine = fine_mesh(&finger).expect("684 nodes");
-    let truth = MeshTruth::new("corotational", &fine, Kinematics::Corotational).expect("a finger that is held");
+    let truth = MeshTruth::new(TruthId::Corotational, &fine, Kinematics::Corotational).expect("a finger that is held");
     let [key_nodes, four] = [1, ELEMENTS].map(|elements| Mesh::with_elements_per_member(&finger, elements));
     let estimators = [
-        ("least squares", BeamEstimator::new(EstimatorKind::LeastSquares, &key_nodes)),
-        ("ridge", BeamEstimator::new(EstimatorKind::Ridge, &key_nodes)),
-        ("nonlinear, 25 nodes", BeamEstimator::new(EstimatorKind::Nonlinear, &key_nodes)),
-        ("nonlinear", BeamEstimator::new(EstimatorKind::Nonlinear, &four)),
+        ("least squares", BeamEstimator::least_squares(&key_nodes)),
+        ("ridge", BeamEstimator::ridge(&key_nodes)),
+        ("nonlinear, 25 nodes", BeamEstimator::nonlinear(&key_nodes)),
+        ("nonlinear", BeamEstimator::nonlinear(&four)),
     ];
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     // By estimator, without and with a warning: answers, and those that cover.

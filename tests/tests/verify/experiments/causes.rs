@@ -8,13 +8,14 @@ use finray_model::mesh::FingerShape;
 use finray_model::sensing::{Contact, LinearEstimator};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
 use finray_tests::{at_position, finger_of, paper};
-use finray_verify::estimators::{BeamEstimator, Estimator, EstimatorKind};
+use finray_verify::estimators::{BeamEstimator, Estimator};
 use finray_verify::experiments::causes::ContactKnowledge::{Assumed, Known};
 use finray_verify::experiments::causes::Practice::{LeastSquares, Nonlinear};
 use finray_verify::experiments::causes::{
     Cause, CauseCell, CauseMap, CauseRequest, DIRECTION_OFF_DEG, PLACE_OFF_MM, Practice, causes, network,
 };
 use finray_verify::experiments::table_one::{CALIBRATION_NODES, WEIGHTS_G, weight_n};
+use finray_verify::truths::TruthId;
 use finray_verify::truths::{MeshTruth, Truth, fine_mesh};
 use std::sync::LazyLock;
 
@@ -36,7 +37,7 @@ fn one_map(
         noise_mm,
         zones_known: false,
     };
-    causes("corotational", truth, &request, &|| ()).unwrap().remove(0)
+    causes(TruthId::Corotational, truth, &request, &|| ()).unwrap().remove(0)
 }
 
 fn only(map: &CauseMap) -> &CauseCell {
@@ -66,7 +67,7 @@ fn column(finger: &Finger, s_mm: f64, angle_deg: f64) -> Vec<f64> {
 static LINEAR_MODULUS_FACTOR: LazyLock<f64> = LazyLock::new(|| {
     let finger = paper();
     let mesh = fine_mesh(&finger).unwrap();
-    let truth = MeshTruth::new("corotational", &mesh, Kinematics::Corotational).unwrap();
+    let truth = MeshTruth::new(TruthId::Corotational, &mesh, Kinematics::Corotational).unwrap();
     let of_node = |node: &NodeId| {
         let contact = Contact::at_node(*node);
         let shapes = truth.shapes(&contact, &WEIGHTS_G.map(weight_n));
@@ -175,9 +176,9 @@ fn large_rotation_is_the_cause_where_all_else_is_known() {
 fn what_a_network_gets_wrong_is_told_from_what_its_model_does() {
     let finger = paper();
     let mesh = Mesh::with_elements_per_member(&finger, finray_verify::estimators::ELEMENTS);
-    let model = BeamEstimator::new(EstimatorKind::Nonlinear, &mesh);
+    let model = BeamEstimator::nonlinear(&mesh);
     let fit = |network: &dyn Estimator| {
-        let map = network::causes("corotational", &finger, &finger, network, &[1.0], 0.0).unwrap();
+        let map = network::causes(TruthId::Corotational, &finger, &finger, network, &[1.0], 0.0).unwrap();
         assert_eq!(map.cells.len(), finger.contact_nodes().len());
         let position = map.causes.iter().position(|cause| *cause == Cause::NetworkFit).unwrap();
         map.cells.iter().map(|cell| (cell.shares[position].unwrap(), cell.rms_error.unwrap())).collect::<Vec<_>>()

@@ -7,6 +7,7 @@ use finray_verify::experiments::direction::{
     Assumption, DirectionCell, DirectionRequest, DirectionStudy, FORCES_N, TOLD_DEG, TOLD_FORCE,
 };
 use finray_verify::truths::MeshTruth;
+use finray_verify::truths::TruthId;
 use std::sync::LazyLock;
 
 /// Noise pictures a cell.
@@ -16,7 +17,7 @@ const CURVED: f64 = 0.1;
 
 static STUDY: LazyLock<DirectionStudy> = LazyLock::new(|| {
     let mesh = Mesh::key_nodes(&paper());
-    let truth = MeshTruth::new("corotational", &mesh, Kinematics::Corotational).expect("the finger at rest");
+    let truth = MeshTruth::new(TruthId::Corotational, &mesh, Kinematics::Corotational).expect("the finger at rest");
     let request = DirectionRequest {
         model: &mesh,
         noise_mm: CAMERA_NOISE_MM,

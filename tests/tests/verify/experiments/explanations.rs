@@ -5,10 +5,11 @@ use finray_model::measurement::Measurement;
 use finray_model::sensing::{ContactPlace, ContactQuestion, Direction, NonlinearEstimator};
 use finray_model::{Kinematics, Load, Mesh, Vector, statics};
 use finray_tests::{at_position, noisy, paper};
-use finray_verify::estimators::{BeamEstimator, ELEMENTS, EstimatorKind};
+use finray_verify::estimators::{BeamEstimator, ELEMENTS};
 use finray_verify::experiments::explain::{Explanation, ExplanationMap};
 use finray_verify::sampling::map::{MapRequest, accuracy_maps};
 use finray_verify::truths::MeshTruth;
+use finray_verify::truths::TruthId;
 use nalgebra::DMatrix;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -57,8 +58,8 @@ fn assert_near(ours: f64, theirs: f64, relative: f64, absolute: f64, cell: &Expl
 #[test]
 fn the_bound_is_how_the_nonlinear_estimator_scatters() {
     let finger = paper();
-    let truth = MeshTruth::new("corotational", &MESH, Kinematics::Corotational).expect("a finger");
-    let nonlinear = BeamEstimator::new(EstimatorKind::Nonlinear, &MESH);
+    let truth = MeshTruth::new(TruthId::Corotational, &MESH, Kinematics::Corotational).expect("a finger");
+    let nonlinear = BeamEstimator::nonlinear(&MESH);
     let request = MapRequest {
         places_mm: PLACES_MM.into(),
         angles_deg: ANGLES_DEG.into(),

@@ -5,7 +5,7 @@ use finray_model::{Kinematics, Mesh};
 use finray_tests::{CAMERA_NOISE_MM, paper};
 use finray_verify::check::Check;
 use finray_verify::estimators::network::{NetworkSensing, Networks};
-use finray_verify::experiments::networks::accuracy::{NAME, NetworkStudy, PROMISES};
+use finray_verify::experiments::networks::accuracy::{NetworkStudy, PROMISES};
 use finray_verify::sampling::scatter::{AgainstBound, Scatter, ScatterRow};
 use finray_verify::settings::ENOUGH_CASES;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -16,7 +16,7 @@ fn networks_are_held_to_their_promises() {
     let finger = paper();
     let mesh = Mesh::with_elements_per_member(&finger, 4);
     let networks = Networks::shipped().expect("networks that ship");
-    let sensing = NetworkSensing { name: NAME, networks: &networks, finger: &finger, refuses: true };
+    let sensing = NetworkSensing { networks: &networks, finger: &finger, refuses: true };
     // The networks learned the fine finger: on 25 nodes the mesh's error alone is twice the noise's in a sum of neighbours.
     let sensed = rows_on(&mesh, &[&sensing], Kinematics::Corotational, &[CAMERA_NOISE_MM], &[19, 20]);
     let steps = AtomicUsize::new(0);

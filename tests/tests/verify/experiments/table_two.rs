@@ -3,8 +3,10 @@
 use crate::sampling::scatter::{CASES, CHANCE};
 use crate::stand_ins::Constant;
 use finray_tests::{CAMERA_NOISE_MM, paper};
+use finray_verify::estimators::EstimatorId;
 use finray_verify::experiments::table_two::{CONTACT_GROUPS, GroupErrors, STEPS, TableTwo, contact_sets, table_two};
 use finray_verify::sampling::scatter::{Scatter, ScatterRow};
+use finray_verify::truths::TruthId;
 use finray_verify::truths::fine_mesh;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -13,7 +15,7 @@ const ROUNDING: f64 = 1e-8;
 /// Nonlinear sensing without noise on four elements a member: 0.04 % in the shape.
 const MESH_ERROR: f64 = 0.002;
 
-fn errors(table: &TableTwo, truth: &str, noise_mm: f64, estimator: &str) -> Vec<[f64; 2]> {
+fn errors(table: &TableTwo, truth: TruthId, noise_mm: f64, estimator: EstimatorId) -> Vec<[f64; 2]> {
     let rows: Vec<&ScatterRow> = table.of(truth, noise_mm, estimator).collect();
     assert_eq!(rows.len(), contact_sets().len(), "{truth}, {noise_mm} mm, {estimator}");
     rows.iter().map(|row| [row.mean_error().expect("sensed"), row.sum.expect("sensed").mean_error]).collect()
@@ -26,7 +28,7 @@ fn table_two_is_of_the_papers_nodes() {
     assert_eq!(contact_sets(), sets);
     assert_eq!(CONTACT_GROUPS.map(|group| group.sets.len()), [3, 2, 2]);
     let row = |nodes: &[usize], mean_error: f64, refused: usize| ScatterRow {
-        estimator: "e".into(),
+        estimator: EstimatorId::Ridge,
         nodes: nodes.to_vec(),
         noise_mm: CAMERA_NOISE_MM,
         cases: 10 - refused,
@@ -59,29 +61,29 @@ fn table_two_blames_large_rotation() {
     let table =
         table_two(&fine, &[0.0, CAMERA_NOISE_MM], CASES, &[&constant], &count).expect("the paper's contact nodes");
     assert_eq!(steps.into_inner(), STEPS);
-    for [force, sum] in errors(&table, "linear", 0.0, "least-squares") {
+    for [force, sum] in errors(&table, TruthId::Linear, 0.0, EstimatorId::LeastSquares) {
         assert!(force < ROUNDING && sum < ROUNDING, "{force}, {sum}");
     }
     let within = |found: f64, study: f64| assert!((found / study - 1.0).abs() < CHANCE, "{found}, study {study}");
     // The independent study has one set of each kind: 19; 19 and 20; 18 and 20.
     let studied = |all: Vec<[f64; 2]>| [all[1], all[3], all[5]];
-    let alone = studied(errors(&table, "linear", CAMERA_NOISE_MM, "least-squares"));
+    let alone = studied(errors(&table, TruthId::Linear, CAMERA_NOISE_MM, EstimatorId::LeastSquares));
     for ([force, _], study) in alone.into_iter().zip([0.003, 0.025, 0.012]) {
         within(force, study);
     }
-    let large = studied(errors(&table, "corotational", CAMERA_NOISE_MM, "least-squares"));
+    let large = studied(errors(&table, TruthId::Corotational, CAMERA_NOISE_MM, EstimatorId::LeastSquares));
     for ([force, sum], study) in large.into_iter().zip([[0.015, 0.015], [0.34, 0.069], [0.15, 0.072]]) {
         within(force, study[0]);
         within(sum, study[1]);
     }
-    for [force, sum] in errors(&table, "corotational", 0.0, "nonlinear") {
+    for [force, sum] in errors(&table, TruthId::Corotational, 0.0, EstimatorId::Nonlinear) {
         assert!(force < MESH_ERROR && sum < MESH_ERROR, "{force}, {sum}");
     }
-    for [force, _] in errors(&table, "corotational", CAMERA_NOISE_MM, "nonlinear") {
+    for [force, _] in errors(&table, TruthId::Corotational, CAMERA_NOISE_MM, EstimatorId::Nonlinear) {
         assert!(force < 0.03, "{force}");
     }
     // Of further estimators the table has rows as well.
-    errors(&table, "corotational", CAMERA_NOISE_MM, "constant");
+    errors(&table, TruthId::Corotational, CAMERA_NOISE_MM, EstimatorId::Ridge);
     let [alone, near, far] = CONTACT_GROUPS.map(|group| table.condition_range(&group).expect("its sets"));
     assert!(alone == [1.0; 2] && near[0] > far[1], "{alone:?} {near:?} {far:?}");
 }

@@ -4,9 +4,11 @@ use finray_fixtures::TWIN_SCENE;
 use finray_model::Kinematics;
 use finray_tests::{finger_of, paper};
 use finray_verify::experiments::table_one::table_one;
+use finray_verify::experiments::twin::TWIN;
 use finray_verify::experiments::twin::fit::{ANGLE_DEG, fit};
-use finray_verify::experiments::twin::{TWIN, TwinError, twin_of};
+use finray_verify::truths::TruthId;
 use finray_verify::truths::{MeshTruth, fine_mesh};
+use finray_verify::truths::{TwinError, twin_of};
 
 /// The scene's numbers are rounded to four digits (0.0641: three), and the fit ends within 1e-7.
 const ROUNDED: f64 = 1e-3;
@@ -34,7 +36,7 @@ fn the_twin_is_what_the_fit_finds() {
 fn the_twin_is_shaded_as_table_one() {
     let (paper, twin) = (paper(), finger_of(TWIN_SCENE));
     let mesh = fine_mesh(&twin).expect("a mesh");
-    let truth = MeshTruth::new("twin", &mesh, Kinematics::Corotational).expect("a finger");
+    let truth = MeshTruth::new(TruthId::Twin, &mesh, Kinematics::Corotational).expect("a finger");
     let table = table_one(&paper, &truth, ANGLE_DEG).expect("a table");
     assert!((table.modulus_factor - 1.0).abs() < ROUNDED, "{}", table.modulus_factor);
     let shade = |error: f64| {

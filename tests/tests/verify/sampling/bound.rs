@@ -5,7 +5,7 @@ use crate::stand_ins::Worse;
 use finray_model::measurement::Measurement;
 use finray_model::{Kinematics, Mesh, NodeId};
 use finray_tests::{CAMERA_NOISE_MM, STANDARD_ERRORS, case_count, finger_of, noisy, paper, share_error};
-use finray_verify::estimators::{BeamEstimator, ELEMENTS, EstimatorKind};
+use finray_verify::estimators::{BeamEstimator, ELEMENTS};
 use finray_verify::sampling::scatter::{
     AgainstBound, Coverage, Scatter, ScatterRequest, ScatterRow, pairs, sampled_nodes, scatter, scatter_controlled,
     singles,
@@ -43,7 +43,7 @@ fn every_node_and_pair_reaches_the_bound() {
         seed: 1,
     };
     // The true finger is this very mesh, which so has no error.
-    let nonlinear = BeamEstimator::of_noise_alone(EstimatorKind::Nonlinear, &mesh);
+    let nonlinear = BeamEstimator::nonlinear(&mesh).of_noise_alone();
     let nodes = sampled_nodes(&finger);
     let single = scatter(&request, &[&nonlinear], &singles(&nodes), ONE_FORCE_N, &|| {}).expect("contact nodes");
     let pairs = scatter(&request, &[&nonlinear], &pairs(&nodes), TWO_FORCES_N, &|| {}).expect("contact nodes");
@@ -95,7 +95,7 @@ fn every_node_and_pair_reaches_the_bound_on_the_fine_truth() {
         cases: FINE_CASES,
         seed: 1,
     };
-    let nonlinear = BeamEstimator::new(EstimatorKind::Nonlinear, &model);
+    let nonlinear = BeamEstimator::nonlinear(&model);
     let nodes = sampled_nodes(&finger);
     let drawn = |cases: usize, sets: &[Vec<NodeId>], range_n| {
         let request = ScatterRequest { cases, ..request };
@@ -142,8 +142,7 @@ fn a_fifth_above_the_bound_is_found_out() {
         cases: 4000,
         seed: 1,
     };
-    let wasteful =
-        Worse { estimator: BeamEstimator::new(EstimatorKind::Nonlinear, &mesh), sees: noisier, force_factor: 1.0 };
+    let wasteful = Worse { estimator: BeamEstimator::nonlinear(&mesh), sees: noisier, force_factor: 1.0 };
     let rows = scatter_controlled(&request, &[&wasteful], &singles(&[NodeId(19)]), ONE_FORCE_N, &|| {});
     let found = rows.expect("a contact node")[0].forces[0].bound.and_then(|bound| bound.controlled).expect("a figure");
     assert!((found.over_bound_controlled - 1.2).abs() <= 4.0 * found.standard_error, "{found:?}");
@@ -178,7 +177,7 @@ fn a_force_that_moves_nothing_is_refused() {
         cases: 100,
         seed: 2,
     };
-    let nonlinear = BeamEstimator::new(EstimatorKind::Nonlinear, &model);
+    let nonlinear = BeamEstimator::nonlinear(&model);
     let rows = scatter(&request, &[&nonlinear], &singles(&[finger.tip()]), ONE_FORCE_N, &|| {})
         .expect("the tip is a contact node");
     assert_eq!((rows[0].cases, rows[0].refused), (0, 100), "{rows:?}");

@@ -3,7 +3,7 @@
 use crate::stand_ins::Constant;
 use finray_model::{Kinematics, Mesh, NodeId};
 use finray_tests::{CAMERA_NOISE_MM, paper};
-use finray_verify::estimators::{BeamEstimator, Estimator, EstimatorKind};
+use finray_verify::estimators::{BeamEstimator, Estimator};
 use finray_verify::sampling::scatter::{ScatterRequest, ScatterRow, scatter};
 use finray_verify::settings::TWO_FORCES_N;
 
@@ -39,7 +39,9 @@ pub fn rows_on(
 fn estimators_see_the_same_cases() {
     let finger = paper();
     let mesh = Mesh::key_nodes(&finger);
-    let [least_squares, ridge, nonlinear] = EstimatorKind::ALL.map(|kind| BeamEstimator::new(kind, &mesh));
+    let [least_squares, ridge, nonlinear] =
+        [BeamEstimator::least_squares, BeamEstimator::ridge, BeamEstimator::nonlinear]
+            .map(|estimator| estimator(&mesh));
     let nodes = [19, 20];
     for kinematics in [Kinematics::Linear, Kinematics::Corotational] {
         let together = rows(&[&ridge, &least_squares], kinematics, &[0.0, CAMERA_NOISE_MM], &nodes);
@@ -83,7 +85,8 @@ fn what_makes_no_sense_is_left_out() {
 fn the_sigma_of_a_sum_knows_of_the_correlation() {
     let finger = paper();
     let mesh = Mesh::key_nodes(&finger);
-    let [least_squares, ridge, _] = EstimatorKind::ALL.map(|kind| BeamEstimator::new(kind, &mesh));
+    let [least_squares, ridge, _] = [BeamEstimator::least_squares, BeamEstimator::ridge, BeamEstimator::nonlinear]
+        .map(|estimator| estimator(&mesh));
     let found = rows(&[&least_squares, &ridge], Kinematics::Linear, &[CAMERA_NOISE_MM], &[19, 20]);
     for row in &found {
         let covered = row.sum.and_then(|sum| sum.coverage).expect("stated");
@@ -98,7 +101,7 @@ fn the_sigma_of_a_sum_knows_of_the_correlation() {
 fn pictures_are_those_of_the_forces() {
     let finger = paper();
     let mesh = Mesh::key_nodes(&finger);
-    let nonlinear = BeamEstimator::new(EstimatorKind::Nonlinear, &mesh);
+    let nonlinear = BeamEstimator::nonlinear(&mesh);
     for nodes in [&[24][..], &[19, 20], &[14, 23]] {
         let [row] = &rows(&[&nonlinear], Kinematics::Corotational, &[0.0], nodes)[..] else { panic!("one row") };
         assert_eq!((row.cases, row.refused), (CASES, 0));

@@ -3,6 +3,7 @@
 use finray_model::Kinematics;
 use finray_tests::{at_position, paper};
 use finray_verify::lattice::accuracy::difference;
+use finray_verify::truths::TruthId;
 use finray_verify::truths::{LatticeTruth, MeshTruth, Truth, fine_mesh};
 
 /// The third finger of the maps, at places between nodes as well, is that of beams.
@@ -10,9 +11,9 @@ use finray_verify::truths::{LatticeTruth, MeshTruth, Truth, fine_mesh};
 fn lattice_truth_is_that_of_beams() {
     let finger = paper();
     let truth = LatticeTruth::new(&finger).expect("a lattice");
-    assert_eq!(truth.name(), "lattice");
+    assert_eq!(truth.id(), TruthId::Lattice);
     let mesh = fine_mesh(&finger).expect("a mesh");
-    let beams = MeshTruth::new("corotational", &mesh, Kinematics::Corotational).expect("prepared");
+    let beams = MeshTruth::new(TruthId::Corotational, &mesh, Kinematics::Corotational).expect("prepared");
     for (s_mm, angle_deg) in [(40.0, -60.0), (101.0, 0.0), (130.3, 45.0), (153.0, 10.0)] {
         let contact = at_position(s_mm, angle_deg);
         let (ours, theirs) = (truth.shapes(&contact, &[0.5, 3.0]), beams.shapes(&contact, &[0.5, 3.0]));

@@ -4,12 +4,12 @@ use crate::mujoco::exported;
 use finray_model::NodeId;
 use finray_model::sensing::Contact;
 use finray_tests::{finger_of, paper};
-use finray_verify::truths::{MujocoTruth, NotExported, Truth};
+use finray_verify::truths::{MujocoTruth, NotExported, Truth, TruthError};
 
 #[test]
 fn mujoco_as_truth_answers_for_what_was_exported_alone() {
     let truth = MujocoTruth::new(&paper()).expect("the paper's finger was exported");
-    let (places, angles) = truth.grid();
+    let (places, angles) = truth.positions(&[3.0]).expect("exported").expect("not everywhere");
     assert_eq!(places.len(), 12);
     assert_eq!(angles, [-60.0, -30.0, 0.0, 30.0, 60.0]);
     let contact = Contact { angle_deg: -30.0, ..Contact::at_node(NodeId(19)) };
@@ -18,8 +18,7 @@ fn mujoco_as_truth_answers_for_what_was_exported_alone() {
     assert_eq!(truth.shapes(&contact, &[1.0, 3.0])[1], case.shape);
     assert_eq!(truth.shapes(&contact, &[1.0, 2.0]).len(), 1);
     assert!(truth.shapes(&Contact { angle_deg: -31.0, ..contact }, &[1.0]).is_empty());
-    assert!(truth.require_force(3.0).is_ok());
-    assert!(matches!(truth.require_force(2.0), Err(NotExported::Force { .. })));
+    assert!(matches!(truth.positions(&[3.0, 2.0]), Err(TruthError::NotExported(NotExported::Force { .. }))));
     let steel = finger_of(finray_fixtures::SPRING_STEEL_SCENE);
     assert!(matches!(MujocoTruth::new(&steel), Err(NotExported::Finger)));
 }

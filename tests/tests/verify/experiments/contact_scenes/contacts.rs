@@ -7,9 +7,10 @@ use finray_model::sensing::ContactPlace;
 use finray_model::{NodeId, Scene, Vector};
 use finray_tests::CAMERA_NOISE_MM;
 use finray_verify::experiments::contact_scene::study::shipped;
-use finray_verify::experiments::contact_scene::{ContactScene, read_contact, seen_contacts, standard_normal};
+use finray_verify::experiments::contact_scene::{ContactScene, read_contact, seen_contacts};
 use finray_verify::lattice::Lattice;
 use finray_verify::lattice::skin::{Touch, TouchedPart};
+use finray_verify::sampling::noise::Noise;
 
 /// The camera does not see how hard an object pushes where: other forces at the same touches are the same contacts.
 #[test]
@@ -46,7 +47,8 @@ fn read_contacts_scatter_as_stated() {
         contact: finray_model::sensing::Contact { place: ContactPlace::Place(70.0), ..seen.contact },
         ..seen
     };
-    let mut normal = standard_normal(7);
+    let mut noise = Noise::new(7);
+    let mut normal = || noise.standard_normal();
     let (mut turns, mut shifts) = (0.0, 0.0);
     let mut stated = [0.0; 2];
     for _ in 0..READINGS {
