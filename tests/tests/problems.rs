@@ -181,7 +181,8 @@ fn map_and_table_one_show_what_is_known() {
     let claims = ledger(&study).expect("small experiments");
     claims_say_what_was_shown(&claims);
     // The head of the page speaks of the finger at hand: soft ends that were put into a fitted one are no cause of it.
-    let head: Vec<String> = report::Summary::of(&study, &claims).verdict.into_iter().take(3).collect();
+    let report = report::report(&study, &claims).expect("the report is drawn");
+    let head = &report.verdict[..3];
     let limits = head.iter().find(|sentence| sentence.contains("what limits linear sensing")).expect("a sentence");
     assert!(limits.contains("this finger, as described"), "{limits}");
     for circular in ["compliance", "softer", "twin", "as the paper's seems"] {
@@ -191,9 +192,8 @@ fn map_and_table_one_show_what_is_known() {
     assert!(linear.cells.iter().all(|c| c.mean_error.is_some_and(|e| e < 1e-9)));
     let table = &study.tables_one[0];
     assert!(table.rows.iter().all(|row| row.mean_error < 0.10), "{table:?}");
-    let files = report::files(&study, &claims).expect("the report is drawn");
-    let page = &files.iter().find(|(name, _)| name.ends_with("index.html")).expect("a page").1;
-    for (name, _) in files.iter().filter(|(name, _)| name.extension().is_some_and(|e| e == "csv")) {
+    let page = &report.files.iter().find(|(name, _)| name.ends_with("index.html")).expect("a page").1;
+    for (name, _) in report.files.iter().filter(|(name, _)| name.extension().is_some_and(|e| e == "csv")) {
         let name = name.display().to_string();
         assert!(page.contains(&name), "the page does not name {name}");
     }
