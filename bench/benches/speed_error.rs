@@ -9,7 +9,6 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use finray_bench::paper;
 use finray_model::statics::Statics;
 use finray_verify::estimators::network::{NetworkSensing, Networks};
-use finray_verify::experiments::networks::accuracy;
 use finray_verify::experiments::speed_error::criterion::group;
 use finray_verify::experiments::speed_error::sensing::{
     FRAMES_A_PERIOD, Stream, TimedEstimator, beam_estimators, neighbours, sensing_meshes, singles,

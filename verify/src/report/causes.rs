@@ -105,7 +105,7 @@ fn own_first(study: &Study) -> impl Iterator<Item = &CauseMap> {
     own.into_iter().chain(others)
 }
 
-/// The maps over place and direction, those of the finger at hand first.
+/// The maps over position and direction, those of the finger at hand first.
 fn drawn(study: &Study) -> impl Iterator<Item = &CauseMap> {
     own_first(study).filter(|map| map.request.angles_deg.len() > 1)
 }

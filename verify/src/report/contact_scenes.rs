@@ -26,15 +26,15 @@ const LONGEST_ARROW: f64 = 0.2;
 type StepRow<'s> = (&'s SceneStudy, &'s ForceRow, Option<(&'s NoiseSamples, usize)>);
 
 fn rows(scene: &SceneStudy) -> impl Iterator<Item = StepRow<'_>> {
-    let mut felt = 0;
+    let mut sensed = 0;
     scene.rows.iter().map(move |row| {
         let samples = scene.steps.get(row.step - 1).and_then(|studied| studied.samples.as_ref());
-        // Rows of a step are its contacts, those on the clamp not felt, then the total: the order of the samples.
-        let which = felt;
-        felt = match row.contact.as_str() {
+        // Rows of a step are its contacts, those on the clamp not sensed, then the total: the order of the samples.
+        let which = sensed;
+        sensed = match row.contact.as_str() {
             "total" => 0,
-            "clamp" => felt,
-            _ => felt + 1,
+            "clamp" => sensed,
+            _ => sensed + 1,
         };
         (scene, row, samples.filter(|_| row.contact != "clamp").map(|samples| (samples, which)))
     })
@@ -162,7 +162,7 @@ struct Course {
     intervals: Vec<[f64; 2]>,
 }
 
-/// The rods that a place of the front plate lies between.
+/// The rods that a position on the front plate lies between.
 fn between(finger: &Finger, s_mm: f64) -> String {
     let (nodes, places) = (finger.plate_nodes(Plate::Front), finger.plate_places_mm(Plate::Front));
     let after = places.iter().position(|place| *place > s_mm).filter(|after| *after > 0);

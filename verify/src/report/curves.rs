@@ -86,7 +86,7 @@ fn curves(rows: &[CurveRow], curve: &str, x: fn(&CurveRow) -> usize) -> Vec<Curv
     of_nodes.collect()
 }
 
-fn nodes_in_words(nodes: &str) -> String {
+fn contacts_in_words(nodes: &str) -> String {
     match nodes.contains(' ') {
         true => format!("nodes {}", nodes.replace(' ', " and ")),
         false => format!("node {nodes}"),
@@ -99,7 +99,7 @@ fn figure(curves: &[Curve], x_label: &str, caption: &str) -> Result<Figure, Repo
         let spread = Spread::Bars(
             curve.points.iter().map(|point| [point.over_bound.least, point.over_bound.greatest]).collect(),
         );
-        Series { spread, ..Series::nth(n, nodes_in_words(&curve.nodes), points) }
+        Series { spread, ..Series::nth(n, contacts_in_words(&curve.nodes), points) }
     });
     let frame = Frame::half("", format!("{caption} A line a set of contacts."));
     let chart = Chart::new(frame, [Axis::log(x_label), Axis::linear("mean error / bound")], series.collect());
@@ -160,7 +160,7 @@ fn sizes_in_words(curves: &[Curve]) -> Option<String> {
     }
     let alone = curves.iter().filter_map(|curve| Some((&curve.nodes, &curve.points[find(curve, "none")?])));
     let alone: Vec<String> =
-        alone.map(|(nodes, point)| format!("{} for {}", percent(point.error), nodes_in_words(nodes))).collect();
+        alone.map(|(nodes, point)| format!("{} for {}", percent(point.error), contacts_in_words(nodes))).collect();
     if !alone.is_empty() && smallest.layers != "none" {
         words += &format!(" Linear regression alone errs by {}.", alone.join(", "));
     }

@@ -61,7 +61,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         percent(TOLD_FORCE),
         percent(TOLD_ANSWERED)
     ))];
-    blocks.extend(where_told(directions).map(text));
+    blocks.extend(where_identifiable(directions).map(text));
     let told = |cell: &DirectionCell| cell.answers.angle_error_deg.filter(|_| cell.answers.told());
     let answered = |cell: &DirectionCell| cell.answers.angle_error_deg;
     let force = |cell: &DirectionCell| cell.answers.force_error.map(|error| 100.0 * error);
@@ -92,7 +92,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("directions", "Unknown directions", blocks)))
 }
 
-/// One quantity by place and direction.
+/// One quantity by position and direction.
 struct Shown<'v> {
     what: &'v str,
     /// Where a line is drawn.
@@ -109,7 +109,7 @@ impl Shown<'_> {
         places.dedup();
         let angles: Vec<f64> =
             cells.iter().take_while(|cell| Some(&cell.s_mm) == places.first()).map(|cell| cell.angle_deg).collect();
-        // Cells go by place, then direction; rows of the map by direction, then place.
+        // Cells go by position, then direction; rows of the map by direction, then place.
         let row = |angle| cells.iter().skip(angle).step_by(angles.len().max(1)).map(|cell| value(cell)).collect();
         let title = format!("{force_n} N");
         let frame = Frame::half(&title, format!("{title}: {what}, by place and true direction of the force."));
@@ -127,7 +127,7 @@ impl Shown<'_> {
 }
 
 /// In which cells both are identifiable.
-fn where_told(directions: &DirectionStudy) -> Option<String> {
+fn where_identifiable(directions: &DirectionStudy) -> Option<String> {
     let shares: Vec<String> = FORCES_N
         .iter()
         .filter_map(|&force_n| {

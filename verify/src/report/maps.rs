@@ -97,7 +97,7 @@ fn noise_in_words(map: &AccuracyMap) -> String {
     }
 }
 
-/// Least squares on the large-rotation and the linear finger: the maps on the finest grid, each force and their mean.
+/// Least squares on the co-rotational and the linear finger: the maps on the finest grid, each force and their mean.
 fn least_squares(study: &Study) -> Result<Vec<Block>, ReportError> {
     let of = |truth: TruthId| [false, true].into_iter().filter_map(move |noisy| study.map(truth, noisy));
     let picture = |map: &AccuracyMap, force_n: Option<f64>| -> Result<Figure, ReportError> {

@@ -1,7 +1,7 @@
 //! The networks that ship, then how they are trained and how large they must be.
 
 use super::dataset::{Columns, Dataset, Format};
-use super::format::{Span, error_as, list, nodes_in_words, or_nothing, percent_with, share_refused, verdict};
+use super::format::{NOTHING, Span, error_as, list, nodes_in_words, percent_with, share_refused, verdict};
 use super::page::{Block, Cell, Column, Section, Table, text};
 use super::{ReportError, Results, curves, recipes};
 use crate::check::Check;
@@ -101,7 +101,7 @@ fn table(networks: &NetworkStudy) -> Table {
     let checked = !networks.checks().is_empty();
     let shaded = |share: Option<f64>| match share {
         Some(share) => error_as(percent_with(share, 2), share),
-        None => Cell::plain(or_nothing(None::<String>)),
+        None => Cell::plain(NOTHING),
     };
     let few = checked && networks.rows.iter().any(|row| row.drawn() < ENOUGH_CASES);
     let caption = format!(

@@ -59,7 +59,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("speed-error", "What an answer costs", blocks).saying(in_words(study))))
 }
 
-/// An error that a model of the finger may add: as much as the paper's mesh of key nodes is promised to.
+/// An error that a model of the finger may add: the tolerance of the paper's mesh of key nodes.
 const GOOD_SHAPE: f64 = 0.01;
 
 /// Which model of the finger to run at which cost: the fastest that is good enough, the nearest, and linear theory.
@@ -172,6 +172,7 @@ mod tests {
         SpeedErrorPoint {
             task: Task::Solve,
             model: model.to_owned(),
+            estimator: None,
             setting: format!("{model} set"),
             start: Start::None,
             seconds,

@@ -105,7 +105,7 @@ fn trusted(study: &Study) -> Option<String> {
     ))
 }
 
-/// The cells (place, direction) of a region, each under all of the map's forces.
+/// The cells (position, direction) of a region, each under all of the map's forces.
 #[derive(Default)]
 struct Trusted {
     cells: usize,
@@ -118,7 +118,7 @@ struct Trusted {
 }
 
 impl Trusted {
-    /// Counts the cells of a region, by place over the plate's length and angle in degrees.
+    /// Counts the cells of a region, by position over the plate's length and angle in degrees.
     fn of(study: &Study, map: &AccuracyMap, region: impl Fn(f64, f64) -> bool) -> Trusted {
         let length_mm = study.finger.plate_length_mm(Plate::Front);
         let mut trusted = Trusted::default();
@@ -149,8 +149,8 @@ impl Trusted {
         let counts =
             format!("{cells} cells: {answered} answered, {refused} refused, {without_equilibrium} without equilibrium");
         match self.share() {
-            Some(share) => format!("{} of the places and directions ({counts})", percent(share)),
-            None => format!("no place or direction ({counts})"),
+            Some(share) => format!("{} of the positions and directions ({counts})", percent(share)),
+            None => format!("no position or direction ({counts})"),
         }
     }
 }

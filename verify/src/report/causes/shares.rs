@@ -17,7 +17,7 @@ pub(in crate::report) enum Region {
     Middle,
     /// Along the normal, within a sixth of the plate's length of the tip.
     Tip,
-    /// Every place and direction.
+    /// Every position and direction.
     All,
 }
 
@@ -40,7 +40,7 @@ impl Region {
         if self == Region::Middle { "in the middle" } else { self.name() }
     }
 
-    /// Whether a place (mm from the base) and direction (degrees) are within, on a plate of this length.
+    /// Whether a position (mm from the base) and direction (degrees) are within, on a plate of this length.
     pub(super) fn covers(self, length_mm: f64, s_mm: f64, angle_deg: f64) -> bool {
         let along = s_mm / length_mm;
         let normal = angle_deg == 0.0;

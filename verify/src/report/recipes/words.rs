@@ -97,7 +97,7 @@ mod tests {
     const NOISE_MM: f64 = 0.067;
 
     /// Recipe, finger, and the errors of two seeds for one node, neighbours and their sum.
-    type Errors = (&'static str, &'static str, [[f64; 2]; 3]);
+    type Errors = (&'static str, TruthId, [[f64; 2]; 3]);
 
     /// Rows of two seeds, for one node, neighbours and their sum, by recipe and finger, alike at both levels of noise.
     fn recorded(errors: &[Errors]) -> Vec<RecipeRow> {

@@ -110,7 +110,7 @@ mod tests {
     #[test]
     fn table_two_is_reproduced_by_all_five_figures_alone() {
         let records = Records::shipped().expect("records").recipes;
-        let said = |records: &[RecipeRow]| papers(records, "a", CAMERA_NOISE_MM).expect("recorded at all nodes");
+        let said = |records: &[RecipeRow]| super::papers(records, "a", CAMERA_NOISE_MM).expect("recorded at all nodes");
         assert!(said(&with(&records, papers)).contains("reproduces all five figures"));
         let apart_missed = with(&records, |row| match (&row.nodes[..], &row.quantity[..]) {
             ("18 20" | "16 20", "each force") => 0.11,
@@ -128,7 +128,7 @@ mod tests {
     fn the_recorded_network_does_not_reproduce_table_two() {
         let records = Records::shipped().expect("records").recipes;
         for recipe in PAPER_RECIPES {
-            let words = papers(&records, recipe, CAMERA_NOISE_MM).expect("recorded at all nodes");
+            let words = super::papers(&records, recipe, CAMERA_NOISE_MM).expect("recorded at all nodes");
             assert!(words.contains("does not reproduce Table II") && words.contains("missed"), "{words}");
         }
     }

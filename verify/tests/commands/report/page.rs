@@ -157,7 +157,7 @@ fn the_page_begins_with_its_summary() {
     }
 }
 
-/// The share of places and directions in the first sentence is that of the cells in the file.
+/// The share of positions and directions in the first sentence is that of the cells in the file.
 #[test]
 fn the_first_sentence_counts_the_cells_of_its_map() {
     let cells = Csv::of(&PAPERS.read("map_corotational_with_noise.csv"));
@@ -170,7 +170,7 @@ fn the_first_sentence_counts_the_cells_of_its_map() {
     let summary = PAPERS.summary();
     let first = array(&summary, "verdict")[0].as_str().expect("words");
     let said = format!(
-        "by linear least squares at {:.0} % of the places and directions ({count} cells: {count} answered, 0 refused, 0 without \
+        "by linear least squares at {:.0} % of the positions and directions ({count} cells: {count} answered, 0 refused, 0 without \
          equilibrium)",
         100.0 * kept
     );
