@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 /// This problem.
 pub(super) const PROBLEM: Problem =
-    Problem { name: "MuJoCo's shapes", applies_to: |finger| ExportedFinger::of(finger).is_some(), solve: solve };
+    Problem { name: "MuJoCo's shapes", applies_to: |finger| ExportedFinger::of(finger).is_some(), solve };
 
 /// Source of all rows.
 const SOURCE: &str = "MuJoCo";

@@ -83,7 +83,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("causes", "Why sensing fails", blocks).saying(says)))
 }
 
-fn find<'s>(study: &'s Study, truth: TruthId, practice: Practice, contact: ContactKnowledge) -> Option<&'s CauseMap> {
+fn find(study: &Study, truth: TruthId, practice: Practice, contact: ContactKnowledge) -> Option<&CauseMap> {
     let is = |map: &&CauseMap| map.truth == truth && map.practice == practice && map.contact == contact;
     study.causes.iter().find(is)
 }

@@ -76,7 +76,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         missing: "not identifiable",
         value: &told,
     })?);
-    let of_all: [(_, _, _, &dyn Fn(&DirectionCell) -> Option<f64>); 3] = [
+    let of_all: [(_, _, _, Of); 3] = [
         ("Cramer-Rao bound of the direction, deg", TOLD_DEG, "not identifiable", &bound),
         ("error of answered directions, deg", TOLD_DEG, "no answer", &answered),
         ("error of answered forces, %", 100.0 * TOLD_FORCE, "no answer", &force),
@@ -91,6 +91,9 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     blocks.push(Block::Figures { figures: charts.into_iter().collect::<Result<_, FigureError>>()? });
     Ok(Some(Section::new("directions", "Unknown directions", blocks)))
 }
+
+/// A quantity of a cell.
+type Of<'v> = &'v dyn Fn(&DirectionCell) -> Option<f64>;
 
 /// One quantity by position and direction.
 struct Shown<'v> {
