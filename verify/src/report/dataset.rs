@@ -210,7 +210,7 @@ mod tests {
     type Sample = (usize, Option<f64>, Vec<usize>);
 
     fn columns() -> Columns<'static, Sample> {
-        Columns::new()
+        Columns::<Sample>::new()
             .file("node", |(node, ..)| *node)
             .shown("node", Format::Plain)
             .file("mean_error", |(_, error, _)| *error)
