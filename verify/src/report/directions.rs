@@ -76,16 +76,13 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         missing: "not identifiable",
         value: &told,
     })?);
-    let of_all: [(_, _, _, Of); 3] = [
-        ("Cramer-Rao bound of the direction, deg", TOLD_DEG, "not identifiable", &bound),
-        ("error of answered directions, deg", TOLD_DEG, "no answer", &answered),
-        ("error of answered forces, %", 100.0 * TOLD_FORCE, "no answer", &force),
+    let over_all = |what, line, missing, value| all(&Shown { what, line: Some(line), missing, value });
+    let maps = vec![
+        over_all("Cramer-Rao bound of the direction, deg", TOLD_DEG, "not identifiable", &bound as Value)?,
+        over_all("error of answered directions, deg", TOLD_DEG, "no answer", &answered)?,
+        over_all("error of answered forces, %", 100.0 * TOLD_FORCE, "no answer", &force)?,
     ];
-    let maps = of_all.map(|(what, line, missing, value)| all(&Shown { what, line: Some(line), missing, value }));
-    blocks.push(details(
-        "The least that any estimator can reach, and the errors of all answers",
-        maps.into_iter().collect::<Result<_, _>>()?,
-    ));
+    blocks.push(details("The least that any estimator can reach, and the errors of all answers", maps));
     blocks.extend(without_friction(directions).map(text));
     let charts = [FORCES_N[0], FORCES_N[2]].map(|force_n| frictionless_chart(directions, force_n));
     blocks.push(Block::Figures { figures: charts.into_iter().collect::<Result<_, FigureError>>()? });
@@ -93,7 +90,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 }
 
 /// A quantity of a cell.
-type Of<'v> = &'v dyn Fn(&DirectionCell) -> Option<f64>;
+type Value<'v> = &'v dyn Fn(&DirectionCell) -> Option<f64>;
 
 /// One quantity by position and direction.
 struct Shown<'v> {
@@ -101,7 +98,7 @@ struct Shown<'v> {
     /// Where a line is drawn.
     line: Option<f64>,
     missing: &'v str,
-    value: &'v dyn Fn(&DirectionCell) -> Option<f64>,
+    value: Value<'v>,
 }
 
 impl Shown<'_> {

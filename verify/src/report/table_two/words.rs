@@ -100,7 +100,8 @@ mod tests {
         records.iter().map(|row| RecipeRow { mean_error: Some(error(row)), ..row.clone() }).collect()
     }
 
-    fn papers(row: &RecipeRow) -> f64 {
+    /// The paper's own error of what a row records.
+    fn as_in_the_paper(row: &RecipeRow) -> f64 {
         let of_set = |group: &ContactGroup| group.sets.iter().any(|set| list(*set, " ") == row.nodes);
         let group = CONTACT_GROUPS.into_iter().find(of_set).expect("a set of the table");
         if row.quantity == "sum" { group.paper_sum.expect("a sum") } else { group.paper_force }
@@ -110,16 +111,16 @@ mod tests {
     #[test]
     fn table_two_is_reproduced_by_all_five_figures_alone() {
         let records = Records::shipped().expect("records").recipes;
-        let said = |records: &[RecipeRow]| super::papers(records, "a", CAMERA_NOISE_MM).expect("recorded at all nodes");
-        assert!(said(&with(&records, papers)).contains("reproduces all five figures"));
+        let said = |records: &[RecipeRow]| papers(records, "a", CAMERA_NOISE_MM).expect("recorded at all nodes");
+        assert!(said(&with(&records, as_in_the_paper)).contains("reproduces all five figures"));
         let apart_missed = with(&records, |row| match (&row.nodes[..], &row.quantity[..]) {
             ("18 20" | "16 20", "each force") => 0.11,
-            _ => papers(row),
+            _ => as_in_the_paper(row),
         });
         let words = said(&apart_missed);
         assert!(words.contains("does not reproduce Table II: 4 of its five figures"), "{words}");
         assert!(words.contains("the others are missed (apart, each force: 11 % (paper 30 %))"), "{words}");
-        let none = said(&with(&records, |row| 10.0 * papers(row)));
+        let none = said(&with(&records, |row| 10.0 * as_in_the_paper(row)));
         assert!(none.contains("reproduces none of the five"), "{none}");
     }
 
@@ -128,7 +129,7 @@ mod tests {
     fn the_recorded_network_does_not_reproduce_table_two() {
         let records = Records::shipped().expect("records").recipes;
         for recipe in PAPER_RECIPES {
-            let words = super::papers(&records, recipe, CAMERA_NOISE_MM).expect("recorded at all nodes");
+            let words = papers(&records, recipe, CAMERA_NOISE_MM).expect("recorded at all nodes");
             assert!(words.contains("does not reproduce Table II") && words.contains("missed"), "{words}");
         }
     }
