@@ -148,7 +148,6 @@ mod tests {
     use super::tables::{axial, by_fineness, costs, settling};
     use super::*;
     use crate::experiments::lattice::{LatticeSensing, MapDifference};
-    use crate::figures::{Axis, Chart, FigureError, Frame, Series};
     use crate::lattice::accuracy::SettlingCost;
     use crate::lattice::causes::{self, AXIAL_SPRINGS, AxialRow, SETTLINGS};
     use crate::sampling::map::{AccuracyMap, Cell as MapCell, MapRequest};
