@@ -84,7 +84,7 @@ impl Chart {
         panels.sides = if self.equal_axes { SIDES } else { [0.0, right.max(3.0 * SPACE)] };
         panels.legend = self.bars.iter().map(Bars::entry).chain(self.series.iter().map(Series::entry)).collect();
         let writing = Writing::of(&self.bars, &self.x, self.frame.width - panels.sides[1] - 50.0);
-        panels.head = writing.height;
+        (panels.head, panels.grid) = (writing.height, [self.bars.is_empty(), true]);
         panels.draw(|sheet, plots, _| {
             let (plot, bars) =
                 (&plots[0], || self.bars.iter().enumerate().map(|(nth, bars)| (bars, [nth, self.bars.len()])));
@@ -116,6 +116,7 @@ impl Chart {
         let joined = self.series.iter().filter(|series| series.dash != Dash::None);
         let lines: Lines = joined.map(|series| plot.line(&series.points)).collect();
         let middle = Area::around(self.series.iter().flat_map(|series| plot.line(&series.points))).centre();
+        let middle = self.equal_axes.then_some(middle);
         let labels: Vec<Label> = self.series.iter().flat_map(|series| series.words(plot, &lines, middle)).collect();
         let areas = self.series.iter().flat_map(|series| series.taken(plot)).collect();
         Obstacles { lines, areas, within: plot.area }.write(sheet, &labels)

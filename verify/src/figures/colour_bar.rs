@@ -47,5 +47,5 @@ pub(super) fn draw(
     }
     sheet.line(&area.outline(), axis_pen())?;
     let upright = Axis::linear("").within(0.0, 1.0).with_ticks([]).ruler(&[], BAR, true)?;
-    Plot::new(sheet, area, [ruler, upright], [0.0, 0.0, TICKS], 0.0).map(|_| ())
+    Plot::new(sheet, area, [ruler, upright], [0.0, 0.0, TICKS], [false; 2]).map(|_| ())
 }

@@ -76,7 +76,8 @@ impl Map {
         };
         let axes = [reach(&self.x, |cells| &cells.x), reach(&self.y, |cells| &cells.y)];
         let mut panels = Panels::new(&self.frame, [&axes[0], &axes[1]]);
-        (panels.grid, panels.rows, panels.columns, panels.legend) = (0.0, &self.rows, &self.columns, self.legend());
+        (panels.grid, panels.rows, panels.columns, panels.legend) =
+            ([false; 2], &self.rows, &self.columns, self.legend());
         panels.sides[1] = if self.columns.is_empty() { 4.0 * SPACE } else { 2.0 * SPACE };
         // Notes are as wide as their plots, on as many lines as the longest needs.
         let note_width = (self.frame.width - 160.0) / self.columns.len().max(1) as f64 - 2.0 * SPACE;

@@ -68,13 +68,13 @@ pub(super) struct Plot {
 }
 
 impl Plot {
-    /// Draws axes, and grid lines of an opacity, with so much room left, above and below for tick labels.
+    /// Draws axes, and lines at the ticks across and up where asked for, with so much room left, above and below for tick labels.
     pub(super) fn new(
         sheet: &Sheet,
         area: Area,
         [x, y]: [Ruler; 2],
         [left, top, bottom]: [f64; 3],
-        grid: f64,
+        grid: [bool; 2],
     ) -> Result<Self, FigureError> {
         let corner = (units(area.left - left), units(area.top - top));
         let size = (units(area.width() + left), units(area.height() + top + bottom));
@@ -83,13 +83,15 @@ impl Plot {
             .set_label_area_size(LabelAreaPosition::Top, units(top))
             .set_label_area_size(LabelAreaPosition::Bottom, units(bottom))
             .build_cartesian_2d(x, y)?;
-        chart
-            .configure_mesh()
-            .label_style(font(TICK_TEXT))
-            .axis_style(axis_pen())
-            .bold_line_style(pen(TEXT.mix(grid), 1.0))
-            .set_all_tick_mark_size(units(4.0))
-            .draw()?;
+        let mut mesh = chart.configure_mesh();
+        if !grid[0] {
+            mesh.disable_x_mesh();
+        }
+        if !grid[1] {
+            mesh.disable_y_mesh();
+        }
+        mesh.label_style(font(TICK_TEXT)).axis_style(axis_pen()).bold_line_style(pen(TEXT.mix(0.14), 1.0));
+        mesh.set_all_tick_mark_size(units(4.0)).draw()?;
         Ok(Self { chart, area })
     }
 
@@ -118,8 +120,8 @@ pub(super) struct Panels<'a> {
     pub(super) top: Option<&'a Axis>,
     /// Least room left of the plots, and room right of them.
     pub(super) sides: [f64; 2],
-    /// Opacity of grid lines.
-    pub(super) grid: f64,
+    /// Whether there are lines at the ticks across and up.
+    pub(super) grid: [bool; 2],
     /// Names of small multiples; none for a lone plot.
     pub(super) rows: &'a [String],
     /// Names of their columns.
@@ -150,7 +152,7 @@ impl<'a> Panels<'a> {
             head: 0.0,
             top: None,
             sides,
-            grid: 0.14,
+            grid: [true; 2],
             rows,
             columns,
             above: 0.0,
@@ -165,7 +167,7 @@ impl<'a> Panels<'a> {
         paint: impl FnOnce(&Sheet, &[Plot], f64) -> Result<(), FigureError>,
     ) -> Result<String, FigureError> {
         let frame = self.frame;
-        let heading = wrap(&frame.title, HEADING_TEXT * 1.08, frame.width - 2.0 * SPACE);
+        let heading = wrap(&frame.title, HEADING_TEXT * 1.16, frame.width - 2.0 * SPACE);
         let heading_height = heading.len() as f64 * HEADING_LINE + SPACE;
         let [x_axis, y_axis] = self.axes;
         let mut y = y_axis.ruler(&self.data[1], self.height - self.head, true)?;
@@ -211,7 +213,7 @@ impl<'a> Panels<'a> {
         }
         if let Some(axis) = self.top {
             let ruler = axis.clone().within(x.span[0], x.span[1]).ruler(&[], width, false)?;
-            Plot::new(&sheet, area(0, 0), [ruler, y.clone()], [0.0, top, 0.0], 0.0)?;
+            Plot::new(&sheet, area(0, 0), [ruler, y.clone()], [0.0, top, 0.0], [false; 2])?;
             let right = font(TICK_TEXT).pos(Pos::new(HPos::Right, VPos::Bottom));
             sheet.words(&axis.label, [left - SPACE, first - SPACE], &right)?;
         }

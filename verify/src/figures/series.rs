@@ -134,11 +134,15 @@ impl Series {
         plot.line(&self.points).into_iter().filter(|_| self.marker.is_some()).map(area)
     }
 
-    /// Words at the points: behind an arrow's foot, else away from the middle of the figure, square to the nearest line.
-    pub(super) fn words(&self, plot: &Plot, lines: &Lines, middle: Point) -> Vec<Label> {
+    /// Words at the points: behind an arrow's foot; in a drawing away from its middle, square to the nearest line; else above right.
+    pub(super) fn words(&self, plot: &Plot, lines: &Lines, middle: Option<Point>) -> Vec<Label> {
         let points = plot.line(&self.points);
         let behind = points.windows(2).next().and_then(|ends| direction(ends[1], ends[0]));
-        let side = |at| behind.filter(|_| self.dash == Dash::Arrow).unwrap_or_else(|| outward(at, lines, middle));
+        let side = |at| match (behind, middle) {
+            (Some(behind), _) if self.dash == Dash::Arrow => behind,
+            (_, Some(middle)) => outward(at, lines, middle),
+            _ => [0.7, -0.7],
+        };
         let labelled = points.iter().zip(&self.labels);
         labelled.map(|(at, text)| Label { text: text.clone(), anchor: *at, side: side(*at) }).collect()
     }
