@@ -85,7 +85,7 @@ impl Axis {
         require(self.scale == Scale::Linear || low > 0.0, FigureError::NotPositive, &self.label)?;
         let span = self.limits.unwrap_or_else(|| round_out(self.scale, [low, all.fold(low, f64::max)]));
         require_limits(&self.label, span)?;
-        let spacing = if upright { 44.0 } else { 75.0 };
+        let spacing = if upright { 44.0 } else { 55.0 };
         let most = (pixels / spacing).clamp(2.0, 12.0).floor();
         let ticks = self.ticks.clone().unwrap_or_else(|| round_ticks(self.scale, span, most));
         let mut ruler = Ruler { scale: self.scale, span, ticks };

@@ -1,6 +1,7 @@
 //! Bars in groups, with their values above them.
 
-use plotters::style::text_anchor::{HPos, VPos};
+use plotters::style::FontTransform;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::axis::Axis;
 use super::colour::{Hue, OVER_LINES};
@@ -8,7 +9,7 @@ use super::error::{FigureError, require, require_finite, require_len};
 use super::geometry::Area;
 use super::legend::Entry;
 use super::panels::Plot;
-use super::sheet::{Sheet, TICK_TEXT, Words};
+use super::sheet::{LEFT, Sheet, TICK_TEXT, font};
 use super::text::{number, widest};
 
 /// The bars of one source.
@@ -81,9 +82,10 @@ impl Writing {
         bars.values.iter().enumerate().try_for_each(|(category, value)| {
             let bar = Bars::area(plot, nth, category, *value);
             let text = value.map_or("–".to_owned(), number);
-            let words = Words::new(&text, [bar.centre()[0], bar.top - 4.0]).size(self.size).ink(OVER_LINES);
-            let rising = self.rising && value.is_some();
-            sheet.words(if rising { words.rising() } else { words.anchor(HPos::Center, VPos::Bottom) })
+            let style = font(self.size).color(&OVER_LINES).pos(Pos::new(HPos::Center, VPos::Bottom));
+            let rising = style.transform(FontTransform::Rotate270).pos(LEFT);
+            let style = if self.rising && value.is_some() { rising } else { style };
+            sheet.words(&text, [bar.centre()[0], bar.top - 4.0], &style)
         })
     }
 }

@@ -1,15 +1,16 @@
-//! Charts: series over a common quantity, bars in groups, and values to compare them with.
+//! Charts: series over a common quantity, bars in groups, values to compare them with, and drawings to scale.
+
+use plotters::style::Color;
 
 use super::axis::{Axis, Scale};
 use super::bars::{Bars, Writing};
-use super::colour::{Hue, TEXT};
-use super::error::{FigureError, require, require_finite, require_len};
-use super::geometry::{Area, Point};
+use super::colour::TEXT;
+use super::error::{FigureError, require};
+use super::geometry::{Area, Lines};
 use super::labels::{Label, Obstacles};
-use super::legend::Entry;
-use super::marks::Marker;
 use super::panels::{Frame, Panels, Plot};
-use super::sheet::{Dash, Pen, SPACE, Sheet, TICK_TEXT, Words};
+use super::series::Series;
+use super::sheet::{Dash, LEFT, SPACE, Sheet, TICK_TEXT, font, pen};
 use super::text::{widest, wrap};
 
 /// Series and bars over the same two axes.
@@ -27,119 +28,29 @@ pub struct Chart {
     pub bars: Vec<Bars>,
     /// Values on the upright axis to compare with, and their words, e.g. "10 %".
     pub references: Vec<(f64, String)>,
+    /// Whether the axes have one scale, in millimetres.
+    pub equal_axes: bool,
 }
 
-/// Points that belong together.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Series {
-    /// Words in the legend; a series without is not listed.
-    pub label: String,
-    /// The points, in the order they are joined in.
-    pub points: Vec<Point>,
-    /// Colour.
-    pub hue: Hue,
-    /// How the joining line is broken; none leaves the points unjoined.
-    pub dash: Option<Dash>,
-    /// Sign at each point.
-    pub marker: Option<Marker>,
-    /// How far the value may be off, at each point.
-    pub spread: Spread,
-    /// Words at each point, or none at all.
-    pub labels: Vec<String>,
-}
-
-/// Uncertainty of a series: lower and upper ends, one pair a point.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub enum Spread {
-    /// Not known.
-    #[default]
-    None,
-    /// An upright stroke at each point.
-    Bars(Vec<[f64; 2]>),
-    /// A shaded band along the series.
-    Band(Vec<[f64; 2]>),
-}
-
-impl Series {
-    /// The n-th series of a chart: joined points with signs, in the n-th colour.
-    pub fn nth(n: usize, label: impl Into<String>, points: Vec<Point>) -> Self {
-        Self {
-            label: label.into(),
-            points,
-            hue: Hue::nth(n),
-            dash: Some(Dash::Solid),
-            marker: Some(Marker::nth(n)),
-            spread: Spread::None,
-            labels: Vec::new(),
-        }
-    }
-
-    /// A dotted line without signs, to compare with.
-    pub fn guide(label: impl Into<String>, points: Vec<Point>) -> Self {
-        Self { hue: Hue::Neutral, dash: Some(Dash::Dotted), marker: None, ..Self::nth(0, label, points) }
-    }
-
-    fn ends(&self) -> &[[f64; 2]] {
-        match &self.spread {
-            Spread::None => &[],
-            Spread::Bars(ends) | Spread::Band(ends) => ends,
-        }
-    }
-
-    fn check(&self) -> Result<(), FigureError> {
-        require(!self.points.is_empty(), FigureError::Empty, &self.label)?;
-        require_finite(&self.label, self.points.iter().chain(self.ends()).flatten())?;
-        if self.spread != Spread::None {
-            require_len(&self.label, self.ends(), self.points.len())?;
-        }
-        if self.labels.is_empty() { Ok(()) } else { require_len(&self.label, &self.labels, self.points.len()) }
-    }
-
-    fn pen(&self) -> Option<Pen> {
-        self.dash.map(|dash| Pen::new(self.hue.ink(), 2.6).dashed(dash))
-    }
-
-    /// A band below, then the line, then error bars and signs.
-    fn draw(&self, sheet: &Sheet, plot: &Plot) -> Result<(), FigureError> {
-        let (points, ink) = (plot.line(&self.points), self.hue.ink());
-        let edge = |side: usize| -> Vec<Point> {
-            self.points.iter().zip(self.ends()).map(|(point, ends)| plot.at([point[0], ends[side]])).collect()
-        };
-        let (low, high) = (edge(0), edge(1));
-        if matches!(self.spread, Spread::Band(_)) {
-            sheet.polygon(&low.iter().chain(high.iter().rev()).copied().collect::<Vec<_>>(), ink, 0.2)?;
-        }
-        if let Some(pen) = self.pen() {
-            sheet.line(&points, pen)?;
-        }
-        if matches!(self.spread, Spread::Bars(_)) {
-            let pen = Pen::new(ink, 1.6);
-            for (low, high) in low.into_iter().zip(high) {
-                sheet.line(&[low, high], pen)?;
-                [low, high].iter().try_for_each(|[x, y]| sheet.line(&[[x - 5.0, *y], [x + 5.0, *y]], pen))?;
-            }
-        }
-        self.marker.map_or(Ok(()), |marker| points.iter().try_for_each(|point| marker.draw(sheet, *point, ink)))
-    }
-
-    fn entry(&self) -> Entry<'_> {
-        Entry::new(&self.label, |sheet, area| {
-            let [left, right] = [area.left, area.right].map(|x| [x, area.centre()[1]]);
-            self.pen().map_or(Ok(()), |pen| sheet.line(&[left, right], pen))?;
-            self.marker.map_or(Ok(()), |marker| marker.draw(sheet, area.centre(), self.hue.ink()))
-        })
-    }
-}
+/// Room around a drawing to scale for numbers and clamps, px.
+const MARGIN: f64 = 44.0;
+/// Room for its tick labels of four letters, and right of the plot, px.
+const SIDES: [f64; 2] = [58.0, 2.0 * SPACE];
 
 impl Chart {
     /// A chart of series alone.
     pub fn new(frame: Frame, [x, y]: [Axis; 2], series: Vec<Series>) -> Self {
-        Self { frame, x, y, series, bars: Vec::new(), references: Vec::new() }
+        Self { frame, x, y, series, bars: Vec::new(), references: Vec::new(), equal_axes: false }
     }
 
     /// A chart of bars over named categories.
     pub fn of_bars(frame: Frame, axes: [Axis; 2], bars: Vec<Bars>) -> Self {
         Self { bars, ..Self::new(frame, axes, Vec::new()) }
+    }
+
+    /// A drawing in which a millimetre is as long across as up.
+    pub fn to_scale(frame: Frame, labels: [&str; 2], series: Vec<Series>) -> Self {
+        Self { equal_axes: true, ..Self::new(frame, labels.map(Axis::linear), series) }
     }
 
     /// The same chart with values to compare with, and their words.
@@ -162,40 +73,52 @@ impl Chart {
         let of_bars = self.bars.iter().flat_map(Bars::heights);
         let up =
             points().map(|point| point[1]).chain(ends).chain(of_bars).chain(self.references.iter().map(|line| line.0));
-        let words: Vec<(f64, Vec<String>)> = self
-            .references
-            .iter()
-            .map(|(value, label)| (*value, wrap(label, TICK_TEXT, self.frame.width * 0.2)))
-            .collect();
+        let data = [points().map(|point| point[0]).collect(), up.collect()];
+        let lines = |(value, label): &(f64, String)| (*value, wrap(label, TICK_TEXT, self.frame.width * 0.2));
+        let words: Vec<(f64, Vec<String>)> = self.references.iter().map(lines).collect();
         let right = widest(words.iter().flat_map(|words| &words.1), TICK_TEXT) + 2.0 * SPACE;
-        let mut panels = Panels::new(&self.frame, [&self.x, &self.y]);
-        panels.data = [points().map(|point| point[0]).collect(), up.collect()];
-        panels.sides[1] = right.max(3.0 * SPACE);
+        let (axes, height) =
+            if self.equal_axes { self.scaled(&data) } else { ([self.x.clone(), self.y.clone()], None) };
+        let mut panels = Panels::new(&self.frame, [&axes[0], &axes[1]]);
+        (panels.data, panels.height) = (data, height.unwrap_or(panels.height));
+        panels.sides = if self.equal_axes { SIDES } else { [0.0, right.max(3.0 * SPACE)] };
         panels.legend = self.bars.iter().map(Bars::entry).chain(self.series.iter().map(Series::entry)).collect();
         let writing = Writing::of(&self.bars, &self.x, self.frame.width - panels.sides[1] - 50.0);
-        panels.head = writing.height;
+        (panels.head, panels.grid) = (writing.height, [self.bars.is_empty(), true]);
         panels.draw(|sheet, plots, _| {
-            let plot = &plots[0];
-            self.bars.iter().enumerate().try_for_each(|(nth, bars)| bars.draw(sheet, plot, [nth, self.bars.len()]))?;
+            let (plot, bars) =
+                (&plots[0], || self.bars.iter().enumerate().map(|(nth, bars)| (bars, [nth, self.bars.len()])));
+            bars().try_for_each(|(bars, nth)| bars.draw(sheet, plot, nth))?;
             draw_references(sheet, plot, words)?;
-            self.bars
-                .iter()
-                .enumerate()
-                .try_for_each(|(nth, bars)| writing.write(sheet, plot, bars, [nth, self.bars.len()]))?;
+            bars().try_for_each(|(bars, nth)| writing.write(sheet, plot, bars, nth))?;
             self.series.iter().try_for_each(|series| series.draw(sheet, plot))?;
             self.draw_labels(sheet, plot)
         })
     }
 
-    /// Writes the words at points where they hide neither lines nor points nor each other.
+    /// Axes with one scale around the data, and the height of the plot.
+    fn scaled(&self, data: &[Vec<f64>; 2]) -> ([Axis; 2], Option<f64>) {
+        let ends = |data: &Vec<f64>| [f64::min, f64::max].map(|of| data.iter().copied().reduce(of).unwrap_or(0.0));
+        let [[left, right], [low, high]] = [ends(&data[0]), ends(&data[1])];
+        let width = self.frame.width - SIDES[0] - SIDES[1];
+        let most = self.frame.plot_height.unwrap_or(self.frame.width * 0.75);
+        let per_mm = |room: f64, size: f64| (room - 2.0 * MARGIN) / size.max(1e-9);
+        let per_mm = per_mm(width, right - left).min(per_mm(most, high - low));
+        let height = (high - low) * per_mm + 2.0 * MARGIN;
+        let axis = |axis: &Axis, middle: f64, pixels: f64| {
+            axis.clone().within(middle - pixels / per_mm / 2.0, middle + pixels / per_mm / 2.0)
+        };
+        ([axis(&self.x, (left + right) / 2.0, width), axis(&self.y, (low + high) / 2.0, height)], Some(height))
+    }
+
+    /// Writes the words at points where they hide neither lines nor signs nor each other.
     fn draw_labels(&self, sheet: &Sheet, plot: &Plot) -> Result<(), FigureError> {
-        let joined = self.series.iter().filter(|series| series.dash.is_some());
-        let marks = self.series.iter().flat_map(|series| plot.line(&series.points));
-        let labels = self.series.iter().flat_map(|series| plot.line(&series.points).into_iter().zip(&series.labels));
-        let labels: Vec<Label> =
-            labels.map(|(anchor, text)| Label { text: text.clone(), anchor, side: [0.7, -0.7] }).collect();
-        let lines = joined.map(|series| plot.line(&series.points)).collect();
-        let areas = marks.map(|at| Area::about(at, 12.0, 12.0)).collect();
+        let joined = self.series.iter().filter(|series| series.dash != Dash::None);
+        let lines: Lines = joined.map(|series| plot.line(&series.points)).collect();
+        let middle = Area::around(self.series.iter().flat_map(|series| plot.line(&series.points))).centre();
+        let middle = self.equal_axes.then_some(middle);
+        let labels: Vec<Label> = self.series.iter().flat_map(|series| series.words(plot, &lines, middle)).collect();
+        let areas = self.series.iter().flat_map(|series| series.taken(plot)).collect();
         Obstacles { lines, areas, within: plot.area }.write(sheet, &labels)
     }
 }
@@ -208,10 +131,10 @@ fn draw_references(sheet: &Sheet, plot: &Plot, words: Vec<(f64, Vec<String>)>) -
     shown.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut free = f64::NEG_INFINITY;
     for (y, lines) in shown {
-        sheet.line(&[[left, y], [right, y]], Pen::new(TEXT, 1.6).faint(0.75).dashed(Dash::Dashed))?;
+        sheet.dashed(&[[left, y], [right, y]], pen(TEXT.mix(0.75), 1.6), Dash::Dashed)?;
         let first = (y - (lines.len() as f64 - 1.0) * LINE / 2.0).max(free);
         for (index, line) in lines.iter().enumerate() {
-            sheet.words(Words::new(line, [right + SPACE, first + index as f64 * LINE]).left())?;
+            sheet.words(line, [right + SPACE, first + index as f64 * LINE], &font(TICK_TEXT).pos(LEFT))?;
         }
         free = first + lines.len() as f64 * LINE;
     }
@@ -221,6 +144,7 @@ fn draw_references(sheet: &Sheet, plot: &Plot, words: Vec<(f64, Vec<String>)>) -
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::figures::{Hue, Marker, Spread};
 
     fn chart() -> Chart {
         let points = vec![[1.0, 0.5], [2.0, 3.0], [3.0, 40.0]];
@@ -265,5 +189,31 @@ mod tests {
         assert!(matches!(broken(|chart| chart.series[0].labels.push(String::new())), FigureError::Mismatch(_, 3, 1)));
         let short = |chart: &mut Chart| chart.series[0].spread = Spread::Band(vec![[0.4, 1.0]]);
         assert!(matches!(broken(short), FigureError::Mismatch(_, 3, 1)));
+    }
+
+    #[test]
+    fn a_drawing_to_scale_has_its_lines_nodes_clamps_and_arrows_and_its_words() {
+        let plate = vec![[0.0, 0.0], [75.0, 0.0], [150.0, 20.0]];
+        let nodes = |numbers: &[usize]| {
+            (numbers.iter().map(|n| plate[*n]).collect(), numbers.iter().map(|n| format!("n{n}")).collect())
+        };
+        let mut series = Series::lines("plate", vec![plate.clone(), vec![[75.0, 0.0], [75.0, 40.0]]], Hue::Blue, 4.0);
+        series.push(Series::marks("node", Marker::Node, nodes(&[1, 2])));
+        series.push(Series::marks("clamped node", Marker::Clamp, nodes(&[0])));
+        series.push(Series::arrow([[40.0, -20.0], [40.0, 0.0]], "3 N", Hue::Vermilion));
+        let svg = Chart::to_scale(Frame::full("", "a plate"), ["x, mm", "y, mm"], series).svg().unwrap();
+        assert!(
+            ["plate", "node", "clamped node", "n0", "n1", "n2", "3 N"]
+                .iter()
+                .all(|words| svg.contains(&format!(">{words}<")))
+        );
+        // Three nodes and the legend's two samples; a polygon is an arrow's head.
+        assert_eq!((svg.matches("<circle").count(), svg.matches("<polygon").count()), (5, 1));
+        let ends = |line: &str| -> Vec<f64> {
+            line.split('"').nth(1).unwrap().split([' ', ',']).map(|number| number.parse().unwrap()).collect()
+        };
+        let lines: Vec<Vec<f64>> = svg.lines().filter(|line| line.contains("#1f82c4")).map(ends).collect();
+        let (across, up) = ((lines[0][2] - lines[0][0]) / 75.0, (lines[1][1] - lines[1][3]) / 40.0);
+        assert!((across / up - 1.0).abs() < 0.01, "{lines:?}");
     }
 }

@@ -1,11 +1,11 @@
 //! The bar that says which value has which colour.
 
 use super::axis::{Axis, Scale};
-use super::colour::ColourScale;
 use super::error::FigureError;
 use super::geometry::Area;
 use super::panels::Plot;
-use super::sheet::{LABEL_TEXT, Pen, SPACE, Sheet, TICK_TEXT, Words};
+use super::shades::ColourScale;
+use super::sheet::{Dash, LABEL_TEXT, LEFT, SPACE, Sheet, TICK_TEXT, axis_pen, font};
 
 const LABEL: f64 = LABEL_TEXT * 1.5;
 const BAR: f64 = 18.0;
@@ -24,7 +24,7 @@ pub(super) fn draw(
     levels: &[f64],
     beyond: [bool; 2],
 ) -> Result<(), FigureError> {
-    sheet.words(Words::new(label, [plot.left, top + LABEL * 0.45]).size(LABEL_TEXT).left())?;
+    sheet.words(label, [plot.left, top + LABEL * 0.45], &font(LABEL_TEXT).pos(LEFT))?;
     let area = Area { top: top + LABEL, bottom: top + LABEL + BAR, ..plot };
     let axis = if colours.scale == Scale::Log { Axis::log("") } else { Axis::linear("") };
     let mut ruler = axis.within(colours.limits[0], colours.limits[1]).ruler(&[], area.width(), false)?;
@@ -43,9 +43,9 @@ pub(super) fn draw(
         sheet.cell(cell, ColourScale::at((from + to) / 2.0))?;
     }
     for x in levels.iter().map(|level| at(colours.fraction(*level))) {
-        sheet.contour(&[[x, area.top], [x, area.bottom]], super::Dash::Solid)?;
+        sheet.contour(&[[x, area.top], [x, area.bottom]], Dash::Solid)?;
     }
-    sheet.line(&area.outline(), Pen::axis())?;
+    sheet.line(&area.outline(), axis_pen())?;
     let upright = Axis::linear("").within(0.0, 1.0).with_ticks([]).ruler(&[], BAR, true)?;
-    Plot::new(sheet, area, [ruler, upright], [0.0, 0.0, TICKS], 0.0).map(|_| ())
+    Plot::new(sheet, area, [ruler, upright], [0.0, 0.0, TICKS], [false; 2]).map(|_| ())
 }

@@ -1,12 +1,63 @@
-//! Lines of equal value on a grid.
+//! Lines of equal value on a map.
 
-use super::geometry::{Lines, Point, between};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use super::axis::Scale;
+use super::cells::Cells;
+use super::colour::ON_MAP;
+use super::error::FigureError;
+use super::geometry::{Area, Lines, Point, between, length};
+use super::panels::Plot;
+use super::shades::ColourScale;
+use super::sheet::{Dash, Sheet, TICK_TEXT, bold};
+use super::text::{number, width_of};
+
+/// How the line of the n-th level is broken.
+pub(super) fn dash(nth: usize) -> Dash {
+    [Dash::Solid, Dash::Dashed, Dash::Dotted][nth % 3]
+}
+
+/// Draws the lines at levels, and two labels of each with its unit at most.
+pub(super) fn draw(
+    sheet: &Sheet,
+    plot: &Plot,
+    cells: &Cells,
+    colours: &ColourScale,
+    (levels, unit): (&[f64], &str),
+) -> Result<(), FigureError> {
+    // Values are linear along the colour scale. One of zero has no logarithm: the scale's lower end stands for it.
+    let measure = |value: f64| match colours.scale {
+        Scale::Linear => value,
+        Scale::Log => value.max(colours.limits[0]).log10(),
+    };
+    let row = |row: &Vec<Option<f64>>| row.iter().map(|value| value.map(measure)).collect();
+    let values: Vec<Vec<Option<f64>>> = cells.values.iter().map(row).collect();
+    let mut labels: Vec<(Area, String)> = Vec::new();
+    for (nth, level) in levels.iter().enumerate() {
+        let text = format!("{}{unit}", number(*level));
+        let lines = contour(&cells.x, &cells.y, &values, measure(*level));
+        let mut lines: Lines = lines.iter().map(|line| plot.line(line)).collect();
+        lines.sort_by(|a, b| length(b).total_cmp(&length(a)));
+        lines.iter().try_for_each(|line| sheet.contour(line, dash(nth)))?;
+        for line in lines.iter().filter(|line| length(line) > 130.0).take(2) {
+            // As near its middle as can be, where the label hides no other.
+            let parts = [0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8];
+            let at = parts.map(|part| line[((line.len() - 1) as f64 * part).round() as usize]);
+            let area = |at| Area::about(at, width_of(&text, TICK_TEXT) + 8.0, TICK_TEXT * 1.3);
+            let free = |area: &Area| plot.area.holds(area) && !labels.iter().any(|(other, _)| other.meets(area));
+            let found = at.map(area).into_iter().find(free);
+            labels.extend(found.map(|area| (area, text.clone())));
+        }
+    }
+    let style = bold(TICK_TEXT).color(&ON_MAP).pos(Pos::new(HPos::Center, VPos::Center));
+    labels.iter().try_for_each(|(area, text)| sheet.words(text, area.centre(), &style))
+}
 
 /// The lines along which the values are `level`, in the coordinates of `x` and `y`.
 ///
 /// A rectangle of four neighbours is cut into four triangles that meet at the mean of its corners; within each, values are linear. A
 /// rectangle with a missing corner is left out, so lines end where the data do.
-pub(super) fn contour(x: &[f64], y: &[f64], values: &[Vec<Option<f64>>], level: f64) -> Lines {
+fn contour(x: &[f64], y: &[f64], values: &[Vec<Option<f64>>], level: f64) -> Lines {
     let mut pieces = Vec::new();
     for (row, y) in y.windows(2).enumerate() {
         for (column, x) in x.windows(2).enumerate() {
@@ -91,7 +142,7 @@ mod tests {
     #[test]
     fn no_line_runs_through_a_rectangle_with_a_missing_corner() {
         let lines = contour(&X, &Y, &grid(|x, y| (x != 3.0 || y != 0.0).then_some(x)), 2.0);
-        let length: f64 = lines.iter().map(|line| super::super::geometry::length(line)).sum();
+        let length: f64 = lines.iter().map(|line| length(line)).sum();
         assert!(lines.len() == 1 && lines[0].iter().all(|point| point[0] == 2.0) && length == 4.0, "{lines:?}");
     }
 

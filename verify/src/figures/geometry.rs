@@ -26,6 +26,18 @@ impl Area {
         Self { left: a[0].min(b[0]), top: a[1].min(b[1]), right: a[0].max(b[0]), bottom: a[1].max(b[1]) }
     }
 
+    /// The rectangle around points.
+    pub(super) fn around(points: impl Iterator<Item = Point>) -> Self {
+        let areas = points.map(|point| Self::between(point, point));
+        let join = |a: Self, b: Self| Self {
+            left: a.left.min(b.left),
+            top: a.top.min(b.top),
+            right: a.right.max(b.right),
+            bottom: a.bottom.max(b.bottom),
+        };
+        areas.reduce(join).unwrap_or(Self::between([0.0, 0.0], [0.0, 0.0]))
+    }
+
     pub(super) fn width(&self) -> f64 {
         self.right - self.left
     }
@@ -42,6 +54,11 @@ impl Area {
     pub(super) fn outline(&self) -> [Point; 5] {
         let Self { left, top, right, bottom } = *self;
         [[left, top], [right, top], [right, bottom], [left, bottom], [left, top]]
+    }
+
+    /// The level line through its middle.
+    pub(super) fn level(&self) -> [Point; 2] {
+        [self.left, self.right].map(|x| [x, self.centre()[1]])
     }
 
     /// Whether another rectangle lies inside.

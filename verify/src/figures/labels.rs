@@ -3,7 +3,7 @@
 use super::colour::OVER_LINES;
 use super::error::FigureError;
 use super::geometry::{Area, Lines, Point, along, distance, segments};
-use super::sheet::{Sheet, TICK_TEXT, Words};
+use super::sheet::{Sheet, TICK_TEXT, font};
 use super::text::width_of;
 
 /// A label that is to stand near its anchor.
@@ -26,7 +26,7 @@ impl Obstacles {
     /// Writes each label in turn where it costs least, and keeps the others off it.
     pub(super) fn write(&mut self, sheet: &Sheet, labels: &[Label]) -> Result<(), FigureError> {
         for label in labels.iter().filter(|label| !label.text.is_empty()) {
-            sheet.words(Words::new(&label.text, self.position(label)).ink(OVER_LINES))?;
+            sheet.words(&label.text, self.position(label), &font(TICK_TEXT).color(&OVER_LINES))?;
         }
         Ok(())
     }

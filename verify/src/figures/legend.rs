@@ -1,10 +1,10 @@
 //! The legend: samples with words, in rows below the plots, where they hide no data.
 
-use plotters::style::RGBColor;
+use plotters::style::Color;
 
 use super::error::FigureError;
 use super::geometry::Area;
-use super::sheet::{Sheet, TICK_TEXT, Words};
+use super::sheet::{LEFT, Sheet, TICK_TEXT, font};
 use super::text::{widest, wrap};
 
 /// Draws a sample into an area.
@@ -22,7 +22,7 @@ impl<'a> Entry<'a> {
     }
 
     /// A filled patch.
-    pub(super) fn patch(text: impl Into<String>, ink: RGBColor) -> Self {
+    pub(super) fn patch(text: impl Into<String>, ink: impl Color + Copy + 'a) -> Self {
         Self::new(text, move |sheet, area| sheet.cell(Area::about(area.centre(), 26.0, 15.0), ink))
     }
 }
@@ -67,7 +67,7 @@ impl<'a> Legend<'a> {
             let y = |line: usize| top + ((row + line) as f64 + 0.5) * ROW;
             sample(sheet, Area::about([x + SAMPLE / 2.0, y(0)], SAMPLE, 15.0))?;
             for (index, line) in lines.iter().enumerate() {
-                sheet.words(Words::new(line, [x + SAMPLE + GAP, y(index)]).left())?;
+                sheet.words(line, [x + SAMPLE + GAP, y(index)], &font(TICK_TEXT).pos(LEFT))?;
             }
         }
         Ok(())

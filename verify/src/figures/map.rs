@@ -1,17 +1,18 @@
 //! Maps: cells over two quantities in colours, alone or as small multiples.
 
-use plotters::style::RGBColor;
+use plotters::style::Color;
 
-use super::axis::{Axis, Scale};
-use super::colour::{ColourScale, DARK, LIGHT, ON_MAP, TEXT};
-use super::colour_bar;
-use super::contour::contour;
+use super::axis::Axis;
+use super::cells::{Cells, edges};
+use super::colour::TEXT;
 use super::error::{FigureError, require, require_finite, require_len};
-use super::geometry::{Area, Lines, length};
+use super::geometry::Area;
 use super::legend::Entry;
-use super::panels::{Frame, Panels, Plot};
-use super::sheet::{Dash, Pen, SPACE, Sheet, TICK_TEXT, Words};
+use super::panels::{Frame, Panels};
+use super::shades::Shades;
+use super::sheet::{LEFT, SPACE, TICK_TEXT, font, pen};
 use super::text::{number, width_of, wrap};
+use super::{colour_bar, contour};
 
 /// Cells over two quantities, in one plot or in rows and columns of small ones.
 #[derive(Debug, Clone)]
@@ -44,49 +45,9 @@ pub struct Map {
     pub blank: fn(usize, usize) -> bool,
 }
 
-/// Values over a grid.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Cells {
-    /// Words above the plot.
-    pub note: String,
-    /// Positions of the columns; rising or falling, not necessarily evenly.
-    pub x: Vec<f64>,
-    /// Positions of the rows, likewise.
-    pub y: Vec<f64>,
-    /// One row for each entry of `y`, one value for each of `x`; none where there is no value.
-    pub values: Vec<Vec<Option<f64>>>,
-}
-
-/// What values are painted with.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Shades {
-    /// A colour scale and what its values mean, e.g. "force error, %".
-    Scale(ColourScale, String),
-    /// A few classes, in rising order.
-    Classes(Vec<Class>),
-}
-
-/// Values that share a colour.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Class {
-    /// The largest value of the class; those of the class before are smaller.
-    pub up_to: f64,
-    /// Words in the legend; classes that are nowhere are not listed.
-    pub label: String,
-    /// Written on the map, so that colour is not the only sign; nothing where empty.
-    pub sign: String,
-    /// Red, green and blue.
-    pub colour: [u8; 3],
-}
-
-/// A plot of a single row or column of cells gives it this share of its axis, to be seen at all.
-const LONE: f64 = 0.1;
-/// How far cells reach under their neighbours, px: printers leave hairlines between areas that only touch.
-const OVERLAP: f64 = 1.0;
-/// Colours up to this fraction of the scale are dark.
-const DARK_COLOURS: f64 = 0.6;
 const SMALL_HEIGHT: f64 = 104.0;
-const NOTE_LINE: f64 = TICK_TEXT * 1.25;
+const NOTE_TEXT: f64 = 15.0;
+const NOTE_LINE: f64 = NOTE_TEXT * 1.3;
 
 impl Map {
     /// A lone map without contours and further scales.
@@ -115,12 +76,13 @@ impl Map {
         };
         let axes = [reach(&self.x, |cells| &cells.x), reach(&self.y, |cells| &cells.y)];
         let mut panels = Panels::new(&self.frame, [&axes[0], &axes[1]]);
-        (panels.grid, panels.rows, panels.columns, panels.legend) = (0.0, &self.rows, &self.columns, self.legend());
+        (panels.grid, panels.rows, panels.columns, panels.legend) =
+            ([false; 2], &self.rows, &self.columns, self.legend());
         panels.sides[1] = if self.columns.is_empty() { 4.0 * SPACE } else { 2.0 * SPACE };
         // Notes are as wide as their plots, on as many lines as the longest needs.
         let note_width = (self.frame.width - 160.0) / self.columns.len().max(1) as f64 - 2.0 * SPACE;
         let notes: Vec<Vec<String>> = (self.plots.iter())
-            .map(|plot| plot.as_ref().map_or(Vec::new(), |cells| wrap(&cells.note, TICK_TEXT, note_width)))
+            .map(|plot| plot.as_ref().map_or(Vec::new(), |cells| wrap(&cells.note, NOTE_TEXT, note_width)))
             .collect();
         panels.above = notes.iter().map(Vec::len).max().unwrap_or(0) as f64 * NOTE_LINE;
         if !self.rows.is_empty() {
@@ -137,12 +99,19 @@ impl Map {
             for ((plot, cells), note) in plots.iter().zip(&self.plots).zip(&notes) {
                 for (index, line) in note.iter().rev().enumerate() {
                     sheet.words(
-                        Words::new(line, [plot.area.left, plot.area.top - (index as f64 + 0.6) * NOTE_LINE]).left(),
+                        line,
+                        [plot.area.left, plot.area.top - (index as f64 + 0.6) * NOTE_LINE],
+                        &font(NOTE_TEXT).pos(LEFT),
                     )?;
                 }
-                if let Some(cells) = cells {
-                    self.draw_cells(sheet, plot, cells)?;
-                    self.draw_contours(sheet, plot, cells)?;
+                // Nothing to show is not a map without cells.
+                let Some(cells) = cells else {
+                    sheet.words("–", plot.area.centre(), &font(TICK_TEXT))?;
+                    continue;
+                };
+                cells.draw(sheet, plot, self)?;
+                if let Shades::Scale(colours, _) = &self.shades {
+                    contour::draw(sheet, plot, cells, colours, (self.levels(), self.contour_unit))?;
                 }
             }
             let Shades::Scale(colours, label) = &self.shades else { return Ok(()) };
@@ -156,32 +125,10 @@ impl Map {
     fn check(&self) -> Result<(), FigureError> {
         require(self.plots.iter().any(Option::is_some), FigureError::Empty, "map")?;
         require_len("plots of a map", &self.plots, self.rows.len().max(1) * self.columns.len().max(1))?;
-        let mut least = 0.0_f64;
-        for cells in self.plots.iter().flatten() {
-            for (what, positions) in [("map columns", &cells.x), ("map rows", &cells.y)] {
-                require(!positions.is_empty(), FigureError::Empty, what)?;
-                require_finite(what, positions.iter())?;
-                let all = |holds: fn(f64, f64) -> bool| positions.windows(2).all(|pair| holds(pair[0], pair[1]));
-                require(all(|a, b| a < b) || all(|a, b| a > b), FigureError::NotMonotone, what)?;
-            }
-            require_len("map values", &cells.values, cells.y.len())?;
-            for row in &cells.values {
-                require_len("a row of map values", row, cells.x.len())?;
-                require_finite("map values", row.iter().flatten())?;
-                least = row.iter().flatten().copied().fold(least, f64::min);
-            }
-        }
+        self.plots.iter().flatten().try_for_each(Cells::check)?;
         require_finite("contour levels", self.contours.iter())?;
-        match &self.shades {
-            Shades::Scale(colours, _) => {
-                colours.check()?;
-                require(colours.scale == Scale::Linear || least >= 0.0, FigureError::NotPositive, "map values")
-            }
-            Shades::Classes(classes) => {
-                let last = classes.last().map_or(f64::NEG_INFINITY, |class| class.up_to);
-                require(self.values().flatten().all(|value| value <= last), FigureError::Empty, "class of a value")
-            }
-        }
+        let [least, largest] = [f64::min, f64::max].map(|of| self.values().flatten().fold(0.0, of));
+        self.shades.check([least, largest])
     }
 
     /// All values that have a meaning, with those that are missing.
@@ -193,135 +140,123 @@ impl Map {
     }
 
     /// Levels at which a line is drawn.
-    fn lines(&self) -> &[f64] {
+    fn levels(&self) -> &[f64] {
         if self.written.is_none() { &self.contours } else { &[] }
     }
 
     fn legend(&self) -> Vec<Entry<'_>> {
-        let mut entries = Vec::new();
-        for (nth, level) in self.lines().iter().enumerate() {
-            entries.push(Entry::new(format!("{}{}", number(*level), self.contour_unit), move |sheet, area| {
-                sheet.contour(&[area.left, area.right].map(|x| [x, area.centre()[1]]), dash(nth))
-            }));
-        }
-        let Shades::Classes(classes) = &self.shades else { return self.with_missing(entries) };
-        for (nth, Class { label, sign, colour: [r, g, b], .. }) in classes.iter().enumerate() {
-            if self.values().flatten().any(|value| class(classes, value) == nth) {
-                let words = if sign.is_empty() { label.clone() } else { format!("{sign}: {label}") };
-                entries.push(Entry::patch(words, RGBColor(*r, *g, *b)));
-            }
-        }
-        self.with_missing(entries)
-    }
-
-    fn with_missing<'a>(&self, mut entries: Vec<Entry<'a>>) -> Vec<Entry<'a>> {
+        let level = |(nth, level): (usize, &f64)| {
+            let text = format!("{}{}", number(*level), self.contour_unit);
+            Entry::new(text, move |sheet, area| sheet.contour(&area.level(), contour::dash(nth)))
+        };
+        let mut entries: Vec<Entry> = self.levels().iter().enumerate().map(level).collect();
+        entries.extend(self.shades.legend(self.values().flatten()));
         if self.values().any(|value| value.is_none()) {
             entries.push(Entry::new(&self.missing_label, |sheet, area| {
                 let patch = Area::about(area.centre(), 26.0, 15.0);
                 sheet.hatch(patch)?;
-                sheet.line(&patch.outline(), Pen::new(TEXT, 1.0).faint(0.6))
+                sheet.line(&patch.outline(), pen(TEXT.mix(0.6), 1.0))
             }));
         }
         entries
     }
+}
 
-    /// Colour of a value, what is written into its cell, and in which ink.
-    fn paint(&self, value: f64) -> (RGBColor, String, RGBColor) {
-        match &self.shades {
-            Shades::Scale(colours, _) => {
-                let ink = if colours.fraction(value) < DARK_COLOURS { LIGHT } else { DARK };
-                (colours.ink(value), self.written.map_or(String::new(), |written| written(value)), ink)
-            }
-            Shades::Classes(classes) => {
-                let Class { sign, colour: [r, g, b], .. } = &classes[class(classes, value)];
-                (RGBColor(*r, *g, *b), sign.clone(), ON_MAP)
-            }
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figures::{Class, ColourScale};
+
+    fn axes() -> [Axis; 2] {
+        [Axis::linear("position, mm"), Axis::linear("direction, deg")]
+    }
+
+    fn cells(values: [[Option<f64>; 3]; 2]) -> Cells {
+        let values = values.map(Vec::from).into();
+        Cells { note: "all clear".to_owned(), x: vec![10.0, 20.0, 35.0], y: vec![-30.0, 0.0], values }
+    }
+
+    fn map(values: [[f64; 3]; 2]) -> Map {
+        let shades = Shades::Scale(ColourScale::log(0.01, 100.0), "error, %".to_owned());
+        Map {
+            contours: vec![10.0],
+            contour_unit: " %",
+            missing_label: "no equilibrium".to_owned(),
+            top: Some(Axis::linear("node").named(vec![(20.0, "n24".to_owned())])),
+            ..Map::new(Frame::half("Error", "error"), axes(), shades, cells(values.map(|row| row.map(Some))))
         }
     }
 
-    /// Fills the cells row by row, neighbours that look alike as one; hatches those without value.
-    fn draw_cells(&self, sheet: &Sheet, plot: &Plot, cells: &Cells) -> Result<(), FigureError> {
-        let columns = edges(&cells.x, self.x.limits);
-        for (row, (values, ys)) in cells.values.iter().zip(edges(&cells.y, self.y.limits).windows(2)).enumerate() {
-            let shown = values.iter().enumerate().map(|(column, value)| {
-                let paint = value.map(|value| self.paint(value));
-                (paint, (self.blank)(row, column), self.written.map_or(0, |_| column))
-            });
-            let mut first = 0;
-            for run in shown.collect::<Vec<_>>().chunk_by(|a, b| a == b) {
-                let corners =
-                    [[columns[first], ys[0]], [columns[first + run.len()], ys[1]]].map(|corner| plot.at(corner));
-                let mut area = Area::between(corners[0], corners[1]);
-                let (centre, room) = (area.centre(), area.width().min(area.height()));
-                area.right = (area.right + OVERLAP).min(plot.area.right);
-                area.bottom = (area.bottom + OVERLAP).min(plot.area.bottom);
-                first += run.len();
-                match &run[0] {
-                    (_, true, _) => {}
-                    (None, ..) => sheet.hatch(area)?,
-                    (Some((colour, text, ink)), ..) => {
-                        sheet.cell(area, *colour)?;
-                        if room >= TICK_TEXT * 0.8 && !text.is_empty() {
-                            let size = if self.written.is_some() { 14.0 } else { TICK_TEXT };
-                            sheet.words(Words::new(text, centre).size(size).ink(*ink))?;
-                        }
-                    }
-                }
-            }
+    fn classes(plots: Vec<Option<Cells>>) -> Map {
+        let class =
+            |up_to, label: &str, sign: &str| Class { up_to, label: label.into(), sign: sign.into(), colour: [1, 2, 9] };
+        let shades =
+            Shades::Classes(vec![class(10.0, "clear", ""), class(25.0, "grey", "G"), class(99.0, "dark", "D")]);
+        let rows = vec!["linear".to_owned(); plots.len()];
+        Map {
+            missing_label: "refused".to_owned(),
+            ..Map::grid(Frame::full("Errors", "errors"), axes(), shades, rows, plots)
         }
-        Ok(())
     }
 
-    /// Draws the lines of equal value, and two labels a level at most.
-    fn draw_contours(&self, sheet: &Sheet, plot: &Plot, cells: &Cells) -> Result<(), FigureError> {
-        let Shades::Scale(colours, _) = &self.shades else { return Ok(()) };
-        // Values are linear along the colour scale. One of zero has no logarithm: the scale's lower end stands for it.
-        let measure = |value: f64| match colours.scale {
-            Scale::Linear => value,
-            Scale::Log => value.max(colours.limits[0]).log10(),
+    /// Filled cells, those of the colour bar or the legend left out.
+    fn filled(map: &Map, others: usize) -> usize {
+        map.svg().unwrap().matches("<rect ").count() - others
+    }
+
+    const VALUES: [[f64; 3]; 2] = [[0.1, 0.3, 0.9], [2.7, 8.1, 24.3]];
+
+    #[test]
+    fn every_cell_is_drawn_and_one_without_value_is_hatched_and_explained() {
+        let mut map = map(VALUES);
+        assert_eq!(filled(&map, colour_bar::STEPS), 6);
+        assert!(!map.svg().unwrap().contains("no equilibrium") && map.svg().unwrap().contains(">n24<"));
+        map.plots[0] = Some(cells([[Some(0.1), None, Some(3.0)], [Some(7.0), Some(9.0), Some(12.0)]]));
+        assert!(filled(&map, colour_bar::STEPS) == 5 && map.svg().unwrap().contains(">no equilibrium<"));
+    }
+
+    #[test]
+    fn values_are_written_into_their_cells_and_blank_ones_stay_empty() {
+        let written =
+            Map { written: Some(|value| format!("v{value}")), blank: |row, column| row == column, ..map(VALUES) };
+        let svg = written.svg().unwrap();
+        assert!(filled(&written, colour_bar::STEPS) == 4 && svg.contains(">v0.3<") && !svg.contains(">v0.1<"));
+        assert!(!svg.contains("no equilibrium") && !svg.contains(">10 %<"));
+    }
+
+    #[test]
+    fn neighbours_of_a_class_are_one_and_only_classes_that_are_there_are_listed() {
+        let one = cells([[Some(10.0), Some(25.0), Some(25.0)], [None, Some(1.0), Some(1.0)]]);
+        let lone = Cells { y: vec![0.0], values: vec![vec![Some(1.0); 3]], ..one.clone() };
+        let map = classes(vec![Some(one), None, Some(lone)]);
+        let svg = map.svg().unwrap();
+        assert_eq!(filled(&map, 2), 2 + 1 + 1);
+        assert!(
+            [">clear<", ">G: grey<", ">refused<", ">linear<", ">all clear<"].iter().all(|words| svg.contains(words))
+        );
+        assert!(!svg.contains("dark"));
+    }
+
+    #[test]
+    fn values_beyond_the_scale_are_marked_at_its_ends() {
+        let far = map([[1000.0, 0.3, 0.9], [2.7, 8.1, 24.3]]).svg().unwrap();
+        assert!(far.contains("≥ 100<") && !far.contains("≤") && !map(VALUES).svg().unwrap().contains('≥'));
+    }
+
+    #[test]
+    fn data_that_do_not_fit_together_are_refused() {
+        let refusal = |change: fn(&mut Cells)| {
+            let mut broken = map(VALUES);
+            broken.plots.iter_mut().flatten().for_each(change);
+            broken.svg().unwrap_err()
         };
-        let values: Vec<Vec<_>> =
-            cells.values.iter().map(|row| row.iter().map(|value| value.map(measure)).collect()).collect();
-        let mut labels: Vec<(Area, String)> = Vec::new();
-        for (nth, level) in self.lines().iter().enumerate() {
-            let text = format!("{}{}", number(*level), self.contour_unit);
-            let lines = contour(&cells.x, &cells.y, &values, measure(*level));
-            let mut lines: Lines = lines.iter().map(|line| plot.line(line)).collect();
-            lines.sort_by(|a, b| length(b).total_cmp(&length(a)));
-            lines.iter().try_for_each(|line| sheet.contour(line, dash(nth)))?;
-            for line in lines.iter().filter(|line| length(line) > 130.0).take(2) {
-                // As near its middle as can be, where the label hides no other.
-                let at = [0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8]
-                    .map(|part| line[((line.len() - 1) as f64 * part).round() as usize]);
-                let mut areas =
-                    at.into_iter().map(|at| Area::about(at, width_of(&text, TICK_TEXT) + 8.0, TICK_TEXT * 1.3));
-                let free =
-                    areas.find(|area| plot.area.holds(area) && !labels.iter().any(|(other, _)| other.meets(area)));
-                labels.extend(free.map(|area| (area, text.clone())));
-            }
-        }
-        labels.iter().try_for_each(|(area, text)| sheet.words(Words::new(text, area.centre()).ink(ON_MAP).bold()))
+        assert!(matches!(refusal(|cells| cells.values.truncate(1)), FigureError::Mismatch(_, 2, 1)));
+        assert!(matches!(refusal(|cells| cells.values[0].truncate(1)), FigureError::Mismatch(_, 3, 1)));
+        assert!(matches!(refusal(|cells| cells.x.swap(1, 2)), FigureError::NotMonotone(_)));
+        assert!(matches!(refusal(|cells| cells.values[0][0] = Some(f64::NAN)), FigureError::NotFinite(_)));
+        assert!(matches!(refusal(|cells| cells.values[0][0] = Some(-1.0)), FigureError::NotPositive(_)));
+        assert!(matches!(classes(vec![]).svg(), Err(FigureError::Empty(_))));
+        let unknown = cells([[Some(100.0); 3]; 2]);
+        assert!(matches!(classes(vec![Some(unknown)]).svg(), Err(FigureError::Empty(_))));
     }
-}
-
-/// How the line of the n-th level is broken.
-fn dash(nth: usize) -> Dash {
-    [Dash::Solid, Dash::Dashed, Dash::Dotted][nth % 3]
-}
-
-/// The class of a value.
-fn class(classes: &[Class], value: f64) -> usize {
-    classes.iter().take_while(|class| value > class.up_to).count()
-}
-
-/// Edges of cells: halfway between neighbours, and as far beyond the first and last.
-fn edges(positions: &[f64], limits: Option<[f64; 2]>) -> Vec<f64> {
-    let [first, .., last] = positions else {
-        let half = limits.map_or(0.5, |[low, high]| LONE / 2.0 * (high - low));
-        return positions.iter().flat_map(|lone| [lone - half, lone + half]).collect();
-    };
-    let mut edges: Vec<f64> = positions.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0).collect();
-    edges.insert(0, 2.0 * first - edges[0]);
-    edges.push(2.0 * last - edges[edges.len() - 1]);
-    edges
 }

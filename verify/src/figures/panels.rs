@@ -3,14 +3,15 @@
 use plotters::chart::{ChartBuilder, ChartContext, LabelAreaPosition};
 use plotters::coord::cartesian::Cartesian2d;
 use plotters::drawing::IntoDrawingArea;
-use plotters::style::text_anchor::{HPos, VPos};
+use plotters::style::Color;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::axis::{Axis, Ruler};
 use super::colour::TEXT;
 use super::error::FigureError;
 use super::geometry::{Area, Point};
 use super::legend::{Entry, Legend};
-use super::sheet::{LABEL_TEXT, Pen, SPACE, Sheet, TICK_TEXT, Words, font, units};
+use super::sheet::{LABEL_TEXT, LEFT, SPACE, Sheet, TICK_TEXT, axis_pen, bold, font, pen, units};
 use super::svg::{Svg, escape};
 use super::text::{widest, wrap};
 
@@ -67,13 +68,13 @@ pub(super) struct Plot {
 }
 
 impl Plot {
-    /// Draws axes, and grid lines of an opacity, with so much room left, above and below for tick labels.
+    /// Draws axes, and lines at the ticks across and up where asked for, with so much room left, above and below for tick labels.
     pub(super) fn new(
         sheet: &Sheet,
         area: Area,
         [x, y]: [Ruler; 2],
         [left, top, bottom]: [f64; 3],
-        grid: f64,
+        grid: [bool; 2],
     ) -> Result<Self, FigureError> {
         let corner = (units(area.left - left), units(area.top - top));
         let size = (units(area.width() + left), units(area.height() + top + bottom));
@@ -82,13 +83,15 @@ impl Plot {
             .set_label_area_size(LabelAreaPosition::Top, units(top))
             .set_label_area_size(LabelAreaPosition::Bottom, units(bottom))
             .build_cartesian_2d(x, y)?;
-        chart
-            .configure_mesh()
-            .label_style(font(TICK_TEXT))
-            .axis_style(Pen::axis().style())
-            .bold_line_style(Pen::new(TEXT, 1.0).faint(grid).style())
-            .set_all_tick_mark_size(units(4.0))
-            .draw()?;
+        let mut mesh = chart.configure_mesh();
+        if !grid[0] {
+            mesh.disable_x_mesh();
+        }
+        if !grid[1] {
+            mesh.disable_y_mesh();
+        }
+        mesh.label_style(font(TICK_TEXT)).axis_style(axis_pen()).bold_line_style(pen(TEXT.mix(0.14), 1.0));
+        mesh.set_all_tick_mark_size(units(4.0)).draw()?;
         Ok(Self { chart, area })
     }
 
@@ -117,8 +120,8 @@ pub(super) struct Panels<'a> {
     pub(super) top: Option<&'a Axis>,
     /// Least room left of the plots, and room right of them.
     pub(super) sides: [f64; 2],
-    /// Opacity of grid lines.
-    pub(super) grid: f64,
+    /// Whether there are lines at the ticks across and up.
+    pub(super) grid: [bool; 2],
     /// Names of small multiples; none for a lone plot.
     pub(super) rows: &'a [String],
     /// Names of their columns.
@@ -149,7 +152,7 @@ impl<'a> Panels<'a> {
             head: 0.0,
             top: None,
             sides,
-            grid: 0.14,
+            grid: [true; 2],
             rows,
             columns,
             above: 0.0,
@@ -164,7 +167,7 @@ impl<'a> Panels<'a> {
         paint: impl FnOnce(&Sheet, &[Plot], f64) -> Result<(), FigureError>,
     ) -> Result<String, FigureError> {
         let frame = self.frame;
-        let heading = wrap(&frame.title, HEADING_TEXT * 1.08, frame.width - 2.0 * SPACE);
+        let heading = wrap(&frame.title, HEADING_TEXT * 1.16, frame.width - 2.0 * SPACE);
         let heading_height = heading.len() as f64 * HEADING_LINE + SPACE;
         let [x_axis, y_axis] = self.axes;
         let mut y = y_axis.ruler(&self.data[1], self.height - self.head, true)?;
@@ -189,34 +192,30 @@ impl<'a> Panels<'a> {
         let sheet = Sheet(svg.clone().into_drawing_area());
         for (index, line) in heading.iter().enumerate() {
             let at = [SPACE, (index as f64 + 0.5) * HEADING_LINE];
-            sheet.words(Words::new(line, at).size(HEADING_TEXT).left().bold())?;
+            sheet.words(line, at, &bold(HEADING_TEXT))?;
         }
         // Level, above the plots, so that nobody tilts the head.
-        sheet.words(Words::label(&y_axis.label, [SPACE, heading_height + LABEL_LINE * 0.4]).left())?;
-        sheet.words(Words::label(
-            &x_axis.label,
-            [(left + frame.width - self.sides[1]) / 2.0, bottom + TICKS + LABEL_LINE * 0.4],
-        ))?;
+        sheet.words(&y_axis.label, [SPACE, heading_height + LABEL_LINE * 0.4], &font(LABEL_TEXT).pos(LEFT))?;
+        let middle = (left + frame.width - self.sides[1]) / 2.0;
+        sheet.words(&x_axis.label, [middle, bottom + TICKS + LABEL_LINE * 0.4], &font(LABEL_TEXT))?;
         let area = |row: usize, column: usize| {
             let corner = [left + column as f64 * (width + gap), first + row as f64 * pitch];
             Area::between(corner, [corner[0] + width, corner[1] + self.height])
         };
         for (column, name) in self.columns.iter().enumerate() {
-            sheet.words(
-                Words::label(name, [area(0, column).left, first - self.above - LABEL_LINE * 0.5]).left().bold(),
-            )?;
+            sheet.words(name, [area(0, column).left, first - self.above - LABEL_LINE * 0.5], &bold(LABEL_TEXT))?;
         }
         for (row, name) in self.rows.iter().enumerate() {
             for (index, line) in wrap(name, LABEL_TEXT * 1.08, ROW_NAMES).iter().enumerate() {
                 let y = area(row, 0).top + (index as f64 + 0.5) * LABEL_TEXT * 1.25;
-                sheet.words(Words::label(line, [SPACE, y]).left().bold())?;
+                sheet.words(line, [SPACE, y], &bold(LABEL_TEXT))?;
             }
         }
         if let Some(axis) = self.top {
             let ruler = axis.clone().within(x.span[0], x.span[1]).ruler(&[], width, false)?;
-            Plot::new(&sheet, area(0, 0), [ruler, y.clone()], [0.0, top, 0.0], 0.0)?;
-            let name = Words::new(&axis.label, [left - SPACE, first - SPACE]);
-            sheet.words(name.anchor(HPos::Right, VPos::Bottom))?;
+            Plot::new(&sheet, area(0, 0), [ruler, y.clone()], [0.0, top, 0.0], [false; 2])?;
+            let right = font(TICK_TEXT).pos(Pos::new(HPos::Right, VPos::Bottom));
+            sheet.words(&axis.label, [left - SPACE, first - SPACE], &right)?;
         }
         let mut plots = Vec::new();
         for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
@@ -224,7 +223,7 @@ impl<'a> Panels<'a> {
             plots.push(Plot::new(&sheet, area(row, column), [x.clone(), y.clone()], room, self.grid)?);
         }
         paint(&sheet, &plots, under)?;
-        plots.iter().try_for_each(|plot| sheet.line(&plot.area.outline(), Pen::axis()))?;
+        plots.iter().try_for_each(|plot| sheet.line(&plot.area.outline(), axis_pen()))?;
         legend.draw(&sheet, under + self.below)?;
         let drawn = svg.text.borrow().clone();
         Ok(drawn + "</svg>\n")
@@ -239,8 +238,9 @@ mod tests {
     fn sample() -> String {
         let (frame, axis) = (Frame::full("a < b & \"c\"", "what it shows"), Axis::linear("x, mm").within(0.0, 1.0));
         let paint = |sheet: &Sheet, plots: &[Plot], _: f64| {
-            assert_eq!(plots[0].at([0.0, 1.0]), [plots[0].area.left, plots[0].area.top]);
-            sheet.words(Words::new("fill=\"#010203\" & <i>", [0.0, 0.0]).ink(OVER_LINES))
+            let ([x, y], area) = (plots[0].at([0.0, 1.0]), plots[0].area);
+            assert!((x - area.left).abs() < 0.2 && (y - area.top).abs() < 0.2);
+            sheet.words("fill=\"#010203\" & <i>", [0.0, 0.0], &font(TICK_TEXT).color(&OVER_LINES))
         };
         Panels::new(&frame, [&axis, &axis]).draw(paint).unwrap()
     }
@@ -258,7 +258,7 @@ mod tests {
     fn neutral_ink_is_the_page_s_and_words_are_escaped() {
         let svg = sample();
         assert!(svg.contains("stroke=\"currentColor\"") && svg.contains("var(--paper,Canvas)"));
-        assert!(!svg.contains("=\"#01020") && !svg.contains("#000000"), "{svg}");
+        assert!(!svg.contains("stroke=\"#01020") && !svg.contains("#000000"), "{svg}");
         assert!(svg.contains(">fill=\"#010203\" &amp; &lt;i&gt;</text>"));
     }
 }

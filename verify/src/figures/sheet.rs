@@ -4,7 +4,7 @@ use plotters::coord::Shift;
 use plotters::drawing::DrawingArea;
 use plotters::element::{Circle, DashedPathElement, PathElement, Polygon, Rectangle};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, FontStyle, FontTransform, IntoFont, RGBColor, ShapeStyle, TextStyle};
+use plotters::style::{Color, FontStyle, IntoFont, ShapeStyle, TextStyle};
 
 use super::colour::{DARK, LIGHT, TEXT};
 use super::error::FigureError;
@@ -18,13 +18,19 @@ pub(super) const LABEL_TEXT: f64 = 17.0;
 /// Space between neighbours, px.
 pub(super) const SPACE: f64 = 8.0;
 
+/// Text that begins at its position.
+pub(super) const LEFT: Pos = Pos { h_pos: HPos::Left, v_pos: VPos::Center };
+
 type Done = Result<(), FigureError>;
 
-/// How a line is broken, so that lines differ by more than colour.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// How points are joined; lines differ by more than colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dash {
-    /// Unbroken.
-    #[default]
+    /// Not at all.
+    None,
+    /// By an arrow from the first to the last.
+    Arrow,
+    /// By an unbroken line.
     Solid,
     /// Long dashes.
     Dashed,
@@ -32,91 +38,25 @@ pub enum Dash {
     Dotted,
 }
 
-/// How a line is drawn.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Pen {
-    ink: RGBColor,
-    width: f64,
-    opacity: f64,
-    dash: Dash,
+/// A stroke of a width, px.
+pub(super) fn pen(ink: impl Color, width: f64) -> ShapeStyle {
+    ink.stroke_width(units(width) as u32)
 }
 
-impl Pen {
-    pub(super) fn new(ink: RGBColor, width: f64) -> Self {
-        Self { ink, width, opacity: 1.0, dash: Dash::Solid }
-    }
-
-    /// The pen of axes, ticks and outlines.
-    pub(super) fn axis() -> Self {
-        Self::new(TEXT, 1.2).faint(0.65)
-    }
-
-    pub(super) fn faint(self, opacity: f64) -> Self {
-        Self { opacity, ..self }
-    }
-
-    pub(super) fn dashed(self, dash: Dash) -> Self {
-        Self { dash, ..self }
-    }
-
-    pub(super) fn style(self) -> ShapeStyle {
-        self.ink.mix(self.opacity).stroke_width(units(self.width) as u32)
-    }
+/// The stroke of axes, ticks and outlines.
+pub(super) fn axis_pen() -> ShapeStyle {
+    pen(TEXT.mix(0.65), 1.2)
 }
 
-/// One line of text and its position: the middle of the text, unless it is said otherwise.
-#[derive(Clone)]
-pub(super) struct Words<'a> {
-    text: &'a str,
-    at: Point,
-    size: f64,
-    ink: RGBColor,
-    anchor: (HPos, VPos),
-    bold: FontStyle,
-    turn: FontTransform,
-}
-
-impl<'a> Words<'a> {
-    pub(super) fn new(text: &'a str, at: Point) -> Self {
-        let anchor = (HPos::Center, VPos::Center);
-        Self { text, at, size: TICK_TEXT, ink: TEXT, anchor, bold: FontStyle::Normal, turn: FontTransform::None }
-    }
-
-    /// In the size of labels of axes.
-    pub(super) fn label(text: &'a str, at: Point) -> Self {
-        Self { size: LABEL_TEXT, ..Self::new(text, at) }
-    }
-
-    pub(super) fn size(self, size: f64) -> Self {
-        Self { size, ..self }
-    }
-
-    pub(super) fn ink(self, ink: RGBColor) -> Self {
-        Self { ink, ..self }
-    }
-
-    pub(super) fn anchor(self, across: HPos, down: VPos) -> Self {
-        Self { anchor: (across, down), ..self }
-    }
-
-    /// Begins at its position.
-    pub(super) fn left(self) -> Self {
-        self.anchor(HPos::Left, VPos::Center)
-    }
-
-    pub(super) fn bold(self) -> Self {
-        Self { bold: FontStyle::Bold, ..self }
-    }
-
-    /// Reads upwards from its position.
-    pub(super) fn rising(self) -> Self {
-        Self { turn: FontTransform::Rotate270, ..self.left() }
-    }
-}
-
-/// Size of text as plotters takes it.
+/// Text of a size, px, about its position.
 pub(super) fn font(size: f64) -> TextStyle<'static> {
-    TextStyle::from(("sans-serif", size * UNITS).into_font()).color(&TEXT)
+    let font = ("sans-serif", size * UNITS).into_font();
+    TextStyle::from(font).color(&TEXT).pos(Pos::new(HPos::Center, VPos::Center))
+}
+
+/// Bold text that begins at its position.
+pub(super) fn bold(size: f64) -> TextStyle<'static> {
+    TextStyle { font: font(size).font.style(FontStyle::Bold), ..font(size).pos(LEFT) }
 }
 
 /// Pixels as whole units.
@@ -124,48 +64,49 @@ pub(super) fn units(pixels: f64) -> i32 {
     (pixels * UNITS).round() as i32
 }
 
-fn corner([x, y]: Point) -> (i32, i32) {
-    (units(x), units(y))
+fn path(points: &[Point]) -> Vec<(i32, i32)> {
+    points.iter().map(|[x, y]| (units(*x), units(*y))).collect()
 }
 
 /// The whole drawing.
 pub(super) struct Sheet(pub(super) DrawingArea<Svg, Shift>);
 
 impl Sheet {
-    pub(super) fn line(&self, points: &[Point], pen: Pen) -> Done {
-        let path: Vec<_> = points.iter().copied().map(corner).collect();
-        let dashed = |size, gap| self.0.draw(&DashedPathElement::new(path.clone(), size, gap, pen.style()));
-        Ok(match pen.dash {
-            Dash::Solid => self.0.draw(&PathElement::new(path, pen.style())),
-            Dash::Dashed => dashed(90, 50),
-            Dash::Dotted => dashed(30, 40),
-        }?)
+    pub(super) fn line(&self, points: &[Point], pen: ShapeStyle) -> Done {
+        Ok(self.0.draw(&PathElement::new(path(points), pen))?)
+    }
+
+    pub(super) fn dashed(&self, points: &[Point], pen: ShapeStyle, dash: Dash) -> Done {
+        let (size, gap) = match dash {
+            Dash::None => return Ok(()),
+            Dash::Solid | Dash::Arrow => return self.line(points, pen),
+            Dash::Dashed => (90, 50),
+            Dash::Dotted => (30, 40),
+        };
+        Ok(self.0.draw(&DashedPathElement::new(path(points), size, gap, pen))?)
     }
 
     /// A light line on a dark one, which shows on every colour of a map.
     pub(super) fn contour(&self, points: &[Point], dash: Dash) -> Done {
-        self.line(points, Pen::new(DARK, 4.6))?;
-        self.line(points, Pen::new(LIGHT, 2.2).dashed(dash))
+        self.line(points, pen(DARK, 4.6))?;
+        self.dashed(points, pen(LIGHT, 2.2), dash)
     }
 
-    pub(super) fn polygon(&self, points: &[Point], ink: RGBColor, opacity: f64) -> Done {
-        let path: Vec<_> = points.iter().copied().map(corner).collect();
-        Ok(self.0.draw(&Polygon::new(path, ink.mix(opacity)))?)
+    pub(super) fn polygon(&self, points: &[Point], ink: impl Color) -> Done {
+        Ok(self.0.draw(&Polygon::new(path(points), ink.filled()))?)
     }
 
-    pub(super) fn cell(&self, area: Area, ink: RGBColor) -> Done {
-        let corners = [corner([area.left, area.top]), corner([area.right, area.bottom])];
-        Ok(self.0.draw(&Rectangle::new(corners, ink.filled()))?)
+    pub(super) fn cell(&self, area: Area, ink: impl Color) -> Done {
+        let corners = path(&[[area.left, area.top], [area.right, area.bottom]]);
+        Ok(self.0.draw(&Rectangle::new([corners[0], corners[1]], ink.filled()))?)
     }
 
-    pub(super) fn disc(&self, centre: Point, radius: f64, ink: RGBColor) -> Done {
-        Ok(self.0.draw(&Circle::new(corner(centre), units(radius), ink.filled()))?)
+    pub(super) fn disc(&self, centre: Point, radius: f64, ink: impl Color) -> Done {
+        Ok(self.0.draw(&Circle::new(path(&[centre])[0], units(radius), ink.filled()))?)
     }
 
-    pub(super) fn words(&self, words: Words) -> Done {
-        let font = ("sans-serif", words.size * UNITS).into_font().style(words.bold).transform(words.turn);
-        let style = TextStyle::from(font).color(&words.ink).pos(Pos::new(words.anchor.0, words.anchor.1));
-        Ok(self.0.draw_text(words.text, &style, corner(words.at))?)
+    pub(super) fn words(&self, text: &str, at: Point, style: &TextStyle) -> Done {
+        Ok(self.0.draw_text(text, style, path(&[at])[0])?)
     }
 
     /// Fills an area with slanting lines, for cells without data; those of neighbours meet.
@@ -174,12 +115,9 @@ impl Sheet {
         let first = ((area.left + area.top) / STEP).floor() as i64;
         let last = ((area.right + area.bottom) / STEP).ceil() as i64;
         // Points of one slanting line share the sum of their coordinates.
-        for sum in (first..=last).map(|index| index as f64 * STEP) {
-            let ends = [[area.left, sum - area.left], [area.right, sum - area.right]];
-            if let Some(piece) = area.clip(ends[0], ends[1]) {
-                self.line(&piece, Pen::new(TEXT, 1.2).faint(0.45))?;
-            }
-        }
-        Ok(())
+        let ends =
+            (first..=last).map(|index| index as f64 * STEP).map(|sum| [area.left, area.right].map(|x| [x, sum - x]));
+        let mut pieces = ends.filter_map(|[from, to]| area.clip(from, to));
+        pieces.try_for_each(|piece| self.line(&piece, pen(TEXT.mix(0.45), 1.2)))
     }
 }

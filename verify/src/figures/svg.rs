@@ -7,13 +7,13 @@ use std::cell::RefCell;
 use std::fmt::{Error, Write};
 use std::rc::Rc;
 
-use plotters::style::{FontStyle, RGBColor};
+use plotters::style::{Color, FontStyle, RGBColor};
 use plotters_backend::text_anchor::{HPos, VPos};
 use plotters_backend::{
     BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind, FontTransform,
 };
 
-use super::colour::{ON_MAP, OVER_LINES, TEXT};
+use super::colour::{DARK, ON_MAP, OVER_LINES, TEXT};
 use super::text::width_of;
 
 /// Units of the drawing in a pixel.
@@ -31,35 +31,26 @@ pub(super) struct Svg {
 
 impl Svg {
     /// Writes an element; nothing where it would not be seen.
-    fn element(&self, colour: BackendColor, text: std::fmt::Arguments) -> Done {
+    fn element(&self, colour: BackendColor, text: &str) -> Done {
         if colour.alpha == 0.0 {
             return Ok(());
         }
         writeln!(self.text.borrow_mut(), "{text}").map_err(DrawingErrorKind::DrawingError)
     }
+
+    fn filled(&self, shape: &str, style: &impl BackendStyle) -> Done {
+        self.element(style.color(), &format!("{shape} {}/>", paint("fill", style.color())))
+    }
 }
 
-/// The value of a `fill` or `stroke`, with its opacity.
+/// A `fill` or `stroke`, with its opacity.
 fn paint(name: &str, colour: BackendColor) -> String {
     let (r, g, b) = colour.rgb;
-    let value = match RGBColor(r, g, b) {
-        TEXT | OVER_LINES => "currentColor".to_owned(),
-        ON_MAP => "#14171a".to_owned(),
-        _ => format!("#{r:02x}{g:02x}{b:02x}"),
-    };
     let opacity = if colour.alpha < 1.0 { format!(" opacity=\"{}\"", colour.alpha) } else { String::new() };
-    format!("{name}=\"{value}\"{opacity}")
-}
-
-/// Fill or outline of a shape.
-fn dress(filled: bool, style: &impl BackendStyle) -> String {
-    match filled {
-        true => paint("fill", style.color()),
-        false => format!(
-            "fill=\"none\" {} stroke-width=\"{}\"",
-            paint("stroke", style.color()),
-            px(style.stroke_width() as i32)
-        ),
+    match RGBColor(r, g, b) {
+        TEXT | OVER_LINES => format!("{name}=\"currentColor\"{opacity}"),
+        ON_MAP => paint(name, DARK.to_backend_color()),
+        _ => format!("{name}=\"#{r:02x}{g:02x}{b:02x}\"{opacity}"),
     }
 }
 
@@ -99,65 +90,62 @@ impl DrawingBackend for Svg {
         self.draw_path([from, to], style)
     }
 
-    /// Edges of filled rectangles are not softened, so that neighbours leave no gap.
-    fn draw_rect<S: BackendStyle>(&mut self, from: BackendCoord, to: BackendCoord, style: &S, fill: bool) -> Done {
+    /// Rectangles are always filled. Their edges are not softened, so that neighbours leave no gap.
+    fn draw_rect<S: BackendStyle>(&mut self, from: BackendCoord, to: BackendCoord, style: &S, _: bool) -> Done {
         let [x, y, width, height] = [from.0, from.1, to.0 - from.0, to.1 - from.1].map(px);
-        let edges = if fill { " shape-rendering=\"crispEdges\"" } else { "" };
-        let paint = dress(fill, style);
-        let at = format_args!("<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" {paint}{edges}/>");
-        self.element(style.color(), at)
+        let shape =
+            format!("<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" shape-rendering=\"crispEdges\"");
+        self.filled(&shape, style)
     }
 
     fn draw_path<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(&mut self, path: I, style: &S) -> Done {
-        let paint = dress(false, style);
-        self.element(style.color(), format_args!("<polyline points=\"{}\" {paint}/>", list(path)))
+        let (points, width) = (list(path), px(style.stroke_width() as i32));
+        let stroke = paint("stroke", style.color());
+        self.element(
+            style.color(),
+            &format!("<polyline points=\"{points}\" fill=\"none\" {stroke} stroke-width=\"{width}\"/>"),
+        )
     }
 
-    fn draw_circle<S: BackendStyle>(&mut self, centre: BackendCoord, radius: u32, style: &S, fill: bool) -> Done {
-        let ([x, y], radius) = ([centre.0, centre.1].map(px), px(radius as i32));
-        let paint = dress(fill, style);
-        self.element(style.color(), format_args!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" {paint}/>"))
+    /// Circles are always filled.
+    fn draw_circle<S: BackendStyle>(&mut self, (x, y): BackendCoord, radius: u32, style: &S, _: bool) -> Done {
+        let [x, y, radius] = [x, y, radius as i32].map(px);
+        self.filled(&format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\""), style)
     }
 
     fn fill_polygon<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(&mut self, path: I, style: &S) -> Done {
-        let paint = dress(true, style);
-        self.element(style.color(), format_args!("<polygon points=\"{}\" {paint}/>", list(path)))
+        self.filled(&format!("<polygon points=\"{}\"", list(path)), style)
     }
 
     fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, (x, y): BackendCoord) -> Done {
-        let ([x, y], size) = ([x, y].map(px), style.size() / UNITS);
-        let across = match style.anchor().h_pos {
+        let ([x, y], size, anchor) = ([x, y].map(px), style.size() / UNITS, style.anchor());
+        let across = match anchor.h_pos {
             HPos::Left => "start",
             HPos::Center => "middle",
             HPos::Right => "end",
         };
         // Shares of the size by which a line's baseline lies below its top, middle and bottom.
-        let down = size
-            * match style.anchor().v_pos {
-                VPos::Top => 0.76,
-                VPos::Center => 0.35,
-                VPos::Bottom => -0.24,
-            };
+        let down = match anchor.v_pos {
+            VPos::Top => 0.76,
+            VPos::Center => 0.35,
+            VPos::Bottom => -0.24,
+        };
+        let baseline = ((y + down * size) * UNITS).round() / UNITS;
         let (r, g, b) = style.color().rgb;
         let outline = match RGBColor(r, g, b) {
-            OVER_LINES => "stroke:var(--paper,Canvas);stroke-width:5px",
-            ON_MAP => "stroke:#ffffff;stroke-width:8px",
-            _ => "stroke:none",
+            OVER_LINES => {
+                " style=\"paint-order:stroke;stroke-linejoin:round;stroke:var(--paper,Canvas);stroke-width:5px\""
+            }
+            ON_MAP => " style=\"paint-order:stroke;stroke-linejoin:round;stroke:#ffffff;stroke-width:8px\"",
+            _ => "",
         };
         let bold = if matches!(style.style(), FontStyle::Bold) { " font-weight=\"bold\"" } else { "" };
-        let turned = match style.transform() {
-            FontTransform::Rotate270 => format!(" transform=\"rotate(270 {x} {y})\""),
-            _ => String::new(),
-        };
+        let rising = matches!(style.transform(), FontTransform::Rotate270);
+        let turned = if rising { format!(" transform=\"rotate(270 {x} {y})\"") } else { String::new() };
         let (paint, text) = (paint("fill", style.color()), escape(text));
-        let baseline = ((y + down) * UNITS).round() / UNITS;
-        self.element(
-            style.color(),
-            format_args!(
-                "<text x=\"{x}\" y=\"{baseline}\" font-family=\"sans-serif\" font-size=\"{size}\" text-anchor=\"{across}\"{bold}{turned} \
-                 {paint} style=\"paint-order:stroke;stroke-linejoin:round;{outline}\">{text}</text>"
-            ),
-        )
+        let font = format!("font-family=\"sans-serif\" font-size=\"{size}\" text-anchor=\"{across}\"{bold}");
+        let text = format!("<text x=\"{x}\" y=\"{baseline}\" {font}{turned} {paint}{outline}>{text}</text>");
+        self.element(style.color(), &text)
     }
 
     fn estimate_text_size<S: BackendTextStyle>(

@@ -10,7 +10,7 @@ use crate::check::worst;
 use crate::experiments::contact_scene::samples::NoiseSamples;
 use crate::experiments::contact_scene::study::{SceneStudy, StudiedStep};
 use crate::experiments::contact_scene::{ForceRow, SeenContact, SensedForce, contacts_sensed};
-use crate::figures::{Arrow, Axis, Chart, Drawing, FigureError, Frame, Hue, Series, Spread, Stroke};
+use crate::figures::{Axis, Chart, Dash, FigureError, Frame, Hue, Series, Spread};
 use crate::settings::TWO_SIDED_95;
 use finray_model::Finger;
 use finray_model::finger::Plate;
@@ -130,28 +130,19 @@ fn picture(finger: &Finger, scene: &SceneStudy, last: &StudiedStep) -> Result<St
     let largest_n = worst(last.step.contacts.iter().map(|seen| seen.force.norm()));
     // Small forces keep an arrow that can be seen.
     let length_mm = |force_n: f64| longest_mm * (0.3 + 0.7 * force_n / largest_n);
-    let arrows = last.step.contacts.iter().map(|seen| Arrow {
-        from: point(&(seen.point - seen.force.normalize() * length_mm(seen.force.norm()))),
-        to: point(&seen.point),
-        label: format!("{:.2} N", seen.force.norm()),
-        hue: Hue::Vermilion,
+    let arrows = last.step.contacts.iter().map(|seen| {
+        let foot = seen.point - seen.force.normalize() * length_mm(seen.force.norm());
+        Series::arrow([point(&foot), point(&seen.point)], format!("{:.2} N", seen.force.norm()), Hue::Vermilion)
     });
-    Drawing {
-        frame: Frame::half(
-            scene.name.clone(),
-            format!("The finger bent by the object of the scene {}, with the contact forces.", scene.name),
-        ),
-        x_label: ALONG_AXIS.to_owned(),
-        y_label: ACROSS_AXIS.to_owned(),
-        strokes: vec![
-            Stroke::new("at rest", lines_of(finger, |node| point(&finger.position(node))), Hue::Neutral, 3.0),
-            Stroke::new("pressed", deformed(&pressed.shape), Hue::Blue, 2.4),
-            Stroke::new("object", vec![outline], Hue::Green, 2.4),
-        ],
-        nodes: Vec::new(),
-        arrows: arrows.collect(),
-    }
-    .svg()
+    let alt = format!("The finger bent by the object of the scene {}, with the contact forces.", scene.name);
+    let at_rest = lines_of(finger, |node| point(&finger.position(node)));
+    let lines = [
+        Series::lines("at rest", at_rest, Hue::Faint, 3.0),
+        Series::lines("pressed", deformed(&pressed.shape), Hue::Blue, 2.4),
+        Series::lines("object", vec![outline], Hue::Green, 2.4),
+    ];
+    let series = lines.into_iter().flatten().chain(arrows).collect();
+    Chart::to_scale(Frame::half(&scene.name, alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
 }
 
 /// One contact through the steps in which it is there.
@@ -193,7 +184,7 @@ fn force_over_travel(finger: &Finger, scene: &SceneStudy) -> Vec<Series> {
         series.push(Series { marker: None, ..truth });
         if !course.sensed.is_empty() {
             let sensed = Series::nth(n, "", course.sensed);
-            series.push(Series { marker, dash: None, spread: Spread::Bars(course.intervals), ..sensed });
+            series.push(Series { marker, dash: Dash::None, spread: Spread::Bars(course.intervals), ..sensed });
         }
     }
     series

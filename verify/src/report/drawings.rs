@@ -2,13 +2,13 @@
 
 use crate::experiments::table_one::TableOne;
 use crate::figures::{
-    Arrow, Axis, Bars, Cells, Chart, Class, ColourScale, Dash, Drawing, FigureError, Frame, Hue, Map, NodeMark, Series,
-    Shades, Stroke,
+    Axis, Bars, Cells, Chart, Class, ColourScale, Dash, FigureError, Frame, Hue, Lines, Map, Marker, Point, Series,
+    Shades,
 };
 use crate::sampling::map::AccuracyMap;
 use crate::study::Study;
 use finray_model::finger::Plate;
-use finray_model::{Finger, Kinematics, Vector};
+use finray_model::{Finger, Kinematics, NodeId, Vector};
 
 /// The paper's two shades: grey above 10 %, dark above 25 %.
 pub(super) const PAPER_SHADES_PERCENT: [f64; 2] = [10.0, 25.0];
@@ -180,77 +180,62 @@ pub(super) fn errors_along_the_normal(map: &AccuracyMap) -> Result<String, Figur
     Chart::new(Frame::half(title, alt), axes, series).compared([percent_line(PAPER_SHADES_PERCENT[0])]).svg()
 }
 
+/// Plates and ribs, at rest.
+fn at_rest(finger: &Finger) -> [Lines; 3] {
+    let through = |nodes: &[NodeId]| nodes.iter().map(|node| point(&finger.position(*node))).collect();
+    let [front, back] = [Plate::Front, Plate::Back].map(|plate| vec![through(&finger.plate_nodes(plate))]);
+    [front, back, (0..finger.rib_count()).map(|rib| through(&finger.rib_nodes(rib))).collect()]
+}
+
 /// The finger with its node numbers.
 pub(super) fn finger(study: &Study) -> Result<String, FigureError> {
     let finger = &study.finger;
-    let places = |plate| finger.plate_nodes(plate).iter().map(|&n| point(&finger.position(n))).collect::<Vec<_>>();
-    let nodes: Vec<NodeMark> = (1..=finger.key_node_count())
-        .map(finray_model::NodeId)
-        .map(|node| NodeMark {
-            number: node.0,
-            at: point(&finger.position(node)),
-            clamped: finger.clamped_nodes().contains(&node),
-        })
-        .collect();
+    let [front, back, ribs] = at_rest(finger);
+    let clamps = finger.clamped_nodes();
+    let numbered = |nodes: Vec<NodeId>| -> (Vec<Point>, Vec<String>) {
+        nodes.into_iter().map(|node| (point(&finger.position(node)), node.to_string())).unzip()
+    };
+    let free = (1..=finger.key_node_count()).map(NodeId).filter(|node| !clamps.contains(node)).collect();
     // An arrow on the middle of the front plate shows what an angle of zero means.
     let length = finger.plate_length_mm(Plate::Front);
     let middle = finger.plate_point(Plate::Front, 0.54 * length);
-    let arrow = |angle_deg: f64, label: &str, hue| Arrow {
-        from: point(&(middle - finger.direction(angle_deg) * (0.14 * length))),
-        to: point(&middle),
-        label: label.to_owned(),
-        hue,
+    let arrow = |angle_deg: f64, label: &str, hue| {
+        let foot = middle - finger.direction(angle_deg) * (0.14 * length);
+        Series::arrow([point(&foot), point(&middle)], label, hue)
     };
-    let ribs = (0..finger.rib_count())
-        .map(|rib| finger.rib_nodes(rib).map(|node| point(&finger.position(node))).to_vec())
-        .collect();
-    Drawing {
-        frame: Frame::full(
-            "",
-            "The finger with its numbered key nodes; the base is on the left, the tip on the right.",
-        ),
-        x_label: ALONG_AXIS.to_owned(),
-        y_label: ACROSS_AXIS.to_owned(),
-        strokes: vec![
-            Stroke::new("front plate", vec![places(Plate::Front)], Hue::Blue, 4.0),
-            Stroke::new("back plate", vec![places(Plate::Back)], Hue::Vermilion, 4.0),
-            Stroke::new("ribs", ribs, Hue::Green, 2.6),
-        ],
-        nodes,
-        arrows: vec![arrow(0.0, "0 deg", Hue::Blue), arrow(40.0, "+40 deg", Hue::Vermilion)],
-    }
-    .svg()
+    let plates = Series::lines("front plate", front, Hue::Blue, 4.0).into_iter().chain(Series::lines(
+        "back plate",
+        back,
+        Hue::Vermilion,
+        4.0,
+    ));
+    let marks = [
+        Series::marks("node", Marker::Node, numbered(free)),
+        Series::marks("clamped node", Marker::Clamp, numbered(clamps.to_vec())),
+        arrow(0.0, "0 deg", Hue::Blue),
+        arrow(40.0, "+40 deg", Hue::Vermilion),
+    ];
+    let alt = "The finger with its numbered key nodes; the base is on the left, the tip on the right.";
+    let series = plates.chain(Series::lines("ribs", ribs, Hue::Green, 2.6)).chain(marks).collect();
+    Chart::to_scale(Frame::full("", alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
 }
 
 /// The finger at rest and bent.
 pub(super) fn bent(study: &Study) -> Result<String, FigureError> {
     let finger = &study.finger;
-    let at_rest = |plate| finger.plate_nodes(plate).iter().map(|&n| point(&finger.position(n))).collect::<Vec<_>>();
-    let ribs =
-        (0..finger.rib_count()).map(|rib| finger.rib_nodes(rib).map(|node| point(&finger.position(node))).to_vec());
-    let rest = [at_rest(Plate::Front), at_rest(Plate::Back)].into_iter().chain(ribs).collect();
-    let deformed = study.bent.iter().enumerate().map(|(n, bent)| {
+    let mut series = Series::lines("at rest", at_rest(finger).concat(), Hue::Faint, 3.0);
+    for (n, bent) in study.bent.iter().enumerate() {
         let lines = bent.lines.iter().map(|line| line.iter().map(point).collect()).collect();
         let dash = if bent.kinematics == Kinematics::Linear { Dash::Dotted } else { Dash::Solid };
-        Stroke { dash, ..Stroke::new(&bent.label, lines, Hue::nth(n / 2), 2.4) }
-    });
-    let arrows = study.bent.iter().enumerate().filter(|(_, bent)| bent.kinematics != Kinematics::Linear);
-    let arrows = arrows.map(|(n, bent)| {
-        let reach = bent.force.normalize() * (0.1 * finger.plate_length_mm(Plate::Front));
-        Arrow { from: point(&(bent.at - reach)), to: point(&bent.at), label: String::new(), hue: Hue::nth(n / 2) }
-    });
-    Drawing {
-        frame: Frame::full(
-            "",
-            "The finger at rest and bent by a force at three nodes, linear and with large rotations.",
-        ),
-        x_label: ALONG_AXIS.to_owned(),
-        y_label: ACROSS_AXIS.to_owned(),
-        strokes: std::iter::once(Stroke::new("at rest", rest, Hue::Neutral, 3.0)).chain(deformed).collect(),
-        nodes: Vec::new(),
-        arrows: arrows.collect(),
+        let lines = Series::lines(&bent.label, lines, Hue::nth(n / 2), 2.4);
+        series.extend(lines.into_iter().map(|line| Series { dash, ..line }));
     }
-    .svg()
+    for (n, bent) in study.bent.iter().enumerate().filter(|(_, bent)| bent.kinematics != Kinematics::Linear) {
+        let reach = bent.force.normalize() * (0.1 * finger.plate_length_mm(Plate::Front));
+        series.push(Series::arrow([point(&(bent.at - reach)), point(&bent.at)], "", Hue::nth(n / 2)));
+    }
+    let alt = "The finger at rest and bent by a force at three nodes, linear and with large rotations.";
+    Chart::to_scale(Frame::full("", alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
 }
 
 /// Table I as bars: the paper's mean errors and ours.

@@ -7,7 +7,7 @@ use super::{ReportError, Results};
 use crate::experiments::speed_error::recommendation::LARGEST_BIAS_SIGMAS;
 use crate::experiments::speed_error::sensing::{FRAMES_A_PERIOD, SENSED_N};
 use crate::experiments::speed_error::{SOLVED_N, SpeedErrorPoint, Task, TimedBy};
-use crate::figures::{Axis, Chart, FigureError, Frame, Series};
+use crate::figures::{Axis, Chart, Dash, FigureError, Frame, Series};
 use crate::study::Study;
 
 const CSV: &str = "speed_error.csv";
@@ -116,7 +116,7 @@ fn picture(points: &[&SpeedErrorPoint], title: &str, floor: Option<f64>) -> Resu
             0 => point.mesh().to_owned(),
             failed => format!("{} ({failed} of {} failed)", point.mesh(), point.asked),
         });
-        series.push(Series { labels: labels.collect(), dash: None, ..one });
+        series.push(Series { labels: labels.collect(), dash: Dash::None, ..one });
     }
     let mut front: Vec<[f64; 2]> = drawn.iter().filter(|point| point.on_front).map(|point| place(point)).collect();
     front.sort_by(|a, b| a[0].total_cmp(&b[0]));

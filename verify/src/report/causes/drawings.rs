@@ -111,7 +111,7 @@ pub(super) fn line_figure(map: &CauseMap) -> Result<Option<Figure>, ReportError>
     let mut series = pieces(&all, cells().map(|cell| shown(cell, cell.rms_error)));
     for (i, cause) in map.causes.iter().enumerate() {
         let (hue, dash) = line(*cause);
-        let of_cause = Series { marker: None, hue, dash: Some(dash), ..Series::nth(i, cause.name(), Vec::new()) };
+        let of_cause = Series { marker: None, hue, dash, ..Series::nth(i, cause.name(), Vec::new()) };
         series.extend(pieces(&of_cause, cells().map(|cell| shown(cell, cell.error_of(i)))));
     }
     if series.is_empty() {

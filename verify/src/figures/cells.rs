@@ -1,0 +1,96 @@
+//! Cells of a map: values over a grid, and how they are filled.
+
+use super::error::{FigureError, require, require_finite, require_len};
+use super::geometry::Area;
+use super::map::Map;
+use super::panels::Plot;
+use super::sheet::{Sheet, TICK_TEXT, font};
+
+/// Values over a grid.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cells {
+    /// Words above the plot.
+    pub note: String,
+    /// Positions of the columns; rising or falling, not necessarily evenly.
+    pub x: Vec<f64>,
+    /// Positions of the rows, likewise.
+    pub y: Vec<f64>,
+    /// One row for each entry of `y`, one value for each of `x`; none where there is no value.
+    pub values: Vec<Vec<Option<f64>>>,
+}
+
+/// A plot of a single row or column of cells gives it this share of its axis, to be seen at all.
+const LONE: f64 = 0.1;
+/// How far cells reach under their neighbours, px: printers leave hairlines between areas that only touch.
+const OVERLAP: f64 = 1.0;
+
+impl Cells {
+    pub(super) fn check(&self) -> Result<(), FigureError> {
+        for (what, positions) in [("map columns", &self.x), ("map rows", &self.y)] {
+            require(!positions.is_empty(), FigureError::Empty, what)?;
+            require_finite(what, positions.iter())?;
+            let all = |holds: fn(f64, f64) -> bool| positions.windows(2).all(|pair| holds(pair[0], pair[1]));
+            require(all(|a, b| a < b) || all(|a, b| a > b), FigureError::NotMonotone, what)?;
+        }
+        require_len("map values", &self.values, self.y.len())?;
+        self.values.iter().try_for_each(|row| require_len("a row of map values", row, self.x.len()))?;
+        require_finite("map values", self.values.iter().flatten().flatten())
+    }
+
+    /// Fills the cells row by row, neighbours that look alike as one; hatches those without value.
+    pub(super) fn draw(&self, sheet: &Sheet, plot: &Plot, map: &Map) -> Result<(), FigureError> {
+        let columns = edges(&self.x, map.x.limits);
+        for (row, (values, ys)) in self.values.iter().zip(edges(&self.y, map.y.limits).windows(2)).enumerate() {
+            let shown = values.iter().enumerate().map(|(column, value)| {
+                let paint = value.map(|value| map.shades.paint(value, map.written));
+                (paint, (map.blank)(row, column), map.written.map_or(0, |_| column))
+            });
+            let mut first = 0;
+            for run in shown.collect::<Vec<_>>().chunk_by(|a, b| a == b) {
+                let corners =
+                    [[columns[first], ys[0]], [columns[first + run.len()], ys[1]]].map(|corner| plot.at(corner));
+                let mut area = Area::between(corners[0], corners[1]);
+                let (centre, room) = (area.centre(), area.width().min(area.height()));
+                area.right = (area.right + OVERLAP).min(plot.area.right);
+                area.bottom = (area.bottom + OVERLAP).min(plot.area.bottom);
+                first += run.len();
+                match &run[0] {
+                    (_, true, _) => {}
+                    (None, ..) => sheet.hatch(area)?,
+                    (Some((colour, text, ink)), ..) => {
+                        sheet.cell(area, *colour)?;
+                        if room >= TICK_TEXT * 0.8 && !text.is_empty() {
+                            let size = if map.written.is_some() { 14.0 } else { TICK_TEXT };
+                            sheet.words(text, centre, &font(size).color(ink))?;
+                        }
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Edges of cells: halfway between neighbours, and as far beyond the first and last.
+pub(super) fn edges(positions: &[f64], limits: Option<[f64; 2]>) -> Vec<f64> {
+    let [first, .., last] = positions else {
+        let half = limits.map_or(0.5, |[low, high]| LONE / 2.0 * (high - low));
+        return positions.iter().flat_map(|lone| [lone - half, lone + half]).collect();
+    };
+    let mut edges: Vec<f64> = positions.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0).collect();
+    edges.insert(0, 2.0 * first - edges[0]);
+    edges.push(2.0 * last - edges[edges.len() - 1]);
+    edges
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_meet_halfway_and_reach_as_far_beyond_the_ends() {
+        assert_eq!(edges(&[10.0, 20.0, 35.0], None), [5.0, 15.0, 27.5, 42.5]);
+        assert_eq!(edges(&[35.0, 20.0, 10.0], None), [42.5, 27.5, 15.0, 5.0]);
+        assert_eq!((edges(&[3.0], None), edges(&[3.0], Some([-90.0, 90.0]))), (vec![2.5, 3.5], vec![-6.0, 12.0]));
+    }
+}

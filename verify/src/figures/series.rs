@@ -1,0 +1,173 @@
+//! Series: points that belong together, how they are drawn and what is written at them.
+
+use plotters::style::Color;
+
+use super::colour::Hue;
+use super::error::{FigureError, require, require_finite, require_len};
+use super::geometry::{Area, Lines, Point, direction, gap, segments};
+use super::labels::Label;
+use super::legend::Entry;
+use super::marks::{Marker, arrow};
+use super::panels::Plot;
+use super::sheet::{Dash, Sheet, pen};
+
+/// Points that belong together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// Words in the legend; a series without is not listed.
+    pub label: String,
+    /// The points, in the order they are joined in.
+    pub points: Vec<Point>,
+    /// Colour.
+    pub hue: Hue,
+    /// How the points are joined.
+    pub dash: Dash,
+    /// Width of the joining line, px.
+    pub width: f64,
+    /// Sign at each point.
+    pub marker: Option<Marker>,
+    /// How far the value may be off, at each point.
+    pub spread: Spread,
+    /// Words at each point, or none at all.
+    pub labels: Vec<String>,
+}
+
+/// Uncertainty of a series: lower and upper ends, one pair a point.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum Spread {
+    /// Not known.
+    #[default]
+    None,
+    /// An upright stroke at each point.
+    Bars(Vec<[f64; 2]>),
+    /// A shaded band along the series.
+    Band(Vec<[f64; 2]>),
+}
+
+impl Series {
+    /// The n-th series of a chart: joined points with signs, in the n-th colour.
+    pub fn nth(n: usize, label: impl Into<String>, points: Vec<Point>) -> Self {
+        let (marker, spread, labels) = (Some(Marker::nth(n)), Spread::None, Vec::new());
+        Self { label: label.into(), points, hue: Hue::nth(n), dash: Dash::Solid, width: 2.6, marker, spread, labels }
+    }
+
+    /// A dotted line without signs, to compare with.
+    pub fn guide(label: impl Into<String>, points: Vec<Point>) -> Self {
+        Self { hue: Hue::Neutral, dash: Dash::Dotted, marker: None, ..Self::nth(0, label, points) }
+    }
+
+    /// Lines without signs that are listed as one, a series each.
+    pub fn lines(label: &str, lines: Lines, hue: Hue, width: f64) -> Vec<Self> {
+        let plain = |points| Self { hue, width, marker: None, ..Self::nth(0, "", points) };
+        let mut series: Vec<Self> = lines.into_iter().map(plain).collect();
+        series.iter_mut().take(1).for_each(|first| first.label = label.to_owned());
+        series
+    }
+
+    /// Points with a sign and words each, that are not joined.
+    pub fn marks(label: &str, marker: Marker, (points, labels): (Vec<Point>, Vec<String>)) -> Self {
+        let (hue, marker) = (Hue::Neutral, Some(marker));
+        Self { hue, dash: Dash::None, marker, labels, ..Self::nth(0, label, points) }
+    }
+
+    /// An arrow from one point to another, with words at its foot.
+    pub fn arrow(ends: [Point; 2], words: impl Into<String>, hue: Hue) -> Self {
+        let labels = vec![words.into(), String::new()];
+        Self { hue, dash: Dash::Arrow, marker: None, labels, ..Self::nth(0, "", ends.into()) }
+    }
+
+    pub(super) fn ends(&self) -> &[[f64; 2]] {
+        match &self.spread {
+            Spread::None => &[],
+            Spread::Bars(ends) | Spread::Band(ends) => ends,
+        }
+    }
+
+    pub(super) fn check(&self) -> Result<(), FigureError> {
+        require(!self.points.is_empty(), FigureError::Empty, &self.label)?;
+        require_finite(&self.label, self.points.iter().chain(self.ends()).flatten())?;
+        if self.spread != Spread::None {
+            require_len(&self.label, self.ends(), self.points.len())?;
+        }
+        if self.labels.is_empty() { Ok(()) } else { require_len(&self.label, &self.labels, self.points.len()) }
+    }
+
+    /// The line through points, and the signs at them.
+    fn stroke(&self, sheet: &Sheet, line: &[Point], signs: &[Point]) -> Result<(), FigureError> {
+        match (self.dash, line) {
+            (Dash::Arrow, [from, .., to]) => arrow(sheet, [*from, *to], self.hue.ink())?,
+            _ => sheet.dashed(line, pen(self.hue.ink(), self.width), self.dash)?,
+        }
+        self.marker.map_or(Ok(()), |marker| signs.iter().try_for_each(|at| marker.draw(sheet, *at, self.hue.ink())))
+    }
+
+    /// A band or error bars below, then line and signs.
+    pub(super) fn draw(&self, sheet: &Sheet, plot: &Plot) -> Result<(), FigureError> {
+        let (points, ink) = (plot.line(&self.points), self.hue.ink());
+        let spread = self.points.iter().zip(self.ends()).map(|([x, _], ends)| ends.map(|end| plot.at([*x, end])));
+        let (low, high): (Vec<Point>, Vec<Point>) = spread.map(|[low, high]| (low, high)).unzip();
+        if matches!(self.spread, Spread::Band(_)) {
+            sheet.polygon(&low.iter().chain(high.iter().rev()).copied().collect::<Vec<_>>(), ink.mix(0.2))?;
+        } else {
+            for (low, high) in low.into_iter().zip(high) {
+                sheet.line(&[low, high], pen(ink, 1.6))?;
+                [low, high].iter().try_for_each(|[x, y]| sheet.line(&[[x - 5.0, *y], [x + 5.0, *y]], pen(ink, 1.6)))?;
+            }
+        }
+        self.stroke(sheet, &points, &points)
+    }
+
+    pub(super) fn entry(&self) -> Entry<'_> {
+        Entry::new(&self.label, |sheet, area| {
+            let [x, y] = area.centre();
+            let middle = if self.marker == Some(Marker::Clamp) { [x + 8.0, y] } else { [x, y] };
+            self.stroke(sheet, &area.level(), &[middle])
+        })
+    }
+
+    /// The ground that signs take on the sheet.
+    pub(super) fn taken(&self, plot: &Plot) -> impl Iterator<Item = Area> {
+        let area = |[x, y]: Point| match self.marker {
+            Some(Marker::Clamp) => Area::between([x - 22.0, y - 11.0], [x + 6.0, y + 11.0]),
+            _ => Area::about([x, y], 12.0, 12.0),
+        };
+        plot.line(&self.points).into_iter().filter(|_| self.marker.is_some()).map(area)
+    }
+
+    /// Words at the points: behind an arrow's foot; in a drawing away from its middle, square to the nearest line; else above right.
+    pub(super) fn words(&self, plot: &Plot, lines: &Lines, middle: Option<Point>) -> Vec<Label> {
+        let points = plot.line(&self.points);
+        let behind = points.windows(2).next().and_then(|ends| direction(ends[1], ends[0]));
+        let side = |at| match (behind, middle) {
+            (Some(behind), _) if self.dash == Dash::Arrow => behind,
+            (_, Some(middle)) => outward(at, lines, middle),
+            _ => [0.7, -0.7],
+        };
+        let labelled = points.iter().zip(&self.labels);
+        labelled.map(|(at, text)| Label { text: text.clone(), anchor: *at, side: side(*at) }).collect()
+    }
+}
+
+/// Away from the middle, square to the nearest line.
+fn outward(at: Point, lines: &Lines, middle: Point) -> Point {
+    let away = direction(middle, at).unwrap_or([0.0, -1.0]);
+    let nearest = segments(lines).min_by(|a, b| gap(at, *a).total_cmp(&gap(at, *b)));
+    match nearest.and_then(|[from, to]| direction(from, to)) {
+        None => away,
+        Some([x, y]) if away[1] * x >= away[0] * y => [-y, x],
+        Some([x, y]) => [y, -x],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_stand_outside_the_lines() {
+        let plate = |from: Point, to: Point| vec![from, [75.0, (from[1] + to[1]) / 2.0], to];
+        let lines = vec![plate([0.0, 0.0], [150.0, 20.0]), plate([0.0, 58.0], [150.0, 20.0])];
+        assert!(outward([75.0, 10.0], &lines, [75.0, 29.0])[1] < 0.0);
+        assert!(outward([75.0, 39.0], &lines, [75.0, 29.0])[1] > 0.0);
+    }
+}
