@@ -10,7 +10,7 @@ use super::text::{fixed, number, width_of};
 
 /// Whether equal lengths are equal differences or equal ratios.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scale {
+pub(super) enum Scale {
     /// Equal differences.
     Linear,
     /// Equal ratios; values must be above zero.

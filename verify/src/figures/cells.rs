@@ -25,6 +25,11 @@ const LONE: f64 = 0.1;
 const OVERLAP: f64 = 1.0;
 
 impl Cells {
+    /// Values by row, then column, at positions across and up.
+    pub fn new(x: &[f64], y: &[f64], values: Vec<Vec<Option<f64>>>) -> Self {
+        Self { note: String::new(), x: x.to_vec(), y: y.to_vec(), values }
+    }
+
     pub(super) fn check(&self) -> Result<(), FigureError> {
         for (what, positions) in [("map columns", &self.x), ("map rows", &self.y)] {
             require(!positions.is_empty(), FigureError::Empty, what)?;

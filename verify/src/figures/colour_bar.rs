@@ -1,6 +1,6 @@
 //! The bar that says which value has which colour.
 
-use super::axis::{Axis, Scale};
+use super::axis::Axis;
 use super::error::FigureError;
 use super::geometry::Area;
 use super::panels::Plot;
@@ -26,8 +26,7 @@ pub(super) fn draw(
 ) -> Result<(), FigureError> {
     sheet.words(label, [plot.left, top + LABEL * 0.45], &font(LABEL_TEXT).pos(LEFT))?;
     let area = Area { top: top + LABEL, bottom: top + LABEL + BAR, ..plot };
-    let axis = if colours.scale == Scale::Log { Axis::log("") } else { Axis::linear("") };
-    let mut ruler = axis.within(colours.limits[0], colours.limits[1]).ruler(&[], area.width(), false)?;
+    let mut ruler = Axis::log("").within(colours.limits[0], colours.limits[1]).ruler(&[], area.width(), false)?;
     for (value, name) in &mut ruler.ticks {
         for (end, sign) in [(0, "≤ "), (1, "≥ ")] {
             if beyond[end] && (*value - colours.limits[end]).abs() <= 1e-9 * value.abs() {

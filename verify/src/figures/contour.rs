@@ -2,7 +2,6 @@
 
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::axis::Scale;
 use super::cells::Cells;
 use super::colour::ON_MAP;
 use super::error::FigureError;
@@ -26,10 +25,7 @@ pub(super) fn draw(
     (levels, unit): (&[f64], &str),
 ) -> Result<(), FigureError> {
     // Values are linear along the colour scale. One of zero has no logarithm: the scale's lower end stands for it.
-    let measure = |value: f64| match colours.scale {
-        Scale::Linear => value,
-        Scale::Log => value.max(colours.limits[0]).log10(),
-    };
+    let measure = |value: f64| value.max(colours.limits[0]).log10();
     let row = |row: &Vec<Option<f64>>| row.iter().map(|value| value.map(measure)).collect();
     let values: Vec<Vec<Option<f64>>> = cells.values.iter().map(row).collect();
     let mut labels: Vec<(Area, String)> = Vec::new();

@@ -28,7 +28,7 @@ mod sheet;
 mod svg;
 mod text;
 
-pub use axis::{Axis, Scale};
+pub use axis::Axis;
 pub use bars::Bars;
 pub use cells::Cells;
 pub use chart::Chart;

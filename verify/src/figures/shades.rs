@@ -30,31 +30,28 @@ pub struct Class {
     pub colour: [u8; 3],
 }
 
-/// Viridis between two values: even in lightness, so that the order survives colour blindness and grey print.
-///
-/// The same scale makes several maps comparable.
+/// Viridis between two values: equal ratios of value are equal steps of lightness, so that the order survives colour blindness and grey
+/// print. The same scale makes several maps comparable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ColourScale {
-    /// Whether equal steps of colour are equal differences or equal ratios.
-    pub scale: Scale,
     /// Values at the two ends; values beyond take the end's colour.
-    pub limits: [f64; 2],
+    pub(super) limits: [f64; 2],
 }
 
 impl ColourScale {
-    /// Equal ratios of value are equal steps of colour.
+    /// A scale from a value above zero to a larger one.
     pub fn log(low: f64, high: f64) -> Self {
-        Self { scale: Scale::Log, limits: [low, high] }
+        Self { limits: [low, high] }
     }
 
     pub(super) fn check(&self) -> Result<(), FigureError> {
         require_limits("colour scale", self.limits)?;
-        require(self.scale == Scale::Linear || self.limits[0] > 0.0, FigureError::NotPositive, "colour scale")
+        require(self.limits[0] > 0.0, FigureError::NotPositive, "colour scale")
     }
 
     /// Position of a value between the ends, 0 to 1.
     pub(super) fn fraction(&self, value: f64) -> f64 {
-        self.scale.fraction(value.clamp(self.limits[0], self.limits[1]), self.limits)
+        Scale::Log.fraction(value.clamp(self.limits[0], self.limits[1]), self.limits)
     }
 
     pub(super) fn ink(&self, value: f64) -> RGBColor {
@@ -76,7 +73,7 @@ impl Shades {
         match self {
             Self::Scale(colours, _) => {
                 colours.check()?;
-                require(colours.scale == Scale::Linear || least >= 0.0, FigureError::NotPositive, "map values")
+                require(least >= 0.0, FigureError::NotPositive, "map values")
             }
             Self::Classes(classes) => {
                 let holds = classes.last().is_some_and(|class| largest <= class.up_to);

@@ -115,7 +115,7 @@ impl Shown<'_> {
         let frame = Frame::half(&title, format!("{title}: {what}, by place and true direction of the force."));
         let values = (0..angles.len()).map(row).collect();
         let shades = Shades::Scale(ColourScale::log(COLOURS[0], COLOURS[1]), what.to_owned());
-        let cells = Cells { note: String::new(), x: places, y: angles, values };
+        let cells = Cells::new(&places, &angles, values);
         let map = Map { missing_label: missing.to_owned(), ..plate_map(finger, frame, shades, cells) };
         Ok(Figure {
             svg: Map { contours: line.into_iter().collect(), ..map }.svg()?,

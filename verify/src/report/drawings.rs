@@ -88,12 +88,8 @@ pub(super) fn quantity_picture(
         map.estimator.label()
     );
     let percent = |error: Option<f64>| error.map(|e| 100.0 * e);
-    let cells = Cells {
-        note: String::new(),
-        x: map.request.places_mm.clone(),
-        y: map.request.angles_deg.clone(),
-        values: values.into_iter().map(|row| row.into_iter().map(percent).collect()).collect(),
-    };
+    let values = values.into_iter().map(|row| row.into_iter().map(percent).collect()).collect();
+    let cells = Cells::new(&map.request.places_mm, &map.request.angles_deg, values);
     let shades = Shades::Scale(error_colours(), value_label.to_owned());
     let missing_label = missing_label(map).to_owned();
     Map { missing_label, ..plate_map(finger, Frame::half(title, alt), shades, cells) }.svg()

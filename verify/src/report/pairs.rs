@@ -101,13 +101,10 @@ fn matrix(
     };
     let names: Vec<String> = nodes.iter().map(ToString::to_string).collect();
     let at: Vec<f64> = (0..nodes.len()).map(|n| n as f64).collect();
-    let cells = Cells {
-        note: String::new(),
-        // Rows run downwards.
-        y: at.iter().rev().copied().collect(),
-        values: (0..nodes.len()).map(|row| (0..nodes.len()).map(|column| cell(row, column)).collect()).collect(),
-        x: at,
-    };
+    // Rows run downwards.
+    let down: Vec<f64> = at.iter().rev().copied().collect();
+    let values = (0..nodes.len()).map(|row| (0..nodes.len()).map(|column| cell(row, column)).collect()).collect();
+    let cells = Cells::new(&at, &down, values);
     let alt =
         format!("{title}, for every pair of contact nodes, by the nonlinear estimator and by linear least squares.");
     let (above, below) = (Axis::categories("nonlinear", names.iter().rev().cloned().collect()), "linear least squares");

@@ -70,12 +70,8 @@ pub(super) fn map_figure(study: &Study, map: &CauseMap) -> Result<Figure, Report
         format!("Largest cause at {DRAWN_FORCE_N} N, finger {}; {}", truth_in_words(map), practice_in_words(map));
     let frame = Frame::half(&title, format!("{title}: by place along the front plate and direction."));
     let y = Axis::linear(DIRECTION_AXIS).with_ticks((-2..=2).map(|i| f64::from(i) * 40.0));
-    let cells = Cells {
-        note: String::new(),
-        x: map.request.places_mm.clone(),
-        y: map.request.angles_deg.clone(),
-        values: (0..angles).map(|angle| (0..places).map(|place| of_cell(place, angle)).collect()).collect(),
-    };
+    let values = (0..angles).map(|angle| (0..places).map(|place| of_cell(place, angle)).collect()).collect();
+    let cells = Cells::new(&map.request.places_mm, &map.request.angles_deg, values);
     let missing_label = "no equilibrium or no answer".to_owned();
     let drawn = Map::new(frame, [Axis::linear(ALONG_THE_PLATE), y], Shades::Classes(classes), cells);
     let svg = Map { missing_label, ..drawn }.svg()?;
