@@ -1,8 +1,8 @@
 //! The answer does not depend on how the finger is written down: place and turn of the scene, units, order of nodes.
 
 use finray_model::finger::{FingerDescription, Joints, Part, Plate, RibPlaces};
-use finray_model::frame::{FrameLoad, FrameMotion, PlaneFrame};
-use finray_model::statics::{solve, solve_frame};
+use finray_model::frame::{BeamEnd, FrameLoad, FrameMotion, PlaneFrame};
+use finray_model::statics::{Statics, solve, solve_frame};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
 use finray_tests::{KINEMATICS, cases, contact_node, finger, finger_with_zones, force_for_deflection, largest};
 use nalgebra::Rotation2;
@@ -42,7 +42,7 @@ fn built_by_hand(finger: &Finger, turn: Rotation2<f64>, order: &[usize]) -> (Pla
         for rib in (0..finger.rib_count()).rev() {
             let ends = finger.rib_nodes(rib).map(|node| {
                 let end = frame.clamped_end(index[node.0]);
-                if hinged { finray_model::frame::BeamEnd { rotation: frame.add_rotation(), ..end } } else { end }
+                if hinged { BeamEnd { rotation: frame.add_rotation(), ..end } } else { end }
             });
             frame.add_member(ends, section);
         }
@@ -124,7 +124,7 @@ proptest! {
         }
         motion.rotations.fill(turn);
         for kinematics in [Kinematics::Corotational, Kinematics::CorotationalChord] {
-            let statics = finray_model::statics::Statics::sparse(frame, kinematics);
+            let statics = Statics::sparse(frame, kinematics);
             let mut assembly = statics.equations().assembly().clone();
             assembly.evaluate(&motion, &[], 0.0);
             // Against the forces that the same rotation would cause as a deformation.

@@ -1,6 +1,6 @@
 //! Largest strain and share of shear against closed forms, finer meshes and beams with shear.
 
-use finray_model::finger::Part;
+use finray_model::finger::{Part, Plate};
 use finray_model::frame::{FrameLoad, FrameMotion};
 use finray_model::sensing::Contact;
 use finray_model::statics::Statics;
@@ -47,7 +47,7 @@ const SOFT_PLATE: f64 = 1e-6;
 fn a_cantilever_has_its_closed_forms() {
     for (thickness, nu) in [(2.0, 0.0), (8.0, 0.45)] {
         let finger = cantilever(thickness, nu);
-        let along = (finger.position(finger.tip()) - finger.base(finray_model::finger::Plate::Back)).normalize();
+        let along = (finger.position(finger.tip()) - finger.base(Plate::Back)).normalize();
         let across = Vector::new(-along.y, along.x);
         let (force, length, depth, modulus) = (0.01, 100.0, 10.0, 1000.0);
         for mesh in [Mesh::key_nodes(&finger), Mesh::with_elements_per_member(&finger, 7)] {
@@ -70,7 +70,7 @@ fn a_cantilever_has_its_closed_forms() {
 #[test]
 fn a_bar_in_tension_has_its_closed_form() {
     let finger = cantilever(2.0, 0.0);
-    let along = (finger.position(finger.tip()) - finger.base(finray_model::finger::Plate::Back)).normalize();
+    let along = (finger.position(finger.tip()) - finger.base(Plate::Back)).normalize();
     let found = examined(&Mesh::key_nodes(&finger), Kinematics::Linear, &[Load::at_node(finger.tip(), along * 5.0)]);
     let back = found.strains.iter().find(|strain| strain.member.part == Part::Back).expect("it strains");
     let strain = 5.0 / (1000.0 * 10.0 * 2.0);

@@ -2,9 +2,8 @@
 
 use finray_model::calibration::{CalibrationCase, youngs_modulus};
 use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, ContactPlace};
 use finray_model::{Kinematics, Load, Mesh, NodeId, Vector, statics};
-use finray_tests::{cases, contact_node, finger_with_zones, paper, seen};
+use finray_tests::{at_node, cases, contact_node, finger_with_zones, paper, seen};
 use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -29,8 +28,9 @@ proptest! {
         let cases: Vec<CalibrationCase> = at
             .iter()
             .map(|&fraction| {
-                let contact = Contact { place: ContactPlace::Node(contact_node(&finger, fraction)), angle_deg: 10.0 };
-                CalibrationCase { load: contact.load(&finger, 1.5), measurement: seen(&Mesh::key_nodes(&stiffer), &[contact], &[1.5], Kinematics::Linear).expect("a solution") }
+                let contact = at_node(contact_node(&finger, fraction).0, 10.0);
+                let measurement = seen(&Mesh::key_nodes(&stiffer), &[contact], &[1.5], Kinematics::Linear);
+                CalibrationCase { load: contact.load(&finger, 1.5), measurement: measurement.expect("a solution") }
             })
             .collect();
         let estimate = youngs_modulus(&finger, &cases).expect("loads move the nodes");

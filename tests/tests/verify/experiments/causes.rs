@@ -8,11 +8,12 @@ use finray_model::mesh::FingerShape;
 use finray_model::sensing::{Contact, LinearEstimator};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
 use finray_tests::{at_position, finger_of, paper};
-use finray_verify::estimators::{BeamEstimator, Estimator};
+use finray_verify::estimators::{BeamEstimator, ELEMENTS, Estimator};
 use finray_verify::experiments::causes::ContactKnowledge::{Assumed, Known};
 use finray_verify::experiments::causes::Practice::{LeastSquares, Nonlinear};
 use finray_verify::experiments::causes::{
-    Cause, CauseCell, CauseMap, CauseRequest, DIRECTION_OFF_DEG, PLACE_OFF_MM, Practice, causes, network,
+    Cause, CauseCell, CauseMap, CauseRequest, ContactKnowledge, DIRECTION_OFF_DEG, PLACE_OFF_MM, Practice, causes,
+    network,
 };
 use finray_verify::experiments::table_one::{CALIBRATION_NODES, WEIGHTS_G, weight_n};
 use finray_verify::truths::TruthId;
@@ -26,7 +27,7 @@ const NEARLY_LINEAR: f64 = 5e-3;
 
 fn one_map(
     truth: &Finger,
-    practice: (Practice, finray_verify::experiments::causes::ContactKnowledge),
+    practice: (Practice, ContactKnowledge),
     [s_mm, angle_deg, force_n, noise_mm]: [f64; 4],
 ) -> CauseMap {
     let request = CauseRequest {
@@ -175,7 +176,7 @@ fn large_rotation_is_the_cause_where_all_else_is_known() {
 #[test]
 fn what_a_network_gets_wrong_is_told_from_what_its_model_does() {
     let finger = paper();
-    let mesh = Mesh::with_elements_per_member(&finger, finray_verify::estimators::ELEMENTS);
+    let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
     let model = BeamEstimator::nonlinear(&mesh);
     let fit = |network: &dyn Estimator| {
         let map = network::causes(TruthId::Corotational, &finger, &finger, network, &[1.0], 0.0).unwrap();

@@ -1,7 +1,7 @@
 //! What explains the maps, against the same things found another way: scatter of estimates over noise pictures, finite
 //! differences of equilibria, and sensing under assumptions that are a little wrong.
 
-use finray_model::measurement::Measurement;
+use finray_model::measurement::{Marker, Measurement};
 use finray_model::sensing::{ContactPlace, ContactQuestion, Direction, NonlinearEstimator};
 use finray_model::{Kinematics, Load, Mesh, Vector, statics};
 use finray_tests::{at_position, noisy, paper};
@@ -111,7 +111,7 @@ fn bounds_and_condition_follow_from_differences_of_equilibria() {
             };
             let (more, less) = (at(FORCE_STEP_N), at(-FORCE_STEP_N));
             let pairs = more.markers().iter().zip(less.markers());
-            let rate = |(a, b): (&finray_model::measurement::Marker, &finray_model::measurement::Marker)| {
+            let rate = |(a, b): (&Marker, &Marker)| {
                 let rate = (a.displacement - b.displacement) / (2.0 * FORCE_STEP_N);
                 [rate.x, rate.y]
             };

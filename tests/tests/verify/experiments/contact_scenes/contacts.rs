@@ -3,11 +3,11 @@
 use super::{COARSE, last, prepared, scene, steps};
 use finray_model::finger::Plate;
 use finray_model::scene::ObjectDescription;
-use finray_model::sensing::ContactPlace;
+use finray_model::sensing::{Contact, ContactPlace};
 use finray_model::{NodeId, Scene, Vector};
 use finray_tests::CAMERA_NOISE_MM;
 use finray_verify::experiments::contact_scene::study::shipped;
-use finray_verify::experiments::contact_scene::{ContactScene, read_contact, seen_contacts};
+use finray_verify::experiments::contact_scene::{ContactScene, SeenContact, read_contact, seen_contacts};
 use finray_verify::lattice::Lattice;
 use finray_verify::lattice::skin::{Touch, TouchedPart};
 use finray_verify::sampling::noise::Noise;
@@ -43,10 +43,7 @@ fn read_contacts_scatter_as_stated() {
     let (step, finger) = (last(object, COARSE), scene(object).finger);
     let seen = step.contacts[0];
     assert_eq!(seen.baseline_mm, 21.5, "from the middle of the disc to that of the rod");
-    let plate = finray_verify::experiments::contact_scene::SeenContact {
-        contact: finray_model::sensing::Contact { place: ContactPlace::Place(70.0), ..seen.contact },
-        ..seen
-    };
+    let plate = SeenContact { contact: Contact { place: ContactPlace::Place(70.0), ..seen.contact }, ..seen };
     let mut noise = Noise::new(7);
     let mut normal = || noise.standard_normal();
     let (mut turns, mut shifts) = (0.0, 0.0);
