@@ -32,19 +32,19 @@ fn sweep(criterion: &mut Criterion) {
     ];
     let mut group = criterion.benchmark_group("sweep");
     group.sample_size(10);
-    for (name, truth, estimator, forces_n, step_deg, noise_pictures) in cases {
-        let (places_mm, angles_deg) = Grid::grid(&finger, 12, step_deg);
+    for (name, truth, estimator, forces_n, step_deg, noise_samples) in cases {
+        let (positions_mm, angles_deg) = Grid::grid(&finger, 12, step_deg);
         let grid = Grid {
-            places_mm,
+            positions_mm,
             angles_deg,
             forces_n: forces_n.to_vec(),
             noise_levels_mm: vec![0.067],
-            noise_pictures,
+            noise_samples,
             seed: 1,
         };
         let sweep = Sweep::new(&finger, vec![truth], vec![estimator], &grid);
         let blocks = sweep.block_count();
-        group.throughput(Throughput::Elements((blocks * sweep.cells_in_block() * noise_pictures) as u64));
+        group.throughput(Throughput::Elements((blocks * sweep.cells_in_block() * noise_samples) as u64));
         group.bench_function(name, |bencher| {
             bencher.iter(|| {
                 let mut bytes = 0;

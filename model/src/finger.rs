@@ -35,7 +35,7 @@ pub enum Joints {
 
 /// Where the ribs are.
 #[derive(Debug, Clone, PartialEq)]
-pub enum RibPlaces {
+pub enum RibPositions {
     /// So many ribs, rib i at i / (count + 1) of both plates.
     Count(usize),
     /// Distances from the base along the front and the back plate, mm, from base to tip.
@@ -46,7 +46,7 @@ pub enum RibPlaces {
 #[derive(Debug, Clone, PartialEq)]
 pub struct RibDescription {
     /// Their places.
-    pub places: RibPlaces,
+    pub places: RibPositions,
     /// Their joints with the plates.
     pub joints: Joints,
     /// Their material; `None` for ribs that do not deform (or if there are none).
@@ -206,7 +206,7 @@ impl Finger {
     }
 
     /// Places of the [`plate_nodes`](Finger::plate_nodes), mm along the plate from the base.
-    pub fn plate_places_mm(&self, part: Plate) -> Vec<f64> {
+    pub fn plate_positions_mm(&self, part: Plate) -> Vec<f64> {
         let column = usize::from(part == Plate::Back);
         std::iter::once(0.0)
             .chain(self.ribs.iter().map(|rib| rib[column]))
@@ -251,9 +251,9 @@ impl Finger {
     }
 
     /// Place of a node of the front plate, mm from the front base; `None` for other nodes.
-    pub fn front_place_mm(&self, node: NodeId) -> Option<f64> {
+    pub fn front_position_mm(&self, node: NodeId) -> Option<f64> {
         let from_base = self.key_node_count().checked_sub(node.0)?;
-        self.plate_places_mm(Plate::Front).get(from_base).copied()
+        self.plate_positions_mm(Plate::Front).get(from_base).copied()
     }
 
     /// Unit vector along the front plate towards the tip.
@@ -299,7 +299,7 @@ impl Finger {
         let arm = self.description.rod_arm_mm;
         let plates = [Plate::Front, Plate::Back]
             .into_iter()
-            .flat_map(|plate| self.plate_places_mm(plate).windows(2).map(|w| w[1] - w[0]).collect::<Vec<_>>());
+            .flat_map(|plate| self.plate_positions_mm(plate).windows(2).map(|w| w[1] - w[0]).collect::<Vec<_>>());
         let ribs = (0..self.rib_count()).map(|rib| {
             let [front, back] = self.rib_nodes(rib).map(|node| self.position(node));
             (front - back).norm()
@@ -373,7 +373,7 @@ fn place_tip(d: &FingerDescription) -> Result<Vector, ImpossibleFinger> {
 
 fn place_ribs(d: &FingerDescription) -> Result<Vec<[f64; 2]>, ImpossibleFinger> {
     let (ribs, key) = match &d.ribs.places {
-        RibPlaces::Count(count) => {
+        RibPositions::Count(count) => {
             require(*count <= MAX_RIBS, "finger.ribs.count", || {
                 format!("expected 0 to {MAX_RIBS} ribs, found {count}")
             })?;
@@ -382,7 +382,7 @@ fn place_ribs(d: &FingerDescription) -> Result<Vec<[f64; 2]>, ImpossibleFinger> 
                 (1..=*count).map(|i| [spaced(d.front_length_mm, i), spaced(d.back_length_mm, i)]).collect::<Vec<_>>();
             (ribs, "finger.ribs.count")
         }
-        RibPlaces::Positions(positions) => {
+        RibPositions::Positions(positions) => {
             require(positions.len() <= MAX_RIBS, "finger.ribs.positions_mm", || {
                 format!("expected at most {MAX_RIBS} ribs, found {}", positions.len())
             })?;

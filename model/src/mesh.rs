@@ -9,7 +9,7 @@ mod zones;
 use crate::Vector;
 use crate::finger::{Finger, Joints, NodeId, Part, Plate, Zone};
 use crate::frame::{BeamEnd, FrameLoad, FrameMotion, NodeIndex, PlaneFrame, Section};
-use zones::{ElementPlaces, mean_compliance};
+use zones::{ElementPositions, mean_compliance};
 
 /// A dead load on a finger, in the finger frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,7 +39,7 @@ impl Load {
     }
 
     /// A force at a place of the front plate.
-    pub fn at_place(s_mm: f64, force: Vector) -> Load {
+    pub fn at_position(s_mm: f64, force: Vector) -> Load {
         Load::Front { s_mm, force }
     }
 }
@@ -65,7 +65,7 @@ pub enum LoadError {
     #[error(
         "the place s = {s_mm} mm is not on the front plate, which reaches from 0 (clamped) to {length_mm} mm (tip)"
     )]
-    PlaceOffPlate {
+    PositionOffPlate {
         /// The place asked for, mm.
         s_mm: f64,
         /// Length of the front plate, mm.
@@ -99,7 +99,7 @@ pub struct Line {
 
 /// A stretch of the front plate that a load may stand on.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum FrontStretch {
+enum FrontPiece {
     /// A rigid arm and the node it belongs to.
     Arm { end: BeamEnd, node_mm: f64 },
     /// An elastic element.
@@ -113,7 +113,7 @@ pub struct Mesh {
     frame: PlaneFrame,
     lines: Vec<Line>,
     /// Stretches of the front plate from base to tip, each with the place where it ends.
-    front: Vec<(f64, FrontStretch)>,
+    front: Vec<(f64, FrontPiece)>,
     /// Elements of each line, the base line last.
     elements: Vec<usize>,
     node_count: usize,
@@ -205,14 +205,14 @@ impl Mesh {
                 let length_mm = self.finger.plate_length_mm(Plate::Front);
                 let stretch = (s_mm > 0.0).then(|| self.front.iter().find(|(end, _)| s_mm <= *end)).flatten();
                 let Some((_, stretch)) = stretch else {
-                    return Err(LoadError::PlaceOffPlate { s_mm, length_mm });
+                    return Err(LoadError::PositionOffPlate { s_mm, length_mm });
                 };
                 Ok(match *stretch {
-                    FrontStretch::Arm { end, node_mm } => {
+                    FrontPiece::Arm { end, node_mm } => {
                         let arm = self.finger.front_tangent() * (s_mm - node_mm);
                         FrameLoad::Arm { end: BeamEnd { arm, ..end }, force }
                     }
-                    FrontStretch::Element { member, from_mm, to_mm } => {
+                    FrontPiece::Element { member, from_mm, to_mm } => {
                         FrameLoad::Interior { member, xi: (s_mm - from_mm) / (to_mm - from_mm), force }
                     }
                 })
@@ -265,10 +265,10 @@ impl Mesh {
         let mut elements = elements.iter().copied();
         let mut next = || elements.next().unwrap_or(1);
         for plate in [Plate::Back, Plate::Front] {
-            let places = finger.plate_places_mm(plate);
+            let places = finger.plate_positions_mm(plate);
             let nodes = finger.plate_nodes(plate);
             for (place, node) in places.windows(2).zip(nodes.windows(2)) {
-                mesh.add_plate_stretch(plate, [node[0], node[1]], [place[0], place[1]], next());
+                mesh.add_plate_member(plate, [node[0], node[1]], [place[0], place[1]], next());
             }
         }
         for rib in 0..finger.rib_count() {
@@ -277,7 +277,7 @@ impl Mesh {
         mesh
     }
 
-    fn add_plate_stretch(&mut self, plate: Plate, nodes: [NodeId; 2], places: [f64; 2], elements: usize) {
+    fn add_plate_member(&mut self, plate: Plate, nodes: [NodeId; 2], places: [f64; 2], elements: usize) {
         let arm = self.finger.description().rod_arm_mm;
         let along = (self.finger.plate_point(plate, 1.0) - self.finger.base(plate)).normalize();
         let [from, to] = nodes.map(|node| self.frame_node(node));
@@ -285,7 +285,7 @@ impl Mesh {
             BeamEnd { arm: along * arm, ..self.frame.clamped_end(from) },
             BeamEnd { arm: along * -arm, ..self.frame.clamped_end(to) },
         ];
-        let elements_at = ElementPlaces::new(places, arm, elements);
+        let elements_at = ElementPositions::new(places, arm, elements);
         let free = elements_at.free();
         // `section` is there for plates by construction.
         let Some(section) = self.finger.section(plate.into()) else { return };
@@ -298,15 +298,15 @@ impl Mesh {
         self.add_line(plate.into(), ends, &sections);
         if plate == Plate::Front {
             if arm > 0.0 {
-                self.front.push((free[0], FrontStretch::Arm { end: ends[0], node_mm: places[0] }));
+                self.front.push((free[0], FrontPiece::Arm { end: ends[0], node_mm: places[0] }));
             }
             for i in 0..elements {
                 let member = first_member + i;
-                let stretch = FrontStretch::Element { member, from_mm: place(i), to_mm: place(i + 1) };
+                let stretch = FrontPiece::Element { member, from_mm: place(i), to_mm: place(i + 1) };
                 self.front.push((place(i + 1), stretch));
             }
             if arm > 0.0 {
-                self.front.push((places[1], FrontStretch::Arm { end: ends[1], node_mm: places[1] }));
+                self.front.push((places[1], FrontPiece::Arm { end: ends[1], node_mm: places[1] }));
             }
         }
     }
@@ -325,7 +325,7 @@ impl Mesh {
             let rotation = if hinged { self.frame.add_rotation() } else { self.frame.rotation_of(node) };
             BeamEnd { node, rotation, arm }
         });
-        let place = self.finger.plate_places_mm(Plate::Front)[rib + 1];
+        let place = self.finger.plate_positions_mm(Plate::Front)[rib + 1];
         let zones = self.finger.description().zones.iter();
         let factor: f64 = zones.filter(|zone| zones::holds_rib(zone, place)).map(|zone| zone.modulus_factor).product();
         self.add_line(Part::Ribs, ends, &vec![section.scaled(factor); elements]);
@@ -356,7 +356,7 @@ impl Mesh {
 /// base line.
 fn line_lengths(finger: &Finger) -> Vec<f64> {
     let plates = [Plate::Back, Plate::Front].into_iter().flat_map(|plate| {
-        let places = finger.plate_places_mm(plate);
+        let places = finger.plate_positions_mm(plate);
         places.windows(2).map(|w| w[1] - w[0]).collect::<Vec<_>>()
     });
     let ribs = (0..finger.rib_count()).map(|rib| {

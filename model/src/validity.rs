@@ -62,7 +62,7 @@ impl StrainLimits {
 
 /// A member of the finger: a segment of a plate between two key nodes, or a rib.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MemberPlace {
+pub struct FingerMember {
     /// What it belongs to.
     pub part: Part,
     /// The key nodes at its ends.
@@ -79,7 +79,7 @@ pub struct FibreStrain {
     /// Share of it that is strain of the axis, signed.
     pub axial_strain: f64,
     /// The member that it is in.
-    pub member: MemberPlace,
+    pub member: FingerMember,
     /// Where: mm along the plate from its base, along a rib from the back plate.
     pub at_mm: f64,
 }
@@ -96,7 +96,7 @@ pub struct Validity {
     /// minimise the complementary energy, and those of Euler-Bernoulli beams are among the admissible ones.
     pub shear_share: f64,
     /// The member that holds most of the shear energy; `None` where nothing shears.
-    pub shear_at: Option<MemberPlace>,
+    pub shear_at: Option<FingerMember>,
     /// Depth over the thickness of the thickest part.
     pub depth_ratio: f64,
 }
@@ -144,7 +144,7 @@ fn thickness_mm(finger: &Finger, part: Part) -> Option<f64> {
 
 /// Strain and energies (N mm) of one member.
 struct Examined {
-    place: MemberPlace,
+    place: FingerMember,
     strain: FibreStrain,
     strain_energy: f64,
     shear_energy: f64,
@@ -163,7 +163,7 @@ fn examine(
     let members = &mesh.frame().members()[line.members.clone()];
     let (first, last) = (line.nodes.first()?, line.nodes.last()?);
     let free_mm: f64 = members.iter().map(|member| member.beam.length_mm).sum();
-    let place = MemberPlace {
+    let place = FingerMember {
         part: line.part,
         nodes: [NodeId(first + 1), NodeId(last + 1)],
         slenderness: free_mm / thickness_mm,

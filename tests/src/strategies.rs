@@ -1,7 +1,7 @@
 //! Random fingers.
 
 use finray_model::Finger;
-use finray_model::finger::{FingerDescription, Joints, Part, Plate, RibDescription, RibPlaces, Strip, Zone};
+use finray_model::finger::{FingerDescription, Joints, Part, Plate, RibDescription, RibPositions, Strip, Zone};
 use proptest::prelude::*;
 
 fn strip() -> impl Strategy<Value = Strip> {
@@ -44,7 +44,7 @@ pub fn finger() -> impl Strategy<Value = Finger> {
                 poissons_ratio: extras.1,
                 front,
                 back,
-                ribs: RibDescription { places: RibPlaces::Positions(places), joints, strip },
+                ribs: RibDescription { places: RibPositions::Positions(places), joints, strip },
                 zones: Vec::new(),
             };
             Finger::new(description).ok()

@@ -150,8 +150,8 @@ pub fn factors(
         }
     }
     told_apart(&now.jacobian, unknowns)?;
-    let freedoms = (coordinates - count) as f64;
-    let noise_mm = model.noise_mm.unwrap_or((now.squares() / freedoms).sqrt());
+    let degrees_of_freedom = (coordinates - count) as f64;
+    let noise_mm = model.noise_mm.unwrap_or((now.squares() / degrees_of_freedom).sqrt());
     let information = now.jacobian.tr_mul(&now.jacobian);
     // The singular values made sure that there is an inverse.
     let per_noise =

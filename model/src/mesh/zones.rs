@@ -4,15 +4,15 @@ use super::{Mesh, Zone};
 use crate::finger::{Part, Plate};
 
 /// Where the elements of a stretch of plate begin and end, mm from the base.
-pub(super) struct ElementPlaces {
+pub(super) struct ElementPositions {
     free: [f64; 2],
     elements: usize,
 }
 
-impl ElementPlaces {
+impl ElementPositions {
     /// Equal elements between the rigid arms of a stretch.
-    pub(super) fn new(places: [f64; 2], arm_mm: f64, elements: usize) -> ElementPlaces {
-        ElementPlaces { free: [places[0] + arm_mm, places[1] - arm_mm], elements }
+    pub(super) fn new(places: [f64; 2], arm_mm: f64, elements: usize) -> ElementPositions {
+        ElementPositions { free: [places[0] + arm_mm, places[1] - arm_mm], elements }
     }
 
     /// Where the elastic part begins and ends.
@@ -30,8 +30,8 @@ impl ElementPlaces {
 
 /// Whether a zone covers a rib whose front end lies at a place. A rib on the border of two adjoining zones belongs to the
 /// one that begins there.
-pub(super) fn holds_rib(zone: &Zone, place_mm: f64) -> bool {
-    zone.part == Part::Ribs && zone.from_mm <= place_mm && place_mm < zone.to_mm
+pub(super) fn holds_rib(zone: &Zone, position_mm: f64) -> bool {
+    zone.part == Part::Ribs && zone.from_mm <= position_mm && position_mm < zone.to_mm
 }
 
 /// Length-weighted mean of 1 / (product of the zones' factors) over a stretch of plate.
@@ -56,8 +56,8 @@ fn compliance(zones: &[Zone], from_mm: f64, to_mm: f64, counted: impl Fn(f64) ->
     lengths.sum()
 }
 
-fn covers(zone: &Zone, place_mm: f64) -> bool {
-    zone.from_mm <= place_mm && place_mm <= zone.to_mm
+fn covers(zone: &Zone, position_mm: f64) -> bool {
+    zone.from_mm <= position_mm && position_mm <= zone.to_mm
 }
 
 impl Mesh {
@@ -68,11 +68,11 @@ impl Mesh {
         let Some(chosen) = description.zones.get(zone) else { return Vec::new() };
         let of_part: Vec<Zone> = description.zones.iter().filter(|other| other.part == chosen.part).copied().collect();
         let plate = if chosen.part == Part::Back { Plate::Back } else { Plate::Front };
-        let places = self.finger.plate_places_mm(plate);
+        let places = self.finger.plate_positions_mm(plate);
         let lines = self.lines.iter().filter(|line| line.part == chosen.part).enumerate();
         let shares = lines.flat_map(|(nth, line)| {
             let elements =
-                ElementPlaces::new([places[nth], places[nth + 1]], description.rod_arm_mm, line.members.len());
+                ElementPositions::new([places[nth], places[nth + 1]], description.rod_arm_mm, line.members.len());
             let share = |i: usize| match chosen.part {
                 Part::Ribs => f64::from(u8::from(holds_rib(chosen, places[nth + 1]))),
                 Part::Front | Part::Back => {

@@ -18,13 +18,13 @@ use serde::{Deserialize, Serialize};
 
 /// Where a force acts on the front plate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub enum ContactPlace {
+pub enum ContactPosition {
     /// At a contact node: from the tip to the last node before the front base.
     #[serde(rename = "node")]
     Node(NodeId),
     /// At a distance from the front base along the plate, mm.
     #[serde(rename = "s_mm")]
-    Place(f64),
+    At(f64),
 }
 
 /// A contact whose force is sought: its place and direction are known.
@@ -32,7 +32,7 @@ pub enum ContactPlace {
 pub struct Contact {
     /// Where it acts.
     #[serde(flatten)]
-    pub place: ContactPlace,
+    pub place: ContactPosition,
     /// Direction of the force, degrees from the undeformed inward normal, positive towards the tip.
     pub angle_deg: f64,
 }
@@ -41,8 +41,8 @@ pub struct Contact {
 impl std::fmt::Display for Contact {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         match self.place {
-            ContactPlace::Node(node) => write!(f, "{node}@{}", self.angle_deg),
-            ContactPlace::Place(s_mm) => write!(f, "{s_mm} mm@{}", self.angle_deg),
+            ContactPosition::Node(node) => write!(f, "{node}@{}", self.angle_deg),
+            ContactPosition::At(s_mm) => write!(f, "{s_mm} mm@{}", self.angle_deg),
         }
     }
 }
@@ -50,7 +50,7 @@ impl std::fmt::Display for Contact {
 impl Contact {
     /// At a node, along the undeformed normal.
     pub fn at_node(node: NodeId) -> Contact {
-        Contact { place: ContactPlace::Node(node), angle_deg: 0.0 }
+        Contact { place: ContactPosition::Node(node), angle_deg: 0.0 }
     }
 
     /// The contact's force of 1 N as a load.
@@ -62,16 +62,16 @@ impl Contact {
     pub fn load(&self, finger: &Finger, force_n: f64) -> Load {
         let force: Vector = finger.direction(self.angle_deg) * force_n;
         match self.place {
-            ContactPlace::Node(node) => Load::at_node(node, force),
-            ContactPlace::Place(s_mm) => Load::at_place(s_mm, force),
+            ContactPosition::Node(node) => Load::at_node(node, force),
+            ContactPosition::At(s_mm) => Load::at_position(s_mm, force),
         }
     }
 
     /// Place along the front plate, mm from the base; `None` for a node that is not on it.
-    pub fn place_mm(&self, finger: &Finger) -> Option<f64> {
+    pub fn position_mm(&self, finger: &Finger) -> Option<f64> {
         match self.place {
-            ContactPlace::Node(node) => finger.front_place_mm(node),
-            ContactPlace::Place(s_mm) => Some(s_mm),
+            ContactPosition::Node(node) => finger.front_position_mm(node),
+            ContactPosition::At(s_mm) => Some(s_mm),
         }
     }
 }
@@ -91,7 +91,7 @@ pub enum Direction {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactQuestion {
     /// Where it acts; `None` if unknown.
-    pub place: Option<ContactPlace>,
+    pub place: Option<ContactPosition>,
     /// In which direction.
     pub direction: Direction,
 }
@@ -251,7 +251,7 @@ pub fn check_contacts(finger: &Finger, contacts: &[Contact]) -> Result<(), Sensi
     let (first, last) = (finger.tip(), NodeId(front_base.0 - 1));
     for (i, contact) in contacts.iter().enumerate() {
         match contact.place {
-            ContactPlace::Node(node) => {
+            ContactPosition::Node(node) => {
                 if !(1..=front_base.0).contains(&node.0) {
                     return Err(LoadError::NodeMissing { node, key_nodes: front_base.0 }.into());
                 }
@@ -262,10 +262,10 @@ pub fn check_contacts(finger: &Finger, contacts: &[Contact]) -> Result<(), Sensi
                     return Err(SensingError::NotAContactNode { node, first, last });
                 }
             }
-            ContactPlace::Place(s_mm) => {
+            ContactPosition::At(s_mm) => {
                 let length_mm = finger.plate_length_mm(Plate::Front);
                 if !(s_mm > 0.0 && s_mm <= length_mm) {
-                    return Err(LoadError::PlaceOffPlate { s_mm, length_mm }.into());
+                    return Err(LoadError::PositionOffPlate { s_mm, length_mm }.into());
                 }
             }
         }
@@ -273,7 +273,7 @@ pub fn check_contacts(finger: &Finger, contacts: &[Contact]) -> Result<(), Sensi
             return Err(SensingError::AngleNotFinite { contact: i + 1 });
         }
         let same = |other: &Contact| {
-            other.angle_deg == contact.angle_deg && other.place_mm(finger) == contact.place_mm(finger)
+            other.angle_deg == contact.angle_deg && other.position_mm(finger) == contact.position_mm(finger)
         };
         if let Some(j) = contacts[..i].iter().position(same) {
             return Err(SensingError::SameContact { first: j + 1, second: i + 1 });

@@ -1,6 +1,6 @@
 //! The answer does not depend on how the finger is written down: place and turn of the scene, units, order of nodes.
 
-use finray_model::finger::{FingerDescription, Joints, Part, Plate, RibPlaces};
+use finray_model::finger::{FingerDescription, Joints, Part, Plate, RibPositions};
 use finray_model::frame::{FrameLoad, FrameMotion, PlaneFrame};
 use finray_model::statics::{solve, solve_frame};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
@@ -148,7 +148,7 @@ fn scaled(d: &FingerDescription, length: f64, force: f64) -> Finger {
         strip.thickness_mm *= length;
         strip.youngs_modulus_mpa *= force / (length * length);
     }
-    if let RibPlaces::Positions(places) = &mut d.ribs.places {
+    if let RibPositions::Positions(places) = &mut d.ribs.places {
         places.iter_mut().flatten().for_each(|place| *place *= length);
     }
     for zone in &mut d.zones {

@@ -6,7 +6,7 @@ use finray_model::finger::FingerDescription;
 use finray_model::measurement::Measurement;
 use finray_model::mesh::{FingerShape, Load};
 use finray_model::scene::ROD_RADIUS_MM;
-use finray_model::sensing::{Contact, ContactPlace, LinearEstimator, Prior, SensingError};
+use finray_model::sensing::{Contact, ContactPosition, LinearEstimator, Prior, SensingError};
 use finray_model::{Finger, Kinematics, Mesh, NodeId, statics};
 
 /// Elements a member where rotations are large.
@@ -110,7 +110,7 @@ pub fn all_forces(finger: &Finger, noise_mm: f64) -> Result<AllForces, SensingEr
 pub fn unknown_direction(finger: &Finger, noise_mm: f64) -> Result<Vec<f64>, SensingError> {
     let markers = at_rest(finger)?;
     by_node(finger, |node| {
-        let component = |angle_deg| Contact { place: ContactPlace::Node(node), angle_deg };
+        let component = |angle_deg| Contact { place: ContactPosition::Node(node), angle_deg };
         let estimator = LinearEstimator::new(finger, &[component(0.0), component(90.0)], &markers)?;
         Ok(estimator.inverse().sigmas_per_noise[1] * noise_mm)
     })

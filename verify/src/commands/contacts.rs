@@ -1,11 +1,11 @@
 //! The contacts of a command line, at nodes and at places.
 
-use super::parse::{contact_at_node, contact_at_place};
+use super::parse::{contact_at_node, contact_at_position};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use finray_model::sensing::ContactQuestion;
 
 const AT_NODES: &str = "contact";
-const AT_PLACES: &str = "contact-at";
+const AT_POSITIONS: &str = "contact-at";
 
 /// `--contact` and `--contact-at` in the order in which they are given, which clap's derive keeps for each alone.
 pub struct Contacts(pub Vec<ContactQuestion>);
@@ -21,9 +21,9 @@ impl Args for Contacts {
                     .help("Contact at a node of the front plate, tip included"),
             )
             .arg(
-                list(AT_PLACES)
+                list(AT_POSITIONS)
                     .value_name("S_MM|auto[@ANGLE_DEG|normal|auto]")
-                    .value_parser(contact_at_place)
+                    .value_parser(contact_at_position)
                     .help("Contact at a place along the front plate, mm from its base, or at an unknown one"),
             )
     }
@@ -35,11 +35,11 @@ impl Args for Contacts {
 
 impl FromArgMatches for Contacts {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Contacts, clap::Error> {
-        let places_and_values = |name| {
+        let positions_and_values = |name| {
             let places = matches.indices_of(name).into_iter().flatten();
             places.zip(matches.get_many::<ContactQuestion>(name).into_iter().flatten().copied())
         };
-        let mut contacts: Vec<_> = places_and_values(AT_NODES).chain(places_and_values(AT_PLACES)).collect();
+        let mut contacts: Vec<_> = positions_and_values(AT_NODES).chain(positions_and_values(AT_POSITIONS)).collect();
         contacts.sort_by_key(|(place, _)| *place);
         Ok(Contacts(contacts.into_iter().map(|(_, contact)| contact).collect()))
     }

@@ -102,7 +102,7 @@ fn grid(
 ) -> Result<Grid, Failure> {
     // A truth that answers at some positions alone decides where all are asked.
     let given = truths.iter().map(|truth| truth.positions(&arguments.force_n)).collect::<Result<Vec<_>, _>>()?;
-    let (places_mm, angles_deg) = given
+    let (positions_mm, angles_deg) = given
         .into_iter()
         .flatten()
         .next()
@@ -118,11 +118,11 @@ fn grid(
         given => growing(given),
     };
     Ok(Grid {
-        places_mm,
+        positions_mm,
         angles_deg,
         forces_n: growing(&arguments.force_n),
         noise_levels_mm,
-        noise_pictures: arguments.seeds as usize,
+        noise_samples: arguments.seeds as usize,
         seed: arguments.seed,
     })
 }
@@ -166,7 +166,7 @@ fn write(sweep: &Sweep, finger: &Finger, head: Head, out: &Path) -> Result<(), F
     let out = table_path(table, out);
     let whole = head.shard.is_none();
     if whole && table == Table::Map {
-        require_a_place(&picture_path(&out))?;
+        require_a_place(&figure_path(&out))?;
     }
     let request = head.request.clone();
     let mut partial = Partial::open(&out, head)?;
@@ -206,17 +206,17 @@ pub fn beside(
     }
     let map = AccuracyMap::from_csv(request, table).map_err(|error| Failure::BadInput(error.to_string()))?;
     let picture = map_picture(finger, &map, None).map_err(|error| Failure::NotComputed(error.to_string()))?;
-    Ok(vec![(picture_path(out), standalone(&picture))])
+    Ok(vec![(figure_path(out), standalone(&picture))])
 }
 
-fn picture_path(out: &Path) -> PathBuf {
+fn figure_path(out: &Path) -> PathBuf {
     out.with_extension("svg")
 }
 
 /// The path itself, unless it would be the picture's.
 pub fn table_path(table: Table, out: &Path) -> PathBuf {
-    let is_picture = table == Table::Map && out.extension().is_some_and(|extension| extension == "svg");
-    if is_picture { out.with_extension("csv") } else { out.to_owned() }
+    let is_figure = table == Table::Map && out.extension().is_some_and(|extension| extension == "svg");
+    if is_figure { out.with_extension("csv") } else { out.to_owned() }
 }
 
 /// That a file can stand there is better known before hours of work than after.

@@ -4,7 +4,7 @@ use super::contacts::Contacts;
 use super::parse::not_negative;
 use super::{Failure, not_both_from_standard_input, validity};
 use finray_model::Finger;
-use finray_model::sensing::{Contact, ContactPlace, Estimate, Warning};
+use finray_model::sensing::{Contact, ContactPosition, Estimate, Warning};
 use finray_verify::estimators::network::Networks;
 use finray_verify::estimators::{EstimatorId, Question};
 use finray_verify::files::{csv_text, displacements, load_network, load_scene, write_text};
@@ -141,11 +141,11 @@ fn rows(finger: &Finger, contacts: &[Contact], estimate: &Estimate) -> Vec<Row> 
         .zip(forces)
         .map(|(contact, (&force_n, &sigma_n))| Row {
             contact: match contact.place {
-                ContactPlace::Node(node) => node.to_string(),
-                ContactPlace::Place(_) => "at".to_owned(),
+                ContactPosition::Node(node) => node.to_string(),
+                ContactPosition::At(_) => "at".to_owned(),
             },
             // Contacts were checked: each has a place on the front plate.
-            s_mm: contact.place_mm(finger).unwrap_or(f64::NAN),
+            s_mm: contact.position_mm(finger).unwrap_or(f64::NAN),
             angle_deg: contact.angle_deg,
             force_n,
             sigma_n,

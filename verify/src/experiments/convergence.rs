@@ -17,9 +17,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 /// The force at which a fine enough mesh is promised, N.
-pub const PROMISED_FORCE_N: f64 = 3.0;
+pub const CHECKED_FORCE_N: f64 = 3.0;
 /// Forces of the full table, N, growing.
-const FORCES_N: [f64; 4] = [0.5, 1.0, 2.0, PROMISED_FORCE_N];
+const FORCES_N: [f64; 4] = [0.5, 1.0, 2.0, CHECKED_FORCE_N];
 /// About so many nodes are loaded, one after the other.
 const LOADED_NODES: usize = 12;
 /// Factor of safety of the grid convergence index for three meshes (Roache 1994).
@@ -252,11 +252,11 @@ impl Convergence {
     /// What is promised for the paper's finger at 3 N: all loads are carried, and the errors on three meshes.
     pub fn checks(&self) -> Vec<Check> {
         let mesh = |wanted: fn(&MeshSize) -> bool| self.meshes.iter().position(wanted);
-        let error = |mesh: Option<usize>| mesh.and_then(|i| self.error(i, PROMISED_FORCE_N)).unwrap_or(f64::NAN);
+        let error = |mesh: Option<usize>| mesh.and_then(|i| self.error(i, CHECKED_FORCE_N)).unwrap_or(f64::NAN);
         let promise = |name: &str, error: f64, tolerance: f64| {
             Check::new(
                 Kind::Internal,
-                format!("{name}, co-rotational, {PROMISED_FORCE_N} N along the normal"),
+                format!("{name}, co-rotational, {CHECKED_FORCE_N} N along the normal"),
                 "Richardson extrapolation",
                 "largest displacement difference / largest displacement",
                 0.0,
@@ -271,20 +271,20 @@ impl Convergence {
             promise("684 nodes", error(mesh(|m| m.elements_a_member.is_none())), FINE_MESH_TOLERANCE),
             Check::new(
                 Kind::Internal,
-                format!("{finest} nodes, co-rotational, {PROMISED_FORCE_N} N along the normal"),
+                format!("{finest} nodes, co-rotational, {CHECKED_FORCE_N} N along the normal"),
                 "grid convergence index",
                 "what may be left / largest displacement",
                 0.0,
-                self.left(PROMISED_FORCE_N).unwrap_or(f64::NAN),
+                self.left(CHECKED_FORCE_N).unwrap_or(f64::NAN),
                 REFERENCE_TOLERANCE,
             ),
             Check::new(
                 Kind::Internal,
-                format!("all meshes, co-rotational, {PROMISED_FORCE_N} N along the normal"),
+                format!("all meshes, co-rotational, {CHECKED_FORCE_N} N along the normal"),
                 "the finger carries them",
                 "loads without equilibrium",
                 0.0,
-                self.gaps(PROMISED_FORCE_N) as f64,
+                self.gaps(CHECKED_FORCE_N) as f64,
                 0.5,
             ),
         ]

@@ -79,16 +79,16 @@ pub fn run(context: &Context, softer: Option<&Finger>) -> Result<Vec<CoverageRow
         return Ok(Vec::new());
     }
     let (places, step_deg, samples) = effort.covered_cells();
-    let request = |(places_mm, angles_deg), samples| MapRequest {
-        places_mm,
+    let request = |(positions_mm, angles_deg), samples| MapRequest {
+        positions_mm,
         angles_deg,
         forces_n: MAP_FORCES_N.to_vec(),
         noise_levels_mm: vec![noise_mm],
-        noise_pictures: samples,
+        noise_samples: samples,
         seed: SEED,
     };
     let cells = request(MapRequest::grid(finger, places, step_deg), samples);
-    let nodes_mm = finger.contact_nodes().rev().filter_map(|node| finger.front_place_mm(node)).collect();
+    let nodes_mm = finger.contact_nodes().rev().filter_map(|node| finger.front_position_mm(node)).collect();
     let nodes = request((nodes_mm, vec![0.0]), effort.covered_at_nodes());
     let at_nodes = usize::from(is_paper) * (1 + usize::from(softer.is_some())) * nodes.contact_count();
     context.progress.part("coverage", cells.contact_count() + at_nodes);
@@ -108,7 +108,7 @@ pub fn run(context: &Context, softer: Option<&Finger>) -> Result<Vec<CoverageRow
     if let Some(softer) = softer {
         let mesh = fine_mesh(softer)?;
         let softer = MeshTruth::new(TruthId::Twin, &mesh, Kinematics::Corotational)?;
-        rows.extend(coverage(finger, &softer, &all, (&MapRequest { noise_pictures: 1, ..nodes }, noise_mm), &step));
+        rows.extend(coverage(finger, &softer, &all, (&MapRequest { noise_samples: 1, ..nodes }, noise_mm), &step));
     }
     Ok(rows)
 }
@@ -156,7 +156,7 @@ pub fn coverage(
             let mut prepared: Vec<_> = estimators.iter().map(|e| e.prepare(&[contact], &markers).ok()).collect();
             let mut noise = Noise::of_stream(grid.seed, number as u64);
             for (shape, &force_n) in shapes.iter().zip(&grid.forces_n) {
-                for _ in 0..grid.noise_pictures {
+                for _ in 0..grid.noise_samples {
                     let noisy = noise.on(&Measurement::of_shape(finger, shape), noise_mm);
                     for (counts, prepared) in counts.iter_mut().zip(&mut prepared) {
                         counts.sense(prepared.as_deref_mut(), &noisy, noise_mm, force_n);

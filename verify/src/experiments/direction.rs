@@ -17,7 +17,7 @@ use crate::settings::Effort;
 use crate::truths::Truth;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{
-    Contact, ContactPlace, ContactQuestion, Direction, NonlinearEstimate, NonlinearEstimator, SensingError,
+    Contact, ContactPosition, ContactQuestion, Direction, NonlinearEstimate, NonlinearEstimator, SensingError,
 };
 use finray_model::{Finger, Mesh};
 use rayon::prelude::*;
@@ -25,11 +25,11 @@ use rayon::prelude::*;
 /// Forces, N.
 pub const FORCES_N: [f64; 3] = [0.5, 1.0, 3.0];
 /// A direction counts as told if its root mean square error is within this, degrees, ...
-pub const TOLD_DEG: f64 = 10.0;
+pub const IDENTIFIED_DEG: f64 = 10.0;
 /// ... the force's within this share, ...
-pub const TOLD_FORCE: f64 = 0.10;
+pub const IDENTIFIED_FORCE: f64 = 0.10;
 /// ... and at least this share of the pictures is answered.
-pub const TOLD_ANSWERED: f64 = 0.9;
+pub const IDENTIFIED_ANSWERED: f64 = 0.9;
 /// Of a report: about how many positions, degrees between two directions, and noise samples a cell. Seconds of work, most of them for samples
 /// that are refused after a search from every start.
 const POSITIONS: usize = 12;
@@ -99,11 +99,11 @@ pub struct Answers {
 }
 
 impl Answers {
-    /// Whether direction and force are told: see [`TOLD_DEG`], [`TOLD_FORCE`] and [`TOLD_ANSWERED`].
+    /// Whether direction and force are told: see [`IDENTIFIED_DEG`], [`IDENTIFIED_FORCE`] and [`IDENTIFIED_ANSWERED`].
     pub fn told(&self) -> bool {
-        self.answered as f64 >= TOLD_ANSWERED * self.pictures as f64
-            && self.angle_error_deg.is_some_and(|error| error <= TOLD_DEG)
-            && self.force_error.is_some_and(|error| error <= TOLD_FORCE)
+        self.answered as f64 >= IDENTIFIED_ANSWERED * self.pictures as f64
+            && self.angle_error_deg.is_some_and(|error| error <= IDENTIFIED_DEG)
+            && self.force_error.is_some_and(|error| error <= IDENTIFIED_FORCE)
     }
 
     /// Senses every picture of what is seen under a force, all with the same question.
@@ -203,7 +203,7 @@ impl DirectionStudy {
 fn contacts(finger: &Finger, request: &DirectionRequest) -> Vec<Contact> {
     let (places, angles) = Grid::grid(finger, request.places, request.step_deg);
     let at = |s_mm| {
-        angles.iter().map(move |&angle_deg| Contact { place: ContactPlace::Place(s_mm), angle_deg }).collect::<Vec<_>>()
+        angles.iter().map(move |&angle_deg| Contact { place: ContactPosition::At(s_mm), angle_deg }).collect::<Vec<_>>()
     };
     places.iter().flat_map(|&s_mm| at(s_mm)).collect()
 }
@@ -241,7 +241,7 @@ fn cells(
         let bound = seen.and_then(|seen| components.estimate(&seen, Some(request.noise_mm)).ok());
         let sigma = |k: usize| bound.as_ref().map(|bound| bound.covariance_n2[(k, k)].sqrt() / force_n);
         DirectionCell {
-            s_mm: contact.place_mm(finger).unwrap_or(f64::NAN),
+            s_mm: contact.position_mm(finger).unwrap_or(f64::NAN),
             angle_deg: contact.angle_deg,
             force_n,
             answers,

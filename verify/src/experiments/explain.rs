@@ -10,7 +10,7 @@ use crate::estimators::ELEMENTS;
 use crate::sampling::map::MapRequest;
 use crate::settings::{DRAWN_FORCE_N, Effort};
 use finray_model::mesh::LoadError;
-use finray_model::sensing::{Contact, ContactPlace, LARGEST_SPAN};
+use finray_model::sensing::{Contact, ContactPosition, LARGEST_SPAN};
 use finray_model::statics::{Ladder, Statics};
 use finray_model::{Finger, Kinematics, Mesh, Vector};
 use nalgebra::{DMatrix, DVector};
@@ -47,7 +47,7 @@ pub struct Explanation {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExplanationMap {
     /// Places on the front plate, mm from the base.
-    pub places_mm: Vec<f64>,
+    pub positions_mm: Vec<f64>,
     /// Directions, degrees from the inward normal, positive towards the tip.
     pub angles_deg: Vec<f64>,
     /// The force, N.
@@ -69,14 +69,14 @@ pub fn run(context: &Context) -> Result<ExplanationMap, LoadError> {
     let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
     let (places, step_deg, _) = effort.coarse_resolution();
     // Explanations cost a single shape a cell.
-    let (places_mm, angles_deg) = match effort {
+    let (positions_mm, angles_deg) = match effort {
         Effort::Quick => {
             let coarse = MapRequest::grid(finger, places, step_deg).0.len();
             MapRequest::grid(finger, coarse, effort.resolution().1)
         }
         Effort::Full => MapRequest::grid(finger, places, step_deg),
     };
-    ExplanationMap::new(&mesh, &places_mm, &angles_deg, DRAWN_FORCE_N, context.noise_mm)
+    ExplanationMap::new(&mesh, &positions_mm, &angles_deg, DRAWN_FORCE_N, context.noise_mm)
 }
 
 impl ExplanationMap {
@@ -86,23 +86,23 @@ impl ExplanationMap {
     /// [`LoadError`] for a place that is not on the front plate.
     pub fn new(
         mesh: &Mesh,
-        places_mm: &[f64],
+        positions_mm: &[f64],
         angles_deg: &[f64],
         force_n: f64,
         noise_mm: f64,
     ) -> Result<ExplanationMap, LoadError> {
         let at_rest = Statics::ladder(mesh, Kinematics::Corotational);
-        let of_place = |&s_mm: &f64| {
+        let of_position = |&s_mm: &f64| {
             let cell = |&angle_deg: &f64| -> Result<Explanation, LoadError> {
-                let contact = Contact { place: ContactPlace::Place(s_mm), angle_deg };
+                let contact = Contact { place: ContactPosition::At(s_mm), angle_deg };
                 let sensitivity = Sensitivity::of(mesh, &at_rest, &contact, force_n)?;
                 Ok(Explanation::of(s_mm, angle_deg, force_n, noise_mm, sensitivity.as_ref()))
             };
             angles_deg.iter().map(cell).collect::<Result<Vec<_>, _>>()
         };
-        let cells: Vec<Vec<Explanation>> = places_mm.par_iter().map(of_place).collect::<Result<_, _>>()?;
+        let cells: Vec<Vec<Explanation>> = positions_mm.par_iter().map(of_position).collect::<Result<_, _>>()?;
         Ok(ExplanationMap {
-            places_mm: places_mm.to_vec(),
+            positions_mm: positions_mm.to_vec(),
             angles_deg: angles_deg.to_vec(),
             force_n,
             noise_mm,

@@ -257,11 +257,11 @@ impl LatticeSensing {
         step: &(dyn Fn() + Sync),
     ) -> Result<LatticeSensing, LatticeError> {
         let truth = LatticeTruth::new(finger)?;
-        let (noise_levels_mm, noise_pictures) = noise;
+        let (noise_levels_mm, noise_samples) = noise;
         let [linear, nonlinear] = extent.maps.map(|(places, step_deg)| {
-            let (places_mm, angles_deg) = MapRequest::grid(finger, places, step_deg);
+            let (positions_mm, angles_deg) = MapRequest::grid(finger, places, step_deg);
             let (forces_n, noise_levels_mm) = (MAP_FORCES_N.to_vec(), noise_levels_mm.to_vec());
-            MapRequest { places_mm, angles_deg, forces_n, noise_levels_mm, noise_pictures, seed: 1 }
+            MapRequest { positions_mm, angles_deg, forces_n, noise_levels_mm, noise_samples, seed: 1 }
         });
         let map = |estimators: &[&dyn Estimator], request: &MapRequest| {
             let maps = accuracy_maps(finger, &truth, estimators, request, &|| ());

@@ -53,7 +53,7 @@ pub struct BodyLoad {
 
 /// A stretch of the front plate that a load may stand on.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum FrontStretch {
+enum FrontPiece {
     /// Rigid with a rod: the anchor is at the place `at_mm`.
     Arm { anchor: Anchor, at_mm: f64 },
     /// Between two bodies.
@@ -81,7 +81,7 @@ pub struct Assembly {
     /// Where each key node sits, in the order of the nodes.
     pub key_nodes: Vec<Anchor>,
     /// Stretches of the front plate from base to tip, each with the place where it ends, mm.
-    front: Vec<(f64, FrontStretch)>,
+    front: Vec<(f64, FrontPiece)>,
     /// How segments are held against stretching.
     axial: AxialSprings,
 }
@@ -95,7 +95,7 @@ impl Assembly {
         if fineness == 0 {
             return Err(LatticeError::NoSegments);
         }
-        let target_mm = mean_stretch_mm(finger) / fineness as f64;
+        let target_mm = mean_plate_member_mm(finger) / fineness as f64;
         let segments = members_mm(finger).map(|length_mm| segments_of(length_mm, target_mm) as f64).sum::<f64>();
         if segments > MOST_SEGMENTS {
             return Err(LatticeError::TooFine { fineness });
@@ -135,7 +135,7 @@ impl Assembly {
             finger.description().zones.iter().filter(|zone| zone.part == Part::from(plate)).collect();
         let arm = finger.description().rod_arm_mm;
         let along = (finger.plate_point(plate, 1.0) - finger.base(plate)).normalize();
-        let places = finger.plate_places_mm(plate);
+        let places = finger.plate_positions_mm(plate);
         for (nodes, places) in finger.plate_nodes(plate).windows(2).zip(places.windows(2)) {
             let [from, to] =
                 [self.key_nodes[nodes[0].0 - 1].moved(along * arm), self.key_nodes[nodes[1].0 - 1].moved(along * -arm)];
@@ -143,7 +143,7 @@ impl Assembly {
             let borders = borders_mm(free_mm, &zones, target_mm);
             let anchors = self.divide([from, to], &borders);
             if plate == Plate::Front {
-                self.front.push((free_mm[0], FrontStretch::Arm { anchor: from, at_mm: free_mm[0] }));
+                self.front.push((free_mm[0], FrontPiece::Arm { anchor: from, at_mm: free_mm[0] }));
             }
             for (&ends, border) in anchors.iter().zip(borders.windows(2)) {
                 let (from_mm, to_mm) = (border[0], border[1]);
@@ -152,11 +152,11 @@ impl Assembly {
                     Segment { ends, pinned: [false; 2], direction: along, length_mm: to_mm - from_mm, section };
                 self.springs.extend(segment.springs(self.axial));
                 if plate == Plate::Front {
-                    self.front.push((to_mm, FrontStretch::Segment { ends, from_mm, to_mm }));
+                    self.front.push((to_mm, FrontPiece::Segment { ends, from_mm, to_mm }));
                 }
             }
             if plate == Plate::Front {
-                self.front.push((places[1], FrontStretch::Arm { anchor: to, at_mm: free_mm[1] }));
+                self.front.push((places[1], FrontPiece::Arm { anchor: to, at_mm: free_mm[1] }));
             }
         }
     }
@@ -181,7 +181,7 @@ impl Assembly {
         let borders = borders_mm([0.0, between.norm() - 2.0 * finger.description().rod_arm_mm], &[], target_mm);
         let segments = borders.len() - 1;
         let length_mm = borders[1];
-        let place = finger.plate_places_mm(Plate::Front)[rib + 1];
+        let place = finger.plate_positions_mm(Plate::Front)[rib + 1];
         let covers = |zone: &&Zone| zone.part == Part::Ribs && zone.from_mm <= place && place < zone.to_mm;
         let factor: f64 = finger.description().zones.iter().filter(covers).map(|zone| zone.modulus_factor).product();
         for (i, ends) in self.divide(ends, &borders).into_iter().enumerate() {
@@ -215,8 +215,8 @@ impl Assembly {
         };
         for &(_, stretch) in &self.front {
             match stretch {
-                FrontStretch::Arm { anchor, at_mm } => add(anchor, Vector::zeros(), at_mm),
-                FrontStretch::Segment { ends: [from, to], from_mm, to_mm } => {
+                FrontPiece::Arm { anchor, at_mm } => add(anchor, Vector::zeros(), at_mm),
+                FrontPiece::Segment { ends: [from, to], from_mm, to_mm } => {
                     let at = |anchor: Anchor| self.bodies[anchor.body].position + anchor.arm;
                     let half = 0.5 * (at(to) - at(from));
                     add(from, half, from_mm);
@@ -251,7 +251,7 @@ impl Assembly {
             Load::Front { s_mm, force } => {
                 let length_mm = finger.plate_length_mm(Plate::Front);
                 let stretch = (s_mm > 0.0).then(|| self.front.iter().find(|(end, _)| s_mm <= *end)).flatten();
-                let Some((_, stretch)) = stretch else { return Err(LoadError::PlaceOffPlate { s_mm, length_mm }) };
+                let Some((_, stretch)) = stretch else { return Err(LoadError::PositionOffPlate { s_mm, length_mm }) };
                 let along = finger.front_tangent();
                 let on_body = |anchor: Anchor, share: f64, lever_mm: f64| BodyLoad {
                     body: anchor.body,
@@ -261,8 +261,8 @@ impl Assembly {
                     moment_nmm: 0.0,
                 };
                 Ok(match *stretch {
-                    FrontStretch::Arm { anchor, at_mm } => vec![on_body(anchor, 1.0, s_mm - at_mm)],
-                    FrontStretch::Segment { ends, from_mm, to_mm } => {
+                    FrontPiece::Arm { anchor, at_mm } => vec![on_body(anchor, 1.0, s_mm - at_mm)],
+                    FrontPiece::Segment { ends, from_mm, to_mm } => {
                         let length = to_mm - from_mm;
                         let x = (s_mm - from_mm) / length;
                         let second = x * x * (3.0 - 2.0 * x);
@@ -293,7 +293,7 @@ fn undeformable_bar(finger: &Finger) -> Section {
 fn members_mm(finger: &Finger) -> impl Iterator<Item = f64> {
     let arms_mm = 2.0 * finger.description().rod_arm_mm;
     let plates = [Plate::Back, Plate::Front].into_iter().flat_map(|plate| {
-        let places = finger.plate_places_mm(plate);
+        let places = finger.plate_positions_mm(plate);
         places.windows(2).map(|place| place[1] - place[0]).collect::<Vec<_>>()
     });
     let ribs = (0..finger.rib_count()).map(|rib| {
@@ -304,7 +304,7 @@ fn members_mm(finger: &Finger) -> impl Iterator<Item = f64> {
 }
 
 /// Mean free length of the stretches of plate between two key nodes.
-fn mean_stretch_mm(finger: &Finger) -> f64 {
+fn mean_plate_member_mm(finger: &Finger) -> f64 {
     let stretches = 2 * (finger.rib_count() + 1);
     members_mm(finger).take(stretches).sum::<f64>() / stretches as f64
 }

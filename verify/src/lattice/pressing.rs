@@ -152,8 +152,8 @@ impl<'l> Pressing<'l> {
         let parts = add_skin(lattice, rod_radius_mm, object.friction, &mut dynamics);
 
         let finger = lattice.finger();
-        let stretch_mm = finger.plate_length_mm(Plate::Front) / (finger.rib_count() + 1) as f64;
-        let stiffness = finger.section(Part::Front).map_or(1.0, |section| section.axial_rigidity_n / stretch_mm);
+        let member_mm = finger.plate_length_mm(Plate::Front) / (finger.rib_count() + 1) as f64;
+        let stiffness = finger.section(Part::Front).map_or(1.0, |section| section.axial_rigidity_n / member_mm);
         let hand = dynamics.world.bodies.insert(RigidBodyBuilder::fixed().translation(rapier(start)));
         // It does not turn, so its moment of inertia counts for nothing.
         let body = dynamics.insert_moving(start, mass_for(stiffness), 1.0);
@@ -334,7 +334,7 @@ impl<'l> Pressing<'l> {
                 }
             }
         }
-        touches.sort_by(|a, b| a.part.place_mm(self.lattice).total_cmp(&b.part.place_mm(self.lattice)));
+        touches.sort_by(|a, b| a.part.position_mm(self.lattice).total_cmp(&b.part.position_mm(self.lattice)));
         touches
     }
 }

@@ -18,10 +18,10 @@ pub enum TouchedPart {
 
 impl TouchedPart {
     /// Place along the front plate, mm from its base.
-    pub fn place_mm(&self, lattice: &Lattice) -> f64 {
+    pub fn position_mm(&self, lattice: &Lattice) -> f64 {
         match *self {
-            TouchedPart::Rod(node) => lattice.finger().front_place_mm(node).unwrap_or_default(),
-            TouchedPart::Plate(place_mm) => place_mm,
+            TouchedPart::Rod(node) => lattice.finger().front_position_mm(node).unwrap_or_default(),
+            TouchedPart::Plate(position_mm) => position_mm,
         }
     }
 }

@@ -97,7 +97,7 @@ pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     let force = Vector::new(-0.4, 1.9);
     let mesh = Mesh::with_elements_per_member(finger, 2);
     let tip = Load::Node { node: finger.tip(), force, moment_nmm: 3.0 };
-    let between = Load::at_place(0.4 * finger.description().front_length_mm, force);
+    let between = Load::at_position(0.4 * finger.description().front_length_mm, force);
     let loads = [tip, between]
         .iter()
         .map(|load| mesh.frame_load(load))

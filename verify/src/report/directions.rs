@@ -6,7 +6,7 @@ use super::format::{Span, percent};
 use super::page::{Block, Figure, Section, details, text};
 use super::{ReportError, Results};
 use crate::experiments::direction::{
-    Assumption, DirectionCell, DirectionStudy, FORCES_N, FrictionlessPush, TOLD_ANSWERED, TOLD_DEG, TOLD_FORCE,
+    Assumption, DirectionCell, DirectionStudy, FORCES_N, FrictionlessPush, IDENTIFIED_ANSWERED, IDENTIFIED_DEG, IDENTIFIED_FORCE,
 };
 use crate::figures::{Axis, Cells, Chart, ColourScale, FigureError, Frame, Map, Series, Shades};
 use finray_model::Finger;
@@ -54,12 +54,12 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let mut blocks = vec![text(format!(
         "The paper takes the direction of a force as known: with size and direction both unknown, sensing \"will not work\" \
          (Fig. 13). Here the nonlinear estimator knows the position alone, under {} mm of noise, {} noise samples a cell. A cell \
-         counts as identifiable where the direction is known to {TOLD_DEG} deg and the force to {} (root mean squares) and at least {} of the \
+         counts as identifiable where the direction is known to {IDENTIFIED_DEG} deg and the force to {} (root mean squares) and at least {} of the \
          samples are answered; the rest is hatched. What the noise leaves open, the estimator refuses rather than guesses.",
         directions.noise_mm,
         directions.pictures,
-        percent(TOLD_FORCE),
-        percent(TOLD_ANSWERED)
+        percent(IDENTIFIED_FORCE),
+        percent(IDENTIFIED_ANSWERED)
     ))];
     blocks.extend(where_identifiable(directions).map(text));
     let told = |cell: &DirectionCell| cell.answers.angle_error_deg.filter(|_| cell.answers.told());
@@ -77,9 +77,9 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         value: &told,
     })?);
     let of_all: [(_, _, _, Of); 3] = [
-        ("Cramer-Rao bound of the direction, deg", TOLD_DEG, "not identifiable", &bound),
-        ("error of answered directions, deg", TOLD_DEG, "no answer", &answered),
-        ("error of answered forces, %", 100.0 * TOLD_FORCE, "no answer", &force),
+        ("Cramer-Rao bound of the direction, deg", IDENTIFIED_DEG, "not identifiable", &bound),
+        ("error of answered directions, deg", IDENTIFIED_DEG, "no answer", &answered),
+        ("error of answered forces, %", 100.0 * IDENTIFIED_FORCE, "no answer", &force),
     ];
     let maps = of_all.map(|(what, line, missing, value)| all(&Shown { what, line: Some(line), missing, value }));
     blocks.push(details(
@@ -224,7 +224,7 @@ fn frictionless_chart(directions: &DirectionStudy, force_n: f64) -> Result<Figur
     let axes = [Axis::linear(ALONG_THE_PLATE), Axis::log("root mean square error of the force, %")];
     let chart = Chart::new(Frame::half(title, alt), axes, series.collect());
     Ok(Figure {
-        svg: chart.compared([percent_line(100.0 * TOLD_FORCE)]).svg()?,
+        svg: chart.compared([percent_line(100.0 * IDENTIFIED_FORCE)]).svg()?,
         caption: format!(
             "{force_n} N along the deformed normal: error of the force by what is assumed of its direction."
         ),

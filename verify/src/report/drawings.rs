@@ -90,7 +90,7 @@ pub(super) fn quantity_picture(
     let percent = |error: Option<f64>| error.map(|e| 100.0 * e);
     let cells = Cells {
         note: String::new(),
-        x: map.request.places_mm.clone(),
+        x: map.request.positions_mm.clone(),
         y: map.request.angles_deg.clone(),
         values: values.into_iter().map(|row| row.into_iter().map(percent).collect()).collect(),
     };
@@ -149,7 +149,7 @@ fn node_axis(finger: &Finger) -> Axis {
     let every = finger.contact_nodes().len().div_ceil(13);
     let marks = finger.contact_nodes().rev().step_by(every);
     Axis::linear("node")
-        .named(marks.filter_map(|node| Some((finger.front_place_mm(node)?, node.to_string()))).collect())
+        .named(marks.filter_map(|node| Some((finger.front_position_mm(node)?, node.to_string()))).collect())
 }
 
 /// A line to compare percentages with.

@@ -162,7 +162,7 @@ impl AccuracyMap {
     /// A quantity by direction, then place: of one force, or its mean over all forces. `None` where a force has none.
     pub fn values(&self, force_n: Option<f64>, of: impl Fn(&Cell) -> Option<f64>) -> Vec<Vec<Option<f64>>> {
         let forces = self.request.forces_n.len();
-        let (places, angles) = (self.request.places_mm.len(), self.request.angles_deg.len());
+        let (places, angles) = (self.request.positions_mm.len(), self.request.angles_deg.len());
         let cell = |place: usize, angle: usize| {
             let first = (place * angles + angle) * forces;
             let values: Option<Vec<f64>> = self.cells[first..first + forces]
@@ -176,14 +176,14 @@ impl AccuracyMap {
     }
 
     /// The cells of a coarser grid, whose places and directions are all among this map's; others are left out.
-    pub fn thinned(&self, places_mm: &[f64], angles_deg: &[f64]) -> AccuracyMap {
+    pub fn thinned(&self, positions_mm: &[f64], angles_deg: &[f64]) -> AccuracyMap {
         let kept = |all: &[f64], wanted: &[f64]| all.iter().copied().filter(|x| wanted.contains(x)).collect::<Vec<_>>();
         let request = MapRequest {
-            places_mm: kept(&self.request.places_mm, places_mm),
+            positions_mm: kept(&self.request.positions_mm, positions_mm),
             angles_deg: kept(&self.request.angles_deg, angles_deg),
             ..self.request.clone()
         };
-        let on_grid = |cell: &&Cell| places_mm.contains(&cell.s_mm) && angles_deg.contains(&cell.angle_deg);
+        let on_grid = |cell: &&Cell| positions_mm.contains(&cell.s_mm) && angles_deg.contains(&cell.angle_deg);
         AccuracyMap { request, cells: self.cells.iter().filter(on_grid).copied().collect(), ..self.clone() }
     }
 
@@ -294,11 +294,11 @@ mod tests {
         };
         AccuracyMap {
             request: MapRequest {
-                places_mm: vec![10.0],
+                positions_mm: vec![10.0],
                 angles_deg: (0..cells.len()).map(|n| n as f64).collect(),
                 forces_n: vec![3.0],
                 noise_levels_mm: vec![0.1],
-                noise_pictures: 10,
+                noise_samples: 10,
                 seed: 1,
             },
             truth: TruthId::Linear,

@@ -25,7 +25,7 @@ fn quick_noisy_map(out: &str) -> [&str; 10] {
 }
 
 #[test]
-fn a_map_is_a_csv_and_a_picture_beside_it() {
+fn a_map_is_a_csv_and_a_figure_beside_it() {
     let folder = Folder::new();
     let out = folder.path("map.csv");
     assert_eq!(finray(&[&quick_noisy_map(&out)[..], &["--force-n", "1.5"]].concat()).done(), "");
@@ -49,7 +49,7 @@ fn a_map_is_a_csv_and_a_picture_beside_it() {
 }
 
 #[test]
-fn the_name_of_the_picture_gives_the_table_beside_it() {
+fn the_name_of_the_figure_gives_the_table_beside_it() {
     let folder = Folder::new();
     finray(&quick_noisy_map(&folder.path("m.svg"))).done();
     assert_eq!(folder.names(), ["m.csv", "m.svg"]);
@@ -76,7 +76,7 @@ fn the_bits_do_not_depend_on_the_number_of_threads() {
 }
 
 #[test]
-fn the_seed_decides_the_noise_and_more_pictures_calm_it() {
+fn the_seed_decides_the_noise_and_more_samples_average_it_out() {
     let map = |seed, seeds| {
         let arguments = ["map", PAPER, "--truth", "linear", "--noise-mm", "0.067", "--seed", seed, "--seeds", seeds];
         Csv::of(&finray(&arguments).done())
@@ -120,7 +120,7 @@ fn without_noise_the_linear_finger_is_sensed_exactly() {
 
 /// Large rotations: the error of a cell is what `solve` on the fine mesh and `sense` make of it.
 #[test]
-fn a_cell_of_the_large_rotation_map_is_solve_and_sense() {
+fn a_cell_of_the_corotational_map_is_solve_and_sense() {
     let folder = Folder::new();
     let scene = folder.put("scene.toml", paper_with(&[("count = 11", "count = 0")]));
     let map = Csv::of(&finray(&["map", &scene, "--force-n", "0.01"]).done());

@@ -4,7 +4,7 @@ use super::error::NetworkError;
 use super::fingerprint::Fingerprint;
 use crate::Kinematics;
 use crate::finger::NodeId;
-use crate::sensing::{Contact, ContactPlace};
+use crate::sensing::{Contact, ContactPosition};
 use serde::{Deserialize, Serialize};
 
 /// Version of the network's file that is written, and the only one that is read.
@@ -123,8 +123,8 @@ impl NetworkCard {
             self.test_errors.len().to_string(),
         )?;
         for contact in &self.contacts {
-            let place_mm = if let ContactPlace::Place(s_mm) = contact.place { s_mm } else { 0.0 };
-            let finite = contact.angle_deg.is_finite() && place_mm.is_finite();
+            let position_mm = if let ContactPosition::At(s_mm) = contact.place { s_mm } else { 0.0 };
+            let finite = contact.angle_deg.is_finite() && position_mm.is_finite();
             require(finite, "contacts", "finite places and angles", format!("{contact:?}"))?;
         }
         let not_negative = |key: &str, value: f64| {

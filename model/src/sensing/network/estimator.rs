@@ -271,7 +271,7 @@ fn selection(network: &Network, finger: &Finger, contacts: &[Contact]) -> Result
     }
     let trained = &network.card.contacts;
     let length_mm = finger.plate_length_mm(Plate::Front);
-    let same = |a: &Contact, b: &Contact| match (a.place_mm(finger), b.place_mm(finger)) {
+    let same = |a: &Contact, b: &Contact| match (a.position_mm(finger), b.position_mm(finger)) {
         (Some(one_mm), Some(other_mm)) => {
             (one_mm - other_mm).abs() <= SAME_CONTACT * length_mm && (a.angle_deg - b.angle_deg).abs() <= SAME_CONTACT
         }

@@ -12,7 +12,7 @@ use nalgebra::DMatrix;
 
 /// A direction known to less than this, degrees, or a place to less than this share of the plate, is not known.
 const LARGEST_ANGLE_SIGMA_DEG: f64 = 30.0;
-const LARGEST_PLACE_SIGMA: f64 = 0.25;
+const LARGEST_POSITION_SIGMA: f64 = 0.25;
 /// Another minimum counts as an explanation as good as the best if its misfit, in squared standard deviations, is larger
 /// by no more than this, and as another answer if a force differs by more than this many standard deviations.
 const AS_GOOD: f64 = 9.0;
@@ -124,8 +124,8 @@ impl NonlinearEstimator<'_> {
         for (j, unknown) in self.unknowns.iter().enumerate() {
             let (what, contact, sigma, limit, unit) = match *unknown {
                 Unknown::Force(_) => continue,
-                Unknown::Place(i) => {
-                    let limit = LARGEST_PLACE_SIGMA * self.finger().plate_length_mm(Plate::Front);
+                Unknown::Position(i) => {
+                    let limit = LARGEST_POSITION_SIGMA * self.finger().plate_length_mm(Plate::Front);
                     ("the place", i + 1, sigma(j), limit, "mm")
                 }
                 Unknown::Across(i) => {

@@ -164,7 +164,7 @@ impl NonlinearEstimator<'_> {
         let ladder = self.statics.equations_mut();
         for (unknown, rates) in self.unknowns.iter().zip(linearised.rates.chunks_exact_mut(finger.key_node_count())) {
             let turned_deg = match *unknown {
-                Unknown::Place(i) => {
+                Unknown::Position(i) => {
                     ladder.moved_load(motion, &loads[i], rates);
                     continue;
                 }

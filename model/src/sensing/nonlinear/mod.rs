@@ -20,7 +20,7 @@ pub use discretisation::Discretisation;
 pub use refine::sense_refining;
 
 use super::{
-    Contact, ContactPlace, ContactQuestion, Direction, Estimate, ModelError, SensingError, Warning, check_contacts,
+    Contact, ContactPosition, ContactQuestion, Direction, Estimate, ModelError, SensingError, Warning, check_contacts,
 };
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::measurement::Measurement;
@@ -112,7 +112,7 @@ impl<'m> NonlinearEstimator<'m> {
         // What is known of each contact must be possible; an unknown direction or place takes any value for that.
         for question in questions {
             let angle_deg = if let Direction::Angle(angle) = question.direction { angle } else { 0.0 };
-            let place = question.place.unwrap_or(ContactPlace::Node(finger.tip()));
+            let place = question.place.unwrap_or(ContactPosition::Node(finger.tip()));
             check_contacts(finger, &[Contact { place, angle_deg }])?;
         }
         let known: Option<Vec<Contact>> = questions.iter().map(ContactQuestion::known).collect();

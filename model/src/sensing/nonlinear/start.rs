@@ -4,7 +4,7 @@ use super::linearised::Linearised;
 use super::{NonlinearEstimator, State};
 use crate::finger::Plate;
 use crate::measurement::Measurement;
-use crate::sensing::{Contact, ContactPlace, Direction, Estimate, LinearEstimator, Prior, SensingError};
+use crate::sensing::{Contact, ContactPosition, Direction, Estimate, LinearEstimator, Prior, SensingError};
 use crate::statics::{Equilibrium, StaticsError};
 
 impl NonlinearEstimator<'_> {
@@ -18,14 +18,14 @@ impl NonlinearEstimator<'_> {
     ) -> Result<State, SensingError> {
         let finger = self.finger();
         // A contact of unknown place is tried at every node; several of them are tried one after the other.
-        let mut places: Vec<Option<ContactPlace>> = self.questions.iter().map(|q| q.place).collect();
+        let mut places: Vec<Option<ContactPosition>> = self.questions.iter().map(|q| q.place).collect();
         for i in 0..places.len() {
             if places[i].is_some() {
                 continue;
             }
             let mut best = None;
             for node in finger.contact_nodes() {
-                places[i] = Some(ContactPlace::Node(node));
+                places[i] = Some(ContactPosition::Node(node));
                 let Ok((contacts, estimate)) = self.linear_start(&places, measurement) else { continue };
                 let inward = contacts.iter().zip(&estimate.forces_n).all(|(_, f)| *f >= 0.0);
                 let better = best.is_none_or(|(_, residual)| estimate.residual_rms_mm < residual);
@@ -33,7 +33,7 @@ impl NonlinearEstimator<'_> {
                     best = Some((node, estimate.residual_rms_mm));
                 }
             }
-            places[i] = Some(ContactPlace::Node(best.map_or(finger.tip(), |(node, _)| node)));
+            places[i] = Some(ContactPosition::Node(best.map_or(finger.tip(), |(node, _)| node)));
         }
         let (contacts, estimate) = self.linear_start(&places, measurement)?;
         // A place that moves is a distance along the plate, not a node.
@@ -43,8 +43,8 @@ impl NonlinearEstimator<'_> {
             .map(|(contact, question)| match question.place {
                 Some(_) => *contact,
                 None => {
-                    let s_mm = contact.place_mm(finger).unwrap_or(0.5 * finger.plate_length_mm(Plate::Front));
-                    Contact { place: ContactPlace::Place(s_mm), ..*contact }
+                    let s_mm = contact.position_mm(finger).unwrap_or(0.5 * finger.plate_length_mm(Plate::Front));
+                    Contact { place: ContactPosition::At(s_mm), ..*contact }
                 }
             })
             .collect();
@@ -71,13 +71,13 @@ impl NonlinearEstimator<'_> {
     /// Least squares with two components where the direction is unknown, turned into one force and its angle.
     fn linear_start(
         &self,
-        places: &[Option<ContactPlace>],
+        places: &[Option<ContactPosition>],
         measurement: &Measurement,
     ) -> Result<(Vec<Contact>, Estimate), SensingError> {
         let finger = self.finger();
         let mut components = Vec::new();
         for (question, place) in self.questions.iter().zip(places) {
-            let place = place.or(question.place).unwrap_or(ContactPlace::Node(finger.tip()));
+            let place = place.or(question.place).unwrap_or(ContactPosition::Node(finger.tip()));
             match question.direction {
                 Direction::Angle(angle_deg) => components.push(Contact { place, angle_deg }),
                 Direction::Normal => components.push(Contact { place, angle_deg: 0.0 }),

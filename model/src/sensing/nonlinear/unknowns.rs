@@ -3,7 +3,7 @@
 use super::{NonlinearEstimator, State};
 use crate::finger::Plate;
 use crate::mesh::LoadError;
-use crate::sensing::{ContactPlace, ContactQuestion, Direction};
+use crate::sensing::{ContactPosition, ContactQuestion, Direction};
 
 /// Share of the plate that a place moves in one step at most.
 const LONGEST_MOVE: f64 = 0.2;
@@ -14,7 +14,7 @@ const NEAREST_TO_BASE: f64 = 0.01;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Unknown {
     Force(usize),
-    Place(usize),
+    Position(usize),
     /// The part of a force across its current direction, N: with it the direction turns.
     Across(usize),
 }
@@ -25,12 +25,12 @@ impl Unknown {
         let forces = (0..questions.len()).map(Unknown::Force);
         let places = questions.iter().enumerate().filter(|(_, q)| q.place.is_none());
         let angles = questions.iter().enumerate().filter(|(_, q)| q.direction == Direction::Auto);
-        forces.chain(places.map(|(i, _)| Unknown::Place(i))).chain(angles.map(|(i, _)| Unknown::Across(i))).collect()
+        forces.chain(places.map(|(i, _)| Unknown::Position(i))).chain(angles.map(|(i, _)| Unknown::Across(i))).collect()
     }
 
     /// The contact that it belongs to.
     pub(super) fn contact(self) -> usize {
-        let (Unknown::Force(i) | Unknown::Place(i) | Unknown::Across(i)) = self;
+        let (Unknown::Force(i) | Unknown::Position(i) | Unknown::Across(i)) = self;
         i
     }
 }
@@ -42,7 +42,7 @@ impl NonlinearEstimator<'_> {
         for (scale, unknown) in state.linearised.scales.iter_mut().zip(&self.unknowns) {
             *scale = match *unknown {
                 Unknown::Force(_) | Unknown::Across(_) => 1.0,
-                Unknown::Place(i) => {
+                Unknown::Position(i) => {
                     let force = state.forces_n[i].abs().max(1e-3 * largest).max(f64::MIN_POSITIVE);
                     0.1 * self.finger().plate_length_mm(Plate::Front) / force
                 }
@@ -56,7 +56,7 @@ impl NonlinearEstimator<'_> {
         let length = self.finger().plate_length_mm(Plate::Front);
         let change = |(unknown, x): (&Unknown, &f64)| match unknown {
             Unknown::Force(_) | Unknown::Across(_) => x.abs() / largest,
-            Unknown::Place(_) => x.abs() / length,
+            Unknown::Position(_) => x.abs() / length,
         };
         self.unknowns.iter().zip(&state.linearised.step).map(change).fold(0.0, f64::max)
     }
@@ -77,8 +77,8 @@ impl NonlinearEstimator<'_> {
                     contacts[i].angle_deg += x.atan2(forces_n[i]).to_degrees();
                     forces_n[i] = forces_n[i].hypot(x);
                 }
-                Unknown::Place(i) => {
-                    if let ContactPlace::Place(s_mm) = &mut contacts[i].place {
+                Unknown::Position(i) => {
+                    if let ContactPosition::At(s_mm) = &mut contacts[i].place {
                         let length = finger.plate_length_mm(Plate::Front);
                         let x = x.clamp(-LONGEST_MOVE * length, LONGEST_MOVE * length);
                         *s_mm = (*s_mm + x).clamp(NEAREST_TO_BASE * length, length);

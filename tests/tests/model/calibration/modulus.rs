@@ -2,7 +2,7 @@
 
 use finray_model::calibration::{CalibrationCase, youngs_modulus};
 use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, ContactPlace};
+use finray_model::sensing::{Contact, ContactPosition};
 use finray_model::{Kinematics, Load, Mesh, NodeId, Vector, statics};
 use finray_tests::{cases, contact_node, finger_with_zones, paper, seen};
 use proptest::prelude::*;
@@ -29,7 +29,7 @@ proptest! {
         let cases: Vec<CalibrationCase> = at
             .iter()
             .map(|&fraction| {
-                let contact = Contact { place: ContactPlace::Node(contact_node(&finger, fraction)), angle_deg: 10.0 };
+                let contact = Contact { place: ContactPosition::Node(contact_node(&finger, fraction)), angle_deg: 10.0 };
                 CalibrationCase { load: contact.load(&finger, 1.5), measurement: seen(&Mesh::key_nodes(&stiffer), &[contact], &[1.5], Kinematics::Linear).expect("a solution") }
             })
             .collect();

@@ -125,7 +125,7 @@ fn sensitivities_are_those_of_differences() {
                 };
                 let load = |mesh: &Mesh| {
                     let force = mesh.finger().direction(20.0) * 1.5;
-                    mesh.frame_load(&Load::at_place(100.0, force)).expect("a load")
+                    mesh.frame_load(&Load::at_position(100.0, force)).expect("a load")
                 };
                 let displacements = |change: f64| {
                     let mesh = with(change);

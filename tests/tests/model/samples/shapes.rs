@@ -4,7 +4,7 @@ use super::{assert_normal, draw, linear};
 use finray_model::frame::FrameLoad;
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::samples::SampleRecipe;
-use finray_model::sensing::{Contact, ContactPlace, LinearEstimator, Prior};
+use finray_model::sensing::{Contact, ContactPosition, LinearEstimator, Prior};
 use finray_model::statics::Statics;
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
 use finray_tests::{STANDARD_ERRORS, at_node, at_position, largest, paper};
@@ -20,8 +20,8 @@ fn solved(finger: &Finger, recipe: &SampleRecipe, forces_n: &[f64]) -> Vec<f64> 
     let load = |(contact, &force_n): (&Contact, &f64)| {
         let force = finger.direction(contact.angle_deg) * force_n;
         let load = match contact.place {
-            ContactPlace::Node(node) => Load::at_node(node, force),
-            ContactPlace::Place(s_mm) => Load::at_place(s_mm, force),
+            ContactPosition::Node(node) => Load::at_node(node, force),
+            ContactPosition::At(s_mm) => Load::at_position(s_mm, force),
         };
         mesh.frame_load(&load).expect("on the front plate")
     };

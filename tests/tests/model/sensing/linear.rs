@@ -2,7 +2,7 @@
 
 use finray_model::compliance::{Compliance, NodalCompliance};
 use finray_model::measurement::{Marker, Measurement};
-use finray_model::sensing::{Contact, ContactPlace, Estimate, LinearEstimator, Prior, SensingError};
+use finray_model::sensing::{Contact, ContactPosition, Estimate, LinearEstimator, Prior, SensingError};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId};
 use finray_tests::{CAMERA_NOISE_MM, at_node, at_position, cases, contact_node, finger_with_zones, noisy, paper, seen};
 use proptest::prelude::*;
@@ -41,7 +41,7 @@ proptest! {
             .iter()
             .map(|&(s, angle_deg)| at_position(s * finger.description().front_length_mm, angle_deg))
             .collect();
-        contacts[0].place = ContactPlace::Node(contact_node(&finger, at[0].0));
+        contacts[0].place = ContactPosition::Node(contact_node(&finger, at[0].0));
         let loads: Vec<Load> = contacts.iter().map(|contact| contact.unit_load(&finger)).collect();
         let (ours, theirs) = (NodalCompliance::new(&finger).columns(&loads), Compliance::new(&finger, &loads));
         let (ours, theirs) = (ours.expect("a solution"), theirs.expect("a solution"));
@@ -65,7 +65,7 @@ proptest! {
             .iter()
             .map(|&(s, angle_deg, _)| at_position(s * finger.description().front_length_mm, angle_deg))
             .collect();
-        contacts[0].place = ContactPlace::Node(contact_node(&finger, at[0].0));
+        contacts[0].place = ContactPosition::Node(contact_node(&finger, at[0].0));
         let forces: Vec<f64> = at.iter().map(|c| c.2).collect();
         let all = measured(&finger, &contacts, &forces);
         let hide: Vec<NodeId> = finger.free_nodes().filter(|n| ((n.0 as f64 * 0.618).fract()) < 0.4 * hidden).collect();
@@ -167,8 +167,8 @@ fn ill_posed_questions_are_refused() {
     let refused = |contacts: &[Contact], m: &Measurement| sense(&finger, contacts, m, None).expect_err("ill-posed");
     assert!(matches!(refused(&[], &m), SensingError::NoContact));
     assert!(matches!(refused(&[at_node(19, 5.0), at_node(19, 5.0)], &m), SensingError::SameContact { .. }));
-    let same_place = at_position(76.5, 5.0);
-    assert!(matches!(refused(&[at_node(19, 5.0), same_place], &m), SensingError::SameContact { .. }));
+    let same_position = at_position(76.5, 5.0);
+    assert!(matches!(refused(&[at_node(19, 5.0), same_position], &m), SensingError::SameContact { .. }));
     assert!(matches!(refused(&[at_node(7, 0.0)], &m), SensingError::NotAContactNode { .. }));
     assert!(matches!(refused(&[at_node(25, 0.0)], &m), SensingError::Load(_)));
     assert!(matches!(refused(&[at_node(26, 0.0)], &m), SensingError::Load(_)));

@@ -3,7 +3,7 @@
 use finray_model::frame::FrameLoad;
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::sensing::{
-    Contact, ContactPlace, ContactQuestion, Direction, NonlinearEstimator, SensingError, sense_refining,
+    Contact, ContactPosition, ContactQuestion, Direction, NonlinearEstimator, SensingError, sense_refining,
 };
 use finray_model::statics::{Statics, StaticsError};
 use finray_model::{Kinematics, Load, Mesh, NodeId, Vector};
@@ -63,7 +63,7 @@ fn forces_come_back_from_the_fine_mesh() {
 
 /// Unknown places and directions are found, alone and together.
 #[test]
-fn places_and_directions_are_found() {
+fn positions_and_directions_are_found() {
     let finger = paper();
     let fine = Mesh::with_nodes(&finger, 684).expect("fine mesh");
     for (s_mm, angle, force) in
@@ -75,7 +75,7 @@ fn places_and_directions_are_found() {
         for (place, direction) in [(None, known.1), (known.0, Direction::Auto), (None, Direction::Auto)] {
             let question = ContactQuestion { place, direction };
             let found = sense_refining(&finger, &[question], &measurement, None).expect("identifiable");
-            let place = found.contacts[0].place_mm(&finger).expect("on the plate");
+            let place = found.contacts[0].position_mm(&finger).expect("on the plate");
             assert!((found.forces.forces_n[0] / force - 1.0).abs() < 2e-3, "{contact:?} {question:?}: {found:?}");
             assert!((place - s_mm).abs() < 0.05, "{contact:?}: {place}");
             assert!((found.contacts[0].angle_deg - angle).abs() < 0.05, "{contact:?}: {found:?}");
@@ -153,7 +153,7 @@ fn what_cannot_be_told_is_refused() {
             .estimate(measurement, Some(CAMERA_NOISE_MM))
             .map(|found| found.forces.forces_n)
     };
-    let auto = ContactQuestion { place: Some(ContactPlace::Node(NodeId(24))), direction: Direction::Auto };
+    let auto = ContactQuestion { place: Some(ContactPosition::Node(NodeId(24))), direction: Direction::Auto };
     assert!(matches!(ask(&[auto], &faint), Err(SensingError::Undetermined { .. })));
     assert!(matches!(ask(&[], &faint), Err(SensingError::NoContact)));
     let elsewhere = ContactQuestion::from(at_node(5, 0.0));
@@ -179,7 +179,7 @@ proptest! {
         let node = contact_node(&finger, at[0]);
         let length = finger.description().front_length_mm;
         let force = force_for_deflection(&finger, node, angle, share);
-        let place = |s_mm: f64| mesh.frame_load(&Load::at_place(s_mm, force * 0.5)).expect("on the plate");
+        let place = |s_mm: f64| mesh.frame_load(&Load::at_position(s_mm, force * 0.5)).expect("on the plate");
         let bent = mesh.frame_load(&Load::at_node(node, force)).expect("a contact node");
         let mut statics = Statics::ladder(&mesh, Kinematics::Corotational);
         let mut displacements = |loads: &[FrameLoad]| {

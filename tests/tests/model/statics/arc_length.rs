@@ -169,7 +169,7 @@ proptest! {
         let length = finger.description().front_length_mm;
         let loads = [
             Load::Node { node, force: force * 0.7, moment_nmm: 0.01 * length * force.norm() },
-            Load::at_place(at[1] * length, force * 0.3),
+            Load::at_position(at[1] * length, force * 0.3),
         ];
         let loads = loads.map(|load| mesh.frame_load(&load).expect("on the finger"));
         let path = ArcLength::new(mesh.frame(), Kinematics::Corotational)

@@ -29,7 +29,7 @@ proptest! {
         let inside = FrameLoad::Node { node: mesh.frame().node_count() - 1, force: force * 0.1, moment_nmm: 0.1 * moment };
         let loads: Vec<FrameLoad> = [
             Load::Node { node, force: force * 0.6, moment_nmm: moment * force.norm() },
-            Load::at_place(at[1] * finger.description().front_length_mm, force * 0.3),
+            Load::at_position(at[1] * finger.description().front_length_mm, force * 0.3),
         ]
         .iter()
         .map(|load| mesh.frame_load(load).expect("on the finger"))

@@ -85,7 +85,7 @@ proptest! {
         let force = force_for_deflection(&finger, node, angle, share);
         let length = finger.description().front_length_mm;
         let at_node = Load::Node { node, force, moment_nmm: 0.01 * length * force.norm() };
-        for load in [at_node, Load::at_place(at[1] * length, force)] {
+        for load in [at_node, Load::at_position(at[1] * length, force)] {
             let load = mesh.frame_load(&load).expect("on the finger");
             for kinematics in KINEMATICS {
                 let Ok(equilibrium) = Statics::sparse(mesh.frame(), kinematics).equilibrium(&[load]) else {
@@ -129,7 +129,7 @@ proptest! {
     /// The elastic energy of the large-rotation finger is the work of its load along the path, by Simpson's rule over
     /// the force; how far the rule can be trusted is seen from half as many steps (near a snap it is not smooth).
     #[test]
-    fn large_rotation_energy_is_the_work_of_the_load(finger in finger_with_zones(), at in 0.0..1.0, angle in -60.0..60.0) {
+    fn corotational_energy_is_the_work_of_the_load(finger in finger_with_zones(), at in 0.0..1.0, angle in -60.0..60.0) {
         const STEPS: usize = 64;
         let mesh = Mesh::key_nodes(&finger);
         let node = contact_node(&finger, at);
@@ -191,7 +191,7 @@ proptest! {
     #[test]
     fn consistent_loads_are_exact_at_the_nodes(finger in finger(), at in 0.08..1.0, angle in -90.0..90.0) {
         let s_mm = at * finger.description().front_length_mm;
-        let load = Load::at_place(s_mm, finger.direction(angle));
+        let load = Load::at_position(s_mm, finger.direction(angle));
         let coarse = solve(&Mesh::key_nodes(&finger), &[load], Kinematics::Linear).expect("linear solution");
         for elements in [3, 8] {
             let fine = solve(&Mesh::with_elements_per_member(&finger, elements), &[load], Kinematics::Linear).expect("linear solution");
@@ -213,7 +213,7 @@ proptest! {
         let node = contact_node(&finger, at[0]);
         let loads: Vec<FrameLoad> = [
             Load::Node { node, force: force_for_deflection(&finger, node, 20.0, bent), moment_nmm: 3.0 },
-            Load::at_place(at[1] * finger.description().front_length_mm, force_for_deflection(&finger, node, -30.0, bent)),
+            Load::at_position(at[1] * finger.description().front_length_mm, force_for_deflection(&finger, node, -30.0, bent)),
         ]
         .iter()
         .map(|load| mesh.frame_load(load).expect("on the finger"))

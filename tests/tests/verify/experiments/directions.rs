@@ -4,7 +4,7 @@
 use finray_model::{Kinematics, Mesh};
 use finray_tests::{CAMERA_NOISE_MM, STANDARD_ERRORS, paper};
 use finray_verify::experiments::direction::{
-    Assumption, DirectionCell, DirectionRequest, DirectionStudy, FORCES_N, TOLD_DEG, TOLD_FORCE,
+    Assumption, DirectionCell, DirectionRequest, DirectionStudy, FORCES_N, IDENTIFIED_DEG, IDENTIFIED_FORCE,
 };
 use finray_verify::truths::MeshTruth;
 use finray_verify::truths::TruthId;
@@ -36,7 +36,7 @@ fn what_can_be_told_is_told_to_the_bound() {
     let mut sure = 0;
     let low = |cell: &&DirectionCell| {
         let bounds = cell.angle_bound_deg.zip(cell.force_bound);
-        bounds.is_some_and(|(angle, force)| angle < 0.5 * TOLD_DEG && force < 0.5 * TOLD_FORCE)
+        bounds.is_some_and(|(angle, force)| angle < 0.5 * IDENTIFIED_DEG && force < 0.5 * IDENTIFIED_FORCE)
     };
     for cell in STUDY.cells.iter().filter(low) {
         sure += 1;
@@ -70,7 +70,7 @@ fn what_cannot_be_told_is_refused_or_open() {
             .cells
             .iter()
             .filter(|cell| cell.answers.told())
-            .all(|cell| cell.angle_bound_deg.is_some_and(|bound| bound < 1.3 * TOLD_DEG))
+            .all(|cell| cell.angle_bound_deg.is_some_and(|bound| bound < 1.3 * IDENTIFIED_DEG))
     );
 }
 

@@ -98,7 +98,7 @@ fn the_sigma_of_a_sum_knows_of_the_correlation() {
 /// Every picture is that of its forces, however the truth was followed there: who knows the true finger errs by the
 /// rounding of two Newton iterations alone.
 #[test]
-fn pictures_are_those_of_the_forces() {
+fn samples_are_those_of_the_forces() {
     let finger = paper();
     let mesh = Mesh::key_nodes(&finger);
     let nonlinear = BeamEstimator::nonlinear(&mesh);

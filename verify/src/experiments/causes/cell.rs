@@ -1,12 +1,12 @@
 //! The causes at one place and direction.
 
 use super::models::{Bending, Known, Models};
-use super::{Cause, CauseCell, ContactKnowledge, DIRECTION_OFF_DEG, PLACE_OFF_MM, Practice, REMEDIES};
+use super::{Cause, CauseCell, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM, Practice, REMEDIES};
 use crate::settings::LEAST_STATED_MM;
 use crate::truths::Truth;
 use finray_model::finger::Plate;
 use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, ContactPlace, LinearEstimator, NonlinearEstimator, Prior};
+use finray_model::sensing::{Contact, ContactPosition, LinearEstimator, NonlinearEstimator, Prior};
 
 /// A practice with all that it needs to know.
 pub(super) struct Sensor<'m> {
@@ -27,7 +27,7 @@ pub(super) fn cells(
     angle_deg: f64,
     forces_n: &[f64],
 ) -> Vec<Vec<CauseCell>> {
-    let contact = Contact { place: ContactPlace::Place(s_mm), angle_deg };
+    let contact = Contact { place: ContactPosition::At(s_mm), angle_deg };
     let shapes = truth.shapes(&contact, forces_n);
     let of_sensor = |sensor: &Sensor| {
         let seen: Vec<_> = shapes.iter().map(|shape| Measurement::of_shape(sensor.models.finger(), shape)).collect();
@@ -118,7 +118,7 @@ impl Sensor<'_> {
             modulus: !on(Cause::Modulus),
             bending: self.bending(off),
         };
-        let assumed = self.assumed(s_mm, angle_deg, on(Cause::Place), on(Cause::Direction));
+        let assumed = self.assumed(s_mm, angle_deg, on(Cause::Position), on(Cause::Direction));
         let mut sums = vec![Some(Squared { bias: 0.0, noise: 0.0 }); forces_n.len()];
         for contact in &assumed {
             let errors = self.sense(known, contact, seen, forces_n);
@@ -143,15 +143,15 @@ impl Sensor<'_> {
     }
 
     /// What sensing takes the contact for: off to both sides, as far as the plate reaches.
-    fn assumed(&self, s_mm: f64, angle_deg: f64, place_off: bool, direction_off: bool) -> Vec<Contact> {
+    fn assumed(&self, s_mm: f64, angle_deg: f64, position_off: bool, direction_off: bool) -> Vec<Contact> {
         let sides = |off: bool, by: f64| if off { vec![-by, by] } else { vec![0.0] };
         let length_mm = self.models.finger().plate_length_mm(Plate::Front);
         let mut contacts = Vec::new();
-        for place_off_mm in sides(place_off, PLACE_OFF_MM) {
+        for position_off_mm in sides(position_off, POSITION_OFF_MM) {
             for direction_off_deg in sides(direction_off, DIRECTION_OFF_DEG) {
-                let assumed_mm = s_mm + place_off_mm;
+                let assumed_mm = s_mm + position_off_mm;
                 if assumed_mm > 0.0 && assumed_mm <= length_mm {
-                    let place = ContactPlace::Place(assumed_mm);
+                    let place = ContactPosition::At(assumed_mm);
                     contacts.push(Contact { place, angle_deg: angle_deg + direction_off_deg });
                 }
             }

@@ -30,7 +30,7 @@ use serde::Serialize;
 /// deformed one turns by up to 12.5 deg (sec. V-C).
 pub const DIRECTION_OFF_DEG: f64 = 12.5;
 /// How far the true place is from the one assumed, mm, to either side: the radius of the paper's rods (sec. V-C), round which an object may touch.
-pub const PLACE_OFF_MM: f64 = 1.5;
+pub const POSITION_OFF_MM: f64 = 1.5;
 
 /// What makes a sensed force wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
@@ -46,8 +46,9 @@ pub enum Cause {
     Modulus,
     /// Off by [`DIRECTION_OFF_DEG`] to either side. Off: the true one.
     Direction,
-    /// Off by [`PLACE_OFF_MM`] to either side. Off: the true one.
-    Place,
+    /// Off by [`POSITION_OFF_MM`] to either side. Off: the true one.
+    #[serde(rename = "place")]
+    Position,
     /// Zones nearer to the base than to the tip are not known. Off: known.
     BaseCompliance,
     /// Zones nearer to the tip than to the base are not known. Off: known.
@@ -65,7 +66,7 @@ impl Cause {
             Cause::Discretisation => "discretisation",
             Cause::Modulus => "wrong modulus",
             Cause::Direction => "wrong direction",
-            Cause::Place => "wrong place",
+            Cause::Position => "wrong position",
             Cause::BaseCompliance => "base compliance",
             Cause::TipCompliance => "tip compliance",
             Cause::NetworkFit => "network fit",
@@ -107,14 +108,14 @@ impl Practice {
 
     fn causes(self) -> [Cause; 7] {
         use Cause::{
-            BaseCompliance, Direction, Discretisation, Linearisation, Modulus, NetworkFit, Noise, Place, TipCompliance,
+            BaseCompliance, Direction, Discretisation, Linearisation, Modulus, NetworkFit, Noise, Position, TipCompliance,
         };
         let of_the_model = match self {
             Practice::LeastSquares => Linearisation,
             Practice::Nonlinear => Discretisation,
             Practice::Network => NetworkFit,
         };
-        [Noise, of_the_model, Modulus, Direction, Place, BaseCompliance, TipCompliance]
+        [Noise, of_the_model, Modulus, Direction, Position, BaseCompliance, TipCompliance]
     }
 }
 
@@ -123,7 +124,7 @@ impl ContactKnowledge {
     fn leaves_out(self) -> &'static [Cause] {
         match self {
             ContactKnowledge::Assumed => &[],
-            ContactKnowledge::Known => &[Cause::Direction, Cause::Place],
+            ContactKnowledge::Known => &[Cause::Direction, Cause::Position],
         }
     }
 
@@ -142,7 +143,7 @@ pub struct CauseRequest {
     /// Who senses, and what he knows of the contact: a map each. Not the network, which is [apart](network).
     pub practices: Vec<(Practice, ContactKnowledge)>,
     /// Places on the front plate, mm from the base.
-    pub places_mm: Vec<f64>,
+    pub positions_mm: Vec<f64>,
     /// Directions, degrees from the inward normal, positive towards the tip.
     pub angles_deg: Vec<f64>,
     /// Forces, N, growing.
@@ -189,7 +190,7 @@ impl CauseCell {
 /// and direction of the contact, then sensing with large rotations and four elements a member.
 pub const REMEDIES: [(&str, &[Cause]); 3] = [
     ("zones known", &[Cause::BaseCompliance, Cause::TipCompliance, Cause::Modulus]),
-    ("contact known", &[Cause::Direction, Cause::Place]),
+    ("contact known", &[Cause::Direction, Cause::Position]),
     ("nonlinear", &[Cause::Linearisation, Cause::Discretisation]),
 ];
 
@@ -256,7 +257,7 @@ pub fn causes(
     };
     let sensors: Vec<Sensor> = request.practices.iter().map(sensor).collect();
     let contacts: Vec<_> =
-        request.places_mm.iter().flat_map(|&s_mm| request.angles_deg.iter().map(move |&angle| (s_mm, angle))).collect();
+        request.positions_mm.iter().flat_map(|&s_mm| request.angles_deg.iter().map(move |&angle| (s_mm, angle))).collect();
     let at = |&(s_mm, angle_deg): &(f64, f64)| {
         let cells = cell::cells(&pushed, &sensors, s_mm, angle_deg, &request.forces_n);
         progress();

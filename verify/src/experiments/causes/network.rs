@@ -6,7 +6,7 @@
 use super::cell::Squared;
 use super::models::{Bending, calibrated, weighed, with_zones};
 use super::{
-    Cause, CauseCell, CauseError, CauseMap, CauseRequest, ContactKnowledge, DIRECTION_OFF_DEG, PLACE_OFF_MM, Practice,
+    Cause, CauseCell, CauseError, CauseMap, CauseRequest, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM, Practice,
     present,
 };
 use crate::estimators::{ELEMENTS, Estimator};
@@ -16,7 +16,7 @@ use crate::truths::{MeshTruth, Truth, TruthId, fine_mesh};
 use finray_model::finger::Plate;
 use finray_model::frame::FrameMotion;
 use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, ContactPlace, NonlinearEstimator};
+use finray_model::sensing::{Contact, ContactPosition, NonlinearEstimator};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
 use rayon::prelude::*;
 
@@ -39,7 +39,7 @@ pub fn causes(
 ) -> Result<CauseMap, CauseError> {
     let mut request = CauseRequest {
         practices: vec![(Practice::Network, ContactKnowledge::Assumed)],
-        places_mm: Vec::new(),
+        positions_mm: Vec::new(),
         angles_deg: vec![0.0],
         forces_n: forces_n.to_vec(),
         noise_mm,
@@ -58,7 +58,7 @@ pub fn causes(
         let cell = |(i, &force_n): (usize, &f64)| {
             let (without, all) = (&errors[..causes.len()], errors[causes.len()][i]);
             CauseCell {
-                s_mm: believed.front_place_mm(node).unwrap_or(f64::NAN),
+                s_mm: believed.front_position_mm(node).unwrap_or(f64::NAN),
                 angle_deg: 0.0,
                 force_n,
                 rms_error: all.map(f64::sqrt),
@@ -69,7 +69,7 @@ pub fn causes(
         forces_n.iter().enumerate().map(cell).collect()
     };
     let cells: Vec<CauseCell> = nodes.par_iter().with_max_len(1).flat_map_iter(cells).collect();
-    request.places_mm = nodes.iter().filter_map(|node| believed.front_place_mm(*node)).collect();
+    request.positions_mm = nodes.iter().filter_map(|node| believed.front_position_mm(*node)).collect();
     Ok(CauseMap { request, truth, practice: Practice::Network, contact: ContactKnowledge::Assumed, causes, cells })
 }
 
@@ -110,7 +110,7 @@ impl World {
             return vec![None; forces_n.len()];
         };
         let finger = self.mesh.finger();
-        let contacts = true_contacts(finger, node, !off(Cause::Place), !off(Cause::Direction));
+        let contacts = true_contacts(finger, node, !off(Cause::Position), !off(Cause::Direction));
         for contact in &contacts {
             let shapes = truth.shapes(contact, forces_n);
             let seen: Vec<_> = shapes.iter().map(|shape| Measurement::of_shape(finger, shape)).collect();
@@ -164,15 +164,15 @@ impl World {
 }
 
 /// Where the force may act that is taken for one on a node along the normal; as far as the plate reaches.
-fn true_contacts(finger: &Finger, node: NodeId, place_off: bool, direction_off: bool) -> Vec<Contact> {
+fn true_contacts(finger: &Finger, node: NodeId, position_off: bool, direction_off: bool) -> Vec<Contact> {
     let sides = |off: bool, by: f64| if off { vec![-by, by] } else { vec![0.0] };
-    let Some(s_mm) = finger.front_place_mm(node) else { return Vec::new() };
+    let Some(s_mm) = finger.front_position_mm(node) else { return Vec::new() };
     let mut contacts = Vec::new();
-    for place_off_mm in sides(place_off, PLACE_OFF_MM) {
+    for position_off_mm in sides(position_off, POSITION_OFF_MM) {
         for angle_deg in sides(direction_off, DIRECTION_OFF_DEG) {
-            let place_mm = s_mm + place_off_mm;
-            if place_mm <= finger.plate_length_mm(Plate::Front) {
-                contacts.push(Contact { place: ContactPlace::Place(place_mm), angle_deg });
+            let position_mm = s_mm + position_off_mm;
+            if position_mm <= finger.plate_length_mm(Plate::Front) {
+                contacts.push(Contact { place: ContactPosition::At(position_mm), angle_deg });
             }
         }
     }

@@ -187,7 +187,7 @@ fn beams_under(finger: &Finger, touches: &[Touch]) -> Result<FingerShape, Static
     let mesh = Mesh::with_elements_per_member(finger, CONVERGED_ELEMENTS);
     let load = |touch: &Touch| match touch.part {
         TouchedPart::Rod(node) => Load::at_node(node, touch.force),
-        TouchedPart::Plate(s_mm) => Load::at_place(s_mm, touch.force),
+        TouchedPart::Plate(s_mm) => Load::at_position(s_mm, touch.force),
     };
     let loads: Vec<Load> = touches.iter().filter(|touch| !touch.clamped).map(load).collect();
     statics::solve(&mesh, &loads, Kinematics::Corotational)

@@ -5,7 +5,7 @@ use crate::sampling::scatter::sampled_nodes;
 use crate::truths::Truth;
 use finray_model::measurement::Measurement;
 use finray_model::mesh::FingerShape;
-use finray_model::sensing::{Contact, ContactPlace, ContactQuestion, Direction, NonlinearEstimator, SensingError};
+use finray_model::sensing::{Contact, ContactPosition, ContactQuestion, Direction, NonlinearEstimator, SensingError};
 use finray_model::{Finger, NodeId};
 use rayon::prelude::*;
 
@@ -77,7 +77,7 @@ pub(super) fn rows(
 ) -> Result<Vec<FrictionlessPush>, SensingError> {
     let finger = request.model.finger();
     let of_node = |node: &NodeId| -> Result<Vec<FrictionlessPush>, SensingError> {
-        let place = ContactPlace::Node(*node);
+        let place = ContactPosition::Node(*node);
         let mut rows = Vec::new();
         for force_n in FORCES_N {
             let push = pushed(truth, *node, force_n);
@@ -88,7 +88,7 @@ pub(super) fn rows(
                     let seen = Measurement::of_shape(finger, shape);
                     Answers::of(&mut estimator, &seen, pictures, request.noise_mm, contact, force_n)
                 });
-                let s_mm = finger.front_place_mm(*node).unwrap_or(f64::NAN);
+                let s_mm = finger.front_position_mm(*node).unwrap_or(f64::NAN);
                 let angle_deg = push.as_ref().map(|(contact, _)| contact.angle_deg);
                 rows.push(FrictionlessPush { node: node.0, s_mm, force_n, angle_deg, assumed, answers });
             }

@@ -5,7 +5,7 @@ use super::{Findings, Question, Unexpected};
 use crate::check::worst;
 use crate::settings::Effort;
 use crate::truths::FINE_MESH_NODES;
-use finray_model::finger::{FingerDescription, Part, Plate, RibPlaces, Zone};
+use finray_model::finger::{FingerDescription, Part, Plate, RibPositions, Zone};
 use finray_model::frame::FrameMotion;
 use finray_model::statics::{Statics, StaticsError, solve};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
@@ -168,7 +168,7 @@ fn zones(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unex
 }
 
 fn many_ribs(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unexpected> {
-    let finger = variant(finger, |d| d.ribs.places = RibPlaces::Count(200))?;
+    let finger = variant(finger, |d| d.ribs.places = RibPositions::Count(200))?;
     let mut sound = Soundness::default();
     let [coarse, fine] = [1, 2].map(|elements| Mesh::with_elements_per_member(&finger, elements));
     let force = finger.direction(0.0) * FORCE_N;
@@ -185,7 +185,7 @@ fn close_ribs(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(),
     let with_gap = |gap_mm: f64| {
         let places = [[0.3, 0.0], [0.5, 0.0], [0.5, gap_mm], [0.8, 0.0]];
         let places = places.map(|[share, gap]| [share * front + gap, share * back + gap]).to_vec();
-        variant(finger, |d| d.ribs.places = RibPlaces::Positions(places))
+        variant(finger, |d| d.ribs.places = RibPositions::Positions(places))
     };
     let mut sound = Soundness::default();
     let close = with_gap(0.01)?;

@@ -70,8 +70,8 @@ fn loads(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unex
             for load in [
                 Load::at_node(node, Vector::new(bad, 0.0)),
                 Load::Node { node, force: Vector::zeros(), moment_nmm: bad },
-                Load::at_place(50.0, Vector::new(0.0, bad)),
-                Load::at_place(bad, Vector::new(0.0, 1.0)),
+                Load::at_position(50.0, Vector::new(0.0, bad)),
+                Load::at_position(bad, Vector::new(0.0, 1.0)),
             ] {
                 asked += 1;
                 let answer: Result<Vector, StaticsError> = solve(&load, kinematics);

@@ -146,19 +146,19 @@ mod tests {
     }
 
     #[test]
-    fn a_promise_that_does_not_hold_breaks_its_case() {
+    fn a_failed_check_fails_its_case() {
         assert!(with_error(0.9).kept());
         assert!(!with_error(1.1).kept() && !with_error(f64::NAN).kept());
     }
 
     #[test]
-    fn an_error_that_nothing_promised_breaks_its_case() {
+    fn an_unexpected_error_fails_its_case() {
         let case = answered_by(|_, _, _| Err("it fell over".into()));
         assert!(!case.kept() && case.notes[0].contains("it fell over"), "{case:?}");
     }
 
     #[test]
-    fn laws_that_nothing_was_held_against_are_broken() {
+    fn laws_without_a_case_fail() {
         let case = answered_by(|_, _, findings| {
             soundness::Soundness::default().report(findings);
             Ok(())
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slow_case_is_broken() {
+    fn a_slow_case_fails() {
         assert!(!HardCase { seconds: 1.1 * TIME_LIMIT_S, ..with_error(0.0) }.kept());
     }
 }

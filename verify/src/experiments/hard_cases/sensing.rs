@@ -7,7 +7,7 @@ use crate::settings::{CAMERA_NOISE_MM, Effort};
 use finray_model::frame::FrameLoad;
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::sensing::{
-    Contact, ContactPlace, ContactQuestion, Estimate, LinearEstimator, NonlinearEstimator, Prior, SensingError,
+    Contact, ContactPosition, ContactQuestion, Estimate, LinearEstimator, NonlinearEstimator, Prior, SensingError,
 };
 use finray_model::statics::Statics;
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Vector};
@@ -77,7 +77,7 @@ impl Effort {
 }
 
 fn at_node(node: NodeId, angle_deg: f64) -> Contact {
-    Contact { place: ContactPlace::Node(node), angle_deg }
+    Contact { place: ContactPosition::Node(node), angle_deg }
 }
 
 fn middle(finger: &Finger) -> NodeId {

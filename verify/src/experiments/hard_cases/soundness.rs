@@ -47,7 +47,7 @@ impl Soundness {
     /// Solves a force on a node, linear and with large rotations; returns both displacement fields.
     pub fn add(&mut self, mesh: &Mesh, node: NodeId, force: Vector) -> Result<[FrameMotion; 2], Unexpected> {
         let load = mesh.frame_load(&Load::at_node(node, force))?;
-        Ok([self.linear(mesh, load)?, self.large_rotation(mesh, load)?])
+        Ok([self.linear(mesh, load)?, self.corotational(mesh, load)?])
     }
 
     /// As [`add`](Soundness::add) for a force that may have no equilibrium. Then a little less than what is said to be
@@ -76,7 +76,7 @@ impl Soundness {
         Ok(motion)
     }
 
-    fn large_rotation(&mut self, mesh: &Mesh, load: FrameLoad) -> Result<FrameMotion, Unexpected> {
+    fn corotational(&mut self, mesh: &Mesh, load: FrameLoad) -> Result<FrameMotion, Unexpected> {
         let points: Vec<(f64, f64)> = (0..PANELS)
             .flat_map(|panel| GAUSS.map(|(x, weight)| ((panel as f64 + x) / PANELS as f64, weight / PANELS as f64)))
             .collect();

@@ -25,7 +25,7 @@ const SEED: u64 = 2;
 
 /// Contact nodes, and the largest mean error of each force that is promised there, at the camera's noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Promise {
+pub struct CheckedSet {
     /// The contact nodes.
     pub nodes: &'static [usize],
     /// Largest mean error of each force.
@@ -34,9 +34,9 @@ pub struct Promise {
 
 /// Single contact nodes, two pairs of neighbours, two pairs further apart. The Cramer-Rao bound is 1.5 % at node 24, and 2.1 %
 /// for nodes 19 and 20.
-pub const PROMISES: [Promise; 15] = {
-    const fn promise(nodes: &'static [usize], force: f64) -> Promise {
-        Promise { nodes, force }
+pub const CHECKED_SETS: [CheckedSet; 15] = {
+    const fn promise(nodes: &'static [usize], force: f64) -> CheckedSet {
+        CheckedSet { nodes, force }
     }
     const ONE: f64 = 0.016;
     const NEIGHBOURS: f64 = 0.04;
@@ -65,7 +65,7 @@ pub const PROMISES: [Promise; 15] = {
 pub struct NetworkStudy {
     /// Standard deviation of one coordinate, mm.
     pub noise_mm: f64,
-    /// By [`PROMISES`]; forces of [`FORCES_N`].
+    /// By [`CHECKED_SETS`]; forces of [`FORCES_N`].
     pub rows: Vec<ScatterRow>,
 }
 
@@ -91,7 +91,7 @@ pub fn run(context: &Context, sensed: Option<&TableTwo>) -> Result<Option<Networ
 impl NetworkStudy {
     /// Number of contact sets that [`NetworkStudy::run`] works on: those that are not `sensed` yet.
     pub fn steps(sensed: &[ScatterRow]) -> usize {
-        PROMISES.iter().filter(|promise| found(promise, sensed).is_none()).count()
+        CHECKED_SETS.iter().filter(|promise| found(promise, sensed).is_none()).count()
     }
 
     /// Senses `cases` random cases of each set of contacts on `fine`, the mesh of the true finger; what is `sensed` already,
@@ -109,7 +109,7 @@ impl NetworkStudy {
     ) -> Result<NetworkStudy, EstimatorError> {
         let finger = fine.finger();
         let network = NetworkSensing { networks, finger, refuses: true };
-        let open = PROMISES.iter().filter(|promise| found(promise, sensed).is_none());
+        let open = CHECKED_SETS.iter().filter(|promise| found(promise, sensed).is_none());
         let sets: Vec<Vec<NodeId>> =
             open.map(|promise| promise.nodes.iter().map(|&node| NodeId(node)).collect()).collect();
         // The bound changes little with the mesh: the coarsest serves.
@@ -125,7 +125,7 @@ impl NetworkStudy {
         rows.extend_from_slice(sensed);
         Ok(NetworkStudy {
             noise_mm,
-            rows: PROMISES.iter().filter_map(|promise| found(promise, &rows)).cloned().collect(),
+            rows: CHECKED_SETS.iter().filter_map(|promise| found(promise, &rows)).cloned().collect(),
         })
     }
 
@@ -137,7 +137,7 @@ impl NetworkStudy {
     /// The promises about one set of contacts: each force, and the sum of several. They hold at the camera's noise; at
     /// another, for which the networks are not trained, nothing is promised.
     pub fn checks_of(&self, row: &ScatterRow) -> Vec<Check> {
-        let promise = PROMISES.iter().find(|promise| promise.nodes == row.nodes);
+        let promise = CHECKED_SETS.iter().find(|promise| promise.nodes == row.nodes);
         let Some(promise) = promise.filter(|_| self.noise_mm == CAMERA_NOISE_MM) else { return Vec::new() };
         let cases = row.drawn();
         let nodes = row.nodes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and ");
@@ -169,6 +169,6 @@ fn chance(cases: usize) -> f64 {
     if cases < ENOUGH_CASES { CHANCE / (cases as f64).sqrt() } else { 0.0 }
 }
 
-fn found<'r>(promise: &Promise, rows: &'r [ScatterRow]) -> Option<&'r ScatterRow> {
+fn found<'r>(promise: &CheckedSet, rows: &'r [ScatterRow]) -> Option<&'r ScatterRow> {
     rows.iter().find(|row| row.nodes == promise.nodes)
 }

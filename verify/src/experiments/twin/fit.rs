@@ -1,6 +1,6 @@
 //! Zone factors from the six mean errors of Table I.
 
-use super::{STRETCH_MM, ZoneSet};
+use super::{MEMBER_MM, ZoneSet};
 use crate::estimators::ELEMENTS;
 use crate::experiments::table_one::{TableOne, TableOneError, table_one};
 use crate::truths::{MeshTruth, TruthId};
@@ -111,8 +111,8 @@ pub fn with_factors(paper: &Finger, set: &ZoneSet, factors: &[f64], modulus: f64
     let zones = set.groups.iter().zip(factors).flat_map(|((stretches, _), &modulus_factor)| {
         stretches.iter().map(move |&(part, from, to)| Zone {
             part,
-            from_mm: from * STRETCH_MM,
-            to_mm: to * STRETCH_MM,
+            from_mm: from * MEMBER_MM,
+            to_mm: to * MEMBER_MM,
             modulus_factor,
         })
     });

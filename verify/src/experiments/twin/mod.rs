@@ -25,7 +25,7 @@ pub struct ZoneSet {
 }
 
 /// Length of a stretch of plate between two key nodes of the paper's finger, mm.
-const STRETCH_MM: f64 = 12.75;
+const MEMBER_MM: f64 = 12.75;
 
 const BASE: &[Stretch] = &[(Part::Front, 0.0, 1.0), (Part::Back, 0.0, 1.0)];
 const NEXT: &[Stretch] = &[(Part::Front, 8.0, 10.0), (Part::Back, 8.0, 10.0)];

@@ -123,7 +123,7 @@ impl<'s> Sweep<'s> {
     pub fn block(&self, number: usize) -> Vec<Cell> {
         let truth = self.truths[number / self.grid.contact_count()];
         let contact = self.grid.contact(number % self.grid.contact_count());
-        let s_mm = contact.place_mm(self.finger).unwrap_or(f64::NAN);
+        let s_mm = contact.position_mm(self.finger).unwrap_or(f64::NAN);
         let shapes = truth.shapes(&contact, &self.grid.forces_n);
         let seen: Vec<Measurement> = shapes.iter().map(|shape| Measurement::of_shape(self.finger, shape)).collect();
         let mut prepared: Vec<_> = self

@@ -53,7 +53,7 @@ impl Request {
             (self.scene != other.scene, "scene"),
             (self.grid.forces_n != other.grid.forces_n, "--force-n"),
             (self.grid.noise_levels_mm != other.grid.noise_levels_mm, "--noise-mm"),
-            (self.grid.noise_pictures != other.grid.noise_pictures, "--seeds"),
+            (self.grid.noise_samples != other.grid.noise_samples, "--seeds"),
             (self.grid.seed != other.grid.seed, "--seed"),
             (self.grid != other.grid, "grid of places and directions"),
         ];

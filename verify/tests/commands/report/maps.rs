@@ -155,7 +155,7 @@ fn maps_come_with_what_explains_them() {
 
 /// Neighbours and nodes apart: the file has what the checks say. All pairs and unknown directions take a full report.
 #[test]
-fn four_pairs_keep_their_promises() {
+fn four_pairs_are_within_their_tolerances() {
     let summary = PAPERS.summary();
     let of_pairs =
         |check: &&Value| check["problem"].as_str().is_some_and(|text| text.starts_with("nonlinear sensing at nodes"));

@@ -13,7 +13,7 @@ fn worst_error(report: &Report, mesh_nodes: f64, force_n: f64) -> f64 {
 }
 
 #[test]
-fn meshes_of_the_papers_finger_are_as_fine_as_promised() {
+fn meshes_of_the_papers_finger_are_within_their_tolerances() {
     let summary = PAPERS.summary();
     let promises: Vec<&Value> =
         array(&summary, "checks").iter().filter(|check| check["source"] == "Richardson extrapolation").collect();
@@ -76,7 +76,7 @@ fn the_lattice_comes_near_to_beams() {
 
 /// The third finger of the maps: least squares errs on it as on the large-rotation finger, and the nonlinear estimator hardly.
 #[test]
-fn the_lattice_is_sensed_as_the_large_rotation_finger_is() {
+fn the_lattice_is_sensed_as_the_corotational_finger_is() {
     let summary = PAPERS.summary();
     let of_lattice = |map: &&Value| map["truth"] == "lattice" && map["noise_mm"] == 0.0;
     let maps: Vec<_> = array(&summary, "maps").iter().filter(of_lattice).collect();

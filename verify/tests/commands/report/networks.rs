@@ -5,7 +5,7 @@ use crate::kit::*;
 
 /// Eleven single nodes and four pairs, each with its promises among the checks; the summary has what the file has.
 #[test]
-fn networks_that_ship_keep_their_promises() {
+fn networks_that_ship_are_within_their_tolerances() {
     let rows = Csv::of(&PAPERS.read("networks.csv"));
     let singles = (14..=24).map(|node: usize| node.to_string());
     let pairs = ["19 20", "16 17", "18 20", "16 20"].map(str::to_owned);

@@ -134,7 +134,7 @@ fn without_a_residual_the_uncertainty_is_infinite_and_explained() {
 
 /// The nonlinear estimator finds place and direction on the large-rotation finger.
 #[test]
-fn the_nonlinear_estimator_finds_place_and_direction() {
+fn the_nonlinear_estimator_finds_position_and_direction() {
     let folder = Folder::new();
     let shape = folder.path("shape.csv");
     finray(&["solve", PAPER, "--load-at", "80:2.5,15", "--mesh-nodes", "684", "--out", &shape]).done();

@@ -2,7 +2,7 @@
 
 use super::{COARSE, last, prepared, scene, steps};
 use finray_model::mesh::Load;
-use finray_model::sensing::ContactPlace;
+use finray_model::sensing::ContactPosition;
 use finray_model::{Kinematics, Mesh, NodeId, Scene, Vector, statics};
 use finray_verify::experiments::contact_scene::{ContactScene, SceneStep};
 use finray_verify::lattice::skin::TouchedPart;
@@ -25,7 +25,7 @@ fn a_small_push_on_a_rod_meets_the_linear_stiffness() {
     let object = format!("shape = \"disc\"\nradius_mm = 20\nat_mm = 76.5\ntravel_mm = {TINY_TRAVEL_MM}\nsteps = 1");
     let step = last(&object, COARSE);
     let [seen] = step.contacts[..] else { panic!("one contact: {:?}", step.contacts) };
-    assert_eq!(seen.contact.place, ContactPlace::Node(NodeId(19)));
+    assert_eq!(seen.contact.place, ContactPosition::Node(NodeId(19)));
     let expected = step.travel_mm / normal_compliance(&scene(&object), NodeId(19), NodeId(19));
     assert!((seen.normal_n / expected - 1.0).abs() < TINY_TOLERANCE, "{} N, {expected} N expected", seen.normal_n);
 }
@@ -43,7 +43,7 @@ fn a_flat_box_shares_its_force_as_the_compliance_tells() {
     let nodes = [20, 18].map(NodeId);
     assert_eq!(
         step.contacts.iter().map(|seen| seen.contact.place).collect::<Vec<_>>(),
-        nodes.map(ContactPlace::Node),
+        nodes.map(ContactPosition::Node),
         "the rods under the ends"
     );
     let compliance = |under, at| normal_compliance(&scene(&object), nodes[under], nodes[at]);
@@ -114,7 +114,7 @@ fn force_and_travel_are_two_sides_of_one_equilibrium() {
 
 /// The hand goes slowly, however few steps are looked at: the object cannot jump through the finger.
 #[test]
-fn the_place_of_rest_does_not_depend_on_the_steps() {
+fn the_rest_position_does_not_depend_on_the_steps() {
     for (object, tolerance) in [
         ("shape = \"disc\"\nradius_mm = 1\npath_mm = [[75, 40], [75, -17]]", 1e-3),
         ("shape = \"disc\"\nradius_mm = 10\nat_mm = 140\ntravel_mm = 60", 1e-3),

@@ -3,7 +3,7 @@
 use super::{COARSE, prepared, scene};
 use finray_model::NodeId;
 use finray_model::scene::{ObjectMotion, Until};
-use finray_model::sensing::ContactPlace;
+use finray_model::sensing::ContactPosition;
 use finray_tests::{CAMERA_NOISE_MM, assert_all_pass};
 use finray_verify::experiments::contact_scene::samples::NoiseSamples;
 use finray_verify::experiments::contact_scene::study::{SAMPLES, SceneStudy, shipped};
@@ -11,7 +11,7 @@ use finray_verify::experiments::contact_scene::{ContactScene, SensedForce};
 
 /// All that the report promises of its first scene, in fewer steps.
 #[test]
-fn a_disc_pressed_to_5_n_keeps_every_promise() {
+fn a_disc_pressed_to_5_n_passes_every_check() {
     let (mut given, fineness) = shipped().expect("scenes that ship").swap_remove(0);
     let object = given.scene.object.as_mut().expect("an object");
     assert!(matches!(object.motion, ObjectMotion::Press { until: Until::Force(5.0), .. }));
@@ -21,7 +21,7 @@ fn a_disc_pressed_to_5_n_keeps_every_promise() {
     assert_all_pass(&study.shipped_checks());
     let end = &study.steps[1].step;
     let nodes: Vec<_> = end.contacts.iter().map(|seen| seen.contact.place).collect();
-    assert_eq!(nodes, [19, 18].map(|node| ContactPlace::Node(NodeId(node))), "two neighbours share the force");
+    assert_eq!(nodes, [19, 18].map(|node| ContactPosition::Node(NodeId(node))), "two neighbours share the force");
     assert_eq!(study.steps[1].samples.as_ref().expect("noise").sensed.len(), 3);
 }
 
@@ -68,7 +68,7 @@ fn refused_samples_are_not_covered() {
 
 /// A way that begins in the air is checked where the object touches.
 #[test]
-fn steps_without_contact_break_no_promise() {
+fn steps_without_contact_fail_no_check() {
     let scene = scene("shape = \"disc\"\nradius_mm = 10\npath_mm = [[75, 40], [75, 15]]\nsteps = 5");
     let study = SceneStudy::run("from afar", &prepared(&scene).with_fineness(COARSE), 0.0, 0, &|| ()).expect("a study");
     assert!(study.steps[0].step.contacts.is_empty() && study.steps[0].step.total_n().is_sign_positive());
