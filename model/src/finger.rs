@@ -45,8 +45,8 @@ pub enum RibPositions {
 /// The ribs as the user describes them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RibDescription {
-    /// Their places.
-    pub places: RibPositions,
+    /// Their positions.
+    pub positions: RibPositions,
     /// Their joints with the plates.
     pub joints: Joints,
     /// Their material; `None` for ribs that do not deform (or if there are none).
@@ -64,7 +64,7 @@ pub enum Part {
     Ribs,
 }
 
-/// A stretch of another modulus.
+/// A section of other modulus.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Zone {
     /// The part it belongs to.
@@ -98,7 +98,7 @@ pub struct FingerDescription {
     pub back: Strip,
     /// The ribs.
     pub ribs: RibDescription,
-    /// Stretches of other modulus; overlapping ones multiply.
+    /// Sections of other modulus; overlapping ones multiply.
     pub zones: Vec<Zone>,
 }
 
@@ -205,7 +205,7 @@ impl Finger {
         }
     }
 
-    /// Places of the [`plate_nodes`](Finger::plate_nodes), mm along the plate from the base.
+    /// Positions of the [`plate_nodes`](Finger::plate_nodes), mm along the plate from the base.
     pub fn plate_positions_mm(&self, part: Plate) -> Vec<f64> {
         let column = usize::from(part == Plate::Back);
         std::iter::once(0.0)
@@ -250,7 +250,7 @@ impl Finger {
         }
     }
 
-    /// Place of a node of the front plate, mm from the front base; `None` for other nodes.
+    /// Position of a node of the front plate, mm from the front base; `None` for other nodes.
     pub fn front_position_mm(&self, node: NodeId) -> Option<f64> {
         let from_base = self.key_node_count().checked_sub(node.0)?;
         self.plate_positions_mm(Plate::Front).get(from_base).copied()
@@ -372,7 +372,7 @@ fn place_tip(d: &FingerDescription) -> Result<Vector, ImpossibleFinger> {
 }
 
 fn place_ribs(d: &FingerDescription) -> Result<Vec<[f64; 2]>, ImpossibleFinger> {
-    let (ribs, key) = match &d.ribs.places {
+    let (ribs, key) = match &d.ribs.positions {
         RibPositions::Count(count) => {
             require(*count <= MAX_RIBS, "finger.ribs.count", || {
                 format!("expected 0 to {MAX_RIBS} ribs, found {count}")
@@ -393,18 +393,18 @@ fn place_ribs(d: &FingerDescription) -> Result<Vec<[f64; 2]>, ImpossibleFinger> 
         let gap = length * SMALLEST_SPACING;
         let mut before = 0.0;
         for (i, rib) in ribs.iter().enumerate() {
-            let place = rib[column];
-            require(place.is_finite() && place > gap && place < length - gap, key, || {
-                format!("expected rib {} on the {plate} plate, between 0 and {length:?} mm, found {place:?}", i + 1)
+            let position = rib[column];
+            require(position.is_finite() && position > gap && position < length - gap, key, || {
+                format!("expected rib {} on the {plate} plate, between 0 and {length:?} mm, found {position:?}", i + 1)
             })?;
-            require(place > before + gap, key, || {
+            require(position > before + gap, key, || {
                 format!(
                     "expected ribs from base to tip that neither cross nor touch: on the {plate} plate rib {} at \
-                     {place:?} mm does not follow the rib before it at {before:?} mm",
+                     {position:?} mm does not follow the rib before it at {before:?} mm",
                     i + 1
                 )
             })?;
-            before = place;
+            before = position;
         }
     }
     Ok(ribs)
@@ -415,11 +415,11 @@ fn check_zones(d: &FingerDescription) -> Result<(), ImpossibleFinger> {
         let key = |name: &str| format!("finger.zone[{}].{name}", i + 1);
         let length = if zone.part == Part::Back { d.back_length_mm } else { d.front_length_mm };
         require(zone.from_mm >= 0.0 && zone.from_mm < length, &key("from_mm"), || {
-            format!("expected a place on the plate, 0 to {length:?} mm, found {:?}", zone.from_mm)
+            format!("expected a position on the plate, 0 to {length:?} mm, found {:?}", zone.from_mm)
         })?;
         require(zone.to_mm > zone.from_mm && zone.to_mm <= length, &key("to_mm"), || {
             format!(
-                "expected a place after from_mm = {:?} and up to {length:?} mm, found {:?}",
+                "expected a position after from_mm = {:?} and up to {length:?} mm, found {:?}",
                 zone.from_mm, zone.to_mm
             )
         })?;

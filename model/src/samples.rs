@@ -51,7 +51,7 @@ impl SampleRecipe {
             contacts,
             any_of: false,
             kinematics,
-            // The linear finger is exact on its key nodes; with large rotations four elements a member leave 0.04 %.
+            // The linear finger is exact on its key nodes; co-rotational beams on four elements a member leave 0.04 %.
             elements: if kinematics == Kinematics::Linear { 1 } else { 4 },
             largest_force_n: 5.0,
             largest_sum_n: 10.0,

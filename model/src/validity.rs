@@ -108,7 +108,7 @@ impl Validity {
         let examined = |line| examine(mesh, line, motion, kinematics, loads);
         let members: Vec<Examined> = mesh.lines().iter().filter_map(examined).collect();
         let largest = |part| {
-            let strains = members.iter().filter(|member| member.place.part == part).map(|member| member.strain);
+            let strains = members.iter().filter(|examined| examined.member.part == part).map(|examined| examined.strain);
             strains.max_by(|a, b| a.strain.total_cmp(&b.strain))
         };
         let strained: f64 = members.iter().map(|member| member.strain_energy).sum();
@@ -118,7 +118,7 @@ impl Validity {
         Validity {
             strains: PARTS.into_iter().filter_map(largest).collect(),
             shear_share: if sheared > 0.0 { sheared / strained } else { 0.0 },
-            shear_at: most.filter(|member| member.shear_energy > 0.0).map(|member| member.place),
+            shear_at: most.filter(|member| member.shear_energy > 0.0).map(|most| most.member),
             depth_ratio: finger.description().depth_mm / thickest,
         }
     }
@@ -144,7 +144,7 @@ fn thickness_mm(finger: &Finger, part: Part) -> Option<f64> {
 
 /// Strain and energies (N mm) of one member.
 struct Examined {
-    place: FingerMember,
+    member: FingerMember,
     strain: FibreStrain,
     strain_energy: f64,
     shear_energy: f64,
@@ -163,7 +163,7 @@ fn examine(
     let members = &mesh.frame().members()[line.members.clone()];
     let (first, last) = (line.nodes.first()?, line.nodes.last()?);
     let free_mm: f64 = members.iter().map(|member| member.beam.length_mm).sum();
-    let place = FingerMember {
+    let examined = FingerMember {
         part: line.part,
         nodes: [NodeId(first + 1), NodeId(last + 1)],
         slenderness: free_mm / thickness_mm,
@@ -176,7 +176,7 @@ fn examine(
     };
     let mut start_mm = origin_mm + members.first()?.ends[0].arm.norm();
     let shear_rigidity = SHEAR_CORRECTION * (1.0 - finger.description().poissons_ratio) / 2.0;
-    let mut strain = FibreStrain { strain: 0.0, axial_strain: 0.0, member: place, at_mm: start_mm };
+    let mut strain = FibreStrain { strain: 0.0, axial_strain: 0.0, member: examined, at_mm: start_mm };
     let (mut strain_energy, mut shear_energy) = (0.0, 0.0);
     for (index, member) in line.members.clone().zip(members) {
         let beam = &member.beam;
@@ -201,10 +201,10 @@ fn examine(
         }
         start_mm += beam.length_mm;
     }
-    Some(Examined { place, strain, strain_energy, shear_energy })
+    Some(Examined { member: examined, strain, strain_energy, shear_energy })
 }
 
-/// Place and force of a load between the ends of a member.
+/// Position and force of a load between the ends of a member.
 fn inside(load: &FrameLoad, index: usize) -> Option<(f64, Vector)> {
     match *load {
         FrameLoad::Interior { member, xi, force } if member == index => Some((xi, force)),

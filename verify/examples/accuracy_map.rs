@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     );
     assert!(largest(0.0) < 0.1 && largest(-60.0) > 0.1);
 
-    // The picture, apart.
+    // The figure, apart.
     std::fs::write("accuracy_map.svg", standalone(&map_picture(&finger, &map, Some(3.0))?))?;
     Ok(())
 }

@@ -4,7 +4,7 @@ use super::natural::Deformation;
 use super::{Beam, Chord, EndMotion, Kinematics};
 use crate::Vector;
 
-/// Axial strain and curvature at one place of a beam; where a load stands, just before or just after it.
+/// Axial strain and curvature at one position of a beam; where a load stands, just before or just after it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Station {
     /// Fraction of the length, 0..1.

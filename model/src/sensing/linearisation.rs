@@ -25,7 +25,7 @@ const MOST_HALVINGS: usize = 30;
 /// The error that a linear estimator makes on the co-rotational finger.
 ///
 /// # Requirements
-/// Contacts whose place and direction are known, and the gain and compliance of the linear estimator at the markers.
+/// Contacts whose position and direction are known, and the gain and compliance of the linear estimator at the markers.
 ///
 /// # Reference
 /// With gain G and compliance C (weighted, at the markers), the linear estimator senses f + G (u(f) - C f) where the

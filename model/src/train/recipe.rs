@@ -62,7 +62,7 @@ impl TrainingRecipe {
         TrainingRecipe { noise_mm, ..TrainingRecipe::paper(contacts) }
     }
 
-    /// The inverse of the nonlinear finger: cases with large rotations and noise, principal directions as inputs, a linear
+    /// The inverse of the nonlinear finger: co-rotational cases with noise, principal directions as inputs, a linear
     /// branch. Two layers of 32 keep the error of the paper's three (see the report's curve of error against size).
     pub fn nonlinear(contacts: Vec<Contact>, noise_mm: f64) -> TrainingRecipe {
         TrainingRecipe {

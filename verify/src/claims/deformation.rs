@@ -68,7 +68,7 @@ pub(super) fn claims(study: &Study) -> Result<Vec<Claim>, SensingError> {
         "\"Q and F are both 69 x 1 vectors\" (sec. III); \"46 network nodes\" for the inputs, \"36 independent force coordinates at most\" (sec. IV-A)",
         "69, 46, 36",
         format!("{}, {}, {}", 3 * free, 2 * free, 3 * contacts),
-        "three freedoms and two displacements a free node, two forces and a torque a contact node of the model",
+        "three degrees of freedom and two displacements a free node, two forces and a torque a contact node of the model",
         "the same numbers",
         statement([3 * free, 2 * free, 3 * contacts] == [69, 46, 36]),
     ));

@@ -110,7 +110,7 @@ pub fn all_forces(finger: &Finger, noise_mm: f64) -> Result<AllForces, SensingEr
 pub fn unknown_direction(finger: &Finger, noise_mm: f64) -> Result<Vec<f64>, SensingError> {
     let markers = at_rest(finger)?;
     by_node(finger, |node| {
-        let component = |angle_deg| Contact { place: ContactPosition::Node(node), angle_deg };
+        let component = |angle_deg| Contact { position: ContactPosition::Node(node), angle_deg };
         let estimator = LinearEstimator::new(finger, &[component(0.0), component(90.0)], &markers)?;
         Ok(estimator.inverse().sigmas_per_noise[1] * noise_mm)
     })

@@ -19,7 +19,7 @@ use std::path::PathBuf;
 ///
 /// With --zones the modulus_factor of each zone of the scene is sought too, starting from what the
 /// scene says, by least squares (Gauss-Newton). A clamp that gives way is a zone at the base. What
-/// the measurements cannot tell is refused; factors that they hardly tell apart are named.
+/// is not identifiable is refused; factors that are hardly identifiable one by one are named.
 ///
 /// Examples:
 ///   finray calibrate fixtures/scenes/paper.toml --measurements weights.csv
@@ -59,7 +59,7 @@ const EACH: &str = "each";
 enum KinematicsArgument {
     /// Small displacements
     Linear,
-    /// Large rotations, on four elements a member
+    /// Co-rotational, on four elements a member
     Corotational,
 }
 
@@ -93,7 +93,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let estimate = calibration::factors(&finger, &cases, &unknowns, &model).map_err(failure)?;
     for (i, j, correlation) in estimate.entangled() {
         let [one, other] = [i, j].map(|k| &estimate.unknowns[k]);
-        eprintln!("warning: the measurements hardly tell {one} and {other} apart: correlation {correlation:.3}");
+        eprintln!("warning: {one} and {other} are hardly identifiable one by one: correlation {correlation:.3}");
     }
     let rows = csv_text(factor_rows(&finger, &estimate))?;
     match &arguments.correlations {

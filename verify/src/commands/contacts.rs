@@ -1,4 +1,4 @@
-//! The contacts of a command line, at nodes and at places.
+//! The contacts of a command line, at nodes and at positions.
 
 use super::parse::{contact_at_node, contact_at_position};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
@@ -24,7 +24,7 @@ impl Args for Contacts {
                 list(AT_POSITIONS)
                     .value_name("S_MM|auto[@ANGLE_DEG|normal|auto]")
                     .value_parser(contact_at_position)
-                    .help("Contact at a place along the front plate, mm from its base, or at an unknown one"),
+                    .help("Contact at a position along the front plate, mm from its base, or at an unknown one"),
             )
     }
 
@@ -36,11 +36,11 @@ impl Args for Contacts {
 impl FromArgMatches for Contacts {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Contacts, clap::Error> {
         let positions_and_values = |name| {
-            let places = matches.indices_of(name).into_iter().flatten();
-            places.zip(matches.get_many::<ContactQuestion>(name).into_iter().flatten().copied())
+            let positions = matches.indices_of(name).into_iter().flatten();
+            positions.zip(matches.get_many::<ContactQuestion>(name).into_iter().flatten().copied())
         };
         let mut contacts: Vec<_> = positions_and_values(AT_NODES).chain(positions_and_values(AT_POSITIONS)).collect();
-        contacts.sort_by_key(|(place, _)| *place);
+        contacts.sort_by_key(|(position, _)| *position);
         Ok(Contacts(contacts.into_iter().map(|(_, contact)| contact).collect()))
     }
 

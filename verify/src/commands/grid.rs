@@ -25,13 +25,13 @@ pub struct GridArguments {
     /// Sizes of the force, N: one, or several as 1,2,3
     #[arg(long, value_name = "F", value_delimiter = ',', default_values_t = [3.0], value_parser = positive)]
     force_n: Vec<f64>,
-    /// Number of noise pictures that a cell's error is averaged over
+    /// Number of noise samples that a cell's error is averaged over
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     seeds: u32,
     /// First seed of the noise
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// About how many places along the front plate
+    /// About how many positions along the front plate
     #[arg(long, value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     places: u32,
     /// Degrees from one direction to the next, up to 80 on both sides of the normal; 90 for the normal alone
@@ -194,7 +194,7 @@ impl<E: Into<Failure>> From<E> for Stop {
     }
 }
 
-/// What stands beside a whole table: the picture of a map.
+/// What stands beside a whole table: the figure of a map.
 pub fn beside(
     request: &Request,
     finger: &Finger,
@@ -205,15 +205,15 @@ pub fn beside(
         return Ok(Vec::new());
     }
     let map = AccuracyMap::from_csv(request, table).map_err(|error| Failure::BadInput(error.to_string()))?;
-    let picture = map_picture(finger, &map, None).map_err(|error| Failure::NotComputed(error.to_string()))?;
-    Ok(vec![(figure_path(out), standalone(&picture))])
+    let figure = map_picture(finger, &map, None).map_err(|error| Failure::NotComputed(error.to_string()))?;
+    Ok(vec![(figure_path(out), standalone(&figure))])
 }
 
 fn figure_path(out: &Path) -> PathBuf {
     out.with_extension("svg")
 }
 
-/// The path itself, unless it would be the picture's.
+/// The path itself, unless it would be the figure's.
 pub fn table_path(table: Table, out: &Path) -> PathBuf {
     let is_figure = table == Table::Map && out.extension().is_some_and(|extension| extension == "svg");
     if is_figure { out.with_extension("csv") } else { out.to_owned() }

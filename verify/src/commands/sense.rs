@@ -24,9 +24,9 @@ use std::path::PathBuf;
 /// stated noise (chi-squared test), or the model errs by more than noise does, a warning says so.
 /// What no measurement shows is not in sigma_n: a wrong modulus scales every force alike.
 ///
-/// The nonlinear estimator follows large rotations. It alone takes the directions `normal` (of the
-/// deformed plate) and `auto` (unknown), and the place `auto` (unknown); what is not identifiable is
-/// refused. Unless told a mesh, it refines until doubling the mesh changes no force by more than
+/// The nonlinear estimator is co-rotational. It alone takes the directions `normal` (of the
+/// deformed plate) and `auto` (unknown), and the position `auto` (unknown); what is not identifiable is
+/// refused. Without a given mesh it refines until doubling the mesh changes no force by more than
 /// 0.2 %.
 ///
 /// The network estimator answers in microseconds what it was trained for, and refuses the rest.
@@ -140,11 +140,11 @@ fn rows(finger: &Finger, contacts: &[Contact], estimate: &Estimate) -> Vec<Row> 
         .iter()
         .zip(forces)
         .map(|(contact, (&force_n, &sigma_n))| Row {
-            contact: match contact.place {
+            contact: match contact.position {
                 ContactPosition::Node(node) => node.to_string(),
                 ContactPosition::At(_) => "at".to_owned(),
             },
-            // Contacts were checked: each has a place on the front plate.
+            // Contacts were checked: each has a position on the front plate.
             s_mm: contact.position_mm(finger).unwrap_or(f64::NAN),
             angle_deg: contact.angle_deg,
             force_n,

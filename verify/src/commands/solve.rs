@@ -28,7 +28,7 @@ pub struct Arguments {
     /// Force in N (and moment in N mm) on a key node, finger frame
     #[arg(long, value_name = "NODE:FX,FY[,M]", value_parser = node_load, num_args = 1.., allow_hyphen_values = false)]
     load: Vec<NodeLoad>,
-    /// Force in N at a place along the front plate (mm from its base), at an angle from the inward normal
+    /// Force in N at a position along the front plate (mm from its base), at an angle from the inward normal
     #[arg(long, value_name = "S_MM:FORCE,ANGLE_DEG", value_parser = position_load, num_args = 1..)]
     load_at: Vec<PositionLoad>,
     /// How displacements become deformations
@@ -46,9 +46,9 @@ pub struct Arguments {
 enum KinematicsArgument {
     /// Small displacements
     Linear,
-    /// Large rotations, with the axial strain of a shallow arch
+    /// Co-rotational, with the axial strain of a shallow arch
     Corotational,
-    /// Large rotations, with the plain strain of the chord (as in OpenSees)
+    /// Co-rotational, with the plain strain of the chord (as in OpenSees)
     CorotationalChord,
 }
 

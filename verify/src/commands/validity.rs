@@ -47,7 +47,7 @@ impl Pressing {
         let length_mm = finger.plate_length_mm(Plate::Front);
         // What touches a clamped part does not bend the finger.
         let felt = step.contacts.iter().filter(|contact| !contact.clamped);
-        let loads = felt.filter_map(|seen| match seen.contact.place {
+        let loads = felt.filter_map(|seen| match seen.contact.position {
             ContactPosition::Node(node) => Some(Load::at_node(node, seen.force)),
             ContactPosition::At(s_mm) if s_mm > 0.0 => Some(Load::at_position(s_mm.min(length_mm), seen.force)),
             ContactPosition::At(_) => None,

@@ -1,4 +1,4 @@
-//! How fine a mesh must be: large-rotation solutions on ever finer meshes against the converged one.
+//! How fine a mesh must be: co-rotational solutions on ever finer meshes against the converged one.
 //!
 //! Every member is divided into 1, 2, 4, ... elements. The differences between the three finest solutions give the
 //! observed order p; Richardson's extrapolation from the last two gives the converged solution, and Roache's grid
@@ -16,7 +16,7 @@ use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// The force at which a fine enough mesh is promised, N.
+/// The force at which the errors of the meshes are checked, N.
 pub const CHECKED_FORCE_N: f64 = 3.0;
 /// Forces of the full table, N, growing.
 const FORCES_N: [f64; 4] = [0.5, 1.0, 2.0, CHECKED_FORCE_N];
@@ -249,11 +249,11 @@ impl Convergence {
         })
     }
 
-    /// What is promised for the paper's finger at 3 N: all loads are carried, and the errors on three meshes.
+    /// Checks of the paper's finger at 3 N: all loads are carried, and the errors on three meshes.
     pub fn checks(&self) -> Vec<Check> {
         let mesh = |wanted: fn(&MeshSize) -> bool| self.meshes.iter().position(wanted);
         let error = |mesh: Option<usize>| mesh.and_then(|i| self.error(i, CHECKED_FORCE_N)).unwrap_or(f64::NAN);
-        let promise = |name: &str, error: f64, tolerance: f64| {
+        let check = |name: &str, error: f64, tolerance: f64| {
             Check::new(
                 Kind::Internal,
                 format!("{name}, co-rotational, {CHECKED_FORCE_N} N along the normal"),
@@ -266,9 +266,9 @@ impl Convergence {
         };
         let finest = self.meshes.last().map_or(0, |mesh| mesh.nodes);
         vec![
-            promise("key nodes alone", error(mesh(|m| m.elements_a_member == Some(1))), KEY_NODES_TOLERANCE),
-            promise("two elements a member", error(mesh(|m| m.elements_a_member == Some(2))), TWO_ELEMENTS_TOLERANCE),
-            promise("684 nodes", error(mesh(|m| m.elements_a_member.is_none())), FINE_MESH_TOLERANCE),
+            check("key nodes alone", error(mesh(|m| m.elements_a_member == Some(1))), KEY_NODES_TOLERANCE),
+            check("two elements a member", error(mesh(|m| m.elements_a_member == Some(2))), TWO_ELEMENTS_TOLERANCE),
+            check("684 nodes", error(mesh(|m| m.elements_a_member.is_none())), FINE_MESH_TOLERANCE),
             Check::new(
                 Kind::Internal,
                 format!("{finest} nodes, co-rotational, {CHECKED_FORCE_N} N along the normal"),

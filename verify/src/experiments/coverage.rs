@@ -25,7 +25,7 @@ const CHANCE: f64 = 3.0;
 /// Share of samples of the paper's finger that may be refused: a force next to a limit load, one in 10 000, is no fault of an estimator. One
 /// more sample may be where few are drawn.
 const REFUSED: f64 = 0.001;
-/// The same of another finger, on which forces may be too small to tell: who refuses most is not shown to cover anything.
+/// The same of another finger, on which forces may be too small to sense: who refuses most is not shown to cover anything.
 const REFUSED_OF_ANOTHER: f64 = 0.5;
 /// Root mean square of sigma over that of the error where a warning widened it: more, and sigma would cover by saying nothing.
 const LARGEST_SIGMA: f64 = 3.0;
@@ -78,7 +78,7 @@ pub fn run(context: &Context, softer: Option<&Finger>) -> Result<Vec<CoverageRow
     if noise_mm == 0.0 {
         return Ok(Vec::new());
     }
-    let (places, step_deg, samples) = effort.covered_cells();
+    let (positions, step_deg, samples) = effort.covered_cells();
     let request = |(positions_mm, angles_deg), samples| MapRequest {
         positions_mm,
         angles_deg,
@@ -87,7 +87,7 @@ pub fn run(context: &Context, softer: Option<&Finger>) -> Result<Vec<CoverageRow
         noise_samples: samples,
         seed: SEED,
     };
-    let cells = request(MapRequest::grid(finger, places, step_deg), samples);
+    let cells = request(MapRequest::grid(finger, positions, step_deg), samples);
     let nodes_mm = finger.contact_nodes().rev().filter_map(|node| finger.front_position_mm(node)).collect();
     let nodes = request((nodes_mm, vec![0.0]), effort.covered_at_nodes());
     let at_nodes = usize::from(is_paper) * (1 + usize::from(softer.is_some())) * nodes.contact_count();

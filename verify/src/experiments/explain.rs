@@ -1,9 +1,9 @@
-//! What explains an accuracy map: how well any estimator can tell a force from noisy pictures, and how far a wrong
-//! direction or place carries.
+//! What explains an accuracy map: how well any estimator can sense a force under noise, and how far a wrong
+//! direction or position carries.
 //!
 //! All of it follows from how the markers of the loaded finger move, to first order, when a little is added to the force
 //! (along it, and across it), or when the force moves along the plate: columns j, c and m of the tangent compliance of the
-//! large-rotation finger in its loaded shape. The stiffness of the deformed finger counts, not that of the finger at rest.
+//! co-rotational finger in its loaded shape. The stiffness of the deformed finger counts, not that of the finger at rest.
 
 use super::{Context, Evidence};
 use crate::estimators::ELEMENTS;
@@ -17,19 +17,19 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// What limits sensing of one force at one place and direction; all empty where the finger has no equilibrium.
+/// What limits sensing of one force at one position and direction; all empty where the finger has no equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Explanation {
-    /// Place on the front plate, mm from the base.
+    /// Position on the front plate, mm from the base.
     pub s_mm: f64,
     /// Direction, degrees from the inward normal, positive towards the tip.
     pub angle_deg: f64,
     /// The force, N.
     pub force_n: f64,
-    /// Cramer-Rao bound: least standard deviation of an unbiased estimate, over the force, if place and direction are
+    /// Cramer-Rao bound: least standard deviation of an unbiased estimate, over the force, if position and direction are
     /// known.
     pub bound: Option<f64>,
-    /// The same if the direction is sought too; empty where the markers do not tell the two components apart.
+    /// The same if the direction is sought too; empty where the two components are not identifiable.
     pub bound_unknown_direction: Option<f64>,
     /// Least standard deviation of the direction, degrees.
     pub direction_sigma_deg: Option<f64>,
@@ -38,15 +38,15 @@ pub struct Explanation {
     pub condition: Option<f64>,
     /// |d (sensed / true) / d angle|, per degree that the assumed direction is wrong.
     pub error_per_deg: Option<f64>,
-    /// |d (sensed / true) / d place|, per mm that the assumed place is wrong; at a rib, where the plate stretches by another
+    /// |d (sensed / true) / d position|, per mm that the assumed position is wrong; at a rib, where the plate stretches by another
     /// rate on either side, of one side.
     pub error_per_mm: Option<f64>,
 }
 
-/// [`Explanation`]s by place, then direction, of one force.
+/// [`Explanation`]s by position, then direction, of one force.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExplanationMap {
-    /// Places on the front plate, mm from the base.
+    /// Positions on the front plate, mm from the base.
     pub positions_mm: Vec<f64>,
     /// Directions, degrees from the inward normal, positive towards the tip.
     pub angles_deg: Vec<f64>,
@@ -67,23 +67,23 @@ impl Evidence for ExplanationMap {}
 pub fn run(context: &Context) -> Result<ExplanationMap, LoadError> {
     let (finger, effort) = (context.finger, context.effort);
     let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
-    let (places, step_deg, _) = effort.coarse_resolution();
+    let (positions, step_deg, _) = effort.coarse_resolution();
     // Explanations cost a single shape a cell.
     let (positions_mm, angles_deg) = match effort {
         Effort::Quick => {
-            let coarse = MapRequest::grid(finger, places, step_deg).0.len();
+            let coarse = MapRequest::grid(finger, positions, step_deg).0.len();
             MapRequest::grid(finger, coarse, effort.resolution().1)
         }
-        Effort::Full => MapRequest::grid(finger, places, step_deg),
+        Effort::Full => MapRequest::grid(finger, positions, step_deg),
     };
     ExplanationMap::new(&mesh, &positions_mm, &angles_deg, DRAWN_FORCE_N, context.noise_mm)
 }
 
 impl ExplanationMap {
-    /// Explains a force at every place and direction, in parallel; all free key nodes are markers.
+    /// Explains a force at every position and direction, in parallel; all free key nodes are markers.
     ///
     /// # Errors
-    /// [`LoadError`] for a place that is not on the front plate.
+    /// [`LoadError`] for a position that is not on the front plate.
     pub fn new(
         mesh: &Mesh,
         positions_mm: &[f64],
@@ -94,7 +94,7 @@ impl ExplanationMap {
         let at_rest = Statics::ladder(mesh, Kinematics::Corotational);
         let of_position = |&s_mm: &f64| {
             let cell = |&angle_deg: &f64| -> Result<Explanation, LoadError> {
-                let contact = Contact { place: ContactPosition::At(s_mm), angle_deg };
+                let contact = Contact { position: ContactPosition::At(s_mm), angle_deg };
                 let sensitivity = Sensitivity::of(mesh, &at_rest, &contact, force_n)?;
                 Ok(Explanation::of(s_mm, angle_deg, force_n, noise_mm, sensitivity.as_ref()))
             };
@@ -110,7 +110,7 @@ impl ExplanationMap {
         })
     }
 
-    /// One quantity by direction, then place.
+    /// One quantity by direction, then position.
     pub fn values(&self, of: impl Fn(&Explanation) -> Option<f64>) -> Vec<Vec<Option<f64>>> {
         let directions = self.angles_deg.len();
         let row = |angle: usize| self.cells.iter().skip(angle).step_by(directions).map(&of).collect();
@@ -186,7 +186,7 @@ fn apart(vector: &DVector<f64>, other: &DVector<f64>) -> f64 {
 impl Explanation {
     /// With s the noise and F the force: bound s / (F |j|); with the direction sought, s / (F |j - c c+ j|), and that of the
     /// direction s / (F |c - j j+ c|). A direction that is wrong by a degree looks like a force F (pi / 180) c, of which
-    /// least squares takes j+ c for force; a place that is wrong by a mm like m.
+    /// least squares takes j+ c for force; a position that is wrong by a mm like m.
     fn of(s_mm: f64, angle_deg: f64, force_n: f64, noise_mm: f64, sensitivity: Option<&Sensitivity>) -> Explanation {
         let condition = sensitivity.map(Sensitivity::condition);
         let told_apart = sensitivity.filter(|_| condition.is_some_and(|condition| condition <= LARGEST_SPAN));

@@ -88,7 +88,7 @@ impl<'m> RespondingFinger<'m> {
                 columns.push(coordinates(finger, &rates));
             }
             let mut shift = DVector::zeros(2 * finger.free_nodes().len());
-            if matches!(force.contact.place, ContactPosition::At(_)) {
+            if matches!(force.contact.position, ContactPosition::At(_)) {
                 for load in loads {
                     ladder.moved_load(&motion, load, &mut rates);
                     shift += coordinates(finger, &rates);

@@ -288,7 +288,7 @@ pub fn solving(finger: &Finger, nodes: usize) -> Result<Vec<SpeedErrorPoint>, Sp
     for (setting, lattice) in lattices(finger)? {
         points.push(solved.point(LATTICE, setting, |load| lattice.equilibrium(&[*load]).ok()));
     }
-    // Settling takes a hundred times longer: one load tells enough.
+    // Settling takes a hundred times longer: one load is enough.
     let one = Solved {
         loads: solved.loads.into_iter().take(1).collect(),
         reference: solved.reference.into_iter().take(1).collect(),
@@ -318,8 +318,8 @@ pub struct Beams {
 pub fn beams(finger: &Finger) -> Vec<Beams> {
     let theories = [
         (Kinematics::Linear, "linear beams"),
-        (Kinematics::CorotationalChord, "large rotations, strain of the chord"),
-        (Kinematics::Corotational, "large rotations"),
+        (Kinematics::CorotationalChord, "co-rotational, strain of the chord"),
+        (Kinematics::Corotational, "co-rotational"),
     ];
     let on_meshes = |(kinematics, model)| {
         // Linear frames are exact at the nodes: other meshes only cost more.

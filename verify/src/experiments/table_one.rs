@@ -164,7 +164,7 @@ pub fn modulus_factor(
 
 /// The truth's shapes under the weights at a node.
 fn shapes(truth: &dyn Truth, node: NodeId, angle_deg: f64) -> Result<(Contact, Vec<FingerShape>), TableOneError> {
-    let contact = Contact { place: ContactPosition::Node(node), angle_deg };
+    let contact = Contact { position: ContactPosition::Node(node), angle_deg };
     let shapes = truth.shapes(&contact, &WEIGHTS_G.map(weight_n));
     match WEIGHTS_G.get(shapes.len()) {
         Some(&weight_g) => Err(TableOneError::NoEquilibrium { node, weight_g }),

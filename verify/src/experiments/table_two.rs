@@ -68,7 +68,7 @@ const SHARE_WITHOUT_FIT: usize = 4;
 /// Most cases of each set for the nonlinear estimator, which takes as long as everything else together: a mean error over the
 /// sets of a group, whose relative errors scatter by 1.1 of their mean, is known to 4 %.
 pub const MOST_FITS: usize = 500;
-/// How often progress is reported: each of four runs tells of every set of contacts.
+/// How often progress is reported: each of four runs reports every set of contacts.
 pub const STEPS: usize = 4 * {
     let [one, neighbours, apart] = CONTACT_GROUPS;
     one.sets.len() + neighbours.sets.len() + apart.sets.len()

@@ -102,7 +102,7 @@ pub fn worst_by_force(reference: &[Vec<FingerShape>], other: &[Vec<FingerShape>]
 /// One fineness.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FinenessRow {
-    /// Segments in a stretch of plate of mean length.
+    /// Segments in a plate member of mean length.
     pub fineness: usize,
     /// Number of rigid bodies.
     pub bodies: usize,

@@ -124,8 +124,8 @@ pub fn out_of_balance(lattice: &Lattice, grid: &LoadGrid, positions: Precision) 
             .follow(&mut motions, &loads, 0.0, 1.0)
             .map_err(|lost| LatticeError::NoEquilibrium { converged_fraction: lost.converged_fraction })?;
         for (motion, body) in motions.iter_mut().zip(&lattice.assembly.bodies) {
-            let place = (body.position + motion.displacement).map(|x| positions.round(x));
-            motion.displacement = place - body.position;
+            let position = (body.position + motion.displacement).map(|x| positions.round(x));
+            motion.displacement = position - body.position;
             let (sine, cosine) = motion.rotation.sin_cos();
             motion.rotation = positions.round(sine).atan2(positions.round(cosine));
         }

@@ -1,6 +1,6 @@
 //! The lattice let loose in rapier until it comes to rest.
 //!
-//! Only the place where it rests has a meaning: masses, time and damping are chosen so that it is reached soon. Every step,
+//! Only the position where it rests has a meaning: masses, time and damping are chosen so that it is reached soon. Every step,
 //! rapier solves the springs' forces at the end of the step by sweeps over them (projected Gauss-Seidel). The masses are
 //! dt^2 times the stiffness at each body, divided by `SOFTNESS`, so a sweep leaves the same share of the error in every
 //! lattice, whatever its units.
@@ -25,7 +25,7 @@ use rapier2d::prelude::{
 const STEP_S: f64 = 0.5;
 /// Stiffness times dt^2 over mass. Larger values move farther in a step, and take more sweeps for the same error.
 const SOFTNESS: f64 = 4.0;
-/// Sweeps in a step. What is left of the springs' forces after them shifts the place of rest, less the more there are;
+/// Sweeps in a step. What is left of the springs' forces after them shifts the rest position, less the more there are;
 /// [`causes::settling`](super::causes::settling) measures by how much. Rapier's warm start of joints would not help: it hands
 /// each its old impulse only when its turn comes, and a sweep forgets where it began.
 pub const SWEEPS: usize = 32;

@@ -17,7 +17,7 @@ pub enum TouchedPart {
 }
 
 impl TouchedPart {
-    /// Place along the front plate, mm from its base.
+    /// Position along the front plate, mm from its base.
     pub fn position_mm(&self, lattice: &Lattice) -> f64 {
         match *self {
             TouchedPart::Rod(node) => lattice.finger().front_position_mm(node).unwrap_or_default(),

@@ -1,4 +1,4 @@
-//! The springs that stand for a short stretch of beam between two rigid bodies.
+//! The springs that stand for a short segment of beam between two rigid bodies.
 
 use super::bodies::Anchor;
 use finray_model::Vector;
@@ -33,7 +33,7 @@ pub struct Spring {
     pub stiffness: f64,
 }
 
-/// A straight stretch of slender beam between two anchors.
+/// A straight segment of slender beam between two anchors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment {
     /// Where it begins and ends.

@@ -39,7 +39,7 @@ pub const FINE_MESH_TOLERANCE: f64 = 1e-4;
 /// Index that 5000 nodes must reach, as a share of the displacement: small against what 684 nodes may leave.
 pub const FINEST_MESH_TOLERANCE: f64 = 1e-6;
 
-/// Three meshes, the coarsest first, and what they tell about the solution that no mesh would change.
+/// Three meshes, the coarsest first, and the mesh-independent solution that they extrapolate to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GridConvergence {
     /// Nodes of the meshes.

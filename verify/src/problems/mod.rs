@@ -50,7 +50,7 @@ pub struct Problem {
     pub solve: fn(&Finger) -> Result<Solved, ProblemError>,
 }
 
-/// What comes of problems.
+/// Results of problems.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Solved {
     /// Figures against references, with tolerances.

@@ -193,7 +193,7 @@ pub fn contact_checks() -> Result<Vec<Check>, ProblemError> {
     pushes.into_iter().map(check).collect()
 }
 
-/// Beams, lattice and MuJoCo as a triangle, under each force on the paper's finger: what no pair promises to be equal.
+/// Beams, lattice and MuJoCo as a triangle, under each force on the paper's finger: differences that no tolerance bounds.
 ///
 /// # Errors
 /// [`ProblemError`] if the table cannot be read.

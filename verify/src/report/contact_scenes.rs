@@ -200,7 +200,7 @@ fn force_over_travel(finger: &Finger, scene: &SceneStudy) -> Vec<Series> {
 }
 
 fn name_of(seen: &SeenContact) -> String {
-    match seen.contact.place {
+    match seen.contact.position {
         _ if seen.clamped => "clamp (not felt)".to_owned(),
         ContactPosition::Node(node) => format!("node {node}"),
         ContactPosition::At(s_mm) => format!("plate at {s_mm:.1} mm"),

@@ -23,7 +23,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let finger = &study.finger;
     let d = finger.description();
-    let ribs = match &d.ribs.places {
+    let ribs = match &d.ribs.positions {
         RibPositions::Count(count) => format!("{count} evenly spaced ribs"),
         RibPositions::Positions(places) => format!("{} ribs at given positions", places.len()),
     };

@@ -194,7 +194,7 @@ pub fn scatter(
     rows(request, estimators, sets, (range_n, false), progress)
 }
 
-/// [`scatter`] that also tells each row's [`Controlled`] figure, for one more estimate a case.
+/// [`scatter`] that also returns each row's [`Controlled`] figure, for one more estimate a case.
 ///
 /// # Errors
 /// As there.

@@ -66,8 +66,8 @@ fn a_load_at_the_position_of_a_node_is_a_load_on_it() {
             for mesh in ["25", "101"] {
                 let settings = ["--kinematics", kinematics, "--mesh-nodes", mesh];
                 let at_node = solve(&[&settings[..], &["--load", &paper_load(node, 1.2, angle_deg)]].concat());
-                let place = format!("{s_mm}:1.2,{angle_deg}");
-                let at_position = solve(&[&settings[..], &["--load-at", &place]].concat());
+                let position = format!("{s_mm}:1.2,{angle_deg}");
+                let at_position = solve(&[&settings[..], &["--load-at", &position]].concat());
                 assert_close(&displacements(&at_position), &displacements(&at_node), NEWTON);
             }
         }

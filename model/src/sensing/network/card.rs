@@ -28,7 +28,7 @@ pub enum Scaling {
 pub enum ContactSet {
     /// All of them touch, always.
     Fixed,
-    /// Any of them touch, at least one; which ones is told.
+    /// Any of them touch, at least one; which ones is given when sensing.
     AnyOf,
 }
 
@@ -123,9 +123,9 @@ impl NetworkCard {
             self.test_errors.len().to_string(),
         )?;
         for contact in &self.contacts {
-            let position_mm = if let ContactPosition::At(s_mm) = contact.place { s_mm } else { 0.0 };
+            let position_mm = if let ContactPosition::At(s_mm) = contact.position { s_mm } else { 0.0 };
             let finite = contact.angle_deg.is_finite() && position_mm.is_finite();
-            require(finite, "contacts", "finite places and angles", format!("{contact:?}"))?;
+            require(finite, "contacts", "finite positions and angles", format!("{contact:?}"))?;
         }
         let not_negative = |key: &str, value: f64| {
             let expected = "a number of zero or more";

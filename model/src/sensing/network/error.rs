@@ -40,7 +40,7 @@ pub enum NetworkError {
     NotFinite {
         /// The tensor or the key of the card.
         part: String,
-        /// Place of the number.
+        /// Position of the number.
         index: usize,
         /// The number.
         value: f64,
@@ -164,7 +164,7 @@ pub enum NetworkError {
         /// Largest force in training, N.
         largest_n: f64,
     },
-    /// What no estimator can tell.
+    /// What no estimator can sense.
     #[error(transparent)]
     Sensing(#[from] SensingError),
 }

@@ -11,7 +11,7 @@ use crate::statics::{Ladder, Statics};
 /// fall with the square of their length yet, into more.
 const DIVISIONS: usize = 2;
 const DIVISIONS_OF_SINGLE: usize = 4;
-/// What was found for forces that differ by less than this share of the largest, at places and directions that differ by
+/// What was found for forces that differ by less than this share of the largest, at positions and directions that differ by
 /// less than these, is taken again: the error is known to about a third of itself anyway.
 const SAME_FORCE: f64 = 0.12;
 const SAME_POSITION: f64 = 0.02;

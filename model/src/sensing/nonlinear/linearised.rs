@@ -85,7 +85,7 @@ impl Linearised {
     /// Finds the Levenberg-Marquardt step for a damping.
     ///
     /// # Errors
-    /// [`SensingError::IllConditioned`] if the unknowns cannot be told apart at all.
+    /// [`SensingError::IllConditioned`] if the unknowns are not identifiable.
     pub(super) fn solve(
         &mut self,
         motion: &FrameMotion,
@@ -115,7 +115,7 @@ impl Linearised {
     /// Changes of the unknowns, in their units, that explain a further displacement of the key nodes best.
     ///
     /// # Errors
-    /// [`SensingError::IllConditioned`] if the unknowns cannot be told apart at all.
+    /// [`SensingError::IllConditioned`] if the unknowns are not identifiable.
     pub(super) fn explained(
         &mut self,
         measurement: &Measurement,
@@ -134,7 +134,7 @@ impl Linearised {
     /// R of the weighted derivatives A = Q R by the scaled unknowns.
     ///
     /// # Errors
-    /// [`SensingError::IllConditioned`] if the unknowns cannot be told apart at all.
+    /// [`SensingError::IllConditioned`] if the unknowns are not identifiable.
     pub(super) fn triangle(&mut self, measurement: &Measurement) -> Result<DMatrix<f64>, SensingError> {
         self.pose(measurement, 0);
         self.problem.solve().ok_or(ALL_ALIKE)?;

@@ -22,7 +22,7 @@ impl NonlinearEstimator<'_> {
     /// number.
     ///
     /// # Errors
-    /// [`SensingError`] if the unknowns cannot be told apart, or the steps do not settle.
+    /// [`SensingError`] if the unknowns are not identifiable, or the steps do not settle.
     pub(super) fn search(
         &mut self,
         state: &mut State,

@@ -50,7 +50,7 @@ pub(super) struct Chain {
     /// Work of the residual on the correction of what was eliminated, N mm.
     pub work: f64,
     pub positive: bool,
-    /// Whether no pivot between the ends is small: a stiff stretch between soft ones leaves the node after it little.
+    /// Whether no pivot between the ends is small: a stiff section between soft ones leaves the node after it little.
     pub accurate: bool,
     /// Stiffness of the two ends, its diagonal, before anything was condensed onto them.
     pub raw_diagonal: Ends,

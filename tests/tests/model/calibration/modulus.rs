@@ -29,7 +29,7 @@ proptest! {
         let cases: Vec<CalibrationCase> = at
             .iter()
             .map(|&fraction| {
-                let contact = Contact { place: ContactPosition::Node(contact_node(&finger, fraction)), angle_deg: 10.0 };
+                let contact = Contact { position: ContactPosition::Node(contact_node(&finger, fraction)), angle_deg: 10.0 };
                 CalibrationCase { load: contact.load(&finger, 1.5), measurement: seen(&Mesh::key_nodes(&stiffer), &[contact], &[1.5], Kinematics::Linear).expect("a solution") }
             })
             .collect();

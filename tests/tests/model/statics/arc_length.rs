@@ -154,7 +154,7 @@ fn degenerate_frames() {
 proptest! {
     #![proptest_config(cases(64))]
 
-    /// On its first stable stretch a path passes through the equilibria that load steps find, with arms, hinges, rigid
+    /// On its first stable branch a path passes through the equilibria that load steps find, with arms, hinges, rigid
     /// links, moments and loads between nodes; and where load steps end, the path has its first limit or bifurcation.
     #[test]
     fn paths_pass_through_the_equilibria_of_load_steps(

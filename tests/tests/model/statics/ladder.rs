@@ -12,7 +12,7 @@ const AGREEMENT: f64 = 1e-8;
 proptest! {
     #![proptest_config(cases(192))]
 
-    /// Any finger, any mesh: hinges, rigid links, arms, zones; loads on nodes with moments, at places, inside elements.
+    /// Any finger, any mesh: hinges, rigid links, arms, zones; loads on nodes with moments, at positions, inside elements.
     #[test]
     fn agrees_with_the_sparse_path(
         finger in finger_with_zones(),

@@ -71,7 +71,7 @@ proptest! {
         prop_assert!(work > 0.0);
     }
 
-    /// Forces and moments of loads and supports balance in the deformed place, for every kinematics; with a moment, and
+    /// Forces and moments of loads and supports balance in the deformed position, for every kinematics; with a moment, and
     /// a load between nodes or on an arm.
     #[test]
     fn loads_and_reactions_balance(
@@ -92,8 +92,8 @@ proptest! {
                     return Err(TestCaseError::reject("no equilibrium"));
                 };
                 let motion = &equilibrium.motion;
-                // Small displacements balance in the undeformed place.
-                let place = |index: usize| match kinematics {
+                // Small displacements balance in the undeformed position.
+                let position = |index: usize| match kinematics {
                     Kinematics::Linear => mesh.frame().position(index),
                     _ => mesh.frame().position(index) + motion.displacements[index],
                 };
@@ -104,9 +104,9 @@ proptest! {
                 let tolerance = 1e-7 * force.norm();
                 prop_assert!(sum.norm() <= tolerance, "{kinematics:?}: forces {sum}");
                 if let FrameLoad::Node { node, moment_nmm, .. } = load {
-                    let moment: f64 = place(node).perp(&force)
+                    let moment: f64 = position(node).perp(&force)
                         + moment_nmm
-                        + reactions.iter().map(|r| place(r.node).perp(&r.force) + r.moment_nmm).sum::<f64>();
+                        + reactions.iter().map(|r| position(r.node).perp(&r.force) + r.moment_nmm).sum::<f64>();
                     prop_assert!(moment.abs() <= tolerance * length, "{kinematics:?}: moment {moment}");
                 }
             }
@@ -126,7 +126,7 @@ proptest! {
         prop_assert!((energy - 0.5 * work).abs() <= 1e-8 * work);
     }
 
-    /// The elastic energy of the large-rotation finger is the work of its load along the path, by Simpson's rule over
+    /// The elastic energy of the co-rotational finger is the work of its load along the path, by Simpson's rule over
     /// the force; how far the rule can be trusted is seen from half as many steps (near a snap it is not smooth).
     #[test]
     fn corotational_energy_is_the_work_of_the_load(finger in finger_with_zones(), at in 0.0..1.0, angle in -60.0..60.0) {

@@ -10,7 +10,7 @@ use finray_verify::sampling::scatter::{AgainstBound, Scatter, ScatterRow};
 use finray_verify::settings::ENOUGH_CASES;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Promises are for the camera's noise alone, and can be broken.
+/// Checks are for the camera's noise alone, and can fail.
 #[test]
 fn networks_are_held_to_their_tolerances() {
     let finger = paper();
@@ -26,8 +26,8 @@ fn networks_are_held_to_their_tolerances() {
     let study = NetworkStudy::run(&mesh, &networks, CAMERA_NOISE_MM, 20, &sensed, &count).expect("networks for all");
     assert_eq!((steps.into_inner(), NetworkStudy::steps(&sensed)), (14, 14));
     assert_eq!(study.rows.len(), CHECKED_SETS.len());
-    for (row, promise) in study.rows.iter().zip(CHECKED_SETS) {
-        assert_eq!(row.nodes, promise.nodes);
+    for (row, set) in study.rows.iter().zip(CHECKED_SETS) {
+        assert_eq!(row.nodes, set.nodes);
         assert_eq!(row.cases, if row.nodes == [19, 20] { CASES } else { 20 });
     }
     assert!(study.rows.contains(&sensed[0]));

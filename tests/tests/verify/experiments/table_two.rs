@@ -47,7 +47,7 @@ fn table_two_is_of_the_papers_nodes() {
     assert_eq!(GroupErrors::of(&one, &rows), None);
 }
 
-/// Large rotation ruins linear sensing of neighbours and leaves their sum; noise alone does not; the nonlinear estimator
+/// Linearisation ruins linear sensing of neighbours and leaves their sum; noise alone does not; the nonlinear estimator
 /// reaches the bound. Figures are those of an independent study of this protocol, within chance.
 #[test]
 fn table_two_blames_linearisation() {

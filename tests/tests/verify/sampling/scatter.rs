@@ -95,7 +95,7 @@ fn the_sigma_of_a_sum_knows_of_the_correlation() {
     }
 }
 
-/// Every picture is that of its forces, however the truth was followed there: who knows the true finger errs by the
+/// Every sample is that of its forces, however the truth was followed there: who knows the true finger errs by the
 /// rounding of two Newton iterations alone.
 #[test]
 fn samples_are_those_of_the_forces() {

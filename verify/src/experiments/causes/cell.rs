@@ -1,4 +1,4 @@
-//! The causes at one place and direction.
+//! The causes at one position and direction.
 
 use super::models::{Bending, Known, Models};
 use super::{Cause, CauseCell, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM, Practice, REMEDIES};
@@ -19,7 +19,7 @@ pub(super) struct Sensor<'m> {
     pub causes: Vec<Cause>,
 }
 
-/// The cells of each sensor at one place and direction, a force each.
+/// The cells of each sensor at one position and direction, a force each.
 pub(super) fn cells(
     truth: &dyn Truth,
     sensors: &[Sensor],
@@ -27,7 +27,7 @@ pub(super) fn cells(
     angle_deg: f64,
     forces_n: &[f64],
 ) -> Vec<Vec<CauseCell>> {
-    let contact = Contact { place: ContactPosition::At(s_mm), angle_deg };
+    let contact = Contact { position: ContactPosition::At(s_mm), angle_deg };
     let shapes = truth.shapes(&contact, forces_n);
     let of_sensor = |sensor: &Sensor| {
         let seen: Vec<_> = shapes.iter().map(|shape| Measurement::of_shape(sensor.models.finger(), shape)).collect();
@@ -151,8 +151,8 @@ impl Sensor<'_> {
             for direction_off_deg in sides(direction_off, DIRECTION_OFF_DEG) {
                 let assumed_mm = s_mm + position_off_mm;
                 if assumed_mm > 0.0 && assumed_mm <= length_mm {
-                    let place = ContactPosition::At(assumed_mm);
-                    contacts.push(Contact { place, angle_deg: angle_deg + direction_off_deg });
+                    let position = ContactPosition::At(assumed_mm);
+                    contacts.push(Contact { position, angle_deg: angle_deg + direction_off_deg });
                 }
             }
         }

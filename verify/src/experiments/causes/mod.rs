@@ -1,8 +1,8 @@
 //! Why a sensed force is wrong: what goes away when one cause is switched off, and what is left when several are.
 //!
-//! A true finger, with large rotations on a fine mesh, is pushed at a place in a direction. Sensing does what a user would:
+//! A true finger, co-rotational on a fine mesh, is pushed at a position in a direction. Sensing does what a user would:
 //! it takes the finger for uniform where it is softer, calibrates its modulus by shapes under weights, assumes a direction and a
-//! place that are somewhat off, and sees through a camera with noise. Each [`Cause`] can be taken away, the others left as they are.
+//! position that are somewhat off, and sees through a camera with noise. Each [`Cause`] can be taken away, the others left as they are.
 //! The share of a cause is the part of the mean square error that goes away with it. Shares need not add up to one: errors that
 //! point the same way grow when squared, and a cause that hides another one has a negative share.
 
@@ -29,7 +29,7 @@ use serde::Serialize;
 /// How far the true direction is from the one assumed, degrees, to either side: the paper assumes the undeformed normal, from which the
 /// deformed one turns by up to 12.5 deg (sec. V-C).
 pub const DIRECTION_OFF_DEG: f64 = 12.5;
-/// How far the true place is from the one assumed, mm, to either side: the radius of the paper's rods (sec. V-C), round which an object may touch.
+/// How far the true position is from the one assumed, mm, to either side: the radius of the paper's rods (sec. V-C), round which an object may touch.
 pub const POSITION_OFF_MM: f64 = 1.5;
 
 /// What makes a sensed force wrong.
@@ -47,7 +47,7 @@ pub enum Cause {
     /// Off by [`DIRECTION_OFF_DEG`] to either side. Off: the true one.
     Direction,
     /// Off by [`POSITION_OFF_MM`] to either side. Off: the true one.
-    #[serde(rename = "place")]
+    #[serde(rename = "position")]
     Position,
     /// Zones nearer to the base than to the tip are not known. Off: known.
     BaseCompliance,
@@ -90,7 +90,7 @@ pub enum Practice {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ContactKnowledge {
-    /// Place and direction are assumed, and off.
+    /// Position and direction are assumed, and off.
     Assumed,
     /// Both are known.
     Known,
@@ -142,7 +142,7 @@ impl ContactKnowledge {
 pub struct CauseRequest {
     /// Who senses, and what he knows of the contact: a map each. Not the network, which is [apart](network).
     pub practices: Vec<(Practice, ContactKnowledge)>,
-    /// Places on the front plate, mm from the base.
+    /// Positions on the front plate, mm from the base.
     pub positions_mm: Vec<f64>,
     /// Directions, degrees from the inward normal, positive towards the tip.
     pub angles_deg: Vec<f64>,
@@ -154,10 +154,10 @@ pub struct CauseRequest {
     pub zones_known: bool,
 }
 
-/// The causes of one force at one place and direction.
+/// The causes of one force at one position and direction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CauseCell {
-    /// Place on the front plate, mm from the base.
+    /// Position on the front plate, mm from the base.
     pub s_mm: f64,
     /// Direction, degrees from the inward normal, positive towards the tip.
     pub angle_deg: f64,
@@ -186,8 +186,8 @@ impl CauseCell {
     }
 }
 
-/// What a user can do about errors, one after the other, with the causes that each takes away: knowing zones and modulus, then place
-/// and direction of the contact, then sensing with large rotations and four elements a member.
+/// What a user can do about errors, one after the other, with the causes that each takes away: knowing zones and modulus, then position
+/// and direction of the contact, then co-rotational sensing on four elements a member.
 pub const REMEDIES: [(&str, &[Cause]); 3] = [
     ("zones known", &[Cause::BaseCompliance, Cause::TipCompliance, Cause::Modulus]),
     ("contact known", &[Cause::Direction, Cause::Position]),
@@ -207,7 +207,7 @@ pub struct CauseMap {
     pub contact: ContactKnowledge,
     /// The causes that there are, in the order of the cells' shares.
     pub causes: Vec<Cause>,
-    /// By place, then direction, then force.
+    /// By position, then direction, then force.
     pub cells: Vec<CauseCell>,
 }
 
@@ -234,7 +234,7 @@ pub enum CauseError {
     Network(#[from] finray_model::sensing::network::NetworkError),
 }
 
-/// The causes of every practice on a true finger. `progress` is called once for every place and direction. The result does not depend on the number of threads.
+/// The causes of every practice on a true finger. `progress` is called once for every position and direction. The result does not depend on the number of threads.
 ///
 /// # Errors
 /// [`CauseError`] if the finger at rest cannot be solved or its modulus not calibrated.

@@ -1,7 +1,7 @@
 //! What a network adds to the errors of the model that it was trained on.
 //!
 //! A network senses at the contact nodes and along the normal that it was made for, so here it is the true contact that is off, by as much as
-//! elsewhere the assumed one, and the true finger that is made uniform. Noise is in the pictures.
+//! elsewhere the assumed one, and the true finger that is made uniform. The measurements are noisy.
 
 use super::cell::Squared;
 use super::models::{Bending, calibrated, weighed, with_zones};
@@ -20,8 +20,8 @@ use finray_model::sensing::{Contact, ContactPosition, NonlinearEstimator};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
 use rayon::prelude::*;
 
-/// Noise pictures of every shape: an error by noise is then known to a sixth.
-const PICTURES: usize = 40;
+/// Noise samples of every shape: an error by noise is then known to a sixth.
+const SAMPLES: usize = 40;
 const SEED: u64 = 1;
 
 /// The causes of a network's errors on a true finger, at every contact node that there is a network for. The `believed` finger is
@@ -140,15 +140,15 @@ impl World {
             return Vec::new();
         };
         let mut noise = Noise::new(SEED);
-        let pictures = if noise_mm > 0.0 { PICTURES } else { 1 };
+        let samples = if noise_mm > 0.0 { SAMPLES } else { 1 };
         let mut of_force = |(seen, &force_n): (&Measurement, &f64)| {
             let mut sum = 0.0;
-            for _ in 0..pictures {
+            for _ in 0..samples {
                 let sample = noise.on(seen, noise_mm);
                 let sensed = network.estimate(&sample, Some(noise_mm.max(LEAST_STATED_MM))).ok()?;
                 sum += (self.modulus_factor * sensed.forces_n[0] / force_n - 1.0).powi(2);
             }
-            Some(sum / pictures as f64)
+            Some(sum / samples as f64)
         };
         seen.iter().zip(forces_n).map(&mut of_force).collect()
     }
@@ -172,7 +172,7 @@ fn true_contacts(finger: &Finger, node: NodeId, position_off: bool, direction_of
         for angle_deg in sides(direction_off, DIRECTION_OFF_DEG) {
             let position_mm = s_mm + position_off_mm;
             if position_mm <= finger.plate_length_mm(Plate::Front) {
-                contacts.push(Contact { place: ContactPosition::At(position_mm), angle_deg });
+                contacts.push(Contact { position: ContactPosition::At(position_mm), angle_deg });
             }
         }
     }

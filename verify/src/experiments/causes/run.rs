@@ -18,11 +18,11 @@ impl Evidence for CauseMap {}
 /// [`CauseError`] if a finger at rest cannot be solved or its modulus not calibrated.
 pub fn run(context: &Context, twin: Option<&Finger>) -> Result<Vec<CauseMap>, CauseError> {
     let &Context { finger, noise_mm, effort, .. } = context;
-    let (places, step_deg, forces_n) = match effort {
+    let (positions, step_deg, forces_n) = match effort {
         Effort::Quick => (12, 40.0, vec![DRAWN_FORCE_N]),
         Effort::Full => (24, 20.0, vec![MAP_FORCES_N[0], DRAWN_FORCE_N]),
     };
-    let (positions_mm, angles_deg) = Grid::grid(finger, places, step_deg);
+    let (positions_mm, angles_deg) = Grid::grid(finger, positions, step_deg);
     let of = |practices: &[_]| CauseRequest {
         practices: practices.to_vec(),
         positions_mm: positions_mm.clone(),

@@ -37,7 +37,7 @@ pub fn read_contact(
     let baseline = Vector::new(seen.baseline_mm, 0.0) + point() - point();
     let turn_deg = baseline.y.atan2(baseline.x).to_degrees();
     let off = point();
-    let place = match seen.contact.place {
+    let position = match seen.contact.position {
         ContactPosition::Node(node) => ContactPosition::Node(node),
         ContactPosition::At(s_mm) => {
             let length_mm = finger.plate_length_mm(Plate::Front);
@@ -47,9 +47,9 @@ pub fn read_contact(
     };
     let two_points_mm = std::f64::consts::SQRT_2 * noise_mm;
     CameraContact {
-        contact: Contact { place, angle_deg: seen.contact.angle_deg + turn_deg },
+        contact: Contact { position, angle_deg: seen.contact.angle_deg + turn_deg },
         direction_sd_rad: two_points_mm / seen.baseline_mm,
-        position_sd_mm: if matches!(place, ContactPosition::Node(_)) { 0.0 } else { two_points_mm },
+        position_sd_mm: if matches!(position, ContactPosition::Node(_)) { 0.0 } else { two_points_mm },
     }
 }
 

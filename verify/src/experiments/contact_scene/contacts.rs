@@ -58,9 +58,9 @@ fn is_rod(touch: &Touch, node: NodeId) -> bool {
 
 /// Length of the segment of front plate, from rod to rod, that a position lies on, mm.
 pub(super) fn member_mm(finger: &Finger, position_mm: f64) -> f64 {
-    let places = finger.plate_positions_mm(Plate::Front);
-    let stretch = places.windows(2).find(|stretch| position_mm <= stretch[1]).unwrap_or(&places[places.len() - 2..]);
-    stretch[1] - stretch[0]
+    let positions = finger.plate_positions_mm(Plate::Front);
+    let member = positions.windows(2).find(|member| position_mm <= member[1]).unwrap_or(&positions[positions.len() - 2..]);
+    member[1] - member[0]
 }
 
 fn seen(lattice: &Lattice, group: &[Touch], baseline_mm: &dyn Fn(&Touch) -> f64) -> SeenContact {
@@ -71,7 +71,7 @@ fn seen(lattice: &Lattice, group: &[Touch], baseline_mm: &dyn Fn(&Touch) -> f64)
         TouchedPart::Plate(_) => None,
     });
     let middle_mm = 0.5 * (first.part.position_mm(lattice) + last.part.position_mm(lattice));
-    let (place, normal, point) = match at_rod {
+    let (position, normal, point) = match at_rod {
         Some((node, touch)) => (ContactPosition::Node(node), touch.normal, touch.point),
         None => {
             (ContactPosition::At(middle_mm), (first.normal + last.normal).normalize(), 0.5 * (first.point + last.point))
@@ -81,7 +81,7 @@ fn seen(lattice: &Lattice, group: &[Touch], baseline_mm: &dyn Fn(&Touch) -> f64)
     // Towards the tip, across each touch's own normal.
     let friction_n = |touch: &Touch| touch.force.dot(&Vector::new(-touch.normal.y, touch.normal.x));
     SeenContact {
-        contact: Contact { place, angle_deg: angle_deg(finger, normal) },
+        contact: Contact { position, angle_deg: angle_deg(finger, normal) },
         baseline_mm: baseline_mm(at_rod.map_or(first, |(_, touch)| touch)),
         clamped: first.clamped,
         point,

@@ -11,9 +11,9 @@ pub struct ForceRow {
     pub step: usize,
     /// Length of the object's way, mm.
     pub travel_mm: f64,
-    /// A node, `at` for a place between nodes, `clamp` where a force is not felt, or `total`.
+    /// A node, `at` for a position between nodes, `clamp` where a force is not felt, or `total`.
     pub contact: String,
-    /// Place along the front plate, mm from its base; none for the total.
+    /// Position along the front plate, mm from its base; none for the total.
     pub s_mm: Option<f64>,
     /// The normal, degrees from the undeformed inward normal, positive towards the tip; none for the total.
     pub angle_deg: Option<f64>,
@@ -45,7 +45,7 @@ pub fn force_rows(scene: &ContactScene, number: usize, step: &SceneStep, sensed:
     let contacts = contacts_sensed(step, sensed).map(|(seen, sensed)| ForceRow {
         step: number,
         travel_mm: step.travel_mm,
-        contact: match seen.contact.place {
+        contact: match seen.contact.position {
             _ if seen.clamped => "clamp".to_owned(),
             ContactPosition::Node(node) => node.to_string(),
             ContactPosition::At(_) => "at".to_owned(),

@@ -128,7 +128,7 @@ impl Problem<'_> {
     fn bent(&self, finger: &mut RespondingFinger, state: &State) -> Result<Option<Response>, SensingError> {
         let force = |(i, seen): (usize, &CameraContact)| {
             let mut contact = seen.contact;
-            if let ContactPosition::At(s_mm) = &mut contact.place {
+            if let ContactPosition::At(s_mm) = &mut contact.position {
                 *s_mm += state.shifts_mm[i];
             }
             let along_n = state.forces_n[i];
@@ -212,7 +212,7 @@ impl Problem<'_> {
         };
         let mut shifts_mm = added(&state.shifts_mm, 2 * count);
         for (shift_mm, seen) in shifts_mm.iter_mut().zip(self.contacts) {
-            if let ContactPosition::At(s_mm) = seen.contact.place {
+            if let ContactPosition::At(s_mm) = seen.contact.position {
                 *shift_mm = shift_mm.clamp(-0.5 * s_mm, self.length_mm - s_mm);
             }
         }

@@ -75,7 +75,7 @@ pub enum SceneStudyError {
     Statics(#[from] StaticsError),
 }
 
-/// Runs several scenes in parallel, each with its number of segments in a stretch of plate. Noise is that of each scene's camera, or
+/// Runs several scenes in parallel, each with its number of segments a plate member. Noise is that of each scene's camera, or
 /// `noise_mm` for a scene without; so many `samples` of it are taken of each step.
 ///
 /// # Errors
@@ -105,10 +105,10 @@ pub struct SceneWithOutline {
     pub corners: Vec<Vector>,
 }
 
-/// Segments in a stretch of plate that are enough where objects bend the finger by some 10 mm.
+/// Segments a plate member that are enough where objects bend the finger by some 10 mm.
 const COARSE: usize = 2;
 
-/// The contact scenes that ship, the disc first, each with the segments in a stretch of plate that it needs.
+/// The contact scenes that ship, the disc first, each with the segments a plate member that it needs.
 ///
 /// # Errors
 /// [`SceneStudyError`] if one does not read.

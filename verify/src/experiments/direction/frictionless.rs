@@ -52,7 +52,7 @@ impl Assumption {
 pub struct FrictionlessPush {
     /// The contact node.
     pub node: usize,
-    /// Its place on the front plate, mm from the base.
+    /// Its position on the front plate, mm from the base.
     pub s_mm: f64,
     /// True force, N.
     pub force_n: f64,
@@ -72,21 +72,21 @@ pub(super) fn nodes(finger: &Finger) -> Vec<NodeId> {
 pub(super) fn rows(
     truth: &dyn Truth,
     request: &DirectionRequest,
-    pictures: &[Vec<f64>],
+    samples: &[Vec<f64>],
     progress: &(dyn Fn() + Sync),
 ) -> Result<Vec<FrictionlessPush>, SensingError> {
     let finger = request.model.finger();
     let of_node = |node: &NodeId| -> Result<Vec<FrictionlessPush>, SensingError> {
-        let place = ContactPosition::Node(*node);
+        let position = ContactPosition::Node(*node);
         let mut rows = Vec::new();
         for force_n in FORCES_N {
             let push = pushed(truth, *node, force_n);
             for assumed in Assumption::ALL {
-                let question = ContactQuestion { place: Some(place), direction: assumed.direction() };
+                let question = ContactQuestion { position: Some(position), direction: assumed.direction() };
                 let mut estimator = NonlinearEstimator::new(request.model, &[question])?;
                 let answers = push.as_ref().map_or_else(Answers::default, |(contact, shape)| {
                     let seen = Measurement::of_shape(finger, shape);
-                    Answers::of(&mut estimator, &seen, pictures, request.noise_mm, contact, force_n)
+                    Answers::of(&mut estimator, &seen, samples, request.noise_mm, contact, force_n)
                 });
                 let s_mm = finger.front_position_mm(*node).unwrap_or(f64::NAN);
                 let angle_deg = push.as_ref().map(|(contact, _)| contact.angle_deg);

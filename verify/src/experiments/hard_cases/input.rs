@@ -14,25 +14,25 @@ pub(super) const QUESTIONS: &[Question] = &[
     Question {
         case: "denormal, infinite and not-a-number loads",
         difficulty: "energies under- and overflow long before the displacements do",
-        promise: "infinite and not a number: refused; what is finite scales with the load down to the smallest normal number",
+        expectation: "infinite and not a number: refused; what is finite scales with the load down to the smallest normal number",
         answer: loads,
     },
     Question {
         case: "denormal, infinite and not-a-number scene values",
         difficulty: "one such value spoils every number that it touches",
-        promise: "each refused with its line and key",
+        expectation: "each refused with its line and key",
         answer: scene_values,
     },
     Question {
         case: "scene values of 1e-100 to 1e100",
         difficulty: "legal numbers whose products under- and overflow",
-        promise: "refused, or a sound equilibrium",
+        expectation: "refused, or a sound equilibrium",
         answer: extreme_scene_values,
     },
     Question {
         case: "denormal, infinite and not-a-number displacements",
         difficulty: "no camera measures them, but files hold them",
-        promise: "infinite and not a number: refused; what is finite gives forces in proportion, or is refused",
+        expectation: "infinite and not a number: refused; what is finite gives forces in proportion, or is refused",
         answer: displacements,
     },
 ];

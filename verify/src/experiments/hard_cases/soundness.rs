@@ -18,7 +18,7 @@ pub const ENERGY: f64 = 1e-6;
 pub const LIMIT: f64 = 1e-3;
 /// What two solutions are compared by: see [`difference`].
 pub const DIFFERENCE: &str = "difference / largest displacement";
-/// Stretches of the load path that are integrated each by itself: shallow arches soften on the way.
+/// Sections of the load path, each integrated by itself: shallow arches soften on the way.
 const PANELS: usize = 4;
 /// Gauss-Legendre rule with eight points on 0..1: (abscissa, weight).
 const GAUSS: [(f64, f64); 8] = [
@@ -44,7 +44,7 @@ pub struct Soundness {
 }
 
 impl Soundness {
-    /// Solves a force on a node, linear and with large rotations; returns both displacement fields.
+    /// Solves a force on a node, linear and co-rotational; returns both displacement fields.
     pub fn add(&mut self, mesh: &Mesh, node: NodeId, force: Vector) -> Result<[FrameMotion; 2], Unexpected> {
         let load = mesh.frame_load(&Load::at_node(node, force))?;
         Ok([self.linear(mesh, load)?, self.corotational(mesh, load)?])
@@ -140,7 +140,7 @@ fn unbalanced(mesh: &Mesh, load: &FrameLoad, motion: &FrameMotion, kinematics: K
     let FrameLoad::Node { node, force, .. } = *load else { return f64::NAN };
     let (frame, finger) = (mesh.frame(), mesh.finger());
     let moment = |at: Vector, force: Vector| at.x * force.y - at.y * force.x;
-    // Linear theory balances moments at the undeformed places.
+    // Linear theory balances moments at the undeformed positions.
     let moved = if kinematics == Kinematics::Linear { Vector::zeros() } else { motion.displacements[node] };
     let (mut force_sum, mut moment_sum) = (force, moment(frame.position(node) + moved, force));
     for clamp in finger.clamped_nodes().map(|clamp| mesh.frame_node(clamp)) {

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RecipeRow {
     /// `a`, the paper's: linear samples without noise, inputs by the largest displacement, or `a, by spread`; `b`, as `a` with
-    /// noise; `c`, large rotations with noise, principal
+    /// noise; `c`, co-rotational with noise, principal
     /// directions and a linear branch.
     pub recipe: String,
     /// Seed of the training.

@@ -22,7 +22,7 @@ pub struct Request {
     pub network: Option<String>,
     /// Text of the scene file.
     pub scene: String,
-    /// Places, directions, forces and noise.
+    /// Positions, directions, forces and noise.
     pub grid: Grid,
 }
 
@@ -55,7 +55,7 @@ impl Request {
             (self.grid.noise_levels_mm != other.grid.noise_levels_mm, "--noise-mm"),
             (self.grid.noise_samples != other.grid.noise_samples, "--seeds"),
             (self.grid.seed != other.grid.seed, "--seed"),
-            (self.grid != other.grid, "grid of places and directions"),
+            (self.grid != other.grid, "grid of positions and directions"),
         ];
         differences.into_iter().find_map(|(differs, what)| differs.then_some(what))
     }

@@ -8,7 +8,7 @@ use std::ops::Range;
 /// Numbers that are drawn once and kept, 2 MB: 5600 samples of the paper's finger. What is beyond them is drawn anew for
 /// each block, so that the memory of a sweep does not grow with its samples.
 const KEPT: usize = 1 << 18;
-/// Pictures that a block looks at together, drawn into the same room.
+/// Samples that a block looks at together, drawn into the same room.
 const AT_ONCE: usize = 256;
 
 /// Displacement noise of every marker coordinate, in units of the noise.
@@ -68,7 +68,7 @@ mod tests {
     use super::*;
     use finray_model::Scene;
 
-    /// Pictures that are kept, drawn on their own or with others before them are the same.
+    /// Samples that are kept, drawn on their own or with others before them are the same.
     #[test]
     fn a_sample_does_not_depend_on_what_is_kept() {
         let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the paper's scene").finger;

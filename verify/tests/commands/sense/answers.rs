@@ -132,7 +132,7 @@ fn without_a_residual_the_uncertainty_is_infinite_and_explained() {
     assert!(known.numbers("sigma_n").iter().all(|sigma| sigma.is_finite()));
 }
 
-/// The nonlinear estimator finds place and direction on the large-rotation finger.
+/// The nonlinear estimator finds position and direction on the co-rotational finger.
 #[test]
 fn the_nonlinear_estimator_finds_position_and_direction() {
     let folder = Folder::new();
@@ -149,7 +149,7 @@ fn the_nonlinear_estimator_finds_position_and_direction() {
 }
 
 /// The networks that ship answer for the paper's finger: forces within what they state, in the order asked, on nodes or on
-/// the places where these lie.
+/// the positions where these lie.
 #[test]
 fn shipped_networks_sense_the_paper_finger() {
     let truth = [(19, 0.0, 1.5), (20, 0.0, 0.8)];
@@ -166,8 +166,8 @@ fn shipped_networks_sense_the_paper_finger() {
     backwards.reverse();
     assert_eq!(forwards, backwards);
     // Nodes 19 and 20 are the seventh and eighth of thirteen from the tip, 153 mm from the base.
-    let places = ask(&["--contact-at", "76.5", "--contact-at", "63.75"]);
-    assert_eq!(places.numbers("force_n"), forwards);
+    let positions = ask(&["--contact-at", "76.5", "--contact-at", "63.75"]);
+    assert_eq!(positions.numbers("force_n"), forwards);
     // A third force has its place in the network for any of the nodes.
     forwards.push(0.0);
     let three = ask(&["--contact", "19", "20", "15"]).numbers("force_n");

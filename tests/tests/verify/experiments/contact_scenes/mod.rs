@@ -10,7 +10,7 @@ mod equilibria;
 mod refusals;
 mod studies;
 
-/// Segments in a stretch of plate where nothing but the order of magnitude of the bending matters.
+/// Segments a plate member where nothing but the order of magnitude of the bending matters.
 const COARSE: usize = 1;
 
 /// A scene with the paper's finger and an object.

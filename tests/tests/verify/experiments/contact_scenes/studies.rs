@@ -9,7 +9,7 @@ use finray_verify::experiments::contact_scene::samples::NoiseSamples;
 use finray_verify::experiments::contact_scene::study::{SAMPLES, SceneStudy, shipped};
 use finray_verify::experiments::contact_scene::{ContactScene, SensedForce};
 
-/// All that the report promises of its first scene, in fewer steps.
+/// All that the report checks of its first scene, in fewer steps.
 #[test]
 fn a_disc_pressed_to_5_n_passes_every_check() {
     let (mut given, fineness) = shipped().expect("scenes that ship").swap_remove(0);
@@ -20,7 +20,7 @@ fn a_disc_pressed_to_5_n_passes_every_check() {
     let study = SceneStudy::run("disc", &prepared, CAMERA_NOISE_MM, SAMPLES, &|| ()).expect("beams carry the forces");
     assert_all_pass(&study.shipped_checks());
     let end = &study.steps[1].step;
-    let nodes: Vec<_> = end.contacts.iter().map(|seen| seen.contact.place).collect();
+    let nodes: Vec<_> = end.contacts.iter().map(|seen| seen.contact.position).collect();
     assert_eq!(nodes, [19, 18].map(|node| ContactPosition::Node(NodeId(node))), "two neighbours share the force");
     assert_eq!(study.steps[1].samples.as_ref().expect("noise").sensed.len(), 3);
 }
@@ -46,8 +46,8 @@ fn friction_is_within_the_stated_intervals() {
         }
     }
     let unknown = run(&known.with_assumed_friction(0.0));
-    let broken: Vec<_> = unknown.shipped_checks().into_iter().filter(|check| !check.passes()).collect();
-    assert!(broken.iter().any(|check| check.problem.contains("every contact's force")), "{broken:?}");
+    let failed: Vec<_> = unknown.shipped_checks().into_iter().filter(|check| !check.passes()).collect();
+    assert!(failed.iter().any(|check| check.problem.contains("every contact's force")), "{failed:?}");
     let frictionless = SceneStudy { friction: 0.0, ..study };
     assert!(frictionless.checks().iter().any(|check| !check.passes() && check.source == "Coulomb"));
 }
@@ -62,8 +62,8 @@ fn refused_samples_are_not_covered() {
     let mut study = SceneStudy::run("refused", &prepared(&scene).with_fineness(COARSE), CAMERA_NOISE_MM, 1, &|| ())
         .expect("a study");
     study.steps[0].samples = Some(samples);
-    let broken = study.shipped_checks().into_iter().filter(|check| !check.passes() && check.problem.contains("sigma"));
-    assert_eq!(broken.count(), 4, "contacts and total, over all and where fewest");
+    let failed = study.shipped_checks().into_iter().filter(|check| !check.passes() && check.problem.contains("sigma"));
+    assert_eq!(failed.count(), 4, "contacts and total, over all and where fewest");
 }
 
 /// A way that begins in the air is checked where the object touches.
