@@ -22,8 +22,10 @@ fn sensing(criterion: &mut Criterion) {
         .expect("the linear finger is solved");
     let measurement = Measurement::of_shape(&finger, &shape);
     for nodes in [vec![19], vec![19, 20], (13..=24).collect()] {
-        let contacts: Vec<Contact> =
-            nodes.iter().map(|&node| Contact { position: ContactPosition::Node(NodeId(node)), angle_deg: 0.0 }).collect();
+        let contacts: Vec<Contact> = nodes
+            .iter()
+            .map(|&node| Contact { position: ContactPosition::Node(NodeId(node)), angle_deg: 0.0 })
+            .collect();
         let count = contacts.len();
         let estimator = LinearEstimator::new(&finger, &contacts, &measurement).expect("well-posed");
         criterion.bench_function(&format!("least_squares/prepared/{count}"), |bencher| {

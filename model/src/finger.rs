@@ -36,7 +36,7 @@ pub enum Joints {
 /// Where the ribs are.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RibPositions {
-    /// So many ribs, rib i at i / (count + 1) of both plates.
+    /// This number of ribs, rib i at i / (count + 1) of both plates.
     Count(usize),
     /// Distances from the base along the front and the back plate, mm, from base to tip.
     Positions(Vec<[f64; 2]>),

@@ -79,7 +79,7 @@ pub enum LoadError {
 pub struct MeshSizeError {
     /// The smallest mesh of this finger.
     pub fewest: usize,
-    /// What was asked for.
+    /// The number that was given.
     pub found: usize,
 }
 
@@ -89,7 +89,7 @@ const MOST_NODES: usize = 200_000;
 /// A member, as the nodes along it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line {
-    /// What it belongs to.
+    /// Its part.
     pub part: Part,
     /// Frame nodes from one key node to the other, both included.
     pub nodes: Vec<NodeIndex>,
@@ -145,7 +145,7 @@ impl Mesh {
         Mesh::build(finger, &vec![elements.max(1); line_lengths(finger).len()])
     }
 
-    /// The same finger with every element divided into so many.
+    /// The same finger with every element divided into `times`.
     pub fn refined(&self, times: usize) -> Mesh {
         Mesh::build(&self.finger, &self.elements.iter().map(|elements| times.max(1) * elements).collect::<Vec<_>>())
     }
@@ -220,7 +220,7 @@ impl Mesh {
         }
     }
 
-    /// What the key nodes do in a motion of the frame.
+    /// Motions of the key nodes in a motion of the frame.
     pub fn shape(&self, motion: &FrameMotion) -> FingerShape {
         let motions = (1..=self.finger.key_node_count())
             .map(NodeId)
@@ -292,8 +292,9 @@ impl Mesh {
         let zones: Vec<Zone> =
             self.finger.description().zones.iter().filter(|zone| zone.part == Part::from(plate)).copied().collect();
         let position = |i: usize| elements_at.start(i);
-        let sections: Vec<Section> =
-            (0..elements).map(|i| section.scaled(1.0 / mean_compliance(&zones, position(i), position(i + 1)))).collect();
+        let sections: Vec<Section> = (0..elements)
+            .map(|i| section.scaled(1.0 / mean_compliance(&zones, position(i), position(i + 1))))
+            .collect();
         let first_member = self.frame.members().len();
         self.add_line(plate.into(), ends, &sections);
         if plate == Plate::Front {
@@ -327,7 +328,8 @@ impl Mesh {
         });
         let position = self.finger.plate_positions_mm(Plate::Front)[rib + 1];
         let zones = self.finger.description().zones.iter();
-        let factor: f64 = zones.filter(|zone| zones::holds_rib(zone, position)).map(|zone| zone.modulus_factor).product();
+        let factor: f64 =
+            zones.filter(|zone| zones::holds_rib(zone, position)).map(|zone| zone.modulus_factor).product();
         self.add_line(Part::Ribs, ends, &vec![section.scaled(factor); elements]);
     }
 
@@ -366,7 +368,7 @@ fn line_lengths(finger: &Finger) -> Vec<f64> {
     plates.chain(ribs).chain(std::iter::once(finger.description().base_width_mm)).collect()
 }
 
-/// What one key node does.
+/// Motion of one key node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NodeMotion {
     /// The node.

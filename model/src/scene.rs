@@ -147,7 +147,8 @@ fn read_strip(table: &TableReader) -> Result<Strip, SceneError> {
 
 fn read_ribs(table: &TableReader) -> Result<RibDescription, SceneError> {
     let positions =
-        match (table.optional_count("count")?, table.optional_pairs("positions_mm", "[front, back], positions in mm")?) {
+        match (table.optional_count("count")?, table.optional_pairs("positions_mm", "[front, back], positions in mm")?)
+        {
             (Some(count), None) => RibPositions::Count(count),
             (None, Some(positions)) => RibPositions::Positions(positions),
             (Some(_), Some(_)) => return Err(table.wrong("positions_mm", "either count or positions_mm", "both")),

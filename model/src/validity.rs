@@ -45,7 +45,7 @@ pub struct StrainLimits {
 }
 
 impl StrainLimits {
-    /// What is stated for a part.
+    /// Stated limit of a part.
     pub fn stated(&self, part: Part) -> Option<f64> {
         match part {
             Part::Front => self.front,
@@ -63,7 +63,7 @@ impl StrainLimits {
 /// A member of the finger: a segment of a plate between two key nodes, or a rib.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FingerMember {
-    /// What it belongs to.
+    /// Its part.
     pub part: Part,
     /// The key nodes at its ends.
     pub nodes: [NodeId; 2],
@@ -84,7 +84,7 @@ pub struct FibreStrain {
     pub at_mm: f64,
 }
 
-/// What an equilibrium asks of the assumptions of the beam model.
+/// Measures of an equilibrium against the assumptions of the beam model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Validity {
     /// The largest strain of each part that deforms: front plate, back plate, ribs.
@@ -108,7 +108,8 @@ impl Validity {
         let examined = |line| examine(mesh, line, motion, kinematics, loads);
         let members: Vec<Examined> = mesh.lines().iter().filter_map(examined).collect();
         let largest = |part| {
-            let strains = members.iter().filter(|examined| examined.member.part == part).map(|examined| examined.strain);
+            let strains =
+                members.iter().filter(|examined| examined.member.part == part).map(|examined| examined.strain);
             strains.max_by(|a, b| a.strain.total_cmp(&b.strain))
         };
         let strained: f64 = members.iter().map(|member| member.strain_energy).sum();

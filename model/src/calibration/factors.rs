@@ -8,7 +8,7 @@ use crate::{Kinematics, Vector};
 use nalgebra::{DMatrix, DVector};
 use std::fmt;
 
-/// What a calibration may leave unknown: each is a factor on moduli.
+/// An unknown of a calibration: a factor on moduli.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Unknown {
     /// One factor on all moduli of the finger.
@@ -48,7 +48,7 @@ pub struct FactorModel {
 pub struct FactorEstimate {
     /// The finger with the factors applied.
     pub finger: Finger,
-    /// What was unknown.
+    /// The unknowns.
     pub unknowns: Vec<Unknown>,
     /// Factor of each on what the description said.
     pub factors: Vec<f64>,

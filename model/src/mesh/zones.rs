@@ -1,4 +1,4 @@
-//! What zones of another modulus do to the elements.
+//! Effect of zones of other modulus on the elements.
 
 use super::{Mesh, Zone};
 use crate::finger::{Part, Plate};

@@ -1,4 +1,4 @@
-//! What the linear finger gets wrong of a sensed force: the error of linearisation, from the estimated force itself.
+//! Linearisation error of a sensed force, from the estimated force itself.
 
 use super::{Contact, SensingError};
 use crate::frame::{FrameLoad, FrameMotion};
@@ -50,7 +50,7 @@ pub(super) struct LinearModel<'e> {
     pub(super) compliance: &'e DMatrix<f64>,
 }
 
-/// What is known of the error.
+/// Known part of the error.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct LinearisationError {
     /// Sensed less true, by contact, N.

@@ -57,7 +57,7 @@ pub struct Statics<E> {
 enum Rejected {
     NotPositiveDefinite,
     TooFar,
-    /// Linear corrections do not shrink: so many digits are left, too few.
+    /// Linear corrections do not shrink: too few digits are left. Holds their number.
     Rounding(f64),
 }
 

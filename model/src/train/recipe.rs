@@ -1,4 +1,4 @@
-//! What a network is trained on, and how long.
+//! Recipe of a network: training samples and schedule.
 
 use super::TrainError;
 use crate::Kinematics;
@@ -32,7 +32,7 @@ pub struct TrainingRecipe {
     pub batch: usize,
     /// Adam's first step length; it falls to zero along half a cosine.
     pub learning_rate: f64,
-    /// Training stops when so many epochs in a row have not lowered the validation loss.
+    /// Training stops when this many epochs in a row have not lowered the validation loss.
     pub patience: usize,
     /// Seed of everything random.
     pub seed: u64,

@@ -1,6 +1,6 @@
 //! Assumptions of the beam model that an equilibrium does not keep, in words.
 
-use super::{FibreStrain, LARGEST_SHEAR_SHARE, LARGEST_STRAIN, FingerMember, StrainLimits, Validity};
+use super::{FibreStrain, FingerMember, LARGEST_SHEAR_SHARE, LARGEST_STRAIN, StrainLimits, Validity};
 use crate::finger::Part;
 use std::fmt;
 

@@ -15,7 +15,7 @@ const CONTINUUM: [f64; 2] = [1.61, 1.71];
 /// Poisson's ratio of the continuum, and the rigid arms (mm) that bring the frame to it.
 const AS_A_CONTINUUM: (f64, f64) = (0.45, 1.25);
 
-/// A statement that rests on so many checks.
+/// A statement that rests on several checks.
 fn tested(checks: usize, holds: bool) -> ClaimVerdict {
     if checks == 0 { ClaimVerdict::NotTested } else { statement(holds) }
 }

@@ -34,7 +34,7 @@ pub fn range_of(figures: &[f64]) -> Range {
     range(figures.iter().copied())
 }
 
-/// What linear least squares, given the normal at a node, makes of a load there, N.
+/// Estimate of a load at a node by linear least squares along the normal, N.
 fn sensed_n(finger: &Finger, node: NodeId, load: Load) -> Result<f64, SensingError> {
     let shape = statics::solve(&Mesh::key_nodes(finger), &[load], Kinematics::Linear)?;
     let seen = Measurement::of_shape(finger, &shape);
@@ -120,7 +120,7 @@ fn at_rest(finger: &Finger) -> Result<Measurement, SensingError> {
     Ok(Measurement::of_shape(finger, &statics::solve(&Mesh::key_nodes(finger), &[], Kinematics::Linear)?))
 }
 
-/// How much the co-rotational shape changes when the forces at two nodes are exchanged.
+/// Change of the co-rotational shape when the forces at two nodes are exchanged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exchanged {
     /// Largest difference of a displacement, over the largest displacement.

@@ -1,4 +1,4 @@
-//! What the paper says cannot be done, or need not be considered (sec. IV-A, V-C, V-D and VI).
+//! Limits that the paper states (sec. IV-A, V-C, V-D and VI).
 
 use super::criteria::{
     DIRECTION_SHARE, MUCH_SHARE, NEGLIGIBLE_FORCE_SHARE, WELL_N, at_most_nodes, over_assumptions, statement,

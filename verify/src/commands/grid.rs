@@ -1,4 +1,4 @@
-//! What `finray map`, `sweep` and `merge` share: the grid, who is put to the test on it, and how the table is written.
+//! Shared by `finray map`, `sweep` and `merge`: the grid, the truths and estimators on it, and the output of the table.
 
 use super::parse::{degrees_between, positive};
 use super::{Failure, progress};
@@ -45,7 +45,7 @@ pub struct GridArguments {
     out: PathBuf,
 }
 
-/// Who is put to the test.
+/// Truths and estimators to run.
 pub struct Candidates<'a> {
     pub truths: &'a [TruthId],
     pub estimators: &'a [EstimatorId],
@@ -194,7 +194,7 @@ impl<E: Into<Failure>> From<E> for Stop {
     }
 }
 
-/// What stands beside a whole table: the figure of a map.
+/// Files beside a whole table: the figure of a map.
 pub fn beside(
     request: &Request,
     finger: &Finger,
@@ -219,7 +219,7 @@ pub fn table_path(table: Table, out: &Path) -> PathBuf {
     if is_figure { out.with_extension("csv") } else { out.to_owned() }
 }
 
-/// That a file can stand there is better known before hours of work than after.
+/// Checks before hours of work that a file can be written there.
 fn require_a_place(path: &Path) -> Result<(), FileError> {
     if !path.is_dir() {
         return Ok(());

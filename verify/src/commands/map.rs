@@ -7,7 +7,7 @@ use finray_verify::estimators::EstimatorId;
 use finray_verify::sampling::sweep::Table;
 use finray_verify::truths::TruthId;
 
-/// Map where a finger can be trusted to feel: error of the sensed force by position and direction.
+/// Map where sensing can be trusted: error of the sensed force by position and direction.
 ///
 /// A force of known position and direction is put on the true finger, its size is sensed from the
 /// displacements of the key nodes, and the error |sensed / true - 1| is averaged over the camera

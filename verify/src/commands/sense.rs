@@ -120,7 +120,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What a warning leaves to do.
+/// Advice for a warning.
 fn advice(estimator: EstimatorId, warning: &Warning) -> &'static str {
     match warning {
         _ if estimator.is_linear() => {

@@ -108,7 +108,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What the arguments come to.
+/// Recipe from the arguments.
 fn recipe(arguments: &Arguments, contacts: Vec<Contact>, noise_mm: f64) -> TrainingRecipe {
     let mut recipe = match (arguments.any_of, arguments.plain) {
         (true, _) => TrainingRecipe::any_of(contacts, noise_mm),
@@ -138,7 +138,7 @@ fn recipe(arguments: &Arguments, contacts: Vec<Contact>, noise_mm: f64) -> Train
     recipe
 }
 
-/// What the network gets wrong on cases that training has not seen, in words.
+/// Errors of the network on its test cases, in words.
 fn tested(network: &Network) -> String {
     let card = &network.card;
     let line = |(contact, error): (&Contact, &TestError)| {

@@ -20,7 +20,7 @@ use serde::Serialize;
 pub const CHECKED_FORCE_N: f64 = 3.0;
 /// Forces of the full table, N, growing.
 const FORCES_N: [f64; 4] = [0.5, 1.0, 2.0, CHECKED_FORCE_N];
-/// About so many nodes are loaded, one after the other.
+/// Approximate number of nodes that are loaded, one after the other.
 const LOADED_NODES: usize = 12;
 /// Factor of safety of the grid convergence index for three meshes (Roache 1994).
 const SAFETY: f64 = 1.25;
@@ -63,7 +63,7 @@ pub struct Refinement {
     pub left: f64,
 }
 
-/// A force along the front plate's inward normal, and what the meshes make of it.
+/// A force along the front plate's inward normal, with its solution on every mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RefinedLoad {
     /// The loaded node.

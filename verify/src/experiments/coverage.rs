@@ -25,7 +25,7 @@ const CHANCE: f64 = 3.0;
 /// Share of samples of the paper's finger that may be refused: a force next to a limit load, one in 10 000, is no fault of an estimator. One
 /// more sample may be where few are drawn.
 const REFUSED: f64 = 0.001;
-/// The same of another finger, on which forces may be too small to sense: who refuses most is not shown to cover anything.
+/// The same of another finger, on which forces may be too small to sense: an estimator that refuses most is not shown to cover anything.
 const REFUSED_OF_ANOTHER: f64 = 0.5;
 /// Root mean square of sigma over that of the error where a warning widened it: more, and sigma would cover by saying nothing.
 const LARGEST_SIGMA: f64 = 3.0;
@@ -37,7 +37,7 @@ const TRUTH: TruthId = TruthId::Corotational;
 pub struct CoverageRow {
     /// The true finger.
     pub truth: TruthId,
-    /// How it is sensed.
+    /// The estimator.
     pub estimator: EstimatorId,
     /// Standard deviation of a measured coordinate, mm.
     pub noise_mm: f64,

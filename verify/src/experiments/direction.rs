@@ -36,7 +36,7 @@ const POSITIONS: usize = 12;
 const STEP_DEG: f64 = 20.0;
 const SAMPLES: usize = 8;
 
-/// What is asked.
+/// Request of a direction study.
 #[derive(Debug, Clone, Copy)]
 pub struct DirectionRequest<'m> {
     /// Mesh of the estimator.
@@ -196,14 +196,18 @@ impl DirectionStudy {
     /// Cells of one force that the finger carries, and how many of them are identified.
     pub fn identified(&self, force_n: f64) -> [usize; 2] {
         let carried = self.cells.iter().filter(|cell| cell.force_n == force_n && cell.answers.samples > 0);
-        carried.fold([0, 0], |[identified, all], cell| [identified + usize::from(cell.answers.is_identified()), all + 1])
+        carried
+            .fold([0, 0], |[identified, all], cell| [identified + usize::from(cell.answers.is_identified()), all + 1])
     }
 }
 
 fn contacts(finger: &Finger, request: &DirectionRequest) -> Vec<Contact> {
     let (positions, angles) = Grid::grid(finger, request.positions, request.step_deg);
     let at = |s_mm| {
-        angles.iter().map(move |&angle_deg| Contact { position: ContactPosition::At(s_mm), angle_deg }).collect::<Vec<_>>()
+        angles
+            .iter()
+            .map(move |&angle_deg| Contact { position: ContactPosition::At(s_mm), angle_deg })
+            .collect::<Vec<_>>()
     };
     positions.iter().flat_map(|&s_mm| at(s_mm)).collect()
 }

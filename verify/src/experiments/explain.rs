@@ -60,7 +60,7 @@ pub struct ExplanationMap {
 
 impl Evidence for ExplanationMap {}
 
-/// What limits sensing of the drawn force on the co-rotational finger; without noise the bounds are 0.
+/// Explains sensing of the drawn force on the co-rotational finger; without noise the bounds are 0.
 ///
 /// # Errors
 /// [`LoadError`] never in practice: all positions are on the front plate.
@@ -118,7 +118,7 @@ impl ExplanationMap {
     }
 }
 
-/// How the markers move, by coordinate.
+/// Displacements of the markers, by coordinate.
 struct Sensitivity {
     /// mm per N added along the force: j.
     along: DVector<f64>,
@@ -160,7 +160,7 @@ impl Sensitivity {
         Ok(Some(Sensitivity { along, across, moved }))
     }
 
-    /// How much a force along its direction takes on of another motion of the markers, by least squares: j+ x.
+    /// Projection of another motion of the markers on that of the force, by least squares: j+ x.
     fn projected(&self, motion: &DVector<f64>) -> f64 {
         self.along.dot(motion) / self.along.norm_squared()
     }
@@ -178,7 +178,7 @@ fn seen(finger: &Finger, rates: &[Vector]) -> DVector<f64> {
     DVector::from_iterator(2 * markers.len(), markers.flat_map(|node| [rates[node.0 - 1].x, rates[node.0 - 1].y]))
 }
 
-/// What is left of a vector that no multiple of another explains.
+/// Residual of a vector after projection on another.
 fn apart(vector: &DVector<f64>, other: &DVector<f64>) -> f64 {
     (vector - other * (other.dot(vector) / other.norm_squared())).norm()
 }

@@ -1,4 +1,4 @@
-//! What the report shows of the lattice: its error and cost, what they come from, and what sensing makes of its shapes.
+//! The lattice: its error with the causes, its cost, and sensing of its shapes.
 
 use super::contact_scene::objects::Objects;
 use super::contact_scene::study::{SceneStudy, SceneStudyError};
@@ -70,7 +70,7 @@ pub struct LatticeSensing {
     pub difference: MapDifference,
 }
 
-/// How far two maps without noise are apart, over the cells that both have.
+/// Difference of two maps without noise, over the cells that both have.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MapDifference {
     /// Cells that were compared.
@@ -106,10 +106,10 @@ impl MapDifference {
     }
 }
 
-/// How much is computed.
+/// Effort: how much is computed.
 struct Extent {
     finenesses: RangeInclusive<usize>,
-    /// Loads by fineness and for the axial springs: every so many nodes, and directions in degrees.
+    /// Loads by fineness and for the axial springs: every how many nodes, and directions in degrees.
     nodes: usize,
     angles_deg: &'static [f64],
     /// Positions along the front plate and degrees between two directions: for least squares, and for the nonlinear estimator.
@@ -294,7 +294,7 @@ impl LatticeSensing {
         worst(self.nonlinear.cells.iter().map(|cell| cell.mean_error.unwrap_or(f64::NAN)))
     }
 
-    /// That sensing errs on the lattice as on the co-rotational finger, and the nonlinear estimator hardly.
+    /// Checks that sensing errs on the lattice as on the co-rotational finger, and the nonlinear estimator hardly.
     pub fn checks(&self) -> [Check; 3] {
         let forces = MAP_FORCES_N.map(|force_n| force_n.to_string()).join(", ");
         let name = |what: &str, cells: usize| format!("{what}, {forces} N, {cells} cells, no noise");

@@ -10,11 +10,11 @@ use finray_model::{Kinematics, Mesh, NodeId};
 
 /// Largest mean error of one force at nodes 14 to 24, which was asked for; the Cramer-Rao bound comes nearest to it at node 24, 1.2 %.
 const ONE_FORCE_TOLERANCE: f64 = 0.013;
-/// A mean of so many relative errors over its bound is known to 3 %, a third of its tolerance. It is what is drawn that decides whether a
+/// A mean of this many relative errors over its bound is known to 3 %, a third of its tolerance. It is what is drawn that decides whether a
 /// tolerance applies, not what is answered: refusals must not make a check vanish.
 const ENOUGH_CASES: usize = 1000;
 /// Cases of a pair that are drawn so that its tolerance is held as it stands. With fewer, two standard errors of a mean are allowed, as
-/// neighbours have their bound right below the tolerance; relative errors of evenly drawn forces scatter by so many times their mean.
+/// neighbours have their bound right below the tolerance; relative errors of evenly drawn forces scatter by this many times their mean.
 const ENOUGH_PAIR_CASES: usize = 2000;
 const MEAN_SCATTER: f64 = 1.1;
 const MEAN_STANDARD_ERRORS: f64 = 2.0;

@@ -13,7 +13,7 @@ impl Evidence for BentFinger {}
 /// A bent finger, for drawing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BentFinger {
-    /// What bends it and how it was solved.
+    /// Its load and kinematics.
     pub label: String,
     /// Kinematics it was solved with.
     pub kinematics: Kinematics,
@@ -23,7 +23,7 @@ pub struct BentFinger {
     pub at: Vector,
     /// Nodes along every member, mm.
     pub lines: Vec<Vec<Vector>>,
-    /// What the shape asks of the beam model.
+    /// Validity of the beam model in this shape.
     pub validity: Validity,
 }
 

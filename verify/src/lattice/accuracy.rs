@@ -1,4 +1,4 @@
-//! How far the lattice is from converged beams, and what it costs, by its fineness.
+//! Error of the lattice against converged beams, and its cost, by its fineness.
 
 use super::{Lattice, LatticeError};
 use crate::check::worst;
@@ -119,7 +119,7 @@ pub struct FinenessRow {
     pub settling: Option<SettlingCost>,
 }
 
-/// How near to its own equilibrium a lattice settles, and what that costs.
+/// Error of a settled lattice against its own equilibrium, and its cost.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SettlingCost {
     /// Largest difference of a settled lattice from its own equilibrium, as a share of the largest displacement.

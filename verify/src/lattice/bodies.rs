@@ -82,12 +82,12 @@ pub struct Assembly {
     pub key_nodes: Vec<Anchor>,
     /// Pieces of the front plate from base to tip, each with the position where it ends, mm.
     front: Vec<(f64, FrontSpan)>,
-    /// How segments are held against stretching.
+    /// Axial springs of the segments.
     axial: AxialSprings,
 }
 
 impl Assembly {
-    /// Cuts a finger into segments of nearly the same length, so many in a plate member of mean length.
+    /// Cuts a finger into segments of nearly the same length, `fineness` of them in a plate member of mean length.
     ///
     /// # Errors
     /// [`LatticeError::NoSegments`] for a fineness of zero, [`LatticeError::TooFine`] for more bodies than are of use.

@@ -39,7 +39,7 @@ pub enum LatticeError {
     /// More bodies than are of use.
     #[error("a lattice of fineness {fineness} has too many bodies: use a coarser one")]
     TooFine {
-        /// What was asked for.
+        /// The number that was given.
         fineness: usize,
     },
     /// The load is not on the finger.

@@ -20,7 +20,7 @@ use rapier2d::prelude::{
     JointAxis, MotorModel, Pose, RigidBodyBuilder, RigidBodyHandle, SharedShape,
 };
 
-/// How the object is held along the line that it is pressed on.
+/// Drive of the object along the line that it is pressed on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Push {
     /// The hand stands where the object is wanted, finger frame, mm.
@@ -68,7 +68,7 @@ impl Pressed {
     }
 }
 
-/// What presses: a shape, turned, with friction.
+/// The pressed object: a shape, turned, with friction.
 #[derive(Debug, Clone)]
 pub struct RigidObject {
     /// The shape about the point that is moved, mm, finger frame.
@@ -289,7 +289,7 @@ impl<'l> Pressing<'l> {
         stiffness
     }
 
-    /// What the engine's contacts carry.
+    /// Contact forces of the engine.
     fn touches(&self, motions: &[BodyMotion]) -> Vec<Touch> {
         let world = &self.dynamics.world;
         let dt = world.integration_parameters.dt;

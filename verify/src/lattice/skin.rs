@@ -31,7 +31,7 @@ impl TouchedPart {
 pub struct Touch {
     /// Body of the lattice that is pushed.
     pub body: BodyIndex,
-    /// What part of the finger that is.
+    /// The part of the finger.
     pub part: TouchedPart,
     /// Whether the part is clamped, so that the force does not bend the finger.
     pub clamped: bool,

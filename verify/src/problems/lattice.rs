@@ -14,7 +14,7 @@ use finray_model::{Finger, Kinematics};
 pub const SETTLED: &str = "rapier2d lattice";
 /// Source of the rows whose shapes are the least energy of our own springs, found by our own Newton's method: rapier has no part in them.
 pub const NEWTON: &str = "spring lattice, Newton";
-/// What all rows compare.
+/// Quantity of all rows.
 const QUANTITY: &str = "largest displacement difference / largest displacement";
 /// Segments a plate member.
 pub const FINENESS: usize = 2;
@@ -91,7 +91,7 @@ fn bits(shape: &FingerShape) -> impl Iterator<Item = [u64; 3]> {
     shape.motions().iter().map(|m| [m.displacement.x, m.displacement.y, m.rotation].map(f64::to_bits))
 }
 
-/// How far linear theory is from the lattice as the force grows: here they must differ.
+/// Difference of linear theory from the lattice as the force grows: here they must differ.
 ///
 /// # Errors
 /// [`ProblemError`] if a load has no equilibrium.

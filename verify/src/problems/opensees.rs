@@ -122,7 +122,7 @@ pub fn paper_checks(paper: &Finger) -> Result<Vec<Check>, ProblemError> {
         .collect())
 }
 
-/// How far the linear finger is from the co-rotational one, for each fine co-rotational case: no tolerance, but why
+/// Difference of the linear finger from the co-rotational one, for each fine co-rotational case: no tolerance, but why
 /// linear sensing errs.
 ///
 /// # Errors

@@ -68,7 +68,7 @@ pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     )])
 }
 
-/// How far coarse co-rotational meshes are from the fine one, by loaded node.
+/// Difference of coarse co-rotational meshes from the fine one, by loaded node.
 ///
 /// # Errors
 /// [`ProblemError`] if the finger cannot be solved.

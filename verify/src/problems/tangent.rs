@@ -37,7 +37,7 @@ fn difference(ours: &DVector<f64>, theirs: &DVector<f64>) -> f64 {
     (ours - theirs).amax() / theirs.amax()
 }
 
-/// How far gradient and tangent of an element's scalar are from differences.
+/// Difference of gradient and tangent of an element's scalar from finite differences.
 fn of_element(scalar: impl Fn(&[EndMotion; 2]) -> Response) -> [f64; 2] {
     let response = |coordinate: usize, by: f64| {
         let mut x = BENT;

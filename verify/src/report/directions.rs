@@ -6,7 +6,8 @@ use super::format::{Span, percent};
 use super::page::{Block, Figure, Section, details, text};
 use super::{ReportError, Results};
 use crate::experiments::direction::{
-    Assumption, DirectionCell, DirectionStudy, FORCES_N, FrictionlessPush, IDENTIFIED_ANSWERED, IDENTIFIED_DEG, IDENTIFIED_FORCE,
+    Assumption, DirectionCell, DirectionStudy, FORCES_N, FrictionlessPush, IDENTIFIED_ANSWERED, IDENTIFIED_DEG,
+    IDENTIFIED_FORCE,
 };
 use crate::figures::{Axis, Cells, Chart, ColourScale, FigureError, Frame, Map, Series, Shades};
 use finray_model::Finger;

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::io::Read;
 
-/// What a map is made of: the grid of the [`Sweep`] that it sums up. There is a map for each level of noise.
+/// Request of maps: the grid of the [`Sweep`] that they sum up, one map for each level of noise.
 pub type MapRequest = Grid;
 
 /// Results for one force at one position and direction.
@@ -42,7 +42,7 @@ pub struct Cell {
     pub covered_warned: Option<usize>,
 }
 
-/// What became of a cell, or of the same position and direction under several forces.
+/// Outcome of a cell, or of the same position and direction under several forces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum CellState {
     /// At least half of the samples were answered.
@@ -54,7 +54,7 @@ pub enum CellState {
 }
 
 impl Cell {
-    /// What became of it.
+    /// Outcome of the cell.
     pub fn state(&self) -> CellState {
         match (self.samples, self.mean_error) {
             (0, _) => CellState::WithoutEquilibrium,
@@ -91,11 +91,11 @@ impl From<&sweep::Cell> for Cell {
 /// An accuracy map: cells by position, then direction, then force.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AccuracyMap {
-    /// What was asked for.
+    /// The request.
     pub request: MapRequest,
     /// The true finger.
     pub truth: TruthId,
-    /// How it is sensed.
+    /// The estimator.
     pub estimator: EstimatorId,
     /// Standard deviation of a measured coordinate, mm.
     pub noise_mm: f64,
@@ -193,7 +193,7 @@ impl AccuracyMap {
         self.cells.chunks(self.request.forces_n.len().max(1)).map(move |group| group.iter().filter(wanted))
     }
 
-    /// What the map says as a whole, of one force or of the mean over all. Over all forces, a cell is without equilibrium if one force has
+    /// Summary of the map, of one force or of the mean over all. Over all forces, a cell is without equilibrium if one force has
     /// none, and refused if one force is.
     pub fn summary(&self, force_n: Option<f64>) -> MapSummary {
         let errors = self.errors(force_n);
@@ -237,7 +237,7 @@ fn ratio(part: usize, all: usize) -> Option<f64> {
 pub struct MapSummary {
     /// The true finger.
     pub truth: TruthId,
-    /// How it is sensed.
+    /// The estimator.
     pub estimator: EstimatorId,
     /// Standard deviation of a measured coordinate, mm.
     pub noise_mm: f64,

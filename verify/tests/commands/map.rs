@@ -15,7 +15,7 @@ const HEADER: [&str; 11] = [
     "covered",
     "covered_warned",
 ];
-/// A linear finger, sensed linearly: what is left without noise.
+/// Residual error of a linear finger, sensed linearly without noise.
 const ROUNDING: f64 = 1e-9;
 /// Four segments a plate member are within 1e-4 of beams; sensing enlarges that near the base.
 const LATTICE_TOLERANCE: f64 = 2e-3;

@@ -68,7 +68,7 @@ fn the_seed_makes_the_weights() {
     assert_ne!(one, made("another", "2"));
 }
 
-/// What the paper did, and what sensing makes of it.
+/// The paper's recipe, and sensing with its network.
 #[test]
 fn options_reach_the_samples() {
     let folder = Folder::new();

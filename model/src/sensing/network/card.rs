@@ -1,4 +1,4 @@
-//! What a network says of itself: what it was trained for, how, and how well it does.
+//! Model card of a network: purpose, training and errors.
 
 use super::error::NetworkError;
 use super::fingerprint::Fingerprint;
@@ -22,7 +22,7 @@ pub enum Scaling {
     Largest,
 }
 
-/// What the contacts of a network mean.
+/// Meaning of a network's contacts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ContactSet {
@@ -69,7 +69,7 @@ pub struct TestError {
     pub clean_rms_n: f64,
 }
 
-/// What a network was trained for, on which samples, and its errors.
+/// Purpose of a network, its training samples and its errors.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NetworkCard {

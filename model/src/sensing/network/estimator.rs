@@ -188,7 +188,7 @@ impl NetworkEstimator {
         })
     }
 
-    /// What lies outside the principal directions, against the stated noise.
+    /// Chi-squared test of the part outside the principal directions, against the stated noise.
     fn residual(&self, x: &DVector<f64>, stated_mm: Option<f64>) -> Result<Residual, SensingError> {
         let coordinates = x.len() as f64;
         let from_mean = x - &self.mean;

@@ -109,7 +109,7 @@ impl Dense {
     }
 }
 
-/// Some rows of a matrix of so many columns; of an empty one, none.
+/// Some rows of a matrix of `columns` columns; of an empty one, none.
 fn rows(matrix: &[f32], columns: usize, selected: &[usize]) -> Vec<f32> {
     if matrix.is_empty() {
         return Vec::new();

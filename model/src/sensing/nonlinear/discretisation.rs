@@ -1,4 +1,4 @@
-//! What a mesh gets wrong of sensed forces, from a finer one.
+//! Discretisation error of sensed forces, from a finer mesh.
 
 use super::{NonlinearEstimate, NonlinearEstimator, State};
 use crate::Kinematics;

@@ -1,4 +1,4 @@
-//! The problem at a state: what is left to explain, and what the unknowns can explain of it.
+//! The problem linearised at a state: the residual, and its derivatives by the unknowns.
 
 use super::least_squares::LeastSquares;
 use super::unknowns::Unknown;
@@ -21,9 +21,9 @@ const ALL_ALIKE: SensingError = SensingError::IllConditioned { span: f64::INFINI
 pub(super) struct Linearised {
     /// Displacements of all key nodes per unit of the first unknown, of the second and so on.
     rates: Vec<Vector>,
-    /// What a marker counts beside its own weight: 1, and less for one that is wildly off.
+    /// Robust weight of a marker, beside its own: 1, and less for an outlier.
     weights: Vec<f64>,
-    /// What counts as one unit of each unknown.
+    /// Scale of each unknown.
     pub scales: Vec<f64>,
     /// The last step, in the unknowns' units.
     pub step: Vec<f64>,
@@ -76,7 +76,7 @@ impl Linearised {
         measurement.markers().iter().map(|marker| weighted(marker).norm_squared()).sum()
     }
 
-    /// The same with nothing pushing: what is left to explain if nothing is explained.
+    /// The same without loads: the misfit of the finger at rest.
     pub(super) fn misfit_at_rest(&self, measurement: &Measurement) -> f64 {
         let weighted = |m: &Marker| m.displacement * (m.weight * self.weights[m.node.0 - 1]);
         measurement.markers().iter().map(|marker| weighted(marker).norm_squared()).sum()

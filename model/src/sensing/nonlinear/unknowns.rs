@@ -1,4 +1,4 @@
-//! What is sought, as a list of numbers: forces, then positions, then directions.
+//! The unknowns as a list of numbers: forces, then positions, then directions.
 
 use super::{NonlinearEstimator, State};
 use crate::finger::Plate;
@@ -25,7 +25,10 @@ impl Unknown {
         let forces = (0..questions.len()).map(Unknown::Force);
         let positions = questions.iter().enumerate().filter(|(_, q)| q.position.is_none());
         let angles = questions.iter().enumerate().filter(|(_, q)| q.direction == Direction::Auto);
-        forces.chain(positions.map(|(i, _)| Unknown::Position(i))).chain(angles.map(|(i, _)| Unknown::Across(i))).collect()
+        forces
+            .chain(positions.map(|(i, _)| Unknown::Position(i)))
+            .chain(angles.map(|(i, _)| Unknown::Across(i)))
+            .collect()
     }
 
     /// The contact that it belongs to.

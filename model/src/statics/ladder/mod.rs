@@ -37,7 +37,7 @@ enum Location {
         rung: usize,
         row: usize,
     },
-    /// Inside a line, so many elements from its first end.
+    /// Inside a line, `element` elements from its first end.
     Inside {
         line: usize,
         element: usize,

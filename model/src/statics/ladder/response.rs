@@ -1,4 +1,4 @@
-//! What small added loads do to the finger in equilibrium: sensitivities from the factored tangent.
+//! Sensitivities of the finger in equilibrium to small added loads, from the factored tangent.
 
 use super::chain::{Ends, joined, numbers};
 use super::{Ladder, Location};

@@ -227,7 +227,10 @@ fn what_cannot_be_told_is_refused_by_name() {
     let case = CalibrationCase { load, measurement: Measurement::of_shape(&tip, &shape) };
     let noisy = FactorModel { noise_mm: Some(CAMERA_NOISE_MM), ..LINEAR };
     let error = factors(&tip, &[case], &each_zone(&tip), &noisy).expect_err("too little");
-    assert!(matches!(&error, CalibrationError::NotIdentifiable { parameters } if parameters.contains("zone_1")), "{error}");
+    assert!(
+        matches!(&error, CalibrationError::NotIdentifiable { parameters } if parameters.contains("zone_1")),
+        "{error}"
+    );
 }
 
 /// Correlated factors are named, and others are not.

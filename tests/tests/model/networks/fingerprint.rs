@@ -15,7 +15,8 @@ fn changed(change: impl Fn(&mut FingerDescription)) -> Fingerprint {
 fn a_fingerprint_is_that_of_the_numbers() {
     let fingerprint = Fingerprint::of(&paper());
     let position = |i: usize| 153.0 * i as f64 / 12.0;
-    let by_hand = changed(|d| d.ribs.positions = RibPositions::Positions((1..=11).map(|i| [position(i), position(i)]).collect()));
+    let by_hand =
+        changed(|d| d.ribs.positions = RibPositions::Positions((1..=11).map(|i| [position(i), position(i)]).collect()));
     assert_eq!(by_hand, fingerprint);
     let third =
         changed(|d| d.ribs.positions = RibPositions::Positions((1..=11).map(|i| [51.0 * i as f64 / 4.0; 2]).collect()));

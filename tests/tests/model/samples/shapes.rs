@@ -68,7 +68,8 @@ fn hidden_markers_leave_out_their_rows() {
     assert_eq!(seen.forces, kept.forces);
     let markers: Vec<NodeId> = finger.free_nodes().filter(|node| ![2, 19, 24].contains(&node.0)).collect();
     assert_eq!((&kept.markers, &hidden.markers(&finger)), (&markers, &markers));
-    let positions = markers.iter().map(|node| seen.markers.iter().position(|other| other == node).expect("seen before"));
+    let positions =
+        markers.iter().map(|node| seen.markers.iter().position(|other| other == node).expect("seen before"));
     let rows: Vec<usize> = positions.flat_map(|position| [2 * position, 2 * position + 1]).collect();
     assert_eq!(kept.displacements, seen.displacements.select_rows(&rows));
 }

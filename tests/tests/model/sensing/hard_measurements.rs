@@ -128,7 +128,8 @@ fn unknown_directions_and_positions_are_covered() {
         assert_honest(&format!("{question:?}"), &found, 0.1);
     }
     for node in [14, 19, 24] {
-        let question = ContactQuestion { position: Some(ContactPosition::Node(NodeId(node))), direction: Direction::Auto };
+        let question =
+            ContactQuestion { position: Some(ContactPosition::Node(NodeId(node))), direction: Direction::Auto };
         let found = standardised_errors(&[question], |_| vec![at_node(node, 0.0)], hardship, 150);
         // Near the base a force hardly shows its direction.
         assert_honest(&format!("{question:?}"), &found, if node == 24 { 0.5 } else { 0.01 });

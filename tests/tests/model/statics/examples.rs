@@ -60,7 +60,8 @@ fn a_linear_finger_is_never_said_to_buckle() {
     let paper = paper();
     for gap_mm in [1e-3, 1e-4, 1e-5, 1e-6] {
         let mut description = paper.description().clone();
-        description.ribs.positions = RibPositions::Positions([40.0, 80.0, 80.0 + gap_mm, 120.0].map(|s| [s, s]).to_vec());
+        description.ribs.positions =
+            RibPositions::Positions([40.0, 80.0, 80.0 + gap_mm, 120.0].map(|s| [s, s]).to_vec());
         let finger = Finger::new(description).expect("possible");
         let mesh = Mesh::key_nodes(&finger);
         let load = mesh.frame_load(&Load::at_node(NodeId(8), finger.direction(0.0))).expect("a contact node");

@@ -84,7 +84,7 @@ fn larger_forces_are_told_in_more_directions() {
     assert!(shares[0] < shares[1] && shares[1] < shares[2], "{shares:?}");
 }
 
-/// A push along the deformed normal: who assumes just that errs least, without bias; the undeformed normal is off by the
+/// A push along the deformed normal: the estimator that assumes it errs least, without bias; the undeformed normal is off by the
 /// plate's turn.
 #[test]
 fn the_deformed_normal_is_worth_assuming() {

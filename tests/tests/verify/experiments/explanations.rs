@@ -35,14 +35,16 @@ const NOTHING: f64 = 2e-5;
 
 static MESH: LazyLock<Mesh> = LazyLock::new(|| Mesh::with_elements_per_member(&paper(), ELEMENTS));
 static EXPLAINED: LazyLock<Vec<Explanation>> = LazyLock::new(|| {
-    let map = ExplanationMap::new(&MESH, &POSITIONS_MM, &ANGLES_DEG, FORCE_N, NOISE_MM).expect("positions on the plate");
+    let map =
+        ExplanationMap::new(&MESH, &POSITIONS_MM, &ANGLES_DEG, FORCE_N, NOISE_MM).expect("positions on the plate");
     assert_eq!(map.cells.len(), POSITIONS_MM.len() * ANGLES_DEG.len());
     assert!(map.cells.iter().all(|cell| cell.bound.is_some()), "3 N are carried everywhere");
     map.cells
 });
 
 fn shape_under(mesh: &Mesh, s_mm: f64, force: Vector) -> Measurement {
-    let shape = statics::solve(mesh, &[Load::at_position(s_mm, force)], Kinematics::Corotational).expect("an equilibrium");
+    let shape =
+        statics::solve(mesh, &[Load::at_position(s_mm, force)], Kinematics::Corotational).expect("an equilibrium");
     Measurement::of_shape(mesh.finger(), &shape)
 }
 

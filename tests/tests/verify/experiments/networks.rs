@@ -5,7 +5,7 @@ use finray_model::{Kinematics, Mesh};
 use finray_tests::{CAMERA_NOISE_MM, paper};
 use finray_verify::check::Check;
 use finray_verify::estimators::network::{NetworkSensing, Networks};
-use finray_verify::experiments::networks::accuracy::{NetworkStudy, CHECKED_SETS};
+use finray_verify::experiments::networks::accuracy::{CHECKED_SETS, NetworkStudy};
 use finray_verify::sampling::scatter::{AgainstBound, Scatter, ScatterRow};
 use finray_verify::settings::ENOUGH_CASES;
 use std::sync::atomic::{AtomicUsize, Ordering};

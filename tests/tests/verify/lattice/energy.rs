@@ -178,7 +178,13 @@ fn impossible_questions_are_refused() {
         refused(Load::at_node(NodeId(26), Vector::x())),
         LatticeError::Load(LoadError::NodeMissing { .. })
     ));
-    assert!(matches!(refused(Load::at_position(153.1, Vector::x())), LatticeError::Load(LoadError::PositionOffPlate { .. })));
-    assert!(matches!(refused(Load::at_position(0.0, Vector::x())), LatticeError::Load(LoadError::PositionOffPlate { .. })));
+    assert!(matches!(
+        refused(Load::at_position(153.1, Vector::x())),
+        LatticeError::Load(LoadError::PositionOffPlate { .. })
+    ));
+    assert!(matches!(
+        refused(Load::at_position(0.0, Vector::x())),
+        LatticeError::Load(LoadError::PositionOffPlate { .. })
+    ));
     assert_eq!(refused(Load::at_node(NodeId(19), Vector::new(f64::NAN, 0.0))), LatticeError::LoadNotFinite);
 }

@@ -66,7 +66,7 @@ pub(super) fn cells(
 /// Mean square of sensed / true - 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Squared {
-    /// What is wrong even without noise.
+    /// Error without noise.
     bias: f64,
     /// Variance by noise.
     noise: f64,
@@ -77,7 +77,7 @@ impl Squared {
         Squared { bias: (sensed_n / force_n - 1.0).powi(2), noise: (sigma_n / force_n).powi(2) }
     }
 
-    /// What the nonlinear estimator makes of a shape without noise, and what noise would add; `None` where it refuses.
+    /// Estimate of the nonlinear estimator from a shape without noise, and its error by noise; `None` where it refuses.
     pub(super) fn of_nonlinear(
         estimator: &mut NonlinearEstimator,
         seen: &Measurement,
@@ -142,7 +142,7 @@ impl Sensor<'_> {
         }
     }
 
-    /// What sensing takes the contact for: off to both sides, as far as the plate reaches.
+    /// The assumed contacts: off to both sides, as far as the plate reaches.
     fn assumed(&self, s_mm: f64, angle_deg: f64, position_off: bool, direction_off: bool) -> Vec<Contact> {
         let sides = |off: bool, by: f64| if off { vec![-by, by] } else { vec![0.0] };
         let length_mm = self.models.finger().plate_length_mm(Plate::Front);

@@ -1,4 +1,4 @@
-//! Why a sensed force is wrong: what goes away when one cause is switched off, and what is left when several are.
+//! Causes of sensing errors: the error removed by switching off one cause, and the residual error after several.
 //!
 //! A true finger, co-rotational on a fine mesh, is pushed at a position in a direction. Sensing does what a user would:
 //! it takes the finger for uniform where it is softer, calibrates its modulus by shapes under weights, assumes a direction and a
@@ -26,13 +26,13 @@ use models::{End, Models};
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// How far the true direction is from the one assumed, degrees, to either side: the paper assumes the undeformed normal, from which the
+/// Error of the assumed direction, degrees, to either side: the paper assumes the undeformed normal, from which the
 /// deformed one turns by up to 12.5 deg (sec. V-C).
 pub const DIRECTION_OFF_DEG: f64 = 12.5;
-/// How far the true position is from the one assumed, mm, to either side: the radius of the paper's rods (sec. V-C), round which an object may touch.
+/// Error of the assumed position, mm, to either side: the radius of the paper's rods (sec. V-C), round which an object may touch.
 pub const POSITION_OFF_MM: f64 = 1.5;
 
-/// What makes a sensed force wrong.
+/// Cause of a sensing error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Cause {
@@ -74,7 +74,7 @@ impl Cause {
     }
 }
 
-/// How a user senses.
+/// A way of sensing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Practice {
@@ -86,7 +86,7 @@ pub enum Practice {
     Network,
 }
 
-/// What a user knows of a contact.
+/// Knowledge of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ContactKnowledge {
@@ -108,7 +108,8 @@ impl Practice {
 
     fn causes(self) -> [Cause; 7] {
         use Cause::{
-            BaseCompliance, Direction, Discretisation, Linearisation, Modulus, NetworkFit, Noise, Position, TipCompliance,
+            BaseCompliance, Direction, Discretisation, Linearisation, Modulus, NetworkFit, Noise, Position,
+            TipCompliance,
         };
         let of_the_model = match self {
             Practice::LeastSquares => Linearisation,
@@ -119,7 +120,7 @@ impl Practice {
     }
 }
 
-/// What is known of a contact leaves no cause.
+/// Causes that the knowledge of a contact rules out.
 impl ContactKnowledge {
     fn leaves_out(self) -> &'static [Cause] {
         match self {
@@ -137,10 +138,10 @@ impl ContactKnowledge {
     }
 }
 
-/// What is asked.
+/// Request of a study of causes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CauseRequest {
-    /// Who senses, and what he knows of the contact: a map each. Not the network, which is [apart](network).
+    /// Estimators with their knowledge of the contact: a map each. Not the network, which is [apart](network).
     pub practices: Vec<(Practice, ContactKnowledge)>,
     /// Positions on the front plate, mm from the base.
     pub positions_mm: Vec<f64>,
@@ -197,11 +198,11 @@ pub const REMEDIES: [(&str, &[Cause]); 3] = [
 /// The causes of one truth and practice on a grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CauseMap {
-    /// What was asked for.
+    /// The request.
     pub request: CauseRequest,
     /// The true finger.
     pub truth: TruthId,
-    /// How it is sensed.
+    /// The way of sensing.
     pub practice: Practice,
     /// What is known of the contact.
     pub contact: ContactKnowledge,
@@ -256,8 +257,11 @@ pub fn causes(
         causes: present(practice, contact, finger, request),
     };
     let sensors: Vec<Sensor> = request.practices.iter().map(sensor).collect();
-    let contacts: Vec<_> =
-        request.positions_mm.iter().flat_map(|&s_mm| request.angles_deg.iter().map(move |&angle| (s_mm, angle))).collect();
+    let contacts: Vec<_> = request
+        .positions_mm
+        .iter()
+        .flat_map(|&s_mm| request.angles_deg.iter().map(move |&angle| (s_mm, angle)))
+        .collect();
     let at = |&(s_mm, angle_deg): &(f64, f64)| {
         let cells = cell::cells(&pushed, &sensors, s_mm, angle_deg, &request.forces_n);
         progress();

@@ -6,8 +6,8 @@
 use super::cell::Squared;
 use super::models::{Bending, calibrated, weighed, with_zones};
 use super::{
-    Cause, CauseCell, CauseError, CauseMap, CauseRequest, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM, Practice,
-    present,
+    Cause, CauseCell, CauseError, CauseMap, CauseRequest, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM,
+    Practice, present,
 };
 use crate::estimators::{ELEMENTS, Estimator};
 use crate::sampling::noise::Noise;
@@ -73,7 +73,7 @@ pub fn causes(
     Ok(CauseMap { request, truth, practice: Practice::Network, contact: ContactKnowledge::Assumed, causes, cells })
 }
 
-/// The finger and what is made of it, with one cause switched off.
+/// The finger and its model, with one cause switched off.
 struct World {
     off: Option<Cause>,
     /// The true finger.

@@ -1,4 +1,4 @@
-//! What the camera makes of a contact: its position and direction from outline points, with noise.
+//! Camera model of a contact: its position and direction from outline points, with noise.
 //!
 //! The camera sees the outlines of object and finger as points, each with an error of its own of the camera's standard deviation s a
 //! coordinate, and apart from the markers, which are other pixels. The direction of a contact is read from two such points at a distance b

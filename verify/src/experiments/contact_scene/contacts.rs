@@ -59,7 +59,8 @@ fn is_rod(touch: &Touch, node: NodeId) -> bool {
 /// Length of the segment of front plate, from rod to rod, that a position lies on, mm.
 pub(super) fn member_mm(finger: &Finger, position_mm: f64) -> f64 {
     let positions = finger.plate_positions_mm(Plate::Front);
-    let member = positions.windows(2).find(|member| position_mm <= member[1]).unwrap_or(&positions[positions.len() - 2..]);
+    let member =
+        positions.windows(2).find(|member| position_mm <= member[1]).unwrap_or(&positions[positions.len() - 2..]);
     member[1] - member[0]
 }
 

@@ -76,7 +76,7 @@ pub enum SceneStudyError {
 }
 
 /// Runs several scenes in parallel, each with its number of segments a plate member. Noise is that of each scene's camera, or
-/// `noise_mm` for a scene without; so many `samples` of it are taken of each step.
+/// `noise_mm` for a scene without; `samples` noise samples are taken of each step.
 ///
 /// # Errors
 /// [`SceneStudyError`] for an outline that is none, or if beams have no equilibrium under contact forces that the lattice carries.
@@ -128,7 +128,7 @@ pub fn shipped() -> Result<Vec<(SceneWithOutline, usize)>, SceneStudyError> {
 }
 
 impl SceneStudy {
-    /// Runs a prepared scene, and takes so many noise samples of each step; `done` is called after every step.
+    /// Runs a prepared scene, and takes `samples` noise samples of each step; `done` is called after every step.
     ///
     /// # Errors
     /// [`SceneStudyError::Statics`] if beams have no equilibrium under contact forces that the lattice carries. A step that does not

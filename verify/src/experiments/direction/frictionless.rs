@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 /// Turn of the normal, degrees, below which push and plate agree: worth 1e-6 of the force.
 const SETTLED_DEG: f64 = 1e-4;
-/// A normal that has not settled after so many shapes does not.
+/// Largest number of shapes in which a normal must settle.
 const MOST_TURNS: usize = 30;
 
 /// What is assumed of the direction.
@@ -60,7 +60,7 @@ pub struct FrictionlessPush {
     pub angle_deg: Option<f64>,
     /// What the estimator assumes.
     pub assumed: Assumption,
-    /// What it made of it.
+    /// Its answers.
     pub answers: Answers,
 }
 

@@ -71,7 +71,7 @@ const MODULI_MPA: [f64; 4] = [1e-3, 1.0, 1e3, 1e6];
 /// Newton stops at 1e-11 of the energy norm.
 const SCALING: f64 = 1e-9;
 const ZONE_FACTORS: [f64; 2] = [1e6, 1e-6];
-/// What is left of a zone's own deformation at 1e6 times the stiffness, with room for its leverage.
+/// Tolerance of a zone's own deformation at 1e6 times the stiffness, with room for its leverage.
 const RIGID: f64 = 1e-5;
 const LARGE_MESH_NODES: usize = 100_000;
 /// Four digits are the fewest that a solution may have.

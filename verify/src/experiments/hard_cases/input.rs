@@ -42,7 +42,7 @@ const NOT_FINITE: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
 const PROPORTIONAL: f64 = 1e-9;
 /// A displacement that is none.
 const NOTHING_MM: f64 = 1e-300;
-/// What no scene value may be, and what no size may be.
+/// Values that are invalid for any number, and for any size.
 const NO_NUMBERS: [&str; 4] = ["nan", "inf", "-inf", "1e999"];
 const NO_SIZES: [&str; 3] = ["5e-324", "-5e-324", "-1.0"];
 /// Optional keys, for the paper's scene: beside the depth, and at the end.

@@ -22,9 +22,9 @@ pub const TIME_LIMIT_S: f64 = 5.0;
 /// A case and its results.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HardCase {
-    /// What is asked.
+    /// Its name.
     pub case: &'static str,
-    /// What makes it hard.
+    /// The difficulty.
     pub difficulty: &'static str,
     /// Expected outcome.
     pub expectation: &'static str,
@@ -32,7 +32,7 @@ pub struct HardCase {
     pub notes: Vec<String>,
     /// Results in figures, each with its tolerance.
     pub checks: Vec<Check>,
-    /// How long it took, s.
+    /// Time, s.
     pub seconds: f64,
 }
 
@@ -51,7 +51,7 @@ struct Question {
     answer: fn(&Finger, Effort, &mut Findings) -> Result<(), Unexpected>,
 }
 
-/// What ends a case before its checks are made: an error where none was expected.
+/// Error that ends a case before its checks, where none was expected.
 type Unexpected = Box<dyn std::error::Error>;
 
 /// Collects the results of a case.
@@ -66,7 +66,7 @@ impl Findings {
         self.notes.push(words.into());
     }
 
-    /// What every hard case is held against is our own: another way of solving, a law that our solutions obey, a count of refusals.
+    /// Adds an internal check: another way of solving, a law that our solutions obey, a count of refusals.
     fn check(&mut self, source: &str, quantity: &str, reference: f64, ours: f64, tolerance: f64) {
         self.checks.push(Check::new(Kind::Internal, self.case, source, quantity, reference, ours, tolerance));
     }

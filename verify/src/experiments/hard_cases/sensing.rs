@@ -55,7 +55,7 @@ pub(super) const QUESTIONS: &[Question] = &[
 const EXACT: f64 = 1e-7;
 /// Errors beyond this many sigma do not happen in some hundred draws (6e-7 each).
 const SIGMAS: f64 = 5.0;
-/// How far the scatter over the stated sigma may be from 1: over four standard errors of the draws that are made, and
+/// Tolerance of the scatter over the stated sigma: over four standard errors of the draws that are made, and
 /// what geometric nonlinearity adds at 1 mm.
 const SCATTER: f64 = 0.25;
 /// A good camera, for twelve forces at once: with the paper's they would be drowned.

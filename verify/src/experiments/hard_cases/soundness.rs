@@ -1,4 +1,4 @@
-//! What holds for every equilibrium of every finger, checked without the solver's help.
+//! Properties of every equilibrium of every finger, checked without the solver.
 
 use super::{Findings, Unexpected};
 use crate::check::worst;
@@ -14,9 +14,9 @@ pub const BALANCE: f64 = 1e-6;
 /// Largest difference between elastic energy and work, as a share of the work: what the quadrature along the load path
 /// leaves.
 pub const ENERGY: f64 = 1e-6;
-/// How near a limit load is known: load steps end at 1e-6 of the load that was asked for.
+/// Tolerance of a limit load: load steps end at 1e-6 of the load that was asked for.
 pub const LIMIT: f64 = 1e-3;
-/// What two solutions are compared by: see [`difference`].
+/// Quantity of the comparison of two solutions: see [`difference`].
 pub const DIFFERENCE: &str = "difference / largest displacement";
 /// Sections of the load path, each integrated by itself: shallow arches soften on the way.
 const PANELS: usize = 4;
@@ -135,7 +135,7 @@ fn work(load: &FrameLoad, motion: &FrameMotion) -> f64 {
     }
 }
 
-/// What loads and reactions leave, as a share of the load: force, and moment about the origin over the plate's length.
+/// Imbalance of loads and reactions, as a share of the load: force, and moment about the origin over the plate's length.
 fn unbalanced(mesh: &Mesh, load: &FrameLoad, motion: &FrameMotion, kinematics: Kinematics) -> f64 {
     let FrameLoad::Node { node, force, .. } = *load else { return f64::NAN };
     let (frame, finger) = (mesh.frame(), mesh.finger());

@@ -16,7 +16,7 @@ pub const FORCES_N: [f64; 2] = TWO_FORCES_N;
 const CHANCE: f64 = 3.3;
 /// Largest mean error of the sum of two forces.
 const SUM_ERROR: f64 = 0.01;
-/// And no more than so many times what noise alone allows (the Cramer-Rao bound): of a force, 7 % above it at most were measured, known to
+/// And no more than this many times what noise alone allows (the Cramer-Rao bound): of a force, 7 % above it at most were measured, known to
 /// 2 %; of a sum, in which the noise of neighbours cancels but the networks' own errors need not, 59 %.
 const OVER_BOUND: f64 = 1.10;
 const SUM_OVER_BOUND: f64 = 1.70;
@@ -110,8 +110,7 @@ impl NetworkStudy {
         let finger = fine.finger();
         let network = NetworkSensing { networks, finger, refuses: true };
         let open = CHECKED_SETS.iter().filter(|set| found(set, sensed).is_none());
-        let sets: Vec<Vec<NodeId>> =
-            open.map(|set| set.nodes.iter().map(|&node| NodeId(node)).collect()).collect();
+        let sets: Vec<Vec<NodeId>> = open.map(|set| set.nodes.iter().map(|&node| NodeId(node)).collect()).collect();
         // The bound changes little with the mesh: the coarsest serves.
         let request = ScatterRequest {
             truth: fine,
@@ -123,10 +122,7 @@ impl NetworkStudy {
         };
         let mut rows = scatter(&request, &[&network], &sets, FORCES_N, progress)?;
         rows.extend_from_slice(sensed);
-        Ok(NetworkStudy {
-            noise_mm,
-            rows: CHECKED_SETS.iter().filter_map(|set| found(set, &rows)).cloned().collect(),
-        })
+        Ok(NetworkStudy { noise_mm, rows: CHECKED_SETS.iter().filter_map(|set| found(set, &rows)).cloned().collect() })
     }
 
     /// All checks.

@@ -18,7 +18,7 @@ pub type Section = (Part, f64, f64);
 /// Zones of the paper's finger that share a factor each, group by group.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ZoneSet {
-    /// What it is, for tables.
+    /// Its name, for tables.
     pub name: &'static str,
     /// The groups, each with the factor where the fit starts: where a fit from 0.2 ended.
     pub groups: &'static [(&'static [Section], f64)],

@@ -1,4 +1,4 @@
-//! What follows from the twin: Table I before and after, its zones calibrated from noisy shapes, and sensing with them.
+//! Study of the twin: Table I before and after, its zones calibrated from noisy shapes, and sensing with them.
 
 use super::fit::{ANGLE_DEG, TwinFit, fit};
 use super::{OTHERS, TWIN};
@@ -201,7 +201,7 @@ impl TwinStudy {
     }
 }
 
-/// What a camera without noise sees of the twin under the paper's weights.
+/// Noise-free measurements of the twin under the paper's weights.
 fn shapes(finger: &Finger, truth: &MeshTruth) -> Vec<CalibrationCase> {
     let cases = LOADED.iter().flat_map(|&node| {
         let contact = Contact::at_node(NodeId(node));

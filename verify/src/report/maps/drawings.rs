@@ -155,8 +155,12 @@ fn explanation(study: &Study, kind: &Kind) -> Result<String, FigureError> {
     let map = &study.explanations;
     let title = format!("{}, {} N", kind.title, map.force_n);
     let alt = format!("{title}: {} by place along the front plate and direction.", kind.value_label);
-    let cells =
-        Cells { note: String::new(), x: map.positions_mm.clone(), y: map.angles_deg.clone(), values: map.values(kind.of) };
+    let cells = Cells {
+        note: String::new(),
+        x: map.positions_mm.clone(),
+        y: map.angles_deg.clone(),
+        values: map.values(kind.of),
+    };
     let shades = Shades::Scale(kind.colours, kind.value_label.to_owned());
     Map {
         contours: kind.contours.to_vec(),

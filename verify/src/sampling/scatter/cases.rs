@@ -11,7 +11,7 @@ use finray_model::statics::{Ladder, Statics};
 use finray_model::{Finger, Kinematics, Mesh};
 use rayon::prelude::*;
 
-/// A finger that carries none of so many draws in a row carries no force of the range.
+/// A finger that carries none of this many draws in a row carries no force of the range.
 const MOST_DRAWS: usize = 100;
 /// Cases that share prepared estimators; threads take turns by as many.
 const BLOCK: u64 = 100;
@@ -49,7 +49,7 @@ pub(super) struct Look<'c> {
     pub bound: Option<&'c Sensed>,
     /// Errors of the forces to first order in the noise of this sample, N.
     pub first_order: Option<&'c [f64]>,
-    /// What is sensed; `None` where it refused.
+    /// The estimate; `None` where it refused.
     pub sensed: Option<&'c Sensed>,
 }
 
@@ -135,8 +135,8 @@ impl<'a> Bench<'a> {
         let mut open: Vec<usize> = (0..draws.len()).collect();
         loop {
             let pairs = (0..open.len()).flat_map(|position| (0..starts.len()).map(move |start| (position, start)));
-            let pairs =
-                pairs.map(|(position, start)| (starts[start].distance_n(&draws[open[position]].forces_n), position, start));
+            let pairs = pairs
+                .map(|(position, start)| (starts[start].distance_n(&draws[open[position]].forces_n), position, start));
             let Some((_, position, start)) = pairs.min_by(|a, b| a.0.total_cmp(&b.0)) else { return bent };
             let number = open.remove(position);
             let Some((motion, not_carried)) = self.carried(&mut draws[number], &starts[start], range_n) else {
@@ -196,7 +196,7 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// What chance gives to one case, the same whoever looks.
+/// Random numbers of one case, the same for every estimator.
 struct Draw {
     forces_n: Vec<f64>,
     /// Of each coordinate, in standard deviations.
@@ -225,7 +225,7 @@ impl Draw {
 struct Bent {
     forces_n: Vec<f64>,
     noise: Vec<f64>,
-    /// What the camera sees without noise.
+    /// The measurement without noise.
     clean: Measurement,
     not_carried: usize,
 }

@@ -45,7 +45,7 @@ pub struct Cell {
     pub angle_deg: f64,
     /// True force, N.
     pub force_n: f64,
-    /// What came out.
+    /// Results.
     pub outcome: Outcome,
 }
 
@@ -224,7 +224,7 @@ impl<'s> Sweep<'s> {
     }
 }
 
-/// Counts what an estimator makes of some noise samples of what is seen.
+/// Counts the answers of an estimator to noise samples of a measurement.
 fn sense<'p>(
     estimator: &mut dyn PreparedEstimator,
     seen: &Measurement,

@@ -1,4 +1,4 @@
-//! The grid of positions, directions, forces and noise on which sensing is put to the test.
+//! The grid of positions, directions, forces and noise on which sensing is tested.
 
 use finray_model::Finger;
 use finray_model::finger::Plate;
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Largest angle of a direction from the normal, degrees: flatter forces slide rather than press.
 const LARGEST_ANGLE_DEG: f64 = 80.0;
 
-/// What is asked of every truth and estimator.
+/// The grid of one request, for every truth and estimator.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Grid {
     /// Positions on the front plate, mm from the base.

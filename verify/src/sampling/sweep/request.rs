@@ -1,4 +1,4 @@
-//! What was asked for, at the head of files that are to be gone on with or put together.
+//! The request, at the head of files that are to be resumed or merged.
 
 use super::{Grid, Shard, Table};
 use crate::estimators::EstimatorId;
@@ -68,11 +68,11 @@ impl Request {
 pub struct Head {
     /// Which share of the rows stands below; `None` for all of them.
     pub shard: Option<Shard>,
-    /// What was asked for.
+    /// The request.
     pub request: Request,
 }
 
-/// What every line of a head begins with.
+/// Prefix of every line of a head.
 const MARK: &str = "# ";
 
 impl Head {

@@ -48,7 +48,7 @@ impl Tally {
         self.refusal.get_or_insert_with(|| error.to_string());
     }
 
-    /// Results of so many samples.
+    /// Results of this number of samples.
     pub(super) fn outcome(&self, samples: usize) -> Outcome {
         let count = self.answered as f64;
         let enough = self.answered > 0 && 2 * self.answered >= samples;

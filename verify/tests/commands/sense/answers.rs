@@ -62,7 +62,7 @@ fn force_and_sigma_are_those_of_least_squares() {
     };
     let force = cu / cc;
     check(PAPER, &["--noise-mm", "0.067"], force, 0.067);
-    // 23 free nodes measure 46 coordinates. Zero is no noise that a residual could be held against.
+    // 23 free nodes measure 46 coordinates. Zero is no noise that a residual could be tested against.
     // Where none is stated, sigma is wider by Student's t: 2.0141 for 45 degrees of freedom, over 1.9600.
     let residual = ((uu - cu * cu / cc) / 45.0).sqrt() * 2.0141 / 1.959_96;
     check(PAPER, &[], force, residual);
@@ -81,7 +81,7 @@ fn force_and_sigma_are_those_of_least_squares() {
     assert_close(&ridge.numbers("sigma_n"), &[noise / weight.sqrt()], 2e-3);
 }
 
-/// 3 N at -60 deg on node 19, which the linear model takes for 4 N: once stated to 0.008 N, without a word. Whoever does not ask for
+/// 3 N at -60 deg on node 19, which the linear model takes for 4 N: once stated to 0.008 N, without a word. A user who does not ask for
 /// an estimator gets the nonlinear one.
 #[test]
 fn a_linear_answer_that_the_measurement_contradicts_says_so() {

@@ -19,7 +19,8 @@ fn a_run_that_was_killed_goes_on() {
     let kept = head.iter().enumerate().filter(|(i, _)| !(from..from + 4).contains(i)).map(|(_, line)| *line);
     let begun = kept.collect::<Vec<_>>().join("\n") + "\n" + whole;
     let rows_at = begun.find(HEADER).expect("the header") + HEADER.len() + 1;
-    let positions = [0, 1, rows_at / 2, rows_at - 1, rows_at, rows_at + 7, (rows_at + begun.len()) / 2, begun.len() - 1];
+    let positions =
+        [0, 1, rows_at / 2, rows_at - 1, rows_at, rows_at + 7, (rows_at + begun.len()) / 2, begun.len() - 1];
     for written in positions.into_iter().chain([begun.len()]) {
         folder.put("out.csv.partial", &begun[..written]);
         finray(&with(&SWEEP, &["--out", &out])).done();
