@@ -65,7 +65,7 @@ pub enum CalibrationError {
     },
     /// The data determine a combination of some factors alone.
     #[error(
-        "not identifiable: the measurements do not determine {parameters} one by one: leave one of them as the scene has it, or load \
+        "not identifiable: the measurements do not separate {parameters}: leave one of them as the scene has it, or load \
          other nodes"
     )]
     NotSeparable {

@@ -200,8 +200,8 @@ pub enum SensingError {
     Unconfirmed,
     /// No forces were found that explain the data.
     #[error(
-        "the co-rotational model does not explain the measurement: the residual is {residual_rms_mm:.3} mm of {moved_rms_mm:.3} mm \
-         (root mean squares)"
+        "the co-rotational model does not explain the measurement: the residual is {residual_rms_mm:.3} mm of \
+         {moved_rms_mm:.3} mm (root mean squares)"
     )]
     Unexplained {
         /// Root mean square of the weighted residual, mm.

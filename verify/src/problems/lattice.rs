@@ -18,7 +18,7 @@ pub const NEWTON: &str = "spring lattice, Newton";
 const QUANTITY: &str = "largest displacement difference / largest displacement";
 /// Segments a plate member.
 pub const FINENESS: usize = 2;
-/// Discretisation error of the lattice against beams: its segments bend at their middles alone, which is exact without rotations. The relative difference
+/// Discretisation error of the lattice against beams. Its segments bend at their middles alone, exact without rotations. The relative difference
 /// is odd in the rotations, so it grows as a F + b F^3. Two segments a plate member have a = 2.5e-4 / N and b = 2.4e-5 / N^3 (from 0.1
 /// to 5 N, within 5 %; both fall with the third to fourth power of the segments' length); a quarter more is allowed.
 const COARSENESS_PER_N: f64 = 3.1e-4;

@@ -193,7 +193,7 @@ fn zones_are_found_with_their_sigmas_and_correlations() {
     }
 }
 
-/// Sigmas grow with the noise; front and back alone are hardly identifiable one by one, and the command says so without failing.
+/// Sigmas grow with the noise; front and back alone are hardly separable, and the command says so without failing.
 #[test]
 fn noise_sets_the_sigmas_of_zones() {
     let folder = Folder::new();
@@ -211,9 +211,7 @@ fn noise_sets_the_sigmas_of_zones() {
     assert_eq!(Csv::of(&entangled.out).rows.len(), 8);
     assert_says(
         &entangled.err,
-        &[
-            "warning: zone_1_modulus_factor and zone_2_modulus_factor are hardly identifiable one by one: correlation -0.9",
-        ],
+        &["warning: zone_1_modulus_factor and zone_2_modulus_factor are hardly separable: correlation -0.9"],
     );
 }
 

@@ -235,7 +235,8 @@ pub enum CauseError {
     Network(#[from] finray_model::sensing::network::NetworkError),
 }
 
-/// The causes of every practice on a true finger. `progress` is called once for every position and direction. The result does not depend on the number of threads.
+/// The causes of every practice on a true finger. `progress` is called once for every position and direction.
+/// The result does not depend on the number of threads.
 ///
 /// # Errors
 /// [`CauseError`] if the finger at rest cannot be solved or its modulus not calibrated.
