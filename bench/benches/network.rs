@@ -10,7 +10,7 @@ use finray_model::sensing::network::{
     ContactSet, Dense, FORMAT, Fingerprint, Inputs, Instructions, Network, NetworkCard, NetworkEstimator, Origin,
     Scaling, TestError,
 };
-use finray_model::sensing::{Contact, ContactPlace};
+use finray_model::sensing::{Contact, ContactPosition};
 use finray_model::{Kinematics, Vector};
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
@@ -24,7 +24,7 @@ fn network(hidden: &[usize]) -> Network {
     let finger = paper();
     let markers: Vec<NodeId> = finger.free_nodes().collect();
     let contacts: Vec<Contact> =
-        [19, 20].map(|node| Contact { place: ContactPlace::Node(NodeId(node)), angle_deg: 0.0 }).to_vec();
+        [19, 20].map(|node| Contact { position: ContactPosition::Node(NodeId(node)), angle_deg: 0.0 }).to_vec();
     let (n, m) = (2 * markers.len(), contacts.len());
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let mut random = |scale: f64| rng.random_range(-scale..scale);

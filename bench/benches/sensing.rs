@@ -5,7 +5,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use finray_bench::{paper, push};
 use finray_model::frame::FrameLoad;
 use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, ContactPlace, LinearEstimator, NonlinearEstimator, Prior};
+use finray_model::sensing::{Contact, ContactPosition, LinearEstimator, NonlinearEstimator, Prior};
 use finray_model::statics::Statics;
 use finray_model::{Kinematics, Mesh, NodeId, statics};
 use finray_verify::experiments::speed_error::sensing::{FRAMES_A_PERIOD, Stream};
@@ -22,8 +22,10 @@ fn sensing(criterion: &mut Criterion) {
         .expect("the linear finger is solved");
     let measurement = Measurement::of_shape(&finger, &shape);
     for nodes in [vec![19], vec![19, 20], (13..=24).collect()] {
-        let contacts: Vec<Contact> =
-            nodes.iter().map(|&node| Contact { place: ContactPlace::Node(NodeId(node)), angle_deg: 0.0 }).collect();
+        let contacts: Vec<Contact> = nodes
+            .iter()
+            .map(|&node| Contact { position: ContactPosition::Node(NodeId(node)), angle_deg: 0.0 })
+            .collect();
         let count = contacts.len();
         let estimator = LinearEstimator::new(&finger, &contacts, &measurement).expect("well-posed");
         criterion.bench_function(&format!("least_squares/prepared/{count}"), |bencher| {
@@ -90,7 +92,7 @@ fn samples(criterion: &mut Criterion) {
         .filter_map(|loads| solver.clone().equilibrium(loads).ok())
         .map(|equilibrium| Measurement::of_shape(&finger, &mesh.shape(&equilibrium.motion)))
         .collect();
-    let contacts = pair.map(|node| Contact { place: ContactPlace::Node(node), angle_deg: 0.0 }.into());
+    let contacts = pair.map(|node| Contact { position: ContactPosition::Node(node), angle_deg: 0.0 }.into());
     let estimator = NonlinearEstimator::new(&mesh, &contacts).expect("contact nodes");
     let threads = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
     let carried = cases.iter().filter(|loads| solver.clone().equilibrium(loads).is_ok()).count();

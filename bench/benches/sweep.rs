@@ -1,5 +1,5 @@
-//! Sweeps: cells per second of linear least squares and of the nonlinear estimator, on linear and large-rotation truths. A
-//! cell is one estimate: a place, direction, force, level of noise and noise picture.
+//! Sweeps: cells per second of linear least squares and of the nonlinear estimator, on linear and co-rotational truths. A
+//! cell is one estimate: a position, direction, force, level of noise and noise sample.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use finray_bench::paper;
@@ -10,7 +10,7 @@ use finray_verify::truths::TruthId;
 use finray_verify::truths::{MeshTruth, Truth, fine_mesh};
 use std::hint::black_box;
 
-/// Name, truth, estimator, forces (N), degrees between directions and noise pictures.
+/// Name, truth, estimator, forces (N), degrees between directions and noise samples.
 type Case<'c> = (&'c str, &'c dyn Truth, &'c dyn Estimator, &'c [f64], f64, usize);
 
 fn sweep(criterion: &mut Criterion) {
@@ -24,27 +24,27 @@ fn sweep(criterion: &mut Criterion) {
     let nonlinear = BeamEstimator::nonlinear(&sensing);
     let four = [0.5, 1.0, 2.0, 3.0];
     let cases: [Case; 5] = [
-        ("linear/least_squares/200_pictures", &linear, &least_squares, &four, 20.0, 200),
-        ("linear/least_squares/1_picture", &linear, &least_squares, &four, 2.0, 1),
-        ("linear/least_squares/1_picture/1_force", &linear, &least_squares, &four[1..2], 2.0, 1),
-        ("corotational/least_squares/200_pictures", &corotational, &least_squares, &four, 20.0, 200),
-        ("corotational/nonlinear/4_pictures", &corotational, &nonlinear, &four, 80.0, 4),
+        ("linear/least_squares/200_samples", &linear, &least_squares, &four, 20.0, 200),
+        ("linear/least_squares/1_sample", &linear, &least_squares, &four, 2.0, 1),
+        ("linear/least_squares/1_sample/1_force", &linear, &least_squares, &four[1..2], 2.0, 1),
+        ("corotational/least_squares/200_samples", &corotational, &least_squares, &four, 20.0, 200),
+        ("corotational/nonlinear/4_samples", &corotational, &nonlinear, &four, 80.0, 4),
     ];
     let mut group = criterion.benchmark_group("sweep");
     group.sample_size(10);
-    for (name, truth, estimator, forces_n, step_deg, noise_pictures) in cases {
-        let (places_mm, angles_deg) = Grid::grid(&finger, 12, step_deg);
+    for (name, truth, estimator, forces_n, step_deg, noise_samples) in cases {
+        let (positions_mm, angles_deg) = Grid::grid(&finger, 12, step_deg);
         let grid = Grid {
-            places_mm,
+            positions_mm,
             angles_deg,
             forces_n: forces_n.to_vec(),
             noise_levels_mm: vec![0.067],
-            noise_pictures,
+            noise_samples,
             seed: 1,
         };
         let sweep = Sweep::new(&finger, vec![truth], vec![estimator], &grid);
         let blocks = sweep.block_count();
-        group.throughput(Throughput::Elements((blocks * sweep.cells_in_block() * noise_pictures) as u64));
+        group.throughput(Throughput::Elements((blocks * sweep.cells_in_block() * noise_samples) as u64));
         group.bench_function(name, |bencher| {
             bencher.iter(|| {
                 let mut bytes = 0;

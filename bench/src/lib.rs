@@ -1,4 +1,4 @@
-//! What the benches time, set up once and the same way: the finger of the paper and its loads.
+//! Shared setup of the benches: the finger of the paper and its loads.
 
 use finray_model::{Finger, Load, NodeId, Scene};
 

@@ -32,7 +32,7 @@ pub struct ModulusEstimate {
     pub node_count: usize,
 }
 
-/// Why no modulus can be told.
+/// Why a modulus is not identifiable.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CalibrationError {
     /// The finger under a load could not be solved.
@@ -58,17 +58,17 @@ pub enum CalibrationError {
         coordinates: usize,
     },
     /// The data say nothing of some factors.
-    #[error("not identifiable: the measurements do not tell {parameters}")]
-    NotTold {
+    #[error("not identifiable: the measurements do not determine {parameters}")]
+    NotIdentifiable {
         /// Their names.
         parameters: String,
     },
-    /// The data tell a combination of some factors alone.
+    /// The data determine a combination of some factors alone.
     #[error(
-        "not identifiable: the measurements do not tell {parameters} apart: leave one of them as the scene has it, or load \
+        "not identifiable: the measurements do not separate {parameters}: leave one of them as the scene has it, or load \
          other nodes"
     )]
-    NotToldApart {
+    NotSeparable {
         /// Their names.
         parameters: String,
     },

@@ -41,7 +41,7 @@ impl Compliance {
     }
 }
 
-/// The linear finger solved once for forces and moments on its key nodes, for whoever asks about many loads.
+/// The linear finger solved once for forces and moments on its key nodes, for many loads.
 ///
 /// A load between two key nodes moves all key nodes as its equivalent loads on these two do (consistent nodal loads, exact
 /// for the cubic beam), so no further load needs a factorisation or a solution of its own. Each node is solved for when a
@@ -117,7 +117,7 @@ impl NodalCompliance {
         })
     }
 
-    /// What the key nodes do under unit loads on one of them (from 0).
+    /// Motions of the key nodes under unit loads on one of them (from 0).
     fn blocks(&self, node: usize) -> Result<&[Matrix3<f64>], StaticsError> {
         let solved = self.nodes[node].get_or_init(|| {
             let unit = |force, moment_nmm| FrameLoad::Node { node, force, moment_nmm };

@@ -35,8 +35,8 @@ pub enum Joints {
 
 /// Where the ribs are.
 #[derive(Debug, Clone, PartialEq)]
-pub enum RibPlaces {
-    /// So many ribs, rib i at i / (count + 1) of both plates.
+pub enum RibPositions {
+    /// This number of ribs, rib i at i / (count + 1) of both plates.
     Count(usize),
     /// Distances from the base along the front and the back plate, mm, from base to tip.
     Positions(Vec<[f64; 2]>),
@@ -45,8 +45,8 @@ pub enum RibPlaces {
 /// The ribs as the user describes them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RibDescription {
-    /// Their places.
-    pub places: RibPlaces,
+    /// Their positions.
+    pub positions: RibPositions,
     /// Their joints with the plates.
     pub joints: Joints,
     /// Their material; `None` for ribs that do not deform (or if there are none).
@@ -64,7 +64,7 @@ pub enum Part {
     Ribs,
 }
 
-/// A stretch of another modulus.
+/// A section of other modulus.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Zone {
     /// The part it belongs to.
@@ -98,7 +98,7 @@ pub struct FingerDescription {
     pub back: Strip,
     /// The ribs.
     pub ribs: RibDescription,
-    /// Stretches of other modulus; overlapping ones multiply.
+    /// Sections of other modulus; overlapping ones multiply.
     pub zones: Vec<Zone>,
 }
 
@@ -205,8 +205,8 @@ impl Finger {
         }
     }
 
-    /// Places of the [`plate_nodes`](Finger::plate_nodes), mm along the plate from the base.
-    pub fn plate_places_mm(&self, part: Plate) -> Vec<f64> {
+    /// Positions of the [`plate_nodes`](Finger::plate_nodes), mm along the plate from the base.
+    pub fn plate_positions_mm(&self, part: Plate) -> Vec<f64> {
         let column = usize::from(part == Plate::Back);
         std::iter::once(0.0)
             .chain(self.ribs.iter().map(|rib| rib[column]))
@@ -250,10 +250,10 @@ impl Finger {
         }
     }
 
-    /// Place of a node of the front plate, mm from the front base; `None` for other nodes.
-    pub fn front_place_mm(&self, node: NodeId) -> Option<f64> {
+    /// Position of a node of the front plate, mm from the front base; `None` for other nodes.
+    pub fn front_position_mm(&self, node: NodeId) -> Option<f64> {
         let from_base = self.key_node_count().checked_sub(node.0)?;
-        self.plate_places_mm(Plate::Front).get(from_base).copied()
+        self.plate_positions_mm(Plate::Front).get(from_base).copied()
     }
 
     /// Unit vector along the front plate towards the tip.
@@ -299,7 +299,7 @@ impl Finger {
         let arm = self.description.rod_arm_mm;
         let plates = [Plate::Front, Plate::Back]
             .into_iter()
-            .flat_map(|plate| self.plate_places_mm(plate).windows(2).map(|w| w[1] - w[0]).collect::<Vec<_>>());
+            .flat_map(|plate| self.plate_positions_mm(plate).windows(2).map(|w| w[1] - w[0]).collect::<Vec<_>>());
         let ribs = (0..self.rib_count()).map(|rib| {
             let [front, back] = self.rib_nodes(rib).map(|node| self.position(node));
             (front - back).norm()
@@ -372,8 +372,8 @@ fn place_tip(d: &FingerDescription) -> Result<Vector, ImpossibleFinger> {
 }
 
 fn place_ribs(d: &FingerDescription) -> Result<Vec<[f64; 2]>, ImpossibleFinger> {
-    let (ribs, key) = match &d.ribs.places {
-        RibPlaces::Count(count) => {
+    let (ribs, key) = match &d.ribs.positions {
+        RibPositions::Count(count) => {
             require(*count <= MAX_RIBS, "finger.ribs.count", || {
                 format!("expected 0 to {MAX_RIBS} ribs, found {count}")
             })?;
@@ -382,7 +382,7 @@ fn place_ribs(d: &FingerDescription) -> Result<Vec<[f64; 2]>, ImpossibleFinger> 
                 (1..=*count).map(|i| [spaced(d.front_length_mm, i), spaced(d.back_length_mm, i)]).collect::<Vec<_>>();
             (ribs, "finger.ribs.count")
         }
-        RibPlaces::Positions(positions) => {
+        RibPositions::Positions(positions) => {
             require(positions.len() <= MAX_RIBS, "finger.ribs.positions_mm", || {
                 format!("expected at most {MAX_RIBS} ribs, found {}", positions.len())
             })?;
@@ -393,18 +393,18 @@ fn place_ribs(d: &FingerDescription) -> Result<Vec<[f64; 2]>, ImpossibleFinger> 
         let gap = length * SMALLEST_SPACING;
         let mut before = 0.0;
         for (i, rib) in ribs.iter().enumerate() {
-            let place = rib[column];
-            require(place.is_finite() && place > gap && place < length - gap, key, || {
-                format!("expected rib {} on the {plate} plate, between 0 and {length:?} mm, found {place:?}", i + 1)
+            let position = rib[column];
+            require(position.is_finite() && position > gap && position < length - gap, key, || {
+                format!("expected rib {} on the {plate} plate, between 0 and {length:?} mm, found {position:?}", i + 1)
             })?;
-            require(place > before + gap, key, || {
+            require(position > before + gap, key, || {
                 format!(
                     "expected ribs from base to tip that neither cross nor touch: on the {plate} plate rib {} at \
-                     {place:?} mm does not follow the rib before it at {before:?} mm",
+                     {position:?} mm does not follow the rib before it at {before:?} mm",
                     i + 1
                 )
             })?;
-            before = place;
+            before = position;
         }
     }
     Ok(ribs)
@@ -415,11 +415,11 @@ fn check_zones(d: &FingerDescription) -> Result<(), ImpossibleFinger> {
         let key = |name: &str| format!("finger.zone[{}].{name}", i + 1);
         let length = if zone.part == Part::Back { d.back_length_mm } else { d.front_length_mm };
         require(zone.from_mm >= 0.0 && zone.from_mm < length, &key("from_mm"), || {
-            format!("expected a place on the plate, 0 to {length:?} mm, found {:?}", zone.from_mm)
+            format!("expected a position on the plate, 0 to {length:?} mm, found {:?}", zone.from_mm)
         })?;
         require(zone.to_mm > zone.from_mm && zone.to_mm <= length, &key("to_mm"), || {
             format!(
-                "expected a place after from_mm = {:?} and up to {length:?} mm, found {:?}",
+                "expected a position after from_mm = {:?} and up to {length:?} mm, found {:?}",
                 zone.from_mm, zone.to_mm
             )
         })?;

@@ -1,6 +1,6 @@
 //! A finger divided into beam elements.
 //!
-//! Members are the stretches of plate between key nodes, and the ribs. Each is divided evenly between its rigid arms.
+//! Members are the pieces of plate between key nodes, and the ribs. Each is divided evenly between its rigid arms.
 //! Node `n` of the finger is node `n - 1` of the frame; nodes made by refinement come after the key nodes.
 
 mod apportion;
@@ -9,7 +9,7 @@ mod zones;
 use crate::Vector;
 use crate::finger::{Finger, Joints, NodeId, Part, Plate, Zone};
 use crate::frame::{BeamEnd, FrameLoad, FrameMotion, NodeIndex, PlaneFrame, Section};
-use zones::{ElementPlaces, mean_compliance};
+use zones::{ElementPositions, mean_compliance};
 
 /// A dead load on a finger, in the finger frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,9 +23,9 @@ pub enum Load {
         /// Moment, N mm, from x to y.
         moment_nmm: f64,
     },
-    /// Force (N) at a place of the front plate.
+    /// Force (N) at a position of the front plate.
     Front {
-        /// Place along the plate from the front base, mm.
+        /// Position along the plate from the front base, mm.
         s_mm: f64,
         /// Force, N.
         force: Vector,
@@ -38,8 +38,8 @@ impl Load {
         Load::Node { node, force, moment_nmm: 0.0 }
     }
 
-    /// A force at a place of the front plate.
-    pub fn at_place(s_mm: f64, force: Vector) -> Load {
+    /// A force at a position of the front plate.
+    pub fn at_position(s_mm: f64, force: Vector) -> Load {
         Load::Front { s_mm, force }
     }
 }
@@ -61,12 +61,12 @@ pub enum LoadError {
         /// The node asked for.
         node: NodeId,
     },
-    /// The place is not on the free front plate.
+    /// The position is not on the free front plate.
     #[error(
-        "the place s = {s_mm} mm is not on the front plate, which reaches from 0 (clamped) to {length_mm} mm (tip)"
+        "the position s = {s_mm} mm is not on the front plate, which reaches from 0 (clamped) to {length_mm} mm (tip)"
     )]
-    PlaceOffPlate {
-        /// The place asked for, mm.
+    PositionOffPlate {
+        /// The position asked for, mm.
         s_mm: f64,
         /// Length of the front plate, mm.
         length_mm: f64,
@@ -79,17 +79,17 @@ pub enum LoadError {
 pub struct MeshSizeError {
     /// The smallest mesh of this finger.
     pub fewest: usize,
-    /// What was asked for.
+    /// The number that was given.
     pub found: usize,
 }
 
 /// Largest mesh that is made, far beyond any use.
 const MOST_NODES: usize = 200_000;
 
-/// A stretch of plate or a rib, as the nodes along it.
+/// A member, as the nodes along it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line {
-    /// What it is a stretch of.
+    /// Its part.
     pub part: Part,
     /// Frame nodes from one key node to the other, both included.
     pub nodes: Vec<NodeIndex>,
@@ -97,9 +97,9 @@ pub struct Line {
     pub members: std::ops::Range<usize>,
 }
 
-/// A stretch of the front plate that a load may stand on.
+/// A piece of the front plate that a load may stand on.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum FrontStretch {
+enum FrontSpan {
     /// A rigid arm and the node it belongs to.
     Arm { end: BeamEnd, node_mm: f64 },
     /// An elastic element.
@@ -112,8 +112,8 @@ pub struct Mesh {
     finger: Finger,
     frame: PlaneFrame,
     lines: Vec<Line>,
-    /// Stretches of the front plate from base to tip, each with the place where it ends.
-    front: Vec<(f64, FrontStretch)>,
+    /// Pieces of the front plate from base to tip, each with the position where it ends.
+    front: Vec<(f64, FrontSpan)>,
     /// Elements of each line, the base line last.
     elements: Vec<usize>,
     node_count: usize,
@@ -145,7 +145,7 @@ impl Mesh {
         Mesh::build(finger, &vec![elements.max(1); line_lengths(finger).len()])
     }
 
-    /// The same finger with every element divided into so many.
+    /// The same finger with every element divided into `times`.
     pub fn refined(&self, times: usize) -> Mesh {
         Mesh::build(&self.finger, &self.elements.iter().map(|elements| times.max(1) * elements).collect::<Vec<_>>())
     }
@@ -188,7 +188,7 @@ impl Mesh {
     /// Places a load on the frame.
     ///
     /// # Errors
-    /// [`LoadError`] for a node that is missing or clamped, or a place that is not on the front plate.
+    /// [`LoadError`] for a node that is missing or clamped, or a position that is not on the front plate.
     pub fn frame_load(&self, load: &Load) -> Result<FrameLoad, LoadError> {
         match *load {
             Load::Node { node, force, moment_nmm } => {
@@ -203,16 +203,16 @@ impl Mesh {
             }
             Load::Front { s_mm, force } => {
                 let length_mm = self.finger.plate_length_mm(Plate::Front);
-                let stretch = (s_mm > 0.0).then(|| self.front.iter().find(|(end, _)| s_mm <= *end)).flatten();
-                let Some((_, stretch)) = stretch else {
-                    return Err(LoadError::PlaceOffPlate { s_mm, length_mm });
+                let piece = (s_mm > 0.0).then(|| self.front.iter().find(|(end, _)| s_mm <= *end)).flatten();
+                let Some((_, piece)) = piece else {
+                    return Err(LoadError::PositionOffPlate { s_mm, length_mm });
                 };
-                Ok(match *stretch {
-                    FrontStretch::Arm { end, node_mm } => {
+                Ok(match *piece {
+                    FrontSpan::Arm { end, node_mm } => {
                         let arm = self.finger.front_tangent() * (s_mm - node_mm);
                         FrameLoad::Arm { end: BeamEnd { arm, ..end }, force }
                     }
-                    FrontStretch::Element { member, from_mm, to_mm } => {
+                    FrontSpan::Element { member, from_mm, to_mm } => {
                         FrameLoad::Interior { member, xi: (s_mm - from_mm) / (to_mm - from_mm), force }
                     }
                 })
@@ -220,7 +220,7 @@ impl Mesh {
         }
     }
 
-    /// What the key nodes do in a motion of the frame.
+    /// Motions of the key nodes in a motion of the frame.
     pub fn shape(&self, motion: &FrameMotion) -> FingerShape {
         let motions = (1..=self.finger.key_node_count())
             .map(NodeId)
@@ -265,10 +265,10 @@ impl Mesh {
         let mut elements = elements.iter().copied();
         let mut next = || elements.next().unwrap_or(1);
         for plate in [Plate::Back, Plate::Front] {
-            let places = finger.plate_places_mm(plate);
+            let positions = finger.plate_positions_mm(plate);
             let nodes = finger.plate_nodes(plate);
-            for (place, node) in places.windows(2).zip(nodes.windows(2)) {
-                mesh.add_plate_stretch(plate, [node[0], node[1]], [place[0], place[1]], next());
+            for (position, node) in positions.windows(2).zip(nodes.windows(2)) {
+                mesh.add_plate_member(plate, [node[0], node[1]], [position[0], position[1]], next());
             }
         }
         for rib in 0..finger.rib_count() {
@@ -277,7 +277,7 @@ impl Mesh {
         mesh
     }
 
-    fn add_plate_stretch(&mut self, plate: Plate, nodes: [NodeId; 2], places: [f64; 2], elements: usize) {
+    fn add_plate_member(&mut self, plate: Plate, nodes: [NodeId; 2], positions: [f64; 2], elements: usize) {
         let arm = self.finger.description().rod_arm_mm;
         let along = (self.finger.plate_point(plate, 1.0) - self.finger.base(plate)).normalize();
         let [from, to] = nodes.map(|node| self.frame_node(node));
@@ -285,28 +285,29 @@ impl Mesh {
             BeamEnd { arm: along * arm, ..self.frame.clamped_end(from) },
             BeamEnd { arm: along * -arm, ..self.frame.clamped_end(to) },
         ];
-        let elements_at = ElementPlaces::new(places, arm, elements);
+        let elements_at = ElementPositions::new(positions, arm, elements);
         let free = elements_at.free();
         // `section` is there for plates by construction.
         let Some(section) = self.finger.section(plate.into()) else { return };
         let zones: Vec<Zone> =
             self.finger.description().zones.iter().filter(|zone| zone.part == Part::from(plate)).copied().collect();
-        let place = |i: usize| elements_at.start(i);
-        let sections: Vec<Section> =
-            (0..elements).map(|i| section.scaled(1.0 / mean_compliance(&zones, place(i), place(i + 1)))).collect();
+        let position = |i: usize| elements_at.start(i);
+        let sections: Vec<Section> = (0..elements)
+            .map(|i| section.scaled(1.0 / mean_compliance(&zones, position(i), position(i + 1))))
+            .collect();
         let first_member = self.frame.members().len();
         self.add_line(plate.into(), ends, &sections);
         if plate == Plate::Front {
             if arm > 0.0 {
-                self.front.push((free[0], FrontStretch::Arm { end: ends[0], node_mm: places[0] }));
+                self.front.push((free[0], FrontSpan::Arm { end: ends[0], node_mm: positions[0] }));
             }
             for i in 0..elements {
                 let member = first_member + i;
-                let stretch = FrontStretch::Element { member, from_mm: place(i), to_mm: place(i + 1) };
-                self.front.push((place(i + 1), stretch));
+                let piece = FrontSpan::Element { member, from_mm: position(i), to_mm: position(i + 1) };
+                self.front.push((position(i + 1), piece));
             }
             if arm > 0.0 {
-                self.front.push((places[1], FrontStretch::Arm { end: ends[1], node_mm: places[1] }));
+                self.front.push((positions[1], FrontSpan::Arm { end: ends[1], node_mm: positions[1] }));
             }
         }
     }
@@ -325,9 +326,10 @@ impl Mesh {
             let rotation = if hinged { self.frame.add_rotation() } else { self.frame.rotation_of(node) };
             BeamEnd { node, rotation, arm }
         });
-        let place = self.finger.plate_places_mm(Plate::Front)[rib + 1];
+        let position = self.finger.plate_positions_mm(Plate::Front)[rib + 1];
         let zones = self.finger.description().zones.iter();
-        let factor: f64 = zones.filter(|zone| zones::holds_rib(zone, place)).map(|zone| zone.modulus_factor).product();
+        let factor: f64 =
+            zones.filter(|zone| zones::holds_rib(zone, position)).map(|zone| zone.modulus_factor).product();
         self.add_line(Part::Ribs, ends, &vec![section.scaled(factor); elements]);
     }
 
@@ -356,8 +358,8 @@ impl Mesh {
 /// base line.
 fn line_lengths(finger: &Finger) -> Vec<f64> {
     let plates = [Plate::Back, Plate::Front].into_iter().flat_map(|plate| {
-        let places = finger.plate_places_mm(plate);
-        places.windows(2).map(|w| w[1] - w[0]).collect::<Vec<_>>()
+        let positions = finger.plate_positions_mm(plate);
+        positions.windows(2).map(|w| w[1] - w[0]).collect::<Vec<_>>()
     });
     let ribs = (0..finger.rib_count()).map(|rib| {
         let [front, back] = finger.rib_nodes(rib).map(|node| finger.position(node));
@@ -366,7 +368,7 @@ fn line_lengths(finger: &Finger) -> Vec<f64> {
     plates.chain(ribs).chain(std::iter::once(finger.description().base_width_mm)).collect()
 }
 
-/// What one key node does.
+/// Motion of one key node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NodeMotion {
     /// The node.

@@ -15,7 +15,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use rayon::prelude::*;
 
-/// A finger that carries none of so many draws in a row carries no force of the range.
+/// A finger that carries none of this many draws in a row carries no force of the range.
 const MOST_DRAWS: usize = 100;
 
 /// How load cases are drawn.
@@ -51,7 +51,7 @@ impl SampleRecipe {
             contacts,
             any_of: false,
             kinematics,
-            // The linear finger is exact on its key nodes; with large rotations four elements a member leave 0.04 %.
+            // The linear finger is exact on its key nodes; co-rotational beams on four elements a member leave 0.04 %.
             elements: if kinematics == Kinematics::Linear { 1 } else { 4 },
             largest_force_n: 5.0,
             largest_sum_n: 10.0,
@@ -163,9 +163,9 @@ pub enum SamplesError {
     Recipe {
         /// The field of the recipe.
         key: &'static str,
-        /// What it must be.
+        /// What is expected.
         expected: &'static str,
-        /// What it is.
+        /// What was found.
         found: String,
     },
     /// A contact is wrong.

@@ -5,7 +5,7 @@ mod reader;
 
 pub use object::{ObjectDescription, ObjectMotion, Outline, ROD_RADIUS_MM, Until};
 
-use crate::finger::{Finger, FingerDescription, Joints, Part, RibDescription, RibPlaces, Strip, Zone};
+use crate::finger::{Finger, FingerDescription, Joints, Part, RibDescription, RibPositions, Strip, Zone};
 use crate::validity::StrainLimits;
 use reader::{Document, TableReader};
 
@@ -146,16 +146,17 @@ fn read_strip(table: &TableReader) -> Result<Strip, SceneError> {
 }
 
 fn read_ribs(table: &TableReader) -> Result<RibDescription, SceneError> {
-    let places =
-        match (table.optional_count("count")?, table.optional_pairs("positions_mm", "[front, back], places in mm")?) {
-            (Some(count), None) => RibPlaces::Count(count),
-            (None, Some(positions)) => RibPlaces::Positions(positions),
+    let positions =
+        match (table.optional_count("count")?, table.optional_pairs("positions_mm", "[front, back], positions in mm")?)
+        {
+            (Some(count), None) => RibPositions::Count(count),
+            (None, Some(positions)) => RibPositions::Positions(positions),
             (Some(_), Some(_)) => return Err(table.wrong("positions_mm", "either count or positions_mm", "both")),
             (None, None) => return Err(table.missing("count", "the number of ribs, or positions_mm")),
         };
     let joints = table.choice("joints", &[("rigid", Joints::Rigid), ("hinged", Joints::Hinged)])?;
     let rigid = table.optional_switch("rigid")?.unwrap_or(false);
-    let none = places == RibPlaces::Count(0) || places == RibPlaces::Positions(Vec::new());
+    let none = positions == RibPositions::Count(0) || positions == RibPositions::Positions(Vec::new());
     let given = MATERIAL_KEYS.iter().any(|key| table.has(key));
     let strip = if rigid || (none && !given) {
         // Ribs that do not deform have no use for a material, but one that stands there must make sense.
@@ -171,14 +172,14 @@ fn read_ribs(table: &TableReader) -> Result<RibDescription, SceneError> {
     } else {
         Some(read_strip(table)?)
     };
-    Ok(RibDescription { places, joints, strip })
+    Ok(RibDescription { positions, joints, strip })
 }
 
 fn read_zone(table: &TableReader) -> Result<Zone, SceneError> {
     Ok(Zone {
         part: table.choice("plate", &[("front", Part::Front), ("back", Part::Back), ("ribs", Part::Ribs)])?,
-        from_mm: table.number("from_mm", "place in mm")?,
-        to_mm: table.number("to_mm", "place in mm")?,
+        from_mm: table.number("from_mm", "position in mm")?,
+        to_mm: table.number("to_mm", "position in mm")?,
         modulus_factor: table.number("modulus_factor", "factor")?,
     })
 }

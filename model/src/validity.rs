@@ -45,7 +45,7 @@ pub struct StrainLimits {
 }
 
 impl StrainLimits {
-    /// What is stated for a part.
+    /// Stated limit of a part.
     pub fn stated(&self, part: Part) -> Option<f64> {
         match part {
             Part::Front => self.front,
@@ -62,8 +62,8 @@ impl StrainLimits {
 
 /// A member of the finger: a segment of a plate between two key nodes, or a rib.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MemberPlace {
-    /// What it belongs to.
+pub struct FingerMember {
+    /// Its part.
     pub part: Part,
     /// The key nodes at its ends.
     pub nodes: [NodeId; 2],
@@ -79,12 +79,12 @@ pub struct FibreStrain {
     /// Share of it that is strain of the axis, signed.
     pub axial_strain: f64,
     /// The member that it is in.
-    pub member: MemberPlace,
+    pub member: FingerMember,
     /// Where: mm along the plate from its base, along a rib from the back plate.
     pub at_mm: f64,
 }
 
-/// What an equilibrium asks of the assumptions of the beam model.
+/// Measures of an equilibrium against the assumptions of the beam model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Validity {
     /// The largest strain of each part that deforms: front plate, back plate, ribs.
@@ -96,7 +96,7 @@ pub struct Validity {
     /// minimise the complementary energy, and those of Euler-Bernoulli beams are among the admissible ones.
     pub shear_share: f64,
     /// The member that holds most of the shear energy; `None` where nothing shears.
-    pub shear_at: Option<MemberPlace>,
+    pub shear_at: Option<FingerMember>,
     /// Depth over the thickness of the thickest part.
     pub depth_ratio: f64,
 }
@@ -108,7 +108,8 @@ impl Validity {
         let examined = |line| examine(mesh, line, motion, kinematics, loads);
         let members: Vec<Examined> = mesh.lines().iter().filter_map(examined).collect();
         let largest = |part| {
-            let strains = members.iter().filter(|member| member.place.part == part).map(|member| member.strain);
+            let strains =
+                members.iter().filter(|examined| examined.member.part == part).map(|examined| examined.strain);
             strains.max_by(|a, b| a.strain.total_cmp(&b.strain))
         };
         let strained: f64 = members.iter().map(|member| member.strain_energy).sum();
@@ -118,7 +119,7 @@ impl Validity {
         Validity {
             strains: PARTS.into_iter().filter_map(largest).collect(),
             shear_share: if sheared > 0.0 { sheared / strained } else { 0.0 },
-            shear_at: most.filter(|member| member.shear_energy > 0.0).map(|member| member.place),
+            shear_at: most.filter(|member| member.shear_energy > 0.0).map(|most| most.member),
             depth_ratio: finger.description().depth_mm / thickest,
         }
     }
@@ -144,7 +145,7 @@ fn thickness_mm(finger: &Finger, part: Part) -> Option<f64> {
 
 /// Strain and energies (N mm) of one member.
 struct Examined {
-    place: MemberPlace,
+    member: FingerMember,
     strain: FibreStrain,
     strain_energy: f64,
     shear_energy: f64,
@@ -163,7 +164,7 @@ fn examine(
     let members = &mesh.frame().members()[line.members.clone()];
     let (first, last) = (line.nodes.first()?, line.nodes.last()?);
     let free_mm: f64 = members.iter().map(|member| member.beam.length_mm).sum();
-    let place = MemberPlace {
+    let examined = FingerMember {
         part: line.part,
         nodes: [NodeId(first + 1), NodeId(last + 1)],
         slenderness: free_mm / thickness_mm,
@@ -176,7 +177,7 @@ fn examine(
     };
     let mut start_mm = origin_mm + members.first()?.ends[0].arm.norm();
     let shear_rigidity = SHEAR_CORRECTION * (1.0 - finger.description().poissons_ratio) / 2.0;
-    let mut strain = FibreStrain { strain: 0.0, axial_strain: 0.0, member: place, at_mm: start_mm };
+    let mut strain = FibreStrain { strain: 0.0, axial_strain: 0.0, member: examined, at_mm: start_mm };
     let (mut strain_energy, mut shear_energy) = (0.0, 0.0);
     for (index, member) in line.members.clone().zip(members) {
         let beam = &member.beam;
@@ -201,10 +202,10 @@ fn examine(
         }
         start_mm += beam.length_mm;
     }
-    Some(Examined { place, strain, strain_energy, shear_energy })
+    Some(Examined { member: examined, strain, strain_energy, shear_energy })
 }
 
-/// Place and force of a load between the ends of a member.
+/// Position and force of a load between the ends of a member.
 fn inside(load: &FrameLoad, index: usize) -> Option<(f64, Vector)> {
     match *load {
         FrameLoad::Interior { member, xi, force } if member == index => Some((xi, force)),

@@ -30,7 +30,7 @@ pub fn case_count() -> usize {
     from_environment("FINRAY_TEST_CASES", 200)
 }
 
-/// Standard error of a share among so many cases.
+/// Standard error of a share among `cases` cases.
 pub fn share_error(share: f64, cases: usize) -> f64 {
     (share * (1.0 - share) / cases as f64).sqrt()
 }

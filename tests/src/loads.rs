@@ -1,11 +1,11 @@
 //! Contacts and forces on a finger.
 
-use finray_model::sensing::{Contact, ContactPlace};
+use finray_model::sensing::{Contact, ContactPosition};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector, statics};
 
 /// A contact at a node, in a direction.
 pub fn at_node(node: usize, angle_deg: f64) -> Contact {
-    Contact { place: ContactPlace::Node(NodeId(node)), angle_deg }
+    Contact { position: ContactPosition::Node(NodeId(node)), angle_deg }
 }
 
 /// Contacts at nodes along the undeformed normal.
@@ -15,7 +15,7 @@ pub fn at_nodes(nodes: &[usize]) -> Vec<Contact> {
 
 /// A contact at a position along the front plate, in a direction.
 pub fn at_position(s_mm: f64, angle_deg: f64) -> Contact {
-    Contact { place: ContactPlace::Place(s_mm), angle_deg }
+    Contact { position: ContactPosition::At(s_mm), angle_deg }
 }
 
 /// A contact node of the finger, chosen by a fraction 0..1 from tip to base.

@@ -1,7 +1,7 @@
 //! Random fingers.
 
 use finray_model::Finger;
-use finray_model::finger::{FingerDescription, Joints, Part, Plate, RibDescription, RibPlaces, Strip, Zone};
+use finray_model::finger::{FingerDescription, Joints, Part, Plate, RibDescription, RibPositions, Strip, Zone};
 use proptest::prelude::*;
 
 fn strip() -> impl Strategy<Value = Strip> {
@@ -28,13 +28,13 @@ pub fn finger() -> impl Strategy<Value = Finger> {
             let (base_width_mm, front_length_mm, ratio, depth_mm) = sizes;
             let back_length_mm = front_length_mm * ratio;
             let (count, gaps, joints, strip) = ribs;
-            // Gaps between ribs, drawn, become places that grow from the base to the tip.
-            let place = |plate: usize, length: f64, rib: usize| {
+            // Gaps between ribs, drawn, become positions that grow from the base to the tip.
+            let position = |plate: usize, length: f64, rib: usize| {
                 let until = |n: usize| gaps[..n].iter().map(|gap| gap[plate]).sum::<f64>();
                 length * until(rib + 1) / until(count + 1)
             };
-            let places =
-                (0..count).map(|rib| [place(0, front_length_mm, rib), place(1, back_length_mm, rib)]).collect();
+            let positions =
+                (0..count).map(|rib| [position(0, front_length_mm, rib), position(1, back_length_mm, rib)]).collect();
             let description = FingerDescription {
                 base_width_mm,
                 front_length_mm,
@@ -44,7 +44,7 @@ pub fn finger() -> impl Strategy<Value = Finger> {
                 poissons_ratio: extras.1,
                 front,
                 back,
-                ribs: RibDescription { places: RibPlaces::Positions(places), joints, strip },
+                ribs: RibDescription { positions: RibPositions::Positions(positions), joints, strip },
                 zones: Vec::new(),
             };
             Finger::new(description).ok()

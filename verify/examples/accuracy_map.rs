@@ -13,13 +13,13 @@ use finray_verify::truths::{MeshTruth, fine_mesh};
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // The problem: forces of 3 N all along the front plate, from -80 to 80 degrees, seen without noise.
     let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE)?.finger;
-    let (places_mm, angles_deg) = Grid::grid(&finger, 24, 10.0);
+    let (positions_mm, angles_deg) = Grid::grid(&finger, 24, 10.0);
     let request = MapRequest {
-        places_mm,
+        positions_mm,
         angles_deg,
         forces_n: vec![3.0],
         noise_levels_mm: vec![0.0],
-        noise_pictures: 1,
+        noise_samples: 1,
         seed: 1,
     };
 
@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     );
     assert!(largest(0.0) < 0.1 && largest(-60.0) > 0.1);
 
-    // The picture, apart.
+    // The figure, apart.
     std::fs::write("accuracy_map.svg", standalone(&map_picture(&finger, &map, Some(3.0))?))?;
     Ok(())
 }

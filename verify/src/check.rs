@@ -12,7 +12,7 @@ pub enum Verdict {
     Fail,
 }
 
-/// Who stands behind the reference of a check.
+/// Origin of the reference of a check.
 ///
 /// External and analytical references verify solvers and kinematics: OpenSees, MuJoCo and rapier are given the same EA and EI as the
 /// beams, and the elastica has them in its equation. No reference here tests Euler-Bernoulli theory itself against a material.
@@ -30,13 +30,13 @@ pub enum Kind {
 /// A check: our figure lies within `tolerance` of the reference.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Check {
-    /// Who stands behind the reference.
+    /// Origin of the reference.
     pub kind: Kind,
-    /// What is solved.
+    /// The problem.
     pub problem: String,
     /// Whose the reference is: "OpenSees", "closed form", ...
     pub source: String,
-    /// What is compared, with its unit.
+    /// The quantity, with its unit.
     pub quantity: String,
     /// Their figure.
     pub reference: f64,
@@ -135,11 +135,11 @@ pub fn worst(figures: impl IntoIterator<Item = f64>) -> f64 {
 /// Two figures side by side where a difference is expected, or is the residual of a fit: no check.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
-    /// What is solved.
+    /// The problem.
     pub problem: String,
     /// Whose the reference is.
     pub source: String,
-    /// What is compared, with its unit.
+    /// The quantity, with its unit.
     pub quantity: String,
     /// Their figure.
     pub reference: f64,

@@ -1,7 +1,7 @@
 //! Cross-checks and accuracy maps of fin-ray force sensing, and the report that shows them.
 //!
 //! Arrows run down: [`settings`], [`check`], [`files`] and [`figures`] are the floor; [`lattice`] is the finger as bodies and springs,
-//! [`mujoco`] what MuJoCo says of it; [`truths`] are the fingers that sensing is put to the test on, [`estimators`] what is tested, [`sampling`] how;
+//! [`mujoco`] its shapes in MuJoCo; [`truths`] are the fingers that sensing is tested on, [`estimators`] what is tested, [`sampling`] how;
 //! [`problems`] have known answers; [`experiments`] ask, [`study`] runs them all for a scene, [`claims`] holds the paper's sentences
 //! against the results, [`report`] shows them. Physics lives in [`finray_model`].
 #![forbid(unsafe_code)]

@@ -1,4 +1,4 @@
-//! What MuJoCo says of three fingers, read from exported tables: another formulation (discrete elastic rods between rigid
+//! Shapes of three fingers from MuJoCo, read from exported tables: another formulation (discrete elastic rods between rigid
 //! rods) and other code. `fixtures/mujoco/README.md` says how they were made and how far they can be trusted.
 
 use finray_model::mesh::FingerShape;

@@ -1,11 +1,11 @@
-//! What all experiments share: how much is computed, forces, noise, and who is told of progress. Nothing here depends on another room.
+//! Settings of all experiments: effort, forces, noise and progress callbacks. Depends on no other module.
 
 use finray_model::{Finger, Scene};
 
 /// Standard deviation of a measured coordinate, mm: the paper's worst position error of 0.2 mm (sec. IV-B) taken as three standard
 /// deviations.
 pub const CAMERA_NOISE_MM: f64 = 0.067;
-/// Standard deviation that estimators are told of where there is no noise, mm: no model is exact, and to the nonlinear estimator what its
+/// Standard deviation that estimators are given where there is no noise, mm: no model is exact, and to the nonlinear estimator what its
 /// mesh gets wrong by some micrometres would be wild markers.
 pub const LEAST_STATED_MM: f64 = 0.01;
 /// Forces of the maps, N: the range of the paper's gripper experiments (sec. V-C).
@@ -18,7 +18,7 @@ pub const ONE_FORCE_N: [f64; 2] = [0.5, 3.0];
 pub const TWO_FORCES_N: [f64; 2] = [0.3, 3.0];
 /// Half width of the interval that holds 95 % of a normal distribution, in standard deviations.
 pub const TWO_SIDED_95: f64 = 1.96;
-/// From so many cases on a mean error is known well enough (to 2 %) to be held to its tolerance alone.
+/// From this many cases on a mean error is known well enough (to 2 %) to be held to its tolerance alone.
 pub const ENOUGH_CASES: usize = 4000;
 /// Directions assumed for the paper's "vertical" weights, degrees from the inward normal. 10.9 is vertical when the finger's axis lies level:
 /// asin(29 / 153).
@@ -37,7 +37,7 @@ pub trait Progress: Sync {
     fn step(&self);
 }
 
-/// How much is computed.
+/// Effort: how much is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effort {
     /// Coarse maps, for a look or a test.
@@ -63,8 +63,8 @@ impl Effort {
         }
     }
 
-    /// Places along the front plate, degrees between two directions and noise samples a cell, for which stated intervals are
-    /// held against the truth: 816 samples, or 12 240, of which a share of 95 % is known to 0.8 or 0.2 %.
+    /// Positions along the front plate, degrees between two directions and noise samples a cell, for which stated intervals are
+    /// compared with the truth: 816 samples, or 12 240, of which a share of 95 % is known to 0.8 or 0.2 %.
     pub(crate) fn covered_cells(self) -> (usize, f64, usize) {
         match self {
             Effort::Quick => (17, 40.0, 3),
@@ -88,7 +88,7 @@ impl Effort {
         }
     }
 
-    /// Places along the front plate, degrees between two directions, and noise pictures a cell.
+    /// Positions along the front plate, degrees between two directions, and noise samples a cell.
     pub(crate) fn resolution(self) -> (usize, f64, usize) {
         match self {
             Effort::Quick => (24, 20.0, 100),
@@ -96,7 +96,7 @@ impl Effort {
         }
     }
 
-    /// The same where an answer costs much, or maps differ by more than by their cells: every place and direction is also
+    /// The same where an answer costs much, or maps differ by more than by their cells: every position and direction is also
     /// one of [`resolution`](Effort::resolution).
     pub(crate) fn coarse_resolution(self) -> (usize, f64, usize) {
         match self {

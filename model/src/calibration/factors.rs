@@ -1,4 +1,4 @@
-//! Several moduli at once: the general one and those of zones, with what the data tell of each and of their difference.
+//! Several moduli at once: the general one and those of zones, with their covariance and identifiability tests.
 
 use super::{CalibrationCase, CalibrationError};
 use crate::finger::{Finger, ImpossibleFinger};
@@ -8,14 +8,14 @@ use crate::{Kinematics, Vector};
 use nalgebra::{DMatrix, DVector};
 use std::fmt;
 
-/// What a calibration may leave unknown: each is a factor on moduli.
+/// An unknown of a calibration: a factor on moduli.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Unknown {
     /// One factor on all moduli of the finger.
     Modulus,
     /// One factor on the modulus factors of some zones, counted from 0 in the order of the finger's description. The
     /// compliance of a clamp is that of a zone at the base: a clamp of rotational stiffness k (N mm/rad) gives way as a
-    /// first stretch of length l whose factor is f does beyond its own bending, l (1/f - 1) / (E I) = 1 / k.
+    /// first member of length l whose factor is f does beyond its own bending, l (1/f - 1) / (E I) = 1 / k.
     Zones(Vec<usize>),
 }
 
@@ -35,7 +35,7 @@ impl fmt::Display for Unknown {
 /// How the finger of a calibration is computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FactorModel {
-    /// Small or large rotations.
+    /// Linear or co-rotational.
     pub kinematics: Kinematics,
     /// Elements a member; the linear finger is exact with one.
     pub elements: usize,
@@ -48,7 +48,7 @@ pub struct FactorModel {
 pub struct FactorEstimate {
     /// The finger with the factors applied.
     pub finger: Finger,
-    /// What was unknown.
+    /// The unknowns.
     pub unknowns: Vec<Unknown>,
     /// Factor of each on what the description said.
     pub factors: Vec<f64>,
@@ -65,7 +65,7 @@ pub struct FactorEstimate {
 }
 
 impl FactorEstimate {
-    /// Pairs of unknowns (by index) that the data hardly tell apart, with their correlation: one may rise while the other
+    /// Pairs of unknowns (by index) that the data hardly distinguish, with their correlation: one may rise while the other
     /// falls or rises with it.
     pub fn entangled(&self) -> Vec<(usize, usize, f64)> {
         let pairs = (0..self.factors.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
@@ -79,7 +79,7 @@ const ENTANGLED: f64 = 0.95;
 /// Singular values of the scaled sensitivities that span more leave no unique answer: sensitivities are good to nine
 /// digits, so what lies further below is rounding. Independent zones of the paper's finger span less than 1e4.
 const LARGEST_SPAN: f64 = 1e7;
-/// A factor whose logarithm has this standard deviation or more is not told by the data: 1 is a factor of e either way.
+/// A factor whose logarithm has this standard deviation or more is not identifiable: 1 is a factor of e either way.
 const LARGEST_RELATIVE_SIGMA: f64 = 1.0;
 /// Unknowns that change by more than this share of the one that changes most, where the data see no change, are named.
 const NAMED_SHARE: f64 = 0.2;
@@ -98,7 +98,7 @@ const MOST_DAMPING: f64 = 1e12;
 ///
 /// Each `unknown` is a factor on what the finger's description says, which is also where the search starts. Logarithms are
 /// sought, so that factors stay positive. One group that holds all of the finger and [`Unknown::Modulus`] are the same:
-/// that is refused, and so is all else that the data cannot tell.
+/// that is refused, and so is all else that is not identifiable.
 ///
 /// # Reference
 /// Eq. (11) of Xu et al. (2021) for several unknowns, with squares in place of distances: Gauss-Newton with the damping of
@@ -107,7 +107,7 @@ const MOST_DAMPING: f64 = 1e12;
 /// ([`Mesh::zone_shares`]). Covariance of the logarithms: s^2 (J^T W^2 J)^-1.
 ///
 /// # Errors
-/// [`CalibrationError`] when the finger cannot be solved at the start, or the data cannot tell the factors (apart).
+/// [`CalibrationError`] when the finger cannot be solved at the start, or the factors are not identifiable.
 pub fn factors(
     finger: &Finger,
     cases: &[CalibrationCase],
@@ -150,21 +150,21 @@ pub fn factors(
         }
     }
     told_apart(&now.jacobian, unknowns)?;
-    let freedoms = (coordinates - count) as f64;
-    let noise_mm = model.noise_mm.unwrap_or((now.squares() / freedoms).sqrt());
+    let degrees_of_freedom = (coordinates - count) as f64;
+    let noise_mm = model.noise_mm.unwrap_or((now.squares() / degrees_of_freedom).sqrt());
     let information = now.jacobian.tr_mul(&now.jacobian);
     // The singular values made sure that there is an inverse.
     let per_noise =
-        information.try_inverse().ok_or_else(|| CalibrationError::NotTold { parameters: names(unknowns) })?;
+        information.try_inverse().ok_or_else(|| CalibrationError::NotIdentifiable { parameters: names(unknowns) })?;
     let sigmas: Vec<f64> = (0..count).map(|k| per_noise[(k, k)].sqrt()).collect();
     let correlation = DMatrix::from_fn(count, count, |i, j| per_noise[(i, j)] / (sigmas[i] * sigmas[j]));
     let relative_sigmas: Vec<f64> = sigmas.iter().map(|sigma| sigma * noise_mm).collect();
-    // What is not a number is not told either.
-    let told = |k: usize| relative_sigmas[k] < LARGEST_RELATIVE_SIGMA;
-    let untold: Vec<_> = (0..count).filter(|&k| !told(k)).collect();
-    if !untold.is_empty() {
-        let parameters = names(untold.iter().map(|&k| &unknowns[k]));
-        return Err(CalibrationError::NotTold { parameters });
+    // What is not a number is not identifiable either.
+    let identifiable = |k: usize| relative_sigmas[k] < LARGEST_RELATIVE_SIGMA;
+    let unidentifiable: Vec<_> = (0..count).filter(|&k| !identifiable(k)).collect();
+    if !unidentifiable.is_empty() {
+        let parameters = names(unidentifiable.iter().map(|&k| &unknowns[k]));
+        return Err(CalibrationError::NotIdentifiable { parameters });
     }
     Ok(FactorEstimate {
         finger: now.finger,
@@ -288,7 +288,7 @@ fn damped_step(now: &Sensitivities, damping: f64) -> DVector<f64> {
     step
 }
 
-/// Refuses what cannot be told: an unknown that moves no marker, or several of which only a combination shows.
+/// Refuses what is not identifiable: an unknown that moves no marker, or several of which only a combination shows.
 fn told_apart(jacobian: &DMatrix<f64>, unknowns: &[Unknown]) -> Result<(), CalibrationError> {
     let scales: Vec<f64> = jacobian.column_iter().map(|column| column.norm()).collect();
     let largest = scales.iter().copied().fold(0.0, f64::max);
@@ -296,7 +296,7 @@ fn told_apart(jacobian: &DMatrix<f64>, unknowns: &[Unknown]) -> Result<(), Calib
     let moves = |k: usize| scales[k] > largest / LARGEST_SPAN;
     let unmoved: Vec<_> = (0..unknowns.len()).filter(|&k| !moves(k)).collect();
     if !unmoved.is_empty() {
-        return Err(CalibrationError::NotTold { parameters: names(unmoved.iter().map(|&k| &unknowns[k])) });
+        return Err(CalibrationError::NotIdentifiable { parameters: names(unmoved.iter().map(|&k| &unknowns[k])) });
     }
     let mut scaled = jacobian.clone();
     for (mut column, scale) in scaled.column_iter_mut().zip(&scales) {
@@ -310,7 +310,7 @@ fn told_apart(jacobian: &DMatrix<f64>, unknowns: &[Unknown]) -> Result<(), Calib
     let change = |k: usize| svd.v_t.as_ref().map_or(1.0, |v_t| v_t[(smallest, k)].abs() / scales[k]);
     let most = (0..unknowns.len()).map(change).fold(0.0, f64::max);
     let mixed = (0..unknowns.len()).filter(|&k| change(k) > NAMED_SHARE * most).map(|k| &unknowns[k]);
-    Err(CalibrationError::NotToldApart { parameters: names(mixed) })
+    Err(CalibrationError::NotSeparable { parameters: names(mixed) })
 }
 
 fn names<'u>(unknowns: impl IntoIterator<Item = &'u Unknown>) -> String {

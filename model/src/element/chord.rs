@@ -6,7 +6,7 @@ use crate::Vector;
 use nalgebra::{SMatrix, Vector3};
 use std::f64::consts::PI;
 
-/// The chord of a beam in its current place.
+/// The chord of a beam in its current position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chord {
     /// Unit vector along the chord.

@@ -4,7 +4,7 @@ use super::natural::Deformation;
 use super::{Beam, Chord, EndMotion, Kinematics};
 use crate::Vector;
 
-/// Axial strain and curvature at one place of a beam; where a load stands, just before or just after it.
+/// Axial strain and curvature at one position of a beam; where a load stands, just before or just after it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Station {
     /// Fraction of the length, 0..1.
@@ -49,7 +49,7 @@ impl Beam {
         let ends: Vec<f64> = std::iter::once(0.0).chain(loads.iter().map(|load| load.xi)).chain([1.0]).collect();
         let strain = self.mean_strain(kinematics == Kinematics::Corotational, &deformation);
         let segments = ends.windows(2).enumerate().flat_map(|(nth, ends)| {
-            // So many loads lie before the segment.
+            // The number of loads before the segment.
             let (before, after) = loads.split_at(nth);
             let axial_n = after.iter().map(|load| load.along * (1.0 - load.xi)).sum::<f64>()
                 - before.iter().map(|load| load.along * load.xi).sum::<f64>();

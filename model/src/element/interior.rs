@@ -37,7 +37,7 @@ impl Beam {
         self.work_on(kinematics, Shape::at(xi, self.length_mm), force, motion)
     }
 
-    /// Derivative of the nodal loads of [`interior_work`](Beam::interior_work) by the place of the force, per mm.
+    /// Derivative of the nodal loads of [`interior_work`](Beam::interior_work) by the position of the force, per mm.
     pub fn interior_load_slope(
         &self,
         kinematics: Kinematics,

@@ -22,9 +22,9 @@ use serde::{Deserialize, Serialize};
 pub enum Kinematics {
     /// Small displacements: Xu et al. (2021), eqs (1) to (5).
     Linear,
-    /// Large rotations, with the axial strain of a shallow arch: bending shortens the chord.
+    /// Co-rotational, with the axial strain of a shallow arch: bending shortens the chord.
     Corotational,
-    /// Large rotations, with the plain strain of the chord, as OpenSees' `Corotational` transformation has it.
+    /// Co-rotational, with the plain strain of the chord, as OpenSees' `Corotational` transformation has it.
     CorotationalChord,
 }
 
@@ -36,7 +36,7 @@ pub type ElementMatrix = SMatrix<f64, 6, 6>;
 /// Motion of one end: displacement in mm, rotation in rad, finger frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EndMotion {
-    /// Displacement from the undeformed place, mm.
+    /// Displacement from the undeformed position, mm.
     pub displacement: Vector,
     /// Rotation from the undeformed direction, rad.
     pub rotation: f64,

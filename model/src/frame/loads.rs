@@ -57,7 +57,7 @@ impl FrameLoad {
         }
     }
 
-    /// Whether force, moment and place are finite numbers.
+    /// Whether force, moment and position are finite numbers.
     pub fn is_finite(&self) -> bool {
         let force_is_finite = |force: &Vector| force.iter().all(|f| f.is_finite());
         match self {

@@ -48,7 +48,7 @@ impl DisplacementNoise {
         }
     }
 
-    /// Covariance of the mean of so many frames, mm^2: rows and columns are x and y of the node at each position.
+    /// Covariance of the mean of `frames` frames, mm^2: rows and columns are x and y of the node at each position.
     ///
     /// `positions_mm` are those of the nodes in the image (deformed), finger frame: the base's rotation moves every node across
     /// its radius. The undeformed positions' error does not average out.
@@ -103,7 +103,7 @@ impl DisplacementNoise {
         }
     }
 
-    /// The covariance of the mean of so many frames, factored: what turns errors into independent ones of standard deviation 1.
+    /// The covariance of the mean of several frames, factored: what turns errors into independent ones of standard deviation 1.
     ///
     /// # Errors
     /// [`NoNoise`] if it is not positive definite.
@@ -143,7 +143,7 @@ pub fn base_motions(positions_mm: &[Vector]) -> DMatrix<f64> {
     })
 }
 
-/// What a node moves per rad about the origin, mm.
+/// Displacement of a node per rad about the origin, mm.
 fn across(position_mm: &Vector) -> Vector {
     Vector::new(-position_mm.y, position_mm.x)
 }

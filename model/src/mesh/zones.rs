@@ -1,18 +1,18 @@
-//! What zones of another modulus do to the elements.
+//! Effect of zones of other modulus on the elements.
 
 use super::{Mesh, Zone};
 use crate::finger::{Part, Plate};
 
-/// Where the elements of a stretch of plate begin and end, mm from the base.
-pub(super) struct ElementPlaces {
+/// Where the elements of a plate member begin and end, mm from the base.
+pub(super) struct ElementPositions {
     free: [f64; 2],
     elements: usize,
 }
 
-impl ElementPlaces {
-    /// Equal elements between the rigid arms of a stretch.
-    pub(super) fn new(places: [f64; 2], arm_mm: f64, elements: usize) -> ElementPlaces {
-        ElementPlaces { free: [places[0] + arm_mm, places[1] - arm_mm], elements }
+impl ElementPositions {
+    /// Equal elements between the rigid arms of a member.
+    pub(super) fn new(positions: [f64; 2], arm_mm: f64, elements: usize) -> ElementPositions {
+        ElementPositions { free: [positions[0] + arm_mm, positions[1] - arm_mm], elements }
     }
 
     /// Where the elastic part begins and ends.
@@ -20,7 +20,7 @@ impl ElementPlaces {
         self.free
     }
 
-    /// Where element `i` begins and the one before it ends. The last one ends where the stretch ends, without rounding: a
+    /// Where element `i` begins and the one before it ends. The last one ends where the member ends, without rounding: a
     /// load at the tip must find it.
     pub(super) fn start(&self, i: usize) -> f64 {
         let [from, to] = self.free;
@@ -28,18 +28,18 @@ impl ElementPlaces {
     }
 }
 
-/// Whether a zone covers a rib whose front end lies at a place. A rib on the border of two adjoining zones belongs to the
+/// Whether a zone covers a rib whose front end lies at a position. A rib on the border of two adjoining zones belongs to the
 /// one that begins there.
-pub(super) fn holds_rib(zone: &Zone, place_mm: f64) -> bool {
-    zone.part == Part::Ribs && zone.from_mm <= place_mm && place_mm < zone.to_mm
+pub(super) fn holds_rib(zone: &Zone, position_mm: f64) -> bool {
+    zone.part == Part::Ribs && zone.from_mm <= position_mm && position_mm < zone.to_mm
 }
 
-/// Length-weighted mean of 1 / (product of the zones' factors) over a stretch of plate.
+/// Length-weighted mean of 1 / (product of the zones' factors) over a section of plate.
 pub(super) fn mean_compliance(zones: &[Zone], from_mm: f64, to_mm: f64) -> f64 {
     compliance(zones, from_mm, to_mm, |_| true) / (to_mm - from_mm)
 }
 
-/// Sum of length / (product of the zones' factors) over the parts of a stretch whose middle is `counted`.
+/// Sum of length / (product of the zones' factors) over the parts of a section whose middle is `counted`.
 fn compliance(zones: &[Zone], from_mm: f64, to_mm: f64, counted: impl Fn(f64) -> bool) -> f64 {
     let mut cuts: Vec<f64> = zones
         .iter()
@@ -56,8 +56,8 @@ fn compliance(zones: &[Zone], from_mm: f64, to_mm: f64, counted: impl Fn(f64) ->
     lengths.sum()
 }
 
-fn covers(zone: &Zone, place_mm: f64) -> bool {
-    zone.from_mm <= place_mm && place_mm <= zone.to_mm
+fn covers(zone: &Zone, position_mm: f64) -> bool {
+    zone.from_mm <= position_mm && position_mm <= zone.to_mm
 }
 
 impl Mesh {
@@ -68,13 +68,13 @@ impl Mesh {
         let Some(chosen) = description.zones.get(zone) else { return Vec::new() };
         let of_part: Vec<Zone> = description.zones.iter().filter(|other| other.part == chosen.part).copied().collect();
         let plate = if chosen.part == Part::Back { Plate::Back } else { Plate::Front };
-        let places = self.finger.plate_places_mm(plate);
+        let positions = self.finger.plate_positions_mm(plate);
         let lines = self.lines.iter().filter(|line| line.part == chosen.part).enumerate();
         let shares = lines.flat_map(|(nth, line)| {
             let elements =
-                ElementPlaces::new([places[nth], places[nth + 1]], description.rod_arm_mm, line.members.len());
+                ElementPositions::new([positions[nth], positions[nth + 1]], description.rod_arm_mm, line.members.len());
             let share = |i: usize| match chosen.part {
-                Part::Ribs => f64::from(u8::from(holds_rib(chosen, places[nth + 1]))),
+                Part::Ribs => f64::from(u8::from(holds_rib(chosen, positions[nth + 1]))),
                 Part::Front | Part::Back => {
                     let (from_mm, to_mm) = (elements.start(i), elements.start(i + 1));
                     compliance(&of_part, from_mm, to_mm, |middle| covers(chosen, middle))

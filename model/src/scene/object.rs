@@ -43,7 +43,7 @@ pub enum Outline {
 pub enum ObjectMotion {
     /// Along a straight line, from where it touches the undeformed finger.
     Press {
-        /// Place on the front plate that the line meets, mm from its base.
+        /// Position on the front plate that the line meets, mm from its base.
         at_mm: f64,
         /// Direction of the line, degrees from the undeformed inward normal, positive towards the tip.
         direction_deg: f64,
@@ -167,14 +167,14 @@ fn read_motion(table: &TableReader, finger: &Finger) -> Result<ObjectMotion, Sce
         return Ok(ObjectMotion::Path(points));
     }
     if !table.has("at_mm") {
-        return Err(table.missing("at_mm", "the place on the front plate to press on, in mm (or path_mm)"));
+        return Err(table.missing("at_mm", "the position on the front plate to press on, in mm (or path_mm)"));
     }
-    let at_mm = table.number("at_mm", "place in mm")?;
+    let at_mm = table.number("at_mm", "position in mm")?;
     let length_mm = finger.plate_length_mm(Plate::Front);
     if !(0.0..=length_mm).contains(&at_mm) {
         return Err(table.wrong(
             "at_mm",
-            &format!("a place on the front plate, 0 to {length_mm} mm"),
+            &format!("a position on the front plate, 0 to {length_mm} mm"),
             &at_mm.to_string(),
         ));
     }

@@ -15,7 +15,7 @@ use std::borrow::Cow;
 /// deviations of the noise, is of a finger that bends linearly: a difference of three standard deviations.
 const FAVOURED: f64 = 9.0;
 
-/// What is assumed of the forces before measuring.
+/// Prior of the forces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Prior {
     /// Nothing: least squares.

@@ -1,4 +1,4 @@
-//! What the linear finger gets wrong of a sensed force: the error of linearisation, from the estimated force itself.
+//! Linearisation error of a sensed force, from the estimated force itself.
 
 use super::{Contact, SensingError};
 use crate::frame::{FrameLoad, FrameMotion};
@@ -25,7 +25,7 @@ const MOST_HALVINGS: usize = 30;
 /// The error that a linear estimator makes on the co-rotational finger.
 ///
 /// # Requirements
-/// Contacts whose place and direction are known, and the gain and compliance of the linear estimator at the markers.
+/// Contacts whose position and direction are known, and the gain and compliance of the linear estimator at the markers.
 ///
 /// # Reference
 /// With gain G and compliance C (weighted, at the markers), the linear estimator senses f + G (u(f) - C f) where the
@@ -50,7 +50,7 @@ pub(super) struct LinearModel<'e> {
     pub(super) compliance: &'e DMatrix<f64>,
 }
 
-/// What is known of the error.
+/// Known part of the error.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct LinearisationError {
     /// Sensed less true, by contact, N.

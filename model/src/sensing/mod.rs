@@ -18,21 +18,21 @@ use serde::{Deserialize, Serialize};
 
 /// Where a force acts on the front plate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub enum ContactPlace {
+pub enum ContactPosition {
     /// At a contact node: from the tip to the last node before the front base.
     #[serde(rename = "node")]
     Node(NodeId),
     /// At a distance from the front base along the plate, mm.
     #[serde(rename = "s_mm")]
-    Place(f64),
+    At(f64),
 }
 
-/// A contact whose force is sought: its place and direction are known.
+/// A contact whose force is sought: its position and direction are known.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
     /// Where it acts.
     #[serde(flatten)]
-    pub place: ContactPlace,
+    pub position: ContactPosition,
     /// Direction of the force, degrees from the undeformed inward normal, positive towards the tip.
     pub angle_deg: f64,
 }
@@ -40,9 +40,9 @@ pub struct Contact {
 /// As on the command line: `19@0`, `80 mm@-20`.
 impl std::fmt::Display for Contact {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        match self.place {
-            ContactPlace::Node(node) => write!(f, "{node}@{}", self.angle_deg),
-            ContactPlace::Place(s_mm) => write!(f, "{s_mm} mm@{}", self.angle_deg),
+        match self.position {
+            ContactPosition::Node(node) => write!(f, "{node}@{}", self.angle_deg),
+            ContactPosition::At(s_mm) => write!(f, "{s_mm} mm@{}", self.angle_deg),
         }
     }
 }
@@ -50,7 +50,7 @@ impl std::fmt::Display for Contact {
 impl Contact {
     /// At a node, along the undeformed normal.
     pub fn at_node(node: NodeId) -> Contact {
-        Contact { place: ContactPlace::Node(node), angle_deg: 0.0 }
+        Contact { position: ContactPosition::Node(node), angle_deg: 0.0 }
     }
 
     /// The contact's force of 1 N as a load.
@@ -61,17 +61,17 @@ impl Contact {
     /// The contact's force as a load.
     pub fn load(&self, finger: &Finger, force_n: f64) -> Load {
         let force: Vector = finger.direction(self.angle_deg) * force_n;
-        match self.place {
-            ContactPlace::Node(node) => Load::at_node(node, force),
-            ContactPlace::Place(s_mm) => Load::at_place(s_mm, force),
+        match self.position {
+            ContactPosition::Node(node) => Load::at_node(node, force),
+            ContactPosition::At(s_mm) => Load::at_position(s_mm, force),
         }
     }
 
-    /// Place along the front plate, mm from the base; `None` for a node that is not on it.
-    pub fn place_mm(&self, finger: &Finger) -> Option<f64> {
-        match self.place {
-            ContactPlace::Node(node) => finger.front_place_mm(node),
-            ContactPlace::Place(s_mm) => Some(s_mm),
+    /// Position along the front plate, mm from the base; `None` for a node that is not on it.
+    pub fn position_mm(&self, finger: &Finger) -> Option<f64> {
+        match self.position {
+            ContactPosition::Node(node) => finger.front_position_mm(node),
+            ContactPosition::At(s_mm) => Some(s_mm),
         }
     }
 }
@@ -87,20 +87,20 @@ pub enum Direction {
     Auto,
 }
 
-/// A contact whose force is sought, and perhaps its place and direction too.
+/// A contact whose force is sought, and perhaps its position and direction too.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactQuestion {
     /// Where it acts; `None` if unknown.
-    pub place: Option<ContactPlace>,
+    pub position: Option<ContactPosition>,
     /// In which direction.
     pub direction: Direction,
 }
 
 impl ContactQuestion {
-    /// The contact, if place and direction are known before measuring.
+    /// The contact, if position and direction are known before measuring.
     pub fn known(&self) -> Option<Contact> {
-        match (self.place, self.direction) {
-            (Some(place), Direction::Angle(angle_deg)) => Some(Contact { place, angle_deg }),
+        match (self.position, self.direction) {
+            (Some(position), Direction::Angle(angle_deg)) => Some(Contact { position, angle_deg }),
             _ => None,
         }
     }
@@ -108,11 +108,11 @@ impl ContactQuestion {
 
 impl From<Contact> for ContactQuestion {
     fn from(contact: Contact) -> ContactQuestion {
-        ContactQuestion { place: Some(contact.place), direction: Direction::Angle(contact.angle_deg) }
+        ContactQuestion { position: Some(contact.position), direction: Direction::Angle(contact.angle_deg) }
     }
 }
 
-/// Why forces cannot be told from a measurement.
+/// Why forces cannot be sensed from a measurement.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SensingError {
     /// A contact is not on the free front plate.
@@ -138,7 +138,7 @@ pub enum SensingError {
     #[error("no contact was given: nothing to estimate")]
     NoContact,
     /// The same unknown twice.
-    #[error("contacts {first} and {second} are the same place and direction: their forces cannot be told apart")]
+    #[error("contacts {first} and {second} have the same position and direction: their forces are not identifiable")]
     SameContact {
         /// Position in the list, from 1.
         first: usize,
@@ -156,7 +156,7 @@ pub enum SensingError {
     /// The data hardly change with some combination of the forces.
     #[error(
         "not identifiable: the scaled singular values span {span:.1e}, more than {limit:.0e}: the measured nodes do \
-         not tell the forces apart (contact {weakest} least)"
+         not determine the forces (contact {weakest} least)"
     )]
     IllConditioned {
         /// Ratio of largest to smallest scaled singular value.
@@ -166,12 +166,12 @@ pub enum SensingError {
         /// Contact that takes part most in the combination that cannot be seen, from 1.
         weakest: usize,
     },
-    /// A place or direction is asked for that the data do not tell.
+    /// A position or direction is asked for that is not identifiable.
     #[error(
         "not identifiable: {what} of contact {contact} is only known to {sigma:.2} {unit} (one standard deviation)"
     )]
     Undetermined {
-        /// "the place", "the direction" or "the force".
+        /// "the position", "the direction" or "the force".
         what: &'static str,
         /// Position of the contact in the list, from 1.
         contact: usize,
@@ -200,8 +200,8 @@ pub enum SensingError {
     Unconfirmed,
     /// No forces were found that explain the data.
     #[error(
-        "the large-rotation model does not explain the measurement: {residual_rms_mm:.3} mm of {moved_rms_mm:.3} mm \
-         (root mean squares) are left over"
+        "the co-rotational model does not explain the measurement: the residual is {residual_rms_mm:.3} mm of \
+         {moved_rms_mm:.3} mm (root mean squares)"
     )]
     Unexplained {
         /// Root mean square of the weighted residual, mm.
@@ -211,7 +211,7 @@ pub enum SensingError {
     },
     /// The search for forces that explain the measurement did not end.
     #[error(
-        "the large-rotation model cannot explain the measurement: after {iterations} steps forces still change by \
+        "the co-rotational model cannot explain the measurement: after {iterations} steps forces still change by \
          {change_n:.2e} N"
     )]
     NotConverged {
@@ -231,7 +231,7 @@ pub enum SensingError {
     Statics(#[from] crate::statics::StaticsError),
 }
 
-/// Largest span of the scaled singular values at which forces are still told apart.
+/// Largest span of the scaled singular values at which forces are still identifiable.
 pub const LARGEST_SPAN: f64 = 1e8;
 
 /// A residual of more than this many standard deviations of the noise that is also more than this share of the
@@ -250,8 +250,8 @@ pub fn check_contacts(finger: &Finger, contacts: &[Contact]) -> Result<(), Sensi
     let [_, front_base] = finger.clamped_nodes();
     let (first, last) = (finger.tip(), NodeId(front_base.0 - 1));
     for (i, contact) in contacts.iter().enumerate() {
-        match contact.place {
-            ContactPlace::Node(node) => {
+        match contact.position {
+            ContactPosition::Node(node) => {
                 if !(1..=front_base.0).contains(&node.0) {
                     return Err(LoadError::NodeMissing { node, key_nodes: front_base.0 }.into());
                 }
@@ -262,10 +262,10 @@ pub fn check_contacts(finger: &Finger, contacts: &[Contact]) -> Result<(), Sensi
                     return Err(SensingError::NotAContactNode { node, first, last });
                 }
             }
-            ContactPlace::Place(s_mm) => {
+            ContactPosition::At(s_mm) => {
                 let length_mm = finger.plate_length_mm(Plate::Front);
                 if !(s_mm > 0.0 && s_mm <= length_mm) {
-                    return Err(LoadError::PlaceOffPlate { s_mm, length_mm }.into());
+                    return Err(LoadError::PositionOffPlate { s_mm, length_mm }.into());
                 }
             }
         }
@@ -273,7 +273,7 @@ pub fn check_contacts(finger: &Finger, contacts: &[Contact]) -> Result<(), Sensi
             return Err(SensingError::AngleNotFinite { contact: i + 1 });
         }
         let same = |other: &Contact| {
-            other.angle_deg == contact.angle_deg && other.place_mm(finger) == contact.place_mm(finger)
+            other.angle_deg == contact.angle_deg && other.position_mm(finger) == contact.position_mm(finger)
         };
         if let Some(j) = contacts[..i].iter().position(same) {
             return Err(SensingError::SameContact { first: j + 1, second: i + 1 });

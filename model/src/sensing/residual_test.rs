@@ -1,4 +1,4 @@
-//! Whether a residual is what the stated noise leaves: the chi-squared test of goodness of fit.
+//! Chi-squared test of goodness of fit: whether the stated noise explains a residual.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 
@@ -94,7 +94,7 @@ pub(super) fn noise_of(
     match (test, stated_mm) {
         (Some(test), _) => test.trusted_noise_mm(),
         (None, Some(noise_mm)) if degrees_of_freedom == 0 => noise_mm,
-        // Zero is no noise that a residual could be held against.
+        // Zero is no noise that a residual could be tested against.
         (None, _) => unstated_noise_mm(sum_of_squares_mm2, degrees_of_freedom).unwrap_or(f64::INFINITY),
     }
 }

@@ -80,7 +80,7 @@ pub struct EquilibriumPath {
 }
 
 /// Follows equilibria of any plane frame from rest through limit points, where the load must fall (snap-through) or the
-/// loaded point turn back (snap-back), on stable and unstable stretches alike.
+/// loaded point turn back (snap-back), on stable and unstable branches alike.
 ///
 /// A step leaves along the tangent of the path; Newton's method then returns to the path within the plane across that
 /// tangent, unknowns and load multiple together. So nothing special happens where the load turns. Steps adapt to how
@@ -94,7 +94,7 @@ pub struct EquilibriumPath {
 ///
 /// # Requirements
 /// The stiffness at rest is positive definite. The loads keep their directions. Limit points are simple; at a
-/// bifurcation the path goes straight on, and [`PathPoint::negative_pivots`] tells. Elements are short enough that none
+/// bifurcation the path goes straight on, and [`PathPoint::negative_pivots`] shows it. Elements are short enough that none
 /// bends by much more than a radian: at half a turn of an end against its chord their energy has a kink, and the path
 /// is lost there.
 ///
@@ -339,8 +339,8 @@ fn is_bifurcation(from: &Station, to: &Station) -> bool {
 
 /// Half the diagonal of the outline of the undeformed nodes, mm; one for a frame without extent.
 fn half_diagonal(frame: &PlaneFrame) -> f64 {
-    let places = (0..frame.node_count()).map(|node| frame.position(node));
-    let (low, high) = places
+    let positions = (0..frame.node_count()).map(|node| frame.position(node));
+    let (low, high) = positions
         .fold((Vector::repeat(f64::INFINITY), Vector::repeat(f64::NEG_INFINITY)), |(low, high), p| {
             (low.inf(&p), high.sup(&p))
         });

@@ -1,4 +1,4 @@
-//! How many digits rounding has left in a solution.
+//! Digits of a solution that survive rounding.
 //!
 //! Elements of length h have stiffnesses that grow as 1 / h^3 and deformations that shrink with h, so the finer the mesh
 //! the more digits cancel. Newton's corrections win back what the factored tangent loses, as long as it is roughly right;

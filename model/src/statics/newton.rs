@@ -57,7 +57,7 @@ pub struct Statics<E> {
 enum Rejected {
     NotPositiveDefinite,
     TooFar,
-    /// Linear corrections do not shrink: so many digits are left, too few.
+    /// Linear corrections do not shrink: too few digits are left. Holds their number.
     Rounding(f64),
 }
 
@@ -251,8 +251,8 @@ impl<E: EquilibriumEquations> Statics<E> {
                 predicted_turn = largest_difference(&motion.rotations, &self.predicted);
                 self.predicted.clone_from(&motion.rotations);
             }
-            let surprise = largest_difference(&motion.rotations, &self.predicted);
-            let near_enough = linear || predicted_turn + surprise <= MAX_STEP_ROTATION;
+            let prediction_error = largest_difference(&motion.rotations, &self.predicted);
+            let near_enough = linear || predicted_turn + prediction_error <= MAX_STEP_ROTATION;
             if !near_enough {
                 return Err(Rejected::TooFar);
             }
@@ -266,7 +266,7 @@ impl<E: EquilibriumEquations> Statics<E> {
             let converges = converges || (linear && (relative <= LINEAR_TOLERANCE || self.equations.keeps_digits()));
             let stagnates = relative <= STAGNATION_TOLERANCE && relative > 0.25 * previous;
             if work <= 0.0 || converges || stagnates {
-                let follows = linear || surprise <= MAX_PREDICTION_ERROR * predicted_turn + ROTATION_NOISE;
+                let follows = linear || prediction_error <= MAX_PREDICTION_ERROR * predicted_turn + ROTATION_NOISE;
                 return if follows { Ok(iteration) } else { Err(Rejected::TooFar) };
             }
             previous = relative;

@@ -1,4 +1,4 @@
-//! What an equilibrium holds: elastic energy, and the forces of the supports.
+//! Results of an equilibrium: elastic energy, and the support forces.
 
 use super::FrameLoad;
 use crate::Vector;

@@ -31,9 +31,9 @@ pub enum TrainError {
     Recipe {
         /// The field of the recipe.
         key: &'static str,
-        /// What it must be.
+        /// What is expected.
         expected: &'static str,
-        /// What it is.
+        /// What was found.
         found: String,
     },
     /// No samples could be drawn.

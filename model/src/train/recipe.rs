@@ -1,4 +1,4 @@
-//! What a network is trained on, and how long.
+//! Recipe of a network: training samples and schedule.
 
 use super::TrainError;
 use crate::Kinematics;
@@ -32,7 +32,7 @@ pub struct TrainingRecipe {
     pub batch: usize,
     /// Adam's first step length; it falls to zero along half a cosine.
     pub learning_rate: f64,
-    /// Training stops when so many epochs in a row have not lowered the validation loss.
+    /// Training stops when this many epochs in a row have not lowered the validation loss.
     pub patience: usize,
     /// Seed of everything random.
     pub seed: u64,
@@ -62,7 +62,7 @@ impl TrainingRecipe {
         TrainingRecipe { noise_mm, ..TrainingRecipe::paper(contacts) }
     }
 
-    /// The inverse of the nonlinear finger: cases with large rotations and noise, principal directions as inputs, a linear
+    /// The inverse of the nonlinear finger: co-rotational cases with noise, principal directions as inputs, a linear
     /// branch. Two layers of 32 keep the error of the paper's three (see the report's curve of error against size).
     pub fn nonlinear(contacts: Vec<Contact>, noise_mm: f64) -> TrainingRecipe {
         TrainingRecipe {

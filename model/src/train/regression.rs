@@ -4,9 +4,9 @@ use crate::samples::Samples;
 use crate::sensing::network::{Inputs, Scaling};
 use nalgebra::{DMatrix, DVector};
 
-/// Directions in which the shapes vary by less than this share of the noise (of its standard deviation) tell nothing.
+/// Directions in which the shapes vary by less than this share of the noise (of its standard deviation) carry no information.
 const LEAST_SHARE_OF_NOISE: f64 = 0.1;
-/// Without noise rounding is the limit: variances below this share of the largest are not told from it.
+/// Without noise rounding is the limit: variances below this share of the largest are not distinguishable from it.
 const LEAST_SHARE_OF_LARGEST: f64 = 1e-14;
 
 /// How displacements become inputs, found from training shapes.
@@ -78,7 +78,7 @@ pub(super) struct Regression {
     pub(super) mean_n: Vec<f64>,
     /// p x contacts, N.
     pub(super) gain: DMatrix<f64>,
-    /// Root mean square of each force that is left over without noise, N.
+    /// Residual of each force without noise, root mean square, N.
     pub(super) left_over_n: Vec<f64>,
 }
 

@@ -1,6 +1,6 @@
 //! Assumptions of the beam model that an equilibrium does not keep, in words.
 
-use super::{FibreStrain, LARGEST_SHEAR_SHARE, LARGEST_STRAIN, MemberPlace, StrainLimits, Validity};
+use super::{FibreStrain, FingerMember, LARGEST_SHEAR_SHARE, LARGEST_STRAIN, StrainLimits, Validity};
 use crate::finger::Part;
 use std::fmt;
 
@@ -21,7 +21,7 @@ pub enum Doubt {
         /// Shear energy over strain energy.
         share: f64,
         /// The member that holds most of it.
-        member: MemberPlace,
+        member: FingerMember,
     },
     /// The finger bends more easily out of its plane than in it.
     OutOfPlane {
@@ -48,7 +48,7 @@ impl Validity {
     }
 }
 
-impl fmt::Display for MemberPlace {
+impl fmt::Display for FingerMember {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let part = in_words(self.part);
         let [from, to] = self.nodes;

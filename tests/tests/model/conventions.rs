@@ -6,7 +6,7 @@ use finray_model::{Finger, Mesh, NodeId, Scene};
 /// Rounding of coordinates of a finger of some hundred mm.
 const ROUNDING: f64 = 1e-12;
 
-/// Three ribs whose ends lie at other places along the front than along the back plate; the triangle has no symmetry.
+/// Three ribs whose ends lie at other positions along the front than along the back plate; the triangle has no symmetry.
 fn lopsided(zones: &str) -> Finger {
     let text = format!(
         "name = \"lopsided\"\n[finger]\nbase_width_mm = 60.0\nfront_length_mm = 120.0\nback_length_mm = 150.0\ndepth_mm = 20.0\n\
@@ -66,10 +66,10 @@ fn numbering_goes_over_the_tip() {
     assert!((finger.position(NodeId(9)).y - 30.0).abs() < ROUNDING);
     // From the tip down the front plate: ribs 3, 2, 1; from the base up the back plate: ribs 1, 2, 3.
     let from_base = |node: usize, base: usize| (finger.position(NodeId(node)) - finger.position(NodeId(base))).norm();
-    for (node, place) in [(6, 80.0), (7, 50.0), (8, 20.0)] {
-        assert!((from_base(node, 9) - place).abs() < 1e3 * ROUNDING, "node {node}");
+    for (node, position) in [(6, 80.0), (7, 50.0), (8, 20.0)] {
+        assert!((from_base(node, 9) - position).abs() < 1e3 * ROUNDING, "node {node}");
     }
-    for (node, place) in [(2, 60.0), (3, 90.0), (4, 120.0)] {
-        assert!((from_base(node, 1) - place).abs() < 1e3 * ROUNDING, "node {node}");
+    for (node, position) in [(2, 60.0), (3, 90.0), (4, 120.0)] {
+        assert!((from_base(node, 1) - position).abs() < 1e3 * ROUNDING, "node {node}");
     }
 }

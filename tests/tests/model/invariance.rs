@@ -1,6 +1,6 @@
-//! The answer does not depend on how the finger is written down: place and turn of the scene, units, order of nodes.
+//! The answer does not depend on how the finger is written down: position and turn of the scene, units, order of nodes.
 
-use finray_model::finger::{FingerDescription, Joints, Part, Plate, RibPlaces};
+use finray_model::finger::{FingerDescription, Joints, Part, Plate, RibPositions};
 use finray_model::frame::{BeamEnd, FrameLoad, FrameMotion, PlaneFrame};
 use finray_model::statics::{Statics, solve, solve_frame};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
@@ -12,7 +12,7 @@ use proptest::prelude::*;
 const ROUNDING: f64 = 1e-8;
 
 /// The finger's frame built by hand from its key nodes: turned by an angle and with the nodes added in another order.
-/// Returns the frame and the place of each key node in it. Without arms and zones.
+/// Returns the frame and the position of each key node in it. Without arms and zones.
 fn built_by_hand(finger: &Finger, turn: Rotation2<f64>, order: &[usize]) -> (PlaneFrame, Vec<usize>) {
     let mut frame = PlaneFrame::new();
     let count = finger.key_node_count();
@@ -148,8 +148,8 @@ fn scaled(d: &FingerDescription, length: f64, force: f64) -> Finger {
         strip.thickness_mm *= length;
         strip.youngs_modulus_mpa *= force / (length * length);
     }
-    if let RibPlaces::Positions(places) = &mut d.ribs.places {
-        places.iter_mut().flatten().for_each(|place| *place *= length);
+    if let RibPositions::Positions(positions) = &mut d.ribs.positions {
+        positions.iter_mut().flatten().for_each(|position| *position *= length);
     }
     for zone in &mut d.zones {
         zone.from_mm *= length;

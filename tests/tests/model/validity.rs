@@ -83,8 +83,8 @@ fn a_bar_in_tension_has_its_closed_form() {
 fn linear_strains_do_not_depend_on_the_mesh() {
     let finger = paper_scene_with(&[("depth_mm = 20.0", "depth_mm = 20.0\nrod_arm_mm = 1.0")]).finger;
     let loads = [
-        Load::at_place(40.0, finger.direction(-30.0) * 2.0),
-        Load::at_place(43.0, finger.direction(10.0) * 1.0),
+        Load::at_position(40.0, finger.direction(-30.0) * 2.0),
+        Load::at_position(43.0, finger.direction(10.0) * 1.0),
         Load::at_node(NodeId(16), finger.direction(20.0) * 0.5),
     ];
     let of = |mesh: &Mesh| examined(mesh, Kinematics::Linear, &loads);

@@ -55,7 +55,7 @@ fn claims_say_what_was_shown(claims: &[Claim]) {
 }
 
 /// The figures of the accuracy map that other programs found: along the normal at 3 N up to about 9 % (node 24), over
-/// 30 % at -80 deg; and Table I is not explained by large rotation.
+/// 30 % at -80 deg; and Table I is not explained by geometric nonlinearity.
 #[test]
 fn map_and_table_one_show_what_is_known() {
     struct Silent;

@@ -3,7 +3,7 @@
 //! The files say how they were made and how far they can be trusted: `fixtures/mujoco/README.md`.
 
 use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, ContactPlace, sense_refining};
+use finray_model::sensing::{Contact, ContactPosition, sense_refining};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, statics};
 use finray_tests::{CAMERA_NOISE_MM, paper};
 use finray_verify::mujoco::{ContactStep, ExportedFinger, FINGERS, TouchedRod, contact_steps};
@@ -143,12 +143,12 @@ fn contact_forces_obey_coulomb() {
 }
 
 /// Where the line of the force crosses the plate: at the rod, but for friction on its surface.
-fn place_of_force(finger: &Finger, step: &ContactStep, rod: &TouchedRod) -> Contact {
+fn position_of_force(finger: &Finger, step: &ContactStep, rod: &TouchedRod) -> Contact {
     let tangent = nalgebra::Rotation2::new(step.shape.motion(rod.node).rotation) * finger.front_tangent();
     let (normal, along) = (finger.direction(0.0), finger.direction(90.0));
     Contact {
-        place: ContactPlace::Place(
-            finger.front_place_mm(rod.node).expect("a front node") + rod.moment_nmm / tangent.perp(&rod.force),
+        position: ContactPosition::At(
+            finger.front_position_mm(rod.node).expect("a front node") + rod.moment_nmm / tangent.perp(&rod.force),
         ),
         angle_deg: rod.force.dot(&along).atan2(rod.force.dot(&normal)).to_degrees(),
     }
@@ -158,7 +158,7 @@ fn place_of_force(finger: &Finger, step: &ContactStep, rod: &TouchedRod) -> Cont
 fn the_force_on_every_rod_is_sensed() {
     let finger = paper();
     for step in contact_steps().expect("a table") {
-        let contacts: Vec<_> = step.touched.iter().map(|rod| place_of_force(&finger, &step, rod).into()).collect();
+        let contacts: Vec<_> = step.touched.iter().map(|rod| position_of_force(&finger, &step, rod).into()).collect();
         let measurement = Measurement::of_shape(&finger, &step.shape);
         let sensed = sense_refining(&finger, &contacts, &measurement, Some(CAMERA_NOISE_MM)).expect("an answer");
         for (rod, force_n) in step.touched.iter().zip(&sensed.forces.forces_n) {

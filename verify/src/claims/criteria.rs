@@ -29,7 +29,7 @@ pub fn all_simulated(pairs: &[(f64, f64)]) -> ClaimVerdict {
     }
 }
 
-/// What holds on a simulated finger, or does not.
+/// Verdict of a criterion on a simulated finger.
 pub fn in_simulation(holds: bool) -> ClaimVerdict {
     if holds { InSimulation } else { NotReproduced }
 }

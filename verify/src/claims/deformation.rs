@@ -15,7 +15,7 @@ const CONTINUUM: [f64; 2] = [1.61, 1.71];
 /// Poisson's ratio of the continuum, and the rigid arms (mm) that bring the frame to it.
 const AS_A_CONTINUUM: (f64, f64) = (0.45, 1.25);
 
-/// A statement that rests on so many checks.
+/// A statement that rests on several checks.
 fn tested(checks: usize, holds: bool) -> ClaimVerdict {
     if checks == 0 { ClaimVerdict::NotTested } else { statement(holds) }
 }
@@ -68,7 +68,7 @@ pub(super) fn claims(study: &Study) -> Result<Vec<Claim>, SensingError> {
         "\"Q and F are both 69 x 1 vectors\" (sec. III); \"46 network nodes\" for the inputs, \"36 independent force coordinates at most\" (sec. IV-A)",
         "69, 46, 36",
         format!("{}, {}, {}", 3 * free, 2 * free, 3 * contacts),
-        "three freedoms and two displacements a free node, two forces and a torque a contact node of the model",
+        "three degrees of freedom and two displacements a free node, two forces and a torque a contact node of the model",
         "the same numbers",
         statement([3 * free, 2 * free, 3 * contacts] == [69, 46, 36]),
     ));

@@ -6,7 +6,7 @@ use finray_model::finger::FingerDescription;
 use finray_model::measurement::Measurement;
 use finray_model::mesh::{FingerShape, Load};
 use finray_model::scene::ROD_RADIUS_MM;
-use finray_model::sensing::{Contact, ContactPlace, LinearEstimator, Prior, SensingError};
+use finray_model::sensing::{Contact, ContactPosition, LinearEstimator, Prior, SensingError};
 use finray_model::{Finger, Kinematics, Mesh, NodeId, statics};
 
 /// Elements a member where rotations are large.
@@ -34,7 +34,7 @@ pub fn range_of(figures: &[f64]) -> Range {
     range(figures.iter().copied())
 }
 
-/// What linear least squares, given the normal at a node, makes of a load there, N.
+/// Estimate of a load at a node by linear least squares along the normal, N.
 fn sensed_n(finger: &Finger, node: NodeId, load: Load) -> Result<f64, SensingError> {
     let shape = statics::solve(&Mesh::key_nodes(finger), &[load], Kinematics::Linear)?;
     let seen = Measurement::of_shape(finger, &shape);
@@ -110,7 +110,7 @@ pub fn all_forces(finger: &Finger, noise_mm: f64) -> Result<AllForces, SensingEr
 pub fn unknown_direction(finger: &Finger, noise_mm: f64) -> Result<Vec<f64>, SensingError> {
     let markers = at_rest(finger)?;
     by_node(finger, |node| {
-        let component = |angle_deg| Contact { place: ContactPlace::Node(node), angle_deg };
+        let component = |angle_deg| Contact { position: ContactPosition::Node(node), angle_deg };
         let estimator = LinearEstimator::new(finger, &[component(0.0), component(90.0)], &markers)?;
         Ok(estimator.inverse().sigmas_per_noise[1] * noise_mm)
     })
@@ -120,7 +120,7 @@ fn at_rest(finger: &Finger) -> Result<Measurement, SensingError> {
     Ok(Measurement::of_shape(finger, &statics::solve(&Mesh::key_nodes(finger), &[], Kinematics::Linear)?))
 }
 
-/// How much the co-rotational shape changes when the forces at two nodes are exchanged.
+/// Change of the co-rotational shape when the forces at two nodes are exchanged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exchanged {
     /// Largest difference of a displacement, over the largest displacement.

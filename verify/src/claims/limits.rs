@@ -1,4 +1,4 @@
-//! What the paper says cannot be done, or need not be considered (sec. IV-A, V-C, V-D and VI).
+//! Limits that the paper states (sec. IV-A, V-C, V-D and VI).
 
 use super::criteria::{
     DIRECTION_SHARE, MUCH_SHARE, NEGLIGIBLE_FORCE_SHARE, WELL_N, at_most_nodes, over_assumptions, statement,
@@ -85,7 +85,7 @@ fn exchanged(finger: &Finger) -> Result<[Claim; 2], SensingError> {
             format!("{} of the largest displacement", listed.first().map_or("-", String::as_str)),
             format!(
                 "the same. It is {distance:.0} times the noise (Mahalanobis distance of the 23 free nodes' displacements, {CAMERA_NOISE_MM} mm a \
-                 coordinate), so an estimator with the right model can tell the two apart; how well stands with Table II"
+                 coordinate), so an estimator with the right model can separate the two; how well stands with Table II"
             ),
             format!("no more than {}, as above for \"without losing much accuracy\"", percent(MUCH_SHARE)),
             statement(all.first().is_some_and(|near| near.share <= MUCH_SHARE)),

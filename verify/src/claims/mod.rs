@@ -17,7 +17,7 @@ use experiments::Range;
 use finray_model::sensing::SensingError;
 use serde::Serialize;
 
-/// What became of a claim.
+/// Verdict on a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ClaimVerdict {
@@ -67,11 +67,11 @@ pub struct Claim {
     pub paper: String,
     /// Our figure.
     pub ours: String,
-    /// How ours was found.
+    /// How our value is computed.
     pub how: String,
     /// From which figure to which verdict; empty where nothing was tested.
     pub criterion: String,
-    /// What became of it.
+    /// The verdict.
     pub verdict: ClaimVerdict,
 }
 
@@ -110,7 +110,7 @@ fn between([low, high]: Range, unit: impl Fn(f64) -> String) -> String {
     format!("{} to {}", unit(low), unit(high))
 }
 
-/// All claims, held against a study of the paper's finger; none against one of another.
+/// All claims, tested against a study of the paper's finger; none against one of another.
 ///
 /// # Errors
 /// [`SensingError`] if a small experiment behind one of them fails.

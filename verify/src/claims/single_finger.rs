@@ -23,7 +23,7 @@ pub(super) fn claims(study: &Study) -> Vec<Claim> {
     claims
 }
 
-/// How all figures of the uniform finger are found.
+/// Method of all figures of the uniform finger.
 fn how(table: &TableOne) -> String {
     format!(
         "simulated: the paper's linear model on the co-rotational finger, weights at {} deg (assumed), no noise; of all nonlinearity it \
@@ -141,7 +141,7 @@ fn ends(table: &TableOne, twin: Option<&TwinStudy>) -> Vec<Claim> {
     claims
 }
 
-/// What a finger that is as its model has it can be sensed with.
+/// Errors of sensing on a finger that equals its model.
 fn noise(study: &Study, table: &TableOne) -> Option<Claim> {
     let noise = study.noise.as_ref()?;
     let (_, ends) = split(table);
@@ -168,7 +168,7 @@ fn noise(study: &Study, table: &TableOne) -> Option<Claim> {
     ))
 }
 
-/// What the paper infers from its errors, on a finger fitted to them.
+/// Conclusions of the paper from its errors, on a finger fitted to them.
 fn on_the_twin(table: &TableOne, twin: &TwinStudy) -> Vec<Claim> {
     let all: Vec<&TableOneRow> = table.rows.iter().collect();
     let after: Vec<&TableOneRow> = twin.after.rows.iter().collect();

@@ -17,9 +17,9 @@ use std::path::PathBuf;
 /// writes parameter,value,sigma: the factor on all moduli of the scene for which measured and
 /// computed nodes are closest in sum, and the moduli that follow.
 ///
-/// With --zones the modulus_factor of each zone of the scene is sought too, starting from what the
-/// scene says, by least squares (Gauss-Newton). A clamp that gives way is a zone at the base. What
-/// the measurements cannot tell is refused; factors that they hardly tell apart are named.
+/// With --zones the modulus_factor of each zone of the scene is estimated too, starting from the
+/// value of the scene, by least squares (Gauss-Newton). A compliant clamp is a zone at the base.
+/// Factors that are not identifiable are refused; pairs that are hardly separable are named.
 ///
 /// Examples:
 ///   finray calibrate fixtures/scenes/paper.toml --measurements weights.csv
@@ -59,7 +59,7 @@ const EACH: &str = "each";
 enum KinematicsArgument {
     /// Small displacements
     Linear,
-    /// Large rotations, on four elements a member
+    /// Co-rotational, on four elements a member
     Corotational,
 }
 
@@ -93,7 +93,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let estimate = calibration::factors(&finger, &cases, &unknowns, &model).map_err(failure)?;
     for (i, j, correlation) in estimate.entangled() {
         let [one, other] = [i, j].map(|k| &estimate.unknowns[k]);
-        eprintln!("warning: the measurements hardly tell {one} and {other} apart: correlation {correlation:.3}");
+        eprintln!("warning: {one} and {other} are hardly separable: correlation {correlation:.3}");
     }
     let rows = csv_text(factor_rows(&finger, &estimate))?;
     match &arguments.correlations {

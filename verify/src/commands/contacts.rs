@@ -1,11 +1,11 @@
-//! The contacts of a command line, at nodes and at places.
+//! The contacts of a command line, at nodes and at positions.
 
-use super::parse::{contact_at_node, contact_at_place};
+use super::parse::{contact_at_node, contact_at_position};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use finray_model::sensing::ContactQuestion;
 
 const AT_NODES: &str = "contact";
-const AT_PLACES: &str = "contact-at";
+const AT_POSITIONS: &str = "contact-at";
 
 /// `--contact` and `--contact-at` in the order in which they are given, which clap's derive keeps for each alone.
 pub struct Contacts(pub Vec<ContactQuestion>);
@@ -21,10 +21,10 @@ impl Args for Contacts {
                     .help("Contact at a node of the front plate, tip included"),
             )
             .arg(
-                list(AT_PLACES)
+                list(AT_POSITIONS)
                     .value_name("S_MM|auto[@ANGLE_DEG|normal|auto]")
-                    .value_parser(contact_at_place)
-                    .help("Contact at a place along the front plate, mm from its base, or at an unknown one"),
+                    .value_parser(contact_at_position)
+                    .help("Contact at a position along the front plate, mm from its base, or at an unknown one"),
             )
     }
 
@@ -35,12 +35,12 @@ impl Args for Contacts {
 
 impl FromArgMatches for Contacts {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Contacts, clap::Error> {
-        let places_and_values = |name| {
-            let places = matches.indices_of(name).into_iter().flatten();
-            places.zip(matches.get_many::<ContactQuestion>(name).into_iter().flatten().copied())
+        let positions_and_values = |name| {
+            let positions = matches.indices_of(name).into_iter().flatten();
+            positions.zip(matches.get_many::<ContactQuestion>(name).into_iter().flatten().copied())
         };
-        let mut contacts: Vec<_> = places_and_values(AT_NODES).chain(places_and_values(AT_PLACES)).collect();
-        contacts.sort_by_key(|(place, _)| *place);
+        let mut contacts: Vec<_> = positions_and_values(AT_NODES).chain(positions_and_values(AT_POSITIONS)).collect();
+        contacts.sort_by_key(|(position, _)| *position);
         Ok(Contacts(contacts.into_iter().map(|(_, contact)| contact).collect()))
     }
 

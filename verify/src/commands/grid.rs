@@ -1,4 +1,4 @@
-//! What `finray map`, `sweep` and `merge` share: the grid, who is put to the test on it, and how the table is written.
+//! Shared by `finray map`, `sweep` and `merge`: the grid, the truths and estimators on it, and the output of the table.
 
 use super::parse::{degrees_between, positive};
 use super::{Failure, progress};
@@ -25,13 +25,13 @@ pub struct GridArguments {
     /// Sizes of the force, N: one, or several as 1,2,3
     #[arg(long, value_name = "F", value_delimiter = ',', default_values_t = [3.0], value_parser = positive)]
     force_n: Vec<f64>,
-    /// Number of noise pictures that a cell's error is averaged over
+    /// Number of noise samples that a cell's error is averaged over
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     seeds: u32,
     /// First seed of the noise
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// About how many places along the front plate
+    /// About how many positions along the front plate
     #[arg(long, value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     places: u32,
     /// Degrees from one direction to the next, up to 80 on both sides of the normal; 90 for the normal alone
@@ -45,7 +45,7 @@ pub struct GridArguments {
     out: PathBuf,
 }
 
-/// Who is put to the test.
+/// Truths and estimators to run.
 pub struct Candidates<'a> {
     pub truths: &'a [TruthId],
     pub estimators: &'a [EstimatorId],
@@ -102,7 +102,7 @@ fn grid(
 ) -> Result<Grid, Failure> {
     // A truth that answers at some positions alone decides where all are asked.
     let given = truths.iter().map(|truth| truth.positions(&arguments.force_n)).collect::<Result<Vec<_>, _>>()?;
-    let (places_mm, angles_deg) = given
+    let (positions_mm, angles_deg) = given
         .into_iter()
         .flatten()
         .next()
@@ -118,11 +118,11 @@ fn grid(
         given => growing(given),
     };
     Ok(Grid {
-        places_mm,
+        positions_mm,
         angles_deg,
         forces_n: growing(&arguments.force_n),
         noise_levels_mm,
-        noise_pictures: arguments.seeds as usize,
+        noise_samples: arguments.seeds as usize,
         seed: arguments.seed,
     })
 }
@@ -166,7 +166,7 @@ fn write(sweep: &Sweep, finger: &Finger, head: Head, out: &Path) -> Result<(), F
     let out = table_path(table, out);
     let whole = head.shard.is_none();
     if whole && table == Table::Map {
-        require_a_place(&picture_path(&out))?;
+        require_a_place(&figure_path(&out))?;
     }
     let request = head.request.clone();
     let mut partial = Partial::open(&out, head)?;
@@ -194,7 +194,7 @@ impl<E: Into<Failure>> From<E> for Stop {
     }
 }
 
-/// What stands beside a whole table: the picture of a map.
+/// Files beside a whole table: the figure of a map.
 pub fn beside(
     request: &Request,
     finger: &Finger,
@@ -205,21 +205,21 @@ pub fn beside(
         return Ok(Vec::new());
     }
     let map = AccuracyMap::from_csv(request, table).map_err(|error| Failure::BadInput(error.to_string()))?;
-    let picture = map_picture(finger, &map, None).map_err(|error| Failure::NotComputed(error.to_string()))?;
-    Ok(vec![(picture_path(out), standalone(&picture))])
+    let figure = map_picture(finger, &map, None).map_err(|error| Failure::NotComputed(error.to_string()))?;
+    Ok(vec![(figure_path(out), standalone(&figure))])
 }
 
-fn picture_path(out: &Path) -> PathBuf {
+fn figure_path(out: &Path) -> PathBuf {
     out.with_extension("svg")
 }
 
-/// The path itself, unless it would be the picture's.
+/// The path itself, unless it would be the figure's.
 pub fn table_path(table: Table, out: &Path) -> PathBuf {
-    let is_picture = table == Table::Map && out.extension().is_some_and(|extension| extension == "svg");
-    if is_picture { out.with_extension("csv") } else { out.to_owned() }
+    let is_figure = table == Table::Map && out.extension().is_some_and(|extension| extension == "svg");
+    if is_figure { out.with_extension("csv") } else { out.to_owned() }
 }
 
-/// That a file can stand there is better known before hours of work than after.
+/// Checks before hours of work that a file can be written there.
 fn require_a_place(path: &Path) -> Result<(), FileError> {
     if !path.is_dir() {
         return Ok(());

@@ -7,17 +7,17 @@ use finray_verify::estimators::EstimatorId;
 use finray_verify::sampling::sweep::Table;
 use finray_verify::truths::TruthId;
 
-/// Map where a finger can be trusted to feel: error of the sensed force by place and direction.
+/// Map where sensing can be trusted: error of the sensed force by position and direction.
 ///
-/// A force of known place and direction is put on the true finger, its size is sensed from the
+/// A force of known position and direction is put on the true finger, its size is sensed from the
 /// displacements of the key nodes, and the error |sensed / true - 1| is averaged over the camera
-/// noise. Writes s_mm,angle_deg,force_n,mean_error,bias,spread,samples,answered, and the picture beside
+/// noise. Writes s_mm,angle_deg,force_n,mean_error,bias,spread,samples,answered, and the figure beside
 /// it as SVG (of several forces, the mean). A cell is empty where the finger has no equilibrium (then
 /// no sample is drawn), and where the estimator refuses more than half of the noise samples: such a
 /// cell is not trusted. The errors are those of the answered samples; `finray sweep` says why the
 /// others are refused.
 ///
-/// The nonlinear estimator takes about a millisecond a picture: minutes for a map. The networks that
+/// The nonlinear estimator takes about a millisecond a noise sample: minutes for a map. The networks that
 /// ship answer at the contact nodes along the normal: --places 12 --step-deg 90.
 ///
 /// A run that was stopped goes on where it was when it is given the same command again: its rows

@@ -22,7 +22,7 @@ pub struct Arguments {
     /// Files that were written with --shard
     #[arg(value_name = "SHARD", required = true)]
     shards: Vec<PathBuf>,
-    /// Result file (of a map, the picture takes its name with .svg); - for the table on standard output
+    /// Result file (of a map, the figure takes its name with .svg); - for the table on standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
     out: PathBuf,
 }

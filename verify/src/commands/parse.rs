@@ -1,6 +1,6 @@
 //! The small languages of the command line: loads, contacts, plain numbers.
 
-use finray_model::sensing::{ContactPlace, ContactQuestion, Direction};
+use finray_model::sensing::{ContactPosition, ContactQuestion, Direction};
 use finray_model::{NodeId, Vector};
 
 /// `NODE:FX,FY[,M]`.
@@ -13,7 +13,7 @@ pub struct NodeLoad {
 
 /// `S_MM:FORCE,ANGLE_DEG`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PlaceLoad {
+pub struct PositionLoad {
     pub s_mm: f64,
     pub force_n: f64,
     pub angle_deg: f64,
@@ -48,21 +48,21 @@ fn node(text: &str) -> Result<NodeId, String> {
 
 pub fn node_load(text: &str) -> Result<NodeLoad, String> {
     let expected = || format!("expected NODE:FX,FY or NODE:FX,FY,M, for instance 19:-0.4,-2, found \"{text}\"");
-    let (place, rest) = text.split_once(':').ok_or_else(expected)?;
+    let (position, rest) = text.split_once(':').ok_or_else(expected)?;
     let numbers = rest.split(',').map(finite).collect::<Result<Vec<_>, _>>()?;
     let (fx, fy, moment_nmm) = match numbers[..] {
         [fx, fy] => (fx, fy, 0.0),
         [fx, fy, moment] => (fx, fy, moment),
         _ => return Err(expected()),
     };
-    Ok(NodeLoad { node: node(place)?, force: Vector::new(fx, fy), moment_nmm })
+    Ok(NodeLoad { node: node(position)?, force: Vector::new(fx, fy), moment_nmm })
 }
 
-pub fn place_load(text: &str) -> Result<PlaceLoad, String> {
+pub fn position_load(text: &str) -> Result<PositionLoad, String> {
     let expected = || format!("expected S_MM:FORCE,ANGLE_DEG, for instance 80.5:2,-20, found \"{text}\"");
-    let (place, rest) = text.split_once(':').ok_or_else(expected)?;
+    let (position, rest) = text.split_once(':').ok_or_else(expected)?;
     let (force, angle) = rest.split_once(',').unwrap_or((rest, "0"));
-    Ok(PlaceLoad { s_mm: finite(place)?, force_n: finite(force)?, angle_deg: finite(angle)? })
+    Ok(PositionLoad { s_mm: finite(position)?, force_n: finite(force)?, angle_deg: finite(angle)? })
 }
 
 /// Direction after an `@`: degrees, `normal` or `auto`; 0 degrees without one.
@@ -79,20 +79,20 @@ fn direction(text: Option<&str>) -> Result<Direction, String> {
 
 /// `NODE[@ANGLE_DEG|normal|auto]`.
 pub fn contact_at_node(text: &str) -> Result<ContactQuestion, String> {
-    let (place, towards) = split_at_sign(text);
-    Ok(ContactQuestion { place: Some(ContactPlace::Node(node(place)?)), direction: direction(towards)? })
+    let (position, towards) = split_at_sign(text);
+    Ok(ContactQuestion { position: Some(ContactPosition::Node(node(position)?)), direction: direction(towards)? })
 }
 
-/// `S_MM[@ANGLE_DEG|normal|auto]`, or `auto` for the place.
-pub fn contact_at_place(text: &str) -> Result<ContactQuestion, String> {
-    let (place, towards) = split_at_sign(text);
-    let place = match place.trim() {
+/// `S_MM[@ANGLE_DEG|normal|auto]`, or `auto` for the position.
+pub fn contact_at_position(text: &str) -> Result<ContactQuestion, String> {
+    let (position, towards) = split_at_sign(text);
+    let position = match position.trim() {
         "auto" => None,
-        number => Some(ContactPlace::Place(finite(number)?)),
+        number => Some(ContactPosition::At(finite(number)?)),
     };
-    Ok(ContactQuestion { place, direction: direction(towards)? })
+    Ok(ContactQuestion { position, direction: direction(towards)? })
 }
 
 fn split_at_sign(text: &str) -> (&str, Option<&str>) {
-    text.split_once('@').map_or((text, None), |(place, direction)| (place, Some(direction)))
+    text.split_once('@').map_or((text, None), |(position, direction)| (position, Some(direction)))
 }

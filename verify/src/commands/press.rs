@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
 /// Writes step,travel_mm,contact,s_mm,angle_deg,force_n,friction_n,sensed_n,sigma_n,read_s_mm,
 /// read_angle_deg: a row a contact, from the base to the tip, and a row `total` a step: the force
 /// along the object's way, without what the clamp takes.
-/// `contact` is a node, `at` for a place between nodes, or `clamp` where a force is not felt;
+/// `contact` is a node, `at` for a position between nodes, or `clamp` where a force is not felt;
 /// `angle_deg` is the normal, from the front plate's undeformed inward normal; `force_n` is the true
 /// force along it and `friction_n` the one across it, positive towards the tip; `sensed_n` is the
 /// sensed force along the normal, and `read_s_mm` and `read_angle_deg` are the position and normal,
@@ -51,7 +51,7 @@ pub struct Arguments {
     /// Seed of the noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Segments of the lattice in a stretch of plate between two rods: shapes are within 0.4 % under
+    /// Segments of the lattice in a member of a plate, between two rods: shapes are within 0.4 % under
     /// 5 N with 2, 0.1 % with 3, 0.03 % with 4, in 1, 2 and 4 times the time; 1 is for a first look
     /// (sigma_n does not allow for this difference: with 1 it is more than the camera's noise)
     #[arg(long, value_name = "N", default_value_t = FINENESS as u16, value_parser = value_parser!(u16).range(1..=12))]

@@ -1,4 +1,4 @@
-//! Progress on standard error, for a person who waits.
+//! Progress on standard error.
 
 use indicatif::{ProgressBar, ProgressStyle};
 

@@ -4,7 +4,7 @@ use super::contacts::Contacts;
 use super::parse::not_negative;
 use super::{Failure, not_both_from_standard_input, validity};
 use finray_model::Finger;
-use finray_model::sensing::{Contact, ContactPlace, Estimate, Warning};
+use finray_model::sensing::{Contact, ContactPosition, Estimate, Warning};
 use finray_verify::estimators::network::Networks;
 use finray_verify::estimators::{EstimatorId, Question};
 use finray_verify::files::{csv_text, displacements, load_network, load_scene, write_text};
@@ -24,9 +24,9 @@ use std::path::PathBuf;
 /// stated noise (chi-squared test), or the model errs by more than noise does, a warning says so.
 /// What no measurement shows is not in sigma_n: a wrong modulus scales every force alike.
 ///
-/// The nonlinear estimator follows large rotations. It alone takes the directions `normal` (of the
-/// deformed plate) and `auto` (unknown), and the place `auto` (unknown); what is not identifiable is
-/// refused. Unless told a mesh, it refines until doubling the mesh changes no force by more than
+/// The nonlinear estimator is co-rotational. It alone takes the directions `normal` (of the
+/// deformed plate) and `auto` (unknown), and the position `auto` (unknown); what is not identifiable is
+/// refused. Without a given mesh it refines until doubling the mesh changes no force by more than
 /// 0.2 %.
 ///
 /// The network estimator answers in microseconds what it was trained for, and refuses the rest.
@@ -120,7 +120,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What a warning leaves to do.
+/// Advice for a warning.
 fn advice(estimator: EstimatorId, warning: &Warning) -> &'static str {
     match warning {
         _ if estimator.is_linear() => {
@@ -140,12 +140,12 @@ fn rows(finger: &Finger, contacts: &[Contact], estimate: &Estimate) -> Vec<Row> 
         .iter()
         .zip(forces)
         .map(|(contact, (&force_n, &sigma_n))| Row {
-            contact: match contact.place {
-                ContactPlace::Node(node) => node.to_string(),
-                ContactPlace::Place(_) => "at".to_owned(),
+            contact: match contact.position {
+                ContactPosition::Node(node) => node.to_string(),
+                ContactPosition::At(_) => "at".to_owned(),
             },
-            // Contacts were checked: each has a place on the front plate.
-            s_mm: contact.place_mm(finger).unwrap_or(f64::NAN),
+            // Contacts were checked: each has a position on the front plate.
+            s_mm: contact.position_mm(finger).unwrap_or(f64::NAN),
             angle_deg: contact.angle_deg,
             force_n,
             sigma_n,

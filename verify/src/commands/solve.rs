@@ -1,6 +1,6 @@
 //! `finray solve`
 
-use super::parse::{NodeLoad, PlaceLoad, node_load, place_load};
+use super::parse::{NodeLoad, PositionLoad, node_load, position_load};
 use super::{Failure, validity};
 use clap::ValueEnum;
 use finray_model::statics::{Statics, StaticsError};
@@ -28,9 +28,9 @@ pub struct Arguments {
     /// Force in N (and moment in N mm) on a key node, finger frame
     #[arg(long, value_name = "NODE:FX,FY[,M]", value_parser = node_load, num_args = 1.., allow_hyphen_values = false)]
     load: Vec<NodeLoad>,
-    /// Force in N at a place along the front plate (mm from its base), at an angle from the inward normal
-    #[arg(long, value_name = "S_MM:FORCE,ANGLE_DEG", value_parser = place_load, num_args = 1..)]
-    load_at: Vec<PlaceLoad>,
+    /// Force in N at a position along the front plate (mm from its base), at an angle from the inward normal
+    #[arg(long, value_name = "S_MM:FORCE,ANGLE_DEG", value_parser = position_load, num_args = 1..)]
+    load_at: Vec<PositionLoad>,
     /// How displacements become deformations
     #[arg(long, value_enum, default_value_t = KinematicsArgument::Corotational)]
     kinematics: KinematicsArgument,
@@ -46,9 +46,9 @@ pub struct Arguments {
 enum KinematicsArgument {
     /// Small displacements
     Linear,
-    /// Large rotations, with the axial strain of a shallow arch
+    /// Co-rotational, with the axial strain of a shallow arch
     Corotational,
-    /// Large rotations, with the plain strain of the chord (as in OpenSees)
+    /// Co-rotational, with the plain strain of the chord (as in OpenSees)
     CorotationalChord,
 }
 
@@ -76,10 +76,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let node_loads =
         arguments.load.iter().map(|l| Load::Node { node: l.node, force: l.force, moment_nmm: l.moment_nmm });
-    let place_loads =
-        arguments.load_at.iter().map(|l| Load::at_place(l.s_mm, finger.direction(l.angle_deg) * l.force_n));
+    let position_loads =
+        arguments.load_at.iter().map(|l| Load::at_position(l.s_mm, finger.direction(l.angle_deg) * l.force_n));
     let kinematics = arguments.kinematics.into();
-    let loads = node_loads.chain(place_loads).map(|load| mesh.frame_load(&load));
+    let loads = node_loads.chain(position_loads).map(|load| mesh.frame_load(&load));
     let loads = loads.collect::<Result<Vec<_>, _>>().map_err(StaticsError::from)?;
     let motion = Statics::ladder(&mesh, kinematics).accurate_equilibrium(&loads)?.motion;
     write_text(&arguments.out, &displacements::to_csv(&mesh.shape(&motion))?)?;

@@ -10,9 +10,9 @@ use finray_verify::truths::TruthId;
 /// Put several fingers, estimators and levels of noise to the test of `finray map`, in one table.
 ///
 /// Writes truth,estimator,noise_mm,s_mm,angle_deg,force_n,pictures,answered,mean_error,bias,spread,
-/// sigma_n,refusal, a row for each combination: the errors of sensed / true over the noise pictures,
-/// the standard deviation that the estimator states (N), and why pictures were refused, if any were.
-/// Every cell sees the same noise. Rows go by truth, place, direction, estimator, noise and force.
+/// sigma_n,refusal, a row for each combination: the errors of sensed / true over the noise samples,
+/// the standard deviation that the estimator states (N), and why samples were refused, if any were.
+/// Every cell sees the same noise. Rows go by truth, position, direction, estimator, noise and force.
 ///
 /// Rows are written as they come, whatever their number. A run that was stopped goes on where it was
 /// when it is given the same command again: its rows stand in FILE.partial. --shard 2/7 computes the

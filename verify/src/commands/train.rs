@@ -16,7 +16,7 @@ use std::path::PathBuf;
 /// Train a sensing network for a finger and its contacts.
 ///
 /// Random forces bend the finger, camera noise is added to what the camera sees, and a network learns
-/// to tell the forces from it. `finray sense --estimator network --network FILE` then senses in
+/// to sense the forces from it. `finray sense --estimator network --network FILE` then senses in
 /// microseconds, and refuses other fingers, other contacts and shapes unlike those of the training. A
 /// contact or a pair takes about half a minute.
 ///
@@ -33,7 +33,7 @@ pub struct Arguments {
     scene: PathBuf,
     #[command(flatten)]
     contacts: Contacts,
-    /// Any of the contacts may touch, at least one; which ones is told when sensing
+    /// Any of the contacts may touch, at least one; which ones is given when sensing
     #[arg(long, conflicts_with = "plain")]
     any_of: bool,
     /// The finger that is sensed
@@ -91,7 +91,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let contacts: Option<Vec<Contact>> = questions.iter().map(|question| question.known()).collect();
     let contacts = contacts.ok_or_else(|| {
         Failure::BadInput(
-            "a network learns the forces of known places and directions, not of `normal` or `auto`".into(),
+            "a network learns the forces of known positions and directions, not of `normal` or `auto`".into(),
         )
     })?;
     if let Some(node) = arguments.hide.iter().find(|&&node| finger.free_nodes().all(|free| free.0 != node)) {
@@ -108,7 +108,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What the arguments come to.
+/// Recipe from the arguments.
 fn recipe(arguments: &Arguments, contacts: Vec<Contact>, noise_mm: f64) -> TrainingRecipe {
     let mut recipe = match (arguments.any_of, arguments.plain) {
         (true, _) => TrainingRecipe::any_of(contacts, noise_mm),
@@ -138,7 +138,7 @@ fn recipe(arguments: &Arguments, contacts: Vec<Contact>, noise_mm: f64) -> Train
     recipe
 }
 
-/// What the network gets wrong on cases that training has not seen, in words.
+/// Errors of the network on its test cases, in words.
 fn tested(network: &Network) -> String {
     let card = &network.card;
     let line = |(contact, error): (&Contact, &TestError)| {

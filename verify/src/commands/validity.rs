@@ -2,7 +2,7 @@
 
 use finray_model::finger::Plate;
 use finray_model::frame::{FrameLoad, FrameMotion};
-use finray_model::sensing::{Contact, ContactPlace};
+use finray_model::sensing::{Contact, ContactPosition};
 use finray_model::statics::{Statics, StaticsError};
 use finray_model::validity::{Doubt, StrainLimits, Validity};
 use finray_model::{Finger, Kinematics, Load, Mesh, Scene};
@@ -47,10 +47,10 @@ impl Pressing {
         let length_mm = finger.plate_length_mm(Plate::Front);
         // What touches a clamped part does not bend the finger.
         let felt = step.contacts.iter().filter(|contact| !contact.clamped);
-        let loads = felt.filter_map(|seen| match seen.contact.place {
-            ContactPlace::Node(node) => Some(Load::at_node(node, seen.force)),
-            ContactPlace::Place(s_mm) if s_mm > 0.0 => Some(Load::at_place(s_mm.min(length_mm), seen.force)),
-            ContactPlace::Place(_) => None,
+        let loads = felt.filter_map(|seen| match seen.contact.position {
+            ContactPosition::Node(node) => Some(Load::at_node(node, seen.force)),
+            ContactPosition::At(s_mm) if s_mm > 0.0 => Some(Load::at_position(s_mm.min(length_mm), seen.force)),
+            ContactPosition::At(_) => None,
         });
         match under(finger, loads) {
             Ok(validity) => {

@@ -15,10 +15,10 @@ const LINEARISATION_ELEMENTS: usize = 2;
 #[derive(Debug, Clone)]
 pub struct BeamEstimator<'m> {
     id: EstimatorId,
-    /// What a linear estimator assumes of the forces; `None` for the nonlinear one.
+    /// Prior of a linear estimator; `None` for the nonlinear one.
     prior: Option<Prior>,
     mesh: &'m Mesh,
-    /// What the error of the model is found with: the co-rotational finger, for the nonlinear estimator on a finer mesh.
+    /// Reference of the model error: the co-rotational finger, for the nonlinear estimator on a finer mesh.
     reference: Option<Mesh>,
 }
 

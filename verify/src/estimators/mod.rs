@@ -35,7 +35,7 @@ registry! {
     }
 }
 
-/// What there is to know of a kind of estimator.
+/// Properties of a kind of estimator.
 struct EstimatorRow {
     name: &'static str,
     label: &'static str,
@@ -75,12 +75,12 @@ impl EstimatorId {
     }
 }
 
-/// What is asked of an estimator once.
+/// Request to an estimator, prepared once.
 #[derive(Debug, Clone, Copy)]
 pub struct Question<'q> {
     /// The contacts.
     pub contacts: &'q [ContactQuestion],
-    /// What the camera saw.
+    /// The measurement.
     pub measurement: &'q Measurement,
     /// Standard deviation of one coordinate, mm; `None` if unknown.
     pub noise_mm: Option<f64>,
@@ -118,8 +118,8 @@ pub trait Estimator: Sync {
         markers: &Measurement,
     ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError>;
 
-    /// The same estimator, to rounding, with what all contacts have in common worked out once, for who prepares for many;
-    /// `None` where that gains nothing. If the finger that is sensed is linear, a linear estimator is told so, and seeks no
+    /// The same estimator, to rounding, with what all contacts have in common worked out once, to prepare for many;
+    /// `None` where that gains nothing. If the finger that is sensed is linear, a linear estimator knows it, and seeks no
     /// error of linearisation.
     fn for_many(&self, _finger_is_linear: bool) -> Option<Box<dyn Estimator + '_>> {
         None

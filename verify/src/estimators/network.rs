@@ -28,7 +28,7 @@ fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError
 #[derive(Debug, Clone, PartialEq)]
 pub struct Networks(Vec<Network>);
 
-/// None of the networks is made for what is asked.
+/// No network is trained for the request.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoNetwork {
     /// There is a single one, and this is why not.

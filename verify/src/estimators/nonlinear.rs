@@ -15,7 +15,7 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
     answer,
 };
 
-/// On a mesh of so many nodes, or refining until doubling the mesh changes little.
+/// On a mesh of this many nodes, or refining until doubling the mesh changes little.
 fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
     let &Question { contacts, measurement, noise_mm, .. } = question;
     let sensed = match question.mesh_nodes {

@@ -1,4 +1,4 @@
-//! How fine a mesh must be: large-rotation solutions on ever finer meshes against the converged one.
+//! How fine a mesh must be: co-rotational solutions on ever finer meshes against the converged one.
 //!
 //! Every member is divided into 1, 2, 4, ... elements. The differences between the three finest solutions give the
 //! observed order p; Richardson's extrapolation from the last two gives the converged solution, and Roache's grid
@@ -16,11 +16,11 @@ use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// The force at which a fine enough mesh is promised, N.
-pub const PROMISED_FORCE_N: f64 = 3.0;
+/// The force at which the errors of the meshes are checked, N.
+pub const CHECKED_FORCE_N: f64 = 3.0;
 /// Forces of the full table, N, growing.
-const FORCES_N: [f64; 4] = [0.5, 1.0, 2.0, PROMISED_FORCE_N];
-/// About so many nodes are loaded, one after the other.
+const FORCES_N: [f64; 4] = [0.5, 1.0, 2.0, CHECKED_FORCE_N];
+/// Approximate number of nodes that are loaded, one after the other.
 const LOADED_NODES: usize = 12;
 /// Factor of safety of the grid convergence index for three meshes (Roache 1994).
 const SAFETY: f64 = 1.25;
@@ -63,7 +63,7 @@ pub struct Refinement {
     pub left: f64,
 }
 
-/// A force along the front plate's inward normal, and what the meshes make of it.
+/// A force along the front plate's inward normal, with its solution on every mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RefinedLoad {
     /// The loaded node.
@@ -249,14 +249,14 @@ impl Convergence {
         })
     }
 
-    /// What is promised for the paper's finger at 3 N: all loads are carried, and the errors on three meshes.
+    /// Checks of the paper's finger at 3 N: all loads are carried, and the errors on three meshes.
     pub fn checks(&self) -> Vec<Check> {
         let mesh = |wanted: fn(&MeshSize) -> bool| self.meshes.iter().position(wanted);
-        let error = |mesh: Option<usize>| mesh.and_then(|i| self.error(i, PROMISED_FORCE_N)).unwrap_or(f64::NAN);
-        let promise = |name: &str, error: f64, tolerance: f64| {
+        let error = |mesh: Option<usize>| mesh.and_then(|i| self.error(i, CHECKED_FORCE_N)).unwrap_or(f64::NAN);
+        let check = |name: &str, error: f64, tolerance: f64| {
             Check::new(
                 Kind::Internal,
-                format!("{name}, co-rotational, {PROMISED_FORCE_N} N along the normal"),
+                format!("{name}, co-rotational, {CHECKED_FORCE_N} N along the normal"),
                 "Richardson extrapolation",
                 "largest displacement difference / largest displacement",
                 0.0,
@@ -266,25 +266,25 @@ impl Convergence {
         };
         let finest = self.meshes.last().map_or(0, |mesh| mesh.nodes);
         vec![
-            promise("key nodes alone", error(mesh(|m| m.elements_a_member == Some(1))), KEY_NODES_TOLERANCE),
-            promise("two elements a member", error(mesh(|m| m.elements_a_member == Some(2))), TWO_ELEMENTS_TOLERANCE),
-            promise("684 nodes", error(mesh(|m| m.elements_a_member.is_none())), FINE_MESH_TOLERANCE),
+            check("key nodes alone", error(mesh(|m| m.elements_a_member == Some(1))), KEY_NODES_TOLERANCE),
+            check("two elements a member", error(mesh(|m| m.elements_a_member == Some(2))), TWO_ELEMENTS_TOLERANCE),
+            check("684 nodes", error(mesh(|m| m.elements_a_member.is_none())), FINE_MESH_TOLERANCE),
             Check::new(
                 Kind::Internal,
-                format!("{finest} nodes, co-rotational, {PROMISED_FORCE_N} N along the normal"),
+                format!("{finest} nodes, co-rotational, {CHECKED_FORCE_N} N along the normal"),
                 "grid convergence index",
                 "what may be left / largest displacement",
                 0.0,
-                self.left(PROMISED_FORCE_N).unwrap_or(f64::NAN),
+                self.left(CHECKED_FORCE_N).unwrap_or(f64::NAN),
                 REFERENCE_TOLERANCE,
             ),
             Check::new(
                 Kind::Internal,
-                format!("all meshes, co-rotational, {PROMISED_FORCE_N} N along the normal"),
+                format!("all meshes, co-rotational, {CHECKED_FORCE_N} N along the normal"),
                 "the finger carries them",
                 "loads without equilibrium",
                 0.0,
-                self.gaps(PROMISED_FORCE_N) as f64,
+                self.gaps(CHECKED_FORCE_N) as f64,
                 0.5,
             ),
         ]

@@ -25,7 +25,7 @@ const CHANCE: f64 = 3.0;
 /// Share of samples of the paper's finger that may be refused: a force next to a limit load, one in 10 000, is no fault of an estimator. One
 /// more sample may be where few are drawn.
 const REFUSED: f64 = 0.001;
-/// The same of another finger, on which forces may be too small to tell: who refuses most is not shown to cover anything.
+/// The same of another finger, on which forces may be too small to sense: an estimator that refuses most is not shown to cover anything.
 const REFUSED_OF_ANOTHER: f64 = 0.5;
 /// Root mean square of sigma over that of the error where a warning widened it: more, and sigma would cover by saying nothing.
 const LARGEST_SIGMA: f64 = 3.0;
@@ -37,7 +37,7 @@ const TRUTH: TruthId = TruthId::Corotational;
 pub struct CoverageRow {
     /// The true finger.
     pub truth: TruthId,
-    /// How it is sensed.
+    /// The estimator.
     pub estimator: EstimatorId,
     /// Standard deviation of a measured coordinate, mm.
     pub noise_mm: f64,
@@ -78,17 +78,17 @@ pub fn run(context: &Context, softer: Option<&Finger>) -> Result<Vec<CoverageRow
     if noise_mm == 0.0 {
         return Ok(Vec::new());
     }
-    let (places, step_deg, samples) = effort.covered_cells();
-    let request = |(places_mm, angles_deg), samples| MapRequest {
-        places_mm,
+    let (positions, step_deg, samples) = effort.covered_cells();
+    let request = |(positions_mm, angles_deg), samples| MapRequest {
+        positions_mm,
         angles_deg,
         forces_n: MAP_FORCES_N.to_vec(),
         noise_levels_mm: vec![noise_mm],
-        noise_pictures: samples,
+        noise_samples: samples,
         seed: SEED,
     };
-    let cells = request(MapRequest::grid(finger, places, step_deg), samples);
-    let nodes_mm = finger.contact_nodes().rev().filter_map(|node| finger.front_place_mm(node)).collect();
+    let cells = request(MapRequest::grid(finger, positions, step_deg), samples);
+    let nodes_mm = finger.contact_nodes().rev().filter_map(|node| finger.front_position_mm(node)).collect();
     let nodes = request((nodes_mm, vec![0.0]), effort.covered_at_nodes());
     let at_nodes = usize::from(is_paper) * (1 + usize::from(softer.is_some())) * nodes.contact_count();
     context.progress.part("coverage", cells.contact_count() + at_nodes);
@@ -108,7 +108,7 @@ pub fn run(context: &Context, softer: Option<&Finger>) -> Result<Vec<CoverageRow
     if let Some(softer) = softer {
         let mesh = fine_mesh(softer)?;
         let softer = MeshTruth::new(TruthId::Twin, &mesh, Kinematics::Corotational)?;
-        rows.extend(coverage(finger, &softer, &all, (&MapRequest { noise_pictures: 1, ..nodes }, noise_mm), &step));
+        rows.extend(coverage(finger, &softer, &all, (&MapRequest { noise_samples: 1, ..nodes }, noise_mm), &step));
     }
     Ok(rows)
 }
@@ -156,7 +156,7 @@ pub fn coverage(
             let mut prepared: Vec<_> = estimators.iter().map(|e| e.prepare(&[contact], &markers).ok()).collect();
             let mut noise = Noise::of_stream(grid.seed, number as u64);
             for (shape, &force_n) in shapes.iter().zip(&grid.forces_n) {
-                for _ in 0..grid.noise_pictures {
+                for _ in 0..grid.noise_samples {
                     let noisy = noise.on(&Measurement::of_shape(finger, shape), noise_mm);
                     for (counts, prepared) in counts.iter_mut().zip(&mut prepared) {
                         counts.sense(prepared.as_deref_mut(), &noisy, noise_mm, force_n);

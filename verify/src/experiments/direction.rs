@@ -1,9 +1,9 @@
-//! Forces of unknown direction at a known place: where direction and force can be told, and where not.
+//! Forces of unknown direction at a known position: where direction and force are identifiable.
 //!
 //! The paper leaves them out ("will not work", Fig. 13): shapes under forces of other directions are nearly alike. How
-//! nearly, noise decides. Every place of the front plate is pushed in many directions; the nonlinear estimator, told the
-//! place alone, answers or refuses, picture by picture. A contact without friction pushes along the deformed normal: who
-//! assumes that has one unknown less ([`without_friction`](DirectionStudy::without_friction)).
+//! nearly, noise decides. Every position of the front plate is pushed in many directions; the nonlinear estimator
+//! knows the position alone, and answers or refuses each noise sample. A contact without friction pushes along the deformed normal: to
+//! assume that leaves one unknown less ([`without_friction`](DirectionStudy::without_friction)).
 
 mod frictionless;
 
@@ -17,65 +17,65 @@ use crate::settings::Effort;
 use crate::truths::Truth;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{
-    Contact, ContactPlace, ContactQuestion, Direction, NonlinearEstimate, NonlinearEstimator, SensingError,
+    Contact, ContactPosition, ContactQuestion, Direction, NonlinearEstimate, NonlinearEstimator, SensingError,
 };
 use finray_model::{Finger, Mesh};
 use rayon::prelude::*;
 
 /// Forces, N.
 pub const FORCES_N: [f64; 3] = [0.5, 1.0, 3.0];
-/// A direction counts as told if its root mean square error is within this, degrees, ...
-pub const TOLD_DEG: f64 = 10.0;
+/// A direction counts as identified if its root mean square error is within this, degrees, ...
+pub const IDENTIFIED_DEG: f64 = 10.0;
 /// ... the force's within this share, ...
-pub const TOLD_FORCE: f64 = 0.10;
-/// ... and at least this share of the pictures is answered.
-pub const TOLD_ANSWERED: f64 = 0.9;
+pub const IDENTIFIED_FORCE: f64 = 0.10;
+/// ... and at least this share of the samples is answered.
+pub const IDENTIFIED_ANSWERED: f64 = 0.9;
 /// Of a report: about how many positions, degrees between two directions, and noise samples a cell. Seconds of work, most of them for samples
 /// that are refused after a search from every start.
 const POSITIONS: usize = 12;
 const STEP_DEG: f64 = 20.0;
 const SAMPLES: usize = 8;
 
-/// What is asked.
+/// Request of a direction study.
 #[derive(Debug, Clone, Copy)]
 pub struct DirectionRequest<'m> {
     /// Mesh of the estimator.
     pub model: &'m Mesh,
     /// Standard deviation of a coordinate, mm.
     pub noise_mm: f64,
-    /// About how many places along the front plate.
-    pub places: usize,
+    /// About how many positions along the front plate.
+    pub positions: usize,
     /// Degrees from one direction to the next.
     pub step_deg: f64,
-    /// Noise pictures a cell, the same for all.
-    pub pictures: usize,
+    /// Noise samples a cell, the same for all.
+    pub samples: usize,
     /// Seed of the noise.
     pub seed: u64,
 }
 
-/// What came out, by place and direction and without friction.
+/// Results by position and direction and without friction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DirectionStudy {
     /// Standard deviation of a coordinate, mm.
     pub noise_mm: f64,
-    /// Pictures a cell.
-    pub pictures: usize,
-    /// By place, then direction, then force.
+    /// Samples a cell.
+    pub samples: usize,
+    /// By position, then direction, then force.
     pub cells: Vec<DirectionCell>,
     /// Pushes along the deformed normal, by node, force and assumption.
     pub without_friction: Vec<FrictionlessPush>,
 }
 
-/// One force at one place in one direction.
+/// One force at one position in one direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DirectionCell {
-    /// Place on the front plate, mm from the base.
+    /// Position on the front plate, mm from the base.
     pub s_mm: f64,
     /// True direction, degrees from the undeformed inward normal, positive towards the tip.
     pub angle_deg: f64,
     /// True force, N.
     pub force_n: f64,
-    /// What the estimator made of it.
+    /// Answers of the estimator.
     pub answers: Answers,
     /// Least standard deviation of the direction for any unbiased estimator (Cramer-Rao), degrees.
     pub angle_bound_deg: Option<f64>,
@@ -83,12 +83,12 @@ pub struct DirectionCell {
     pub force_bound: Option<f64>,
 }
 
-/// What the estimator made of some pictures of one push; errors are root mean squares over those that are answered.
+/// Answers of the estimator to the noise samples of one push; errors are root mean squares over those that are answered.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Answers {
-    /// Noise pictures; none where the finger carries no such force.
-    pub pictures: usize,
-    /// Pictures that were answered.
+    /// Noise samples; none where the finger carries no such force.
+    pub samples: usize,
+    /// Samples that were answered.
     pub answered: usize,
     /// Error of the force as a share of it.
     pub force_error: Option<f64>,
@@ -99,27 +99,27 @@ pub struct Answers {
 }
 
 impl Answers {
-    /// Whether direction and force are told: see [`TOLD_DEG`], [`TOLD_FORCE`] and [`TOLD_ANSWERED`].
-    pub fn told(&self) -> bool {
-        self.answered as f64 >= TOLD_ANSWERED * self.pictures as f64
-            && self.angle_error_deg.is_some_and(|error| error <= TOLD_DEG)
-            && self.force_error.is_some_and(|error| error <= TOLD_FORCE)
+    /// Whether direction and force are identified: see [`IDENTIFIED_DEG`], [`IDENTIFIED_FORCE`] and [`IDENTIFIED_ANSWERED`].
+    pub fn is_identified(&self) -> bool {
+        self.answered as f64 >= IDENTIFIED_ANSWERED * self.samples as f64
+            && self.angle_error_deg.is_some_and(|error| error <= IDENTIFIED_DEG)
+            && self.force_error.is_some_and(|error| error <= IDENTIFIED_FORCE)
     }
 
-    /// Senses every picture of what is seen under a force, all with the same question.
+    /// Senses every sample of what is seen under a force, all with the same question.
     fn of(
         estimator: &mut NonlinearEstimator,
         seen: &Measurement,
-        pictures: &[Vec<f64>],
+        samples: &[Vec<f64>],
         noise_mm: f64,
         truth: &Contact,
         force_n: f64,
     ) -> Answers {
-        let mut answers = Answers { pictures: pictures.len(), ..Answers::default() };
+        let mut answers = Answers { samples: samples.len(), ..Answers::default() };
         let (mut force, mut sigma, mut angle) = (0.0, 0.0, 0.0);
-        for picture in pictures {
+        for sample in samples {
             let mut noisy = seen.clone();
-            let mut coordinates = picture.iter();
+            let mut coordinates = sample.iter();
             noisy.add_noise(noise_mm, || coordinates.next().copied().unwrap_or(0.0));
             estimator.reset();
             let Ok(NonlinearEstimate { forces, contacts, .. }) = estimator.estimate(&noisy, Some(noise_mm)) else {
@@ -150,9 +150,9 @@ pub fn run(context: &Context) -> Result<Option<DirectionStudy>, SensingError> {
     let request = DirectionRequest {
         model: &model,
         noise_mm: context.noise_mm,
-        places: POSITIONS,
+        positions: POSITIONS,
         step_deg: STEP_DEG,
-        pictures: SAMPLES,
+        samples: SAMPLES,
         seed: 1,
     };
     context.progress.part("unknown directions", DirectionStudy::steps(&request));
@@ -171,19 +171,19 @@ impl DirectionStudy {
         progress: &(dyn Fn() + Sync),
     ) -> Result<DirectionStudy, SensingError> {
         let finger = request.model.finger();
-        let pictures = pictures(finger, request);
+        let samples = samples(finger, request);
         let contacts = contacts(finger, request);
         let cells = contacts.par_iter().map(|contact| {
-            let cells = cells(truth, request, &pictures, contact);
+            let cells = cells(truth, request, &samples, contact);
             progress();
             cells
         });
         let cells: Vec<Vec<DirectionCell>> = cells.collect::<Result<_, SensingError>>()?;
         Ok(DirectionStudy {
             noise_mm: request.noise_mm,
-            pictures: request.pictures,
+            samples: request.samples,
             cells: cells.into_iter().flatten().collect(),
-            without_friction: frictionless::rows(truth, request, &pictures, progress)?,
+            without_friction: frictionless::rows(truth, request, &samples, progress)?,
         })
     }
 
@@ -193,40 +193,44 @@ impl DirectionStudy {
         contacts(finger, request).len() + frictionless::nodes(finger).len()
     }
 
-    /// Cells of one force that the finger carries, and how many of them are told.
-    pub fn told(&self, force_n: f64) -> [usize; 2] {
-        let carried = self.cells.iter().filter(|cell| cell.force_n == force_n && cell.answers.pictures > 0);
-        carried.fold([0, 0], |[told, all], cell| [told + usize::from(cell.answers.told()), all + 1])
+    /// Cells of one force that the finger carries, and how many of them are identified.
+    pub fn identified(&self, force_n: f64) -> [usize; 2] {
+        let carried = self.cells.iter().filter(|cell| cell.force_n == force_n && cell.answers.samples > 0);
+        carried
+            .fold([0, 0], |[identified, all], cell| [identified + usize::from(cell.answers.is_identified()), all + 1])
     }
 }
 
 fn contacts(finger: &Finger, request: &DirectionRequest) -> Vec<Contact> {
-    let (places, angles) = Grid::grid(finger, request.places, request.step_deg);
+    let (positions, angles) = Grid::grid(finger, request.positions, request.step_deg);
     let at = |s_mm| {
-        angles.iter().map(move |&angle_deg| Contact { place: ContactPlace::Place(s_mm), angle_deg }).collect::<Vec<_>>()
+        angles
+            .iter()
+            .map(move |&angle_deg| Contact { position: ContactPosition::At(s_mm), angle_deg })
+            .collect::<Vec<_>>()
     };
-    places.iter().flat_map(|&s_mm| at(s_mm)).collect()
+    positions.iter().flat_map(|&s_mm| at(s_mm)).collect()
 }
 
-/// Noise of every coordinate in units of the noise, by picture.
-fn pictures(finger: &Finger, request: &DirectionRequest) -> Vec<Vec<f64>> {
+/// Noise of every coordinate in units of the noise, by sample.
+fn samples(finger: &Finger, request: &DirectionRequest) -> Vec<Vec<f64>> {
     let mut noise = Noise::new(request.seed);
-    let mut picture = |number: usize| {
+    let mut sample = |number: usize| {
         noise.go_to(number as u64);
         noise.standard_normals(2 * finger.free_nodes().len()).collect()
     };
-    (0..request.pictures).map(&mut picture).collect()
+    (0..request.samples).map(&mut sample).collect()
 }
 
-/// The cells of one place and direction.
+/// The cells of one position and direction.
 fn cells(
     truth: &dyn Truth,
     request: &DirectionRequest,
-    pictures: &[Vec<f64>],
+    samples: &[Vec<f64>],
     contact: &Contact,
 ) -> Result<Vec<DirectionCell>, SensingError> {
     let finger = request.model.finger();
-    let question = ContactQuestion { place: Some(contact.place), direction: Direction::Auto };
+    let question = ContactQuestion { position: Some(contact.position), direction: Direction::Auto };
     let mut estimator = NonlinearEstimator::new(request.model, &[question])?;
     let across = Contact { angle_deg: contact.angle_deg + 90.0, ..*contact };
     let mut components = NonlinearEstimator::new(request.model, &[(*contact).into(), across.into()])?;
@@ -234,14 +238,14 @@ fn cells(
     let cell = |(n, &force_n): (usize, &f64)| {
         let seen = shapes.get(n).map(|shape| Measurement::of_shape(finger, shape));
         let answers = seen.as_ref().map_or_else(Answers::default, |seen| {
-            Answers::of(&mut estimator, seen, pictures, request.noise_mm, contact, force_n)
+            Answers::of(&mut estimator, seen, samples, request.noise_mm, contact, force_n)
         });
         // Cramer-Rao: along and across its direction the force is two unknowns, and a small angle is the one over the other.
         components.reset();
         let bound = seen.and_then(|seen| components.estimate(&seen, Some(request.noise_mm)).ok());
         let sigma = |k: usize| bound.as_ref().map(|bound| bound.covariance_n2[(k, k)].sqrt() / force_n);
         DirectionCell {
-            s_mm: contact.place_mm(finger).unwrap_or(f64::NAN),
+            s_mm: contact.position_mm(finger).unwrap_or(f64::NAN),
             angle_deg: contact.angle_deg,
             force_n,
             answers,

@@ -197,7 +197,7 @@ pub fn run(context: &Context) -> Result<Option<DisplacementNoiseStudy>, LoadErro
 }
 
 impl DisplacementNoiseStudy {
-    /// All single contact nodes but the tip, and the pairs of Table II where the finger has them, each with so many noise samples.
+    /// All single contact nodes but the tip, and the pairs of Table II where the finger has them, each with this many noise samples.
     ///
     /// # Errors
     /// [`LoadError`] for a finger without these nodes. Contacts that carry no force of [`FORCE_N`] are left out.

@@ -1,35 +1,35 @@
-//! What explains an accuracy map: how well any estimator can tell a force from noisy pictures, and how far a wrong
-//! direction or place carries.
+//! What explains an accuracy map: how well any estimator can sense a force under noise, and how far a wrong
+//! direction or position carries.
 //!
 //! All of it follows from how the markers of the loaded finger move, to first order, when a little is added to the force
 //! (along it, and across it), or when the force moves along the plate: columns j, c and m of the tangent compliance of the
-//! large-rotation finger in its loaded shape. The stiffness of the deformed finger counts, not that of the finger at rest.
+//! co-rotational finger in its loaded shape. The stiffness of the deformed finger counts, not that of the finger at rest.
 
 use super::{Context, Evidence};
 use crate::estimators::ELEMENTS;
 use crate::sampling::map::MapRequest;
 use crate::settings::{DRAWN_FORCE_N, Effort};
 use finray_model::mesh::LoadError;
-use finray_model::sensing::{Contact, ContactPlace, LARGEST_SPAN};
+use finray_model::sensing::{Contact, ContactPosition, LARGEST_SPAN};
 use finray_model::statics::{Ladder, Statics};
 use finray_model::{Finger, Kinematics, Mesh, Vector};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// What limits sensing of one force at one place and direction; all empty where the finger has no equilibrium.
+/// What limits sensing of one force at one position and direction; all empty where the finger has no equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Explanation {
-    /// Place on the front plate, mm from the base.
+    /// Position on the front plate, mm from the base.
     pub s_mm: f64,
     /// Direction, degrees from the inward normal, positive towards the tip.
     pub angle_deg: f64,
     /// The force, N.
     pub force_n: f64,
-    /// Cramer-Rao bound: least standard deviation of an unbiased estimate, over the force, if place and direction are
+    /// Cramer-Rao bound: least standard deviation of an unbiased estimate, over the force, if position and direction are
     /// known.
     pub bound: Option<f64>,
-    /// The same if the direction is sought too; empty where the markers do not tell the two components apart.
+    /// The same if the direction is sought too; empty where the two components are not identifiable.
     pub bound_unknown_direction: Option<f64>,
     /// Least standard deviation of the direction, degrees.
     pub direction_sigma_deg: Option<f64>,
@@ -38,16 +38,16 @@ pub struct Explanation {
     pub condition: Option<f64>,
     /// |d (sensed / true) / d angle|, per degree that the assumed direction is wrong.
     pub error_per_deg: Option<f64>,
-    /// |d (sensed / true) / d place|, per mm that the assumed place is wrong; at a rib, where the plate stretches by another
+    /// |d (sensed / true) / d position|, per mm that the assumed position is wrong; at a rib, where the plate stretches by another
     /// rate on either side, of one side.
     pub error_per_mm: Option<f64>,
 }
 
-/// [`Explanation`]s by place, then direction, of one force.
+/// [`Explanation`]s by position, then direction, of one force.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExplanationMap {
-    /// Places on the front plate, mm from the base.
-    pub places_mm: Vec<f64>,
+    /// Positions on the front plate, mm from the base.
+    pub positions_mm: Vec<f64>,
     /// Directions, degrees from the inward normal, positive towards the tip.
     pub angles_deg: Vec<f64>,
     /// The force, N.
@@ -60,49 +60,49 @@ pub struct ExplanationMap {
 
 impl Evidence for ExplanationMap {}
 
-/// What limits sensing of the drawn force on the co-rotational finger; without noise the bounds are 0.
+/// Explains sensing of the drawn force on the co-rotational finger; without noise the bounds are 0.
 ///
 /// # Errors
 /// [`LoadError`] never in practice: all positions are on the front plate.
 pub fn run(context: &Context) -> Result<ExplanationMap, LoadError> {
     let (finger, effort) = (context.finger, context.effort);
     let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
-    let (places, step_deg, _) = effort.coarse_resolution();
+    let (positions, step_deg, _) = effort.coarse_resolution();
     // Explanations cost a single shape a cell.
-    let (places_mm, angles_deg) = match effort {
+    let (positions_mm, angles_deg) = match effort {
         Effort::Quick => {
-            let coarse = MapRequest::grid(finger, places, step_deg).0.len();
+            let coarse = MapRequest::grid(finger, positions, step_deg).0.len();
             MapRequest::grid(finger, coarse, effort.resolution().1)
         }
-        Effort::Full => MapRequest::grid(finger, places, step_deg),
+        Effort::Full => MapRequest::grid(finger, positions, step_deg),
     };
-    ExplanationMap::new(&mesh, &places_mm, &angles_deg, DRAWN_FORCE_N, context.noise_mm)
+    ExplanationMap::new(&mesh, &positions_mm, &angles_deg, DRAWN_FORCE_N, context.noise_mm)
 }
 
 impl ExplanationMap {
-    /// Explains a force at every place and direction, in parallel; all free key nodes are markers.
+    /// Explains a force at every position and direction, in parallel; all free key nodes are markers.
     ///
     /// # Errors
-    /// [`LoadError`] for a place that is not on the front plate.
+    /// [`LoadError`] for a position that is not on the front plate.
     pub fn new(
         mesh: &Mesh,
-        places_mm: &[f64],
+        positions_mm: &[f64],
         angles_deg: &[f64],
         force_n: f64,
         noise_mm: f64,
     ) -> Result<ExplanationMap, LoadError> {
         let at_rest = Statics::ladder(mesh, Kinematics::Corotational);
-        let of_place = |&s_mm: &f64| {
+        let of_position = |&s_mm: &f64| {
             let cell = |&angle_deg: &f64| -> Result<Explanation, LoadError> {
-                let contact = Contact { place: ContactPlace::Place(s_mm), angle_deg };
+                let contact = Contact { position: ContactPosition::At(s_mm), angle_deg };
                 let sensitivity = Sensitivity::of(mesh, &at_rest, &contact, force_n)?;
                 Ok(Explanation::of(s_mm, angle_deg, force_n, noise_mm, sensitivity.as_ref()))
             };
             angles_deg.iter().map(cell).collect::<Result<Vec<_>, _>>()
         };
-        let cells: Vec<Vec<Explanation>> = places_mm.par_iter().map(of_place).collect::<Result<_, _>>()?;
+        let cells: Vec<Vec<Explanation>> = positions_mm.par_iter().map(of_position).collect::<Result<_, _>>()?;
         Ok(ExplanationMap {
-            places_mm: places_mm.to_vec(),
+            positions_mm: positions_mm.to_vec(),
             angles_deg: angles_deg.to_vec(),
             force_n,
             noise_mm,
@@ -110,7 +110,7 @@ impl ExplanationMap {
         })
     }
 
-    /// One quantity by direction, then place.
+    /// One quantity by direction, then position.
     pub fn values(&self, of: impl Fn(&Explanation) -> Option<f64>) -> Vec<Vec<Option<f64>>> {
         let directions = self.angles_deg.len();
         let row = |angle: usize| self.cells.iter().skip(angle).step_by(directions).map(&of).collect();
@@ -118,7 +118,7 @@ impl ExplanationMap {
     }
 }
 
-/// How the markers move, by coordinate.
+/// Displacements of the markers, by coordinate.
 struct Sensitivity {
     /// mm per N added along the force: j.
     along: DVector<f64>,
@@ -160,7 +160,7 @@ impl Sensitivity {
         Ok(Some(Sensitivity { along, across, moved }))
     }
 
-    /// How much a force along its direction takes on of another motion of the markers, by least squares: j+ x.
+    /// Projection of another motion of the markers on that of the force, by least squares: j+ x.
     fn projected(&self, motion: &DVector<f64>) -> f64 {
         self.along.dot(motion) / self.along.norm_squared()
     }
@@ -178,7 +178,7 @@ fn seen(finger: &Finger, rates: &[Vector]) -> DVector<f64> {
     DVector::from_iterator(2 * markers.len(), markers.flat_map(|node| [rates[node.0 - 1].x, rates[node.0 - 1].y]))
 }
 
-/// What is left of a vector that no multiple of another explains.
+/// Residual of a vector after projection on another.
 fn apart(vector: &DVector<f64>, other: &DVector<f64>) -> f64 {
     (vector - other * (other.dot(vector) / other.norm_squared())).norm()
 }
@@ -186,7 +186,7 @@ fn apart(vector: &DVector<f64>, other: &DVector<f64>) -> f64 {
 impl Explanation {
     /// With s the noise and F the force: bound s / (F |j|); with the direction sought, s / (F |j - c c+ j|), and that of the
     /// direction s / (F |c - j j+ c|). A direction that is wrong by a degree looks like a force F (pi / 180) c, of which
-    /// least squares takes j+ c for force; a place that is wrong by a mm like m.
+    /// least squares takes j+ c for force; a position that is wrong by a mm like m.
     fn of(s_mm: f64, angle_deg: f64, force_n: f64, noise_mm: f64, sensitivity: Option<&Sensitivity>) -> Explanation {
         let condition = sensitivity.map(Sensitivity::condition);
         let told_apart = sensitivity.filter(|_| condition.is_some_and(|condition| condition <= LARGEST_SPAN));

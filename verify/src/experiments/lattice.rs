@@ -1,4 +1,4 @@
-//! What the report shows of the lattice: its error and cost, what they come from, and what sensing makes of its shapes.
+//! The lattice: its error with the causes, its cost, and sensing of its shapes.
 
 use super::contact_scene::objects::Objects;
 use super::contact_scene::study::{SceneStudy, SceneStudyError};
@@ -22,10 +22,10 @@ use std::ops::RangeInclusive;
 const AXIAL_FORCES_N: [f64; 3] = [0.1, 2.0, 5.0];
 /// Finer lattices take many seconds to settle.
 const SETTLED_FINENESS: usize = 4;
-/// The lattice of the maps has four segments a stretch and is within 1.2e-4 of the displacements under 3 N; linear sensing turns a
+/// The lattice of the maps has four segments a member and is within 1.2e-4 of the displacements under 3 N; linear sensing turns a
 /// difference of shapes into one of forces of the same size where it is well conditioned, as for one force, and at most twice that.
 const MAP_TOLERANCE: f64 = 2.6e-4;
-/// The nonlinear estimator's model is the large-rotation finger on four elements a member, which is within 4e-4 under 3 N; the lattice's
+/// The nonlinear estimator's model is the co-rotational finger on four elements a member, which is within 4e-4 under 3 N; the lattice's
 /// own coarseness comes on top.
 const NONLINEAR_TOLERANCE: f64 = 5.3e-4;
 
@@ -36,17 +36,17 @@ pub struct LatticeStudy {
     pub rows: Vec<FinenessRow>,
     /// Loads that the rows stand for, and those that settled for them.
     pub loads: [LoadGrid; 2],
-    /// Axial springs of a beam and others, with [`FINENESS`] segments a stretch.
+    /// Axial springs of a beam and others, with [`FINENESS`] segments a member.
     pub axial: Vec<AxialRow>,
     /// Forces of the axial springs, N.
     pub axial_forces_n: Vec<f64>,
-    /// Ways of settling, with [`FINENESS`] segments a stretch; none in a quick study.
+    /// Ways of settling, with [`FINENESS`] segments a member; none in a quick study.
     pub settling: Vec<SettlingRow>,
     /// Loads of the ways of settling.
     pub settled: LoadGrid,
     /// Largest force out of balance when the equilibrium's positions are rounded to single precision, as a share of the load.
     pub out_of_balance: f64,
-    /// Promises of [`problems::lattice`]; none in a quick study.
+    /// Checks of [`problems::lattice`]; none in a quick study.
     pub problem_checks: Vec<Check>,
     /// Differences that are expected; none in a quick study.
     pub comparisons: Vec<Comparison>,
@@ -62,15 +62,15 @@ pub struct LatticeStudy {
 pub struct LatticeSensing {
     /// By linear least squares.
     pub least_squares: AccuracyMap,
-    /// By the nonlinear estimator, on fewer places and directions.
+    /// By the nonlinear estimator, on fewer positions and directions.
     pub nonlinear: AccuracyMap,
     /// The same with noise, and ridge regression without and with it.
     pub others: Vec<AccuracyMap>,
-    /// Least squares on the lattice against least squares on the large-rotation finger.
+    /// Least squares on the lattice against least squares on the co-rotational finger.
     pub difference: MapDifference,
 }
 
-/// How far two maps without noise are apart, over the cells that both have.
+/// Difference of two maps without noise, over the cells that both have.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MapDifference {
     /// Cells that were compared.
@@ -106,14 +106,14 @@ impl MapDifference {
     }
 }
 
-/// How much is computed.
+/// Effort: how much is computed.
 struct Extent {
     finenesses: RangeInclusive<usize>,
-    /// Loads by fineness and for the axial springs: every so many nodes, and directions in degrees.
+    /// Loads by fineness and for the axial springs: every how many nodes, and directions in degrees.
     nodes: usize,
     angles_deg: &'static [f64],
-    /// Places along the front plate and degrees between two directions: for least squares, and for the nonlinear estimator.
-    /// Both divide those of the large-rotation finger's map.
+    /// Positions along the front plate and degrees between two directions: for least squares, and for the nonlinear estimator.
+    /// Both divide those of the co-rotational finger's map.
     maps: [(usize, f64); 2],
 }
 
@@ -180,8 +180,8 @@ impl LatticeStudy {
     /// Steps of [`run`](LatticeStudy::run).
     pub const STEPS: usize = 7;
 
-    /// Computes everything; `theirs` is the map of least squares on the large-rotation finger without noise, `noise` the
-    /// standard deviations of a coordinate (mm; the first is 0) and the number of pictures of the maps.
+    /// Computes everything; `theirs` is the map of least squares on the co-rotational finger without noise, `noise` the
+    /// standard deviations of a coordinate (mm; the first is 0) and the number of samples of the maps.
     ///
     /// # Errors
     /// [`ProblemError`] if a load has no equilibrium or the lattice does not settle.
@@ -240,7 +240,7 @@ impl LatticeStudy {
         })
     }
 
-    /// All promises.
+    /// All checks.
     pub fn checks(&self) -> Vec<Check> {
         let mut checks = self.problem_checks.clone();
         checks.extend(self.sensing.checks());
@@ -257,11 +257,11 @@ impl LatticeSensing {
         step: &(dyn Fn() + Sync),
     ) -> Result<LatticeSensing, LatticeError> {
         let truth = LatticeTruth::new(finger)?;
-        let (noise_levels_mm, noise_pictures) = noise;
-        let [linear, nonlinear] = extent.maps.map(|(places, step_deg)| {
-            let (places_mm, angles_deg) = MapRequest::grid(finger, places, step_deg);
+        let (noise_levels_mm, noise_samples) = noise;
+        let [linear, nonlinear] = extent.maps.map(|(positions, step_deg)| {
+            let (positions_mm, angles_deg) = MapRequest::grid(finger, positions, step_deg);
             let (forces_n, noise_levels_mm) = (MAP_FORCES_N.to_vec(), noise_levels_mm.to_vec());
-            MapRequest { places_mm, angles_deg, forces_n, noise_levels_mm, noise_pictures, seed: 1 }
+            MapRequest { positions_mm, angles_deg, forces_n, noise_levels_mm, noise_samples, seed: 1 }
         });
         let map = |estimators: &[&dyn Estimator], request: &MapRequest| {
             let maps = accuracy_maps(finger, &truth, estimators, request, &|| ());
@@ -294,14 +294,14 @@ impl LatticeSensing {
         worst(self.nonlinear.cells.iter().map(|cell| cell.mean_error.unwrap_or(f64::NAN)))
     }
 
-    /// That sensing errs on the lattice as on the large-rotation finger, and the nonlinear estimator hardly.
+    /// Checks that sensing errs on the lattice as on the co-rotational finger, and the nonlinear estimator hardly.
     pub fn checks(&self) -> [Check; 3] {
         let forces = MAP_FORCES_N.map(|force_n| force_n.to_string()).join(", ");
         let name = |what: &str, cells: usize| format!("{what}, {forces} N, {cells} cells, no noise");
         let MapDifference { cells, largest, in_one_alone, .. } = self.difference;
         // Maps without a common cell show nothing.
         let largest = if cells > 0 { largest } else { f64::NAN };
-        let map = name("map of least squares on the lattice against that on the large-rotation finger", cells);
+        let map = name("map of least squares on the lattice against that on the co-rotational finger", cells);
         let nonlinear = name("lattice sensed by the nonlinear estimator", self.nonlinear.cells.len());
         let quantity = "largest difference of sensed / true";
         [

@@ -55,7 +55,7 @@ fn plan(context: &Context, truth: &dyn Truth, estimator: EstimatorId) -> Result<
     let effort = context.effort;
     // A shape that the nonlinear estimator's model cannot take costs it a hundred times as much, as it searches from every start.
     let unexplained = estimator == EstimatorId::Nonlinear && (truth.is_linear() || truth.id() == TruthId::Twin);
-    let (places, step_deg, noise_pictures) = match estimator {
+    let (positions, step_deg, noise_samples) = match estimator {
         EstimatorId::LeastSquares if truth.id().kinematics().is_some() => effort.resolution(),
         EstimatorId::Network => effort.resolution(),
         _ if unexplained => effort.coarsest_resolution(),
@@ -68,14 +68,14 @@ fn plan(context: &Context, truth: &dyn Truth, estimator: EstimatorId) -> Result<
     let mut forces_n = if unexplained { vec![DRAWN_FORCE_N] } else { MAP_FORCES_N.to_vec() };
     forces_n.retain(|force_n| truth.positions(&[*force_n]).is_ok());
     // Networks that ship sense at the contact nodes along the normal.
-    let (places_mm, angles_deg) = match truth.positions(&forces_n)? {
+    let (positions_mm, angles_deg) = match truth.positions(&forces_n)? {
         Some(positions) if !is_network => positions,
         _ if is_network => {
             let nodes = context.finger.contact_nodes().rev();
-            (nodes.filter_map(|node| context.finger.front_place_mm(node)).collect(), vec![0.0])
+            (nodes.filter_map(|node| context.finger.front_position_mm(node)).collect(), vec![0.0])
         }
-        _ => MapRequest::grid(context.finger, places, step_deg),
+        _ => MapRequest::grid(context.finger, positions, step_deg),
     };
-    let request = MapRequest { places_mm, angles_deg, forces_n, noise_levels_mm, noise_pictures, seed: 1 };
+    let request = MapRequest { positions_mm, angles_deg, forces_n, noise_levels_mm, noise_samples, seed: 1 };
     Ok(Some(Plan { truth: truth.id(), estimator, request }))
 }

@@ -1,4 +1,4 @@
-//! What is asked of fingers, estimators and models: an experiment a file, each with results of its own type.
+//! Experiments on fingers, estimators and models: one a file, each with results of its own type.
 //!
 //! Those of the report have a `run` that takes the [`Context`] and, typed, the results of others that they rest on;
 //! [`study`](crate::study) lists them.
@@ -29,7 +29,7 @@ use crate::truths::MeshTruth;
 use contact_scene::study::SceneWithOutline;
 use finray_model::{Finger, Mesh};
 
-/// What every experiment of a report is given.
+/// Input of every experiment of a report.
 #[derive(Clone, Copy)]
 pub struct Context<'c> {
     /// The scene.
@@ -40,7 +40,7 @@ pub struct Context<'c> {
     pub is_paper: bool,
     /// Standard deviation of one coordinate of the camera, mm.
     pub noise_mm: f64,
-    /// How much is computed.
+    /// Effort: how much is computed.
     pub effort: Effort,
     /// The finger's [fine mesh](crate::truths::fine_mesh).
     pub fine: &'c Mesh,
@@ -59,7 +59,7 @@ impl Context<'_> {
     }
 }
 
-/// What results prove, and what they are only compared with.
+/// Evidence from results: checks, and comparisons without a tolerance.
 pub trait Evidence {
     /// Figures against references, with tolerances.
     fn checks(&self, _context: &Context) -> Vec<Check> {

@@ -10,11 +10,11 @@ use finray_model::{Kinematics, Mesh, NodeId};
 
 /// Largest mean error of one force at nodes 14 to 24, which was asked for; the Cramer-Rao bound comes nearest to it at node 24, 1.2 %.
 const ONE_FORCE_TOLERANCE: f64 = 0.013;
-/// A mean of so many relative errors over its bound is known to 3 %, a third of its tolerance. It is what is drawn that decides whether a
+/// A mean of this many relative errors over its bound is known to 3 %, a third of its tolerance. It is what is drawn that decides whether a
 /// tolerance applies, not what is answered: refusals must not make a check vanish.
 const ENOUGH_CASES: usize = 1000;
 /// Cases of a pair that are drawn so that its tolerance is held as it stands. With fewer, two standard errors of a mean are allowed, as
-/// neighbours have their bound right below the tolerance; relative errors of evenly drawn forces scatter by so many times their mean.
+/// neighbours have their bound right below the tolerance; relative errors of evenly drawn forces scatter by this many times their mean.
 const ENOUGH_PAIR_CASES: usize = 2000;
 const MEAN_SCATTER: f64 = 1.1;
 const MEAN_STANDARD_ERRORS: f64 = 2.0;
@@ -28,7 +28,7 @@ pub const BOUND_TOLERANCE: f64 = 0.10;
 /// standard errors). Neighbours have 2 %, nodes apart a few tenths of a per cent.
 pub const BOUND_STANDARD_ERROR: f64 = BOUND_TOLERANCE / 4.0;
 
-/// Random forces sensed from noisy pictures.
+/// Random forces sensed under noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NoiseStudy {
     /// Standard deviation of one coordinate, mm.
@@ -37,12 +37,12 @@ pub struct NoiseStudy {
     pub single: Vec<ScatterRow>,
     /// Every pair of contact nodes, forces of [`TWO_FORCES_N`], by the nonlinear estimator; none in a quick study.
     pub pairs: Vec<ScatterRow>,
-    /// The same pictures by linear least squares.
+    /// The same samples by linear least squares.
     pub linear_pairs: Vec<ScatterRow>,
     /// Largest over smallest singular value of the linear finger's compliance, by `pairs`.
     pub condition_numbers: Vec<f64>,
-    /// Pairs of the paper's finger for which errors are promised, by the nonlinear estimator, in more cases.
-    pub promised: Vec<ScatterRow>,
+    /// Pairs of the paper's finger for which errors are checked, by the nonlinear estimator, in more cases.
+    pub checked: Vec<ScatterRow>,
 }
 
 /// Sources of the checks: forces that were put on, and the bound of the same model.
@@ -53,14 +53,14 @@ const BOUND: &str = "Cramer-Rao bound";
 struct Cases {
     single: usize,
     pairs: usize,
-    promised: usize,
+    checked: usize,
 }
 
 impl Cases {
     fn of(effort: Effort) -> Cases {
         match effort {
-            Effort::Quick => Cases { single: 20, pairs: 0, promised: 100 },
-            Effort::Full => Cases { single: 1000, pairs: 200, promised: 2000 },
+            Effort::Quick => Cases { single: 20, pairs: 0, checked: 100 },
+            Effort::Full => Cases { single: 1000, pairs: 200, checked: 2000 },
         }
     }
 }
@@ -86,11 +86,11 @@ impl NoiseStudy {
         let nodes = scatter::sampled_nodes(finger);
         let singles = scatter::singles(&nodes);
         let pairs = if cases.pairs > 0 { scatter::pairs(&nodes) } else { Vec::new() };
-        let promised: Vec<Vec<NodeId>> = match is_paper {
+        let checked: Vec<Vec<NodeId>> = match is_paper {
             true => CHECKED_PAIRS.map(|(nodes, _)| nodes.map(NodeId).to_vec()).into(),
             false => Vec::new(),
         };
-        progress.part("noise", singles.len() + pairs.len() + promised.len());
+        progress.part("noise", singles.len() + pairs.len() + checked.len());
         let model = Mesh::with_elements_per_member(finger, ELEMENTS);
         let nonlinear = BeamEstimator::nonlinear(&model);
         // Of pairs, errors are shown and no stated deviations: what the model adds to these need not be found.
@@ -113,7 +113,7 @@ impl NoiseStudy {
             scatter_controlled(&request(cases.pairs), &[&of_pairs[0], &of_pairs[1]], &pairs, TWO_FORCES_N, &step)?;
         let (mut nonlinear_pairs, linear_pairs): (Vec<ScatterRow>, Vec<ScatterRow>) =
             both.into_iter().partition(|row| row.estimator == EstimatorId::Nonlinear);
-        // Pairs that are too near to the tolerance to tell are drawn again, all of their cases anew.
+        // Pairs that are too near to the tolerance to decide are drawn again, all of their cases anew.
         let open: Vec<usize> =
             (0..pairs.len()).filter(|&i| nonlinear_pairs[i].is_near_tolerance(BOUND_TOLERANCE)).collect();
         let sets: Vec<Vec<NodeId>> = open.iter().map(|&i| pairs[i].clone()).collect();
@@ -127,7 +127,7 @@ impl NoiseStudy {
             pairs: nonlinear_pairs,
             linear_pairs,
             condition_numbers: pairs.iter().map(|pair| condition_number(finger, pair)).collect::<Result<_, _>>()?,
-            promised: run(&promised, TWO_FORCES_N, cases.promised)?,
+            checked: run(&checked, TWO_FORCES_N, cases.checked)?,
         })
     }
 
@@ -137,7 +137,7 @@ impl NoiseStudy {
             return Vec::new();
         }
         let mut checks = self.node_checks();
-        for (pair, (_, limit)) in self.promised.iter().zip(CHECKED_PAIRS) {
+        for (pair, (_, limit)) in self.checked.iter().zip(CHECKED_PAIRS) {
             checks.extend(self.pair_checks(pair, limit));
         }
         checks.extend(self.bound_checks());
@@ -262,7 +262,7 @@ mod tests {
             pairs: vec![row(&[14, 15], 0.01, counts)],
             linear_pairs: Vec::new(),
             condition_numbers: vec![1.0],
-            promised: CHECKED_PAIRS.map(|(nodes, _)| row(&nodes, 0.01, counts)).into(),
+            checked: CHECKED_PAIRS.map(|(nodes, _)| row(&nodes, 0.01, counts)).into(),
         }
     }
 

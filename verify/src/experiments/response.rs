@@ -2,7 +2,7 @@
 
 use finray_model::frame::{FrameLoad, FrameMotion};
 use finray_model::mesh::LoadError;
-use finray_model::sensing::{Contact, ContactPlace};
+use finray_model::sensing::{Contact, ContactPosition};
 use finray_model::statics::{Ladder, Statics};
 use finray_model::{Finger, Kinematics, Mesh, Vector};
 use nalgebra::DVector;
@@ -88,7 +88,7 @@ impl<'m> RespondingFinger<'m> {
                 columns.push(coordinates(finger, &rates));
             }
             let mut shift = DVector::zeros(2 * finger.free_nodes().len());
-            if matches!(force.contact.place, ContactPlace::Place(_)) {
+            if matches!(force.contact.position, ContactPosition::At(_)) {
                 for load in loads {
                     ladder.moved_load(&motion, load, &mut rates);
                     shift += coordinates(finger, &rates);

@@ -13,21 +13,21 @@ impl Evidence for BentFinger {}
 /// A bent finger, for drawing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BentFinger {
-    /// What bends it and how it was solved.
+    /// Its load and kinematics.
     pub label: String,
     /// Kinematics it was solved with.
     pub kinematics: Kinematics,
-    /// The force, N, and where it acts in the deformed place, mm.
+    /// The force, N, and where it acts in the deformed position, mm.
     pub force: Vector,
     /// Where the force acts.
     pub at: Vector,
     /// Nodes along every member, mm.
     pub lines: Vec<Vec<Vector>>,
-    /// What the shape asks of the beam model.
+    /// Validity of the beam model in this shape.
     pub validity: Validity,
 }
 
-/// The finger under the drawn force at three nodes, linear and with large rotations; what has no equilibrium is left
+/// The finger under the drawn force at three nodes, linear and co-rotational; what has no equilibrium is left
 /// out.
 ///
 /// # Errors
@@ -46,14 +46,14 @@ pub fn run(context: &Context) -> Result<Vec<BentFinger>, Infallible> {
             let Ok(frame_load) = mesh.frame_load(&load) else { continue };
             let Ok(equilibrium) = Statics::ladder(mesh, kinematics).equilibrium(&[frame_load]) else { continue };
             let motion = equilibrium.motion;
-            let place = |&index: &usize| mesh.frame().position(index) + motion.displacements[index];
+            let position = |&index: &usize| mesh.frame().position(index) + motion.displacements[index];
             bent.push(BentFinger {
                 validity: Validity::of(mesh, &motion, kinematics, &[frame_load]),
                 label: format!("{DRAWN_FORCE_N} N at node {node}, {name}"),
                 kinematics,
                 force: finger.direction(0.0) * DRAWN_FORCE_N,
-                at: place(&mesh.frame_node(node)),
-                lines: mesh.lines().iter().map(|line| line.nodes.iter().map(place).collect()).collect(),
+                at: position(&mesh.frame_node(node)),
+                lines: mesh.lines().iter().map(|line| line.nodes.iter().map(position).collect()).collect(),
             });
         }
     }

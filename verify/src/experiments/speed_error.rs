@@ -1,4 +1,4 @@
-//! How long an answer takes, and how far it is off: every model of the finger, and every way to sense.
+//! Time against error: every model of the finger and every estimator.
 //!
 //! Each point is timed where it is computed, on one core, as the median and the 95th percentile of its answers. Preparing for a finger or a
 //! mesh is not counted: a stream of frames, or a sweep, pays for it once; preparing for a contact is given apart. Results of
@@ -25,7 +25,7 @@ use serde::Serialize;
 use std::fmt;
 use std::time::Instant;
 
-/// What is asked for.
+/// Task of a timed point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Task {
@@ -51,7 +51,7 @@ impl Task {
     }
 }
 
-/// Who took a time.
+/// Source of a time.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(into = "String")]
 pub enum TimedBy {
@@ -84,7 +84,7 @@ impl From<TimedBy> for String {
     }
 }
 
-/// What an answer starts from.
+/// Start of an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Start {
@@ -110,16 +110,16 @@ impl Start {
 /// One way to answer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SpeedErrorPoint {
-    /// What is asked for.
+    /// The task.
     pub task: Task,
     /// The model or estimator.
     pub model: String,
     /// Which estimator, if it is one of ours.
     #[serde(skip)]
     pub estimator: Option<EstimatorId>,
-    /// How it is set, its start included.
+    /// Its setting, the start included.
     pub setting: String,
-    /// What each answer starts from.
+    /// Start of each answer.
     pub start: Start,
     /// Median time of an answer, s.
     pub seconds: f64,
@@ -138,7 +138,7 @@ pub struct SpeedErrorPoint {
     pub asked: usize,
     /// Whether no other point of the task is both faster and nearer; points of other programs take no part.
     pub on_front: bool,
-    /// Who took the time.
+    /// Source of the time.
     pub timed_by: TimedBy,
 }
 
@@ -152,7 +152,7 @@ impl SpeedErrorPoint {
 /// Nodes along the front plate that forces are asked for at; all of the paper's finger that it loads, and fewer where it has fewer.
 pub const ASKED_NODES: usize = 11;
 
-/// What a task asks of a finger.
+/// Requirements of a task on a finger.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Asked {
     /// The loaded nodes, as `14-24`, or one by one.
@@ -161,7 +161,7 @@ pub struct Asked {
     pub forces_n: String,
 }
 
-/// What points of a task are computed for.
+/// The load cases of a task's points.
 pub fn asked(finger: &Finger, task: Task) -> Asked {
     let sets = match task {
         Task::SenseNeighbours => neighbours(finger),
@@ -288,7 +288,7 @@ pub fn solving(finger: &Finger, nodes: usize) -> Result<Vec<SpeedErrorPoint>, Sp
     for (setting, lattice) in lattices(finger)? {
         points.push(solved.point(LATTICE, setting, |load| lattice.equilibrium(&[*load]).ok()));
     }
-    // Settling takes a hundred times longer: one load tells enough.
+    // Settling takes a hundred times longer: one load is enough.
     let one = Solved {
         loads: solved.loads.into_iter().take(1).collect(),
         reference: solved.reference.into_iter().take(1).collect(),
@@ -318,8 +318,8 @@ pub struct Beams {
 pub fn beams(finger: &Finger) -> Vec<Beams> {
     let theories = [
         (Kinematics::Linear, "linear beams"),
-        (Kinematics::CorotationalChord, "large rotations, strain of the chord"),
-        (Kinematics::Corotational, "large rotations"),
+        (Kinematics::CorotationalChord, "co-rotational, strain of the chord"),
+        (Kinematics::Corotational, "co-rotational"),
     ];
     let on_meshes = |(kinematics, model)| {
         // Linear frames are exact at the nodes: other meshes only cost more.
@@ -355,7 +355,7 @@ pub fn solved_loads(finger: &Finger, nodes: usize) -> Vec<Load> {
     spread(finger, nodes).flat_map(directions).collect()
 }
 
-/// So many of the contact nodes, evenly, without the tip.
+/// This number of contact nodes, evenly spaced, without the tip.
 fn spread(finger: &Finger, nodes: usize) -> impl Iterator<Item = NodeId> {
     let contact: Vec<NodeId> = finger.contact_nodes().skip(1).collect();
     let every = contact.len().div_ceil(nodes.max(1)).max(1);

@@ -6,7 +6,7 @@ use crate::truths::{Truth, TruthId};
 use finray_model::calibration::{self, CalibrationCase, CalibrationError};
 use finray_model::measurement::Measurement;
 use finray_model::mesh::FingerShape;
-use finray_model::sensing::{Contact, ContactPlace, LinearEstimator, Prior, SensingError};
+use finray_model::sensing::{Contact, ContactPosition, LinearEstimator, Prior, SensingError};
 use finray_model::{Finger, NodeId};
 use serde::Serialize;
 
@@ -164,7 +164,7 @@ pub fn modulus_factor(
 
 /// The truth's shapes under the weights at a node.
 fn shapes(truth: &dyn Truth, node: NodeId, angle_deg: f64) -> Result<(Contact, Vec<FingerShape>), TableOneError> {
-    let contact = Contact { place: ContactPlace::Node(node), angle_deg };
+    let contact = Contact { position: ContactPosition::Node(node), angle_deg };
     let shapes = truth.shapes(&contact, &WEIGHTS_G.map(weight_n));
     match WEIGHTS_G.get(shapes.len()) {
         Some(&weight_g) => Err(TableOneError::NoEquilibrium { node, weight_g }),

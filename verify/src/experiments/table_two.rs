@@ -68,7 +68,7 @@ const SHARE_WITHOUT_FIT: usize = 4;
 /// Most cases of each set for the nonlinear estimator, which takes as long as everything else together: a mean error over the
 /// sets of a group, whose relative errors scatter by 1.1 of their mean, is known to 4 %.
 pub const MOST_FITS: usize = 500;
-/// How often progress is reported: each of four runs tells of every set of contacts.
+/// How often progress is reported: each of four runs reports every set of contacts.
 pub const STEPS: usize = 4 * {
     let [one, neighbours, apart] = CONTACT_GROUPS;
     one.sets.len() + neighbours.sets.len() + apart.sets.len()
@@ -83,7 +83,7 @@ pub struct TableTwo {
     /// linear finger a quarter of them, at most [`CASES_WITHOUT_FIT`].
     pub cases: usize,
     /// Largest over smallest singular value of the compliance at the markers, of the linear finger, by [`contact_sets`]: a
-    /// wrong shape shows in the forces by up to so many times its share.
+    /// wrong shape shows in the forces by up to this many times its share.
     pub condition_numbers: Vec<f64>,
     /// By the finger that is sensed.
     pub fingers: Vec<TableTwoFinger>,
@@ -99,7 +99,7 @@ pub struct TableTwoFinger {
 }
 
 impl TableTwo {
-    /// What one estimator makes of one finger at one level of noise, by [`contact_sets`].
+    /// Errors of one estimator on one finger at one level of noise, by [`contact_sets`].
     pub fn of(&self, truth: TruthId, noise_mm: f64, estimator: EstimatorId) -> impl Iterator<Item = &ScatterRow> {
         let finger = self.fingers.iter().find(|finger| finger.truth == truth);
         let rows = finger.map_or(&[][..], |finger| &finger.rows);
@@ -107,7 +107,7 @@ impl TableTwo {
     }
 }
 
-/// What an estimator makes of the tests of one group: the mean over its sets, as the paper's table lists it.
+/// Errors of an estimator in the tests of one group: the mean over its sets, as in the paper's table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GroupErrors {
     /// Mean error of each force.
@@ -151,7 +151,7 @@ impl GroupErrors {
 }
 
 impl TableTwo {
-    /// What one estimator makes of a group of tests on one finger at one level of noise.
+    /// Errors of one estimator in a group of tests on one finger at one level of noise.
     pub fn group(
         &self,
         group: &ContactGroup,

@@ -1,4 +1,4 @@
-//! What users bring and take away: scenes, displacements and measurements as text, results as whole files.
+//! Input and output: scenes, displacements and measurements as text, results as whole files.
 
 mod networks;
 mod output;
@@ -25,7 +25,7 @@ pub enum FileError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         reason: std::io::Error,
     },
     /// Its content is not what it should be.
@@ -41,7 +41,7 @@ pub enum FileError {
     Unwritable {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         reason: std::io::Error,
     },
 }

@@ -1,4 +1,4 @@
-//! How far the lattice is from converged beams, and what it costs, by its fineness.
+//! Error of the lattice against converged beams, and its cost, by its fineness.
 
 use super::{Lattice, LatticeError};
 use crate::check::worst;
@@ -102,7 +102,7 @@ pub fn worst_by_force(reference: &[Vec<FingerShape>], other: &[Vec<FingerShape>]
 /// One fineness.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FinenessRow {
-    /// Segments in a stretch of plate of mean length.
+    /// Segments in a plate member of mean length.
     pub fineness: usize,
     /// Number of rigid bodies.
     pub bodies: usize,
@@ -119,7 +119,7 @@ pub struct FinenessRow {
     pub settling: Option<SettlingCost>,
 }
 
-/// How near to its own equilibrium a lattice settles, and what that costs.
+/// Error of a settled lattice against its own equilibrium, and its cost.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SettlingCost {
     /// Largest difference of a settled lattice from its own equilibrium, as a share of the largest displacement.

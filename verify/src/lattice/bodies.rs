@@ -1,4 +1,4 @@
-//! The finger cut into rigid bodies: a rod at every junction, and short stretches of plate and rib between the rods.
+//! The finger cut into rigid bodies: a rod at every junction, and short segments of plate and rib between the rods.
 
 use super::LatticeError;
 use super::springs::{AxialSprings, Segment, Spring};
@@ -51,10 +51,10 @@ pub struct BodyLoad {
     pub moment_nmm: f64,
 }
 
-/// A stretch of the front plate that a load may stand on.
+/// A piece of the front plate that a load may stand on.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum FrontStretch {
-    /// Rigid with a rod: the anchor is at the place `at_mm`.
+enum FrontSpan {
+    /// Rigid with a rod: the anchor is at the position `at_mm`.
     Arm { anchor: Anchor, at_mm: f64 },
     /// Between two bodies.
     Segment { ends: [Anchor; 2], from_mm: f64, to_mm: f64 },
@@ -74,20 +74,20 @@ pub struct FrontPiece {
 /// Bodies and springs of a finger; see the [module](super).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Assembly {
-    /// The bodies: first those of the key nodes, then the stretches between.
+    /// The bodies: first those of the key nodes, then the segments between.
     pub bodies: Vec<Body>,
     /// The springs between them.
     pub springs: Vec<Spring>,
     /// Where each key node sits, in the order of the nodes.
     pub key_nodes: Vec<Anchor>,
-    /// Stretches of the front plate from base to tip, each with the place where it ends, mm.
-    front: Vec<(f64, FrontStretch)>,
-    /// How segments are held against stretching.
+    /// Pieces of the front plate from base to tip, each with the position where it ends, mm.
+    front: Vec<(f64, FrontSpan)>,
+    /// Axial springs of the segments.
     axial: AxialSprings,
 }
 
 impl Assembly {
-    /// Cuts a finger into segments of nearly the same length, so many in a mean stretch of plate between two key nodes.
+    /// Cuts a finger into segments of nearly the same length, `fineness` of them in a plate member of mean length.
     ///
     /// # Errors
     /// [`LatticeError::NoSegments`] for a fineness of zero, [`LatticeError::TooFine`] for more bodies than are of use.
@@ -95,7 +95,7 @@ impl Assembly {
         if fineness == 0 {
             return Err(LatticeError::NoSegments);
         }
-        let target_mm = mean_stretch_mm(finger) / fineness as f64;
+        let target_mm = mean_plate_member_mm(finger) / fineness as f64;
         let segments = members_mm(finger).map(|length_mm| segments_of(length_mm, target_mm) as f64).sum::<f64>();
         if segments > MOST_SEGMENTS {
             return Err(LatticeError::TooFine { fineness });
@@ -135,15 +135,15 @@ impl Assembly {
             finger.description().zones.iter().filter(|zone| zone.part == Part::from(plate)).collect();
         let arm = finger.description().rod_arm_mm;
         let along = (finger.plate_point(plate, 1.0) - finger.base(plate)).normalize();
-        let places = finger.plate_places_mm(plate);
-        for (nodes, places) in finger.plate_nodes(plate).windows(2).zip(places.windows(2)) {
+        let positions = finger.plate_positions_mm(plate);
+        for (nodes, positions) in finger.plate_nodes(plate).windows(2).zip(positions.windows(2)) {
             let [from, to] =
                 [self.key_nodes[nodes[0].0 - 1].moved(along * arm), self.key_nodes[nodes[1].0 - 1].moved(along * -arm)];
-            let free_mm = [places[0] + arm, places[1] - arm];
+            let free_mm = [positions[0] + arm, positions[1] - arm];
             let borders = borders_mm(free_mm, &zones, target_mm);
             let anchors = self.divide([from, to], &borders);
             if plate == Plate::Front {
-                self.front.push((free_mm[0], FrontStretch::Arm { anchor: from, at_mm: free_mm[0] }));
+                self.front.push((free_mm[0], FrontSpan::Arm { anchor: from, at_mm: free_mm[0] }));
             }
             for (&ends, border) in anchors.iter().zip(borders.windows(2)) {
                 let (from_mm, to_mm) = (border[0], border[1]);
@@ -152,11 +152,11 @@ impl Assembly {
                     Segment { ends, pinned: [false; 2], direction: along, length_mm: to_mm - from_mm, section };
                 self.springs.extend(segment.springs(self.axial));
                 if plate == Plate::Front {
-                    self.front.push((to_mm, FrontStretch::Segment { ends, from_mm, to_mm }));
+                    self.front.push((to_mm, FrontSpan::Segment { ends, from_mm, to_mm }));
                 }
             }
             if plate == Plate::Front {
-                self.front.push((places[1], FrontStretch::Arm { anchor: to, at_mm: free_mm[1] }));
+                self.front.push((positions[1], FrontSpan::Arm { anchor: to, at_mm: free_mm[1] }));
             }
         }
     }
@@ -181,8 +181,8 @@ impl Assembly {
         let borders = borders_mm([0.0, between.norm() - 2.0 * finger.description().rod_arm_mm], &[], target_mm);
         let segments = borders.len() - 1;
         let length_mm = borders[1];
-        let place = finger.plate_places_mm(Plate::Front)[rib + 1];
-        let covers = |zone: &&Zone| zone.part == Part::Ribs && zone.from_mm <= place && place < zone.to_mm;
+        let position = finger.plate_positions_mm(Plate::Front)[rib + 1];
+        let covers = |zone: &&Zone| zone.part == Part::Ribs && zone.from_mm <= position && position < zone.to_mm;
         let factor: f64 = finger.description().zones.iter().filter(covers).map(|zone| zone.modulus_factor).product();
         for (i, ends) in self.divide(ends, &borders).into_iter().enumerate() {
             let pinned = [hinged && i == 0, hinged && i + 1 == segments];
@@ -213,10 +213,10 @@ impl Assembly {
             Some(last) if last.body == from.body => last.ends[1] = from.arm + by,
             _ => pieces.push(FrontPiece { body: from.body, ends: [from.arm, from.arm + by], from_mm }),
         };
-        for &(_, stretch) in &self.front {
-            match stretch {
-                FrontStretch::Arm { anchor, at_mm } => add(anchor, Vector::zeros(), at_mm),
-                FrontStretch::Segment { ends: [from, to], from_mm, to_mm } => {
+        for &(_, piece) in &self.front {
+            match piece {
+                FrontSpan::Arm { anchor, at_mm } => add(anchor, Vector::zeros(), at_mm),
+                FrontSpan::Segment { ends: [from, to], from_mm, to_mm } => {
                     let at = |anchor: Anchor| self.bodies[anchor.body].position + anchor.arm;
                     let half = 0.5 * (at(to) - at(from));
                     add(from, half, from_mm);
@@ -234,7 +234,7 @@ impl Assembly {
     /// tenth of it then acts on the wrong end of one segment, which stretches that segment and moves nothing else.
     ///
     /// # Errors
-    /// [`LoadError`] for a node that is missing or clamped, or a place that is not on the front plate.
+    /// [`LoadError`] for a node that is missing or clamped, or a position that is not on the front plate.
     pub fn body_loads(&self, finger: &Finger, load: &Load) -> Result<Vec<BodyLoad>, LoadError> {
         match *load {
             Load::Node { node, force, moment_nmm } => {
@@ -250,8 +250,8 @@ impl Assembly {
             }
             Load::Front { s_mm, force } => {
                 let length_mm = finger.plate_length_mm(Plate::Front);
-                let stretch = (s_mm > 0.0).then(|| self.front.iter().find(|(end, _)| s_mm <= *end)).flatten();
-                let Some((_, stretch)) = stretch else { return Err(LoadError::PlaceOffPlate { s_mm, length_mm }) };
+                let piece = (s_mm > 0.0).then(|| self.front.iter().find(|(end, _)| s_mm <= *end)).flatten();
+                let Some((_, piece)) = piece else { return Err(LoadError::PositionOffPlate { s_mm, length_mm }) };
                 let along = finger.front_tangent();
                 let on_body = |anchor: Anchor, share: f64, lever_mm: f64| BodyLoad {
                     body: anchor.body,
@@ -260,9 +260,9 @@ impl Assembly {
                     lever: anchor.arm * share + along * lever_mm,
                     moment_nmm: 0.0,
                 };
-                Ok(match *stretch {
-                    FrontStretch::Arm { anchor, at_mm } => vec![on_body(anchor, 1.0, s_mm - at_mm)],
-                    FrontStretch::Segment { ends, from_mm, to_mm } => {
+                Ok(match *piece {
+                    FrontSpan::Arm { anchor, at_mm } => vec![on_body(anchor, 1.0, s_mm - at_mm)],
+                    FrontSpan::Segment { ends, from_mm, to_mm } => {
                         let length = to_mm - from_mm;
                         let x = (s_mm - from_mm) / length;
                         let second = x * x * (3.0 - 2.0 * x);
@@ -289,12 +289,12 @@ fn undeformable_bar(finger: &Finger) -> Section {
     Section { axial_rigidity_n, bending_rigidity_nmm2: 0.0 }
 }
 
-/// Free lengths of all members: stretches of the back plate, of the front plate, ribs.
+/// Free lengths of all members: of the back plate, of the front plate, ribs.
 fn members_mm(finger: &Finger) -> impl Iterator<Item = f64> {
     let arms_mm = 2.0 * finger.description().rod_arm_mm;
     let plates = [Plate::Back, Plate::Front].into_iter().flat_map(|plate| {
-        let places = finger.plate_places_mm(plate);
-        places.windows(2).map(|place| place[1] - place[0]).collect::<Vec<_>>()
+        let positions = finger.plate_positions_mm(plate);
+        positions.windows(2).map(|position| position[1] - position[0]).collect::<Vec<_>>()
     });
     let ribs = (0..finger.rib_count()).map(|rib| {
         let [front, back] = finger.rib_nodes(rib).map(|node| finger.position(node));
@@ -303,10 +303,10 @@ fn members_mm(finger: &Finger) -> impl Iterator<Item = f64> {
     plates.chain(ribs).map(move |length_mm| length_mm - arms_mm)
 }
 
-/// Mean free length of the stretches of plate between two key nodes.
-fn mean_stretch_mm(finger: &Finger) -> f64 {
-    let stretches = 2 * (finger.rib_count() + 1);
-    members_mm(finger).take(stretches).sum::<f64>() / stretches as f64
+/// Mean free length of the plate members.
+fn mean_plate_member_mm(finger: &Finger) -> f64 {
+    let count = 2 * (finger.rib_count() + 1);
+    members_mm(finger).take(count).sum::<f64>() / count as f64
 }
 
 /// How many segments of about the wanted length a member is cut into.
@@ -318,7 +318,7 @@ fn segments_of(length_mm: f64, target_mm: f64) -> usize {
 /// stiff to settle; it is spread over the one that it ends in.
 const SHORTEST_CUT: f64 = 0.25;
 
-/// Where a stretch is cut: at the ends of zones, and between them into segments of about the wanted length.
+/// Where a member is cut: at the ends of zones, and between them into segments of about the wanted length.
 fn borders_mm([from, to]: [f64; 2], zones: &[&Zone], target_mm: f64) -> Vec<f64> {
     let mut ends: Vec<f64> = zones.iter().flat_map(|zone| [zone.from_mm, zone.to_mm]).collect();
     ends.sort_by(f64::total_cmp);
@@ -333,14 +333,14 @@ fn borders_mm([from, to]: [f64; 2], zones: &[&Zone], target_mm: f64) -> Vec<f64>
     let mut borders = vec![from];
     for cut in cuts.windows(2) {
         let segments = segments_of(cut[1] - cut[0], target_mm);
-        // The last segment ends where the stretch ends, without rounding: a load at the tip must find it.
+        // The last segment ends where the member ends, without rounding: a load at the tip must find it.
         let within = (1..segments).map(|i| cut[0] + (cut[1] - cut[0]) * i as f64 / segments as f64);
         borders.extend(within.chain([cut[1]]));
     }
     borders
 }
 
-/// Length-weighted mean of 1 / (product of the zones' factors) over a stretch of plate.
+/// Length-weighted mean of 1 / (product of the zones' factors) over a section of plate.
 fn mean_compliance(zones: &[&Zone], from_mm: f64, to_mm: f64) -> f64 {
     let mut cuts = vec![from_mm, to_mm];
     cuts.extend(zones.iter().flat_map(|zone| [zone.from_mm, zone.to_mm]).filter(|cut| (from_mm..to_mm).contains(cut)));

@@ -1,4 +1,4 @@
-//! Why the lattice is as near to beams as it is: the same comparison with what it rests on changed, one thing at a time.
+//! Causes of the lattice's error against beams: the same comparison with one property changed at a time.
 
 use super::accuracy::{AccuracyError, LoadGrid, beam_shapes, difference, lattice_shapes, worst_by_force};
 use super::energy::{BodyMotion, Energy};
@@ -10,7 +10,7 @@ use finray_model::mesh::{FingerShape, Load};
 use finray_model::{Finger, Kinematics, NodeId};
 use rayon::prelude::*;
 
-/// So many times stiffer, axial springs are as good as rigid: a hundred times more changes no displacement of the paper's finger
+/// This many times stiffer, axial springs are as good as rigid: a hundred times more changes no displacement of the paper's finger
 /// by more than a thousandth.
 pub const AS_GOOD_AS_RIGID: f64 = 1e3;
 
@@ -68,7 +68,7 @@ const MOST_STEPS: usize = 20_000;
 pub struct SettlingRow {
     /// Sweeps over the springs in a step.
     pub sweeps: usize,
-    /// What positions are kept in.
+    /// Precision of the positions.
     pub positions: Precision,
     /// Largest difference from the equilibrium over all loads, as a share of the largest displacement; none if a load does
     /// not settle.
@@ -124,8 +124,8 @@ pub fn out_of_balance(lattice: &Lattice, grid: &LoadGrid, positions: Precision) 
             .follow(&mut motions, &loads, 0.0, 1.0)
             .map_err(|lost| LatticeError::NoEquilibrium { converged_fraction: lost.converged_fraction })?;
         for (motion, body) in motions.iter_mut().zip(&lattice.assembly.bodies) {
-            let place = (body.position + motion.displacement).map(|x| positions.round(x));
-            motion.displacement = place - body.position;
+            let position = (body.position + motion.displacement).map(|x| positions.round(x));
+            motion.displacement = position - body.position;
             let (sine, cosine) = motion.rotation.sin_cos();
             motion.rotation = positions.round(sine).atan2(positions.round(cosine));
         }

@@ -4,12 +4,12 @@
 //!
 //! Plates and ribs are cut into short segments. Between two segments, and at every rod, sits a rigid body; a segment
 //! becomes an axial spring and two or three against bending, laid out in [`springs`]. [`settling`] lets the bodies move in
-//! the physics engine rapier until they rest. Their place of rest is a minimum of the springs' [`energy`], which Newton's
-//! method finds as well: that tells an error of the lattice from one of the settling. [`accuracy`] measures both, [`causes`] what they
+//! the physics engine rapier until they rest. Their rest position is a minimum of the springs' [`energy`], which Newton's
+//! method finds as well: that separates errors of the lattice from those of the settling. [`accuracy`] measures both, [`causes`] what they
 //! come from, and [`experiments::lattice`](crate::experiments::lattice) gathers what the report shows.
 //!
 //! No parameter is fitted. For small displacements the lattice is exact at the key nodes, like a frame of slender beams;
-//! its error under large rotations falls with the third to fourth power of the segments' length.
+//! its geometrically nonlinear error falls with the third to fourth power of the segments' length.
 //!
 //! Every finger can be built: with arms, zones, hinged ribs, and ribs that do not deform (one body with their rods, or
 //! between hinges a bar ten times as stiff as a plate is along itself).
@@ -39,7 +39,7 @@ pub enum LatticeError {
     /// More bodies than are of use.
     #[error("a lattice of fineness {fineness} has too many bodies: use a coarser one")]
     TooFine {
-        /// What was asked for.
+        /// The number that was given.
         fineness: usize,
     },
     /// The load is not on the finger.
@@ -94,7 +94,7 @@ pub struct Settled {
 }
 
 impl Lattice {
-    /// Builds a lattice with `fineness` segments in a stretch of plate of mean length, and segments of about this length
+    /// Builds a lattice with `fineness` segments in a plate member of mean length, and segments of about this length
     /// everywhere.
     ///
     /// # Errors

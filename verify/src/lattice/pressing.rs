@@ -20,7 +20,7 @@ use rapier2d::prelude::{
     JointAxis, MotorModel, Pose, RigidBodyBuilder, RigidBodyHandle, SharedShape,
 };
 
-/// How the object is held along the line that it is pressed on.
+/// Drive of the object along the line that it is pressed on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Push {
     /// The hand stands where the object is wanted, finger frame, mm.
@@ -68,7 +68,7 @@ impl Pressed {
     }
 }
 
-/// What presses: a shape, turned, with friction.
+/// The pressed object: a shape, turned, with friction.
 #[derive(Debug, Clone)]
 pub struct RigidObject {
     /// The shape about the point that is moved, mm, finger frame.
@@ -117,13 +117,13 @@ const OVERLAP: f64 = 1e-5;
 /// The way that the hand goes while the slowest motion of the finger runs its course, as a share of the front plate's length; so
 /// slow that the finger keeps up, and neither lets the object through nor swings back over it.
 const WAY: f64 = 1.0 / 75.0;
-/// The same with friction, where the place of rest depends on every slip on the way.
+/// The same with friction, where the rest position depends on every slip on the way.
 const WAY_WITH_FRICTION: f64 = 1.0 / 300.0;
-/// Steps in which one push must have settled: the paper's finger takes 2000 with two segments a stretch.
+/// Steps in which one push must have settled: the paper's finger takes 2000 with two segments a member.
 const MOST_STEPS: usize = 50_000;
 /// Looks at the positions after which it is looked whether the finger still holds the object.
 const LOOKS: usize = 8;
-/// Displacement of the middle of the finger, as a share of the front plate's length, under the push whose settling tells how slow its
+/// Displacement of the middle of the finger, as a share of the front plate's length, under the push whose settling shows how slow its
 /// slowest motion is: small, so that the finger is linear.
 const PROBE: f64 = 1e-3;
 /// A force, N, under which every finger is linear.
@@ -152,8 +152,8 @@ impl<'l> Pressing<'l> {
         let parts = add_skin(lattice, rod_radius_mm, object.friction, &mut dynamics);
 
         let finger = lattice.finger();
-        let stretch_mm = finger.plate_length_mm(Plate::Front) / (finger.rib_count() + 1) as f64;
-        let stiffness = finger.section(Part::Front).map_or(1.0, |section| section.axial_rigidity_n / stretch_mm);
+        let member_mm = finger.plate_length_mm(Plate::Front) / (finger.rib_count() + 1) as f64;
+        let stiffness = finger.section(Part::Front).map_or(1.0, |section| section.axial_rigidity_n / member_mm);
         let hand = dynamics.world.bodies.insert(RigidBodyBuilder::fixed().translation(rapier(start)));
         // It does not turn, so its moment of inertia counts for nothing.
         let body = dynamics.insert_moving(start, mass_for(stiffness), 1.0);
@@ -228,9 +228,9 @@ impl<'l> Pressing<'l> {
         let motions = self.dynamics.motions();
         let touches = self.touches(&motions);
         let object = own(self.dynamics.world.bodies[self.object].translation());
-        let stretched = own(self.dynamics.world.bodies[self.hand].translation()) - object;
-        let across = stretched - self.along * stretched.dot(&self.along);
-        let hand_force = across * self.stiffness + self.along * (stretched.dot(&self.along) * stiffness + pull_n);
+        let elongation = own(self.dynamics.world.bodies[self.hand].translation()) - object;
+        let across = elongation - self.along * elongation.dot(&self.along);
+        let hand_force = across * self.stiffness + self.along * (elongation.dot(&self.along) * stiffness + pull_n);
         let (mut base_force, mut base_moment_nmm) = Energy::new(self.lattice.assembly()).on_clamps(&motions);
         for touch in touches.iter().filter(|touch| touch.clamped) {
             base_force += touch.force;
@@ -269,12 +269,12 @@ impl<'l> Pressing<'l> {
         (way * self.watch as f64).ceil() as usize
     }
 
-    /// Tells hand and object what to do; the stiffness of the hand along the line, N/mm.
+    /// Drives hand and object; the stiffness of the hand along the line, N/mm.
     fn drive(&mut self, push: Push) -> f64 {
         let world = &mut self.dynamics.world;
         let (stiffness, pull_n) = match push {
-            Push::To(place) => {
-                world.bodies[self.hand].set_translation(rapier(place), true);
+            Push::To(position) => {
+                world.bodies[self.hand].set_translation(rapier(position), true);
                 (self.stiffness, 0.0)
             }
             Push::With(force_n) => (0.0, force_n),
@@ -289,7 +289,7 @@ impl<'l> Pressing<'l> {
         stiffness
     }
 
-    /// What the engine's contacts carry.
+    /// Contact forces of the engine.
     fn touches(&self, motions: &[BodyMotion]) -> Vec<Touch> {
         let world = &self.dynamics.world;
         let dt = world.integration_parameters.dt;
@@ -334,7 +334,7 @@ impl<'l> Pressing<'l> {
                 }
             }
         }
-        touches.sort_by(|a, b| a.part.place_mm(self.lattice).total_cmp(&b.part.place_mm(self.lattice)));
+        touches.sort_by(|a, b| a.part.position_mm(self.lattice).total_cmp(&b.part.position_mm(self.lattice)));
         touches
     }
 }

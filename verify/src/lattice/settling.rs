@@ -1,6 +1,6 @@
 //! The lattice let loose in rapier until it comes to rest.
 //!
-//! Only the place where it rests has a meaning: masses, time and damping are chosen so that it is reached soon. Every step,
+//! Only the position where it rests has a meaning: masses, time and damping are chosen so that it is reached soon. Every step,
 //! rapier solves the springs' forces at the end of the step by sweeps over them (projected Gauss-Seidel). The masses are
 //! dt^2 times the stiffness at each body, divided by `SOFTNESS`, so a sweep leaves the same share of the error in every
 //! lattice, whatever its units.
@@ -25,7 +25,7 @@ use rapier2d::prelude::{
 const STEP_S: f64 = 0.5;
 /// Stiffness times dt^2 over mass. Larger values move farther in a step, and take more sweeps for the same error.
 const SOFTNESS: f64 = 4.0;
-/// Sweeps in a step. What is left of the springs' forces after them shifts the place of rest, less the more there are;
+/// Sweeps in a step. The residual of the springs' forces after them shifts the rest position, less the more there are;
 /// [`causes::settling`](super::causes::settling) measures by how much. Rapier's warm start of joints would not help: it hands
 /// each its old impulse only when its turn comes, and a sweep forgets where it began.
 pub const SWEEPS: usize = 32;
@@ -48,7 +48,7 @@ pub const MOST_STEPS: usize = 200_000;
 pub struct Settling {
     /// Sweeps over the springs in a step.
     pub sweeps: usize,
-    /// What positions are kept in.
+    /// Precision of the positions.
     pub positions: Precision,
     /// Steps after which it is given up.
     pub most_steps: usize,
@@ -60,7 +60,7 @@ impl Default for Settling {
     }
 }
 
-/// What the bodies' positions and rotations are kept in from step to step. All else is in double precision.
+/// Precision of the bodies' positions and rotations from step to step. All else is in double precision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Precision {
     /// 64 bits.
@@ -79,7 +79,7 @@ impl Precision {
     }
 }
 
-/// How a lattice came to rest.
+/// Result of settling.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Rest {
     /// Steps between two looks.
@@ -98,7 +98,7 @@ pub(super) struct Dynamics<'a> {
     pub(super) handles: Vec<RigidBodyHandle>,
     /// All bodies that move, the lattice's and others.
     moving: Vec<Moving>,
-    /// What positions are kept in.
+    /// Precision of the positions.
     positions: Precision,
     /// Kinetic energy after the last step, N mm.
     energy: f64,
@@ -249,7 +249,7 @@ impl<'a> Dynamics<'a> {
         }
     }
 
-    /// How far every moving body is from where it began, mm.
+    /// Displacement of every moving body, mm.
     fn displacements(&self) -> Vec<RapierVector> {
         self.moving.iter().map(|moving| self.world.bodies[moving.handle].translation() - moving.start).collect()
     }

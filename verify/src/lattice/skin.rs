@@ -17,11 +17,11 @@ pub enum TouchedPart {
 }
 
 impl TouchedPart {
-    /// Place along the front plate, mm from its base.
-    pub fn place_mm(&self, lattice: &Lattice) -> f64 {
+    /// Position along the front plate, mm from its base.
+    pub fn position_mm(&self, lattice: &Lattice) -> f64 {
         match *self {
-            TouchedPart::Rod(node) => lattice.finger().front_place_mm(node).unwrap_or_default(),
-            TouchedPart::Plate(place_mm) => place_mm,
+            TouchedPart::Rod(node) => lattice.finger().front_position_mm(node).unwrap_or_default(),
+            TouchedPart::Plate(position_mm) => position_mm,
         }
     }
 }
@@ -31,7 +31,7 @@ impl TouchedPart {
 pub struct Touch {
     /// Body of the lattice that is pushed.
     pub body: BodyIndex,
-    /// What part of the finger that is.
+    /// The part of the finger.
     pub part: TouchedPart,
     /// Whether the part is clamped, so that the force does not bend the finger.
     pub clamped: bool,

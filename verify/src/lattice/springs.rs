@@ -1,10 +1,10 @@
-//! The springs that stand for a short stretch of beam between two rigid bodies.
+//! The springs that stand for a short segment of beam between two rigid bodies.
 
 use super::bodies::Anchor;
 use finray_model::Vector;
 use finray_model::frame::Section;
 
-/// What a spring resists.
+/// Deformation that a spring resists.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Deformation {
     /// Change of the distance between its two points.
@@ -27,13 +27,13 @@ pub enum Deformation {
 pub struct Spring {
     /// Its points on the two bodies.
     pub ends: [Anchor; 2],
-    /// What it resists.
+    /// Deformation that it resists.
     pub deformation: Deformation,
     /// N / mm; for a rotation N mm.
     pub stiffness: f64,
 }
 
-/// A straight stretch of slender beam between two anchors.
+/// A straight segment of slender beam between two anchors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment {
     /// Where it begins and ends.
@@ -56,7 +56,7 @@ pub struct Segment {
 /// for a segment with one pinned end.
 pub const AXIAL_INSET: f64 = 1.0 / 6.0;
 
-/// How segments are held against stretching. The default is that of a beam; all else is there to see what it matters.
+/// Axial springs of the segments. The default is that of a beam; all else is there to see what it matters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxialSprings {
     /// Share of the length by which their points lie inside the segment; see [`AXIAL_INSET`].

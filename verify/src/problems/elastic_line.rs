@@ -27,7 +27,7 @@ pub struct Rigidity {
 /// A cross-section of the deformed beam: where it is, how its axis is turned, and what the part beyond puts on it.
 #[derive(Debug, Clone, Copy)]
 pub struct Section {
-    /// Place.
+    /// Position.
     pub at: [f64; 2],
     /// Direction of the axis, rad from x to y.
     pub direction: f64,

@@ -20,7 +20,7 @@ const NODES: [usize; 3] = [14, 19, 24];
 /// Intervals of the quadrature.
 const STEPS: usize = 64;
 /// Largest difference, as a share of the work. Simpson's rule alone errs by 4e-10 at most here (its change from half as
-/// many intervals, over 15), the extrapolation by far less; what is left is where Newton's method stops.
+/// many intervals, over 15), the extrapolation by far less; the rest is where Newton's method stops.
 pub const TOLERANCE: f64 = 1e-10;
 
 /// Energy and work, N mm.

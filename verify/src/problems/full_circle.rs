@@ -42,7 +42,7 @@ pub fn checks() -> Result<Vec<Check>, ProblemError> {
     frame.support(nodes[0], [true; 3]);
     let moment = FrameLoad::Node { node: tip, force: Vector::zeros(), moment_nmm: TAU };
     let motion = solve_frame(&frame, &[moment], Kinematics::Corotational)?;
-    let place = |node: NodeIndex| frame.position(node) + motion.displacements[node];
+    let position = |node: NodeIndex| frame.position(node) + motion.displacements[node];
     let row = |quantity, reference, ours, tolerance| {
         Check::new(
             Kind::Analytical,
@@ -55,8 +55,8 @@ pub fn checks() -> Result<Vec<Check>, ProblemError> {
         )
     };
     Ok(vec![
-        row("distance of the tip from the clamp / L", 0.0, place(tip).norm(), CLOSURE_TOLERANCE),
+        row("distance of the tip from the clamp / L", 0.0, position(tip).norm(), CLOSURE_TOLERANCE),
         row("rotation of the tip (rad)", TAU, motion.rotations[frame.rotation_of(tip)], CLOSURE_TOLERANCE),
-        row("height of the middle / L", 1.0 / PI, place(middle).y, CHORD_TOLERANCE),
+        row("height of the middle / L", 1.0 / PI, position(middle).y, CHORD_TOLERANCE),
     ])
 }

@@ -20,7 +20,7 @@ pub(super) const PROBLEM: Problem =
 const SAFETY: f64 = 1.25;
 /// The order that both strains keep on any mesh; the index trusts no higher one.
 const FORMAL_ORDER: f64 = 2.0;
-/// Order of an inextensible cantilever: what is left of the next term of the error on 4 to 16 elements.
+/// Order of an inextensible cantilever: the next term of the error on 4 to 16 elements.
 pub const CANTILEVER_TOLERANCE: f64 = 0.1;
 /// Order of the finger at 3 N, where elements of different length share one mesh and the second order begins to show.
 pub const FINGER_TOLERANCE: f64 = 0.25;
@@ -30,7 +30,7 @@ const CANTILEVER_LOAD: f64 = 2.0;
 const FORCE_N: f64 = 3.0;
 /// Loaded nodes: beside the tip, in the middle, near the base.
 const NODES: [usize; 3] = [14, 19, 24];
-/// Elements a member of the meshes whose index is put to the test.
+/// Elements a member of the meshes whose index is tested.
 const ELEMENTS: [usize; 3] = [4, 8, 16];
 /// The paper's two meshes and a finer one, which puts the index to the test.
 const NODE_COUNTS: [usize; 3] = [25, 684, 5000];
@@ -39,7 +39,7 @@ pub const FINE_MESH_TOLERANCE: f64 = 1e-4;
 /// Index that 5000 nodes must reach, as a share of the displacement: small against what 684 nodes may leave.
 pub const FINEST_MESH_TOLERANCE: f64 = 1e-6;
 
-/// Three meshes, the coarsest first, and what they tell about the solution that no mesh would change.
+/// Three meshes, the coarsest first, and the mesh-independent solution that they extrapolate to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GridConvergence {
     /// Nodes of the meshes.
@@ -77,7 +77,7 @@ impl GridConvergence {
     }
 }
 
-/// How much a loaded node moves, mm, under 3 N along the inward normal.
+/// Displacement of a loaded node, mm, under 3 N along the inward normal.
 fn displacement(mesh: &Mesh, node: NodeId, kinematics: Kinematics) -> Result<f64, ProblemError> {
     let load = Load::at_node(node, mesh.finger().direction(0.0) * FORCE_N);
     Ok(statics::solve(mesh, &[load], kinematics)?.motion(node).displacement.norm())
@@ -106,7 +106,7 @@ fn of_cantilever(kinematics: Kinematics) -> Result<GridConvergence, ProblemError
     Ok(GridConvergence::of(ELEMENTS.map(|n| n + 1), ELEMENTS.map(|n| 1.0 / n as f64), values))
 }
 
-/// Observed orders; the index put to the test; 25, 684 and 5000 nodes.
+/// Observed orders; the index tested; 25, 684 and 5000 nodes.
 ///
 /// # Errors
 /// [`ProblemError`] if the finger does not carry the load.

@@ -1,6 +1,6 @@
 //! The finger as rigid bodies and springs, settled by the engine rapier, against beams.
 //!
-//! The springs have EA / l, 12 EI / l^3 and EI / l of the beams' own sections, so the lattice verifies solver and large-rotation kinematics,
+//! The springs have EA / l, 12 EI / l^3 and EI / l of the beams' own sections, so the lattice verifies solver and co-rotational kinematics,
 //! not Euler-Bernoulli theory. No other parameter is there, so no load is spent on fitting.
 
 use super::ProblemError;
@@ -14,18 +14,18 @@ use finray_model::{Finger, Kinematics};
 pub const SETTLED: &str = "rapier2d lattice";
 /// Source of the rows whose shapes are the least energy of our own springs, found by our own Newton's method: rapier has no part in them.
 pub const NEWTON: &str = "spring lattice, Newton";
-/// What all rows compare.
+/// Quantity of all rows.
 const QUANTITY: &str = "largest displacement difference / largest displacement";
-/// Segments in a stretch of plate between two key nodes.
+/// Segments a plate member.
 pub const FINENESS: usize = 2;
-/// What tells the lattice from beams: its segments bend at their middles alone, which is exact without rotations. The relative difference
-/// is odd in the rotations, so it grows as a F + b F^3. Two segments a stretch of plate have a = 2.5e-4 / N and b = 2.4e-5 / N^3 (from 0.1
+/// Discretisation error of the lattice against beams. Its segments bend at their middles alone, exact without rotations. The relative difference
+/// is odd in the rotations, so it grows as a F + b F^3. Two segments a plate member have a = 2.5e-4 / N and b = 2.4e-5 / N^3 (from 0.1
 /// to 5 N, within 5 %; both fall with the third to fourth power of the segments' length); a quarter more is allowed.
 const COARSENESS_PER_N: f64 = 3.1e-4;
 const COARSENESS_PER_N3: f64 = 3e-5;
 /// Settling against the lattice's own equilibrium: what 32 sweeps a step leave (6e-5, by the study of sweeps) and the measure of rest, 2e-5.
 const SETTLING_TOLERANCE: f64 = 1e-4;
-/// A force (N) so small that the finger is linear but for the large-rotation terms, which come to 0.12 a newton at the worst node and
+/// A force (N) so small that the finger is linear but for the co-rotational terms, which come to 0.12 a newton at the worst node and
 /// direction; MuJoCo has the same at 0.01 N.
 const TINY_FORCE_N: f64 = 1e-4;
 const TINY_FORCE_TOLERANCE: f64 = 0.13 * TINY_FORCE_N;
@@ -36,7 +36,7 @@ const TINY_FORCE_TOLERANCE: f64 = 0.13 * TINY_FORCE_N;
 /// [`ProblemError`] if a load has no equilibrium or the lattice does not settle.
 pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     let lattice = Lattice::new(finger, FINENESS)?;
-    let name = |what: &str| format!("{what}, {FINENESS} segments a stretch of plate");
+    let name = |what: &str| format!("{what}, {FINENESS} segments a plate member");
     let mut checks = Vec::new();
 
     let grid = LoadGrid::full(finger);
@@ -91,7 +91,7 @@ fn bits(shape: &FingerShape) -> impl Iterator<Item = [u64; 3]> {
     shape.motions().iter().map(|m| [m.displacement.x, m.displacement.y, m.rotation].map(f64::to_bits))
 }
 
-/// How far linear theory is from the lattice as the force grows: here they must differ.
+/// Difference of linear theory from the lattice as the force grows: here they must differ.
 ///
 /// # Errors
 /// [`ProblemError`] if a load has no equilibrium.

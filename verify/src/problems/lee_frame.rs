@@ -51,7 +51,7 @@ fn frame() -> (PlaneFrame, [NodeIndex; 4]) {
     (frame, nodes)
 }
 
-/// How far the elastic line, shot from the base with rotation and force (x, y) there, misses the other hinge (place and
+/// How far the elastic line, shot from the base with rotation and force (x, y) there, misses the other hinge (position and
 /// moment, as shares of the frame's size) under a load.
 fn miss(&[rotation, fx, fy, load]: &[f64; 4]) -> [f64; 3] {
     let quarter = std::f64::consts::FRAC_PI_2;
@@ -103,7 +103,7 @@ pub fn checks() -> Result<Vec<Check>, ProblemError> {
         let tolerance = TOLERANCE * reference.abs();
         checks.push(row(Kind::Internal, "elastic line by shooting", quantity, reference, limit.multiple, tolerance));
     }
-    // The first and the last stretch are stable, the one between the limits is not.
+    // The first and the last branch are stable, the one between the limits is not.
     let limits: Vec<usize> = path.limits.iter().map(|limit| limit.after).collect();
     let between = |i: usize| limits.first().is_some_and(|&a| i > a) && limits.last().is_some_and(|&b| i <= b);
     let wrong = path.points.iter().enumerate().filter(|(i, point)| point.is_stable() == between(*i)).count();

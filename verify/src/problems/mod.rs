@@ -42,7 +42,7 @@ pub const ALL: &[Problem] = &[
 /// A problem with a known answer.
 #[derive(Debug, Clone, Copy)]
 pub struct Problem {
-    /// What is solved.
+    /// The problem.
     pub name: &'static str,
     /// Whether there are reference values for a finger.
     pub applies_to: fn(&Finger) -> bool,
@@ -50,7 +50,7 @@ pub struct Problem {
     pub solve: fn(&Finger) -> Result<Solved, ProblemError>,
 }
 
-/// What comes of problems.
+/// Results of problems.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Solved {
     /// Figures against references, with tolerances.

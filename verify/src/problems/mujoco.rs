@@ -22,7 +22,7 @@ pub(super) const PROBLEM: Problem =
 
 /// Source of all rows.
 const SOURCE: &str = "MuJoCo";
-/// What most rows compare.
+/// Quantity of most rows.
 const DISPLACEMENT: &str = "largest displacement difference / largest displacement";
 const ROTATION: &str = "largest rotation difference (rad)";
 
@@ -36,12 +36,12 @@ pub const CERTAIN_TOLERANCE: f64 = 4e-5;
 const CERTAIN: f64 = 2e-4;
 /// Largest difference of a rotation, rad: [`CERTAIN_TOLERANCE`] of displacements of some 20 mm, over the 12 mm between two ribs.
 pub const ROTATION_TOLERANCE_RAD: f64 = CERTAIN_TOLERANCE * 20.0 / 12.0;
-/// A difference may be this many times the uncertainties that both parties state: they are differences of meshes, no bounds, and under
+/// A difference may be this many times the uncertainties that both solvers state: they are differences of meshes, no bounds, and under
 /// 0.01 N rounding, which neither states, adds to them (1.7).
 pub const UNCERTAINTIES: f64 = 2.0;
 /// The finger is linear under forces up to this, N, within [`LINEAR_TOLERANCE`].
 const LINEAR_FORCE_N: f64 = 0.01;
-/// What linear theory leaves out at 0.01 N: 1.22e-3 by co-rotational beams as by MuJoCo, and above 1e-3 for 7 of 60 loads.
+/// Error of linear theory at 0.01 N: 1.22e-3 by co-rotational beams as by MuJoCo, and above 1e-3 for 7 of 60 loads.
 pub const LINEAR_TOLERANCE: f64 = 1.3e-3;
 /// Displacements under the exported contact forces, as a share of the step's largest: what its meshes of 16 and 32, extrapolated, and ours
 /// of 32 leave (5e-6), as under single forces, and as much again.
@@ -58,7 +58,7 @@ pub struct CaseDeviation {
     pub displacement: f64,
     /// Largest difference of a key node's rotation, rad.
     pub rotation_rad: f64,
-    /// The differences as shares of the uncertainties that both parties state, the larger of the two.
+    /// The differences as shares of the uncertainties that both solvers state, the larger of the two.
     pub uncertainties: f64,
 }
 
@@ -193,7 +193,7 @@ pub fn contact_checks() -> Result<Vec<Check>, ProblemError> {
     pushes.into_iter().map(check).collect()
 }
 
-/// Beams, lattice and MuJoCo as a triangle, under each force on the paper's finger: what no pair promises to be equal.
+/// Beams, lattice and MuJoCo as a triangle, under each force on the paper's finger: differences that no tolerance bounds.
 ///
 /// # Errors
 /// [`ProblemError`] if the table cannot be read.

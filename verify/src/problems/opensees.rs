@@ -122,7 +122,7 @@ pub fn paper_checks(paper: &Finger) -> Result<Vec<Check>, ProblemError> {
         .collect())
 }
 
-/// How far the linear finger is from the large-rotation one, for each fine co-rotational case: not a promise, but why
+/// Difference of the linear finger from the co-rotational one, for each fine co-rotational case: no tolerance, but why
 /// linear sensing errs.
 ///
 /// # Errors
@@ -138,7 +138,7 @@ pub fn linear_against_corotational(paper: &Finger) -> Result<Vec<Comparison>, Pr
         let linear = statics::solve(&mesh, &[Load::at_node(node, force)], Kinematics::Linear)?;
         let Some(loaded) = case.iter().find(|row| row.node == node.0) else { continue };
         comparisons.push(Comparison {
-            problem: format!("paper finger, {:.2} N at node {node}: linear against large rotation", force.norm()),
+            problem: format!("paper finger, {:.2} N at node {node}: linear against co-rotational", force.norm()),
             source: "OpenSees".to_owned(),
             quantity: "displacement of the loaded node (mm)".to_owned(),
             reference: Vector::new(loaded.ux_mm, loaded.uy_mm).norm(),

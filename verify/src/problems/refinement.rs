@@ -44,7 +44,7 @@ fn sampled_nodes(finger: &Finger) -> impl Iterator<Item = NodeId> + use<> {
     nodes.step_by(every)
 }
 
-/// The linear finger does not change with the mesh. Nothing is promised for a finger with zones: their ends cut
+/// The linear finger does not change with the mesh. Nothing is checked for a finger with zones: their ends cut
 /// elements, and what an element averages depends on its length.
 ///
 /// # Errors
@@ -68,7 +68,7 @@ pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     )])
 }
 
-/// How far coarse large-rotation meshes are from the fine one, by loaded node.
+/// Difference of coarse co-rotational meshes from the fine one, by loaded node.
 ///
 /// # Errors
 /// [`ProblemError`] if the finger cannot be solved.

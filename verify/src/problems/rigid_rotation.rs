@@ -20,7 +20,7 @@ const ELEMENTS: [usize; 3] = [1, 4, 16];
 /// Largest force left, as a share of what a linear frame answers.
 pub const TOLERANCE: f64 = 1e-10;
 
-/// All nodes turned about the origin. Displacements come from the half angle: a difference of places would lose the
+/// All nodes turned about the origin. Displacements come from the half angle: a difference of positions would lose the
 /// digits of small turns.
 fn turned(frame: &PlaneFrame, angle: f64) -> FrameMotion {
     let half = (0.5 * angle).sin();
@@ -43,7 +43,7 @@ fn force(frame: &PlaneFrame, kinematics: Kinematics) -> f64 {
     }))
 }
 
-/// One row for each large-rotation kinematics, the worst of all angles and meshes.
+/// One row for each co-rotational kinematics, the worst of all angles and meshes.
 pub fn checks(finger: &Finger) -> Vec<Check> {
     let meshes = ELEMENTS.map(|elements| Mesh::with_elements_per_member(finger, elements));
     [(Kinematics::Corotational, "shallow-arch strain"), (Kinematics::CorotationalChord, "chord strain")]

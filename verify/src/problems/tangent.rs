@@ -37,7 +37,7 @@ fn difference(ours: &DVector<f64>, theirs: &DVector<f64>) -> f64 {
     (ours - theirs).amax() / theirs.amax()
 }
 
-/// How far gradient and tangent of an element's scalar are from differences.
+/// Difference of gradient and tangent of an element's scalar from finite differences.
 fn of_element(scalar: impl Fn(&[EndMotion; 2]) -> Response) -> [f64; 2] {
     let response = |coordinate: usize, by: f64| {
         let mut x = BENT;
@@ -97,7 +97,7 @@ pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     let force = Vector::new(-0.4, 1.9);
     let mesh = Mesh::with_elements_per_member(finger, 2);
     let tip = Load::Node { node: finger.tip(), force, moment_nmm: 3.0 };
-    let between = Load::at_place(0.4 * finger.description().front_length_mm, force);
+    let between = Load::at_position(0.4 * finger.description().front_length_mm, force);
     let loads = [tip, between]
         .iter()
         .map(|load| mesh.frame_load(load))

@@ -46,7 +46,7 @@ fn frame() -> (PlaneFrame, [NodeIndex; 2]) {
 }
 
 /// How far the elastic line, shot from the clamp with a thrust and a moment there, misses the apex: its direction, which
-/// symmetry keeps, and its place across the middle, as a share of the half span.
+/// symmetry keeps, and its position across the middle, as a share of the half span.
 fn miss(&[pull, moment, load]: &[f64; 3]) -> [f64; 2] {
     let direction = HEIGHT.atan2(HALF_SPAN);
     let clamp = elastic_line::Section { at: [0.0; 2], direction, force: [pull, -0.5 * load], moment };

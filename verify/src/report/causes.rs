@@ -11,7 +11,7 @@ use super::format::{Span, error, error_as, percent};
 use super::page::{Block, Cell, Column, Figure, Section, Table, text};
 use super::{ReportError, Results, verdict};
 use crate::experiments::causes::{
-    Cause, CauseCell, CauseMap, ContactKnowledge, DIRECTION_OFF_DEG, PLACE_OFF_MM, Practice, REMEDIES,
+    Cause, CauseCell, CauseMap, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM, Practice, REMEDIES,
 };
 use crate::experiments::explain::Explanation;
 use crate::settings::DRAWN_FORCE_N;
@@ -64,7 +64,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         text(format!(
             "Each cause of error is switched off in turn, the others left as they are; its share is the part of the mean square \
              error that goes away. Shares need not add up to one: errors that point the same way grow when squared, and one that \
-             hides another has a negative share. Where a contact is assumed, its position is {PLACE_OFF_MM} mm off to either side (the \
+             hides another has a negative share. Where a contact is assumed, its position is {POSITION_OFF_MM} mm off to either side (the \
              radius of the paper's rods) and its direction {DIRECTION_OFF_DEG} deg to either side (as far as the paper's deformed normal \
              turns from the one it assumes); the modulus is calibrated from weights by the model that senses.{}",
             fitted_in_words(study)
@@ -206,7 +206,7 @@ fn mechanism(study: &Study) -> Option<String> {
 fn remedies(study: &Study) -> Option<Table> {
     let map = find(study, OWN, Practice::LeastSquares, ContactKnowledge::Assumed)?;
     let finger = &study.finger;
-    let rows = finger.contact_nodes().filter_map(|node| Some((node, finger.front_place_mm(node)?)));
+    let rows = finger.contact_nodes().filter_map(|node| Some((node, finger.front_position_mm(node)?)));
     let rows = rows.flat_map(|(node, s_mm)| {
         let at = map.cells.iter().filter(move |cell| cell.angle_deg == 0.0 && (cell.s_mm - s_mm).abs() < 1e-9 * s_mm);
         at.map(move |cell| (node, cell))

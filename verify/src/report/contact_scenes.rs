@@ -15,7 +15,7 @@ use crate::settings::TWO_SIDED_95;
 use finray_model::Finger;
 use finray_model::finger::Plate;
 use finray_model::mesh::FingerShape;
-use finray_model::sensing::ContactPlace;
+use finray_model::sensing::ContactPosition;
 use std::collections::BTreeMap;
 
 const CSV: &str = "contact_scenes.csv";
@@ -155,7 +155,7 @@ struct Course {
 
 /// The rods that a position on the front plate lies between.
 fn between(finger: &Finger, s_mm: f64) -> String {
-    let (nodes, places) = (finger.plate_nodes(Plate::Front), finger.plate_places_mm(Plate::Front));
+    let (nodes, places) = (finger.plate_nodes(Plate::Front), finger.plate_positions_mm(Plate::Front));
     let after = places.iter().position(|place| *place > s_mm).filter(|after| *after > 0);
     after.map_or(String::new(), |after| format!(", nodes {} to {}", nodes[after - 1], nodes[after]))
 }
@@ -191,10 +191,10 @@ fn force_over_travel(finger: &Finger, scene: &SceneStudy) -> Vec<Series> {
 }
 
 fn name_of(seen: &SeenContact) -> String {
-    match seen.contact.place {
+    match seen.contact.position {
         _ if seen.clamped => "clamp (not felt)".to_owned(),
-        ContactPlace::Node(node) => format!("node {node}"),
-        ContactPlace::Place(s_mm) => format!("plate at {s_mm:.1} mm"),
+        ContactPosition::Node(node) => format!("node {node}"),
+        ContactPosition::At(s_mm) => format!("plate at {s_mm:.1} mm"),
     }
 }
 

@@ -6,7 +6,8 @@ use super::format::{Span, percent};
 use super::page::{Block, Figure, Section, details, text};
 use super::{ReportError, Results};
 use crate::experiments::direction::{
-    Assumption, DirectionCell, DirectionStudy, FORCES_N, FrictionlessPush, TOLD_ANSWERED, TOLD_DEG, TOLD_FORCE,
+    Assumption, DirectionCell, DirectionStudy, FORCES_N, FrictionlessPush, IDENTIFIED_ANSWERED, IDENTIFIED_DEG,
+    IDENTIFIED_FORCE,
 };
 use crate::figures::{Axis, Cells, Chart, ColourScale, FigureError, Frame, Map, Series, Shades};
 use finray_model::Finger;
@@ -22,9 +23,9 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
         .file("s_mm", |cell| cell.s_mm)
         .file("angle_deg", |cell| cell.angle_deg)
         .file("force_n", |cell| cell.force_n)
-        .file("pictures", |cell| cell.answers.pictures)
+        .file("pictures", |cell| cell.answers.samples)
         .file("answered", |cell| cell.answers.answered)
-        .file("told", |cell| cell.answers.told())
+        .file("told", |cell| cell.answers.is_identified())
         .file("angle_error_deg", |cell| cell.answers.angle_error_deg)
         .file("angle_bound_deg", |cell| cell.angle_bound_deg)
         .file("force_error", |cell| cell.answers.force_error)
@@ -36,7 +37,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
         .file("force_n", |push| push.force_n)
         .file("angle_deg", |push| push.angle_deg)
         .file("assumed", |push| push.assumed.name())
-        .file("pictures", |push| push.answers.pictures)
+        .file("pictures", |push| push.answers.samples)
         .file("answered", |push| push.answers.answered)
         .file("angle_error_deg", |push| push.answers.angle_error_deg)
         .file("force_error", |push| push.answers.force_error)
@@ -54,15 +55,15 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let mut blocks = vec![text(format!(
         "The paper takes the direction of a force as known: with size and direction both unknown, sensing \"will not work\" \
          (Fig. 13). Here the nonlinear estimator knows the position alone, under {} mm of noise, {} noise samples a cell. A cell \
-         counts as identifiable where the direction is known to {TOLD_DEG} deg and the force to {} (root mean squares) and at least {} of the \
+         counts as identifiable where the direction is known to {IDENTIFIED_DEG} deg and the force to {} (root mean squares) and at least {} of the \
          samples are answered; the rest is hatched. What the noise leaves open, the estimator refuses rather than guesses.",
         directions.noise_mm,
-        directions.pictures,
-        percent(TOLD_FORCE),
-        percent(TOLD_ANSWERED)
+        directions.samples,
+        percent(IDENTIFIED_FORCE),
+        percent(IDENTIFIED_ANSWERED)
     ))];
     blocks.extend(where_identifiable(directions).map(text));
-    let told = |cell: &DirectionCell| cell.answers.angle_error_deg.filter(|_| cell.answers.told());
+    let told = |cell: &DirectionCell| cell.answers.angle_error_deg.filter(|_| cell.answers.is_identified());
     let answered = |cell: &DirectionCell| cell.answers.angle_error_deg;
     let force = |cell: &DirectionCell| cell.answers.force_error.map(|error| 100.0 * error);
     let bound = |cell: &DirectionCell| cell.angle_bound_deg;
@@ -78,9 +79,9 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     })?);
     let over_all = |what, line, missing, value| all(&Shown { what, line: Some(line), missing, value });
     let maps = vec![
-        over_all("Cramer-Rao bound of the direction, deg", TOLD_DEG, "not identifiable", &bound as Value)?,
-        over_all("error of answered directions, deg", TOLD_DEG, "no answer", &answered)?,
-        over_all("error of answered forces, %", 100.0 * TOLD_FORCE, "no answer", &force)?,
+        over_all("Cramer-Rao bound of the direction, deg", IDENTIFIED_DEG, "not identifiable", &bound as Value)?,
+        over_all("error of answered directions, deg", IDENTIFIED_DEG, "no answer", &answered)?,
+        over_all("error of answered forces, %", 100.0 * IDENTIFIED_FORCE, "no answer", &force)?,
     ];
     blocks.push(details("The least that any estimator can reach, and the errors of all answers", maps));
     blocks.extend(without_friction(directions).map(text));
@@ -131,18 +132,18 @@ fn where_identifiable(directions: &DirectionStudy) -> Option<String> {
     let shares: Vec<String> = FORCES_N
         .iter()
         .filter_map(|&force_n| {
-            let [told, all] = directions.told(force_n);
+            let [told, all] = directions.identified(force_n);
             (all > 0).then(|| format!("{} at {force_n} N", percent(told as f64 / all as f64)))
         })
         .collect();
     // Positions at which every direction is identifiable under the largest force, and those at which none is.
     let largest = FORCES_N[FORCES_N.len() - 1];
     let mut places: Vec<(f64, usize, usize)> = Vec::new();
-    let carried = |cell: &&DirectionCell| cell.force_n == largest && cell.answers.pictures > 0;
+    let carried = |cell: &&DirectionCell| cell.force_n == largest && cell.answers.samples > 0;
     for cell in directions.cells.iter().filter(carried) {
         match places.last_mut().filter(|(s_mm, ..)| *s_mm == cell.s_mm) {
-            Some((_, told, all)) => (*told, *all) = (*told + usize::from(cell.answers.told()), *all + 1),
-            None => places.push((cell.s_mm, usize::from(cell.answers.told()), 1)),
+            Some((_, told, all)) => (*told, *all) = (*told + usize::from(cell.answers.is_identified()), *all + 1),
+            None => places.push((cell.s_mm, usize::from(cell.answers.is_identified()), 1)),
         }
     }
     let of = |wanted: fn(usize, usize) -> bool| {
@@ -161,7 +162,7 @@ fn where_identifiable(directions: &DirectionStudy) -> Option<String> {
         });
     let nowhere =
         of(|told, _| told == 0).map_or("at every position some are".to_owned(), |list| format!("none is at {list}"));
-    let [told, all] = directions.told(largest);
+    let [told, all] = directions.identified(largest);
     let verdict = match 2 * told > all {
         true => {
             "the paper's \"will not work\" holds for small forces and for positions that hardly show a direction, not for the finger"
@@ -188,7 +189,7 @@ fn without_friction(directions: &DirectionStudy) -> Option<String> {
     let of_all = |count: fn(&FrictionlessPush) -> usize| -> usize {
         directions.without_friction.iter().filter(|row| row.assumed == Assumption::Unknown).map(count).sum()
     };
-    let (samples, answered) = (of_all(|row| row.answers.pictures), of_all(|row| row.answers.answered));
+    let (samples, answered) = (of_all(|row| row.answers.samples), of_all(|row| row.answers.answered));
     let [small, _, large] = FORCES_N;
     Some(format!(
         "A contact without friction pushes along the normal of the deformed plate. Who assumes so has no direction to estimate: the \
@@ -221,7 +222,7 @@ fn frictionless_chart(directions: &DirectionStudy, force_n: f64) -> Result<Figur
     let axes = [Axis::linear(ALONG_THE_PLATE), Axis::log("root mean square error of the force, %")];
     let chart = Chart::new(Frame::half(title, alt), axes, series.collect());
     Ok(Figure {
-        svg: chart.compared([percent_line(100.0 * TOLD_FORCE)]).svg()?,
+        svg: chart.compared([percent_line(100.0 * IDENTIFIED_FORCE)]).svg()?,
         caption: format!(
             "{force_n} N along the deformed normal: error of the force by what is assumed of its direction."
         ),

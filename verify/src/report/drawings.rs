@@ -89,7 +89,7 @@ pub(super) fn quantity_picture(
     );
     let percent = |error: Option<f64>| error.map(|e| 100.0 * e);
     let values = values.into_iter().map(|row| row.into_iter().map(percent).collect()).collect();
-    let cells = Cells::new(&map.request.places_mm, &map.request.angles_deg, values);
+    let cells = Cells::new(&map.request.positions_mm, &map.request.angles_deg, values);
     let shades = Shades::Scale(error_colours(), value_label.to_owned());
     let missing_label = missing_label(map).to_owned();
     Map { missing_label, ..plate_map(finger, Frame::half(title, alt), shades, cells) }.svg()
@@ -145,7 +145,7 @@ fn node_axis(finger: &Finger) -> Axis {
     let every = finger.contact_nodes().len().div_ceil(13);
     let marks = finger.contact_nodes().rev().step_by(every);
     Axis::linear("node")
-        .named(marks.filter_map(|node| Some((finger.front_place_mm(node)?, node.to_string()))).collect())
+        .named(marks.filter_map(|node| Some((finger.front_position_mm(node)?, node.to_string()))).collect())
 }
 
 /// A line to compare percentages with.

@@ -4,7 +4,7 @@ use super::dataset::{Columns, Dataset};
 use super::page::{Block, Figure, Section};
 use super::{ReportError, Results, drawings};
 use finray_model::NodeId;
-use finray_model::finger::{Plate, RibPlaces};
+use finray_model::finger::{Plate, RibPositions};
 
 const CSV: &str = "finger.csv";
 
@@ -16,16 +16,16 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
         .file("node", |node| node.0)
         .file("x_mm", |node| finger.position(*node).x)
         .file("y_mm", |node| finger.position(*node).y)
-        .file("s_front_mm", |node| finger.front_place_mm(*node));
+        .file("s_front_mm", |node| finger.front_position_mm(*node));
     vec![Dataset::new(CSV, &columns, nodes).csv_alone()]
 }
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let finger = &study.finger;
     let d = finger.description();
-    let ribs = match &d.ribs.places {
-        RibPlaces::Count(count) => format!("{count} evenly spaced ribs"),
-        RibPlaces::Positions(places) => format!("{} ribs at given positions", places.len()),
+    let ribs = match &d.ribs.positions {
+        RibPositions::Count(count) => format!("{count} evenly spaced ribs"),
+        RibPositions::Positions(places) => format!("{} ribs at given positions", places.len()),
     };
     let mut facts = vec![
         format!(

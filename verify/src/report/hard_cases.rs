@@ -21,20 +21,20 @@ fn columns<'s>() -> Columns<'s, &'s HardCase> {
         .page("case", Format::Words, |case| unbroken(case.case))
         .file("difficulty", |case| case.difficulty)
         .page("what makes it hard", Format::Words, |case| unbroken(case.difficulty))
-        .file("promise", |case| case.promise)
-        .page("what is checked", Format::Words, |case| unbroken(case.promise))
+        .file("promise", |case| case.expectation)
+        .page("what is checked", Format::Words, |case| unbroken(case.expectation))
         .file("outcome", |case| outcome(case))
         .page("result", Format::Words, |case| unbroken(&outcome(case)))
         .file("seconds", |case| case.seconds)
-        .file("verdict", |case| VERDICTS[usize::from(!case.kept())])
-        .cells(Column::words("verdict"), |case| verdict(case.kept(), VERDICTS))
+        .file("verdict", |case| VERDICTS[usize::from(!case.passes())])
+        .cells(Column::words("verdict"), |case| verdict(case.passes(), VERDICTS))
 }
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     if study.hard_cases.is_empty() {
         return Ok(None);
     }
-    let kept = study.hard_cases.iter().filter(|case| case.kept()).count();
+    let kept = study.hard_cases.iter().filter(|case| case.passes()).count();
     let figures = study.hard_cases.iter().flat_map(|case| &case.checks);
     let blocks = vec![
         text(format!(
@@ -57,7 +57,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 
 /// Which cases fail a check.
 fn in_words(cases: &[HardCase]) -> String {
-    let broken: Vec<&str> = cases.iter().filter(|case| !case.kept()).map(|case| case.case).collect();
+    let broken: Vec<&str> = cases.iter().filter(|case| !case.passes()).map(|case| case.case).collect();
     match &broken[..] {
         [] => format!("All {} hard cases are answered soundly or refused with a reason.", cases.len()),
         broken => format!("{} of {} hard cases fail their checks: {}.", broken.len(), cases.len(), broken.join("; ")),

@@ -91,7 +91,7 @@ fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
             let error = worst(here.filter_map(|cell| cell.mean_error));
             (error > 0.0).then_some([s_mm, 100.0 * error])
         };
-        Series::nth(n, map.estimator.label(), map.request.places_mm.iter().filter_map(worst).collect())
+        Series::nth(n, map.estimator.label(), map.request.positions_mm.iter().filter_map(worst).collect())
     });
     let alt = format!("{title}: error of the sensed force by place, one line an estimator.");
     let axes = [Axis::linear(drawings::ALONG_THE_PLATE), Axis::log("error |sensed / true - 1|, %")];

@@ -23,7 +23,7 @@ fn small(study: &Study, truth: TruthId, estimator: EstimatorId, noisy: bool) -> 
     let map = study.map_by(truth, estimator, noisy).filter(|map| map.request.forces_n.contains(&DRAWN_FORCE_N))?;
     let coarse = study.map_by(truth, EstimatorId::Ridge, noisy).map(|map| &map.request);
     Some(match coarse.filter(|coarse| coarse.contact_count() < map.request.contact_count()) {
-        Some(coarse) => map.thinned(&coarse.places_mm, &coarse.angles_deg),
+        Some(coarse) => map.thinned(&coarse.positions_mm, &coarse.angles_deg),
         None => map.clone(),
     })
 }
@@ -58,12 +58,12 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 
 fn overview(study: &Study, noisy: bool) -> Result<Figure, ReportError> {
     let pictures =
-        |estimator| study.map_by(TruthId::Corotational, estimator, noisy).map(|map| map.request.noise_pictures);
+        |estimator| study.map_by(TruthId::Corotational, estimator, noisy).map(|map| map.request.noise_samples);
     let noise = match (pictures(EstimatorId::LeastSquares), pictures(EstimatorId::Nonlinear)) {
         (Some(most), Some(fewer)) if noisy => {
             let few = study
                 .map_by(TruthId::Linear, EstimatorId::Nonlinear, noisy)
-                .map_or(fewer, |map| map.request.noise_pictures);
+                .map_or(fewer, |map| map.request.noise_samples);
             let (networks, twin) = if study.is_paper { (" and for networks", "the twin and ") } else { ("", "") };
             format!(
                 "with {} mm noise a coordinate: mean error of {most} noise samples a cell for least squares on the co-rotational \
@@ -93,7 +93,7 @@ fn overview(study: &Study, noisy: bool) -> Result<Figure, ReportError> {
 fn noise_in_words(map: &AccuracyMap) -> String {
     match map.noise_mm {
         0.0 => "without noise".to_owned(),
-        noise => format!("with {noise} mm noise a coordinate, {} noise samples a cell", map.request.noise_pictures),
+        noise => format!("with {noise} mm noise a coordinate, {} noise samples a cell", map.request.noise_samples),
     }
 }
 

@@ -10,7 +10,7 @@ use crate::sampling::scatter::{Counts, Scatter, ScatterRow};
 use crate::settings::ENOUGH_CASES;
 
 const CSV: &str = "networks.csv";
-/// What the [tolerances](crate::experiments::networks::accuracy::PROMISES) say.
+/// What the [tolerances](crate::experiments::networks::accuracy::CHECKED_SETS) say.
 const TOLERANCES: &str = "; tolerances are 1.6 % for a single node, 4 % for each of two neighbours, 2 % for each of two nodes apart, 1 % \
                           for a sum";
 

@@ -17,7 +17,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
         let sum = row.sum.filter(|_| row.nodes.len() > 1).map(|sum| ("sum".to_owned(), sum));
         forces.chain(sum).map(move |(quantity, scatter)| (row, quantity, scatter))
     };
-    let rows = study.noise.iter().flat_map(|noise| noise.single.iter().chain(&noise.promised)).flat_map(quantities);
+    let rows = study.noise.iter().flat_map(|noise| noise.single.iter().chain(&noise.checked)).flat_map(quantities);
     let columns = Columns::<(&ScatterRow, String, Scatter)>::new()
         .file("nodes", |(row, ..)| list(&row.nodes, " "))
         .file("quantity", |(_, quantity, _)| quantity.clone())
@@ -68,9 +68,9 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         .page("at the bound", Format::Percent, |row| Some(row.sum?.bound?.mean_error_bound));
     let one = "One contact: mean error of the sensed force by node";
     blocks.push(Block::Table(with_counts(single).table(one, CSV, &noise.single)));
-    if !noise.promised.is_empty() {
+    if !noise.checked.is_empty() {
         let two = "Two contacts: neighbours and nodes apart";
-        blocks.push(Block::Table(with_counts(pairs).table(two, CSV, &noise.promised)));
+        blocks.push(Block::Table(with_counts(pairs).table(two, CSV, &noise.checked)));
     }
     Ok(Some(Section::new("noise", "Nonlinear sensing", blocks).saying(in_words(noise))))
 }

@@ -1,7 +1,7 @@
-//! The accuracy map: how wrong a single force is sensed, by its place on the front plate and its direction.
+//! The accuracy map: how wrong a single force is sensed, by its position on the front plate and its direction.
 //!
-//! Place and direction are known to the estimator; only the size of the force is sought. The error is
-//! |sensed / true - 1|, averaged over the forces and the noise pictures of a cell.
+//! Position and direction are known to the estimator; only the size of the force is sought. The error is
+//! |sensed / true - 1|, averaged over the forces and the noise samples of a cell.
 
 use crate::estimators::{Estimator, EstimatorId};
 use crate::sampling::sweep::{self, Grid, Sweep};
@@ -11,20 +11,20 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::io::Read;
 
-/// What a map is made of: the grid of the [`Sweep`] that it sums up. There is a map for each level of noise.
+/// Request of maps: the grid of the [`Sweep`] that they sum up, one map for each level of noise.
 pub type MapRequest = Grid;
 
-/// What came out for one force at one place and direction.
+/// Results for one force at one position and direction.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
-    /// Place on the front plate, mm from the base.
+    /// Position on the front plate, mm from the base.
     pub s_mm: f64,
     /// Direction, degrees from the inward normal, positive towards the tip.
     pub angle_deg: f64,
     /// True force, N.
     pub force_n: f64,
-    /// Mean of |sensed / true - 1| over the noise pictures that are answered; empty where the finger has no equilibrium or
-    /// more than half of the pictures are refused.
+    /// Mean of |sensed / true - 1| over the noise samples that are answered; empty where the finger has no equilibrium or
+    /// more than half of the samples are refused.
     pub mean_error: Option<f64>,
     /// Mean of sensed / true - 1: what is wrong even without noise.
     pub bias: Option<f64>,
@@ -42,7 +42,7 @@ pub struct Cell {
     pub covered_warned: Option<usize>,
 }
 
-/// What became of a cell, or of the same place and direction under several forces.
+/// Outcome of a cell, or of the same position and direction under several forces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum CellState {
     /// At least half of the samples were answered.
@@ -54,7 +54,7 @@ pub enum CellState {
 }
 
 impl Cell {
-    /// What became of it.
+    /// Outcome of the cell.
     pub fn state(&self) -> CellState {
         match (self.samples, self.mean_error) {
             (0, _) => CellState::WithoutEquilibrium,
@@ -79,7 +79,7 @@ impl From<&sweep::Cell> for Cell {
             mean_error: errors.map(|errors| errors.mean_error),
             bias: errors.map(|errors| errors.bias),
             spread: cell.spread(),
-            samples: cell.outcome.pictures,
+            samples: cell.outcome.samples,
             answered: cell.outcome.answered,
             warned: cell.outcome.covered.map(|covered| covered.warned),
             covered: cell.outcome.covered.map(|covered| covered.covered),
@@ -88,14 +88,14 @@ impl From<&sweep::Cell> for Cell {
     }
 }
 
-/// An accuracy map: cells by place, then direction, then force.
+/// An accuracy map: cells by position, then direction, then force.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AccuracyMap {
-    /// What was asked for.
+    /// The request.
     pub request: MapRequest,
     /// The true finger.
     pub truth: TruthId,
-    /// How it is sensed.
+    /// The estimator.
     pub estimator: EstimatorId,
     /// Standard deviation of a measured coordinate, mm.
     pub noise_mm: f64,
@@ -103,8 +103,8 @@ pub struct AccuracyMap {
     pub cells: Vec<Cell>,
 }
 
-/// Computes a map for each estimator and noise level in parallel, place by place: by estimator, then noise. The result does
-/// not depend on the number of threads. `progress` is called once for every finished place and direction.
+/// Computes a map for each estimator and noise level in parallel, position by position: by estimator, then noise. The result does
+/// not depend on the number of threads. `progress` is called once for every finished position and direction.
 pub fn accuracy_maps(
     finger: &Finger,
     truth: &dyn Truth,
@@ -154,17 +154,17 @@ impl AccuracyMap {
         })
     }
 
-    /// Mean error by direction, then place: of one force, or over all forces. `None` where a force has no equilibrium.
+    /// Mean error by direction, then position: of one force, or over all forces. `None` where a force has no equilibrium.
     pub fn errors(&self, force_n: Option<f64>) -> Vec<Vec<Option<f64>>> {
         self.values(force_n, |cell| cell.mean_error)
     }
 
-    /// A quantity by direction, then place: of one force, or its mean over all forces. `None` where a force has none.
+    /// A quantity by direction, then position: of one force, or its mean over all forces. `None` where a force has none.
     pub fn values(&self, force_n: Option<f64>, of: impl Fn(&Cell) -> Option<f64>) -> Vec<Vec<Option<f64>>> {
         let forces = self.request.forces_n.len();
-        let (places, angles) = (self.request.places_mm.len(), self.request.angles_deg.len());
-        let cell = |place: usize, angle: usize| {
-            let first = (place * angles + angle) * forces;
+        let (positions, angles) = (self.request.positions_mm.len(), self.request.angles_deg.len());
+        let cell = |position: usize, angle: usize| {
+            let first = (position * angles + angle) * forces;
             let values: Option<Vec<f64>> = self.cells[first..first + forces]
                 .iter()
                 .filter(|cell| force_n.is_none_or(|f| f == cell.force_n))
@@ -172,28 +172,28 @@ impl AccuracyMap {
                 .collect();
             values.filter(|v| !v.is_empty()).map(|v| v.iter().sum::<f64>() / v.len() as f64)
         };
-        (0..angles).map(|angle| (0..places).map(|place| cell(place, angle)).collect()).collect()
+        (0..angles).map(|angle| (0..positions).map(|position| cell(position, angle)).collect()).collect()
     }
 
-    /// The cells of a coarser grid, whose places and directions are all among this map's; others are left out.
-    pub fn thinned(&self, places_mm: &[f64], angles_deg: &[f64]) -> AccuracyMap {
+    /// The cells of a coarser grid, whose positions and directions are all among this map's; others are left out.
+    pub fn thinned(&self, positions_mm: &[f64], angles_deg: &[f64]) -> AccuracyMap {
         let kept = |all: &[f64], wanted: &[f64]| all.iter().copied().filter(|x| wanted.contains(x)).collect::<Vec<_>>();
         let request = MapRequest {
-            places_mm: kept(&self.request.places_mm, places_mm),
+            positions_mm: kept(&self.request.positions_mm, positions_mm),
             angles_deg: kept(&self.request.angles_deg, angles_deg),
             ..self.request.clone()
         };
-        let on_grid = |cell: &&Cell| places_mm.contains(&cell.s_mm) && angles_deg.contains(&cell.angle_deg);
+        let on_grid = |cell: &&Cell| positions_mm.contains(&cell.s_mm) && angles_deg.contains(&cell.angle_deg);
         AccuracyMap { request, cells: self.cells.iter().filter(on_grid).copied().collect(), ..self.clone() }
     }
 
-    /// The cells of one force, or of all, grouped by place and direction: a group is a cell of the map.
+    /// The cells of one force, or of all, grouped by position and direction: a group is a cell of the map.
     fn groups(&self, force_n: Option<f64>) -> impl Iterator<Item = impl Iterator<Item = &Cell> + Clone> {
         let wanted = move |cell: &&Cell| force_n.is_none_or(|f| f == cell.force_n);
         self.cells.chunks(self.request.forces_n.len().max(1)).map(move |group| group.iter().filter(wanted))
     }
 
-    /// What the map says as a whole, of one force or of the mean over all. Over all forces, a cell is without equilibrium if one force has
+    /// Summary of the map, of one force or of the mean over all. Over all forces, a cell is without equilibrium if one force has
     /// none, and refused if one force is.
     pub fn summary(&self, force_n: Option<f64>) -> MapSummary {
         let errors = self.errors(force_n);
@@ -237,13 +237,13 @@ fn ratio(part: usize, all: usize) -> Option<f64> {
 pub struct MapSummary {
     /// The true finger.
     pub truth: TruthId,
-    /// How it is sensed.
+    /// The estimator.
     pub estimator: EstimatorId,
     /// Standard deviation of a measured coordinate, mm.
     pub noise_mm: f64,
     /// Forces that the errors are averaged over, N.
     pub forces_n: Vec<f64>,
-    /// Number of cells: places times directions.
+    /// Number of cells: positions times directions.
     pub cells: usize,
     /// Cells that were answered: see [`CellState`].
     pub answered: usize,
@@ -294,11 +294,11 @@ mod tests {
         };
         AccuracyMap {
             request: MapRequest {
-                places_mm: vec![10.0],
+                positions_mm: vec![10.0],
                 angles_deg: (0..cells.len()).map(|n| n as f64).collect(),
                 forces_n: vec![3.0],
                 noise_levels_mm: vec![0.1],
-                noise_pictures: 10,
+                noise_samples: 10,
                 seed: 1,
             },
             truth: TruthId::Linear,

@@ -1,4 +1,4 @@
-//! Sensing put to the test over many positions, directions, forces and noise samples.
+//! Sensing tested over many positions, directions, forces and noise samples.
 
 pub mod map;
 pub mod noise;

@@ -35,7 +35,7 @@ impl Noise {
         StandardNormal.sample(&mut self.0)
     }
 
-    /// So many of them.
+    /// Standard normal numbers, `count` of them.
     pub fn standard_normals(&mut self, count: usize) -> impl Iterator<Item = f64> {
         (0..count).map(|_| self.standard_normal())
     }
@@ -45,7 +45,7 @@ impl Noise {
         self.0.random_range(low..high)
     }
 
-    /// What is seen with noise of a standard deviation (mm) on each coordinate.
+    /// The measurement with noise of a standard deviation (mm) on each coordinate.
     pub fn on(&mut self, exact: &Measurement, noise_mm: f64) -> Measurement {
         let mut noisy = exact.clone();
         noisy.add_noise(noise_mm, || self.standard_normal());

@@ -20,12 +20,12 @@ const MEAN_ABSOLUTE: f64 = 0.797_884_560_802_865_4;
 /// More contact nodes than these are thinned out.
 const MOST_NODES: usize = 12;
 
-/// What is asked of estimators.
+/// A request to estimators.
 #[derive(Debug, Clone, Copy)]
 pub struct ScatterRequest<'m> {
     /// The true finger's mesh.
     pub truth: &'m Mesh,
-    /// How the true finger bends.
+    /// Kinematics of the true finger.
     pub kinematics: Kinematics,
     /// Mesh on which the bound is computed, of the same finger.
     pub model: &'m Mesh,
@@ -55,7 +55,7 @@ pub struct Scatter {
 /// Errors over the Cramer-Rao bound at the true forces.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct AgainstBound {
-    /// What an estimator that reaches the bound has as its mean error.
+    /// Mean error of an estimator that reaches the bound.
     pub mean_error_bound: f64,
     /// Root mean square of error / bound.
     pub over_bound: f64,
@@ -81,7 +81,7 @@ pub struct Controlled {
     pub standard_error: f64,
 }
 
-/// How often the truth lies within the interval that an estimator states.
+/// Coverage: how often the truth lies within the interval that an estimator states.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Coverage {
     /// Share of cases in which it lies within one stated standard deviation; 0.683 is meant.
@@ -194,7 +194,7 @@ pub fn scatter(
     rows(request, estimators, sets, (range_n, false), progress)
 }
 
-/// [`scatter`] that also tells each row's [`Controlled`] figure, for one more estimate a case.
+/// [`scatter`] that also returns each row's [`Controlled`] figure, for one more estimate a case.
 ///
 /// # Errors
 /// As there.
@@ -250,7 +250,7 @@ pub fn pairs(nodes: &[NodeId]) -> Vec<Vec<NodeId>> {
     (0..nodes.len()).flat_map(from).collect()
 }
 
-/// What one estimator made of the cases at one level of noise.
+/// Errors of one estimator in the cases at one level of noise.
 fn row<'c>(
     estimator: EstimatorId,
     nodes: &[NodeId],

@@ -35,7 +35,7 @@ registry! {
     }
 }
 
-/// What there is to know of a kind of true finger.
+/// Properties of a kind of true finger.
 struct TruthRow {
     name: &'static str,
     label: &'static str,

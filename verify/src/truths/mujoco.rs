@@ -77,10 +77,10 @@ impl MujocoTruth {
     }
 
     fn case(&self, contact: &Contact, force_n: f64) -> Option<&StaticCase> {
-        let place = |node: NodeId| self.finger.front_place_mm(node).unwrap_or(f64::NAN);
-        let asked = contact.place_mm(&self.finger)?;
+        let position = |node: NodeId| self.finger.front_position_mm(node).unwrap_or(f64::NAN);
+        let asked = contact.position_mm(&self.finger)?;
         self.cases.iter().find(|case| {
-            let apart = [place(case.node) - asked, case.angle_deg - contact.angle_deg, case.force_n - force_n];
+            let apart = [position(case.node) - asked, case.angle_deg - contact.angle_deg, case.force_n - force_n];
             apart.iter().all(|difference| difference.abs() < SAME)
         })
     }
@@ -103,8 +103,8 @@ impl Truth for MujocoTruth {
         for &force_n in forces_n {
             self.require_force(force_n)?;
         }
-        let places = self.cases.iter().filter_map(|case| self.finger.front_place_mm(case.node));
-        Ok(Some((growing(places), growing(self.cases.iter().map(|case| case.angle_deg)))))
+        let positions = self.cases.iter().filter_map(|case| self.finger.front_position_mm(case.node));
+        Ok(Some((growing(positions), growing(self.cases.iter().map(|case| case.angle_deg)))))
     }
 
     /// Ends before the first force that was not exported, be it that the finger cannot carry it.

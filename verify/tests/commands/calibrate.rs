@@ -170,7 +170,7 @@ fn zones_are_found_with_their_sigmas_and_correlations() {
     let folder = Folder::new();
     let truth = folder.put("truth.toml", twin_with([0.6, 0.2, 0.1]));
     let start = folder.put("start.toml", twin_with([1.0, 1.0, 1.0]));
-    // Linear shapes are exact; the large-rotation finger is measured on a mesh of other elements.
+    // Linear shapes are exact; the co-rotational finger is measured on a mesh of other elements.
     for (kinematics, tolerance) in [("linear", 1e-6), ("corotational", 0.01)] {
         let measurements = measured_at_four(&truth, kinematics);
         let correlations = folder.path("correlations.csv");
@@ -193,7 +193,7 @@ fn zones_are_found_with_their_sigmas_and_correlations() {
     }
 }
 
-/// Sigmas grow with the noise; front and back alone are hard to tell apart, and the command says so without failing.
+/// Sigmas grow with the noise; front and back alone are hardly separable, and the command says so without failing.
 #[test]
 fn noise_sets_the_sigmas_of_zones() {
     let folder = Folder::new();
@@ -211,9 +211,7 @@ fn noise_sets_the_sigmas_of_zones() {
     assert_eq!(Csv::of(&entangled.out).rows.len(), 8);
     assert_says(
         &entangled.err,
-        &[
-            "warning: the measurements hardly tell zone_1_modulus_factor and zone_2_modulus_factor apart: correlation -0.9",
-        ],
+        &["warning: zone_1_modulus_factor and zone_2_modulus_factor are hardly separable: correlation -0.9"],
     );
 }
 

@@ -1,4 +1,4 @@
-//! `finray map`: how wrong a force is sensed, by its place and direction.
+//! `finray map`: how wrong a force is sensed, by its position and direction.
 
 use crate::kit::*;
 
@@ -15,9 +15,9 @@ const HEADER: [&str; 11] = [
     "covered",
     "covered_warned",
 ];
-/// A linear finger, sensed linearly: what is left without noise.
+/// Residual error of a linear finger, sensed linearly without noise.
 const ROUNDING: f64 = 1e-9;
-/// Four segments a stretch of plate are within 1e-4 of beams; sensing enlarges that near the base.
+/// Four segments a plate member are within 1e-4 of beams; sensing enlarges that near the base.
 const LATTICE_TOLERANCE: f64 = 2e-3;
 
 fn quick_noisy_map(out: &str) -> [&str; 10] {
@@ -25,7 +25,7 @@ fn quick_noisy_map(out: &str) -> [&str; 10] {
 }
 
 #[test]
-fn a_map_is_a_csv_and_a_picture_beside_it() {
+fn a_map_is_a_csv_and_a_figure_beside_it() {
     let folder = Folder::new();
     let out = folder.path("map.csv");
     assert_eq!(finray(&[&quick_noisy_map(&out)[..], &["--force-n", "1.5"]].concat()).done(), "");
@@ -36,20 +36,20 @@ fn a_map_is_a_csv_and_a_picture_beside_it() {
     assert!(s.iter().all(|s| *s > 0.0 && *s <= 153.0) && s.contains(&153.0) && s.contains(&76.5));
     assert!(angle.iter().all(|a| a.abs() <= 80.0) && angle.contains(&0.0) && angle.contains(&-80.0));
     assert!(map.numbers("force_n").iter().all(|force| *force == 1.5));
-    let places = angle.iter().filter(|a| **a == 0.0).count();
-    assert_eq!(map.rows.len() % places, 0, "every place has every direction");
+    let positions = angle.iter().filter(|a| **a == 0.0).count();
+    assert_eq!(map.rows.len() % positions, 0, "every position has every direction");
     for (mean, (bias, spread)) in
         map.numbers("mean_error").into_iter().zip(map.numbers("bias").into_iter().zip(map.numbers("spread")))
     {
         assert!(mean >= bias.abs() && spread > 0.0 && mean.is_finite());
     }
-    let picture = folder.read("map.svg");
-    assert!(picture.starts_with("<svg ") && picture.trim_end().ends_with("</svg>"));
-    assert!(picture.contains("xmlns=\"http://www.w3.org/2000/svg\""), "a file of its own needs its namespace");
+    let figure = folder.read("map.svg");
+    assert!(figure.starts_with("<svg ") && figure.trim_end().ends_with("</svg>"));
+    assert!(figure.contains("xmlns=\"http://www.w3.org/2000/svg\""), "a file of its own needs its namespace");
 }
 
 #[test]
-fn the_name_of_the_picture_gives_the_table_beside_it() {
+fn the_name_of_the_figure_gives_the_table_beside_it() {
     let folder = Folder::new();
     finray(&quick_noisy_map(&folder.path("m.svg"))).done();
     assert_eq!(folder.names(), ["m.csv", "m.svg"]);
@@ -76,7 +76,7 @@ fn the_bits_do_not_depend_on_the_number_of_threads() {
 }
 
 #[test]
-fn the_seed_decides_the_noise_and_more_pictures_calm_it() {
+fn the_seed_decides_the_noise_and_more_samples_average_it_out() {
     let map = |seed, seeds| {
         let arguments = ["map", PAPER, "--truth", "linear", "--noise-mm", "0.067", "--seed", seed, "--seeds", seeds];
         Csv::of(&finray(&arguments).done())
@@ -84,7 +84,7 @@ fn the_seed_decides_the_noise_and_more_pictures_calm_it() {
     let first = map("1", "40");
     assert_eq!(first, map("1", "40"));
     assert_ne!(first, map("2", "40"));
-    // The linear finger is sensed without bias: over n pictures the mean wanders by spread / sqrt(n).
+    // The linear finger is sensed without bias: over n samples the mean wanders by spread / sqrt(n).
     for (bias, spread) in first.numbers("bias").iter().zip(first.numbers("spread")) {
         assert!(bias.abs() < 5.0 * spread / 40.0_f64.sqrt(), "{bias} of {spread}");
     }
@@ -114,24 +114,24 @@ fn without_noise_the_linear_finger_is_sensed_exactly() {
     let folder = Folder::new();
     let scene = folder.put("scene.toml", paper_with(&[]) + "\n[camera]\nnoise_mm = 0.1\n");
     let camera = finray(&["map", &scene, "--truth", "linear", "--seeds", "10"]).done();
-    let told = finray(&["map", PAPER, "--truth", "linear", "--seeds", "10", "--noise-mm", "0.1"]).done();
-    assert_eq!(camera, told);
+    let stated = finray(&["map", PAPER, "--truth", "linear", "--seeds", "10", "--noise-mm", "0.1"]).done();
+    assert_eq!(camera, stated);
 }
 
-/// Large rotations: the error of a cell is what `solve` on the fine mesh and `sense` make of it.
+/// On the co-rotational finger the error of a cell is what `solve` on the fine mesh and `sense` make of it.
 #[test]
-fn a_cell_of_the_large_rotation_map_is_solve_and_sense() {
+fn a_cell_of_the_corotational_map_is_solve_and_sense() {
     let folder = Folder::new();
     let scene = folder.put("scene.toml", paper_with(&[("count = 11", "count = 0")]));
     let map = Csv::of(&finray(&["map", &scene, "--force-n", "0.01"]).done());
     let (s, angle, bias) = (map.numbers("s_mm"), map.numbers("angle_deg"), map.numbers("bias"));
-    for (place, direction) in [(114.75, 30.0), (76.5, 0.0), (153.0, -45.0)] {
-        let load = format!("{place}:0.01,{direction}");
+    for (position, direction) in [(114.75, 30.0), (76.5, 0.0), (153.0, -45.0)] {
+        let load = format!("{position}:0.01,{direction}");
         let shape = finray(&["solve", &scene, "--mesh-nodes", "684", "--load-at", &load]).done();
-        let contact = format!("{place}@{direction}");
+        let contact = format!("{position}@{direction}");
         let all = ["sense", &scene, "--displacements", "-", "--contact-at", &contact, "--estimator", "least-squares"];
         let force = Csv::of(&finray_reading(shape.as_bytes(), &all).computed()).numbers("force_n")[0];
-        let cell = (0..s.len()).find(|&i| s[i] == place && angle[i] == direction).expect("the cell");
+        let cell = (0..s.len()).find(|&i| s[i] == position && angle[i] == direction).expect("the cell");
         assert_close(&[1.0 + bias[cell]], &[force / 0.01], ROUNDING);
     }
 }
@@ -205,7 +205,7 @@ fn the_twin_is_of_the_papers_finger_alone() {
     assert_says(&message, &["--truth twin", "the paper's finger"]);
 }
 
-/// The map of the twin shows Table I along the normal: places of nodes 14, 19 and 24.
+/// The map of the twin shows Table I along the normal: positions of nodes 14, 19 and 24.
 #[test]
 fn the_map_of_the_twin_fails_at_tip_and_base() {
     let map = Csv::of(&finray(&["map", PAPER, "--truth", "twin", "--force-n", "1"]).done());

@@ -77,7 +77,7 @@ fn an_error_leaves_the_file_as_it_was_and_nothing_beside_it() {
 }
 
 #[test]
-fn a_place_that_cannot_be_written_is_named() {
+fn a_path_that_cannot_be_written_is_named() {
     let (folder, commands) = commands();
     let names = folder.names();
     for command in commands {
@@ -91,7 +91,7 @@ fn a_place_that_cannot_be_written_is_named() {
 
 /// A map is two files: if one cannot be written, the other is left as it was.
 #[test]
-fn a_map_is_written_with_its_picture_or_not_at_all() {
+fn a_map_is_written_with_its_figure_or_not_at_all() {
     let folder = Folder::new();
     let out = folder.put("map.csv", "kept");
     std::fs::create_dir(folder.path("map.svg")).expect("a folder");

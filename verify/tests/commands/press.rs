@@ -89,7 +89,7 @@ fn outlines_are_read_and_checked() {
     assert_eq!(finray(&press).done(), square, "a square is a box");
 }
 
-/// Nothing is written when a step has no place of rest; what was reached is said.
+/// Nothing is written when a step has no rest position; the message names the last one.
 #[test]
 fn an_object_that_nothing_holds_is_an_error() {
     let folder = Folder::new();

@@ -45,8 +45,8 @@ fn a_scene_may_be_written_in_many_ways() {
         assert_eq!(shape(&paper_with(&[(from, to)])), reference, "{to:?}");
     }
     let evenly: Vec<_> = (1..=11).map(|i| format!("[{0:?}, {0:?}]", 153.0 * f64::from(i) / 12.0)).collect();
-    let places = format!("positions_mm = [{}]", evenly.join(", "));
-    assert_eq!(shape(&paper_with(&[("count = 11", &places)])), reference);
+    let positions = format!("positions_mm = [{}]", evenly.join(", "));
+    assert_eq!(shape(&paper_with(&[("count = 11", &positions)])), reference);
     // A zone that covers everything is another modulus.
     let zones = |to: &str| {
         format!(
@@ -223,9 +223,9 @@ fn objects_that_cannot_be_are_refused() {
         ("= 5", "= inf", 30, "object.radius_mm: expected a length in mm above zero, up to 10000, found inf"),
         ("= 5", "= 5\nwidth_mm = 5", 31, "object.width_mm: expected nothing, found a value that a disc does not have"),
         ("\"disc\"", "\"box\"", 30, "object.radius_mm: expected nothing, found a value that a box does not have"),
-        ("= 70", "= 154", 31, "object.at_mm: expected a place on the front plate, 0 to 153 mm, found 154"),
-        ("= 70", "= nan", 31, "object.at_mm: expected a place on the front plate, 0 to 153 mm, found NaN"),
-        ("at_mm = 70\n", "", 28, "object.at_mm is missing: expected the place on the front plate to press on"),
+        ("= 70", "= 154", 31, "object.at_mm: expected a position on the front plate, 0 to 153 mm, found 154"),
+        ("= 70", "= nan", 31, "object.at_mm: expected a position on the front plate, 0 to 153 mm, found NaN"),
+        ("at_mm = 70\n", "", 28, "object.at_mm is missing: expected the position on the front plate to press on"),
         ("= 70", "= 70\ndirection_deg = 90", 32, "expected an angle between -90 and 90 degrees"),
         ("travel_mm = 3", "", 28, "object.travel_mm is missing: expected how far to press, in mm (or force_n)"),
         ("= 3", "= -3", 32, "object.travel_mm: expected a length in mm above zero, up to 10000, found -3.0"),

@@ -86,7 +86,7 @@ fn three_lengths_must_make_a_triangle() {
 
 #[test]
 fn ribs_must_lie_on_the_plates_in_order() {
-    for (places, expected) in [
+    for (positions, expected) in [
         (
             "[[50.0, 60.0], [70.0, 55.0]]",
             "on the back plate rib 2 at 55.0 mm does not follow the rib before it at 60.0 mm",
@@ -102,8 +102,8 @@ fn ribs_must_lie_on_the_plates_in_order() {
         ("[[50.0, inf]]", "found inf"),
         ("[[1e-310, 50.0]]", "found 1e-310"),
     ] {
-        let places = format!("positions_mm = {places}");
-        assert_refused("count = 11", &places, "positions_mm", &["finger.ribs.positions_mm: ", expected]);
+        let positions = format!("positions_mm = {positions}");
+        assert_refused("count = 11", &positions, "positions_mm", &["finger.ribs.positions_mm: ", expected]);
     }
     let both = "count = 11\npositions_mm = [[50.0, 60.0]]";
     assert_refused("count = 11", both, "positions_mm", &["expected either count or positions_mm, found both"]);
@@ -115,14 +115,14 @@ fn ribs_are_at_most_a_thousand() {
         let expected = format!("finger.ribs.count: expected 0 to 1000 ribs, found {count}");
         assert_refused("count = 11", &format!("count = {count}"), "count", &[&expected]);
     }
-    let places = |count: usize| -> String {
-        let places: Vec<_> = (1..=count).map(|i| format!("[{0:.4}, {0:.4}]", 0.15 * i as f64)).collect();
-        format!("positions_mm = [{}]", places.join(", "))
+    let positions = |count: usize| -> String {
+        let positions: Vec<_> = (1..=count).map(|i| format!("[{0:.4}, {0:.4}]", 0.15 * i as f64)).collect();
+        format!("positions_mm = [{}]", positions.join(", "))
     };
     let expected = "expected at most 1000 ribs, found 1001";
-    assert_refused("count = 11", &places(1001), "positions_mm", &[expected]);
+    assert_refused("count = 11", &positions(1001), "positions_mm", &[expected]);
     let folder = Folder::new();
-    for most in ["count = 1000", &places(1000)] {
+    for most in ["count = 1000", &positions(1000)] {
         let scene = folder.put("scene.toml", paper_with(&[("count = 11", most)]));
         let shape = Csv::of(&finray(&["solve", &scene, "--load", "1002:0,-0.1"]).done());
         assert_eq!(shape.rows.len(), 2003);
@@ -155,25 +155,25 @@ fn zones_must_lie_on_their_plate() {
             "140.0",
             "153.1",
             "0.5",
-            "line 31: finger.zone[1].to_mm: expected a place after from_mm = 140.0 and up to 153.0 mm, found 153.1",
+            "line 31: finger.zone[1].to_mm: expected a position after from_mm = 140.0 and up to 153.0 mm, found 153.1",
         ),
         (
             "\"back\"",
             "130.0",
             "153.0",
             "0.5",
-            "line 31: finger.zone[1].to_mm: expected a place after from_mm = 130.0 and up to 140.0 mm",
+            "line 31: finger.zone[1].to_mm: expected a position after from_mm = 130.0 and up to 140.0 mm",
         ),
         ("\"ribs\"", "130.0", "154.0", "0.5", "line 31: finger.zone[1].to_mm"),
-        ("\"front\"", "140.0", "140.0", "0.5", "line 31: finger.zone[1].to_mm: expected a place after from_mm"),
-        ("\"front\"", "140.0", "130.0", "0.5", "line 31: finger.zone[1].to_mm: expected a place after from_mm"),
+        ("\"front\"", "140.0", "140.0", "0.5", "line 31: finger.zone[1].to_mm: expected a position after from_mm"),
+        ("\"front\"", "140.0", "130.0", "0.5", "line 31: finger.zone[1].to_mm: expected a position after from_mm"),
         ("\"front\"", "140.0", "nan", "0.5", "line 31: finger.zone[1].to_mm"),
         (
             "\"front\"",
             "-1.0",
             "20.0",
             "0.5",
-            "line 30: finger.zone[1].from_mm: expected a place on the plate, 0 to 153.0 mm, found -1.0",
+            "line 30: finger.zone[1].from_mm: expected a position on the plate, 0 to 153.0 mm, found -1.0",
         ),
         ("\"front\"", "153.0", "160.0", "0.5", "line 30: finger.zone[1].from_mm"),
         ("\"front\"", "nan", "20.0", "0.5", "line 30: finger.zone[1].from_mm"),
@@ -203,7 +203,7 @@ fn zones_must_lie_on_their_plate() {
         + "[[finger.zone]]\nplate = \"back\"\nfrom_mm = 0\nto_mm = 141\nmodulus_factor = 2\n";
     assert_says(
         &refused(&second),
-        &["line 36: finger.zone[2].to_mm: expected a place after from_mm = 0.0 and up to 140.0 mm"],
+        &["line 36: finger.zone[2].to_mm: expected a position after from_mm = 0.0 and up to 140.0 mm"],
     );
     let table = paper_with(&[]) + "\n[finger.zone]\nplate = \"front\"\n";
     assert_says(&refused(&table), &["line 28: finger.zone: expected tables [[finger.zone]], found a table"]);

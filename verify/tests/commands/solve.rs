@@ -15,7 +15,7 @@ fn solve(arguments: &[&str]) -> Csv {
 }
 
 #[test]
-fn a_row_a_key_node_in_order_with_the_undeformed_place() {
+fn a_row_a_key_node_in_order_with_the_undeformed_position() {
     let shape = solve(&["--load", "19:-0.38,-1.96"]);
     assert_eq!(shape.header, HEADER);
     assert_eq!(shape.texts("node"), (1..=25).map(|n| n.to_string()).collect::<Vec<_>>());
@@ -60,15 +60,15 @@ fn loads_on_one_node_add_up() {
 }
 
 #[test]
-fn a_load_at_the_place_of_a_node_is_a_load_on_it() {
+fn a_load_at_the_position_of_a_node_is_a_load_on_it() {
     for kinematics in ["linear", "corotational", "corotational-chord"] {
         for (node, s_mm, angle_deg) in [(24, "12.75", 0.0), (19, "76.5", -35.0), (13, "153", 60.0)] {
             for mesh in ["25", "101"] {
                 let settings = ["--kinematics", kinematics, "--mesh-nodes", mesh];
                 let at_node = solve(&[&settings[..], &["--load", &paper_load(node, 1.2, angle_deg)]].concat());
-                let place = format!("{s_mm}:1.2,{angle_deg}");
-                let at_place = solve(&[&settings[..], &["--load-at", &place]].concat());
-                assert_close(&displacements(&at_place), &displacements(&at_node), NEWTON);
+                let position = format!("{s_mm}:1.2,{angle_deg}");
+                let at_position = solve(&[&settings[..], &["--load-at", &position]].concat());
+                assert_close(&displacements(&at_position), &displacements(&at_node), NEWTON);
             }
         }
     }
@@ -98,7 +98,7 @@ fn the_tip_is_on_the_plate_whatever_its_length() {
 }
 
 #[test]
-fn large_rotations_are_the_default_and_differ_from_the_others() {
+fn corotational_kinematics_is_the_default_and_differs_from_the_others() {
     let load = ["--load", "13:-0.4,-2"];
     let with = |kinematics| displacements(&solve(&[&["--kinematics", kinematics], &load[..]].concat()));
     let default = displacements(&solve(&load));

@@ -4,7 +4,7 @@ use crate::kit::*;
 
 /// A network that is trained in a blink.
 const SMALL: [&str; 6] = ["--samples", "400", "--epochs", "4", "--hidden-layers", "6"];
-/// With noise of 0.067 mm a force of 2 N in the middle is told to 0.4 % (Cramer-Rao); a small network adds some.
+/// With noise of 0.067 mm a force of 2 N in the middle is sensed to 0.4 % (Cramer-Rao); a small network adds some.
 const SENSED: f64 = 0.05;
 /// Noise of the camera, mm, which a shape without noise stays far below.
 const NOISE: [&str; 2] = ["--noise-mm", "0.067"];
@@ -68,7 +68,7 @@ fn the_seed_makes_the_weights() {
     assert_ne!(one, made("another", "2"));
 }
 
-/// What the paper did, and what sensing makes of it.
+/// The paper's recipe, and sensing with its network.
 #[test]
 fn options_reach_the_samples() {
     let folder = Folder::new();
@@ -78,7 +78,7 @@ fn options_reach_the_samples() {
         // What the linear finger taught, this shape contradicts.
         Csv::of(&sense(&truth, &["--contact", "19"], Some(&network)).computed()).numbers("force_n")[0]
     };
-    // The linear finger's regression sees 4 N at node 19 with large rotations as another force by percents.
+    // The linear finger's regression takes the co-rotational shape under 4 N at node 19 for another force by percents.
     let (linear, nonlinear) = (force(&["--truth", "linear"]), force(&[]));
     assert!((nonlinear - 4.0).abs() < SENSED * 4.0, "{nonlinear}");
     assert!((linear - 4.0).abs() > 2.0 * (nonlinear - 4.0).abs(), "{linear} {nonlinear}");
@@ -144,8 +144,8 @@ fn wrong_arguments_are_refused() {
     };
     refused(&[], &["contact"]);
     refused(&["--contact", "1"], &["node 1"]);
-    refused(&["--contact", "19", "19"], &["contacts 1 and 2 are the same place"]);
-    refused(&["--contact", "19@auto"], &["known places and directions"]);
+    refused(&["--contact", "19", "19"], &["contacts 1 and 2 have the same position"]);
+    refused(&["--contact", "19@auto"], &["known positions and directions"]);
     refused(&["--contact", "19", "--hide", "25"], &["--hide", "2 to 24", "25"]);
     refused(&["--contact", "19", "--samples", "0"], &["--samples"]);
     refused(&["--contact", "19", "--noise-mm=-1"], &["--noise-mm"]);

@@ -1,10 +1,10 @@
-//! What a network says of itself: what it was trained for, how, and how well it does.
+//! Model card of a network: purpose, training and errors.
 
 use super::error::NetworkError;
 use super::fingerprint::Fingerprint;
 use crate::Kinematics;
 use crate::finger::NodeId;
-use crate::sensing::{Contact, ContactPlace};
+use crate::sensing::{Contact, ContactPosition};
 use serde::{Deserialize, Serialize};
 
 /// Version of the network's file that is written, and the only one that is read.
@@ -22,13 +22,13 @@ pub enum Scaling {
     Largest,
 }
 
-/// What the contacts of a network mean.
+/// Meaning of a network's contacts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ContactSet {
     /// All of them touch, always.
     Fixed,
-    /// Any of them touch, at least one; which ones is told.
+    /// Any of them touch, at least one; which ones is given when sensing.
     AnyOf,
 }
 
@@ -69,7 +69,7 @@ pub struct TestError {
     pub clean_rms_n: f64,
 }
 
-/// What a network was trained for, on which samples, and its errors.
+/// Purpose of a network, its training samples and its errors.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NetworkCard {
@@ -123,9 +123,9 @@ impl NetworkCard {
             self.test_errors.len().to_string(),
         )?;
         for contact in &self.contacts {
-            let place_mm = if let ContactPlace::Place(s_mm) = contact.place { s_mm } else { 0.0 };
-            let finite = contact.angle_deg.is_finite() && place_mm.is_finite();
-            require(finite, "contacts", "finite places and angles", format!("{contact:?}"))?;
+            let position_mm = if let ContactPosition::At(s_mm) = contact.position { s_mm } else { 0.0 };
+            let finite = contact.angle_deg.is_finite() && position_mm.is_finite();
+            require(finite, "contacts", "finite positions and angles", format!("{contact:?}"))?;
         }
         let not_negative = |key: &str, value: f64| {
             let expected = "a number of zero or more";

@@ -1,4 +1,4 @@
-//! What can be wrong with a network, its file, or what is asked of it.
+//! Errors of networks, their files and their requests.
 
 use crate::finger::NodeId;
 use crate::sensing::SensingError;
@@ -40,7 +40,7 @@ pub enum NetworkError {
     NotFinite {
         /// The tensor or the key of the card.
         part: String,
-        /// Place of the number.
+        /// Position of the number.
         index: usize,
         /// The number.
         value: f64,
@@ -50,9 +50,9 @@ pub enum NetworkError {
     Parts {
         /// The tensor or the key of the card.
         part: String,
-        /// What it must be.
+        /// What is expected.
         expected: String,
-        /// What it is.
+        /// What was found.
         found: String,
     },
     /// The card cannot be read.
@@ -89,7 +89,7 @@ pub enum NetworkError {
     OtherContacts {
         /// The contacts that it was trained for.
         trained: String,
-        /// What was asked for.
+        /// The contacts asked for.
         asked: String,
     },
     /// A measured node that the network does not know.
@@ -164,7 +164,7 @@ pub enum NetworkError {
         /// Largest force in training, N.
         largest_n: f64,
     },
-    /// What no estimator can tell.
+    /// Errors that all estimators share.
     #[error(transparent)]
     Sensing(#[from] SensingError),
 }

@@ -12,7 +12,7 @@ use crate::sensing::{
 };
 use nalgebra::{DMatrix, DVector};
 
-/// Places that differ by less than this share of the plate, and angles by less than this many degrees, are the same.
+/// Positions that differ by less than this share of the plate, and angles by less than this many degrees, are the same.
 const SAME_CONTACT: f64 = 1e-9;
 /// An input may be larger by this factor and this many standard deviations of the noise than any met in training: the
 /// largest of thousands of samples is not the largest possible.
@@ -188,7 +188,7 @@ impl NetworkEstimator {
         })
     }
 
-    /// What lies outside the principal directions, against the stated noise.
+    /// Chi-squared test of the part outside the principal directions, against the stated noise.
     fn residual(&self, x: &DVector<f64>, stated_mm: Option<f64>) -> Result<Residual, SensingError> {
         let coordinates = x.len() as f64;
         let from_mean = x - &self.mean;
@@ -262,7 +262,7 @@ impl Network {
     }
 }
 
-/// Places of the contacts in the network's list.
+/// Positions of the contacts in the network's list.
 fn selection(network: &Network, finger: &Finger, contacts: &[Contact]) -> Result<Vec<usize>, NetworkError> {
     let found = Fingerprint::of(finger);
     if found != network.card.finger {
@@ -271,20 +271,20 @@ fn selection(network: &Network, finger: &Finger, contacts: &[Contact]) -> Result
     }
     let trained = &network.card.contacts;
     let length_mm = finger.plate_length_mm(Plate::Front);
-    let same = |a: &Contact, b: &Contact| match (a.place_mm(finger), b.place_mm(finger)) {
+    let same = |a: &Contact, b: &Contact| match (a.position_mm(finger), b.position_mm(finger)) {
         (Some(one_mm), Some(other_mm)) => {
             (one_mm - other_mm).abs() <= SAME_CONTACT * length_mm && (a.angle_deg - b.angle_deg).abs() <= SAME_CONTACT
         }
         _ => false,
     };
-    let places: Option<Vec<usize>> =
+    let positions: Option<Vec<usize>> =
         contacts.iter().map(|contact| trained.iter().position(|other| same(contact, other))).collect();
     let any_of = network.card.contact_set == ContactSet::AnyOf;
-    let places = places.filter(|places| {
-        let once = places.iter().enumerate().all(|(k, place)| !places[..k].contains(place));
-        once && (any_of || places.len() == trained.len())
+    let positions = positions.filter(|positions| {
+        let once = positions.iter().enumerate().all(|(k, position)| !positions[..k].contains(position));
+        once && (any_of || positions.len() == trained.len())
     });
-    places.ok_or_else(|| NetworkError::OtherContacts {
+    positions.ok_or_else(|| NetworkError::OtherContacts {
         trained: format!("{} {}", if any_of { "any of" } else { "exactly" }, listed(trained)),
         asked: listed(contacts),
     })
@@ -294,14 +294,14 @@ fn listed(contacts: &[Contact]) -> String {
     contacts.iter().map(Contact::to_string).collect::<Vec<_>>().join(", ")
 }
 
-/// Places of the measured coordinates in the network's displacements.
+/// Positions of the measured coordinates in the network's displacements.
 fn seen_coordinates(network: &Network, markers: &[NodeId]) -> Result<Vec<usize>, NetworkError> {
     let known = &network.card.markers;
     let mut seen = Vec::with_capacity(2 * markers.len());
     for &node in markers {
-        let place = known.iter().position(|other| *other == node);
-        let place = place.ok_or(NetworkError::UnknownMarker { node, known: known.len() })?;
-        seen.extend([2 * place, 2 * place + 1]);
+        let position = known.iter().position(|other| *other == node);
+        let position = position.ok_or(NetworkError::UnknownMarker { node, known: known.len() })?;
+        seen.extend([2 * position, 2 * position + 1]);
     }
     Ok(seen)
 }

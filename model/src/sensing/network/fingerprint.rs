@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 use std::fmt;
 use std::str::FromStr;
 
-/// Significant digits that count: ribs by number and at the same places by hand differ by rounding.
+/// Significant digits that count: ribs by number and at the same positions by hand differ by rounding.
 const DIGITS: i32 = 10;
 
 /// SHA-256 over the numbers of a finger: key nodes, rigid arms, rigidities, joints, zones. Neither names, nor order of

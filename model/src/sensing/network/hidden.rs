@@ -8,7 +8,7 @@
 use super::Network;
 use nalgebra::DMatrix;
 
-/// Networks trained without noise get this share of the shapes' spread instead: what can be told from seen markers is told,
+/// Networks trained without noise get this share of the shapes' spread instead: what seen markers determine is estimated,
 /// and what cannot stays open.
 const LEAST_NOISE: f64 = 1e-6;
 

@@ -75,19 +75,19 @@ impl<N: Number> Weights<N> {
         let lanes = N::lanes::<S>();
         let entry = |output: usize, input: usize| if output < outputs { weight(output, input) } else { N::ZERO };
         let mut panels = Aligned::zeros(padded::<N, S>(outputs) * inputs);
-        let mut places = panels.as_mut_slice().iter_mut();
+        let mut positions = panels.as_mut_slice().iter_mut();
         let mut vector = 0;
         while vector * lanes < outputs {
             let width = panel_width(outputs.div_ceil(lanes) - vector);
             let rows = vector * lanes..(vector + width) * lanes;
             let entries = (0..inputs).flat_map(|input| rows.clone().map(move |output| (output, input)));
-            entries.zip(&mut places).for_each(|((output, input), place)| *place = entry(output, input));
+            entries.zip(&mut positions).for_each(|((output, input), position)| *position = entry(output, input));
             vector += width;
         }
         let mut tiles = Aligned::zeros(tiled(outputs) * inputs);
-        for (tile, places) in tiles.as_mut_slice().chunks_exact_mut(TILE_OUTPUTS * inputs).enumerate() {
-            for (k, place) in places.iter_mut().enumerate() {
-                *place = entry(tile * TILE_OUTPUTS + k % TILE_OUTPUTS, k / TILE_OUTPUTS);
+        for (tile, positions) in tiles.as_mut_slice().chunks_exact_mut(TILE_OUTPUTS * inputs).enumerate() {
+            for (k, position) in positions.iter_mut().enumerate() {
+                *position = entry(tile * TILE_OUTPUTS + k % TILE_OUTPUTS, k / TILE_OUTPUTS);
             }
         }
         Weights { inputs, outputs, panels, tiles }

@@ -72,7 +72,7 @@ pub struct Dense {
 /// The fields are open to be read and to be built from; what evaluates or stores a network checks it again.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Network {
-    /// What it was trained for, and how well it does.
+    /// Its purpose and errors.
     pub card: NetworkCard,
     /// How displacements become inputs.
     pub inputs: Inputs,

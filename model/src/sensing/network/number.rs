@@ -77,7 +77,7 @@ pub(super) struct Aligned<N> {
 const LINE: usize = 64;
 
 impl<N: Number> Aligned<N> {
-    /// So many zeros.
+    /// A list of zeros of this length.
     pub(super) fn zeros(len: usize) -> Aligned<N> {
         let room = LINE / size_of::<N>();
         let numbers = vec![N::ZERO; len + room];

@@ -17,7 +17,7 @@ pub(super) struct Prepared {
 }
 
 impl Prepared {
-    /// Prepares a network for some of its contacts, given by their places in its list, in the order of the outputs. Where
+    /// Prepares a network for some of its contacts, given by their positions in its list, in the order of the outputs. Where
     /// any may touch, these are the ones that do.
     ///
     /// The mask of these contacts is constant and goes into the bias of the first layer; their ridge forces
@@ -109,7 +109,7 @@ impl Dense {
     }
 }
 
-/// Some rows of a matrix of so many columns; of an empty one, none.
+/// Some rows of a matrix of `columns` columns; of an empty one, none.
 fn rows(matrix: &[f32], columns: usize, selected: &[usize]) -> Vec<f32> {
     if matrix.is_empty() {
         return Vec::new();

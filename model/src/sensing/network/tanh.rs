@@ -3,7 +3,7 @@
 use super::kernels::Finish;
 use pulp::Simd;
 
-/// Beyond this, tanh is 1 within the error that is promised.
+/// Beyond this, tanh is 1 within the stated error.
 const CLAMP: f32 = 8.0;
 /// tanh(x) = x N(x^2) / D(x^2), coefficients from the constant up: a minimax fit over 0..8, of error 6e-9 before rounding,
 /// scaled so that fused additions in f32 round least.
@@ -80,7 +80,7 @@ mod tests {
     use super::*;
     use pulp::{Arch, Scalar, WithSimd};
 
-    /// What is promised of every number.
+    /// The stated error bound, for every number.
     const LARGEST_ERROR: f64 = 3e-7;
     /// Distance between the bit patterns that are tried: a prime, so that mantissas of all kinds come up.
     const STRIDE: usize = 499;

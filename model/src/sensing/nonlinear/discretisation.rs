@@ -1,4 +1,4 @@
-//! What a mesh gets wrong of sensed forces, from a finer one.
+//! Discretisation error of sensed forces, from a finer mesh.
 
 use super::{NonlinearEstimate, NonlinearEstimator, State};
 use crate::Kinematics;
@@ -11,10 +11,10 @@ use crate::statics::{Ladder, Statics};
 /// fall with the square of their length yet, into more.
 const DIVISIONS: usize = 2;
 const DIVISIONS_OF_SINGLE: usize = 4;
-/// What was found for forces that differ by less than this share of the largest, at places and directions that differ by
+/// What was found for forces that differ by less than this share of the largest, at positions and directions that differ by
 /// less than these, is taken again: the error is known to about a third of itself anyway.
 const SAME_FORCE: f64 = 0.12;
-const SAME_PLACE: f64 = 0.02;
+const SAME_POSITION: f64 = 0.02;
 const SAME_ANGLE_DEG: f64 = 3.0;
 /// Errors that are kept.
 const MOST_KEPT: usize = 256;
@@ -97,8 +97,8 @@ impl<'m> Discretisation<'m> {
         let same_force = |(a, b): (&f64, &f64)| (a - b).abs() <= SAME_FORCE * largest_n;
         let length_mm = finger.plate_length_mm(crate::finger::Plate::Front);
         let same_contact = |(a, b): (&Contact, &Contact)| {
-            let [a_mm, b_mm] = [a, b].map(|contact| contact.place_mm(finger).unwrap_or(f64::NAN));
-            (a_mm - b_mm).abs() <= SAME_PLACE * length_mm && (a.angle_deg - b.angle_deg).abs() <= SAME_ANGLE_DEG
+            let [a_mm, b_mm] = [a, b].map(|contact| contact.position_mm(finger).unwrap_or(f64::NAN));
+            (a_mm - b_mm).abs() <= SAME_POSITION * length_mm && (a.angle_deg - b.angle_deg).abs() <= SAME_ANGLE_DEG
         };
         known.forces_n.iter().zip(&state.forces_n).all(same_force)
             && known.contacts.iter().zip(&state.contacts).all(same_contact)

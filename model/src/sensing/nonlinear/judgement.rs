@@ -1,4 +1,4 @@
-//! What an estimate is worth: standard deviations, and refusals of what the data do not tell.
+//! Covariance and identifiability tests of an estimate.
 
 use super::unknowns::Unknown;
 use super::{NonlinearEstimate, NonlinearEstimator, State};
@@ -10,9 +10,9 @@ use crate::sensing::{
 };
 use nalgebra::DMatrix;
 
-/// A direction known to less than this, degrees, or a place to less than this share of the plate, is not known.
+/// A direction known to less than this, degrees, or a position to less than this share of the plate, is not known.
 const LARGEST_ANGLE_SIGMA_DEG: f64 = 30.0;
-const LARGEST_PLACE_SIGMA: f64 = 0.25;
+const LARGEST_POSITION_SIGMA: f64 = 0.25;
 /// Another minimum counts as an explanation as good as the best if its misfit, in squared standard deviations, is larger
 /// by no more than this, and as another answer if a force differs by more than this many standard deviations.
 const AS_GOOD: f64 = 9.0;
@@ -73,7 +73,7 @@ impl NonlinearEstimator<'_> {
     /// Standard deviations and refusals.
     ///
     /// # Errors
-    /// [`SensingError`] for unknowns that the data do not tell.
+    /// [`SensingError`] for unknowns that are not identifiable.
     pub(super) fn judged(
         &self,
         state: &mut State,
@@ -124,9 +124,9 @@ impl NonlinearEstimator<'_> {
         for (j, unknown) in self.unknowns.iter().enumerate() {
             let (what, contact, sigma, limit, unit) = match *unknown {
                 Unknown::Force(_) => continue,
-                Unknown::Place(i) => {
-                    let limit = LARGEST_PLACE_SIGMA * self.finger().plate_length_mm(Plate::Front);
-                    ("the place", i + 1, sigma(j), limit, "mm")
+                Unknown::Position(i) => {
+                    let limit = LARGEST_POSITION_SIGMA * self.finger().plate_length_mm(Plate::Front);
+                    ("the position", i + 1, sigma(j), limit, "mm")
                 }
                 Unknown::Across(i) => {
                     let sigma_deg = (sigma(j) / state.forces_n[i].abs()).to_degrees();

@@ -1,4 +1,4 @@
-//! Whether a standard deviation means what it says: it is that of the finger linearised at the estimate.
+//! Validity of a standard deviation: it is that of the finger linearised at the estimate.
 
 use super::{NonlinearEstimator, State};
 use crate::Vector;

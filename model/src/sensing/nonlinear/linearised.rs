@@ -1,4 +1,4 @@
-//! The problem at a state: what is left to explain, and what the unknowns can explain of it.
+//! The problem linearised at a state: the residual, and its derivatives by the unknowns.
 
 use super::least_squares::LeastSquares;
 use super::unknowns::Unknown;
@@ -21,9 +21,9 @@ const ALL_ALIKE: SensingError = SensingError::IllConditioned { span: f64::INFINI
 pub(super) struct Linearised {
     /// Displacements of all key nodes per unit of the first unknown, of the second and so on.
     rates: Vec<Vector>,
-    /// What a marker counts beside its own weight: 1, and less for one that is wildly off.
+    /// Robust weight of a marker, beside its own: 1, and less for an outlier.
     weights: Vec<f64>,
-    /// What counts as one unit of each unknown.
+    /// Scale of each unknown.
     pub scales: Vec<f64>,
     /// The last step, in the unknowns' units.
     pub step: Vec<f64>,
@@ -76,7 +76,7 @@ impl Linearised {
         measurement.markers().iter().map(|marker| weighted(marker).norm_squared()).sum()
     }
 
-    /// The same with nothing pushing: what is left to explain if nothing is explained.
+    /// The same without loads: the misfit of the finger at rest.
     pub(super) fn misfit_at_rest(&self, measurement: &Measurement) -> f64 {
         let weighted = |m: &Marker| m.displacement * (m.weight * self.weights[m.node.0 - 1]);
         measurement.markers().iter().map(|marker| weighted(marker).norm_squared()).sum()
@@ -85,7 +85,7 @@ impl Linearised {
     /// Finds the Levenberg-Marquardt step for a damping.
     ///
     /// # Errors
-    /// [`SensingError::IllConditioned`] if the unknowns cannot be told apart at all.
+    /// [`SensingError::IllConditioned`] if the unknowns are not identifiable.
     pub(super) fn solve(
         &mut self,
         motion: &FrameMotion,
@@ -115,7 +115,7 @@ impl Linearised {
     /// Changes of the unknowns, in their units, that explain a further displacement of the key nodes best.
     ///
     /// # Errors
-    /// [`SensingError::IllConditioned`] if the unknowns cannot be told apart at all.
+    /// [`SensingError::IllConditioned`] if the unknowns are not identifiable.
     pub(super) fn explained(
         &mut self,
         measurement: &Measurement,
@@ -134,7 +134,7 @@ impl Linearised {
     /// R of the weighted derivatives A = Q R by the scaled unknowns.
     ///
     /// # Errors
-    /// [`SensingError::IllConditioned`] if the unknowns cannot be told apart at all.
+    /// [`SensingError::IllConditioned`] if the unknowns are not identifiable.
     pub(super) fn triangle(&mut self, measurement: &Measurement) -> Result<DMatrix<f64>, SensingError> {
         self.pose(measurement, 0);
         self.problem.solve().ok_or(ALL_ALIKE)?;
@@ -164,7 +164,7 @@ impl NonlinearEstimator<'_> {
         let ladder = self.statics.equations_mut();
         for (unknown, rates) in self.unknowns.iter().zip(linearised.rates.chunks_exact_mut(finger.key_node_count())) {
             let turned_deg = match *unknown {
-                Unknown::Place(i) => {
+                Unknown::Position(i) => {
                     ladder.moved_load(motion, &loads[i], rates);
                     continue;
                 }

@@ -1,4 +1,4 @@
-//! Sensing with the large-rotation finger itself: Gauss-Newton on forces, places and directions.
+//! Sensing with the co-rotational finger: Gauss-Newton on forces, positions and directions.
 //!
 //! An estimate starts from least squares on the linear finger ([`start`]) or from the estimate before it. Where the
 //! minimum of the difference between measured and computed shape ([`linearised`]) is near, forces and shape are
@@ -20,7 +20,7 @@ pub use discretisation::Discretisation;
 pub use refine::sense_refining;
 
 use super::{
-    Contact, ContactPlace, ContactQuestion, Direction, Estimate, ModelError, SensingError, Warning, check_contacts,
+    Contact, ContactPosition, ContactQuestion, Direction, Estimate, ModelError, SensingError, Warning, check_contacts,
 };
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::measurement::Measurement;
@@ -39,14 +39,14 @@ const POOR_FIT: f64 = 0.02;
 const POOR_FIT_SIGMAS: f64 = 3.0;
 const OTHER_STARTS: [f64; 4] = [1.0, -1.0, 0.3, -0.3];
 
-/// Sensed forces with the places and directions that go with them.
+/// Sensed forces with the positions and directions that go with them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NonlinearEstimate {
     /// Forces, their standard deviations and what these rest on.
     pub forces: Estimate,
-    /// Covariance of the forces, N^2, in the order of the contacts; unknown places and directions are allowed for.
+    /// Covariance of the forces, N^2, in the order of the contacts; unknown positions and directions are allowed for.
     pub covariance_n2: DMatrix<f64>,
-    /// Place and direction of each contact as given or found.
+    /// Position and direction of each contact as given or found.
     pub contacts: Vec<Contact>,
     /// Gauss-Newton steps taken.
     pub steps: usize,
@@ -66,7 +66,7 @@ impl NonlinearEstimate {
 /// before each, and give every thread a clone.
 ///
 /// # Requirements
-/// At least as many measured coordinates as unknowns (a force a contact, and one more for each unknown place or
+/// At least as many measured coordinates as unknowns (a force a contact, and one more for each unknown position or
 /// direction), singular values that span at most [`LARGEST_SPAN`](super::LARGEST_SPAN).
 ///
 /// # Reference
@@ -109,11 +109,11 @@ impl<'m> NonlinearEstimator<'m> {
         if questions.is_empty() {
             return Err(SensingError::NoContact);
         }
-        // What is known of each contact must be possible; an unknown direction or place takes any value for that.
+        // What is known of each contact must be possible; an unknown direction or position takes any value for that.
         for question in questions {
             let angle_deg = if let Direction::Angle(angle) = question.direction { angle } else { 0.0 };
-            let place = question.place.unwrap_or(ContactPlace::Node(finger.tip()));
-            check_contacts(finger, &[Contact { place, angle_deg }])?;
+            let position = question.position.unwrap_or(ContactPosition::Node(finger.tip()));
+            check_contacts(finger, &[Contact { position, angle_deg }])?;
         }
         let known: Option<Vec<Contact>> = questions.iter().map(ContactQuestion::known).collect();
         if let Some(contacts) = known {
@@ -141,7 +141,7 @@ impl<'m> NonlinearEstimator<'m> {
     /// contradicts it, it is estimated from the residual.
     ///
     /// # Errors
-    /// [`SensingError`] if the data do not tell the unknowns, or no equilibrium explains them.
+    /// [`SensingError`] if the unknowns are not identifiable, or no equilibrium explains them.
     pub fn estimate(
         &mut self,
         measurement: &Measurement,
@@ -182,8 +182,8 @@ impl<'m> NonlinearEstimator<'m> {
         let estimate = self.judged(&mut state, measurement, noise_mm, steps)?;
         estimate.check_against_nothing(least_misfit, state.linearised.misfit_at_rest(measurement))?;
         self.require_linear_range(&state, measurement, &estimate.forces.sigmas_n)?;
-        // With several unknown places, answers may differ in their order alone.
-        if self.questions.iter().filter(|question| question.place.is_none()).count() <= 1 {
+        // With several unknown positions, answers may differ in their order alone.
+        if self.questions.iter().filter(|question| question.position.is_none()).count() <= 1 {
             estimate.check_rivals(least_misfit, &minima, near, coordinates)?;
         }
         self.last = Some(state);

@@ -22,7 +22,7 @@ impl NonlinearEstimator<'_> {
     /// number.
     ///
     /// # Errors
-    /// [`SensingError`] if the unknowns cannot be told apart, or the steps do not settle.
+    /// [`SensingError`] if the unknowns are not identifiable, or the steps do not settle.
     pub(super) fn search(
         &mut self,
         state: &mut State,
@@ -46,7 +46,7 @@ impl NonlinearEstimator<'_> {
                     next.motion = equilibrium.motion;
                     // Compared under the same weights: reweighting is not progress.
                     let [before, after] = [&*state, &next].map(|at| state.linearised.misfit(&at.motion, measurement));
-                    // A turning normal may make a good step look worse; what is left after it is corrected by the next.
+                    // A turning normal may make a good step look worse; the next corrects its residual.
                     let slack = if settles { 1e-12 } else { 0.5 };
                     after <= before * (1.0 + slack) || change <= STEP_TOLERANCE
                 }

@@ -18,7 +18,7 @@ const LATER_TURNS: f64 = 0.5;
 const TURN_NOISE: f64 = 1e-4;
 /// Last step, as a share of each unknown's scale. The derivatives lag, so it is wrong by about a hundredth of itself.
 const SETTLED_STEP: f64 = 1e-8;
-/// Last correction of the shape, as a share of the largest rotation. What is left of the shape's error is of the order
+/// Last correction of the shape, as a share of the largest rotation. The residual error of the shape is of the order
 /// of its square, and the derivatives lag by it.
 const SETTLED_TURN: f64 = 1e-5;
 

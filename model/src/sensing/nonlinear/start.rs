@@ -4,11 +4,11 @@ use super::linearised::Linearised;
 use super::{NonlinearEstimator, State};
 use crate::finger::Plate;
 use crate::measurement::Measurement;
-use crate::sensing::{Contact, ContactPlace, Direction, Estimate, LinearEstimator, Prior, SensingError};
+use crate::sensing::{Contact, ContactPosition, Direction, Estimate, LinearEstimator, Prior, SensingError};
 use crate::statics::{Equilibrium, StaticsError};
 
 impl NonlinearEstimator<'_> {
-    /// Least squares on the linear finger, at the place along the plate where it explains the measurement best.
+    /// Least squares on the linear finger, at the position along the plate where it explains the measurement best.
     /// The forces are multiplied by `factor`.
     pub(super) fn start(
         &mut self,
@@ -17,34 +17,34 @@ impl NonlinearEstimator<'_> {
         factor: f64,
     ) -> Result<State, SensingError> {
         let finger = self.finger();
-        // A contact of unknown place is tried at every node; several of them are tried one after the other.
-        let mut places: Vec<Option<ContactPlace>> = self.questions.iter().map(|q| q.place).collect();
-        for i in 0..places.len() {
-            if places[i].is_some() {
+        // A contact of unknown position is tried at every node; several of them are tried one after the other.
+        let mut positions: Vec<Option<ContactPosition>> = self.questions.iter().map(|q| q.position).collect();
+        for i in 0..positions.len() {
+            if positions[i].is_some() {
                 continue;
             }
             let mut best = None;
             for node in finger.contact_nodes() {
-                places[i] = Some(ContactPlace::Node(node));
-                let Ok((contacts, estimate)) = self.linear_start(&places, measurement) else { continue };
+                positions[i] = Some(ContactPosition::Node(node));
+                let Ok((contacts, estimate)) = self.linear_start(&positions, measurement) else { continue };
                 let inward = contacts.iter().zip(&estimate.forces_n).all(|(_, f)| *f >= 0.0);
                 let better = best.is_none_or(|(_, residual)| estimate.residual_rms_mm < residual);
                 if inward && better {
                     best = Some((node, estimate.residual_rms_mm));
                 }
             }
-            places[i] = Some(ContactPlace::Node(best.map_or(finger.tip(), |(node, _)| node)));
+            positions[i] = Some(ContactPosition::Node(best.map_or(finger.tip(), |(node, _)| node)));
         }
-        let (contacts, estimate) = self.linear_start(&places, measurement)?;
-        // A place that moves is a distance along the plate, not a node.
+        let (contacts, estimate) = self.linear_start(&positions, measurement)?;
+        // A position that moves is a distance along the plate, not a node.
         let contacts: Vec<Contact> = contacts
             .iter()
             .zip(&self.questions)
-            .map(|(contact, question)| match question.place {
+            .map(|(contact, question)| match question.position {
                 Some(_) => *contact,
                 None => {
-                    let s_mm = contact.place_mm(finger).unwrap_or(0.5 * finger.plate_length_mm(Plate::Front));
-                    Contact { place: ContactPlace::Place(s_mm), ..*contact }
+                    let s_mm = contact.position_mm(finger).unwrap_or(0.5 * finger.plate_length_mm(Plate::Front));
+                    Contact { position: ContactPosition::At(s_mm), ..*contact }
                 }
             })
             .collect();
@@ -71,23 +71,23 @@ impl NonlinearEstimator<'_> {
     /// Least squares with two components where the direction is unknown, turned into one force and its angle.
     fn linear_start(
         &self,
-        places: &[Option<ContactPlace>],
+        positions: &[Option<ContactPosition>],
         measurement: &Measurement,
     ) -> Result<(Vec<Contact>, Estimate), SensingError> {
         let finger = self.finger();
         let mut components = Vec::new();
-        for (question, place) in self.questions.iter().zip(places) {
-            let place = place.or(question.place).unwrap_or(ContactPlace::Node(finger.tip()));
+        for (question, position) in self.questions.iter().zip(positions) {
+            let position = position.or(question.position).unwrap_or(ContactPosition::Node(finger.tip()));
             match question.direction {
-                Direction::Angle(angle_deg) => components.push(Contact { place, angle_deg }),
-                Direction::Normal => components.push(Contact { place, angle_deg: 0.0 }),
+                Direction::Angle(angle_deg) => components.push(Contact { position, angle_deg }),
+                Direction::Normal => components.push(Contact { position, angle_deg: 0.0 }),
                 Direction::Auto => {
-                    components.extend([0.0, 90.0].map(|angle_deg| Contact { place, angle_deg }));
+                    components.extend([0.0, 90.0].map(|angle_deg| Contact { position, angle_deg }));
                 }
             }
         }
         let estimator = LinearEstimator::new(finger, &components, measurement)?;
-        // Where few markers hardly tell forces apart, large ones that cancel are no start. The prior is the force that alone
+        // Where few markers hardly distinguish forces, large ones that cancel are no start. The prior is the force that alone
         // would move the finger as far, and weighs little otherwise.
         let moved: f64 = measurement.markers().iter().map(|m| (m.displacement * m.weight).norm_squared()).sum();
         let prior = Prior::Gaussian { force_n: moved.sqrt() / estimator.singular_values()[0] };

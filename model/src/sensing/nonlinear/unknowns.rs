@@ -1,20 +1,20 @@
-//! What is sought, as a list of numbers: forces, then places, then directions.
+//! The unknowns as a list of numbers: forces, then positions, then directions.
 
 use super::{NonlinearEstimator, State};
 use crate::finger::Plate;
 use crate::mesh::LoadError;
-use crate::sensing::{ContactPlace, ContactQuestion, Direction};
+use crate::sensing::{ContactPosition, ContactQuestion, Direction};
 
-/// Share of the plate that a place moves in one step at most.
+/// Share of the plate that a position moves in one step at most.
 const LONGEST_MOVE: f64 = 0.2;
-/// Share of the plate, from the base, where a place is no longer told from the clamp.
+/// Share of the plate, from the base, where a position is no longer distinguishable from the clamp.
 const NEAREST_TO_BASE: f64 = 0.01;
 
 /// One unknown: of which contact, and what.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Unknown {
     Force(usize),
-    Place(usize),
+    Position(usize),
     /// The part of a force across its current direction, N: with it the direction turns.
     Across(usize),
 }
@@ -23,26 +23,29 @@ impl Unknown {
     /// All unknowns of some questions.
     pub(super) fn of(questions: &[ContactQuestion]) -> Vec<Unknown> {
         let forces = (0..questions.len()).map(Unknown::Force);
-        let places = questions.iter().enumerate().filter(|(_, q)| q.place.is_none());
+        let positions = questions.iter().enumerate().filter(|(_, q)| q.position.is_none());
         let angles = questions.iter().enumerate().filter(|(_, q)| q.direction == Direction::Auto);
-        forces.chain(places.map(|(i, _)| Unknown::Place(i))).chain(angles.map(|(i, _)| Unknown::Across(i))).collect()
+        forces
+            .chain(positions.map(|(i, _)| Unknown::Position(i)))
+            .chain(angles.map(|(i, _)| Unknown::Across(i)))
+            .collect()
     }
 
     /// The contact that it belongs to.
     pub(super) fn contact(self) -> usize {
-        let (Unknown::Force(i) | Unknown::Place(i) | Unknown::Across(i)) = self;
+        let (Unknown::Force(i) | Unknown::Position(i) | Unknown::Across(i)) = self;
         i
     }
 }
 
 impl NonlinearEstimator<'_> {
-    /// Chooses what counts as one unit of each unknown: 1 N, and for places what moves the finger about as much.
+    /// Chooses what counts as one unit of each unknown: 1 N, and for positions what moves the finger about as much.
     pub(super) fn rescale(&self, state: &mut State) {
         let largest = state.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         for (scale, unknown) in state.linearised.scales.iter_mut().zip(&self.unknowns) {
             *scale = match *unknown {
                 Unknown::Force(_) | Unknown::Across(_) => 1.0,
-                Unknown::Place(i) => {
+                Unknown::Position(i) => {
                     let force = state.forces_n[i].abs().max(1e-3 * largest).max(f64::MIN_POSITIVE);
                     0.1 * self.finger().plate_length_mm(Plate::Front) / force
                 }
@@ -50,13 +53,13 @@ impl NonlinearEstimator<'_> {
         }
     }
 
-    /// Largest change of an unknown by the state's step: forces against the largest force, places against the plate.
+    /// Largest change of an unknown by the state's step: forces against the largest force, positions against the plate.
     pub(super) fn relative_change(&self, state: &State) -> f64 {
         let largest = state.forces_n.iter().fold(f64::MIN_POSITIVE, |m, f| m.max(f.abs()));
         let length = self.finger().plate_length_mm(Plate::Front);
         let change = |(unknown, x): (&Unknown, &f64)| match unknown {
             Unknown::Force(_) | Unknown::Across(_) => x.abs() / largest,
-            Unknown::Place(_) => x.abs() / length,
+            Unknown::Position(_) => x.abs() / length,
         };
         self.unknowns.iter().zip(&state.linearised.step).map(change).fold(0.0, f64::max)
     }
@@ -65,7 +68,7 @@ impl NonlinearEstimator<'_> {
     /// direction that follows the deformed plate, degrees.
     ///
     /// # Errors
-    /// [`LoadError`] never in practice: places are kept on the plate.
+    /// [`LoadError`] never in practice: positions are kept on the plate.
     pub(super) fn advance(&self, state: &mut State) -> Result<f64, LoadError> {
         let finger = self.finger();
         let State { forces_n, contacts, loads, motion, linearised } = state;
@@ -77,8 +80,8 @@ impl NonlinearEstimator<'_> {
                     contacts[i].angle_deg += x.atan2(forces_n[i]).to_degrees();
                     forces_n[i] = forces_n[i].hypot(x);
                 }
-                Unknown::Place(i) => {
-                    if let ContactPlace::Place(s_mm) = &mut contacts[i].place {
+                Unknown::Position(i) => {
+                    if let ContactPosition::At(s_mm) = &mut contacts[i].position {
                         let length = finger.plate_length_mm(Plate::Front);
                         let x = x.clamp(-LONGEST_MOVE * length, LONGEST_MOVE * length);
                         *s_mm = (*s_mm + x).clamp(NEAREST_TO_BASE * length, length);

@@ -41,16 +41,16 @@ pub(super) struct Chain {
     inner: Vec<(Block<3, 6>, [f64; 3])>,
     /// The two end rotations of a pinned member, which belong to nothing else, with the ends' displacements.
     pins: Option<(Block<2, 6>, [f64; 2])>,
-    /// What is left of the chain's stiffness.
+    /// The chain's stiffness, condensed.
     pub stiffness: EndsMatrix,
-    /// What is left of its gradient.
+    /// Its gradient, condensed.
     pub gradient: Ends,
     /// Gradients at the two ends before anything was condensed onto them.
     pub raw: Ends,
     /// Work of the residual on the correction of what was eliminated, N mm.
     pub work: f64,
     pub positive: bool,
-    /// Whether no pivot between the ends is small: a stiff stretch between soft ones leaves the node after it little.
+    /// Whether no pivot between the ends is small: a stiff section between soft ones leaves the node after it little.
     pub accurate: bool,
     /// Stiffness of the two ends, its diagonal, before anything was condensed onto them.
     pub raw_diagonal: Ends,

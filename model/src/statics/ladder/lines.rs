@@ -1,7 +1,7 @@
 //! Lines with the loads that stand between their ends, condensed.
 
 use super::chain::numbers;
-use super::{Ladder, Place};
+use super::{Ladder, Location};
 use crate::Kinematics;
 use crate::element::Response;
 use crate::frame::{FrameLoad, FrameMotion, PlaneFrame};
@@ -9,7 +9,7 @@ use crate::frame::{FrameLoad, FrameMotion, PlaneFrame};
 impl Ladder<'_> {
     /// Condenses every line with the loads that stand on it.
     pub(super) fn condense_lines(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) {
-        let (frame, kinematics, places, rest) = (self.mesh.frame(), self.kinematics, &self.places, &self.rest);
+        let (frame, kinematics, locations, rest) = (self.mesh.frame(), self.kinematics, &self.locations, &self.rest);
         self.energy = 0.0;
         for (index, (chain, line)) in self.chains.iter_mut().zip(self.mesh.lines()).enumerate() {
             let energy = &mut self.energy;
@@ -22,8 +22,8 @@ impl Ladder<'_> {
                     }
                 };
                 *energy += response.energy;
-                let here = Place::Inside { line: index, element: i };
-                for load in loads.iter().filter(|load| stands_on(load, frame, places, member, here)) {
+                let here = Location::Inside { line: index, element: i };
+                for load in loads.iter().filter(|load| stands_on(load, frame, locations, member, here)) {
                     let potential = inside_load(load, frame, kinematics, motion, factor);
                     response.gradient += potential.gradient;
                     response.tangent += potential.tangent;
@@ -35,15 +35,15 @@ impl Ladder<'_> {
 
     /// Condenses the gradients of every line with the linear stiffness that is there.
     pub(super) fn load_lines(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) {
-        let (frame, places) = (self.mesh.frame(), &self.places);
+        let (frame, locations) = (self.mesh.frame(), &self.locations);
         self.energy = 0.0;
         for (index, (chain, line)) in self.chains.iter_mut().zip(self.mesh.lines()).enumerate() {
             let sum = &mut self.energy;
             chain.load(line.members.clone().enumerate().map(|(i, member)| {
                 let (energy, mut gradient) = frame.member_linear_forces(motion, &frame.members()[member]);
                 *sum += energy;
-                let here = Place::Inside { line: index, element: i };
-                for load in loads.iter().filter(|load| stands_on(load, frame, places, member, here)) {
+                let here = Location::Inside { line: index, element: i };
+                for load in loads.iter().filter(|load| stands_on(load, frame, locations, member, here)) {
                     gradient += inside_load(load, frame, Kinematics::Linear, motion, factor).gradient;
                 }
                 numbers(&gradient)
@@ -53,10 +53,10 @@ impl Ladder<'_> {
 }
 
 /// Whether a load stands on a member between two key nodes: inside it, or on the node where it begins (`here`).
-fn stands_on(load: &FrameLoad, frame: &PlaneFrame, places: &[Place], member: usize, here: Place) -> bool {
+fn stands_on(load: &FrameLoad, frame: &PlaneFrame, locations: &[Location], member: usize, here: Location) -> bool {
     match *load {
         FrameLoad::Interior { member: loaded, .. } => loaded == member,
-        FrameLoad::Node { .. } | FrameLoad::Arm { .. } => places[load.at_end(frame).0.node] == here,
+        FrameLoad::Node { .. } | FrameLoad::Arm { .. } => locations[load.at_end(frame).0.node] == here,
     }
 }
 

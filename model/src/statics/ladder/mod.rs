@@ -30,14 +30,14 @@ const SMALL_PIVOT: f64 = 1e-3;
 
 /// Where a frame node is in the ladder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Place {
+enum Location {
     Clamped,
     Tip,
     Rung {
         rung: usize,
         row: usize,
     },
-    /// Inside a line, so many elements from its first end.
+    /// Inside a line, `element` elements from its first end.
     Inside {
         line: usize,
         element: usize,
@@ -52,7 +52,7 @@ pub struct Ladder<'m> {
     /// Tangents of the members at rest, where they never change: with linear kinematics.
     rest: Vec<ElementMatrix>,
     chains: Vec<Chain>,
-    places: Vec<Place>,
+    locations: Vec<Location>,
     /// From the base to the tip.
     rungs: Vec<Rung>,
     /// The tip, with the back and front node of the last rung; and y = L^-1 g of it.
@@ -77,17 +77,17 @@ impl<'m> Ladder<'m> {
     pub fn new(mesh: &'m Mesh, kinematics: Kinematics) -> Ladder<'m> {
         let (frame, finger) = (mesh.frame(), mesh.finger());
         let chains: Vec<Chain> = mesh.lines().iter().map(|line| Chain::new(frame, line)).collect();
-        let mut places = vec![Place::Clamped; frame.node_count()];
-        places[mesh.frame_node(finger.tip())] = Place::Tip;
+        let mut locations = vec![Location::Clamped; frame.node_count()];
+        locations[mesh.frame_node(finger.tip())] = Location::Tip;
         for rung in 0..finger.rib_count() {
             let [front, back] = finger.rib_nodes(rung);
-            places[mesh.frame_node(back)] = Place::Rung { rung, row: 0 };
-            places[mesh.frame_node(front)] = Place::Rung { rung, row: 3 };
+            locations[mesh.frame_node(back)] = Location::Rung { rung, row: 0 };
+            locations[mesh.frame_node(front)] = Location::Rung { rung, row: 3 };
         }
         for (line, along) in mesh.lines().iter().enumerate() {
             for (i, &node) in along.nodes.iter().enumerate().skip(1) {
                 if i + 1 < along.nodes.len() {
-                    places[node] = Place::Inside { line, element: i };
+                    locations[node] = Location::Inside { line, element: i };
                 }
             }
         }
@@ -104,7 +104,7 @@ impl<'m> Ladder<'m> {
             kinematics,
             rest,
             chains,
-            places,
+            locations,
             rungs: vec![Rung::empty(); finger.rib_count()],
             tip: Block::empty(),
             tip_y: [0.0; 3],
@@ -122,9 +122,9 @@ impl<'m> Ladder<'m> {
         self.kinematics == Kinematics::Linear
     }
 
-    /// Lines of the two plates' stretches above rung `level - 1` (level 0 is the base), back then front; the lines are
+    /// Lines of the two plate members above rung `level - 1` (level 0 is the base), back then front; the lines are
     /// numbered back plate, front plate, ribs, each from the base.
-    fn stretches(&self, level: usize) -> [usize; 2] {
+    fn plate_members(&self, level: usize) -> [usize; 2] {
         [level, self.rungs.len() + 1 + level]
     }
 
@@ -132,14 +132,14 @@ impl<'m> Ladder<'m> {
         2 * (self.rungs.len() + 1) + rung
     }
 
-    /// Gradient of the loads that stand on the key nodes at a place (a rung's row or the tip), and its derivative by the
+    /// Gradient of the loads that stand on the key nodes at a position (a rung's row or the tip), and its derivative by the
     /// node's rotation: the end of an arm moves on a circle.
-    fn loads_at(&self, place: Place, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> ([f64; 3], f64) {
+    fn loads_at(&self, location: Location, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> ([f64; 3], f64) {
         let frame = self.mesh.frame();
         let (mut gradient, mut curvature) = ([0.0; 3], 0.0);
         for load in loads.iter().filter(|load| !matches!(load, FrameLoad::Interior { .. })) {
             let (end, force, moment_nmm) = load.at_end(frame);
-            if self.places[end.node] == place {
+            if self.locations[end.node] == location {
                 let potential = frame.end_load(motion, end, force * factor, moment_nmm * factor, self.linear());
                 for (sum, part) in gradient.iter_mut().zip(&potential.gradient) {
                     *sum += part;
@@ -154,7 +154,7 @@ impl<'m> Ladder<'m> {
     #[inline(always)]
     fn rung_stiffness(&self, level: usize) -> EndsMatrix {
         let stiffness = |line: usize| &self.chains[line].stiffness;
-        let [below, above] = [self.stretches(level), self.stretches(level + 1)];
+        let [below, above] = [self.plate_members(level), self.plate_members(level + 1)];
         // A rib joins the rung's two nodes; one that does not deform has no stiffness of its own.
         let mut sum = *stiffness(self.rib(level));
         for i in 0..3 {
@@ -170,7 +170,7 @@ impl<'m> Ladder<'m> {
     #[inline(always)]
     fn rung_sum(&self, level: usize, of: impl Fn(&Chain) -> &Ends) -> Ends {
         let at_ends = |line: usize| of(&self.chains[line]);
-        let [below, above] = [self.stretches(level), self.stretches(level + 1)];
+        let [below, above] = [self.plate_members(level), self.plate_members(level + 1)];
         let mut sum = *at_ends(self.rib(level));
         for i in 0..3 {
             sum[i] += at_ends(below[0])[3 + i] + at_ends(above[0])[i];
@@ -198,7 +198,7 @@ impl<'m> Ladder<'m> {
         let mut positive = self.chains.iter().all(|chain| chain.positive);
         self.accurate = self.chains.iter().all(|chain| chain.accurate);
         let count = self.rungs.len();
-        let [back, front] = self.stretches(count).map(|line| &self.chains[line].stiffness);
+        let [back, front] = self.plate_members(count).map(|line| &self.chains[line].stiffness);
         let mut tip = [[0.0; 3]; 3];
         let mut coupling = [[0.0; 6]; 3];
         for i in 0..3 {
@@ -208,10 +208,10 @@ impl<'m> Ladder<'m> {
                 coupling[i][3 + j] = front[j][3 + i];
             }
         }
-        tip[2][2] += self.loads_at(Place::Tip, motion, loads, factor).1;
+        tip[2][2] += self.loads_at(Location::Tip, motion, loads, factor).1;
         self.tip.factorise(&tip, &coupling);
         positive &= self.tip.positive();
-        let [back, front] = self.stretches(count).map(|line| &self.chains[line].raw_diagonal);
+        let [back, front] = self.plate_members(count).map(|line| &self.chains[line].raw_diagonal);
         self.accurate &= self.tip.pivots_exceed(&[3, 4, 5].map(|i| SMALL_PIVOT * (back[i] + front[i])));
         for level in (0..count).rev() {
             let mut stiffness = self.rung_stiffness(level);
@@ -222,11 +222,11 @@ impl<'m> Ladder<'m> {
             let mut front_load = [0.0; 3];
             for row in [0, 3] {
                 let curvature;
-                (front_load, curvature) = self.loads_at(Place::Rung { rung: level, row }, motion, loads, factor);
+                (front_load, curvature) = self.loads_at(Location::Rung { rung: level, row }, motion, loads, factor);
                 stiffness[row + 2][row + 2] += curvature;
             }
             let rib = self.rigid_rib(level, motion, &front_load);
-            let [back, front] = self.stretches(level).map(|line| &self.chains[line].stiffness);
+            let [back, front] = self.plate_members(level).map(|line| &self.chains[line].stiffness);
             self.rungs[level].eliminate(rib, &stiffness, back, front);
             positive &= self.rungs[level].positive();
             let limits = self.rung_sum(level, |chain| &chain.raw_diagonal).map(|sum| SMALL_PIVOT * sum);
@@ -239,8 +239,8 @@ impl<'m> Ladder<'m> {
     fn eliminate_gradient(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) {
         self.work = self.chains.iter().map(|chain| chain.work).sum();
         let count = self.rungs.len();
-        let (mut tip, _) = self.loads_at(Place::Tip, motion, loads, factor);
-        for line in self.stretches(count) {
+        let (mut tip, _) = self.loads_at(Location::Tip, motion, loads, factor);
+        for line in self.plate_members(count) {
             for (sum, part) in tip.iter_mut().zip(&self.chains[line].gradient[3..]) {
                 *sum += part;
             }
@@ -254,7 +254,7 @@ impl<'m> Ladder<'m> {
                 None => self.tip.reduce_gradient(&self.tip_y, &mut gradient),
             }
             for row in [0, 3] {
-                let (load, _) = self.loads_at(Place::Rung { rung: level, row }, motion, loads, factor);
+                let (load, _) = self.loads_at(Location::Rung { rung: level, row }, motion, loads, factor);
                 for (sum, part) in gradient[row..].iter_mut().zip(&load) {
                     *sum += part;
                 }
@@ -346,7 +346,7 @@ impl EquilibriumEquations for Ladder<'_> {
         };
         for level in 0..=count {
             let (lower, upper) = (at(level), at(level + 1));
-            for (side, line) in self.stretches(level).into_iter().enumerate() {
+            for (side, line) in self.plate_members(level).into_iter().enumerate() {
                 correct_line(line, &lower[side], &upper[side]);
             }
         }

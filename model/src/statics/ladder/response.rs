@@ -1,7 +1,7 @@
-//! What small added loads do to the finger in equilibrium: sensitivities from the factored tangent.
+//! Sensitivities of the finger in equilibrium to small added loads, from the factored tangent.
 
 use super::chain::{Ends, joined, numbers};
-use super::{Ladder, Place};
+use super::{Ladder, Location};
 use crate::Vector;
 use crate::frame::{FrameLoad, FrameMotion};
 
@@ -54,7 +54,7 @@ impl Ladder<'_> {
         self.respond(&OnElement { line, element, gradient: numbers(&response.gradient) }, out);
     }
 
-    /// The line of a member, and its place in it.
+    /// The line of a member, and its position in it.
     fn element_of(&self, member: usize) -> (usize, usize) {
         let mut lines = self.mesh.lines().iter().enumerate();
         let found = lines.find(|(_, line)| line.members.contains(&member));
@@ -69,12 +69,12 @@ impl Ladder<'_> {
         }
         let (end, _, _) = load.at_end(self.mesh.frame());
         let count = self.rungs.len();
-        let line = match self.places[end.node] {
-            Place::Inside { line, element } => return OnElement { line, element, gradient },
-            Place::Tip => self.stretches(count)[0],
-            Place::Rung { rung, row } => self.stretches(rung)[row / 3],
+        let line = match self.locations[end.node] {
+            Location::Inside { line, element } => return OnElement { line, element, gradient },
+            Location::Tip => self.plate_members(count)[0],
+            Location::Rung { rung, row } => self.plate_members(rung)[row / 3],
             // A load on a clamp moves nothing.
-            Place::Clamped => return OnElement { line: self.stretches(0)[0], element: 0, gradient: [0.0; 6] },
+            Location::Clamped => return OnElement { line: self.plate_members(0)[0], element: 0, gradient: [0.0; 6] },
         };
         let [x, y, moment, ..] = gradient;
         let element = self.mesh.lines()[line].members.len() - 1;
@@ -88,13 +88,13 @@ impl Ladder<'_> {
         let count = self.rungs.len();
         let on_ends = self.chains[line].condensed_gradient(element, gradient);
         // Level (0 is the base, rung r is level r + 1) and row in it of the line's two ends.
-        let stretch = count + 1;
+        let per_plate = count + 1;
         let ends = match line {
-            back if back < stretch => [(back, 0), (back + 1, 0)],
-            front if front < 2 * stretch => [(front - stretch, 3), (front - stretch + 1, 3)],
-            rib => [(rib - 2 * stretch + 1, 0), (rib - 2 * stretch + 1, 3)],
+            back if back < per_plate => [(back, 0), (back + 1, 0)],
+            front if front < 2 * per_plate => [(front - per_plate, 3), (front - per_plate + 1, 3)],
+            rib => [(rib - 2 * per_plate + 1, 0), (rib - 2 * per_plate + 1, 3)],
         };
-        let at_tip = ends[1].0 == stretch;
+        let at_tip = ends[1].0 == per_plate;
         let tip = if at_tip { [on_ends[3], on_ends[4], on_ends[5]] } else { [0.0; 3] };
         let tip_y = self.tip.forward(&tip);
         for at in (0..count).rev() {

@@ -1,6 +1,6 @@
 //! How the nodes inside a member take Newton's correction: so that chords and nodes turn together.
 //!
-//! Newton adds displacements and rotations. Where a stretch of plate is to turn by `a`, that turns its nodes by `a` but
+//! Newton adds displacements and rotations. Where a plate member is to turn by `a`, that turns its nodes by `a` but
 //! the chords of its elements by atan(a) = a - a^3 / 3 (and by `a e` less if they are to stretch by `e` as well). So
 //! both ends of an element of length h turn by phi = a^3 / 3 against its chord, which is a shear force of
 //! 12 EI phi / h^2: nothing between key nodes, but the finer the mesh the smaller the turns that leave the tangent
@@ -101,7 +101,7 @@ impl Retraction {
         });
         chords.clear();
         let members = &frame.members()[line.members.clone()];
-        let (mut place, mut correction) = (old[0], corrections[0]);
+        let (mut position, mut correction) = (old[0], corrections[0]);
         for (member, &node) in members.iter().zip(&line.nodes[1..]) {
             let is_last = chords.len() + 1 == members.len();
             let (next, next_correction) = if is_last {
@@ -109,9 +109,9 @@ impl Retraction {
             } else {
                 (before.displacements[node], motion.displacements[node] - before.displacements[node])
             };
-            let chord = member.beam.direction * member.beam.length_mm + (next - place);
+            let chord = member.beam.direction * member.beam.length_mm + (next - position);
             chords.push((chord, chord.perp(&(next_correction - correction)) / chord.norm_squared()));
-            (place, correction) = (next, next_correction);
+            (position, correction) = (next, next_correction);
         }
         [0, 1].map(|i| new[i] - old[i] - corrections[i])
     }

@@ -74,7 +74,7 @@ impl Rung {
         Rung { block: Block::empty(), rib: None, y: [0.0; 6] }
     }
 
-    /// Eliminates the rung with this stiffness; `back` and `front` are the stretches of plate from the rung below (their
+    /// Eliminates the rung with this stiffness; `back` and `front` are the plate members from the rung below (their
     /// first ends) to this one.
     pub(super) fn eliminate(
         &mut self,

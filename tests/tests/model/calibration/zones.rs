@@ -125,7 +125,7 @@ fn sensitivities_are_those_of_differences() {
                 };
                 let load = |mesh: &Mesh| {
                     let force = mesh.finger().direction(20.0) * 1.5;
-                    mesh.frame_load(&Load::at_place(100.0, force)).expect("a load")
+                    mesh.frame_load(&Load::at_position(100.0, force)).expect("a load")
                 };
                 let displacements = |change: f64| {
                     let mesh = with(change);
@@ -210,7 +210,7 @@ fn what_cannot_be_told_is_refused_by_name() {
     for name in ["modulus_factor", "zone_1_modulus_factor", "zone_2_modulus_factor", "zone_3_modulus_factor", "apart"] {
         assert!(message.contains(name), "{message}");
     }
-    // Without the general modulus they can be told.
+    // Without the general modulus they are identifiable.
     factors(&whole, &loads, &each_zone(&whole)[1..], &LINEAR).expect("factors");
     // The same zone twice.
     let twice = paper_with(vec![zone(Part::Front, 0.0, 30.0, 1.0), zone(Part::Front, 0.0, 30.0, 1.0)]);
@@ -219,7 +219,7 @@ fn what_cannot_be_told_is_refused_by_name() {
     // A zone of ribs that holds no rib.
     let empty = paper_with(vec![zone(Part::Ribs, 20.0, 22.0, 1.0)]);
     let message = refusal(&empty, &each_zone(&empty), &loads);
-    assert!(message.ends_with("do not tell zone_1_modulus_factor"), "{message}");
+    assert!(message.ends_with("do not determine zone_1_modulus_factor"), "{message}");
     // A tip that nothing bends, under noise that hides what little is left.
     let tip = paper_with(vec![zone(Part::Front, 150.0, 153.0, 1.0)]);
     let load = Load::at_node(NodeId(24), tip.direction(0.0) * 0.05);
@@ -227,7 +227,10 @@ fn what_cannot_be_told_is_refused_by_name() {
     let case = CalibrationCase { load, measurement: Measurement::of_shape(&tip, &shape) };
     let noisy = FactorModel { noise_mm: Some(CAMERA_NOISE_MM), ..LINEAR };
     let error = factors(&tip, &[case], &each_zone(&tip), &noisy).expect_err("too little");
-    assert!(matches!(&error, CalibrationError::NotTold { parameters } if parameters.contains("zone_1")), "{error}");
+    assert!(
+        matches!(&error, CalibrationError::NotIdentifiable { parameters } if parameters.contains("zone_1")),
+        "{error}"
+    );
 }
 
 /// Correlated factors are named, and others are not.

@@ -147,9 +147,9 @@ fn other_fingers_contacts_and_markers_are_refused() {
         let error = new(&paper(), &contacts).expect_err("other contacts");
         assert!(error.to_string().contains("exactly 19@0, 20@0"), "{error}");
     }
-    // The node by its place is the same contact.
-    let place_mm = paper().front_place_mm(NodeId(19)).expect("on the front plate");
-    assert_eq!(new(&paper(), &[at_position(place_mm, 0.0), at_node(20, 0.0)]), Ok(()));
+    // The node by its position is the same contact.
+    let position_mm = paper().front_position_mm(NodeId(19)).expect("on the front plate");
+    assert_eq!(new(&paper(), &[at_position(position_mm, 0.0), at_node(20, 0.0)]), Ok(()));
     let any = random_network(1, &[18, 19, 20], ContactSet::AnyOf, &[3], 4);
     assert!(NetworkEstimator::new(&any, &paper(), &[at_node(20, 0.0)], &all).is_ok());
     let error = NetworkEstimator::new(&any, &paper(), &[at_node(14, 0.0)], &all).expect_err("not among them");

@@ -13,8 +13,8 @@ proptest! {
     fn garbled_files_are_refused(changes in prop::collection::vec((any::<prop::sample::Index>(), 1..=255_u8), 1..4)) {
         let bytes = random_network(1, &[19, 20], ContactSet::Fixed, &[3], 4).to_bytes().expect("a file");
         let mut garbled = bytes.clone();
-        for (place, change) in changes {
-            garbled[place.index(bytes.len())] ^= change;
+        for (position, change) in changes {
+            garbled[position.index(bytes.len())] ^= change;
         }
         prop_assume!(garbled != bytes);
         prop_assert!(Network::from_bytes(&garbled).is_err());
@@ -37,10 +37,10 @@ fn truncated_files_and_every_changed_byte_are_refused() {
     for length in 0..bytes.len() {
         assert!(Network::from_bytes(&bytes[..length]).is_err(), "cut to {length} bytes");
     }
-    for place in 0..bytes.len() {
+    for position in 0..bytes.len() {
         let mut garbled = bytes.clone();
-        garbled[place] ^= 0x10;
-        assert!(Network::from_bytes(&garbled).is_err(), "byte {place} changed");
+        garbled[position] ^= 0x10;
+        assert!(Network::from_bytes(&garbled).is_err(), "byte {position} changed");
     }
 }
 

@@ -1,6 +1,6 @@
 //! The identity of a finger: its numbers, however they are written down.
 
-use finray_model::finger::{FingerDescription, Joints, Part, RibPlaces, Strip, Zone};
+use finray_model::finger::{FingerDescription, Joints, Part, RibPositions, Strip, Zone};
 use finray_model::sensing::network::Fingerprint;
 use finray_model::{Finger, Scene};
 use finray_tests::paper;
@@ -14,11 +14,12 @@ fn changed(change: impl Fn(&mut FingerDescription)) -> Fingerprint {
 #[test]
 fn a_fingerprint_is_that_of_the_numbers() {
     let fingerprint = Fingerprint::of(&paper());
-    let place = |i: usize| 153.0 * i as f64 / 12.0;
-    let by_hand = changed(|d| d.ribs.places = RibPlaces::Positions((1..=11).map(|i| [place(i), place(i)]).collect()));
+    let position = |i: usize| 153.0 * i as f64 / 12.0;
+    let by_hand =
+        changed(|d| d.ribs.positions = RibPositions::Positions((1..=11).map(|i| [position(i), position(i)]).collect()));
     assert_eq!(by_hand, fingerprint);
     let third =
-        changed(|d| d.ribs.places = RibPlaces::Positions((1..=11).map(|i| [51.0 * i as f64 / 4.0; 2]).collect()));
+        changed(|d| d.ribs.positions = RibPositions::Positions((1..=11).map(|i| [51.0 * i as f64 / 4.0; 2]).collect()));
     assert_eq!(third, fingerprint);
     let renamed = finray_fixtures::PAPER_SCENE.replace("name = \"paper\"", "name = \"mine\"");
     assert_eq!(Fingerprint::of(&Scene::from_toml(&renamed).expect("a scene").finger), fingerprint);
@@ -41,9 +42,9 @@ fn every_number_counts_in_a_fingerprint() {
     let a_bit = 1.0 + 1e-8;
     let ribs = |i: usize, j: usize| {
         move |d: &mut FingerDescription| {
-            let mut places: Vec<[f64; 2]> = (1..=11).map(|k| [12.75 * k as f64; 2]).collect();
-            places[i][j] *= 1.0 + 1e-8;
-            d.ribs.places = RibPlaces::Positions(places);
+            let mut positions: Vec<[f64; 2]> = (1..=11).map(|k| [12.75 * k as f64; 2]).collect();
+            positions[i][j] *= 1.0 + 1e-8;
+            d.ribs.positions = RibPositions::Positions(positions);
         }
     };
     let fingers = [
@@ -62,7 +63,7 @@ fn every_number_counts_in_a_fingerprint() {
         changed(|d| d.ribs.strip.as_mut().expect("elastic ribs").youngs_modulus_mpa *= a_bit),
         changed(|d| d.ribs.strip = None),
         changed(|d| d.ribs.joints = Joints::Hinged),
-        changed(|d| d.ribs.places = RibPlaces::Count(10)),
+        changed(|d| d.ribs.positions = RibPositions::Count(10)),
         changed(ribs(4, 0)),
         changed(ribs(4, 1)),
         changed(|d| d.zones = vec![zone(Part::Front, 10.0, 20.0, 0.5)]),

@@ -9,7 +9,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-/// Directions few enough that half of the markers tell them: hidden markers are filled in, and sigmas grow.
+/// Directions few enough that half of the markers determine them: hidden markers are filled in, and sigmas grow.
 #[test]
 fn hidden_markers_are_filled_in() {
     let network = random_network(5, &[17, 20], ContactSet::Fixed, &[20], 10);

@@ -40,7 +40,7 @@ fn wrong_contacts_are_refused() {
     assert!(matches!(refused(&[at_node(19, f64::NAN)]), SensingError::AngleNotFinite { contact: 1 }));
     assert!(matches!(refused(&[at_node(19, 3.0), at_node(19, 3.0)]), SensingError::SameContact { .. }));
     let off_plate = at_position(200.0, 0.0);
-    assert!(matches!(refused(&[off_plate]), SensingError::Load(LoadError::PlaceOffPlate { .. })));
+    assert!(matches!(refused(&[off_plate]), SensingError::Load(LoadError::PositionOffPlate { .. })));
 }
 
 /// Ranges and spreads that are none.

@@ -4,7 +4,7 @@ use super::{assert_normal, draw, linear};
 use finray_model::frame::FrameLoad;
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::samples::SampleRecipe;
-use finray_model::sensing::{Contact, ContactPlace, LinearEstimator, Prior};
+use finray_model::sensing::{Contact, ContactPosition, LinearEstimator, Prior};
 use finray_model::statics::Statics;
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
 use finray_tests::{STANDARD_ERRORS, at_node, at_position, largest, paper};
@@ -19,9 +19,9 @@ fn solved(finger: &Finger, recipe: &SampleRecipe, forces_n: &[f64]) -> Vec<f64> 
     let mesh = Mesh::with_elements_per_member(finger, recipe.elements);
     let load = |(contact, &force_n): (&Contact, &f64)| {
         let force = finger.direction(contact.angle_deg) * force_n;
-        let load = match contact.place {
-            ContactPlace::Node(node) => Load::at_node(node, force),
-            ContactPlace::Place(s_mm) => Load::at_place(s_mm, force),
+        let load = match contact.position {
+            ContactPosition::Node(node) => Load::at_node(node, force),
+            ContactPosition::At(s_mm) => Load::at_position(s_mm, force),
         };
         mesh.frame_load(&load).expect("on the front plate")
     };
@@ -68,13 +68,14 @@ fn hidden_markers_leave_out_their_rows() {
     assert_eq!(seen.forces, kept.forces);
     let markers: Vec<NodeId> = finger.free_nodes().filter(|node| ![2, 19, 24].contains(&node.0)).collect();
     assert_eq!((&kept.markers, &hidden.markers(&finger)), (&markers, &markers));
-    let places = markers.iter().map(|node| seen.markers.iter().position(|other| other == node).expect("seen before"));
-    let rows: Vec<usize> = places.flat_map(|place| [2 * place, 2 * place + 1]).collect();
+    let positions =
+        markers.iter().map(|node| seen.markers.iter().position(|other| other == node).expect("seen before"));
+    let rows: Vec<usize> = positions.flat_map(|position| [2 * position, 2 * position + 1]).collect();
     assert_eq!(kept.displacements, seen.displacements.select_rows(&rows));
 }
 
 /// The same random numbers give the same forces on fingers whose moduli scatter. The linear finger shows each case's
-/// factor; with large rotations the shape is that of a finger described with it.
+/// factor; co-rotational, the shape is that of a finger described with it.
 #[test]
 fn moduli_scatter_as_stated() {
     let finger = paper();

@@ -3,7 +3,7 @@
 
 use finray_model::frame::FrameLoad;
 use finray_model::measurement::{Marker, Measurement};
-use finray_model::sensing::{Contact, ContactPlace, ContactQuestion, Direction, NonlinearEstimator};
+use finray_model::sensing::{Contact, ContactPosition, ContactQuestion, Direction, NonlinearEstimator};
 use finray_model::statics::Statics;
 use finray_model::{Kinematics, Mesh, NodeId, Vector};
 use finray_tests::{
@@ -117,18 +117,19 @@ fn hard_measurements_are_right_or_refused() {
     }
 }
 
-/// Unknown directions and places: the stated sigma covers the force.
+/// Unknown directions and positions: the stated sigma covers the force.
 #[test]
-fn unknown_directions_and_places_are_covered() {
+fn unknown_directions_and_positions_are_covered() {
     let anywhere = |rng: &mut ChaCha8Rng| vec![at_position(rng.random_range(15.0..150.0), 0.0)];
     let hardship = Hardship { forces_n: [0.5, 3.0], ..CAMERA };
     for direction in [Direction::Angle(0.0), Direction::Auto] {
-        let question = ContactQuestion { place: None, direction };
+        let question = ContactQuestion { position: None, direction };
         let found = standardised_errors(&[question], anywhere, hardship, 150);
         assert_honest(&format!("{question:?}"), &found, 0.1);
     }
     for node in [14, 19, 24] {
-        let question = ContactQuestion { place: Some(ContactPlace::Node(NodeId(node))), direction: Direction::Auto };
+        let question =
+            ContactQuestion { position: Some(ContactPosition::Node(NodeId(node))), direction: Direction::Auto };
         let found = standardised_errors(&[question], |_| vec![at_node(node, 0.0)], hardship, 150);
         // Near the base a force hardly shows its direction.
         assert_honest(&format!("{question:?}"), &found, if node == 24 { 0.5 } else { 0.01 });

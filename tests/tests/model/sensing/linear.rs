@@ -2,7 +2,7 @@
 
 use finray_model::compliance::{Compliance, NodalCompliance};
 use finray_model::measurement::{Marker, Measurement};
-use finray_model::sensing::{Contact, ContactPlace, Estimate, LinearEstimator, Prior, SensingError};
+use finray_model::sensing::{Contact, ContactPosition, Estimate, LinearEstimator, Prior, SensingError};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId};
 use finray_tests::{CAMERA_NOISE_MM, at_node, at_position, cases, contact_node, finger_with_zones, noisy, paper, seen};
 use proptest::prelude::*;
@@ -31,7 +31,7 @@ fn sense(
 proptest! {
     #![proptest_config(cases(128))]
 
-    /// Any finger: what forces and moments on key nodes do adds up to what a load at any place, on a node or on an arm does.
+    /// Any finger: what forces and moments on key nodes do adds up to what a load at any position, on a node or on an arm does.
     #[test]
     fn a_finger_solved_once_serves_every_load(
         finger in finger_with_zones(),
@@ -41,7 +41,7 @@ proptest! {
             .iter()
             .map(|&(s, angle_deg)| at_position(s * finger.description().front_length_mm, angle_deg))
             .collect();
-        contacts[0].place = ContactPlace::Node(contact_node(&finger, at[0].0));
+        contacts[0].position = ContactPosition::Node(contact_node(&finger, at[0].0));
         let loads: Vec<Load> = contacts.iter().map(|contact| contact.unit_load(&finger)).collect();
         let (ours, theirs) = (NodalCompliance::new(&finger).columns(&loads), Compliance::new(&finger, &loads));
         let (ours, theirs) = (ours.expect("a solution"), theirs.expect("a solution"));
@@ -65,7 +65,7 @@ proptest! {
             .iter()
             .map(|&(s, angle_deg, _)| at_position(s * finger.description().front_length_mm, angle_deg))
             .collect();
-        contacts[0].place = ContactPlace::Node(contact_node(&finger, at[0].0));
+        contacts[0].position = ContactPosition::Node(contact_node(&finger, at[0].0));
         let forces: Vec<f64> = at.iter().map(|c| c.2).collect();
         let all = measured(&finger, &contacts, &forces);
         let hide: Vec<NodeId> = finger.free_nodes().filter(|n| ((n.0 as f64 * 0.618).fract()) < 0.4 * hidden).collect();
@@ -80,7 +80,7 @@ proptest! {
                     prop_assert!((sensed - applied).abs() <= EXACT * largest * (span / 1e4).max(1.0), "{sensed} against {applied}, span {span:e}");
                 }
             }
-            // Close contacts on a stiff rib cannot be told apart by few markers: refused, not answered.
+            // Close contacts on a stiff rib are not identifiable from few markers: refused, not answered.
             Err(error) => prop_assert!(
                 matches!(error, SensingError::TooFewMarkers { .. } | SensingError::IllConditioned { .. }),
                 "{error}"
@@ -89,7 +89,7 @@ proptest! {
     }
 }
 
-/// The stated standard deviation is that of the estimates: 4000 noisy pictures of three contacts, whose sample standard
+/// The stated standard deviation is that of the estimates: 4000 noise samples of three contacts, whose sample standard
 /// deviation is itself known to 1.1 % (one sigma).
 #[test]
 fn stated_sigma_is_the_scatter() {
@@ -167,8 +167,8 @@ fn ill_posed_questions_are_refused() {
     let refused = |contacts: &[Contact], m: &Measurement| sense(&finger, contacts, m, None).expect_err("ill-posed");
     assert!(matches!(refused(&[], &m), SensingError::NoContact));
     assert!(matches!(refused(&[at_node(19, 5.0), at_node(19, 5.0)], &m), SensingError::SameContact { .. }));
-    let same_place = at_position(76.5, 5.0);
-    assert!(matches!(refused(&[at_node(19, 5.0), same_place], &m), SensingError::SameContact { .. }));
+    let same_position = at_position(76.5, 5.0);
+    assert!(matches!(refused(&[at_node(19, 5.0), same_position], &m), SensingError::SameContact { .. }));
     assert!(matches!(refused(&[at_node(7, 0.0)], &m), SensingError::NotAContactNode { .. }));
     assert!(matches!(refused(&[at_node(25, 0.0)], &m), SensingError::Load(_)));
     assert!(matches!(refused(&[at_node(26, 0.0)], &m), SensingError::Load(_)));
@@ -207,6 +207,6 @@ fn ridge_is_the_posterior_of_its_prior() {
         assert!((ours.forces_n[i] - forces[i]).abs() < 1e-9, "{:?} against {forces}", ours.forces_n);
         assert!((ours.sigmas_n[i] - noise_mm * inverse[(i, i)].sqrt()).abs() < 1e-9);
     }
-    // It shrinks what neighbours cannot tell apart.
+    // It shrinks what is not identifiable of neighbours.
     assert!(ours.forces_n[0] < 2.0 && ours.forces_n[1] > -1.0);
 }

@@ -3,7 +3,7 @@
 use finray_model::frame::FrameLoad;
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::sensing::{
-    Contact, ContactPlace, ContactQuestion, Direction, NonlinearEstimator, SensingError, sense_refining,
+    Contact, ContactPosition, ContactQuestion, Direction, NonlinearEstimator, SensingError, sense_refining,
 };
 use finray_model::statics::{Statics, StaticsError};
 use finray_model::{Kinematics, Load, Mesh, NodeId, Vector};
@@ -61,9 +61,9 @@ fn forces_come_back_from_the_fine_mesh() {
     assert!(worst.iter().all(|e| *e <= 0.003), "refined: {worst:?}");
 }
 
-/// Unknown places and directions are found, alone and together.
+/// Unknown positions and directions are found, alone and together.
 #[test]
-fn places_and_directions_are_found() {
+fn positions_and_directions_are_found() {
     let finger = paper();
     let fine = Mesh::with_nodes(&finger, 684).expect("fine mesh");
     for (s_mm, angle, force) in
@@ -71,13 +71,13 @@ fn places_and_directions_are_found() {
     {
         let contact = at_position(s_mm, angle);
         let measurement = seen(&fine, &[contact], &[force], Kinematics::Corotational).expect("carried");
-        let known = (Some(contact.place), Direction::Angle(angle));
-        for (place, direction) in [(None, known.1), (known.0, Direction::Auto), (None, Direction::Auto)] {
-            let question = ContactQuestion { place, direction };
+        let known = (Some(contact.position), Direction::Angle(angle));
+        for (position, direction) in [(None, known.1), (known.0, Direction::Auto), (None, Direction::Auto)] {
+            let question = ContactQuestion { position, direction };
             let found = sense_refining(&finger, &[question], &measurement, None).expect("identifiable");
-            let place = found.contacts[0].place_mm(&finger).expect("on the plate");
+            let position = found.contacts[0].position_mm(&finger).expect("on the plate");
             assert!((found.forces.forces_n[0] / force - 1.0).abs() < 2e-3, "{contact:?} {question:?}: {found:?}");
-            assert!((place - s_mm).abs() < 0.05, "{contact:?}: {place}");
+            assert!((position - s_mm).abs() < 0.05, "{contact:?}: {position}");
             assert!((found.contacts[0].angle_deg - angle).abs() < 0.05, "{contact:?}: {found:?}");
         }
     }
@@ -96,7 +96,7 @@ fn normals_turn_with_the_plate() {
         contact.angle_deg = mesh.shape(&motion).motion(NodeId(16)).rotation.to_degrees();
     }
     let measurement = seen(&mesh, &[contact], &[3.0], Kinematics::Corotational).expect("carried");
-    let question = ContactQuestion { place: Some(contact.place), direction: Direction::Normal };
+    let question = ContactQuestion { position: Some(contact.position), direction: Direction::Normal };
     let mut estimator = NonlinearEstimator::new(&mesh, &[question]).expect("a contact node");
     let found = estimator.estimate(&measurement, None).expect("identifiable");
     assert!(contact.angle_deg.abs() > 2.0, "the plate turns: {}", contact.angle_deg);
@@ -142,7 +142,7 @@ fn what_noise_does_not_explain_is_uncertainty() {
     assert_eq!(ask(19, 1.0).noise_mm, 1.0);
 }
 
-/// What the data cannot tell is refused.
+/// What is not identifiable is refused.
 #[test]
 fn what_cannot_be_told_is_refused() {
     let finger = paper();
@@ -153,7 +153,7 @@ fn what_cannot_be_told_is_refused() {
             .estimate(measurement, Some(CAMERA_NOISE_MM))
             .map(|found| found.forces.forces_n)
     };
-    let auto = ContactQuestion { place: Some(ContactPlace::Node(NodeId(24))), direction: Direction::Auto };
+    let auto = ContactQuestion { position: Some(ContactPosition::Node(NodeId(24))), direction: Direction::Auto };
     assert!(matches!(ask(&[auto], &faint), Err(SensingError::Undetermined { .. })));
     assert!(matches!(ask(&[], &faint), Err(SensingError::NoContact)));
     let elsewhere = ContactQuestion::from(at_node(5, 0.0));
@@ -179,7 +179,7 @@ proptest! {
         let node = contact_node(&finger, at[0]);
         let length = finger.description().front_length_mm;
         let force = force_for_deflection(&finger, node, angle, share);
-        let place = |s_mm: f64| mesh.frame_load(&Load::at_place(s_mm, force * 0.5)).expect("on the plate");
+        let position = |s_mm: f64| mesh.frame_load(&Load::at_position(s_mm, force * 0.5)).expect("on the plate");
         let bent = mesh.frame_load(&Load::at_node(node, force)).expect("a contact node");
         let mut statics = Statics::ladder(&mesh, Kinematics::Corotational);
         let mut displacements = |loads: &[FrameLoad]| {
@@ -188,16 +188,16 @@ proptest! {
         let (step, shift) = (1e-4, 1e-4 * length);
         let s_mm = at[1] * length;
         let all = [
-            displacements(&[bent, place(s_mm)]),
-            displacements(&[bent.scaled(1.0 + step), place(s_mm)]),
-            displacements(&[bent.scaled(1.0 - step), place(s_mm)]),
-            displacements(&[bent, place(s_mm + shift)]),
-            displacements(&[bent, place(s_mm - shift)]),
+            displacements(&[bent, position(s_mm)]),
+            displacements(&[bent.scaled(1.0 + step), position(s_mm)]),
+            displacements(&[bent.scaled(1.0 - step), position(s_mm)]),
+            displacements(&[bent, position(s_mm + shift)]),
+            displacements(&[bent, position(s_mm - shift)]),
         ];
         let [Some(_), Some(more), Some(less), Some(further), Some(nearer)] = all else {
             return Err(TestCaseError::reject("no equilibrium"));
         };
-        let loads = [bent, place(s_mm)];
+        let loads = [bent, position(s_mm)];
         let found = statics.equilibrium(&loads).expect("found before");
         prop_assert!(statics.linearise(&found.motion, &loads));
         let mut rates = vec![Vector::zeros(); finger.key_node_count()];
@@ -209,7 +209,7 @@ proptest! {
         }
         // Where the load stays on one element (an arm, a node between two have a kink).
         let [FrameLoad::Interior { member: a, .. }, FrameLoad::Interior { member: b, .. }] =
-            [place(s_mm + shift), place(s_mm - shift)] else { return Err(TestCaseError::reject("a kink")) };
+            [position(s_mm + shift), position(s_mm - shift)] else { return Err(TestCaseError::reject("a kink")) };
         prop_assume!(a == b);
         statics.equations_mut().moved_load(&found.motion, &loads[1], &mut rates);
         let largest = rates.iter().map(|u| u.norm()).fold(0.0, f64::max);

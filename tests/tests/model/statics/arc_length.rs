@@ -154,7 +154,7 @@ fn degenerate_frames() {
 proptest! {
     #![proptest_config(cases(64))]
 
-    /// On its first stable stretch a path passes through the equilibria that load steps find, with arms, hinges, rigid
+    /// On its first stable branch a path passes through the equilibria that load steps find, with arms, hinges, rigid
     /// links, moments and loads between nodes; and where load steps end, the path has its first limit or bifurcation.
     #[test]
     fn paths_pass_through_the_equilibria_of_load_steps(
@@ -169,7 +169,7 @@ proptest! {
         let length = finger.description().front_length_mm;
         let loads = [
             Load::Node { node, force: force * 0.7, moment_nmm: 0.01 * length * force.norm() },
-            Load::at_place(at[1] * length, force * 0.3),
+            Load::at_position(at[1] * length, force * 0.3),
         ];
         let loads = loads.map(|load| mesh.frame_load(&load).expect("on the finger"));
         let path = ArcLength::new(mesh.frame(), Kinematics::Corotational)

@@ -1,6 +1,6 @@
 //! Equilibria of single fingers: the sizes that the paper gives, and fingers that were once solved wrongly.
 
-use finray_model::finger::{FingerDescription, Joints, RibDescription, RibPlaces, Strip};
+use finray_model::finger::{FingerDescription, Joints, RibDescription, RibPositions, Strip};
 use finray_model::statics::{Statics, StaticsError, reaction, solve};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
 use finray_tests::paper;
@@ -35,7 +35,7 @@ fn a_buckling_load_is_not_jumped_over() {
         front: strip(1.94819, 181.17),
         back: strip(0.5, 353.372),
         ribs: RibDescription {
-            places: RibPlaces::Positions(vec![[59.8018, 29.6223], [120.8031, 74.9941]]),
+            positions: RibPositions::Positions(vec![[59.8018, 29.6223], [120.8031, 74.9941]]),
             joints: Joints::Hinged,
             strip: None,
         },
@@ -53,14 +53,15 @@ fn a_buckling_load_is_not_jumped_over() {
     }
 }
 
-/// A linear finger cannot snap through: what double precision cannot solve (a stretch 1e22 times stiffer than the next)
+/// A linear finger cannot snap through: what double precision cannot solve (a member 1e22 times stiffer than the next)
 /// was once refused as if it did.
 #[test]
 fn a_linear_finger_is_never_said_to_buckle() {
     let paper = paper();
     for gap_mm in [1e-3, 1e-4, 1e-5, 1e-6] {
         let mut description = paper.description().clone();
-        description.ribs.places = RibPlaces::Positions([40.0, 80.0, 80.0 + gap_mm, 120.0].map(|s| [s, s]).to_vec());
+        description.ribs.positions =
+            RibPositions::Positions([40.0, 80.0, 80.0 + gap_mm, 120.0].map(|s| [s, s]).to_vec());
         let finger = Finger::new(description).expect("possible");
         let mesh = Mesh::key_nodes(&finger);
         let load = mesh.frame_load(&Load::at_node(NodeId(8), finger.direction(0.0))).expect("a contact node");

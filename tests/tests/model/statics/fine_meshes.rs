@@ -66,7 +66,7 @@ proptest! {
     }
 }
 
-/// The paper's finger; one with plates like foil; two with a stretch between key nodes that is a million times stiffer or
+/// The paper's finger; one with plates like foil; two with a member that is a million times stiffer or
 /// softer. Forces in N that bend them a little.
 fn hard_fingers() -> Vec<(Finger, f64)> {
     let of = |change: &dyn Fn(&mut FingerDescription)| {
@@ -118,7 +118,7 @@ fn stated_digits_are_there() {
     assert!((1..10).contains(&refused), "{refused} of 20 refused");
 }
 
-/// Where rounding leaves nothing, large rotations are not blamed on a finger that snaps.
+/// Where rounding leaves nothing, the refusal does not name snap-through.
 #[test]
 fn meshes_that_are_too_fine_are_refused() {
     let (finger, force) = hard_fingers().swap_remove(2);

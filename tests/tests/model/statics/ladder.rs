@@ -12,7 +12,7 @@ const AGREEMENT: f64 = 1e-8;
 proptest! {
     #![proptest_config(cases(192))]
 
-    /// Any finger, any mesh: hinges, rigid links, arms, zones; loads on nodes with moments, at places, inside elements.
+    /// Any finger, any mesh: hinges, rigid links, arms, zones; loads on nodes with moments, at positions, inside elements.
     #[test]
     fn agrees_with_the_sparse_path(
         finger in finger_with_zones(),
@@ -29,7 +29,7 @@ proptest! {
         let inside = FrameLoad::Node { node: mesh.frame().node_count() - 1, force: force * 0.1, moment_nmm: 0.1 * moment };
         let loads: Vec<FrameLoad> = [
             Load::Node { node, force: force * 0.6, moment_nmm: moment * force.norm() },
-            Load::at_place(at[1] * finger.description().front_length_mm, force * 0.3),
+            Load::at_position(at[1] * finger.description().front_length_mm, force * 0.3),
         ]
         .iter()
         .map(|load| mesh.frame_load(load).expect("on the finger"))

@@ -71,7 +71,7 @@ proptest! {
         prop_assert!(work > 0.0);
     }
 
-    /// Forces and moments of loads and supports balance in the deformed place, for every kinematics; with a moment, and
+    /// Forces and moments of loads and supports balance in the deformed position, for every kinematics; with a moment, and
     /// a load between nodes or on an arm.
     #[test]
     fn loads_and_reactions_balance(
@@ -85,15 +85,15 @@ proptest! {
         let force = force_for_deflection(&finger, node, angle, share);
         let length = finger.description().front_length_mm;
         let at_node = Load::Node { node, force, moment_nmm: 0.01 * length * force.norm() };
-        for load in [at_node, Load::at_place(at[1] * length, force)] {
+        for load in [at_node, Load::at_position(at[1] * length, force)] {
             let load = mesh.frame_load(&load).expect("on the finger");
             for kinematics in KINEMATICS {
                 let Ok(equilibrium) = Statics::sparse(mesh.frame(), kinematics).equilibrium(&[load]) else {
                     return Err(TestCaseError::reject("no equilibrium"));
                 };
                 let motion = &equilibrium.motion;
-                // Small displacements balance in the undeformed place.
-                let place = |index: usize| match kinematics {
+                // Small displacements balance in the undeformed position.
+                let position = |index: usize| match kinematics {
                     Kinematics::Linear => mesh.frame().position(index),
                     _ => mesh.frame().position(index) + motion.displacements[index],
                 };
@@ -104,9 +104,9 @@ proptest! {
                 let tolerance = 1e-7 * force.norm();
                 prop_assert!(sum.norm() <= tolerance, "{kinematics:?}: forces {sum}");
                 if let FrameLoad::Node { node, moment_nmm, .. } = load {
-                    let moment: f64 = place(node).perp(&force)
+                    let moment: f64 = position(node).perp(&force)
                         + moment_nmm
-                        + reactions.iter().map(|r| place(r.node).perp(&r.force) + r.moment_nmm).sum::<f64>();
+                        + reactions.iter().map(|r| position(r.node).perp(&r.force) + r.moment_nmm).sum::<f64>();
                     prop_assert!(moment.abs() <= tolerance * length, "{kinematics:?}: moment {moment}");
                 }
             }
@@ -126,10 +126,10 @@ proptest! {
         prop_assert!((energy - 0.5 * work).abs() <= 1e-8 * work);
     }
 
-    /// The elastic energy of the large-rotation finger is the work of its load along the path, by Simpson's rule over
+    /// The elastic energy of the co-rotational finger is the work of its load along the path, by Simpson's rule over
     /// the force; how far the rule can be trusted is seen from half as many steps (near a snap it is not smooth).
     #[test]
-    fn large_rotation_energy_is_the_work_of_the_load(finger in finger_with_zones(), at in 0.0..1.0, angle in -60.0..60.0) {
+    fn corotational_energy_is_the_work_of_the_load(finger in finger_with_zones(), at in 0.0..1.0, angle in -60.0..60.0) {
         const STEPS: usize = 64;
         let mesh = Mesh::key_nodes(&finger);
         let node = contact_node(&finger, at);
@@ -191,7 +191,7 @@ proptest! {
     #[test]
     fn consistent_loads_are_exact_at_the_nodes(finger in finger(), at in 0.08..1.0, angle in -90.0..90.0) {
         let s_mm = at * finger.description().front_length_mm;
-        let load = Load::at_place(s_mm, finger.direction(angle));
+        let load = Load::at_position(s_mm, finger.direction(angle));
         let coarse = solve(&Mesh::key_nodes(&finger), &[load], Kinematics::Linear).expect("linear solution");
         for elements in [3, 8] {
             let fine = solve(&Mesh::with_elements_per_member(&finger, elements), &[load], Kinematics::Linear).expect("linear solution");
@@ -213,7 +213,7 @@ proptest! {
         let node = contact_node(&finger, at[0]);
         let loads: Vec<FrameLoad> = [
             Load::Node { node, force: force_for_deflection(&finger, node, 20.0, bent), moment_nmm: 3.0 },
-            Load::at_place(at[1] * finger.description().front_length_mm, force_for_deflection(&finger, node, -30.0, bent)),
+            Load::at_position(at[1] * finger.description().front_length_mm, force_for_deflection(&finger, node, -30.0, bent)),
         ]
         .iter()
         .map(|load| mesh.frame_load(load).expect("on the finger"))

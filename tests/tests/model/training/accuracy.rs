@@ -37,7 +37,7 @@ fn linear_forces(recipe: &SampleRecipe, samples: &Samples, displacements: &DMatr
 }
 
 /// Cramer-Rao bound of each force, root mean square over the cases, N: noise^2 (J^T J)^-1 with J the derivatives of the
-/// large-rotation finger's displacements by the forces, from differences.
+/// co-rotational finger's displacements by the forces, from differences.
 fn bounds_n(recipe: &SampleRecipe, samples: &Samples, noise_mm: f64) -> Vec<f64> {
     let finger = paper();
     let mesh = Mesh::with_elements_per_member(&finger, recipe.elements);
@@ -61,13 +61,13 @@ fn bounds_n(recipe: &SampleRecipe, samples: &Samples, noise_mm: f64) -> Vec<f64>
             })
             .collect();
         let jacobian = DMatrix::from_columns(&columns);
-        let covariance = (jacobian.transpose() * jacobian).try_inverse().expect("forces are told apart");
+        let covariance = (jacobian.transpose() * jacobian).try_inverse().expect("identifiable forces");
         (0..forces.len()).for_each(|i| variances[i] += covariance[(i, i)] * noise_mm * noise_mm);
     }
     variances.iter().map(|sum| (sum / samples.count() as f64).sqrt()).collect()
 }
 
-/// A second's training senses large rotations under noise: near the bound, and far better than the linear finger.
+/// A second of training senses the co-rotational finger under noise near the bound, and far better than the linear finger.
 #[test]
 fn tiny_networks_sense_the_nonlinear_finger() {
     for nodes in [&[19][..], &[16, 20], &[19, 20]] {

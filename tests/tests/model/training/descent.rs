@@ -40,7 +40,7 @@ fn restless() -> TrainingRecipe {
     }
 }
 
-/// Training ends once so many epochs in a row were no better, and not before.
+/// Training ends once the stated number of epochs in a row were no better, and not before.
 #[test]
 fn training_stops_when_patience_ends() {
     for patience in [1, 3] {

@@ -1,5 +1,5 @@
 //! Training of sensing networks: tiny ones that train in a second must sense nearly as well as the noise allows and state truly how well they
-//! do (`accuracy`), descend as told (`descent`), and be what their recipe says (`recipes`).
+//! do (`accuracy`), descend as set (`descent`), and be what their recipe says (`recipes`).
 
 use finray_model::measurement::Measurement;
 use finray_model::samples::{SampleRecipe, Samples, Stream};
@@ -22,7 +22,7 @@ const FRESH_SEED: u64 = 99;
 /// Losses that training finds in single precision against the same from forces in N, relative.
 const SINGLE_PRECISION: f64 = 1e-3;
 
-/// Large rotations and noise, as small as serves.
+/// The smallest co-rotational recipe with noise that serves.
 fn tiny(nodes: &[usize], count: usize, width: usize, epochs: usize) -> TrainingRecipe {
     TrainingRecipe {
         count,

@@ -1,4 +1,4 @@
-//! What a card tells of its recipe, and recipes that are refused.
+//! What a card says of its recipe, and recipes that are refused.
 
 use super::{fresh, sensed, tiny, trained};
 use finray_model::samples::SamplesError;
@@ -8,7 +8,7 @@ use finray_model::train::{TrainError, TrainingRecipe, train};
 use finray_model::{Kinematics, NodeId};
 use finray_tests::{CAMERA_NOISE_MM, at_nodes, paper};
 
-/// The card tells the recipe; markers that are hidden twice, or clamped, are hidden once.
+/// The card has the recipe; markers that are hidden twice, or clamped, are hidden once.
 #[test]
 fn the_card_tells_the_recipe() {
     let mut recipe = tiny(&[16, 20], 100, 4, 2);

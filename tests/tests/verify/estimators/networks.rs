@@ -42,7 +42,7 @@ fn errors(
     scatter(&request, estimators, sets, TWO_FORCES_N, &|| {}).expect("contact nodes")
 }
 
-/// Every node and every pair that a network ships for: mean errors as promised, none of them much above the bound, none
+/// Every node and every pair that a network ships for: mean errors within tolerance, none of them much above the bound, none
 /// refused, and stated deviations that cover the truth as often as they claim.
 #[test]
 fn errors_are_near_the_bound() {
@@ -107,9 +107,9 @@ fn the_network_for_any_nodes_beats_ridge() {
 fn what_ships_was_trained_as_told() {
     let finger = paper();
     let networks = Networks::shipped().expect("networks that read");
-    let told = shipping(&finger);
-    assert_eq!(told.len(), 16);
-    for Shipping { name, recipe } in told {
+    let shipped = shipping(&finger);
+    assert_eq!(shipped.len(), 16);
+    for Shipping { name, recipe } in shipped {
         let network = networks.choose(&finger, &recipe.samples.contacts).expect("a network");
         let (card, origin) = (&network.card, &network.card.origin);
         assert_eq!(card.contacts, recipe.samples.contacts, "{name}");

@@ -12,7 +12,7 @@ use finray_verify::estimators::{BeamEstimator, ELEMENTS, Estimator};
 use finray_verify::experiments::causes::ContactKnowledge::{Assumed, Known};
 use finray_verify::experiments::causes::Practice::{LeastSquares, Nonlinear};
 use finray_verify::experiments::causes::{
-    Cause, CauseCell, CauseMap, CauseRequest, ContactKnowledge, DIRECTION_OFF_DEG, PLACE_OFF_MM, Practice, causes,
+    Cause, CauseCell, CauseMap, CauseRequest, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM, Practice, causes,
     network,
 };
 use finray_verify::experiments::table_one::{CALIBRATION_NODES, WEIGHTS_G, weight_n};
@@ -20,7 +20,7 @@ use finray_verify::truths::TruthId;
 use finray_verify::truths::{MeshTruth, Truth, fine_mesh};
 use std::sync::LazyLock;
 
-/// Forces this small leave the finger linear: what large rotations do to shapes of 0.02 mm is a thousandth of them.
+/// Forces this small leave the finger linear: geometric nonlinearity changes shapes of 0.02 mm by a thousandth.
 const SMALL_FORCE_N: f64 = 2e-3;
 /// What they do to errors, relative.
 const NEARLY_LINEAR: f64 = 5e-3;
@@ -32,7 +32,7 @@ fn one_map(
 ) -> CauseMap {
     let request = CauseRequest {
         practices: vec![practice],
-        places_mm: vec![s_mm],
+        positions_mm: vec![s_mm],
         angles_deg: vec![angle_deg],
         forces_n: vec![force_n],
         noise_mm,
@@ -88,26 +88,26 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 #[test]
-fn wrong_direction_and_place_err_as_the_projection_of_one_shape_on_another() {
+fn wrong_direction_and_position_err_as_the_projection_of_one_shape_on_another() {
     let finger = paper();
     let modulus = *LINEAR_MODULUS_FACTOR;
     for (s_mm, angle_deg) in [(25.5, 0.0), (70.0, 30.0), (120.0, -50.0)] {
         let map = one_map(&finger, (LeastSquares, Assumed), [s_mm, angle_deg, SMALL_FORCE_N, 0.0]);
         let true_shape = column(&finger, s_mm, angle_deg);
-        let mean_square = |places: &[f64], angles: &[f64]| {
+        let mean_square = |positions: &[f64], angles: &[f64]| {
             let mut sum = 0.0;
-            for place_off in places {
+            for position_off in positions {
                 for angle_off in angles {
-                    let assumed = column(&finger, s_mm + place_off, angle_deg + angle_off);
+                    let assumed = column(&finger, s_mm + position_off, angle_deg + angle_off);
                     sum += (modulus * dot(&assumed, &true_shape) / dot(&assumed, &assumed) - 1.0).powi(2);
                 }
             }
-            sum / (places.len() * angles.len()) as f64
+            sum / (positions.len() * angles.len()) as f64
         };
-        let (places, angles) = ([-PLACE_OFF_MM, PLACE_OFF_MM], [-DIRECTION_OFF_DEG, DIRECTION_OFF_DEG]);
-        let all = mean_square(&places, &angles);
-        let expected = [1.0 - mean_square(&places, &[0.0]) / all, 1.0 - mean_square(&[0.0], &angles) / all];
-        let found = [share(&map, Cause::Direction), share(&map, Cause::Place)];
+        let (positions, angles) = ([-POSITION_OFF_MM, POSITION_OFF_MM], [-DIRECTION_OFF_DEG, DIRECTION_OFF_DEG]);
+        let all = mean_square(&positions, &angles);
+        let expected = [1.0 - mean_square(&positions, &[0.0]) / all, 1.0 - mean_square(&[0.0], &angles) / all];
+        let found = [share(&map, Cause::Direction), share(&map, Cause::Position)];
         let rms = only(&map).rms_error.unwrap();
         assert!((rms / all.sqrt() - 1.0).abs() < NEARLY_LINEAR, "{s_mm} mm: {rms} against {}", all.sqrt());
         for (found, expected) in found.into_iter().zip(expected) {
@@ -163,7 +163,7 @@ fn soft_zones_are_the_cause_where_they_are() {
 }
 
 #[test]
-fn large_rotation_is_the_cause_where_all_else_is_known() {
+fn linearisation_is_the_cause_where_all_else_is_known() {
     let finger = paper();
     let linear = one_map(&finger, (LeastSquares, Known), [63.75, -40.0, 3.0, 0.0]);
     let nonlinear = one_map(&finger, (Nonlinear, Known), [63.75, -40.0, 3.0, 0.0]);
@@ -188,7 +188,7 @@ fn what_a_network_gets_wrong_is_told_from_what_its_model_does() {
     for (share, _) in fit(&model) {
         assert!(share.abs() < 1e-6, "{share}");
     }
-    // Forces that are all too small by the same share; places and directions that are off take the rest.
+    // Forces that are all too small by the same share; positions and directions that are off take the rest.
     let short = Worse { estimator: model, sees: Measurement::clone, force_factor: 0.5 };
     for (share, rms) in fit(&short) {
         assert!(rms > 0.4 && share > 0.7, "{rms} {share}");

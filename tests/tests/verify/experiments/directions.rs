@@ -4,14 +4,14 @@
 use finray_model::{Kinematics, Mesh};
 use finray_tests::{CAMERA_NOISE_MM, STANDARD_ERRORS, paper};
 use finray_verify::experiments::direction::{
-    Assumption, DirectionCell, DirectionRequest, DirectionStudy, FORCES_N, TOLD_DEG, TOLD_FORCE,
+    Assumption, DirectionCell, DirectionRequest, DirectionStudy, FORCES_N, IDENTIFIED_DEG, IDENTIFIED_FORCE,
 };
 use finray_verify::truths::MeshTruth;
 use finray_verify::truths::TruthId;
 use std::sync::LazyLock;
 
-/// Noise pictures a cell.
-const PICTURES: usize = 24;
+/// Noise samples a cell.
+const SAMPLES: usize = 24;
 /// What a direction's curve may add to an error that the bound, which is linear, does not have: where the bound is small.
 const CURVED: f64 = 0.1;
 
@@ -21,26 +21,26 @@ static STUDY: LazyLock<DirectionStudy> = LazyLock::new(|| {
     let request = DirectionRequest {
         model: &mesh,
         noise_mm: CAMERA_NOISE_MM,
-        places: 6,
+        positions: 6,
         step_deg: 40.0,
-        pictures: PICTURES,
+        samples: SAMPLES,
         seed: 5,
     };
     DirectionStudy::run(&truth, &request, &|| {}).expect("contacts on the finger")
 });
 
-/// Where the bound is low every picture is answered, and the errors are the bound's.
+/// Where the bound is low every sample is answered, and the errors are the bound's.
 #[test]
 fn what_can_be_told_is_told_to_the_bound() {
-    let allowed = CURVED + STANDARD_ERRORS / (2.0 * PICTURES as f64).sqrt();
+    let allowed = CURVED + STANDARD_ERRORS / (2.0 * SAMPLES as f64).sqrt();
     let mut sure = 0;
     let low = |cell: &&DirectionCell| {
         let bounds = cell.angle_bound_deg.zip(cell.force_bound);
-        bounds.is_some_and(|(angle, force)| angle < 0.5 * TOLD_DEG && force < 0.5 * TOLD_FORCE)
+        bounds.is_some_and(|(angle, force)| angle < 0.5 * IDENTIFIED_DEG && force < 0.5 * IDENTIFIED_FORCE)
     };
     for cell in STUDY.cells.iter().filter(low) {
         sure += 1;
-        assert_eq!(cell.answers.answered, PICTURES, "{cell:?}");
+        assert_eq!(cell.answers.answered, SAMPLES, "{cell:?}");
         let over = |error: Option<f64>, bound: Option<f64>| error.expect("answers") / bound.expect("a bound");
         let angle = over(cell.answers.angle_error_deg, cell.angle_bound_deg);
         let force = over(cell.answers.force_error, cell.force_bound);
@@ -49,7 +49,7 @@ fn what_can_be_told_is_told_to_the_bound() {
     assert!(sure >= 12, "{sure} cells say little");
 }
 
-/// Where no estimator could tell a direction to 60 degrees, much is refused, nothing is called told, and what is answered,
+/// Where the bound of a direction is above 60 degrees, much is refused, nothing counts as identified, and what is answered,
 /// as noise made a force look larger than it is, states how far it may be off.
 #[test]
 fn what_cannot_be_told_is_refused_or_open() {
@@ -58,7 +58,7 @@ fn what_cannot_be_told_is_refused_or_open() {
     for cell in open {
         count += 1;
         let answers = cell.answers;
-        assert!(4 * answers.answered <= 3 * PICTURES && !answers.told(), "{cell:?}");
+        assert!(4 * answers.answered <= 3 * SAMPLES && !answers.is_identified(), "{cell:?}");
         assert!(
             answers.force_error.zip(answers.force_sigma).is_none_or(|(error, sigma)| error < 2.0 * sigma),
             "{cell:?}"
@@ -69,22 +69,22 @@ fn what_cannot_be_told_is_refused_or_open() {
         STUDY
             .cells
             .iter()
-            .filter(|cell| cell.answers.told())
-            .all(|cell| cell.angle_bound_deg.is_some_and(|bound| bound < 1.3 * TOLD_DEG))
+            .filter(|cell| cell.answers.is_identified())
+            .all(|cell| cell.angle_bound_deg.is_some_and(|bound| bound < 1.3 * IDENTIFIED_DEG))
     );
 }
 
-/// The larger the force the better its direction is told.
+/// The larger the force the better its direction is identified.
 #[test]
 fn larger_forces_are_told_in_more_directions() {
     let shares = FORCES_N.map(|force_n| {
-        let [told, all] = STUDY.told(force_n);
-        told as f64 / all as f64
+        let [identified, all] = STUDY.identified(force_n);
+        identified as f64 / all as f64
     });
     assert!(shares[0] < shares[1] && shares[1] < shares[2], "{shares:?}");
 }
 
-/// A push along the deformed normal: who assumes just that errs least, without bias; the undeformed normal is off by the
+/// A push along the deformed normal: the estimator that assumes it errs least, without bias; the undeformed normal is off by the
 /// plate's turn.
 #[test]
 fn the_deformed_normal_is_worth_assuming() {
@@ -98,10 +98,10 @@ fn the_deformed_normal_is_worth_assuming() {
     assert!(2.0 * normal < undeformed && normal < unknown, "{undeformed} {normal} {unknown}");
     for push in STUDY.without_friction.iter().filter(|push| push.assumed == Assumption::Normal) {
         let turned = push.angle_deg.expect("it is carried");
-        assert_eq!(push.answers.answered, PICTURES, "{push:?}");
+        assert_eq!(push.answers.answered, SAMPLES, "{push:?}");
         // The estimate's own normal is the true one.
         assert!(push.answers.angle_error_deg.expect("answers") < 1.0 + 0.1 * turned.abs(), "{push:?}");
         let over = push.answers.force_error.expect("answers") / push.answers.force_sigma.expect("answers");
-        assert!((over - 1.0).abs() <= CURVED + STANDARD_ERRORS / (2.0 * PICTURES as f64).sqrt(), "{over} {push:?}");
+        assert!((over - 1.0).abs() <= CURVED + STANDARD_ERRORS / (2.0 * SAMPLES as f64).sqrt(), "{over} {push:?}");
     }
 }

@@ -1,8 +1,8 @@
-//! What explains the maps, against the same things found another way: scatter of estimates over noise pictures, finite
+//! What explains the maps, against the same things found another way: scatter of estimates over noise samples, finite
 //! differences of equilibria, and sensing under assumptions that are a little wrong.
 
 use finray_model::measurement::{Marker, Measurement};
-use finray_model::sensing::{ContactPlace, ContactQuestion, Direction, NonlinearEstimator};
+use finray_model::sensing::{ContactPosition, ContactQuestion, Direction, NonlinearEstimator};
 use finray_model::{Kinematics, Load, Mesh, Vector, statics};
 use finray_tests::{at_position, noisy, paper};
 use finray_verify::estimators::{BeamEstimator, ELEMENTS};
@@ -17,36 +17,38 @@ use std::sync::LazyLock;
 
 const FORCE_N: f64 = 3.0;
 /// Between the ribs, which stand every 12.75 mm: at them a plate stretches by another rate on either side.
-const PLACES_MM: [f64; 4] = [17.0, 49.0, 83.0, 147.0];
+const POSITIONS_MM: [f64; 4] = [17.0, 49.0, 83.0, 147.0];
 const ANGLES_DEG: [f64; 3] = [-50.0, 0.0, 40.0];
 /// So little that sensing is linear in the noise.
 const NOISE_MM: f64 = 0.002;
-/// A standard deviation over n pictures scatters by 1 / sqrt(2 n) of itself; the worst of a dozen by three times that, or by
+/// A standard deviation over n samples scatters by 1 / sqrt(2 n) of itself; the worst of a dozen by three times that, or by
 /// four once in a thousand runs.
-const PICTURES: usize = 1000;
+const SAMPLES: usize = 1000;
 const SCATTER: f64 = 4.0 / 44.7;
 /// Central differences over the steps below: what they leave out is of third order.
 const FORCE_STEP_N: f64 = 0.01;
 const ANGLE_STEP_DEG: f64 = 0.5;
-const PLACE_STEP_MM: f64 = 0.1;
+const POSITION_STEP_MM: f64 = 0.1;
 const DIFFERENCES: f64 = 5e-3;
 /// Of an error per degree or mm that is nearly nothing, in units of 1: where its sign changes, the third order is all.
 const NOTHING: f64 = 2e-5;
 
 static MESH: LazyLock<Mesh> = LazyLock::new(|| Mesh::with_elements_per_member(&paper(), ELEMENTS));
 static EXPLAINED: LazyLock<Vec<Explanation>> = LazyLock::new(|| {
-    let map = ExplanationMap::new(&MESH, &PLACES_MM, &ANGLES_DEG, FORCE_N, NOISE_MM).expect("places on the plate");
-    assert_eq!(map.cells.len(), PLACES_MM.len() * ANGLES_DEG.len());
+    let map =
+        ExplanationMap::new(&MESH, &POSITIONS_MM, &ANGLES_DEG, FORCE_N, NOISE_MM).expect("positions on the plate");
+    assert_eq!(map.cells.len(), POSITIONS_MM.len() * ANGLES_DEG.len());
     assert!(map.cells.iter().all(|cell| cell.bound.is_some()), "3 N are carried everywhere");
     map.cells
 });
 
 fn shape_under(mesh: &Mesh, s_mm: f64, force: Vector) -> Measurement {
-    let shape = statics::solve(mesh, &[Load::at_place(s_mm, force)], Kinematics::Corotational).expect("an equilibrium");
+    let shape =
+        statics::solve(mesh, &[Load::at_position(s_mm, force)], Kinematics::Corotational).expect("an equilibrium");
     Measurement::of_shape(mesh.finger(), &shape)
 }
 
-fn picture(mesh: &Mesh, cell: &Explanation) -> Measurement {
+fn measured(mesh: &Mesh, cell: &Explanation) -> Measurement {
     shape_under(mesh, cell.s_mm, mesh.finger().direction(cell.angle_deg) * cell.force_n)
 }
 
@@ -61,11 +63,11 @@ fn the_bound_is_how_the_nonlinear_estimator_scatters() {
     let truth = MeshTruth::new(TruthId::Corotational, &MESH, Kinematics::Corotational).expect("a finger");
     let nonlinear = BeamEstimator::nonlinear(&MESH);
     let request = MapRequest {
-        places_mm: PLACES_MM.into(),
+        positions_mm: POSITIONS_MM.into(),
         angles_deg: ANGLES_DEG.into(),
         forces_n: vec![FORCE_N],
         noise_levels_mm: vec![NOISE_MM],
-        noise_pictures: PICTURES,
+        noise_samples: SAMPLES,
         seed: 5,
     };
     let map = accuracy_maps(&finger, &truth, &[&nonlinear], &request, &|| ()).swap_remove(0);
@@ -80,11 +82,11 @@ fn the_bound_is_how_the_nonlinear_estimator_scatters() {
 fn the_bounds_of_an_unknown_direction_are_how_force_and_direction_scatter() {
     let mut rng = ChaCha8Rng::seed_from_u64(6);
     for cell in EXPLAINED.iter().filter(|cell| cell.s_mm > 40.0) {
-        let question = ContactQuestion { place: Some(ContactPlace::Place(cell.s_mm)), direction: Direction::Auto };
+        let question = ContactQuestion { position: Some(ContactPosition::At(cell.s_mm)), direction: Direction::Auto };
         let mut estimator = NonlinearEstimator::new(&MESH, &[question]).expect("a contact");
-        let clean = picture(&MESH, cell);
+        let clean = measured(&MESH, cell);
         let (mut forces, mut angles) = (Vec::new(), Vec::new());
-        for _ in 0..PICTURES {
+        for _ in 0..SAMPLES {
             let noisy = noisy(&clean, NOISE_MM, &mut rng);
             let estimate = estimator.estimate(&noisy, Some(NOISE_MM)).expect("an answer");
             forces.push(estimate.forces.forces_n[0] / FORCE_N);
@@ -131,12 +133,12 @@ fn bounds_and_condition_follow_from_differences_of_equilibria() {
     }
 }
 
-/// Sensed over true force in the shape of a cell, with place and direction assumed.
+/// Sensed over true force in the shape of a cell, with position and direction assumed.
 fn sensed(mesh: &Mesh, cell: &Explanation, s_mm: f64, angle_deg: f64) -> f64 {
     let contact = at_position(s_mm, angle_deg);
     let mut estimator = NonlinearEstimator::new(mesh, &[contact.into()]).expect("a contact");
     // As noisy as a wrong assumption makes it: no marker is to count for an outlier.
-    estimator.estimate(&picture(mesh, cell), Some(0.5)).expect("an answer").forces.forces_n[0] / FORCE_N
+    estimator.estimate(&measured(mesh, cell), Some(0.5)).expect("an answer").forces.forces_n[0] / FORCE_N
 }
 
 /// Sensed with a direction that is half a degree wrong, either way.
@@ -149,19 +151,19 @@ fn wrong_directions_carry_as_far_as_said() {
     }
 }
 
-/// Sensed at a place that is a tenth of a millimetre wrong, either way.
+/// Sensed at a position that is a tenth of a millimetre wrong, either way.
 #[test]
-fn wrong_places_carry_as_far_as_said() {
+fn wrong_positions_carry_as_far_as_said() {
     for cell in EXPLAINED.iter() {
         let off = |step: f64| sensed(&MESH, cell, cell.s_mm + step, cell.angle_deg);
-        let per_mm = (off(PLACE_STEP_MM) - off(-PLACE_STEP_MM)) / (2.0 * PLACE_STEP_MM);
+        let per_mm = (off(POSITION_STEP_MM) - off(-POSITION_STEP_MM)) / (2.0 * POSITION_STEP_MM);
         assert_near(cell.error_per_mm.unwrap(), per_mm.abs(), DIFFERENCES, NOTHING, cell);
     }
 }
 
 #[test]
 fn what_has_no_equilibrium_has_no_explanation() {
-    let map = ExplanationMap::new(&MESH, &[150.0], &[0.0], 1e4, NOISE_MM).expect("a place on the plate");
+    let map = ExplanationMap::new(&MESH, &[150.0], &[0.0], 1e4, NOISE_MM).expect("a position on the plate");
     let cell = map.cells[0];
     let all = [cell.bound, cell.bound_unknown_direction, cell.condition, cell.error_per_deg, cell.error_per_mm];
     assert_eq!(all, [None; 5]);

@@ -47,10 +47,10 @@ fn table_two_is_of_the_papers_nodes() {
     assert_eq!(GroupErrors::of(&one, &rows), None);
 }
 
-/// Large rotation ruins linear sensing of neighbours and leaves their sum; noise alone does not; the nonlinear estimator
+/// Linearisation ruins linear sensing of neighbours and leaves their sum; noise alone does not; the nonlinear estimator
 /// reaches the bound. Figures are those of an independent study of this protocol, within chance.
 #[test]
-fn table_two_blames_large_rotation() {
+fn table_two_blames_linearisation() {
     let finger = paper();
     let fine = fine_mesh(&finger).expect("684 nodes");
     let steps = AtomicUsize::new(0);

@@ -25,7 +25,7 @@ fn axial_springs_must_be_those_of_a_beam() {
     let [beams, at_ends, rigid, none] = &rows[..] else { panic!("{rows:?}") };
     let error = |row: &causes::AxialRow| row.errors.as_ref().expect("an equilibrium")[1];
     assert!(error(beams) * 3.0 < error(at_ends), "{rows:?}");
-    // Stretching is no matter of large rotations: without it even the smallest displacement is far off.
+    // Axial stretching matters at small rotations too: without it even the smallest displacement is far off.
     assert!(error(rigid) > 0.2 && rigid.errors.as_ref().expect("an equilibrium")[0] > 0.2, "{rows:?}");
     assert_eq!(none.errors, None);
 }

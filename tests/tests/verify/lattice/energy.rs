@@ -53,9 +53,9 @@ fn energy_has_its_derivatives() {
         let finger = finger_of(text);
         let assembly = Assembly::new(&finger, 2, AxialSprings::default()).expect("a lattice");
         let mut loads = Vec::new();
-        let place = 0.37 * finger.plate_length_mm(Plate::Front);
+        let position = 0.37 * finger.plate_length_mm(Plate::Front);
         let moment = Load::Node { node: finger.tip(), force: Vector::new(0.3, -1.0), moment_nmm: 7.0 };
-        for load in [Load::at_place(place, Vector::new(-0.4, 2.0)), moment] {
+        for load in [Load::at_position(position, Vector::new(-0.4, 2.0)), moment] {
             loads.extend(assembly.body_loads(&finger, &load).expect("a load on the finger"));
         }
         let energy = Energy::new(&assembly);
@@ -134,15 +134,15 @@ proptest! {
     /// For small displacements the lattice is a frame of slender beams, exactly: any finger, at nodes and between them.
     #[test]
     fn small_displacements_are_those_of_linear_beams(
-        finger in finger(), at in 0.0..1.0_f64, angle_deg in -80.0..80.0_f64, place in 0.1..1.0_f64,
+        finger in finger(), at in 0.0..1.0_f64, angle_deg in -80.0..80.0_f64, position in 0.1..1.0_f64,
     ) {
         let lattice = Lattice::new(&finger, 1).expect("a lattice");
         let beams = |load| statics::solve(&Mesh::key_nodes(&finger), &[load], Kinematics::Linear).expect("a solution");
         let at_node = |force_n: f64| Load::at_node(contact_node(&finger, at), finger.direction(angle_deg) * force_n);
-        // Across the plate: along it, a place between two bodies is shared as across.
-        let place_mm = place * finger.plate_length_mm(Plate::Front);
-        let at_place = |force_n: f64| Load::at_place(place_mm, finger.direction(0.0) * force_n);
-        for load in [&at_node as &dyn Fn(f64) -> Load, &at_place] {
+        // Across the plate: along it, a position between two bodies is shared as across.
+        let position_mm = position * finger.plate_length_mm(Plate::Front);
+        let at_position = |force_n: f64| Load::at_position(position_mm, finger.direction(0.0) * force_n);
+        for load in [&at_node as &dyn Fn(f64) -> Load, &at_position] {
             let force_n = LINEAR_SHARE * finger.plate_length_mm(Plate::Front) / beams(load(1.0)).largest_displacement_mm();
             let ours = lattice.equilibrium(&[load(force_n)]).expect("an equilibrium");
             let error = difference(&beams(load(force_n)), &ours);
@@ -178,7 +178,13 @@ fn impossible_questions_are_refused() {
         refused(Load::at_node(NodeId(26), Vector::x())),
         LatticeError::Load(LoadError::NodeMissing { .. })
     ));
-    assert!(matches!(refused(Load::at_place(153.1, Vector::x())), LatticeError::Load(LoadError::PlaceOffPlate { .. })));
-    assert!(matches!(refused(Load::at_place(0.0, Vector::x())), LatticeError::Load(LoadError::PlaceOffPlate { .. })));
+    assert!(matches!(
+        refused(Load::at_position(153.1, Vector::x())),
+        LatticeError::Load(LoadError::PositionOffPlate { .. })
+    ));
+    assert!(matches!(
+        refused(Load::at_position(0.0, Vector::x())),
+        LatticeError::Load(LoadError::PositionOffPlate { .. })
+    ));
     assert_eq!(refused(Load::at_node(NodeId(19), Vector::new(f64::NAN, 0.0))), LatticeError::LoadNotFinite);
 }

@@ -61,7 +61,7 @@ fn several_loads_settle_together() {
     let lattice = Lattice::new(&finger, 2).expect("a lattice");
     let loads = [
         Load::at_node(NodeId(16), finger.direction(-20.0) * 1.5),
-        Load::at_place(55.0, finger.direction(30.0) * 1.0),
+        Load::at_position(55.0, finger.direction(30.0) * 1.0),
         Load::Node { node: NodeId(6), force: Vector::zeros(), moment_nmm: 12.0 },
     ];
     let settled = lattice.settle(&loads).expect("it settles").shape;

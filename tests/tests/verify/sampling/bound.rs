@@ -14,11 +14,11 @@ use finray_verify::settings::{ONE_FORCE_N, TWO_FORCES_N};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-/// Promised: root-mean-square error within this share of the Cramer-Rao bound.
-const PROMISE: f64 = 0.10;
+/// Tolerance: root-mean-square error within this share of the Cramer-Rao bound.
+const TOLERANCE: f64 = 0.10;
 
-fn assert_efficient(what: &str, scatter: &Scatter, cases: usize, promise: f64) {
-    let allowed = promise + STANDARD_ERRORS / (2.0 * cases as f64).sqrt();
+fn assert_efficient(what: &str, scatter: &Scatter, cases: usize, tolerance: f64) {
+    let allowed = tolerance + STANDARD_ERRORS / (2.0 * cases as f64).sqrt();
     let (bound, covered) = scatter.bound.zip(scatter.coverage).expect("there is noise");
     assert!((bound.over_bound - 1.0).abs() <= allowed, "{what}: {scatter:?}");
     for (found, meant) in [(covered.one_sigma, 0.683), (covered.two_sigma, 0.95)] {
@@ -51,7 +51,7 @@ fn every_node_and_pair_reaches_the_bound() {
     for row in single.iter().chain(&pairs) {
         assert_eq!((row.cases, row.refused), (cases, 0), "{row:?}");
         for scatter in row.forces.iter().chain(&row.sum) {
-            assert_efficient(&format!("{:?}", row.nodes), scatter, cases, PROMISE);
+            assert_efficient(&format!("{:?}", row.nodes), scatter, cases, TOLERANCE);
         }
     }
     // All first forces together leave little room for chance.
@@ -101,10 +101,10 @@ fn every_node_and_pair_reaches_the_bound_on_the_fine_truth() {
         let request = ScatterRequest { cases, ..request };
         scatter_controlled(&request, &[&nonlinear], sets, range_n, &|| {}).expect("contact nodes")
     };
-    // Sets that are too near to the tolerance to tell are drawn again in more cases, as the report does.
+    // Sets that are too near to the tolerance to decide are drawn again in more cases, as the report does.
     let of_sets = |sets: &[Vec<NodeId>], range_n| {
         let rows = drawn(FINE_CASES, sets, range_n).into_iter().zip(sets);
-        let settled = |(row, set): (ScatterRow, &Vec<NodeId>)| match row.is_near_tolerance(PROMISE) {
+        let settled = |(row, set): (ScatterRow, &Vec<NodeId>)| match row.is_near_tolerance(TOLERANCE) {
             true => drawn(MORE_CASES, std::slice::from_ref(set), range_n).remove(0),
             false => row,
         };
@@ -117,8 +117,8 @@ fn every_node_and_pair_reaches_the_bound_on_the_fine_truth() {
         assert!(row.refused == 0 && row.drawn() >= FINE_CASES, "{row:?}");
         for scatter in row.forces.iter().chain(&row.sum) {
             let found = scatter.bound.and_then(|bound| bound.controlled).expect("a controlled figure");
-            assert!((found.over_bound_controlled - 1.0).abs() <= PROMISE, "{:?}: {found:?}", row.nodes);
-            assert!(found.standard_error <= PROMISE / 4.0, "{:?}: {found:?}", row.nodes);
+            assert!((found.over_bound_controlled - 1.0).abs() <= TOLERANCE, "{:?}: {found:?}", row.nodes);
+            assert!(found.standard_error <= TOLERANCE / 4.0, "{:?}: {found:?}", row.nodes);
             figures += 1;
         }
     }
@@ -128,7 +128,7 @@ fn every_node_and_pair_reaches_the_bound_on_the_fine_truth() {
 /// An estimator that wastes a fifth is found out: its errors are those of the nonlinear one times 1.2.
 #[test]
 fn a_fifth_above_the_bound_is_found_out() {
-    // Noise of its own, sqrt(1.2^2 - 1) times the camera's, from what was seen: the same for the same picture.
+    // Noise of its own, sqrt(1.2^2 - 1) times the camera's, from what was seen: the same for the same measurement.
     let noisier = |seen: &Measurement| {
         let bits = seen.markers().iter().fold(0, |bits, marker| bits ^ marker.displacement.y.to_bits());
         noisy(seen, CAMERA_NOISE_MM * 0.44_f64.sqrt(), &mut ChaCha8Rng::seed_from_u64(bits))
@@ -146,7 +146,7 @@ fn a_fifth_above_the_bound_is_found_out() {
     let rows = scatter_controlled(&request, &[&wasteful], &singles(&[NodeId(19)]), ONE_FORCE_N, &|| {});
     let found = rows.expect("a contact node")[0].forces[0].bound.and_then(|bound| bound.controlled).expect("a figure");
     assert!((found.over_bound_controlled - 1.2).abs() <= 4.0 * found.standard_error, "{found:?}");
-    assert!(found.over_bound_controlled - 1.0 > PROMISE, "{found:?}");
+    assert!(found.over_bound_controlled - 1.0 > TOLERANCE, "{found:?}");
 }
 
 /// Mean relative errors that were asked for.

@@ -9,7 +9,7 @@ use finray_verify::settings::TWO_FORCES_N;
 
 /// Cases for each set of contacts.
 pub const CASES: usize = 100;
-/// Chance moves the mean of so many relative errors, which scatter by 1.1 of it, by a tenth; three times that is met once in
+/// Chance moves the mean of this many relative errors, which scatter by 1.1 of it, by a tenth; three times that is met once in
 /// four hundred figures.
 pub const CHANCE: f64 = 0.33;
 /// Nonlinear sensing without noise on the mesh of the true finger, whose iteration stops at some millionths.
@@ -34,7 +34,7 @@ pub fn rows_on(
     scatter(&request, estimators, &[set], TWO_FORCES_N, &|| {}).expect("contact nodes")
 }
 
-/// Who looks beside it and at what other noise changes nothing.
+/// Other estimators and noise levels in the same run change nothing.
 #[test]
 fn estimators_see_the_same_cases() {
     let finger = paper();
@@ -95,10 +95,10 @@ fn the_sigma_of_a_sum_knows_of_the_correlation() {
     }
 }
 
-/// Every picture is that of its forces, however the truth was followed there: who knows the true finger errs by the
+/// Every sample is that of its forces, however the truth was followed there: an estimator that knows the true finger errs by the
 /// rounding of two Newton iterations alone.
 #[test]
-fn pictures_are_those_of_the_forces() {
+fn samples_are_those_of_the_forces() {
     let finger = paper();
     let mesh = Mesh::key_nodes(&finger);
     let nonlinear = BeamEstimator::nonlinear(&mesh);

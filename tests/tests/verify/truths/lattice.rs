@@ -6,7 +6,7 @@ use finray_verify::lattice::accuracy::difference;
 use finray_verify::truths::TruthId;
 use finray_verify::truths::{LatticeTruth, MeshTruth, Truth, fine_mesh};
 
-/// The third finger of the maps, at places between nodes as well, is that of beams.
+/// The third finger of the maps, at positions between nodes as well, is that of beams.
 #[test]
 fn lattice_truth_is_that_of_beams() {
     let finger = paper();

@@ -9,8 +9,8 @@ use finray_verify::truths::{MujocoTruth, NotExported, Truth, TruthError};
 #[test]
 fn mujoco_as_truth_answers_for_what_was_exported_alone() {
     let truth = MujocoTruth::new(&paper()).expect("the paper's finger was exported");
-    let (places, angles) = truth.positions(&[3.0]).expect("exported").expect("not everywhere");
-    assert_eq!(places.len(), 12);
+    let (positions, angles) = truth.positions(&[3.0]).expect("exported").expect("not everywhere");
+    assert_eq!(positions.len(), 12);
     assert_eq!(angles, [-60.0, -30.0, 0.0, 30.0, 60.0]);
     let contact = Contact { angle_deg: -30.0, ..Contact::at_node(NodeId(19)) };
     let case = exported("paper").cases().expect("a table");

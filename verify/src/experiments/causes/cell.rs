@@ -1,12 +1,12 @@
-//! The causes at one place and direction.
+//! The causes at one position and direction.
 
 use super::models::{Bending, Known, Models};
-use super::{Cause, CauseCell, ContactKnowledge, DIRECTION_OFF_DEG, PLACE_OFF_MM, Practice, REMEDIES};
+use super::{Cause, CauseCell, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM, Practice, REMEDIES};
 use crate::settings::LEAST_STATED_MM;
 use crate::truths::Truth;
 use finray_model::finger::Plate;
 use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, ContactPlace, LinearEstimator, NonlinearEstimator, Prior};
+use finray_model::sensing::{Contact, ContactPosition, LinearEstimator, NonlinearEstimator, Prior};
 
 /// A practice with all that it needs to know.
 pub(super) struct Sensor<'m> {
@@ -19,7 +19,7 @@ pub(super) struct Sensor<'m> {
     pub causes: Vec<Cause>,
 }
 
-/// The cells of each sensor at one place and direction, a force each.
+/// The cells of each sensor at one position and direction, a force each.
 pub(super) fn cells(
     truth: &dyn Truth,
     sensors: &[Sensor],
@@ -27,7 +27,7 @@ pub(super) fn cells(
     angle_deg: f64,
     forces_n: &[f64],
 ) -> Vec<Vec<CauseCell>> {
-    let contact = Contact { place: ContactPlace::Place(s_mm), angle_deg };
+    let contact = Contact { position: ContactPosition::At(s_mm), angle_deg };
     let shapes = truth.shapes(&contact, forces_n);
     let of_sensor = |sensor: &Sensor| {
         let seen: Vec<_> = shapes.iter().map(|shape| Measurement::of_shape(sensor.models.finger(), shape)).collect();
@@ -66,7 +66,7 @@ pub(super) fn cells(
 /// Mean square of sensed / true - 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Squared {
-    /// What is wrong even without noise.
+    /// Error without noise.
     bias: f64,
     /// Variance by noise.
     noise: f64,
@@ -77,7 +77,7 @@ impl Squared {
         Squared { bias: (sensed_n / force_n - 1.0).powi(2), noise: (sigma_n / force_n).powi(2) }
     }
 
-    /// What the nonlinear estimator makes of a shape without noise, and what noise would add; `None` where it refuses.
+    /// Estimate of the nonlinear estimator from a shape without noise, and its error by noise; `None` where it refuses.
     pub(super) fn of_nonlinear(
         estimator: &mut NonlinearEstimator,
         seen: &Measurement,
@@ -118,7 +118,7 @@ impl Sensor<'_> {
             modulus: !on(Cause::Modulus),
             bending: self.bending(off),
         };
-        let assumed = self.assumed(s_mm, angle_deg, on(Cause::Place), on(Cause::Direction));
+        let assumed = self.assumed(s_mm, angle_deg, on(Cause::Position), on(Cause::Direction));
         let mut sums = vec![Some(Squared { bias: 0.0, noise: 0.0 }); forces_n.len()];
         for contact in &assumed {
             let errors = self.sense(known, contact, seen, forces_n);
@@ -142,17 +142,17 @@ impl Sensor<'_> {
         }
     }
 
-    /// What sensing takes the contact for: off to both sides, as far as the plate reaches.
-    fn assumed(&self, s_mm: f64, angle_deg: f64, place_off: bool, direction_off: bool) -> Vec<Contact> {
+    /// The assumed contacts: off to both sides, as far as the plate reaches.
+    fn assumed(&self, s_mm: f64, angle_deg: f64, position_off: bool, direction_off: bool) -> Vec<Contact> {
         let sides = |off: bool, by: f64| if off { vec![-by, by] } else { vec![0.0] };
         let length_mm = self.models.finger().plate_length_mm(Plate::Front);
         let mut contacts = Vec::new();
-        for place_off_mm in sides(place_off, PLACE_OFF_MM) {
+        for position_off_mm in sides(position_off, POSITION_OFF_MM) {
             for direction_off_deg in sides(direction_off, DIRECTION_OFF_DEG) {
-                let assumed_mm = s_mm + place_off_mm;
+                let assumed_mm = s_mm + position_off_mm;
                 if assumed_mm > 0.0 && assumed_mm <= length_mm {
-                    let place = ContactPlace::Place(assumed_mm);
-                    contacts.push(Contact { place, angle_deg: angle_deg + direction_off_deg });
+                    let position = ContactPosition::At(assumed_mm);
+                    contacts.push(Contact { position, angle_deg: angle_deg + direction_off_deg });
                 }
             }
         }

@@ -1,8 +1,8 @@
-//! Why a sensed force is wrong: what goes away when one cause is switched off, and what is left when several are.
+//! Causes of sensing errors: the error removed by switching off one cause, and the residual error after several.
 //!
-//! A true finger, with large rotations on a fine mesh, is pushed at a place in a direction. Sensing does what a user would:
+//! A true finger, co-rotational on a fine mesh, is pushed at a position in a direction. Sensing does what a user would:
 //! it takes the finger for uniform where it is softer, calibrates its modulus by shapes under weights, assumes a direction and a
-//! place that are somewhat off, and sees through a camera with noise. Each [`Cause`] can be taken away, the others left as they are.
+//! position that are somewhat off, and sees through a camera with noise. Each [`Cause`] can be taken away, the others left as they are.
 //! The share of a cause is the part of the mean square error that goes away with it. Shares need not add up to one: errors that
 //! point the same way grow when squared, and a cause that hides another one has a negative share.
 
@@ -26,13 +26,13 @@ use models::{End, Models};
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// How far the true direction is from the one assumed, degrees, to either side: the paper assumes the undeformed normal, from which the
+/// Error of the assumed direction, degrees, to either side: the paper assumes the undeformed normal, from which the
 /// deformed one turns by up to 12.5 deg (sec. V-C).
 pub const DIRECTION_OFF_DEG: f64 = 12.5;
-/// How far the true place is from the one assumed, mm, to either side: the radius of the paper's rods (sec. V-C), round which an object may touch.
-pub const PLACE_OFF_MM: f64 = 1.5;
+/// Error of the assumed position, mm, to either side: the radius of the paper's rods (sec. V-C), round which an object may touch.
+pub const POSITION_OFF_MM: f64 = 1.5;
 
-/// What makes a sensed force wrong.
+/// Cause of a sensing error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Cause {
@@ -46,8 +46,9 @@ pub enum Cause {
     Modulus,
     /// Off by [`DIRECTION_OFF_DEG`] to either side. Off: the true one.
     Direction,
-    /// Off by [`PLACE_OFF_MM`] to either side. Off: the true one.
-    Place,
+    /// Off by [`POSITION_OFF_MM`] to either side. Off: the true one.
+    #[serde(rename = "position")]
+    Position,
     /// Zones nearer to the base than to the tip are not known. Off: known.
     BaseCompliance,
     /// Zones nearer to the tip than to the base are not known. Off: known.
@@ -65,7 +66,7 @@ impl Cause {
             Cause::Discretisation => "discretisation",
             Cause::Modulus => "wrong modulus",
             Cause::Direction => "wrong direction",
-            Cause::Place => "wrong place",
+            Cause::Position => "wrong position",
             Cause::BaseCompliance => "base compliance",
             Cause::TipCompliance => "tip compliance",
             Cause::NetworkFit => "network fit",
@@ -73,7 +74,7 @@ impl Cause {
     }
 }
 
-/// How a user senses.
+/// A way of sensing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Practice {
@@ -85,11 +86,11 @@ pub enum Practice {
     Network,
 }
 
-/// What a user knows of a contact.
+/// Knowledge of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ContactKnowledge {
-    /// Place and direction are assumed, and off.
+    /// Position and direction are assumed, and off.
     Assumed,
     /// Both are known.
     Known,
@@ -107,23 +108,24 @@ impl Practice {
 
     fn causes(self) -> [Cause; 7] {
         use Cause::{
-            BaseCompliance, Direction, Discretisation, Linearisation, Modulus, NetworkFit, Noise, Place, TipCompliance,
+            BaseCompliance, Direction, Discretisation, Linearisation, Modulus, NetworkFit, Noise, Position,
+            TipCompliance,
         };
         let of_the_model = match self {
             Practice::LeastSquares => Linearisation,
             Practice::Nonlinear => Discretisation,
             Practice::Network => NetworkFit,
         };
-        [Noise, of_the_model, Modulus, Direction, Place, BaseCompliance, TipCompliance]
+        [Noise, of_the_model, Modulus, Direction, Position, BaseCompliance, TipCompliance]
     }
 }
 
-/// What is known of a contact leaves no cause.
+/// Causes that the knowledge of a contact rules out.
 impl ContactKnowledge {
     fn leaves_out(self) -> &'static [Cause] {
         match self {
             ContactKnowledge::Assumed => &[],
-            ContactKnowledge::Known => &[Cause::Direction, Cause::Place],
+            ContactKnowledge::Known => &[Cause::Direction, Cause::Position],
         }
     }
 
@@ -136,13 +138,13 @@ impl ContactKnowledge {
     }
 }
 
-/// What is asked.
+/// Request of a study of causes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CauseRequest {
-    /// Who senses, and what he knows of the contact: a map each. Not the network, which is [apart](network).
+    /// Estimators with their knowledge of the contact: a map each. Not the network, which is [apart](network).
     pub practices: Vec<(Practice, ContactKnowledge)>,
-    /// Places on the front plate, mm from the base.
-    pub places_mm: Vec<f64>,
+    /// Positions on the front plate, mm from the base.
+    pub positions_mm: Vec<f64>,
     /// Directions, degrees from the inward normal, positive towards the tip.
     pub angles_deg: Vec<f64>,
     /// Forces, N, growing.
@@ -153,10 +155,10 @@ pub struct CauseRequest {
     pub zones_known: bool,
 }
 
-/// The causes of one force at one place and direction.
+/// The causes of one force at one position and direction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CauseCell {
-    /// Place on the front plate, mm from the base.
+    /// Position on the front plate, mm from the base.
     pub s_mm: f64,
     /// Direction, degrees from the inward normal, positive towards the tip.
     pub angle_deg: f64,
@@ -185,28 +187,28 @@ impl CauseCell {
     }
 }
 
-/// What a user can do about errors, one after the other, with the causes that each takes away: knowing zones and modulus, then place
-/// and direction of the contact, then sensing with large rotations and four elements a member.
+/// What a user can do about errors, one after the other, with the causes that each takes away: knowing zones and modulus, then position
+/// and direction of the contact, then co-rotational sensing on four elements a member.
 pub const REMEDIES: [(&str, &[Cause]); 3] = [
     ("zones known", &[Cause::BaseCompliance, Cause::TipCompliance, Cause::Modulus]),
-    ("contact known", &[Cause::Direction, Cause::Place]),
+    ("contact known", &[Cause::Direction, Cause::Position]),
     ("nonlinear", &[Cause::Linearisation, Cause::Discretisation]),
 ];
 
 /// The causes of one truth and practice on a grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CauseMap {
-    /// What was asked for.
+    /// The request.
     pub request: CauseRequest,
     /// The true finger.
     pub truth: TruthId,
-    /// How it is sensed.
+    /// The way of sensing.
     pub practice: Practice,
     /// What is known of the contact.
     pub contact: ContactKnowledge,
     /// The causes that there are, in the order of the cells' shares.
     pub causes: Vec<Cause>,
-    /// By place, then direction, then force.
+    /// By position, then direction, then force.
     pub cells: Vec<CauseCell>,
 }
 
@@ -233,7 +235,8 @@ pub enum CauseError {
     Network(#[from] finray_model::sensing::network::NetworkError),
 }
 
-/// The causes of every practice on a true finger. `progress` is called once for every place and direction. The result does not depend on the number of threads.
+/// The causes of every practice on a true finger. `progress` is called once for every position and direction.
+/// The result does not depend on the number of threads.
 ///
 /// # Errors
 /// [`CauseError`] if the finger at rest cannot be solved or its modulus not calibrated.
@@ -255,8 +258,11 @@ pub fn causes(
         causes: present(practice, contact, finger, request),
     };
     let sensors: Vec<Sensor> = request.practices.iter().map(sensor).collect();
-    let contacts: Vec<_> =
-        request.places_mm.iter().flat_map(|&s_mm| request.angles_deg.iter().map(move |&angle| (s_mm, angle))).collect();
+    let contacts: Vec<_> = request
+        .positions_mm
+        .iter()
+        .flat_map(|&s_mm| request.angles_deg.iter().map(move |&angle| (s_mm, angle)))
+        .collect();
     let at = |&(s_mm, angle_deg): &(f64, f64)| {
         let cells = cell::cells(&pushed, &sensors, s_mm, angle_deg, &request.forces_n);
         progress();

@@ -22,9 +22,9 @@ pub(super) enum End {
 pub(super) enum Bending {
     /// Linear, exact at key nodes.
     Linear,
-    /// With large rotations, an element a member.
+    /// Co-rotational, an element a member.
     Coarse,
-    /// With large rotations, [`ELEMENTS`] a member.
+    /// Co-rotational, [`ELEMENTS`] a member.
     Refined,
 }
 
@@ -79,7 +79,7 @@ impl Known {
     const COUNT: usize = 8 * BENDINGS.len();
 
     fn numbered(number: usize) -> Known {
-        let bit = |place: usize| (number / BENDINGS.len()) >> place & 1 == 1;
+        let bit = |position: usize| (number / BENDINGS.len()) >> position & 1 == 1;
         Known { base: bit(0), tip: bit(1), modulus: bit(2), bending: BENDINGS[number % BENDINGS.len()] }
     }
 

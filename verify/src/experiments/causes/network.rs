@@ -1,13 +1,13 @@
 //! What a network adds to the errors of the model that it was trained on.
 //!
 //! A network senses at the contact nodes and along the normal that it was made for, so here it is the true contact that is off, by as much as
-//! elsewhere the assumed one, and the true finger that is made uniform. Noise is in the pictures.
+//! elsewhere the assumed one, and the true finger that is made uniform. The measurements are noisy.
 
 use super::cell::Squared;
 use super::models::{Bending, calibrated, weighed, with_zones};
 use super::{
-    Cause, CauseCell, CauseError, CauseMap, CauseRequest, ContactKnowledge, DIRECTION_OFF_DEG, PLACE_OFF_MM, Practice,
-    present,
+    Cause, CauseCell, CauseError, CauseMap, CauseRequest, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM,
+    Practice, present,
 };
 use crate::estimators::{ELEMENTS, Estimator};
 use crate::sampling::noise::Noise;
@@ -16,12 +16,12 @@ use crate::truths::{MeshTruth, Truth, TruthId, fine_mesh};
 use finray_model::finger::Plate;
 use finray_model::frame::FrameMotion;
 use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, ContactPlace, NonlinearEstimator};
+use finray_model::sensing::{Contact, ContactPosition, NonlinearEstimator};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
 use rayon::prelude::*;
 
-/// Noise pictures of every shape: an error by noise is then known to a sixth.
-const PICTURES: usize = 40;
+/// Noise samples of every shape: an error by noise is then known to a sixth.
+const SAMPLES: usize = 40;
 const SEED: u64 = 1;
 
 /// The causes of a network's errors on a true finger, at every contact node that there is a network for. The `believed` finger is
@@ -39,7 +39,7 @@ pub fn causes(
 ) -> Result<CauseMap, CauseError> {
     let mut request = CauseRequest {
         practices: vec![(Practice::Network, ContactKnowledge::Assumed)],
-        places_mm: Vec::new(),
+        positions_mm: Vec::new(),
         angles_deg: vec![0.0],
         forces_n: forces_n.to_vec(),
         noise_mm,
@@ -58,7 +58,7 @@ pub fn causes(
         let cell = |(i, &force_n): (usize, &f64)| {
             let (without, all) = (&errors[..causes.len()], errors[causes.len()][i]);
             CauseCell {
-                s_mm: believed.front_place_mm(node).unwrap_or(f64::NAN),
+                s_mm: believed.front_position_mm(node).unwrap_or(f64::NAN),
                 angle_deg: 0.0,
                 force_n,
                 rms_error: all.map(f64::sqrt),
@@ -69,11 +69,11 @@ pub fn causes(
         forces_n.iter().enumerate().map(cell).collect()
     };
     let cells: Vec<CauseCell> = nodes.par_iter().with_max_len(1).flat_map_iter(cells).collect();
-    request.places_mm = nodes.iter().filter_map(|node| believed.front_place_mm(*node)).collect();
+    request.positions_mm = nodes.iter().filter_map(|node| believed.front_position_mm(*node)).collect();
     Ok(CauseMap { request, truth, practice: Practice::Network, contact: ContactKnowledge::Assumed, causes, cells })
 }
 
-/// The finger and what is made of it, with one cause switched off.
+/// The finger and its model, with one cause switched off.
 struct World {
     off: Option<Cause>,
     /// The true finger.
@@ -110,7 +110,7 @@ impl World {
             return vec![None; forces_n.len()];
         };
         let finger = self.mesh.finger();
-        let contacts = true_contacts(finger, node, !off(Cause::Place), !off(Cause::Direction));
+        let contacts = true_contacts(finger, node, !off(Cause::Position), !off(Cause::Direction));
         for contact in &contacts {
             let shapes = truth.shapes(contact, forces_n);
             let seen: Vec<_> = shapes.iter().map(|shape| Measurement::of_shape(finger, shape)).collect();
@@ -140,15 +140,15 @@ impl World {
             return Vec::new();
         };
         let mut noise = Noise::new(SEED);
-        let pictures = if noise_mm > 0.0 { PICTURES } else { 1 };
+        let samples = if noise_mm > 0.0 { SAMPLES } else { 1 };
         let mut of_force = |(seen, &force_n): (&Measurement, &f64)| {
             let mut sum = 0.0;
-            for _ in 0..pictures {
+            for _ in 0..samples {
                 let sample = noise.on(seen, noise_mm);
                 let sensed = network.estimate(&sample, Some(noise_mm.max(LEAST_STATED_MM))).ok()?;
                 sum += (self.modulus_factor * sensed.forces_n[0] / force_n - 1.0).powi(2);
             }
-            Some(sum / pictures as f64)
+            Some(sum / samples as f64)
         };
         seen.iter().zip(forces_n).map(&mut of_force).collect()
     }
@@ -164,15 +164,15 @@ impl World {
 }
 
 /// Where the force may act that is taken for one on a node along the normal; as far as the plate reaches.
-fn true_contacts(finger: &Finger, node: NodeId, place_off: bool, direction_off: bool) -> Vec<Contact> {
+fn true_contacts(finger: &Finger, node: NodeId, position_off: bool, direction_off: bool) -> Vec<Contact> {
     let sides = |off: bool, by: f64| if off { vec![-by, by] } else { vec![0.0] };
-    let Some(s_mm) = finger.front_place_mm(node) else { return Vec::new() };
+    let Some(s_mm) = finger.front_position_mm(node) else { return Vec::new() };
     let mut contacts = Vec::new();
-    for place_off_mm in sides(place_off, PLACE_OFF_MM) {
+    for position_off_mm in sides(position_off, POSITION_OFF_MM) {
         for angle_deg in sides(direction_off, DIRECTION_OFF_DEG) {
-            let place_mm = s_mm + place_off_mm;
-            if place_mm <= finger.plate_length_mm(Plate::Front) {
-                contacts.push(Contact { place: ContactPlace::Place(place_mm), angle_deg });
+            let position_mm = s_mm + position_off_mm;
+            if position_mm <= finger.plate_length_mm(Plate::Front) {
+                contacts.push(Contact { position: ContactPosition::At(position_mm), angle_deg });
             }
         }
     }

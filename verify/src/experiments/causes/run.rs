@@ -18,14 +18,14 @@ impl Evidence for CauseMap {}
 /// [`CauseError`] if a finger at rest cannot be solved or its modulus not calibrated.
 pub fn run(context: &Context, twin: Option<&Finger>) -> Result<Vec<CauseMap>, CauseError> {
     let &Context { finger, noise_mm, effort, .. } = context;
-    let (places, step_deg, forces_n) = match effort {
+    let (positions, step_deg, forces_n) = match effort {
         Effort::Quick => (12, 40.0, vec![DRAWN_FORCE_N]),
         Effort::Full => (24, 20.0, vec![MAP_FORCES_N[0], DRAWN_FORCE_N]),
     };
-    let (places_mm, angles_deg) = Grid::grid(finger, places, step_deg);
+    let (positions_mm, angles_deg) = Grid::grid(finger, positions, step_deg);
     let of = |practices: &[_]| CauseRequest {
         practices: practices.to_vec(),
-        places_mm: places_mm.clone(),
+        positions_mm: positions_mm.clone(),
         angles_deg: angles_deg.clone(),
         forces_n: forces_n.clone(),
         noise_mm,
@@ -42,7 +42,7 @@ pub fn run(context: &Context, twin: Option<&Finger>) -> Result<Vec<CauseMap>, Ca
     };
     let twin = twin.map(|twin| (TruthId::Twin, twin));
     let truths: Vec<_> = [(TruthId::Corotational, finger)].into_iter().chain(twin).collect();
-    let contacts = |request: &CauseRequest| request.places_mm.len() * request.angles_deg.len();
+    let contacts = |request: &CauseRequest| request.positions_mm.len() * request.angles_deg.len();
     context.progress.part("causes", truths.len() * requests.iter().map(contacts).sum::<usize>());
     let mut maps = Vec::new();
     for (truth, as_it_is) in truths {

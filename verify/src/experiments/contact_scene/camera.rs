@@ -1,15 +1,15 @@
-//! What the camera makes of a contact: its position and direction from outline points, with noise.
+//! Camera model of a contact: its position and direction from outline points, with noise.
 //!
 //! The camera sees the outlines of object and finger as points, each with an error of its own of the camera's standard deviation s a
 //! coordinate, and apart from the markers, which are other pixels. The direction of a contact is read from two such points at a distance b
 //! ([`baseline_mm`]), so that its standard deviation is sqrt(2) s / b; the position of a contact between rods from the distance of
 //! two points along the plate, sqrt(2) s. Which parts touch is taken as known, and a contact at a rod lies at its node.
 
-use super::contacts::stretch_mm;
+use super::contacts::member_mm;
 use super::{SeenContact, TurnedOutline};
 use crate::lattice::skin::{Touch, TouchedPart};
 use finray_model::finger::Plate;
-use finray_model::sensing::{Contact, ContactPlace};
+use finray_model::sensing::{Contact, ContactPosition};
 use finray_model::{Finger, Vector};
 
 /// A contact as the camera reads it.
@@ -37,19 +37,19 @@ pub fn read_contact(
     let baseline = Vector::new(seen.baseline_mm, 0.0) + point() - point();
     let turn_deg = baseline.y.atan2(baseline.x).to_degrees();
     let off = point();
-    let place = match seen.contact.place {
-        ContactPlace::Node(node) => ContactPlace::Node(node),
-        ContactPlace::Place(s_mm) => {
+    let position = match seen.contact.position {
+        ContactPosition::Node(node) => ContactPosition::Node(node),
+        ContactPosition::At(s_mm) => {
             let length_mm = finger.plate_length_mm(Plate::Front);
-            let least_mm = NEAREST_TO_BASE * stretch_mm(finger, 0.0);
-            ContactPlace::Place((s_mm + off.x - off.y).clamp(least_mm, length_mm))
+            let least_mm = NEAREST_TO_BASE * member_mm(finger, 0.0);
+            ContactPosition::At((s_mm + off.x - off.y).clamp(least_mm, length_mm))
         }
     };
     let two_points_mm = std::f64::consts::SQRT_2 * noise_mm;
     CameraContact {
-        contact: Contact { place, angle_deg: seen.contact.angle_deg + turn_deg },
+        contact: Contact { position, angle_deg: seen.contact.angle_deg + turn_deg },
         direction_sd_rad: two_points_mm / seen.baseline_mm,
-        position_sd_mm: if matches!(place, ContactPlace::Node(_)) { 0.0 } else { two_points_mm },
+        position_sd_mm: if matches!(position, ContactPosition::Node(_)) { 0.0 } else { two_points_mm },
     }
 }
 
@@ -68,7 +68,7 @@ pub(super) fn baseline_mm(
     object: Vector,
     touch: &Touch,
 ) -> f64 {
-    let on_plate_mm = |s_mm| stretch_mm(finger, s_mm);
+    let on_plate_mm = |s_mm| member_mm(finger, s_mm);
     match (outline, touch.part) {
         (TurnedOutline::Disc(radius_mm), TouchedPart::Rod(_)) => radius_mm + rod_radius_mm,
         (TurnedOutline::Disc(_), TouchedPart::Plate(s_mm)) => on_plate_mm(s_mm),

@@ -47,7 +47,7 @@ const SHIFT: f64 = 0.01;
 const STANDARD_ERRORS: f64 = 3.0;
 const WORST_STANDARD_ERRORS: f64 = 3.5;
 
-/// Largest difference of a share of so many samples from [`MEANT`].
+/// Largest difference of a share of the samples from [`MEANT`].
 fn coverage_tolerance(samples: usize, standard_errors: f64) -> f64 {
     SHIFT + standard_errors * (MEANT * (1.0 - MEANT) / samples as f64).sqrt()
 }

@@ -4,7 +4,7 @@
 use crate::lattice::Lattice;
 use crate::lattice::skin::{Touch, TouchedPart};
 use finray_model::finger::Plate;
-use finray_model::sensing::{Contact, ContactPlace};
+use finray_model::sensing::{Contact, ContactPosition};
 use finray_model::{Finger, NodeId, Vector};
 
 /// Touches within this share of the segment of plate, from rod to rod, that they lie on are one contact to the camera; with a rod among them, it is
@@ -37,12 +37,12 @@ pub fn seen_contacts(lattice: &Lattice, touches: &[Touch], baseline_mm: impl Fn(
     let mut groups: Vec<&[Touch]> = Vec::new();
     let mut rest = touches;
     while let [first, ..] = rest {
-        let within_mm = TOGETHER * stretch_mm(lattice.finger(), first.part.place_mm(lattice));
+        let within_mm = TOGETHER * member_mm(lattice.finger(), first.part.position_mm(lattice));
         let mut rods = 0;
         let together = rest.iter().take_while(|touch| {
             rods += usize::from(matches!(touch.part, TouchedPart::Rod(node) if !is_rod(first, node)));
             let other_rod = if matches!(first.part, TouchedPart::Rod(_)) { rods > 0 } else { rods > 1 };
-            let apart_mm = touch.part.place_mm(lattice) - first.part.place_mm(lattice);
+            let apart_mm = touch.part.position_mm(lattice) - first.part.position_mm(lattice);
             touch.clamped == first.clamped && apart_mm <= within_mm && !other_rod
         });
         let (group, others) = rest.split_at(together.count());
@@ -57,10 +57,11 @@ fn is_rod(touch: &Touch, node: NodeId) -> bool {
 }
 
 /// Length of the segment of front plate, from rod to rod, that a position lies on, mm.
-pub(super) fn stretch_mm(finger: &Finger, place_mm: f64) -> f64 {
-    let places = finger.plate_places_mm(Plate::Front);
-    let stretch = places.windows(2).find(|stretch| place_mm <= stretch[1]).unwrap_or(&places[places.len() - 2..]);
-    stretch[1] - stretch[0]
+pub(super) fn member_mm(finger: &Finger, position_mm: f64) -> f64 {
+    let positions = finger.plate_positions_mm(Plate::Front);
+    let member =
+        positions.windows(2).find(|member| position_mm <= member[1]).unwrap_or(&positions[positions.len() - 2..]);
+    member[1] - member[0]
 }
 
 fn seen(lattice: &Lattice, group: &[Touch], baseline_mm: &dyn Fn(&Touch) -> f64) -> SeenContact {
@@ -70,18 +71,18 @@ fn seen(lattice: &Lattice, group: &[Touch], baseline_mm: &dyn Fn(&Touch) -> f64)
         TouchedPart::Rod(node) => Some((node, touch)),
         TouchedPart::Plate(_) => None,
     });
-    let middle_mm = 0.5 * (first.part.place_mm(lattice) + last.part.place_mm(lattice));
-    let (place, normal, point) = match at_rod {
-        Some((node, touch)) => (ContactPlace::Node(node), touch.normal, touch.point),
+    let middle_mm = 0.5 * (first.part.position_mm(lattice) + last.part.position_mm(lattice));
+    let (position, normal, point) = match at_rod {
+        Some((node, touch)) => (ContactPosition::Node(node), touch.normal, touch.point),
         None => {
-            (ContactPlace::Place(middle_mm), (first.normal + last.normal).normalize(), 0.5 * (first.point + last.point))
+            (ContactPosition::At(middle_mm), (first.normal + last.normal).normalize(), 0.5 * (first.point + last.point))
         }
     };
     let normal_n = |touch: &Touch| touch.force.dot(&touch.normal);
     // Towards the tip, across each touch's own normal.
     let friction_n = |touch: &Touch| touch.force.dot(&Vector::new(-touch.normal.y, touch.normal.x));
     SeenContact {
-        contact: Contact { place, angle_deg: angle_deg(finger, normal) },
+        contact: Contact { position, angle_deg: angle_deg(finger, normal) },
         baseline_mm: baseline_mm(at_rod.map_or(first, |(_, touch)| touch)),
         clamped: first.clamped,
         point,

@@ -129,7 +129,7 @@ impl ContactScene {
         })
     }
 
-    /// The same scene with another number of segments in a stretch of plate.
+    /// The same scene with another number of segments a plate member.
     pub fn with_fineness(self, fineness: usize) -> ContactScene {
         ContactScene { fineness, ..self }
     }

@@ -144,7 +144,7 @@ pub struct PreparedObject {
     pub rigid: RigidObject,
     /// Where it begins, finger frame, mm.
     pub start: Vector,
-    /// Unit vector that it is pressed along; of a path, its first stretch.
+    /// Unit vector that it is pressed along; of a path, its first segment.
     pub along: Vector,
     /// What the hand does, step by step.
     pub steps: Vec<HandStep>,
@@ -204,14 +204,14 @@ fn first_touch(finger: &Finger, rod_radius_mm: f64, outline: &TurnedOutline, at_
 
 /// The step from one share, 0 to 1, of a path's length to another.
 fn step_on_path(points: &[Vector], from: f64, to: f64) -> HandStep {
-    let stretches: Vec<&[Vector]> = points.windows(2).filter(|pair| pair[0] != pair[1]).collect();
-    let total: f64 = stretches.iter().map(|pair| (pair[1] - pair[0]).norm()).sum();
+    let segments: Vec<&[Vector]> = points.windows(2).filter(|pair| pair[0] != pair[1]).collect();
+    let total: f64 = segments.iter().map(|pair| (pair[1] - pair[0]).norm()).sum();
     let (mut begins, mut corners) = (0.0, Vec::new());
-    for (i, pair) in stretches.iter().enumerate() {
+    for (i, pair) in segments.iter().enumerate() {
         let way = pair[1] - pair[0];
         let ends = begins + way.norm();
-        // The last stretch takes what rounding leaves.
-        if to * total <= ends || i + 1 == stretches.len() {
+        // The last segment takes what rounding leaves.
+        if to * total <= ends || i + 1 == segments.len() {
             let share = ((to * total - begins) / way.norm()).min(1.0);
             return HandStep { corners, end: Push::To(pair[0] + way * share), along: way.normalize() };
         }

@@ -1,7 +1,7 @@
 //! True and sensed forces, a row a contact.
 
 use super::{ContactScene, SceneStep, SeenContact, SensedContact, SensedStep};
-use finray_model::sensing::ContactPlace;
+use finray_model::sensing::ContactPosition;
 use serde::Serialize;
 
 /// One contact of one step, or the total of a step.
@@ -11,9 +11,9 @@ pub struct ForceRow {
     pub step: usize,
     /// Length of the object's way, mm.
     pub travel_mm: f64,
-    /// A node, `at` for a place between nodes, `clamp` where a force is not felt, or `total`.
+    /// A node, `at` for a position between nodes, `clamp` where a force is not felt, or `total`.
     pub contact: String,
-    /// Place along the front plate, mm from its base; none for the total.
+    /// Position along the front plate, mm from its base; none for the total.
     pub s_mm: Option<f64>,
     /// The normal, degrees from the undeformed inward normal, positive towards the tip; none for the total.
     pub angle_deg: Option<f64>,
@@ -45,18 +45,18 @@ pub fn force_rows(scene: &ContactScene, number: usize, step: &SceneStep, sensed:
     let contacts = contacts_sensed(step, sensed).map(|(seen, sensed)| ForceRow {
         step: number,
         travel_mm: step.travel_mm,
-        contact: match seen.contact.place {
+        contact: match seen.contact.position {
             _ if seen.clamped => "clamp".to_owned(),
-            ContactPlace::Node(node) => node.to_string(),
-            ContactPlace::Place(_) => "at".to_owned(),
+            ContactPosition::Node(node) => node.to_string(),
+            ContactPosition::At(_) => "at".to_owned(),
         },
-        s_mm: seen.contact.place_mm(scene.finger()),
+        s_mm: seen.contact.position_mm(scene.finger()),
         angle_deg: Some(seen.contact.angle_deg),
         force_n: seen.normal_n,
         friction_n: Some(seen.friction_n),
         sensed_n: sensed.map(|sensed| sensed.force.sensed_n),
         sigma_n: sensed.map(|sensed| sensed.force.sigma_n),
-        read_s_mm: sensed.and_then(|sensed| sensed.read.contact.place_mm(scene.finger())),
+        read_s_mm: sensed.and_then(|sensed| sensed.read.contact.position_mm(scene.finger())),
         read_angle_deg: sensed.map(|sensed| sensed.read.contact.angle_deg),
     });
     let total = sensed.map(|sensed| sensed.total);

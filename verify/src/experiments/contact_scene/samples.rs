@@ -17,7 +17,7 @@ pub struct NoiseSamples {
 }
 
 impl NoiseSamples {
-    /// Takes so many samples, each from a seed of its own beginning with `first_seed`; `None` where nothing can be felt.
+    /// Takes a number of samples, each from a seed of its own beginning with `first_seed`; `None` where nothing can be felt.
     pub fn take(
         scene: &ContactScene,
         step: &SceneStep,

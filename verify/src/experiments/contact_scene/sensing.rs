@@ -11,7 +11,7 @@ use crate::experiments::response::{ContactForce, RespondingFinger, Response};
 use finray_model::Mesh;
 use finray_model::finger::Plate;
 use finray_model::measurement::Measurement;
-use finray_model::sensing::{ContactPlace, NonlinearEstimator, SensingError};
+use finray_model::sensing::{ContactPosition, NonlinearEstimator, SensingError};
 use nalgebra::{DMatrix, DVector};
 
 /// Steps after which a search that has not settled is given up.
@@ -128,7 +128,7 @@ impl Problem<'_> {
     fn bent(&self, finger: &mut RespondingFinger, state: &State) -> Result<Option<Response>, SensingError> {
         let force = |(i, seen): (usize, &CameraContact)| {
             let mut contact = seen.contact;
-            if let ContactPlace::Place(s_mm) = &mut contact.place {
+            if let ContactPosition::At(s_mm) = &mut contact.position {
                 *s_mm += state.shifts_mm[i];
             }
             let along_n = state.forces_n[i];
@@ -212,7 +212,7 @@ impl Problem<'_> {
         };
         let mut shifts_mm = added(&state.shifts_mm, 2 * count);
         for (shift_mm, seen) in shifts_mm.iter_mut().zip(self.contacts) {
-            if let ContactPlace::Place(s_mm) = seen.contact.place {
+            if let ContactPosition::At(s_mm) = seen.contact.position {
                 *shift_mm = shift_mm.clamp(-0.5 * s_mm, self.length_mm - s_mm);
             }
         }
@@ -238,11 +238,11 @@ impl Problem<'_> {
             (false, column) if column == row && self.tangent_sds[row - count] > 0.0 => effective_n[row - count],
             _ => 0.0,
         });
-        let freedoms = (self.measured_mm.len() as f64 - count as f64).max(1.0);
+        let degrees_of_freedom = (self.measured_mm.len() as f64 - count as f64).max(1.0);
         let chi_squared = self.misfit(state, response);
-        let chance = freedoms + UNEXPLAINED_DEVIATIONS * (2.0 * freedoms).sqrt();
+        let chance = degrees_of_freedom + UNEXPLAINED_DEVIATIONS * (2.0 * degrees_of_freedom).sqrt();
         // What neither noise nor contacts explain is uncertainty too.
-        let widened = if chi_squared > chance { chi_squared / freedoms } else { 1.0 };
+        let widened = if chi_squared > chance { chi_squared / degrees_of_freedom } else { 1.0 };
         Ok(Solution {
             along_n: state.forces_n.clone(),
             across_n: (0..count).map(|i| state.forces_n[i] * state.tangents[i]).collect(),

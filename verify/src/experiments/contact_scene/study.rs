@@ -75,8 +75,8 @@ pub enum SceneStudyError {
     Statics(#[from] StaticsError),
 }
 
-/// Runs several scenes in parallel, each with its number of segments in a stretch of plate. Noise is that of each scene's camera, or
-/// `noise_mm` for a scene without; so many `samples` of it are taken of each step.
+/// Runs several scenes in parallel, each with its number of segments a plate member. Noise is that of each scene's camera, or
+/// `noise_mm` for a scene without; `samples` noise samples are taken of each step.
 ///
 /// # Errors
 /// [`SceneStudyError`] for an outline that is none, or if beams have no equilibrium under contact forces that the lattice carries.
@@ -105,10 +105,10 @@ pub struct SceneWithOutline {
     pub corners: Vec<Vector>,
 }
 
-/// Segments in a stretch of plate that are enough where objects bend the finger by some 10 mm.
+/// Segments a plate member that are enough where objects bend the finger by some 10 mm.
 const COARSE: usize = 2;
 
-/// The contact scenes that ship, the disc first, each with the segments in a stretch of plate that it needs.
+/// The contact scenes that ship, the disc first, each with the segments a plate member that it needs.
 ///
 /// # Errors
 /// [`SceneStudyError`] if one does not read.
@@ -128,7 +128,7 @@ pub fn shipped() -> Result<Vec<(SceneWithOutline, usize)>, SceneStudyError> {
 }
 
 impl SceneStudy {
-    /// Runs a prepared scene, and takes so many noise samples of each step; `done` is called after every step.
+    /// Runs a prepared scene, and takes `samples` noise samples of each step; `done` is called after every step.
     ///
     /// # Errors
     /// [`SceneStudyError::Statics`] if beams have no equilibrium under contact forces that the lattice carries. A step that does not
@@ -187,7 +187,7 @@ fn beams_under(finger: &Finger, touches: &[Touch]) -> Result<FingerShape, Static
     let mesh = Mesh::with_elements_per_member(finger, CONVERGED_ELEMENTS);
     let load = |touch: &Touch| match touch.part {
         TouchedPart::Rod(node) => Load::at_node(node, touch.force),
-        TouchedPart::Plate(s_mm) => Load::at_place(s_mm, touch.force),
+        TouchedPart::Plate(s_mm) => Load::at_position(s_mm, touch.force),
     };
     let loads: Vec<Load> = touches.iter().filter(|touch| !touch.clamped).map(load).collect();
     statics::solve(&mesh, &loads, Kinematics::Corotational)

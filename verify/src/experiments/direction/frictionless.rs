@@ -5,13 +5,13 @@ use crate::sampling::scatter::sampled_nodes;
 use crate::truths::Truth;
 use finray_model::measurement::Measurement;
 use finray_model::mesh::FingerShape;
-use finray_model::sensing::{Contact, ContactPlace, ContactQuestion, Direction, NonlinearEstimator, SensingError};
+use finray_model::sensing::{Contact, ContactPosition, ContactQuestion, Direction, NonlinearEstimator, SensingError};
 use finray_model::{Finger, NodeId};
 use rayon::prelude::*;
 
 /// Turn of the normal, degrees, below which push and plate agree: worth 1e-6 of the force.
 const SETTLED_DEG: f64 = 1e-4;
-/// A normal that has not settled after so many shapes does not.
+/// Largest number of shapes in which a normal must settle.
 const MOST_TURNS: usize = 30;
 
 /// What is assumed of the direction.
@@ -52,7 +52,7 @@ impl Assumption {
 pub struct FrictionlessPush {
     /// The contact node.
     pub node: usize,
-    /// Its place on the front plate, mm from the base.
+    /// Its position on the front plate, mm from the base.
     pub s_mm: f64,
     /// True force, N.
     pub force_n: f64,
@@ -60,7 +60,7 @@ pub struct FrictionlessPush {
     pub angle_deg: Option<f64>,
     /// What the estimator assumes.
     pub assumed: Assumption,
-    /// What it made of it.
+    /// Its answers.
     pub answers: Answers,
 }
 
@@ -72,23 +72,23 @@ pub(super) fn nodes(finger: &Finger) -> Vec<NodeId> {
 pub(super) fn rows(
     truth: &dyn Truth,
     request: &DirectionRequest,
-    pictures: &[Vec<f64>],
+    samples: &[Vec<f64>],
     progress: &(dyn Fn() + Sync),
 ) -> Result<Vec<FrictionlessPush>, SensingError> {
     let finger = request.model.finger();
     let of_node = |node: &NodeId| -> Result<Vec<FrictionlessPush>, SensingError> {
-        let place = ContactPlace::Node(*node);
+        let position = ContactPosition::Node(*node);
         let mut rows = Vec::new();
         for force_n in FORCES_N {
             let push = pushed(truth, *node, force_n);
             for assumed in Assumption::ALL {
-                let question = ContactQuestion { place: Some(place), direction: assumed.direction() };
+                let question = ContactQuestion { position: Some(position), direction: assumed.direction() };
                 let mut estimator = NonlinearEstimator::new(request.model, &[question])?;
                 let answers = push.as_ref().map_or_else(Answers::default, |(contact, shape)| {
                     let seen = Measurement::of_shape(finger, shape);
-                    Answers::of(&mut estimator, &seen, pictures, request.noise_mm, contact, force_n)
+                    Answers::of(&mut estimator, &seen, samples, request.noise_mm, contact, force_n)
                 });
-                let s_mm = finger.front_place_mm(*node).unwrap_or(f64::NAN);
+                let s_mm = finger.front_position_mm(*node).unwrap_or(f64::NAN);
                 let angle_deg = push.as_ref().map(|(contact, _)| contact.angle_deg);
                 rows.push(FrictionlessPush { node: node.0, s_mm, force_n, angle_deg, assumed, answers });
             }

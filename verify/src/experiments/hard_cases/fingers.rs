@@ -5,7 +5,7 @@ use super::{Findings, Question, Unexpected};
 use crate::check::worst;
 use crate::settings::Effort;
 use crate::truths::FINE_MESH_NODES;
-use finray_model::finger::{FingerDescription, Part, Plate, RibPlaces, Zone};
+use finray_model::finger::{FingerDescription, Part, Plate, RibPositions, Zone};
 use finray_model::frame::FrameMotion;
 use finray_model::statics::{Statics, StaticsError, solve};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
@@ -14,56 +14,56 @@ pub(super) const QUESTIONS: &[Question] = &[
     Question {
         case: "plates and ribs of 0.01 mm",
         difficulty: "bending is 1e6 times softer than stretching",
-        promise: "sound equilibrium; without stretch the shape depends on load / thickness^3 alone",
+        expectation: "sound equilibrium; without axial strain the shape depends on load / thickness^3 alone",
         answer: thin,
     },
     Question {
         case: "plates and ribs of 10 mm",
         difficulty: "members about as thick as long: stretching counts as much as bending",
-        promise: "sound equilibrium",
+        expectation: "sound equilibrium",
         answer: thick,
     },
     Question {
         case: "modulus 1e-3 to 1e6 MPa",
         difficulty: "energies over eighteen powers of ten: no tolerance may carry a unit",
-        promise: "the shape depends on load / modulus alone",
+        expectation: "the shape depends on load / modulus alone",
         answer: modulus,
     },
     Question {
         case: "modulus ratio 1e6 between zones",
         difficulty: "stiffness of neighbours differs by six powers of ten, also within one element",
-        promise: "sound equilibrium; a zone 1e6 times stiffer is rigid, 1e7 times changes nothing more",
+        expectation: "sound equilibrium; a zone 1e6 times stiffer is rigid, 1e7 times changes nothing more",
         answer: zones,
     },
     Question {
         case: "200 ribs",
         difficulty: "403 key nodes; ribs shorter than they are thick near the tip",
-        promise: "sound equilibrium; two elements a member change nothing linear",
+        expectation: "sound equilibrium; two elements a member change nothing linear",
         answer: many_ribs,
     },
     Question {
         case: "ribs 0.01 mm and 1e-6 mm apart",
-        difficulty: "a stretch of plate 1e10 (1e22) times stiffer than its neighbours",
-        promise: "0.01 mm: sound equilibrium; 1e-6 mm: refused as beyond double precision",
+        difficulty: "a plate member 1e10 (1e22) times stiffer than its neighbours",
+        expectation: "0.01 mm: sound equilibrium; 1e-6 mm: refused as beyond double precision",
         answer: close_ribs,
     },
     Question {
         case: "needle-thin and very obtuse triangles",
-        difficulty: "the tip's place cancels; plates nearly in line with each other",
-        promise: "sides as given; sound equilibrium, or a clear refusal with a carried load",
+        difficulty: "the tip's position cancels; plates nearly in line with each other",
+        expectation: "sides as given; sound equilibrium, or a clear refusal with a carried load",
         answer: triangles,
     },
     Question {
         case: "100 000 nodes",
         difficulty: "rounding grows about as the fourth power of the node count: a plain sparse solution is 10 % off",
-        promise: "linear: the 25 key nodes move as on the coarsest mesh (exact there); large rotations: as on 684 nodes",
+        expectation: "linear: the 25 key nodes move as on the coarsest mesh (exact there); co-rotational: as on 684 nodes",
         answer: large_mesh,
     },
 ];
 
 /// The force of most cases, N on the paper's finger: its shape turns by tenths of a radian.
 const FORCE_N: f64 = 2.0;
-/// Two thicknesses, mm, and what may be left of the stretch between their shapes: it grows as thickness^2.
+/// Two thicknesses, mm, and the tolerated effect of axial strain on their shapes: it grows as thickness^2.
 const THIN_MM: [f64; 2] = [0.01, 0.005];
 const INEXTENSIBLE: f64 = 1e-4;
 const THICK_MM: f64 = 10.0;
@@ -71,7 +71,7 @@ const MODULI_MPA: [f64; 4] = [1e-3, 1.0, 1e3, 1e6];
 /// Newton stops at 1e-11 of the energy norm.
 const SCALING: f64 = 1e-9;
 const ZONE_FACTORS: [f64; 2] = [1e6, 1e-6];
-/// What is left of a zone's own deformation at 1e6 times the stiffness, with room for its leverage.
+/// Tolerance of a zone's own deformation at 1e6 times the stiffness, with room for its leverage.
 const RIGID: f64 = 1e-5;
 const LARGE_MESH_NODES: usize = 100_000;
 /// Four digits are the fewest that a solution may have.
@@ -168,7 +168,7 @@ fn zones(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unex
 }
 
 fn many_ribs(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unexpected> {
-    let finger = variant(finger, |d| d.ribs.places = RibPlaces::Count(200))?;
+    let finger = variant(finger, |d| d.ribs.positions = RibPositions::Count(200))?;
     let mut sound = Soundness::default();
     let [coarse, fine] = [1, 2].map(|elements| Mesh::with_elements_per_member(&finger, elements));
     let force = finger.direction(0.0) * FORCE_N;
@@ -183,9 +183,9 @@ fn many_ribs(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), 
 fn close_ribs(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unexpected> {
     let [front, back] = [Plate::Front, Plate::Back].map(|plate| finger.plate_length_mm(plate));
     let with_gap = |gap_mm: f64| {
-        let places = [[0.3, 0.0], [0.5, 0.0], [0.5, gap_mm], [0.8, 0.0]];
-        let places = places.map(|[share, gap]| [share * front + gap, share * back + gap]).to_vec();
-        variant(finger, |d| d.ribs.places = RibPlaces::Positions(places))
+        let positions = [[0.3, 0.0], [0.5, 0.0], [0.5, gap_mm], [0.8, 0.0]];
+        let positions = positions.map(|[share, gap]| [share * front + gap, share * back + gap]).to_vec();
+        variant(finger, |d| d.ribs.positions = RibPositions::Positions(positions))
     };
     let mut sound = Soundness::default();
     let close = with_gap(0.01)?;
@@ -198,7 +198,7 @@ fn close_ribs(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(),
         // Not as if the finger buckled: it stands.
         solve(&mesh, &[load], kinematics).is_err_and(|error| !matches!(error, StaticsError::NoEquilibrium { .. }))
     });
-    findings.counts("double precision", "refusals, linear and with large rotations", 2, refused.count());
+    findings.counts("double precision", "refusals, linear and co-rotational", 2, refused.count());
     Ok(())
 }
 

@@ -14,25 +14,25 @@ pub(super) const QUESTIONS: &[Question] = &[
     Question {
         case: "denormal, infinite and not-a-number loads",
         difficulty: "energies under- and overflow long before the displacements do",
-        promise: "infinite and not a number: refused; what is finite scales with the load down to the smallest normal number",
+        expectation: "infinite and not a number: refused; what is finite scales with the load down to the smallest normal number",
         answer: loads,
     },
     Question {
         case: "denormal, infinite and not-a-number scene values",
         difficulty: "one such value spoils every number that it touches",
-        promise: "each refused with its line and key",
+        expectation: "each refused with its line and key",
         answer: scene_values,
     },
     Question {
         case: "scene values of 1e-100 to 1e100",
         difficulty: "legal numbers whose products under- and overflow",
-        promise: "refused, or a sound equilibrium",
+        expectation: "refused, or a sound equilibrium",
         answer: extreme_scene_values,
     },
     Question {
         case: "denormal, infinite and not-a-number displacements",
         difficulty: "no camera measures them, but files hold them",
-        promise: "infinite and not a number: refused; what is finite gives forces in proportion, or is refused",
+        expectation: "infinite and not a number: refused; what is finite gives forces in proportion, or is refused",
         answer: displacements,
     },
 ];
@@ -42,7 +42,7 @@ const NOT_FINITE: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
 const PROPORTIONAL: f64 = 1e-9;
 /// A displacement that is none.
 const NOTHING_MM: f64 = 1e-300;
-/// What no scene value may be, and what no size may be.
+/// Values that are invalid for any number, and for any size.
 const NO_NUMBERS: [&str; 4] = ["nan", "inf", "-inf", "1e999"];
 const NO_SIZES: [&str; 3] = ["5e-324", "-5e-324", "-1.0"];
 /// Optional keys, for the paper's scene: beside the depth, and at the end.
@@ -70,8 +70,8 @@ fn loads(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unex
             for load in [
                 Load::at_node(node, Vector::new(bad, 0.0)),
                 Load::Node { node, force: Vector::zeros(), moment_nmm: bad },
-                Load::at_place(50.0, Vector::new(0.0, bad)),
-                Load::at_place(bad, Vector::new(0.0, 1.0)),
+                Load::at_position(50.0, Vector::new(0.0, bad)),
+                Load::at_position(bad, Vector::new(0.0, 1.0)),
             ] {
                 asked += 1;
                 let answer: Result<Vector, StaticsError> = solve(&load, kinematics);

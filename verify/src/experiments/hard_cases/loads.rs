@@ -12,25 +12,25 @@ pub(super) const QUESTIONS: &[Question] = &[
     Question {
         case: "loads from 1e-9 N on",
         difficulty: "the finger hardly moves: stopping rules with a unit end too early or never",
-        promise: "what large rotations change is proportional to the load",
+        expectation: "the geometrically nonlinear change is proportional to the load",
         answer: tiny,
     },
     Question {
         case: "buckling and beyond",
         difficulty: "no equilibrium, or one far away that an iteration might jump to",
-        promise: "a clear refusal with the load that was carried, whatever was asked for; a little less is carried",
+        expectation: "a clear refusal with the load that was carried, whatever was asked for; a little less is carried",
         answer: buckling,
     },
     Question {
         case: "load at the tip, along the plate, pulling",
         difficulty: "directions in which the finger is stiffest, softest, or unstable",
-        promise: "sound equilibrium, or a clear refusal with a load that is carried",
+        expectation: "sound equilibrium, or a clear refusal with a load that is carried",
         answer: directions,
     },
 ];
 
 const TINY_N: [f64; 5] = [1e-9, 1e-7, 1e-5, 1e-3, 1e-1];
-/// What large rotations change per N at the middle of the finger as the load goes to nothing, and a tenth more: the change is proportional
+/// Geometrically nonlinear change per N at the middle of the finger as the load goes to zero, and a tenth more: the change is proportional
 /// to the load, so a stopping rule that ends early shows as more.
 const NONLINEARITY_PER_N: f64 = 1.1 * 0.08;
 /// Load steps end at this share of the load that was asked for: a limit load is known no better than that.

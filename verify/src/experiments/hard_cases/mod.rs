@@ -1,6 +1,6 @@
-//! Hard cases: fingers, loads, measurements and inputs at the edge of what can be computed, and what is promised there.
+//! Hard cases: fingers, loads, measurements and inputs at the edge of what can be computed, each with its expected outcome.
 //!
-//! A promise never rests on the solver's own word: it is a scaling law, another solution method, an energy balance, the
+//! No expectation rests on the solver itself: each is a scaling law, another solution method, an energy balance, the
 //! equilibrium of the reactions, a limit with a known answer, or a refusal. All cases are variants of one finger.
 
 mod fingers;
@@ -19,26 +19,26 @@ use std::time::Instant;
 /// No case may take longer, s.
 pub const TIME_LIMIT_S: f64 = 5.0;
 
-/// A case and what came out.
+/// A case and its results.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HardCase {
-    /// What is asked.
+    /// Its name.
     pub case: &'static str,
-    /// What makes it hard.
+    /// The difficulty.
     pub difficulty: &'static str,
-    /// What is promised.
-    pub promise: &'static str,
-    /// What came out, in words, where figures alone do not tell.
+    /// Expected outcome.
+    pub expectation: &'static str,
+    /// Results in words, where figures are not enough.
     pub notes: Vec<String>,
-    /// What came out, in figures, each against its promise.
+    /// Results in figures, each with its tolerance.
     pub checks: Vec<Check>,
-    /// How long it took, s.
+    /// Time, s.
     pub seconds: f64,
 }
 
 impl HardCase {
-    /// Whether every promise is kept, that of the time too.
-    pub fn kept(&self) -> bool {
+    /// Whether every check passes, within the time limit.
+    pub fn passes(&self) -> bool {
         self.seconds <= TIME_LIMIT_S && self.checks.iter().all(Check::passes)
     }
 }
@@ -47,14 +47,14 @@ impl HardCase {
 struct Question {
     case: &'static str,
     difficulty: &'static str,
-    promise: &'static str,
+    expectation: &'static str,
     answer: fn(&Finger, Effort, &mut Findings) -> Result<(), Unexpected>,
 }
 
-/// What ends a case before its checks are made: an error where none was promised.
+/// Error that ends a case before its checks, where none was expected.
 type Unexpected = Box<dyn std::error::Error>;
 
-/// Collects what comes out of a case.
+/// Collects the results of a case.
 struct Findings {
     case: &'static str,
     notes: Vec<String>,
@@ -66,7 +66,7 @@ impl Findings {
         self.notes.push(words.into());
     }
 
-    /// What every hard case is held against is our own: another way of solving, a law that our solutions obey, a count of refusals.
+    /// Adds an internal check: another way of solving, a law that our solutions obey, a count of refusals.
     fn check(&mut self, source: &str, quantity: &str, reference: f64, ours: f64, tolerance: f64) {
         self.checks.push(Check::new(Kind::Internal, self.case, source, quantity, reference, ours, tolerance));
     }
@@ -87,7 +87,7 @@ impl Evidence for HardCase {}
 /// Every case, of the paper's finger.
 ///
 /// # Errors
-/// None: a case that ends in an error is broken.
+/// None: a case that ends in an error fails.
 pub fn run(context: &Context) -> Result<Vec<HardCase>, Infallible> {
     if !context.is_paper {
         return Ok(Vec::new());
@@ -116,12 +116,12 @@ fn answered(question: &Question, finger: &Finger, effort: Effort) -> HardCase {
     let begin = Instant::now();
     if let Err(error) = (question.answer)(finger, effort, &mut findings) {
         findings.note(format!("Error: {error}."));
-        findings.counts("the promise", "errors where none was promised", 0, 1);
+        findings.counts("the expectation", "errors where none was expected", 0, 1);
     }
     HardCase {
         case: question.case,
         difficulty: question.difficulty,
-        promise: question.promise,
+        expectation: question.expectation,
         notes: findings.notes,
         checks: findings.checks,
         seconds: begin.elapsed().as_secs_f64(),
@@ -136,7 +136,7 @@ mod tests {
 
     fn answered_by(answer: fn(&Finger, Effort, &mut Findings) -> Result<(), Unexpected>) -> HardCase {
         let finger = Scene::from_toml(PAPER_SCENE).unwrap().finger;
-        let question = Question { case: "case", difficulty: "difficulty", promise: "promise", answer };
+        let question = Question { case: "case", difficulty: "difficulty", expectation: "expectation", answer };
         answered(&question, &finger, Effort::Quick)
     }
 
@@ -146,28 +146,28 @@ mod tests {
     }
 
     #[test]
-    fn a_promise_that_does_not_hold_breaks_its_case() {
-        assert!(with_error(0.9).kept());
-        assert!(!with_error(1.1).kept() && !with_error(f64::NAN).kept());
+    fn a_failed_check_fails_its_case() {
+        assert!(with_error(0.9).passes());
+        assert!(!with_error(1.1).passes() && !with_error(f64::NAN).passes());
     }
 
     #[test]
-    fn an_error_that_nothing_promised_breaks_its_case() {
+    fn an_unexpected_error_fails_its_case() {
         let case = answered_by(|_, _, _| Err("it fell over".into()));
-        assert!(!case.kept() && case.notes[0].contains("it fell over"), "{case:?}");
+        assert!(!case.passes() && case.notes[0].contains("it fell over"), "{case:?}");
     }
 
     #[test]
-    fn laws_that_nothing_was_held_against_are_broken() {
+    fn laws_without_a_case_fail() {
         let case = answered_by(|_, _, findings| {
             soundness::Soundness::default().report(findings);
             Ok(())
         });
-        assert!(!case.kept());
+        assert!(!case.passes());
     }
 
     #[test]
-    fn a_slow_case_is_broken() {
-        assert!(!HardCase { seconds: 1.1 * TIME_LIMIT_S, ..with_error(0.0) }.kept());
+    fn a_slow_case_fails() {
+        assert!(!HardCase { seconds: 1.1 * TIME_LIMIT_S, ..with_error(0.0) }.passes());
     }
 }

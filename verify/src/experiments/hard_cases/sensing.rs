@@ -7,7 +7,7 @@ use crate::settings::{CAMERA_NOISE_MM, Effort};
 use finray_model::frame::FrameLoad;
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::sensing::{
-    Contact, ContactPlace, ContactQuestion, Estimate, LinearEstimator, NonlinearEstimator, Prior, SensingError,
+    Contact, ContactPosition, ContactQuestion, Estimate, LinearEstimator, NonlinearEstimator, Prior, SensingError,
 };
 use finray_model::statics::Statics;
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Vector};
@@ -16,37 +16,37 @@ pub(super) const QUESTIONS: &[Question] = &[
     Question {
         case: "contacts on neighbouring nodes",
         difficulty: "two forces that deform the finger nearly alike",
-        promise: "exact without noise, true within the stated sigma with it",
+        expectation: "exact without noise, true within the stated sigma with it",
         answer: neighbours,
     },
     Question {
         case: "two contacts on one node",
         difficulty: "two components of one force; at the same angle they are one",
-        promise: "two angles: as for neighbours; the same angle: refused",
+        expectation: "two angles: as for neighbours; the same angle: refused",
         answer: twice_on_one_node,
     },
     Question {
         case: "all contact nodes at once",
         difficulty: "as many forces as the front plate has nodes: the worst condition of all",
-        promise: "exact without noise, true within the stated sigma with it",
+        expectation: "exact without noise, true within the stated sigma with it",
         answer: everywhere,
     },
     Question {
         case: "1 to 20 hidden markers",
         difficulty: "little is left to see",
-        promise: "true within the stated sigma, which grows with every marker that is lost; refused when none is left",
+        expectation: "true within the stated sigma, which grows with every marker that is lost; refused when none is left",
         answer: hidden,
     },
     Question {
         case: "noise from 0 to 1 mm",
         difficulty: "noise as large as the displacements of many nodes",
-        promise: "exact without noise, true within the stated sigma with it",
+        expectation: "exact without noise, true within the stated sigma with it",
         answer: noise,
     },
     Question {
         case: "one marker off by 20 mm",
         difficulty: "a marker taken for another outweighs all others in least squares",
-        promise: "large rotations: the force moves by less than 2 %; linear: the residual shows that something is wrong",
+        expectation: "co-rotational: the force moves by less than 2 %; linear: the residual shows that something is wrong",
         answer: wild_marker,
     },
 ];
@@ -55,8 +55,8 @@ pub(super) const QUESTIONS: &[Question] = &[
 const EXACT: f64 = 1e-7;
 /// Errors beyond this many sigma do not happen in some hundred draws (6e-7 each).
 const SIGMAS: f64 = 5.0;
-/// How far the scatter over the stated sigma may be from 1: over four standard errors of the draws that are made, and
-/// what large rotations add at 1 mm.
+/// Tolerance of the scatter over the stated sigma: over four standard errors of the draws that are made, and
+/// what geometric nonlinearity adds at 1 mm.
 const SCATTER: f64 = 0.25;
 /// A good camera, for twelve forces at once: with the paper's they would be drowned.
 const GOOD_NOISE_MM: f64 = 0.0067;
@@ -67,7 +67,7 @@ const WILD_CHANGE: f64 = 0.02;
 const CONSPICUOUS: f64 = 10.0;
 
 impl Effort {
-    /// Noise pictures of a case.
+    /// Noise samples of a case.
     fn draws(self) -> usize {
         match self {
             Effort::Quick => 60,
@@ -77,7 +77,7 @@ impl Effort {
 }
 
 fn at_node(node: NodeId, angle_deg: f64) -> Contact {
-    Contact { place: ContactPlace::Node(node), angle_deg }
+    Contact { position: ContactPosition::Node(node), angle_deg }
 }
 
 fn middle(finger: &Finger) -> NodeId {

@@ -1,4 +1,4 @@
-//! What holds for every equilibrium of every finger, checked without the solver's help.
+//! Properties of every equilibrium of every finger, checked without the solver.
 
 use super::{Findings, Unexpected};
 use crate::check::worst;
@@ -14,11 +14,11 @@ pub const BALANCE: f64 = 1e-6;
 /// Largest difference between elastic energy and work, as a share of the work: what the quadrature along the load path
 /// leaves.
 pub const ENERGY: f64 = 1e-6;
-/// How near a limit load is known: load steps end at 1e-6 of the load that was asked for.
+/// Tolerance of a limit load: load steps end at 1e-6 of the load that was asked for.
 pub const LIMIT: f64 = 1e-3;
-/// What two solutions are compared by: see [`difference`].
+/// Quantity of the comparison of two solutions: see [`difference`].
 pub const DIFFERENCE: &str = "difference / largest displacement";
-/// Stretches of the load path that are integrated each by itself: shallow arches soften on the way.
+/// Sections of the load path, each integrated by itself: shallow arches soften on the way.
 const PANELS: usize = 4;
 /// Gauss-Legendre rule with eight points on 0..1: (abscissa, weight).
 const GAUSS: [(f64, f64); 8] = [
@@ -44,10 +44,10 @@ pub struct Soundness {
 }
 
 impl Soundness {
-    /// Solves a force on a node, linear and with large rotations; returns both displacement fields.
+    /// Solves a force on a node, linear and co-rotational; returns both displacement fields.
     pub fn add(&mut self, mesh: &Mesh, node: NodeId, force: Vector) -> Result<[FrameMotion; 2], Unexpected> {
         let load = mesh.frame_load(&Load::at_node(node, force))?;
-        Ok([self.linear(mesh, load)?, self.large_rotation(mesh, load)?])
+        Ok([self.linear(mesh, load)?, self.corotational(mesh, load)?])
     }
 
     /// As [`add`](Soundness::add) for a force that may have no equilibrium. Then a little less than what is said to be
@@ -76,7 +76,7 @@ impl Soundness {
         Ok(motion)
     }
 
-    fn large_rotation(&mut self, mesh: &Mesh, load: FrameLoad) -> Result<FrameMotion, Unexpected> {
+    fn corotational(&mut self, mesh: &Mesh, load: FrameLoad) -> Result<FrameMotion, Unexpected> {
         let points: Vec<(f64, f64)> = (0..PANELS)
             .flat_map(|panel| GAUSS.map(|(x, weight)| ((panel as f64 + x) / PANELS as f64, weight / PANELS as f64)))
             .collect();
@@ -135,12 +135,12 @@ fn work(load: &FrameLoad, motion: &FrameMotion) -> f64 {
     }
 }
 
-/// What loads and reactions leave, as a share of the load: force, and moment about the origin over the plate's length.
+/// Imbalance of loads and reactions, as a share of the load: force, and moment about the origin over the plate's length.
 fn unbalanced(mesh: &Mesh, load: &FrameLoad, motion: &FrameMotion, kinematics: Kinematics) -> f64 {
     let FrameLoad::Node { node, force, .. } = *load else { return f64::NAN };
     let (frame, finger) = (mesh.frame(), mesh.finger());
     let moment = |at: Vector, force: Vector| at.x * force.y - at.y * force.x;
-    // Linear theory balances moments at the undeformed places.
+    // Linear theory balances moments at the undeformed positions.
     let moved = if kinematics == Kinematics::Linear { Vector::zeros() } else { motion.displacements[node] };
     let (mut force_sum, mut moment_sum) = (force, moment(frame.position(node) + moved, force));
     for clamp in finger.clamped_nodes().map(|clamp| mesh.frame_node(clamp)) {

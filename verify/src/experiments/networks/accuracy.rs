@@ -1,4 +1,4 @@
-//! What the networks that ship make of the large-rotation finger under camera noise, and what is promised of them.
+//! Accuracy of the networks that ship on the co-rotational finger under camera noise, and its tolerances.
 
 use crate::check::{Check, Kind};
 use crate::estimators::network::{NetworkSensing, Networks};
@@ -16,16 +16,16 @@ pub const FORCES_N: [f64; 2] = TWO_FORCES_N;
 const CHANCE: f64 = 3.3;
 /// Largest mean error of the sum of two forces.
 const SUM_ERROR: f64 = 0.01;
-/// And no more than so many times what noise alone allows (the Cramer-Rao bound): of a force, 7 % above it at most were measured, known to
+/// And no more than this many times what noise alone allows (the Cramer-Rao bound): of a force, 7 % above it at most were measured, known to
 /// 2 %; of a sum, in which the noise of neighbours cancels but the networks' own errors need not, 59 %.
 const OVER_BOUND: f64 = 1.10;
 const SUM_OVER_BOUND: f64 = 1.70;
 /// Seed of forces and noise.
 const SEED: u64 = 2;
 
-/// Contact nodes, and the largest mean error of each force that is promised there, at the camera's noise.
+/// Contact nodes, and the tolerance of the mean error of each force there, at the camera's noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Promise {
+pub struct CheckedSet {
     /// The contact nodes.
     pub nodes: &'static [usize],
     /// Largest mean error of each force.
@@ -34,38 +34,38 @@ pub struct Promise {
 
 /// Single contact nodes, two pairs of neighbours, two pairs further apart. The Cramer-Rao bound is 1.5 % at node 24, and 2.1 %
 /// for nodes 19 and 20.
-pub const PROMISES: [Promise; 15] = {
-    const fn promise(nodes: &'static [usize], force: f64) -> Promise {
-        Promise { nodes, force }
+pub const CHECKED_SETS: [CheckedSet; 15] = {
+    const fn set(nodes: &'static [usize], force: f64) -> CheckedSet {
+        CheckedSet { nodes, force }
     }
     const ONE: f64 = 0.016;
     const NEIGHBOURS: f64 = 0.04;
     const APART: f64 = 0.02;
     [
-        promise(&[14], ONE),
-        promise(&[15], ONE),
-        promise(&[16], ONE),
-        promise(&[17], ONE),
-        promise(&[18], ONE),
-        promise(&[19], ONE),
-        promise(&[20], ONE),
-        promise(&[21], ONE),
-        promise(&[22], ONE),
-        promise(&[23], ONE),
-        promise(&[24], ONE),
-        promise(&[19, 20], NEIGHBOURS),
-        promise(&[16, 17], NEIGHBOURS),
-        promise(&[18, 20], APART),
-        promise(&[16, 20], APART),
+        set(&[14], ONE),
+        set(&[15], ONE),
+        set(&[16], ONE),
+        set(&[17], ONE),
+        set(&[18], ONE),
+        set(&[19], ONE),
+        set(&[20], ONE),
+        set(&[21], ONE),
+        set(&[22], ONE),
+        set(&[23], ONE),
+        set(&[24], ONE),
+        set(&[19, 20], NEIGHBOURS),
+        set(&[16, 17], NEIGHBOURS),
+        set(&[18, 20], APART),
+        set(&[16, 20], APART),
     ]
 };
 
-/// The networks that ship, on the large-rotation finger of the fine mesh.
+/// The networks that ship, on the co-rotational finger of the fine mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NetworkStudy {
     /// Standard deviation of one coordinate, mm.
     pub noise_mm: f64,
-    /// By [`PROMISES`]; forces of [`FORCES_N`].
+    /// By [`CHECKED_SETS`]; forces of [`FORCES_N`].
     pub rows: Vec<ScatterRow>,
 }
 
@@ -91,7 +91,7 @@ pub fn run(context: &Context, sensed: Option<&TableTwo>) -> Result<Option<Networ
 impl NetworkStudy {
     /// Number of contact sets that [`NetworkStudy::run`] works on: those that are not `sensed` yet.
     pub fn steps(sensed: &[ScatterRow]) -> usize {
-        PROMISES.iter().filter(|promise| found(promise, sensed).is_none()).count()
+        CHECKED_SETS.iter().filter(|set| found(set, sensed).is_none()).count()
     }
 
     /// Senses `cases` random cases of each set of contacts on `fine`, the mesh of the true finger; what is `sensed` already,
@@ -109,9 +109,8 @@ impl NetworkStudy {
     ) -> Result<NetworkStudy, EstimatorError> {
         let finger = fine.finger();
         let network = NetworkSensing { networks, finger, refuses: true };
-        let open = PROMISES.iter().filter(|promise| found(promise, sensed).is_none());
-        let sets: Vec<Vec<NodeId>> =
-            open.map(|promise| promise.nodes.iter().map(|&node| NodeId(node)).collect()).collect();
+        let open = CHECKED_SETS.iter().filter(|set| found(set, sensed).is_none());
+        let sets: Vec<Vec<NodeId>> = open.map(|set| set.nodes.iter().map(|&node| NodeId(node)).collect()).collect();
         // The bound changes little with the mesh: the coarsest serves.
         let request = ScatterRequest {
             truth: fine,
@@ -123,22 +122,19 @@ impl NetworkStudy {
         };
         let mut rows = scatter(&request, &[&network], &sets, FORCES_N, progress)?;
         rows.extend_from_slice(sensed);
-        Ok(NetworkStudy {
-            noise_mm,
-            rows: PROMISES.iter().filter_map(|promise| found(promise, &rows)).cloned().collect(),
-        })
+        Ok(NetworkStudy { noise_mm, rows: CHECKED_SETS.iter().filter_map(|set| found(set, &rows)).cloned().collect() })
     }
 
-    /// All promises.
+    /// All checks.
     pub fn checks(&self) -> Vec<Check> {
         self.rows.iter().flat_map(|row| self.checks_of(row)).collect()
     }
 
-    /// The promises about one set of contacts: each force, and the sum of several. They hold at the camera's noise; at
-    /// another, for which the networks are not trained, nothing is promised.
+    /// The checks of one set of contacts: each force, and the sum of several. They hold at the camera's noise; at
+    /// another, for which the networks are not trained, nothing is checked.
     pub fn checks_of(&self, row: &ScatterRow) -> Vec<Check> {
-        let promise = PROMISES.iter().find(|promise| promise.nodes == row.nodes);
-        let Some(promise) = promise.filter(|_| self.noise_mm == CAMERA_NOISE_MM) else { return Vec::new() };
+        let set = CHECKED_SETS.iter().find(|set| set.nodes == row.nodes);
+        let Some(set) = set.filter(|_| self.noise_mm == CAMERA_NOISE_MM) else { return Vec::new() };
         let cases = row.drawn();
         let nodes = row.nodes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and ");
         let check = |quantity: &str, error: Option<f64>, largest: f64| {
@@ -157,18 +153,18 @@ impl NetworkStudy {
         let least = |aim: f64, bound: Option<f64>| bound.map_or(f64::NAN, |bound| aim.min(bound));
         let of_force = row.mean_error_bound().map(|bound| OVER_BOUND * bound);
         let of_sum = row.sum.and_then(|sum| Some(SUM_OVER_BOUND * sum.bound?.mean_error_bound));
-        let each = check("each force", row.mean_error(), least(promise.force, of_force));
+        let each = check("each force", row.mean_error(), least(set.force, of_force));
         let sum = (row.nodes.len() > 1)
             .then(|| check("the sum", row.sum.map(|sum| sum.mean_error), least(SUM_ERROR, of_sum)));
         std::iter::once(each).chain(sum).collect()
     }
 }
 
-/// Share by which chance alone may lift a mean error, where it comes from too few cases to be held to its promise.
+/// Share by which chance alone may lift a mean error, where it comes from too few cases to be held to its tolerance.
 fn chance(cases: usize) -> f64 {
     if cases < ENOUGH_CASES { CHANCE / (cases as f64).sqrt() } else { 0.0 }
 }
 
-fn found<'r>(promise: &Promise, rows: &'r [ScatterRow]) -> Option<&'r ScatterRow> {
-    rows.iter().find(|row| row.nodes == promise.nodes)
+fn found<'r>(set: &CheckedSet, rows: &'r [ScatterRow]) -> Option<&'r ScatterRow> {
+    rows.iter().find(|row| row.nodes == set.nodes)
 }

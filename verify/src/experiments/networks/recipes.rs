@@ -129,7 +129,7 @@ fn rows_of(finger: &Finger, groups: Vec<Group>) -> Result<Vec<RecipeRow>, Recipe
     Ok(rows)
 }
 
-/// Error by number of samples and by size of the network, on the finger with large rotations and with noise.
+/// Error by number of samples and by size of the network, on the co-rotational finger with noise.
 ///
 /// # Errors
 /// [`RecipesError`].

@@ -7,11 +7,11 @@ use crate::truths::TruthId;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-/// What the network of one recipe and one seed makes of one quantity.
+/// Errors of one quantity by the network of one recipe and one seed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RecipeRow {
     /// `a`, the paper's: linear samples without noise, inputs by the largest displacement, or `a, by spread`; `b`, as `a` with
-    /// noise; `c`, large rotations with noise, principal
+    /// noise; `c`, co-rotational with noise, principal
     /// directions and a linear branch.
     pub recipe: String,
     /// Seed of the training.
@@ -51,7 +51,7 @@ pub struct CurveRow {
     pub cases: usize,
     /// Mean error of each force; `None` if no case was sensed.
     pub mean_error: Option<f64>,
-    /// What an estimator that reaches the Cramer-Rao bound has as its mean error.
+    /// Mean error of an estimator that reaches the Cramer-Rao bound.
     pub mean_error_bound: Option<f64>,
 }
 

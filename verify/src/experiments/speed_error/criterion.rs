@@ -28,7 +28,7 @@ pub struct CriterionTime {
     seconds: f64,
 }
 
-/// What lies in criterion's folder.
+/// Times in criterion's folder.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CriterionTimes {
     /// Times of our points; results of other benches are passed over.

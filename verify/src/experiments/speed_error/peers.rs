@@ -5,13 +5,13 @@ use super::{Asked, SpeedErrorPoint, Start, Task, TimedBy};
 /// One program on one task.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Peer {
-    /// What is asked for.
+    /// The task.
     pub task: Task,
     /// At which nodes and forces; only points of the same stand beside each other.
     pub asked: Asked,
     /// The model or estimator.
     pub model: String,
-    /// How it is set.
+    /// Its setting.
     pub setting: String,
     /// Median time of an answer, s.
     pub seconds: f64,

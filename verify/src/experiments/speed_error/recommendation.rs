@@ -70,7 +70,7 @@ pub fn recommended(points: &[SpeedErrorPoint]) -> Option<Recommendation<'_>> {
 pub(crate) mod tests {
     use super::*;
 
-    /// A warm nonlinear point on so many nodes.
+    /// A warm nonlinear point on a mesh of `nodes` nodes.
     pub fn point(task: Task, nodes: usize, seconds: f64, error: f64, bias_sigmas: f64) -> SpeedErrorPoint {
         SpeedErrorPoint {
             task,

@@ -25,7 +25,7 @@ const SEED: u64 = 11;
 /// Preparations for each set of contacts: enough for a median.
 const PREPARATIONS: usize = 5;
 
-/// What a camera sees of one frame.
+/// Measurement of one frame.
 pub struct Frame {
     /// True forces, N.
     pub forces_n: Vec<f64>,
@@ -88,7 +88,7 @@ pub struct TimedEstimator<'e> {
     pub estimator: Box<dyn Estimator + 'e>,
     /// Its mesh or what else it is set to, in words.
     pub setting: String,
-    /// What each frame starts from.
+    /// Start of each frame.
     pub start: Start,
 }
 
@@ -153,7 +153,7 @@ impl PreparedEstimator for PreparedStream<'_> {
     }
 }
 
-/// The single nodes whose force is sensed: so many, spread over the front plate.
+/// The single nodes whose force is sensed, spread over the front plate.
 pub fn singles(finger: &Finger, nodes: usize) -> Vec<Vec<NodeId>> {
     spread(finger, nodes).map(|node| vec![node]).collect()
 }
@@ -226,7 +226,7 @@ fn sensed(
                 errors.extend(pairs.map(|(sensed, force)| (sensed / force - 1.0).abs()));
             }
         }
-        // The same frames without noise show what the model alone is off. It is held against the bound: what an estimator states rests on
+        // The same frames without noise show what the model alone is off. It is compared with the bound: what an estimator states rests on
         // its residual, the larger the wronger its model is.
         let mut prepared = prepare()?;
         for frame in &stream.frames {

@@ -1,6 +1,6 @@
 //! Zone factors from the six mean errors of Table I.
 
-use super::{STRETCH_MM, ZoneSet};
+use super::{MEMBER_MM, ZoneSet};
 use crate::estimators::ELEMENTS;
 use crate::experiments::table_one::{TableOne, TableOneError, table_one};
 use crate::truths::{MeshTruth, TruthId};
@@ -48,7 +48,7 @@ pub struct TwinFit {
     pub misfit: f64,
 }
 
-/// Fits a set of zones on the large-rotation finger, four elements a member: the protocol of Table I is run for each trial.
+/// Fits a set of zones on the co-rotational finger, four elements a member: the protocol of Table I is run for each trial.
 ///
 /// # Errors
 /// [`TableOneError`] if the finger cannot carry the weights at the start.
@@ -108,11 +108,11 @@ pub fn mean_errors(table: &TableOne) -> Vec<f64> {
 /// # Errors
 /// [`ImpossibleFinger`] for zones that are not on the finger.
 pub fn with_factors(paper: &Finger, set: &ZoneSet, factors: &[f64], modulus: f64) -> Result<Finger, ImpossibleFinger> {
-    let zones = set.groups.iter().zip(factors).flat_map(|((stretches, _), &modulus_factor)| {
-        stretches.iter().map(move |&(part, from, to)| Zone {
+    let zones = set.groups.iter().zip(factors).flat_map(|((sections, _), &modulus_factor)| {
+        sections.iter().map(move |&(part, from, to)| Zone {
             part,
-            from_mm: from * STRETCH_MM,
-            to_mm: to * STRETCH_MM,
+            from_mm: from * MEMBER_MM,
+            to_mm: to * MEMBER_MM,
             modulus_factor,
         })
     });

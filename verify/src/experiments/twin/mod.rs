@@ -12,26 +12,26 @@ pub mod study;
 use finray_model::Finger;
 use finray_model::finger::Part;
 
-/// One zone: part, and from where to where along it, in stretches between key nodes from the base.
-pub type Stretch = (Part, f64, f64);
+/// One zone: part, and from where to where along it from the base, in members.
+pub type Section = (Part, f64, f64);
 
 /// Zones of the paper's finger that share a factor each, group by group.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ZoneSet {
-    /// What it is, for tables.
+    /// Its name, for tables.
     pub name: &'static str,
     /// The groups, each with the factor where the fit starts: where a fit from 0.2 ended.
-    pub groups: &'static [(&'static [Stretch], f64)],
+    pub groups: &'static [(&'static [Section], f64)],
 }
 
-/// Length of a stretch of plate between two key nodes of the paper's finger, mm.
-const STRETCH_MM: f64 = 12.75;
+/// Length of a plate member of the paper's finger, mm.
+const MEMBER_MM: f64 = 12.75;
 
-const BASE: &[Stretch] = &[(Part::Front, 0.0, 1.0), (Part::Back, 0.0, 1.0)];
-const NEXT: &[Stretch] = &[(Part::Front, 8.0, 10.0), (Part::Back, 8.0, 10.0)];
-const TIP: &[Stretch] = &[(Part::Front, 10.0, 12.0), (Part::Back, 10.0, 12.0)];
+const BASE: &[Section] = &[(Part::Front, 0.0, 1.0), (Part::Back, 0.0, 1.0)];
+const NEXT: &[Section] = &[(Part::Front, 8.0, 10.0), (Part::Back, 8.0, 10.0)];
+const TIP: &[Section] = &[(Part::Front, 10.0, 12.0), (Part::Back, 10.0, 12.0)];
 
-/// The zones of the twin: the stretches at the base, two stretches before the tip's, and two at the tip.
+/// The zones of the twin: the members at the base, two members before the tip's, and two at the tip.
 pub const TWIN: ZoneSet =
     ZoneSet { name: "base, before the tip, tip (the twin)", groups: &[(BASE, 0.72), (NEXT, 0.153), (TIP, 0.064)] };
 
@@ -46,7 +46,7 @@ pub const OTHERS: [ZoneSet; 6] = [
         groups: &[(&[(Part::Back, 0.0, 1.0)], 0.35), (NEXT, 0.165), (TIP, 0.062)],
     },
     ZoneSet {
-        name: "two stretches of base, before the tip, tip",
+        name: "two members of base, before the tip, tip",
         groups: &[(&[(Part::Front, 0.0, 2.0), (Part::Back, 0.0, 2.0)], 0.71), (NEXT, 0.153), (TIP, 0.064)],
     },
     ZoneSet {
@@ -54,10 +54,10 @@ pub const OTHERS: [ZoneSet; 6] = [
         groups: &[(BASE, 0.7), (&[(Part::Ribs, 7.9, 12.0)], 0.28), (TIP, 0.051)],
     },
     ZoneSet {
-        name: "base, four stretches of tip alike",
+        name: "base, four members of tip alike",
         groups: &[(BASE, 0.72), (&[(Part::Front, 8.0, 12.0), (Part::Back, 8.0, 12.0)], 0.117)],
     },
-    ZoneSet { name: "clamp of the front plate alone, half a stretch", groups: &[(&[(Part::Front, 0.0, 0.5)], 0.014)] },
+    ZoneSet { name: "clamp of the front plate alone, half a member", groups: &[(&[(Part::Front, 0.0, 0.5)], 0.014)] },
 ];
 
 /// Young's modulus of each zone of a fitted finger, MPa.

@@ -1,4 +1,4 @@
-//! What follows from the twin: Table I before and after, its zones calibrated from noisy pictures, and sensing with them.
+//! Study of the twin: Table I before and after, its zones calibrated from noisy shapes, and sensing with them.
 
 use super::fit::{ANGLE_DEG, TwinFit, fit};
 use super::{OTHERS, TWIN};
@@ -26,7 +26,7 @@ pub const GROUPS: [[usize; 2]; 3] = [[0, 1], [2, 3], [4, 5]];
 pub const LOADED: [usize; 9] = [14, 16, 17, 18, 19, 20, 21, 22, 24];
 /// Nodes at which sensing is tried on the twin: the contact nodes but for the tip.
 const SENSED_NODES: std::ops::RangeInclusive<usize> = 14..=24;
-/// Elements a member when zones are calibrated: 54 pictures average noise away to less than the error of a coarse mesh.
+/// Elements a member when zones are calibrated: 54 shapes average noise away to less than the error of a coarse mesh.
 const CALIBRATION_ELEMENTS: usize = 12;
 /// Sensing that knows the zones: mean error at every node, a tenth above the Cramer-Rao bound at the worst (node 24).
 const SENSED: f64 = 0.013;
@@ -50,7 +50,7 @@ pub struct TwinStudy {
     pub fits: Vec<TwinFit>,
     /// Standard deviation of one coordinate in what follows, mm.
     pub noise_mm: f64,
-    /// The twin's factors from noisy pictures, a repetition each.
+    /// The twin's factors from noisy shapes, a repetition each.
     pub calibrations: Vec<FactorEstimate>,
     /// Sensing at each node.
     pub sensing: Vec<TwinSensing>,
@@ -137,7 +137,7 @@ impl TwinStudy {
         let all: Vec<_> = std::iter::once(TWIN).chain(OTHERS).take(sets).collect();
         let fits = all.par_iter().map(|set| fit(paper, set)).collect::<Result<_, _>>()?;
         progress();
-        let clean = pictures(&finger, &truth);
+        let clean = shapes(&finger, &truth);
         let calibrations = (0..repeats as u64)
             .into_par_iter()
             .map(|seed| calibrate(&finger, &clean, noise_mm, seed))
@@ -201,8 +201,8 @@ impl TwinStudy {
     }
 }
 
-/// What a camera without noise sees of the twin under the paper's weights.
-fn pictures(finger: &Finger, truth: &MeshTruth) -> Vec<CalibrationCase> {
+/// Noise-free measurements of the twin under the paper's weights.
+fn shapes(finger: &Finger, truth: &MeshTruth) -> Vec<CalibrationCase> {
     let cases = LOADED.iter().flat_map(|&node| {
         let contact = Contact::at_node(NodeId(node));
         let shapes = truth.shapes(&contact, &WEIGHTS_G.map(weight_n));
@@ -215,7 +215,7 @@ fn pictures(finger: &Finger, truth: &MeshTruth) -> Vec<CalibrationCase> {
     cases.collect()
 }
 
-/// The twin's modulus and zones from pictures with noise, front and back sharing a factor. Factors are over the true ones.
+/// The twin's modulus and zones from noisy shapes, front and back sharing a factor. Factors are over the true ones.
 fn calibrate(
     finger: &Finger,
     clean: &[CalibrationCase],

@@ -29,7 +29,7 @@ fn class_of(n: usize, cause: Cause) -> Class {
         Cause::Discretisation => ("E", [0x8a, 0x8f, 0x98]),
         Cause::Modulus => ("M", [0xcc, 0x79, 0xa7]),
         Cause::Direction => ("D", [0x00, 0x9e, 0x73]),
-        Cause::Place => ("P", [0xf0, 0xe4, 0x42]),
+        Cause::Position => ("P", [0xf0, 0xe4, 0x42]),
         Cause::BaseCompliance => ("B", [0x00, 0x72, 0xb2]),
         Cause::TipCompliance => ("T", [0xd5, 0x5e, 0x00]),
         Cause::NetworkFit => ("F", [0x5c, 0x60, 0x66]),
@@ -45,7 +45,7 @@ fn line(cause: Cause) -> (Hue, Dash) {
         Cause::Discretisation => (Hue::Orange, Dash::Dashed),
         Cause::Modulus => (Hue::Purple, Dash::Solid),
         Cause::Direction => (Hue::Green, Dash::Solid),
-        Cause::Place => (Hue::Green, Dash::Dashed),
+        Cause::Position => (Hue::Green, Dash::Dashed),
         Cause::BaseCompliance => (Hue::Blue, Dash::Solid),
         Cause::TipCompliance => (Hue::Vermilion, Dash::Solid),
         Cause::NetworkFit => (Hue::Purple, Dash::Dashed),
@@ -53,7 +53,7 @@ fn line(cause: Cause) -> (Hue, Dash) {
 }
 
 pub(super) fn map_figure(study: &Study, map: &CauseMap) -> Result<Figure, ReportError> {
-    let (angles, places) = (map.request.angles_deg.len(), map.request.places_mm.len());
+    let (angles, places) = (map.request.angles_deg.len(), map.request.positions_mm.len());
     let (small, hidden) = (map.causes.len(), map.causes.len() + 1);
     let mut classes: Vec<Class> = map.causes.iter().enumerate().map(|(n, cause)| class_of(n, *cause)).collect();
     classes.push(class(small, &format!("error below {}", percent(SMALL_ERROR)), "", [0xd9, 0xdd, 0xe2]));
@@ -71,7 +71,7 @@ pub(super) fn map_figure(study: &Study, map: &CauseMap) -> Result<Figure, Report
     let frame = Frame::half(&title, format!("{title}: by place along the front plate and direction."));
     let y = Axis::linear(DIRECTION_AXIS).with_ticks((-2..=2).map(|i| f64::from(i) * 40.0));
     let values = (0..angles).map(|angle| (0..places).map(|place| of_cell(place, angle)).collect()).collect();
-    let cells = Cells::new(&map.request.places_mm, &map.request.angles_deg, values);
+    let cells = Cells::new(&map.request.positions_mm, &map.request.angles_deg, values);
     let missing_label = "no equilibrium or no answer".to_owned();
     let drawn = Map::new(frame, [Axis::linear(ALONG_THE_PLATE), y], Shades::Classes(classes), cells);
     let svg = Map { missing_label, ..drawn }.svg()?;
@@ -162,7 +162,7 @@ fn clearing_row(map: &CauseMap) -> (String, Vec<Option<Cells>>) {
         let clear = percents.iter().filter(|error| error.is_some_and(|error| error <= PAPER_SHADES_PERCENT[0])).count();
         Cells {
             note: format!("{:.0} % clear", 100.0 * clear as f64 / percents.len().max(1) as f64),
-            x: map.request.places_mm.clone(),
+            x: map.request.positions_mm.clone(),
             y: map.request.angles_deg.clone(),
             values: (0..angles).map(|angle| percents.iter().skip(angle).step_by(angles).copied().collect()).collect(),
         }

@@ -15,7 +15,7 @@ pub(super) fn by_cell(study: &Study) -> Dataset<'_> {
         ("discretisation", Cause::Discretisation),
         ("modulus", Cause::Modulus),
         ("direction", Cause::Direction),
-        ("place", Cause::Place),
+        ("place", Cause::Position),
         ("base_compliance", Cause::BaseCompliance),
         ("tip_compliance", Cause::TipCompliance),
         ("network_fit", Cause::NetworkFit),

@@ -11,11 +11,11 @@ use finray_model::NodeId;
 /// Least squares or the nonlinear estimator, off by `error` in its one cell.
 fn map(estimator: EstimatorId, error: f64) -> AccuracyMap {
     let request = MapRequest {
-        places_mm: vec![76.5],
+        positions_mm: vec![76.5],
         angles_deg: vec![20.0],
         forces_n: vec![3.0],
         noise_levels_mm: vec![0.0],
-        noise_pictures: 1,
+        noise_samples: 1,
         seed: 1,
     };
     let cell = Cell {

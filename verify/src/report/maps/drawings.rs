@@ -36,7 +36,7 @@ fn small_map(map: &AccuracyMap) -> Cells {
     let percents = |row: Vec<Option<f64>>| row.into_iter().map(|error| error.map(|e| 100.0 * e)).collect();
     Cells {
         note: note(&summary),
-        x: map.request.places_mm.clone(),
+        x: map.request.positions_mm.clone(),
         y: map.request.angles_deg.clone(),
         values: map.errors(Some(DRAWN_FORCE_N)).into_iter().map(percents).collect(),
     }
@@ -155,7 +155,7 @@ fn explanation(study: &Study, kind: &Kind) -> Result<String, FigureError> {
     let map = &study.explanations;
     let title = format!("{}, {} N", kind.title, map.force_n);
     let alt = format!("{title}: {} by place along the front plate and direction.", kind.value_label);
-    let cells = Cells::new(&map.places_mm, &map.angles_deg, map.values(kind.of));
+    let cells = Cells::new(&map.positions_mm, &map.angles_deg, map.values(kind.of));
     let shades = Shades::Scale(kind.colours, kind.value_label.to_owned());
     Map {
         contours: kind.contours.to_vec(),

@@ -47,7 +47,7 @@ fn worst(map: &AccuracyMap, among: impl Fn(&Cell) -> bool) -> Option<Worst> {
 
 /// How far along the plate a position is, and which node is next to it.
 fn position(finger: &Finger, s_mm: f64) -> String {
-    let distance = |node| finger.front_place_mm(node).map_or(f64::INFINITY, |at: f64| (at - s_mm).abs());
+    let distance = |node| finger.front_position_mm(node).map_or(f64::INFINITY, |at: f64| (at - s_mm).abs());
     let nearest = finger.contact_nodes().min_by(|a, b| distance(*a).total_cmp(&distance(*b)));
     nearest.map_or_else(|| format!("s = {s_mm:.0} mm"), |node| format!("s = {s_mm:.0} mm, near node {node}"))
 }

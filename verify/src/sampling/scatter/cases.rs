@@ -1,4 +1,4 @@
-//! Random cases: forces that bend the true finger, pictures of it, and what every estimator makes of the same pictures.
+//! Random cases: forces that bend the true finger, noisy measurements of it, and the estimates of every estimator.
 
 use super::ScatterRequest;
 use crate::estimators::{BeamEstimator, Estimator, EstimatorError, PreparedEstimator, Sensed};
@@ -11,7 +11,7 @@ use finray_model::statics::{Ladder, Statics};
 use finray_model::{Finger, Kinematics, Mesh};
 use rayon::prelude::*;
 
-/// A finger that carries none of so many draws in a row carries no force of the range.
+/// A finger that carries none of this many draws in a row carries no force of the range.
 const MOST_DRAWS: usize = 100;
 /// Cases that share prepared estimators; threads take turns by as many.
 const BLOCK: u64 = 100;
@@ -24,13 +24,13 @@ pub(super) struct Case {
     /// True forces, N.
     pub forces_n: Vec<f64>,
     /// By level of noise.
-    pictures: Vec<Picture>,
+    samples: Vec<Sample>,
     /// Draws that were repeated because the finger does not carry them.
     pub not_carried: usize,
 }
 
-/// What is made of one picture.
-struct Picture {
+/// Estimates from one noise sample.
+struct Sample {
     /// The bound: what an estimator of the true finger states at the true shape; `None` without noise, and where the noise
     /// leaves the forces open.
     bound: Option<Sensed>,
@@ -41,27 +41,27 @@ struct Picture {
     sensed: Vec<Option<Sensed>>,
 }
 
-/// What one estimator makes of one picture.
+/// The estimate of one estimator from one noise sample.
 pub(super) struct Look<'c> {
     /// The case.
     pub case: &'c Case,
-    /// The bound of this picture.
+    /// The bound of this sample.
     pub bound: Option<&'c Sensed>,
-    /// Errors of the forces to first order in the noise of this picture, N.
+    /// Errors of the forces to first order in the noise of this sample, N.
     pub first_order: Option<&'c [f64]>,
-    /// What is sensed; `None` where it refused.
+    /// The estimate; `None` where it refused.
     pub sensed: Option<&'c Sensed>,
 }
 
 impl Case {
     /// Estimator number `estimator` at level of noise number `level`.
     pub fn look(&self, level: usize, estimator: usize) -> Look<'_> {
-        let picture = &self.pictures[level];
+        let sample = &self.samples[level];
         Look {
             case: self,
-            bound: picture.bound.as_ref(),
-            first_order: picture.first_order.as_deref(),
-            sensed: picture.sensed[estimator].as_ref(),
+            bound: sample.bound.as_ref(),
+            first_order: sample.first_order.as_deref(),
+            sensed: sample.sensed[estimator].as_ref(),
         }
     }
 }
@@ -134,11 +134,11 @@ impl<'a> Bench<'a> {
         let mut bent: Vec<Option<Bent>> = draws.iter().map(|_| None).collect();
         let mut open: Vec<usize> = (0..draws.len()).collect();
         loop {
-            let pairs = (0..open.len()).flat_map(|place| (0..starts.len()).map(move |start| (place, start)));
-            let pairs =
-                pairs.map(|(place, start)| (starts[start].distance_n(&draws[open[place]].forces_n), place, start));
-            let Some((_, place, start)) = pairs.min_by(|a, b| a.0.total_cmp(&b.0)) else { return bent };
-            let number = open.remove(place);
+            let pairs = (0..open.len()).flat_map(|position| (0..starts.len()).map(move |start| (position, start)));
+            let pairs = pairs
+                .map(|(position, start)| (starts[start].distance_n(&draws[open[position]].forces_n), position, start));
+            let Some((_, position, start)) = pairs.min_by(|a, b| a.0.total_cmp(&b.0)) else { return bent };
+            let number = open.remove(position);
             let Some((motion, not_carried)) = self.carried(&mut draws[number], &starts[start], range_n) else {
                 continue;
             };
@@ -170,9 +170,9 @@ impl<'a> Bench<'a> {
         self.contacts.iter().zip(forces_n).map(load).collect()
     }
 
-    /// What everyone makes of the pictures of a bent finger.
+    /// Estimates of every estimator from the noise samples of a bent finger.
     fn case(&mut self, request: &ScatterRequest, bent: &Bent, controlled: bool) -> Case {
-        let picture = |&noise_mm: &f64| {
+        let sample = |&noise_mm: &f64| {
             let mut seen = bent.clean.clone();
             let mut coordinates = bent.noise.iter();
             seen.add_noise(noise_mm, || coordinates.next().copied().unwrap_or(0.0));
@@ -189,14 +189,14 @@ impl<'a> Bench<'a> {
                 let pairs = moved.forces_n.iter().zip(&at_rest.forces_n);
                 Some(pairs.map(|(moved, at_rest)| (moved - at_rest) / LITTLE).collect())
             });
-            Picture { bound, first_order, sensed }
+            Sample { bound, first_order, sensed }
         };
-        let pictures = request.noise_levels_mm.iter().map(picture).collect();
-        Case { forces_n: bent.forces_n.clone(), pictures, not_carried: bent.not_carried }
+        let samples = request.noise_levels_mm.iter().map(sample).collect();
+        Case { forces_n: bent.forces_n.clone(), samples, not_carried: bent.not_carried }
     }
 }
 
-/// What chance gives to one case, the same whoever looks.
+/// Random numbers of one case, the same for every estimator.
 struct Draw {
     forces_n: Vec<f64>,
     /// Of each coordinate, in standard deviations.
@@ -225,7 +225,7 @@ impl Draw {
 struct Bent {
     forces_n: Vec<f64>,
     noise: Vec<f64>,
-    /// What the camera sees without noise.
+    /// The measurement without noise.
     clean: Measurement,
     not_carried: usize,
 }

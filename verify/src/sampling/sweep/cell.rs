@@ -30,7 +30,7 @@ pub struct Sweep<'s> {
     noise: NoiseSamples,
 }
 
-/// One force at one place and direction, at one level of noise, on one truth, by one estimator.
+/// One force at one position and direction, at one level of noise, on one truth, by one estimator.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
     /// The true finger.
@@ -39,32 +39,32 @@ pub struct Cell {
     pub estimator: EstimatorId,
     /// Standard deviation of a measured coordinate, mm.
     pub noise_mm: f64,
-    /// Place on the front plate, mm from the base.
+    /// Position on the front plate, mm from the base.
     pub s_mm: f64,
     /// Direction, degrees from the inward normal, positive towards the tip.
     pub angle_deg: f64,
     /// True force, N.
     pub force_n: f64,
-    /// What came out.
+    /// Results.
     pub outcome: Outcome,
 }
 
-/// What came out of a cell's noise pictures; a single one without noise.
+/// Results of a cell's noise samples; a single one without noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
-    /// Noise pictures; none where the finger has no equilibrium.
-    pub pictures: usize,
-    /// Pictures that were answered.
+    /// Noise samples; none where the finger has no equilibrium.
+    pub samples: usize,
+    /// Samples that were answered.
     pub answered: usize,
-    /// `None` where fewer than half of the pictures were answered: the few are no fair sample.
+    /// `None` where fewer than half of the samples were answered: the few are no fair sample.
     pub errors: Option<Errors>,
     /// How often the stated intervals hold; `None` if none are stated, or nothing was answered.
     pub covered: Option<Covered>,
-    /// Why the finger or the first picture that was refused gave no answer; `None` if all were answered.
+    /// Why the finger or the first sample that was refused gave no answer; `None` if all were answered.
     pub refusal: Option<String>,
 }
 
-/// Errors over the answered pictures.
+/// Errors over the answered samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Errors {
     /// Mean of |sensed / true - 1|.
@@ -77,7 +77,7 @@ pub struct Errors {
     pub sigma_n: Option<f64>,
 }
 
-/// Answered pictures by whether the true force lies within 1.96 stated standard deviations, those with a warning apart.
+/// Answered samples by whether the true force lies within 1.96 stated standard deviations, those with a warning apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Covered {
     /// Answers with a warning.
@@ -89,15 +89,15 @@ pub struct Covered {
 }
 
 impl Cell {
-    /// Standard deviation of sensed / true over the noise; `None` where a single noisy picture was answered, or none.
+    /// Standard deviation of sensed / true over the noise; `None` where a single noisy sample was answered, or none.
     pub fn spread(&self) -> Option<f64> {
-        let told = self.noise_mm == 0.0 || self.outcome.answered > 1;
-        self.outcome.errors.filter(|_| told).map(|errors| errors.spread)
+        let known = self.noise_mm == 0.0 || self.outcome.answered > 1;
+        self.outcome.errors.filter(|_| known).map(|errors| errors.spread)
     }
 }
 
 impl<'s> Sweep<'s> {
-    /// Sets up a sweep; all cells see the same noise pictures.
+    /// Sets up a sweep; all cells see the same noise samples.
     pub fn new(
         finger: &'s Finger,
         truths: Vec<&'s dyn Truth>,
@@ -123,7 +123,7 @@ impl<'s> Sweep<'s> {
     pub fn block(&self, number: usize) -> Vec<Cell> {
         let truth = self.truths[number / self.grid.contact_count()];
         let contact = self.grid.contact(number % self.grid.contact_count());
-        let s_mm = contact.place_mm(self.finger).unwrap_or(f64::NAN);
+        let s_mm = contact.position_mm(self.finger).unwrap_or(f64::NAN);
         let shapes = truth.shapes(&contact, &self.grid.forces_n);
         let seen: Vec<Measurement> = shapes.iter().map(|shape| Measurement::of_shape(self.finger, shape)).collect();
         let mut prepared: Vec<_> = self
@@ -137,15 +137,15 @@ impl<'s> Sweep<'s> {
             .map(|estimator| seen.first().map(|markers| estimator.prepare(&[contact], markers)))
             .collect();
         let mut tallies = vec![Tally::default(); self.cells_in_block()];
-        self.noise.each(|first, pictures| {
+        self.noise.each(|first, samples| {
             let mut tallies = tallies.iter_mut();
             for estimator in &mut prepared {
                 for (noise_mm, force_n, n) in self.levels() {
                     let Some(tally) = tallies.next() else { return };
                     if let (Some(Ok(estimator)), Some(seen)) = (estimator.as_mut(), seen.get(n)) {
                         let count = self.noise.samples(noise_mm).saturating_sub(first);
-                        let pictures = pictures.chunks_exact(self.noise.coordinates()).take(count);
-                        sense(&mut **estimator, seen, noise_mm, force_n, pictures, tally);
+                        let samples = samples.chunks_exact(self.noise.coordinates()).take(count);
+                        sense(&mut **estimator, seen, noise_mm, force_n, samples, tally);
                     }
                 }
             }
@@ -156,10 +156,10 @@ impl<'s> Sweep<'s> {
             .flat_map(|((tallies, prepared), estimator)| {
                 let (seen, estimator) = (&seen, estimator.id());
                 tallies.iter().zip(self.levels()).map(move |(tally, (noise_mm, force_n, n))| {
-                    let pictures = self.noise.samples(noise_mm);
+                    let samples = self.noise.samples(noise_mm);
                     let outcome = match (prepared, seen.get(n)) {
-                        (Some(Ok(_)), Some(_)) => tally.outcome(pictures),
-                        (Some(Err(error)), Some(_)) => Outcome::refused(pictures, error),
+                        (Some(Ok(_)), Some(_)) => tally.outcome(samples),
+                        (Some(Err(error)), Some(_)) => Outcome::refused(samples, error),
                         _ => Outcome::not_carried(),
                     };
                     Cell {
@@ -224,18 +224,18 @@ impl<'s> Sweep<'s> {
     }
 }
 
-/// Counts what an estimator makes of some noise pictures of what is seen.
+/// Counts the answers of an estimator to noise samples of a measurement.
 fn sense<'p>(
     estimator: &mut dyn PreparedEstimator,
     seen: &Measurement,
     noise_mm: f64,
     force_n: f64,
-    pictures: impl Iterator<Item = &'p [f64]>,
+    samples: impl Iterator<Item = &'p [f64]>,
     tally: &mut Tally,
 ) {
-    for picture in pictures {
+    for sample in samples {
         let mut noisy = seen.clone();
-        let mut coordinates = picture.iter();
+        let mut coordinates = sample.iter();
         if noise_mm > 0.0 {
             noisy.add_noise(noise_mm, || coordinates.next().copied().unwrap_or(0.0));
         }
@@ -248,12 +248,12 @@ fn sense<'p>(
 
 impl Outcome {
     /// Every sample was drawn, and none answered.
-    fn refused(pictures: usize, error: &EstimatorError) -> Outcome {
-        Outcome { pictures, answered: 0, errors: None, covered: None, refusal: Some(error.to_string()) }
+    fn refused(samples: usize, error: &EstimatorError) -> Outcome {
+        Outcome { samples, answered: 0, errors: None, covered: None, refusal: Some(error.to_string()) }
     }
 
     fn not_carried() -> Outcome {
         let refusal = "the finger that is sensed has no equilibrium under this force".to_owned();
-        Outcome { pictures: 0, answered: 0, errors: None, covered: None, refusal: Some(refusal) }
+        Outcome { samples: 0, answered: 0, errors: None, covered: None, refusal: Some(refusal) }
     }
 }

@@ -1,56 +1,58 @@
-//! The grid of places, directions, forces and noise on which sensing is put to the test.
+//! The grid of positions, directions, forces and noise on which sensing is tested.
 
 use finray_model::Finger;
 use finray_model::finger::Plate;
-use finray_model::sensing::{Contact, ContactPlace};
+use finray_model::sensing::{Contact, ContactPosition};
 use serde::{Deserialize, Serialize};
 
 /// Largest angle of a direction from the normal, degrees: flatter forces slide rather than press.
 const LARGEST_ANGLE_DEG: f64 = 80.0;
 
-/// What is asked of every truth and estimator.
+/// The grid of one request, for every truth and estimator.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Grid {
-    /// Places on the front plate, mm from the base.
-    pub places_mm: Vec<f64>,
+    /// Positions on the front plate, mm from the base.
+    #[serde(rename = "places_mm")]
+    pub positions_mm: Vec<f64>,
     /// Directions, degrees from the inward normal, positive towards the tip.
     pub angles_deg: Vec<f64>,
     /// Forces, N, growing.
     pub forces_n: Vec<f64>,
     /// Standard deviations of a measured coordinate, mm; 0 for none.
     pub noise_levels_mm: Vec<f64>,
-    /// Number of noise pictures; every cell sees the same ones.
-    pub noise_pictures: usize,
+    /// Number of noise samples; every cell sees the same ones.
+    #[serde(rename = "noise_pictures")]
+    pub noise_samples: usize,
     /// Seed of the noise.
     pub seed: u64,
 }
 
 impl Grid {
-    /// About `places` places up to the tip, which divide every stretch between two nodes of the front plate alike (or
+    /// About `positions` positions up to the tip, which divide every member of the front plate alike (or
     /// skip nodes where there are too many), and directions from -80 to 80 degrees in steps of `step_deg`.
-    pub fn grid(finger: &Finger, places: usize, step_deg: f64) -> (Vec<f64>, Vec<f64>) {
-        let nodes = finger.plate_places_mm(Plate::Front);
-        let stretches = nodes.len() - 1;
-        let per_stretch = (places / stretches).max(1);
-        let every = (stretches / places).max(1);
+    pub fn grid(finger: &Finger, positions: usize, step_deg: f64) -> (Vec<f64>, Vec<f64>) {
+        let nodes = finger.plate_positions_mm(Plate::Front);
+        let members = nodes.len() - 1;
+        let per_member = (positions / members).max(1);
+        let every = (members / positions).max(1);
         let divided = nodes
             .windows(2)
-            .flat_map(|w| (1..=per_stretch).map(move |i| w[0] + (w[1] - w[0]) * i as f64 / per_stretch as f64));
+            .flat_map(|w| (1..=per_member).map(move |i| w[0] + (w[1] - w[0]) * i as f64 / per_member as f64));
         // Counted from the tip, so that the tip is always among them.
-        let mut places: Vec<f64> = divided.collect::<Vec<_>>().into_iter().rev().step_by(every).collect();
-        places.reverse();
+        let mut positions: Vec<f64> = divided.collect::<Vec<_>>().into_iter().rev().step_by(every).collect();
+        positions.reverse();
         let steps = (LARGEST_ANGLE_DEG / step_deg).floor() as i32;
-        (places, (-steps..=steps).map(|i| f64::from(i) * step_deg).collect())
+        (positions, (-steps..=steps).map(|i| f64::from(i) * step_deg).collect())
     }
 
-    /// Number of contacts: a place and a direction each.
+    /// Number of contacts: a position and a direction each.
     pub fn contact_count(&self) -> usize {
-        self.places_mm.len() * self.angles_deg.len()
+        self.positions_mm.len() * self.angles_deg.len()
     }
 
-    /// The contact of a number below [`contact_count`](Grid::contact_count), by place, then direction.
+    /// The contact of a number below [`contact_count`](Grid::contact_count), by position, then direction.
     pub fn contact(&self, number: usize) -> Contact {
-        let (place, angle) = (number / self.angles_deg.len(), number % self.angles_deg.len());
-        Contact { place: ContactPlace::Place(self.places_mm[place]), angle_deg: self.angles_deg[angle] }
+        let (position, angle) = (number / self.angles_deg.len(), number % self.angles_deg.len());
+        Contact { position: ContactPosition::At(self.positions_mm[position]), angle_deg: self.angles_deg[angle] }
     }
 }

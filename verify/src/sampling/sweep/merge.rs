@@ -16,7 +16,7 @@ pub struct Shards {
     files: BTreeMap<usize, (PathBuf, u64)>,
 }
 
-/// Why shards cannot be put together.
+/// Why shards cannot be merged.
 #[derive(Debug, thiserror::Error)]
 pub enum MergeError {
     /// A file cannot be read, is no whole shard, stands there twice or belongs to another request.
@@ -77,7 +77,7 @@ impl Shards {
         Ok(Shards { request, files })
     }
 
-    /// What they were asked for.
+    /// Their request.
     pub fn request(&self) -> &Request {
         &self.request
     }

@@ -1,9 +1,9 @@
-//! Sweeps: every truth and estimator on a grid of places, directions, forces and noise.
+//! Sweeps: every truth and estimator on a grid of positions, directions, forces and noise.
 //!
-//! A [`Cell`] is one force of one contact at one level of noise, sensed by one estimator on one truth; the noise pictures
+//! A [`Cell`] is one force of one contact at one level of noise, sensed by one estimator on one truth; the noise samples
 //! of a cell are reduced to mean error, bias and spread. A *block* is all cells of one truth and contact: they share the
 //! truth's path of shapes and each estimator's preparation, so it is what threads and [`Shard`]s divide. Blocks are
-//! numbered by truth, then place, then direction; the cells of a block go by estimator, then noise, then force. Neither
+//! numbered by truth, then position, then direction; the cells of a block go by estimator, then noise, then force. Neither
 //! order nor numbers depend on the threads, so rows can be written as they come ([`Sweep::stream`]), a run that was
 //! stopped goes on where its [`Partial`] file ends, and [`Shards`] put together are one run's bytes.
 

@@ -1,4 +1,4 @@
-//! A table that is being written, row by row, beside the place where it will stand.
+//! A table that is being written, row by row, beside its final path.
 
 use super::Head;
 use super::request::lines_of_head;
@@ -23,7 +23,7 @@ pub struct Partial {
 }
 
 impl Partial {
-    /// Begins the file, or goes on with what a run of the same request has left.
+    /// Begins the file, or resumes a run of the same request.
     ///
     /// # Errors
     /// [`FileError::Content`] for a file of another request, or one that another run is writing;
@@ -68,7 +68,7 @@ impl Partial {
         self.blocks_done
     }
 
-    /// Writes the rows of the next blocks, so many.
+    /// Writes the rows of the next blocks.
     ///
     /// # Errors
     /// [`FileError::Unwritable`]; what is not written yet can be once there is room.
@@ -91,7 +91,7 @@ impl Partial {
         Ok(BufReader::new(&self.file))
     }
 
-    /// Puts the table to its place, with other files beside it, all or none; a shard keeps its head.
+    /// Puts the table at its path, with other files beside it, all or none; a shard keeps its head.
     ///
     /// # Errors
     /// [`FileError`], with the rows kept for another try.
@@ -135,7 +135,7 @@ fn keep_whole_blocks(file: &mut File, rows_at: u64, rows_in_block: usize) -> std
     Ok(rows / rows_in_block)
 }
 
-/// What is wrong with a file that begins otherwise.
+/// Error text for a file with another head.
 fn of_another_request(file: &mut File, head: &Head) -> String {
     let theirs = file.rewind().and_then(|()| lines_of_head(&mut BufReader::new(&*file)));
     let difference = match theirs.ok().and_then(|lines| Head::from_lines(&lines)) {

@@ -1,4 +1,4 @@
-//! What was asked for, at the head of files that are to be gone on with or put together.
+//! The request, at the head of files that are to be resumed or merged.
 
 use super::{Grid, Shard, Table};
 use crate::estimators::EstimatorId;
@@ -22,7 +22,7 @@ pub struct Request {
     pub network: Option<String>,
     /// Text of the scene file.
     pub scene: String,
-    /// Places, directions, forces and noise.
+    /// Positions, directions, forces and noise.
     pub grid: Grid,
 }
 
@@ -53,9 +53,9 @@ impl Request {
             (self.scene != other.scene, "scene"),
             (self.grid.forces_n != other.grid.forces_n, "--force-n"),
             (self.grid.noise_levels_mm != other.grid.noise_levels_mm, "--noise-mm"),
-            (self.grid.noise_pictures != other.grid.noise_pictures, "--seeds"),
+            (self.grid.noise_samples != other.grid.noise_samples, "--seeds"),
             (self.grid.seed != other.grid.seed, "--seed"),
-            (self.grid != other.grid, "grid of places and directions"),
+            (self.grid != other.grid, "grid of positions and directions"),
         ];
         differences.into_iter().find_map(|(differs, what)| differs.then_some(what))
     }
@@ -68,11 +68,11 @@ impl Request {
 pub struct Head {
     /// Which share of the rows stands below; `None` for all of them.
     pub shard: Option<Shard>,
-    /// What was asked for.
+    /// The request.
     pub request: Request,
 }
 
-/// What every line of a head begins with.
+/// Prefix of every line of a head.
 const MARK: &str = "# ";
 
 impl Head {

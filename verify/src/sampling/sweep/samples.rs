@@ -8,7 +8,7 @@ use std::ops::Range;
 /// Numbers that are drawn once and kept, 2 MB: 5600 samples of the paper's finger. What is beyond them is drawn anew for
 /// each block, so that the memory of a sweep does not grow with its samples.
 const KEPT: usize = 1 << 18;
-/// Pictures that a block looks at together, drawn into the same room.
+/// Samples that a block looks at together, drawn into the same room.
 const AT_ONCE: usize = 256;
 
 /// Displacement noise of every marker coordinate, in units of the noise.
@@ -24,7 +24,7 @@ pub(super) struct NoiseSamples {
 impl NoiseSamples {
     pub(super) fn new(grid: &Grid, finger: &Finger) -> NoiseSamples {
         let coordinates = 2 * finger.free_nodes().len();
-        let samples = grid.noise_pictures.max(1);
+        let samples = grid.noise_samples.max(1);
         let mut noise = NoiseSamples { seed: grid.seed, coordinates, samples, kept: Vec::new() };
         noise.kept = noise.drawn(0..samples.min((KEPT / coordinates.max(1)).max(1)));
         noise
@@ -68,17 +68,17 @@ mod tests {
     use super::*;
     use finray_model::Scene;
 
-    /// Pictures that are kept, drawn on their own or with others before them are the same.
+    /// Samples that are kept, drawn on their own or with others before them are the same.
     #[test]
-    fn a_picture_does_not_depend_on_what_is_kept() {
+    fn a_sample_does_not_depend_on_what_is_kept() {
         let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the paper's scene").finger;
-        let (places_mm, angles_deg) = Grid::grid(&finger, 12, 90.0);
+        let (positions_mm, angles_deg) = Grid::grid(&finger, 12, 90.0);
         let grid = Grid {
-            places_mm,
+            positions_mm,
             angles_deg,
             forces_n: vec![1.0],
             noise_levels_mm: vec![0.1],
-            noise_pictures: 6000,
+            noise_samples: 6000,
             seed: 3,
         };
         let all = |noise: &NoiseSamples| {

@@ -5,7 +5,7 @@ use std::fmt;
 use std::ops::Range;
 use std::str::FromStr;
 
-/// One of several shares: each a stretch of neighbouring blocks, so that shards one after the other are the whole.
+/// One of several shares: each a run of neighbouring blocks, so that shards one after the other are the whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shard {
     /// Which one, from 1.

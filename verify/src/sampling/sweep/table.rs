@@ -76,7 +76,7 @@ impl Row {
             s_mm: cell.s_mm,
             angle_deg: cell.angle_deg,
             force_n: cell.force_n,
-            pictures: outcome.pictures,
+            pictures: outcome.samples,
             answered: outcome.answered,
             mean_error: outcome.errors.map(|errors| errors.mean_error),
             bias: outcome.errors.map(|errors| errors.bias),

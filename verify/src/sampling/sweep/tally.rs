@@ -1,10 +1,10 @@
-//! The pictures of a cell, counted one by one in constant memory.
+//! The samples of a cell, counted one by one in constant memory.
 
 use super::cell::{Covered, Errors, Outcome};
 use crate::estimators::{EstimatorError, Sensed};
 use crate::settings::TWO_SIDED_95;
 
-/// Sums over the pictures of one cell.
+/// Sums over the samples of one cell.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Tally {
     answered: usize,
@@ -17,12 +17,12 @@ pub(super) struct Tally {
     /// Answers that come with a standard deviation.
     stated: usize,
     covered: Covered,
-    /// Why the first picture that was refused gave no answer.
+    /// Why the first sample that was refused gave no answer.
     refusal: Option<String>,
 }
 
 impl Tally {
-    /// An answer to a picture of one true force.
+    /// An answer to a sample of one true force.
     pub(super) fn answer(&mut self, sensed: &Sensed, force_n: f64) {
         let error = sensed.forces_n[0] / force_n - 1.0;
         self.answered += 1;
@@ -43,15 +43,15 @@ impl Tally {
         }
     }
 
-    /// A picture without an answer.
+    /// A sample without an answer.
     pub(super) fn refuse(&mut self, error: &EstimatorError) {
         self.refusal.get_or_insert_with(|| error.to_string());
     }
 
-    /// What came out of so many pictures.
-    pub(super) fn outcome(&self, pictures: usize) -> Outcome {
+    /// Results of this number of samples.
+    pub(super) fn outcome(&self, samples: usize) -> Outcome {
         let count = self.answered as f64;
-        let enough = self.answered > 0 && 2 * self.answered >= pictures;
+        let enough = self.answered > 0 && 2 * self.answered >= samples;
         let errors = enough.then(|| Errors {
             mean_error: self.absolute / count,
             bias: self.sum / count,
@@ -59,6 +59,6 @@ impl Tally {
             sigma_n: (self.stated == self.answered).then(|| (self.variance_n2 / count).sqrt()),
         });
         let covered = (self.answered > 0 && self.stated == self.answered).then_some(self.covered);
-        Outcome { pictures, answered: self.answered, errors, covered, refusal: self.refusal.clone() }
+        Outcome { samples, answered: self.answered, errors, covered, refusal: self.refusal.clone() }
     }
 }

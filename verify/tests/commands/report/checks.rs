@@ -14,7 +14,7 @@ fn every_check_of_the_papers_finger_passes() {
 }
 
 #[test]
-fn comparisons_promise_nothing() {
+fn comparisons_have_no_tolerance() {
     let summary = PAPERS.summary();
     let comparisons = array(&summary, "comparisons");
     assert_keys(comparisons, &["problem", "source", "quantity"], &["reference", "ours"]);
@@ -75,7 +75,7 @@ fn nothing_claims_more_independence_than_there_is() {
 }
 
 #[test]
-fn hard_cases_keep_their_promises() {
+fn hard_cases_pass_their_checks() {
     let cases = Csv::of(&PAPERS.read("hard_cases.csv"));
     let names = cases.texts("case");
     assert!(names.len() >= 20, "{names:?}");

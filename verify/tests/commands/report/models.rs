@@ -13,15 +13,15 @@ fn worst_error(report: &Report, mesh_nodes: f64, force_n: f64) -> f64 {
 }
 
 #[test]
-fn meshes_of_the_papers_finger_are_as_fine_as_promised() {
+fn meshes_of_the_papers_finger_are_within_their_tolerances() {
     let summary = PAPERS.summary();
-    let promises: Vec<&Value> =
+    let checks: Vec<&Value> =
         array(&summary, "checks").iter().filter(|check| check["source"] == "Richardson extrapolation").collect();
     let limits = [(25.0, 1e-2), (61.0, 6e-3), (684.0, 1e-4)];
-    assert_eq!(promises.len(), limits.len());
-    for (promise, (mesh_nodes, limit)) in promises.iter().zip(limits) {
+    assert_eq!(checks.len(), limits.len());
+    for (check, (mesh_nodes, limit)) in checks.iter().zip(limits) {
         let error = worst_error(&PAPERS, mesh_nodes, 3.0);
-        let number = |key: &str| promise[key].as_f64().expect("a number");
+        let number = |key: &str| check[key].as_f64().expect("a number");
         assert_close(&[number("ours") / error, number("tolerance")], &[1.0, limit], LINEAR_ROUNDING);
         assert!(error > 0.0 && error <= limit, "{mesh_nodes} nodes: {error}");
     }
@@ -74,9 +74,9 @@ fn the_lattice_comes_near_to_beams() {
     assert!(array(&SPRING_STEELS.summary(), "lattice").is_empty());
 }
 
-/// The third finger of the maps: least squares errs on it as on the large-rotation finger, and the nonlinear estimator hardly.
+/// The third finger of the maps: least squares errs on it as on the co-rotational finger, and the nonlinear estimator hardly.
 #[test]
-fn the_lattice_is_sensed_as_the_large_rotation_finger_is() {
+fn the_lattice_is_sensed_as_the_corotational_finger_is() {
     let summary = PAPERS.summary();
     let of_lattice = |map: &&Value| map["truth"] == "lattice" && map["noise_mm"] == 0.0;
     let maps: Vec<_> = array(&summary, "maps").iter().filter(of_lattice).collect();

@@ -48,9 +48,9 @@ pub fn criterion_folder() -> tempfile::TempDir {
         std::fs::write(place.join("estimates.json"), estimates).expect("a file");
     };
     let median = |ns: f64| format!(r#"{{"mean":{{"point_estimate":1.0}},"median":{{"point_estimate":{ns}}}}}"#);
-    put("solve/large rotations/25 nodes", ["speed_error/solve", "large rotations", "25 nodes"], &median(123456.75));
-    put("solve/large rotations/61 nodes", ["speed_error/solve", "large rotations", "61 nodes"], "{\"median\": 1");
-    put("corotational/ladder/25", ["corotational", "large rotations", "25 nodes"], &median(1.0));
+    put("solve/co-rotational/25 nodes", ["speed_error/solve", "co-rotational", "25 nodes"], &median(123456.75));
+    put("solve/co-rotational/61 nodes", ["speed_error/solve", "co-rotational", "61 nodes"], "{\"median\": 1");
+    put("corotational/ladder/25", ["corotational", "co-rotational", "25 nodes"], &median(1.0));
     folder
 }
 

@@ -57,8 +57,8 @@ fn times_say_who_took_them() {
         let at = at.unwrap_or_else(|| panic!("no point {task}, {model}, {setting}"));
         (rows.texts("seconds")[at].parse::<f64>().expect("a time"), by[at].to_owned())
     };
-    assert_eq!(point("solve", "large rotations", "25 nodes"), (1.2345675e-4, "criterion".to_owned()));
-    assert_eq!(point("solve", "large rotations", "61 nodes").1, "timed here");
+    assert_eq!(point("solve", "co-rotational", "25 nodes"), (1.2345675e-4, "criterion".to_owned()));
+    assert_eq!(point("solve", "co-rotational", "61 nodes").1, "timed here");
     assert_eq!(point("solve", "corotational frame", "684 nodes"), (0.15, "OpenSees 3.7.1.2".to_owned()));
     assert_eq!(by.iter().filter(|by| **by != "timed here").count(), 3);
     let page = PAPERS.read("index.html");

@@ -62,7 +62,7 @@ fn force_and_sigma_are_those_of_least_squares() {
     };
     let force = cu / cc;
     check(PAPER, &["--noise-mm", "0.067"], force, 0.067);
-    // 23 free nodes measure 46 coordinates. Zero is no noise that a residual could be held against.
+    // 23 free nodes measure 46 coordinates. Zero is no noise that a residual could be tested against.
     // Where none is stated, sigma is wider by Student's t: 2.0141 for 45 degrees of freedom, over 1.9600.
     let residual = ((uu - cu * cu / cc) / 45.0).sqrt() * 2.0141 / 1.959_96;
     check(PAPER, &[], force, residual);
@@ -81,7 +81,7 @@ fn force_and_sigma_are_those_of_least_squares() {
     assert_close(&ridge.numbers("sigma_n"), &[noise / weight.sqrt()], 2e-3);
 }
 
-/// 3 N at -60 deg on node 19, which the linear model takes for 4 N: once stated to 0.008 N, without a word. Whoever does not ask for
+/// 3 N at -60 deg on node 19, which the linear model takes for 4 N: once stated to 0.008 N, without a word. A user who does not ask for
 /// an estimator gets the nonlinear one.
 #[test]
 fn a_linear_answer_that_the_measurement_contradicts_says_so() {
@@ -132,9 +132,9 @@ fn without_a_residual_the_uncertainty_is_infinite_and_explained() {
     assert!(known.numbers("sigma_n").iter().all(|sigma| sigma.is_finite()));
 }
 
-/// The nonlinear estimator finds place and direction on the large-rotation finger.
+/// The nonlinear estimator finds position and direction on the co-rotational finger.
 #[test]
-fn the_nonlinear_estimator_finds_place_and_direction() {
+fn the_nonlinear_estimator_finds_position_and_direction() {
     let folder = Folder::new();
     let shape = folder.path("shape.csv");
     finray(&["solve", PAPER, "--load-at", "80:2.5,15", "--mesh-nodes", "684", "--out", &shape]).done();
@@ -149,7 +149,7 @@ fn the_nonlinear_estimator_finds_place_and_direction() {
 }
 
 /// The networks that ship answer for the paper's finger: forces within what they state, in the order asked, on nodes or on
-/// the places where these lie.
+/// the positions where these lie.
 #[test]
 fn shipped_networks_sense_the_paper_finger() {
     let truth = [(19, 0.0, 1.5), (20, 0.0, 0.8)];
@@ -166,8 +166,8 @@ fn shipped_networks_sense_the_paper_finger() {
     backwards.reverse();
     assert_eq!(forwards, backwards);
     // Nodes 19 and 20 are the seventh and eighth of thirteen from the tip, 153 mm from the base.
-    let places = ask(&["--contact-at", "76.5", "--contact-at", "63.75"]);
-    assert_eq!(places.numbers("force_n"), forwards);
+    let positions = ask(&["--contact-at", "76.5", "--contact-at", "63.75"]);
+    assert_eq!(positions.numbers("force_n"), forwards);
     // A third force has its place in the network for any of the nodes.
     forwards.push(0.0);
     let three = ask(&["--contact", "19", "20", "15"]).numbers("force_n");

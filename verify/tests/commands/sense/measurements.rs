@@ -28,7 +28,7 @@ fn a_measurement_may_be_written_in_many_ways() {
         for line_end in ["\n", "\r\n"] {
             let text = format!("\u{feff}uy_mm,remark, node ,ux_mm,weight{line_end}{}", rows.join(line_end));
             let forces = sense(&text, &CONTACTS).numbers("force_n");
-            // Five markers at the back base tell the forces apart less well.
+            // Five markers at the back base determine the forces less well.
             let lost = if hidden.len() > 10 { 1e4 } else { 1.0 };
             assert_close(&forces, &TRUTH.map(|(_, _, force)| force), lost * SENSED);
         }

@@ -14,9 +14,9 @@ fn contacts_that_cannot_be_sensed_are_refused() {
         (vec!["--contact", "0"], "node 0 does not exist"),
         (vec!["--contact", "12"], "contacts lie on the front plate, nodes 13 (tip) to 24"),
         (vec!["--contact", "19", "--contact", "2"], "node 2 is not a contact node"),
-        (vec!["--contact", "19", "20", "19"], "contacts 1 and 3 are the same place and direction"),
-        (vec!["--contact", "19@5", "19@5.0"], "contacts 1 and 2 are the same place and direction"),
-        (vec!["--contact", "19", "--contact-at", "76.5"], "contacts 1 and 2 are the same place and direction"),
+        (vec!["--contact", "19", "20", "19"], "contacts 1 and 3 have the same position and direction"),
+        (vec!["--contact", "19@5", "19@5.0"], "contacts 1 and 2 have the same position and direction"),
+        (vec!["--contact", "19", "--contact-at", "76.5"], "contacts 1 and 2 have the same position and direction"),
         // A force and its opposite are one unknown, whatever they are called.
         (vec!["--contact", "19", "19@180"], "not identifiable"),
         (vec!["--contact", "19", "19@360"], "not identifiable"),

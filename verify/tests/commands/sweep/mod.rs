@@ -31,7 +31,7 @@ const SWEEP: [&str; 16] = [
 ];
 /// What [`SWEEP`] writes.
 static SWEPT: LazyLock<String> = LazyLock::new(|| finray(&SWEEP).done());
-/// Blocks of [`SWEEP`]: two truths, twelve places, five directions; rows of each: two estimators, noises and forces.
+/// Blocks of [`SWEEP`]: two truths, twelve positions, five directions; rows of each: two estimators, noises and forces.
 const BLOCKS: usize = 2 * 12 * 5;
 const ROWS_IN_BLOCK: usize = 2 * 2 * 2;
 /// A map of a moment.

@@ -8,7 +8,7 @@ fn a_row_says_all_that_is_known_of_a_cell() {
     assert_eq!(SWEPT.lines().next(), Some(HEADER));
     let table = Csv::of(&SWEPT);
     assert_eq!(table.rows.len(), BLOCKS * ROWS_IN_BLOCK);
-    // Truth, place, direction, estimator, noise, force: the last one changes first.
+    // Truth, position, direction, estimator, noise, force: the last one changes first.
     let key = |row: &[String]| -> Vec<String> { [0, 3, 4, 1, 2, 5].iter().map(|&i| row[i].clone()).collect() };
     let mut keys: Vec<_> = table.rows.iter().map(|row| key(row)).collect();
     assert_eq!(

@@ -24,7 +24,7 @@ fn merged_shards_are_the_bytes_of_one_run() {
     }
     let names = folder.names();
     assert!(names.iter().all(|name| !name.contains("partial")), "{names:?}");
-    assert!(!names.contains(&"1-of-3.svg".to_owned()), "a shard has no picture");
+    assert!(!names.contains(&"1-of-3.svg".to_owned()), "a shard has no figure");
 }
 
 /// The head keeps a scene to the letter, whatever its line ends and quotes.

@@ -19,8 +19,9 @@ fn a_run_that_was_killed_goes_on() {
     let kept = head.iter().enumerate().filter(|(i, _)| !(from..from + 4).contains(i)).map(|(_, line)| *line);
     let begun = kept.collect::<Vec<_>>().join("\n") + "\n" + whole;
     let rows_at = begun.find(HEADER).expect("the header") + HEADER.len() + 1;
-    let places = [0, 1, rows_at / 2, rows_at - 1, rows_at, rows_at + 7, (rows_at + begun.len()) / 2, begun.len() - 1];
-    for written in places.into_iter().chain([begun.len()]) {
+    let positions =
+        [0, 1, rows_at / 2, rows_at - 1, rows_at, rows_at + 7, (rows_at + begun.len()) / 2, begun.len() - 1];
+    for written in positions.into_iter().chain([begun.len()]) {
         folder.put("out.csv.partial", &begun[..written]);
         finray(&with(&SWEEP, &["--out", &out])).done();
         assert!(folder.read("out.csv") == whole, "killed after {written} bytes");
@@ -90,9 +91,9 @@ fn unfinished_rows_of_another_request_are_not_touched() {
     finray(&with(&SWEEP, &["--shard", "1/7", "--out", &out])).done();
     let theirs = folder.read("out.csv");
     folder.put("out.csv.partial", &theirs);
-    let changed = |place: usize, to: &'static str| {
+    let changed = |position: usize, to: &'static str| {
         let mut command = SWEEP;
-        command[place] = to;
+        command[position] = to;
         command.to_vec()
     };
     let mut other_scene = SWEEP.to_vec();
@@ -105,7 +106,7 @@ fn unfinished_rows_of_another_request_are_not_touched() {
         (changed(7, "0.067"), Some("1/7"), "another --noise-mm"),
         (changed(9, "3"), Some("1/7"), "another --force-n"),
         (changed(11, "6"), Some("1/7"), "another --seeds"),
-        (changed(15, "80"), Some("1/7"), "another grid of places and directions"),
+        (changed(15, "80"), Some("1/7"), "another grid of positions and directions"),
         (with(&SWEEP, &["--seed", "2"]), Some("1/7"), "another --seed"),
         (other_scene, Some("1/7"), "another scene"),
     ] {

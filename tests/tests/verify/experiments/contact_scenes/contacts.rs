@@ -3,7 +3,7 @@
 use super::{COARSE, last, prepared, scene, steps};
 use finray_model::finger::Plate;
 use finray_model::scene::ObjectDescription;
-use finray_model::sensing::{Contact, ContactPlace};
+use finray_model::sensing::{Contact, ContactPosition};
 use finray_model::{NodeId, Scene, Vector};
 use finray_tests::CAMERA_NOISE_MM;
 use finray_verify::experiments::contact_scene::study::shipped;
@@ -32,7 +32,7 @@ fn contacts_are_seen_alike_whatever_they_carry() {
     let (one, other) = (seen([3.0, 1.0]), seen([1.0, 3.0]));
     assert_eq!((one.contact, one.point), (other.contact, other.point));
     assert!((one.contact.angle_deg - 1.0).abs() < 1e-9, "the middle: {:?}", one.contact);
-    assert!(matches!(one.contact.place, ContactPlace::Place(s_mm) if (s_mm - 81.0).abs() < 1e-9));
+    assert!(matches!(one.contact.position, ContactPosition::At(s_mm) if (s_mm - 81.0).abs() < 1e-9));
 }
 
 /// Positions and directions that the camera reads scatter as it says, about the true ones.
@@ -43,14 +43,14 @@ fn read_contacts_scatter_as_stated() {
     let (step, finger) = (last(object, COARSE), scene(object).finger);
     let seen = step.contacts[0];
     assert_eq!(seen.baseline_mm, 21.5, "from the middle of the disc to that of the rod");
-    let plate = SeenContact { contact: Contact { place: ContactPlace::Place(70.0), ..seen.contact }, ..seen };
+    let plate = SeenContact { contact: Contact { position: ContactPosition::At(70.0), ..seen.contact }, ..seen };
     let mut noise = Noise::new(7);
     let mut normal = || noise.standard_normal();
     let (mut turns, mut shifts) = (0.0, 0.0);
     let mut stated = [0.0; 2];
     for _ in 0..READINGS {
         let read = read_contact(&finger, &plate, CAMERA_NOISE_MM, &mut normal);
-        let ContactPlace::Place(s_mm) = read.contact.place else { panic!("a position") };
+        let ContactPosition::At(s_mm) = read.contact.position else { panic!("a position") };
         turns += (read.contact.angle_deg - plate.contact.angle_deg).to_radians().powi(2) / READINGS as f64;
         shifts += (s_mm - 70.0).powi(2) / READINGS as f64;
         stated = [read.direction_sd_rad, read.position_sd_mm];
@@ -93,9 +93,9 @@ fn two_rods_are_two_contacts() {
         touch(TouchedPart::Plate(100.0), 0.0, 1.0),
     ];
     let seen = seen_contacts(&lattice, &touches, |_| 10.0);
-    let places: Vec<ContactPlace> = seen.iter().map(|seen| seen.contact.place).collect();
-    let expected = [ContactPlace::Node(NodeId(9)), ContactPlace::Node(NodeId(8)), ContactPlace::Place(100.0)];
-    assert_eq!(places, expected);
+    let positions: Vec<ContactPosition> = seen.iter().map(|seen| seen.contact.position).collect();
+    let expected = [ContactPosition::Node(NodeId(9)), ContactPosition::Node(NodeId(8)), ContactPosition::At(100.0)];
+    assert_eq!(positions, expected);
     assert!(seen[0].contact.angle_deg.abs() < 1e-9 && (seen[1].contact.angle_deg + 10.0).abs() < 1e-9);
     assert!((seen[0].normal_n - 7.0).abs() < 1e-12 && seen[0].friction_n.abs() < 1e-12);
 }
@@ -138,8 +138,8 @@ fn a_fork_touches_with_its_prongs() {
     let prepared = ContactScene::new(&scene, &object, &given.corners).expect("an outline").with_fineness(COARSE);
     let step = steps(&prepared).pop().expect("a step");
     assert_eq!(step.contacts.len(), 2, "{:?}", step.contacts);
-    let places: Vec<f64> =
-        step.contacts.iter().map(|seen| seen.contact.place_mm(&scene.finger).expect("a place")).collect();
+    let positions: Vec<f64> =
+        step.contacts.iter().map(|seen| seen.contact.position_mm(&scene.finger).expect("a position")).collect();
     // The prongs are 28 to 44 mm apart; the rods next to them carry.
-    assert!((28.0..44.0).contains(&(places[1] - places[0])), "{places:?}");
+    assert!((28.0..44.0).contains(&(positions[1] - positions[0])), "{positions:?}");
 }

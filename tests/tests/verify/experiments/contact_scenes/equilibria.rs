@@ -2,7 +2,7 @@
 
 use super::{COARSE, last, prepared, scene, steps};
 use finray_model::mesh::Load;
-use finray_model::sensing::ContactPlace;
+use finray_model::sensing::ContactPosition;
 use finray_model::{Kinematics, Mesh, NodeId, Scene, Vector, statics};
 use finray_verify::experiments::contact_scene::{ContactScene, SceneStep};
 use finray_verify::lattice::skin::TouchedPart;
@@ -25,7 +25,7 @@ fn a_small_push_on_a_rod_meets_the_linear_stiffness() {
     let object = format!("shape = \"disc\"\nradius_mm = 20\nat_mm = 76.5\ntravel_mm = {TINY_TRAVEL_MM}\nsteps = 1");
     let step = last(&object, COARSE);
     let [seen] = step.contacts[..] else { panic!("one contact: {:?}", step.contacts) };
-    assert_eq!(seen.contact.place, ContactPlace::Node(NodeId(19)));
+    assert_eq!(seen.contact.position, ContactPosition::Node(NodeId(19)));
     let expected = step.travel_mm / normal_compliance(&scene(&object), NodeId(19), NodeId(19));
     assert!((seen.normal_n / expected - 1.0).abs() < TINY_TOLERANCE, "{} N, {expected} N expected", seen.normal_n);
 }
@@ -42,8 +42,8 @@ fn a_flat_box_shares_its_force_as_the_compliance_tells() {
     let step = last(&object, COARSE);
     let nodes = [20, 18].map(NodeId);
     assert_eq!(
-        step.contacts.iter().map(|seen| seen.contact.place).collect::<Vec<_>>(),
-        nodes.map(ContactPlace::Node),
+        step.contacts.iter().map(|seen| seen.contact.position).collect::<Vec<_>>(),
+        nodes.map(ContactPosition::Node),
         "the rods under the ends"
     );
     let compliance = |under, at| normal_compliance(&scene(&object), nodes[under], nodes[at]);
@@ -98,7 +98,7 @@ fn the_same_scene_gives_the_same_bits() {
     assert_eq!(steps(&prepared), steps(&prepared));
 }
 
-/// A force that is held and a hand that stands where it led end in the same place.
+/// A force that is held and a hand that stands where it led end in the same position.
 #[test]
 fn force_and_travel_are_two_sides_of_one_equilibrium() {
     let press = |until: &str| {
@@ -114,7 +114,7 @@ fn force_and_travel_are_two_sides_of_one_equilibrium() {
 
 /// The hand goes slowly, however few steps are looked at: the object cannot jump through the finger.
 #[test]
-fn the_place_of_rest_does_not_depend_on_the_steps() {
+fn the_rest_position_does_not_depend_on_the_steps() {
     for (object, tolerance) in [
         ("shape = \"disc\"\nradius_mm = 1\npath_mm = [[75, 40], [75, -17]]", 1e-3),
         ("shape = \"disc\"\nradius_mm = 10\nat_mm = 140\ntravel_mm = 60", 1e-3),
@@ -135,14 +135,14 @@ fn the_origin_of_an_outline_does_not_matter() {
         let prepared = ContactScene::new(&scene, object, &corners).expect("an outline").with_fineness(COARSE);
         (steps(&prepared).pop().expect("a step"), scene.finger.direction(0.0))
     };
-    // Moved along the way of the object, so that it meets the same place.
+    // Moved along the way of the object, so that it meets the same position.
     let (near, normal) = press(Vector::zeros());
     let (far, _) = press(normal * 100.0);
     let (near, far) = (near.pressed.contact_force().norm(), far.pressed.contact_force().norm());
     assert!(near > 0.1 && (far / near - 1.0).abs() < 1e-6, "{near} N, {far} N");
 }
 
-/// Along a path with corners the way is the path's, and the total that along its last stretch.
+/// Along a path with corners the way is the path's, and the total that along its last segment.
 #[test]
 fn corners_of_a_path_are_passed() {
     let prepared =

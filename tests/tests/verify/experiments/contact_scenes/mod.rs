@@ -1,5 +1,5 @@
 //! Objects pressed onto the lattice: closed forms and beams that the equilibria meet (`equilibria`), the contacts that the camera sees (`contacts`),
-//! what sensing makes of them (`studies`), and scenes that are refused (`refusals`). Here: scenes with the paper's finger.
+//! sensing in them (`studies`), and scenes that are refused (`refusals`). Here: scenes with the paper's finger.
 
 use finray_model::Scene;
 use finray_model::scene::ObjectDescription;
@@ -10,7 +10,7 @@ mod equilibria;
 mod refusals;
 mod studies;
 
-/// Segments in a stretch of plate where nothing but the order of magnitude of the bending matters.
+/// Segments a plate member where nothing but the order of magnitude of the bending matters.
 const COARSE: usize = 1;
 
 /// A scene with the paper's finger and an object.

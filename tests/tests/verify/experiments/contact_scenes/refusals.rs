@@ -44,6 +44,6 @@ fn an_object_must_start_outside_the_finger() {
         let along = scene.finger.direction(direction_deg);
         let start = prepared(&scene).object().start;
         let line = scene.finger.plate_point(Plate::Front, at_mm) - start;
-        assert!(line.perp(&along).abs() < 1e-9, "the line meets the place");
+        assert!(line.perp(&along).abs() < 1e-9, "the line meets the position");
     }
 }

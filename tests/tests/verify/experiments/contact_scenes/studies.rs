@@ -3,15 +3,15 @@
 use super::{COARSE, prepared, scene};
 use finray_model::NodeId;
 use finray_model::scene::{ObjectMotion, Until};
-use finray_model::sensing::ContactPlace;
+use finray_model::sensing::ContactPosition;
 use finray_tests::{CAMERA_NOISE_MM, assert_all_pass};
 use finray_verify::experiments::contact_scene::samples::NoiseSamples;
 use finray_verify::experiments::contact_scene::study::{SAMPLES, SceneStudy, shipped};
 use finray_verify::experiments::contact_scene::{ContactScene, SensedForce};
 
-/// All that the report promises of its first scene, in fewer steps.
+/// All that the report checks of its first scene, in fewer steps.
 #[test]
-fn a_disc_pressed_to_5_n_keeps_every_promise() {
+fn a_disc_pressed_to_5_n_passes_every_check() {
     let (mut given, fineness) = shipped().expect("scenes that ship").swap_remove(0);
     let object = given.scene.object.as_mut().expect("an object");
     assert!(matches!(object.motion, ObjectMotion::Press { until: Until::Force(5.0), .. }));
@@ -20,8 +20,8 @@ fn a_disc_pressed_to_5_n_keeps_every_promise() {
     let study = SceneStudy::run("disc", &prepared, CAMERA_NOISE_MM, SAMPLES, &|| ()).expect("beams carry the forces");
     assert_all_pass(&study.shipped_checks());
     let end = &study.steps[1].step;
-    let nodes: Vec<_> = end.contacts.iter().map(|seen| seen.contact.place).collect();
-    assert_eq!(nodes, [19, 18].map(|node| ContactPlace::Node(NodeId(node))), "two neighbours share the force");
+    let nodes: Vec<_> = end.contacts.iter().map(|seen| seen.contact.position).collect();
+    assert_eq!(nodes, [19, 18].map(|node| ContactPosition::Node(NodeId(node))), "two neighbours share the force");
     assert_eq!(study.steps[1].samples.as_ref().expect("noise").sensed.len(), 3);
 }
 
@@ -46,8 +46,8 @@ fn friction_is_within_the_stated_intervals() {
         }
     }
     let unknown = run(&known.with_assumed_friction(0.0));
-    let broken: Vec<_> = unknown.shipped_checks().into_iter().filter(|check| !check.passes()).collect();
-    assert!(broken.iter().any(|check| check.problem.contains("every contact's force")), "{broken:?}");
+    let failed: Vec<_> = unknown.shipped_checks().into_iter().filter(|check| !check.passes()).collect();
+    assert!(failed.iter().any(|check| check.problem.contains("every contact's force")), "{failed:?}");
     let frictionless = SceneStudy { friction: 0.0, ..study };
     assert!(frictionless.checks().iter().any(|check| !check.passes() && check.source == "Coulomb"));
 }
@@ -62,13 +62,13 @@ fn refused_samples_are_not_covered() {
     let mut study = SceneStudy::run("refused", &prepared(&scene).with_fineness(COARSE), CAMERA_NOISE_MM, 1, &|| ())
         .expect("a study");
     study.steps[0].samples = Some(samples);
-    let broken = study.shipped_checks().into_iter().filter(|check| !check.passes() && check.problem.contains("sigma"));
-    assert_eq!(broken.count(), 4, "contacts and total, over all and where fewest");
+    let failed = study.shipped_checks().into_iter().filter(|check| !check.passes() && check.problem.contains("sigma"));
+    assert_eq!(failed.count(), 4, "contacts and total, over all and where fewest");
 }
 
 /// A way that begins in the air is checked where the object touches.
 #[test]
-fn steps_without_contact_break_no_promise() {
+fn steps_without_contact_fail_no_check() {
     let scene = scene("shape = \"disc\"\nradius_mm = 10\npath_mm = [[75, 40], [75, 15]]\nsteps = 5");
     let study = SceneStudy::run("from afar", &prepared(&scene).with_fineness(COARSE), 0.0, 0, &|| ()).expect("a study");
     assert!(study.steps[0].step.contacts.is_empty() && study.steps[0].step.total_n().is_sign_positive());
