@@ -11,17 +11,17 @@ use finray_verify::truths::TruthId;
 ///
 /// A force of known position and direction is put on the true finger, its size is sensed from the
 /// displacements of the key nodes, and the error |sensed / true - 1| is averaged over the camera
-/// noise. Writes s_mm,angle_deg,force_n,mean_error,bias,spread,samples,answered, and the figure beside
-/// it as SVG (of several forces, the mean). A cell is empty where the finger has no equilibrium (then
-/// no sample is drawn), and where the estimator refuses more than half of the noise samples: such a
-/// cell is not trusted. The errors are those of the answered samples; `finray sweep` says why the
-/// others are refused.
+/// noise. Writes s_mm,angle_deg,force_n,mean_error,bias,spread,samples,answered, and the figure
+/// beside it as SVG (of several forces, the mean). A cell is empty where the finger has no
+/// equilibrium (then no sample is drawn), and where the estimator refuses more than half of the
+/// noise samples: such a cell is not trusted. The errors are those of the answered samples;
+/// `finray sweep` says why the others are refused.
 ///
-/// The nonlinear estimator takes about a millisecond a noise sample: minutes for a map. The networks that
-/// ship answer at the contact nodes along the normal: --places 12 --step-deg 90.
+/// The nonlinear estimator takes about a millisecond a noise sample: minutes for a map. The networks
+/// that ship answer at the contact nodes along the normal: --places 12 --step-deg 90.
 ///
-/// A run that was stopped goes on where it was when it is given the same command again: its rows
-/// stand in FILE.partial. --shard 2/7 computes the second of seven shares; `finray merge` joins them.
+/// The same command resumes a run that was stopped: its rows are in FILE.partial. --shard 2/7
+/// computes the second of seven shares; `finray merge` joins them.
 ///
 /// Examples:
 ///   finray map fixtures/scenes/paper.toml --noise-mm 0.067 --out map.csv      (and map.svg)
@@ -31,10 +31,10 @@ use finray_verify::truths::TruthId;
 pub struct Arguments {
     #[command(flatten)]
     grid: GridArguments,
-    /// The finger that is sensed
+    /// The true finger
     #[arg(long, value_enum, default_value_t = TruthId::Corotational)]
     truth: TruthId,
-    /// How forces are sensed
+    /// The estimator
     #[arg(long, value_enum, default_value_t = EstimatorId::LeastSquares)]
     estimator: EstimatorId,
     /// Standard deviation of one measured coordinate, mm; the scene's camera table if not given, else none

@@ -8,7 +8,7 @@ use finray_verify::sampling::sweep::{MergeError, Shards};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Join the shards of `finray map` or `finray sweep` into the files that one run gives.
+/// Join the shards of `finray map` or `finray sweep` into the files of one run.
 ///
 /// All shards must be there, each once and whole, and of one request; their order does not matter.
 ///

@@ -12,10 +12,10 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Train anew the networks that ship with finray, and compare ways to train them.
+/// Train anew the networks that ship with finray, and compare training recipes.
 ///
 /// `shipped` writes a safetensors file each, and shipped.csv: on what each was trained, and its
-/// errors on fresh cases. `recipes` writes recipes.csv, the paper's way to train beside ours, and
+/// errors on fresh cases. `recipes` writes recipes.csv, the paper's training recipe beside ours, and
 /// `curves` curves.csv, the error by number of samples and by size of the network. Each takes about
 /// ten minutes on two cores. The same machine gives the same files again.
 ///
@@ -36,7 +36,7 @@ pub struct Arguments {
 enum Part {
     /// The networks that ship
     Shipped,
-    /// The paper's way to train beside ours
+    /// The paper's training recipe beside ours
     Recipes,
     /// The error by number of samples and by size of the network
     Curves,

@@ -15,19 +15,19 @@ use std::path::{Path, PathBuf};
 /// Press an object onto the finger, and sense the contact forces as it goes.
 ///
 /// Needs a scene with an object table: a disc, a box, or a polygon from a CSV file (x_mm,y_mm,
-/// beside the scene), with friction if you like, pressed along a line to a travel or a force, or moved
+/// beside the scene), with optional friction, pressed along a line to a travel or a force, or moved
 /// along a path; see fixtures/scenes/contact. The finger is a lattice of rigid bodies and springs in
-/// the physics engine rapier: the forces of its contacts are the true ones. Sensing sees what a camera
-/// could: displacements of the key nodes, and position and direction of every contact, read from the
+/// the physics engine rapier: the forces of its contacts are the true ones. Sensing uses what a camera
+/// measures: displacements of the key nodes, and position and direction of every contact, read from the
 /// outlines of object and finger; all with the noise of --noise-mm a coordinate. Which parts touch and
-/// the object's coefficient of friction are taken as known; a force may lie anywhere in the cone of
-/// that friction around its normal. sigma_n allows for all of this. The object touches the front plate
+/// the object's coefficient of friction are assumed known; a force may lie anywhere in the cone of
+/// that friction around its normal. sigma_n covers all of this. The object touches the front plate
 /// and its rods; the finger does not touch itself.
 ///
 /// Writes step,travel_mm,contact,s_mm,angle_deg,force_n,friction_n,sensed_n,sigma_n,read_s_mm,
 /// read_angle_deg: a row a contact, from the base to the tip, and a row `total` a step: the force
 /// along the object's way, without what the clamp takes.
-/// `contact` is a node, `at` for a position between nodes, or `clamp` where a force is not felt;
+/// `contact` is a node, `at` for a position between nodes, or `clamp` where a force is not sensed;
 /// `angle_deg` is the normal, from the front plate's undeformed inward normal; `force_n` is the true
 /// force along it and `friction_n` the one across it, positive towards the tip; `sensed_n` is the
 /// sensed force along the normal, and `read_s_mm` and `read_angle_deg` are the position and normal,

@@ -18,15 +18,15 @@ use std::path::PathBuf;
 /// from the front plate's undeformed inward normal, positive towards the tip; 0 if left out. Give a
 /// node twice with two angles to ask for two components.
 ///
-/// sigma_n is one standard deviation. It rests on the noise of --noise-mm, else of the scene's camera
-/// table, else of the residual, and holds the model's own error as far as it is known: of
-/// linearisation, of the mesh, of the network's training. Where the measurement contradicts the
+/// sigma_n is one standard deviation: from the noise of --noise-mm, else of the scene's camera table,
+/// else of the residual, and from the model's own error as far as it is known (linearisation, mesh,
+/// training). Where the measurement contradicts the
 /// stated noise (chi-squared test), or the model errs by more than noise does, a warning says so.
-/// What no measurement shows is not in sigma_n: a wrong modulus scales every force alike.
+/// sigma_n does not include errors that no measurement shows: a wrong modulus scales every force alike.
 ///
 /// The nonlinear estimator is co-rotational. It alone takes the directions `normal` (of the
-/// deformed plate) and `auto` (unknown), and the position `auto` (unknown); what is not identifiable is
-/// refused. Without a given mesh it refines until doubling the mesh changes no force by more than
+/// deformed plate) and `auto` (unknown), and the position `auto` (unknown); what is not identifiable
+/// is refused. Without a given mesh it refines until doubling the mesh changes no force by more than
 /// 0.2 %.
 ///
 /// The network estimator answers in microseconds what it was trained for, and refuses the rest.
@@ -54,7 +54,7 @@ pub struct Arguments {
     displacements: PathBuf,
     #[command(flatten)]
     contacts: Contacts,
-    /// How forces are sensed
+    /// The estimator
     #[arg(long, value_enum, default_value_t = EstimatorId::Nonlinear)]
     estimator: EstimatorId,
     /// Network of `finray train`; without it, the one that ships for these contacts

@@ -14,8 +14,8 @@ use std::path::PathBuf;
 /// and rotation. Loads keep their direction while the finger bends; several on one node add up.
 ///
 /// A warning on standard error says where the beam model does not hold: a strain above 5 % (or
-/// largest_strain of the scene's material), shear that would add more than 5 % to how far the loads
-/// move, a finger less deep than thick.
+/// largest_strain of the scene's material), shear that would add more than 5 % to the
+/// displacement of the loads, a finger less deep than thick.
 ///
 /// Examples:
 ///   finray solve fixtures/scenes/paper.toml --load 19:-0.38,-1.96

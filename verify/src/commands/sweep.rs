@@ -7,16 +7,16 @@ use finray_verify::estimators::EstimatorId;
 use finray_verify::sampling::sweep::Table;
 use finray_verify::truths::TruthId;
 
-/// Put several fingers, estimators and levels of noise to the test of `finray map`, in one table.
+/// Map several true fingers, estimators and levels of noise, as `finray map`, in one table.
 ///
 /// Writes truth,estimator,noise_mm,s_mm,angle_deg,force_n,pictures,answered,mean_error,bias,spread,
 /// sigma_n,refusal, a row for each combination: the errors of sensed / true over the noise samples,
 /// the standard deviation that the estimator states (N), and why samples were refused, if any were.
 /// Every cell sees the same noise. Rows go by truth, position, direction, estimator, noise and force.
 ///
-/// Rows are written as they come, whatever their number. A run that was stopped goes on where it was
-/// when it is given the same command again: its rows stand in FILE.partial. --shard 2/7 computes the
-/// second of seven shares; `finray merge` joins them.
+/// Rows are written as they come, whatever their number. The same command resumes a run that was
+/// stopped: its rows are in FILE.partial. --shard 2/7 computes the second of seven shares;
+/// `finray merge` joins them.
 ///
 /// Example:
 ///   finray sweep fixtures/scenes/paper.toml --truth linear,corotational --noise-mm 0,0.067
@@ -26,10 +26,10 @@ use finray_verify::truths::TruthId;
 pub struct Arguments {
     #[command(flatten)]
     grid: GridArguments,
-    /// The fingers that are sensed: one, or several with commas between them
+    /// The true fingers: one, or several with commas between them
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = [TruthId::Corotational])]
     truth: Vec<TruthId>,
-    /// How forces are sensed: one way, or several with commas between them
+    /// The estimators: one, or several with commas between them
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = [EstimatorId::LeastSquares])]
     estimator: Vec<EstimatorId>,
     /// Standard deviations of one measured coordinate, mm: one, or several as 0,0.067; the scene's camera table if none

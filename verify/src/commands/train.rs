@@ -15,8 +15,8 @@ use std::path::PathBuf;
 
 /// Train a sensing network for a finger and its contacts.
 ///
-/// Random forces bend the finger, camera noise is added to what the camera sees, and a network learns
-/// to sense the forces from it. `finray sense --estimator network --network FILE` then senses in
+/// Random forces bend the finger, camera noise is added to its displacements, and a network learns to
+/// sense the forces from them. `finray sense --estimator network --network FILE` then senses in
 /// microseconds, and refuses other fingers, other contacts and shapes unlike those of the training. A
 /// contact or a pair takes about half a minute.
 ///
@@ -36,7 +36,7 @@ pub struct Arguments {
     /// Any of the contacts may touch, at least one; which ones is given when sensing
     #[arg(long, conflicts_with = "plain")]
     any_of: bool,
-    /// The finger that is sensed
+    /// The true finger
     #[arg(long, value_name = "TRUTH", default_value_t = TruthId::Corotational, value_parser = own_beams)]
     truth: TruthId,
     /// Number of training cases [default: 20000; 100000 with --any-of]

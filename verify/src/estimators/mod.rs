@@ -119,7 +119,7 @@ pub trait Estimator: Sync {
     ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError>;
 
     /// The same estimator, to rounding, with what all contacts have in common worked out once, to prepare for many;
-    /// `None` where that gains nothing. If the finger that is sensed is linear, a linear estimator knows it, and seeks no
+    /// `None` where that gains nothing. If the true finger is linear, a linear estimator knows it, and seeks no
     /// error of linearisation.
     fn for_many(&self, _finger_is_linear: bool) -> Option<Box<dyn Estimator + '_>> {
         None

@@ -41,7 +41,7 @@ pub fn contact_sets() -> Vec<&'static [usize]> {
     CONTACT_GROUPS.iter().flat_map(|group| group.sets).copied().collect()
 }
 
-/// The contacts at which ways to train a network are compared: one set of each group.
+/// The contacts at which training recipes are compared: one set of each group.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ComparedSet {
     /// Short name.
@@ -85,7 +85,7 @@ pub struct TableTwo {
     /// Largest over smallest singular value of the compliance at the markers, of the linear finger, by [`contact_sets`]: a
     /// wrong shape shows in the forces by up to this many times its share.
     pub condition_numbers: Vec<f64>,
-    /// By the finger that is sensed.
+    /// By true finger.
     pub fingers: Vec<TableTwoFinger>,
 }
 

@@ -1,4 +1,4 @@
-//! Networks: what those that ship reach, ways to train them, and the paper's on its Table II.
+//! Networks: accuracy of those that ship, training recipes, and the paper's on its Table II.
 
 pub mod accuracy;
 pub mod paper;

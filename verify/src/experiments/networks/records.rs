@@ -16,7 +16,7 @@ pub struct RecipeRow {
     pub recipe: String,
     /// Seed of the training.
     pub seed: u64,
-    /// The finger that is sensed, linear or co-rotational.
+    /// The true finger, linear or co-rotational.
     pub truth: TruthId,
     /// Standard deviation of one coordinate, mm.
     pub noise_mm: f64,
