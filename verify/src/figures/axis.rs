@@ -56,7 +56,7 @@ impl Axis {
         Self::linear(label).within(-0.5, end).named((0..).map(f64::from).zip(names).collect())
     }
 
-    /// The same axis with these ends; what lies beyond them is drawn at the edge.
+    /// The same axis with these ends, or those of the data where they lie beyond; cells of a map are cut off there.
     pub fn within(self, low: f64, high: f64) -> Self {
         Self { limits: Some([low, high]), ..self }
     }
@@ -81,10 +81,12 @@ impl Axis {
         require_finite(&self.label, data.iter())?;
         require(self.limits.is_some() || !data.is_empty(), FigureError::Empty, &self.label)?;
         let all = data.iter().chain(self.limits.iter().flatten()).copied();
-        let low = all.clone().fold(f64::INFINITY, f64::min);
+        let [low, high] = [f64::min, f64::max].map(|of| all.clone().reduce(of).unwrap_or(0.0));
         require(self.scale == Scale::Linear || low > 0.0, FigureError::NotPositive, &self.label)?;
-        let span = self.limits.unwrap_or_else(|| round_out(self.scale, [low, all.fold(low, f64::max)]));
-        require_limits(&self.label, span)?;
+        if let Some(limits) = self.limits {
+            require_limits(&self.label, limits)?;
+        }
+        let span = if self.limits.is_some() { [low, high] } else { round_out(self.scale, [low, high]) };
         let spacing = if upright { 44.0 } else { 55.0 };
         let most = (pixels / spacing).clamp(2.0, 12.0).floor();
         let ticks = self.ticks.clone().unwrap_or_else(|| round_ticks(self.scale, span, most));
@@ -230,6 +232,7 @@ mod tests {
         let span = |axis: Axis, data: &[f64]| axis.ruler(data, 400.0, true).map(|ruler| ruler.span);
         assert_eq!(span(Axis::linear("y"), &[0.3, 9.7]), Ok([0.0, 10.0]));
         assert_eq!(span(Axis::linear("y"), &[3.0]), Ok([1.5, 4.5]));
+        assert_eq!(span(Axis::linear("y").within(1.0, 2.0), &[0.3, 1.5]), Ok([0.3, 2.0]));
         let [low, high] = span(Axis::log("y"), &[0.3, 70.0]).unwrap();
         assert!((low - 0.2).abs() < 1e-12 && (high - 100.0).abs() < 1e-9);
         assert!(matches!(span(Axis::log("y"), &[0.0, 1.0]), Err(FigureError::NotPositive(_))));
