@@ -4,7 +4,7 @@
 
 use finray_model::{Kinematics, Mesh, Scene};
 use finray_verify::estimators::BeamEstimator;
-use finray_verify::report::{map_picture, standalone};
+use finray_verify::report::{map_figure_svg, standalone};
 use finray_verify::sampling::map::{MapRequest, accuracy_maps};
 use finray_verify::sampling::sweep::Grid;
 use finray_verify::truths::TruthId;
@@ -43,6 +43,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     assert!(largest(0.0) < 0.1 && largest(-60.0) > 0.1);
 
     // The figure, apart.
-    std::fs::write("accuracy_map.svg", standalone(&map_picture(&finger, &map, Some(3.0))?))?;
+    std::fs::write("accuracy_map.svg", standalone(&map_figure_svg(&finger, &map, Some(3.0))?))?;
     Ok(())
 }

@@ -81,6 +81,15 @@ fn arrows_run_down() {
     }
 }
 
+/// What draws, and what everything rests on, uses nothing of the crate.
+#[test]
+fn floors_use_nothing() {
+    let rooms = rooms(&source("verify"));
+    for floor in ["figures", "settings", "check", "files"] {
+        assert_eq!(rooms.get(floor), Some(&BTreeSet::new()), "{floor}");
+    }
+}
+
 #[test]
 fn a_circle_is_found() {
     let of = |pairs: &[(&str, &[&str])]| -> Rooms {

@@ -8,7 +8,7 @@ use finray_model::{Finger, Mesh, Scene};
 use finray_verify::estimators::network::Networks;
 use finray_verify::estimators::{Estimator, EstimatorId};
 use finray_verify::files::{FileError, Reader, Stream, is_stream, load_network_and_digest, load_scene_and_text};
-use finray_verify::report::{map_picture, standalone};
+use finray_verify::report::{map_figure_svg, standalone};
 use finray_verify::sampling::map::AccuracyMap;
 use finray_verify::sampling::sweep::{Grid, Head, Partial, Request, Shard, Sweep, Table};
 use finray_verify::truths::{Truth, TruthId};
@@ -205,7 +205,7 @@ pub fn beside(
         return Ok(Vec::new());
     }
     let map = AccuracyMap::from_csv(request, table).map_err(|error| Failure::BadInput(error.to_string()))?;
-    let figure = map_picture(finger, &map, None).map_err(|error| Failure::NotComputed(error.to_string()))?;
+    let figure = map_figure_svg(finger, &map, None).map_err(|error| Failure::NotComputed(error.to_string()))?;
     Ok(vec![(figure_path(out), standalone(&figure))])
 }
 

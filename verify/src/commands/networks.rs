@@ -7,7 +7,7 @@ use finray_model::sensing::network::TestError;
 use finray_model::{Finger, Scene};
 use finray_verify::experiments::networks::recipes::{self, RecipesError};
 use finray_verify::experiments::networks::shipping::{Shipping, shipping};
-use finray_verify::files::{csv_text, write_folder};
+use finray_verify::files::{csv_text, require_folder, write_folder};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -57,6 +57,7 @@ struct Record {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    require_folder(&arguments.out)?;
     let finger =
         Scene::from_toml(finray_fixtures::PAPER_SCENE).map_err(|error| Failure::NotComputed(error.to_string()))?.finger;
     let mut files = Vec::new();

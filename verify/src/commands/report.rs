@@ -7,7 +7,7 @@ use finray_verify::experiments::contact_scene::file::load_scene_with_outline;
 use finray_verify::experiments::contact_scene::study::SceneWithOutline;
 use finray_verify::experiments::speed_error::criterion::CriterionTimes;
 use finray_verify::experiments::speed_error::file as peers;
-use finray_verify::files::{FileError, write_folder, write_text};
+use finray_verify::files::{FileError, require_folder, write_folder, write_text};
 use finray_verify::report;
 use finray_verify::settings::{Effort, Progress};
 use finray_verify::study::Study;
@@ -57,6 +57,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             SceneWithOutline { scene, corners: Vec::new() }
         }
     };
+    require_folder(&arguments.out)?;
     let criterion = criterion_times(arguments.criterion.as_deref())?;
     let peers = arguments.peers.as_deref().map(peers::load).transpose()?;
     let effort = if arguments.quick { Effort::Quick } else { Effort::Full };

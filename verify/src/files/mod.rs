@@ -10,7 +10,8 @@ pub mod measurements;
 
 pub use networks::{load_network, load_network_and_digest};
 pub use output::{
-    Reader, Stream, csv_text, is_stream, write_all_or_nothing, write_bytes, write_folder, write_from, write_text,
+    Reader, Stream, csv_text, is_stream, require_folder, write_all_or_nothing, write_bytes, write_folder, write_from,
+    write_text,
 };
 pub use scene::{load_scene, load_scene_and_text};
 

@@ -139,6 +139,19 @@ fn make_readable(_: &std::fs::File) -> std::io::Result<()> {
     Ok(())
 }
 
+/// Refuses a folder that cannot be made because a file is in the way: better known before minutes of work than after.
+///
+/// # Errors
+/// [`FileError::Unwritable`].
+pub fn require_folder(folder: &Path) -> Result<(), FileError> {
+    match folder.ancestors().find(|part| part.exists()) {
+        Some(part) if !part.is_dir() => {
+            Err(FileError::Unwritable { path: folder.to_owned(), reason: std::io::ErrorKind::NotADirectory.into() })
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Writes files into a folder, which is made if it does not exist; either all of them or none.
 ///
 /// # Errors

@@ -89,7 +89,7 @@ fn figures(finger: &Finger, scene: &SceneStudy) -> Result<Vec<Figure>, FigureErr
     let mut figures = Vec::new();
     if let Some(last) = scene.steps.last() {
         figures.push(Figure {
-            svg: picture(finger, scene, last)?,
+            svg: drawing(finger, scene, last)?,
             caption: format!("The scene \"{}\" at its end: true forces on the finger.", scene.name),
             csv: Some(CSV.to_owned()),
             wide: false,
@@ -117,7 +117,7 @@ fn lines_of(finger: &Finger, at: impl Fn(finray_model::NodeId) -> [f64; 2]) -> V
     plates.into_iter().chain(ribs).map(|nodes| nodes.into_iter().map(&at).collect()).collect()
 }
 
-fn picture(finger: &Finger, scene: &SceneStudy, last: &StudiedStep) -> Result<String, FigureError> {
+fn drawing(finger: &Finger, scene: &SceneStudy, last: &StudiedStep) -> Result<String, FigureError> {
     let pressed = &last.step.pressed;
     let deformed = |shape: &FingerShape| {
         lines_of(finger, |node| {

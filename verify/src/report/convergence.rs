@@ -27,7 +27,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let series = error_by_nodes(convergence);
     if !series.is_empty() {
         blocks.push(Block::Figure(Figure {
-            svg: picture(series)?,
+            svg: drawing(series)?,
             caption: "Worst error by nodes of the mesh, for each force.".to_owned(),
             csv: Some(CSV.to_owned()),
             wide: true,
@@ -50,7 +50,7 @@ fn error_by_nodes(convergence: &Convergence) -> Vec<Series> {
     convergence.forces_n().into_iter().enumerate().map(series).filter(|series| !series.points.is_empty()).collect()
 }
 
-fn picture(series: Vec<Series>) -> Result<String, FigureError> {
+fn drawing(series: Vec<Series>) -> Result<String, FigureError> {
     let alt = "Worst error of the displacements by number of mesh nodes, a line a force, both axes logarithmic";
     let frame = Frame::full("", alt).with_plot_height(300.0);
     let axes = [Axis::log("nodes of the mesh"), Axis::log("error / largest displacement, %")];

@@ -63,7 +63,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         percent(IDENTIFIED_ANSWERED)
     ))];
     blocks.extend(where_identifiable(directions).map(text));
-    let told = |cell: &DirectionCell| cell.answers.angle_error_deg.filter(|_| cell.answers.is_identified());
+    let identified = |cell: &DirectionCell| cell.answers.angle_error_deg.filter(|_| cell.answers.is_identified());
     let answered = |cell: &DirectionCell| cell.answers.angle_error_deg;
     let force = |cell: &DirectionCell| cell.answers.force_error.map(|error| 100.0 * error);
     let bound = |cell: &DirectionCell| cell.angle_bound_deg;
@@ -75,7 +75,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         what: "error of the direction, deg",
         line: None,
         missing: "not identifiable",
-        value: &told,
+        value: &identified,
     })?);
     let over_all = |what, line, missing, value| all(&Shown { what, line: Some(line), missing, value });
     let maps = vec![
@@ -132,8 +132,8 @@ fn where_identifiable(directions: &DirectionStudy) -> Option<String> {
     let shares: Vec<String> = FORCES_N
         .iter()
         .filter_map(|&force_n| {
-            let [told, all] = directions.identified(force_n);
-            (all > 0).then(|| format!("{} at {force_n} N", percent(told as f64 / all as f64)))
+            let [identified, all] = directions.identified(force_n);
+            (all > 0).then(|| format!("{} at {force_n} N", percent(identified as f64 / all as f64)))
         })
         .collect();
     // Positions at which every direction is identifiable under the largest force, and those at which none is.
@@ -142,12 +142,15 @@ fn where_identifiable(directions: &DirectionStudy) -> Option<String> {
     let carried = |cell: &&DirectionCell| cell.force_n == largest && cell.answers.samples > 0;
     for cell in directions.cells.iter().filter(carried) {
         match places.last_mut().filter(|(s_mm, ..)| *s_mm == cell.s_mm) {
-            Some((_, told, all)) => (*told, *all) = (*told + usize::from(cell.answers.is_identified()), *all + 1),
+            Some((_, identified, all)) => {
+                (*identified, *all) = (*identified + usize::from(cell.answers.is_identified()), *all + 1)
+            }
             None => places.push((cell.s_mm, usize::from(cell.answers.is_identified()), 1)),
         }
     }
     let of = |wanted: fn(usize, usize) -> bool| {
-        let list: Vec<f64> = places.iter().filter(|(_, told, all)| wanted(*told, *all)).map(|place| place.0).collect();
+        let list: Vec<f64> =
+            places.iter().filter(|(_, identified, all)| wanted(*identified, *all)).map(|place| place.0).collect();
         match &list[..] {
             [] => None,
             [one] => Some(format!("{one:.0} mm")),
@@ -156,14 +159,14 @@ fn where_identifiable(directions: &DirectionStudy) -> Option<String> {
             }
         }
     };
-    let everywhere = of(|told, all| told == all)
+    let everywhere = of(|identified, all| identified == all)
         .map_or("at no position are all directions identifiable".to_owned(), |list| {
             format!("all directions are identifiable at {list}")
         });
-    let nowhere =
-        of(|told, _| told == 0).map_or("at every position some are".to_owned(), |list| format!("none is at {list}"));
-    let [told, all] = directions.identified(largest);
-    let verdict = match 2 * told > all {
+    let nowhere = of(|identified, _| identified == 0)
+        .map_or("at every position some are".to_owned(), |list| format!("none is at {list}"));
+    let [identified, all] = directions.identified(largest);
+    let verdict = match 2 * identified > all {
         true => {
             "the paper's \"will not work\" holds for small forces and for positions that hardly show a direction, not for the finger"
         }

@@ -1,4 +1,4 @@
-//! Pictures of a study: its numbers arranged for [`figures`](crate::figures).
+//! Drawings of a study: its numbers arranged for [`figures`](crate::figures).
 
 use crate::experiments::table_one::TableOne;
 use crate::figures::{
@@ -46,15 +46,15 @@ pub(super) fn point(v: &Vector) -> [f64; 2] {
 ///
 /// # Errors
 /// [`FigureError`] if the map has no cells.
-pub fn map_picture(finger: &Finger, map: &AccuracyMap, force_n: Option<f64>) -> Result<String, FigureError> {
-    quantity_picture(finger, map, force_n, Quantity::Error)
+pub fn map_figure_svg(finger: &Finger, map: &AccuracyMap, force_n: Option<f64>) -> Result<String, FigureError> {
+    quantity_svg(finger, map, force_n, Quantity::Error)
 }
 
 /// The same of any quantity of the cells, on the same colours.
 ///
 /// # Errors
 /// [`FigureError`] if the map has no cells.
-pub(super) fn quantity_picture(
+pub(super) fn quantity_svg(
     finger: &Finger,
     map: &AccuracyMap,
     force_n: Option<f64>,
@@ -230,7 +230,7 @@ pub(super) fn bent(study: &Study) -> Result<String, FigureError> {
         let reach = bent.force.normalize() * (0.1 * finger.plate_length_mm(Plate::Front));
         series.push(Series::arrow([point(&(bent.at - reach)), point(&bent.at)], "", Hue::nth(n / 2)));
     }
-    let alt = "The finger at rest and bent by a force at three nodes, linear and with large rotations.";
+    let alt = "The finger at rest and bent by a force at three nodes, linear and co-rotational.";
     Chart::to_scale(Frame::full("", alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
 }
 
@@ -244,7 +244,7 @@ pub(super) fn table_one(tables: &[TableOne]) -> Result<String, FigureError> {
         values: rows.iter().map(|row| percent(row.paper_mean_error)).collect(),
     };
     let ours = tables.iter().take(2).enumerate().map(|(n, table)| Bars {
-        label: format!("large rotation, weights at {} deg", table.angle_deg),
+        label: format!("co-rotational, weights at {} deg", table.angle_deg),
         hue: Hue::nth(n),
         values: table.rows.iter().map(|row| percent(row.mean_error)).collect(),
     });

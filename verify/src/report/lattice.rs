@@ -48,9 +48,9 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     }
     blocks.push(Block::Table(tables::by_fineness(lattice)));
     blocks.push(Block::Figure(Figure {
-        svg: picture(&lattice.rows)?,
+        svg: drawing(&lattice.rows)?,
         caption: format!(
-            "Worst difference of the lattice's equilibrium from converged beams by segments in a stretch of plate, for \
+            "Worst difference of the lattice's equilibrium from converged beams by segments of plate between two key nodes, for \
              each force; {}.",
             loads_in_words(&lattice.loads[0])
         ),
@@ -72,7 +72,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 fn map_figure(study: &Study, lattice: &LatticeStudy) -> Result<Figure, ReportError> {
     let map = &lattice.sensing.least_squares;
     Ok(Figure {
-        svg: drawings::map_picture(&study.finger, map, Some(DRAWN_FORCE_N))?,
+        svg: drawings::map_figure_svg(&study.finger, map, Some(DRAWN_FORCE_N))?,
         caption: format!(
             "Sensed by linear least squares on the lattice, without noise; {DRAWN_FORCE_N} N; {}.",
             map.summary(Some(DRAWN_FORCE_N)).counts()
@@ -100,7 +100,7 @@ fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
         svg: Chart::new(Frame::half(title, alt), axes, series).svg()?,
         caption: format!(
             "The same force at its worst direction: least squares, and the nonlinear estimator, whose model is the \
-             large-rotation finger, on {} directions ({}).",
+             co-rotational finger, on {} directions ({}).",
             lattice.sensing.nonlinear.request.angles_deg.len(),
             lattice.sensing.nonlinear.summary(Some(DRAWN_FORCE_N)).counts()
         ),
@@ -120,7 +120,7 @@ fn loads_in_words(grid: &LoadGrid) -> String {
 }
 
 /// A series a force, and the slope of the fourth order from where the last begins.
-fn picture(rows: &[FinenessRow]) -> Result<String, FigureError> {
+fn drawing(rows: &[FinenessRow]) -> Result<String, FigureError> {
     let forces_n = rows.first().map_or(&[][..], |row| &row.forces_n);
     let mut series: Vec<Series> = forces_n
         .iter()
@@ -138,9 +138,9 @@ fn picture(rows: &[FinenessRow]) -> Result<String, FigureError> {
     let finenesses: Vec<f64> = rows.iter().map(|row| row.fineness as f64).collect();
     let widest = [f64::INFINITY, 0.0_f64];
     let ends = finenesses.iter().fold(widest, |[low, high], &x| [low.min(x / BESIDE), high.max(x * BESIDE)]);
-    let alt = "Worst difference of the lattice's displacements from converged beams by segments in a stretch of plate, a line \
+    let alt = "Worst difference of the lattice's displacements from converged beams by segments of plate between two key nodes, a line \
                a force, both axes logarithmic";
-    let x = Axis::log("segments in a stretch of plate").within(ends[0], ends[1]).with_ticks(finenesses);
+    let x = Axis::log("segments of plate between two key nodes").within(ends[0], ends[1]).with_ticks(finenesses);
     let axes = [x, Axis::log("difference / largest displacement, %")];
     Chart::new(Frame::full("", alt).with_plot_height(320.0), axes, series).svg()
 }
@@ -154,13 +154,13 @@ mod tests {
     #[test]
     fn a_line_a_force_and_the_guide_are_drawn() {
         let rows = sample().rows;
-        let svg = picture(&rows).expect("a figure");
+        let svg = drawing(&rows).expect("a figure");
         for words in [">1 N</text>", ">5 N</text>", ">slope of the fourth order</text>", ">2</text>", ">4</text>"] {
             assert!(svg.contains(words), "{words}");
         }
         // An error of nothing has no place on a logarithmic axis, and one fineness no slope.
         let one = FinenessRow { errors: vec![0.0, 1e-3], ..rows[0].clone() };
-        let svg = picture(&[one]).expect("a figure");
+        let svg = drawing(&[one]).expect("a figure");
         assert!(!svg.contains(">1 N</text>") && !svg.contains("fourth order"));
     }
 

@@ -5,7 +5,7 @@ mod tables;
 mod words;
 
 use super::dataset::Dataset;
-use super::drawings::{Quantity, errors_along_the_normal, map_picture, quantity_picture};
+use super::drawings::{Quantity, errors_along_the_normal, map_figure_svg, quantity_svg};
 use super::page::{Block, Figure, Section, details, text};
 use super::{ReportError, Results};
 use crate::estimators::EstimatorId;
@@ -57,9 +57,9 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 }
 
 fn overview(study: &Study, noisy: bool) -> Result<Figure, ReportError> {
-    let pictures =
+    let samples =
         |estimator| study.map_by(TruthId::Corotational, estimator, noisy).map(|map| map.request.noise_samples);
-    let noise = match (pictures(EstimatorId::LeastSquares), pictures(EstimatorId::Nonlinear)) {
+    let noise = match (samples(EstimatorId::LeastSquares), samples(EstimatorId::Nonlinear)) {
         (Some(most), Some(fewer)) if noisy => {
             let few = study
                 .map_by(TruthId::Linear, EstimatorId::Nonlinear, noisy)
@@ -100,10 +100,10 @@ fn noise_in_words(map: &AccuracyMap) -> String {
 /// Least squares on the co-rotational and the linear finger: the maps on the finest grid, each force and their mean.
 fn least_squares(study: &Study) -> Result<Vec<Block>, ReportError> {
     let of = |truth: TruthId| [false, true].into_iter().filter_map(move |noisy| study.map(truth, noisy));
-    let picture = |map: &AccuracyMap, force_n: Option<f64>| -> Result<Figure, ReportError> {
+    let figure_of = |map: &AccuracyMap, force_n: Option<f64>| -> Result<Figure, ReportError> {
         let force = force_n.map_or_else(|| "mean over all forces".to_owned(), |f| format!("{f} N"));
         Ok(Figure {
-            svg: map_picture(&study.finger, map, force_n)?,
+            svg: map_figure_svg(&study.finger, map, force_n)?,
             caption: format!(
                 "Sensed by linear least squares on the {} finger, {}; {force}; {}.",
                 map.truth.label(),
@@ -114,7 +114,8 @@ fn least_squares(study: &Study) -> Result<Vec<Block>, ReportError> {
             wide: false,
         })
     };
-    let pictures = |force_n| of(TruthId::Corotational).chain(of(TruthId::Linear)).map(move |map| picture(map, force_n));
+    let figures =
+        |force_n| of(TruthId::Corotational).chain(of(TruthId::Linear)).map(move |map| figure_of(map, force_n));
     let lines = of(TruthId::Corotational).map(|map| {
         Ok(Figure {
             svg: errors_along_the_normal(map)?,
@@ -132,10 +133,10 @@ fn least_squares(study: &Study) -> Result<Vec<Block>, ReportError> {
             "Colour is the error |sensed / true - 1|, with lines at 10 and 25 %. Directions are counted from the front plate's \
              undeformed inward normal, positive towards the tip.",
         ),
-        Block::Figures { figures: pictures(Some(DRAWN_FORCE_N)).collect::<Result<_, _>>()? },
+        Block::Figures { figures: figures(Some(DRAWN_FORCE_N)).collect::<Result<_, _>>()? },
         Block::Figures { figures: lines.collect::<Result<_, ReportError>>()? },
         text(format!("Mean over {forces} N:")),
-        Block::Figures { figures: pictures(None).collect::<Result<_, _>>()? },
+        Block::Figures { figures: figures(None).collect::<Result<_, _>>()? },
     ])
 }
 
@@ -156,7 +157,7 @@ fn bias_and_spread(study: &Study) -> Result<Vec<Block>, ReportError> {
         let figure = |quantity: Quantity| -> Result<Figure, ReportError> {
             let what = if quantity == Quantity::Bias { "Bias (its size)" } else { "Spread" };
             Ok(Figure {
-                svg: quantity_picture(&study.finger, &map, Some(DRAWN_FORCE_N), quantity)?,
+                svg: quantity_svg(&study.finger, &map, Some(DRAWN_FORCE_N), quantity)?,
                 caption: format!(
                     "{what}: {}, {} truth, {DRAWN_FORCE_N} N, {}; {}.",
                     estimator.label(),

@@ -31,7 +31,7 @@ mod table_two;
 mod twin;
 mod verdict;
 
-pub use drawings::{map_picture, standalone};
+pub use drawings::{map_figure_svg, standalone};
 
 use crate::claims::Claim;
 use crate::figures::FigureError;

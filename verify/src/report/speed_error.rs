@@ -48,7 +48,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         if points.iter().any(|point| point.error > 0.0) {
             let floor = if task == Task::Solve { floor } else { None };
             blocks.push(Block::Figure(Figure {
-                svg: picture(&points, title, floor)?,
+                svg: drawing(&points, title, floor)?,
                 caption: format!("Time and error of {title}."),
                 csv: Some(CSV.to_owned()),
                 wide: true,
@@ -106,7 +106,7 @@ fn place(point: &SpeedErrorPoint) -> [f64; 2] {
     [1e6 * point.seconds, 100.0 * point.error]
 }
 
-fn picture(points: &[&SpeedErrorPoint], title: &str, floor: Option<f64>) -> Result<String, FigureError> {
+fn drawing(points: &[&SpeedErrorPoint], title: &str, floor: Option<f64>) -> Result<String, FigureError> {
     let drawn: Vec<&SpeedErrorPoint> =
         points.iter().copied().filter(|point| point.error > 0.0 && point.seconds > 0.0).collect();
     let mut series: Vec<Series> = Vec::new();
@@ -190,7 +190,7 @@ mod tests {
     #[test]
     fn every_point_is_named_and_failures_are_marked() {
         let points = [point("beams", 1e-5, 1e-2, 0), point("lattice", 1e-2, 1e-4, 2), point("exact", 1e-6, 0.0, 0)];
-        let svg = picture(&points.each_ref(), "the shape under a load", Some(1e-6)).unwrap();
+        let svg = drawing(&points.each_ref(), "the shape under a load", Some(1e-6)).unwrap();
         for words in [">beams set<", ">lattice set (2 of 5 failed)<", "may be left"] {
             assert!(svg.contains(words), "{words}");
         }

@@ -31,7 +31,7 @@ pub(super) fn lead(study: &Study) -> Result<Option<Figure>, ReportError> {
         return Ok(None);
     };
     Ok(Some(Figure {
-        svg: drawings::map_picture(&study.finger, map, None)?,
+        svg: drawings::map_figure_svg(&study.finger, map, None)?,
         caption: format!(
             "Error of one force by its position and direction, sensed by {}{}; mean over {}. Inside the line of 10 % it can be \
              trusted on average. {}.",

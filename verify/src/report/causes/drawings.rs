@@ -1,4 +1,4 @@
-//! Pictures of causes: the largest one over place and direction, and what each costs along the finger.
+//! Drawings of causes: the largest one over position and direction, and what each costs along the finger.
 
 use super::shares::{Region, Shares};
 use super::{CSV, own_first, practice_in_words, truth_in_words};

@@ -34,7 +34,7 @@ fn map(estimator: EstimatorId, error: f64) -> AccuracyMap {
     AccuracyMap { request, truth: TruthId::Lattice, estimator, noise_mm: 0.0, cells: vec![cell] }
 }
 
-/// A study of 2 and 4 segments a stretch: errors that fall to an eighth at 1 N and to a sixteenth at 5 N.
+/// A study of 2 and 4 segments a plate member: errors that fall to an eighth at 1 N and to a sixteenth at 5 N.
 pub(super) fn sample() -> LatticeStudy {
     let row = |fineness: usize, errors: [f64; 2], settling| FinenessRow {
         fineness,

@@ -66,7 +66,7 @@ fn settled<'s>(rows: impl Iterator<Item = &'s SettlingRow>) -> Dataset<'s> {
 pub(super) fn by_fineness(lattice: &LatticeStudy) -> Table {
     let forces_n = lattice.rows.first().map_or(&[][..], |row| &row.forces_n);
     Columns::<&FinenessRow>::new()
-        .page("segments a stretch", Format::Plain, |row| row.fineness)
+        .page("segments a plate member", Format::Plain, |row| row.fineness)
         .each(forces_n.iter().enumerate(), |columns, (i, force_n)| {
             columns.page(format!("{force_n} N"), Format::PercentTwoDigits, move |row| row.errors[i])
         })
@@ -84,7 +84,7 @@ pub(super) fn by_fineness(lattice: &LatticeStudy) -> Table {
 /// What each fineness costs, and how near to its equilibrium it settles.
 pub(super) fn costs(lattice: &LatticeStudy) -> Table {
     let mut columns = Columns::<&FinenessRow>::new()
-        .page("segments a stretch", Format::Plain, |row| row.fineness)
+        .page("segments a plate member", Format::Plain, |row| row.fineness)
         .page("bodies", Format::Plain, |row| row.bodies)
         .page("springs", Format::Plain, |row| row.springs)
         .page("Newton, ms", Format::Plain, |row| milliseconds(row.newton_ms));
@@ -130,7 +130,7 @@ pub(super) fn axial(lattice: &LatticeStudy) -> Table {
         })
         .table(
             format!(
-                "What the axial springs matter: the lattice of {FINENESS} segments a stretch against converged beams, by where \
+                "What the axial springs matter: the lattice of {FINENESS} segments a plate member against converged beams, by where \
                  their points lie and how stiff they are"
             ),
             AXIAL_CSV,
@@ -141,7 +141,7 @@ pub(super) fn axial(lattice: &LatticeStudy) -> Table {
 /// What sweeps and precision matter.
 pub(super) fn settling(lattice: &LatticeStudy) -> Table {
     settled(lattice.settling.iter()).table(format!(
-        "What settling matters: the settled lattice of {FINENESS} segments a stretch against its own equilibrium ({}, {} N)",
+        "What settling matters: the settled lattice of {FINENESS} segments a plate member against its own equilibrium ({}, {} N)",
         loads_in_words(&lattice.settled),
         forces_in_words(&lattice.settled)
     ))

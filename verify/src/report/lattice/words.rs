@@ -49,7 +49,7 @@ fn agreement(rows: &[FinenessRow]) -> Option<String> {
     let orders = coarsest.errors.iter().zip(&finest.errors).map(|(coarse, fine)| (coarse / fine).ln() / refined);
     let Span { least: low, greatest: high, .. } = Span::of(orders)?;
     Some(format!(
-        "Shapes: with {} segments a stretch the lattice differs from converged beams by up to {} of the largest \
+        "Shapes: with {} segments a plate member the lattice differs from converged beams by up to {} of the largest \
          displacement under forces up to {force_n} N, with {} by {}: the difference falls with the power {low:.1} to {high:.1} of \
          the segments' length, by the force. {}",
         coarsest.fineness,
@@ -107,7 +107,7 @@ fn inset(lattice: &LatticeStudy) -> Option<String> {
     Some(format!(
         "It matters where axial springs hold. The ends of a segment come nearer when it bends, though it is not stretched; points \
          a sixth of its length inside keep their distance on a circular arc. Fixed at the ends, the springs of {FINENESS} segments \
-         a stretch resist bending as well: the difference from beams at {} N grows from {} to {}.",
+         a plate member resist bending as well: the difference from beams at {} N grows from {} to {}.",
         lattice.axial_forces_n.last()?,
         percent(near),
         percent(far)
@@ -178,7 +178,7 @@ fn single_precision(lattice: &LatticeStudy) -> Option<String> {
         Some(single) => {
             let finer = lattice.rows.iter().find(|row| row.errors.last().is_some_and(|error| *error < single));
             let more = finer.map_or_else(String::new, |row| {
-                format!(", which is more than {} segments a stretch and finer differ from beams", row.fineness)
+                format!(", which is more than {} segments a plate member and finer differ from beams", row.fineness)
             });
             format!("rests up to {} from its equilibrium instead of {}{more}", percent(single), percent(double))
         }

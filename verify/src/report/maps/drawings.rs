@@ -114,7 +114,7 @@ fn kinds() -> [Kind; 5] {
             colours: errors,
             contours: &[1.0, 10.0],
             contour_unit: " %",
-            missing_label: "no equilibrium, or not told",
+            missing_label: "no equilibrium, or not identifiable",
             caption: "The same when both components of the force are sought, to first order, with NOISE.",
         },
         Kind {
@@ -139,7 +139,7 @@ fn kinds() -> [Kind; 5] {
             caption: "How much a direction that is wrong by a degree changes the sensed force.",
         },
         Kind {
-            title: "wrong place",
+            title: "wrong position",
             value_label: "error of the force, % per mm",
             of: |cell| cell.error_per_mm.map(|share| 100.0 * share),
             colours: errors,
