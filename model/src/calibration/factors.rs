@@ -121,7 +121,7 @@ pub fn factors(
     if coordinates <= count {
         return Err(CalibrationError::TooFewMarkers { unknowns: count, coordinates });
     }
-    told_apart(&now.jacobian, unknowns)?;
+    require_separable(&now.jacobian, unknowns)?;
     let mut damping = DAMPING.0;
     let mut iterations = 0;
     loop {
@@ -149,7 +149,7 @@ pub fn factors(
             return Err(CalibrationError::NoMinimum);
         }
     }
-    told_apart(&now.jacobian, unknowns)?;
+    require_separable(&now.jacobian, unknowns)?;
     let degrees_of_freedom = (coordinates - count) as f64;
     let noise_mm = model.noise_mm.unwrap_or((now.squares() / degrees_of_freedom).sqrt());
     let information = now.jacobian.tr_mul(&now.jacobian);
@@ -289,7 +289,7 @@ fn damped_step(now: &Sensitivities, damping: f64) -> DVector<f64> {
 }
 
 /// Refuses what is not identifiable: an unknown that moves no marker, or several of which only a combination shows.
-fn told_apart(jacobian: &DMatrix<f64>, unknowns: &[Unknown]) -> Result<(), CalibrationError> {
+fn require_separable(jacobian: &DMatrix<f64>, unknowns: &[Unknown]) -> Result<(), CalibrationError> {
     let scales: Vec<f64> = jacobian.column_iter().map(|column| column.norm()).collect();
     let largest = scales.iter().copied().fold(0.0, f64::max);
     // A part at which no load pulls shows rounding at most.

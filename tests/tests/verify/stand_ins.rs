@@ -5,14 +5,14 @@ use finray_model::sensing::{Contact, SensingError};
 use finray_verify::estimators::{BeamEstimator, Estimator, EstimatorError, EstimatorId, PreparedEstimator, Sensed};
 
 /// An estimator that knows nothing of the finger and states nothing: it answers every measurement with 1 N, or refuses it. It
-/// goes by the name of ridge, where that does not take part.
+/// goes by the name of the network, where none takes part.
 pub struct Constant {
     pub refuses: bool,
 }
 
 impl Estimator for Constant {
     fn id(&self) -> EstimatorId {
-        EstimatorId::Ridge
+        EstimatorId::Network
     }
 
     fn prepare<'a>(

@@ -34,7 +34,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
          {} cases of each set; of the linear finger, which it does not fit, {}. \"network\" is that which ships for these contacts, trained \
          on the co-rotational finger. \"Network of the paper\" is trained as in sec. IV-A, on noise-free cases of the linear finger, and \
          recorded: mean over the seeds, least and greatest in brackets; the paper does not say how displacements are scaled, so two \
-         ways are. Its records are of {}, not of all the paper's sets.",
+         ways are. Its records are of {}.",
         groups.join(", "),
         two.cases,
         FORCES_N[0],

@@ -216,7 +216,7 @@ fn noise_sets_the_sigmas_of_zones() {
 }
 
 #[test]
-fn zones_that_cannot_be_told_or_named_are_refused() {
+fn zones_that_are_not_identifiable_or_named_are_refused() {
     let folder = Folder::new();
     let measurements = measured(PAPER);
     let refused = |scene: &str, options: &[&str]| {
@@ -238,5 +238,5 @@ fn zones_that_cannot_be_told_or_named_are_refused() {
     let twice = "[[finger.zone]]\nplate = \"front\"\nfrom_mm = 0.0\nto_mm = 30.0\nmodulus_factor = 1.0\n";
     let scene = folder.put("twice.toml", format!("{}\n{twice}\n{twice}", paper_with(&[])));
     let message = refused(&scene, &["--zones", "--kinematics", "linear"]);
-    assert_says(&message, &["zone_1_modulus_factor, zone_2_modulus_factor apart"]);
+    assert_says(&message, &["do not separate zone_1_modulus_factor, zone_2_modulus_factor:"]);
 }

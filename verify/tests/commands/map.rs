@@ -164,7 +164,7 @@ fn maps_that_make_no_sense_are_refused() {
         (["--noise-mm", "inf"], "expected a finite number"),
         (["--seeds", "0"], "0"),
         (["--seed", "one"], "one"),
-        (["--truth", "plastic"], "linear, corotational"),
+        (["--truth", "plastic"], "corotational, twin, lattice, mujoco, linear"),
         (["--estimator", "guess"], "least-squares"),
     ] {
         assert_says(&finray(&[&["map", PAPER], &arguments[..]].concat()).refused(), &[expected]);

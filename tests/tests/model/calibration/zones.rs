@@ -195,7 +195,7 @@ fn sigmas_cover() {
 }
 
 #[test]
-fn what_cannot_be_told_is_refused_by_name() {
+fn what_is_not_identifiable_is_refused_by_name() {
     let refusal = |start: &Finger, unknowns: &[Unknown], loads: &[CalibrationCase]| {
         factors(start, loads, unknowns, &LINEAR).expect_err("no unique answer").to_string()
     };
@@ -207,7 +207,9 @@ fn what_cannot_be_told_is_refused_by_name() {
     ]);
     let loads = measured(&whole, &LINEAR);
     let message = refusal(&whole, &each_zone(&whole), &loads);
-    for name in ["modulus_factor", "zone_1_modulus_factor", "zone_2_modulus_factor", "zone_3_modulus_factor", "apart"] {
+    for name in
+        ["modulus_factor", "zone_1_modulus_factor", "zone_2_modulus_factor", "zone_3_modulus_factor", "do not separate"]
+    {
         assert!(message.contains(name), "{message}");
     }
     // Without the general modulus they are identifiable.
@@ -250,5 +252,5 @@ fn entangled_factors_are_named() {
     let message = factors(&neighbours, &measured(&neighbours, &LINEAR), &each_zone(&neighbours), &LINEAR)
         .expect_err("the same twice")
         .to_string();
-    assert!(message.contains("zone_1_modulus_factor, zone_2_modulus_factor apart"), "{message}");
+    assert!(message.contains("do not separate zone_1_modulus_factor, zone_2_modulus_factor:"), "{message}");
 }

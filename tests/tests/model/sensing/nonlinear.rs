@@ -144,7 +144,7 @@ fn what_noise_does_not_explain_is_uncertainty() {
 
 /// What is not identifiable is refused.
 #[test]
-fn what_cannot_be_told_is_refused() {
+fn what_is_not_identifiable_is_refused() {
     let finger = paper();
     let mesh = Mesh::key_nodes(&finger);
     let faint = seen(&mesh, &[at_node(24, 0.0)], &[0.02], Kinematics::Corotational).expect("carried");

@@ -104,7 +104,7 @@ fn the_network_for_any_nodes_beats_ridge() {
 
 /// The embedded networks are those that `finray networks shipped` makes.
 #[test]
-fn what_ships_was_trained_as_told() {
+fn what_ships_was_trained_as_its_card_says() {
     let finger = paper();
     let networks = Networks::shipped().expect("networks that read");
     let shipped = shipping(&finger);

@@ -174,7 +174,7 @@ fn linearisation_is_the_cause_where_all_else_is_known() {
 }
 
 #[test]
-fn what_a_network_gets_wrong_is_told_from_what_its_model_does() {
+fn errors_of_a_network_and_of_its_model_are_separate() {
     let finger = paper();
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
     let model = BeamEstimator::nonlinear(&mesh);

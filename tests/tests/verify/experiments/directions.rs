@@ -31,7 +31,7 @@ static STUDY: LazyLock<DirectionStudy> = LazyLock::new(|| {
 
 /// Where the bound is low every sample is answered, and the errors are the bound's.
 #[test]
-fn what_can_be_told_is_told_to_the_bound() {
+fn what_is_identifiable_is_sensed_to_the_bound() {
     let allowed = CURVED + STANDARD_ERRORS / (2.0 * SAMPLES as f64).sqrt();
     let mut sure = 0;
     let low = |cell: &&DirectionCell| {
@@ -52,7 +52,7 @@ fn what_can_be_told_is_told_to_the_bound() {
 /// Where the bound of a direction is above 60 degrees, much is refused, nothing counts as identified, and what is answered,
 /// as noise made a force look larger than it is, states how far it may be off.
 #[test]
-fn what_cannot_be_told_is_refused_or_open() {
+fn what_is_not_identifiable_is_refused_or_open() {
     let open = STUDY.cells.iter().filter(|cell| cell.angle_bound_deg.is_some_and(|bound| bound > 60.0));
     let mut count = 0;
     for cell in open {
@@ -76,7 +76,7 @@ fn what_cannot_be_told_is_refused_or_open() {
 
 /// The larger the force the better its direction is identified.
 #[test]
-fn larger_forces_are_told_in_more_directions() {
+fn larger_forces_are_identifiable_in_more_directions() {
     let shares = FORCES_N.map(|force_n| {
         let [identified, all] = STUDY.identified(force_n);
         identified as f64 / all as f64

@@ -83,7 +83,7 @@ fn table_two_blames_linearisation() {
         assert!(force < 0.03, "{force}");
     }
     // Of further estimators the table has rows as well.
-    errors(&table, TruthId::Corotational, CAMERA_NOISE_MM, EstimatorId::Ridge);
+    errors(&table, TruthId::Corotational, CAMERA_NOISE_MM, EstimatorId::Network);
     let [alone, near, far] = CONTACT_GROUPS.map(|group| table.condition_range(&group).expect("its sets"));
     assert!(alone == [1.0; 2] && near[0] > far[1], "{alone:?} {near:?} {far:?}");
 }

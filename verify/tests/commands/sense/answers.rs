@@ -25,7 +25,7 @@ fn two_angles_on_a_node_ask_for_two_components() {
 }
 
 #[test]
-fn twelve_normal_forces_are_told_apart() {
+fn twelve_normal_forces_are_separable() {
     let truth: Vec<_> = (13..=24).map(|node| (node, 0.0, 0.05 * (node as f64 - 12.0))).collect();
     let contacts: Vec<_> = truth.iter().map(|(node, _, _)| node.to_string()).collect();
     let arguments: Vec<_> = ["--contact"].into_iter().chain(contacts.iter().map(String::as_str)).collect();

@@ -117,7 +117,7 @@ fn smooth_objects_have_no_friction() {
 
 /// What presses on the clamp is not felt, and counts among the forces on the base.
 #[test]
-fn a_force_on_the_clamp_is_told_apart() {
+fn a_force_on_the_clamp_is_separate() {
     let step = last("shape = \"disc\"\nradius_mm = 15\nat_mm = 6\nforce_n = 3\nsteps = 1", 2);
     assert!(step.contacts.iter().any(|seen| seen.clamped) && step.contacts.iter().any(|seen| !seen.clamped));
     let whole = step.pressed.contact_force();
