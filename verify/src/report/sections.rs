@@ -35,7 +35,7 @@ impl Asked {
 }
 
 /// Every section, in the order of the page. To add one: its experiment, its file in this folder, a row here.
-const SECTIONS: [Entry; 20] = [
+const SECTIONS: &[Entry] = &[
     Entry(Asked::Where, maps::section, maps::datasets),
     Entry(Asked::Where, coverage::section, coverage::datasets),
     Entry(Asked::Where, scatter::section, scatter::datasets),
