@@ -5,6 +5,7 @@
 
 mod claims;
 mod estimators {
+    mod all;
     mod networks;
     mod stated_intervals;
 }
@@ -37,6 +38,7 @@ mod sampling {
 }
 mod stand_ins;
 mod truths {
+    mod all;
     mod lattice;
     mod mujoco;
 }

@@ -1,0 +1,41 @@
+//! What holds for every estimator of the list.
+
+use finray_model::measurement::Measurement;
+use finray_tests::{CAMERA_NOISE_MM, at_node, paper};
+use finray_verify::estimators::network::Networks;
+use finray_verify::estimators::{EstimatorId, Question};
+use finray_verify::truths::TruthId;
+
+/// Linear estimators err by 1 % for a small force in the middle, networks by less.
+const TOLERANCE: f64 = 0.02;
+
+/// Every estimator finds 0.5 N in the middle of the co-rotational finger, prepared for many answers or asked once.
+#[test]
+fn every_estimator_finds_a_small_force() {
+    let finger = paper();
+    let contact = at_node(19, 0.0);
+    let mesh = TruthId::Corotational.mesh(&finger).expect("a mesh");
+    let truth = TruthId::Corotational.on(&mesh).expect("a finger at rest");
+    let measurement = Measurement::of_shape(&finger, &truth.shapes(&contact, &[0.5])[0]);
+    let networks = Networks::shipped().expect("networks that read");
+    for &id in EstimatorId::ALL {
+        let mesh = id.mesh(&finger);
+        let estimator = id.on(&mesh, &networks);
+        assert_eq!(estimator.id(), id);
+        let mut prepared = estimator.prepare(&[contact], &measurement).unwrap_or_else(|error| panic!("{id}: {error}"));
+        let sensed =
+            prepared.estimate(&measurement, Some(CAMERA_NOISE_MM)).unwrap_or_else(|error| panic!("{id}: {error}"));
+        let question = Question {
+            contacts: &[contact.into()],
+            measurement: &measurement,
+            noise_mm: Some(CAMERA_NOISE_MM),
+            mesh_nodes: None,
+            networks: &networks,
+        };
+        let (contacts, estimate) = id.answer(&finger, &question).unwrap_or_else(|error| panic!("{id}: {error}"));
+        assert_eq!(contacts, [contact], "{id}");
+        for force_n in [sensed.forces_n[0], estimate.forces_n[0]] {
+            assert!((force_n / 0.5 - 1.0).abs() < TOLERANCE, "{id}: {force_n} N");
+        }
+    }
+}
