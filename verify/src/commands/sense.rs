@@ -91,8 +91,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Some(path) => Networks::of(vec![load_network(path)?]),
         None => Networks::shipped()?,
     };
+    let contacts = &arguments.contacts.0;
+    arguments.estimator.admits(finger, contacts, &networks)?;
     let question = Question {
-        contacts: &arguments.contacts.0,
+        contacts,
         measurement: &displacements::load(&arguments.displacements, finger)?,
         noise_mm: arguments.noise_mm.or(scene.camera.map(|camera| camera.noise_mm)),
         mesh_nodes: arguments.mesh_nodes,

@@ -2,7 +2,7 @@
 
 use super::{
     Answer, BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorId, EstimatorRow, PreparedEstimator, Question,
-    Sensed,
+    Sensed, known_contacts,
 };
 use finray_model::compliance::NodalCompliance;
 use finray_model::measurement::Measurement;
@@ -17,6 +17,7 @@ pub(super) const LEAST_SQUARES: EstimatorRow = EstimatorRow {
     is_linear: true,
     mesh: Mesh::key_nodes,
     on: |mesh, _| Box::new(BeamEstimator::least_squares(mesh)),
+    admits: |finger, contacts, _| known_contacts(finger, contacts).map(drop),
     answer: |finger, question| answer(finger, question, Prior::None),
 };
 
@@ -27,11 +28,12 @@ pub(super) const RIDGE: EstimatorRow = EstimatorRow {
     is_linear: true,
     mesh: Mesh::key_nodes,
     on: |mesh, _| Box::new(BeamEstimator::ridge(mesh)),
+    admits: |finger, contacts, _| known_contacts(finger, contacts).map(drop),
     answer: |finger, question| answer(finger, question, Prior::PAPER),
 };
 
 fn answer(finger: &Finger, question: &Question, prior: Prior) -> Result<Answer, EstimatorError> {
-    let contacts = question.known_contacts(finger)?;
+    let contacts = known_contacts(finger, question.contacts)?;
     let estimator = LinearEstimator::new(finger, &contacts, question.measurement)?;
     let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
     let mut linearisation = Linearisation::new(&mesh, &contacts);

@@ -46,6 +46,8 @@ struct EstimatorRow {
     mesh: fn(&Finger) -> Mesh,
     /// The estimator on that mesh.
     on: for<'m> fn(&'m Mesh, &'m Networks) -> Box<dyn Estimator + 'm>,
+    /// Refuses contacts that it cannot sense, whatever is measured.
+    admits: fn(&Finger, &[ContactQuestion], &Networks) -> Result<(), EstimatorError>,
     /// One answer with all that the estimator states.
     answer: fn(&Finger, &Question) -> Result<Answer, EstimatorError>,
 }
@@ -64,6 +66,19 @@ impl EstimatorId {
     /// The estimator on its [mesh](EstimatorId::mesh), with networks to choose from.
     pub fn on<'m>(self, mesh: &'m Mesh, networks: &'m Networks) -> Box<dyn Estimator + 'm> {
         (self.row().on)(mesh, networks)
+    }
+
+    /// Refuses contacts that it cannot sense, whatever is measured.
+    ///
+    /// # Errors
+    /// [`EstimatorError`] for wrong contacts, or such as the estimator is not made for.
+    pub fn admits(
+        self,
+        finger: &Finger,
+        contacts: &[ContactQuestion],
+        networks: &Networks,
+    ) -> Result<(), EstimatorError> {
+        (self.row().admits)(finger, contacts, networks)
     }
 
     /// One answer with all that the estimator states, as `finray sense` gives it.
@@ -93,14 +108,12 @@ pub struct Question<'q> {
 /// Contacts whose position and direction are now known, and their forces.
 pub type Answer = (Vec<Contact>, Estimate);
 
-impl Question<'_> {
-    /// Contacts of known position and direction: all that most estimators can sense.
-    fn known_contacts(&self, finger: &Finger) -> Result<Vec<Contact>, EstimatorError> {
-        let known: Option<Vec<Contact>> = self.contacts.iter().map(|question| question.known()).collect();
-        let contacts = known.ok_or(EstimatorError::NotKnown)?;
-        check_contacts(finger, &contacts)?;
-        Ok(contacts)
-    }
+/// Contacts of known position and direction: all that most estimators can sense.
+fn known_contacts(finger: &Finger, contacts: &[ContactQuestion]) -> Result<Vec<Contact>, EstimatorError> {
+    let known: Option<Vec<Contact>> = contacts.iter().map(|question| question.known()).collect();
+    let contacts = known.ok_or(EstimatorError::NotKnown)?;
+    check_contacts(finger, &contacts)?;
+    Ok(contacts)
 }
 
 /// A way to sense forces of known position and direction.

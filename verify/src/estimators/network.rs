@@ -1,6 +1,8 @@
 //! Sensing networks as estimators: those that ship with finray, and a user's own.
 
-use super::{Answer, Estimator, EstimatorError, EstimatorId, EstimatorRow, PreparedEstimator, Question, Sensed};
+use super::{
+    Answer, Estimator, EstimatorError, EstimatorId, EstimatorRow, PreparedEstimator, Question, Sensed, known_contacts,
+};
 use finray_model::measurement::Measurement;
 use finray_model::sensing::Contact;
 use finray_model::sensing::network::{ContactSet, Network, NetworkError, NetworkEstimator};
@@ -13,11 +15,15 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
     is_linear: false,
     mesh: Mesh::key_nodes,
     on: |mesh, networks| Box::new(NetworkSensing { networks, finger: mesh.finger(), refuses: true }),
+    admits: |finger, contacts, networks| {
+        networks.choose(finger, &known_contacts(finger, contacts)?)?;
+        Ok(())
+    },
     answer,
 };
 
 fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
-    let contacts = question.known_contacts(finger)?;
+    let contacts = known_contacts(finger, question.contacts)?;
     let network = question.networks.choose(finger, &contacts)?;
     let mut estimator = NetworkEstimator::new(network, finger, &contacts, question.measurement)?;
     let estimate = estimator.estimate(question.measurement, question.noise_mm)?;

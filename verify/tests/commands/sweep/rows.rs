@@ -67,7 +67,7 @@ fn sweeps_that_make_no_sense_are_refused() {
         (["--noise-mm", "0.1,-1"], "expected zero or more"),
         (["--places", "0"], "0"),
         (["--step-deg", "0"], "expected 0.01 or more"),
-        (["--truth", "linear,plastic"], "linear, corotational"),
+        (["--truth", "linear,plastic"], "corotational, twin, lattice, mujoco, linear"),
         (["--estimator", "ridge,guess"], "least-squares"),
         (["--network", "net.safetensors"], "--estimator network"),
     ] {
