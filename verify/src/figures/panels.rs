@@ -13,7 +13,7 @@ use super::geometry::{Area, Point};
 use super::legend::{Entry, Legend};
 use super::sheet::{LABEL_TEXT, LEFT, SPACE, Sheet, TICK_TEXT, axis_pen, bold, font, pen, units};
 use super::svg::{Svg, escape};
-use super::text::{widest, wrap};
+use super::text::{widest, width_of, wrap};
 
 /// Heading, description and size of a figure.
 ///
@@ -133,7 +133,10 @@ pub(super) struct Panels<'a> {
     pub(super) legend: Vec<Entry<'a>>,
 }
 
+/// Least room for the names of rows.
 const ROW_NAMES: f64 = 92.0;
+/// Bold letters over the estimate for plain ones.
+const BOLD: f64 = 1.16;
 const HEADING_TEXT: f64 = 18.0;
 const HEADING_LINE: f64 = HEADING_TEXT * 1.3;
 const LABEL_LINE: f64 = LABEL_TEXT * 1.5;
@@ -167,13 +170,16 @@ impl<'a> Panels<'a> {
         paint: impl FnOnce(&Sheet, &[Plot], f64) -> Result<(), FigureError>,
     ) -> Result<String, FigureError> {
         let frame = self.frame;
-        let heading = wrap(&frame.title, HEADING_TEXT * 1.16, frame.width - 2.0 * SPACE);
+        let heading = wrap(&frame.title, HEADING_TEXT * BOLD, frame.width - 2.0 * SPACE);
         let heading_height = heading.len() as f64 * HEADING_LINE + SPACE;
         let [x_axis, y_axis] = self.axes;
         let mut y = y_axis.ruler(&self.data[1], self.height - self.head, true)?;
         y.span[1] += (y.span[1] - y.span[0]) * self.head / (self.height - self.head);
         let tick_room = (widest(y.ticks.iter().map(|tick| &tick.1), TICK_TEXT) + 2.5 * SPACE).max(self.sides[0]);
-        let left = tick_room + if self.rows.is_empty() { 0.0 } else { ROW_NAMES };
+        // A word of a row's name is never broken; bold letters are wider than plain ones.
+        let words = self.rows.iter().flat_map(|name| name.split_whitespace());
+        let longest = words.map(|word| width_of(word, LABEL_TEXT * BOLD) + SPACE).fold(ROW_NAMES, f64::max);
+        let left = tick_room + if self.rows.is_empty() { 0.0 } else { longest };
         let [rows, columns] = [self.rows, self.columns].map(|names| names.len().max(1));
         let gap = if columns > 1 { 2.0 * SPACE } else { 0.0 };
         let width = (frame.width - self.sides[1] - left + gap) / columns as f64 - gap;
@@ -206,7 +212,7 @@ impl<'a> Panels<'a> {
             sheet.words(name, [area(0, column).left, first - self.above - LABEL_LINE * 0.5], &bold(LABEL_TEXT))?;
         }
         for (row, name) in self.rows.iter().enumerate() {
-            for (index, line) in wrap(name, LABEL_TEXT * 1.08, ROW_NAMES).iter().enumerate() {
+            for (index, line) in wrap(name, LABEL_TEXT * BOLD, longest).iter().enumerate() {
                 let y = area(row, 0).top + (index as f64 + 0.5) * LABEL_TEXT * 1.25;
                 sheet.words(line, [SPACE, y], &bold(LABEL_TEXT))?;
             }

@@ -110,17 +110,17 @@ impl Shown<'_> {
         places.dedup();
         let angles: Vec<f64> =
             cells.iter().take_while(|cell| Some(&cell.s_mm) == places.first()).map(|cell| cell.angle_deg).collect();
-        // Cells go by position, then direction; rows of the map by direction, then place.
+        // Cells go by position, then direction; rows of the map by direction, then position.
         let row = |angle| cells.iter().skip(angle).step_by(angles.len().max(1)).map(|cell| value(cell)).collect();
         let title = format!("{force_n} N");
-        let frame = Frame::half(&title, format!("{title}: {what}, by place and true direction of the force."));
+        let frame = Frame::half(&title, format!("{title}: {what}, by position and true direction of the force."));
         let values = (0..angles.len()).map(row).collect();
         let shades = Shades::Scale(ColourScale::log(COLOURS[0], COLOURS[1]), what.to_owned());
         let cells = Cells::new(&places, &angles, values);
         let map = Map { missing_label: missing.to_owned(), ..plate_map(finger, frame, shades, cells) };
         Ok(Figure {
             svg: Map { contours: line.into_iter().collect(), ..map }.svg()?,
-            caption: format!("{force_n} N: {what}, by place and true direction; hatched: {missing}."),
+            caption: format!("{force_n} N: {what}, by position and true direction; hatched: {missing}."),
             csv: Some(CSV.to_owned()),
             wide: false,
         })
@@ -208,7 +208,7 @@ fn without_friction(directions: &DirectionStudy) -> Option<String> {
     ))
 }
 
-/// Error of the force by place, a line for each assumption.
+/// Error of the force by position, a line for each assumption.
 fn frictionless_chart(directions: &DirectionStudy, force_n: f64) -> Result<Figure, FigureError> {
     let series = Assumption::ALL.iter().enumerate().map(|(n, &assumed)| {
         let rows = directions.without_friction.iter().filter(|row| row.assumed == assumed && row.force_n == force_n);
@@ -221,7 +221,7 @@ fn frictionless_chart(directions: &DirectionStudy, force_n: f64) -> Result<Figur
         Series::nth(n, label, points)
     });
     let title = format!("Pushed without friction, {force_n} N");
-    let alt = format!("{title}: error of the force by place, a line for each assumption.");
+    let alt = format!("{title}: error of the force by position, a line for each assumption.");
     let axes = [Axis::linear(ALONG_THE_PLATE), Axis::log("root mean square error of the force, %")];
     let chart = Chart::new(Frame::half(title, alt), axes, series.collect());
     Ok(Figure {

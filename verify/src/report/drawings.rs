@@ -171,7 +171,7 @@ pub(super) fn errors_along_the_normal(map: &AccuracyMap) -> Result<String, Figur
             Series { marker: None, ..Series::nth(n, format!("{force_n} N"), points) }
         })
         .collect();
-    let alt = format!("{title}: error of the sensed force by place, one line a force.");
+    let alt = format!("{title}: error of the sensed force by position, one line a force.");
     let axes = [Axis::linear(ALONG_THE_PLATE), Axis::linear("error |sensed / true - 1|, %")];
     Chart::new(Frame::half(title, alt), axes, series).compared([percent_line(PAPER_SHADES_PERCENT[0])]).svg()
 }

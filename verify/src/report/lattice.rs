@@ -82,7 +82,7 @@ fn map_figure(study: &Study, lattice: &LatticeStudy) -> Result<Figure, ReportErr
     })
 }
 
-/// What each estimator errs by on the lattice, by place.
+/// What each estimator errs by on the lattice, by position.
 fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
     let title = format!("lattice truth, no noise, {DRAWN_FORCE_N} N, worst direction");
     let series = lattice.sensing.maps().into_iter().enumerate().map(|(n, map)| {
@@ -93,7 +93,7 @@ fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
         };
         Series::nth(n, map.estimator.label(), map.request.positions_mm.iter().filter_map(worst).collect())
     });
-    let alt = format!("{title}: error of the sensed force by place, one line an estimator.");
+    let alt = format!("{title}: error of the sensed force by position, one line an estimator.");
     let axes = [Axis::linear(drawings::ALONG_THE_PLATE), Axis::log("error |sensed / true - 1|, %")];
     let series = series.filter(|series| !series.points.is_empty()).collect();
     Ok(Figure {

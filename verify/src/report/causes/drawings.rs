@@ -68,7 +68,7 @@ pub(super) fn map_figure(study: &Study, map: &CauseMap) -> Result<Figure, Report
     };
     let title =
         format!("Largest cause at {DRAWN_FORCE_N} N, finger {}; {}", truth_in_words(map), practice_in_words(map));
-    let frame = Frame::half(&title, format!("{title}: by place along the front plate and direction."));
+    let frame = Frame::half(&title, format!("{title}: by position along the front plate and direction."));
     let y = Axis::linear(DIRECTION_AXIS).with_ticks((-2..=2).map(|i| f64::from(i) * 40.0));
     let values = (0..angles).map(|angle| (0..places).map(|place| of_cell(place, angle)).collect()).collect();
     let cells = Cells::new(&map.request.positions_mm, &map.request.angles_deg, values);
@@ -113,7 +113,7 @@ pub(super) fn line_figure(map: &CauseMap) -> Result<Option<Figure>, ReportError>
     if series.is_empty() {
         return Ok(None);
     }
-    let alt = format!("{title}: error by place, one line a cause.");
+    let alt = format!("{title}: error by position, one line a cause.");
     let axes = [Axis::linear(ALONG_THE_PLATE), Axis::log("error that goes away with it, %")];
     Ok(Some(Figure {
         svg: Chart::new(Frame::half(title, alt), axes, series).svg()?,
@@ -133,13 +133,14 @@ pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
         return Ok(None);
     }
     let title = format!("Error of {DRAWN_FORCE_N} N as remedies are taken, from left to right");
-    let alt = format!("{title}: small maps by place and direction, a row for each finger, a column for each remedy.");
+    let alt =
+        format!("{title}: small maps by position and direction, a row for each finger, a column for each remedy.");
     let columns = std::iter::once("as it is").chain(REMEDIES.map(|(name, _)| name)).map(str::to_owned).collect();
     let map = small_maps(&study.finger, Frame::full(title, alt), columns, rows, "no equilibrium, or no answer");
     Ok(Some(Figure {
         svg: map.svg()?,
-        caption: "What clears it: root mean square error by place and direction, by linear least squares with an assumed contact; then with \
-                  zones and modulus known; with place and direction known too; and by the nonlinear estimator with four elements a \
+        caption: "What clears it: root mean square error by position and direction, by linear least squares with an assumed contact; then with \
+                  zones and modulus known; with position and direction known too; and by the nonlinear estimator with four elements a \
                   member."
             .to_owned(),
         csv: Some(CSV.to_owned()),
@@ -147,7 +148,7 @@ pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
     }))
 }
 
-/// Whether it is of linear least squares with an assumed contact, over place and direction.
+/// Whether it is of linear least squares with an assumed contact, over position and direction.
 fn assumed(map: &&CauseMap) -> bool {
     map.practice == Practice::LeastSquares
         && map.contact == ContactKnowledge::Assumed

@@ -23,8 +23,8 @@ pub(super) fn overview(study: &Study, noisy: bool) -> Result<String, FigureError
     });
     let noise = if noisy { format!("{} mm noise", study.noise_mm) } else { "no noise".to_owned() };
     let frame = Frame::full(
-        format!("Error of {DRAWN_FORCE_N} N by place and direction, {noise}"),
-        "Small maps of the error of a sensed force by place and direction: a row for each true finger, a column for each \
+        format!("Error of {DRAWN_FORCE_N} N by position and direction, {noise}"),
+        "Small maps of the error of a sensed force by position and direction: a row for each true finger, a column for each \
          estimator.",
     );
     let names = columns.iter().map(|estimator| estimator.label().to_owned()).collect();
@@ -79,7 +79,7 @@ struct Kind {
     caption: &'static str,
 }
 
-/// Maps of bound, condition, and how far wrong directions and places carry. Without noise there is no bound.
+/// Maps of bound, condition, and how far wrong directions and positions carry. Without noise there is no bound.
 pub(super) fn explanations(study: &Study) -> Result<Vec<Figure>, ReportError> {
     let noise = format!("{} mm noise a coordinate", study.explanations.noise_mm);
     let kinds = kinds().into_iter().filter(|kind| study.noise_mm > 0.0 || !kind.title.contains("bound"));
@@ -105,7 +105,7 @@ fn kinds() -> [Kind; 5] {
             contours: &[1.0, 10.0],
             contour_unit: " %",
             missing_label: "no equilibrium",
-            caption: "Cramer-Rao bound of the force, place and direction known, with NOISE.",
+            caption: "Cramer-Rao bound of the force, position and direction known, with NOISE.",
         },
         Kind {
             title: "bound, direction sought too",
@@ -146,7 +146,7 @@ fn kinds() -> [Kind; 5] {
             contours: &[1.0, 10.0],
             contour_unit: " %",
             missing_label: "no equilibrium",
-            caption: "How much a place that is wrong by a millimetre changes the sensed force.",
+            caption: "How much a position that is wrong by a millimetre changes the sensed force.",
         },
     ]
 }
@@ -154,7 +154,7 @@ fn kinds() -> [Kind; 5] {
 fn explanation(study: &Study, kind: &Kind) -> Result<String, FigureError> {
     let map = &study.explanations;
     let title = format!("{}, {} N", kind.title, map.force_n);
-    let alt = format!("{title}: {} by place along the front plate and direction.", kind.value_label);
+    let alt = format!("{title}: {} by position along the front plate and direction.", kind.value_label);
     let cells = Cells::new(&map.positions_mm, &map.angles_deg, map.values(kind.of));
     let shades = Shades::Scale(kind.colours, kind.value_label.to_owned());
     Map {

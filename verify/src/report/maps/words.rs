@@ -204,7 +204,7 @@ fn fails(cell: &Cell) -> bool {
     cell.is_above(GREY) == Some(true)
 }
 
-/// A quantity by direction and by place: medians of pressing and tangential directions, of base, middle and tip.
+/// A quantity by direction and by position: medians of pressing and tangential directions, of base, middle and tip.
 struct Medians {
     pressing: f64,
     tangential: f64,
