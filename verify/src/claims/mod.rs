@@ -12,6 +12,7 @@ mod rate;
 mod single_finger;
 mod untested;
 
+use crate::problems::ProblemError;
 use crate::study::Study;
 use experiments::Range;
 use finray_model::sensing::SensingError;
@@ -75,6 +76,17 @@ pub struct Claim {
     pub verdict: ClaimVerdict,
 }
 
+/// Why a claim could not be tested.
+#[derive(Debug, thiserror::Error)]
+pub enum ClaimError {
+    /// A load cannot be sensed.
+    #[error(transparent)]
+    Sensing(#[from] SensingError),
+    /// A reference problem cannot be solved.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+}
+
 fn claim(
     claim: impl Into<String>,
     paper: impl Into<String>,
@@ -113,8 +125,8 @@ fn between([low, high]: Range, unit: impl Fn(f64) -> String) -> String {
 /// All claims, tested against a study of the paper's finger; none against one of another.
 ///
 /// # Errors
-/// [`SensingError`] if a small experiment behind one of them fails.
-pub fn ledger(study: &Study) -> Result<Vec<Claim>, SensingError> {
+/// [`ClaimError`] if a small experiment behind one of them fails.
+pub fn ledger(study: &Study) -> Result<Vec<Claim>, ClaimError> {
     if !study.is_paper {
         return Ok(Vec::new());
     }

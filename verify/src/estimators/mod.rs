@@ -42,6 +42,10 @@ struct EstimatorRow {
     help: &'static str,
     /// Whether the forces are a linear function of the displacements, so that it answers whatever it is shown.
     is_linear: bool,
+    /// Whether it searches for the shape of the co-rotational finger that fits: one that does not costs it a hundred times as much.
+    searches: bool,
+    /// Whether it answers at the contact nodes and along the normal alone, as networks that ship do.
+    at_nodes: bool,
     /// The mesh that it works on.
     mesh: fn(&Finger) -> Mesh,
     /// The estimator on that mesh.
@@ -56,6 +60,16 @@ impl EstimatorId {
     /// Whether the forces are a linear function of the displacements, so that it answers whatever it is shown.
     pub fn is_linear(self) -> bool {
         self.row().is_linear
+    }
+
+    /// Whether it searches for the shape of the co-rotational finger that fits: one that does not costs it a hundred times as much.
+    pub fn searches(self) -> bool {
+        self.row().searches
+    }
+
+    /// Whether it answers at the contact nodes and along the normal alone, as networks that ship do.
+    pub fn at_nodes(self) -> bool {
+        self.row().at_nodes
     }
 
     /// The mesh of a finger that it works on.

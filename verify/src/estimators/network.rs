@@ -13,6 +13,8 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
     label: "network",
     help: "A trained network",
     is_linear: false,
+    searches: false,
+    at_nodes: true,
     mesh: Mesh::key_nodes,
     on: |mesh, networks| Box::new(NetworkSensing { networks, finger: mesh.finger(), refuses: true }),
     admits: |finger, contacts, networks| {

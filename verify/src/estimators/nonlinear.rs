@@ -10,6 +10,8 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
     label: "nonlinear",
     help: "Gauss-Newton on the co-rotational finger",
     is_linear: false,
+    searches: true,
+    at_nodes: false,
     mesh: |finger| Mesh::with_elements_per_member(finger, ELEMENTS),
     on: |mesh, _| Box::new(BeamEstimator::nonlinear(mesh)),
     // A search for positions and directions checks them by what is measured.

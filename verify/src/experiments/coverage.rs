@@ -90,21 +90,20 @@ pub fn run(context: &Context, softer: Option<&Finger>) -> Result<Vec<CoverageRow
     let cells = request(MapRequest::grid(finger, positions, step_deg), samples);
     let nodes_mm = finger.contact_nodes().rev().filter_map(|node| finger.front_position_mm(node)).collect();
     let nodes = request((nodes_mm, vec![0.0]), effort.covered_at_nodes());
-    let at_nodes = usize::from(is_paper) * (1 + usize::from(softer.is_some())) * nodes.contact_count();
-    context.progress.part("coverage", cells.contact_count() + at_nodes);
+    let node_contacts = usize::from(is_paper) * (1 + usize::from(softer.is_some())) * nodes.contact_count();
+    context.progress.part("coverage", cells.contact_count() + node_contacts);
     let step = || context.progress.step();
 
     let meshes: Vec<(EstimatorId, Mesh)> = EstimatorId::ALL.iter().map(|id| (*id, id.mesh(finger))).collect();
     let all: Vec<Box<dyn Estimator>> = meshes.iter().map(|(id, mesh)| id.on(mesh, context.networks)).collect();
     let all: Vec<&dyn Estimator> = all.iter().map(|estimator| &**estimator).collect();
-    // Networks answer at the contact nodes alone.
-    let (networks, beams): (Vec<_>, Vec<_>) = all.iter().partition(|estimator| estimator.id() == EstimatorId::Network);
+    let (at_nodes, everywhere): (Vec<_>, Vec<_>) = all.iter().partition(|estimator| estimator.id().at_nodes());
     let truth = context.corotational;
-    let mut rows = coverage(finger, truth, &beams, (&cells, noise_mm), &step);
+    let mut rows = coverage(finger, truth, &everywhere, (&cells, noise_mm), &step);
     if !is_paper {
         return Ok(rows);
     }
-    rows.extend(coverage(finger, truth, &networks, (&nodes, noise_mm), &step));
+    rows.extend(coverage(finger, truth, &at_nodes, (&nodes, noise_mm), &step));
     if let Some(softer) = softer {
         let mesh = fine_mesh(softer)?;
         let softer = MeshTruth::new(TruthId::Twin, &mesh, Kinematics::Corotational)?;

@@ -48,16 +48,15 @@ pub fn run(context: &Context) -> Result<Vec<AccuracyMap>, TruthError> {
 /// Where and how often an estimator is asked about a truth: one that takes long, or whose errors need no fine grid, is asked less. `None`
 /// if it is not asked here.
 fn plan(context: &Context, truth: &dyn Truth, estimator: EstimatorId) -> Result<Option<Plan>, TruthError> {
-    let is_network = estimator == EstimatorId::Network;
-    if is_network && !context.is_paper || !is_network && truth.id() == TruthId::Lattice {
+    let is_asked = if estimator.at_nodes() { context.is_paper } else { !truth.id().has_study() };
+    if !is_asked {
         return Ok(None);
     }
     let effort = context.effort;
-    // A shape that the nonlinear estimator's model cannot take costs it a hundred times as much, as it searches from every start.
-    let unexplained = estimator == EstimatorId::Nonlinear && (truth.is_linear() || truth.id() == TruthId::Twin);
+    let unexplained = estimator.searches() && truth.id().is_far_from_corotational();
     let (positions, step_deg, noise_samples) = match estimator {
         EstimatorId::LeastSquares if truth.id().kinematics().is_some() => effort.resolution(),
-        EstimatorId::Network => effort.resolution(),
+        _ if estimator.at_nodes() => effort.resolution(),
         _ if unexplained => effort.coarsest_resolution(),
         _ => effort.coarse_resolution(),
     };
@@ -67,10 +66,9 @@ fn plan(context: &Context, truth: &dyn Truth, estimator: EstimatorId) -> Result<
     }
     let mut forces_n = if unexplained { vec![DRAWN_FORCE_N] } else { MAP_FORCES_N.to_vec() };
     forces_n.retain(|force_n| truth.positions(&[*force_n]).is_ok());
-    // Networks that ship sense at the contact nodes along the normal.
     let (positions_mm, angles_deg) = match truth.positions(&forces_n)? {
-        Some(positions) if !is_network => positions,
-        _ if is_network => {
+        Some(positions) if !estimator.at_nodes() => positions,
+        _ if estimator.at_nodes() => {
             let nodes = context.finger.contact_nodes().rev();
             (nodes.filter_map(|node| context.finger.front_position_mm(node)).collect(), vec![0.0])
         }

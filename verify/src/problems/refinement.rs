@@ -44,6 +44,17 @@ fn sampled_nodes(finger: &Finger) -> impl Iterator<Item = NodeId> + use<> {
     nodes.step_by(every)
 }
 
+/// Largest difference between the linear finger's two meshes, over loads along the front plate, as a share of the largest displacement.
+///
+/// # Errors
+/// [`ProblemError`] if the finger cannot be solved.
+pub fn linear_difference(finger: &Finger) -> Result<f64, ProblemError> {
+    let (coarse, fine) = (Mesh::key_nodes(finger), fine_mesh(finger)?);
+    let differences =
+        sampled_nodes(finger).map(|node| difference(finger, [&coarse, &fine], node, Kinematics::Linear));
+    Ok(worst(differences.collect::<Result<Vec<_>, _>>()?))
+}
+
 /// The linear finger does not change with the mesh. Nothing is checked for a finger with zones: their ends cut
 /// elements, and what an element averages depends on its length.
 ///
@@ -53,17 +64,14 @@ pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     if !finger.description().zones.is_empty() {
         return Ok(Vec::new());
     }
-    let (coarse, fine) = (Mesh::key_nodes(finger), fine_mesh(finger)?);
-    let differences = sampled_nodes(finger)
-        .map(|node| difference(finger, [&coarse, &fine], node, Kinematics::Linear))
-        .collect::<Result<Vec<_>, _>>()?;
+    let [coarse, fine] = [finger.key_node_count(), fine_mesh(finger)?.node_count()];
     Ok(vec![Check::new(
         Kind::Internal,
-        format!("{} against {} nodes, linear, loads along the front plate", finger.key_node_count(), fine.node_count()),
+        format!("{coarse} against {fine} nodes, linear, loads along the front plate"),
         "nodal exactness of linear frames",
         "largest displacement difference / largest displacement",
         0.0,
-        worst(differences),
+        linear_difference(finger)?,
         ROUNDING_TOLERANCE,
     )])
 }

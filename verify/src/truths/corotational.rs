@@ -8,6 +8,8 @@ pub(super) const ROW: TruthRow = TruthRow {
     label: "co-rotational",
     help: "The co-rotational finger, on 684 nodes or four elements a member if that is more",
     kinematics: Some(Kinematics::Corotational),
+    is_far_from_corotational: false,
+    has_study: false,
     mesh: |finger| Ok(fine_mesh(finger)?),
     on: |mesh| Ok(Box::new(MeshTruth::new(TruthId::Corotational, mesh, Kinematics::Corotational)?)),
 };

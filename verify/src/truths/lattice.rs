@@ -12,6 +12,8 @@ pub(super) const ROW: TruthRow = TruthRow {
     help: "The finger as rigid bodies and springs, four segments between two key nodes, in the shape of least energy. Letting the engine \
            settle each shape, the same within 0.05 %, would take an hour",
     kinematics: None,
+    is_far_from_corotational: false,
+    has_study: true,
     mesh: |finger| Ok(Mesh::key_nodes(finger)),
     on: |mesh| Ok(Box::new(LatticeTruth::new(mesh.finger())?)),
 };

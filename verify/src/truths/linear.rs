@@ -8,6 +8,8 @@ pub(super) const ROW: TruthRow = TruthRow {
     label: "linear",
     help: "The linear finger",
     kinematics: Some(Kinematics::Linear),
+    is_far_from_corotational: true,
+    has_study: false,
     mesh: |finger| Ok(Mesh::key_nodes(finger)),
     on: |mesh| Ok(Box::new(MeshTruth::new(TruthId::Linear, mesh, Kinematics::Linear)?)),
 };

@@ -42,6 +42,10 @@ struct TruthRow {
     help: &'static str,
     /// Kinematics of a truth that is the scene's own beams.
     kinematics: Option<Kinematics>,
+    /// Whether its shapes are far from those of the scene's co-rotational beams.
+    is_far_from_corotational: bool,
+    /// Whether a study of its own puts it to the estimators that answer at every contact.
+    has_study: bool,
     /// The true finger of a scene's finger, meshed.
     mesh: fn(&Finger) -> Result<Mesh, TruthError>,
     /// The truth on that mesh.
@@ -52,6 +56,16 @@ impl TruthId {
     /// Kinematics of a truth that is the scene's own beams: what a network can be trained on.
     pub fn kinematics(self) -> Option<Kinematics> {
         self.row().kinematics
+    }
+
+    /// Whether its shapes are far from those of the scene's co-rotational beams.
+    pub fn is_far_from_corotational(self) -> bool {
+        self.row().is_far_from_corotational
+    }
+
+    /// Whether a study of its own puts it to the estimators that answer at every contact.
+    pub fn has_study(self) -> bool {
+        self.row().has_study
     }
 
     /// The true finger of a scene's finger, meshed.

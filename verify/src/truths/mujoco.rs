@@ -12,6 +12,8 @@ pub(super) const ROW: TruthRow = TruthRow {
     help: "The finger as MuJoCo solved it: exported shapes of three fingers, at their contact nodes, in the exported directions, under the \
            exported forces; --places and --step-deg do not count beside it",
     kinematics: None,
+    is_far_from_corotational: false,
+    has_study: false,
     mesh: |finger| Ok(Mesh::key_nodes(finger)),
     on: |mesh| Ok(Box::new(MujocoTruth::new(mesh.finger())?)),
 };
