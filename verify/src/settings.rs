@@ -16,6 +16,10 @@ pub const DRAWN_FORCE_N: f64 = 3.0;
 pub const ONE_FORCE_N: [f64; 2] = [0.5, 3.0];
 /// Forces on each of two contact nodes, N (sec. V-C of the paper).
 pub const TWO_FORCES_N: [f64; 2] = [0.3, 3.0];
+/// Errors up to here are trusted: the lighter of the two shades of the paper's Table I begins there.
+pub const TRUSTED_ERROR: f64 = 0.10;
+/// Errors above are as good as none sensed: the darker shade of that table.
+pub const GROSS_ERROR: f64 = 0.25;
 /// Half width of the interval that holds 95 % of a normal distribution, in standard deviations.
 pub const TWO_SIDED_95: f64 = 1.96;
 /// From this many cases on a mean error is known well enough (to 2 %) to be held to its tolerance alone.
@@ -105,11 +109,19 @@ impl Effort {
         }
     }
 
-    /// The same where the nonlinear estimator cannot explain what it sees.
+    /// Positions along the front plate and degrees between two directions where contacts are only assumed.
+    pub(crate) fn assumed_contacts(self) -> (usize, f64) {
+        match self {
+            Effort::Quick => (6, 40.0),
+            Effort::Full => (24, 20.0),
+        }
+    }
+
+    /// The same for maps of shapes that the nonlinear estimator's model cannot take.
     pub(crate) fn coarsest_resolution(self) -> (usize, f64, usize) {
         match self {
             Effort::Quick => (6, 40.0, 1),
-            Effort::Full => (24, 20.0, 1),
+            Effort::Full => (24, 20.0, 4),
         }
     }
 }

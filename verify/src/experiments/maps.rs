@@ -3,7 +3,7 @@
 use super::{Context, Evidence};
 use crate::estimators::EstimatorId;
 use crate::sampling::map::{AccuracyMap, MapRequest, accuracy_maps};
-use crate::settings::{DRAWN_FORCE_N, MAP_FORCES_N};
+use crate::settings::MAP_FORCES_N;
 use crate::truths::{Truth, TruthError, TruthId};
 
 impl Evidence for AccuracyMap {}
@@ -64,7 +64,7 @@ fn plan(context: &Context, truth: &dyn Truth, estimator: EstimatorId) -> Result<
     if unexplained {
         noise_levels_mm.drain(..noise_levels_mm.len() - 1);
     }
-    let mut forces_n = if unexplained { vec![DRAWN_FORCE_N] } else { MAP_FORCES_N.to_vec() };
+    let mut forces_n = MAP_FORCES_N.to_vec();
     forces_n.retain(|force_n| truth.positions(&[*force_n]).is_ok());
     let (positions_mm, angles_deg) = match truth.positions(&forces_n)? {
         Some(positions) if !estimator.at_nodes() => positions,

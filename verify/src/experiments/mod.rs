@@ -3,6 +3,7 @@
 //! Those of the report have a `run` that takes the [`Context`] and, typed, the results of others that they rest on;
 //! [`study`](crate::study) lists them.
 
+pub mod assumed;
 pub mod causes;
 pub mod contact_scene;
 pub mod convergence;

@@ -2,12 +2,10 @@
 
 use super::page::{Cell, Shade};
 use crate::sampling::scatter::ScatterRow;
+use crate::settings::{GROSS_ERROR, TRUSTED_ERROR};
 
 /// Stands where there is no number.
 pub(super) const NOTHING: &str = "-";
-/// The two shades of the paper's Table I: errors above the first are grey, above the second dark.
-const GREY: f64 = 0.10;
-const DARK: f64 = 0.25;
 
 /// A figure for reading: four significant digits, powers of ten where it is very small or large.
 pub(super) fn figure(value: f64) -> String {
@@ -19,10 +17,12 @@ pub(super) fn figure(value: f64) -> String {
     format!("{value:.digits$}")
 }
 
-/// A share in percent: a decimal below 10 %, a power of ten below 0.05 %.
+/// A share in percent: two significant digits below 1 %, a decimal below 10 %.
 pub(super) fn percent(share: f64) -> String {
     match 100.0 * share.abs() {
-        p if p < 0.05 && p > 0.0 => format!("{:.0e} %", 100.0 * share),
+        0.0 => "0 %".to_owned(),
+        p if p < 0.01 => "< 0.01 %".to_owned(),
+        p if p < 0.95 => percent_with(share, 2),
         p if p < 9.95 => percent_with(share, 1),
         _ => percent_with(share, 0),
     }
@@ -33,19 +33,31 @@ pub(super) fn percent_with(share: f64, decimals: usize) -> String {
     format!("{:.decimals$} %", 100.0 * share)
 }
 
-/// A share in percent with two significant digits, however small.
+/// A share in percent with two significant digits, down to where rounding begins.
 pub(super) fn percent_two_digits(share: f64) -> String {
     match 100.0 * share {
-        p if p < 1e-3 => format!("{p:.1e} %"),
+        0.0 => "0 %".to_owned(),
+        p if p < 1e-6 => "< 0.000001 %".to_owned(),
         p => percent_with(share, (1.0 - p.log10().floor()).max(0.0) as usize),
     }
+}
+
+/// A time in three significant digits, as of stopwatches: `228 \u{b5}s`.
+pub(super) fn time(seconds: f64) -> String {
+    let (value, unit) = match seconds {
+        s if s < 1e-3 => (1e6 * s, "\u{b5}s"),
+        s if s < 1.0 => (1e3 * s, "ms"),
+        s => (s, "s"),
+    };
+    let digits = (2.0 - value.log10().floor()).clamp(0.0, 3.0) as usize;
+    format!("{value:.digits$} {unit}")
 }
 
 /// An error, shaded as the paper shades its Table I: grey above 10 %, dark above 25 %.
 pub(super) fn error(share: f64) -> Cell {
     let shade = match share {
-        e if e > DARK => Some(Shade::Dark),
-        e if e > GREY => Some(Shade::Grey),
+        e if e > GROSS_ERROR => Some(Shade::Dark),
+        e if e > TRUSTED_ERROR => Some(Shade::Grey),
         _ => None,
     };
     Cell { shade, ..Cell::plain(percent(share)) }
@@ -126,8 +138,10 @@ mod tests {
 
     #[test]
     fn shares_keep_two_digits_where_it_matters() {
-        assert_eq!([0.0003, 0.0123, 0.123, -0.5].map(percent), ["3e-2 %", "1.2 %", "12 %", "-50 %"]);
-        assert_eq!([1e-6, 0.0016, 0.5].map(percent_two_digits), ["1.0e-4 %", "0.16 %", "50 %"]);
+        assert_eq!([0.0003, 0.0123, 0.123, -0.5].map(percent), ["0.03 %", "1.2 %", "12 %", "-50 %"]);
+        assert_eq!([0.0, 1e-7, 0.00456].map(percent), ["0 %", "< 0.01 %", "0.46 %"]);
+        assert_eq!([1e-6, 0.0016, 0.5, 1e-12].map(percent_two_digits), ["0.00010 %", "0.16 %", "50 %", "< 0.000001 %"]);
+        assert_eq!([2.284e-4, 8.2e-6, 0.0123, 2.0].map(time), ["228 \u{b5}s", "8.20 \u{b5}s", "12.3 ms", "2.00 s"]);
         assert_eq!([0.000_123_4, 0.1234, 1234.5, 0.0].map(figure), ["1.23e-4", "0.1234", "1234", "0"]);
     }
 

@@ -7,7 +7,7 @@ use super::{ReportError, Results};
 use crate::experiments::noise::NoiseStudy;
 use crate::figures::{Axis, Cells, ColourScale, FigureError, Frame, Map, Shades};
 use crate::sampling::scatter::{Counts, Scatter, ScatterRow};
-use crate::settings::TWO_FORCES_N;
+use crate::settings::{TRUSTED_ERROR, TWO_FORCES_N};
 
 const CSV: &str = "pairs.csv";
 const EACH: &str = "Mean error of each force, %";
@@ -135,7 +135,7 @@ fn trusted(noise: &NoiseStudy) -> Option<String> {
     let within = |rows: &[ScatterRow], limit: f64| rows.iter().filter(|row| row.is_within(limit)).count();
     let sums = |rows: &[ScatterRow]| Some(Span::of(rows.iter().filter_map(|row| Some(row.sum?.mean_error)))?.range());
     let bad: Vec<String> =
-        noise.pairs.iter().filter(|row| !row.is_within(0.10)).map(|row| nodes_in_words(&row.nodes)).collect();
+        noise.pairs.iter().filter(|row| !row.is_within(TRUSTED_ERROR)).map(|row| nodes_in_words(&row.nodes)).collect();
     let except = match &bad[..] {
         [] => "every pair can be trusted to 10 % with each of its forces".to_owned(),
         bad => format!("all pairs but {} can be trusted to 10 % with each of their forces", bad.join(", ")),
@@ -146,7 +146,7 @@ fn trusted(noise: &NoiseStudy) -> Option<String> {
         within(&noise.pairs, 0.03),
         sums(&noise.pairs)?,
         Counts::of(&noise.pairs),
-        within(&noise.linear_pairs, 0.10),
+        within(&noise.linear_pairs, TRUSTED_ERROR),
         sums(&noise.linear_pairs)?,
         Counts::of(&noise.linear_pairs),
     ))

@@ -1,7 +1,7 @@
 //! What an answer costs, and how far it is off.
 
 use super::dataset::{Columns, Dataset, Format};
-use super::format::{NOTHING, or_nothing, percent};
+use super::format::{NOTHING, or_nothing, percent, time};
 use super::page::{Block, Cell, Column, Figure, Section, Shade, Table, text};
 use super::{ReportError, Results};
 use crate::experiments::speed_error::recommendation::LARGEST_BIAS_SIGMAS;
@@ -71,7 +71,7 @@ fn in_words(study: &Study) -> Option<String> {
     let nearest = points.iter().min_by(|a, b| a.error.total_cmp(&b.error))?;
     let fastest = points.iter().min_by(faster)?;
     let described = |point: &SpeedErrorPoint| {
-        format!("{} ({}) in {}, within {}", point.model, point.setting, seconds(point.seconds), percent(point.error))
+        format!("{} ({}) in {}, within {}", point.model, point.setting, time(point.seconds), percent(point.error))
     };
     Some(format!(
         "The fastest model that gives the shape under {SOLVED_N} N within {}: {}. The nearest: {}. The fastest of all: {}.",
@@ -123,17 +123,9 @@ fn drawing(points: &[&SpeedErrorPoint], title: &str, floor: Option<f64>) -> Resu
     series.push(Series::guide("nothing is faster and nearer", front));
     let alt = format!("Error of {title} over the time that it takes, both axes logarithmic.");
     let y = Axis::log(if title.contains("shape") { "error / largest displacement, %" } else { "mean error, %" });
-    let axes = [Axis::log("time of one answer, us"), y];
+    let axes = [Axis::log("time of one answer, \u{b5}s"), y];
     let chart = Chart::new(Frame::full("", alt).with_plot_height(360.0), axes, series);
     chart.compared(floor.map(|left| (100.0 * left, "may be left in the reference".to_owned()))).svg()
-}
-
-fn seconds(seconds: f64) -> String {
-    match seconds {
-        s if s < 1e-3 => format!("{:.3} us", 1e6 * s),
-        s if s < 1.0 => format!("{:.3} ms", 1e3 * s),
-        s => format!("{s:.2} s"),
-    }
 }
 
 fn table(points: &[SpeedErrorPoint]) -> Table {
@@ -143,9 +135,9 @@ fn table(points: &[SpeedErrorPoint]) -> Table {
         .page("answer", Format::Words, |point| answer(point.task))
         .page("model", Format::Words, |point| name(point))
         .page("setting", Format::Words, |point| point.setting.clone())
-        .page("time", Format::Plain, |point| seconds(point.seconds))
-        .page("95 %", Format::Plain, |point| point.seconds_95.map(seconds))
-        .page("preparation", Format::Plain, |point| point.preparation_seconds.map(seconds))
+        .page("time", Format::Plain, |point| time(point.seconds))
+        .page("95 %", Format::Plain, |point| point.seconds_95.map(time))
+        .page("preparation", Format::Plain, |point| point.preparation_seconds.map(time))
         .page("timed by", Format::Words, |point| point.timed_by.to_string())
         .page("error", Format::Percent, |point| Some(point.error).filter(|error| error.is_finite()))
         .cells(Column::numbers("model error"), move |point| {
@@ -197,6 +189,6 @@ mod tests {
         assert!(!svg.contains("exact set"), "an error of nothing has no place");
         let rows = table(&points).rows;
         assert_eq!(rows[1][9], Cell::shaded("2 of 5", Shade::Grey));
-        assert_eq!([3, 4, 5].map(|cell| rows[0][cell].text.as_str()), ["10.000 us", "20.000 us", "-"]);
+        assert_eq!([3, 4, 5].map(|cell| rows[0][cell].text.as_str()), ["10.0 \u{b5}s", "20.0 \u{b5}s", "-"]);
     }
 }

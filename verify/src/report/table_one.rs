@@ -6,6 +6,7 @@ use super::page::{Block, Figure, Section, text};
 use super::{ReportError, Results, drawings};
 use crate::claims::criteria::accounts_for;
 use crate::experiments::table_one::{TableOne, TableOneRow, WEIGHTS_G};
+use crate::settings::TRUSTED_ERROR;
 
 const CSV: &str = "table_one.csv";
 
@@ -63,7 +64,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 
 /// How much of the paper's large errors geometric nonlinearity gives.
 fn in_words(table: &TableOne) -> String {
-    let large = table.rows.iter().filter(|row| row.paper_mean_error > 0.10);
+    let large = table.rows.iter().filter(|row| row.paper_mean_error > TRUSTED_ERROR);
     let (most, less): (Vec<_>, Vec<_>) = large.partition(|row| accounts_for(&[(row.mean_error, row.paper_mean_error)]));
     let in_words = |row: &&TableOneRow| {
         format!("node {} (paper {}, ours {})", row.node, percent(row.paper_mean_error), percent(row.mean_error))

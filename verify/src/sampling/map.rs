@@ -5,6 +5,7 @@
 
 use crate::estimators::{Estimator, EstimatorId};
 use crate::sampling::sweep::{self, Grid, Sweep};
+use crate::settings::{GROSS_ERROR, TRUSTED_ERROR};
 use crate::truths::{Truth, TruthId};
 use finray_model::Finger;
 use rayon::prelude::*;
@@ -43,7 +44,8 @@ pub struct Cell {
 }
 
 /// Outcome of a cell, or of the same position and direction under several forces.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum CellState {
     /// At least half of the samples were answered.
     Answered,
@@ -219,8 +221,8 @@ impl AccuracyMap {
             without_equilibrium,
             mean_error: (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64),
             largest_error: known.iter().copied().reduce(f64::max),
-            share_above_10: share(0.10),
-            share_above_25: share(0.25),
+            share_above_10: share(TRUSTED_ERROR),
+            share_above_25: share(GROSS_ERROR),
             share_of_samples_refused: ratio(samples - answered_samples, samples),
         }
     }

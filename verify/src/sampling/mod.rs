@@ -4,3 +4,4 @@ pub mod map;
 pub mod noise;
 pub mod scatter;
 pub mod sweep;
+pub mod worst;

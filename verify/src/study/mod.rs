@@ -5,6 +5,7 @@ mod timing;
 use crate::check::{Check, Comparison};
 use crate::estimators::EstimatorId;
 use crate::estimators::network::Networks;
+use crate::experiments::assumed;
 use crate::experiments::causes::{self, CauseMap};
 use crate::experiments::contact_scene::study::{SceneStudy, SceneWithOutline};
 use crate::experiments::convergence::{self, Convergence};
@@ -98,6 +99,9 @@ study! { |context|
     "maps":
         /// Maps by truth and estimator, without and with noise, but for those of the lattice that need no network.
         maps: Vec<AccuracyMap> = maps::run(context);
+    "assumed contacts":
+        /// The nonlinear estimator's map where position and direction of the contact are only assumed.
+        assumed: Option<AccuracyMap> = assumed::run(context);
     "limits of sensing":
         /// What limits sensing of the drawn force on the co-rotational finger.
         explanations: ExplanationMap = explain::run(context);

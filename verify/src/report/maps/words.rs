@@ -5,7 +5,7 @@ use crate::estimators::EstimatorId;
 use crate::experiments::explain::Explanation;
 use crate::report::format::percent;
 use crate::sampling::map::{AccuracyMap, Cell, CellState};
-use crate::settings::DRAWN_FORCE_N;
+use crate::settings::{DRAWN_FORCE_N, TRUSTED_ERROR};
 use crate::study::Study;
 use crate::truths::TruthId;
 use finray_model::Finger;
@@ -18,8 +18,6 @@ const TANGENTIAL_DEG: f64 = 60.0;
 const END: f64 = 1.0 / 6.0;
 /// A direction known to less than this, degrees, is not known: the nonlinear estimator refuses it.
 const LARGEST_ANGLE_SIGMA_DEG: f64 = 30.0;
-/// The paper's grey begins here.
-const GREY: f64 = 0.10;
 
 /// The middle one, or the mean of the two in the middle.
 pub(super) fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
@@ -186,7 +184,7 @@ fn kind_of_error(study: &Study, map: &AccuracyMap) -> Option<String> {
          of those turned further to the tip and in {} of those turned further to the base; in {} of those in the sixth of the \
          plate at the base and {} in the sixth at the tip. The bias exceeds the spread in {} of the cells that fail; the median \
          spread over all cells is {}.",
-        percent(GREY),
+        percent(TRUSTED_ERROR),
         map.truth.label(),
         map.summary(Some(DRAWN_FORCE_N)).counts(),
         share(&|cell| cell.angle_deg.abs() <= PRESSING_DEG),
@@ -201,7 +199,7 @@ fn kind_of_error(study: &Study, map: &AccuracyMap) -> Option<String> {
 
 /// A refused cell fails as well.
 fn fails(cell: &Cell) -> bool {
-    cell.is_above(GREY) == Some(true)
+    cell.is_above(TRUSTED_ERROR) == Some(true)
 }
 
 /// A quantity by direction and by position: medians of pressing and tangential directions, of base, middle and tip.

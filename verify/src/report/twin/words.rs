@@ -5,13 +5,14 @@ use crate::experiments::twin::fit::TwinFit;
 use crate::experiments::twin::moduli_mpa;
 use crate::experiments::twin::study::{LOADED, TwinStudy};
 use crate::report::format::{list, percent};
+use crate::settings::TRUSTED_ERROR;
 
 /// A set of zones whose misfit is below this comes as near to Table I as its figures are known.
 const FITS: f64 = 1.0;
 
 /// What the twin is, in a sentence or two: a fit, its freedom, and how far its moduli are from the material's.
 pub(super) fn verdict(study: &TwinStudy) -> String {
-    let large: Vec<_> = (study.after.rows.iter().filter(|row| row.paper_mean_error > 0.10))
+    let large: Vec<_> = (study.after.rows.iter().filter(|row| row.paper_mean_error > TRUSTED_ERROR))
         .map(|row| format!("node {} {} (paper {})", row.node, percent(row.mean_error), percent(row.paper_mean_error)))
         .collect();
     format!(

@@ -1,6 +1,6 @@
 //! Which way of sensing to run, and what it costs.
 
-use super::super::format::percent;
+use super::super::format::{percent, time};
 use super::in_words;
 use crate::estimators::EstimatorId;
 use crate::experiments::speed_error::recommendation::{LARGEST_BIAS_SIGMAS, Recommendation, recommended, ways};
@@ -33,14 +33,14 @@ pub(super) fn cost(study: &Study) -> Option<String> {
     let network = fastest(EstimatorId::Network, true).map_or_else(String::new, |network| {
         format!(
             "; a network takes {} for contacts that it is trained for (mean error {})",
-            roughly(network.one.seconds),
+            time(network.one.seconds),
             percent(network.one.error)
         )
     });
     let models = [EstimatorId::LeastSquares, EstimatorId::Nonlinear, EstimatorId::Network];
     let faults = models.into_iter().filter_map(|model| fastest(model, false));
     let faults: Vec<String> =
-        faults.map(|other| format!("{} ({}; {})", named(other), roughly(other.one.seconds), fault(other))).collect();
+        faults.map(|other| format!("{} ({}; {})", named(other), time(other.one.seconds), fault(other))).collect();
     let faster = if faults.is_empty() {
         String::new()
     } else {
@@ -72,14 +72,14 @@ fn named(way: &Recommendation) -> String {
 /// Times and errors of the recommended way.
 fn times(way: &Recommendation) -> String {
     let tail =
-        |seconds_95: Option<f64>| seconds_95.map_or_else(String::new, |s| format!(", 95 % within {}", roughly(s)));
-    let mut said = format!("{} a frame{}", roughly(way.one.seconds), tail(way.one.seconds_95));
+        |seconds_95: Option<f64>| seconds_95.map_or_else(String::new, |s| format!(", 95 % within {}", time(s)));
+    let mut said = format!("{} a frame{}", time(way.one.seconds), tail(way.one.seconds_95));
     if let Some(cold) = way.cold {
         said +=
-            &format!(" from the frame before, {}{} from a cold start", roughly(cold.seconds), tail(cold.seconds_95));
+            &format!(" from the frame before, {}{} from a cold start", time(cold.seconds), tail(cold.seconds_95));
     }
     if let Some(preparation) = way.one.preparation_seconds {
-        said += &format!(", {} to prepare for a new contact", roughly(preparation));
+        said += &format!(", {} to prepare for a new contact", time(preparation));
     }
     said += &format!("; mean error {}", percent(way.one.error));
     if let Some(two) = way.neighbours {
@@ -100,15 +100,4 @@ fn fault(way: &Recommendation) -> String {
         Some(_) => format!("refused {failed} of {asked} frames"),
         None => "states no standard deviation".to_owned(),
     }
-}
-
-/// A time in two digits: more would change from run to run.
-fn roughly(seconds: f64) -> String {
-    let (value, unit) = match seconds {
-        s if s < 1e-3 => (1e6 * s, "us"),
-        s if s < 1.0 => (1e3 * s, "ms"),
-        s => (s, "s"),
-    };
-    let digits = (1.0 - value.log10().floor()).clamp(0.0, 3.0) as usize;
-    format!("{value:.digits$} {unit}")
 }

@@ -1,0 +1,98 @@
+//! Sensing of a contact that is only assumed: position and direction are off by as much as a user may take them wrong.
+
+use super::causes::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
+use super::Context;
+use crate::estimators::{Estimator, EstimatorError, EstimatorId, PreparedEstimator, Sensed};
+use crate::sampling::map::{AccuracyMap, MapRequest, accuracy_maps};
+use crate::settings::MAP_FORCES_N;
+use crate::truths::TruthError;
+use finray_model::Finger;
+use finray_model::finger::Plate;
+use finray_model::measurement::Measurement;
+use finray_model::sensing::{Contact, ContactPosition};
+
+/// The estimator that is recommended where the contact is known.
+const ESTIMATOR: EstimatorId = EstimatorId::Nonlinear;
+/// Combinations of a position and a direction that are off to either side.
+const SIDES: usize = 4;
+
+/// Map of the co-rotational finger, sensed by the nonlinear estimator with [assumed contacts](AssumedContact). `None` without noise.
+///
+/// # Errors
+/// [`TruthError`] as every experiment on a true finger; none occurs.
+pub fn run(context: &Context) -> Result<Option<AccuracyMap>, TruthError> {
+    let &Context { finger, noise_mm, effort, .. } = context;
+    if noise_mm == 0.0 {
+        return Ok(None);
+    }
+    let (positions, step_deg) = effort.assumed_contacts();
+    let (positions_mm, angles_deg) = MapRequest::grid(finger, positions, step_deg);
+    let request = MapRequest {
+        positions_mm,
+        angles_deg,
+        forces_n: MAP_FORCES_N.to_vec(),
+        noise_levels_mm: vec![noise_mm],
+        noise_samples: SIDES,
+        seed: 1,
+    };
+    context.progress.part("assumed contacts", request.contact_count());
+    let mesh = ESTIMATOR.mesh(finger);
+    let informed = ESTIMATOR.on(&mesh, context.networks);
+    let assumed = AssumedContact { informed: &*informed, finger };
+    Ok(accuracy_maps(finger, context.corotational, &[&assumed], &request, &|| context.progress.step()).pop())
+}
+
+/// An estimator that is given contacts [`POSITION_OFF_MM`] and [`DIRECTION_OFF_DEG`] off the true ones: to each side in turn, from one
+/// measurement to the next, as far as the plate reaches.
+pub struct AssumedContact<'e> {
+    /// The estimator.
+    pub informed: &'e dyn Estimator,
+    /// The finger that is touched.
+    pub finger: &'e Finger,
+}
+
+impl Estimator for AssumedContact<'_> {
+    fn id(&self) -> EstimatorId {
+        self.informed.id()
+    }
+
+    fn prepare<'a>(
+        &'a self,
+        contacts: &[Contact],
+        markers: &Measurement,
+    ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError> {
+        let mut sides = Vec::with_capacity(SIDES);
+        for by_mm in [-POSITION_OFF_MM, POSITION_OFF_MM] {
+            for by_deg in [-DIRECTION_OFF_DEG, DIRECTION_OFF_DEG] {
+                let off: Vec<Contact> = contacts.iter().filter_map(|contact| self.off(contact, by_mm, by_deg)).collect();
+                if off.len() == contacts.len() {
+                    sides.push(self.informed.prepare(&off, markers)?);
+                }
+            }
+        }
+        Ok(Box::new(InTurn { sides, next: 0 }))
+    }
+}
+
+impl AssumedContact<'_> {
+    /// A contact off by this much; `None` beyond the plate.
+    fn off(&self, contact: &Contact, by_mm: f64, by_deg: f64) -> Option<Contact> {
+        let assumed_mm = contact.position_mm(self.finger)? + by_mm;
+        let on_plate = assumed_mm > 0.0 && assumed_mm <= self.finger.plate_length_mm(Plate::Front);
+        on_plate.then(|| Contact { position: ContactPosition::At(assumed_mm), angle_deg: contact.angle_deg + by_deg })
+    }
+}
+
+/// One estimator after the other.
+struct InTurn<'a> {
+    sides: Vec<Box<dyn PreparedEstimator + 'a>>,
+    next: usize,
+}
+
+impl PreparedEstimator for InTurn<'_> {
+    fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Sensed, EstimatorError> {
+        let side = self.next % self.sides.len();
+        self.next += 1;
+        self.sides[side].estimate(measurement, noise_mm)
+    }
+}

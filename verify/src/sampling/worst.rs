@@ -1,0 +1,65 @@
+//! The worst force of each cell: the one criterion by which a position and direction is trusted.
+
+use super::map::{AccuracyMap, Cell, CellState};
+use crate::settings::TRUSTED_ERROR;
+use serde::Serialize;
+
+/// A position and direction under the worst of a map's forces.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct WorstCell {
+    /// Position on the front plate, mm from the base.
+    pub s_mm: f64,
+    /// Direction, degrees from the inward normal, positive towards the tip.
+    pub angle_deg: f64,
+    /// Outcome: without equilibrium if one force has none, else refused if one force is.
+    pub state: CellState,
+    /// Largest of the forces' mean errors; `None` unless all are answered.
+    pub worst_error: Option<f64>,
+    /// Whether every force is sensed within [`TRUSTED_ERROR`]: what is refused is not trusted.
+    pub is_trusted: bool,
+}
+
+/// Counts of a map's cells, or of a region's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct TrustCounts {
+    /// Positions and directions.
+    pub cells: usize,
+    /// Those that are trusted.
+    pub trusted: usize,
+    /// Those of which a force is refused.
+    pub refused: usize,
+    /// Those at which a force has no equilibrium: there is nothing to sense.
+    pub without_equilibrium: usize,
+}
+
+impl AccuracyMap {
+    /// The map's cells under the worst of its forces, by position, then direction.
+    pub fn worst(&self) -> Vec<WorstCell> {
+        let of_group = |cells: &[Cell]| {
+            let state = cells.iter().map(Cell::state).max().unwrap_or(CellState::WithoutEquilibrium);
+            let errors: Option<Vec<f64>> = cells.iter().map(|cell| cell.mean_error).collect();
+            let worst_error = errors.and_then(|errors| errors.into_iter().reduce(f64::max));
+            let is_trusted = worst_error.is_some_and(|error| error <= TRUSTED_ERROR);
+            WorstCell { s_mm: cells[0].s_mm, angle_deg: cells[0].angle_deg, state, worst_error, is_trusted }
+        };
+        self.cells.chunks(self.request.forces_n.len().max(1)).map(of_group).collect()
+    }
+}
+
+impl TrustCounts {
+    /// Counts cells.
+    pub fn of<'c>(cells: impl IntoIterator<Item = &'c WorstCell>) -> TrustCounts {
+        cells.into_iter().fold(TrustCounts::default(), |counts, cell| TrustCounts {
+            cells: counts.cells + 1,
+            trusted: counts.trusted + usize::from(cell.is_trusted),
+            refused: counts.refused + usize::from(cell.state == CellState::Refused),
+            without_equilibrium: counts.without_equilibrium + usize::from(cell.state == CellState::WithoutEquilibrium),
+        })
+    }
+
+    /// Share of the cells with an equilibrium that are trusted; `None` of none.
+    pub fn share(&self) -> Option<f64> {
+        let bent = self.cells - self.without_equilibrium;
+        (bent > 0).then(|| self.trusted as f64 / bent as f64)
+    }
+}
