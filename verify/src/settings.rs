@@ -16,6 +16,8 @@ pub const DRAWN_FORCE_N: f64 = 3.0;
 pub const ONE_FORCE_N: [f64; 2] = [0.5, 3.0];
 /// Forces on each of two contact nodes, N (sec. V-C of the paper).
 pub const TWO_FORCES_N: [f64; 2] = [0.3, 3.0];
+/// Time of one frame of the paper's camera at 25 Hz, s.
+pub const CAMERA_FRAME_S: f64 = 0.04;
 /// Errors up to here are trusted: the lighter of the two shades of the paper's Table I begins there.
 pub const TRUSTED_ERROR: f64 = 0.10;
 /// Errors above are as good as none sensed: the darker shade of that table.

@@ -46,6 +46,12 @@ struct EstimatorRow {
     searches: bool,
     /// Whether it answers at the contact nodes and along the normal alone, as networks that ship do.
     at_nodes: bool,
+    /// What it must be given, beside the displacements.
+    needs: &'static str,
+    /// What it does not answer.
+    refuses: &'static str,
+    /// Which contacts it senses without having seen them before.
+    unseen_contacts: &'static str,
     /// The mesh that it works on.
     mesh: fn(&Finger) -> Mesh,
     /// The estimator on that mesh.
@@ -70,6 +76,21 @@ impl EstimatorId {
     /// Whether it answers at the contact nodes and along the normal alone, as networks that ship do.
     pub fn at_nodes(self) -> bool {
         self.row().at_nodes
+    }
+
+    /// What it must be given, beside the displacements.
+    pub fn needs(self) -> &'static str {
+        self.row().needs
+    }
+
+    /// What it does not answer.
+    pub fn refuses(self) -> &'static str {
+        self.row().refuses
+    }
+
+    /// Which contacts it senses without having seen them before.
+    pub fn unseen_contacts(self) -> &'static str {
+        self.row().unseen_contacts
     }
 
     /// The mesh of a finger that it works on.

@@ -15,6 +15,9 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
     is_linear: false,
     searches: false,
     at_nodes: true,
+    needs: "a training for each set of contacts",
+    refuses: "other contacts, displacements unlike its training",
+    unseen_contacts: "none",
     mesh: Mesh::key_nodes,
     on: |mesh, networks| Box::new(NetworkSensing { networks, finger: mesh.finger(), refuses: true }),
     admits: |finger, contacts, networks| {

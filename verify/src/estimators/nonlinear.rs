@@ -12,6 +12,9 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
     is_linear: false,
     searches: true,
     at_nodes: false,
+    needs: "position of the contact; direction or position may be sought",
+    refuses: "measurements that no shape of the finger explains, directions and positions that are not identifiable",
+    unseen_contacts: "any",
     mesh: |finger| Mesh::with_elements_per_member(finger, ELEMENTS),
     on: |mesh, _| Box::new(BeamEstimator::nonlinear(mesh)),
     // A search for positions and directions checks them by what is measured.

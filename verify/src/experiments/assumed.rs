@@ -1,7 +1,7 @@
 //! Sensing of a contact that is only assumed: position and direction are off by as much as a user may take them wrong.
 
-use super::causes::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
 use super::Context;
+use super::causes::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
 use crate::estimators::{Estimator, EstimatorError, EstimatorId, PreparedEstimator, Sensed};
 use crate::sampling::map::{AccuracyMap, MapRequest, accuracy_maps};
 use crate::settings::MAP_FORCES_N;
@@ -64,7 +64,8 @@ impl Estimator for AssumedContact<'_> {
         let mut sides = Vec::with_capacity(SIDES);
         for by_mm in [-POSITION_OFF_MM, POSITION_OFF_MM] {
             for by_deg in [-DIRECTION_OFF_DEG, DIRECTION_OFF_DEG] {
-                let off: Vec<Contact> = contacts.iter().filter_map(|contact| self.off(contact, by_mm, by_deg)).collect();
+                let off: Vec<Contact> =
+                    contacts.iter().filter_map(|contact| self.off(contact, by_mm, by_deg)).collect();
                 if off.len() == contacts.len() {
                     sides.push(self.informed.prepare(&off, markers)?);
                 }
@@ -79,7 +80,7 @@ impl AssumedContact<'_> {
     fn off(&self, contact: &Contact, by_mm: f64, by_deg: f64) -> Option<Contact> {
         let assumed_mm = contact.position_mm(self.finger)? + by_mm;
         let on_plate = assumed_mm > 0.0 && assumed_mm <= self.finger.plate_length_mm(Plate::Front);
-        on_plate.then(|| Contact { position: ContactPosition::At(assumed_mm), angle_deg: contact.angle_deg + by_deg })
+        on_plate.then_some(Contact { position: ContactPosition::At(assumed_mm), angle_deg: contact.angle_deg + by_deg })
     }
 }
 

@@ -2,10 +2,12 @@
 
 use super::{Context, Evidence};
 use crate::settings::DRAWN_FORCE_N;
-use finray_model::sensing::Contact;
+use crate::truths::Truth;
+use finray_model::sensing::{Contact, ContactPosition};
 use finray_model::statics::Statics;
 use finray_model::validity::Validity;
-use finray_model::{Kinematics, Load, Vector};
+use finray_model::{Kinematics, Load, NodeId, Vector};
+use rayon::prelude::*;
 use std::convert::Infallible;
 
 impl Evidence for BentFinger {}
@@ -25,6 +27,45 @@ pub struct BentFinger {
     pub lines: Vec<Vec<Vector>>,
     /// Validity of the beam model in this shape.
     pub validity: Validity,
+}
+
+/// The finger under a force at a contact node: positions of its key nodes, mm, from node 1 on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TouchedFinger {
+    /// The node.
+    pub node: usize,
+    /// Direction, degrees from the inward normal, positive towards the tip.
+    pub angle_deg: f64,
+    /// Force, N.
+    pub force_n: f64,
+    /// Positions of the key nodes.
+    pub positions: Vec<Vector>,
+}
+
+impl Evidence for TouchedFinger {}
+
+/// Degrees between two directions of [`touched`].
+const TOUCHED_STEP_DEG: f64 = 20.0;
+
+/// The co-rotational finger under the drawn force at every contact node (a dozen of many) in every direction; what has no
+/// equilibrium is left out.
+///
+/// # Errors
+/// None.
+pub fn touched(context: &Context) -> Result<Vec<TouchedFinger>, Infallible> {
+    let finger = context.finger;
+    let every = finger.contact_nodes().len().div_ceil(13);
+    let nodes: Vec<NodeId> = finger.contact_nodes().rev().step_by(every).collect();
+    let angles = (-4..=4).map(|step| f64::from(step) * TOUCHED_STEP_DEG);
+    let contacts: Vec<(NodeId, f64)> =
+        nodes.iter().flat_map(|&node| angles.clone().map(move |angle| (node, angle))).collect();
+    let shape = |&(node, angle_deg): &(NodeId, f64)| {
+        let contact = Contact { position: ContactPosition::Node(node), angle_deg };
+        let shape = context.corotational.shapes(&contact, &[DRAWN_FORCE_N]).pop()?;
+        let positions = shape.motions().iter().map(|motion| motion.position + motion.displacement).collect();
+        Some(TouchedFinger { node: node.0, angle_deg, force_n: DRAWN_FORCE_N, positions })
+    };
+    Ok(contacts.par_iter().filter_map(shape).collect())
 }
 
 /// The finger under the drawn force at three nodes, linear and co-rotational; what has no equilibrium is left

@@ -61,9 +61,9 @@ impl Cells {
                 first += run.len();
                 match &run[0] {
                     (_, true, _) => {}
-                    (None, ..) => sheet.hatch(area)?,
-                    (Some((colour, text, ink)), ..) => {
-                        sheet.cell(area, *colour)?;
+                    (None, ..) => sheet.hatch(area, true)?,
+                    (Some((fill, text, ink)), ..) => {
+                        fill.draw(sheet, area)?;
                         if room >= TICK_TEXT * 0.8 && !text.is_empty() {
                             let size = if map.written.is_some() { 14.0 } else { TICK_TEXT };
                             sheet.words(text, centre, &font(size).color(ink))?;

@@ -9,6 +9,7 @@ use super::error::{FigureError, require};
 use super::geometry::{Area, Lines};
 use super::labels::{Label, Obstacles};
 use super::panels::{Frame, Panels, Plot};
+use super::patch::Patch;
 use super::series::Series;
 use super::sheet::{Dash, LEFT, SPACE, Sheet, TICK_TEXT, font, pen};
 use super::text::{widest, wrap};
@@ -22,6 +23,8 @@ pub struct Chart {
     pub x: Axis,
     /// The upright axis.
     pub y: Axis,
+    /// Filled areas below all else.
+    pub patches: Vec<Patch>,
     /// The series.
     pub series: Vec<Series>,
     /// Bars side by side in each category, which begin at zero.
@@ -40,7 +43,7 @@ const SIDES: [f64; 2] = [58.0, 2.0 * SPACE];
 impl Chart {
     /// A chart of series alone.
     pub fn new(frame: Frame, [x, y]: [Axis; 2], series: Vec<Series>) -> Self {
-        Self { frame, x, y, series, bars: Vec::new(), references: Vec::new(), equal_axes: false }
+        Self { frame, x, y, patches: Vec::new(), series, bars: Vec::new(), references: Vec::new(), equal_axes: false }
     }
 
     /// A chart of bars over named categories.
@@ -65,8 +68,10 @@ impl Chart {
     pub fn svg(&self) -> Result<String, FigureError> {
         require(!self.series.is_empty() || !self.bars.is_empty(), FigureError::Empty, "chart")?;
         self.series.iter().try_for_each(Series::check)?;
+        self.patches.iter().try_for_each(Patch::check)?;
         self.bars.iter().try_for_each(|bars| bars.check(&self.x))?;
-        let points = || self.series.iter().flat_map(|series| &series.points);
+        let outlines = self.patches.iter().map(|patch| &patch.outline);
+        let points = || self.series.iter().map(|series| &series.points).chain(outlines.clone()).flatten();
         let ends = self.series.iter().flat_map(Series::ends).flatten().copied();
         // On a logarithmic axis a lower end at or below zero ends at its foot.
         let ends = ends.filter(|end| self.y.scale == Scale::Linear || *end > 0.0);
@@ -82,12 +87,14 @@ impl Chart {
         let mut panels = Panels::new(&self.frame, [&axes[0], &axes[1]]);
         (panels.data, panels.height) = (data, height.unwrap_or(panels.height));
         panels.sides = if self.equal_axes { SIDES } else { [0.0, right.max(3.0 * SPACE)] };
-        panels.legend = self.bars.iter().map(Bars::entry).chain(self.series.iter().map(Series::entry)).collect();
+        let of_bars = self.bars.iter().map(Bars::entry).chain(self.series.iter().map(Series::entry));
+        panels.legend = Patch::legend(&self.patches).into_iter().chain(of_bars).collect();
         let writing = Writing::of(&self.bars, &self.x, self.frame.width - panels.sides[1] - 50.0);
         (panels.head, panels.grid) = (writing.height, [self.bars.is_empty(), true]);
         panels.draw(|sheet, plots, _| {
             let (plot, bars) =
                 (&plots[0], || self.bars.iter().enumerate().map(|(nth, bars)| (bars, [nth, self.bars.len()])));
+            self.patches.iter().try_for_each(|patch| patch.draw(sheet, plot))?;
             bars().try_for_each(|(bars, nth)| bars.draw(sheet, plot, nth))?;
             draw_references(sheet, plot, words)?;
             bars().try_for_each(|(bars, nth)| writing.write(sheet, plot, bars, nth))?;

@@ -154,7 +154,7 @@ impl Map {
         if self.values().any(|value| value.is_none()) {
             entries.push(Entry::new(&self.missing_label, |sheet, area| {
                 let patch = Area::about(area.centre(), 26.0, 15.0);
-                sheet.hatch(patch)?;
+                sheet.hatch(patch, true)?;
                 sheet.line(&patch.outline(), pen(TEXT.mix(0.6), 1.0))
             }));
         }
@@ -165,7 +165,7 @@ impl Map {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figures::{Class, ColourScale};
+    use crate::figures::{Class, ColourScale, Paint};
 
     fn axes() -> [Axis; 2] {
         [Axis::linear("position, mm"), Axis::linear("direction, deg")]
@@ -188,8 +188,12 @@ mod tests {
     }
 
     fn classes(plots: Vec<Option<Cells>>) -> Map {
-        let class =
-            |up_to, label: &str, sign: &str| Class { up_to, label: label.into(), sign: sign.into(), colour: [1, 2, 9] };
+        let class = |up_to, label: &str, sign: &str| Class {
+            up_to,
+            label: label.into(),
+            sign: sign.into(),
+            fill: Paint::Colour([1, 2, 9]),
+        };
         let shades =
             Shades::Classes(vec![class(10.0, "clear", ""), class(25.0, "grey", "G"), class(99.0, "dark", "D")]);
         let rows = vec!["linear".to_owned(); plots.len()];

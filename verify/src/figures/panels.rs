@@ -38,6 +38,11 @@ impl Frame {
         Self { width: 560.0, ..Self::full(title, alt) }
     }
 
+    /// A figure that shares its row with two others (400 px).
+    pub fn third(title: impl Into<String>, alt: impl Into<String>) -> Self {
+        Self { width: 400.0, ..Self::full(title, alt) }
+    }
+
     /// The same figure with plots of this height, px; the most for drawings of equal aspect.
     pub fn with_plot_height(self, pixels: f64) -> Self {
         Self { plot_height: Some(pixels), ..self }

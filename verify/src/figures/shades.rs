@@ -6,7 +6,9 @@ use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
 use super::axis::Scale;
 use super::colour::{DARK, LIGHT, ON_MAP};
 use super::error::{FigureError, require, require_limits};
+use super::geometry::Area;
 use super::legend::Entry;
+use super::sheet::Sheet;
 
 /// What values are painted with.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,8 +28,20 @@ pub struct Class {
     pub label: String,
     /// Written on the map, so that colour is not the only sign; nothing where empty.
     pub sign: String,
+    /// What its cells are filled with.
+    pub fill: Paint,
+}
+
+/// Filling of a class's cells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Paint {
     /// Red, green and blue.
-    pub colour: [u8; 3],
+    Colour([u8; 3]),
+    /// Slanting lines on the page's own ground: from left to right rising, or falling.
+    Hatch {
+        /// Whether they rise.
+        rising: bool,
+    },
 }
 
 /// Viridis between two values: equal ratios of value are equal steps of lightness, so that the order survives colour blindness and grey
@@ -82,16 +96,17 @@ impl Shades {
         }
     }
 
-    /// Colour of a value, what is written into its cell, and in which ink.
-    pub(super) fn paint(&self, value: f64, written: Option<fn(f64) -> String>) -> (RGBColor, String, RGBColor) {
+    /// Filling of a value, what is written into its cell, and in which ink.
+    pub(super) fn paint(&self, value: f64, written: Option<fn(f64) -> String>) -> (Paint, String, RGBColor) {
         match self {
             Self::Scale(colours, _) => {
                 let ink = if colours.fraction(value) < DARK_COLOURS { LIGHT } else { DARK };
-                (colours.ink(value), written.map_or(String::new(), |written| written(value)), ink)
+                let RGBColor(r, g, b) = colours.ink(value);
+                (Paint::Colour([r, g, b]), written.map_or(String::new(), |written| written(value)), ink)
             }
             Self::Classes(classes) => {
-                let Class { sign, colour: [r, g, b], .. } = &classes[class(classes, value)];
-                (RGBColor(*r, *g, *b), sign.clone(), ON_MAP)
+                let Class { sign, fill, .. } = &classes[class(classes, value)];
+                (*fill, sign.clone(), ON_MAP)
             }
         }
     }
@@ -103,11 +118,21 @@ impl Shades {
         shown.sort_unstable();
         shown.dedup();
         let entry = |nth: usize| {
-            let Class { label, sign, colour: [r, g, b], .. } = classes.get(nth)?;
+            let Class { label, sign, fill, .. } = classes.get(nth)?;
             let words = if sign.is_empty() { label.clone() } else { format!("{sign}: {label}") };
-            Some(Entry::patch(words, RGBColor(*r, *g, *b)))
+            let fill = *fill;
+            Some(Entry::new(words, move |sheet, area| fill.draw(sheet, Area::about(area.centre(), 26.0, 15.0))))
         };
         shown.into_iter().filter_map(entry).collect()
+    }
+}
+
+impl Paint {
+    pub(super) fn draw(self, sheet: &Sheet, area: Area) -> Result<(), FigureError> {
+        match self {
+            Paint::Colour([r, g, b]) => sheet.cell(area, RGBColor(r, g, b)),
+            Paint::Hatch { rising } => sheet.hatch(area, rising),
+        }
     }
 }
 

@@ -110,14 +110,15 @@ impl Sheet {
     }
 
     /// Fills an area with slanting lines, for cells without data; those of neighbours meet.
-    pub(super) fn hatch(&self, area: Area) -> Done {
+    pub(super) fn hatch(&self, area: Area, rising: bool) -> Done {
         const STEP: f64 = 8.0;
-        let first = ((area.left + area.top) / STEP).floor() as i64;
-        let last = ((area.right + area.bottom) / STEP).ceil() as i64;
-        // Points of one slanting line share the sum of their coordinates.
-        let ends =
-            (first..=last).map(|index| index as f64 * STEP).map(|sum| [area.left, area.right].map(|x| [x, sum - x]));
-        let mut pieces = ends.filter_map(|[from, to]| area.clip(from, to));
+        // Points of one slanting line share the sum, or the difference, of their coordinates.
+        let sign = if rising { 1.0 } else { -1.0 };
+        let sums = [area.top, area.bottom].map(|y| [area.left, area.right].map(|x| y + sign * x));
+        let ends = |of: fn(f64, f64) -> f64| sums.as_flattened().iter().copied().reduce(of).unwrap_or(0.0) / STEP;
+        let (first, last) = (ends(f64::min).floor() as i64, ends(f64::max).ceil() as i64);
+        let line = |index: i64| [area.left, area.right].map(|x| [x, index as f64 * STEP - sign * x]);
+        let mut pieces = (first..=last).map(line).filter_map(|[from, to]| area.clip(from, to));
         pieces.try_for_each(|piece| self.line(&piece, pen(TEXT.mix(0.45), 1.2)))
     }
 }

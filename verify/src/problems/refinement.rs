@@ -50,8 +50,7 @@ fn sampled_nodes(finger: &Finger) -> impl Iterator<Item = NodeId> + use<> {
 /// [`ProblemError`] if the finger cannot be solved.
 pub fn linear_difference(finger: &Finger) -> Result<f64, ProblemError> {
     let (coarse, fine) = (Mesh::key_nodes(finger), fine_mesh(finger)?);
-    let differences =
-        sampled_nodes(finger).map(|node| difference(finger, [&coarse, &fine], node, Kinematics::Linear));
+    let differences = sampled_nodes(finger).map(|node| difference(finger, [&coarse, &fine], node, Kinematics::Linear));
     Ok(worst(differences.collect::<Result<Vec<_>, _>>()?))
 }
 

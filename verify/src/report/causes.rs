@@ -4,52 +4,53 @@ mod drawings;
 mod rows;
 mod shares;
 
-use self::drawings::{clearing, line_figure, map_figure};
+use self::drawings::{clearing, map_figure};
 use self::shares::{Region, Shares};
 use super::dataset::{Columns, Dataset, Format};
-use super::format::{Span, error, error_as, percent};
+use super::format::{error, error_as, list, percent};
 use super::page::{Block, Cell, Column, Figure, Section, Table, text};
-use super::{ReportError, Results, verdict};
+use super::{ReportError, Results};
 use crate::experiments::causes::{
     Cause, CauseCell, CauseMap, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM, Practice, REMEDIES,
 };
-use crate::experiments::explain::Explanation;
 use crate::settings::DRAWN_FORCE_N;
 use crate::study::Study;
 use crate::truths::TruthId;
 use finray_model::NodeId;
-use finray_model::finger::Plate;
 
 const CSV: &str = "causes.csv";
+/// Maps of the largest cause that are drawn: linear least squares with a contact known and assumed.
+const DRAWN: usize = 2;
 /// The finger at hand among the true fingers.
 const OWN: TruthId = TruthId::Corotational;
 /// The finger that is fitted to the paper's Table I.
 const FITTED: TruthId = TruthId::Twin;
 
-/// What limits sensing of the finger at hand near the base, in the middle and near the tip, in one sentence. A fitted finger, whose soft
-/// ends were put in, is not asked.
-pub(super) fn in_short(study: &Study) -> Option<String> {
-    let map = find(study, OWN, Practice::LeastSquares, ContactKnowledge::Known)?;
-    let part = |region: Region| {
-        let shares = Shares::of(&study.finger, map, DRAWN_FORCE_N, region)?;
-        let largest = shares.largest()?;
-        let [cause, at, error] = [largest.cause.name(), region.in_words(), &percent(shares.rms_error)];
-        Some(format!("{cause} {at} (error {error}, {})", shares.without(&largest)))
-    };
-    let parts: Vec<String> = Region::ENDS_AND_MIDDLE.into_iter().filter_map(part).collect();
-    if parts.is_empty() {
-        return None;
+/// The largest causes of an error where the contact is only assumed.
+pub(super) fn of_assumed_contact(study: &Study) -> Option<String> {
+    largest_by_region(study, OWN, ContactKnowledge::Assumed)
+}
+
+/// The same of a known contact on the finger with softer ends.
+pub(super) fn of_softer_ends(study: &Study) -> Option<String> {
+    largest_by_region(study, FITTED, ContactKnowledge::Known)
+}
+
+/// The largest cause near the base, in the middle and near the tip for the nonlinear estimator, with the error of all causes.
+fn largest_by_region(study: &Study, truth: TruthId, contact: ContactKnowledge) -> Option<String> {
+    let map = find(study, truth, Practice::Nonlinear, contact)?;
+    let mut by_cause: Vec<(Cause, Vec<String>)> = Vec::new();
+    for region in Region::ENDS_AND_MIDDLE {
+        let Some(shares) = Shares::of(&study.finger, map, DRAWN_FORCE_N, region) else { continue };
+        let Some(largest) = shares.largest() else { continue };
+        let place = format!("{} ({})", region.in_words(), percent(shares.rms_error));
+        match by_cause.iter_mut().find(|(cause, _)| *cause == largest.cause) {
+            Some((_, places)) => places.push(place),
+            None => by_cause.push((largest.cause, vec![place])),
+        }
     }
-    let in_the_middle =
-        |map: &CauseMap| Some(Shares::of(&study.finger, map, DRAWN_FORCE_N, Region::Middle)?.largest()?.cause);
-    let assumed = find(study, OWN, Practice::LeastSquares, ContactKnowledge::Assumed).and_then(in_the_middle);
-    let assumed = assumed.filter(|cause| Some(*cause) != in_the_middle(map)).map_or_else(String::new, |cause| {
-        format!("; where a contact is only assumed, in the middle it is {}", cause.name())
-    });
-    Some(format!(
-        "In simulation, what limits linear sensing of {DRAWN_FORCE_N} N along the normal on this finger, as described: {}{assumed}.",
-        parts.join(", ")
-    ))
+    let parts = by_cause.iter().map(|(cause, places)| format!("{} {}", cause.name(), list(places, " and ")));
+    (!by_cause.is_empty()).then(|| format!("{}, of {DRAWN_FORCE_N} N along the normal", list(parts, ", ")))
 }
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
@@ -60,27 +61,18 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     if study.causes.is_empty() {
         return Ok(None);
     }
-    let mut blocks = vec![
-        text(format!(
-            "Each cause of error is switched off in turn, the others left as they are; its share is the part of the mean square \
-             error that goes away. Shares need not add up to one: errors that point the same way grow when squared, and one that \
-             hides another has a negative share. Where a contact is assumed, its position is {POSITION_OFF_MM} mm off to either side (the \
-             radius of the paper's rods) and its direction {DIRECTION_OFF_DEG} deg to either side (as far as the paper's deformed normal \
-             turns from the one it assumes); the modulus is calibrated from weights by the model that senses.{}",
-            fitted_in_words(study)
-        )),
-        Block::Table(by_region(study)),
-    ];
-    blocks.extend(mechanism(study).map(text));
-    let figures: Vec<Figure> = drawn(study).map(|map| map_figure(study, map)).collect::<Result<_, _>>()?;
-    blocks.push(Block::Figures { figures });
-    let lines: Vec<Option<Figure>> = along(study).map(line_figure).collect::<Result<_, _>>()?;
-    blocks.push(Block::Figures { figures: lines.into_iter().flatten().collect() });
-    blocks.extend(clearing(study)?.map(Block::Figure));
+    let mut blocks: Vec<Block> = clearing(study)?.map(Block::Figure).into_iter().collect();
     blocks.extend(remedies(study).map(Block::Table));
-    // At the head of the page stands the largest cause, where causes were sought.
-    let says = in_short(study).and_then(|_| verdict::limit(study));
-    Ok(Some(Section::new("causes", "Why sensing fails", blocks).saying(says)))
+    blocks.push(text(format!(
+        "Assumed contacts are {POSITION_OFF_MM} mm (the radius of the paper's rods) and {DIRECTION_OFF_DEG} deg (as far as the paper's deformed normal turns) off, \
+         to either side. A cause's worth is the error that goes away when it alone is switched off; errors that point opposite ways hide each \
+         other, so these do not add up.{}",
+        fitted_in_words(study)
+    )));
+    blocks.push(Block::Table(by_region(study)));
+    let figures: Vec<Figure> = drawn(study).take(DRAWN).map(map_figure).collect::<Result<_, _>>()?;
+    blocks.push(Block::Figures { figures });
+    Ok(Some(Section::new("causes", "What clears an error, and what causes it", blocks)))
 }
 
 fn find(study: &Study, truth: TruthId, practice: Practice, contact: ContactKnowledge) -> Option<&CauseMap> {
@@ -92,8 +84,7 @@ fn find(study: &Study, truth: TruthId, practice: Practice, contact: ContactKnowl
 fn fitted_in_words(study: &Study) -> &'static str {
     match study.causes.iter().any(|map| map.truth == FITTED) {
         true => {
-            " The finger at hand comes first. \"Fitted to Table I\" is one of several fingers with softer zones that err as the paper's table has \
-             it: its zones were put in and are not known to sensing, so that they come out as causes is no finding about the paper's finger."
+            " The softer ends were put into that finger and are not known to sensing: that they come out as causes is no finding."
         }
         false => "",
     }
@@ -110,15 +101,8 @@ fn drawn(study: &Study) -> impl Iterator<Item = &CauseMap> {
     own_first(study).filter(|map| map.request.angles_deg.len() > 1)
 }
 
-/// The maps whose causes are drawn along the normal.
-fn along(study: &Study) -> impl Iterator<Item = &CauseMap> {
-    drawn(study)
-        .filter(|map| map.contact == ContactKnowledge::Known)
-        .chain(own_first(study).filter(|map| map.practice == Practice::Network))
-}
-
 fn truth_in_words(map: &CauseMap) -> &'static str {
-    if map.truth == FITTED { "fitted to Table I" } else { "as described" }
+    if map.truth == FITTED { "softer ends" } else { "uniform" }
 }
 
 fn estimator_in_words(map: &CauseMap) -> &'static str {
@@ -157,49 +141,12 @@ fn by_region(study: &Study) -> Table {
         })
         .table(
             format!(
-                "Root mean square error at {DRAWN_FORCE_N} N along the normal, the cause with the largest share of its square, and the error \
-                 without that cause. Near an end: within a sixth of the plate's length. Grey above 10 %, dark above 25 %"
+                "Root mean square error at {DRAWN_FORCE_N} N along the normal, its largest cause, and the error without it. Near an end: within a \
+                 sixth of the plate"
             ),
             CSV,
             own_first(study),
         )
-}
-
-/// What the finger's mechanics have to do with it: how well force, position and direction are identifiable.
-fn mechanism(study: &Study) -> Option<String> {
-    let length_mm = study.finger.plate_length_mm(Plate::Front);
-    let mean = |region: Region, of: fn(&Explanation) -> Option<f64>| {
-        let cells = study.explanations.cells.iter();
-        let cells = cells.filter(|cell| region.covers(length_mm, cell.s_mm, cell.angle_deg));
-        Some(percent(Span::of(cells.filter_map(of))?.mean))
-    };
-    let by_region = |of: fn(&Explanation) -> Option<f64>| -> Option<String> {
-        let part = |region: &Region| Some(format!("{} {}", mean(*region, of)?, region.in_words()));
-        let parts: Option<Vec<String>> = Region::ENDS_AND_MIDDLE.iter().map(part).collect();
-        Some(parts?.join(", "))
-    };
-    let noise = by_region(|cell| cell.bound).filter(|_| study.noise_mm > 0.0).map_or_else(String::new, |noise| {
-        format!(" Noise of {} mm leaves no estimator less than {noise}.", study.noise_mm)
-    });
-    let largest = |region: Region| {
-        let map = find(study, FITTED, Practice::LeastSquares, ContactKnowledge::Known)?;
-        Some(Shares::of(&study.finger, map, DRAWN_FORCE_N, region)?.largest()?.cause)
-    };
-    let mut ends = String::new();
-    if largest(Region::Base) == Some(Cause::BaseCompliance) {
-        ends += " If a finger gives way at its clamp, as the one fitted to Table I was made to, that is a large part of the little motion \
-                 that a force near the clamp causes, and is taken for force.";
-    }
-    if largest(Region::Tip) == Some(Cause::TipCompliance) {
-        ends += " If the last segments of plate are softer, as the fitted one's were made, a force near the tip bends these most of all: their \
-                 modulus decides, not the one that was calibrated in the middle.";
-    }
-    Some(format!(
-        "For the nonlinear estimator, to first order, a position that is 1 mm off changes the force by {}, a direction that is 1 deg off by \
-         {}.{noise} (Means at {DRAWN_FORCE_N} N along the normal, finger as described.){ends}",
-        by_region(|cell| cell.error_per_mm)?,
-        by_region(|cell| cell.error_per_deg)?
-    ))
 }
 
 /// Error at the nodes as remedies are taken one after the other.
@@ -220,10 +167,8 @@ fn remedies(study: &Study) -> Option<Table> {
             columns.cells(Column::numbers(format!("+ {name}")), remedied)
         });
     let caption = format!(
-        "What clears it: root mean square error of {DRAWN_FORCE_N} N along the normal on the finger {} by linear least squares, then with remedies taken \
-         one after the other. Errors of opposite sign hide each other, so taking one cause away can raise the rest; in the last \
-         column that is noise. Grey above 10 %, dark above 25 %",
-        truth_in_words(map)
+        "Root mean square error of {DRAWN_FORCE_N} N along the normal, uniform finger: by linear least squares with an assumed contact, then with remedies \
+         taken one after the other. In the last column it is noise"
     );
     Some(columns.table(caption, CSV, rows))
 }

@@ -2,9 +2,9 @@
 
 use super::dataset::{Columns, Dataset, Format};
 use super::format::verdict;
-use super::page::{Block, Column, Section, Table, details, text};
+use super::page::{Block, Cell, Column, Section, Table, details, text};
 use super::{ReportError, Results};
-use crate::check::{Check, Comparison, Kind, Tally, tallies, worst};
+use crate::check::{Check, Kind, Tally, tallies, worst};
 use crate::study::Study;
 
 const CSV: &str = "checks.csv";
@@ -23,15 +23,27 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         ));
     }
     blocks.push(text(
-        "External references are figures of another program: OpenSees, MuJoCo, and shapes at which rapier2d comes to rest. Analytical ones \
-         are closed forms, theoretical orders and solutions of the literature. Internal ones are our own: another formulation or mesh, \
-         a balance, a bound, the true forces of a simulation. OpenSees, MuJoCo and the lattice are given the same EA and EI of the same \
-         sections as the beams: they verify solvers and kinematics, not that Euler-Bernoulli beams describe a real finger.",
+        "External: figures of another program (OpenSees, MuJoCo, rapier2d). Analytical: closed forms, theoretical orders, solutions of the literature. \
+         Internal: our own other formulation, balance or bound. All are given the EA and EI of the beams: they verify solvers and kinematics. That \
+         Euler-Bernoulli beams of these sections describe a real finger, its material and its joints, cannot be verified without hardware.",
     ));
-    blocks.push(Block::Table(by_source(&study.checks)));
-    blocks.push(details(format!("All {} of them", study.checks.len()), vec![Block::Table(table(&study.checks))]));
-    blocks.push(details("Where a difference is expected", vec![Block::Table(comparisons(&study.comparisons))]));
+    blocks.push(details("Checks by source", vec![Block::Table(by_source(&study.checks)), Block::Table(files())]));
     Ok(Some(Section::new("checks", "Cross-checks", blocks).saying([in_words(study)])))
+}
+
+/// Where each check stands with its figures.
+fn files() -> Table {
+    Columns::<[&str; 2]>::new()
+        .cells(Column::words("file"), |[file, _]| Cell::file(*file))
+        .page("holds", Format::Words, |[_, holds]| *holds)
+        .table(
+            "One by one",
+            CSV,
+            [
+                [CSV, "every check: reference, our figure, tolerance"],
+                [COMPARISONS_CSV, "where a difference is expected"],
+            ],
+        )
 }
 
 /// How many checks pass, those against other programs first and each kind apart.
@@ -44,13 +56,8 @@ fn in_words(study: &Study) -> String {
     format!("{}.", counted(study).map(of_kind).join(", "))
 }
 
-/// The same for the page's head, where there is little room.
-pub(super) fn in_short(study: &Study) -> String {
-    let of_kind = |Tally { kind, passed, all }: Tally| format!("{} {passed} of {all}", kind.name());
-    format!("Checks that pass: {}.", counted(study).map(of_kind).join(", "))
-}
-
-fn counted(study: &Study) -> [Tally; 3] {
+/// The checks by kind.
+pub(super) fn counted(study: &Study) -> [Tally; 3] {
     tallies(study.all_checks().collect::<Vec<_>>().into_iter())
 }
 
@@ -76,40 +83,4 @@ fn by_source(checks: &[Check]) -> Table {
         .page("largest difference / tolerance", Format::Percent, |source| worst(of(source).into_iter().map(share)))
         .cells(Column::words("verdict"), |source| verdict(of(source).into_iter().all(Check::passes), ["pass", "fail"]))
         .table("Checks by kind and source of their reference", CSV, sources)
-}
-
-/// Every check, figure by figure.
-pub(super) fn table<'c>(checks: impl IntoIterator<Item = &'c Check>) -> Table {
-    Columns::<&Check>::new()
-        .page("kind", Format::Words, |check| check.kind.name())
-        .page("problem", Format::Words, |check| check.problem.clone())
-        .page("source", Format::Words, |check| check.source.clone())
-        .page("quantity", Format::Words, |check| check.quantity.clone())
-        .page("reference", Format::Plain, |check| to_tolerance(check.reference, check.tolerance))
-        .page("ours", Format::Plain, |check| to_tolerance(check.ours, check.tolerance))
-        .page("tolerance", Format::Plain, |check| format!("{:.0e}", check.tolerance))
-        .cells(Column::words("verdict"), |check| verdict(check.passes(), ["pass", "fail"]))
-        .table("Checks: our figure against a reference, and the largest difference that passes", CSV, checks)
-}
-
-/// As many decimals as the tolerance speaks of, so that small differences can be seen.
-fn to_tolerance(value: f64, tolerance: f64) -> String {
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    if value.abs() < 10.0 * tolerance {
-        return format!("{value:.1e}");
-    }
-    let decimals = (1.0 - tolerance.log10()).clamp(0.0, 12.0) as usize;
-    format!("{value:.decimals$}")
-}
-
-fn comparisons(comparisons: &[Comparison]) -> Table {
-    Columns::<&Comparison>::new()
-        .page("problem", Format::Words, |of| of.problem.clone())
-        .page("source", Format::Words, |of| of.source.clone())
-        .page("quantity", Format::Words, |of| of.quantity.clone())
-        .page("reference", Format::Figure, |of| of.reference)
-        .page("ours", Format::Figure, |of| of.ours)
-        .table("Where a difference is expected and nothing is checked", COMPARISONS_CSV, comparisons)
 }

@@ -1,7 +1,7 @@
 //! The paper's claims and their verdicts.
 
 use super::dataset::{Columns, Dataset, Format};
-use super::page::{Block, Cell, Column, Section, Shade, text};
+use super::page::{Block, Cell, Column, Section, Shade, details, text};
 use super::{ReportError, Results};
 use crate::claims::{Claim, ClaimVerdict};
 
@@ -19,21 +19,18 @@ pub(super) fn section(Results { claims, .. }: Results) -> Result<Option<Section>
         .page("claim", Format::Words, |claim| claim.claim.clone())
         .page("paper", Format::Words, |claim| claim.paper.clone())
         .page("ours", Format::Words, |claim| claim.ours.clone())
-        .page("how", Format::Words, |claim| claim.how.clone())
         .page("criterion", Format::Words, |claim| claim.criterion.clone())
         .cells(Column::words("verdict"), |claim| verdict(claim.verdict));
     let blocks = vec![
         text(
-            "What Xu et al. (IEEE T-RO 2021) say, in their words where they stand in quotation marks, and what the computations of this report \
-             say to it. All are made on models of the finger, not on the finger. \"Refuted\" is a statement about its mechanics that the model \
-             contradicts; \"not reproduced\" a measured figure that the model does not give; \"depends on assumption\" what turns with something that \
-             the paper leaves open; \"in simulation\" what holds on a simulated finger; \"less error in simulation\" what is sensed better than the \
-             paper measured, on a simulated finger whose model is known: that says nothing against the measurement.",
+            "Sentences of Xu et al. (IEEE T-RO 2021) against computations on models of the finger. Refuted: a statement about mechanics that the model \
+             contradicts. Not reproduced: a measured figure that the model does not give. Depends on assumption: turns with what the paper leaves open. In \
+             simulation, less error in simulation: holds on a simulated finger whose model is known, which says nothing against the measurement. How each is \
+             computed: claims.csv.",
         ),
-        text(counted(claims)),
-        Block::Table(columns.table("The paper's claims", CSV, claims)),
+        details("All of them", vec![Block::Table(columns.table("The paper's claims", CSV, claims))]),
     ];
-    Ok(Some(Section::new("claims", "The paper's claims, one by one", blocks)))
+    Ok(Some(Section::new("claims", "The paper's claims", blocks).saying([counted(claims)])))
 }
 
 fn verdict(verdict: ClaimVerdict) -> Cell {

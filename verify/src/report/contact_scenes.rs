@@ -2,14 +2,14 @@
 
 mod words;
 
-use super::dataset::{Columns, Dataset, Format};
+use super::dataset::{Columns, Dataset};
 use super::drawings::{ACROSS_AXIS, ALONG_AXIS, point};
-use super::page::{Block, Figure, Section, Table, text};
+use super::page::{Block, Figure, Section, text};
 use super::{ReportError, Results};
 use crate::check::worst;
 use crate::experiments::contact_scene::samples::NoiseSamples;
 use crate::experiments::contact_scene::study::{SceneStudy, StudiedStep};
-use crate::experiments::contact_scene::{ForceRow, SeenContact, SensedForce, contacts_sensed};
+use crate::experiments::contact_scene::{ForceRow, SeenContact};
 use crate::figures::{Axis, Chart, Dash, FigureError, Frame, Hue, Series, Spread};
 use crate::settings::TWO_SIDED_95;
 use finray_model::Finger;
@@ -68,19 +68,19 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         return Ok(None);
     }
     let mut blocks = vec![text(
-        "An object is pressed onto the finger, built as a lattice of rigid bodies and springs in the physics engine rapier, with \
-         its rods as balls and its front plate as capsules. The forces of the engine's contacts are the true ones: this is \
-         simulation. Sensing (nonlinear, on beams) is given what a camera could see: the displacements of the key nodes, and of \
-         every contact its position and direction, read from points on the outlines of object and finger; all carry the camera's \
-         noise, outline points as much a coordinate as markers. Which parts touch is taken as known, and so is the \
-         coefficient of friction, as a bound: where it is not zero, the angle between force and normal is unknown within it. The stated \
-         intervals allow for all of this. Lines are true forces, signs are sensed ones of one noise sample with their stated 95 % interval.",
+        "An object is pressed onto the finger, here a lattice of rigid bodies and springs in rapier, whose contact forces are the true ones: \
+         this is simulation. Sensing (nonlinear, on beams) is given the displacements of the key nodes and points on both outlines, with the \
+         camera's noise. Which parts touch is taken as known, and the coefficient of friction as a bound on the angle of the force. Lines are \
+         true, signs sensed from one noise sample with stated 95 % intervals.",
     )];
     for scene in &study.contact_scenes {
         blocks.push(Block::Figures { figures: figures(&study.finger, scene)? });
-        blocks.push(text(words::of_scene(scene)));
     }
-    blocks.push(Block::Table(table(&study.contact_scenes)));
+    let stopped = study.contact_scenes.iter().filter_map(|scene| Some((scene, scene.stopped.as_ref()?)));
+    blocks.extend(stopped.map(|(scene, error)| {
+        text(format!("The scene \"{}\" ended after {} steps: {error}.", scene.name, scene.steps.len()))
+    }));
+    blocks.push(Block::Table(words::by_scene(&study.contact_scenes)));
     let section = Section::new("contact-scenes", "Pressing objects", blocks);
     Ok(Some(section.saying(words::verdict(&study.contact_scenes))))
 }
@@ -90,7 +90,7 @@ fn figures(finger: &Finger, scene: &SceneStudy) -> Result<Vec<Figure>, FigureErr
     if let Some(last) = scene.steps.last() {
         figures.push(Figure {
             svg: drawing(finger, scene, last)?,
-            caption: format!("The scene \"{}\" at its end: true forces on the finger.", scene.name),
+            caption: format!("Scene \"{}\" at its end: true forces.", scene.name),
             csv: Some(CSV.to_owned()),
             wide: false,
         });
@@ -103,7 +103,7 @@ fn figures(finger: &Finger, scene: &SceneStudy) -> Result<Vec<Figure>, FigureErr
         let svg = Chart::new(frame, axes, series).svg()?;
         figures.push(Figure {
             svg,
-            caption: "Force along each contact's normal, and in all along the object's way.".to_owned(),
+            caption: "Force along each normal, and in all.".to_owned(),
             csv: Some(CSV.to_owned()),
             wide: false,
         });
@@ -196,69 +196,4 @@ fn name_of(seen: &SeenContact) -> String {
         ContactPosition::Node(node) => format!("node {node}"),
         ContactPosition::At(s_mm) => format!("plate at {s_mm:.1} mm"),
     }
-}
-
-/// A contact at the end of a scene, or the total.
-struct AtEnd<'s> {
-    scene: &'s SceneStudy,
-    name: String,
-    angle_deg: Option<f64>,
-    true_n: f64,
-    friction_n: Option<f64>,
-    sensed: Option<SensedForce>,
-    /// Root mean square of the error under noise and of the stated sigma, N, and the share of samples within 1.96 of it.
-    noisy: Option<[f64; 3]>,
-}
-
-fn at_end(scene: &SceneStudy) -> Vec<AtEnd<'_>> {
-    let Some(last) = scene.steps.last() else { return Vec::new() };
-    let clean = last.clean.as_ref().ok().and_then(Option::as_ref);
-    let contacts = contacts_sensed(&last.step, clean).map(|(seen, sensed)| AtEnd {
-        scene,
-        name: name_of(seen),
-        angle_deg: Some(seen.contact.angle_deg),
-        true_n: seen.normal_n,
-        friction_n: Some(seen.friction_n),
-        sensed: sensed.map(|sensed| sensed.force),
-        noisy: None,
-    });
-    let total = clean.map(|sensed| sensed.total).map(|total| AtEnd {
-        scene,
-        name: "in all".to_owned(),
-        angle_deg: None,
-        true_n: total.true_n,
-        friction_n: None,
-        sensed: Some(total),
-        noisy: None,
-    });
-    let mut rows: Vec<AtEnd> = contacts.chain(total).collect();
-    if let Some(samples) = last.samples.as_ref().filter(|samples| samples.answered > 0) {
-        // Samples hold what is sensed alone, in this order.
-        for (which, row) in rows.iter_mut().filter(|row| row.sensed.is_some()).enumerate() {
-            row.noisy = Some([samples.rms_error_n(which), samples.rms_sigma_n(which), samples.coverage(which)]);
-        }
-    }
-    rows
-}
-
-fn table(scenes: &[SceneStudy]) -> Table {
-    // What rounds to nothing has no sign.
-    let unsigned = |value: f64, digits: i32| if value.abs() < 0.5 * 0.1_f64.powi(digits) { 0.0 } else { value };
-    Columns::<AtEnd>::new()
-        .page("scene", Format::Words, |row| row.scene.name.clone())
-        .page("contact", Format::Words, |row| row.name.clone())
-        .page("normal, deg", Format::Fixed(1), move |row| row.angle_deg.map(|angle_deg| unsigned(angle_deg, 1)))
-        .page("true, N", Format::Fixed(3), move |row| unsigned(row.true_n, 3))
-        .page("friction, N", Format::Fixed(3), move |row| row.friction_n.map(|force_n| unsigned(force_n, 3)))
-        .page("sensed, N", Format::Fixed(3), move |row| row.sensed.map(|force| unsigned(force.sensed_n, 3)))
-        .page("error", Format::Percent, |row| row.sensed.map(|force| force.relative_error().abs()))
-        .page("noise: rms error, N", Format::Fixed(3), |row| Some(row.noisy?[0]))
-        .page("stated sigma, N", Format::Fixed(3), |row| Some(row.noisy?[1]))
-        .page("within 1.96 sigma", Format::Percent, |row| Some(row.noisy?[2]))
-        .table(
-            "True and sensed forces at the end of each scene: sensed without noise; error, stated standard deviation and coverage with \
-             noise",
-            CSV,
-            scenes.iter().flat_map(at_end),
-        )
 }

@@ -2,7 +2,7 @@
 
 use super::dataset::{Columns, Dataset, Format};
 use super::format::{or_nothing, percent_two_digits};
-use super::page::{Block, Figure, Section, Table, text};
+use super::page::{Block, Figure, Section, Table, details, text};
 use super::{ReportError, Results};
 use crate::experiments::convergence::{Convergence, MeshSize};
 use crate::figures::{Axis, Chart, FigureError, Frame, Series};
@@ -18,11 +18,9 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let convergence = &study.convergence;
     let mut blocks = vec![text(
-        "Forces along the front plate's normal, one node after the other (tip left out), solved co-rotationally on \
-         ever finer meshes. The error is the largest difference of a key node's displacement from the converged solution, \
-         as a share of the largest displacement; the worst loaded node counts. The converged solution is Richardson's \
-         extrapolation from the two finest meshes of 1, 2, 4, ... elements a member; what may be left on the finest mesh \
-         is Roache's grid convergence index. The linear solution needs no refinement: it is exact at the nodes.",
+        "Forces along the normal, one node after the other (tip left out). The error is the largest difference of a key node's \
+         displacement from Richardson's extrapolation, over the largest displacement, at the worst loaded node. Linear theory is exact at \
+         the nodes.",
     )];
     let series = error_by_nodes(convergence);
     if !series.is_empty() {
@@ -33,7 +31,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
             wide: true,
         }));
     }
-    blocks.push(Block::Table(table(convergence)));
+    blocks.push(details("By mesh and force", vec![Block::Table(table(convergence))]));
     Ok(Some(Section::new("convergence", "How fine a mesh must be", blocks)))
 }
 
@@ -59,9 +57,9 @@ fn drawing(series: Vec<Series>) -> Result<String, FigureError> {
 
 fn mesh_name(mesh: &MeshSize) -> String {
     match mesh.elements_a_member {
-        None => format!("{} nodes (elements of one length)", mesh.nodes),
-        Some(1) => format!("{} nodes (one element a member)", mesh.nodes),
-        Some(elements) => format!("{} nodes ({elements} elements a member)", mesh.nodes),
+        None => format!("{} nodes, equal elements", mesh.nodes),
+        Some(1) => format!("{} nodes, one a member", mesh.nodes),
+        Some(elements) => format!("{} nodes, {elements} a member", mesh.nodes),
     }
 }
 
@@ -72,19 +70,19 @@ fn table(convergence: &Convergence) -> Table {
     for (mesh, size) in convergence.meshes.iter().enumerate() {
         lines.push((mesh_name(size), Box::new(move |force_n| percent(convergence.error(mesh, force_n)))));
     }
-    let left = "may be left on the finest mesh".to_owned();
+    let left = "may be left".to_owned();
     lines.push((left, Box::new(move |force_n| percent(convergence.left(force_n)))));
     let orders = |force_n| convergence.orders(force_n).map(|[low, high]| format!("{low:.1} to {high:.1}"));
     lines.push(("observed order".to_owned(), Box::new(orders)));
     let forces_n = convergence.forces_n();
     if forces_n.iter().any(|&force_n| convergence.gaps(force_n) > 0) {
         let gaps = |force_n| Some(convergence.gaps(force_n).to_string());
-        lines.push(("loads without equilibrium (in no figure above)".to_owned(), Box::new(gaps)));
+        lines.push(("loads without equilibrium".to_owned(), Box::new(gaps)));
     }
     Columns::<Line>::new()
         .page("mesh", Format::Words, |(name, _)| name.clone())
         .each(forces_n, |columns, force_n| {
             columns.page(format!("{force_n} N"), Format::Plain, move |(_, of)| or_nothing(of(force_n)))
         })
-        .table("Worst error by mesh and force", CSV, lines)
+        .table("Worst error; what may be left by Roache's grid convergence index", CSV, lines)
 }

@@ -1,9 +1,9 @@
 //! How many cases a network must see, and how large it must be: recorded trainings.
 
 use super::ReportError;
-use super::dataset::{Columns, Dataset, Format};
-use super::format::{Span, percent, percent_with};
-use super::page::{Block, Figure, Table, details, text};
+use super::dataset::Dataset;
+use super::format::{Span, percent_with};
+use super::page::{Block, Figure, text};
 use crate::experiments::networks::records::CurveRow;
 use crate::figures::{Axis, Chart, Frame, Series, Spread};
 
@@ -12,8 +12,6 @@ const CSV: &str = "training_curves.csv";
 const ENOUGH: f64 = 0.05;
 /// A network keeps the error of another if its own is no more than this share above it.
 const KEEPS: f64 = 0.1;
-/// Hidden layers of the networks that ship for given contacts.
-const SHIP: &str = "32-32";
 /// The paper's hidden layers.
 const PAPERS: &str = "150-200-150";
 
@@ -25,7 +23,6 @@ struct Point {
     /// Mean error over that of the bound.
     over_bound: Span,
     error: f64,
-    bound: f64,
 }
 
 /// The points of one set of contact nodes.
@@ -44,18 +41,15 @@ pub(super) fn blocks(rows: &[CurveRow]) -> Result<Vec<Block>, ReportError> {
     let mut figures = Vec::new();
     if !samples.is_empty() {
         blocks.extend(samples_in_words(&samples).map(text));
-        figures.push(figure(&samples, "training cases", "Error of recipe (c) by the number of its training cases.")?);
+        figures.push(figure(&samples, "training cases", "Recipe (c) by its training cases.")?);
     }
     if !sizes.is_empty() {
         blocks.extend(sizes_in_words(&sizes).map(text));
-        let caption = "Error of recipe (c) by the size of the network: trained numbers, linear branch included.";
+        let caption = "Recipe (c) by the size of the network.";
         figures.push(figure(&sizes, "weights", caption)?);
     }
     if !figures.is_empty() {
         blocks.push(Block::Figures { figures });
-    }
-    if !sizes.is_empty() {
-        blocks.push(details("Networks by size", vec![Block::Table(table(&sizes))]));
     }
     Ok(blocks)
 }
@@ -73,7 +67,6 @@ fn curves(rows: &[CurveRow], curve: &str, x: fn(&CurveRow) -> usize) -> Vec<Curv
             layers: seeds.first()?.hidden_layers.clone(),
             over_bound: Span::of(errors.iter().zip(&bounds).map(|(error, bound)| error / bound))?,
             error: Span::of(errors)?.mean,
-            bound: Span::of(bounds)?.mean,
         })
     };
     let of_nodes = of_curve.chunk_by(|a, b| a.nodes == b.nodes).map(|of_nodes| Curve {
@@ -118,11 +111,14 @@ fn samples_in_words(curves: &[Curve]) -> Option<String> {
     let (needed, most) = enough.into_iter().max()?;
     Some(match needed < most {
         true => format!(
-            "How many cases? From {needed} on, the error is within {} of that with {most}, for every set of contacts here.",
+            "From {needed} training cases on, the error of (c) is within {} of that with {most}.",
             percent_with(ENOUGH, 0)
         ),
         false => {
-            format!("How many cases? The error still falls by more than {} towards {most}.", percent_with(ENOUGH, 0))
+            format!(
+                "The error of (c) still falls by more than {} towards {most} training cases.",
+                percent_with(ENOUGH, 0)
+            )
         }
     })
 }
@@ -140,31 +136,16 @@ fn sizes_in_words(curves: &[Curve]) -> Option<String> {
     };
     let smallest = order.iter().find(|point| keeps(&point.layers))?;
     let papers = order.iter().find(|point| point.layers == PAPERS)?;
-    let mut words = if smallest.x < papers.x {
-        format!(
-            "Is {PAPERS} needed? No: {} ({} weights instead of {}) is the smallest that keeps its error within {}, for every \
-             set of contacts here.",
+    let keeps = percent_with(KEEPS, 0);
+    Some(match smallest.x < papers.x {
+        true => format!(
+            "{PAPERS} is not needed: {} ({} weights instead of {}) keeps its error within {keeps} at every set of contacts here.",
             layers_in_words(&smallest.layers),
             smallest.x,
             papers.x,
-            percent_with(KEEPS, 0)
-        )
-    } else {
-        format!("Is {PAPERS} needed? Yes: every smaller network errs by more than {} more.", percent_with(KEEPS, 0))
-    };
-    let above = curves.iter().filter_map(|curve| {
-        Some(curve.points[find(curve, SHIP)?].error / curve.points[find(curve, PAPERS)?].error - 1.0)
-    });
-    if let Some(above) = above.reduce(f64::max).filter(|above| *above > 0.0) {
-        words += &format!(" With {SHIP}, as ships, the error is at most {} above it.", percent(above));
-    }
-    let alone = curves.iter().filter_map(|curve| Some((&curve.nodes, &curve.points[find(curve, "none")?])));
-    let alone: Vec<String> =
-        alone.map(|(nodes, point)| format!("{} for {}", percent(point.error), contacts_in_words(nodes))).collect();
-    if !alone.is_empty() && smallest.layers != "none" {
-        words += &format!(" Linear regression alone errs by {}.", alone.join(", "));
-    }
-    Some(words)
+        ),
+        false => format!("{PAPERS} is needed: every smaller network errs by more than {keeps} more."),
+    })
 }
 
 fn layers_in_words(layers: &str) -> String {
@@ -173,21 +154,6 @@ fn layers_in_words(layers: &str) -> String {
         several if several.contains('-') => several.to_owned(),
         one => format!("one layer of {one}"),
     }
-}
-
-fn table(curves: &[Curve]) -> Table {
-    Columns::<(&str, &Point)>::new()
-        .page("nodes", Format::Words, |(nodes, _)| nodes.replace(' ', ", "))
-        .page("hidden layers", Format::Words, |(_, point)| layers_in_words(&point.layers))
-        .page("weights", Format::Plain, |(_, point)| point.x)
-        .page("mean error", Format::Percent, |(_, point)| point.error)
-        .page("bound", Format::Percent, |(_, point)| point.bound)
-        .page("error / bound", Format::Fixed(2), |(_, point)| point.over_bound.mean)
-        .table(
-            "Mean error of each force by size of the network, mean over the seeds",
-            CSV,
-            curves.iter().flat_map(|curve| curve.points.iter().map(|point| (curve.nodes.as_str(), point))),
-        )
 }
 
 #[cfg(test)]
@@ -222,18 +188,14 @@ mod tests {
     fn the_smallest_network_that_keeps_the_error_is_named() {
         let [none, small, large] = [(1, "none", 94, 1.0), (1, "16-16", 1400, 0.05), (1, PAPERS, 70_000, 0.03)];
         let said = sizes(&rows("size", &[large, none, small]));
-        assert!(said.contains("No: 16-16 (1400 weights instead of 70000)"), "{said}");
-        assert!(
-            said.contains("Linear regression alone errs by 4.0 % for node 24, 4.0 % for nodes 19 and 20"),
-            "{said}"
-        );
+        assert!(said.contains("not needed: 16-16 (1400 weights instead of 70000)"), "{said}");
         let worse = (1, "16-16", 1400, 0.2);
-        assert!(sizes(&rows("size", &[large, none, worse])).contains("Yes"));
+        assert!(sizes(&rows("size", &[large, none, worse])).contains("is needed"));
         // It must keep the error for every set of contacts.
         let mut uneven = rows("size", &[large, none, small]);
         let of_pair = uneven.iter_mut().filter(|row| row.hidden_layers == "16-16" && row.nodes == "19 20");
         of_pair.for_each(|row| row.mean_error = row.mean_error.map(|error| 1.2 * error));
-        assert!(sizes(&uneven).contains("Yes"));
+        assert!(sizes(&uneven).contains("is needed"));
     }
 
     #[test]
@@ -243,7 +205,7 @@ mod tests {
             samples_in_words(&curves(&all, "samples", |row| row.samples)).expect("words")
         };
         let [few, some, many] = [(1000, "32-32", 1, 0.8), (5000, "32-32", 1, 0.12), (20_000, "32-32", 1, 0.1)];
-        assert!(said(&[many, few, some]).contains("From 5000 on"), "{}", said(&[many, few, some]));
+        assert!(said(&[many, few, some]).contains("From 5000 training cases on"), "{}", said(&[many, few, some]));
         let still = (5000, "32-32", 1, 0.3);
         assert!(said(&[few, still, many]).contains("still falls"));
     }

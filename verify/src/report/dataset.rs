@@ -252,7 +252,7 @@ mod tests {
         assert_eq!((table.caption.as_str(), table.csv.as_deref()), ("Samples", Some("samples.csv")));
         let headings: Vec<_> = table.columns.iter().map(|column| (column.name.as_str(), column.numeric)).collect();
         assert_eq!(headings, [("node", true), ("mean error", true), ("known", false)]);
-        assert_eq!(table.rows[0], [Cell::plain("17"), Cell::shaded("33 %", Shade::Dark), Cell::plain("yes")]);
+        assert_eq!(table.rows[0], [Cell::plain("17"), Cell::shaded("33 %", Shade::Red), Cell::plain("yes")]);
         assert_eq!(table.rows[1], ["18", "-", "no"].map(Cell::plain));
     }
 

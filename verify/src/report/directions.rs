@@ -3,7 +3,7 @@
 use super::dataset::{Columns, Dataset};
 use super::drawings::{ALONG_THE_PLATE, percent_line, plate_map};
 use super::format::{Span, percent};
-use super::page::{Block, Figure, Section, details, text};
+use super::page::{Block, Figure, Section, text};
 use super::{ReportError, Results};
 use crate::experiments::direction::{
     Assumption, DirectionCell, DirectionStudy, FORCES_N, FrictionlessPush, IDENTIFIED_ANSWERED, IDENTIFIED_DEG,
@@ -53,10 +53,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let Some(directions) = &study.directions else { return Ok(None) };
     let finger = &study.finger;
     let mut blocks = vec![text(format!(
-        "The paper takes the direction of a force as known: with size and direction both unknown, sensing \"will not work\" \
-         (Fig. 13). Here the nonlinear estimator knows the position alone, under {} mm of noise, {} noise samples a cell. A cell \
-         counts as identifiable where the direction is known to {IDENTIFIED_DEG} deg and the force to {} (root mean squares) and at least {} of the \
-         samples are answered; the rest is hatched. What the noise leaves open, the estimator refuses rather than guesses.",
+        "The nonlinear estimator knows the position alone, under {} mm noise, {} samples a cell. Identifiable: the direction to {IDENTIFIED_DEG} deg and the \
+         force to {} (root mean squares), with at least {} of the samples answered.",
         directions.noise_mm,
         directions.samples,
         percent(IDENTIFIED_FORCE),
@@ -64,29 +62,13 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     ))];
     blocks.extend(where_identifiable(directions).map(text));
     let identified = |cell: &DirectionCell| cell.answers.angle_error_deg.filter(|_| cell.answers.is_identified());
-    let answered = |cell: &DirectionCell| cell.answers.angle_error_deg;
-    let force = |cell: &DirectionCell| cell.answers.force_error.map(|error| 100.0 * error);
-    let bound = |cell: &DirectionCell| cell.angle_bound_deg;
     let all = |map: &Shown| -> Result<Block, FigureError> {
         let figures = FORCES_N.map(|force_n| map.figure(finger, directions, force_n));
         Ok(Block::Figures { figures: figures.into_iter().collect::<Result<_, _>>()? })
     };
-    blocks.push(all(&Shown {
-        what: "error of the direction, deg",
-        line: None,
-        missing: "not identifiable",
-        value: &identified,
-    })?);
-    let over_all = |what, line, missing, value| all(&Shown { what, line: Some(line), missing, value });
-    let maps = vec![
-        over_all("Cramer-Rao bound of the direction, deg", IDENTIFIED_DEG, "not identifiable", &bound as Value)?,
-        over_all("error of answered directions, deg", IDENTIFIED_DEG, "no answer", &answered)?,
-        over_all("error of answered forces, %", 100.0 * IDENTIFIED_FORCE, "no answer", &force)?,
-    ];
-    blocks.push(details("The least that any estimator can reach, and the errors of all answers", maps));
+    blocks.push(all(&Shown { what: "error of the direction, deg", missing: "not identifiable", value: &identified })?);
     blocks.extend(without_friction(directions).map(text));
-    let charts = [FORCES_N[0], FORCES_N[2]].map(|force_n| frictionless_chart(directions, force_n));
-    blocks.push(Block::Figures { figures: charts.into_iter().collect::<Result<_, FigureError>>()? });
+    blocks.push(Block::Figure(frictionless_chart(directions, FORCES_N[0])?));
     Ok(Some(Section::new("directions", "Unknown directions", blocks)))
 }
 
@@ -96,15 +78,13 @@ type Value<'v> = &'v dyn Fn(&DirectionCell) -> Option<f64>;
 /// One quantity by position and direction.
 struct Shown<'v> {
     what: &'v str,
-    /// Where a line is drawn.
-    line: Option<f64>,
     missing: &'v str,
     value: Value<'v>,
 }
 
 impl Shown<'_> {
     fn figure(&self, finger: &Finger, directions: &DirectionStudy, force_n: f64) -> Result<Figure, FigureError> {
-        let Shown { what, line, missing, value } = *self;
+        let Shown { what, missing, value } = *self;
         let cells: Vec<&DirectionCell> = directions.cells.iter().filter(|cell| cell.force_n == force_n).collect();
         let mut places: Vec<f64> = cells.iter().map(|cell| cell.s_mm).collect();
         places.dedup();
@@ -113,13 +93,13 @@ impl Shown<'_> {
         // Cells go by position, then direction; rows of the map by direction, then position.
         let row = |angle| cells.iter().skip(angle).step_by(angles.len().max(1)).map(|cell| value(cell)).collect();
         let title = format!("{force_n} N");
-        let frame = Frame::half(&title, format!("{title}: {what}, by position and true direction of the force."));
+        let frame = Frame::third(&title, format!("{title}: {what}, by position and true direction of the force."));
         let values = (0..angles.len()).map(row).collect();
         let shades = Shades::Scale(ColourScale::log(COLOURS[0], COLOURS[1]), what.to_owned());
         let cells = Cells::new(&places, &angles, values);
         let map = Map { missing_label: missing.to_owned(), ..plate_map(finger, frame, shades, cells) };
         Ok(Figure {
-            svg: Map { contours: line.into_iter().collect(), ..map }.svg()?,
+            svg: map.svg()?,
             caption: format!("{force_n} N: {what}, by position and true direction; hatched: {missing}."),
             csv: Some(CSV.to_owned()),
             wide: false,
@@ -168,14 +148,13 @@ fn where_identifiable(directions: &DirectionStudy) -> Option<String> {
     let [identified, all] = directions.identified(largest);
     let verdict = match 2 * identified > all {
         true => {
-            "the paper's \"will not work\" holds for small forces and for positions that hardly show a direction, not for the finger"
+            "So the paper's \"will not work\" (Fig. 13) holds for small forces and near the base, not for the finger"
         }
-        false => "the paper's \"will not work\" holds for most pushes, though not for all",
+        false => "So the paper's \"will not work\" (Fig. 13) holds for most pushes",
     };
     (!shares.is_empty()).then(|| {
         format!(
-            "Direction and force together are identifiable in these shares of the cells (position, direction): {}. Under {largest} N \
-             {everywhere}, {nowhere}. So {verdict}.",
+            "Both are identifiable in {} of the cells. Under {largest} N {everywhere}, {nowhere}. {verdict}.",
             shares.join(", ")
         )
     })
@@ -195,9 +174,8 @@ fn without_friction(directions: &DirectionStudy) -> Option<String> {
     let (samples, answered) = (of_all(|row| row.answers.samples), of_all(|row| row.answers.answered));
     let [small, _, large] = FORCES_N;
     Some(format!(
-        "A contact without friction pushes along the normal of the deformed plate. Who assumes so has no direction to estimate: the \
-         force errs by {} at {small} N and by {} at {large} N, mean over the nodes, against {} and {} with the direction unknown \
-         (refused in {} of {samples} noise samples of all forces, which count in no error) and {} and {} with the undeformed normal assumed.",
+        "Without friction a contact pushes along the deformed normal. Assuming so, the force errs by {} at {small} N and by {} at {large} N, mean over \
+         the nodes; with the direction unknown by {} and {} ({} of {samples} samples refused), with the undeformed normal by {} and {}.",
         errors(Assumption::Normal, small)?,
         errors(Assumption::Normal, large)?,
         errors(Assumption::Unknown, small)?,

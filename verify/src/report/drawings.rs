@@ -1,33 +1,81 @@
 //! Drawings of a study: its numbers arranged for [`figures`](crate::figures).
 
+use super::format::list;
 use crate::experiments::table_one::TableOne;
 use crate::figures::{
-    Axis, Bars, Cells, Chart, Class, ColourScale, Dash, FigureError, Frame, Hue, Lines, Map, Marker, Point, Series,
-    Shades,
+    Axis, Bars, Cells, Chart, Class, ColourScale, Dash, FigureError, Frame, Hue, Lines, Map, Marker, Paint, Point,
+    Series, Shades,
 };
-use crate::sampling::map::AccuracyMap;
+use crate::sampling::map::{AccuracyMap, CellState};
 use crate::study::Study;
 use finray_model::finger::Plate;
 use finray_model::{Finger, Kinematics, NodeId, Vector};
 
-/// The paper's two shades: grey above 10 %, dark above 25 %.
+/// Limits of the two shades of the paper's Table I, %.
 pub(super) const PAPER_SHADES_PERCENT: [f64; 2] = [10.0, 25.0];
+/// The one palette of errors: the largest error of each class, %, and its colour. Two shades of green are trusted, amber and red are not;
+/// lightness falls on either side of the threshold, so that the order survives colour blindness and grey print.
+const ERROR_CLASSES: [(f64, [u8; 3]); 5] = [
+    (2.0, [0x1f, 0x8a, 0x57]),
+    (5.0, [0x6c, 0xbf, 0x8b]),
+    (10.0, [0xc4, 0xe6, 0xca]),
+    (25.0, [0xf2, 0xb1, 0x34]),
+    (f64::INFINITY, [0xb0, 0x35, 0x2b]),
+];
 /// One colour scale for all maps, %.
 const ERROR_SCALE_PERCENT: [f64; 2] = [0.1, 100.0];
 pub(super) const ALONG_THE_PLATE: &str = "position along the front plate from the base, mm";
+/// The same where there is little room.
+const ALONG_IN_SHORT: &str = "position from the base, mm";
 pub(super) const DIRECTION_AXIS: &str = "force direction, deg from normal (+ to tip)";
 pub(super) const ALONG_AXIS: &str = "base to tip, mm";
 pub(super) const ACROSS_AXIS: &str = "back to front, mm";
 
-/// What a map's colours say.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Quantity {
-    /// Mean of |sensed / true - 1|.
-    Error,
-    /// What is wrong even without noise, either way.
-    Bias,
-    /// Standard deviation over the noise.
-    Spread,
+/// Ranks of cells without an error, after those of the classes.
+const REFUSED: usize = ERROR_CLASSES.len();
+const NO_EQUILIBRIUM: usize = REFUSED + 1;
+
+/// Rank of an error among the classes.
+pub(super) fn error_rank(error: f64) -> usize {
+    let finite = &ERROR_CLASSES[..ERROR_CLASSES.len() - 1];
+    finite.iter().take_while(|(up_to, _)| 100.0 * error > *up_to).count()
+}
+
+/// Rank of an outcome, with its error where there is one.
+pub(super) fn rank_of(state: CellState, error: Option<f64>) -> usize {
+    match (state, error) {
+        (CellState::WithoutEquilibrium, _) => NO_EQUILIBRIUM,
+        (CellState::Answered, Some(error)) => error_rank(error),
+        _ => REFUSED,
+    }
+}
+
+/// Words and filling of each rank: errors in the one palette, then what has none.
+pub(super) fn error_classes() -> Vec<Class> {
+    let words = |rank: usize| match rank {
+        0 => format!("error up to {} %", ERROR_CLASSES[0].0),
+        rank if rank + 1 == ERROR_CLASSES.len() => format!("above {} %", ERROR_CLASSES[rank - 1].0),
+        rank => format!("up to {} %", ERROR_CLASSES[rank].0),
+    };
+    let class = |rank: usize, label: String, fill| Class { up_to: rank as f64, label, sign: String::new(), fill };
+    let of_errors =
+        ERROR_CLASSES.iter().enumerate().map(|(rank, (_, colour))| class(rank, words(rank), Paint::Colour(*colour)));
+    let refused = class(REFUSED, "refused".to_owned(), Paint::Hatch { rising: true });
+    let none = class(NO_EQUILIBRIUM, "no equilibrium".to_owned(), Paint::Hatch { rising: false });
+    of_errors.chain([refused, none]).collect()
+}
+
+/// Cells of ranks by direction, then position, from ranks by position, then direction.
+pub(super) fn ranked(positions_mm: &[f64], angles_deg: &[f64], ranks: &[usize]) -> Cells {
+    let of_angle =
+        |angle: usize| ranks.iter().skip(angle).step_by(angles_deg.len()).map(|rank| Some(*rank as f64)).collect();
+    Cells::new(positions_mm, angles_deg, (0..angles_deg.len()).map(of_angle).collect())
+}
+
+/// Errors of a map under one force, or under the worst of all.
+pub(super) fn error_cells(map: &AccuracyMap, force_n: Option<f64>) -> Cells {
+    let ranks: Vec<usize> = map.worst_of(force_n).iter().map(|cell| rank_of(cell.state, cell.worst_error)).collect();
+    ranked(&map.request.positions_mm, &map.request.angles_deg, &ranks)
 }
 
 /// The same drawing as a file of its own: dark ink on white, where a page would lend its colours.
@@ -42,57 +90,20 @@ pub(super) fn point(v: &Vector) -> [f64; 2] {
     [v.x, v.y]
 }
 
-/// Accuracy map of one force, or of the mean over all.
+/// Accuracy map of one force, or of the worst of all.
 ///
 /// # Errors
 /// [`FigureError`] if the map has no cells.
 pub fn map_figure_svg(finger: &Finger, map: &AccuracyMap, force_n: Option<f64>) -> Result<String, FigureError> {
-    quantity_svg(finger, map, force_n, Quantity::Error)
-}
-
-/// The same of any quantity of the cells, on the same colours.
-///
-/// # Errors
-/// [`FigureError`] if the map has no cells.
-pub(super) fn quantity_svg(
-    finger: &Finger,
-    map: &AccuracyMap,
-    force_n: Option<f64>,
-    quantity: Quantity,
-) -> Result<String, FigureError> {
-    let force = force_n.map_or_else(
-        || match map.request.forces_n[..] {
-            [one] => format!("{one} N"),
-            _ => "mean over all forces".to_owned(),
-        },
-        |f| format!("{f} N"),
-    );
-    let noise = if map.noise_mm > 0.0 { format!("{} mm noise", map.noise_mm) } else { "no noise".to_owned() };
-    let truth = map.truth.label();
-    let (title, what, values, value_label) = match quantity {
-        Quantity::Error => {
-            let title = format!("{truth} truth, {noise}, {force}");
-            (title, "Error", map.errors(force_n), "error |sensed / true - 1|, %")
-        }
-        Quantity::Bias => {
-            let title = format!("bias: {truth} truth, {}", map.estimator.label());
-            (title, "Bias", map.values(force_n, |cell| cell.bias.map(f64::abs)), "|mean of sensed / true - 1|, %")
-        }
-        Quantity::Spread => {
-            let title = format!("spread: {truth} truth, {}", map.estimator.label());
-            (title, "Spread", map.values(force_n, |cell| cell.spread), "standard deviation of sensed / true, %")
-        }
+    let force = match (force_n, &map.request.forces_n[..]) {
+        (Some(force_n), _) | (None, &[force_n]) => format!("{force_n} N"),
+        (None, forces_n) => format!("worst of {} N", list(forces_n, ", ")),
     };
-    let alt = format!(
-        "{what} of the sensed force by position along the front plate and direction: {title}, {} estimator.",
-        map.estimator.label()
-    );
-    let percent = |error: Option<f64>| error.map(|e| 100.0 * e);
-    let values = values.into_iter().map(|row| row.into_iter().map(percent).collect()).collect();
-    let cells = Cells::new(&map.request.positions_mm, &map.request.angles_deg, values);
-    let shades = Shades::Scale(error_colours(), value_label.to_owned());
-    let missing_label = missing_label(map).to_owned();
-    Map { missing_label, ..plate_map(finger, Frame::half(title, alt), shades, cells) }.svg()
+    let noise = if map.noise_mm > 0.0 { format!("{} mm noise", map.noise_mm) } else { "no noise".to_owned() };
+    let title = format!("{}, {}: {force}, {noise}", map.truth.label(), map.estimator.label());
+    let alt = format!("Error of the sensed force by position along the front plate and direction: {title}.");
+    let shades = Shades::Classes(error_classes());
+    plate_map(finger, Frame::half(title, alt), shades, error_cells(map, force_n)).svg()
 }
 
 /// The colours of errors, %, one scale for all maps.
@@ -100,43 +111,23 @@ pub(super) fn error_colours() -> ColourScale {
     ColourScale::log(ERROR_SCALE_PERCENT[0], ERROR_SCALE_PERCENT[1])
 }
 
-/// A map over position along the plate and direction, with node numbers along its top and contours at the paper's shades.
+/// A map over position along the plate and direction, with node numbers along its top.
 pub(super) fn plate_map(finger: &Finger, frame: Frame, shades: Shades, cells: Cells) -> Map {
     let y = Axis::linear(DIRECTION_AXIS).with_ticks((-4..=4).map(|i| f64::from(i) * 20.0));
-    Map {
-        contours: PAPER_SHADES_PERCENT.to_vec(),
-        contour_unit: " %",
-        missing_label: "no equilibrium".to_owned(),
-        top: Some(node_axis(finger)),
-        ..Map::new(frame, [Axis::linear(ALONG_THE_PLATE), y], shades, cells)
-    }
+    Map { top: Some(node_axis(finger)), ..Map::new(frame, [Axis::linear(ALONG_IN_SHORT), y], shades, cells) }
 }
 
-/// Small maps over the whole plate and all directions in the paper's shades: names of the columns, and rows with theirs.
+/// Small maps of ranked errors over the whole plate and all directions: names of the columns, and rows with theirs.
 pub(super) fn small_maps(
     finger: &Finger,
     frame: Frame,
     columns: Vec<String>,
     rows: Vec<(String, Vec<Option<Cells>>)>,
-    missing_label: &str,
 ) -> Map {
-    let [grey, dark] = PAPER_SHADES_PERCENT;
-    let class = |up_to, label: String, colour| Class { up_to, label, sign: String::new(), colour };
     let (rows, plots): (Vec<String>, Vec<Vec<Option<Cells>>>) = rows.into_iter().unzip();
-    // From clear to dark, the same in light and dark mode: the order of lightness carries the meaning.
-    let shades = Shades::Classes(vec![
-        class(grey, format!("clear: error up to {grey} %"), [0xd9, 0xee, 0xdf]),
-        class(dark, format!("grey: up to {dark} %"), [0xa4, 0xac, 0xb5]),
-        class(f64::INFINITY, format!("dark: above {dark} %"), [0x41, 0x49, 0x53]),
-    ]);
     let x = Axis::linear(ALONG_THE_PLATE).within(0.0, finger.plate_length_mm(Plate::Front));
     let y = Axis::linear(DIRECTION_AXIS).within(-90.0, 90.0).with_ticks([-60.0, 0.0, 60.0]);
-    Map { columns, missing_label: missing_label.to_owned(), ..Map::grid(frame, [x, y], shades, rows, plots.concat()) }
-}
-
-/// Why cells are empty: linear sensing answers whatever it is shown.
-fn missing_label(map: &AccuracyMap) -> &'static str {
-    if map.estimator.is_linear() { "no equilibrium" } else { "no equilibrium, or refused" }
+    Map { columns, ..Map::grid(frame, [x, y], Shades::Classes(error_classes()), rows, plots.concat()) }
 }
 
 /// Node numbers along the front plate.
@@ -153,31 +144,8 @@ pub(super) fn percent_line(value: f64) -> (f64, String) {
     (value, format!("{value} %"))
 }
 
-/// Error along the front plate for forces along the normal, one line a force.
-pub(super) fn errors_along_the_normal(map: &AccuracyMap) -> Result<String, FigureError> {
-    let title = format!(
-        "Along the normal, {} truth, {}",
-        map.truth.label(),
-        if map.noise_mm > 0.0 { format!("{} mm noise", map.noise_mm) } else { "no noise".to_owned() }
-    );
-    let series = map
-        .request
-        .forces_n
-        .iter()
-        .enumerate()
-        .map(|(n, &force_n)| {
-            let cells = map.cells.iter().filter(|c| c.force_n == force_n && c.angle_deg == 0.0);
-            let points = cells.filter_map(|c| Some([c.s_mm, 100.0 * c.mean_error?])).collect();
-            Series { marker: None, ..Series::nth(n, format!("{force_n} N"), points) }
-        })
-        .collect();
-    let alt = format!("{title}: error of the sensed force by position, one line a force.");
-    let axes = [Axis::linear(ALONG_THE_PLATE), Axis::linear("error |sensed / true - 1|, %")];
-    Chart::new(Frame::half(title, alt), axes, series).compared([percent_line(PAPER_SHADES_PERCENT[0])]).svg()
-}
-
-/// Plates and ribs, at rest.
-fn at_rest(finger: &Finger) -> [Lines; 3] {
+/// Front plate, back plate and ribs, at rest.
+pub(super) fn at_rest(finger: &Finger) -> [Lines; 3] {
     let through = |nodes: &[NodeId]| nodes.iter().map(|node| point(&finger.position(*node))).collect();
     let [front, back] = [Plate::Front, Plate::Back].map(|plate| vec![through(&finger.plate_nodes(plate))]);
     [front, back, (0..finger.rib_count()).map(|rib| through(&finger.rib_nodes(rib))).collect()]

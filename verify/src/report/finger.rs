@@ -24,7 +24,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let finger = &study.finger;
     let d = finger.description();
     let ribs = match &d.ribs.positions {
-        RibPositions::Count(count) => format!("{count} evenly spaced ribs"),
+        RibPositions::Count(count) => format!("{count} ribs, evenly spaced"),
         RibPositions::Positions(places) => format!("{} ribs at given positions", places.len()),
     };
     let mut facts = vec![
@@ -49,18 +49,18 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     ];
     if study.is_paper {
         facts.push(
-            "Assumed: base width and depth. The paper gives them in a figure that was not at hand; 58 mm fits its fine \
-             mesh of 684 nodes and 695 elements of about 1 mm, the base line included. Displacements are proportional to \
-             1 / depth."
+            "Assumed: base width and depth, given in a figure that was not at hand; 58 mm fits the paper's fine mesh of 684 nodes. \
+             Displacements are \
+             proportional to 1 / depth."
                 .to_owned(),
         );
     }
     let blocks = vec![
         Block::Figure(Figure {
             svg: drawings::finger(study)?,
-            caption: "Key nodes, numbered from the back base over the tip to the front base. The arrows show what an \
-                      angle means: a positive force pushes along its arrow."
-                .to_owned(),
+            caption:
+                "Key nodes from the back base over the tip to the front base; a positive force pushes along its arrow."
+                    .to_owned(),
             csv: Some(CSV.to_owned()),
             wide: true,
         }),

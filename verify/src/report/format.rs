@@ -53,11 +53,11 @@ pub(super) fn time(seconds: f64) -> String {
     format!("{value:.digits$} {unit}")
 }
 
-/// An error, shaded as the paper shades its Table I: grey above 10 %, dark above 25 %.
+/// An error: amber above 10 %, red above 25 %, where the paper shades its Table I.
 pub(super) fn error(share: f64) -> Cell {
     let shade = match share {
-        e if e > GROSS_ERROR => Some(Shade::Dark),
-        e if e > TRUSTED_ERROR => Some(Shade::Grey),
+        e if e > GROSS_ERROR => Some(Shade::Red),
+        e if e > TRUSTED_ERROR => Some(Shade::Amber),
         _ => None,
     };
     Cell { shade, ..Cell::plain(percent(share)) }
@@ -76,6 +76,12 @@ pub(super) fn or_nothing(value: Option<impl ToString>) -> String {
 /// Whether a tolerance holds, in green or red.
 pub(super) fn verdict(holds: bool, [kept, broken]: [&str; 2]) -> Cell {
     if holds { Cell::shaded(kept, Shade::Pass) } else { Cell::shaded(broken, Shade::Fail) }
+}
+
+/// Words with a capital at their head.
+pub(super) fn capitalised(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// Numbers or words in a row.
@@ -143,6 +149,11 @@ mod tests {
         assert_eq!([1e-6, 0.0016, 0.5, 1e-12].map(percent_two_digits), ["0.00010 %", "0.16 %", "50 %", "< 0.000001 %"]);
         assert_eq!([2.284e-4, 8.2e-6, 0.0123, 2.0].map(time), ["228 \u{b5}s", "8.20 \u{b5}s", "12.3 ms", "2.00 s"]);
         assert_eq!([0.000_123_4, 0.1234, 1234.5, 0.0].map(figure), ["1.23e-4", "0.1234", "1234", "0"]);
+    }
+
+    #[test]
+    fn sentences_begin_with_a_capital() {
+        assert_eq!(["least squares", ""].map(capitalised), ["Least squares", ""]);
     }
 
     #[test]

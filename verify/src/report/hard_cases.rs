@@ -1,6 +1,5 @@
 //! Hard cases: what is checked at the edge of what can be computed, and the results.
 
-use super::checks;
 use super::dataset::{Columns, Dataset, Format};
 use super::format::{figure, verdict};
 use super::page::{Block, Column, Section, details, text};
@@ -20,11 +19,9 @@ fn columns<'s>() -> Columns<'s, &'s HardCase> {
         .file("case", |case: &&HardCase| case.case)
         .page("case", Format::Words, |case| unbroken(case.case))
         .file("difficulty", |case| case.difficulty)
-        .page("what makes it hard", Format::Words, |case| unbroken(case.difficulty))
         .file("promise", |case| case.expectation)
         .page("what is checked", Format::Words, |case| unbroken(case.expectation))
         .file("outcome", |case| outcome(case))
-        .page("result", Format::Words, |case| unbroken(&outcome(case)))
         .file("seconds", |case| case.seconds)
         .file("verdict", |case| VERDICTS[usize::from(!case.passes())])
         .cells(Column::words("verdict"), |case| verdict(case.passes(), VERDICTS))
@@ -34,24 +31,15 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     if study.hard_cases.is_empty() {
         return Ok(None);
     }
-    let kept = study.hard_cases.iter().filter(|case| case.passes()).count();
-    let figures = study.hard_cases.iter().flat_map(|case| &case.checks);
-    let blocks = vec![
+    let broken = study.hard_cases.iter().filter(|case| !case.passes()).map(|case| unbroken(&outcome(case)));
+    let mut blocks = vec![
         text(format!(
-            "Variants of the finger at the edge of what can be computed. No check rests on the solver's own word: a case is \
-             held against a scaling law, another solution method, a known limit or the true force. An equilibrium is sound \
-             if the general sparse path finds the same, linear and co-rotational, if reactions and load leave no \
-             force or moment, and if the elastic energy is the work of the load. No case may take more than {TIME_LIMIT_S} \
-             s. {kept} of {} cases pass all of their checks.",
-            study.hard_cases.len()
+            "Variants of the finger at the edge of what can be computed, each held against a scaling law, another method, a known limit or \
+             the true force, within {TIME_LIMIT_S} s. Near a broken case finray may answer wrongly or not at all. checks.csv has every figure.",
         )),
-        text(
-            "A broken row means that finray may answer wrongly, or not at all, near such a case: do not trust numbers there \
-             before its check is understood. It says nothing about the other rows.",
-        ),
-        Block::Table(columns().table("What is checked, and the results", CSV, &study.hard_cases)),
-        details("Every figure behind these verdicts", vec![Block::Table(checks::table(figures))]),
+        details("The cases", vec![Block::Table(columns().table("What is checked", CSV, &study.hard_cases))]),
     ];
+    blocks.extend(broken.map(text));
     Ok(Some(Section::new("hard-cases", "Hard cases", blocks).saying([in_words(&study.hard_cases)])))
 }
 

@@ -2,18 +2,20 @@
 
 #[cfg(test)]
 mod samples;
-mod tables;
 mod words;
 
-use super::dataset::Dataset;
-use super::format::list;
+use super::dataset::{Columns, Dataset, Format};
+use super::format::{error_as, percent_two_digits};
 use super::maps::map_csv_name;
-use super::page::{Block, Figure, Section, text};
+use super::page::{Block, Cell, Column, Figure, Section, Table, details, text};
 use super::{ReportError, Results, drawings};
 use crate::check::worst;
 use crate::experiments::lattice::LatticeStudy;
 use crate::figures::{Axis, Chart, FigureError, Frame, Series};
-use crate::lattice::accuracy::{FinenessRow, LoadGrid};
+use crate::lattice::accuracy::FinenessRow;
+use crate::lattice::causes::{AxialRow, SettlingRow};
+use crate::lattice::settling::Precision;
+use crate::problems::lattice::FINENESS;
 use crate::settings::DRAWN_FORCE_N;
 use crate::study::Study;
 
@@ -26,57 +28,111 @@ const GUIDE_ORDER: i32 = 4;
 const BESIDE: f64 = 1.08;
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
-    tables::datasets(study.lattice.as_ref())
+    data(study.lattice.as_ref())
+}
+
+/// Errors and costs by fineness and force; the lattice with other axial springs; ways of settling.
+fn data(lattice: Option<&LatticeStudy>) -> Vec<Dataset<'_>> {
+    // Errors are shares of the largest displacement: from converged beams, and of the settled lattice from its equilibrium.
+    let fineness = Columns::<(&FinenessRow, usize)>::new()
+        .file("segments_a_stretch", |(row, _)| row.fineness)
+        .file("bodies", |(row, _)| row.bodies)
+        .file("springs", |(row, _)| row.springs)
+        .file("force_n", |(row, force)| row.forces_n[*force])
+        .file("error", |(row, force)| row.errors[*force])
+        .file("newton_ms", |(row, _)| row.newton_ms)
+        .file("settling_error", |(row, _)| Some(row.settling?.error))
+        .file("settling_steps", |(row, _)| Some(row.settling?.steps))
+        .file("settling_ms", |(row, _)| Some(row.settling?.ms));
+    let axial = Columns::<(&AxialRow, usize, f64)>::new()
+        .file("axial_springs", |(row, ..)| row.name)
+        .file("inset", |(row, ..)| row.axial.inset)
+        .file("stiffness", |(row, ..)| row.axial.stiffness)
+        .file("force_n", |(.., force_n)| *force_n)
+        .file("error", |(row, force, _)| row.errors.as_ref().map(|errors| errors[*force]));
+    let lattices = || lattice.into_iter();
+    let by_force = lattices().flat_map(|lattice| &lattice.rows);
+    let by_force = by_force.flat_map(|row| (0..row.forces_n.len()).map(move |force| (row, force)));
+    let axial_by_force = lattices().flat_map(|lattice| {
+        let forces = move |row| lattice.axial_forces_n.iter().enumerate().map(move |(i, force_n)| (row, i, *force_n));
+        lattice.axial.iter().flat_map(forces)
+    });
+    vec![
+        Dataset::new(CSV, &fineness, by_force),
+        Dataset::new(AXIAL_CSV, &axial, axial_by_force),
+        settled(lattices().flat_map(|lattice| &lattice.settling)),
+    ]
+}
+
+/// Sweeps and precision of settling; no error where it does not settle.
+fn settled<'s>(rows: impl Iterator<Item = &'s SettlingRow>) -> Dataset<'s> {
+    let columns = Columns::<&SettlingRow>::new()
+        .file("sweeps", |row| row.sweeps)
+        .shown("sweeps a step", Format::Plain)
+        .file("positions", |row| match row.positions {
+            Precision::Double => "double",
+            Precision::Single => "single",
+        })
+        .shown("precision", Format::Words)
+        .file("error", |row| row.error)
+        .shown("difference, if it settles", Format::PercentTwoDigits)
+        .file("steps", |row| row.steps);
+    Dataset::new(SETTLING_CSV, &columns, rows)
 }
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(lattice) = &study.lattice else { return Ok(None) };
     let mut blocks = vec![text(
-        "The finger is built a second time, of rigid bodies with springs between them, in which no element or solver of the \
-         beams is used. The springs' stiffnesses are EA / l, 12 EI / l^3 and EI / l of the same sections: agreement verifies solver and \
-         co-rotational kinematics, not Euler-Bernoulli theory. Plates and ribs are cut into short segments, each an axial spring and two or three against bending. \
-         The physics engine rapier2d lets the bodies move until they rest; where they rest, the springs' energy is \
-         least, and Newton's method finds that equilibrium as well, which separates an error of the lattice from one of the \
-         settling. No parameter is fitted. finray map --truth lattice maps any finger this way.",
+        "The finger as rigid bodies between springs of EA / l, 12 EI / l^3 and EI / l: no element or solver of the beams is used, nothing is \
+         fitted. This verifies solver and kinematics, not beam theory. rapier2d lets the bodies come to rest; Newton's method finds the least \
+         energy and separates the lattice's errors from those of settling.",
     )];
     if lattice.settling.is_empty() {
-        blocks.push(text(
-            "This quick report compares equilibria alone, under fewer loads, on fewer finenesses and on coarser maps. A full \
-             one also lets the lattice settle, says what sweeps and single precision cost, and holds the lattice to its \
-             tolerances.",
-        ));
+        blocks.push(text("This quick report compares equilibria alone, under fewer loads."));
     }
-    blocks.push(Block::Table(tables::by_fineness(lattice)));
     blocks.push(Block::Figure(Figure {
         svg: drawing(&lattice.rows)?,
-        caption: format!(
-            "Worst difference of the lattice's equilibrium from converged beams by segments of plate between two key nodes, for \
-             each force; {}.",
-            loads_in_words(&lattice.loads[0])
-        ),
+        caption: "Worst difference of the lattice's equilibrium from converged beams, by force.".to_owned(),
         csv: Some(CSV.to_owned()),
         wide: true,
     }));
-    blocks.push(Block::Table(tables::costs(lattice)));
-    blocks.push(text("What agrees, what does not, and why:"));
     blocks.push(Block::List { items: words::findings(lattice) });
-    blocks.push(Block::Table(tables::axial(lattice)));
-    if !lattice.settling.is_empty() {
-        blocks.push(Block::Table(tables::settling(lattice)));
-    }
     blocks.push(Block::Figures { figures: vec![map_figure(study, lattice)?, sensing_figure(lattice)?] });
+    let mut folded = vec![text(words::SPRINGS), Block::Table(axial(lattice))];
+    if !lattice.settling.is_empty() {
+        folded.push(Block::Table(settled(lattice.settling.iter()).table(
+            "The settled lattice against its equilibrium; single: positions and rotations rounded (the engine's own such build was not run)",
+        )));
+    }
+    folded.push(text(words::precision(lattice)));
+    blocks.push(details("Which springs, and how they settle", folded));
     let section = Section::new("lattice", "Another discretisation: the spring lattice", blocks);
     Ok(Some(section.saying(words::verdict(lattice))))
+}
+
+/// What the axial springs matter.
+fn axial(lattice: &LatticeStudy) -> Table {
+    let cell = |row: &&AxialRow, force: usize| match &row.errors {
+        Some(errors) => error_as(percent_two_digits(errors[force]), errors[force]),
+        None => Cell::plain("no equilibrium"),
+    };
+    Columns::<&AxialRow>::new()
+        .page("axial springs", Format::Words, |row| row.name)
+        .each(lattice.axial_forces_n.iter().enumerate(), |columns, (i, force_n)| {
+            columns.cells(Column::numbers(format!("{force_n} N")), move |row| cell(row, i))
+        })
+        .table(
+            format!("Difference from converged beams, {FINENESS} segments a plate member"),
+            AXIAL_CSV,
+            &lattice.axial,
+        )
 }
 
 fn map_figure(study: &Study, lattice: &LatticeStudy) -> Result<Figure, ReportError> {
     let map = &lattice.sensing.least_squares;
     Ok(Figure {
         svg: drawings::map_figure_svg(&study.finger, map, Some(DRAWN_FORCE_N))?,
-        caption: format!(
-            "Sensed by linear least squares on the lattice, without noise; {DRAWN_FORCE_N} N; {}.",
-            map.summary(Some(DRAWN_FORCE_N)).counts()
-        ),
+        caption: format!("Least squares; {}.", map.summary(Some(DRAWN_FORCE_N)).counts()),
         csv: Some(map_csv_name(map)),
         wide: false,
     })
@@ -99,24 +155,12 @@ fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
     Ok(Figure {
         svg: Chart::new(Frame::half(title, alt), axes, series).svg()?,
         caption: format!(
-            "The same force at its worst direction: least squares, and the nonlinear estimator, whose model is the \
-             co-rotational finger, on {} directions ({}).",
-            lattice.sensing.nonlinear.request.angles_deg.len(),
+            "At the worst direction; nonlinear: {}.",
             lattice.sensing.nonlinear.summary(Some(DRAWN_FORCE_N)).counts()
         ),
         csv: Some(map_csv_name(&lattice.sensing.nonlinear)),
         wide: false,
     })
-}
-
-/// Nodes and directions of a grid of loads.
-fn loads_in_words(grid: &LoadGrid) -> String {
-    let nodes = match (grid.nodes.iter().min(), grid.nodes.iter().max()) {
-        (Some(low), Some(high)) if low < high => format!("{} nodes of {low} to {high}", grid.nodes.len()),
-        (Some(one), _) => format!("node {one}"),
-        _ => "no node".to_owned(),
-    };
-    format!("{nodes}, {} deg", list(&grid.angles_deg, ", "))
 }
 
 /// A series a force, and the slope of the fourth order from where the last begins.
@@ -138,8 +182,8 @@ fn drawing(rows: &[FinenessRow]) -> Result<String, FigureError> {
     let finenesses: Vec<f64> = rows.iter().map(|row| row.fineness as f64).collect();
     let widest = [f64::INFINITY, 0.0_f64];
     let ends = finenesses.iter().fold(widest, |[low, high], &x| [low.min(x / BESIDE), high.max(x * BESIDE)]);
-    let alt = "Worst difference of the lattice's displacements from converged beams by segments of plate between two key nodes, a line \
-               a force, both axes logarithmic";
+    let alt = "Worst difference of the lattice's displacements from converged beams by segments of plate between two key nodes, a line a force, \
+               both axes logarithmic";
     let x = Axis::log("segments of plate between two key nodes").within(ends[0], ends[1]).with_ticks(finenesses);
     let axes = [x, Axis::log("difference / largest displacement, %")];
     Chart::new(Frame::full("", alt).with_plot_height(320.0), axes, series).svg()
@@ -148,7 +192,6 @@ fn drawing(rows: &[FinenessRow]) -> Result<String, FigureError> {
 #[cfg(test)]
 mod tests {
     use super::samples::sample;
-    use super::tables::{axial, by_fineness, costs, datasets, settling};
     use super::*;
 
     #[test]
@@ -172,32 +215,14 @@ mod tests {
     }
 
     #[test]
-    fn what_was_not_settled_is_not_shown() {
-        let mut study = sample();
-        let table = costs(&study);
-        assert!(table.rows.iter().all(|row| row.len() == table.columns.len()));
-        let last = |row: usize| table.rows[row].last().map(|cell| cell.text.clone());
-        assert_eq!((last(0).as_deref(), last(1).as_deref()), (Some("0.0010 %"), Some("-")));
-        study.rows[0].settling = None;
-        let table = costs(&study);
-        assert!(table.rows.iter().all(|row| row.len() == table.columns.len()));
-        assert_eq!(table.columns.last().map(|column| column.name.as_str()), Some("Newton, ms"));
-        assert!(!table.caption.contains("settle"));
-        assert!(by_fineness(&study).rows.iter().all(|row| row.len() == 3));
-    }
-
-    #[test]
     fn what_has_no_equilibrium_or_does_not_settle_is_said() {
         let mut study = sample();
         let none = axial(&study).rows.pop().expect("springs left out");
-        assert_eq!(none[4].text, "no equilibrium");
-        let file = datasets(Some(&study))[1].csv().expect("text").expect("a file").1;
+        assert_eq!(none[2].text, "no equilibrium");
+        let file = data(Some(&study))[1].csv().expect("text").expect("a file").1;
         assert_eq!(file.lines().filter(|line| line.ends_with(',')).count(), 2);
-        (study.settling[4].error, study.settling[4].steps) = (None, None);
-        let single = settling(&study).rows.pop().expect("single precision");
-        assert_eq!(
-            single.iter().map(|cell| cell.text.as_str()).collect::<Vec<_>>(),
-            ["32", "single", "does not settle", "-"]
-        );
+        study.settling[4].error = None;
+        let single = settled(study.settling.iter()).table("").rows.pop().expect("single precision");
+        assert_eq!(single.iter().map(|cell| cell.text.as_str()).collect::<Vec<_>>(), ["32", "single", "-"]);
     }
 }

@@ -3,17 +3,19 @@
 
 pub mod page;
 
+mod answers;
 mod causes;
 mod checks;
 mod claims;
 mod contact_scenes;
 mod convergence;
-mod coverage;
 mod curves;
 mod dataset;
 mod directions;
 mod displacement_noise;
 mod drawings;
+mod estimators;
+mod explore;
 mod finger;
 mod format;
 mod hard_cases;
@@ -28,8 +30,8 @@ mod shapes;
 mod speed_error;
 mod table_one;
 mod table_two;
+mod trust;
 mod twin;
-mod verdict;
 
 pub use drawings::{map_figure_svg, standalone};
 
@@ -84,7 +86,8 @@ pub fn report(study: &Study, claims: &[Claim]) -> Result<Report, ReportError> {
     let page = sections::page(results)?;
     let data = sections::datasets(results);
     let says = page.questions.iter().flat_map(|question| &question.sections).flat_map(|section| &section.says);
-    let verdict: Vec<String> = page.verdict.iter().chain(says).cloned().collect();
+    let answers = page.answers.iter().map(|it| format!("{} {}", it.question, it.answer));
+    let verdict: Vec<String> = answers.chain(says.cloned()).chain([page.caveat.clone()]).collect();
     let mut files: Vec<(PathBuf, String)> = Vec::new();
     for dataset in &data {
         files.extend(dataset.csv()?.map(|(name, text)| (name.into(), text)));

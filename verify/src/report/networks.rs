@@ -2,7 +2,7 @@
 
 use super::dataset::{Columns, Dataset, Format};
 use super::format::{NOTHING, Span, error_as, list, nodes_in_words, percent_with, share_refused, verdict};
-use super::page::{Block, Cell, Column, Section, Table, text};
+use super::page::{Block, Cell, Column, Section, Table, details, text};
 use super::{ReportError, Results, curves, recipes};
 use crate::check::Check;
 use crate::experiments::networks::accuracy::{FORCES_N, NetworkStudy};
@@ -10,10 +10,6 @@ use crate::sampling::scatter::{Counts, Scatter, ScatterRow};
 use crate::settings::ENOUGH_CASES;
 
 const CSV: &str = "networks.csv";
-/// What the [tolerances](crate::experiments::networks::accuracy::CHECKED_SETS) say.
-const TOLERANCES: &str = "; tolerances are 1.6 % for a single node, 4 % for each of two neighbours, 2 % for each of two nodes apart, 1 % \
-                          for a sum";
-
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
     // A row for the mean of the forces, and for their sum where there are several.
     let quantities = |row: &'s ScatterRow| [Some((row, None)), sum(row).map(|sum| (row, Some(sum)))];
@@ -51,16 +47,14 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let mut blocks = Vec::new();
     if let Some(networks) = &study.networks {
         blocks.push(text(format!(
-            "Networks that answer in microseconds ship with finray for eleven single nodes and four pairs of the paper's \
-             finger. Trained on the co-rotational finger and camera noise, they sense the co-rotational finger of the fine mesh here: \
-             forces of {} to {} N along the normal, {} mm of noise. The bound is that of Cramer and Rao; covered is how often \
-             a force lies within 1.96 of the standard deviations that the network states (95 % are meant).",
+            "Eleven single nodes and four pairs of the paper's finger, {} to {} N along the normal, {} mm noise; trained on the uniform finger, \
+             which they sense here.",
             FORCES_N[0], FORCES_N[1], networks.noise_mm
         )));
-        blocks.push(Block::Table(table(networks)));
+        blocks.push(details("By contact", vec![Block::Table(table(networks))]));
     }
-    if let Some(two) = &study.table_two {
-        blocks.extend(recipes::blocks(&study.records.recipes, two));
+    if study.table_two.is_some() {
+        blocks.extend(recipes::blocks(&study.records.recipes));
     }
     blocks.extend(curves::blocks(&study.records.curves)?);
     let says = study.networks.as_ref().and_then(in_words);
@@ -78,19 +72,17 @@ fn in_words(networks: &NetworkStudy) -> Option<String> {
     };
     let over = networks.rows.iter().filter_map(|row| Some((row.mean_error()? / row.mean_error_bound()?, row)));
     let (most, worst) = over.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let sums = networks.rows.iter().filter_map(|row| Some(sum(row)?.mean_error)).fold(0.0, f64::max);
     let checks = networks.checks();
     let kept = checks.iter().filter(|check| check.passes()).count();
     let tolerances = match checks.len() {
         0 => String::new(),
-        all => format!(" {kept} of {all} tolerances of accuracy hold."),
+        all => format!(" {kept} of {all} tolerances hold."),
     };
     Some(format!(
-        "The networks that ship err by {} for one force, by {} for each of two, and by no \
-         more than {} for their sum ({}): at most {most:.2} times the bound (node{} {}).{tolerances}",
+        "The networks that ship err by {} for one force and by {} for each of two ({}): at most {most:.2} times the Cramer-Rao bound (node{} \
+         {}).{tolerances}",
         errors(1)?,
         errors(2)?,
-        percent(sums),
         Counts::of(&networks.rows),
         if worst.nodes.len() > 1 { "s" } else { "" },
         nodes_in_words(&worst.nodes)
@@ -104,18 +96,15 @@ fn table(networks: &NetworkStudy) -> Table {
         None => Cell::plain(NOTHING),
     };
     let few = checked && networks.rows.iter().any(|row| row.drawn() < ENOUGH_CASES);
-    let caption = format!(
-        "Mean error of the networks that ship{}{}",
-        if checked { TOLERANCES } else { "" },
-        if few { " (here and three standard errors, for few cases)" } else { "" }
-    );
+    let caption = match few {
+        true => "Mean error; with few cases, tolerances are wider by three standard errors",
+        false => "Mean error; covered: within 1.96 stated standard deviations (95 % are meant)",
+    };
     let columns = Columns::<&ScatterRow>::new()
         .page("nodes", Format::Words, |row| list(&row.nodes, ", "))
-        .page("cases drawn", Format::Plain, |row| row.drawn())
         .cells(Column::numbers("each force"), move |row| shaded(row.mean_error()))
         .page("bound", Format::PercentFixed(2), |row| row.mean_error_bound())
         .cells(Column::numbers("sum"), move |row| shaded(sum(row).map(|sum| sum.mean_error)))
-        .page("bound of sum", Format::PercentFixed(2), |row| sum(row).and_then(bound))
         .page("covered", Format::PercentFixed(1), |row| coverage(row))
         .page("refused", Format::Plain, |row| share_refused([*row]));
     let kept = |row: &&ScatterRow| verdict(networks.checks_of(row).iter().all(Check::passes), ["kept", "broken"]);

@@ -3,6 +3,7 @@
 //! A page is built from plain data and rendered through one template; the
 //! figures' SVG goes in as it is, every other text is escaped.
 
+use super::explore;
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment, context};
@@ -15,14 +16,29 @@ pub struct Page {
     pub title: String,
     /// One sentence under the title.
     pub subtitle: String,
-    /// What was found, in few sentences; shown before everything else.
-    pub verdict: Vec<String>,
-    /// The one drawing beside the verdict.
-    pub lead: Option<Figure>,
+    /// The reader's questions with their answers; shown before everything else.
+    pub answers: Vec<Answer>,
+    /// What the answers rest on.
+    pub caveat: String,
+    /// The drawings beside and below the answers.
+    pub lead: Vec<Figure>,
+    /// Words below these drawings.
+    pub lead_caption: String,
+    /// Numbers for the script that answers the reader's choices; `None`: no such section.
+    pub explore: Option<String>,
     /// The results, question by question, in the order of the table of contents.
     pub questions: Vec<Question>,
     /// Small print at the end.
     pub footer: String,
+}
+
+/// A question, answered in few sentences.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Answer {
+    /// The question.
+    pub question: String,
+    /// The answer.
+    pub answer: String,
 }
 
 /// A question of the reader, and the sections that answer it.
@@ -135,10 +151,10 @@ pub enum Shade {
     Pass,
     /// Red: not as it should be.
     Fail,
-    /// Grey: an error of more than a tenth.
-    Grey,
-    /// Dark: an error of more than a quarter.
-    Dark,
+    /// Amber: an error of more than a tenth.
+    Amber,
+    /// Red: an error of more than a quarter.
+    Red,
 }
 
 /// A paragraph.
@@ -201,7 +217,9 @@ pub fn render(page: &Page) -> Result<String, minijinja::Error> {
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?;
     environment.set_syntax(syntax);
     environment.add_template("page.html", include_str!("page.html"))?;
-    environment.get_template("page.html")?.render(context! { page => Serde(page) })
+    let page =
+        context! { page => Serde(page), script => explore::SCRIPT, style => explore::STYLE, markup => explore::MARKUP };
+    environment.get_template("page.html")?.render(page)
 }
 
 #[cfg(test)]
@@ -212,8 +230,11 @@ mod tests {
         Page {
             title: "Truth <b>".into(),
             subtitle: "under the title".into(),
-            verdict: vec!["It <em>works</em>.".into()],
-            lead: Some(figure(Some("lead.csv"))),
+            answers: vec![Answer { question: "Does it?".into(), answer: "It <em>works</em>.".into() }],
+            caveat: "all of it simulated".into(),
+            lead: vec![figure(Some("lead.csv"))],
+            lead_caption: "what the colours say".into(),
+            explore: None,
             questions: vec![Question { id: "where".into(), heading: "Where & when".into(), sections: vec![section()] }],
             footer: "the end".into(),
         }
@@ -232,7 +253,7 @@ mod tests {
         let table = Table {
             caption: "Errors".into(),
             columns: vec![Column::words("node"), Column::numbers("error, %")],
-            rows: vec![vec![Cell::file("24.csv"), Cell::shaded("12 < 25", Shade::Grey)]],
+            rows: vec![vec![Cell::file("24.csv"), Cell::shaded("12 < 25", Shade::Amber)]],
             csv: Some("errors.csv".into()),
         };
         Section {
@@ -271,11 +292,13 @@ mod tests {
             "<summary>More</summary>",
             "<li>one point</li>",
             "12 &lt; 25",
-            "class=\"number grey\"",
+            "class=\"number amber\"",
             "href=\"errors.csv\"",
             "href=\"map.csv\"",
             "href=\"lead.csv\"",
             "It &lt;fails&gt;.",
+            "Does it?",
+            "all of it simulated",
             "Where &amp; when",
             "href=\"#where\"",
             "id=\"where\"",

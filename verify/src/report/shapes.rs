@@ -4,13 +4,15 @@ use super::dataset::{Columns, Dataset};
 use super::format::percent;
 use super::page::{Block, Figure, Section, text};
 use super::{ReportError, Results, drawings};
-use crate::experiments::shapes::BentFinger;
+use crate::experiments::shapes::{BentFinger, TouchedFinger};
 use crate::settings::DRAWN_FORCE_N;
 use crate::study::Study;
 use finray_model::validity::{LARGEST_SHEAR_SHARE, LARGEST_STRAIN, StrainLimits};
 use finray_model::{Kinematics, Vector};
 
 const CSV: &str = "shapes.csv";
+/// Shapes that the reader chooses from.
+pub(super) const TOUCHED_CSV: &str = "touched.csv";
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
     let lines = study.bent.iter().flat_map(|bent| bent.lines.iter().enumerate().map(move |(n, line)| (bent, n, line)));
@@ -20,7 +22,18 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
         .file("line", |(_, line, _)| *line)
         .file("x_mm", |(.., point)| point.x)
         .file("y_mm", |(.., point)| point.y);
-    vec![Dataset::new(CSV, &columns, points).csv_alone()]
+    let touched = study
+        .touched
+        .iter()
+        .flat_map(|shape| shape.positions.iter().enumerate().map(move |(n, at)| (shape, n + 1, at)));
+    let of_touched = Columns::<(&TouchedFinger, usize, &Vector)>::new()
+        .file("loaded_node", |(shape, ..)| shape.node)
+        .file("angle_deg", |(shape, ..)| shape.angle_deg)
+        .file("force_n", |(shape, ..)| shape.force_n)
+        .file("node", |(_, node, _)| *node)
+        .file("x_mm", |(.., at)| at.x)
+        .file("y_mm", |(.., at)| at.y);
+    vec![Dataset::new(CSV, &columns, points).csv_alone(), Dataset::new(TOUCHED_CSV, &of_touched, touched).csv_alone()]
 }
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
@@ -31,7 +44,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         blocks.push(Block::Figure(Figure {
             svg: drawings::bent(study)?,
             caption: format!(
-                "At rest and under {DRAWN_FORCE_N} N along the normal: dotted by linear theory, solid by the co-rotational formulation."
+                "At rest and under {DRAWN_FORCE_N} N along the normal: linear (dotted) and co-rotational (solid)."
             ),
             csv: Some(CSV.to_owned()),
             wide: true,
@@ -47,10 +60,10 @@ fn validity(study: &Study) -> Option<String> {
     let strains = shapes().filter_map(|bent| bent.validity.largest_strain(&StrainLimits::default()));
     let strain = strains.max_by(|a, b| a.strain.total_cmp(&b.strain))?;
     let sheared = shapes().max_by(|a, b| a.validity.shear_share.total_cmp(&b.validity.shear_share))?;
-    let member = sheared.validity.shear_at.map_or_else(String::new, |member| format!(", most of it in {member}"));
+    let member = sheared.validity.shear_at.map_or_else(String::new, |member| format!(", mostly in {member}"));
     Some(format!(
-        "The largest strain of a fibre in these co-rotational shapes is {strain}. Shear, which Euler-Bernoulli beams leave out, would let the loads move by \
-         up to {} more{member}. Beams are taken up to {} of strain and {} of shear.",
+        "Largest fibre strain: {strain}. Shear, which the beams leave out, would let the loads move by up to {} more{member}. Limits: {} of \
+         strain, {} of shear.",
         percent(sheared.validity.shear_share),
         percent(LARGEST_STRAIN),
         percent(LARGEST_SHEAR_SHARE),

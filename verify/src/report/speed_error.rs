@@ -1,8 +1,8 @@
 //! What an answer costs, and how far it is off.
 
 use super::dataset::{Columns, Dataset, Format};
-use super::format::{NOTHING, or_nothing, percent, time};
-use super::page::{Block, Cell, Column, Figure, Section, Shade, Table, text};
+use super::format::{NOTHING, or_nothing, percent, percent_two_digits, time};
+use super::page::{Block, Cell, Column, Figure, Section, Shade, Table, details, text};
 use super::{ReportError, Results};
 use crate::experiments::speed_error::recommendation::LARGEST_BIAS_SIGMAS;
 use crate::experiments::speed_error::sensing::{FRAMES_A_PERIOD, SENSED_N};
@@ -22,19 +22,15 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         return Ok(None);
     }
     let mut blocks = vec![text(format!(
-        "Time of one answer, timed by this report on one core (median, and the time that 95 % of the answers stay within), against its error. Shapes: under \
-         {SOLVED_N} N at nodes along the front plate in three directions, worst difference of a displacement from beams of 32 elements a member. Forces: \
-         along the normal, swinging over {} to {} N in {FRAMES_A_PERIOD} frames, seen with {} mm noise on the co-rotational finger of the finest mesh; mean \
-         error. A warm start is the frame before, a cold one least squares. Meshing the finger is not counted; preparing for a new contact is given \
-         beside. Model error: the largest error without noise, in standard deviations of the noise. Finding it, as finray sense does to widen its standard deviations, is not counted. The dotted line joins what nothing else beats in \
-         both.",
+        "Median time of one answer on one core against its error. Shapes: {SOLVED_N} N along the front plate in three directions, against beams \
+         of 32 elements a member. Forces: {} to {} N along the normal over {FRAMES_A_PERIOD} frames, {} mm noise. A warm start is the frame \
+         before, a cold one least squares; meshing, preparing for a contact and finding the model error are not counted.",
         SENSED_N[0], SENSED_N[1], study.noise_mm
     ))];
     blocks.extend(study.timing_notes.iter().map(text));
     if !points.iter().any(is_peer) {
         blocks.push(text(
-            "Other programs were not timed: bench/peers/peers.py does so for the paper's finger, and finray report --peers peers.csv adds what \
-             it writes.",
+            "Other programs were not timed: finray report --peers peers.csv adds what bench/peers/peers.py writes.",
         ));
     }
     let floor = study.convergence.left(SOLVED_N).filter(|left| *left > 0.0);
@@ -55,7 +51,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
             }));
         }
     }
-    blocks.push(Block::Table(table(points)));
+    blocks.push(details(format!("All {} points", points.len()), vec![Block::Table(table(points))]));
     Ok(Some(Section::new("speed-error", "What an answer costs", blocks).saying(in_words(study))))
 }
 
@@ -71,10 +67,16 @@ fn in_words(study: &Study) -> Option<String> {
     let nearest = points.iter().min_by(|a, b| a.error.total_cmp(&b.error))?;
     let fastest = points.iter().min_by(faster)?;
     let described = |point: &SpeedErrorPoint| {
-        format!("{} ({}) in {}, within {}", point.model, point.setting, time(point.seconds), percent(point.error))
+        format!(
+            "{} ({}) in {}, error {}",
+            point.model,
+            point.setting,
+            time(point.seconds),
+            percent_two_digits(point.error)
+        )
     };
     Some(format!(
-        "The fastest model that gives the shape under {SOLVED_N} N within {}: {}. The nearest: {}. The fastest of all: {}.",
+        "The fastest model that gives the shape under {SOLVED_N} N within {}: {}. The nearest: {}. The fastest: {}.",
         percent(GOOD_SHAPE),
         described(good),
         described(nearest),
@@ -129,30 +131,28 @@ fn drawing(points: &[&SpeedErrorPoint], title: &str, floor: Option<f64>) -> Resu
 }
 
 fn table(points: &[SpeedErrorPoint]) -> Table {
-    // Grey: what speaks against a way.
-    let grey_if = |grey: bool, words: String| Cell { shade: grey.then_some(Shade::Grey), ..Cell::plain(words) };
+    // Amber: what speaks against a way.
+    let amber_if = |amber: bool, words: String| Cell { shade: amber.then_some(Shade::Amber), ..Cell::plain(words) };
     Columns::<&SpeedErrorPoint>::new()
         .page("answer", Format::Words, |point| answer(point.task))
         .page("model", Format::Words, |point| name(point))
-        .page("setting", Format::Words, |point| point.setting.clone())
+        .page("setting", Format::Words, |point| point.mesh().to_owned())
         .page("time", Format::Plain, |point| time(point.seconds))
-        .page("95 %", Format::Plain, |point| point.seconds_95.map(time))
-        .page("preparation", Format::Plain, |point| point.preparation_seconds.map(time))
-        .page("timed by", Format::Words, |point| point.timed_by.to_string())
         .page("error", Format::Percent, |point| Some(point.error).filter(|error| error.is_finite()))
         .cells(Column::numbers("model error"), move |point| {
             let words = or_nothing(point.bias_sigmas.map(|bias| format!("{bias:.2}")));
-            grey_if(point.bias_sigmas > Some(LARGEST_BIAS_SIGMAS), words)
+            amber_if(point.bias_sigmas > Some(LARGEST_BIAS_SIGMAS), words)
         })
         .cells(Column::numbers("failed"), move |point| match point.asked {
             0 => Cell::plain(NOTHING),
-            asked => grey_if(point.failed > 0, format!("{} of {asked}", point.failed)),
+            _ if point.failed == 0 => Cell::plain("0"),
+            asked => amber_if(true, format!("{} of {asked}", point.failed)),
         })
-        .cells(Column::words("unbeaten"), |point| match point.on_front {
-            true => Cell::shaded("yes", Shade::Pass),
-            false => Cell::plain(""),
+        .page("timed by", Format::Words, |point| match point.timed_by {
+            TimedBy::Report => String::new(),
+            ref other => other.to_string(),
         })
-        .table("Time and error of every model and estimator", CSV, points)
+        .table("Model error: the largest without noise, in its standard deviations", CSV, points)
 }
 
 #[cfg(test)]
@@ -188,7 +188,7 @@ mod tests {
         }
         assert!(!svg.contains("exact set"), "an error of nothing has no place");
         let rows = table(&points).rows;
-        assert_eq!(rows[1][9], Cell::shaded("2 of 5", Shade::Grey));
-        assert_eq!([3, 4, 5].map(|cell| rows[0][cell].text.as_str()), ["10.0 \u{b5}s", "20.0 \u{b5}s", "-"]);
+        assert_eq!(rows[1][6], Cell::shaded("2 of 5", Shade::Amber));
+        assert_eq!([3, 4, 7].map(|cell| rows[0][cell].text.as_str()), ["10.0 \u{b5}s", "1.0 %", ""]);
     }
 }

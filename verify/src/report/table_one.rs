@@ -1,8 +1,8 @@
 //! The paper's Table I: its errors by node beside ours, for each direction that its weights may have had.
 
 use super::dataset::{Columns, Dataset, Format};
-use super::format::{list, percent};
-use super::page::{Block, Figure, Section, text};
+use super::format::{Span, list, percent};
+use super::page::{Block, Figure, Section, details, text};
 use super::{ReportError, Results, drawings};
 use crate::claims::criteria::accounts_for;
 use crate::experiments::table_one::{TableOne, TableOneRow, WEIGHTS_G};
@@ -29,7 +29,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let tables = &study.tables_one;
     let Some(first) = tables.first() else { return Ok(None) };
-    let factors = tables.iter().map(|table| format!("{:.4} at {} deg", table.modulus_factor, table.angle_deg));
+    let Some(factors) = Span::of(tables.iter().map(|table| table.modulus_factor)) else { return Ok(None) };
     let columns = Columns::<usize>::new()
         .page("node", Format::Plain, |i| first.rows[*i].node)
         .page("paper", Format::Error, |i| first.rows[*i].paper_mean_error)
@@ -39,25 +39,22 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         });
     let blocks = vec![
         text(format!(
-            "The paper hangs weights of 50 to 300 g (g = 9.80665 m/s^2) on single nodes and senses them with the linear model, \
-             whose Young's modulus is calibrated first on nodes 17, 19 and 21 (eq. (11)). Here the true finger is the \
-             co-rotational finger without noise. The paper says that the weights pull vertically, not how the finger lies: \
-             several directions are assumed (10.9 deg is vertical for a level finger axis). Calibrated modulus over the true \
-             one: {}.",
-            list(factors, ", ")
+            "The paper hangs 50 to 300 g on single nodes and senses them with the linear model, calibrated on nodes 17, 19 and 21 (over the true \
+             modulus: {:.2} to {:.2}). Here the uniform finger is the true one, without noise. How the finger lies is not published: several \
+             directions are assumed (10.9 deg: axis level).",
+            factors.least, factors.greatest
         )),
         Block::Figure(Figure {
             svg: drawings::table_one(tables)?,
-            caption: "Mean error at six nodes: the paper's measurement and what geometric nonlinearity alone would cause.".to_owned(),
+            caption: "Mean error over six weights: measured in the paper, and by geometric nonlinearity alone."
+                .to_owned(),
             csv: Some(CSV.to_owned()),
             wide: true,
         }),
-        Block::Table(columns.table(
-            "Mean error of the sensed force over six weights (50 to 300 g) by loaded node; grey above 10 %, dark above 25 %, as in the \
-             paper's Table I",
-            CSV,
-            0..first.rows.len(),
-        )),
+        details(
+            "Every direction",
+            vec![Block::Table(columns.table("Mean error by loaded node", CSV, 0..first.rows.len()))],
+        ),
     ];
     Ok(Some(Section::new("table-one", "The paper's Table I", blocks).saying([in_words(first)])))
 }
@@ -71,13 +68,10 @@ fn in_words(table: &TableOne) -> String {
     };
     let [most, less] = [most, less].map(|rows| list(rows.iter().map(in_words), ", "));
     let head = "In simulation, geometric nonlinearity alone gives";
+    let of = "of the paper's large errors in Table I";
     match (most.as_str(), less.as_str()) {
-        ("", less) => format!(
-            "{head} less than half of the paper's large errors in Table I: {less}. What else causes them is not found out here."
-        ),
-        (most, "") => format!("{head} most of the paper's large errors in Table I: {most}."),
-        (most, less) => {
-            format!("{head} most of the paper's large errors in Table I at {most}, less than half at {less}.")
-        }
+        ("", less) => format!("{head} less than half {of}: {less}. What else causes them is not found out here."),
+        (most, "") => format!("{head} most {of}: {most}."),
+        (most, less) => format!("{head} most {of} at {most}, less than half at {less}."),
     }
 }

@@ -5,12 +5,13 @@ mod words;
 
 use super::dataset::{Columns, Dataset, Format};
 use super::format::{NOTHING, Span, error, error_as, list, nodes_in_words, share_of_counts, share_refused};
-use super::page::{Block, Cell, Column, Section, Table, text};
+use super::page::{Block, Cell, Column, Figure, Section, Table, details, text};
 use super::{ReportError, Results};
 use crate::estimators::EstimatorId;
 use crate::experiments::networks::paper::{OverSeeds, PAPER_RECIPES, quantities, recorded};
 use crate::experiments::networks::records::RecipeRow;
-use crate::experiments::table_two::{CASES_WITHOUT_FIT, CONTACT_GROUPS, ContactGroup, FORCES_N, MOST_FITS, TableTwo};
+use crate::experiments::table_two::{CONTACT_GROUPS, ContactGroup, FORCES_N, MOST_FITS, TableTwo};
+use crate::figures::{Axis, Bars, Chart, FigureError, Frame, Hue};
 use crate::truths::TruthId;
 
 const CSV: &str = "table_two.csv";
@@ -23,41 +24,80 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(two) = &study.table_two else { return Ok(None) };
+    let records = &study.records.recipes;
     let groups = CONTACT_GROUPS
         .map(|group| format!("{} ({})", group.name, list(group.sets.iter().map(|set| nodes_in_words(set)), "; ")));
     let mut blocks = vec![text(format!(
-        "The paper grasps sensor modules with its gripper, senses with its network and lists mean errors over the tests at the nodes that \
-         sec. V-C names: {}. Here a simulated finger whose model is known is sensed at the same nodes, {} times for each set of contacts, all \
-         estimators from the same noise samples: forces of {} to {} N along the normal, nodes and directions known. Shown is the mean \
-         error of a force over the sets of a column and, behind it, of the sum of both, over the cases that were answered; how many \
-         were refused stands beside. The bound is that of Cramer and Rao. The nonlinear estimator takes its time and senses the first \
-         {} cases of each set; of the linear finger, which it does not fit, {}. \"network\" is that which ships for these contacts, trained \
-         on the co-rotational finger. \"Network of the paper\" is trained as in sec. IV-A, on noise-free cases of the linear finger, and \
-         recorded: mean over the seeds, least and greatest in brackets; the paper does not say how displacements are scaled, so two \
-         ways are. Its records are of {}.",
-        groups.join(", "),
+        "The paper's network senses its gripper; here a simulated finger is sensed at the same nodes, {}: {} cases each ({} nonlinear), {} to {} \
+         N along the normal, nodes and directions known. \"Network of the paper\" is trained as in sec. IV-A on noise-free cases of the linear \
+         finger, and recorded with two scalings of displacements, as the paper publishes none.",
+        list(groups, ", "),
         two.cases,
+        two.cases.min(MOST_FITS),
         FORCES_N[0],
         FORCES_N[1],
-        two.cases.min(MOST_FITS),
-        two.cases.min(CASES_WITHOUT_FIT),
-        words::recorded_at(&study.records.recipes)
     ))];
-    blocks.extend(words::linear(two).map(text));
-    blocks.extend(
-        PAPER_RECIPES
-            .iter()
-            .filter_map(|recipe| words::papers(&study.records.recipes, recipe, study.noise_mm))
-            .map(text),
-    );
-    blocks.push(Block::Table(table(two, &study.records.recipes)));
-    Ok(Some(Section::new("table-two", "The paper's Table II", blocks)))
+    blocks.push(Block::Figure(Figure {
+        svg: drawing(two, records, study.noise_mm)?,
+        caption: format!("Measured in the paper, and in simulation with {} mm noise.", study.noise_mm),
+        csv: Some(CSV.to_owned()),
+        wide: true,
+    }));
+    blocks.extend(words::linearisation(two, study.noise_mm).map(text));
+    blocks.push(details("By estimator", vec![Block::Table(table(two, records, study.noise_mm))]));
+    let says = words::papers(records, study.noise_mm).into_iter().chain(words::ours(two, study.noise_mm));
+    Ok(Some(Section::new("table-two", "The paper's Table II", blocks).saying(says)))
+}
+
+/// The paper's five figures and those on the co-rotational finger, as bars.
+fn drawing(two: &TableTwo, records: &[RecipeRow], noise_mm: f64) -> Result<String, FigureError> {
+    let truth = TruthId::Corotational;
+    let bars = |label: String, hue, of: &dyn Fn(&ContactGroup, &'static str) -> Option<f64>| {
+        let percent = |error: f64| (1000.0 * error).round() / 10.0;
+        Bars { label, hue, values: by_group(|group, quantity| of(group, quantity).map(percent)) }
+    };
+    let estimated = |n: usize, estimator: EstimatorId| {
+        let of = |group: &ContactGroup, quantity| estimated(two, (truth, noise_mm, estimator), group, quantity);
+        bars(estimator.label().to_owned(), Hue::nth(n), &of)
+    };
+    let recorded = PAPER_RECIPES.iter().enumerate().map(|(n, recipe)| {
+        bars(paper_network(recipe), Hue::nth(n), &|group, quantity| {
+            Some(recorded(records, recipe, truth, noise_mm, group, quantity)?.mean)
+        })
+    });
+    let paper = bars("paper, measured".to_owned(), Hue::Neutral, &of_paper);
+    let ours = [estimated(2, EstimatorId::LeastSquares), estimated(3, EstimatorId::Nonlinear)];
+    let names = by_group(|group, quantity| match group.paper_sum {
+        Some(_) => format!("{}: {}", group.name, quantity.trim_end_matches(" force")),
+        None => group.name.to_owned(),
+    });
+    let alt =
+        "Mean error of each force and of the sum: the paper's Table II, its network as recorded, and our estimators.";
+    let axes = [Axis::categories("contact nodes", names), Axis::linear("mean error, %")];
+    let all = std::iter::once(paper).chain(recorded).chain(ours).filter(|bars| bars.values.iter().any(Option::is_some));
+    Chart::of_bars(Frame::full("", alt), axes, all.collect()).svg()
+}
+
+/// Mean error of a truth, noise and estimator.
+fn estimated(two: &TableTwo, of: (TruthId, f64, EstimatorId), group: &ContactGroup, quantity: &str) -> Option<f64> {
+    two.group(group, of.0, of.1, of.2).and_then(|errors| of_quantity(quantity, errors.force, errors.sum))
+}
+
+fn of_paper(group: &ContactGroup, quantity: &'static str) -> Option<f64> {
+    of_quantity(quantity, group.paper_force, group.paper_sum)
+}
+
+fn of_quantity(quantity: &str, force: f64, sum: Option<f64>) -> Option<f64> {
+    if quantity == "sum" { sum } else { Some(force) }
 }
 
 /// How a recipe of the paper is called in tables.
 fn paper_network(recipe: &str) -> String {
-    let scaling = if recipe == PAPER_RECIPES[0] { "largest" } else { "spread" };
-    format!("network of the paper, scaled by the {scaling}")
+    format!("network of the paper, scaled by the {}", scaling(recipe))
+}
+
+fn scaling(recipe: &str) -> &'static str {
+    if recipe == PAPER_RECIPES[0] { "largest" } else { "spread" }
 }
 
 /// Fingers and levels of noise with records.
@@ -93,16 +133,6 @@ fn span(over: &OverSeeds) -> Span {
     Span { mean: over.mean, least: over.least, greatest: over.greatest }
 }
 
-/// A line of the page's table.
-struct Line {
-    finger: &'static str,
-    noise: String,
-    sensed_by: String,
-    /// By group: each force, and the sum where there are several.
-    cells: Vec<Cell>,
-    refused: String,
-}
-
 /// By group and quantity, in the order of the columns.
 fn by_group<T>(of: impl Fn(&ContactGroup, &'static str) -> T) -> Vec<T> {
     let of_group =
@@ -110,75 +140,52 @@ fn by_group<T>(of: impl Fn(&ContactGroup, &'static str) -> T) -> Vec<T> {
     CONTACT_GROUPS.iter().flat_map(of_group).collect()
 }
 
-/// A line for the paper, then one for each finger, noise and estimator; a bound where there is noise.
-fn table(two: &TableTwo, records: &[RecipeRow]) -> Table {
-    let paper = |group: &ContactGroup, quantity| match quantity {
-        "sum" => group.paper_sum,
-        _ => Some(group.paper_force),
-    };
-    let mut lines = vec![Line {
-        finger: "the paper's gripper",
-        noise: NOTHING.to_owned(),
-        sensed_by: EstimatorId::Network.label().to_owned(),
-        cells: by_group(|group, quantity| error_or_rounding(paper(group, quantity))),
-        refused: String::new(),
-    }];
-    let settings = settings(two);
-    for level in settings.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-        let (truth, noise_mm, _) = level[0];
-        let line = |sensed_by: &str, cells, refused| {
-            let (finger, noise) = (truth.label(), noise_mm.to_string());
-            Line { finger, noise, sensed_by: sensed_by.to_owned(), cells, refused }
-        };
-        for recipe in PAPER_RECIPES {
-            let of = |group: &ContactGroup, quantity| recorded(records, recipe, truth, noise_mm, group, quantity);
-            let found: Vec<OverSeeds> = CONTACT_GROUPS.iter().filter_map(|group| of(group, "each force")).collect();
-            let cells = by_group(|group, quantity| match of(group, quantity) {
-                None => Cell::plain("not recorded"),
-                Some(over) => error_as(span(&over).in_words(), over.mean),
-            });
-            let refused = share_of_counts(found.iter().map(|over| [over.refused, over.answered]));
-            let name = paper_network(recipe) + " (recorded)";
-            lines.extend((!found.is_empty()).then(|| line(&name, cells, refused)));
-        }
-        for (i, &(.., estimator)) in level.iter().enumerate() {
-            let found = |group: &ContactGroup| two.group(group, truth, noise_mm, estimator);
-            // The bound is the same beside all estimators; the first one saw all cases.
-            if noise_mm > 0.0 && i == 0 {
-                let cells = by_group(|group, quantity| {
-                    let of = found(group);
-                    error_or_rounding(of.and_then(|of| if quantity == "sum" { of.sum_bound } else { of.force_bound }))
-                });
-                lines.push(line("bound", cells, String::new()));
-            }
-            let cells = by_group(|group, quantity| {
-                error_or_rounding(found(group).and_then(|of| if quantity == "sum" { of.sum } else { Some(of.force) }))
-            });
-            lines.push(line(estimator.label(), cells, share_refused(two.of(truth, noise_mm, estimator))));
-        }
+/// Whom a line of the page's table is of, its errors by group and quantity, and the share that was refused.
+type Line = (String, Vec<Cell>, String);
+
+/// The paper, its network as recorded, our estimators and their bound with noise on the co-rotational finger, and least squares on the linear
+/// one; the file has the rest.
+fn table(two: &TableTwo, records: &[RecipeRow], noise_mm: f64) -> Table {
+    let truth = TruthId::Corotational;
+    let mut lines: Vec<Line> = vec![(
+        "the paper, measured".to_owned(),
+        by_group(|group, of| error_or_rounding(of_paper(group, of))),
+        String::new(),
+    )];
+    for recipe in PAPER_RECIPES {
+        let of = |group: &ContactGroup, quantity| recorded(records, recipe, truth, noise_mm, group, quantity);
+        let cells = by_group(|group, quantity| match of(group, quantity) {
+            None => Cell::plain("not recorded"),
+            Some(over) => error_as(span(&over).in_words(), over.mean),
+        });
+        let counts = CONTACT_GROUPS.iter().filter_map(|group| of(group, "each force"));
+        lines.push((paper_network(recipe), cells, share_of_counts(counts.map(|over| [over.refused, over.answered]))));
     }
+    let line = |truth: TruthId, estimator: EstimatorId, name: &str| {
+        let cells = by_group(|group, of| error_or_rounding(estimated(two, (truth, noise_mm, estimator), group, of)));
+        (name.to_owned(), cells, share_refused(two.of(truth, noise_mm, estimator)))
+    };
+    let here = settings(two).into_iter().filter(|(of, noise, _)| (*of, *noise) == (truth, noise_mm));
+    lines.extend(here.map(|(.., estimator)| line(truth, estimator, estimator.label())));
+    // The bound is the same beside all estimators; this one saw all cases.
+    let bounds = by_group(|group, quantity| {
+        let of = two.group(group, truth, noise_mm, EstimatorId::LeastSquares);
+        error_or_rounding(of.and_then(|of| if quantity == "sum" { of.sum_bound } else { of.force_bound }))
+    });
+    lines.push(("Cramer-Rao bound".to_owned(), bounds, String::new()));
+    lines.push(line(TruthId::Linear, EstimatorId::LeastSquares, "least squares, linear finger"));
     let headings = by_group(|group, quantity| if quantity == "sum" { quantity } else { group.name });
     Columns::<Line>::new()
-        .page("finger", Format::Words, |line| line.finger)
-        .page("noise, mm", Format::Words, |line| line.noise.clone())
-        .page("sensed by", Format::Words, |line| line.sensed_by.clone())
+        .page("sensed by", Format::Words, |(name, ..)| name.clone())
         .each(headings.into_iter().enumerate(), |columns, (i, heading)| {
-            columns.cells(Column::numbers(heading), move |line| line.cells[i].clone())
+            columns.cells(Column::numbers(heading), move |(_, cells, _)| cells[i].clone())
         })
-        .page("refused", Format::Plain, |line| line.refused.clone())
-        .table(
-            format!(
-                "Mean error of each force and of the sum, forces of {} to {} N, mean over the paper's contact sets; grey above 10 %, dark above \
-                 25 %",
-                FORCES_N[0], FORCES_N[1]
-            ),
-            CSV,
-            lines,
-        )
+        .page("refused", Format::Plain, |(.., refused)| refused.clone())
+        .table("Mean error of each force and of the sum", CSV, lines)
 }
 
 /// An error that may be missing, or nothing but rounding.
-pub(super) fn error_or_rounding(share: Option<f64>) -> Cell {
+fn error_or_rounding(share: Option<f64>) -> Cell {
     match share {
         None => Cell::plain(NOTHING),
         Some(rounding) if rounding < ROUNDING => Cell::plain("0 %"),

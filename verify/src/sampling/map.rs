@@ -44,8 +44,7 @@ pub struct Cell {
 }
 
 /// Outcome of a cell, or of the same position and direction under several forces.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum CellState {
     /// At least half of the samples were answered.
     Answered,
@@ -53,6 +52,17 @@ pub enum CellState {
     Refused,
     /// The finger has no equilibrium under the force, so there is nothing to sense.
     WithoutEquilibrium,
+}
+
+impl CellState {
+    /// For files.
+    pub fn name(self) -> &'static str {
+        match self {
+            CellState::Answered => "answered",
+            CellState::Refused => "refused",
+            CellState::WithoutEquilibrium => "no equilibrium",
+        }
+    }
 }
 
 impl Cell {

@@ -2,10 +2,9 @@
 
 use super::map::{AccuracyMap, Cell, CellState};
 use crate::settings::TRUSTED_ERROR;
-use serde::Serialize;
 
 /// A position and direction under the worst of a map's forces.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WorstCell {
     /// Position on the front plate, mm from the base.
     pub s_mm: f64,
@@ -35,12 +34,19 @@ pub struct TrustCounts {
 impl AccuracyMap {
     /// The map's cells under the worst of its forces, by position, then direction.
     pub fn worst(&self) -> Vec<WorstCell> {
-        let of_group = |cells: &[Cell]| {
+        self.worst_of(None)
+    }
+
+    /// The same under one force alone, or under the worst of all.
+    pub fn worst_of(&self, force_n: Option<f64>) -> Vec<WorstCell> {
+        let of_group = |group: &[Cell]| {
+            let cells: Vec<Cell> =
+                group.iter().filter(|cell| force_n.is_none_or(|f| f == cell.force_n)).copied().collect();
             let state = cells.iter().map(Cell::state).max().unwrap_or(CellState::WithoutEquilibrium);
             let errors: Option<Vec<f64>> = cells.iter().map(|cell| cell.mean_error).collect();
             let worst_error = errors.and_then(|errors| errors.into_iter().reduce(f64::max));
             let is_trusted = worst_error.is_some_and(|error| error <= TRUSTED_ERROR);
-            WorstCell { s_mm: cells[0].s_mm, angle_deg: cells[0].angle_deg, state, worst_error, is_trusted }
+            WorstCell { s_mm: group[0].s_mm, angle_deg: group[0].angle_deg, state, worst_error, is_trusted }
         };
         self.cells.chunks(self.request.forces_n.len().max(1)).map(of_group).collect()
     }

@@ -19,7 +19,7 @@ use crate::experiments::maps;
 use crate::experiments::networks::accuracy::{self, NetworkStudy};
 use crate::experiments::networks::records::{self, Records};
 use crate::experiments::noise::{self, NoiseStudy};
-use crate::experiments::shapes::{self, BentFinger};
+use crate::experiments::shapes::{self, BentFinger, TouchedFinger};
 use crate::experiments::speed_error::{self, SpeedErrorPoint};
 use crate::experiments::table_one::{self, TableOne};
 use crate::experiments::table_two::{self, TableTwo};
@@ -152,6 +152,9 @@ study! { |context|
     "shapes":
         /// Example shapes.
         bent: Vec<BentFinger> = shapes::run(context);
+    "touched":
+        /// Shapes under a force at each contact node.
+        touched: Vec<TouchedFinger> = shapes::touched(context);
 }
 
 impl Study {

@@ -5,7 +5,7 @@ use finray_model::Kinematics;
 
 pub(super) const ROW: TruthRow = TruthRow {
     name: "corotational",
-    label: "co-rotational",
+    label: "uniform finger",
     help: "The co-rotational finger, on 684 nodes or four elements a member if that is more",
     kinematics: Some(Kinematics::Corotational),
     is_far_from_corotational: false,

@@ -8,7 +8,7 @@ use finray_model::{Finger, Mesh};
 
 pub(super) const ROW: TruthRow = TruthRow {
     name: "lattice",
-    label: "spring lattice",
+    label: "lattice",
     help: "The finger as rigid bodies and springs, four segments between two key nodes, in the shape of least energy. Letting the engine \
            settle each shape, the same within 0.05 %, would take an hour",
     kinematics: None,

@@ -5,7 +5,7 @@ use finray_model::{Kinematics, Mesh};
 
 pub(super) const ROW: TruthRow = TruthRow {
     name: "linear",
-    label: "linear",
+    label: "linear finger",
     help: "The linear finger",
     kinematics: Some(Kinematics::Linear),
     is_far_from_corotational: true,

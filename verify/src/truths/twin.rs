@@ -7,7 +7,7 @@ use finray_model::{Finger, Kinematics, Scene};
 
 pub(super) const ROW: TruthRow = TruthRow {
     name: "twin",
-    label: "digital twin",
+    label: "softer ends",
     help: "The paper's finger with a softer base and tip, one of several fits of its Table I, co-rotational; for the paper's scene alone",
     kinematics: None,
     is_far_from_corotational: true,

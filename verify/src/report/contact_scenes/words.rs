@@ -1,32 +1,33 @@
-//! What pressing objects says of sensing, in sentences.
+//! What pressing objects says of sensing: a sentence, and a row a scene.
 
-use super::name_of;
+use super::{CSV, name_of};
 use crate::check::worst;
 use crate::experiments::contact_scene::samples::NoiseSamples;
 use crate::experiments::contact_scene::study::SceneStudy;
+use crate::report::dataset::{Columns, Format};
 use crate::report::format::{Span, percent};
+use crate::report::page::Table;
+use crate::settings::GROSS_ERROR;
 
 /// Scenes without friction and with it, and the contact that is sensed worst.
 pub(super) fn verdict(scenes: &[SceneStudy]) -> Option<String> {
-    let worst_total = |with_friction: bool| {
-        let scenes = scenes.iter().filter(|scene| (scene.friction > 0.0) == with_friction);
-        let steps = scenes.flat_map(|scene| &scene.steps);
-        let totals = steps.filter_map(|step| Some(step.clean.as_ref().ok()?.as_ref()?.total.relative_error().abs()));
-        let totals: Vec<f64> = totals.collect();
-        (!totals.is_empty()).then(|| percent(worst(totals)))
-    };
-    let smooth = worst_total(false)?;
-    let rough = worst_total(true).map_or(String::new(), |rough| {
-        format!(", and with friction, of which sensing knows the coefficient alone, by up to {rough}")
-    });
+    let of =
+        |friction: bool| worst_total(scenes.iter().filter(|scene| (scene.friction > 0.0) == friction)).map(percent);
+    let smooth = of(false)?;
+    let rough = of(true)
+        .map_or(String::new(), |rough| format!(", with friction (only its coefficient is known) by up to {rough}"));
     let smallest = least_known(scenes).map_or(String::new(), |least| {
+        let head = match least.rms_error_n > GROSS_ERROR * least.true_n {
+            true => "Small contacts are sensed badly",
+            false => "Single contacts are sensed worse",
+        };
         format!(
-            " Single contacts are sensed worse: {} carries {:.2} N, and its sensed force scatters by {:.2} N.",
+            " {head}: {} carries {:.2} N, with an error of about {:.2} N.",
             least.name, least.true_n, least.rms_error_n
         )
     });
     Some(format!(
-        "In simulation, with objects pressed onto the lattice, the sensed total errs by up to {smooth} without noise and friction{rough}.{smallest}"
+        "In simulation, without noise, the sensed total of objects pressed onto the lattice errs by up to {smooth}{rough}.{smallest}"
     ))
 }
 
@@ -51,48 +52,40 @@ fn least_known(scenes: &[SceneStudy]) -> Option<LeastKnown> {
     contacts.max_by(|a, b| (a.rms_error_n / a.true_n).total_cmp(&(b.rms_error_n / b.true_n)))
 }
 
-/// One scene: how near the total comes, and what the intervals hold under noise.
-pub(super) fn of_scene(scene: &SceneStudy) -> String {
-    let mut sentences = Vec::new();
-    if let Some(error) = &scene.stopped {
-        sentences.push(format!("The scene ended after {} steps: {error}.", scene.steps.len()));
-    }
-    let clean: Vec<_> = scene.steps.iter().filter_map(|studied| studied.clean.as_ref().ok()?.as_ref()).collect();
-    if clean.is_empty() {
-        sentences.push("Nothing was sensed.".to_owned());
-        return sentences.join(" ");
-    }
-    let total = worst(clean.iter().map(|sensed| sensed.total.relative_error().abs()));
-    let balance = worst(scene.steps.iter().filter_map(|studied| studied.step.pressed.imbalance()));
-    sentences.push(format!(
-        "Without noise the sensed total is within {} of the true one at every step; contact forces balance those of the hand and \
-         of the clamps within {balance:.0e} of their size.",
-        percent(total)
-    ));
-    let sampled: Vec<&NoiseSamples> = scene.steps.iter().filter_map(|studied| studied.samples.as_ref()).collect();
-    let sum = |of: &dyn Fn(&NoiseSamples) -> usize| sampled.iter().map(|samples| of(samples)).sum::<usize>();
-    let coverages = |of: &dyn Fn(&NoiseSamples) -> std::ops::Range<usize>| {
-        Span::of(sampled.iter().flat_map(|samples| of(samples).map(|which| samples.coverage(which))))
+/// Scene by scene: how near the total comes, whether forces balance, and what the intervals hold under noise.
+pub(super) fn by_scene(scenes: &[SceneStudy]) -> Table {
+    type Which = fn(&NoiseSamples) -> std::ops::Range<usize>;
+    let covered = move |scene: &&SceneStudy, which: Which| {
+        let of_step = |step: &NoiseSamples| which(step).map(|which| step.coverage(which)).collect::<Vec<_>>();
+        let span = Span::of(samples(scene).flat_map(of_step))?;
+        Some(format!("{} ({})", percent(span.mean), percent(span.least)))
     };
-    let contacts = coverages(&|samples| 0..samples.sensed.len() - 1);
-    let total = coverages(&|samples| samples.sensed.len() - 1..samples.sensed.len());
-    sentences.extend(contacts.zip(total).map(|(contacts, total)| format!(
-        "Of {} noise samples of all steps, {} are answered. The stated 95 % intervals hold the true force of a contact in {} of all \
-         samples (in {} where that is least), and the true total in {} ({}); refused samples count as not held.",
-        sum(&|samples| samples.taken),
-        sum(&|samples| samples.answered),
-        percent(contacts.mean),
-        percent(contacts.least),
-        percent(total.mean),
-        percent(total.least),
-    )));
-    if scene.friction > 0.0 {
-        sentences.push(format!(
-            "With friction ({}) forces lie anywhere in a cone of {:.1} deg around the normal; the intervals are widened by what the markers \
-             leave open of that.",
-            scene.friction,
-            scene.friction.atan().to_degrees()
-        ));
-    }
-    sentences.join(" ")
+    let contacts: Which = |step| 0..step.sensed.len() - 1;
+    let total: Which = |step| step.sensed.len() - 1..step.sensed.len();
+    Columns::<&SceneStudy>::new()
+        .page("scene", Format::Words, |scene| scene.name.clone())
+        .page("friction", Format::Plain, |scene| scene.friction)
+        .page("error of total", Format::Percent, |scene| worst_total([*scene]))
+        .page("imbalance", Format::Percent, |scene| {
+            worst(scene.steps.iter().filter_map(|studied| studied.step.pressed.imbalance()))
+        })
+        .page("answered", Format::Plain, |scene| {
+            let sum = |of: fn(&NoiseSamples) -> usize| samples(scene).map(of).sum::<usize>();
+            format!("{} of {}", sum(|step| step.answered), sum(|step| step.taken))
+        })
+        .page("contact covered", Format::Plain, move |scene| covered(scene, contacts))
+        .page("total covered", Format::Plain, move |scene| covered(scene, total))
+        .table("Over all steps: largest error of the total and imbalance of forces without noise; noise samples answered, and held by the \
+                stated 95 % intervals (least; refused count as not)", CSV, scenes)
+}
+
+fn samples(scene: &SceneStudy) -> impl Iterator<Item = &NoiseSamples> {
+    scene.steps.iter().filter_map(|studied| studied.samples.as_ref())
+}
+
+/// Largest error of the sensed total over all steps without noise; `None` where nothing was sensed.
+fn worst_total<'s>(scenes: impl IntoIterator<Item = &'s SceneStudy>) -> Option<f64> {
+    let steps = scenes.into_iter().flat_map(|scene| &scene.steps);
+    let totals = steps.filter_map(|step| Some(step.clean.as_ref().ok()?.as_ref()?.total.relative_error().abs()));
+    totals.reduce(f64::max)
 }

@@ -1,7 +1,7 @@
 //! A value of a table: as files have it, and as the page shows it.
 
 use crate::estimators::EstimatorId;
-use crate::report::format::{NOTHING, error, figure, percent, percent_two_digits, percent_with};
+use crate::report::format::{NOTHING, error, percent, percent_two_digits, percent_with};
 use crate::report::page::Cell;
 use crate::truths::TruthId;
 use serde::Serialize;
@@ -80,8 +80,6 @@ pub(in crate::report) enum Format {
     Words,
     /// Flush right, as it is.
     Plain,
-    /// Four significant digits.
-    Figure,
     /// So many decimals.
     Fixed(usize),
     /// A share in percent.
@@ -90,7 +88,7 @@ pub(in crate::report) enum Format {
     PercentFixed(usize),
     /// A share in percent with two significant digits, however small.
     PercentTwoDigits,
-    /// An error: a share in percent, grey above 10 % and dark above 25 %.
+    /// An error: a share in percent, amber above 10 % and red above 25 %.
     Error,
 }
 
@@ -99,7 +97,6 @@ impl Format {
         let Value::Number(number) = *value else { return Cell::plain(value.in_words()) };
         match self {
             Format::Words | Format::Plain => Cell::plain(value.in_words()),
-            Format::Figure => Cell::plain(figure(number)),
             Format::Fixed(decimals) => Cell::plain(format!("{number:.decimals$}")),
             Format::Percent => Cell::plain(percent(number)),
             Format::PercentFixed(decimals) => Cell::plain(percent_with(number, decimals)),

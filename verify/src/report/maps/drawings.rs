@@ -4,14 +4,14 @@ use super::{EXPLANATIONS_CSV, Of, small};
 use crate::estimators::EstimatorId;
 use crate::figures::{Cells, ColourScale, FigureError, Frame, Map, Shades};
 use crate::report::ReportError;
-use crate::report::drawings::{error_colours, plate_map, small_maps};
+use crate::report::drawings::{error_cells, error_colours, plate_map, small_maps};
 use crate::report::page::Figure;
-use crate::sampling::map::{AccuracyMap, MapSummary};
-use crate::settings::DRAWN_FORCE_N;
+use crate::sampling::map::AccuracyMap;
+use crate::sampling::worst::TrustCounts;
 use crate::study::Study;
 use crate::truths::TruthId;
 
-/// Every truth by every estimator, in the paper's shades.
+/// Every truth by every estimator.
 pub(super) fn overview(study: &Study, noisy: bool) -> Result<String, FigureError> {
     let shown =
         |estimator: &EstimatorId| TruthId::ALL.iter().any(|truth| small(study, *truth, *estimator, noisy).is_some());
@@ -21,50 +21,28 @@ pub(super) fn overview(study: &Study, noisy: bool) -> Result<String, FigureError
         let row: Vec<Option<Cells>> = row.map(|map| map.as_ref().map(small_map)).collect();
         row.iter().any(Option::is_some).then(|| (truth.label().to_owned(), row))
     });
-    let noise = if noisy { format!("{} mm noise", study.noise_mm) } else { "no noise".to_owned() };
     let frame = Frame::full(
-        format!("Error of {DRAWN_FORCE_N} N by position and direction, {noise}"),
+        "Error of the worst force by position and direction",
         "Small maps of the error of a sensed force by position and direction: a row for each true finger, a column for each \
          estimator.",
     );
     let names = columns.iter().map(|estimator| estimator.label().to_owned()).collect();
-    small_maps(&study.finger, frame, names, rows.collect(), "no equilibrium, or refused").svg()
+    small_maps(&study.finger, frame, names, rows.collect()).svg()
 }
 
 fn small_map(map: &AccuracyMap) -> Cells {
-    let summary = map.summary(Some(DRAWN_FORCE_N));
-    let percents = |row: Vec<Option<f64>>| row.into_iter().map(|error| error.map(|e| 100.0 * e)).collect();
-    Cells {
-        note: note(&summary),
-        x: map.request.positions_mm.clone(),
-        y: map.request.angles_deg.clone(),
-        values: map.errors(Some(DRAWN_FORCE_N)).into_iter().map(percents).collect(),
-    }
+    Cells { note: note(TrustCounts::of(&map.worst())), ..error_cells(map, None) }
 }
 
-/// What is said above a small map: whole percents of the cells with an equilibrium, as there is little room. Dark counts here the cells
-/// that are drawn dark, so that refused ones can stand beside them.
-fn note(summary: &MapSummary) -> String {
-    let whole = |share: f64| match 100.0 * share {
-        some if some > 0.0 && some < 1.0 => "<1 %".to_owned(),
-        some => format!("{some:.0} %"),
+/// What is said above a small map: whole percents of the cells with an equilibrium, as there is little room.
+fn note(counts: TrustCounts) -> String {
+    let TrustCounts { cells, refused, without_equilibrium, .. } = counts;
+    let Some(share) = counts.share() else { return "no equilibrium".to_owned() };
+    let refused = match refused {
+        0 => String::new(),
+        refused => format!(", {:.0} % refused", 100.0 * refused as f64 / (cells - without_equilibrium) as f64),
     };
-    let MapSummary { cells, refused, without_equilibrium, .. } = *summary;
-    let (Some(above_10), Some(above_25)) = (summary.share_above_10, summary.share_above_25) else {
-        return "no equilibrium".to_owned();
-    };
-    let refused_share = refused as f64 / (cells - without_equilibrium) as f64;
-    match above_10 {
-        0.0 if without_equilibrium == 0 => "all clear".to_owned(),
-        _ if refused > 0 && refused_share < above_10 => format!(
-            "{} dark, {} grey, {} refused",
-            whole(above_25 - refused_share),
-            whole(above_10 - above_25),
-            whole(refused_share)
-        ),
-        _ if refused > 0 => format!("{} refused", whole(refused_share)),
-        _ => format!("{} dark, {} grey", whole(above_25), whole(above_10 - above_25)),
-    }
+    format!("{:.0} % trusted{refused}", 100.0 * share)
 }
 
 /// A map that explains: how it is made and said.
@@ -171,26 +149,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_refused_map_is_not_all_clear() {
-        let summary = |[cells, refused, without_equilibrium]: [usize; 3], [above_10, above_25]: [f64; 2]| MapSummary {
-            truth: TruthId::Linear,
-            estimator: EstimatorId::Network,
-            noise_mm: 0.067,
-            forces_n: vec![3.0],
-            cells,
-            answered: cells - refused - without_equilibrium,
-            refused,
-            without_equilibrium,
-            mean_error: Some(0.0098),
-            largest_error: Some(0.0098),
-            share_above_10: (cells > without_equilibrium).then_some(above_10),
-            share_above_25: (cells > without_equilibrium).then_some(above_25),
-            share_of_samples_refused: None,
-        };
-        assert_eq!(note(&summary([12, 11, 0], [11.0 / 12.0; 2])), "92 % refused");
-        assert_eq!(note(&summary([10, 2, 0], [0.5, 0.3])), "10 % dark, 20 % grey, 20 % refused");
-        assert_eq!(note(&summary([10, 0, 0], [0.5, 0.3])), "30 % dark, 20 % grey");
-        assert_eq!(note(&summary([10, 0, 0], [0.0, 0.0])), "all clear");
-        assert_eq!(note(&summary([10, 0, 10], [0.0, 0.0])), "no equilibrium");
+    fn refused_cells_are_said_and_count_as_not_trusted() {
+        let counts =
+            |cells, trusted, refused, without_equilibrium| TrustCounts { cells, trusted, refused, without_equilibrium };
+        assert_eq!(note(counts(12, 1, 11, 0)), "8 % trusted, 92 % refused");
+        assert_eq!(note(counts(10, 4, 0, 2)), "50 % trusted");
+        assert_eq!(note(counts(10, 0, 0, 10)), "no equilibrium");
     }
 }

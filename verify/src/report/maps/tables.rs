@@ -4,7 +4,8 @@ use super::{Of, small, words};
 use crate::estimators::EstimatorId;
 use crate::report::dataset::{Columns, Dataset, Format};
 use crate::report::page::{Cell as TableCell, Column, Table};
-use crate::sampling::map::{AccuracyMap, Cell, MapSummary};
+use crate::sampling::map::{AccuracyMap, MapSummary};
+use crate::sampling::worst::WorstCell;
 use crate::settings::DRAWN_FORCE_N;
 use crate::study::Study;
 use crate::truths::TruthId;
@@ -78,9 +79,7 @@ pub(super) fn figures(study: &Study) -> Table {
         .page("samples refused", Format::Percent, |map| map.figures.share_of_samples_refused)
         .cells(Column::words("data"), |map| TableCell::file(map.csv.clone()))
         .table(
-            "The maps in figures: mean and largest error are those of the answered cells; the shares are of all cells with an \
-             equilibrium, a refused one counts as above. A cell is refused if more than half of its noise samples are; the last \
-             column is the share of single samples. The network's cells are contact nodes along the normal",
+            "Mean and largest error over the answered cells; shares of all cells with an equilibrium, refused ones above both limits",
             MAPS,
             entries(study),
         );
@@ -88,16 +87,16 @@ pub(super) fn figures(study: &Study) -> Table {
     Table { csv: None, ..table }
 }
 
-/// The cells of both overviews, at the drawn force.
+/// The cells of the overview, without noise too.
 fn overview(study: &Study) -> Dataset<'static> {
-    type Row = (TruthId, EstimatorId, f64, Cell);
+    type Row = (TruthId, EstimatorId, f64, WorstCell);
     let pairs = || TruthId::ALL.iter().flat_map(|truth| EstimatorId::ALL.iter().map(|estimator| (*truth, *estimator)));
     let shown = [true, false].into_iter().flat_map(|noisy| {
         pairs().filter_map(move |(truth, estimator)| Some((truth, estimator, small(study, truth, estimator, noisy)?)))
     });
     let cells = shown.flat_map(|(truth, estimator, map)| {
-        let cells = map.cells.into_iter().filter(|cell| cell.force_n == DRAWN_FORCE_N);
-        cells.map(move |cell| (truth, estimator, map.noise_mm, cell))
+        let noise_mm = map.noise_mm;
+        map.worst().into_iter().map(move |cell| (truth, estimator, noise_mm, cell))
     });
     let columns = Columns::<Row>::new()
         .file("truth", |(truth, ..)| *truth)
@@ -105,10 +104,9 @@ fn overview(study: &Study) -> Dataset<'static> {
         .file("noise_mm", |(_, _, noise_mm, _)| *noise_mm)
         .file("s_mm", |(.., cell)| cell.s_mm)
         .file("angle_deg", |(.., cell)| cell.angle_deg)
-        .file("force_n", |(.., cell)| cell.force_n)
-        .file("mean_error", |(.., cell)| cell.mean_error)
-        .file("samples", |(.., cell)| cell.samples)
-        .file("answered", |(.., cell)| cell.answered);
+        .file("state", |(.., cell)| cell.state.name())
+        .file("worst_error", |(.., cell)| cell.worst_error)
+        .file("is_trusted", |(.., cell)| cell.is_trusted);
     Dataset::new(OVERVIEW_CSV, &columns, cells).csv_alone()
 }
 

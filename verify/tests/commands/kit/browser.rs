@@ -5,12 +5,12 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// Ends the copy of the page: measures the page and each drawing, and tells the frame that it stands in. The page itself has no script.
+/// Ends the copy of the page: measures the page and each drawing, and tells the frame that it stands in.
 const MEASURE: &str = r#"<script>
 addEventListener("load", () => {
-  const drawings = [...document.querySelectorAll("svg")].map(svg => svg.getBoundingClientRect());
+  const drawings = [...document.querySelectorAll("figure svg")].map(svg => svg.getBoundingClientRect());
   const flat = drawings.filter(box => !(box.width > 0 && box.height > 0)).length;
-  const own = ".scroll, .drawing, .bar ul"; // boxes that scroll by themselves
+  const own = ".scroll, .drawing, .bar ul, .explore-scroll"; // boxes that scroll by themselves
   const wide = [...document.querySelectorAll("body *")].filter(it => it.getBoundingClientRect().right > innerWidth + 0.5 && !it.closest(own));
   const names = wide.slice(0, 5).map(it => it.tagName + " " + it.className).join("; ");
   const told = [innerWidth, document.documentElement.scrollWidth, drawings.length, flat, names, "END"].join("|");

@@ -30,7 +30,7 @@ fn what_was_found_is_said_on_page_summary_and_standard_output() {
         assert!(verdict.len() >= 3);
         assert_eq!(lines[..lines.len() - 1], verdict.iter().filter_map(Value::as_str).collect::<Vec<_>>());
         assert!(lines[lines.len() - 1].ends_with("made/report/index.html"), "{lines:?}");
-        let page = report.read("index.html").replace("&#x27;", "'").replace("&quot;", "\"").replace("&#x2f;", "/");
+        let page = as_read(&report.read("index.html"));
         for sentence in &lines[..lines.len() - 1] {
             assert!(page.contains(sentence), "{sentence}");
         }

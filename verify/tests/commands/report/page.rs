@@ -31,11 +31,16 @@ fn every_file_that_the_page_names_is_there() {
 fn the_page_needs_nothing_but_itself() {
     for report in [&*PAPERS, &*SPRING_STEELS] {
         // The name of SVG's namespace is no address that anything is loaded from.
-        let page = report.read("index.html").replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
-        for outside in ["http://", "src=", "@import", "url(http", "<script", "<link", "<iframe"] {
+        let page = report
+            .read("index.html")
+            .replace("http://www.w3.org/2000/svg", "")
+            .replace("http://www.w3.org/1999/xhtml", "");
+        for outside in ["http://", "src=", "@import", "url(http", "<link", "<iframe", "import(", "fetch("] {
             assert!(!page.contains(outside), "{outside}");
         }
         assert!(page.starts_with("<!DOCTYPE html>") || page.starts_with("<!doctype html>"));
+        // One script, and the numbers that it takes.
+        assert_eq!((page.matches("<script>").count(), page.matches("<script").count()), (1, 2));
         let figures = page.matches("<svg").count();
         assert!(figures >= 8 && figures == page.matches("</svg>").count(), "{figures} figures");
         assert!(!page.contains("NaN"), "a figure holds no number");
@@ -95,7 +100,7 @@ fn every_drawing_says_what_it_shows() {
         ", N",
         ", %",
         " deg",
-        " us",
+        " \u{b5}s",
         "nodes",
         "node",
         "bodies",
@@ -121,58 +126,108 @@ fn every_drawing_says_what_it_shows() {
     }
 }
 
-/// Three sentences and a map before everything else, then questions; what sections say stands at their heads.
+/// Five answers, what they rest on and the finger in three situations before everything else, then questions; what sections say stands at their
+/// heads.
 #[test]
 fn the_page_begins_with_its_summary() {
     let page = PAPERS.read("index.html");
     let at = |part: &str| page.find(part).unwrap_or_else(|| panic!("no {part}"));
-    let verdict = &page[at("<div class=\"verdict\">")..at("<nav class=\"bar\"")];
-    assert_eq!((verdict.matches("<p>").count(), verdict.matches("<svg").count()), (3, 1));
-    let questions = ["where", "why", "cost", "physics"].map(|id| at(&format!("<h2 id=\"{id}\"")));
+    let head = &page[at("<div class=\"answers\">")..at("<nav class=\"bar\"")];
+    assert_eq!((head.matches("<dt>").count(), head.matches("<dd>").count(), head.matches("<svg").count()), (5, 5, 3));
+    assert!(head.contains("class=\"caveat\">All of this is simulation"));
+    for figure in drawings(head) {
+        assert!(figure.contains("refused") && figure.contains("without equilibrium"), "a share without its counts");
+    }
+    let questions = ["where", "fix", "which", "physics", "paper"].map(|id| at(&format!("<h2 id=\"{id}\"")));
     assert!(questions.is_sorted() && at("<nav class=\"contents\"") < questions[0]);
     for id in [
         "maps",
-        "causes",
-        "noise",
+        "contact-scenes",
         "displacement-noise",
+        "estimators",
+        "noise",
         "speed-error",
         "networks",
+        "checks",
+        "claims",
+        "lattice",
+        "hard-cases",
         "table-one",
         "twin",
-        "lattice",
-        "contact-scenes",
-        "hard-cases",
-        "checks",
     ] {
         let section = page[at(&format!("<h3 id=\"{id}\""))..].split("</section>").next().unwrap_or_default();
         let blocks = section.split("class=\"says\"").nth(1).and_then(|says| says.split("</div>").next());
         assert!(blocks.is_some_and(|says| says.matches("<p>").count() >= 1), "{id} says nothing");
     }
-    // Every sentence of the summary for machines is on the page once, the verdict's three first.
-    let page = page.replace("&#x27;", "'").replace("&quot;", "\"").replace("&#x2f;", "/");
-    for (n, sentence) in array(&PAPERS.summary(), "verdict").iter().enumerate() {
+    // Every sentence of the summary for machines is on the page once, the five answers first and what they rest on last.
+    let page = as_read(&page);
+    let first = page.find("<h2 id=\"where\"").expect("the first question");
+    let summary = PAPERS.summary();
+    let sentences = array(&summary, "verdict");
+    for (n, sentence) in sentences.iter().enumerate() {
         let sentence = sentence.as_str().expect("words");
         assert_eq!(page.matches(sentence).count(), 1, "{sentence}");
-        assert_eq!(n < 3, page[..questions[0]].contains(sentence), "{sentence}");
+        assert_eq!(n < 5 || n + 1 == sentences.len(), page[..first].contains(sentence), "{sentence}");
     }
 }
 
-/// The share of positions and directions in the first sentence is that of the cells in the file.
+/// The shares in the first answer are those of the cells in the maps' files, by the worst of four forces.
 #[test]
-fn the_first_sentence_counts_the_cells_of_its_map() {
-    let cells = Csv::of(&PAPERS.read("map_corotational_with_noise.csv"));
-    let forces = 4;
-    // Least squares answers wherever the finger bends; all of these cells have an equilibrium.
-    let errors = cells.numbers("mean_error");
-    let worst = errors.chunks(forces).map(|errors| errors.iter().copied().fold(0.0, f64::max));
-    let count = errors.len() / forces;
-    let kept = worst.filter(|error| *error <= 0.1).count() as f64 / count as f64;
+fn the_first_answer_counts_the_cells_of_its_maps() {
     let summary = PAPERS.summary();
     let first = array(&summary, "verdict")[0].as_str().expect("words");
-    let said = format!(
-        "by linear least squares at {:.0} % of the positions and directions ({count} cells: {count} answered, 0 refused, 0 without \
-         equilibrium)",
-        100.0 * kept
-    );
-    assert!(kept > 0.1 && kept < 0.9 && first.contains(&said), "{said}: {first}");
+    let page = PAPERS.read("index.html");
+    let maps = [
+        ("contact known", "map_corotational_nonlinear_with_noise.csv", "Contact known"),
+        ("contact assumed", "map_corotational_nonlinear_contact_assumed.csv", "Contact assumed"),
+        ("softer ends", "map_twin_nonlinear_with_noise.csv", "Softer ends"),
+    ];
+    for (case, file, title) in maps {
+        let cells = Csv::of(&PAPERS.read(file));
+        let (errors, samples) = (cells.texts("mean_error"), cells.numbers("samples"));
+        let groups = || errors.chunks(4).zip(samples.chunks(4));
+        let bent = groups().filter(|(_, samples)| samples.iter().all(|count| *count > 0.0));
+        let within = |error: &&str| error.parse::<f64>().is_ok_and(|error| error <= 0.1);
+        let kept = bent.clone().filter(|(errors, _)| errors.iter().all(within)).count();
+        let share = kept as f64 / bent.count() as f64;
+        let entry = array(&summary, "trust").iter().find(|entry| entry["case"] == case).expect("the case");
+        assert_close(&[entry["share_trusted"].as_f64().expect("a share")], &[share], LINEAR_ROUNDING);
+        let said = format!("at {:.0} %", 100.0 * share);
+        assert!(share > 0.1 && share < 0.995 && first.contains(&said), "{case}, {said}: {first}");
+        assert!(page.contains(&format!("{title}: within 10 % {said}")), "{title}: {said}");
+    }
+}
+
+/// The script answers the reader's choices from the numbers in the files, by keyboard too, on a phone too, and shows nothing where it has none.
+#[test]
+fn choices_change_what_the_page_shows() {
+    let Some(browser) = browser::browser() else {
+        eprintln!("left out: no Chromium here (chromium, chromium-browser, google-chrome, or the path in CHROME)");
+        return;
+    };
+    let html = PAPERS.read("index.html");
+    let [before, after] = [include_str!("explore/before.js"), include_str!("explore/after.js")];
+    let results = |html: &str| -> Vec<String> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let page = folder.path().join("asked.html");
+        let asked = html.replacen("<head>", &format!("<head><script>{before}</script>"), 1).replacen(
+            "</body>",
+            &format!("<script>{after}</script></body>"),
+            1,
+        );
+        std::fs::write(&page, asked).expect("a copy of the page");
+        let output =
+            browser::run(&browser, &page, &["--dump-dom", "--virtual-time-budget=20000", "--window-size=1100,900"]);
+        let dom = String::from_utf8_lossy(&output.stdout).into_owned();
+        dom.lines()
+            .filter(|line| ["PASS ", "FAIL ", "DONE "].iter().any(|head| line.starts_with(head)))
+            .map(str::to_owned)
+            .collect()
+    };
+    let found = results(&html);
+    assert!(found.iter().any(|line| line.starts_with("DONE")) && found.len() > 20, "{found:?}");
+    assert!(!found.iter().any(|line| line.starts_with("FAIL")), "{found:#?}");
+    // Another limit than the page's own is seen.
+    let broken = html.replacen("const TRUSTED = 0.1;", "const TRUSTED = 0.2;", 1);
+    assert!(results(&broken).iter().any(|line| line.starts_with("FAIL")), "a wrong limit is not seen");
 }

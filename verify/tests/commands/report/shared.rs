@@ -142,3 +142,9 @@ pub fn sources(summary: &Value) -> Vec<&str> {
     sources.dedup();
     sources
 }
+
+/// The page as its reader has it: entities resolved, a question and its answer in one line.
+pub fn as_read(page: &str) -> String {
+    let entities = [("&#x27;", "'"), ("&quot;", "\""), ("&#x2f;", "/"), ("&lt;", "<"), ("&gt;", ">"), ("&amp;", "&")];
+    entities.iter().fold(page.replace("</dt>\n<dd>", " "), |page, (entity, letter)| page.replace(entity, letter))
+}

@@ -34,7 +34,7 @@ fn times_of_sensing_are_of_a_moving_force_cold_and_warm() {
     let cost = array(&summary, "verdict")
         .iter()
         .filter_map(Value::as_str)
-        .find(|said| said.starts_with("Along the normal, sense"));
+        .find(|said| said.starts_with("What should sense it?"));
     let cost = cost.expect("a sentence on cost");
     let mesh = |point: &Value| point["setting"].as_str().expect("words").replace(", warm start", "");
     let named = warm.iter().find(|point| cost.contains(&format!("on {}: ", mesh(point))));

@@ -92,7 +92,7 @@ fn every_estimator_can_be_mapped() {
         // 3 N with noise: far below the ten percent of linear sensing.
         assert!(errors.iter().all(|error| *error < 0.1), "{estimator}: {errors:?}");
         let empty = errors.len() < map.rows.len();
-        assert_eq!(folder.read("map.svg").contains("no equilibrium, or refused"), empty);
+        assert_eq!(folder.read("map.svg").contains(">refused<"), empty);
     }
     let reasons = ["sweep", PAPER, "--estimator", "network", "--places", "12", "--step-deg", "40"];
     let table = Csv::of(&finray(&reasons).done());

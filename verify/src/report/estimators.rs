@@ -1,0 +1,114 @@
+//! Which estimator: what each keeps, states, needs and costs, in one table; and how often stated intervals hold.
+
+use super::dataset::{Columns, Dataset, Format};
+use super::format::{percent, time};
+use super::page::{Block, Section, details, text};
+use super::{ReportError, Results};
+use crate::estimators::EstimatorId;
+use crate::experiments::coverage::CoverageRow;
+use crate::experiments::speed_error::recommendation::{recommended, ways};
+use crate::sampling::worst::TrustCounts;
+use crate::settings::CAMERA_FRAME_S;
+use crate::study::Study;
+use crate::truths::TruthId;
+
+const CSV: &str = "coverage.csv";
+const ESTIMATORS_CSV: &str = "estimators.csv";
+
+/// An estimator on the uniform finger.
+struct Row {
+    estimator: EstimatorId,
+    /// Cells of its map with the contact known.
+    cells: Option<TrustCounts>,
+    /// Share of the answers without a warning whose interval holds.
+    covered: Option<f64>,
+    /// Time of one force from a frame.
+    seconds: Option<f64>,
+}
+
+fn rows(study: &Study) -> impl Iterator<Item = Row> {
+    let fastest = |estimator: EstimatorId| {
+        let of = ways(&study.speed_error).into_iter().filter(|way| way.one.estimator == Some(estimator));
+        let best = recommended(&study.speed_error).filter(|way| way.one.estimator == Some(estimator));
+        best.or_else(|| of.min_by(|a, b| a.one.seconds.total_cmp(&b.one.seconds))).map(|way| way.one.seconds)
+    };
+    EstimatorId::ALL.iter().map(move |&estimator| {
+        let map = study.map_by(TruthId::Corotational, estimator, study.noise_mm > 0.0);
+        let of = |row: &&CoverageRow| row.truth == TruthId::Corotational && row.estimator == estimator;
+        Row {
+            estimator,
+            cells: map.map(|map| TrustCounts::of(&map.worst())),
+            covered: study.coverage.iter().find(of).and_then(|row| row.covered_without_warning),
+            seconds: fastest(estimator),
+        }
+    })
+}
+
+fn columns<'s>() -> Columns<'s, Row> {
+    let cells = |row: &Row| row.cells.and_then(|cells| Some(format!("{} of {}", percent(cells.share()?), cells.cells)));
+    Columns::<Row>::new()
+        .file("estimator", |row| row.estimator)
+        .file("cells", |row| row.cells.map(|cells| cells.cells))
+        .file("trusted", |row| row.cells.map(|cells| cells.trusted))
+        .file("covered_without_warning", |row| row.covered)
+        .file("seconds", |row| row.seconds)
+        .page("estimator", Format::Words, |row| row.estimator.label())
+        .page("within 10 %, share of cells", Format::Plain, cells)
+        .page("95 % interval holds in", Format::Percent, |row| row.covered)
+        .page("time a frame", Format::Plain, |row| row.seconds.map(time))
+        .page("needs", Format::Words, |row| row.estimator.needs())
+        .page("refuses", Format::Words, |row| row.estimator.refuses())
+        .page("contacts never seen", Format::Words, |row| row.estimator.unseen_contacts())
+}
+
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    vec![Dataset::new(ESTIMATORS_CSV, &columns(), rows(study)), Dataset::records(CSV, &study.coverage)]
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
+    let caption = "Uniform finger, contact known, worst force of 0.5 to 3 N; intervals of answers without a warning. Networks: contact nodes along the \
+                   normal alone";
+    let mut blocks = vec![Block::Table(columns().table(caption, ESTIMATORS_CSV, rows(study)))];
+    blocks.extend((!study.coverage.is_empty()).then(|| details("How often stated intervals hold", intervals(study))));
+    Ok(Some(Section::new("estimators", "Four estimators side by side", blocks).saying(says(study))))
+}
+
+/// What a camera's rate leaves of the differences in time.
+fn says(study: &Study) -> Option<String> {
+    let times: Vec<f64> = rows(study).filter_map(|row| row.seconds).collect();
+    let [fastest, slowest] = [f64::min, f64::max].map(|of| times.iter().copied().reduce(of));
+    let (fastest, slowest) = (fastest?, slowest?);
+    let share = slowest / CAMERA_FRAME_S;
+    (share < 0.1).then(|| {
+        format!(
+            "Choose by error and interval, not by time: {} or {} are at most {} of the {:.0} ms between two frames at 25 Hz.",
+            time(fastest),
+            time(slowest),
+            percent(share),
+            1e3 * CAMERA_FRAME_S
+        )
+    })
+}
+
+/// Intervals by finger and estimator.
+fn intervals(study: &Study) -> Vec<Block> {
+    let of_samples = |row: &CoverageRow, count: usize| count as f64 / row.samples.max(1) as f64;
+    let columns = Columns::<&CoverageRow>::new()
+        .page("finger", Format::Words, |row| row.truth.label())
+        .page("estimator", Format::Words, |row| row.estimator.label())
+        .page("no warning", Format::Percent, |row| of_samples(row, row.without_warning))
+        .page("covered", Format::Percent, |row| row.covered_without_warning)
+        .page("warned", Format::Percent, |row| of_samples(row, row.warned))
+        .page("covered", Format::Percent, |row| row.covered_with_warning)
+        .page("refused", Format::Percent, |row| of_samples(row, row.refused))
+        .page("samples", Format::Plain, |row| row.samples);
+    let table = columns.table(
+        "Share of noise samples answered without and with a warning, and of these the share with the true force within 1.96 sigma",
+        CSV,
+        &study.coverage,
+    );
+    let words = "Sigma holds the noise and what is known of the model's own error: linearisation, mesh, training. An estimator warns where the \
+                 measurement contradicts its model (chi-squared test, one false alarm in a hundred) or its model errs by more than the noise. On softer \
+                 ends intervals do not hold, and often no warning says so: that shape is one that another force gives the finger as modelled.";
+    vec![Block::Table(table), text(words)]
+}

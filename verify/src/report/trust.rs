@@ -1,0 +1,197 @@
+//! Where a force can be trusted: the first screen's drawings, counts and files, all by the worst force of each cell.
+
+use super::dataset::{Columns, Dataset};
+use super::drawings::{ACROSS_AXIS, ALONG_AXIS, at_rest, error_classes, point, rank_of};
+use super::format::{capitalised, list, percent};
+use super::page::Figure;
+use super::{ReportError, Results};
+use crate::estimators::EstimatorId;
+use crate::experiments::causes::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
+use crate::figures::{Axis, Chart, Class, Dash, Fill, Frame, Hue, Paint, Patch, Series};
+use crate::sampling::map::AccuracyMap;
+use crate::sampling::worst::{TrustCounts, WorstCell};
+use crate::settings::MAP_FORCES_N;
+use crate::study::Study;
+use crate::truths::TruthId;
+use finray_model::Finger;
+use finray_model::finger::Plate;
+
+const CSV: &str = "trust.csv";
+/// Cells of the contact that is only assumed.
+pub(super) const ASSUMED_CSV: &str = "map_corotational_nonlinear_contact_assumed.csv";
+/// Positions at which all directions are drawn.
+const FANS: usize = 6;
+/// Length of a fan's rays, as a share of the plate's.
+const REACH: f64 = 0.1;
+/// Half the width of the coloured plate, as a share of its length.
+const HALF_WIDTH: f64 = 0.012;
+
+/// Knowledge under which the recommended estimator is asked.
+pub(super) struct Situation<'s> {
+    /// In short, for files and headings.
+    pub name: &'static str,
+    /// What is known, what not.
+    pub about: String,
+    /// Where its cells are.
+    csv: &'static str,
+    pub map: &'s AccuracyMap,
+    pub cells: Vec<WorstCell>,
+}
+
+impl Situation<'_> {
+    /// Counts of a region, by position over the plate's length and direction in degrees.
+    pub(super) fn counts(&self, finger: &Finger, region: impl Fn(f64, f64) -> bool) -> TrustCounts {
+        let length_mm = finger.plate_length_mm(Plate::Front);
+        TrustCounts::of(self.cells.iter().filter(|cell| region(cell.s_mm / length_mm, cell.angle_deg)))
+    }
+
+    pub(super) fn all(&self) -> TrustCounts {
+        TrustCounts::of(&self.cells)
+    }
+}
+
+/// The ideal case first, then what a user meets.
+pub(super) fn situations(study: &Study) -> Vec<Situation<'_>> {
+    let noisy = study.noise_mm > 0.0;
+    let mapped = |truth| study.map_by(truth, EstimatorId::Nonlinear, noisy);
+    let off =
+        format!("position and direction of the contact assumed, {POSITION_OFF_MM} mm and {DIRECTION_OFF_DEG} deg off");
+    let softer = "contact known, ends of the finger softer than its model has them".to_owned();
+    [
+        ("contact known", "contact and finger known".to_owned(), CSV, mapped(TruthId::Corotational)),
+        ("contact assumed", off, ASSUMED_CSV, study.assumed.as_ref()),
+        ("softer ends", softer, CSV, mapped(TruthId::Twin)),
+    ]
+    .into_iter()
+    .filter_map(|(name, about, csv, map)| map.map(|map| Situation { name, about, csv, map, cells: map.worst() }))
+    .collect()
+}
+
+pub(super) fn datasets<'s>(study: &'s Study) -> Vec<Dataset<'s>> {
+    let cells = Columns::<(&'static str, WorstCell)>::new()
+        .file("case", |(name, _)| *name)
+        .file("s_mm", |(_, cell)| cell.s_mm)
+        .file("angle_deg", |(_, cell)| cell.angle_deg)
+        .file("state", |(_, cell)| cell.state.name())
+        .file("worst_error", |(_, cell)| cell.worst_error)
+        .file("is_trusted", |(_, cell)| cell.is_trusted);
+    let counts = Columns::<(&'static str, TrustCounts)>::new()
+        .file("case", |(name, _)| *name)
+        .file("cells", |(_, counts)| counts.cells)
+        .file("trusted", |(_, counts)| counts.trusted)
+        .file("refused", |(_, counts)| counts.refused)
+        .file("without_equilibrium", |(_, counts)| counts.without_equilibrium)
+        .file("share_trusted", |(_, counts)| counts.share());
+    let found = situations(study);
+    let all_cells = found.iter().flat_map(|of| of.cells.iter().map(|cell| (of.name, *cell))).collect::<Vec<_>>();
+    let all_counts = found.iter().map(|of| (of.name, of.all())).collect::<Vec<_>>();
+    let mut all =
+        vec![Dataset::new(CSV, &cells, all_cells).csv_alone(), Dataset::new(CSV, &counts, all_counts).summary_alone()];
+    all.extend(study.assumed.iter().map(|map| Dataset::records(ASSUMED_CSV, &map.cells).csv_alone()));
+    all
+}
+
+/// What the drawings show.
+pub(super) fn caption() -> String {
+    format!(
+        "Largest of the mean errors under {} N, by the nonlinear estimator. Coloured plate: forces along its normal; fans: every direction, \
+         drawn on the side that the force comes from. Green is trusted; what is refused is not.",
+        list(MAP_FORCES_N, ", ")
+    )
+}
+
+/// A finger for each situation.
+pub(super) fn figures(Results { study, .. }: Results) -> Result<Vec<Figure>, ReportError> {
+    situations(study).iter().enumerate().map(|(nth, situation)| figure(study, situation, nth == 0)).collect()
+}
+
+fn figure(study: &Study, situation: &Situation, is_first: bool) -> Result<Figure, ReportError> {
+    let finger = &study.finger;
+    let counts = situation.all();
+    let share = counts.share().map_or_else(|| "nowhere".to_owned(), |share| format!("at {}", percent(share)));
+    let title = format!("{}: within 10 % {share}", capitalised(situation.name));
+    let [front, back, ribs] = at_rest(finger);
+    let series = Series::lines("", [back, ribs, front].concat(), Hue::Faint, 2.2);
+    let alt = format!(
+        "{title}. The finger, base on the left; its front plate coloured by the error along the normal, fans by the error in every direction."
+    );
+    // The ideal case stands large above the others.
+    let frame = if is_first { Frame::full(&title, alt) } else { Frame::half(&title, alt) };
+    let drawn = Chart::to_scale(
+        frame.with_plot_height(if is_first { 300.0 } else { 250.0 }),
+        [ALONG_AXIS, ACROSS_AXIS],
+        series,
+    );
+    let chart = Chart { patches: patches(finger, situation), x: node_ticks(finger), ..drawn };
+    Ok(Figure {
+        svg: chart.svg()?,
+        caption: format!(
+            "{}. {} cells: {} refused, {} without equilibrium.",
+            capitalised(&situation.about),
+            counts.cells,
+            counts.refused,
+            counts.without_equilibrium
+        ),
+        csv: Some(situation.csv.to_owned()),
+        wide: false,
+    })
+}
+
+/// The range of some forces.
+pub(super) fn range_of_forces(forces_n: &[f64]) -> String {
+    match forces_n {
+        [first, .., last] if first != last => format!("{first} to {last} N"),
+        one => format!("{} N", one.first().copied().unwrap_or_default()),
+    }
+}
+
+/// Contact nodes along the level axis.
+fn node_ticks(finger: &Finger) -> Axis {
+    let every = finger.contact_nodes().len().div_ceil(13);
+    let nodes = finger.contact_nodes().step_by(every).map(|node| (finger.position(node).x, node.to_string()));
+    Axis::linear("contact node, base to tip").named(nodes.collect())
+}
+
+/// The coloured plate and its fans, best class first.
+fn patches(finger: &Finger, situation: &Situation) -> Vec<Patch> {
+    let (positions, angles) = (&situation.map.request.positions_mm, &situation.map.request.angles_deg);
+    let length_mm = finger.plate_length_mm(Plate::Front);
+    let normal = (0..angles.len()).min_by(|a, b| angles[*a].abs().total_cmp(&angles[*b].abs())).unwrap_or(0);
+    let at = |position: usize, angle: usize| situation.cells.get(position * angles.len() + angle);
+    let edges = |positions: &[f64]| -> Vec<f64> {
+        let between = positions.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0);
+        std::iter::once(0.0).chain(between).chain([length_mm]).collect()
+    };
+    let across = finger.direction(0.0) * (HALF_WIDTH * length_mm);
+    let classes = error_classes();
+    let mut painted: Vec<(usize, Patch)> = Vec::new();
+    let mut paint = |cell: Option<&WorstCell>, outline| painted.extend(cell.map(|cell| patch(cell, &classes, outline)));
+    for (position, ends) in edges(positions).windows(2).enumerate() {
+        let [from, to] = [ends[0], ends[1]].map(|s_mm| finger.plate_point(Plate::Front, s_mm));
+        let corners = [from - across, to - across, to + across, from + across];
+        paint(at(position, normal), corners.iter().map(point).collect());
+    }
+    let half_deg = angles.windows(2).map(|pair| (pair[1] - pair[0]) / 2.0).next().unwrap_or(5.0);
+    for fan in 0..FANS.min(positions.len()) {
+        let position = fan * (positions.len() - 1) / (FANS.min(positions.len()) - 1).max(1);
+        let foot = finger.plate_point(Plate::Front, positions[position]) - across;
+        for (angle, &angle_deg) in angles.iter().enumerate() {
+            let rim =
+                [-1.0, 0.0, 1.0].map(|side| foot - finger.direction(angle_deg + side * half_deg) * (REACH * length_mm));
+            paint(at(position, angle), std::iter::once(&foot).chain(&rim).map(point).collect());
+        }
+    }
+    painted.sort_by_key(|(class, _)| *class);
+    painted.into_iter().map(|(_, patch)| patch).collect()
+}
+
+/// Rank of a cell, best first, and its area.
+fn patch(cell: &WorstCell, classes: &[Class], outline: Vec<[f64; 2]>) -> (usize, Patch) {
+    let rank = rank_of(cell.state, cell.worst_error);
+    let fill = match classes[rank].fill {
+        Paint::Colour(colour) => Fill::Colour(colour),
+        // Areas that are no rectangles have outlines where maps are hatched.
+        Paint::Hatch { rising } => Fill::Hollow(if rising { Dash::Solid } else { Dash::Dotted }),
+    };
+    (rank, Patch { label: classes[rank].label.clone(), outline, fill })
+}
