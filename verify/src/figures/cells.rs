@@ -1,9 +1,11 @@
 //! Cells of a map: values over a grid, and how they are filled.
 
+use super::colour::ON_MAP;
 use super::error::{FigureError, require, require_finite, require_len};
 use super::geometry::Area;
 use super::map::Map;
 use super::panels::Plot;
+use super::shades::{Class, class};
 use super::sheet::{Sheet, TICK_TEXT, font};
 
 /// Values over a grid.
@@ -47,7 +49,10 @@ impl Cells {
         let columns = edges(&self.x, map.x.limits);
         for (row, (values, ys)) in self.values.iter().zip(edges(&self.y, map.y.limits).windows(2)).enumerate() {
             let shown = values.iter().enumerate().map(|(column, value)| {
-                let paint = value.map(|value| map.shades.paint(value, map.written));
+                let paint = value.map(|value| {
+                    let Class { fill, sign, .. } = class(&map.classes, value);
+                    (*fill, map.written.map_or_else(|| sign.clone(), |written| written(value)))
+                });
                 (paint, (map.blank)(row, column), map.written.map_or(0, |_| column))
             });
             let mut first = 0;
@@ -62,11 +67,11 @@ impl Cells {
                 match &run[0] {
                     (_, true, _) => {}
                     (None, ..) => sheet.hatch(area, true)?,
-                    (Some((fill, text, ink)), ..) => {
+                    (Some((fill, text)), ..) => {
                         fill.draw(sheet, area)?;
                         if room >= TICK_TEXT * 0.8 && !text.is_empty() {
                             let size = if map.written.is_some() { 14.0 } else { TICK_TEXT };
-                            sheet.words(text, centre, &font(size).color(ink))?;
+                            sheet.words(text, centre, &font(size).color(&ON_MAP))?;
                         }
                     }
                 }

@@ -91,7 +91,7 @@ impl Chart {
         panels.legend = Patch::legend(&self.patches).into_iter().chain(of_bars).collect();
         let writing = Writing::of(&self.bars, &self.x, self.frame.width - panels.sides[1] - 50.0);
         (panels.head, panels.grid) = (writing.height, [self.bars.is_empty(), true]);
-        panels.draw(|sheet, plots, _| {
+        panels.draw(|sheet, plots| {
             let (plot, bars) =
                 (&plots[0], || self.bars.iter().enumerate().map(|(nth, bars)| (bars, [nth, self.bars.len()])));
             self.patches.iter().try_for_each(|patch| patch.draw(sheet, plot))?;

@@ -8,10 +8,8 @@ pub(super) const TEXT: RGBColor = RGBColor(1, 2, 3);
 pub(super) const OVER_LINES: RGBColor = RGBColor(1, 2, 4);
 /// Dark with a white outline in light and dark mode alike: legible on the colours of a map.
 pub(super) const ON_MAP: RGBColor = RGBColor(1, 2, 5);
-/// Dark ink on a map.
+/// The ink that it is drawn in.
 pub(super) const DARK: RGBColor = RGBColor(0x14, 0x17, 0x1a);
-/// Light ink on a map.
-pub(super) const LIGHT: RGBColor = RGBColor(255, 255, 255);
 
 /// A line or bar colour that colour-blind readers can distinguish (Okabe and Ito's set, less black and pale yellow).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -99,11 +99,6 @@ pub(super) fn segments<'a>(lines: impl IntoIterator<Item = &'a Vec<Point>>) -> i
     lines.into_iter().flat_map(|line| line.windows(2)).map(|pair| [pair[0], pair[1]])
 }
 
-/// Length of a line.
-pub(super) fn length(line: &[Point]) -> f64 {
-    line.windows(2).map(|pair| distance(pair[0], pair[1])).sum()
-}
-
 pub(super) fn distance(a: Point, b: Point) -> f64 {
     (b[0] - a[0]).hypot(b[1] - a[1])
 }

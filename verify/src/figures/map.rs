@@ -5,14 +5,13 @@ use plotters::style::Color;
 use super::axis::Axis;
 use super::cells::{Cells, edges};
 use super::colour::TEXT;
-use super::error::{FigureError, require, require_finite, require_len};
+use super::error::{FigureError, require, require_len};
 use super::geometry::Area;
 use super::legend::Entry;
 use super::panels::{Frame, Panels};
-use super::shades::Shades;
+use super::shades::{self, Class};
 use super::sheet::{LEFT, SPACE, TICK_TEXT, font, pen};
-use super::text::{number, width_of, wrap};
-use super::{colour_bar, contour};
+use super::text::{width_of, wrap};
 
 /// Cells over two quantities, in one plot or in rows and columns of small ones.
 #[derive(Debug, Clone)]
@@ -23,18 +22,14 @@ pub struct Map {
     pub x: Axis,
     /// The upright axis.
     pub y: Axis,
-    /// What values are painted with.
-    pub shades: Shades,
+    /// What values are painted with, in rising order.
+    pub classes: Vec<Class>,
     /// The cells of each plot, row by row; none where there is nothing to show.
     pub plots: Vec<Option<Cells>>,
     /// Names of the rows of small plots; none for a lone plot.
     pub rows: Vec<String>,
     /// Names of their columns.
     pub columns: Vec<String>,
-    /// Levels to draw a line at; where values are written into the cells, to mark on the colour bar alone.
-    pub contours: Vec<f64>,
-    /// What is written after a level, e.g. " %".
-    pub contour_unit: &'static str,
     /// What a cell without value means, e.g. "no equilibrium"; such cells are hatched.
     pub missing_label: String,
     /// A further scale along the top, e.g. node numbers.
@@ -50,16 +45,21 @@ const NOTE_TEXT: f64 = 15.0;
 const NOTE_LINE: f64 = NOTE_TEXT * 1.3;
 
 impl Map {
-    /// A lone map without contours and further scales.
-    pub fn new(frame: Frame, axes: [Axis; 2], shades: Shades, cells: Cells) -> Self {
-        Self::grid(frame, axes, shades, Vec::new(), vec![Some(cells)])
+    /// A lone map without further scales.
+    pub fn new(frame: Frame, axes: [Axis; 2], classes: Vec<Class>, cells: Cells) -> Self {
+        Self::grid(frame, axes, classes, Vec::new(), vec![Some(cells)])
     }
 
     /// Small maps, row by row, under the names of their rows.
-    pub fn grid(frame: Frame, [x, y]: [Axis; 2], shades: Shades, rows: Vec<String>, plots: Vec<Option<Cells>>) -> Self {
-        let (columns, contours, contour_unit, missing_label) = (Vec::new(), Vec::new(), "", String::new());
-        let (top, written, blank) = (None, None, |_, _| false);
-        Self { frame, x, y, shades, plots, rows, columns, contours, contour_unit, missing_label, top, written, blank }
+    pub fn grid(
+        frame: Frame,
+        [x, y]: [Axis; 2],
+        classes: Vec<Class>,
+        rows: Vec<String>,
+        plots: Vec<Option<Cells>>,
+    ) -> Self {
+        let (columns, missing_label, top) = (Vec::new(), String::new(), None);
+        Self { frame, x, y, classes, plots, rows, columns, missing_label, top, written: None, blank: |_, _| false }
     }
 
     /// The map as SVG.
@@ -92,10 +92,7 @@ impl Map {
             panels.top = Some(top);
             panels.sides[0] = width_of(&top.label, TICK_TEXT) + 2.0 * SPACE;
         }
-        if let Shades::Scale(..) = self.shades {
-            panels.below = colour_bar::HEIGHT;
-        }
-        panels.draw(|sheet, plots, under| {
+        panels.draw(|sheet, plots| {
             for ((plot, cells), note) in plots.iter().zip(&self.plots).zip(&notes) {
                 for (index, line) in note.iter().rev().enumerate() {
                     sheet.words(
@@ -110,15 +107,8 @@ impl Map {
                     continue;
                 };
                 cells.draw(sheet, plot, self)?;
-                if let Shades::Scale(colours, _) = &self.shades {
-                    contour::draw(sheet, plot, cells, colours, (self.levels(), self.contour_unit))?;
-                }
             }
-            let Shades::Scale(colours, label) = &self.shades else { return Ok(()) };
-            let values = || self.values().flatten();
-            let beyond =
-                [values().any(|value| value < colours.limits[0]), values().any(|value| value > colours.limits[1])];
-            colour_bar::draw(sheet, plots[0].area, under, (colours, label), &self.contours, beyond)
+            Ok(())
         })
     }
 
@@ -126,9 +116,7 @@ impl Map {
         require(self.plots.iter().any(Option::is_some), FigureError::Empty, "map")?;
         require_len("plots of a map", &self.plots, self.rows.len().max(1) * self.columns.len().max(1))?;
         self.plots.iter().flatten().try_for_each(Cells::check)?;
-        require_finite("contour levels", self.contours.iter())?;
-        let [least, largest] = [f64::min, f64::max].map(|of| self.values().flatten().fold(0.0, of));
-        self.shades.check([least, largest])
+        shades::check(&self.classes, self.values().flatten().fold(0.0, f64::max))
     }
 
     /// All values that have a meaning, with those that are missing.
@@ -139,18 +127,8 @@ impl Map {
         values.filter(|(row, column, _)| !(self.blank)(*row, *column)).map(|(.., value)| *value)
     }
 
-    /// Levels at which a line is drawn.
-    fn levels(&self) -> &[f64] {
-        if self.written.is_none() { &self.contours } else { &[] }
-    }
-
     fn legend(&self) -> Vec<Entry<'_>> {
-        let level = |(nth, level): (usize, &f64)| {
-            let text = format!("{}{}", number(*level), self.contour_unit);
-            Entry::new(text, move |sheet, area| sheet.contour(&area.level(), contour::dash(nth)))
-        };
-        let mut entries: Vec<Entry> = self.levels().iter().enumerate().map(level).collect();
-        entries.extend(self.shades.legend(self.values().flatten()));
+        let mut entries = shades::legend(&self.classes, self.values().flatten());
         if self.values().any(|value| value.is_none()) {
             entries.push(Entry::new(&self.missing_label, |sheet, area| {
                 let patch = Area::about(area.centre(), 26.0, 15.0);
@@ -165,7 +143,7 @@ impl Map {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figures::{Class, ColourScale, Paint};
+    use crate::figures::Paint;
 
     fn axes() -> [Axis; 2] {
         [Axis::linear("position, mm"), Axis::linear("direction, deg")]
@@ -176,47 +154,42 @@ mod tests {
         Cells { note: "all clear".to_owned(), x: vec![10.0, 20.0, 35.0], y: vec![-30.0, 0.0], values }
     }
 
-    fn map(values: [[f64; 3]; 2]) -> Map {
-        let shades = Shades::Scale(ColourScale::log(0.01, 100.0), "error, %".to_owned());
-        Map {
-            contours: vec![10.0],
-            contour_unit: " %",
-            missing_label: "no equilibrium".to_owned(),
-            top: Some(Axis::linear("node").named(vec![(20.0, "n24".to_owned())])),
-            ..Map::new(Frame::half("Error", "error"), axes(), shades, cells(values.map(|row| row.map(Some))))
-        }
-    }
-
     fn classes(plots: Vec<Option<Cells>>) -> Map {
-        let class = |up_to, label: &str, sign: &str| Class {
+        let class = |up_to, label: &str, sign: &str, grey| Class {
             up_to,
             label: label.into(),
             sign: sign.into(),
-            fill: Paint::Colour([1, 2, 9]),
+            fill: Paint::Colour([grey; 3]),
         };
-        let shades =
-            Shades::Classes(vec![class(10.0, "clear", ""), class(25.0, "grey", "G"), class(99.0, "dark", "D")]);
+        let classes = vec![class(10.0, "clear", "", 9), class(25.0, "grey", "G", 8), class(99.0, "dark", "D", 7)];
         let rows = vec!["linear".to_owned(); plots.len()];
         Map {
             missing_label: "refused".to_owned(),
-            ..Map::grid(Frame::full("Errors", "errors"), axes(), shades, rows, plots)
+            ..Map::grid(Frame::full("Errors", "errors"), axes(), classes, rows, plots)
         }
     }
 
-    /// Filled cells, those of the colour bar or the legend left out.
+    fn map(values: [[f64; 3]; 2]) -> Map {
+        let top = Some(Axis::linear("node").named(vec![(20.0, "n24".to_owned())]));
+        let classes = classes(Vec::new()).classes;
+        let lone = Map::new(Frame::half("Error", "error"), axes(), classes, cells(values.map(|row| row.map(Some))));
+        Map { missing_label: "no equilibrium".to_owned(), top, ..lone }
+    }
+
+    /// Filled cells, those of the legend left out.
     fn filled(map: &Map, others: usize) -> usize {
         map.svg().unwrap().matches("<rect ").count() - others
     }
 
-    const VALUES: [[f64; 3]; 2] = [[0.1, 0.3, 0.9], [2.7, 8.1, 24.3]];
+    const VALUES: [[f64; 3]; 2] = [[0.1, 12.0, 0.9], [12.7, 8.1, 24.3]];
 
     #[test]
     fn every_cell_is_drawn_and_one_without_value_is_hatched_and_explained() {
         let mut map = map(VALUES);
-        assert_eq!(filled(&map, colour_bar::STEPS), 6);
+        assert_eq!(filled(&map, 2), 6);
         assert!(!map.svg().unwrap().contains("no equilibrium") && map.svg().unwrap().contains(">n24<"));
-        map.plots[0] = Some(cells([[Some(0.1), None, Some(3.0)], [Some(7.0), Some(9.0), Some(12.0)]]));
-        assert!(filled(&map, colour_bar::STEPS) == 5 && map.svg().unwrap().contains(">no equilibrium<"));
+        map.plots[0] = Some(cells([[Some(0.1), None, Some(3.0)], [Some(7.0), Some(19.0), Some(2.0)]]));
+        assert!(filled(&map, 2) == 5 && map.svg().unwrap().contains(">no equilibrium<"));
     }
 
     #[test]
@@ -224,8 +197,8 @@ mod tests {
         let written =
             Map { written: Some(|value| format!("v{value}")), blank: |row, column| row == column, ..map(VALUES) };
         let svg = written.svg().unwrap();
-        assert!(filled(&written, colour_bar::STEPS) == 4 && svg.contains(">v0.3<") && !svg.contains(">v0.1<"));
-        assert!(!svg.contains("no equilibrium") && !svg.contains(">10 %<"));
+        assert!(filled(&written, 2) == 4 && svg.contains(">v12<") && !svg.contains(">v0.1<"));
+        assert!(!svg.contains("no equilibrium"));
     }
 
     #[test]
@@ -242,12 +215,6 @@ mod tests {
     }
 
     #[test]
-    fn values_beyond_the_scale_are_marked_at_its_ends() {
-        let far = map([[1000.0, 0.3, 0.9], [2.7, 8.1, 24.3]]).svg().unwrap();
-        assert!(far.contains("≥ 100<") && !far.contains("≤") && !map(VALUES).svg().unwrap().contains('≥'));
-    }
-
-    #[test]
     fn data_that_do_not_fit_together_are_refused() {
         let refusal = |change: fn(&mut Cells)| {
             let mut broken = map(VALUES);
@@ -258,7 +225,6 @@ mod tests {
         assert!(matches!(refusal(|cells| cells.values[0].truncate(1)), FigureError::Mismatch(_, 3, 1)));
         assert!(matches!(refusal(|cells| cells.x.swap(1, 2)), FigureError::NotMonotone(_)));
         assert!(matches!(refusal(|cells| cells.values[0][0] = Some(f64::NAN)), FigureError::NotFinite(_)));
-        assert!(matches!(refusal(|cells| cells.values[0][0] = Some(-1.0)), FigureError::NotPositive(_)));
         assert!(matches!(classes(vec![]).svg(), Err(FigureError::Empty(_))));
         let unknown = cells([[Some(100.0); 3]; 2]);
         assert!(matches!(classes(vec![Some(unknown)]).svg(), Err(FigureError::Empty(_))));

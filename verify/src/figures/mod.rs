@@ -5,7 +5,7 @@
 //! `--paper` where the page defines it. Colours stay apart for colour-blind readers, in light and dark mode; dashes and markers
 //! distinguish series without any colour.
 //!
-//! Plotters computes coordinates, axes and shapes; here are what it does not have (maps with holes and contours, positions of labels,
+//! Plotters computes coordinates, axes and shapes; here are what it does not have (maps with holes, positions of labels,
 //! drawings to scale) and one layout for all.
 
 mod axis;
@@ -13,8 +13,6 @@ mod bars;
 mod cells;
 mod chart;
 mod colour;
-mod colour_bar;
-mod contour;
 mod error;
 mod geometry;
 mod labels;
@@ -41,5 +39,5 @@ pub use marks::Marker;
 pub use panels::Frame;
 pub use patch::{Fill, Patch};
 pub use series::{Series, Spread};
-pub use shades::{Class, ColourScale, Paint, Shades};
+pub use shades::{Class, Paint};
 pub use sheet::Dash;

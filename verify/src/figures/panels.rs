@@ -133,8 +133,6 @@ pub(super) struct Panels<'a> {
     pub(super) columns: &'a [String],
     /// Room above each plot.
     pub(super) above: f64,
-    /// Height of what the caller draws between the level axis and the legend.
-    pub(super) below: f64,
     pub(super) legend: Vec<Entry<'a>>,
 }
 
@@ -164,15 +162,14 @@ impl<'a> Panels<'a> {
             rows,
             columns,
             above: 0.0,
-            below: 0.0,
             legend,
         }
     }
 
-    /// Draws the surroundings; `paint` draws into the plots, row by row, and below them at its third argument.
+    /// Draws the surroundings; `paint` draws into the plots, row by row.
     pub(super) fn draw(
         self,
-        paint: impl FnOnce(&Sheet, &[Plot], f64) -> Result<(), FigureError>,
+        paint: impl FnOnce(&Sheet, &[Plot]) -> Result<(), FigureError>,
     ) -> Result<String, FigureError> {
         let frame = self.frame;
         let heading = wrap(&frame.title, HEADING_TEXT * BOLD, frame.width - 2.0 * SPACE);
@@ -196,7 +193,7 @@ impl<'a> Panels<'a> {
         let bottom = first + rows as f64 * pitch - self.above - SPACE;
         let under = bottom + TICKS + LABEL_LINE + SPACE;
         let legend = Legend::lay_out(self.legend, [SPACE, frame.width - SPACE]);
-        let end = under + self.below + legend.height() + SPACE;
+        let end = under + legend.height() + SPACE;
 
         let svg = Svg { size: (units(frame.width) as u32, units(end) as u32), ..Svg::default() };
         svg.text.borrow_mut().push_str(&frame.opening(end));
@@ -233,9 +230,9 @@ impl<'a> Panels<'a> {
             let room = [if column == 0 { tick_room } else { 0.0 }, 0.0, if row + 1 == rows { TICKS } else { 0.0 }];
             plots.push(Plot::new(&sheet, area(row, column), [x.clone(), y.clone()], room, self.grid)?);
         }
-        paint(&sheet, &plots, under)?;
+        paint(&sheet, &plots)?;
         plots.iter().try_for_each(|plot| sheet.line(&plot.area.outline(), axis_pen()))?;
-        legend.draw(&sheet, under + self.below)?;
+        legend.draw(&sheet, under)?;
         let drawn = svg.text.borrow().clone();
         Ok(drawn + "</svg>\n")
     }
@@ -248,7 +245,7 @@ mod tests {
 
     fn sample() -> String {
         let (frame, axis) = (Frame::full("a < b & \"c\"", "what it shows"), Axis::linear("x, mm").within(0.0, 1.0));
-        let paint = |sheet: &Sheet, plots: &[Plot], _: f64| {
+        let paint = |sheet: &Sheet, plots: &[Plot]| {
             let ([x, y], area) = (plots[0].at([0.0, 1.0]), plots[0].area);
             assert!((x - area.left).abs() < 0.2 && (y - area.top).abs() < 0.2);
             sheet.words("fill=\"#010203\" & <i>", [0.0, 0.0], &font(TICK_TEXT).color(&OVER_LINES))

@@ -6,7 +6,7 @@ use plotters::element::{Circle, DashedPathElement, PathElement, Polygon, Rectang
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontStyle, IntoFont, ShapeStyle, TextStyle};
 
-use super::colour::{DARK, LIGHT, TEXT};
+use super::colour::TEXT;
 use super::error::FigureError;
 use super::geometry::{Area, Point};
 use super::svg::{Svg, UNITS};
@@ -84,12 +84,6 @@ impl Sheet {
             Dash::Dotted => (30, 40),
         };
         Ok(self.0.draw(&DashedPathElement::new(path(points), size, gap, pen))?)
-    }
-
-    /// A light line on a dark one, which shows on every colour of a map.
-    pub(super) fn contour(&self, points: &[Point], dash: Dash) -> Done {
-        self.line(points, pen(DARK, 4.6))?;
-        self.dashed(points, pen(LIGHT, 2.2), dash)
     }
 
     pub(super) fn polygon(&self, points: &[Point], ink: impl Color) -> Done {

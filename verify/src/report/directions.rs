@@ -1,7 +1,7 @@
 //! Forces of unknown direction: where they are identifiable.
 
 use super::dataset::{Columns, Dataset};
-use super::drawings::{ALONG_THE_PLATE, percent_line, plate_map};
+use super::drawings::{ALONG_THE_PLATE, percent_classes, percent_line, plate_map};
 use super::format::{Span, percent};
 use super::page::{Block, Figure, Section, text};
 use super::{ReportError, Results};
@@ -9,14 +9,11 @@ use crate::experiments::direction::{
     Assumption, DirectionCell, DirectionStudy, FORCES_N, FrictionlessPush, IDENTIFIED_ANSWERED, IDENTIFIED_DEG,
     IDENTIFIED_FORCE,
 };
-use crate::figures::{Axis, Cells, Chart, ColourScale, FigureError, Frame, Map, Series, Shades};
+use crate::figures::{Axis, Cells, Chart, Class, FigureError, Frame, Map, Series};
 use finray_model::Finger;
 
 const CSV: &str = "directions.csv";
 const FRICTIONLESS_CSV: &str = "directions_without_friction.csv";
-/// Colours of errors of a direction, degrees, and of a force, %.
-const COLOURS: [f64; 2] = [0.1, 100.0];
-
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
     // Errors are root mean squares; without samples the finger carries no such force.
     let by_cell = Columns::<&DirectionCell>::new()
@@ -95,9 +92,8 @@ impl Shown<'_> {
         let title = format!("{force_n} N");
         let frame = Frame::third(&title, format!("{title}: {what}, by position and true direction of the force."));
         let values = (0..angles.len()).map(row).collect();
-        let shades = Shades::Scale(ColourScale::log(COLOURS[0], COLOURS[1]), what.to_owned());
         let cells = Cells::new(&places, &angles, values);
-        let map = Map { missing_label: missing.to_owned(), ..plate_map(finger, frame, shades, cells) };
+        let map = Map { missing_label: missing.to_owned(), ..plate_map(finger, frame, degree_classes(), cells) };
         Ok(Figure {
             svg: map.svg()?,
             caption: format!("{force_n} N: {what}, by position and true direction; hatched: {missing}."),
@@ -105,6 +101,12 @@ impl Shown<'_> {
             wide: false,
         })
     }
+}
+
+/// Classes of the error of an identifiable direction, deg.
+fn degree_classes() -> Vec<Class> {
+    let green = percent_classes().into_iter().take(3).zip([1.0, 3.0, IDENTIFIED_DEG]);
+    green.map(|(class, up_to)| Class { up_to, label: format!("up to {up_to} deg"), ..class }).collect()
 }
 
 /// In which cells both are identifiable.

@@ -3,8 +3,7 @@
 use super::format::list;
 use crate::experiments::table_one::TableOne;
 use crate::figures::{
-    Axis, Bars, Cells, Chart, Class, ColourScale, Dash, FigureError, Frame, Hue, Lines, Map, Marker, Paint, Point,
-    Series, Shades,
+    Axis, Bars, Cells, Chart, Class, Dash, FigureError, Frame, Hue, Lines, Map, Marker, Paint, Point, Series,
 };
 use crate::sampling::map::{AccuracyMap, CellState};
 use crate::study::Study;
@@ -22,8 +21,6 @@ const ERROR_CLASSES: [(f64, [u8; 3]); 5] = [
     (25.0, [0xf2, 0xb1, 0x34]),
     (f64::INFINITY, [0xb0, 0x35, 0x2b]),
 ];
-/// One colour scale for all maps, %.
-const ERROR_SCALE_PERCENT: [f64; 2] = [0.1, 100.0];
 pub(super) const ALONG_THE_PLATE: &str = "position along the front plate from the base, mm";
 /// The same where there is little room.
 const ALONG_IN_SHORT: &str = "position from the base, mm";
@@ -50,19 +47,33 @@ pub(super) fn rank_of(state: CellState, error: Option<f64>) -> usize {
     }
 }
 
-/// Words and filling of each rank: errors in the one palette, then what has none.
-pub(super) fn error_classes() -> Vec<Class> {
+/// Words and filling of each class of errors, by its largest error in percent.
+pub(super) fn percent_classes() -> Vec<Class> {
+    let last = ERROR_CLASSES.len() - 1;
     let words = |rank: usize| match rank {
-        0 => format!("error up to {} %", ERROR_CLASSES[0].0),
-        rank if rank + 1 == ERROR_CLASSES.len() => format!("above {} %", ERROR_CLASSES[rank - 1].0),
-        rank => format!("up to {} %", ERROR_CLASSES[rank].0),
+        0 => format!("up to {} %", ERROR_CLASSES[0].0),
+        rank if rank == last => format!("above {} %", ERROR_CLASSES[rank - 1].0),
+        rank => format!("{} to {} %", ERROR_CLASSES[rank - 1].0, ERROR_CLASSES[rank].0),
     };
-    let class = |rank: usize, label: String, fill| Class { up_to: rank as f64, label, sign: String::new(), fill };
-    let of_errors =
-        ERROR_CLASSES.iter().enumerate().map(|(rank, (_, colour))| class(rank, words(rank), Paint::Colour(*colour)));
-    let refused = class(REFUSED, "refused".to_owned(), Paint::Hatch { rising: true });
-    let none = class(NO_EQUILIBRIUM, "no equilibrium".to_owned(), Paint::Hatch { rising: false });
-    of_errors.chain([refused, none]).collect()
+    let class = |(rank, (up_to, colour)): (usize, &(f64, [u8; 3]))| Class {
+        up_to: *up_to,
+        label: words(rank),
+        sign: String::new(),
+        fill: Paint::Colour(*colour),
+    };
+    ERROR_CLASSES.iter().enumerate().map(class).collect()
+}
+
+/// The same by rank, then what has no error.
+pub(super) fn error_classes() -> Vec<Class> {
+    let hatched = |label: &str, rising| Class {
+        up_to: 0.0,
+        label: label.to_owned(),
+        sign: String::new(),
+        fill: Paint::Hatch { rising },
+    };
+    let all = percent_classes().into_iter().chain([hatched("refused", true), hatched("no equilibrium", false)]);
+    all.enumerate().map(|(rank, class)| Class { up_to: rank as f64, ..class }).collect()
 }
 
 /// Cells of ranks by direction, then position, from ranks by position, then direction.
@@ -102,19 +113,13 @@ pub fn map_figure_svg(finger: &Finger, map: &AccuracyMap, force_n: Option<f64>) 
     let noise = if map.noise_mm > 0.0 { format!("{} mm noise", map.noise_mm) } else { "no noise".to_owned() };
     let title = format!("{}, {}: {force}, {noise}", map.truth.label(), map.estimator.label());
     let alt = format!("Error of the sensed force by position along the front plate and direction: {title}.");
-    let shades = Shades::Classes(error_classes());
-    plate_map(finger, Frame::half(title, alt), shades, error_cells(map, force_n)).svg()
-}
-
-/// The colours of errors, %, one scale for all maps.
-pub(super) fn error_colours() -> ColourScale {
-    ColourScale::log(ERROR_SCALE_PERCENT[0], ERROR_SCALE_PERCENT[1])
+    plate_map(finger, Frame::half(title, alt), error_classes(), error_cells(map, force_n)).svg()
 }
 
 /// A map over position along the plate and direction, with node numbers along its top.
-pub(super) fn plate_map(finger: &Finger, frame: Frame, shades: Shades, cells: Cells) -> Map {
+pub(super) fn plate_map(finger: &Finger, frame: Frame, classes: Vec<Class>, cells: Cells) -> Map {
     let y = Axis::linear(DIRECTION_AXIS).with_ticks((-4..=4).map(|i| f64::from(i) * 20.0));
-    Map { top: Some(node_axis(finger)), ..Map::new(frame, [Axis::linear(ALONG_IN_SHORT), y], shades, cells) }
+    Map { top: Some(node_axis(finger)), ..Map::new(frame, [Axis::linear(ALONG_IN_SHORT), y], classes, cells) }
 }
 
 /// Small maps of ranked errors over the whole plate and all directions: names of the columns, and rows with theirs.
@@ -127,7 +132,7 @@ pub(super) fn small_maps(
     let (rows, plots): (Vec<String>, Vec<Vec<Option<Cells>>>) = rows.into_iter().unzip();
     let x = Axis::linear(ALONG_THE_PLATE).within(0.0, finger.plate_length_mm(Plate::Front));
     let y = Axis::linear(DIRECTION_AXIS).within(-90.0, 90.0).with_ticks([-60.0, 0.0, 60.0]);
-    Map { columns, ..Map::grid(frame, [x, y], Shades::Classes(error_classes()), rows, plots.concat()) }
+    Map { columns, ..Map::grid(frame, [x, y], error_classes(), rows, plots.concat()) }
 }
 
 /// Node numbers along the front plate.

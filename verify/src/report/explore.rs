@@ -14,10 +14,9 @@ use finray_model::finger::Plate;
 use finray_model::{Finger, NodeId, Vector};
 use serde_json::{Value, json};
 
-/// Script, style and markup of the section.
+/// Script and style of the section.
 pub(super) const SCRIPT: &str = include_str!("explore/explore.js");
 pub(super) const STYLE: &str = include_str!("explore/explore.css");
-pub(super) const MARKUP: &str = include_str!("explore/explore.html");
 
 /// The numbers as JSON without any `<`, so that they can stand in the page.
 pub(super) fn data(Results { study, .. }: Results) -> String {

@@ -217,8 +217,7 @@ pub fn render(page: &Page) -> Result<String, minijinja::Error> {
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?;
     environment.set_syntax(syntax);
     environment.add_template("page.html", include_str!("page.html"))?;
-    let page =
-        context! { page => Serde(page), script => explore::SCRIPT, style => explore::STYLE, markup => explore::MARKUP };
+    let page = context! { page => Serde(page), script => explore::SCRIPT, style => explore::STYLE };
     environment.get_template("page.html")?.render(page)
 }
 

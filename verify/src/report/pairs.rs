@@ -1,21 +1,18 @@
 //! Two contacts at once: which pairs of nodes can be trusted, and why neighbours are hard.
 
 use super::dataset::{Columns, Dataset};
+use super::drawings::percent_classes;
 use super::format::{Span, list, nodes_in_words};
 use super::page::{Block, Figure, Section, text};
 use super::{ReportError, Results};
 use crate::experiments::noise::NoiseStudy;
-use crate::figures::{Axis, Cells, ColourScale, FigureError, Frame, Map, Shades};
+use crate::figures::{Axis, Cells, FigureError, Frame, Map};
 use crate::sampling::scatter::{Counts, Scatter, ScatterRow};
 use crate::settings::{TRUSTED_ERROR, TWO_FORCES_N};
 
 const CSV: &str = "pairs.csv";
 const EACH: &str = "Mean error of each force, %";
 const SUM: &str = "Mean error of the sum of both, %";
-/// Colours of errors: 0.1 to 100 %.
-const ERROR_COLOURS_PERCENT: [f64; 2] = [0.1, 100.0];
-/// The two shades of the paper's Table I.
-const SHADES_PERCENT: [f64; 2] = [10.0, 25.0];
 /// Its cells are about square, px.
 const MATRIX_HEIGHT: f64 = 480.0;
 
@@ -56,11 +53,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     blocks.extend(neighbours(noise).map(text));
     let each = |row: &ScatterRow| row.mean_error().map(|error| 100.0 * error);
     let sum = |row: &ScatterRow| row.sum.map(|sum| 100.0 * sum.mean_error);
-    let errors = ERROR_COLOURS_PERCENT;
-    let figures = [
-        (EACH, matrix(noise, EACH, errors, &SHADES_PERCENT, each)?),
-        (SUM, matrix(noise, SUM, errors, &SHADES_PERCENT, sum)?),
-    ];
+    let figures = [(EACH, matrix(noise, EACH, each)?), (SUM, matrix(noise, SUM, sum)?)];
     let figures = figures.map(|(what, svg)| Figure {
         svg,
         caption: format!("{what}, by the two contact nodes: nonlinear above, linear below the diagonal."),
@@ -72,13 +65,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 }
 
 /// One quantity of every pair, the nonlinear estimator above the diagonal.
-fn matrix(
-    noise: &NoiseStudy,
-    title: &str,
-    colours: [f64; 2],
-    levels: &[f64],
-    value: impl Fn(&ScatterRow) -> Option<f64>,
-) -> Result<String, FigureError> {
+fn matrix(noise: &NoiseStudy, title: &str, value: impl Fn(&ScatterRow) -> Option<f64>) -> Result<String, FigureError> {
     let mut nodes: Vec<usize> = noise.pairs.iter().flat_map(|row| row.nodes.clone()).collect();
     nodes.sort_unstable();
     nodes.dedup();
@@ -98,14 +85,12 @@ fn matrix(
     let alt =
         format!("{title}, for every pair of contact nodes, by the nonlinear estimator and by linear least squares.");
     let (above, below) = (Axis::categories("nonlinear", names.iter().rev().cloned().collect()), "linear least squares");
-    let shades = Shades::Scale(ColourScale::log(colours[0], colours[1]), title.to_owned());
     let frame = Frame::half(title, alt).with_plot_height(MATRIX_HEIGHT);
     Map {
-        contours: levels.to_vec(),
         top: Some(Axis::categories("", names)),
         written: Some(two_digits),
         blank: |row, column| row == column,
-        ..Map::new(frame, [Axis::linear(below).with_ticks([]), above], shades, cells)
+        ..Map::new(frame, [Axis::linear(below).with_ticks([]), above], percent_classes(), cells)
     }
     .svg()
 }

@@ -2,7 +2,7 @@
 
 use super::{CSV, own_first, practice_in_words, truth_in_words};
 use crate::experiments::causes::{Cause, CauseCell, CauseMap, ContactKnowledge, Practice, REMEDIES};
-use crate::figures::{Axis, Cells, Class, Frame, Map, Paint, Shades};
+use crate::figures::{Axis, Cells, Class, Frame, Map, Paint};
 use crate::report::ReportError;
 use crate::report::drawings::{ALONG_THE_PLATE, DIRECTION_AXIS, rank_of, ranked, small_maps};
 use crate::report::format::percent;
@@ -56,7 +56,7 @@ pub(super) fn map_figure(map: &CauseMap) -> Result<Figure, ReportError> {
     let values = (0..angles).map(|angle| (0..places).map(|place| of_cell(place, angle)).collect()).collect();
     let cells = Cells::new(&map.request.positions_mm, &map.request.angles_deg, values);
     let missing_label = "no equilibrium or no answer".to_owned();
-    let drawn = Map::new(frame, [Axis::linear(ALONG_THE_PLATE), y], Shades::Classes(classes), cells);
+    let drawn = Map::new(frame, [Axis::linear(ALONG_THE_PLATE), y], classes, cells);
     let svg = Map { missing_label, ..drawn }.svg()?;
     Ok(Figure {
         svg,

@@ -2,9 +2,9 @@
 
 use super::{EXPLANATIONS_CSV, Of, small};
 use crate::estimators::EstimatorId;
-use crate::figures::{Cells, ColourScale, FigureError, Frame, Map, Shades};
+use crate::figures::{Cells, FigureError, Frame, Map};
 use crate::report::ReportError;
-use crate::report::drawings::{error_cells, error_colours, plate_map, small_maps};
+use crate::report::drawings::{error_cells, percent_classes, plate_map, small_maps};
 use crate::report::page::Figure;
 use crate::sampling::map::AccuracyMap;
 use crate::sampling::worst::TrustCounts;
@@ -50,14 +50,11 @@ struct Kind {
     title: &'static str,
     value_label: &'static str,
     of: Of,
-    colours: ColourScale,
-    contours: &'static [f64],
-    contour_unit: &'static str,
     missing_label: &'static str,
     caption: &'static str,
 }
 
-/// Maps of bound, condition, and how far wrong directions and positions carry. Without noise there is no bound.
+/// Maps of the bound and how far wrong directions and positions carry. Without noise there is no bound.
 pub(super) fn explanations(study: &Study) -> Result<Vec<Figure>, ReportError> {
     let noise = format!("{} mm noise a coordinate", study.explanations.noise_mm);
     let kinds = kinds().into_iter().filter(|kind| study.noise_mm > 0.0 || !kind.title.contains("bound"));
@@ -72,16 +69,12 @@ pub(super) fn explanations(study: &Study) -> Result<Vec<Figure>, ReportError> {
     kinds.map(figure).collect()
 }
 
-fn kinds() -> [Kind; 5] {
-    let errors = error_colours();
+fn kinds() -> [Kind; 4] {
     [
         Kind {
             title: "bound, direction known",
             value_label: "least standard deviation / force, %",
             of: |cell| cell.bound.map(|share| 100.0 * share),
-            colours: errors,
-            contours: &[1.0, 10.0],
-            contour_unit: " %",
             missing_label: "no equilibrium",
             caption: "Cramer-Rao bound of the force, position and direction known, with NOISE.",
         },
@@ -89,30 +82,13 @@ fn kinds() -> [Kind; 5] {
             title: "bound, direction sought too",
             value_label: "least standard deviation / force, %",
             of: |cell| cell.bound_unknown_direction.map(|share| 100.0 * share),
-            colours: errors,
-            contours: &[1.0, 10.0],
-            contour_unit: " %",
             missing_label: "no equilibrium, or not identifiable",
             caption: "The same when both components of the force are sought, to first order, with NOISE.",
-        },
-        Kind {
-            title: "condition of two components",
-            value_label: "largest / smallest singular value",
-            of: |cell| cell.condition,
-            colours: ColourScale::log(1.0, 1000.0),
-            contours: &[10.0, 100.0],
-            contour_unit: "",
-            missing_label: "no equilibrium",
-            caption: "How many times more the markers move under the component of a force that they see best than under the \
-                      one that they see worst: how ill-posed an unknown direction is.",
         },
         Kind {
             title: "wrong direction",
             value_label: "error of the force, % per degree",
             of: |cell| cell.error_per_deg.map(|share| 100.0 * share),
-            colours: errors,
-            contours: &[1.0, 10.0],
-            contour_unit: " %",
             missing_label: "no equilibrium",
             caption: "How much a direction that is wrong by a degree changes the sensed force.",
         },
@@ -120,9 +96,6 @@ fn kinds() -> [Kind; 5] {
             title: "wrong position",
             value_label: "error of the force, % per mm",
             of: |cell| cell.error_per_mm.map(|share| 100.0 * share),
-            colours: errors,
-            contours: &[1.0, 10.0],
-            contour_unit: " %",
             missing_label: "no equilibrium",
             caption: "How much a position that is wrong by a millimetre changes the sensed force.",
         },
@@ -134,14 +107,8 @@ fn explanation(study: &Study, kind: &Kind) -> Result<String, FigureError> {
     let title = format!("{}, {} N", kind.title, map.force_n);
     let alt = format!("{title}: {} by position along the front plate and direction.", kind.value_label);
     let cells = Cells::new(&map.positions_mm, &map.angles_deg, map.values(kind.of));
-    let shades = Shades::Scale(kind.colours, kind.value_label.to_owned());
-    Map {
-        contours: kind.contours.to_vec(),
-        contour_unit: kind.contour_unit,
-        missing_label: kind.missing_label.to_owned(),
-        ..plate_map(&study.finger, Frame::half(title, alt), shades, cells)
-    }
-    .svg()
+    let drawn = plate_map(&study.finger, Frame::half(title, alt), percent_classes(), cells);
+    Map { missing_label: kind.missing_label.to_owned(), ..drawn }.svg()
 }
 
 #[cfg(test)]
