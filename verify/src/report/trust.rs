@@ -118,7 +118,7 @@ fn figure(study: &Study, situation: &Situation, is_first: bool) -> Result<Figure
     // The ideal case stands large above the others.
     let frame = if is_first { Frame::full(&title, alt) } else { Frame::half(&title, alt) };
     let drawn = Chart::to_scale(
-        frame.with_plot_height(if is_first { 300.0 } else { 250.0 }),
+        frame.with_plot_height(if is_first { 400.0 } else { 250.0 }),
         [ALONG_AXIS, ACROSS_AXIS],
         series,
     );
