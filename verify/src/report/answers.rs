@@ -3,6 +3,7 @@
 use super::causes;
 use super::checks;
 use super::format::{list, percent, time};
+use super::maps::small;
 use super::page::Answer;
 use super::trust::{Situation, situations};
 use crate::check::Kind;
@@ -12,6 +13,7 @@ use crate::experiments::coverage::CoverageRow;
 use crate::experiments::speed_error::recommendation::{LARGEST_BIAS_SIGMAS, recommended, ways};
 use crate::experiments::speed_error::sensing::SENSED_N;
 use crate::sampling::map::{Cell, CellState};
+use crate::sampling::worst::TrustCounts;
 use crate::settings::{CAMERA_FRAME_S, TRUSTED_ERROR};
 use crate::study::Study;
 use crate::truths::TruthId;
@@ -57,11 +59,11 @@ pub(super) fn caveat(study: &Study) -> String {
 fn trusted(study: &Study, situations: &[Situation]) -> Option<String> {
     let [first, others @ ..] = situations else { return None };
     let share = |situation: &Situation| situation.all().share().map_or_else(|| "no part".to_owned(), percent);
-    let others = others.iter().map(|other| format!("; at {} if {}", share(other), in_words(other)));
+    let others = others.iter().map(|other| format!("; in {} {}", share(other), in_words(other)));
     Some(format!(
-        "Every force of {} is sensed within {} at {} of all positions and directions if contact and finger are known{}. {}",
-        super::trust::range_of_forces(&first.map.request.forces_n),
+        "The mean error stays within {} under {} N in {} of the positions and directions computed, contact and finger known{}. {}",
         percent(TRUSTED_ERROR),
+        list(first.map.request.forces_n.iter(), ", "),
         share(first),
         list(others, ""),
         weak_regions(study, first)
@@ -71,8 +73,8 @@ fn trusted(study: &Study, situations: &[Situation]) -> Option<String> {
 /// What is not known, in a sentence.
 fn in_words(situation: &Situation) -> String {
     match situation.name {
-        "contact assumed" => format!("the contact is assumed {POSITION_OFF_MM} mm and {DIRECTION_OFF_DEG} deg off"),
-        _ => "the ends are softer than modelled".to_owned(),
+        "contact assumed" => format!("with the contact {POSITION_OFF_MM} mm and {DIRECTION_OFF_DEG} deg off"),
+        _ => "with base and tip softer than modelled".to_owned(),
     }
 }
 
@@ -91,10 +93,11 @@ fn weak_regions(study: &Study, situation: &Situation) -> String {
     let share = |(name, holds): &Region| Some((situation.counts(&study.finger, holds).share()?, *name));
     let mut weak: Vec<(f64, &str)> = REGIONS.iter().filter_map(share).filter(|(share, _)| *share < MOSTLY).collect();
     weak.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let named: Vec<String> = weak.iter().take(2).map(|(share, name)| format!("{name} ({})", percent(*share))).collect();
+    let named: Vec<String> =
+        weak.iter().take(2).map(|(share, name)| format!("{name} (trusted in {})", percent(*share))).collect();
     match named.is_empty() {
         true => "No part of the known finger falls behind.".to_owned(),
-        false => format!("Least trusted of the known finger: {}.", list(named, " and ")),
+        false => format!("Weakest of the known finger: {}.", list(named, ", ")),
     }
 }
 
@@ -118,11 +121,22 @@ fn why_not(study: &Study, situations: &[Situation]) -> Option<String> {
         };
         let least = known.map.request.forces_n.first().copied().unwrap_or_default();
         let small = failed.iter().filter(|cell| cell.force_n == least).count();
-        reasons
-            .push(format!("All known: {cause} in {count} of {} failures, {small} of them at {least} N.", failed.len()));
+        reasons.push(format!(
+            "All known: {cause} in {count} of {} forces that fail, {small} of them {least} N.",
+            failed.len()
+        ));
     }
-    reasons.extend(causes::of_assumed_contact(study).map(|causes| format!("Contact assumed: {causes}.")));
-    reasons.extend(causes::of_softer_ends(study).map(|causes| format!("Softer ends: {causes}.")));
+    for situation in &situations[1..] {
+        let failed =
+            || situation.cells.iter().filter(|cell| !cell.is_trusted && cell.state != CellState::WithoutEquilibrium);
+        let turned = failed().filter(|cell| cell.angle_deg != 0.0).count();
+        let (name, along) = match situation.name {
+            "contact assumed" => ("Contact off", causes::of_assumed_contact(study)),
+            _ => ("Softer ends", causes::of_softer_ends(study)),
+        };
+        let along = along.map_or_else(String::new, |along| format!("; {along}"));
+        reasons.push(format!("{name}: {turned} of {} cells that fail are off the normal{along}.", failed().count()));
+    }
     Some(list(reasons, " "))
 }
 
@@ -140,10 +154,10 @@ fn use_what(study: &Study) -> Option<String> {
     let slowest =
         [Some(way.one), way.cold].into_iter().flatten().map(|point| point.seconds_95.unwrap_or(point.seconds));
     let share = slowest.fold(0.0, f64::max) / CAMERA_FRAME_S;
-    let enough =
-        if share < 1.0 { "so that a faster estimator gains nothing there" } else { "which is too slow for it" };
+    let enough = if share < 1.0 { "so a faster one gains nothing at that rate" } else { "which is too slow" };
     Some(format!(
-        "The nonlinear estimator on {}: mean error {} along the normal in {} a frame, at most {} of the {:.0} ms of a camera at 25 Hz, {enough}.{}",
+        "The nonlinear estimator, its model on {}: mean error {} along the normal. It takes {} a frame, 95 % of cold starts within {} of the {:.0} ms \
+         between frames at 25 Hz, {enough}.{}",
         way.one.mesh(),
         percent(way.one.error),
         time(way.one.seconds),
@@ -155,10 +169,10 @@ fn use_what(study: &Study) -> Option<String> {
 
 /// What linear sensing misses.
 fn linear(study: &Study) -> String {
-    let map = study.map(TruthId::Corotational, study.noise_mm > 0.0);
-    let share = map.and_then(|map| crate::sampling::worst::TrustCounts::of(&map.worst()).share());
+    let map = small(study, TruthId::Corotational, EstimatorId::LeastSquares, study.noise_mm > 0.0);
+    let share = map.and_then(|map| TrustCounts::of(&map.worst()).share());
     share.map_or_else(String::new, |share| {
-        format!(" Linear least squares keeps within {} at {} of the cells.", percent(TRUSTED_ERROR), percent(share))
+        format!(" Linear least squares: within {} in {} of the cells.", percent(TRUSTED_ERROR), percent(share))
     })
 }
 
@@ -168,18 +182,18 @@ fn how_sure(study: &Study) -> Option<String> {
         |truth| study.coverage.iter().find(move |row| row.truth == truth && row.estimator == EstimatorId::Nonlinear);
     let known = of(TruthId::Corotational)?;
     let mut said = format!(
-        "With all known, its 95 % intervals hold the force in {} of the answers without a warning",
+        "All known: stated 95 % intervals hold the force in {} of the answers without a warning",
         known.covered_without_warning.map_or_else(|| "none".to_owned(), percent)
     );
     if let Some(covered) = known.covered_with_warning {
-        said += &format!(" and {} of those with one", percent(covered));
+        said += &format!(" and {} of those with a warning", percent(covered));
     }
     said += &format!(" ({} of {} samples refused).", known.refused, known.samples);
     let silent = |row: &CoverageRow| {
         let share = row.without_warning as f64 / row.samples.max(1) as f64;
         let held = percent(row.covered_without_warning?);
         Some(format!(
-            " Softer ends: {} of the samples bring no warning, and {held} of their intervals hold.",
+            " Softer ends: {} of the samples get no warning; of these, {held} of the intervals hold.",
             percent(share)
         ))
     };
@@ -198,6 +212,9 @@ fn physics(study: &Study) -> String {
         };
         format!("{} of {} {against}", tally.passed, tally.all)
     });
-    let solved = if failed == 0 { "The beam equations are solved right" } else { "Not all of it" };
-    format!("{solved}: {} checks pass. Whether a real finger bends as beams do is not tested here.", list(counts, ", "))
+    format!(
+        "The solvers pass {} checks{}. Whether a real finger bends as beams do is not tested here.",
+        list(counts, ", "),
+        if failed == 0 { "" } else { ": not all" }
+    )
 }

@@ -13,7 +13,7 @@ use super::{ReportError, Results};
 use crate::experiments::causes::{
     Cause, CauseCell, CauseMap, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM, Practice, REMEDIES,
 };
-use crate::settings::DRAWN_FORCE_N;
+use crate::settings::{DRAWN_FORCE_N, TRUSTED_ERROR};
 use crate::study::Study;
 use crate::truths::TruthId;
 use finray_model::NodeId;
@@ -36,21 +36,28 @@ pub(super) fn of_softer_ends(study: &Study) -> Option<String> {
     largest_by_region(study, FITTED, ContactKnowledge::Known)
 }
 
-/// The largest cause near the base, in the middle and near the tip for the nonlinear estimator, with the error of all causes.
+/// Where the nonlinear estimator fails along the normal: the largest cause, with the error of all.
 fn largest_by_region(study: &Study, truth: TruthId, contact: ContactKnowledge) -> Option<String> {
     let map = find(study, truth, Practice::Nonlinear, contact)?;
     let mut by_cause: Vec<(Cause, Vec<String>)> = Vec::new();
     for region in Region::ENDS_AND_MIDDLE {
         let Some(shares) = Shares::of(&study.finger, map, DRAWN_FORCE_N, region) else { continue };
-        let Some(largest) = shares.largest() else { continue };
-        let place = format!("{} ({})", region.in_words(), percent(shares.rms_error));
+        let Some(largest) = shares.largest().filter(|_| shares.rms_error > TRUSTED_ERROR) else { continue };
+        let refused = match shares.cells - shares.answered {
+            0 => String::new(),
+            refused => format!(", {refused} of {} positions refused", shares.cells),
+        };
+        let place = format!("{} ({}{refused})", region.in_words(), percent(shares.rms_error));
         match by_cause.iter_mut().find(|(cause, _)| *cause == largest.cause) {
             Some((_, places)) => places.push(place),
             None => by_cause.push((largest.cause, vec![place])),
         }
     }
     let parts = by_cause.iter().map(|(cause, places)| format!("{} {}", cause.name(), list(places, " and ")));
-    (!by_cause.is_empty()).then(|| format!("{}, of {DRAWN_FORCE_N} N along the normal", list(parts, ", ")))
+    Some(match by_cause.is_empty() {
+        true => format!("errors of {DRAWN_FORCE_N} N along it stay within {}", percent(TRUSTED_ERROR)),
+        false => format!("{DRAWN_FORCE_N} N along it fails by {}", list(parts, ", ")),
+    })
 }
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {

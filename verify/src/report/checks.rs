@@ -27,7 +27,10 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
          Internal: our own other formulation, balance or bound. All are given the EA and EI of the beams: they verify solvers and kinematics. That \
          Euler-Bernoulli beams of these sections describe a real finger, its material and its joints, cannot be verified without hardware.",
     ));
-    blocks.push(details("Checks by source", vec![Block::Table(by_source(&study.checks)), Block::Table(files())]));
+    blocks.push(details(
+        "Checks by source",
+        vec![Block::Table(by_source(&study.all_checks().collect::<Vec<_>>())), Block::Table(files())],
+    ));
     Ok(Some(Section::new("checks", "Cross-checks", blocks).saying([in_words(study)])))
 }
 
@@ -62,7 +65,7 @@ pub(super) fn counted(study: &Study) -> [Tally; 3] {
 }
 
 /// The checks in short: a row for each reference, grouped by its kind, with how close its closest check comes to failing.
-fn by_source(checks: &[Check]) -> Table {
+fn by_source(checks: &[&Check]) -> Table {
     type Source<'c> = (Kind, &'c str);
     let mut sources: Vec<Source> = Vec::new();
     for check in checks {
@@ -72,7 +75,7 @@ fn by_source(checks: &[Check]) -> Table {
     }
     sources.sort_by_key(|(kind, _)| *kind);
     let of = |source: &Source| {
-        let found = checks.iter().filter(|check| (check.kind, check.source.as_str()) == *source);
+        let found = checks.iter().copied().filter(|check| (check.kind, check.source.as_str()) == *source);
         found.collect::<Vec<_>>()
     };
     let share = |check: &Check| (check.ours - check.reference).abs() / check.tolerance;

@@ -150,7 +150,7 @@ fn where_identifiable(directions: &DirectionStudy) -> Option<String> {
     let [identified, all] = directions.identified(largest);
     let verdict = match 2 * identified > all {
         true => {
-            "So the paper's \"will not work\" (Fig. 13) holds for small forces and near the base, not for the finger"
+            "So the paper's \"will not work\" (Fig. 13) holds for small forces and near the ends, not for the whole finger"
         }
         false => "So the paper's \"will not work\" (Fig. 13) holds for most pushes",
     };

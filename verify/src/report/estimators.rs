@@ -2,6 +2,7 @@
 
 use super::dataset::{Columns, Dataset, Format};
 use super::format::{percent, time};
+use super::maps::small;
 use super::page::{Block, Section, details, text};
 use super::{ReportError, Results};
 use crate::estimators::EstimatorId;
@@ -33,7 +34,8 @@ fn rows(study: &Study) -> impl Iterator<Item = Row> {
         best.or_else(|| of.min_by(|a, b| a.one.seconds.total_cmp(&b.one.seconds))).map(|way| way.one.seconds)
     };
     EstimatorId::ALL.iter().map(move |&estimator| {
-        let map = study.map_by(TruthId::Corotational, estimator, study.noise_mm > 0.0);
+        // The cells that the overview draws, so that no two shares differ by their grid.
+        let map = small(study, TruthId::Corotational, estimator, study.noise_mm > 0.0);
         let of = |row: &&CoverageRow| row.truth == TruthId::Corotational && row.estimator == estimator;
         Row {
             estimator,

@@ -46,7 +46,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let Some(noise) = study.noise.as_ref().filter(|noise| !noise.pairs.is_empty()) else { return Ok(None) };
     let cases = noise.pairs.iter().map(ScatterRow::drawn).min().unwrap_or(0);
     let mut blocks = vec![text(format!(
-        "Forces of {} to {} N along the normal at both of two contact nodes, {cases} cases a pair, uniform finger, {} mm noise.",
+        "Forces of {} to {} N along the normal at both of two contact nodes, at least {cases} cases a pair, uniform finger, {} mm noise.",
         TWO_FORCES_N[0], TWO_FORCES_N[1], noise.noise_mm
     ))];
     blocks.extend(trusted(noise).map(text));

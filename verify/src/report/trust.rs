@@ -56,7 +56,7 @@ pub(super) fn situations(study: &Study) -> Vec<Situation<'_>> {
     let mapped = |truth| study.map_by(truth, EstimatorId::Nonlinear, noisy);
     let off =
         format!("position and direction of the contact assumed, {POSITION_OFF_MM} mm and {DIRECTION_OFF_DEG} deg off");
-    let softer = "contact known, ends of the finger softer than its model has them".to_owned();
+    let softer = "contact known, but base and tip of the finger softer than its model has them, as fitted to the paper's Table I".to_owned();
     [
         ("contact known", "contact and finger known".to_owned(), CSV, mapped(TruthId::Corotational)),
         ("contact assumed", off, ASSUMED_CSV, study.assumed.as_ref()),
@@ -94,8 +94,8 @@ pub(super) fn datasets<'s>(study: &'s Study) -> Vec<Dataset<'s>> {
 /// What the drawings show.
 pub(super) fn caption() -> String {
     format!(
-        "Largest of the mean errors under {} N, by the nonlinear estimator. Coloured plate: forces along its normal; fans: every direction, \
-         drawn on the side that the force comes from. Green is trusted; what is refused is not.",
+        "Colour: the worst of the mean errors under {} N, by the nonlinear estimator. Front plate: forces along its normal; fans: every direction, on the \
+         side that the force comes from. Green is trusted; what is refused is not. Numbers are those of the rods along the plate.",
         list(MAP_FORCES_N, ", ")
     )
 }
@@ -135,14 +135,6 @@ fn figure(study: &Study, situation: &Situation, is_first: bool) -> Result<Figure
         csv: Some(situation.csv.to_owned()),
         wide: false,
     })
-}
-
-/// The range of some forces.
-pub(super) fn range_of_forces(forces_n: &[f64]) -> String {
-    match forces_n {
-        [first, .., last] if first != last => format!("{first} to {last} N"),
-        one => format!("{} N", one.first().copied().unwrap_or_default()),
-    }
 }
 
 /// Contact nodes along the level axis.

@@ -22,7 +22,7 @@ pub(super) fn verdict(scenes: &[SceneStudy]) -> Option<String> {
             false => "Single contacts are sensed worse",
         };
         format!(
-            " {head}: {} carries {:.2} N, with an error of about {:.2} N.",
+            " {head}: {} carries {:.2} N and errs with noise by about {:.2} N.",
             least.name, least.true_n, least.rms_error_n
         )
     });

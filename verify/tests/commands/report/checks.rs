@@ -35,7 +35,7 @@ fn checks_are_counted_by_kind() {
         let head = head.split("<h2").next().expect("the first screen");
         let said = format!(
             "{external} of {external} against other programs, {analytical} of {analytical} against closed forms and literature, {internal} of \
-             {internal} of our own checks pass"
+             {internal} of our own checks."
         );
         assert!(head.contains(&said), "{said}");
         assert!(

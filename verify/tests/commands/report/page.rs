@@ -192,10 +192,56 @@ fn the_first_answer_counts_the_cells_of_its_maps() {
         let share = kept as f64 / bent.count() as f64;
         let entry = array(&summary, "trust").iter().find(|entry| entry["case"] == case).expect("the case");
         assert_close(&[entry["share_trusted"].as_f64().expect("a share")], &[share], LINEAR_ROUNDING);
-        let said = format!("at {:.0} %", 100.0 * share);
-        assert!(share > 0.1 && share < 0.995 && first.contains(&said), "{case}, {said}: {first}");
-        assert!(page.contains(&format!("{title}: within 10 % {said}")), "{title}: {said}");
+        let said = format!("{:.0} %", 100.0 * share);
+        assert!(share > 0.1 && share < 0.995 && first.contains(&format!("in {said}")), "{case}, {said}: {first}");
+        assert!(page.contains(&format!("{title}: within 10 % at {said}")), "{title}: {said}");
     }
+}
+
+/// What the other answers say is in the files: failures in the map, the share of least squares, coverage and refusals.
+#[test]
+fn the_other_answers_are_found_in_files() {
+    let summary = PAPERS.summary();
+    let answers = array(&summary, "verdict").iter().filter_map(serde_json::Value::as_str).collect::<Vec<_>>();
+    let answer = |question: &str| *answers.iter().find(|answer| answer.starts_with(question)).expect("the answer");
+
+    let map = Csv::of(&PAPERS.read("map_corotational_nonlinear_with_noise.csv"));
+    let number = |text: &&str| text.parse::<f64>().unwrap_or(f64::NAN);
+    let columns = ["mean_error", "bias", "spread", "force_n"]
+        .map(|column| map.texts(column).iter().map(number).collect::<Vec<f64>>());
+    let failed: Vec<usize> = (0..columns[0].len()).filter(|&row| columns[0][row] > 0.1).collect();
+    let by_noise = failed.iter().filter(|&&row| columns[2][row] > columns[1][row].abs()).count();
+    let small = failed.iter().filter(|&&row| columns[3][row] == 0.5).count();
+    assert!(2 * by_noise > failed.len());
+    assert_says(
+        answer("Why not elsewhere?"),
+        &[&format!("in {by_noise} of {} forces that fail, {small} of them 0.5 N", failed.len())],
+    );
+
+    let estimators = Csv::of(&PAPERS.read("estimators.csv"));
+    let row = estimators.texts("estimator").iter().position(|name| *name == "least-squares").expect("a row");
+    let share = estimators.numbers("trusted")[row] / estimators.numbers("cells")[row];
+    assert_says(
+        answer("What should sense it?"),
+        &[&format!("Linear least squares: within 10 % in {:.0} % of the cells", 100.0 * share)],
+    );
+
+    let coverage = Csv::of(&PAPERS.read("coverage.csv"));
+    let of = |truth: &str| {
+        let kinds = coverage.texts("truth").into_iter().zip(coverage.texts("estimator"));
+        kinds.into_iter().position(|kind| kind == (truth, "nonlinear")).expect("a row")
+    };
+    let value = |column: &str, row: usize| coverage.texts(column)[row].parse::<f64>().expect("a number");
+    let (known, softer) = (of("corotational"), of("twin"));
+    let said = [
+        format!("in {:.0} % of the answers without a warning", 100.0 * value("covered_without_warning", known)),
+        format!("({} of {} samples refused)", value("refused", known), value("samples", known)),
+        format!(
+            "{:.0} % of the samples get no warning",
+            100.0 * value("without_warning", softer) / value("samples", softer)
+        ),
+    ];
+    assert_says(answer("How sure is an answer?"), &said.each_ref().map(String::as_str));
 }
 
 /// The script answers the reader's choices from the numbers in the files, by keyboard too, on a phone too, and shows nothing where it has none.
