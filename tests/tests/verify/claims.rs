@@ -76,7 +76,7 @@ fn map_and_table_one_show_what_is_known() {
     let claims = ledger(&study).expect("small experiments");
     claims_say_what_was_shown(&claims);
     let drawn = report::report(&study, &claims).expect("the report is drawn");
-    // Soft ends that were put into another finger are told as that finger's, and as no cause of this one's errors.
+    // Soft ends that were put into another finger are that finger's, and no cause of this one's errors.
     let head: Vec<String> = drawn.verdict.iter().take(5).cloned().collect();
     let why = head.iter().find(|answer| answer.starts_with("Why not elsewhere?")).expect("an answer");
     let known = why.split("Contact assumed:").next().expect("what is said of the known finger");

@@ -10,6 +10,7 @@ mod estimators {
     mod stated_intervals;
 }
 mod experiments {
+    mod assumed;
     mod causes;
     mod contact_scenes;
     mod directions;

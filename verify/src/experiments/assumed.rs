@@ -61,26 +61,28 @@ impl Estimator for AssumedContact<'_> {
         contacts: &[Contact],
         markers: &Measurement,
     ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError> {
+        let length_mm = self.finger.plate_length_mm(Plate::Front);
         let mut sides = Vec::with_capacity(SIDES);
+        let mut beyond = None;
         for by_mm in [-POSITION_OFF_MM, POSITION_OFF_MM] {
             for by_deg in [-DIRECTION_OFF_DEG, DIRECTION_OFF_DEG] {
-                let off: Vec<Contact> =
-                    contacts.iter().filter_map(|contact| self.off(contact, by_mm, by_deg)).collect();
-                if off.len() == contacts.len() {
-                    sides.push(self.informed.prepare(&off, markers)?);
+                let off = |contact: &Contact| {
+                    let s_mm = contact.position_mm(self.finger).unwrap_or(f64::NAN) + by_mm;
+                    Contact { position: ContactPosition::At(s_mm), angle_deg: contact.angle_deg + by_deg }
+                };
+                let off: Vec<Contact> = contacts.iter().map(off).collect();
+                let on_plate = |contact: &Contact| matches!(contact.position, ContactPosition::At(s_mm) if s_mm > 0.0 && s_mm <= length_mm);
+                match off.iter().all(on_plate) {
+                    true => sides.push(self.informed.prepare(&off, markers)?),
+                    false => beyond = Some(off),
                 }
             }
         }
-        Ok(Box::new(InTurn { sides, next: 0 }))
-    }
-}
-
-impl AssumedContact<'_> {
-    /// A contact off by this much; `None` beyond the plate.
-    fn off(&self, contact: &Contact, by_mm: f64, by_deg: f64) -> Option<Contact> {
-        let assumed_mm = contact.position_mm(self.finger)? + by_mm;
-        let on_plate = assumed_mm > 0.0 && assumed_mm <= self.finger.plate_length_mm(Plate::Front);
-        on_plate.then_some(Contact { position: ContactPosition::At(assumed_mm), angle_deg: contact.angle_deg + by_deg })
+        match beyond.filter(|_| sides.is_empty()) {
+            // No side is on a plate this short: the estimator says what is wrong with such a contact.
+            Some(off) => self.informed.prepare(&off, markers),
+            None => Ok(Box::new(InTurn { sides, next: 0 })),
+        }
     }
 }
 

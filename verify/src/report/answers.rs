@@ -156,8 +156,9 @@ fn use_what(study: &Study) -> Option<String> {
     let share = slowest.fold(0.0, f64::max) / CAMERA_FRAME_S;
     let enough = if share < 1.0 { "so a faster one gains nothing at that rate" } else { "which is too slow" };
     Some(format!(
-        "The nonlinear estimator, its model on {}: mean error {} along the normal. It takes {} a frame, 95 % of cold starts within {} of the {:.0} ms \
+        "The {} estimator, its model on {}: mean error {} along the normal. It takes {} a frame, 95 % of cold starts within {} of the {:.0} ms \
          between frames at 25 Hz, {enough}.{}",
+        way.one.estimator.map_or(way.one.model.as_str(), |estimator| estimator.label()),
         way.one.mesh(),
         percent(way.one.error),
         time(way.one.seconds),
@@ -182,7 +183,7 @@ fn how_sure(study: &Study) -> Option<String> {
         |truth| study.coverage.iter().find(move |row| row.truth == truth && row.estimator == EstimatorId::Nonlinear);
     let known = of(TruthId::Corotational)?;
     let mut said = format!(
-        "All known: stated 95 % intervals hold the force in {} of the answers without a warning",
+        "All known: the 95 % intervals of the nonlinear estimator hold the force in {} of the answers without a warning",
         known.covered_without_warning.map_or_else(|| "none".to_owned(), percent)
     );
     if let Some(covered) = known.covered_with_warning {
@@ -203,7 +204,6 @@ fn how_sure(study: &Study) -> Option<String> {
 /// What was verified, and what was not.
 fn physics(study: &Study) -> String {
     let tallies = checks::counted(study);
-    let failed: usize = tallies.iter().map(|tally| tally.all - tally.passed).sum();
     let counts = tallies.map(|tally| {
         let against = match tally.kind {
             Kind::External => "against other programs",
@@ -213,8 +213,7 @@ fn physics(study: &Study) -> String {
         format!("{} of {} {against}", tally.passed, tally.all)
     });
     format!(
-        "The solvers pass {} checks{}. Whether a real finger bends as beams do is not tested here.",
-        list(counts, ", "),
-        if failed == 0 { "" } else { ": not all" }
+        "Solvers and estimators pass {} checks. Whether a real finger bends as beams do is not tested here.",
+        list(counts, ", ")
     )
 }

@@ -45,9 +45,13 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 }
 
 fn overview(study: &Study) -> Result<Figure, ReportError> {
-    let only = match study.is_paper {
-        true => "Networks are asked at contact nodes along the normal, MuJoCo's shapes were exported at the nodes.",
-        false => "Softer ends, lattice, MuJoCo and networks exist for the paper's finger alone.",
+    let exported = study.map_by(TruthId::Mujoco, EstimatorId::LeastSquares, study.noise_mm > 0.0);
+    let only = match exported {
+        Some(map) => format!(
+            "Networks are asked at contact nodes along the normal, MuJoCo's shapes were exported at the nodes, under {} N.",
+            list(&map.request.forces_n, " and ")
+        ),
+        None => "Softer ends, lattice, MuJoCo and networks exist for the paper's finger alone.".to_owned(),
     };
     Ok(Figure {
         svg: drawings::overview(study, study.noise_mm > 0.0)?,

@@ -79,7 +79,7 @@ fn in_words(networks: &NetworkStudy) -> Option<String> {
         all => format!(" {kept} of {all} tolerances hold."),
     };
     Some(format!(
-        "The networks that ship err by {} for one force and by {} for each of two ({}): at most {most:.2} times the Cramer-Rao bound (node{} \
+        "The networks that ship err by {} for one force and by {} for each of two ({}): each force at most {most:.2} times its Cramer-Rao bound (node{} \
          {}).{tolerances}",
         errors(1)?,
         errors(2)?,

@@ -16,7 +16,7 @@ pub(super) const QUESTIONS: &[Question] = &[
     Question {
         case: "contacts on neighbouring nodes",
         difficulty: "two forces that deform the finger nearly alike",
-        expectation: "exact without noise, true within the stated sigma with it",
+        expectation: "exact without noise, within five stated sigma of the truth with it",
         answer: neighbours,
     },
     Question {
@@ -28,19 +28,19 @@ pub(super) const QUESTIONS: &[Question] = &[
     Question {
         case: "all contact nodes at once",
         difficulty: "as many forces as the front plate has nodes: the worst condition of all",
-        expectation: "exact without noise, true within the stated sigma with it",
+        expectation: "exact without noise, within five stated sigma of the truth with it",
         answer: everywhere,
     },
     Question {
         case: "1 to 20 hidden markers",
         difficulty: "little is left to see",
-        expectation: "true within the stated sigma, which grows with every marker that is lost; refused when none is left",
+        expectation: "within five stated sigma of the truth, which grows with every marker that is lost; refused when none is left",
         answer: hidden,
     },
     Question {
         case: "noise from 0 to 1 mm",
         difficulty: "noise as large as the displacements of many nodes",
-        expectation: "exact without noise, true within the stated sigma with it",
+        expectation: "exact without noise, within five stated sigma of the truth with it",
         answer: noise,
     },
     Question {

@@ -62,7 +62,7 @@ fn linear(lattice: &LatticeStudy) -> Option<String> {
 /// Whether the checks of sensing pass, and the nonlinear estimator.
 fn sensing(lattice: &LatticeStudy) -> String {
     format!(
-        "Sensing{} over {} cells of the maps. The nonlinear estimator, whose model is the uniform finger, senses the lattice within {}: the errors of \
+        "Sensing{} over {} forces of the maps. The nonlinear estimator, whose model is the uniform finger, senses the lattice within {}: the errors of \
          least squares are those of linear theory.",
         if lattice.sensing.checks().iter().all(Check::passes) { " agrees" } else { " DOES NOT AGREE" },
         lattice.sensing.difference.cells,
@@ -92,7 +92,7 @@ mod tests {
             "From 2 to 4 segments a plate member the difference from beams falls from 0.16 % to 0.010 %, with the power 3.0 to 4.0",
             "no sign of an error",
             "by 10 % at 1 N and by 50 % at 5 N",
-            "Sensing agrees over 1 cells of the maps",
+            "Sensing agrees over 1 forces of the maps",
             "senses the lattice within 0.040 %",
         ] {
             assert!(said.contains(words), "{words} is not in {said}");

@@ -22,13 +22,16 @@ const FRAME: &str = r#"<!DOCTYPE html><body><iframe src="measured.html" style="w
 addEventListener("message", told => { document.body.innerText = told.data; });
 </script></body>"#;
 
-/// The browser, where there is one.
+/// The browser, where there is one; where there is none it is said, for a browser is no part of what the project needs.
 pub fn browser() -> Option<PathBuf> {
     let names = ["chromium", "chromium-browser", "google-chrome"].map(PathBuf::from);
     let candidates = std::env::var_os("CHROME").map(PathBuf::from).into_iter().chain(names);
-    candidates
-        .into_iter()
-        .find(|name| Command::new(name).arg("--version").output().is_ok_and(|out| out.status.success()))
+    let runs = |name: &PathBuf| Command::new(name).arg("--version").output().is_ok_and(|out| out.status.success());
+    let found = candidates.into_iter().find(runs);
+    if found.is_none() {
+        eprintln!("left out: no Chromium here (chromium, chromium-browser, google-chrome, or the path in CHROME)");
+    }
+    found
 }
 
 /// Runs the browser on a page, with a profile of its own.
