@@ -46,6 +46,9 @@ pub struct Check {
     pub tolerance: f64,
     /// Whether it passes.
     pub verdict: Verdict,
+    /// Difference from an independent reference, external or analytical, as a share of it; where that is 0 the figure itself, which then
+    /// is a ratio or in radians. Internal checks have none: many are balances, counts or multiples of a standard deviation.
+    pub disagreement: Option<f64>,
 }
 
 impl Kind {
@@ -94,6 +97,7 @@ impl Check {
     ) -> Check {
         // A figure that is not a number fails: it compares as false.
         let verdict = if (ours - reference).abs() <= tolerance { Verdict::Pass } else { Verdict::Fail };
+        let scale = if reference == 0.0 { 1.0 } else { reference.abs() };
         Check {
             kind,
             problem: problem.into(),
@@ -103,7 +107,13 @@ impl Check {
             ours,
             tolerance,
             verdict,
+            disagreement: (kind != Kind::Internal).then(|| (ours - reference).abs() / scale),
         }
+    }
+
+    /// The check of a difference that is counted in the uncertainties which the reference states, and so says nothing of its size.
+    pub fn in_stated_uncertainties(self) -> Check {
+        Check { disagreement: None, ..self }
     }
 
     /// The check over cases of which some were refused: it fails, as an estimator that does not answer keeps no tolerance. How many were
@@ -162,6 +172,15 @@ mod tests {
         let refused = check(Kind::Internal, 0.1).with_refused(1, 100);
         assert!(!refused.passes());
         assert_eq!(refused.quantity, "error; 1 of 100 refused");
+    }
+
+    #[test]
+    fn only_independent_references_have_a_disagreement() {
+        let of = |kind, reference, ours| Check::new(kind, "", "", "", reference, ours, 1.0);
+        assert_eq!(of(Kind::External, -4.0, -3.0).disagreement, Some(0.25));
+        assert_eq!(of(Kind::Analytical, 0.0, -1e-9).disagreement, Some(1e-9));
+        assert_eq!(of(Kind::Internal, 2.0, 1.0).disagreement, None);
+        assert_eq!(of(Kind::External, 0.0, 1.7).in_stated_uncertainties().disagreement, None);
     }
 
     #[test]

@@ -1,19 +1,20 @@
 //! Whether stated intervals hold the truth: coverage over positions, directions and forces, by finger and estimator.
 //!
-//! Every cell has noise samples of its own: the maps show all cells the same ones, which says little about how often
-//! intervals hold.
+//! On the finger that the estimators know, every cell has noise samples of its own: the maps show all cells the same ones, which says little
+//! about how often intervals hold. On softer ends the model's error decides, and the maps are counted.
 
 use super::{Context, Evidence};
 use crate::check::{Check, Kind};
 use crate::estimators::{Estimator, EstimatorId, PreparedEstimator};
-use crate::sampling::map::MapRequest;
+use crate::sampling::map::{AccuracyMap, Cell, MapRequest};
 use crate::sampling::noise::Noise;
 use crate::settings::{MAP_FORCES_N, TWO_SIDED_95};
-use crate::truths::{MeshTruth, Truth, TruthError, TruthId, fine_mesh};
+use crate::truths::{Truth, TruthId};
 use finray_model::measurement::Measurement;
-use finray_model::{Finger, Kinematics, Mesh};
+use finray_model::{Finger, Mesh};
 use rayon::prelude::*;
 use serde::Serialize;
+use std::convert::Infallible;
 use std::ops::Add;
 
 /// Share of truths within 1.96 standard deviations of a normal distribution.
@@ -55,7 +56,8 @@ pub struct CoverageRow {
     pub covered_without_warning: Option<f64>,
     /// The same of those with a warning.
     pub covered_with_warning: Option<f64>,
-    /// Of the answers with a warning, the root mean square of the error over that of the stated sigma; `None` if there are none.
+    /// Of the answers with a warning, the root mean square of the error over that of the stated sigma; `None` if there are none, or a map
+    /// was counted.
     pub error_over_sigma_with_warning: Option<f64>,
 }
 
@@ -68,12 +70,9 @@ impl Evidence for CoverageRow {
     }
 }
 
-/// Coverage on the co-rotational finger over positions and directions and, of the networks, at the contact nodes; at these also on
-/// the finger with softer ends, if there is one, of whose ends no estimator knows. None without noise.
-///
-/// # Errors
-/// [`TruthError`] if the softer finger at rest cannot be solved.
-pub fn run(context: &Context, softer: Option<&Finger>) -> Result<Vec<CoverageRow>, TruthError> {
+/// Coverage on the co-rotational finger over positions and directions and, of the networks, at the contact nodes; also in the maps of
+/// the finger with softer ends, if there are some, of whose ends no estimator knows. None without noise.
+pub fn run(context: &Context, maps: &[AccuracyMap]) -> Result<Vec<CoverageRow>, Infallible> {
     let &Context { finger, noise_mm, effort, is_paper, .. } = context;
     if noise_mm == 0.0 {
         return Ok(Vec::new());
@@ -90,7 +89,7 @@ pub fn run(context: &Context, softer: Option<&Finger>) -> Result<Vec<CoverageRow
     let cells = request(MapRequest::grid(finger, positions, step_deg), samples);
     let nodes_mm = finger.contact_nodes().rev().filter_map(|node| finger.front_position_mm(node)).collect();
     let nodes = request((nodes_mm, vec![0.0]), effort.covered_at_nodes());
-    let node_contacts = usize::from(is_paper) * (1 + usize::from(softer.is_some())) * nodes.contact_count();
+    let node_contacts = usize::from(is_paper) * nodes.contact_count();
     context.progress.part("coverage", cells.contact_count() + node_contacts);
     let step = || context.progress.step();
 
@@ -100,16 +99,29 @@ pub fn run(context: &Context, softer: Option<&Finger>) -> Result<Vec<CoverageRow
     let (at_nodes, everywhere): (Vec<_>, Vec<_>) = all.iter().partition(|estimator| estimator.id().at_nodes());
     let truth = context.corotational;
     let mut rows = coverage(finger, truth, &everywhere, (&cells, noise_mm), &step);
-    if !is_paper {
-        return Ok(rows);
-    }
-    rows.extend(coverage(finger, truth, &at_nodes, (&nodes, noise_mm), &step));
-    if let Some(softer) = softer {
-        let mesh = fine_mesh(softer)?;
-        let softer = MeshTruth::new(TruthId::Twin, &mesh, Kinematics::Corotational)?;
-        rows.extend(coverage(finger, &softer, &all, (&MapRequest { noise_samples: 1, ..nodes }, noise_mm), &step));
+    if is_paper {
+        rows.extend(coverage(finger, truth, &at_nodes, (&nodes, noise_mm), &step));
+        let softer = maps.iter().filter(|map| map.truth == TruthId::Twin && map.noise_mm > 0.0);
+        rows.extend(softer.filter_map(of_map));
     }
     Ok(rows)
+}
+
+/// Coverage over the cells of a map that state their sigma.
+fn of_map(map: &AccuracyMap) -> Option<CoverageRow> {
+    let stated = |cell: &Cell| Some((cell.warned?, cell.covered?, cell.covered_warned?));
+    let counts = map.cells.iter().filter_map(|cell| {
+        let (warned, covered, covered_warned) = stated(cell)?;
+        Some(Counts {
+            samples: cell.samples,
+            refused: cell.samples - cell.answered,
+            answers: [[cell.answered - warned, covered], [warned, covered_warned]],
+            squares_n2: [0.0; 2],
+        })
+    });
+    let counts = counts.reduce(Counts::add)?;
+    let of = (map.truth, map.estimator, map.noise_mm, map.request.contact_count());
+    Some(CoverageRow { error_over_sigma_with_warning: None, ..counts.row(of) })
 }
 
 /// Counts of samples.
@@ -169,27 +181,31 @@ pub fn coverage(
     let contacts: Vec<Vec<Counts>> = (0..grid.contact_count()).into_par_iter().map(of_contact).collect();
     let row = |(i, estimator): (usize, &&dyn Estimator)| {
         let counts = contacts.iter().map(|counts| counts[i]).fold(Counts::default(), Counts::add);
-        let share = |[answers, covered]: [usize; 2]| (answers > 0).then(|| covered as f64 / answers as f64);
-        let [plain, warned] = counts.answers;
-        CoverageRow {
-            truth: truth.id(),
-            estimator: estimator.id(),
-            noise_mm,
-            contacts: grid.contact_count(),
-            samples: counts.samples,
-            refused: counts.refused,
-            warned: warned[0],
-            without_warning: plain[0],
-            covered_without_warning: share(plain),
-            covered_with_warning: share(warned),
-            error_over_sigma_with_warning: (warned[0] > 0)
-                .then(|| (counts.squares_n2[0] / counts.squares_n2[1]).sqrt()),
-        }
+        counts.row((truth.id(), estimator.id(), noise_mm, grid.contact_count()))
     };
     estimators.iter().enumerate().map(row).collect()
 }
 
 impl Counts {
+    /// The counts as shares of a finger, an estimator, a noise and so many positions and directions.
+    fn row(self, (truth, estimator, noise_mm, contacts): (TruthId, EstimatorId, f64, usize)) -> CoverageRow {
+        let share = |[answers, covered]: [usize; 2]| (answers > 0).then(|| covered as f64 / answers as f64);
+        let [plain, warned] = self.answers;
+        CoverageRow {
+            truth,
+            estimator,
+            noise_mm,
+            contacts,
+            samples: self.samples,
+            refused: self.refused,
+            warned: warned[0],
+            without_warning: plain[0],
+            covered_without_warning: share(plain),
+            covered_with_warning: share(warned),
+            error_over_sigma_with_warning: (warned[0] > 0).then(|| (self.squares_n2[0] / self.squares_n2[1]).sqrt()),
+        }
+    }
+
     /// One sample; an estimator that is not made for the contact refuses.
     fn sense(
         &mut self,

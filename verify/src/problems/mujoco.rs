@@ -146,7 +146,8 @@ pub fn static_checks(exported: &ExportedFinger) -> Result<Vec<Check>, ProblemErr
         certain,
         check(DISPLACEMENT, over_all(|d| d.displacement), STATIC_TOLERANCE),
         check(ROTATION, over_all(|d| d.rotation_rad), ROTATION_TOLERANCE_RAD),
-        check("largest difference / uncertainties stated", over_all(|d| d.uncertainties), UNCERTAINTIES),
+        check("largest difference / uncertainties stated", over_all(|d| d.uncertainties), UNCERTAINTIES)
+            .in_stated_uncertainties(),
         linear_check(exported)?,
     ])
 }

@@ -61,10 +61,11 @@ fn trusted(study: &Study, situations: &[Situation]) -> Option<String> {
     let share = |situation: &Situation| situation.all().share().map_or_else(|| "no part".to_owned(), percent);
     let others = others.iter().map(|other| format!("; in {} {}", share(other), in_words(other)));
     Some(format!(
-        "The mean error stays within {} under {} N in {} of the positions and directions computed, contact and finger known{}. {}",
+        "The mean error stays within {} under {} N in {} of {} positions and directions, contact and finger known{}. {}",
         percent(TRUSTED_ERROR),
         list(first.map.request.forces_n.iter(), ", "),
         share(first),
+        first.all().cells,
         list(others, ""),
         weak_regions(study, first)
     ))
@@ -194,8 +195,9 @@ fn how_sure(study: &Study) -> Option<String> {
         let share = row.without_warning as f64 / row.samples.max(1) as f64;
         let held = percent(row.covered_without_warning?);
         Some(format!(
-            " Softer ends: {} of the samples get no warning; of these, {held} of the intervals hold.",
-            percent(share)
+            " Softer ends: {} of {} samples get no warning; of these, {held} of the intervals hold.",
+            percent(share),
+            row.samples
         ))
     };
     Some(said + &of(TruthId::Twin).and_then(silent).unwrap_or_default())

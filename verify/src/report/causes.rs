@@ -108,10 +108,6 @@ fn drawn(study: &Study) -> impl Iterator<Item = &CauseMap> {
     own_first(study).filter(|map| map.request.angles_deg.len() > 1)
 }
 
-fn truth_in_words(map: &CauseMap) -> &'static str {
-    if map.truth == FITTED { "softer ends" } else { "uniform" }
-}
-
 fn estimator_in_words(map: &CauseMap) -> &'static str {
     match map.practice {
         Practice::LeastSquares => "linear least squares",
@@ -141,7 +137,7 @@ fn by_region(study: &Study) -> Table {
         error_as(format!("{}: {why}{refused}", percent(shares.rms_error)), shares.rms_error)
     };
     Columns::<&CauseMap>::new()
-        .page("finger, contact", Format::Words, |map| format!("{}, {}", truth_in_words(map), map.contact.name()))
+        .page("finger, contact", Format::Words, |map| format!("{}, {}", map.truth.label(), map.contact.name()))
         .page("sensed by", Format::Words, |map| estimator_in_words(map))
         .each(Region::ENDS_AND_MIDDLE, |columns, region| {
             columns.cells(Column::words(region.name()), move |map| cell(map, region))

@@ -2,9 +2,10 @@
 
 use super::dataset::{Columns, Dataset, Format};
 use super::format::verdict;
-use super::page::{Block, Cell, Column, Section, Table, details, text};
+use super::page::{Block, Cell, Column, Figure, Section, Table, details, text};
 use super::{ReportError, Results};
 use crate::check::{Check, Kind, Tally, tallies, worst};
+use crate::figures::{Axis, Chart, Dash, FigureError, Frame, Point, Series};
 use crate::study::Study;
 
 const CSV: &str = "checks.csv";
@@ -27,6 +28,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
          Internal: our own other formulation, balance or bound. All are given the EA and EI of the beams: they verify solvers and kinematics. That \
          Euler-Bernoulli beams of these sections describe a real finger, its material and its joints, cannot be verified without hardware.",
     ));
+    blocks.extend(disagreements(study)?.map(Block::Figure));
     blocks.push(details(
         "Checks by source",
         vec![Block::Table(by_source(&study.all_checks().collect::<Vec<_>>())), Block::Table(files())],
@@ -62,6 +64,50 @@ fn in_words(study: &Study) -> String {
 /// The checks by kind.
 pub(super) fn counted(study: &Study) -> [Tally; 3] {
     tallies(study.all_checks().collect::<Vec<_>>().into_iter())
+}
+
+/// Drawn for what agrees to the last bit, which has no place on a logarithmic axis.
+const LAST_BIT: f64 = f64::EPSILON;
+/// Where the fit's residuals are drawn.
+const FITTED: &str = "the paper's Table I";
+
+/// How far each independent reference is off, check by check, and what was fitted apart.
+fn disagreements(study: &Study) -> Result<Option<Figure>, FigureError> {
+    let mut found: Vec<(Kind, &str, f64)> =
+        study.all_checks().filter_map(|check| Some((check.kind, &*check.source, check.disagreement?))).collect();
+    found.sort_by_key(|(kind, source, _)| (*kind, *source));
+    let fitted = study.twin.iter().flat_map(|twin| &twin.after.rows);
+    let residuals: Vec<f64> = fitted.map(|row| (row.mean_error / row.paper_mean_error - 1.0).abs()).collect();
+    let mut sources: Vec<&str> = found.iter().map(|(_, source, _)| *source).collect();
+    sources.dedup();
+    sources.extend((!residuals.is_empty()).then_some(FITTED));
+    if sources.is_empty() {
+        return Ok(None);
+    }
+    // Rows run downwards.
+    sources.reverse();
+    let row = |of: &str| sources.iter().position(|source| *source == of).unwrap_or(0) as f64;
+    let of_kind = |kind: Kind| {
+        let at = found.iter().filter(move |(of, ..)| *of == kind);
+        (kind.name(), at.map(|(_, source, off)| [off.max(LAST_BIT), row(source)]).collect::<Vec<Point>>())
+    };
+    let fitted = residuals.iter().map(|off| [off.max(LAST_BIT), row(FITTED)]).collect();
+    let groups = [of_kind(Kind::External), of_kind(Kind::Analytical), ("fitted: no check", fitted)];
+    let series = groups.into_iter().filter(|(_, points)| !points.is_empty()).enumerate();
+    let series = series.map(|(n, (name, points))| Series { dash: Dash::None, ..Series::nth(n, name, points) });
+    let axes = [
+        Axis::log("difference / reference").within(LAST_BIT / 2.0, 1.0),
+        Axis::categories("reference", sources.iter().map(|source| (*source).to_owned()).collect()),
+    ];
+    let frame = Frame::full(
+        "Disagreement with each independent reference",
+        "Relative disagreement of every external and analytical check, a row a reference, on a logarithmic axis.",
+    );
+    let height = 30.0 * sources.len() as f64;
+    let svg = Chart::new(frame.with_plot_height(height), axes, series.collect()).svg()?;
+    let caption = "A sign a check. Where the reference is 0, the difference is over the largest displacement or in radians; error terms are orders of \
+                   convergence; at the left edge: equal to the last bit. The softer ends were fitted to Table I: their residuals check nothing.";
+    Ok(Some(Figure { svg, caption: caption.to_owned(), csv: Some(CSV.to_owned()), wide: true }))
 }
 
 /// The checks in short: a row for each reference, grouped by its kind, with how close its closest check comes to failing.

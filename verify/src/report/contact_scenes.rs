@@ -70,8 +70,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let mut blocks = vec![text(
         "An object is pressed onto the finger, here a lattice of rigid bodies and springs in rapier, whose contact forces are the true ones: \
          this is simulation. Sensing (nonlinear, on beams) is given the displacements of the key nodes and points on both outlines, with the \
-         camera's noise. Which parts touch is taken as known, and the coefficient of friction as a bound on the angle of the force. Lines are \
-         true, signs sensed from one noise sample with stated 95 % intervals.",
+         camera's noise. Which parts touch is taken as known, and the coefficient of friction as a bound on the angle of the force.",
     )];
     for scene in &study.contact_scenes {
         blocks.push(Block::Figures { figures: figures(&study.finger, scene)? });
@@ -97,13 +96,13 @@ fn figures(finger: &Finger, scene: &SceneStudy) -> Result<Vec<Figure>, FigureErr
     }
     let series = force_over_travel(finger, scene);
     if !series.is_empty() {
-        let title = format!("{}, {} mm noise", scene.name, scene.noise_mm);
+        let title = format!("{}: true and sensed, {} mm noise", scene.name, scene.noise_mm);
         let frame = Frame::half(title, format!("True and sensed forces of the scene {} over the travel.", scene.name));
         let axes = [Axis::linear("travel of the object, mm"), Axis::linear("force, N")];
         let svg = Chart::new(frame, axes, series).svg()?;
         figures.push(Figure {
             svg,
-            caption: "Force along each normal, and in all.".to_owned(),
+            caption: "Force along each normal, and in all. Lines are true; signs sensed from one noise sample, with 95 % intervals.".to_owned(),
             csv: Some(CSV.to_owned()),
             wide: false,
         });

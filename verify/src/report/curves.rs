@@ -2,7 +2,7 @@
 
 use super::ReportError;
 use super::dataset::Dataset;
-use super::format::{Span, percent_with};
+use super::format::{Span, list, percent_with};
 use super::page::{Block, Figure, text};
 use crate::experiments::networks::records::CurveRow;
 use crate::figures::{Axis, Chart, Frame, Series, Spread};
@@ -41,12 +41,11 @@ pub(super) fn blocks(rows: &[CurveRow]) -> Result<Vec<Block>, ReportError> {
     let mut figures = Vec::new();
     if !samples.is_empty() {
         blocks.extend(samples_in_words(&samples).map(text));
-        figures.push(figure(&samples, "training cases", "Recipe (c) by its training cases.")?);
+        figures.push(figure(&samples, "training cases", "Recipe (c) by its training cases")?);
     }
     if !sizes.is_empty() {
         blocks.extend(sizes_in_words(&sizes).map(text));
-        let caption = "Recipe (c) by the size of the network.";
-        figures.push(figure(&sizes, "weights", caption)?);
+        figures.push(figure(&sizes, "weights", "Recipe (c) by the size of the network")?);
     }
     if !figures.is_empty() {
         blocks.push(Block::Figures { figures });
@@ -86,7 +85,7 @@ fn contacts_in_words(nodes: &str) -> String {
     }
 }
 
-fn figure(curves: &[Curve], x_label: &str, caption: &str) -> Result<Figure, ReportError> {
+fn figure(curves: &[Curve], x_label: &str, title: &str) -> Result<Figure, ReportError> {
     let series = curves.iter().enumerate().map(|(n, curve)| {
         let points = curve.points.iter().map(|point| [point.x as f64, point.over_bound.mean]).collect();
         let spread = Spread::Bars(
@@ -94,10 +93,11 @@ fn figure(curves: &[Curve], x_label: &str, caption: &str) -> Result<Figure, Repo
         );
         Series { spread, ..Series::nth(n, contacts_in_words(&curve.nodes), points) }
     });
-    let frame = Frame::half("", format!("{caption} A line a set of contacts."));
+    let frame = Frame::half(title, format!("{title}: error over the Cramer-Rao bound, a line a set of contacts."));
     let chart = Chart::new(frame, [Axis::log(x_label), Axis::linear("mean error / bound")], series.collect());
     let svg = chart.compared([(1.0, "bound".to_owned())]).svg()?;
-    Ok(Figure { svg, caption: caption.to_owned(), csv: Some(CSV.to_owned()), wide: false })
+    let caption = "Mean over the seeds, bars from least to greatest.".to_owned();
+    Ok(Figure { svg, caption, csv: Some(CSV.to_owned()), wide: false })
 }
 
 /// From how many cases on the error is that of the most.
@@ -139,10 +139,11 @@ fn sizes_in_words(curves: &[Curve]) -> Option<String> {
     let keeps = percent_with(KEEPS, 0);
     Some(match smallest.x < papers.x {
         true => format!(
-            "{PAPERS} is not needed: {} ({} weights instead of {}) keeps its error within {keeps} at every set of contacts here.",
+            "{PAPERS} is not needed: {} ({} weights instead of {}) keeps its error within {keeps} at {}, the only contacts that were tried.",
             layers_in_words(&smallest.layers),
             smallest.x,
             papers.x,
+            list(curves.iter().map(|curve| contacts_in_words(&curve.nodes)), " and at "),
         ),
         false => format!("{PAPERS} is needed: every smaller network errs by more than {keeps} more."),
     })

@@ -1,4 +1,4 @@
-//! What the origin of the undeformed positions does to the floors of sensing: a table.
+//! What the origin of the undeformed positions does to the bounds of sensing: a table.
 
 use super::dataset::{Columns, Dataset, Format};
 use super::format::Span;
@@ -53,14 +53,14 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(section.saying(in_words(noise))))
 }
 
-/// How much larger the floors become.
+/// How much larger the bounds become.
 fn in_words(study: &DisplacementNoiseStudy) -> Option<String> {
     let of = |name: &'static str| study.rows.iter().filter(move |row| row.noise == name);
     let worse = of("motor angle").zip(of("independent")).map(|(motor, alone)| motor.bound_n / alone.bound_n);
     let ordinary = of("motor angle").map(|row| row.ordinary_rms_n / row.bound_n);
     let (worse, ordinary) = (Span::of(worse)?, Span::of(ordinary)?);
     Some(format!(
-        "If the same camera measures the undeformed finger, the floors shown elsewhere are sqrt(2) times as large; with the motor angle \
+        "If the same camera measures the undeformed finger, the Cramer-Rao bounds shown elsewhere are sqrt(2) times as large; with the motor angle \
          ({TRANSLATION_SD_MM} mm, {ROTATION_SD_DEG} deg: a choice) {:.1} to {:.1} times, and ordinary least squares up to {:.1} times that bound.",
         worse.least, worse.greatest, ordinary.greatest
     ))

@@ -186,7 +186,7 @@ pub(super) fn finger(study: &Study) -> Result<String, FigureError> {
     ];
     let alt = "The finger with its numbered key nodes; the base is on the left, the tip on the right.";
     let series = plates.chain(Series::lines("ribs", ribs, Hue::Green, 2.6)).chain(marks).collect();
-    Chart::to_scale(Frame::full("", alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
+    Chart::to_scale(Frame::full("Numbers of the key nodes", alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
 }
 
 /// The finger at rest and bent.
@@ -204,7 +204,7 @@ pub(super) fn bent(study: &Study) -> Result<String, FigureError> {
         series.push(Series::arrow([point(&(bent.at - reach)), point(&bent.at)], "", Hue::nth(n / 2)));
     }
     let alt = "The finger at rest and bent by a force at three nodes, linear and co-rotational.";
-    Chart::to_scale(Frame::full("", alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
+    Chart::to_scale(Frame::full("At rest and under 3 N", alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
 }
 
 /// Table I as bars: the paper's mean errors and ours.
@@ -221,7 +221,10 @@ pub(super) fn table_one(tables: &[TableOne]) -> Result<String, FigureError> {
         hue: Hue::nth(n),
         values: table.rows.iter().map(|row| percent(row.mean_error)).collect(),
     });
-    let frame = Frame::full("", "Mean error of the sensed force at six nodes: the paper's Table I and ours.");
+    let frame = Frame::full(
+        "Table I and geometric nonlinearity",
+        "Mean error of the sensed force at six nodes: the paper's Table I and ours.",
+    );
     let nodes = Axis::categories("loaded node", rows.iter().map(|row| row.node.to_string()).collect());
     let bars = std::iter::once(paper).chain(ours).collect();
     let chart = Chart::of_bars(frame, [nodes, Axis::linear("mean error, %")], bars);

@@ -186,7 +186,7 @@ fn drawing(rows: &[FinenessRow]) -> Result<String, FigureError> {
                both axes logarithmic";
     let x = Axis::log("segments of plate between two key nodes").within(ends[0], ends[1]).with_ticks(finenesses);
     let axes = [x, Axis::log("difference / largest displacement, %")];
-    Chart::new(Frame::full("", alt).with_plot_height(320.0), axes, series).svg()
+    Chart::new(Frame::full("Lattice against beams, by fineness", alt).with_plot_height(320.0), axes, series).svg()
 }
 
 #[cfg(test)]

@@ -15,6 +15,7 @@ use crate::sampling::map::AccuracyMap;
 use crate::settings::MAP_FORCES_N;
 use crate::study::Study;
 use crate::truths::TruthId;
+use drawings::Shown;
 use tables::{EXPLANATIONS_CSV, OVERVIEW_CSV};
 
 pub(super) use tables::map_csv_name;
@@ -37,14 +38,17 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 }
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
-    let mut blocks = vec![Block::Figure(overview(study)?)];
+    let first: Shown = |truth, estimator| truth != TruthId::Linear && estimator != EstimatorId::Ridge;
+    let mut blocks = vec![Block::Figure(overview(study, first)?)];
+    let all = Block::Figure(overview(study, |_, _| true)?);
+    blocks.push(details("The same with ridge and the linear finger", vec![all]));
     blocks.push(details("Least squares and the nonlinear estimator in full", in_full(study)?));
     blocks.push(details("What limits any estimator", vec![Block::Figures { figures: drawings::explanations(study)? }]));
     blocks.push(details("Every map in figures, with its cells", vec![Block::Table(tables::figures(study))]));
     Ok(Some(Section::new("maps", "Every finger by every estimator", blocks).saying(words::says(study))))
 }
 
-fn overview(study: &Study) -> Result<Figure, ReportError> {
+fn overview(study: &Study, shown: Shown) -> Result<Figure, ReportError> {
     let exported = study.map_by(TruthId::Mujoco, EstimatorId::LeastSquares, study.noise_mm > 0.0);
     let only = match exported {
         Some(map) => format!(
@@ -54,7 +58,7 @@ fn overview(study: &Study) -> Result<Figure, ReportError> {
         None => "Softer ends, lattice, MuJoCo and networks exist for the paper's finger alone.".to_owned(),
     };
     Ok(Figure {
-        svg: drawings::overview(study, study.noise_mm > 0.0)?,
+        svg: drawings::overview(study, shown)?,
         caption: format!(
             "Largest of the mean errors under {} N, {}, contact known. Rows: the finger that bends; columns: what senses it, knowing the uniform \
              finger alone. Shares are of the cells with an equilibrium. {only}",

@@ -72,6 +72,10 @@ fn in_words(networks: &NetworkStudy) -> Option<String> {
     };
     let over = networks.rows.iter().filter_map(|row| Some((row.mean_error()? / row.mean_error_bound()?, row)));
     let (most, worst) = over.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let sums = networks.rows.iter().filter_map(|row| Some((sum(row)?.mean_error / bound(sum(row)?)?, row)));
+    let sums = sums.max_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(String::new, |(most, row)| {
+        format!(", a sum up to {most:.2} times (nodes {})", nodes_in_words(&row.nodes))
+    });
     let checks = networks.checks();
     let kept = checks.iter().filter(|check| check.passes()).count();
     let tolerances = match checks.len() {
@@ -80,7 +84,7 @@ fn in_words(networks: &NetworkStudy) -> Option<String> {
     };
     Some(format!(
         "The networks that ship err by {} for one force and by {} for each of two ({}): each force at most {most:.2} times its Cramer-Rao bound (node{} \
-         {}).{tolerances}",
+         {}){sums}.{tolerances}",
         errors(1)?,
         errors(2)?,
         Counts::of(&networks.rows),
@@ -105,6 +109,7 @@ fn table(networks: &NetworkStudy) -> Table {
         .cells(Column::numbers("each force"), move |row| shaded(row.mean_error()))
         .page("bound", Format::PercentFixed(2), |row| row.mean_error_bound())
         .cells(Column::numbers("sum"), move |row| shaded(sum(row).map(|sum| sum.mean_error)))
+        .page("its bound", Format::PercentFixed(2), |row| bound(sum(row)?))
         .page("covered", Format::PercentFixed(1), |row| coverage(row))
         .page("refused", Format::Plain, |row| share_refused([*row]));
     let kept = |row: &&ScatterRow| verdict(networks.checks_of(row).iter().all(Check::passes), ["kept", "broken"]);

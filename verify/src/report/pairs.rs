@@ -44,9 +44,13 @@ fn worse_over_bound(row: &ScatterRow) -> Option<f64> {
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(noise) = study.noise.as_ref().filter(|noise| !noise.pairs.is_empty()) else { return Ok(None) };
-    let cases = noise.pairs.iter().map(ScatterRow::drawn).min().unwrap_or(0);
+    let cases = |of: fn(usize, usize) -> usize| noise.pairs.iter().map(ScatterRow::drawn).reduce(of).unwrap_or(0);
+    let cases = match [usize::min, usize::max].map(cases) {
+        [least, most] if least == most => least.to_string(),
+        [least, most] => format!("{least} to {most}"),
+    };
     let mut blocks = vec![text(format!(
-        "Forces of {} to {} N along the normal at both of two contact nodes, at least {cases} cases a pair, uniform finger, {} mm noise.",
+        "Forces of {} to {} N along the normal at both of two contact nodes, {cases} cases a pair, uniform finger, {} mm noise.",
         TWO_FORCES_N[0], TWO_FORCES_N[1], noise.noise_mm
     ))];
     blocks.extend(trusted(noise).map(text));

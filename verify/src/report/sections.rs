@@ -86,7 +86,7 @@ pub(super) fn page(results: Results) -> Result<Page, ReportError> {
         explore: Some(explore::data(results)),
         questions,
         footer: format!(
-            "Made by finray {}. Every figure names its data; summary.json beside this page has all numbers.",
+            "Made by finray {}. Every figure names its data; they and summary.json lie beside this page.",
             super::VERSION
         ),
     })

@@ -1,16 +1,17 @@
 //! How the finger bends under a few forces, and whether the beam model holds there.
 
-use super::dataset::{Columns, Dataset};
+use super::dataset::{Columns, Dataset, Format};
 use super::format::percent;
-use super::page::{Block, Figure, Section, text};
+use super::page::{Block, Figure, Section, details, text};
 use super::{ReportError, Results, drawings};
 use crate::experiments::shapes::{BentFinger, TouchedFinger};
 use crate::settings::DRAWN_FORCE_N;
 use crate::study::Study;
-use finray_model::validity::{LARGEST_SHEAR_SHARE, LARGEST_STRAIN, StrainLimits};
+use finray_model::validity::{FibreStrain, LARGEST_SHEAR_SHARE, LARGEST_STRAIN, StrainLimits};
 use finray_model::{Kinematics, Vector};
 
 const CSV: &str = "shapes.csv";
+const VALIDITY_CSV: &str = "validity.csv";
 /// Shapes that the reader chooses from.
 pub(super) const TOUCHED_CSV: &str = "touched.csv";
 
@@ -33,7 +34,11 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
         .file("node", |(_, node, _)| *node)
         .file("x_mm", |(.., at)| at.x)
         .file("y_mm", |(.., at)| at.y);
-    vec![Dataset::new(CSV, &columns, points).csv_alone(), Dataset::new(TOUCHED_CSV, &of_touched, touched).csv_alone()]
+    vec![
+        Dataset::new(CSV, &columns, points).csv_alone(),
+        Dataset::new(TOUCHED_CSV, &of_touched, touched).csv_alone(),
+        Dataset::new(VALIDITY_CSV, &validity_columns(), corotational(study)).csv_alone(),
+    ]
 }
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
@@ -50,16 +55,40 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
             wide: true,
         }));
         blocks.extend(validity(study).map(text));
+        let table = validity_columns().table("Of each co-rotational shape", VALIDITY_CSV, corotational(study));
+        blocks.push(details("Strain and shear", vec![Block::Table(table)]));
     }
     Ok(Some(Section::new("shapes", "How the finger bends", blocks)))
 }
 
+fn corotational(study: &Study) -> impl Iterator<Item = &BentFinger> {
+    study.bent.iter().filter(|bent| bent.kinematics == Kinematics::Corotational)
+}
+
+fn validity_columns<'s>() -> Columns<'s, &'s BentFinger> {
+    fn largest<'b>(bent: &&'b BentFinger) -> Option<&'b FibreStrain> {
+        bent.validity.largest_strain(&StrainLimits::default())
+    }
+    Columns::<&BentFinger>::new()
+        .file("shape", |bent| bent.label.clone())
+        .shown("shape", Format::Words)
+        .file("largest_strain", |bent| largest(bent).map(|at| at.strain))
+        .shown("largest strain", Format::Percent)
+        .file("strain_in", |bent| largest(bent).map(|at| at.member.to_string()))
+        .shown("strain in", Format::Words)
+        .file("strain_at_mm", |bent| largest(bent).map(|at| at.at_mm))
+        .shown("strain at, mm", Format::Fixed(1))
+        .file("shear_share", |bent| bent.validity.shear_share)
+        .shown("shear share", Format::Percent)
+        .file("shear_in", |bent| bent.validity.shear_at.map(|member| member.to_string()))
+        .shown("shear in", Format::Words)
+}
+
 /// What the drawn co-rotational shapes ask of the beam model.
 fn validity(study: &Study) -> Option<String> {
-    let shapes = || study.bent.iter().filter(|bent| bent.kinematics == Kinematics::Corotational);
-    let strains = shapes().filter_map(|bent| bent.validity.largest_strain(&StrainLimits::default()));
+    let strains = corotational(study).filter_map(|bent| bent.validity.largest_strain(&StrainLimits::default()));
     let strain = strains.max_by(|a, b| a.strain.total_cmp(&b.strain))?;
-    let sheared = shapes().max_by(|a, b| a.validity.shear_share.total_cmp(&b.validity.shear_share))?;
+    let sheared = corotational(study).max_by(|a, b| a.validity.shear_share.total_cmp(&b.validity.shear_share))?;
     let member = sheared.validity.shear_at.map_or_else(String::new, |member| format!(", mostly in {member}"));
     Some(format!(
         "Largest fibre strain: {strain}. Shear, which the beams leave out, would let the loads move by up to {} more{member}. Limits: {} of \

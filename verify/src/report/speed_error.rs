@@ -100,7 +100,10 @@ fn is_peer(point: &SpeedErrorPoint) -> bool {
 fn name(point: &SpeedErrorPoint) -> String {
     match &point.timed_by {
         TimedBy::OtherProgram { program, .. } => format!("{program}: {}", point.model),
-        _ => format!("{}{}", point.model, point.start.suffix()),
+        _ => {
+            let model = point.estimator.map_or(point.model.as_str(), |estimator| estimator.label());
+            format!("{model}{}", point.start.suffix())
+        }
     }
 }
 
@@ -114,8 +117,10 @@ fn drawing(points: &[&SpeedErrorPoint], title: &str, floor: Option<f64>) -> Resu
     let mut series: Vec<Series> = Vec::new();
     for group in drawn.chunk_by(|a, b| name(a) == name(b)) {
         let one = Series::nth(series.len(), name(group[0]), group.iter().map(|point| place(point)).collect());
+        // Points that nobody would choose have no words, unless they failed: the table names them.
         let labels = group.iter().map(|point| match point.failed {
-            0 => point.mesh().to_owned(),
+            0 if point.on_front => point.mesh().to_owned(),
+            0 => String::new(),
             failed => format!("{} ({failed} of {} failed)", point.mesh(), point.asked),
         });
         series.push(Series { labels: labels.collect(), dash: Dash::None, ..one });
@@ -126,7 +131,8 @@ fn drawing(points: &[&SpeedErrorPoint], title: &str, floor: Option<f64>) -> Resu
     let alt = format!("Error of {title} over the time that it takes, both axes logarithmic.");
     let y = Axis::log(if title.contains("shape") { "error / largest displacement, %" } else { "mean error, %" });
     let axes = [Axis::log("time of one answer, \u{b5}s"), y];
-    let chart = Chart::new(Frame::full("", alt).with_plot_height(360.0), axes, series);
+    let chart =
+        Chart::new(Frame::full(format!("Time and error of {title}"), alt).with_plot_height(360.0), axes, series);
     chart.compared(floor.map(|left| (100.0 * left, "may be left in the reference".to_owned()))).svg()
 }
 

@@ -75,7 +75,7 @@ fn drawing(two: &TableTwo, records: &[RecipeRow], noise_mm: f64) -> Result<Strin
         "Mean error of each force and of the sum: the paper's Table II, its network as recorded, and our estimators.";
     let axes = [Axis::categories("contact nodes", names), Axis::linear("mean error, %")];
     let all = std::iter::once(paper).chain(recorded).chain(ours).filter(|bars| bars.values.iter().any(Option::is_some));
-    Chart::of_bars(Frame::full("", alt), axes, all.collect()).svg()
+    Chart::of_bars(Frame::full("Table II: one force, two neighbours, two apart", alt), axes, all.collect()).svg()
 }
 
 /// Mean error of a truth, noise and estimator.

@@ -8,7 +8,7 @@ use super::{ReportError, Results};
 use crate::estimators::EstimatorId;
 use crate::experiments::causes::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
 use crate::figures::{Axis, Chart, Class, Dash, Fill, Frame, Hue, Paint, Patch, Series};
-use crate::sampling::map::AccuracyMap;
+use crate::sampling::map::{AccuracyMap, CellState, MapRequest};
 use crate::sampling::worst::{TrustCounts, WorstCell};
 use crate::settings::MAP_FORCES_N;
 use crate::study::Study;
@@ -36,6 +36,8 @@ pub(super) struct Situation<'s> {
     csv: &'static str,
     pub map: &'s AccuracyMap,
     pub cells: Vec<WorstCell>,
+    /// Counts of the positions and directions that every situation has.
+    pub common: TrustCounts,
 }
 
 impl Situation<'_> {
@@ -48,23 +50,36 @@ impl Situation<'_> {
     pub(super) fn all(&self) -> TrustCounts {
         TrustCounts::of(&self.cells)
     }
+
+    /// Noise samples refused in the cells that answer, and all samples of these.
+    fn refused_samples(&self) -> [usize; 2] {
+        let answered = self.map.cells.iter().filter(|cell| cell.state() == CellState::Answered);
+        answered.fold([0, 0], |[refused, all], cell| [refused + cell.samples - cell.answered, all + cell.samples])
+    }
 }
 
 /// The ideal case first, then what a user meets.
-pub(super) fn situations(study: &Study) -> Vec<Situation<'_>> {
+pub(super) fn situations<'s>(study: &'s Study) -> Vec<Situation<'s>> {
     let noisy = study.noise_mm > 0.0;
     let mapped = |truth| study.map_by(truth, EstimatorId::Nonlinear, noisy);
     let off =
         format!("position and direction of the contact assumed, {POSITION_OFF_MM} mm and {DIRECTION_OFF_DEG} deg off");
     let softer = "contact known, but base and tip of the finger softer than its model has them, as fitted to the paper's Table I".to_owned();
-    [
+    let found = [
         ("contact known", "contact and finger known".to_owned(), CSV, mapped(TruthId::Corotational)),
         ("contact assumed", off, ASSUMED_CSV, study.assumed.as_ref()),
         ("softer ends", softer, CSV, mapped(TruthId::Twin)),
-    ]
-    .into_iter()
-    .filter_map(|(name, about, csv, map)| map.map(|map| Situation { name, about, csv, map, cells: map.worst() }))
-    .collect()
+    ];
+    let grids: Vec<&MapRequest> = found.iter().filter_map(|(.., map)| Some(&map.as_ref()?.request)).collect();
+    let common = |map: &AccuracyMap| {
+        let on = |map: AccuracyMap, grid: &&MapRequest| map.thinned(&grid.positions_mm, &grid.angles_deg);
+        TrustCounts::of(&grids.iter().fold(map.clone(), on).worst())
+    };
+    let situation = |(name, about, csv, map): (_, _, _, Option<&'s AccuracyMap>)| {
+        let map = map?;
+        Some(Situation { name, about, csv, map, cells: map.worst(), common: common(map) })
+    };
+    found.into_iter().filter_map(situation).collect()
 }
 
 pub(super) fn datasets<'s>(study: &'s Study) -> Vec<Dataset<'s>> {
@@ -75,16 +90,20 @@ pub(super) fn datasets<'s>(study: &'s Study) -> Vec<Dataset<'s>> {
         .file("state", |(_, cell)| cell.state.name())
         .file("worst_error", |(_, cell)| cell.worst_error)
         .file("is_trusted", |(_, cell)| cell.is_trusted);
-    let counts = Columns::<(&'static str, TrustCounts)>::new()
-        .file("case", |(name, _)| *name)
-        .file("cells", |(_, counts)| counts.cells)
-        .file("trusted", |(_, counts)| counts.trusted)
-        .file("refused", |(_, counts)| counts.refused)
-        .file("without_equilibrium", |(_, counts)| counts.without_equilibrium)
-        .file("share_trusted", |(_, counts)| counts.share());
+    let counts = Columns::<(&'static str, TrustCounts, TrustCounts, [usize; 2])>::new()
+        .file("case", |(name, ..)| *name)
+        .file("cells", |(_, all, ..)| all.cells)
+        .file("trusted", |(_, all, ..)| all.trusted)
+        .file("refused", |(_, all, ..)| all.refused)
+        .file("without_equilibrium", |(_, all, ..)| all.without_equilibrium)
+        .file("share_trusted", |(_, all, ..)| all.share())
+        .file("common_cells", |(_, _, common, _)| common.cells)
+        .file("share_trusted_of_common", |(_, _, common, _)| common.share())
+        .file("samples_refused_where_answered", |(.., [refused, _])| *refused)
+        .file("samples_where_answered", |(.., [_, all])| *all);
     let found = situations(study);
     let all_cells = found.iter().flat_map(|of| of.cells.iter().map(|cell| (of.name, *cell))).collect::<Vec<_>>();
-    let all_counts = found.iter().map(|of| (of.name, of.all())).collect::<Vec<_>>();
+    let all_counts = found.iter().map(|of| (of.name, of.all(), of.common, of.refused_samples())).collect::<Vec<_>>();
     let mut all =
         vec![Dataset::new(CSV, &cells, all_cells).csv_alone(), Dataset::new(CSV, &counts, all_counts).summary_alone()];
     all.extend(study.assumed.iter().map(|map| Dataset::records(ASSUMED_CSV, &map.cells).csv_alone()));
@@ -110,6 +129,16 @@ fn figure(study: &Study, situation: &Situation, is_first: bool) -> Result<Figure
     let counts = situation.all();
     let share = counts.share().map_or_else(|| "nowhere".to_owned(), |share| format!("at {}", percent(share)));
     let title = format!("{}: within 10 % {share}", capitalised(situation.name));
+    let samples = match situation.refused_samples() {
+        [0, _] => String::new(),
+        [refused, all] => format!("; in the others {refused} of {all} noise samples refused"),
+    };
+    let common = match (situation.common.cells < counts.cells, situation.common.share()) {
+        (true, Some(share)) => {
+            format!(" On the {} cells of the other drawings: {}.", situation.common.cells, percent(share))
+        }
+        _ => String::new(),
+    };
     let [front, back, ribs] = at_rest(finger);
     let series = Series::lines("", [back, ribs, front].concat(), Hue::Faint, 2.2);
     let alt = format!(
@@ -126,11 +155,11 @@ fn figure(study: &Study, situation: &Situation, is_first: bool) -> Result<Figure
     Ok(Figure {
         svg: chart.svg()?,
         caption: format!(
-            "{}. {} cells: {} refused, {} without equilibrium.",
+            "{}. {} cells: {} refused, {} without equilibrium{samples}.{common}",
             capitalised(&situation.about),
             counts.cells,
             counts.refused,
-            counts.without_equilibrium
+            counts.without_equilibrium,
         ),
         csv: Some(situation.csv.to_owned()),
         wide: false,

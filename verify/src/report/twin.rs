@@ -145,6 +145,10 @@ fn drawing(study: &TwinStudy) -> Result<String, FigureError> {
         group("zones known, linear", Hue::nth(2), |row| row.sensing.linear.mean_error()),
         group("zones known, nonlinear", Hue::nth(3), |row| row.sensing.nonlinear.mean_error()),
     ];
-    let chart = Chart::of_bars(Frame::full("", alt), [nodes, Axis::linear("mean error, %")], bars);
+    let chart = Chart::of_bars(
+        Frame::full("Table I, the finger with softer ends", alt),
+        [nodes, Axis::linear("mean error, %")],
+        bars,
+    );
     chart.compared(PAPER_SHADES_PERCENT.map(percent_line)).svg()
 }

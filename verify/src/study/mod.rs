@@ -113,7 +113,7 @@ study! { |context|
         twin: Option<TwinStudy> = twin_study::run(context, tables_one.first());
     "coverage":
         /// Stated intervals against the truth, by finger and estimator.
-        coverage: Vec<CoverageRow> = coverage::run(context, twin.as_ref().map(|twin| &twin.finger));
+        coverage: Vec<CoverageRow> = coverage::run(context, &maps);
     "causes":
         /// What makes sensed forces wrong, by truth and way of sensing.
         causes: Vec<CauseMap> = causes::run(context, twin.as_ref().map(|twin| &twin.finger));

@@ -1,6 +1,6 @@
 //! Drawings of causes: the largest one over position and direction, and what each costs along the finger.
 
-use super::{CSV, own_first, practice_in_words, truth_in_words};
+use super::{CSV, own_first, practice_in_words};
 use crate::experiments::causes::{Cause, CauseCell, CauseMap, ContactKnowledge, Practice, REMEDIES};
 use crate::figures::{Axis, Cells, Class, Frame, Map, Paint};
 use crate::report::ReportError;
@@ -49,8 +49,7 @@ pub(super) fn map_figure(map: &CauseMap) -> Result<Figure, ReportError> {
             _ => cell.largest().map_or(hidden, |(cause, _)| cause) as f64,
         })
     };
-    let title =
-        format!("Largest cause at {DRAWN_FORCE_N} N, finger {}; {}", truth_in_words(map), practice_in_words(map));
+    let title = format!("Largest cause at {DRAWN_FORCE_N} N, {}; {}", map.truth.label(), practice_in_words(map));
     let frame = Frame::half(&title, format!("{title}: by position along the front plate and direction."));
     let y = Axis::linear(DIRECTION_AXIS).with_ticks((-2..=2).map(|i| f64::from(i) * 40.0));
     let values = (0..angles).map(|angle| (0..places).map(|place| of_cell(place, angle)).collect()).collect();
@@ -101,10 +100,11 @@ fn clearing_row(map: &CauseMap) -> (String, Vec<Option<Cells>>) {
         let errors: Vec<Option<f64>> = cells.iter().map(|cell| error(cell)).collect();
         let trusted = errors.iter().filter(|error| error.is_some_and(|error| error <= TRUSTED_ERROR)).count();
         let ranks: Vec<usize> = errors.iter().map(|error| rank_of(CellState::Answered, *error)).collect();
-        let note = format!("{:.0} % trusted", 100.0 * trusted as f64 / errors.len().max(1) as f64);
+        let note =
+            format!("{:.0} % within {}", 100.0 * trusted as f64 / errors.len().max(1) as f64, percent(TRUSTED_ERROR));
         Cells { note, ..ranked(&map.request.positions_mm, &map.request.angles_deg, &ranks) }
     };
     let remedied = (0..REMEDIES.len()).map(|taken| small(&|cell| cell.remedied.get(taken).copied().flatten()));
     let maps = std::iter::once(small(&|cell| cell.rms_error)).chain(remedied).map(Some).collect();
-    (truth_in_words(map).to_owned(), maps)
+    (map.truth.label().to_owned(), maps)
 }

@@ -18,7 +18,7 @@
     'within-2': 'within 2 %', 'within-5': '2 to 5 %', 'within-10': '5 to 10 %', 'within-25': '10 to 25 %', 'above-25': 'above 25 %',
     'refused': 'refused', 'no-equilibrium': 'no equilibrium', 'not-computed': 'not computed',
   };
-  const PATTERNS = { 'refused': 'M-2,2L2,-2M0,8L8,0M6,10L10,6', 'no-equilibrium': 'M0,0L8,8M0,8L8,0', 'not-computed': 'M3,4h2' };
+  const PATTERNS = { 'refused': 'M-2,2L2,-2M0,8L8,0M6,10L10,6', 'no-equilibrium': 'M-2,6L2,10M0,0L8,8M6,-2L10,2', 'not-computed': 'M3,4h2' };
 
   // ---- words ----
 

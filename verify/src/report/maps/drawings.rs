@@ -11,13 +11,17 @@ use crate::sampling::worst::TrustCounts;
 use crate::study::Study;
 use crate::truths::TruthId;
 
-/// Every truth by every estimator.
-pub(super) fn overview(study: &Study, noisy: bool) -> Result<String, FigureError> {
-    let shown =
-        |estimator: &EstimatorId| TruthId::ALL.iter().any(|truth| small(study, *truth, *estimator, noisy).is_some());
-    let columns: Vec<EstimatorId> = EstimatorId::ALL.iter().copied().filter(shown).collect();
+/// Which true fingers and estimators an overview shows.
+pub(super) type Shown = fn(TruthId, EstimatorId) -> bool;
+
+/// Every truth by every estimator that is shown.
+pub(super) fn overview(study: &Study, shown: Shown) -> Result<String, FigureError> {
+    let noisy = study.noise_mm > 0.0;
+    let small = |truth, estimator| if shown(truth, estimator) { small(study, truth, estimator, noisy) } else { None };
+    let is_asked = |estimator: &EstimatorId| TruthId::ALL.iter().any(|truth| small(*truth, *estimator).is_some());
+    let columns: Vec<EstimatorId> = EstimatorId::ALL.iter().copied().filter(is_asked).collect();
     let rows = TruthId::ALL.iter().filter_map(|&truth| {
-        let row = columns.iter().map(|&estimator| small(study, truth, estimator, noisy));
+        let row = columns.iter().map(|&estimator| small(truth, estimator));
         let row: Vec<Option<Cells>> = row.map(|map| map.as_ref().map(small_map)).collect();
         row.iter().any(Option::is_some).then(|| (truth.label().to_owned(), row))
     });

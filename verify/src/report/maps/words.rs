@@ -82,7 +82,9 @@ fn unknown_direction(study: &Study) -> Option<String> {
         cells().filter(|cell| cell.direction_sigma_deg.is_some_and(|sigma| sigma <= LARGEST_ANGLE_SIGMA_DEG)).count();
     Some(format!(
         "If the direction is sought too, the bound of the force is {loss:.1} times larger in the median; the markers see one component \
-         {condition:.0} times better than the other, and the direction is identifiable to {LARGEST_ANGLE_SIGMA_DEG} deg or better in {} of the cells.",
+         {condition:.0} times better than the other, and at {} N the direction's bound is {LARGEST_ANGLE_SIGMA_DEG} deg (beyond it an answer is \
+         refused) or less in {} of the cells.",
+        study.explanations.force_n,
         percent(identifiable as f64 / cells().count() as f64)
     ))
 }

@@ -60,6 +60,21 @@ fn checks_are_counted_by_kind() {
     assert_eq!(residuals.count(), 6);
 }
 
+/// Every external and analytical check is a sign in the drawing of disagreements, and so is every residual of the fit.
+#[test]
+fn every_independent_reference_is_drawn() {
+    let page = PAPERS.read("index.html");
+    let drawing = page.split("<title>Disagreement with").nth(1).and_then(|rest| rest.split("</svg>").next());
+    let drawing = drawing.expect("the drawing");
+    let summary = PAPERS.summary();
+    let known = array(&summary, "checks").iter().filter(|check| check["disagreement"].is_number()).collect::<Vec<_>>();
+    let of_kind = |kind: &str| known.iter().filter(|check| check["kind"] == kind).count();
+    assert_eq!(of_kind("external") + of_kind("analytical"), known.len());
+    // One in the legend each; plots' frames and squares are drawn alike, so squares and triangles are counted together.
+    assert_eq!(drawing.matches("<circle").count(), of_kind("external") + 1);
+    assert_eq!(drawing.matches("<polygon").count(), of_kind("analytical") + 1 + 6 + 1);
+}
+
 /// The lattice's springs and MuJoCo's rods are given the beams' EA and EI: nobody claims another physics.
 #[test]
 fn nothing_claims_more_independence_than_there_is() {

@@ -106,6 +106,7 @@ fn every_drawing_says_what_it_shows() {
         "modulus",
         "factor",
         "parameters",
+        "reference",
     ];
     for report in [&*PAPERS, &*SPRING_STEELS] {
         let page = report.read("index.html");
@@ -234,11 +235,124 @@ fn the_other_answers_are_found_in_files() {
         format!("in {:.0} % of the answers without a warning", 100.0 * value("covered_without_warning", known)),
         format!("({} of {} samples refused)", value("refused", known), value("samples", known)),
         format!(
-            "{:.0} % of the samples get no warning",
-            100.0 * value("without_warning", softer) / value("samples", softer)
+            "{:.0} % of {} samples get no warning",
+            100.0 * value("without_warning", softer) / value("samples", softer),
+            value("samples", softer)
         ),
     ];
     assert_says(answer("How sure is an answer?"), &said.each_ref().map(String::as_str));
+}
+
+/// A row of a table on the page and where its numbers are: the file, what the row's first cells say, and the rows of the file by what some
+/// columns hold.
+struct Sample {
+    file: &'static str,
+    row: &'static [&'static str],
+    records: &'static [(&'static str, &'static str)],
+    /// Heading on the page, column of the file, and what turns the one into the other.
+    numbers: &'static [(&'static str, &'static str, f64)],
+}
+
+const SAMPLES: [Sample; 10] = [
+    Sample {
+        file: "estimators.csv",
+        row: &["nonlinear"],
+        records: &[("estimator", "nonlinear")],
+        numbers: &[("time a frame", "seconds", 1e6), ("95 % interval holds in", "covered_without_warning", 100.0)],
+    },
+    Sample {
+        file: "coverage.csv",
+        row: &["softer ends", "nonlinear"],
+        records: &[("truth", "twin"), ("estimator", "nonlinear")],
+        numbers: &[("covered", "covered_without_warning", 100.0), ("samples", "samples", 1.0)],
+    },
+    Sample {
+        file: "noise.csv",
+        row: &["19"],
+        records: &[("nodes", "19"), ("quantity", "force at 19")],
+        numbers: &[("mean error", "mean_error", 100.0), ("scatter / bound", "scatter_over_bound", 1.0)],
+    },
+    Sample {
+        file: "speed_error.csv",
+        row: &["shape", "linear beams"],
+        records: &[("task", "solve"), ("model", "linear beams")],
+        numbers: &[("time", "seconds", 1e6), ("error", "error", 100.0)],
+    },
+    Sample {
+        file: "networks.csv",
+        row: &["19, 20"],
+        records: &[("nodes", "19 20"), ("quantity", "sum")],
+        numbers: &[("sum", "mean_error", 100.0), ("its bound", "mean_error_bound", 100.0)],
+    },
+    Sample {
+        file: "displacement_noise.csv",
+        row: &["14"],
+        records: &[("nodes", "14"), ("noise", "two images")],
+        numbers: &[("two images", "bound_n", 1.0), ("25 frames", "bound_of_25_frames_n", 1.0)],
+    },
+    Sample {
+        file: "validity.csv",
+        row: &["3 N at node 19, co-rotational"],
+        records: &[("shape", "3 N at node 19, co-rotational")],
+        numbers: &[("largest strain", "largest_strain", 100.0), ("shear share", "shear_share", 100.0)],
+    },
+    Sample {
+        file: "table_one.csv",
+        row: &["24"],
+        records: &[("node", "24"), ("angle_deg", "0.0")],
+        numbers: &[("paper", "paper_mean_error", 100.0), ("ours, 0 deg", "mean_error", 100.0)],
+    },
+    Sample {
+        file: "table_two.csv",
+        row: &["the paper, measured"],
+        records: &[("group", "neighbours"), ("quantity", "each force"), ("nodes", "mean")],
+        numbers: &[("neighbours", "paper_mean_error", 100.0)],
+    },
+    Sample {
+        file: "twin_calibration.csv",
+        row: &["modulus_factor"],
+        records: &[("repetition", "1"), ("parameter", "modulus_factor")],
+        numbers: &[("found / true", "found_over_true", 1.0), ("stated sigma", "sigma", 1.0)],
+    },
+];
+
+/// What a table shows is what its file holds, to the digits shown: a sample of each kind of table.
+#[test]
+fn numbers_of_tables_are_those_of_their_files() {
+    let page = PAPERS.read("index.html");
+    for Sample { file, row, records, numbers } in SAMPLES {
+        let csv = Csv::of(&PAPERS.read(file));
+        let held =
+            |(column, text): &(&str, &str)| csv.texts(column).iter().map(|cell| cell == text).collect::<Vec<_>>();
+        let held: Vec<Vec<bool>> = records.iter().map(held).collect();
+        let record = (0..csv.rows.len()).find(|&nth| held.iter().all(|column| column[nth])).expect(file);
+        let cells = table_row(&page, file, row);
+        for &(heading, column, scale) in numbers {
+            let (_, shown) = cells.iter().find(|(of, _)| of == heading).expect(heading);
+            let shown = shown.split(' ').next().unwrap_or_default();
+            let digits = shown.split('.').nth(1).map_or(0, str::len);
+            let value: f64 = csv.texts(column)[record].parse().expect(column);
+            assert_eq!(shown, format!("{:.digits$}", scale * value), "{file}, {row:?}: {heading}");
+        }
+    }
+}
+
+/// The first row with these first cells among the page's tables of a file: headings and texts.
+fn table_row(page: &str, file: &str, row: &[&str]) -> Vec<(String, String)> {
+    let tables =
+        page.split("<figure class=\"table\">").skip(1).filter(|table| table.contains(&format!("href=\"{file}\"")));
+    let texts = |html: &str, tag: &str| -> Vec<String> {
+        let opening = format!("<{tag}");
+        let cells = html.split(&opening).skip(1).filter_map(|cell| cell.split_once('>'));
+        cells.map(|(_, cell)| as_read(cell.split("</").next().unwrap_or_default())).collect()
+    };
+    let found = tables.flat_map(|table| {
+        let headings = texts(table.split("<tbody>").next().unwrap_or_default(), "th ");
+        let rows = table.split("<tr>").skip(2).map(|row| texts(row, "td")).collect::<Vec<_>>();
+        rows.into_iter().map(move |row| headings.iter().cloned().zip(row).collect::<Vec<_>>())
+    });
+    let mut found = found.filter(|cells| row.iter().zip(cells).all(|(text, (_, cell))| text == cell));
+    found.next().unwrap_or_else(|| panic!("{file} has no row {row:?}"))
 }
 
 /// The script answers the reader's choices from the numbers in the files, by keyboard too, on a phone too, and shows nothing where it has none.
