@@ -30,6 +30,7 @@ mod shapes;
 mod speed_error;
 mod table_one;
 mod table_two;
+mod times;
 mod trust;
 mod twin;
 

@@ -5,7 +5,7 @@ use super::page::{Page, Question, Section};
 use super::{
     ReportError, Results, answers, causes, checks, claims, contact_scenes, convergence, directions, displacement_noise,
     estimators, explore, finger, hard_cases, lattice, maps, networks, pairs, scatter, shapes, speed_error, table_one,
-    table_two, trust, twin,
+    table_two, times, trust, twin,
 };
 
 /// A section: the question that it answers, its part of the page (`None` where a scene has no such study), and its data.
@@ -55,6 +55,7 @@ const SECTIONS: &[Entry] = &[
     Entry(Asked::Physics, hard_cases::section, hard_cases::datasets),
     Entry(Asked::Physics, shapes::section, shapes::datasets),
     Entry(Asked::Physics, finger::section, finger::datasets),
+    Entry(Asked::Physics, times::section, times::datasets),
     Entry(Asked::Paper, table_two::section, table_two::datasets),
     Entry(Asked::Paper, table_one::section, table_one::datasets),
     Entry(Asked::Paper, twin::section, twin::datasets),

@@ -30,6 +30,8 @@ use crate::sampling::map::AccuracyMap;
 use crate::settings::{CAMERA_NOISE_MM, Effort, Progress, is_papers_finger};
 use crate::truths::{MeshTruth, TruthId, fine_mesh};
 use finray_model::{Finger, Kinematics};
+use serde::Serialize;
+use std::time::Instant;
 
 /// Why a study could not be finished.
 #[derive(Debug, thiserror::Error)]
@@ -42,6 +44,21 @@ pub struct StudyError {
 /// Marks an error with the part of a study that it ended.
 fn within<E: std::error::Error + Send + Sync + 'static>(part: &'static str) -> impl FnOnce(E) -> StudyError {
     move |error| StudyError { part, reason: Box::new(error) }
+}
+
+/// How long a part of a study took.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PartTime {
+    /// What it is called.
+    pub part: &'static str,
+    /// Time that passed, on all cores, s.
+    pub seconds: f64,
+}
+
+impl PartTime {
+    fn since(part: &'static str, started: Instant) -> PartTime {
+        PartTime { part, seconds: started.elapsed().as_secs_f64() }
+    }
 }
 
 /// Declares [`Study`] from its rows: what a row is called in messages, its results, and how they are computed from the context and from
@@ -65,6 +82,8 @@ macro_rules! study {
             pub comparisons: Vec<Comparison>,
             /// Where times come from that were not taken here, in sentences.
             pub timing_notes: Vec<String>,
+            /// How long each part took.
+            pub parts: Vec<PartTime>,
             $($($(#[$about])* pub $field: $type,)+)+
         }
 
@@ -72,10 +91,17 @@ macro_rules! study {
             #[expect(unused_parens, reason = "results of one type are no tuple")]
             fn of($context: &Context) -> Result<Study, StudyError> {
                 $context.progress.part("problems", 1);
+                let mut parts = Vec::new();
+                let started = Instant::now();
                 let solved = problems::solve_all($context.finger).map_err(within("problems"))?;
                 $context.progress.step();
                 let problems::Solved { mut checks, mut comparisons } = solved;
-                $(let ($($field),+) = $run.map_err(within($part))?;)+
+                parts.push(PartTime::since("problems", started));
+                $(
+                    let started = Instant::now();
+                    let ($($field),+) = $run.map_err(within($part))?;
+                    parts.push(PartTime::since($part, started));
+                )+
                 $($(
                     checks.extend(Evidence::checks(&$field, $context));
                     comparisons.extend(Evidence::comparisons(&$field));
@@ -88,6 +114,7 @@ macro_rules! study {
                     checks,
                     comparisons,
                     timing_notes: Vec::new(),
+                    parts,
                     $($($field,)+)+
                 })
             }
