@@ -107,19 +107,21 @@ pub fn run(context: &Context, maps: &[AccuracyMap]) -> Result<Vec<CoverageRow>, 
     Ok(rows)
 }
 
-/// Coverage over the cells of a map that state their sigma.
+/// Coverage over the cells of a map; `None` if its estimator states no sigma.
 fn of_map(map: &AccuracyMap) -> Option<CoverageRow> {
-    let stated = |cell: &Cell| Some((cell.warned?, cell.covered?, cell.covered_warned?));
-    let counts = map.cells.iter().filter_map(|cell| {
-        let (warned, covered, covered_warned) = stated(cell)?;
-        Some(Counts {
+    let stated = |cell: &Cell| Some([cell.warned?, cell.covered?, cell.covered_warned?]);
+    map.cells.iter().find_map(stated)?;
+    let counts = map.cells.iter().map(|cell| {
+        // A cell of which every sample is refused states nothing.
+        let [warned, covered, covered_warned] = stated(cell).unwrap_or_default();
+        Counts {
             samples: cell.samples,
             refused: cell.samples - cell.answered,
             answers: [[cell.answered - warned, covered], [warned, covered_warned]],
             squares_n2: [0.0; 2],
-        })
+        }
     });
-    let counts = counts.reduce(Counts::add)?;
+    let counts = counts.fold(Counts::default(), Counts::add);
     let of = (map.truth, map.estimator, map.noise_mm, map.request.contact_count());
     Some(CoverageRow { error_over_sigma_with_warning: None, ..counts.row(of) })
 }
@@ -234,6 +236,11 @@ impl Counts {
 }
 
 impl CoverageRow {
+    /// Share of the samples that is answered without a warning.
+    pub fn share_without_warning(&self) -> f64 {
+        self.without_warning as f64 / self.samples.max(1) as f64
+    }
+
     /// What must hold on the finger that the estimators' models are refined to: all but hardly any samples are answered, 93 to 97 % of the
     /// truths lie within 1.96 sigma where there is no warning, at least as many where there is one, by a sigma that is not much larger than
     /// the error. None for other fingers.

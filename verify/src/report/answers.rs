@@ -123,7 +123,7 @@ fn why_not(study: &Study, situations: &[Situation]) -> Option<String> {
         let least = known.map.request.forces_n.first().copied().unwrap_or_default();
         let small = failed.iter().filter(|cell| cell.force_n == least).count();
         reasons.push(format!(
-            "All known: {cause} in {count} of {} forces that fail, {small} of them {least} N.",
+            "All known: {cause} in {count} of the {} cases that fail ({small} of them at {least} N).",
             failed.len()
         ));
     }
@@ -132,11 +132,11 @@ fn why_not(study: &Study, situations: &[Situation]) -> Option<String> {
             || situation.cells.iter().filter(|cell| !cell.is_trusted && cell.state != CellState::WithoutEquilibrium);
         let turned = failed().filter(|cell| cell.angle_deg != 0.0).count();
         let (name, along) = match situation.name {
-            "contact assumed" => ("Contact off", causes::of_assumed_contact(study)),
+            "contact assumed" => ("Contact assumed", causes::of_assumed_contact(study)),
             _ => ("Softer ends", causes::of_softer_ends(study)),
         };
         let along = along.map_or_else(String::new, |along| format!("; {along}"));
-        reasons.push(format!("{name}: {turned} of {} cells that fail are off the normal{along}.", failed().count()));
+        reasons.push(format!("{name}: {turned} of {} that fail are off the normal{along}.", failed().count()));
     }
     Some(list(reasons, " "))
 }
@@ -174,7 +174,7 @@ fn linear(study: &Study) -> String {
     let map = small(study, TruthId::Corotational, EstimatorId::LeastSquares, study.noise_mm > 0.0);
     let share = map.and_then(|map| TrustCounts::of(&map.worst()).share());
     share.map_or_else(String::new, |share| {
-        format!(" Linear least squares: within {} in {} of the cells.", percent(TRUSTED_ERROR), percent(share))
+        format!(" Least squares: within {} in {} of the cells.", percent(TRUSTED_ERROR), percent(share))
     })
 }
 
@@ -192,15 +192,21 @@ fn how_sure(study: &Study) -> Option<String> {
     }
     said += &format!(" ({} of {} samples refused).", known.refused, known.samples);
     let silent = |row: &CoverageRow| {
-        let share = row.without_warning as f64 / row.samples.max(1) as f64;
         let held = percent(row.covered_without_warning?);
+        let warned = row.covered_with_warning.map_or_else(String::new, |covered| {
+            format!(", with one ({} of them) in {}", share_of(row.warned, row.samples), percent(covered))
+        });
         Some(format!(
-            " Softer ends: {} of {} samples get no warning; of these, {held} of the intervals hold.",
-            percent(share),
+            " Softer ends: without a warning ({} of {} samples) they hold in {held}{warned}: a wrong model is not seen reliably.",
+            share_of(row.without_warning, row.samples),
             row.samples
         ))
     };
     Some(said + &of(TruthId::Twin).and_then(silent).unwrap_or_default())
+}
+
+fn share_of(part: usize, whole: usize) -> String {
+    percent(part as f64 / whole.max(1) as f64)
 }
 
 /// What was verified, and what was not.

@@ -8,7 +8,7 @@ use self::drawings::{clearing, map_figure};
 use self::shares::{Region, Shares};
 use super::dataset::{Columns, Dataset, Format};
 use super::format::{error, error_as, list, percent};
-use super::page::{Block, Cell, Column, Figure, Section, Table, text};
+use super::page::{Block, Cell, Column, Figure, Section, Table, details, text};
 use super::{ReportError, Results};
 use crate::experiments::causes::{
     Cause, CauseCell, CauseMap, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM, Practice, REMEDIES,
@@ -19,7 +19,7 @@ use crate::truths::TruthId;
 use finray_model::NodeId;
 
 const CSV: &str = "causes.csv";
-/// Maps of the largest cause that are drawn: linear least squares with a contact known and assumed.
+/// Maps of the largest cause that are drawn: least squares with a contact known and assumed.
 const DRAWN: usize = 2;
 /// The finger at hand among the true fingers.
 const OWN: TruthId = TruthId::Corotational;
@@ -36,18 +36,14 @@ pub(super) fn of_softer_ends(study: &Study) -> Option<String> {
     largest_by_region(study, FITTED, ContactKnowledge::Known)
 }
 
-/// Where the nonlinear estimator fails along the normal: the largest cause, with the error of all.
+/// Where the nonlinear estimator fails along the normal, and the largest cause there.
 fn largest_by_region(study: &Study, truth: TruthId, contact: ContactKnowledge) -> Option<String> {
     let map = find(study, truth, Practice::Nonlinear, contact)?;
-    let mut by_cause: Vec<(Cause, Vec<String>)> = Vec::new();
+    let mut by_cause: Vec<(Cause, Vec<&str>)> = Vec::new();
     for region in Region::ENDS_AND_MIDDLE {
         let Some(shares) = Shares::of(&study.finger, map, DRAWN_FORCE_N, region) else { continue };
         let Some(largest) = shares.largest().filter(|_| shares.rms_error > TRUSTED_ERROR) else { continue };
-        let refused = match shares.cells - shares.answered {
-            0 => String::new(),
-            refused => format!(", {refused} of {} positions refused", shares.cells),
-        };
-        let place = format!("{} ({}{refused})", region.in_words(), percent(shares.rms_error));
+        let place = region.in_words();
         match by_cause.iter_mut().find(|(cause, _)| *cause == largest.cause) {
             Some((_, places)) => places.push(place),
             None => by_cause.push((largest.cause, vec![place])),
@@ -56,7 +52,7 @@ fn largest_by_region(study: &Study, truth: TruthId, contact: ContactKnowledge) -
     let parts = by_cause.iter().map(|(cause, places)| format!("{} {}", cause.name(), list(places, " and ")));
     Some(match by_cause.is_empty() {
         true => format!("errors of {DRAWN_FORCE_N} N along it stay within {}", percent(TRUSTED_ERROR)),
-        false => format!("{DRAWN_FORCE_N} N along it fails by {}", list(parts, ", ")),
+        false => format!("{DRAWN_FORCE_N} N along it fails mostly by {}", list(parts, ", ")),
     })
 }
 
@@ -69,7 +65,10 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         return Ok(None);
     }
     let mut blocks: Vec<Block> = clearing(study)?.map(Block::Figure).into_iter().collect();
-    blocks.extend(remedies(study).map(Block::Table));
+    if let Some(table) = remedies(study).filter(|table| !table.rows.is_empty()) {
+        blocks.extend(drawings::remedies(study)?.map(Block::Figure));
+        blocks.push(details("By node", vec![Block::Table(table)]));
+    }
     blocks.push(text(format!(
         "Assumed contacts are {POSITION_OFF_MM} mm (the radius of the paper's rods) and {DIRECTION_OFF_DEG} deg (as far as the paper's deformed normal turns) off, \
          to either side. A cause's worth is the error that goes away when it alone is switched off; errors that point opposite ways hide each \
@@ -110,7 +109,7 @@ fn drawn(study: &Study) -> impl Iterator<Item = &CauseMap> {
 
 fn estimator_in_words(map: &CauseMap) -> &'static str {
     match map.practice {
-        Practice::LeastSquares => "linear least squares",
+        Practice::LeastSquares => "least squares",
         Practice::Nonlinear => "nonlinear, an element a member",
         Practice::Network => "network",
     }
@@ -152,15 +151,20 @@ fn by_region(study: &Study) -> Table {
         )
 }
 
+/// Nodes, each with its cells under several forces along the normal.
+fn at_nodes<'s>(study: &'s Study, map: &'s CauseMap) -> impl Iterator<Item = (NodeId, &'s CauseCell)> {
+    let finger = &study.finger;
+    let nodes = finger.contact_nodes().filter_map(|node| Some((node, finger.front_position_mm(node)?)));
+    nodes.flat_map(|(node, s_mm)| {
+        let at = map.cells.iter().filter(move |cell| cell.angle_deg == 0.0 && (cell.s_mm - s_mm).abs() < 1e-9 * s_mm);
+        at.filter(|cell| cell.force_n == DRAWN_FORCE_N).map(move |cell| (node, cell))
+    })
+}
+
 /// Error at the nodes as remedies are taken one after the other.
 fn remedies(study: &Study) -> Option<Table> {
     let map = find(study, OWN, Practice::LeastSquares, ContactKnowledge::Assumed)?;
-    let finger = &study.finger;
-    let rows = finger.contact_nodes().filter_map(|node| Some((node, finger.front_position_mm(node)?)));
-    let rows = rows.flat_map(|(node, s_mm)| {
-        let at = map.cells.iter().filter(move |cell| cell.angle_deg == 0.0 && (cell.s_mm - s_mm).abs() < 1e-9 * s_mm);
-        at.map(move |cell| (node, cell))
-    });
+    let rows = at_nodes(study, map);
     let shaded = |share: Option<f64>| share.map_or_else(|| Cell::plain("refused"), error);
     let columns = Columns::<(NodeId, &CauseCell)>::new()
         .page("node", Format::Plain, |(node, _)| node.to_string())
@@ -170,8 +174,8 @@ fn remedies(study: &Study) -> Option<Table> {
             columns.cells(Column::numbers(format!("+ {name}")), remedied)
         });
     let caption = format!(
-        "Root mean square error of {DRAWN_FORCE_N} N along the normal, uniform finger: by linear least squares with an assumed contact, then with remedies \
-         taken one after the other. In the last column it is noise"
+        "Root mean square error of {DRAWN_FORCE_N} N along the normal, uniform finger: by least squares with an assumed contact, then with remedies \
+         taken one after the other. Causes may have cancelled before, so that a remedy can make an error larger"
     );
     Some(columns.table(caption, CSV, rows))
 }

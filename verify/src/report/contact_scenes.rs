@@ -54,6 +54,10 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
         .file("sensed_n", |(_, row, _)| row.sensed_n)
         .file("sigma_n", |(_, row, _)| row.sigma_n)
         .file("read_s_mm", |(_, row, _)| row.read_s_mm)
+        .file("error_without_noise", |(scene, row, _)| match row.contact.as_str() {
+            "total" => words::error_without_noise(scene.steps.get(row.step - 1)?),
+            _ => None,
+        })
         .file("read_angle_deg", |(_, row, _)| row.read_angle_deg)
         .file("samples", |(.., samples)| samples.map(|(samples, _)| samples.taken))
         .file("answered", |(.., samples)| samples.map(|(samples, _)| samples.answered))
@@ -98,11 +102,13 @@ fn figures(finger: &Finger, scene: &SceneStudy) -> Result<Vec<Figure>, FigureErr
     if !series.is_empty() {
         let title = format!("{}: true and sensed, {} mm noise", scene.name, scene.noise_mm);
         let frame = Frame::half(title, format!("True and sensed forces of the scene {} over the travel.", scene.name));
-        let axes = [Axis::linear("travel of the object, mm"), Axis::linear("force, N")];
+        let end_mm = scene.rows.iter().map(|row| row.travel_mm).fold(0.0, f64::max);
+        // Signs at the end stand clear of the frame.
+        let axes = [Axis::linear("travel of the object, mm").within(0.0, 1.06 * end_mm), Axis::linear("force, N")];
         let svg = Chart::new(frame, axes, series).svg()?;
         figures.push(Figure {
             svg,
-            caption: "Force along each normal, and in all. Lines are true; signs sensed from one noise sample, with 95 % intervals.".to_owned(),
+            caption: "Force along each normal, and in all (length of the vector sum). Lines are true; signs sensed from one noise sample, with 95 % intervals.".to_owned(),
             csv: Some(CSV.to_owned()),
             wide: false,
         });

@@ -9,7 +9,7 @@ use crate::figures::{Axis, Chart, FigureError, Frame, Series};
 
 const CSV: &str = "convergence.csv";
 /// Errors worth comparing with.
-const REFERENCES: [(f64, &str); 2] = [(1.0, "1 %"), (0.01, "0.01 %")];
+const REFERENCES: [(f64, &str); 2] = [(0.01, "1 %"), (1e-4, "0.01 %")];
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
     vec![Dataset::records(CSV, study.convergence.rows()).csv_alone()]
@@ -35,13 +35,13 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("convergence", "How fine a mesh must be", blocks)))
 }
 
-/// A series a force: nodes and error in %.
+/// A series a force: nodes and error.
 fn error_by_nodes(convergence: &Convergence) -> Vec<Series> {
     let series = |(n, force_n): (usize, f64)| {
         let points = convergence.meshes.iter().enumerate().filter_map(|(mesh, size)| {
             // An error of nothing has no place on a logarithmic axis.
             let error = convergence.error(mesh, force_n).filter(|error| *error > 0.0)?;
-            Some([size.nodes as f64, 100.0 * error])
+            Some([size.nodes as f64, error])
         });
         Series::nth(n, format!("{force_n} N"), points.collect())
     };
@@ -51,7 +51,7 @@ fn error_by_nodes(convergence: &Convergence) -> Vec<Series> {
 fn drawing(series: Vec<Series>) -> Result<String, FigureError> {
     let alt = "Worst error of the displacements by number of mesh nodes, a line a force, both axes logarithmic";
     let frame = Frame::full("Error of the shape by mesh", alt).with_plot_height(300.0);
-    let axes = [Axis::log("nodes of the mesh"), Axis::log("error / largest displacement, %")];
+    let axes = [Axis::log("nodes of the mesh"), Axis::log("error / largest displacement").within(1e-9, 0.03)];
     Chart::new(frame, axes, series).compared(REFERENCES.map(|(value, label)| (value, label.to_owned()))).svg()
 }
 

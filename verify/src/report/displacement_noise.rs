@@ -9,8 +9,6 @@ use crate::experiments::displacement_noise::{
 };
 
 const CSV: &str = "displacement_noise.csv";
-/// Most single nodes in the table; the file has all.
-const SHOWN_SINGLES: usize = 8;
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
     vec![Dataset::records(CSV, study.displacement_noise.iter().flat_map(|noise| &noise.rows))]
@@ -24,7 +22,6 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let cases = noise.rows.first().map_or(0, |row| row.cases);
     let (pairs, singles): (Vec<OfSet>, Vec<OfSet>) =
         noise.rows.chunk_by(|a, b| a.nodes == b.nodes).partition(|of_set| of_set[0].nodes.contains(' '));
-    let every = singles.len().div_ceil(SHOWN_SINGLES).max(1);
     let of = |of_set: &OfSet, model: &str| of_set.iter().find(|row| row.noise == model).cloned();
     let columns = Columns::<OfSet>::new()
         .page("nodes", Format::Plain, |of_set| of_set[0].nodes.clone())
@@ -46,7 +43,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         Block::Table(columns.table(
             format!("Cramer-Rao bound of {FORCE_N} N along the normal, N; for 25 frames of two images; ordinary with the motor angle"),
             CSV,
-            singles.into_iter().step_by(every).chain(pairs),
+            singles.into_iter().chain(pairs),
         )),
     ];
     let section = Section::new("displacement-noise", "Where undeformed positions come from", blocks);

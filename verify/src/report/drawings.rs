@@ -130,7 +130,12 @@ pub(super) fn small_maps(
     rows: Vec<(String, Vec<Option<Cells>>)>,
 ) -> Map {
     let (rows, plots): (Vec<String>, Vec<Vec<Option<Cells>>>) = rows.into_iter().unzip();
-    let x = Axis::linear(ALONG_THE_PLATE).within(0.0, finger.plate_length_mm(Plate::Front));
+    // The last tick would touch the first of the next plot.
+    let length_mm = finger.plate_length_mm(Plate::Front);
+    let step_mm =
+        [500.0, 200.0, 100.0, 50.0, 20.0, 10.0].into_iter().find(|step| 1.5 * step <= length_mm).unwrap_or(5.0);
+    let ticks = (0..).map(|n| f64::from(n) * step_mm).take_while(|tick| *tick < 0.85 * length_mm);
+    let x = Axis::linear(ALONG_THE_PLATE).within(0.0, length_mm).with_ticks(ticks);
     let y = Axis::linear(DIRECTION_AXIS).within(-90.0, 90.0).with_ticks([-60.0, 0.0, 60.0]);
     Map { columns, ..Map::grid(frame, [x, y], error_classes(), rows, plots.concat()) }
 }
@@ -207,17 +212,22 @@ pub(super) fn bent(study: &Study) -> Result<String, FigureError> {
     Chart::to_scale(Frame::full("At rest and under 3 N", alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
 }
 
+/// An error in percent as a bar's words have it.
+pub(super) fn bar_percent(error: f64) -> f64 {
+    if error < 0.00995 { (1e4 * error).round() / 100.0 } else { (1e3 * error).round() / 10.0 }
+}
+
 /// Table I as bars: the paper's mean errors and ours.
 pub(super) fn table_one(tables: &[TableOne]) -> Result<String, FigureError> {
     let rows = tables.first().map_or(&[][..], |table| &table.rows[..]);
-    let percent = |error: f64| Some((1000.0 * error).round() / 10.0);
+    let percent = |error: f64| Some(bar_percent(error));
     let paper = Bars {
         label: "paper".to_owned(),
         hue: Hue::Neutral,
         values: rows.iter().map(|row| percent(row.paper_mean_error)).collect(),
     };
     let ours = tables.iter().take(2).enumerate().map(|(n, table)| Bars {
-        label: format!("co-rotational, weights at {} deg", table.angle_deg),
+        label: format!("uniform finger, weights at {} deg", table.angle_deg),
         hue: Hue::nth(n),
         values: table.rows.iter().map(|row| percent(row.mean_error)).collect(),
     });

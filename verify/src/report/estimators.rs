@@ -17,17 +17,17 @@ const CSV: &str = "coverage.csv";
 const ESTIMATORS_CSV: &str = "estimators.csv";
 
 /// An estimator on the uniform finger.
-struct Row {
+struct Row<'s> {
     estimator: EstimatorId,
     /// Cells of its map with the contact known.
     cells: Option<TrustCounts>,
-    /// Share of the answers without a warning whose interval holds.
-    covered: Option<f64>,
+    /// How often its intervals hold.
+    coverage: Option<&'s CoverageRow>,
     /// Time of one force from a frame.
     seconds: Option<f64>,
 }
 
-fn rows(study: &Study) -> impl Iterator<Item = Row> {
+fn rows(study: &Study) -> impl Iterator<Item = Row<'_>> {
     let fastest = |estimator: EstimatorId| {
         let of = ways(&study.speed_error).into_iter().filter(|way| way.one.estimator == Some(estimator));
         let best = recommended(&study.speed_error).filter(|way| way.one.estimator == Some(estimator));
@@ -40,23 +40,25 @@ fn rows(study: &Study) -> impl Iterator<Item = Row> {
         Row {
             estimator,
             cells: map.map(|map| TrustCounts::of(&map.worst())),
-            covered: study.coverage.iter().find(of).and_then(|row| row.covered_without_warning),
+            coverage: study.coverage.iter().find(of),
             seconds: fastest(estimator),
         }
     })
 }
 
-fn columns<'s>() -> Columns<'s, Row> {
+fn columns<'s>() -> Columns<'s, Row<'s>> {
     let cells = |row: &Row| row.cells.and_then(|cells| Some(format!("{} of {}", percent(cells.share()?), cells.cells)));
     Columns::<Row>::new()
         .file("estimator", |row| row.estimator)
         .file("cells", |row| row.cells.map(|cells| cells.cells))
         .file("trusted", |row| row.cells.map(|cells| cells.trusted))
-        .file("covered_without_warning", |row| row.covered)
+        .file("share_without_warning", |row| Some(row.coverage?.share_without_warning()))
+        .file("covered_without_warning", |row| row.coverage?.covered_without_warning)
         .file("seconds", |row| row.seconds)
         .page("estimator", Format::Words, |row| row.estimator.label())
         .page("within 10 %, share of cells", Format::Plain, cells)
-        .page("95 % interval holds in", Format::Percent, |row| row.covered)
+        .page("answers without a warning", Format::Percent, |row| Some(row.coverage?.share_without_warning()))
+        .page("of these, 95 % interval holds in", Format::Percent, |row| row.coverage?.covered_without_warning)
         .page("time a frame", Format::Plain, |row| row.seconds.map(time))
         .page("needs", Format::Words, |row| row.estimator.needs())
         .page("refuses", Format::Words, |row| row.estimator.refuses())
@@ -68,8 +70,8 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 }
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
-    let caption = "Uniform finger, contact known, worst force of 0.5 to 3 N; intervals of answers without a warning. Networks: contact nodes along the \
-                   normal alone";
+    let caption = "Uniform finger, contact known, worst force of 0.5 to 3 N; networks: contact nodes along the normal alone, \
+                   node 13 by the network of any contact";
     let mut blocks = vec![Block::Table(columns().table(caption, ESTIMATORS_CSV, rows(study)))];
     blocks.extend((!study.coverage.is_empty()).then(|| details("How often stated intervals hold", intervals(study))));
     Ok(Some(Section::new("estimators", "Four estimators side by side", blocks).saying(says(study))))

@@ -22,8 +22,6 @@ use crate::study::Study;
 const CSV: &str = "lattice.csv";
 const AXIAL_CSV: &str = "lattice_axial_springs.csv";
 const SETTLING_CSV: &str = "lattice_settling.csv";
-/// Order of the guide in the figure: an error by the fourth power of the segments' length.
-const GUIDE_ORDER: i32 = 4;
 /// Room beside the first and the last point of the figure, as a factor of their places.
 const BESIDE: f64 = 1.08;
 
@@ -163,29 +161,25 @@ fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
     })
 }
 
-/// A series a force, and the slope of the fourth order from where the last begins.
+/// A series a force.
 fn drawing(rows: &[FinenessRow]) -> Result<String, FigureError> {
     let forces_n = rows.first().map_or(&[][..], |row| &row.forces_n);
-    let mut series: Vec<Series> = forces_n
+    let series: Vec<Series> = forces_n
         .iter()
         .enumerate()
         .map(|(n, force_n)| {
-            let points = rows.iter().map(|row| [row.fineness as f64, 100.0 * row.errors[n]]);
+            let points = rows.iter().map(|row| [row.fineness as f64, row.errors[n]]);
             Series::nth(n, format!("{force_n} N"), points.filter(|point| point[1] > 0.0).collect())
         })
         .filter(|series| !series.points.is_empty())
         .collect();
-    if let Some([[first, error], .., [last, _]]) = series.last().map(|series| &series.points[..]) {
-        let guide = vec![[*first, *error], [*last, error * (first / last).powi(GUIDE_ORDER)]];
-        series.push(Series::guide("slope of the fourth order", guide));
-    }
     let finenesses: Vec<f64> = rows.iter().map(|row| row.fineness as f64).collect();
     let widest = [f64::INFINITY, 0.0_f64];
     let ends = finenesses.iter().fold(widest, |[low, high], &x| [low.min(x / BESIDE), high.max(x * BESIDE)]);
     let alt = "Worst difference of the lattice's displacements from converged beams by segments of plate between two key nodes, a line a force, \
                both axes logarithmic";
     let x = Axis::log("segments of plate between two key nodes").within(ends[0], ends[1]).with_ticks(finenesses);
-    let axes = [x, Axis::log("difference / largest displacement, %")];
+    let axes = [x, Axis::log("difference / largest displacement")];
     Chart::new(Frame::full("Lattice against beams, by fineness", alt).with_plot_height(320.0), axes, series).svg()
 }
 
@@ -195,10 +189,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_line_a_force_and_the_guide_are_drawn() {
+    fn a_line_a_force_is_drawn() {
         let rows = sample().rows;
         let svg = drawing(&rows).expect("a figure");
-        for words in [">1 N</text>", ">5 N</text>", ">slope of the fourth order</text>", ">2</text>", ">4</text>"] {
+        for words in [">1 N</text>", ">5 N</text>", ">2</text>", ">4</text>"] {
             assert!(svg.contains(words), "{words}");
         }
         // An error of nothing has no place on a logarithmic axis, and one fineness no slope.

@@ -86,9 +86,8 @@ fn matrix(noise: &NoiseStudy, title: &str, value: impl Fn(&ScatterRow) -> Option
     let down: Vec<f64> = at.iter().rev().copied().collect();
     let values = (0..nodes.len()).map(|row| (0..nodes.len()).map(|column| cell(row, column)).collect()).collect();
     let cells = Cells::new(&at, &down, values);
-    let alt =
-        format!("{title}, for every pair of contact nodes, by the nonlinear estimator and by linear least squares.");
-    let (above, below) = (Axis::categories("nonlinear", names.iter().rev().cloned().collect()), "linear least squares");
+    let alt = format!("{title}, for every pair of contact nodes, by the nonlinear estimator and by least squares.");
+    let (above, below) = (Axis::categories("nonlinear", names.iter().rev().cloned().collect()), "least squares");
     let frame = Frame::half(title, alt).with_plot_height(MATRIX_HEIGHT);
     Map {
         top: Some(Axis::categories("", names)),
@@ -120,7 +119,7 @@ fn trusted(noise: &NoiseStudy) -> Option<String> {
         bad => format!("all pairs but {} can be trusted to 10 % with each of their forces", bad.join(", ")),
     };
     Some(format!(
-        "By the nonlinear estimator {except} (sums err by {}; {}). Linear least squares keeps 10 % at {} of {all} pairs (sums: {}; {}). A refused \
+        "By the nonlinear estimator {except} (sums err by {}; {}). Least squares keeps 10 % at {} of {all} pairs (sums: {}; {}). A refused \
          case counts as an error of 100 %.",
         sums(&noise.pairs)?,
         Counts::of(&noise.pairs),
@@ -147,7 +146,7 @@ fn neighbours(noise: &NoiseStudy) -> Option<String> {
     Some(format!(
         "Neighbours bend the finger nearly alike: what distinguishes them is {:.1} to {:.1} times smaller than what they share (three or more nodes \
          apart: {:.1} to {:.1}), so each force errs by {near_errors} instead of {far_errors}. The nonlinear estimator errs by {:.2} to {:.2} of the \
-         Cramer-Rao bound (root mean square; {:.0} % is chance), linear least squares by {:.1} to {:.0}.",
+         Cramer-Rao bound (root mean square; {:.0} % is chance), least squares by {:.1} to {:.0}.",
         near.least,
         near.greatest,
         far.least,

@@ -107,8 +107,9 @@ fn name(point: &SpeedErrorPoint) -> String {
     }
 }
 
+/// Microseconds, and the error: of forces in percent.
 fn place(point: &SpeedErrorPoint) -> [f64; 2] {
-    [1e6 * point.seconds, 100.0 * point.error]
+    [1e6 * point.seconds, if point.task == Task::Solve { 1.0 } else { 100.0 } * point.error]
 }
 
 fn drawing(points: &[&SpeedErrorPoint], title: &str, floor: Option<f64>) -> Result<String, FigureError> {
@@ -129,11 +130,11 @@ fn drawing(points: &[&SpeedErrorPoint], title: &str, floor: Option<f64>) -> Resu
     front.sort_by(|a, b| a[0].total_cmp(&b[0]));
     series.push(Series::guide("nothing is faster and nearer", front));
     let alt = format!("Error of {title} over the time that it takes, both axes logarithmic.");
-    let y = Axis::log(if title.contains("shape") { "error / largest displacement, %" } else { "mean error, %" });
+    let y = Axis::log(if title.contains("shape") { "error / largest displacement" } else { "mean error, %" });
     let axes = [Axis::log("time of one answer, \u{b5}s"), y];
     let chart =
         Chart::new(Frame::full(format!("Time and error of {title}"), alt).with_plot_height(360.0), axes, series);
-    chart.compared(floor.map(|left| (100.0 * left, "may be left in the reference".to_owned()))).svg()
+    chart.compared(floor.map(|left| (left, "may be left in the reference".to_owned()))).svg()
 }
 
 fn table(points: &[SpeedErrorPoint]) -> Table {

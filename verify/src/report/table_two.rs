@@ -4,6 +4,7 @@ mod rows;
 mod words;
 
 use super::dataset::{Columns, Dataset, Format};
+use super::drawings::bar_percent;
 use super::format::{NOTHING, Span, error, error_as, list, nodes_in_words, share_of_counts, share_refused};
 use super::page::{Block, Cell, Column, Figure, Section, Table, details, text};
 use super::{ReportError, Results};
@@ -52,9 +53,10 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 /// The paper's five figures and those on the co-rotational finger, as bars.
 fn drawing(two: &TableTwo, records: &[RecipeRow], noise_mm: f64) -> Result<String, FigureError> {
     let truth = TruthId::Corotational;
-    let bars = |label: String, hue, of: &dyn Fn(&ContactGroup, &'static str) -> Option<f64>| {
-        let percent = |error: f64| (1000.0 * error).round() / 10.0;
-        Bars { label, hue, values: by_group(|group, quantity| of(group, quantity).map(percent)) }
+    let bars = |label: String, hue, of: &dyn Fn(&ContactGroup, &'static str) -> Option<f64>| Bars {
+        label,
+        hue,
+        values: by_group(|group, quantity| of(group, quantity).map(bar_percent)),
     };
     let estimated = |n: usize, estimator: EstimatorId| {
         let of = |group: &ContactGroup, quantity| estimated(two, (truth, noise_mm, estimator), group, quantity);

@@ -114,7 +114,7 @@ pub(super) fn datasets<'s>(study: &'s Study) -> Vec<Dataset<'s>> {
 pub(super) fn caption() -> String {
     format!(
         "Colour: the worst of the mean errors under {} N, by the nonlinear estimator. Front plate: forces along its normal; fans: every direction, on the \
-         side that the force comes from. Green is trusted; what is refused is not. Numbers are those of the rods along the plate.",
+         side that the force comes from. Green is trusted; what is refused is not; shares are of the cells with an equilibrium. Numbers are those of the rods along the plate.",
         list(MAP_FORCES_N, ", ")
     )
 }
@@ -155,14 +155,14 @@ fn figure(study: &Study, situation: &Situation, is_first: bool) -> Result<Figure
     Ok(Figure {
         svg: chart.svg()?,
         caption: format!(
-            "{}. {} cells: {} refused, {} without equilibrium{samples}.{common}",
+            "{}. {} cells: {} without equilibrium, {} refused{samples}.{common}",
             capitalised(&situation.about),
             counts.cells,
-            counts.refused,
             counts.without_equilibrium,
+            counts.refused,
         ),
         csv: Some(situation.csv.to_owned()),
-        wide: false,
+        wide: is_first,
     })
 }
 

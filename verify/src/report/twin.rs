@@ -3,7 +3,7 @@
 mod words;
 
 use super::dataset::{Columns, Dataset, Format};
-use super::drawings::{PAPER_SHADES_PERCENT, percent_line};
+use super::drawings::{PAPER_SHADES_PERCENT, bar_percent, percent_line};
 use super::format::{figure, list};
 use super::page::{Block, Figure, Section, details, text};
 use super::{ReportError, Results};
@@ -56,7 +56,7 @@ fn calibrated<'s>() -> Columns<'s, Factor<'s>> {
     Columns::<Factor>::new()
         .file("repetition", |(repetition, ..)| *repetition)
         .file("parameter", |(_, found, i)| found.unknowns[*i].to_string())
-        .shown("parameter", Format::Words)
+        .page("parameter", Format::Words, |(_, found, i)| found.unknowns[*i].to_string().replace('_', " "))
         .file("found_over_true", |(_, found, i)| found.factors[*i])
         .shown("found / true", Format::Fixed(4))
         .file("sigma", |(_, found, i)| found.factors[*i] * found.relative_sigmas[*i])
@@ -129,11 +129,10 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 
 fn drawing(study: &TwinStudy) -> Result<String, FigureError> {
     let rows: Vec<AtNode> = at_nodes(study).collect();
-    let rounded = |error: f64| (1000.0 * error).round() / 10.0;
     let group = |label: &str, hue, of: fn(&AtNode) -> Option<f64>| Bars {
         label: label.to_owned(),
         hue,
-        values: rows.iter().map(|row| of(row).map(rounded)).collect(),
+        values: rows.iter().map(|row| of(row).map(bar_percent)).collect(),
     };
     let alt =
         "Mean error by node: the paper's, the uniform finger, the finger with softer ends, and with its zones known.";
@@ -142,7 +141,7 @@ fn drawing(study: &TwinStudy) -> Result<String, FigureError> {
         group("paper", Hue::Neutral, |row| Some(row.after?.paper_mean_error)),
         group("uniform finger", Hue::nth(0), |row| Some(row.before?.mean_error)),
         group("softer ends", Hue::nth(1), |row| Some(row.after?.mean_error)),
-        group("zones known, linear", Hue::nth(2), |row| row.sensing.linear.mean_error()),
+        group("zones known, least squares", Hue::nth(2), |row| row.sensing.linear.mean_error()),
         group("zones known, nonlinear", Hue::nth(3), |row| row.sensing.nonlinear.mean_error()),
     ];
     let chart = Chart::of_bars(

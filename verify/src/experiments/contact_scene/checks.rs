@@ -105,7 +105,7 @@ impl SceneStudy {
             check(
                 Kind::External,
                 "settled shape against the lattice's equilibrium under the contact forces",
-                "Newton on the lattice's energy",
+                "rapier2d against Newton",
                 DISPLACEMENT,
                 over(&|step| step.equilibrium_difference.unwrap_or(f64::NAN)),
                 settled.equilibrium,

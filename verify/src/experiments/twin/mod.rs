@@ -33,7 +33,7 @@ const TIP: &[Section] = &[(Part::Front, 10.0, 12.0), (Part::Back, 10.0, 12.0)];
 
 /// The zones of the twin: the members at the base, two members before the tip's, and two at the tip.
 pub const TWIN: ZoneSet =
-    ZoneSet { name: "base, before the tip, tip (the twin)", groups: &[(BASE, 0.72), (NEXT, 0.153), (TIP, 0.064)] };
+    ZoneSet { name: "base, before the tip, tip (drawn here)", groups: &[(BASE, 0.72), (NEXT, 0.153), (TIP, 0.064)] };
 
 /// Other zones that were tried, among them some that do as well.
 pub const OTHERS: [ZoneSet; 6] = [

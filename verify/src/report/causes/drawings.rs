@@ -1,15 +1,16 @@
 //! Drawings of causes: the largest one over position and direction, and what each costs along the finger.
 
-use super::{CSV, own_first, practice_in_words};
+use super::{CSV, OWN, at_nodes, own_first, practice_in_words};
 use crate::experiments::causes::{Cause, CauseCell, CauseMap, ContactKnowledge, Practice, REMEDIES};
-use crate::figures::{Axis, Cells, Class, Frame, Map, Paint};
+use crate::figures::{Axis, Bars, Cells, Chart, Class, Frame, Hue, Map, Paint};
 use crate::report::ReportError;
-use crate::report::drawings::{ALONG_THE_PLATE, DIRECTION_AXIS, rank_of, ranked, small_maps};
+use crate::report::drawings::{ALONG_THE_PLATE, DIRECTION_AXIS, bar_percent, rank_of, ranked, small_maps};
 use crate::report::format::percent;
 use crate::report::page::Figure;
-use crate::sampling::map::CellState;
+use crate::sampling::map::{Cell, CellState};
 use crate::settings::{DRAWN_FORCE_N, TRUSTED_ERROR};
 use crate::study::Study;
+use finray_model::NodeId;
 
 /// Below this an error needs no explanation: root mean square of sensed / true - 1.
 const SMALL_ERROR: f64 = 0.02;
@@ -67,7 +68,7 @@ pub(super) fn map_figure(map: &CauseMap) -> Result<Figure, ReportError> {
 
 /// Which cells are cleared as remedies are taken one after the other, on each finger; `None` where that was not asked.
 pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
-    let rows: Vec<_> = own_first(study).filter(assumed).map(clearing_row).collect();
+    let rows: Vec<_> = own_first(study).filter(assumed).map(|map| clearing_row(study, map)).collect();
     if rows.is_empty() {
         return Ok(None);
     }
@@ -79,7 +80,7 @@ pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
     Ok(Some(Figure {
         svg: map.svg()?,
         caption: format!(
-            "Root mean square error of {DRAWN_FORCE_N} N: by linear least squares with an assumed contact; with zones and modulus known; with the contact \
+            "Root mean square error of {DRAWN_FORCE_N} N: by least squares with an assumed contact; with zones and modulus known; with the contact \
              known too; by the nonlinear estimator."
         ),
         csv: Some(CSV.to_owned()),
@@ -87,21 +88,55 @@ pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
     }))
 }
 
-/// Whether it is of linear least squares with an assumed contact, over position and direction.
+/// Errors at the nodes as remedies are taken one after the other, as bars: each is what is left, so no bar is a part of another.
+pub(super) fn remedies(study: &Study) -> Result<Option<Figure>, ReportError> {
+    let Some(map) = study.causes.iter().filter(assumed).find(|map| map.truth == OWN) else { return Ok(None) };
+    let cells: Vec<(NodeId, &CauseCell)> = at_nodes(study, map).collect();
+    let bars = |nth: usize, label: String, error: &dyn Fn(&CauseCell) -> Option<f64>| Bars {
+        label,
+        hue: if nth == 0 { Hue::Neutral } else { Hue::nth(nth - 1) },
+        values: cells.iter().map(|(_, cell)| error(cell).map(bar_percent)).collect(),
+    };
+    let taken = REMEDIES.iter().enumerate().map(|(taken, (name, _))| {
+        bars(taken + 1, format!("+ {name}"), &move |cell| cell.remedied.get(taken).copied().flatten())
+    });
+    let all = std::iter::once(bars(0, "as it is".to_owned(), &|cell| cell.rms_error)).chain(taken).collect();
+    let nodes = Axis::categories("contact node", cells.iter().map(|(node, _)| node.to_string()).collect());
+    let title = format!("Error left of {DRAWN_FORCE_N} N along the normal, {}", OWN.label());
+    let alt = "Root mean square error by contact node: as it is, and as remedies are taken one after the other.";
+    let axes = [nodes, Axis::linear("root mean square error, %")];
+    Ok(Some(Figure {
+        svg: Chart::of_bars(Frame::full(title, alt), axes, all).svg()?,
+        caption: "What is left of the error, not parts of it: causes may have cancelled, so that a remedy can make it larger.".to_owned(),
+        csv: Some(CSV.to_owned()),
+        wide: true,
+    }))
+}
+
+/// Whether it is of least squares with an assumed contact, over position and direction.
 fn assumed(map: &&CauseMap) -> bool {
     map.practice == Practice::LeastSquares
         && map.contact == ContactKnowledge::Assumed
         && map.request.forces_n.contains(&DRAWN_FORCE_N)
 }
 
-fn clearing_row(map: &CauseMap) -> (String, Vec<Option<Cells>>) {
+fn clearing_row(study: &Study, map: &CauseMap) -> (String, Vec<Option<Cells>>) {
+    let of_truth: Vec<_> = study.maps.iter().filter(|of| of.truth == map.truth).collect();
+    let state = |cell: &CauseCell| {
+        let same = |of: &&Cell| (of.s_mm, of.angle_deg, of.force_n) == (cell.s_mm, cell.angle_deg, cell.force_n);
+        match of_truth.iter().find_map(|of| of.cells.iter().find(same)).map(Cell::state) {
+            Some(CellState::WithoutEquilibrium) => CellState::WithoutEquilibrium,
+            _ => CellState::Answered,
+        }
+    };
     let cells: Vec<&CauseCell> = map.cells.iter().filter(|cell| cell.force_n == DRAWN_FORCE_N).collect();
     let small = |error: &dyn Fn(&CauseCell) -> Option<f64>| {
         let errors: Vec<Option<f64>> = cells.iter().map(|cell| error(cell)).collect();
         let trusted = errors.iter().filter(|error| error.is_some_and(|error| error <= TRUSTED_ERROR)).count();
-        let ranks: Vec<usize> = errors.iter().map(|error| rank_of(CellState::Answered, *error)).collect();
-        let note =
-            format!("{:.0} % within {}", 100.0 * trusted as f64 / errors.len().max(1) as f64, percent(TRUSTED_ERROR));
+        let states: Vec<CellState> = cells.iter().map(|cell| state(cell)).collect();
+        let ranks: Vec<usize> = states.iter().zip(&errors).map(|(state, error)| rank_of(*state, *error)).collect();
+        let bent = states.iter().filter(|state| **state != CellState::WithoutEquilibrium).count();
+        let note = format!("{:.0} % within {}", 100.0 * trusted as f64 / bent.max(1) as f64, percent(TRUSTED_ERROR));
         Cells { note, ..ranked(&map.request.positions_mm, &map.request.angles_deg, &ranks) }
     };
     let remedied = (0..REMEDIES.len()).map(|taken| small(&|cell| cell.remedied.get(taken).copied().flatten()));

@@ -222,7 +222,7 @@
     if (!found) return 'The main cause was not computed here.';
     if (!found.cause) return `No main cause at ${found.where}.`;
     const without = some(found.part) ? `: without it the mean square error is ${share(Math.min(found.part, 1 - EPSILON), 1)} smaller` : '';
-    return `Main cause at ${found.where}: ${found.cause}${without}.`;
+    return `Main cause at ${found.where}, sensed on a mesh of the key nodes alone: ${found.cause}${without}.`;
   }
 
   function mapPanel(data, panel, shared) {

@@ -36,15 +36,15 @@ fn agreement(rows: &[FinenessRow]) -> Option<String> {
     let orders = coarsest.errors.iter().zip(&finest.errors).map(|(coarse, fine)| (coarse / fine).ln() / refined);
     let Span { least: low, greatest: high, .. } = Span::of(orders)?;
     Some(format!(
-        "From {} to {} segments a plate member the difference from beams falls from {} to {}, with the power {low:.1} to {high:.1} of their \
-         length: {}",
+        "From {} to {} segments a plate member the difference from beams falls from {} to {}: on the whole with the power {low:.1} to {high:.1} of \
+         their length, {}",
         coarsest.fineness,
         finest.fineness,
         largest(coarsest),
         largest(finest),
         match low >= COARSENESS_ORDER {
-            true => "no sign of an error in solver or kinematics.",
-            false => "too little for coarseness alone; something else remains.",
+            true => "as coarseness does.",
+            false => "too little for coarseness alone: something else remains.",
         }
     ))
 }

@@ -94,7 +94,7 @@ fn carried(study: &Study) -> Option<String> {
     let (direction, place) = (medians(study, |cell| cell.error_per_deg)?, medians(study, |cell| cell.error_per_mm)?);
     Some(format!(
         "A contact position that is 1 mm wrong changes the force by {} near the base, {} in the middle, {} near the tip; a direction that is 1 deg \
-         wrong by {} near the normal, {} from {TANGENTIAL_DEG} deg on (medians, to first order).",
+         wrong by {} near the normal, {} from {TANGENTIAL_DEG} deg on (medians, to first order; positions with forces within {PRESSING_DEG} deg of the normal).",
         percent(place.base),
         percent(place.middle),
         percent(place.tip),
