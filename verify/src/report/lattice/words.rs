@@ -89,8 +89,8 @@ mod tests {
         study.sensing.difference.largest = 1e-5;
         let said = findings(&study).join("\n");
         for words in [
-            "From 2 to 4 segments a plate member the difference from beams falls from 0.16 % to 0.010 %, with the power 3.0 to 4.0",
-            "no sign of an error",
+            "From 2 to 4 segments a plate member the difference from beams falls from 0.16 % to 0.010 %: on the whole with the power \
+             3.0 to 4.0 of their length, as coarseness does",
             "by 10 % at 1 N and by 50 % at 5 N",
             "Sensing agrees over 1 forces of the maps",
             "senses the lattice within 0.040 %",
