@@ -36,6 +36,7 @@ mod rooms;
 mod sampling {
     mod bound;
     pub mod scatter;
+    mod shared_start;
 }
 mod stand_ins;
 mod truths {

@@ -182,6 +182,10 @@ pub trait PreparedEstimator {
     /// # Errors
     /// [`EstimatorError`] when the estimator refuses to answer.
     fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Sensed, EstimatorError>;
+
+    /// Says what so many measurements to come are noise samples of: a search may start from what is sensed without the noise, where its
+    /// answers stay the same.
+    fn expect_samples_of(&mut self, _noise_free: &Measurement, _noise_mm: f64, _samples: usize) {}
 }
 
 /// Sensed forces, with as much as the estimator states of their errors.

@@ -39,6 +39,9 @@ fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError
     Ok((sensed.contacts, sensed.forces))
 }
 
+/// From so many noise samples on, a start that they share is worth an estimate of its own.
+const WORTH_A_START: usize = 3;
+
 /// A nonlinear estimator that is ready to sense.
 pub(super) struct Nonlinear<'m> {
     pub(super) estimator: NonlinearEstimator<'m>,
@@ -47,7 +50,7 @@ pub(super) struct Nonlinear<'m> {
 
 impl PreparedEstimator for Nonlinear<'_> {
     fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Sensed, EstimatorError> {
-        // A stream's start from the last frame would be too easy.
+        // A stream's start from the last frame would be too easy: answers must not depend on the order of measurements.
         self.estimator.reset();
         let mut estimate = self.estimator.estimate(measurement, noise_mm)?;
         if let Some(discretisation) = &mut self.discretisation {
@@ -59,5 +62,16 @@ impl PreparedEstimator for Nonlinear<'_> {
             forces_n: estimate.forces.forces_n,
             sigmas_n: Some(estimate.forces.sigmas_n),
         })
+    }
+
+    fn expect_samples_of(&mut self, noise_free: &Measurement, noise_mm: f64, samples: usize) {
+        self.estimator.forget();
+        if samples < WORTH_A_START {
+            return;
+        }
+        // Where the model contradicts the measurement there may be several minima, and a start decides between them.
+        if self.estimator.estimate(noise_free, Some(noise_mm)).is_ok_and(|found| found.forces.warning.is_none()) {
+            self.estimator.hold();
+        }
     }
 }

@@ -169,8 +169,12 @@ pub fn coverage(
             let mut prepared: Vec<_> = estimators.iter().map(|e| e.prepare(&[contact], &markers).ok()).collect();
             let mut noise = Noise::of_stream(grid.seed, number as u64);
             for (shape, &force_n) in shapes.iter().zip(&grid.forces_n) {
+                let seen = Measurement::of_shape(finger, shape);
+                for prepared in prepared.iter_mut().flatten() {
+                    prepared.expect_samples_of(&seen, noise_mm, grid.noise_samples);
+                }
                 for _ in 0..grid.noise_samples {
-                    let noisy = noise.on(&Measurement::of_shape(finger, shape), noise_mm);
+                    let noisy = noise.on(&seen, noise_mm);
                     for (counts, prepared) in counts.iter_mut().zip(&mut prepared) {
                         counts.sense(prepared.as_deref_mut(), &noisy, noise_mm, force_n);
                     }

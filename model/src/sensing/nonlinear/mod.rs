@@ -80,6 +80,8 @@ pub struct NonlinearEstimator<'m> {
     unknowns: Vec<Unknown>,
     statics: Statics<Ladder<'m>>,
     last: Option<State>,
+    /// Where estimates start after a [`reset`](NonlinearEstimator::reset).
+    held: Option<State>,
 }
 
 /// Unknowns, the equilibrium that belongs to them and the problem linearised there.
@@ -125,12 +127,24 @@ impl<'m> NonlinearEstimator<'m> {
             unknowns: Unknown::of(questions),
             statics: Statics::ladder(mesh, Kinematics::Corotational),
             last: None,
+            held: None,
         })
     }
 
-    /// Forgets the last estimate: the next one starts from least squares.
+    /// Forgets the last estimate: the next one starts from the one that is held, else from least squares.
     pub fn reset(&mut self) {
-        self.last = None;
+        self.last.clone_from(&self.held);
+    }
+
+    /// Holds the last estimate: after a [`reset`](NonlinearEstimator::reset) estimates start from it. For measurements that differ by
+    /// noise alone.
+    pub fn hold(&mut self) {
+        self.held.clone_from(&self.last);
+    }
+
+    /// Forgets the last estimate and the one that is held.
+    pub fn forget(&mut self) {
+        (self.last, self.held) = (None, None);
     }
 
     fn finger(&self) -> &'m Finger {

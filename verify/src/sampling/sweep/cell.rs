@@ -230,9 +230,10 @@ fn sense<'p>(
     seen: &Measurement,
     noise_mm: f64,
     force_n: f64,
-    samples: impl Iterator<Item = &'p [f64]>,
+    samples: impl ExactSizeIterator<Item = &'p [f64]>,
     tally: &mut Tally,
 ) {
+    estimator.expect_samples_of(seen, noise_mm, samples.len());
     for sample in samples {
         let mut noisy = seen.clone();
         let mut coordinates = sample.iter();
