@@ -27,6 +27,11 @@ macro_rules! registry {
             pub fn label(self) -> &'static str {
                 self.row().label
             }
+
+            /// What it is, in a sentence.
+            pub fn help(self) -> &'static str {
+                self.row().help
+            }
         }
 
         impl std::fmt::Display for $id {

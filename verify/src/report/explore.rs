@@ -37,6 +37,7 @@ pub(super) fn data(Results { study, .. }: Results) -> String {
     };
     let data = json!({
         "finger": of_finger(finger, study.noise_mm),
+        "about": super::page::about(),
         "maps": known.into_iter().chain(assumed).collect::<Vec<Value>>(),
         "causes": study.causes.iter().map(|map| of_causes(map, &off)).collect::<Vec<Value>>(),
         "shapes": study.touched.iter().map(shape).collect::<Vec<Value>>(),

@@ -4,10 +4,13 @@
 //! figures' SVG goes in as it is, every other text is escaped.
 
 use super::explore;
+use crate::estimators::EstimatorId;
+use crate::truths::TruthId;
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment, context};
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// A whole page.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -209,6 +212,12 @@ impl Cell {
     }
 }
 
+/// What is meant by the names of true fingers and estimators, told where a pointer rests on one.
+pub(super) fn about() -> BTreeMap<&'static str, &'static str> {
+    let fingers = TruthId::ALL.iter().map(|truth| (truth.label(), truth.help()));
+    fingers.chain(EstimatorId::ALL.iter().map(|estimator| (estimator.label(), estimator.help()))).collect()
+}
+
 /// The page as HTML.
 pub fn render(page: &Page) -> Result<String, minijinja::Error> {
     let mut environment = Environment::new();
@@ -217,7 +226,7 @@ pub fn render(page: &Page) -> Result<String, minijinja::Error> {
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?;
     environment.set_syntax(syntax);
     environment.add_template("page.html", include_str!("page.html"))?;
-    let page = context! { page => Serde(page), script => explore::SCRIPT, style => explore::STYLE };
+    let page = context! { page => Serde(page), about => about(), script => explore::SCRIPT, style => explore::STYLE };
     environment.get_template("page.html")?.render(page)
 }
 
@@ -252,7 +261,10 @@ mod tests {
         let table = Table {
             caption: "Errors".into(),
             columns: vec![Column::words("node"), Column::numbers("error, %")],
-            rows: vec![vec![Cell::file("24.csv"), Cell::shaded("12 < 25", Shade::Amber)]],
+            rows: vec![
+                vec![Cell::file("24.csv"), Cell::shaded("12 < 25", Shade::Amber)],
+                vec![Cell::plain("linear finger"), Cell::plain("0")],
+            ],
             csv: Some("errors.csv".into()),
         };
         Section {
@@ -302,6 +314,7 @@ mod tests {
             "href=\"#where\"",
             "id=\"where\"",
             "<a href=\"24.csv\">24.csv</a>",
+            "<abbr title=\"The linear finger\">linear finger</abbr>",
             "href=\"#maps\"",
             "id=\"maps\"",
             "the end",

@@ -53,6 +53,9 @@
     made.append(...children);
     return made;
   };
+  /** What is meant by the names of fingers and estimators. */
+  const about = {};
+
   const html = make('http://www.w3.org/1999/xhtml'), svg = make('http://www.w3.org/2000/svg');
   const text = (x, y, words, anchor = 'middle') => svg('text', { x, y, 'text-anchor': anchor }, words);
   const line = ([x1, y1], [x2, y2], kind) => svg('line', { x1, y1, x2, y2, class: kind });
@@ -72,7 +75,7 @@
     host.append(html('label', {}, html('span', {}, label), select));
     select.addEventListener('change', changed);
     select.offer = (options, wanted = select.value) => {
-      const option = ([value, words, exists = true]) => html('option', { value, disabled: exists ? null : '' }, words);
+      const option = ([value, words, exists = true]) => html('option', { value, disabled: exists ? null : '', title: about[words] || null }, words);
       select.replaceChildren(...options.map(option));
       const open = options.filter(([, , exists = true]) => exists).map(([value]) => String(value));
       select.value = open.includes(String(wanted)) ? wanted : open[0];
@@ -540,6 +543,7 @@
     const root = document.querySelector('.explore'), data = read(), shared = { map: null, changed() {} };
     const all = [root, ...document.querySelectorAll('[data-explore-only]')], hide = (hidden) => all.forEach((each) => { each.hidden = hidden; });
     if (!data) return;
+    Object.assign(about, data.about);
     hide(false);
     root.prepend(patterns());
     let width = root.clientWidth; // before a scroll bar takes some

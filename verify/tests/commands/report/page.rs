@@ -349,7 +349,9 @@ fn table_row(page: &str, file: &str, row: &[&str]) -> Vec<(String, String)> {
     let texts = |html: &str, tag: &str| -> Vec<String> {
         let opening = format!("<{tag}");
         let cells = html.split(&opening).skip(1).filter_map(|cell| cell.split_once('>'));
-        cells.map(|(_, cell)| as_read(cell.split("</").next().unwrap_or_default())).collect()
+        // The words of a link or of a name that is explained.
+        let words = |cell: &str| cell.split("</").next()?.rsplit('>').next().map(as_read);
+        cells.filter_map(|(_, cell)| words(cell)).collect()
     };
     let found = tables.flat_map(|table| {
         let headings = texts(table.split("<tbody>").next().unwrap_or_default(), "th ");

@@ -35,6 +35,8 @@
   }
 
   // ---- the map: shares counted anew from the lists, for every choice ----
+  const named = [...panel('map').querySelectorAll('option')].filter((option) => data.about[option.textContent]);
+  check('names of fingers and estimators are explained', named.length > 1 && named.every((option) => option.title === data.about[option.textContent]), named.length);
   const ofData = { map: 'maps', finger: 'shapes', pairs: 'pairs', scenes: 'scenes' };
   const panels = Object.keys(ofData).filter((name) => data[ofData[name]].length > 0);
   const open = (root) => Object.keys(ofData).filter((name) => !panel(name, root).hidden).join();
