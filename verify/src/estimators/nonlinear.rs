@@ -39,9 +39,6 @@ fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError
     Ok((sensed.contacts, sensed.forces))
 }
 
-/// From so many noise samples on, a start that they share is worth an estimate of its own.
-const WORTH_A_START: usize = 3;
-
 /// A nonlinear estimator that is ready to sense.
 pub(super) struct Nonlinear<'m> {
     pub(super) estimator: NonlinearEstimator<'m>,
@@ -66,7 +63,8 @@ impl PreparedEstimator for Nonlinear<'_> {
 
     fn expect_samples_of(&mut self, noise_free: &Measurement, noise_mm: f64, samples: usize) {
         self.estimator.forget();
-        if samples < WORTH_A_START {
+        // One sample alone has nothing to share.
+        if samples < 2 {
             return;
         }
         // Where the model contradicts the measurement there may be several minima, and a start decides between them.

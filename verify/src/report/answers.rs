@@ -2,13 +2,12 @@
 
 use super::causes;
 use super::checks;
-use super::format::{list, percent, time};
+use super::format::{capitalised, list, percent, time};
 use super::maps::small;
 use super::page::Answer;
 use super::trust::{Situation, situations};
 use crate::check::Kind;
 use crate::estimators::EstimatorId;
-use crate::experiments::causes::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
 use crate::experiments::coverage::CoverageRow;
 use crate::experiments::speed_error::recommendation::{LARGEST_BIAS_SIGMAS, recommended, ways};
 use crate::experiments::speed_error::sensing::SENSED_N;
@@ -59,7 +58,7 @@ pub(super) fn caveat(study: &Study) -> String {
 fn trusted(study: &Study, situations: &[Situation]) -> Option<String> {
     let [first, others @ ..] = situations else { return None };
     let share = |situation: &Situation| situation.all().share().map_or_else(|| "no part".to_owned(), percent);
-    let others = others.iter().map(|other| format!("; in {} {}", share(other), in_words(other)));
+    let others = others.iter().map(|other| format!("; in {} {}", share(other), other.in_words));
     Some(format!(
         "The mean error stays within {} under {} N in {} of {} positions and directions, contact and finger known{}. {}",
         percent(TRUSTED_ERROR),
@@ -69,14 +68,6 @@ fn trusted(study: &Study, situations: &[Situation]) -> Option<String> {
         list(others, ""),
         weak_regions(study, first)
     ))
-}
-
-/// What is not known, in a sentence.
-fn in_words(situation: &Situation) -> String {
-    match situation.name {
-        "contact assumed" => format!("with the contact {POSITION_OFF_MM} mm and {DIRECTION_OFF_DEG} deg off"),
-        _ => "with base and tip softer than modelled".to_owned(),
-    }
 }
 
 /// A part of the finger: its name, and what belongs to it, by position over the plate's length and direction in degrees.
@@ -131,12 +122,13 @@ fn why_not(study: &Study, situations: &[Situation]) -> Option<String> {
         let failed =
             || situation.cells.iter().filter(|cell| !cell.is_trusted && cell.state != CellState::WithoutEquilibrium);
         let turned = failed().filter(|cell| cell.angle_deg != 0.0).count();
-        let (name, along) = match situation.name {
-            "contact assumed" => ("Contact assumed", causes::of_assumed_contact(study)),
-            _ => ("Softer ends", causes::of_softer_ends(study)),
-        };
+        let along = causes::largest_by_region(study, situation.map.truth, situation.contact);
         let along = along.map_or_else(String::new, |along| format!("; {along}"));
-        reasons.push(format!("{name}: {turned} of {} that fail are off the normal{along}.", failed().count()));
+        reasons.push(format!(
+            "{}: {turned} of the {} cells that fail are off the normal{along}.",
+            capitalised(situation.name),
+            failed().count()
+        ));
     }
     Some(list(reasons, " "))
 }
@@ -194,7 +186,7 @@ fn how_sure(study: &Study) -> Option<String> {
     let silent = |row: &CoverageRow| {
         let held = percent(row.covered_without_warning?);
         let warned = row.covered_with_warning.map_or_else(String::new, |covered| {
-            format!(", with one ({} of them) in {}", share_of(row.warned, row.samples), percent(covered))
+            format!(", with one ({}) in {}", share_of(row.warned, row.samples), percent(covered))
         });
         Some(format!(
             " Softer ends: without a warning ({} of {} samples) they hold in {held}{warned}: a wrong model is not seen reliably.",

@@ -26,18 +26,8 @@ const OWN: TruthId = TruthId::Corotational;
 /// The finger that is fitted to the paper's Table I.
 const FITTED: TruthId = TruthId::Twin;
 
-/// The largest causes of an error where the contact is only assumed.
-pub(super) fn of_assumed_contact(study: &Study) -> Option<String> {
-    largest_by_region(study, OWN, ContactKnowledge::Assumed)
-}
-
-/// The same of a known contact on the finger with softer ends.
-pub(super) fn of_softer_ends(study: &Study) -> Option<String> {
-    largest_by_region(study, FITTED, ContactKnowledge::Known)
-}
-
 /// Where the nonlinear estimator fails along the normal, and the largest cause there.
-fn largest_by_region(study: &Study, truth: TruthId, contact: ContactKnowledge) -> Option<String> {
+pub(super) fn largest_by_region(study: &Study, truth: TruthId, contact: ContactKnowledge) -> Option<String> {
     let map = find(study, truth, Practice::Nonlinear, contact)?;
     let mut by_cause: Vec<(Cause, Vec<&str>)> = Vec::new();
     for region in Region::ENDS_AND_MIDDLE {
@@ -107,7 +97,7 @@ fn drawn(study: &Study) -> impl Iterator<Item = &CauseMap> {
     own_first(study).filter(|map| map.request.angles_deg.len() > 1)
 }
 
-fn estimator_in_words(map: &CauseMap) -> &'static str {
+pub(super) fn estimator_in_words(map: &CauseMap) -> &'static str {
     match map.practice {
         Practice::LeastSquares => "least squares",
         Practice::Nonlinear => "nonlinear, an element a member",

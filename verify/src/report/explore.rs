@@ -88,7 +88,7 @@ fn of_causes(map: &CauseMap, off: &str) -> Value {
     let cause = |(nth, _): (usize, f64)| map.causes[nth].name();
     json!({
         "truth": map.truth.label(), "estimator": map.practice.estimator().label(),
-        "contact": if map.contact == ContactKnowledge::Known { "known" } else { off },
+        "practice": super::causes::estimator_in_words(map), "contact": if map.contact == ContactKnowledge::Known { "known" } else { off },
         "s_mm": map.request.positions_mm, "angle_deg": map.request.angles_deg, "force_n": DRAWN_FORCE_N,
         "cause": cells().map(|largest| largest.map(cause)).collect::<Vec<_>>(),
         "share": cells().map(|largest| largest.map(|(_, share)| number(share))).collect::<Vec<_>>(),

@@ -6,7 +6,7 @@ use super::format::{capitalised, list, percent};
 use super::page::Figure;
 use super::{ReportError, Results};
 use crate::estimators::EstimatorId;
-use crate::experiments::causes::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
+use crate::experiments::causes::{ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM};
 use crate::figures::{Axis, Chart, Class, Dash, Fill, Frame, Hue, Paint, Patch, Series};
 use crate::sampling::map::{AccuracyMap, CellState, MapRequest};
 use crate::sampling::worst::{TrustCounts, WorstCell};
@@ -32,6 +32,9 @@ pub(super) struct Situation<'s> {
     pub name: &'static str,
     /// What is known, what not.
     pub about: String,
+    /// What is not, within a sentence.
+    pub in_words: String,
+    pub contact: ContactKnowledge,
     /// Where its cells are.
     csv: &'static str,
     pub map: &'s AccuracyMap,
@@ -62,24 +65,40 @@ impl Situation<'_> {
 pub(super) fn situations<'s>(study: &'s Study) -> Vec<Situation<'s>> {
     let noisy = study.noise_mm > 0.0;
     let mapped = |truth| study.map_by(truth, EstimatorId::Nonlinear, noisy);
-    let off =
-        format!("position and direction of the contact assumed, {POSITION_OFF_MM} mm and {DIRECTION_OFF_DEG} deg off");
-    let softer = "contact known, but base and tip of the finger softer than its model has them, as fitted to the paper's Table I".to_owned();
-    let found = [
-        ("contact known", "contact and finger known".to_owned(), CSV, mapped(TruthId::Corotational)),
-        ("contact assumed", off, ASSUMED_CSV, study.assumed.as_ref()),
-        ("softer ends", softer, CSV, mapped(TruthId::Twin)),
-    ];
-    let grids: Vec<&MapRequest> = found.iter().filter_map(|(.., map)| Some(&map.as_ref()?.request)).collect();
-    let common = |map: &AccuracyMap| {
-        let on = |map: AccuracyMap, grid: &&MapRequest| map.thinned(&grid.positions_mm, &grid.angles_deg);
-        TrustCounts::of(&grids.iter().fold(map.clone(), on).worst())
-    };
-    let situation = |(name, about, csv, map): (_, _, _, Option<&'s AccuracyMap>)| {
+    let maps = [mapped(TruthId::Corotational), study.assumed.as_ref(), mapped(TruthId::Twin)];
+    let grids: Vec<&MapRequest> = maps.iter().flatten().map(|map| &map.request).collect();
+    let [known, assumed, softer] = maps.map(|map| {
         let map = map?;
-        Some(Situation { name, about, csv, map, cells: map.worst(), common: common(map) })
-    };
-    found.into_iter().filter_map(situation).collect()
+        let on = |map: AccuracyMap, grid: &&MapRequest| map.thinned(&grid.positions_mm, &grid.angles_deg);
+        let common = TrustCounts::of(&grids.iter().fold(map.clone(), on).worst());
+        Some(Situation {
+            name: "contact known",
+            about: "contact and finger known".to_owned(),
+            in_words: "contact and finger known".to_owned(),
+            contact: ContactKnowledge::Known,
+            csv: CSV,
+            map,
+            cells: map.worst(),
+            common,
+        })
+    });
+    let off = format!("{POSITION_OFF_MM} mm and {DIRECTION_OFF_DEG} deg off");
+    let assumed = assumed.map(|known| Situation {
+        name: "contact assumed",
+        about: format!("position and direction of the contact assumed, {off}"),
+        in_words: format!("with the contact {off}"),
+        contact: ContactKnowledge::Assumed,
+        csv: ASSUMED_CSV,
+        ..known
+    });
+    let softer = softer.map(|known| Situation {
+        name: "softer ends",
+        about: "contact known, but base and tip of the finger softer than its model has them, as fitted to the paper's Table I"
+            .to_owned(),
+        in_words: "with base and tip softer than modelled".to_owned(),
+        ..known
+    });
+    [known, assumed, softer].into_iter().flatten().collect()
 }
 
 pub(super) fn datasets<'s>(study: &'s Study) -> Vec<Dataset<'s>> {
@@ -90,22 +109,21 @@ pub(super) fn datasets<'s>(study: &'s Study) -> Vec<Dataset<'s>> {
         .file("state", |(_, cell)| cell.state.name())
         .file("worst_error", |(_, cell)| cell.worst_error)
         .file("is_trusted", |(_, cell)| cell.is_trusted);
-    let counts = Columns::<(&'static str, TrustCounts, TrustCounts, [usize; 2])>::new()
-        .file("case", |(name, ..)| *name)
-        .file("cells", |(_, all, ..)| all.cells)
-        .file("trusted", |(_, all, ..)| all.trusted)
-        .file("refused", |(_, all, ..)| all.refused)
-        .file("without_equilibrium", |(_, all, ..)| all.without_equilibrium)
-        .file("share_trusted", |(_, all, ..)| all.share())
-        .file("common_cells", |(_, _, common, _)| common.cells)
-        .file("share_trusted_of_common", |(_, _, common, _)| common.share())
-        .file("samples_refused_where_answered", |(.., [refused, _])| *refused)
-        .file("samples_where_answered", |(.., [_, all])| *all);
+    let counts = Columns::<Situation>::new()
+        .file("case", |of| of.name)
+        .file("cells", |of| of.all().cells)
+        .file("trusted", |of| of.all().trusted)
+        .file("refused", |of| of.all().refused)
+        .file("without_equilibrium", |of| of.all().without_equilibrium)
+        .file("share_trusted", |of| of.all().share())
+        .file("common_cells", |of| of.common.cells)
+        .file("share_trusted_of_common", |of| of.common.share())
+        .file("samples_refused_where_answered", |of| of.refused_samples()[0])
+        .file("samples_where_answered", |of| of.refused_samples()[1]);
     let found = situations(study);
     let all_cells = found.iter().flat_map(|of| of.cells.iter().map(|cell| (of.name, *cell))).collect::<Vec<_>>();
-    let all_counts = found.iter().map(|of| (of.name, of.all(), of.common, of.refused_samples())).collect::<Vec<_>>();
     let mut all =
-        vec![Dataset::new(CSV, &cells, all_cells).csv_alone(), Dataset::new(CSV, &counts, all_counts).summary_alone()];
+        vec![Dataset::new(CSV, &cells, all_cells).csv_alone(), Dataset::new(CSV, &counts, found).summary_alone()];
     all.extend(study.assumed.iter().map(|map| Dataset::records(ASSUMED_CSV, &map.cells).csv_alone()));
     all
 }

@@ -9,8 +9,8 @@ use finray_model::{Finger, Mesh};
 pub(super) const ROW: TruthRow = TruthRow {
     name: "lattice",
     label: "lattice",
-    help: "The finger as rigid bodies and springs, four segments between two key nodes, in the shape of least energy. Letting the engine \
-           settle each shape, the same within 0.05 %, would take an hour",
+    help: "The finger as rigid bodies and springs, four segments between two key nodes, in the shape of least energy: the engine \
+           settles in the same within 0.05 %, in seconds instead of milliseconds",
     kinematics: None,
     is_far_from_corotational: false,
     has_study: true,

@@ -130,12 +130,12 @@ fn clearing_row(study: &Study, map: &CauseMap) -> (String, Vec<Option<Cells>>) {
         }
     };
     let cells: Vec<&CauseCell> = map.cells.iter().filter(|cell| cell.force_n == DRAWN_FORCE_N).collect();
+    let states: Vec<CellState> = cells.iter().map(|cell| state(cell)).collect();
+    let bent = states.iter().filter(|state| **state != CellState::WithoutEquilibrium).count();
     let small = |error: &dyn Fn(&CauseCell) -> Option<f64>| {
         let errors: Vec<Option<f64>> = cells.iter().map(|cell| error(cell)).collect();
         let trusted = errors.iter().filter(|error| error.is_some_and(|error| error <= TRUSTED_ERROR)).count();
-        let states: Vec<CellState> = cells.iter().map(|cell| state(cell)).collect();
         let ranks: Vec<usize> = states.iter().zip(&errors).map(|(state, error)| rank_of(*state, *error)).collect();
-        let bent = states.iter().filter(|state| **state != CellState::WithoutEquilibrium).count();
         let note = format!("{:.0} % within {}", 100.0 * trusted as f64 / bent.max(1) as f64, percent(TRUSTED_ERROR));
         Cells { note, ..ranked(&map.request.positions_mm, &map.request.angles_deg, &ranks) }
     };

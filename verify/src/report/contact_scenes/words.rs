@@ -18,7 +18,7 @@ pub(super) fn verdict(scenes: &[SceneStudy]) -> Option<String> {
     let crowded = least_known(scenes).map_or(String::new(), |least| {
         let [low, high] = [f64::min, f64::max].map(|of| least.rms_errors_n.iter().copied().reduce(of).unwrap_or(0.0));
         format!(
-            " Contacts at once are told apart less well than their sum: at the end of the scene \"{}\" {} contacts err with noise by {low:.2} to \
+            " Several contacts are sensed less well than their sum: at the end of the scene \"{}\" {} contacts err with noise by {low:.2} to \
              {high:.2} N each ({}, which carries {:.2} N, by {:.2} N), their total by {:.2} N.",
             least.scene,
             least.rms_errors_n.len(),

@@ -218,14 +218,14 @@
     const place = map ? within(map.s_mm, s) : -1, direction = map ? within(map.angle_deg, angle) : -1;
     if (place < 0 || direction < 0) return null;
     const n = place * map.angle_deg.length + direction;
-    return { cause: map.cause[n], part: map.share[n], where: `${number(map.force_n)} N (${mm(map.s_mm[place])}, ${deg(map.angle_deg[direction])})` };
+    return { practice: map.practice, cause: map.cause[n], part: map.share[n], where: `${number(map.force_n)} N (${mm(map.s_mm[place])}, ${deg(map.angle_deg[direction])})` };
   }
 
   function causeInWords(found) {
     if (!found) return 'The main cause was not computed here.';
     if (!found.cause) return `No main cause at ${found.where}.`;
     const without = some(found.part) ? `: without it the mean square error is ${share(Math.min(found.part, 1 - EPSILON), 1)} smaller` : '';
-    return `Main cause at ${found.where}, sensed on a mesh of the key nodes alone: ${found.cause}${without}.`;
+    return `Main cause at ${found.where}, ${found.practice}: ${found.cause}${without}.`;
   }
 
   function mapPanel(data, panel, shared) {
@@ -465,7 +465,7 @@
 
     const lines = [stroke('explore-first', 'shape under 3 N on the first node alone'), stroke('explore-second', 'on the second alone')];
     legend(panel.legend, [...Object.keys(KINDS).slice(0, 6).map(patch), ...(shapes.length > 0 ? lines : [])]);
-    panel.note.textContent = 'Error: mean of |sensed / true - 1|. The more alike two shapes are, the worse their forces are told apart.';
+    panel.note.textContent = 'Error: mean of |sensed / true - 1|. The more alike two shapes are, the less accurately their forces are sensed.';
     draw();
     return draw;
   }

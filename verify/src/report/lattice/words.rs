@@ -43,7 +43,7 @@ fn agreement(rows: &[FinenessRow]) -> Option<String> {
         largest(coarsest),
         largest(finest),
         match low >= COARSENESS_ORDER {
-            true => "as coarseness does.",
+            true => "at least with their square, as expected of coarseness.",
             false => "too little for coarseness alone: something else remains.",
         }
     ))
@@ -90,7 +90,7 @@ mod tests {
         let said = findings(&study).join("\n");
         for words in [
             "From 2 to 4 segments a plate member the difference from beams falls from 0.16 % to 0.010 %: on the whole with the power \
-             3.0 to 4.0 of their length, as coarseness does",
+             3.0 to 4.0 of their length, at least with their square",
             "by 10 % at 1 N and by 50 % at 5 N",
             "Sensing agrees over 1 forces of the maps",
             "senses the lattice within 0.040 %",

@@ -70,7 +70,7 @@ fn every_independent_reference_is_drawn() {
     let known = array(&summary, "checks").iter().filter(|check| check["disagreement"].is_number()).collect::<Vec<_>>();
     let of_kind = |kind: &str| known.iter().filter(|check| check["kind"] == kind).count();
     assert_eq!(of_kind("external") + of_kind("analytical"), known.len());
-    // One in the legend each; plots' frames and squares are drawn alike, so squares and triangles are counted together.
+    // One in the legend each; squares and triangles are both polygons, and so is the plot's frame.
     assert_eq!(drawing.matches("<circle").count(), of_kind("external") + 1);
     assert_eq!(drawing.matches("<polygon").count(), of_kind("analytical") + 1 + 6 + 1);
 }
