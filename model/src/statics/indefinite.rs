@@ -41,7 +41,6 @@ impl IndefiniteFactor {
             self.symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, order, params).ok().map(Arc::new);
         }
         let symbolic = self.symbolic.as_ref()?;
-        let SymbolicCholeskyRaw::Simplicial(columns) = symbolic.raw() else { return None };
         self.values.clear();
         self.values.resize(symbolic.len_val(), 0.0);
         let need = symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default());
@@ -56,8 +55,20 @@ impl IndefiniteFactor {
                 Default::default(),
             )
             .ok()?;
-        let mut pivots = columns.col_ptr()[..count].iter().map(|&head| self.values[head]);
-        pivots.try_fold(0, |negative, pivot| pivot.is_finite().then_some(negative + usize::from(pivot < 0.0)))
+        self.pivots()?.try_fold(0, |negative, pivot| pivot.is_finite().then_some(negative + usize::from(pivot < 0.0)))
+    }
+
+    /// The diagonal of D: at the head of each column of L.
+    fn pivots(&self) -> Option<impl Iterator<Item = f64>> {
+        let SymbolicCholeskyRaw::Simplicial(columns) = self.symbolic.as_ref()?.raw() else { return None };
+        let heads = columns.col_ptr();
+        Some(heads[..heads.len() - 1].iter().map(|&head| self.values[head]))
+    }
+
+    /// Natural logarithm of the determinant; `None` without factors, or if it is not positive.
+    pub(super) fn log_determinant(&self) -> Option<f64> {
+        let sum: f64 = self.pivots()?.map(f64::ln).sum();
+        sum.is_finite().then_some(sum)
     }
 
     /// Overwrites a vector with K^-1 times it; `None` without factors, or if the result is not finite.

@@ -7,6 +7,8 @@ mod digits;
 mod factor;
 mod indefinite;
 mod ladder;
+mod limit;
+mod load_path;
 mod newton;
 mod outcome;
 mod sparse;
@@ -74,6 +76,9 @@ pub trait EquilibriumEquations {
     fn keeps_digits(&self) -> bool {
         false
     }
+
+    /// Natural logarithm of the determinant of the last factored tangent, up to a constant; `None` where it is not known.
+    fn log_determinant(&mut self) -> Option<f64>;
 
     /// Drops a factor that is kept because it never changes: the linear one.
     fn forget_factor(&mut self);

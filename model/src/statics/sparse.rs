@@ -3,6 +3,7 @@
 use super::EquilibriumEquations;
 use super::assembly::Assembly;
 use super::factor::Factor;
+use super::indefinite::IndefiniteFactor;
 use crate::Kinematics;
 use crate::frame::{FrameLoad, FrameMotion, PlaneFrame};
 
@@ -11,6 +12,8 @@ use crate::frame::{FrameLoad, FrameMotion, PlaneFrame};
 pub struct SparseEquations<'f> {
     assembly: Assembly<'f>,
     factor: Factor,
+    /// The same with pivots to be seen, where they are asked for.
+    pivots: IndefiniteFactor,
     correction: Vec<f64>,
 }
 
@@ -19,7 +22,7 @@ impl<'f> SparseEquations<'f> {
     pub fn new(frame: &'f PlaneFrame, kinematics: Kinematics) -> SparseEquations<'f> {
         let assembly = Assembly::new(frame, kinematics);
         let correction = vec![0.0; assembly.equations().count()];
-        SparseEquations { assembly, factor: Factor::new(), correction }
+        SparseEquations { assembly, factor: Factor::new(), pivots: IndefiniteFactor::default(), correction }
     }
 
     /// The assembled equations.
@@ -49,6 +52,11 @@ impl EquilibriumEquations for SparseEquations<'_> {
             *c = -r;
         }
         self.factor.solve_in_place(&mut self.correction, self.assembly.equations().count())
+    }
+
+    fn log_determinant(&mut self) -> Option<f64> {
+        self.pivots.factorise(self.assembly.stiffness())?;
+        self.pivots.log_determinant()
     }
 
     fn forget_factor(&mut self) {

@@ -39,6 +39,11 @@ impl<const N: usize, const M: usize> Block<N, M> {
         self.factor.pivots_exceed(limits)
     }
 
+    /// Logarithm of the block's determinant.
+    pub(super) fn log_determinant(&self) -> f64 {
+        self.factor.log_determinant()
+    }
+
     /// Takes C^T K^-1 C off the neighbours' stiffness, in its upper triangle.
     #[inline(always)]
     pub(super) fn reduce_stiffness(&self, neighbours: &mut [[f64; M]; M]) {

@@ -161,6 +161,12 @@ impl Chain {
         gradient
     }
 
+    /// Logarithm of the determinant of what was eliminated.
+    pub(super) fn log_determinant(&self) -> f64 {
+        let inner: f64 = self.inner.iter().map(|(block, _)| block.log_determinant()).sum();
+        inner + self.pins.as_ref().map_or(0.0, |(block, _)| block.log_determinant())
+    }
+
     /// Carries the corrections of the two ends back to the nodes between them (and to the rotations of pinned ends).
     pub(super) fn correct(&self, motion: &mut FrameMotion, first: &[f64; 3], second: &[f64; 3]) {
         let mut ends = joined(first, second);

@@ -58,6 +58,11 @@ impl<const N: usize> Ldl<N> {
         self.inverse_diagonal.iter().zip(limits).all(|(inverse, limit)| inverse * limit < 1.0)
     }
 
+    /// Logarithm of the determinant; not a number if a pivot is negative.
+    pub(super) fn log_determinant(&self) -> f64 {
+        -self.inverse_diagonal.iter().map(|inverse| inverse.ln()).sum::<f64>()
+    }
+
     /// L^-1 times a vector.
     pub(super) fn forward_vector(&self, right: &[f64; N]) -> [f64; N] {
         let mut x = *right;

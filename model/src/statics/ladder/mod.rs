@@ -288,6 +288,12 @@ impl EquilibriumEquations for Ladder<'_> {
         self.accurate
     }
 
+    fn log_determinant(&mut self) -> Option<f64> {
+        let chains: f64 = self.chains.iter().map(Chain::log_determinant).sum();
+        let rungs: f64 = self.rungs.iter().map(Rung::log_determinant).sum();
+        Some(chains + rungs + self.tip.log_determinant()).filter(|sum| sum.is_finite())
+    }
+
     fn forget_factor(&mut self) {
         self.factored = false;
     }

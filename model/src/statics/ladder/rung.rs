@@ -109,6 +109,11 @@ impl Rung {
         self.rib.is_none() && self.block.pivots_exceed(limits)
     }
 
+    /// Logarithm of the block's determinant.
+    pub(super) fn log_determinant(&self) -> f64 {
+        self.block.log_determinant()
+    }
+
     /// Takes what the eliminated rung does off the stiffness of the rung below.
     pub(super) fn reduce_stiffness(&self, below: &mut EndsMatrix) {
         self.block.reduce_stiffness(below);

@@ -62,7 +62,9 @@ proptest! {
         // Near a limit load one mesh may find an equilibrium and the other none.
         // Such cases are drawn again, and counted.
         let (Ok(coarse), Ok(fine)) = (coarse, fine) else { return Err(TestCaseError::reject("no equilibrium")) };
-        prop_assert!(fine.load_steps <= 2 * coarse.load_steps, "{} after {}", fine.load_steps, coarse.load_steps);
+        // A step that one mesh just takes and the other just does not is followed by shorter ones.
+        let most = 2 * coarse.load_steps + 2;
+        prop_assert!(fine.load_steps <= most, "{} after {}", fine.load_steps, coarse.load_steps);
     }
 }
 

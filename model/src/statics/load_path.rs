@@ -1,0 +1,134 @@
+//! The way from one equilibrium to another, in load steps that adapt themselves.
+//!
+//! A step is as long as the rules of Newton's method allowed the one before it to be. Where the branch of stable
+//! equilibria ends, it is approached in steps that its predicted end sets ([`limit`](super::limit)), and the last
+//! equilibrium before it is reported.
+
+use super::limit::Approach;
+use super::newton::{CORRECTION_TOLERANCE, Equilibrium, Rejected, Statics};
+use super::{EquilibriumEquations, StaticsError};
+use crate::Kinematics;
+use crate::frame::{FrameLoad, FrameMotion};
+
+/// Of what the rules allow, steps are made to use this share.
+const AIM: f64 = 0.75;
+/// A step is at most so many times as long as the one before it.
+const GROWTH: f64 = 3.0;
+/// A step whose rejection says how much too long it was is shortened to no less than this share.
+const LEAST_SHARE: f64 = 0.01;
+/// Tolerance of equilibria on the way: the next step corrects what is left, which must not count beside a short step.
+const STATION_TOLERANCE: f64 = 1e-8;
+/// Smallest step that is tried where no end of the branch can be told, as a share of the whole way.
+const LEAST_STEP: f64 = 1e-7;
+
+/// Loads that change along a way, from share 0 to share 1.
+pub(super) trait LoadPath {
+    /// The loads at a share of the way, and their common multiple.
+    fn at(&mut self, share: f64) -> (&[FrameLoad], f64);
+}
+
+/// The same loads between two multiples.
+#[derive(Clone, Copy)]
+pub(super) struct Growing<'l> {
+    pub loads: &'l [FrameLoad],
+    pub from: f64,
+    pub to: f64,
+}
+
+impl Growing<'_> {
+    pub(super) fn multiple(&self, share: f64) -> f64 {
+        self.from + (self.to - self.from) * share
+    }
+}
+
+impl LoadPath for Growing<'_> {
+    fn at(&mut self, share: f64) -> (&[FrameLoad], f64) {
+        (self.loads, self.multiple(share))
+    }
+}
+
+/// Loads that fade while others grow.
+pub(super) struct Shifting<'l> {
+    pub from: &'l [FrameLoad],
+    pub to: &'l [FrameLoad],
+    /// Room for both.
+    pub loads: Vec<FrameLoad>,
+}
+
+impl LoadPath for Shifting<'_> {
+    fn at(&mut self, share: f64) -> (&[FrameLoad], f64) {
+        self.loads.clear();
+        if share < 1.0 {
+            self.loads.extend(self.from.iter().map(|load| load.scaled(1.0 - share)));
+        }
+        self.loads.extend(self.to.iter().map(|load| load.scaled(share)));
+        (&self.loads, 1.0)
+    }
+}
+
+impl<E: EquilibriumEquations> Statics<E> {
+    /// Follows equilibria from `start` to the end of the way.
+    pub(super) fn follow(&mut self, start: &FrameMotion, mut path: impl LoadPath) -> Result<Equilibrium, StaticsError> {
+        let linear = self.equations.kinematics() == Kinematics::Linear;
+        let mut motion = start.clone();
+        let mut before = start.clone();
+        let (mut done, mut step) = (0.0, 1.0);
+        let (mut iterations, mut load_steps) = (0, 0);
+        // Where every step succeeds, nobody asks for the end.
+        let mut approach: Option<Approach> = None;
+        let mut failed_since = false;
+        while done < 1.0 {
+            let mut target = f64::min(done + step, 1.0);
+            let mut is_beyond = false;
+            if let Some(approach) = &mut approach {
+                if approach.asks_for(done) {
+                    let (loads, multiple) = path.at(done);
+                    if self.equations.linearise(&motion, loads, multiple) {
+                        approach.add(done, self.equations.log_determinant());
+                        self.equations.correct(&mut motion);
+                        before.clone_from(&motion);
+                        iterations += 1;
+                    }
+                }
+                if let Some(beyond) = approach.beyond() {
+                    (target, is_beyond) = (beyond.min(1.0), true);
+                } else if let Some(near) = approach.near() {
+                    target = target.min(near);
+                }
+            }
+            let taken = target - done;
+            let (loads, multiple) = path.at(target);
+            let tolerance = if target < 1.0 { STATION_TOLERANCE } else { CORRECTION_TOLERANCE };
+            match self.load_step(&mut motion, loads, multiple, tolerance) {
+                Ok(found) => {
+                    before.clone_from(&motion);
+                    done = target;
+                    iterations += found.iterations;
+                    load_steps += 1;
+                    step = taken * (AIM / found.used).clamp(0.5, if failed_since { 1.0 } else { GROWTH });
+                    failed_since = false;
+                }
+                Err(Rejected::NotPositiveDefinite) if linear => return Err(StaticsError::NotHeld),
+                Err(Rejected::Rounding(digits)) => return Err(StaticsError::TooFewDigits { digits }),
+                Err(_) if is_beyond || taken < LEAST_STEP => {
+                    return Err(if done == 0.0 && !self.equations.linearise(&before, &[], 0.0) {
+                        StaticsError::NotHeld
+                    } else {
+                        StaticsError::NoEquilibrium { converged_fraction: done }
+                    });
+                }
+                Err(why) => {
+                    motion.clone_from(&before);
+                    approach.get_or_insert_default();
+                    failed_since = true;
+                    step = taken
+                        * match why {
+                            Rejected::TooFar(Some(used)) => (AIM / used).clamp(LEAST_SHARE, 0.5),
+                            _ => 0.5,
+                        };
+                }
+            }
+        }
+        Ok(Equilibrium { motion, iterations, load_steps })
+    }
+}
