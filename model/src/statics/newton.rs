@@ -4,7 +4,7 @@
 //! stable equilibrium (positive definite tangent), so the solution stays on the branch that starts at rest; where that
 //! branch ends, the last load that could be carried is reported.
 
-use super::digits::FEWEST_DIGITS;
+use super::digits::{self, FEWEST_DIGITS};
 use super::{EquilibriumEquations, Ladder, SparseEquations, StaticsError};
 use crate::Kinematics;
 use crate::frame::{FrameLoad, FrameMotion, PlaneFrame};
@@ -51,6 +51,9 @@ pub struct Statics<E> {
     equations: E,
     /// Rotations that the tangent at the start of a load step predicts for its end.
     predicted: Vec<f64>,
+    /// The last correction of the last load step, as a share of the solution: by energy norm or by displacement, whichever
+    /// is more. What is left to correct is less, or as much if it is rounding noise.
+    pub(super) last_correction: f64,
 }
 
 /// Why a load step was not taken.
@@ -77,7 +80,7 @@ impl<'m> Statics<Ladder<'m>> {
 
 impl<E: EquilibriumEquations> Statics<E> {
     fn new(equations: E) -> Self {
-        Statics { equations, predicted: Vec::new() }
+        Statics { equations, predicted: Vec::new(), last_correction: f64::INFINITY }
     }
 
     /// The equations that are solved.
@@ -143,7 +146,7 @@ impl<E: EquilibriumEquations> Statics<E> {
         let Err(StaticsError::NoEquilibrium { converged_fraction }) = found else { return found };
         if converged_fraction == 0.0 {
             // A finger that cannot take even the first step may just have too fine a mesh.
-            self.require_tangent_at_rest(loads)?;
+            self.require_digits_at_rest(loads)?;
         }
         Err(StaticsError::NoEquilibrium { converged_fraction: reached(converged_fraction) / to })
     }
@@ -155,15 +158,18 @@ impl<E: EquilibriumEquations> Statics<E> {
         mut load_step: impl FnMut(&mut Self, &mut FrameMotion, f64) -> Result<usize, Rejected>,
     ) -> Result<Equilibrium, StaticsError> {
         let mut motion = start.clone();
-        let mut before = start.clone();
+        // The last equilibrium on the way, if it is not the start.
+        let mut before: Option<FrameMotion> = None;
         let (mut done, mut step) = (0.0, 1.0);
         let (mut iterations, mut load_steps) = (0, 0);
         while done < 1.0 {
             let target = f64::min(done + step, 1.0);
             match load_step(self, &mut motion, target) {
                 Ok(spent) => {
-                    before.clone_from(&motion);
                     done = target;
+                    if done < 1.0 {
+                        before.get_or_insert_with(|| start.clone()).clone_from(&motion);
+                    }
                     iterations += spent;
                     load_steps += 1;
                     if spent <= EASY_ITERATIONS {
@@ -175,14 +181,14 @@ impl<E: EquilibriumEquations> Statics<E> {
                 }
                 Err(Rejected::Rounding(digits)) => return Err(StaticsError::TooFewDigits { digits }),
                 Err(_) if step < MIN_LOAD_STEP => {
-                    return Err(if done == 0.0 && !self.equations.linearise(&before, &[], 0.0) {
+                    return Err(if done == 0.0 && !self.equations.linearise(start, &[], 0.0) {
                         StaticsError::NotHeld
                     } else {
                         StaticsError::NoEquilibrium { converged_fraction: done }
                     });
                 }
                 Err(_) => {
-                    motion.clone_from(&before);
+                    motion.clone_from(before.as_ref().unwrap_or(start));
                     step = 0.5 * (target - done);
                 }
             }
@@ -235,6 +241,7 @@ impl<E: EquilibriumEquations> Statics<E> {
     /// iterate behind, and `motion` anywhere if the step is rejected.
     fn load_step(&mut self, motion: &mut FrameMotion, loads: &[FrameLoad], multiple: f64) -> Result<usize, Rejected> {
         let linear = self.equations.kinematics() == Kinematics::Linear;
+        self.last_correction = f64::INFINITY;
         let mut previous = f64::INFINITY;
         let mut predicted_turn = 0.0;
         for iteration in 1..=MAX_ITERATIONS {
@@ -242,16 +249,18 @@ impl<E: EquilibriumEquations> Statics<E> {
                 return Err(Rejected::NotPositiveDefinite);
             }
             let scale = 2.0 * self.equations.elastic_energy();
-            if iteration == 1 {
+            if iteration == 1 && !linear {
                 self.predicted.clone_from(&motion.rotations);
             }
             let work = self.equations.correct(motion);
-            if iteration == 1 {
+            let mut prediction_error = 0.0;
+            if iteration == 1 && !linear {
                 // The first correction is what the tangent at the start predicts.
                 predicted_turn = largest_difference(&motion.rotations, &self.predicted);
                 self.predicted.clone_from(&motion.rotations);
+            } else if !linear {
+                prediction_error = largest_difference(&motion.rotations, &self.predicted);
             }
-            let prediction_error = largest_difference(&motion.rotations, &self.predicted);
             let near_enough = linear || predicted_turn + prediction_error <= MAX_STEP_ROTATION;
             if !near_enough {
                 return Err(Rejected::TooFar);
@@ -266,6 +275,8 @@ impl<E: EquilibriumEquations> Statics<E> {
             let converges = converges || (linear && (relative <= LINEAR_TOLERANCE || self.equations.keeps_digits()));
             let stagnates = relative <= STAGNATION_TOLERANCE && relative > 0.25 * previous;
             if work <= 0.0 || converges || stagnates {
+                let moved = self.equations.largest_correction();
+                self.last_correction = relative.max(digits::share(moved, motion.largest_displacement()));
                 let follows = linear || prediction_error <= MAX_PREDICTION_ERROR * predicted_turn + ROTATION_NOISE;
                 return if follows { Ok(iteration) } else { Err(Rejected::TooFar) };
             }
