@@ -1,12 +1,12 @@
 //! From force to shape on the paper's two meshes: the ladder beside the general sparse path, and the cost of finer
 //! meshes.
 //!
-//! The linear stiffness never changes, so its factor is kept between loads; `linear` factorises each time nevertheless,
-//! `linear_kept` does not.
+//! The linear stiffness never changes, so the mesh keeps its factor; `linear` factorises each time nevertheless, `linear_kept`
+//! and `as_called` do not.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use finray_bench::{paper, push};
-use finray_model::statics::Statics;
+use finray_model::statics::{self, Statics};
 use finray_model::{Kinematics, Mesh};
 use std::hint::black_box;
 
@@ -45,6 +45,22 @@ fn solve(criterion: &mut Criterion) {
     }
 }
 
+/// The simple function, which makes its solver each time: what its caller pays beyond the solution.
+fn as_called(criterion: &mut Criterion) {
+    let finger = paper();
+    let mut group = criterion.benchmark_group("as_called");
+    for nodes in [25, 684] {
+        let mesh = Mesh::with_nodes(&finger, nodes).expect("mesh sizes of the paper");
+        let load = push(&finger, 19, 3.0);
+        for (kinematics, name) in [(Kinematics::Linear, "linear"), (Kinematics::Corotational, "corotational")] {
+            group.bench_function(BenchmarkId::new(name, nodes), |bencher| {
+                bencher.iter(|| statics::solve(&mesh, black_box(&[load]), kinematics));
+            });
+        }
+    }
+    group.finish();
+}
+
 /// Cost by mesh size, read off as nodes a second: it should grow with the number of nodes and no faster.
 fn mesh_size(criterion: &mut Criterion) {
     let finger = paper();
@@ -67,5 +83,5 @@ fn mesh_size(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, solve, mesh_size);
+criterion_group!(benches, solve, as_called, mesh_size);
 criterion_main!(benches);

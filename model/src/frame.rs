@@ -207,9 +207,14 @@ impl FrameMotion {
         }
     }
 
+    /// Whether nothing is displaced or turned.
+    pub(crate) fn is_at_rest(&self) -> bool {
+        self.displacements.iter().all(|u| *u == Vector::zeros()) && self.rotations.iter().all(|turn| *turn == 0.0)
+    }
+
     /// Largest displacement of a node, mm.
     pub fn largest_displacement(&self) -> f64 {
-        self.displacements.iter().map(|u| u.norm()).fold(0.0, f64::max)
+        self.displacements.iter().map(|u| u.norm_squared()).fold(0.0, f64::max).sqrt()
     }
 
     /// Largest rotation, rad.

@@ -49,6 +49,17 @@ impl PlaneFrame {
         response
     }
 
+    /// From a member's first to its second node, mm: as it is in the motion, or undeformed.
+    #[inline(always)]
+    pub(crate) fn lever(&self, motion: &FrameMotion, member: &Member, linear: bool) -> Vector {
+        let [first, second] = &member.ends;
+        let undeformed = first.arm + member.beam.direction * member.beam.length_mm - second.arm;
+        if linear {
+            return undeformed;
+        }
+        undeformed + (motion.displacements[second.node] - motion.displacements[first.node])
+    }
+
     /// Energy and nodal forces of a member with small displacements, arms included.
     pub(crate) fn member_linear_forces(&self, motion: &FrameMotion, member: &Member) -> (f64, ElementVector) {
         let motions = self.end_motions(motion, &member.ends, true);

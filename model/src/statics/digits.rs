@@ -5,25 +5,34 @@
 //! what the residual itself has lost stays.
 
 use super::{Equilibrium, EquilibriumEquations, Statics, StaticsError};
+use crate::Kinematics;
 use crate::frame::{FrameLoad, FrameMotion};
 
 /// Solutions with fewer digits are refused: 0.01 % is what the finest results are compared to.
 pub(super) const FEWEST_DIGITS: f64 = 4.0;
+/// A last correction this small leaves the fewest digits and one more: of corrections that are rounding noise, the next may
+/// be larger.
+const SMALL_CORRECTION: f64 = 1e-5;
 /// Digits of a number in double precision.
 const ALL_DIGITS: f64 = 15.65;
-/// Tangents with fewer digits lead Newton nowhere.
-const FEWEST_TANGENT_DIGITS: f64 = 1.0;
+/// With fewer digits no correction of Newton's gets below what counts as rounding noise, 1e-6 of the solution.
+const FEWEST_NEWTON_DIGITS: f64 = 6.0;
 /// Share of the load under which a frame is linear to all digits.
 const HARDLY_ANY_LOAD: f64 = 1e-12;
 
 impl<E: EquilibriumEquations> Statics<E> {
-    /// Equilibrium under dead loads, followed from rest, that has kept at least four digits. It takes one more
-    /// linearisation than [`equilibrium`](Statics::equilibrium).
+    /// Equilibrium under dead loads, followed from rest, that has kept at least four digits. Where neither the last
+    /// correction nor the pivots of a linear solution show so many, it takes one more linearisation than
+    /// [`equilibrium`](Statics::equilibrium).
     ///
     /// # Errors
     /// See [`StaticsError`].
     pub fn accurate_equilibrium(&mut self, loads: &[FrameLoad]) -> Result<Equilibrium, StaticsError> {
         let found = self.equilibrium(loads)?;
+        let linear = self.equations().kinematics() == Kinematics::Linear;
+        if self.last_correction <= SMALL_CORRECTION || (linear && self.equations().keeps_digits()) {
+            return Ok(found);
+        }
         let digits = self.digits_left(&found.motion, loads);
         if digits < FEWEST_DIGITS { Err(StaticsError::TooFewDigits { digits }) } else { Ok(found) }
     }
@@ -40,15 +49,15 @@ impl<E: EquilibriumEquations> Statics<E> {
         self.digits_under(motion, loads, 1.0)
     }
 
-    /// An error if the tangent at rest has too few digits to start from: what its first correction gets right.
-    pub(super) fn require_tangent_at_rest(&mut self, loads: &[FrameLoad]) -> Result<(), StaticsError> {
+    /// An error if rounding leaves Newton's method too few digits to converge even where the frame is linear.
+    pub(super) fn require_digits_at_rest(&mut self, loads: &[FrameLoad]) -> Result<(), StaticsError> {
         let mut motion = self.equations().at_rest();
         if !self.equations_mut().linearise(&motion, loads, HARDLY_ANY_LOAD) {
             return Err(StaticsError::NotHeld);
         }
         self.equations_mut().correct(&mut motion);
         let digits = self.digits_under(&motion, loads, HARDLY_ANY_LOAD);
-        if digits < FEWEST_TANGENT_DIGITS { Err(StaticsError::TooFewDigits { digits }) } else { Ok(()) }
+        if digits < FEWEST_NEWTON_DIGITS { Err(StaticsError::TooFewDigits { digits }) } else { Ok(()) }
     }
 
     fn digits_under(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> f64 {
@@ -66,7 +75,7 @@ impl<E: EquilibriumEquations> Statics<E> {
 }
 
 /// Part of a whole; nothing is no part even of nothing, as in a frame without loads. What is no number counts as all.
-fn share(part: f64, whole: f64) -> f64 {
+pub(super) fn share(part: f64, whole: f64) -> f64 {
     match part / whole {
         _ if part == 0.0 => 0.0,
         share if share.is_nan() => 1.0,

@@ -18,6 +18,8 @@ const GROWTH: f64 = 3.0;
 const LEAST_SHARE: f64 = 0.01;
 /// Tolerance of equilibria on the way: the next step corrects what is left, which must not count beside a short step.
 const STATION_TOLERANCE: f64 = 1e-8;
+/// Where a step as short as this share of the way fails, it may be for too fine a mesh.
+const SHORT_STEP: f64 = 1e-3;
 /// Smallest step that is tried where no end of the branch can be told, as a share of the whole way.
 const LEAST_STEP: f64 = 1e-7;
 
@@ -71,12 +73,13 @@ impl<E: EquilibriumEquations> Statics<E> {
     pub(super) fn follow(&mut self, start: &FrameMotion, mut path: impl LoadPath) -> Result<Equilibrium, StaticsError> {
         let linear = self.equations.kinematics() == Kinematics::Linear;
         let mut motion = start.clone();
-        let mut before = start.clone();
+        // The last equilibrium on the way, if it is not the start.
+        let mut before: Option<FrameMotion> = None;
         let (mut done, mut step) = (0.0, 1.0);
         let (mut iterations, mut load_steps) = (0, 0);
         // Where every step succeeds, nobody asks for the end.
         let mut approach: Option<Approach> = None;
-        let mut failed_since = false;
+        let (mut failed_since, mut digits_checked) = (false, false);
         while done < 1.0 {
             let mut target = f64::min(done + step, 1.0);
             let mut is_beyond = false;
@@ -86,7 +89,7 @@ impl<E: EquilibriumEquations> Statics<E> {
                     if self.equations.linearise(&motion, loads, multiple) {
                         approach.add(done, self.equations.log_determinant());
                         self.equations.correct(&mut motion);
-                        before.clone_from(&motion);
+                        before.get_or_insert_with(|| start.clone()).clone_from(&motion);
                         iterations += 1;
                     }
                 }
@@ -101,8 +104,10 @@ impl<E: EquilibriumEquations> Statics<E> {
             let tolerance = if target < 1.0 { STATION_TOLERANCE } else { CORRECTION_TOLERANCE };
             match self.load_step(&mut motion, loads, multiple, tolerance) {
                 Ok(found) => {
-                    before.clone_from(&motion);
                     done = target;
+                    if done < 1.0 {
+                        before.get_or_insert_with(|| start.clone()).clone_from(&motion);
+                    }
                     iterations += found.iterations;
                     load_steps += 1;
                     step = taken * (AIM / found.used).clamp(0.5, if failed_since { 1.0 } else { GROWTH });
@@ -110,15 +115,16 @@ impl<E: EquilibriumEquations> Statics<E> {
                 }
                 Err(Rejected::NotPositiveDefinite) if linear => return Err(StaticsError::NotHeld),
                 Err(Rejected::Rounding(digits)) => return Err(StaticsError::TooFewDigits { digits }),
-                Err(_) if is_beyond || taken < LEAST_STEP => {
-                    return Err(if done == 0.0 && !self.equations.linearise(&before, &[], 0.0) {
-                        StaticsError::NotHeld
-                    } else {
-                        StaticsError::NoEquilibrium { converged_fraction: done }
-                    });
-                }
                 Err(why) => {
-                    motion.clone_from(&before);
+                    let ends = is_beyond || taken < LEAST_STEP;
+                    if (ends || taken < SHORT_STEP) && !digits_checked {
+                        self.require_digits_at_rest(path.at(1.0).0)?;
+                        digits_checked = true;
+                    }
+                    if ends {
+                        return Err(StaticsError::NoEquilibrium { converged_fraction: done });
+                    }
+                    motion.clone_from(before.as_ref().unwrap_or(start));
                     approach.get_or_insert_default();
                     failed_since = true;
                     step = taken

@@ -15,6 +15,7 @@ mod sparse;
 
 pub use arc_length::{ArcLength, EquilibriumPath, LimitPoint, PathPoint};
 pub use assembly::Assembly;
+pub(crate) use ladder::Factor;
 pub use ladder::Ladder;
 pub use newton::{Equilibrium, Statics};
 pub use outcome::{Reaction, elastic_energy, reaction};
@@ -41,8 +42,8 @@ pub enum StaticsError {
     LoadNotFinite,
     /// Rounding has left too few digits.
     #[error(
-        "rounding leaves {digits:.1} digits of the solution, and 4 are the fewest that are given: use a coarser mesh (or \
-         parts that differ less in stiffness)"
+        "rounding leaves {digits:.1} digits of the solution, and 4 are the fewest that are given (6 with large rotations): use \
+         a coarser mesh (or parts that differ less in stiffness)"
     )]
     TooFewDigits {
         /// Decimal digits left.
@@ -88,6 +89,12 @@ pub trait EquilibriumEquations {
 
     /// Adds Newton's correction -K^-1 r to the linearised motion; returns its squared energy norm r K^-1 r, N mm.
     fn correct(&mut self, motion: &mut FrameMotion) -> f64;
+
+    /// Largest displacement in the last correction of the nodes that the others hang between, mm; infinite where that is not
+    /// known.
+    fn largest_correction(&self) -> f64 {
+        f64::INFINITY
+    }
 }
 
 /// Shape of a finger under loads, from rest to the full load, to at least four digits.

@@ -3,7 +3,7 @@
 //! Every load step must keep the rotations small and end in a stable equilibrium (positive definite tangent), so the
 //! solution stays on the branch that starts at rest. How long the steps are is decided in [`load_path`](super::load_path).
 
-use super::digits::FEWEST_DIGITS;
+use super::digits::{self, FEWEST_DIGITS};
 use super::load_path::{Growing, Shifting};
 use super::{EquilibriumEquations, Ladder, SparseEquations, StaticsError};
 use crate::Kinematics;
@@ -29,8 +29,6 @@ const MAX_STEP_ROTATION: f64 = 0.8;
 const MAX_PREDICTION_ERROR: f64 = 0.5;
 /// Rotations, rad, that count as none: a frame that only stretches turns by rounding alone.
 const ROTATION_NOISE: f64 = 1e-9;
-/// Share of the way up to which rounding alone may have let steps pass.
-const HARDLY_BEGUN: f64 = 1e-6;
 /// A load step whose prediction is off by so many times what is allowed will not come back to it.
 const HOPELESS: f64 = 1.25;
 
@@ -51,6 +49,9 @@ pub struct Statics<E> {
     pub(super) equations: E,
     /// Rotations that the tangent at the start of a load step predicts for its end.
     predicted: Vec<f64>,
+    /// The last correction of the last load step, as a share of the solution: by energy norm or by displacement, whichever
+    /// is more. What is left to correct is less, or as much if it is rounding noise.
+    pub(super) last_correction: f64,
 }
 
 /// A load step that was taken.
@@ -85,7 +86,7 @@ impl<'m> Statics<Ladder<'m>> {
 
 impl<E: EquilibriumEquations> Statics<E> {
     fn new(equations: E) -> Self {
-        Statics { equations, predicted: Vec::new() }
+        Statics { equations, predicted: Vec::new(), last_correction: f64::INFINITY }
     }
 
     /// The equations that are solved.
@@ -149,10 +150,6 @@ impl<E: EquilibriumEquations> Statics<E> {
         let growing = Growing { loads, from, to };
         let found = self.follow(start, growing);
         let Err(StaticsError::NoEquilibrium { converged_fraction }) = found else { return found };
-        if converged_fraction < HARDLY_BEGUN {
-            // A finger that can hardly take a first step may just have too fine a mesh.
-            self.require_tangent_at_rest(loads)?;
-        }
         Err(StaticsError::NoEquilibrium { converged_fraction: growing.multiple(converged_fraction) / to })
     }
 
@@ -199,6 +196,7 @@ impl<E: EquilibriumEquations> Statics<E> {
         tolerance: f64,
     ) -> Result<Taken, Rejected> {
         let linear = self.equations.kinematics() == Kinematics::Linear;
+        self.last_correction = f64::INFINITY;
         let mut previous = f64::INFINITY;
         let mut predicted_turn = 0.0;
         for iteration in 1..=MAX_ITERATIONS {
@@ -206,16 +204,18 @@ impl<E: EquilibriumEquations> Statics<E> {
                 return Err(Rejected::NotPositiveDefinite);
             }
             let scale = 2.0 * self.equations.elastic_energy();
-            if iteration == 1 {
+            if iteration == 1 && !linear {
                 self.predicted.clone_from(&motion.rotations);
             }
             let work = self.equations.correct(motion);
-            if iteration == 1 {
+            let mut prediction_error = 0.0;
+            if iteration == 1 && !linear {
                 // The first correction is what the tangent at the start predicts.
                 predicted_turn = largest_difference(&motion.rotations, &self.predicted);
                 self.predicted.clone_from(&motion.rotations);
+            } else if !linear {
+                prediction_error = largest_difference(&motion.rotations, &self.predicted);
             }
-            let prediction_error = largest_difference(&motion.rotations, &self.predicted);
             let turned = (predicted_turn + prediction_error) / MAX_STEP_ROTATION;
             let off = prediction_error / (MAX_PREDICTION_ERROR * predicted_turn + ROTATION_NOISE);
             let used = f64::max(turned, off);
@@ -232,6 +232,8 @@ impl<E: EquilibriumEquations> Statics<E> {
             let converges = converges || (linear && (relative <= LINEAR_TOLERANCE || self.equations.keeps_digits()));
             let stagnates = relative <= STAGNATION_TOLERANCE && relative > 0.25 * previous;
             if work <= 0.0 || converges || stagnates {
+                let moved = self.equations.largest_correction();
+                self.last_correction = relative.max(digits::share(moved, motion.largest_displacement()));
                 let follows = linear || used <= 1.0;
                 return if follows {
                     Ok(Taken { iterations: iteration, used })

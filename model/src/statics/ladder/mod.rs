@@ -5,9 +5,14 @@
 //! tridiagonal system. Its elimination from the tip costs a fixed number of operations a rib and touches no heap. The
 //! general sparse path ([`SparseEquations`](super::SparseEquations)) solves any frame and is what this one is checked
 //! against.
+//!
+//! Stiffness and forces are apart: [`Factor`] is what a tangent needs, and that at rest is made once for a mesh. Linear
+//! solutions need no other, and a co-rotational one begins with it.
 
 mod block;
+mod cantilever;
 mod chain;
+mod factor;
 mod ldl;
 mod lines;
 mod response;
@@ -15,17 +20,17 @@ mod retraction;
 mod rung;
 
 use super::EquilibriumEquations;
-use crate::element::ElementMatrix;
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::mesh::Mesh;
 use crate::{Kinematics, Vector};
-use block::Block;
-use chain::{Chain, Ends, EndsMatrix, halves};
+use chain::{Between, ChainForces, Ends, Solved, halves, joints_of};
+pub(crate) use factor::Factor;
 use retraction::Retraction;
-use rung::{RigidRib, Rung};
+use rung::RigidRib;
 
-/// A pivot below this share of what the elements put on its diagonal has lost digits to cancellation that may count: the
-/// paper's finger keeps 2e-2 on 25 nodes and 3e-4 on 684; thin plates, and random fingers that miss 1e-8, keep less.
+/// A pivot below this share of what members put on its diagonal has lost digits to cancellation that may count, and so
+/// has an element's share of a member's stiffness: the paper's finger keeps 2e-2 on any mesh; thin plates, and random
+/// fingers that miss 1e-8, keep less.
 const SMALL_PIVOT: f64 = 1e-3;
 
 /// Where a frame node is in the ladder.
@@ -49,22 +54,25 @@ enum Location {
 pub struct Ladder<'m> {
     mesh: &'m Mesh,
     kinematics: Kinematics,
-    /// Tangents of the members at rest, where they never change: with linear kinematics.
-    rest: Vec<ElementMatrix>,
-    chains: Vec<Chain>,
-    locations: Vec<Location>,
-    /// From the base to the tip.
-    rungs: Vec<Rung>,
-    /// The tip, with the back and front node of the last rung; and y = L^-1 g of it.
-    tip: Block<3, 6>,
-    tip_y: [f64; 3],
-    /// Whether the stiffness is eliminated; the linear one never changes.
+    /// The stiffness away from rest.
+    own: Factor,
+    /// Whether the last linearised motion has the stiffness at rest, which the mesh keeps.
+    rests: bool,
+    /// Whether a linear factor of our own is wanted, and whether it is there.
+    forgotten: bool,
     factored: bool,
-    /// Whether no pivot of the elimination has lost more than three digits to cancellation.
-    accurate: bool,
+    /// Where each load of the last linearisation stands.
+    places: Vec<Location>,
+    /// One for each line.
+    forces: Vec<ChainForces>,
+    /// y = L^-1 g of everything that is eliminated: each joint, each rung, the tip.
+    ys: Vec<[f64; 3]>,
+    rung_ys: Vec<Ends>,
+    tip_y: [f64; 3],
     energy: f64,
     work: f64,
-    /// One for each rung and one for the tip: their corrections on the way back.
+    largest_correction: f64,
+    /// One for each rung: their corrections on the way back.
     corrections: Vec<Ends>,
     /// One for each rung: what waits for the way back when loads are added.
     waiting: Vec<Ends>,
@@ -73,47 +81,27 @@ pub struct Ladder<'m> {
 }
 
 impl<'m> Ladder<'m> {
-    /// Finds the order of elimination, once a mesh.
+    /// Room for the elimination.
     pub fn new(mesh: &'m Mesh, kinematics: Kinematics) -> Ladder<'m> {
-        let (frame, finger) = (mesh.frame(), mesh.finger());
-        let chains: Vec<Chain> = mesh.lines().iter().map(|line| Chain::new(frame, line)).collect();
-        let mut locations = vec![Location::Clamped; frame.node_count()];
-        locations[mesh.frame_node(finger.tip())] = Location::Tip;
-        for rung in 0..finger.rib_count() {
-            let [front, back] = finger.rib_nodes(rung);
-            locations[mesh.frame_node(back)] = Location::Rung { rung, row: 0 };
-            locations[mesh.frame_node(front)] = Location::Rung { rung, row: 3 };
-        }
-        for (line, along) in mesh.lines().iter().enumerate() {
-            for (i, &node) in along.nodes.iter().enumerate().skip(1) {
-                if i + 1 < along.nodes.len() {
-                    locations[node] = Location::Inside { line, element: i };
-                }
-            }
-        }
-        let rest = match kinematics {
-            Kinematics::Linear => {
-                let at_rest = FrameMotion::at_rest(frame);
-                frame.members().iter().map(|m| frame.member_response(&at_rest, m, kinematics).tangent).collect()
-            }
-            Kinematics::Corotational | Kinematics::CorotationalChord => Vec::new(),
-        };
-        let bends = kinematics != Kinematics::Linear && frame.node_count() > finger.key_node_count();
+        let (frame, rungs) = (mesh.frame(), mesh.finger().rib_count());
+        let bends = kinematics != Kinematics::Linear && frame.node_count() > mesh.finger().key_node_count();
         Ladder {
             mesh,
             kinematics,
-            rest,
-            chains,
-            locations,
-            rungs: vec![Rung::empty(); finger.rib_count()],
-            tip: Block::empty(),
-            tip_y: [0.0; 3],
+            own: Factor::none(),
+            rests: false,
+            forgotten: false,
             factored: false,
-            accurate: false,
+            places: Vec::new(),
+            forces: vec![ChainForces::NONE; mesh.lines().len()],
+            ys: vec![[0.0; 3]; frame.members().len()],
+            rung_ys: vec![[0.0; 6]; rungs],
+            tip_y: [0.0; 3],
             energy: 0.0,
             work: 0.0,
-            corrections: vec![[0.0; 6]; finger.rib_count()],
-            waiting: vec![[0.0; 6]; finger.rib_count()],
+            largest_correction: 0.0,
+            corrections: vec![[0.0; 6]; rungs],
+            waiting: vec![[0.0; 6]; rungs],
             retraction: bends.then(|| Retraction::new(frame)),
         }
     }
@@ -122,14 +110,37 @@ impl<'m> Ladder<'m> {
         self.kinematics == Kinematics::Linear
     }
 
-    /// Lines of the two plate members above rung `level - 1` (level 0 is the base), back then front; the lines are
-    /// numbered back plate, front plate, ribs, each from the base.
-    fn plate_members(&self, level: usize) -> [usize; 2] {
-        [level, self.rungs.len() + 1 + level]
+    /// The stiffness that was last used.
+    fn factor(&self) -> &Factor {
+        Factor::chosen(self.mesh, &self.own, self.rests)
     }
 
-    fn rib(&self, rung: usize) -> usize {
-        2 * (self.rungs.len() + 1) + rung
+    /// Where a node of the frame is.
+    fn location(&self, node: usize) -> Location {
+        let (mesh, finger) = (self.mesh, self.mesh.finger());
+        if node == mesh.frame_node(finger.tip()) {
+            return Location::Tip;
+        }
+        let mut ribs = (0..finger.rib_count()).map(|rung| (rung, finger.rib_nodes(rung).map(|id| mesh.frame_node(id))));
+        if let Some((rung, [front, _])) = ribs.find(|(_, nodes)| nodes.contains(&node)) {
+            return Location::Rung { rung, row: if node == front { 3 } else { 0 } };
+        }
+        let mut lines = mesh.lines().iter().enumerate();
+        // Nodes inside a line follow each other.
+        let found = lines.find_map(|(line, along)| {
+            let inner = &along.nodes[1..along.nodes.len() - 1];
+            inner.binary_search(&node).ok().map(|i| Location::Inside { line, element: i + 1 })
+        });
+        found.unwrap_or(Location::Clamped)
+    }
+
+    /// Where a load stands.
+    fn place(&self, load: &FrameLoad) -> Location {
+        if let FrameLoad::Interior { member, .. } = *load {
+            let (line, element) = self.element_of(member);
+            return Location::Inside { line, element };
+        }
+        self.location(load.at_end(self.mesh.frame()).0.node)
     }
 
     /// Gradient of the loads that stand on the key nodes at a position (a rung's row or the tip), and its derivative by the
@@ -137,46 +148,15 @@ impl<'m> Ladder<'m> {
     fn loads_at(&self, location: Location, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> ([f64; 3], f64) {
         let frame = self.mesh.frame();
         let (mut gradient, mut curvature) = ([0.0; 3], 0.0);
-        for load in loads.iter().filter(|load| !matches!(load, FrameLoad::Interior { .. })) {
+        for (load, _) in loads.iter().zip(&self.places).filter(|(_, place)| **place == location) {
             let (end, force, moment_nmm) = load.at_end(frame);
-            if self.locations[end.node] == location {
-                let potential = frame.end_load(motion, end, force * factor, moment_nmm * factor, self.linear());
-                for (sum, part) in gradient.iter_mut().zip(&potential.gradient) {
-                    *sum += part;
-                }
-                curvature += potential.tangent[(2, 2)];
+            let potential = frame.end_load(motion, end, force * factor, moment_nmm * factor, self.linear());
+            for (sum, part) in gradient.iter_mut().zip(&potential.gradient) {
+                *sum += part;
             }
+            curvature += potential.tangent[(2, 2)];
         }
         (gradient, curvature)
-    }
-
-    /// Stiffness of a rung's two nodes before anything above it is eliminated.
-    #[inline(always)]
-    fn rung_stiffness(&self, level: usize) -> EndsMatrix {
-        let stiffness = |line: usize| &self.chains[line].stiffness;
-        let [below, above] = [self.plate_members(level), self.plate_members(level + 1)];
-        // A rib joins the rung's two nodes; one that does not deform has no stiffness of its own.
-        let mut sum = *stiffness(self.rib(level));
-        for i in 0..3 {
-            for j in i..3 {
-                sum[i][j] += stiffness(below[0])[3 + i][3 + j] + stiffness(above[0])[i][j];
-                sum[3 + i][3 + j] += stiffness(below[1])[3 + i][3 + j] + stiffness(above[1])[i][j];
-            }
-        }
-        sum
-    }
-
-    /// Sum over the lines that end at a rung of something that they have at their ends.
-    #[inline(always)]
-    fn rung_sum(&self, level: usize, of: impl Fn(&Chain) -> &Ends) -> Ends {
-        let at_ends = |line: usize| of(&self.chains[line]);
-        let [below, above] = [self.plate_members(level), self.plate_members(level + 1)];
-        let mut sum = *at_ends(self.rib(level));
-        for i in 0..3 {
-            sum[i] += at_ends(below[0])[3 + i] + at_ends(above[0])[i];
-            sum[3 + i] += at_ends(below[1])[3 + i] + at_ends(above[1])[i];
-        }
-        sum
     }
 
     /// The undeformable rib of a rung, if it has one.
@@ -187,71 +167,44 @@ impl<'m> Ladder<'m> {
         let front_pull = if self.linear() {
             Vector::zeros()
         } else {
-            let raw = self.rung_sum(level, |chain| &chain.raw);
+            let raw = self.own.rung_sum(level, |line| &self.forces[line].raw);
             Vector::new(raw[3] + front_load[0], raw[4] + front_load[1])
         };
         Some(RigidRib { lever, together: slot == frame.rotation_of(front), front_pull })
     }
 
-    /// Eliminates the stiffness from tip to base; `false` if it is not positive definite.
-    fn eliminate_stiffness(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> bool {
-        let mut positive = self.chains.iter().all(|chain| chain.positive);
-        self.accurate = self.chains.iter().all(|chain| chain.accurate);
-        let count = self.rungs.len();
-        let [back, front] = self.plate_members(count).map(|line| &self.chains[line].stiffness);
-        let mut tip = [[0.0; 3]; 3];
-        let mut coupling = [[0.0; 6]; 3];
-        for i in 0..3 {
-            for j in 0..3 {
-                tip[i][j] = back[3 + i][3 + j] + front[3 + i][3 + j];
-                coupling[i][j] = back[j][3 + i];
-                coupling[i][3 + j] = front[j][3 + i];
-            }
-        }
-        tip[2][2] += self.loads_at(Location::Tip, motion, loads, factor).1;
-        self.tip.factorise(&tip, &coupling);
-        positive &= self.tip.positive();
-        let [back, front] = self.plate_members(count).map(|line| &self.chains[line].raw_diagonal);
-        self.accurate &= self.tip.pivots_exceed(&[3, 4, 5].map(|i| SMALL_PIVOT * (back[i] + front[i])));
-        for level in (0..count).rev() {
-            let mut stiffness = self.rung_stiffness(level);
-            match self.rungs.get(level + 1) {
-                Some(above) => above.reduce_stiffness(&mut stiffness),
-                None => self.tip.reduce_stiffness(&mut stiffness),
-            }
-            let mut front_load = [0.0; 3];
-            for row in [0, 3] {
-                let curvature;
-                (front_load, curvature) = self.loads_at(Location::Rung { rung: level, row }, motion, loads, factor);
-                stiffness[row + 2][row + 2] += curvature;
-            }
+    /// Factorises the tangent at a motion; `false` if it is not positive definite.
+    fn factorise(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> bool {
+        self.own.make_room(self.mesh);
+        self.condense_lines(motion, loads, factor);
+        let (_, curvature) = self.loads_at(Location::Tip, motion, loads, factor);
+        self.own.eliminate_tip(curvature);
+        for level in (0..self.rung_ys.len()).rev() {
+            let [(_, back), (front_load, front)] =
+                [0, 3].map(|row| self.loads_at(Location::Rung { rung: level, row }, motion, loads, factor));
             let rib = self.rigid_rib(level, motion, &front_load);
-            let [back, front] = self.plate_members(level).map(|line| &self.chains[line].stiffness);
-            self.rungs[level].eliminate(rib, &stiffness, back, front);
-            positive &= self.rungs[level].positive();
-            let limits = self.rung_sum(level, |chain| &chain.raw_diagonal).map(|sum| SMALL_PIVOT * sum);
-            self.accurate &= self.rungs[level].pivots_exceed(&limits);
+            self.own.eliminate_rung(level, rib, [back, front]);
         }
-        positive
+        self.own.positive
     }
 
     /// Eliminates the gradient from tip to base with the stiffness that is there.
     fn eliminate_gradient(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) {
-        self.work = self.chains.iter().map(|chain| chain.work).sum();
-        let count = self.rungs.len();
+        let mut ys = std::mem::take(&mut self.rung_ys);
+        let stiffness = self.factor();
         let (mut tip, _) = self.loads_at(Location::Tip, motion, loads, factor);
-        for line in self.plate_members(count) {
-            for (sum, part) in tip.iter_mut().zip(&self.chains[line].gradient[3..]) {
+        for line in stiffness.plate_members(ys.len()) {
+            for (sum, part) in tip.iter_mut().zip(&self.forces[line].gradient[3..]) {
                 *sum += part;
             }
         }
-        self.tip_y = self.tip.forward(&tip);
-        self.work += self.tip.work(&self.tip_y);
-        for level in (0..count).rev() {
-            let mut gradient = self.rung_sum(level, |chain| &chain.gradient);
-            match self.rungs.get(level + 1) {
-                Some(above) => above.reduce_gradient(above.y(), &mut gradient),
-                None => self.tip.reduce_gradient(&self.tip_y, &mut gradient),
+        let tip_y = stiffness.tip.forward(&tip);
+        let mut work = self.forces.iter().map(|forces| forces.work).sum::<f64>() + stiffness.tip.work(&tip_y);
+        for level in (0..ys.len()).rev() {
+            let mut gradient = stiffness.rung_sum(level, |line| &self.forces[line].gradient);
+            match stiffness.rungs.get(level + 1) {
+                Some(above) => above.reduce_gradient(&ys[level + 1], &mut gradient),
+                None => stiffness.tip.reduce_gradient(&tip_y, &mut gradient),
             }
             for row in [0, 3] {
                 let (load, _) = self.loads_at(Location::Rung { rung: level, row }, motion, loads, factor);
@@ -259,8 +212,20 @@ impl<'m> Ladder<'m> {
                     *sum += part;
                 }
             }
-            self.work += self.rungs[level].load(&gradient);
+            ys[level] = stiffness.rungs[level].forward(&gradient);
+            work += stiffness.rungs[level].work(&ys[level]);
         }
+        (self.rung_ys, self.tip_y, self.work) = (ys, tip_y, work);
+    }
+
+    /// Whether the tangent is that of small displacements. Co-rotationally it is at rest, if loads neither stand on arms
+    /// or between nodes, where they turn, nor pull at an undeformable rib.
+    fn has_rest_stiffness(&self, unmoved: bool, loads: &[FrameLoad]) -> bool {
+        if self.linear() {
+            return !self.forgotten;
+        }
+        let deforms = || self.mesh.finger().description().ribs.strip.is_some();
+        unmoved && deforms() && loads.iter().all(|load| matches!(load, FrameLoad::Node { .. }))
     }
 }
 
@@ -274,28 +239,32 @@ impl EquilibriumEquations for Ladder<'_> {
     }
 
     fn linearise(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> bool {
-        if self.linear() && self.factored {
-            self.load_lines(motion, loads, factor);
+        let mut places = std::mem::take(&mut self.places);
+        places.clear();
+        places.extend(loads.iter().map(|load| self.place(load)));
+        self.places = places;
+        let unmoved = motion.is_at_rest();
+        self.rests = self.has_rest_stiffness(unmoved, loads);
+        if self.rests || self.factored {
+            self.load_lines(motion, loads, factor, unmoved);
         } else {
-            self.condense_lines(motion, loads, factor);
-            self.factored = self.eliminate_stiffness(motion, loads, factor);
+            self.factorise(motion, loads, factor);
+            self.factored = self.linear();
         }
         self.eliminate_gradient(motion, loads, factor);
-        self.factored
+        self.factor().positive
     }
 
     fn keeps_digits(&self) -> bool {
-        self.accurate
+        self.factor().accurate
     }
 
     fn log_determinant(&mut self) -> Option<f64> {
-        let chains: f64 = self.chains.iter().map(Chain::log_determinant).sum();
-        let rungs: f64 = self.rungs.iter().map(Rung::log_determinant).sum();
-        Some(chains + rungs + self.tip.log_determinant()).filter(|sum| sum.is_finite())
+        Some(self.factor().log_determinant(self.mesh)).filter(|sum| sum.is_finite())
     }
 
     fn forget_factor(&mut self) {
-        self.factored = false;
+        (self.forgotten, self.factored) = (true, false);
     }
 
     fn elastic_energy(&self) -> f64 {
@@ -307,14 +276,15 @@ impl EquilibriumEquations for Ladder<'_> {
         if let Some(retraction) = &mut retraction {
             retraction.remember(motion);
         }
-        let frame = self.mesh.frame();
-        let linear = self.linear();
-        let count = self.rungs.len();
+        let mut corrections = std::mem::take(&mut self.corrections);
+        let (mesh, frame, finger, linear) = (self.mesh, self.mesh.frame(), self.mesh.finger(), self.linear());
+        let count = corrections.len();
+        let stiffness = self.factor();
         let mut below = [0.0; 6];
-        for (level, rung) in self.rungs.iter().enumerate() {
-            let (correction, link_rotation) = rung.motion(rung.y(), &below);
-            self.corrections[level] = correction;
-            let [front, back] = self.mesh.finger().rib_nodes(level).map(|node| self.mesh.frame_node(node));
+        for (level, (rung, y)) in stiffness.rungs.iter().zip(&self.rung_ys).enumerate() {
+            let (correction, link_rotation) = rung.motion(y, &below);
+            corrections[level] = correction;
+            let [front, back] = finger.rib_nodes(level).map(|node| mesh.frame_node(node));
             for (node, row) in [(back, 0), (front, 3)] {
                 let u = &mut motion.displacements[node];
                 u.x += correction[row];
@@ -329,8 +299,8 @@ impl EquilibriumEquations for Ladder<'_> {
             }
             below = correction;
         }
-        let tip = self.tip.motion(&self.tip_y, &below);
-        let tip_node = self.mesh.frame_node(self.mesh.finger().tip());
+        let tip = stiffness.tip.motion(&self.tip_y, &below);
+        let tip_node = mesh.frame_node(finger.tip());
         let u = &mut motion.displacements[tip_node];
         u.x += tip[0];
         u.y += tip[1];
@@ -341,28 +311,46 @@ impl EquilibriumEquations for Ladder<'_> {
         let at = |level: usize| match level {
             0 => [[0.0; 3]; 2],
             level if level == count + 1 => [tip; 2],
-            level => halves(&self.corrections[level - 1]),
+            level => halves(&corrections[level - 1]),
         };
-        let mut correct_line = |line: usize, first: &[f64; 3], second: &[f64; 3]| {
-            self.chains[line].correct(motion, first, second);
+        let mut correct_line = |index: usize, first: &[f64; 3], second: &[f64; 3]| {
+            let line = &mesh.lines()[index];
+            let joints = joints_of(line);
+            if joints.is_empty() && !stiffness.chains[index].is_pinned() {
+                return;
+            }
+            let between = Between::of(frame, line);
+            let inner = Solved { joints: &stiffness.joints[joints.clone()], ys: &self.ys[joints], between: &between };
+            stiffness.chains[index].correct(inner, &self.forces[index], motion, [first, second]);
             if let Some(retraction) = &mut retraction {
                 let key_nodes = [first, second].map(|correction| Vector::new(correction[0], correction[1]));
-                retraction.mend(frame, &self.mesh.lines()[line], motion, key_nodes);
+                retraction.mend(frame, line, motion, key_nodes);
             }
         };
         for level in 0..=count {
             let (lower, upper) = (at(level), at(level + 1));
-            for (side, line) in self.plate_members(level).into_iter().enumerate() {
+            for (side, line) in stiffness.plate_members(level).into_iter().enumerate() {
                 correct_line(line, &lower[side], &upper[side]);
             }
         }
         for rung in 0..count {
-            if !self.mesh.lines()[self.rib(rung)].members.is_empty() {
+            if !mesh.lines()[stiffness.rib(rung)].members.is_empty() {
                 let [back, front] = at(rung + 1);
-                correct_line(self.rib(rung), &back, &front);
+                correct_line(stiffness.rib(rung), &back, &front);
             }
         }
-        self.retraction = retraction;
+        let squares = corrections.iter().flat_map(halves).chain([tip]).map(|[x, y, _]| x * x + y * y);
+        self.largest_correction = squares.fold(0.0, f64::max).sqrt();
+        (self.retraction, self.corrections) = (retraction, corrections);
         self.work
     }
+
+    fn largest_correction(&self) -> f64 {
+        self.largest_correction
+    }
+}
+
+/// The structure at rest.
+fn at_rest(mesh: &Mesh) -> FrameMotion {
+    FrameMotion::at_rest(mesh.frame())
 }

@@ -1,6 +1,7 @@
 //! Sensitivities of the finger in equilibrium to small added loads, from the factored tangent.
 
-use super::chain::{Ends, joined, numbers};
+use super::chain::{Ends, joined, joints_of, numbers};
+use super::factor::Factor;
 use super::{Ladder, Location};
 use crate::Vector;
 use crate::frame::{FrameLoad, FrameMotion};
@@ -55,7 +56,7 @@ impl Ladder<'_> {
     }
 
     /// The line of a member, and its position in it.
-    fn element_of(&self, member: usize) -> (usize, usize) {
+    pub(super) fn element_of(&self, member: usize) -> (usize, usize) {
         let mut lines = self.mesh.lines().iter().enumerate();
         let found = lines.find(|(_, line)| line.members.contains(&member));
         found.map_or((0, 0), |(index, line)| (index, member - line.members.start))
@@ -63,18 +64,12 @@ impl Ladder<'_> {
 
     /// The element that takes the gradient of a load: its own, or one that ends or begins at its node.
     fn placed(&self, load: &FrameLoad, gradient: Ends) -> OnElement {
-        if let FrameLoad::Interior { member, .. } = *load {
-            let (line, element) = self.element_of(member);
-            return OnElement { line, element, gradient };
-        }
-        let (end, _, _) = load.at_end(self.mesh.frame());
-        let count = self.rungs.len();
-        let line = match self.locations[end.node] {
+        let line = match self.place(load) {
             Location::Inside { line, element } => return OnElement { line, element, gradient },
-            Location::Tip => self.plate_members(count)[0],
-            Location::Rung { rung, row } => self.plate_members(rung)[row / 3],
+            Location::Tip => self.factor().plate_members(self.rung_ys.len())[0],
+            Location::Rung { rung, row } => self.factor().plate_members(rung)[row / 3],
             // A load on a clamp moves nothing.
-            Location::Clamped => return OnElement { line: self.plate_members(0)[0], element: 0, gradient: [0.0; 6] },
+            Location::Clamped => return OnElement { line: 0, element: 0, gradient: [0.0; 6] },
         };
         let [x, y, moment, ..] = gradient;
         let element = self.mesh.lines()[line].members.len() - 1;
@@ -85,8 +80,10 @@ impl Ladder<'_> {
     /// are not computed.
     fn respond(&mut self, on: &OnElement, out: &mut [Vector]) {
         let OnElement { line, element, gradient } = *on;
-        let count = self.rungs.len();
-        let on_ends = self.chains[line].condensed_gradient(element, gradient);
+        let count = self.rung_ys.len();
+        let stiffness = Factor::chosen(self.mesh, &self.own, self.rests);
+        let joints = &stiffness.joints[joints_of(&self.mesh.lines()[line])];
+        let on_ends = stiffness.chains[line].condensed_gradient(joints, element, gradient);
         // Level (0 is the base, rung r is level r + 1) and row in it of the line's two ends.
         let per_plate = count + 1;
         let ends = match line {
@@ -96,12 +93,12 @@ impl Ladder<'_> {
         };
         let at_tip = ends[1].0 == per_plate;
         let tip = if at_tip { [on_ends[3], on_ends[4], on_ends[5]] } else { [0.0; 3] };
-        let tip_y = self.tip.forward(&tip);
+        let tip_y = stiffness.tip.forward(&tip);
         for at in (0..count).rev() {
             let mut gradient = [0.0; 6];
-            match self.rungs.get(at + 1) {
+            match stiffness.rungs.get(at + 1) {
                 Some(above) => above.reduce_gradient(&self.waiting[at + 1], &mut gradient),
-                None => self.tip.reduce_gradient(&tip_y, &mut gradient),
+                None => stiffness.tip.reduce_gradient(&tip_y, &mut gradient),
             }
             for ((level, row), end) in ends.into_iter().zip([0, 3]) {
                 if level == at + 1 {
@@ -110,18 +107,18 @@ impl Ladder<'_> {
                     }
                 }
             }
-            self.waiting[at] = self.rungs[at].forward(&gradient);
+            self.waiting[at] = stiffness.rungs[at].forward(&gradient);
         }
         out.fill(Vector::zeros());
         let finger = self.mesh.finger();
         let mut below = [0.0; 6];
-        for (at, (rung, waiting)) in self.rungs.iter().zip(&self.waiting).enumerate() {
+        for (at, (rung, waiting)) in stiffness.rungs.iter().zip(&self.waiting).enumerate() {
             (below, _) = rung.motion(waiting, &below);
             let [front, back] = finger.rib_nodes(at).map(|node| self.mesh.frame_node(node));
             out[back] = Vector::new(below[0], below[1]);
             out[front] = Vector::new(below[3], below[4]);
         }
-        let [x, y, _] = self.tip.motion(&tip_y, &below);
+        let [x, y, _] = stiffness.tip.motion(&tip_y, &below);
         out[self.mesh.frame_node(finger.tip())] = Vector::new(x, y);
     }
 }

@@ -9,7 +9,8 @@
 //!
 //! Any update that agrees with Newton's to first order converges as fast: a *retraction*. This one leaves the key nodes
 //! where Newton has them, takes the nodes between them along with arms and links on a smooth curve, and turns them as
-//! their chords have turned. Then a fine mesh needs the load steps of a coarse one.
+//! their chords have turned. Then a fine mesh needs the load steps and the iterations of a coarse one, if the curve meets
+//! the key nodes without a kink: to second order is not enough, as the stiffness of elements grows without bound.
 //!
 //! Reference: Absil, Mahony, Sepulchre, Optimization Algorithms on Matrix Manifolds (2008), sec. 4.1 and 6.3.
 
@@ -63,15 +64,37 @@ impl Retraction {
         // At the ends the chords must turn back to what Newton has for the key nodes; a cubic across the member does it.
         let [from, to] = displacements(frame, motion, ends);
         let whole = first.beam.direction * (first.beam.length_mm * count as f64) + (to - from);
-        let slopes = [(first, 0), (last, count - 1)].map(|(member, index)| {
-            let (chord, surplus) = self.turned(frame, motion, member, index);
-            // How much of the slope becomes a turn of this chord.
-            let share = whole.dot(&chord) / (count as f64 * chord.norm_squared());
-            if share > 0.5 { -surplus / share } else { -surplus }
-        });
+        let leaning = |index: usize, slopes: [f64; 2]| {
+            let (chord, surplus) = self.turned(frame, motion, &members[index], index);
+            let [before, after] = [index, index + 1].map(|node| cubic(slopes, node as f64 / count as f64));
+            let lifted = chord + quarter_turn(whole) * (after - before);
+            (lifted, surplus + chord.perp(&lifted).atan2(chord.dot(&lifted)))
+        };
+        // The slope with which the cubic turns this chord by so much.
+        let slope = |chord: Vector, turn: f64| {
+            let turned = chord * turn.cos() + quarter_turn(chord) * turn.sin();
+            let share = whole.dot(&turned) / (count as f64 * chord.norm_squared());
+            if share > 0.5 { turn.sin() / share } else { turn }
+        };
+        let mut slopes = end_slopes(
+            [0, count - 1].map(|end| {
+                let (chord, surplus) = leaning(end, [0.0; 2]);
+                slope(chord, -surplus)
+            }),
+            count,
+        );
+        // That turns the end chords exactly, but it is at the end nodes that the turn is Newton's. Half an element off is a
+        // shear force that grows as 1 / h, and with it what an axial force does to the tangent: it loses its sign.
+        if count > 2 {
+            let ends = [(0, 1), (count - 1, count - 2)].map(|(end, next)| {
+                let (chord, surplus) = leaning(end, slopes);
+                slope(chord, 0.5 * (leaning(next, slopes).1 - 3.0 * surplus))
+            });
+            let more = end_slopes(ends, count);
+            slopes = [slopes[0] + more[0], slopes[1] + more[1]];
+        }
         for (node, xi) in inner() {
-            let rest = 1.0 - xi;
-            motion.displacements[node] += quarter_turn(whole) * (xi * rest * (slopes[0] * rest - slopes[1] * xi));
+            motion.displacements[node] += quarter_turn(whole) * cubic(slopes, xi);
         }
         // A node between two chords turns as these have.
         let (_, mut below) = self.turned(frame, motion, first, 0);
@@ -123,6 +146,24 @@ impl Retraction {
         let chord = member.beam.direction * member.beam.length_mm + (to - from);
         (chord, before.perp(&chord).atan2(before.dot(&chord)) - turn)
     }
+}
+
+/// s_0 xi (1 - xi)^2 - s_1 xi^2 (1 - xi): the cubic with these slopes at its two ends, of which the second counts back.
+fn cubic(slopes: [f64; 2], xi: f64) -> f64 {
+    let rest = 1.0 - xi;
+    xi * rest * (slopes[0] * rest - slopes[1] * xi)
+}
+
+/// Slopes of the [`cubic`] of which the first and the last of `count` chords have these slopes; one node alone cannot turn
+/// two chords.
+fn end_slopes(chords: [f64; 2], count: usize) -> [f64; 2] {
+    if count < 3 {
+        return chords;
+    }
+    let xi = 1.0 / count as f64;
+    let rest = 1.0 - xi;
+    let [first, last] = chords;
+    [(first, last), (last, first)].map(|(near, far)| (rest * near + xi * far) / (rest * (rest - xi)))
 }
 
 /// Displacements of the two ends of an elastic part, mm.

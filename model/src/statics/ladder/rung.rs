@@ -64,14 +64,12 @@ fn transposed(matrix: &EndsMatrix) -> EndsMatrix {
 pub(super) struct Rung {
     block: Block<6, 6>,
     rib: Option<RigidRib>,
-    /// y = L^-1 g, g the gradient in generalised coordinates.
-    y: Ends,
 }
 
 impl Rung {
     /// A rung to be overwritten.
     pub(super) fn empty() -> Rung {
-        Rung { block: Block::empty(), rib: None, y: [0.0; 6] }
+        Rung { block: Block::empty(), rib: None }
     }
 
     /// Eliminates the rung with this stiffness; `back` and `front` are the plate members from the rung below (their
@@ -119,7 +117,7 @@ impl Rung {
         self.block.reduce_stiffness(below);
     }
 
-    /// y of a gradient on the rung's nodes.
+    /// y = L^-1 g of a gradient on the rung's nodes, g in generalised coordinates.
     pub(super) fn forward(&self, gradient: &Ends) -> Ends {
         match self.rib {
             None => self.block.forward(gradient),
@@ -127,15 +125,9 @@ impl Rung {
         }
     }
 
-    /// Eliminates a gradient; returns the work of the residual on the correction of the rung, N mm.
-    pub(super) fn load(&mut self, gradient: &Ends) -> f64 {
-        self.y = self.forward(gradient);
-        self.block.work(&self.y)
-    }
-
-    /// The y of the last gradient loaded.
-    pub(super) fn y(&self) -> &Ends {
-        &self.y
+    /// Work of a residual on the correction of the rung, by its y, N mm.
+    pub(super) fn work(&self, y: &Ends) -> f64 {
+        self.block.work(y)
     }
 
     /// Takes a gradient, by its y, off that of the rung below.
