@@ -4,13 +4,13 @@
 //! Node `n` of the finger is node `n - 1` of the frame; nodes made by refinement come after the key nodes.
 
 mod apportion;
+mod prepared;
 mod zones;
 
 use crate::Vector;
 use crate::finger::{Finger, Joints, NodeId, Part, Plate, Zone};
 use crate::frame::{BeamEnd, FrameLoad, FrameMotion, NodeIndex, PlaneFrame, Section};
-use crate::statics::Factor;
-use std::sync::{Arc, OnceLock};
+use prepared::Prepared;
 use zones::{ElementPositions, mean_compliance};
 
 /// A dead load on a finger, in the finger frame.
@@ -119,19 +119,7 @@ pub struct Mesh {
     /// Elements of each line, the base line last.
     elements: Vec<usize>,
     node_count: usize,
-    at_rest: AtRest,
-}
-
-/// The stiffness of small displacements, eliminated: it follows from the mesh, takes about as long as a linear solution, and
-/// serves every load. Made when first asked for.
-#[derive(Debug, Clone, Default)]
-struct AtRest(OnceLock<Arc<Factor>>);
-
-/// It is nothing that meshes could differ in.
-impl PartialEq for AtRest {
-    fn eq(&self, _: &AtRest) -> bool {
-        true
-    }
+    prepared: Prepared,
 }
 
 impl Mesh {
@@ -188,11 +176,6 @@ impl Mesh {
     /// The members of the finger, for drawing.
     pub fn lines(&self) -> &[Line] {
         &self.lines
-    }
-
-    /// The stiffness of small displacements.
-    pub(crate) fn factor_at_rest(&self) -> &Factor {
-        self.at_rest.0.get_or_init(|| Arc::new(Factor::at_rest(self)))
     }
 
     /// Number of nodes, those of the base line and of undeformable ribs counted too.
@@ -281,7 +264,7 @@ impl Mesh {
             front: Vec::new(),
             elements: elements.to_vec(),
             node_count: finger.key_node_count() + elements.iter().map(|n| n - 1).sum::<usize>(),
-            at_rest: AtRest::default(),
+            prepared: Prepared::default(),
         };
         let mut elements = elements.iter().copied();
         let mut next = || elements.next().unwrap_or(1);

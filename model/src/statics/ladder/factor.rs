@@ -10,7 +10,7 @@ use crate::mesh::Mesh;
 
 /// The elimination of a finger's stiffness from tip to base.
 #[derive(Debug, Clone)]
-pub(crate) struct Factor {
+pub(super) struct Factor {
     /// One for each line of the mesh.
     pub(super) chains: Vec<Chain>,
     /// One for each member of the frame: where it is put behind those before it. The first of a line has none.
@@ -43,15 +43,16 @@ impl Factor {
     }
 
     /// The stiffness of small displacements.
-    pub(crate) fn at_rest(mesh: &Mesh) -> Factor {
+    fn at_rest(mesh: &Mesh) -> Factor {
         let mut ladder = Ladder::new(mesh, crate::Kinematics::Linear);
         ladder.factorise(&at_rest(mesh), &[], 0.0);
         ladder.own
     }
 
-    /// That at rest, or a ladder's own.
+    /// That at rest, which the mesh keeps, or a ladder's own.
     pub(super) fn chosen<'a>(mesh: &'a Mesh, own: &'a Factor, rests: bool) -> &'a Factor {
-        if rests { mesh.factor_at_rest() } else { own }
+        let at_rest = rests.then(|| mesh.prepared(Factor::at_rest)).flatten();
+        at_rest.unwrap_or(own)
     }
 
     /// Lines of the two plate members above rung `level - 1` (level 0 is the base), back then front; the lines are

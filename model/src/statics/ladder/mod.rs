@@ -24,7 +24,7 @@ use crate::frame::{FrameLoad, FrameMotion};
 use crate::mesh::Mesh;
 use crate::{Kinematics, Vector};
 use chain::{Between, ChainForces, Ends, Solved, halves, joints_of};
-pub(crate) use factor::Factor;
+use factor::Factor;
 use retraction::Retraction;
 use rung::RigidRib;
 
