@@ -1,6 +1,6 @@
 //! Linearisation error of a sensed force, from the estimated force itself.
 
-use super::{Contact, SensingError};
+use super::{Contact, SensingError, halved_below};
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::measurement::Measurement;
 use crate::mesh::Mesh;
@@ -177,7 +177,9 @@ impl<'m> Linearisation<'m> {
                         (forces_n, motion) = (next, equilibrium.motion);
                         break;
                     }
-                    Err(StaticsError::NoEquilibrium { .. }) if part > LEAST_STEP => part *= 0.5,
+                    Err(StaticsError::NoEquilibrium { converged_fraction }) if part > LEAST_STEP => {
+                        part *= halved_below(converged_fraction);
+                    }
                     Err(StaticsError::NoEquilibrium { .. }) => return Ok(None),
                     Err(other) => return Err(other.into()),
                 }
@@ -192,7 +194,7 @@ impl<'m> Linearisation<'m> {
         for _ in 0..MOST_HALVINGS {
             match self.statics.equilibrium(&self.loads(&forces_n)?) {
                 Ok(equilibrium) => return Ok(Some((forces_n, equilibrium.motion))),
-                Err(StaticsError::NoEquilibrium { .. }) => forces_n *= 0.5,
+                Err(StaticsError::NoEquilibrium { converged_fraction }) => forces_n *= halved_below(converged_fraction),
                 Err(other) => return Err(other.into()),
             }
         }

@@ -362,3 +362,13 @@ impl Estimate {
         self.model_error_n = error_n;
     }
 }
+
+/// The largest power of one half below the share of some forces that a finger carries: what halving them comes to, without
+/// trying those that are known to be too large.
+fn halved_below(carried: f64) -> f64 {
+    let mut share = 0.5;
+    while share >= carried && carried > 0.0 {
+        share *= 0.5;
+    }
+    share
+}

@@ -40,7 +40,8 @@ impl NonlinearEstimator<'_> {
             let mut next = state.clone();
             let turn_deg = self.advance(&mut next)?;
             let settles = turn_deg <= SETTLED_ANGLE_DEG;
-            let mut carried = true;
+            // Share of a step that the finger does not carry as a whole.
+            let mut carried = None;
             let better = match self.statics.shifted(&state.motion, &state.loads, &next.loads) {
                 Ok(equilibrium) => {
                     next.motion = equilibrium.motion;
@@ -50,8 +51,12 @@ impl NonlinearEstimator<'_> {
                     let slack = if settles { 1e-12 } else { 0.5 };
                     after <= before * (1.0 + slack) || change <= STEP_TOLERANCE
                 }
+                Err(StaticsError::NoEquilibrium { converged_fraction }) => {
+                    carried = Some(converged_fraction);
+                    false
+                }
                 Err(_) => {
-                    carried = false;
+                    carried = Some(0.0);
                     false
                 }
             };
@@ -64,13 +69,18 @@ impl NonlinearEstimator<'_> {
                 if change <= STEP_TOLERANCE && settles {
                     return Ok(steps);
                 }
-            } else if damping >= MAX_DAMPING && carried {
+            } else if damping >= MAX_DAMPING && carried.is_none() {
                 return Ok(steps);
             } else if damping >= MAX_DAMPING {
                 // The finger does not carry what would explain more.
                 break;
             } else {
+                // A damping shortens the step of a single unknown by 1 + damping: those that leave it too long are not tried.
+                let least = carried.filter(|share| *share > 0.0).map_or(0.0, |share| (1.0 + damping) / share - 1.0);
                 damping = f64::max(10.0 * damping, FIRST_DAMPING);
+                while damping < least.min(MAX_DAMPING) {
+                    damping *= 10.0;
+                }
             }
         }
         if last_change <= SMALL_ENOUGH {

@@ -4,7 +4,9 @@ use super::linearised::Linearised;
 use super::{NonlinearEstimator, State};
 use crate::finger::Plate;
 use crate::measurement::Measurement;
-use crate::sensing::{Contact, ContactPosition, Direction, Estimate, LinearEstimator, Prior, SensingError};
+use crate::sensing::{
+    Contact, ContactPosition, Direction, Estimate, LinearEstimator, Prior, SensingError, halved_below,
+};
 use crate::statics::{Equilibrium, StaticsError};
 
 impl NonlinearEstimator<'_> {
@@ -61,7 +63,10 @@ impl NonlinearEstimator<'_> {
                     state.linearised.weigh(&state.motion, measurement, noise_mm);
                     return Ok(state);
                 }
-                Err(StaticsError::NoEquilibrium { .. }) => forces_n.iter_mut().for_each(|f| *f *= 0.5),
+                Err(StaticsError::NoEquilibrium { converged_fraction }) => {
+                    let carried = halved_below(converged_fraction);
+                    forces_n.iter_mut().for_each(|f| *f *= carried);
+                }
                 Err(other) => return Err(other.into()),
             }
         }
