@@ -113,7 +113,7 @@ impl Approach {
 fn end_of_interval([from, log_from]: [f64; 2], [to, log_to]: [f64; 2], power: f64) -> Option<f64> {
     let ratio = ((log_from - log_to) / power).exp();
     let left = (to - from) / (ratio - 1.0);
-    (left > 0.0 && left.is_finite()).then(|| to + left)
+    (left > 0.0 && left.is_finite()).then_some(to + left)
 }
 
 #[cfg(test)]
