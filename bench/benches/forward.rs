@@ -1,13 +1,14 @@
-//! From force to shape on the paper's two meshes: the ladder beside the general sparse path, and the cost of finer
-//! meshes.
+//! From force to shape on the paper's two meshes: the ladder beside the general sparse path, many loads at once beside one
+//! after the other, and the cost of finer meshes.
 //!
 //! The linear stiffness never changes, so the mesh keeps its factor; `linear` factorises each time nevertheless, `linear_kept`
 //! and `as_called` do not.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use finray_bench::{paper, push};
-use finray_model::statics::{self, Statics};
-use finray_model::{Kinematics, Mesh};
+use finray_model::frame::FrameLoad;
+use finray_model::statics::{self, Statics, equilibria};
+use finray_model::{Kinematics, Load, Mesh, NodeId};
 use std::hint::black_box;
 
 /// Factor and solve under 3 N at node 19, from rest.
@@ -61,6 +62,32 @@ fn as_called(criterion: &mut Criterion) {
     group.finish();
 }
 
+/// Many loads on one mesh, 3 N at node 19 and its neighbours in many directions: one after the other, and several at once, both
+/// on one thread. Read off as shapes a second.
+fn many_at_once(criterion: &mut Criterion) {
+    let finger = paper();
+    let thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
+    let mut group = criterion.benchmark_group("many_at_once");
+    group.sample_size(20);
+    for (nodes, count) in [(25, 256), (684, 16)] {
+        let mesh = Mesh::with_nodes(&finger, nodes).expect("mesh sizes of the paper");
+        let load = |i: usize| {
+            let force = finger.direction(-30.0 + 60.0 * i as f64 / count as f64) * 3.0;
+            mesh.frame_load(&Load::at_node(NodeId(18 + i % 3), force)).expect("the nodes are free")
+        };
+        let loads: Vec<[FrameLoad; 1]> = (0..count).map(|i| [load(i)]).collect();
+        group.throughput(Throughput::Elements(count as u64));
+        let mut single = Statics::ladder(&mesh, Kinematics::Corotational);
+        group.bench_function(BenchmarkId::new("single", nodes), |bencher| {
+            bencher.iter(|| black_box(&loads).iter().filter(|loads| single.equilibrium(*loads).is_ok()).count());
+        });
+        group.bench_function(BenchmarkId::new("batch", nodes), |bencher| {
+            bencher.iter(|| thread.install(|| equilibria(&mesh, Kinematics::Corotational, black_box(&loads))));
+        });
+    }
+    group.finish();
+}
+
 /// Cost by mesh size, read off as nodes a second: it should grow with the number of nodes and no faster.
 fn mesh_size(criterion: &mut Criterion) {
     let finger = paper();
@@ -83,5 +110,5 @@ fn mesh_size(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, solve, as_called, mesh_size);
+criterion_group!(benches, solve, as_called, many_at_once, mesh_size);
 criterion_main!(benches);

@@ -6,7 +6,7 @@ use finray_bench::{paper, push};
 use finray_model::frame::FrameLoad;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, ContactPosition, LinearEstimator, NonlinearEstimator, Prior};
-use finray_model::statics::Statics;
+use finray_model::statics::{Statics, equilibria};
 use finray_model::{Kinematics, Mesh, NodeId, statics};
 use finray_verify::experiments::speed_error::sensing::{FRAMES_A_PERIOD, Stream};
 use finray_verify::settings::CAMERA_NOISE_MM;
@@ -103,6 +103,12 @@ fn samples(criterion: &mut Criterion) {
             let solve = |solver: &mut Statics<_>, loads: &Vec<FrameLoad>| solver.equilibrium(loads).is_ok();
             let solved = cases.par_iter().map_init(|| solver.clone(), solve);
             threads.install(|| solved.filter(|solved| *solved).count())
+        });
+    });
+    group.bench_function(format!("forward_at_once/{COUNT}_of_which_{carried}_carried"), |bencher| {
+        bencher.iter(|| {
+            let found = threads.install(|| equilibria(&mesh, Kinematics::Corotational, &cases));
+            found.iter().filter(|found| found.is_ok()).count()
         });
     });
     group.bench_function(format!("sensing/{}", shapes.len()), |bencher| {

@@ -17,7 +17,9 @@ pub use loads::FrameLoad;
 
 use crate::Vector;
 use crate::element::Beam;
+use crate::number::Number;
 use members::swing;
+use nalgebra::Vector2;
 
 /// Index of a node of a frame, from 0.
 pub type NodeIndex = usize;
@@ -164,11 +166,13 @@ impl PlaneFrame {
     }
 
     /// Moves linked nodes to where their masters and links carry them.
-    pub(crate) fn follow_links(&self, motion: &mut FrameMotion, linear: bool) {
+    #[inline(always)]
+    pub(crate) fn follow_links<R: Number>(&self, motion: &mut FrameMotion<R>, linear: bool) {
         for (n, node) in self.nodes.iter().enumerate() {
             if let Some(link) = node.link {
-                motion.displacements[n] =
-                    motion.displacements[link.master] + swing(link.lever, motion.rotations[link.rotation], linear);
+                let swung = swing(link.lever, motion.rotations[link.rotation], linear);
+                let master = motion.displacements[link.master];
+                motion.displacements[n] = Vector2::new(master.x + swung.x, master.y + swung.y);
             }
         }
     }
@@ -191,20 +195,17 @@ impl PlaneFrame {
 
 /// Displacements of all nodes and rotations of all slots of a frame.
 #[derive(Debug, Clone, PartialEq)]
-pub struct FrameMotion {
+pub struct FrameMotion<R = f64> {
     /// Displacement of each node, mm.
-    pub displacements: Vec<Vector>,
+    pub displacements: Vec<Vector2<R>>,
     /// Rotation of each slot, rad.
-    pub rotations: Vec<f64>,
+    pub rotations: Vec<R>,
 }
 
 impl FrameMotion {
     /// The frame at rest.
     pub fn at_rest(frame: &PlaneFrame) -> FrameMotion {
-        FrameMotion {
-            displacements: vec![Vector::zeros(); frame.nodes.len()],
-            rotations: vec![0.0; frame.rotation_fixed.len()],
-        }
+        FrameMotion::of_zeros(frame, 0.0)
     }
 
     /// Whether nothing is displaced or turned.
@@ -220,5 +221,37 @@ impl FrameMotion {
     /// Largest rotation, rad.
     pub fn largest_rotation(&self) -> f64 {
         self.rotations.iter().fold(0.0, |largest, rotation| rotation.abs().max(largest))
+    }
+}
+
+impl<R: Number> FrameMotion<R> {
+    /// The frame at rest, in numbers like the one given.
+    pub(crate) fn of_zeros(frame: &PlaneFrame, like: R) -> FrameMotion<R> {
+        let zero = like.zero();
+        FrameMotion {
+            displacements: vec![Vector2::new(zero, zero); frame.nodes.len()],
+            rotations: vec![zero; frame.rotation_fixed.len()],
+        }
+    }
+
+    /// Copies one lane.
+    pub(crate) fn copy_lane(&self, lane: usize, motion: &mut FrameMotion) {
+        for (u, lanes) in motion.displacements.iter_mut().zip(&self.displacements) {
+            (u.x, u.y) = (lanes.x.lane(lane), lanes.y.lane(lane));
+        }
+        for (rotation, lanes) in motion.rotations.iter_mut().zip(&self.rotations) {
+            *rotation = lanes.lane(lane);
+        }
+    }
+
+    /// Overwrites one lane.
+    pub(crate) fn set_lane(&mut self, lane: usize, motion: &FrameMotion) {
+        for (lanes, u) in self.displacements.iter_mut().zip(&motion.displacements) {
+            lanes.x.set_lane(lane, u.x);
+            lanes.y.set_lane(lane, u.y);
+        }
+        for (lanes, rotation) in self.rotations.iter_mut().zip(&motion.rotations) {
+            lanes.set_lane(lane, *rotation);
+        }
     }
 }

@@ -28,6 +28,7 @@ pub mod finger;
 pub mod frame;
 pub mod measurement;
 pub mod mesh;
+mod number;
 pub mod samples;
 pub mod scene;
 pub mod sensing;

@@ -8,7 +8,7 @@ use crate::frame::FrameLoad;
 use crate::measurement::Measurement;
 use crate::mesh::Mesh;
 use crate::sensing::{Contact, SensingError, check_contacts};
-use crate::statics::Statics;
+use crate::statics::equilibria;
 use nalgebra::DMatrix;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -17,6 +17,8 @@ use rayon::prelude::*;
 
 /// A finger that carries none of this many draws in a row carries no force of the range.
 const MOST_DRAWS: usize = 100;
+/// Cases that one thread draws at a time, so that their shapes are computed several at once.
+const CASES_A_PIECE: usize = 256;
 
 /// How load cases are drawn.
 ///
@@ -96,34 +98,59 @@ impl SampleRecipe {
         check_contacts(finger, &self.contacts)?;
         let markers = self.markers(finger);
         let mesh = Mesh::with_elements_per_member(finger, self.elements);
-        let statics = Statics::ladder(&mesh, self.kinematics);
-        let case = |statics: &mut Statics<_>, i: usize| {
-            let mut rng = stream.rng(seed, i as u64);
-            for not_carried in 0..MOST_DRAWS {
-                let drawn = Drawn::new(self, &mut rng);
-                let Ok(loads) = drawn.loads(self, &mesh) else { break };
-                if let Ok(equilibrium) = statics.equilibrium(&loads) {
-                    let seen = Measurement::of_shape(finger, &mesh.shape(&equilibrium.motion)).without(&self.hidden);
-                    let displacements = seen.markers().iter().flat_map(|m| [m.displacement.x, m.displacement.y]);
-                    return Some((drawn, displacements.collect::<Vec<f64>>(), not_carried));
-                }
-            }
-            None
+        let pieces = count.div_ceil(CASES_A_PIECE);
+        let piece = |piece: usize| {
+            let first = piece * CASES_A_PIECE;
+            let rngs = (first..count.min(first + CASES_A_PIECE)).map(|i| stream.rng(seed, i as u64));
+            self.carried(&mesh, rngs.collect()).ok_or(SamplesError::NoneCarried { draws: MOST_DRAWS })
         };
-        let cases: Option<Vec<_>> = (0..count).into_par_iter().map_init(|| statics.clone(), case).collect();
-        let cases = cases.ok_or(SamplesError::NoneCarried { draws: MOST_DRAWS })?;
+        let cases: Vec<Vec<Case>> = (0..pieces).into_par_iter().map(piece).collect::<Result<_, _>>()?;
+        let cases: Vec<Case> = cases.into_iter().flatten().collect();
         let (rows, contacts) = (2 * markers.len(), self.contacts.len());
         Ok(Samples {
-            displacements: DMatrix::from_iterator(rows, count, cases.iter().flat_map(|(_, u, _)| u.iter().copied())),
+            displacements: DMatrix::from_iterator(
+                rows,
+                count,
+                cases.iter().flat_map(|case| case.displacements_mm.iter().copied()),
+            ),
             forces: DMatrix::from_iterator(
                 contacts,
                 count,
-                cases.iter().flat_map(|(d, ..)| d.forces_n.iter().copied()),
+                cases.iter().flat_map(|case| case.drawn.forces_n.iter().copied()),
             ),
-            touching: cases.iter().map(|(drawn, ..)| drawn.touching.clone()).collect(),
-            not_carried: cases.iter().map(|(.., not_carried)| not_carried).sum(),
+            touching: cases.iter().map(|case| case.drawn.touching.clone()).collect(),
+            not_carried: cases.iter().map(|case| case.not_carried).sum(),
             markers,
         })
+    }
+
+    /// A case from each generator, drawn until the finger carries it; `None` if one is never carried.
+    fn carried(&self, mesh: &Mesh, rngs: Vec<ChaCha8Rng>) -> Option<Vec<Case>> {
+        let mut cases: Vec<Option<Case>> = rngs.iter().map(|_| None).collect();
+        let mut waiting: Vec<(usize, ChaCha8Rng)> = rngs.into_iter().enumerate().collect();
+        for not_carried in 0..MOST_DRAWS {
+            let drawn: Vec<Drawn> = waiting.iter_mut().map(|(_, rng)| Drawn::new(self, rng)).collect();
+            let loads = drawn.iter().map(|drawn| drawn.loads(self, mesh).ok()).collect::<Option<Vec<_>>>()?;
+            let equilibria = equilibria(mesh, self.kinematics, &loads);
+            let mut refused = Vec::new();
+            for ((drawn, found), (index, rng)) in drawn.into_iter().zip(equilibria).zip(waiting) {
+                match found {
+                    Ok(found) => {
+                        let shape = Measurement::of_shape(mesh.finger(), &mesh.shape(&found.motion));
+                        let seen = shape.without(&self.hidden);
+                        let coordinates = seen.markers().iter().flat_map(|m| [m.displacement.x, m.displacement.y]);
+                        let displacements_mm = coordinates.collect();
+                        cases[index] = Some(Case { drawn, displacements_mm, not_carried });
+                    }
+                    Err(_) => refused.push((index, rng)),
+                }
+            }
+            waiting = refused;
+            if waiting.is_empty() {
+                break;
+            }
+        }
+        cases.into_iter().collect()
     }
 }
 
@@ -199,6 +226,15 @@ impl Samples {
     pub fn count(&self) -> usize {
         self.forces.ncols()
     }
+}
+
+/// A case that the finger carries.
+struct Case {
+    drawn: Drawn,
+    /// Without noise, x and y of each marker that is seen.
+    displacements_mm: Vec<f64>,
+    /// Draws before it.
+    not_carried: usize,
 }
 
 /// One random case.

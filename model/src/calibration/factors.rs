@@ -3,7 +3,7 @@
 use super::{CalibrationCase, CalibrationError};
 use crate::finger::{Finger, ImpossibleFinger};
 use crate::mesh::Mesh;
-use crate::statics::{Statics, StaticsError};
+use crate::statics::{Statics, StaticsError, equilibria};
 use crate::{Kinematics, Vector};
 use nalgebra::{DMatrix, DVector};
 use std::fmt;
@@ -204,11 +204,13 @@ impl Sensitivities {
         let mut statics = Statics::ladder(&mesh, model.kinematics);
         let mut response = vec![Vector::zeros(); mesh.frame().node_count()];
         let mut row = 0;
-        for case in cases {
-            let load = mesh.frame_load(&case.load).map_err(StaticsError::from)?;
-            let motion = statics.equilibrium(&[load])?.motion;
+        let loads = cases.iter().map(|case| mesh.frame_load(&case.load).map(|load| [load]));
+        let loads = loads.collect::<Result<Vec<_>, _>>().map_err(StaticsError::from)?;
+        let found = equilibria(&mesh, model.kinematics, &loads);
+        for ((case, load), found) in cases.iter().zip(&loads).zip(found) {
+            let motion = found?.motion;
             let shape = mesh.shape(&motion);
-            if !statics.linearise(&motion, &[load]) {
+            if !statics.linearise(&motion, load) {
                 return Err(StaticsError::NoEquilibrium { converged_fraction: 1.0 }.into());
             }
             for (i, marker) in case.measurement.markers().iter().enumerate() {

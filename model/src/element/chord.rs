@@ -2,38 +2,47 @@
 
 use super::natural::Deformation;
 use super::{Beam, ElementMatrix, ElementVector, EndMotion};
-use crate::Vector;
-use nalgebra::{SMatrix, Vector3};
+use crate::number::{Number, arctangent};
+use nalgebra::{SMatrix, Vector2, Vector3};
 use std::f64::consts::PI;
 
 /// The chord of a beam in its current position.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Chord {
+pub struct Chord<R = f64> {
     /// Unit vector along the chord.
-    pub along: Vector,
+    pub along: Vector2<R>,
     /// Unit vector across the chord, a quarter turn from `along` in the positive sense.
-    pub across: Vector,
+    pub across: Vector2<R>,
     /// Current length, mm.
-    pub length_mm: f64,
+    pub length_mm: R,
     /// 1 / current length, 1/mm.
-    pub per_length: f64,
+    pub per_length: R,
     /// Current minus undeformed length, mm.
-    pub elongation_mm: f64,
+    pub elongation_mm: R,
     /// Rotation from the undeformed direction, rad, in (-pi, pi].
-    pub rotation: f64,
+    pub rotation: R,
 }
 
 impl Chord {
     /// The chord of the beam at rest.
     #[inline(always)]
     pub fn undeformed(beam: &Beam) -> Chord {
+        Chord::at_rest(beam, 0.0)
+    }
+}
+
+impl<R: Number> Chord<R> {
+    /// The chord of the beam at rest, in numbers like the one given.
+    #[inline(always)]
+    pub(super) fn at_rest(beam: &Beam, like: R) -> Chord<R> {
+        let along = beam.direction.map(|x| like.constant(x));
         Chord {
-            along: beam.direction,
-            across: quarter_turn(beam.direction),
-            length_mm: beam.length_mm,
-            per_length: 1.0 / beam.length_mm,
-            elongation_mm: 0.0,
-            rotation: 0.0,
+            along,
+            across: quarter_turn(along),
+            length_mm: like.constant(beam.length_mm),
+            per_length: like.constant(1.0 / beam.length_mm),
+            elongation_mm: like.zero(),
+            rotation: like.zero(),
         }
     }
 
@@ -42,29 +51,32 @@ impl Chord {
     /// Elongation and rotation are formed from the relative displacement of the ends rather than from differences of
     /// lengths and angles, so that displacements far smaller than the beam keep all their digits.
     #[inline(always)]
-    pub fn deformed(beam: &Beam, motion: &[EndMotion; 2]) -> Chord {
-        let relative = motion[1].displacement - motion[0].displacement;
-        let forward = relative.dot(&beam.direction);
-        let sideways = relative.dot(&quarter_turn(beam.direction));
+    pub fn deformed(beam: &Beam, motion: &[EndMotion<R>; 2]) -> Chord<R> {
+        let relative = difference(motion);
+        let (direction, across) = (beam.direction, quarter_turn(beam.direction));
+        let forward = relative.x * direction.x + relative.y * direction.y;
+        let sideways = relative.x * across.x + relative.y * across.y;
+        let projected = forward + beam.length_mm;
         // Lengths of fingers are far from the ends of the number range: no need for hypot's care.
-        let length_mm = ((beam.length_mm + forward).powi(2) + sideways * sideways).sqrt();
+        let length_mm = (projected * projected + sideways * sideways).sqrt();
         let elongation_mm =
-            (forward * (2.0 * beam.length_mm + forward) + sideways * sideways) / (length_mm + beam.length_mm);
-        let per_length = 1.0 / length_mm;
-        let along = (beam.direction * beam.length_mm + relative) * per_length;
+            (forward * (forward + 2.0 * beam.length_mm) + sideways * sideways) / (length_mm + beam.length_mm);
+        let per_length = length_mm.constant(1.0) / length_mm;
+        let rest = beam.direction * beam.length_mm;
+        let along = Vector2::new((relative.x + rest.x) * per_length, (relative.y + rest.y) * per_length);
         Chord {
             along,
             across: quarter_turn(along),
             length_mm,
             per_length,
             elongation_mm,
-            rotation: sideways.atan2(beam.length_mm + forward),
+            rotation: arctangent(sideways, projected),
         }
     }
 
     /// Natural deformations; the end rotations are brought into (-pi, pi], so that a finger may turn any number of times.
     #[inline(always)]
-    pub(super) fn deformation(&self, motion: &[EndMotion; 2]) -> Deformation {
+    pub(super) fn deformation(&self, motion: &[EndMotion<R>; 2]) -> Deformation<R> {
         Vector3::new(
             self.elongation_mm,
             wrapped(motion[0].rotation - self.rotation),
@@ -74,12 +86,16 @@ impl Chord {
 
     /// Natural deformations for displacements small against the length: all linear.
     #[inline(always)]
-    pub(super) fn linear_deformation(&self, motion: &[EndMotion; 2]) -> Deformation {
-        let relative = motion[1].displacement - motion[0].displacement;
-        let rotation = relative.dot(&self.across) * self.per_length;
-        Vector3::new(relative.dot(&self.along), motion[0].rotation - rotation, motion[1].rotation - rotation)
+    pub(super) fn linear_deformation(&self, motion: &[EndMotion<R>; 2]) -> Deformation<R> {
+        let relative = difference(motion);
+        let forward = relative.x * self.along.x + relative.y * self.along.y;
+        let sideways = relative.x * self.across.x + relative.y * self.across.y;
+        let rotation = sideways * self.per_length;
+        Vector3::new(forward, motion[0].rotation - rotation, motion[1].rotation - rotation)
     }
+}
 
+impl Chord {
     /// Derivative of the chord's length by the end coordinates.
     pub(super) fn length_gradient(&self) -> ElementVector {
         ElementVector::new(-self.along.x, -self.along.y, 0.0, self.along.x, self.along.y, 0.0)
@@ -108,12 +124,25 @@ impl Chord {
     }
 }
 
+/// Displacement of the second end against the first.
+#[inline(always)]
+fn difference<R: Number>(motion: &[EndMotion<R>; 2]) -> Vector2<R> {
+    let [from, to] = [&motion[0].displacement, &motion[1].displacement];
+    Vector2::new(to.x - from.x, to.y - from.y)
+}
+
 /// The vector turned by +90 degrees.
-pub(crate) fn quarter_turn(v: Vector) -> Vector {
-    Vector::new(-v.y, v.x)
+#[inline(always)]
+pub(crate) fn quarter_turn<R: Number>(v: Vector2<R>) -> Vector2<R> {
+    Vector2::new(-v.y, v.x)
 }
 
 /// The angle brought into (-pi, pi]; angles already there are returned unchanged, digit for digit.
-fn wrapped(angle: f64) -> f64 {
-    if angle > -PI && angle <= PI { angle } else { PI - (PI - angle).rem_euclid(2.0 * PI) }
+#[inline(always)]
+fn wrapped<R: Number>(angle: R) -> R {
+    let pi = angle.constant(PI);
+    if angle.everywhere(angle.exceeds(-pi)) && !angle.anywhere(angle.exceeds(pi)) {
+        return angle;
+    }
+    angle.each(|angle| if angle > -PI && angle <= PI { angle } else { PI - (PI - angle).rem_euclid(2.0 * PI) })
 }

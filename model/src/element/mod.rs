@@ -13,7 +13,8 @@ pub(crate) use chord::quarter_turn;
 pub use diagram::Station;
 
 use crate::Vector;
-use nalgebra::{SMatrix, SVector};
+use crate::number::Number;
+use nalgebra::{SMatrix, SVector, Vector2};
 use serde::{Deserialize, Serialize};
 
 /// How displacements become deformations, and hence which finger is solved.
@@ -35,22 +36,22 @@ pub type ElementMatrix = SMatrix<f64, 6, 6>;
 
 /// Motion of one end: displacement in mm, rotation in rad, finger frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct EndMotion {
+pub struct EndMotion<R = f64> {
     /// Displacement from the undeformed position, mm.
-    pub displacement: Vector,
+    pub displacement: Vector2<R>,
     /// Rotation from the undeformed direction, rad.
-    pub rotation: f64,
+    pub rotation: R,
 }
 
 /// A scalar of the element (energy or work, N mm) with its first and second derivatives by the end motions.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Response {
+pub struct Response<R = f64> {
     /// Elastic energy of the element, or work of a load on it, N mm.
-    pub energy: f64,
+    pub energy: R,
     /// First derivatives: nodal forces in N and moments in N mm.
-    pub gradient: ElementVector,
+    pub gradient: SVector<R, 6>,
     /// Second derivatives: the consistent tangent stiffness, symmetric.
-    pub tangent: ElementMatrix,
+    pub tangent: SMatrix<R, 6, 6>,
 }
 
 /// A straight, slender (Euler-Bernoulli) beam with constant section.
@@ -78,9 +79,9 @@ impl Beam {
     ///
     /// Source: Crisfield, Non-linear Finite Element Analysis of Solids and Structures, vol. 1, sec. 7.3.
     #[inline(always)]
-    pub fn response(&self, kinematics: Kinematics, motion: &[EndMotion; 2]) -> Response {
+    pub fn response<R: Number>(&self, kinematics: Kinematics, motion: &[EndMotion<R>; 2]) -> Response<R> {
         if kinematics == Kinematics::Linear {
-            let chord = Chord::undeformed(self);
+            let chord = Chord::at_rest(self, motion[0].rotation);
             return self.natural_response(false, &chord.linear_deformation(motion)).on_chord(&chord, false);
         }
         let chord = Chord::deformed(self, motion);

@@ -1,24 +1,25 @@
 //! The beam seen from its own chord: energy of elongation and end rotations.
 
-use super::{Beam, Chord, ElementMatrix, ElementVector, EndMotion, Response};
-use nalgebra::{Matrix3, Vector3};
+use super::{Beam, Chord, EndMotion, Response};
+use crate::number::Number;
+use nalgebra::{Matrix3, SMatrix, SVector, Vector2, Vector3};
 
 /// Natural deformations in their order: elongation of the chord (mm), rotation of the first and of the second end
 /// against the chord (rad).
-pub(super) type Deformation = Vector3<f64>;
+pub(super) type Deformation<R = f64> = Vector3<R>;
 
 /// Energy of a beam as a function of its natural deformations, with both derivatives.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct NaturalResponse {
-    energy: f64,
-    gradient: Vector3<f64>,
-    stiffness: Matrix3<f64>,
+pub(super) struct NaturalResponse<R> {
+    energy: R,
+    gradient: Vector3<R>,
+    stiffness: Matrix3<R>,
 }
 
 /// The axial strain, and its derivatives by the two end rotations times the length.
-struct AxialStrain {
-    strain: f64,
-    by_rotations: [f64; 2],
+struct AxialStrain<R> {
+    strain: R,
+    by_rotations: [R; 2],
 }
 
 /// 1 / 30 with bowing, 0 without.
@@ -38,12 +39,12 @@ impl Beam {
     /// The second part is the mean of w'^2 / 2 over the cubic deflection w (the shallow arch); without `bowing` it is
     /// left out and the strain is the chord's.
     #[inline(always)]
-    fn axial_strain(&self, bowing: bool, deformation: &Deformation) -> AxialStrain {
+    fn axial_strain<R: Number>(&self, bowing: bool, deformation: &Deformation<R>) -> AxialStrain<R> {
         let (a, b) = (deformation[1], deformation[2]);
         let arch = arch(bowing);
         AxialStrain {
-            strain: deformation[0] * self.per_length() + arch * (2.0 * a * a - a * b + 2.0 * b * b),
-            by_rotations: [self.length_mm * arch * (4.0 * a - b), self.length_mm * arch * (4.0 * b - a)],
+            strain: deformation[0] * self.per_length() + (a * 2.0 * a - a * b + b * 2.0 * b) * arch,
+            by_rotations: [(a * 4.0 - b) * (self.length_mm * arch), (b * 4.0 - a) * (self.length_mm * arch)],
         }
     }
 
@@ -55,35 +56,35 @@ impl Beam {
     /// U = EA L eps^2 / 2 + 2 EI / L (phi_a^2 + phi_a phi_b + phi_b^2) and its gradient: axial force (N) and end moments
     /// (N mm).
     #[inline(always)]
-    fn natural_forces(&self, axial: &AxialStrain, deformation: &Deformation) -> (f64, Vector3<f64>) {
+    fn natural_forces<R: Number>(&self, axial: &AxialStrain<R>, deformation: &Deformation<R>) -> (R, Vector3<R>) {
         let (a, b) = (deformation[1], deformation[2]);
         let flexural = self.bending_rigidity_nmm2 * self.per_length();
-        let force = self.axial_rigidity_n * axial.strain;
-        let energy = 0.5 * force * axial.strain * self.length_mm + 2.0 * flexural * (a * a + a * b + b * b);
+        let force = axial.strain * self.axial_rigidity_n;
+        let energy = force * 0.5 * axial.strain * self.length_mm + (a * a + a * b + b * b) * (2.0 * flexural);
         let [by_a, by_b] = axial.by_rotations;
         let gradient = Vector3::new(
             force,
-            force * by_a + flexural * (4.0 * a + 2.0 * b),
-            force * by_b + flexural * (2.0 * a + 4.0 * b),
+            force * by_a + (a * 4.0 + b * 2.0) * flexural,
+            force * by_b + (a * 2.0 + b * 4.0) * flexural,
         );
         (energy, gradient)
     }
 
     /// Energy U, its gradient and its second derivatives.
     #[inline(always)]
-    pub(super) fn natural_response(&self, bowing: bool, deformation: &Deformation) -> NaturalResponse {
+    pub(super) fn natural_response<R: Number>(&self, bowing: bool, deformation: &Deformation<R>) -> NaturalResponse<R> {
         let axial = self.axial_strain(bowing, deformation);
         let (energy, gradient) = self.natural_forces(&axial, deformation);
         let [by_a, by_b] = axial.by_rotations;
         let axial_stiffness = self.axial_rigidity_n * self.per_length();
         let flexural = self.bending_rigidity_nmm2 * self.per_length();
         let curvature = gradient[0] * self.length_mm * arch(bowing);
-        let (with_a, with_b) = (axial_stiffness * by_a, axial_stiffness * by_b);
+        let (with_a, with_b) = (by_a * axial_stiffness, by_b * axial_stiffness);
         let mixed = with_a * by_b + 2.0 * flexural - curvature;
-        let bending = 4.0 * (flexural + curvature);
+        let bending = (curvature + flexural) * 4.0;
         #[rustfmt::skip]
         let stiffness = Matrix3::new(
-            axial_stiffness, with_a, with_b,
+            curvature.constant(axial_stiffness), with_a, with_b,
             with_a, with_a * by_a + bending, mixed,
             with_b, mixed, with_b * by_b + bending,
         );
@@ -93,25 +94,27 @@ impl Beam {
     /// Energy (N mm) and nodal forces of a beam with small displacements: what [`response`](Beam::response) gives beside
     /// the tangent, which never changes.
     #[inline(always)]
-    pub(crate) fn linear_forces(&self, motion: &[EndMotion; 2]) -> (f64, ElementVector) {
-        let chord = Chord::undeformed(self);
+    pub(crate) fn linear_forces<R: Number>(&self, motion: &[EndMotion<R>; 2]) -> (R, SVector<R, 6>) {
+        let chord = Chord::at_rest(self, motion[0].rotation);
         let deformation = chord.linear_deformation(motion);
         let (energy, gradient) = self.natural_forces(&self.axial_strain(false, &deformation), &deformation);
         (energy, chord.nodal_forces(&gradient))
     }
 }
 
-impl Chord {
+impl<R: Number> Chord<R> {
     /// Nodal forces of the three natural ones.
     #[inline(always)]
-    fn nodal_forces(&self, natural: &Vector3<f64>) -> ElementVector {
-        let [axial, a, b] = (*natural).into();
-        let force = self.along * axial - self.across * ((a + b) * self.per_length);
-        ElementVector::new(-force.x, -force.y, a, force.x, force.y, b)
+    fn nodal_forces(&self, natural: &Vector3<R>) -> SVector<R, 6> {
+        let (axial, a, b) = (natural.x, natural.y, natural.z);
+        let transverse = (a + b) * self.per_length;
+        let x = self.along.x * axial - self.across.x * transverse;
+        let y = self.along.y * axial - self.across.y * transverse;
+        SVector::<R, 6>::new(-x, -y, a, x, y, b)
     }
 }
 
-impl NaturalResponse {
+impl<R: Number> NaturalResponse<R> {
     /// Chain rule to the six end coordinates.
     ///
     /// The energy depends on the displacement d of the second end against the first and on the two end rotations, so
@@ -121,26 +124,30 @@ impl NaturalResponse {
     /// 1 / l across-across, and of the rotation, -1 / l^2 along-across; `curved` chooses whether they count (the
     /// linear beam has none).
     #[inline(always)]
-    pub(super) fn on_chord(&self, chord: &Chord, curved: bool) -> Response {
-        let [axial, a, b] = self.gradient.into();
+    pub(super) fn on_chord(&self, chord: &Chord<R>, curved: bool) -> Response<R> {
+        let (axial, a, b) = (self.gradient.x, self.gradient.y, self.gradient.z);
         let k = &self.stiffness;
         let per_length = chord.per_length;
         let (axial_curvature, moment_curvature) =
-            if curved { (axial * per_length, (a + b) * per_length * per_length) } else { (0.0, 0.0) };
+            if curved { (axial * per_length, (a + b) * per_length * per_length) } else { (axial.zero(), axial.zero()) };
 
         // By d: along, across; then mixed with each end rotation.
         let along_along = k[(0, 0)];
         let along_across = moment_curvature - (k[(0, 1)] + k[(0, 2)]) * per_length;
-        let across_across = (k[(1, 1)] + 2.0 * k[(1, 2)] + k[(2, 2)]) * per_length * per_length + axial_curvature;
+        let across_across = (k[(1, 1)] + k[(1, 2)] * 2.0 + k[(2, 2)]) * per_length * per_length + axial_curvature;
         let (e, n) = (chord.along, chord.across);
-        let xx = e.x * e.x * along_along + 2.0 * e.x * n.x * along_across + n.x * n.x * across_across;
+        let xx = e.x * e.x * along_along + e.x * 2.0 * n.x * along_across + n.x * n.x * across_across;
         let xy = e.x * e.y * along_along + (e.x * n.y + e.y * n.x) * along_across + n.x * n.y * across_across;
-        let yy = e.y * e.y * along_along + 2.0 * e.y * n.y * along_across + n.y * n.y * across_across;
-        let with_a = e * k[(0, 1)] - n * ((k[(1, 1)] + k[(1, 2)]) * per_length);
-        let with_b = e * k[(0, 2)] - n * ((k[(1, 2)] + k[(2, 2)]) * per_length);
+        let yy = e.y * e.y * along_along + e.y * 2.0 * n.y * along_across + n.y * n.y * across_across;
+        let with_rotation = |axial: R, bending: R| {
+            let bending = bending * per_length;
+            Vector2::new(e.x * axial - n.x * bending, e.y * axial - n.y * bending)
+        };
+        let with_a = with_rotation(k[(0, 1)], k[(1, 1)] + k[(1, 2)]);
+        let with_b = with_rotation(k[(0, 2)], k[(1, 2)] + k[(2, 2)]);
 
         #[rustfmt::skip]
-        let tangent = ElementMatrix::new(
+        let tangent = SMatrix::<R, 6, 6>::new(
             xx, xy, -with_a.x, -xx, -xy, -with_b.x,
             xy, yy, -with_a.y, -xy, -yy, -with_b.y,
             -with_a.x, -with_a.y, k[(1, 1)], with_a.x, with_a.y, k[(1, 2)],

@@ -1,6 +1,6 @@
 //! Dead loads, and how the coordinates of the nodes that carry them see them.
 
-use super::members::turned;
+use super::members::{carry_over_arms, turned};
 use super::{BeamEnd, FrameMotion, NodeIndex, PlaneFrame};
 use crate::Vector;
 use crate::element::{Beam, ElementVector, EndMotion, Kinematics, Response};
@@ -93,7 +93,7 @@ impl PlaneFrame {
     ) -> Response {
         let mut potential = Response { energy: 0.0, gradient: SVector::zeros(), tangent: SMatrix::zeros() };
         potential.gradient.fixed_rows_mut::<3>(0).copy_from_slice(&[-force.x, -force.y, -moment_nmm]);
-        self.carry_over_arms(motion, &[end, end], &mut potential, linear);
+        carry_over_arms(&[end, end], [motion.rotations[end.rotation]; 2], &mut potential, linear);
         potential
     }
 
@@ -123,8 +123,9 @@ impl PlaneFrame {
     ) -> Response {
         let linear = kinematics == Kinematics::Linear;
         let member = &self.members[member];
-        let mut response = of(&member.beam, &self.end_motions(motion, &member.ends, linear));
-        self.carry_over_arms(motion, &member.ends, &mut response, linear);
+        let motions = self.end_motions(motion, &member.ends, linear);
+        let mut response = of(&member.beam, &motions);
+        carry_over_arms(&member.ends, motions.map(|end| end.rotation), &mut response, linear);
         response
     }
 

@@ -3,69 +3,102 @@
 use super::equations::{MEMBER_COORDINATES, NODE_COORDINATES};
 use super::{BeamEnd, FrameMotion, Member, NodeIndex, PlaneFrame, RotationSlot};
 use crate::Vector;
-use crate::element::{ElementVector, EndMotion, Kinematics, Response, Station};
-use nalgebra::{SMatrix, SVector};
+use crate::element::{EndMotion, Kinematics, Response, Station, quarter_turn};
+use crate::number::Number;
+use nalgebra::{SMatrix, SVector, Vector2};
 
 /// Displacement of the end of a lever that turns by `rotation`: (R - 1) lever, without cancellation for small turns.
-pub(super) fn swing(lever: Vector, rotation: f64, linear: bool) -> Vector {
-    let quarter = Vector::new(-lever.y, lever.x);
+#[inline(always)]
+pub(super) fn swing<R: Number>(lever: Vector, rotation: R, linear: bool) -> Vector2<R> {
+    let quarter = quarter_turn(lever);
     if linear {
-        return quarter * rotation;
+        return Vector2::new(rotation * quarter.x, rotation * quarter.y);
     }
-    let half = (0.5 * rotation).sin();
-    quarter * rotation.sin() - lever * (2.0 * half * half)
+    let half = (rotation * 0.5).each(f64::sin);
+    let (sine, versine) = (rotation.each(f64::sin), half * 2.0 * half);
+    Vector2::new(sine * quarter.x - versine * lever.x, sine * quarter.y - versine * lever.y)
+}
+
+/// Whether a beam ends at an arm.
+#[inline(always)]
+fn has_arm(end: &BeamEnd) -> bool {
+    end.arm.x != 0.0 || end.arm.y != 0.0
 }
 
 #[inline(always)]
-fn end_motion(motion: &FrameMotion, end: &BeamEnd, linear: bool) -> EndMotion {
+fn end_motion<R: Number>(motion: &FrameMotion<R>, end: &BeamEnd, linear: bool) -> EndMotion<R> {
     let rotation = motion.rotations[end.rotation];
     let mut displacement = motion.displacements[end.node];
-    if end.arm != Vector::zeros() {
-        displacement += swing(end.arm, rotation, linear);
+    if has_arm(end) {
+        let swung = swing(end.arm, rotation, linear);
+        displacement.x += swung.x;
+        displacement.y += swung.y;
     }
     EndMotion { displacement, rotation }
 }
 
 /// The lever turned by `rotation` (or left as it is), mm.
-pub(super) fn turned(lever: Vector, rotation: f64, linear: bool) -> Vector {
-    if linear { lever } else { lever + swing(lever, rotation, false) }
+#[inline(always)]
+pub(super) fn turned<R: Number>(lever: Vector, rotation: R, linear: bool) -> Vector2<R> {
+    if linear {
+        return lever.map(|x| rotation.constant(x));
+    }
+    let swung = swing(lever, rotation, false);
+    Vector2::new(swung.x + lever.x, swung.y + lever.y)
 }
 
 impl PlaneFrame {
     /// Motion of the elastic part's two ends.
     #[inline(always)]
-    pub(crate) fn end_motions(&self, motion: &FrameMotion, ends: &[BeamEnd; 2], linear: bool) -> [EndMotion; 2] {
+    pub(crate) fn end_motions<R: Number>(
+        &self,
+        motion: &FrameMotion<R>,
+        ends: &[BeamEnd; 2],
+        linear: bool,
+    ) -> [EndMotion<R>; 2] {
         // Not by `map`, which goes through memory.
         [end_motion(motion, &ends[0], linear), end_motion(motion, &ends[1], linear)]
     }
 
     /// Energy, nodal forces and tangent of a member by the motions of its two nodes, arms included.
     #[inline(always)]
-    pub(crate) fn member_response(&self, motion: &FrameMotion, member: &Member, kinematics: Kinematics) -> Response {
+    pub(crate) fn member_response<R: Number>(
+        &self,
+        motion: &FrameMotion<R>,
+        member: &Member,
+        kinematics: Kinematics,
+    ) -> Response<R> {
         let linear = kinematics == Kinematics::Linear;
         let motions = self.end_motions(motion, &member.ends, linear);
         let mut response = member.beam.response(kinematics, &motions);
-        self.carry_over_arms(motion, &member.ends, &mut response, linear);
+        carry_over_arms(&member.ends, motions.map(|end| end.rotation), &mut response, linear);
         response
     }
 
     /// From a member's first to its second node, mm: as it is in the motion, or undeformed.
     #[inline(always)]
-    pub(crate) fn lever(&self, motion: &FrameMotion, member: &Member, linear: bool) -> Vector {
+    pub(crate) fn lever<R: Number>(&self, motion: &FrameMotion<R>, member: &Member, linear: bool) -> Vector2<R> {
         let [first, second] = &member.ends;
         let undeformed = first.arm + member.beam.direction * member.beam.length_mm - second.arm;
+        let [from, to] = [first, second].map(|end| &motion.displacements[end.node]);
         if linear {
-            return undeformed;
+            return undeformed.map(|x| from.x.constant(x));
         }
-        undeformed + (motion.displacements[second.node] - motion.displacements[first.node])
+        Vector2::new(to.x - from.x + undeformed.x, to.y - from.y + undeformed.y)
     }
 
     /// Energy and nodal forces of a member with small displacements, arms included.
-    pub(crate) fn member_linear_forces(&self, motion: &FrameMotion, member: &Member) -> (f64, ElementVector) {
+    #[inline(always)]
+    pub(crate) fn member_linear_forces<R: Number>(
+        &self,
+        motion: &FrameMotion<R>,
+        member: &Member,
+    ) -> (R, SVector<R, 6>) {
         let motions = self.end_motions(motion, &member.ends, true);
         let (energy, mut gradient) = member.beam.linear_forces(&motions);
         for (i, end) in member.ends.iter().enumerate() {
-            gradient[3 * i + 2] += end.arm.x * gradient[3 * i + 1] - end.arm.y * gradient[3 * i];
+            let moment = gradient[3 * i + 1] * end.arm.x - gradient[3 * i] * end.arm.y;
+            gradient[3 * i + 2] += moment;
         }
         (energy, gradient)
     }
@@ -84,49 +117,20 @@ impl PlaneFrame {
         beam.stations(kinematics, &motions, loads)
     }
 
-    /// Chain rule from the ends of the elastic part over the arms to the nodes.
-    ///
-    /// The end of an arm v moves on a circle about its node, so it adds -f . v to the second derivative by the
-    /// rotation, f the gradient at the end.
-    pub(crate) fn carry_over_arms(
-        &self,
-        motion: &FrameMotion,
-        ends: &[BeamEnd; 2],
-        response: &mut Response,
-        linear: bool,
-    ) {
-        for (i, end) in ends.iter().enumerate().filter(|(_, end)| end.arm != Vector::zeros()) {
-            let arm = turned(end.arm, motion.rotations[end.rotation], linear);
-            let (x, y, theta) = (3 * i, 3 * i + 1, 3 * i + 2);
-            let force = Vector::new(response.gradient[x], response.gradient[y]);
-            response.gradient[theta] += arm.perp(&force);
-            // Rotating by the node adds -arm.y times the row of x and arm.x times that of y; likewise the columns.
-            let tangent = &mut response.tangent;
-            for k in 0..6 {
-                tangent[(theta, k)] += arm.x * tangent[(y, k)] - arm.y * tangent[(x, k)];
-            }
-            for k in 0..6 {
-                tangent[(k, theta)] += arm.x * tangent[(k, y)] - arm.y * tangent[(k, x)];
-            }
-            if !linear {
-                tangent[(theta, theta)] -= force.dot(&arm);
-            }
-        }
-    }
-
     /// The lever that carries a linked node, in its current direction, and the slot it turns with.
-    pub(crate) fn link_of(
+    #[inline(always)]
+    pub(crate) fn link_of<R: Number>(
         &self,
         node: NodeIndex,
-        motion: &FrameMotion,
+        motion: &FrameMotion<R>,
         linear: bool,
-    ) -> Option<(RotationSlot, Vector)> {
+    ) -> Option<(RotationSlot, Vector2<R>)> {
         let link = self.nodes[node].link?;
         Some((link.rotation, turned(link.lever, motion.rotations[link.rotation], linear)))
     }
 
     /// Chain rule from two nodes to the coordinates of the frame, over the rigid links that may carry them; the second
-    /// derivatives are those of [`carry_over_arms`](PlaneFrame::carry_over_arms).
+    /// derivatives are those of [`carry_over_arms`].
     pub(crate) fn carry_over_links(
         &self,
         motion: &FrameMotion,
@@ -152,5 +156,40 @@ impl PlaneFrame {
             tangent[(NODE_COORDINATES * i + 3, NODE_COORDINATES * i + 3)] += second;
         }
         (first.transpose() * response.gradient, tangent)
+    }
+}
+
+/// Chain rule from the ends of the elastic part over the arms to the nodes; `rotations` are those of the ends.
+///
+/// The end of an arm v moves on a circle about its node, so it adds -f . v to the second derivative by the
+/// rotation, f the gradient at the end.
+#[inline(always)]
+pub(crate) fn carry_over_arms<R: Number>(
+    ends: &[BeamEnd; 2],
+    rotations: [R; 2],
+    response: &mut Response<R>,
+    linear: bool,
+) {
+    for (i, end) in ends.iter().enumerate() {
+        if !has_arm(end) {
+            continue;
+        }
+        let arm = turned(end.arm, rotations[i], linear);
+        let (x, y, theta) = (3 * i, 3 * i + 1, 3 * i + 2);
+        let (force_x, force_y) = (response.gradient[x], response.gradient[y]);
+        response.gradient[theta] += arm.x * force_y - arm.y * force_x;
+        // Rotating by the node adds -arm.y times the row of x and arm.x times that of y; likewise the columns.
+        let tangent = &mut response.tangent;
+        for k in 0..6 {
+            let turning = arm.x * tangent[(y, k)] - arm.y * tangent[(x, k)];
+            tangent[(theta, k)] += turning;
+        }
+        for k in 0..6 {
+            let turning = arm.x * tangent[(k, y)] - arm.y * tangent[(k, x)];
+            tangent[(k, theta)] += turning;
+        }
+        if !linear {
+            tangent[(theta, theta)] -= force_x * arm.x + force_y * arm.y;
+        }
     }
 }

@@ -5,7 +5,8 @@
 //! equilibrium before it is reported.
 
 use super::limit::Approach;
-use super::newton::{CORRECTION_TOLERANCE, Equilibrium, Rejected, Statics};
+use super::load_step::{CORRECTION_TOLERANCE, Rejected};
+use super::newton::{Equilibrium, Statics};
 use super::{EquilibriumEquations, StaticsError};
 use crate::Kinematics;
 use crate::frame::{FrameLoad, FrameMotion};

@@ -2,6 +2,7 @@
 
 mod arc_length;
 mod assembly;
+mod batch;
 mod bordered;
 mod digits;
 mod factor;
@@ -9,12 +10,14 @@ mod indefinite;
 mod ladder;
 mod limit;
 mod load_path;
+mod load_step;
 mod newton;
 mod outcome;
 mod sparse;
 
 pub use arc_length::{ArcLength, EquilibriumPath, LimitPoint, PathPoint};
 pub use assembly::Assembly;
+pub use batch::equilibria;
 pub use ladder::Ladder;
 pub use newton::{Equilibrium, Statics};
 pub use outcome::{Reaction, elastic_energy, reaction};

@@ -1,36 +1,16 @@
 //! Newton's method: the equilibrium under one load, near the one before it.
 //!
 //! Every load step must keep the rotations small and end in a stable equilibrium (positive definite tangent), so the
-//! solution stays on the branch that starts at rest. How long the steps are is decided in [`load_path`](super::load_path).
+//! solution stays on the branch that starts at rest. [`LoadStep`] decides that; how long the steps are is decided in
+//! [`load_path`](super::load_path).
 
-use super::digits::{self, FEWEST_DIGITS};
+use super::digits;
 use super::load_path::{Growing, Shifting};
+use super::load_step::{LoadStep, Rejected, Taken};
 use super::{EquilibriumEquations, Ladder, SparseEquations, StaticsError};
 use crate::Kinematics;
 use crate::frame::{FrameLoad, FrameMotion, PlaneFrame};
 use crate::mesh::Mesh;
-
-/// Newton has converged when the energy norm of its *next* correction would be below this share of the solution's. The
-/// next correction is known from the last two: near the solution Newton squares the error, e' = c e^2.
-pub(super) const CORRECTION_TOLERANCE: f64 = 1e-11;
-/// A linear solution that its residual corrects by less than this share has all its digits after that correction.
-const LINEAR_TOLERANCE: f64 = 1e-8;
-/// Corrections above this share of the solution are too large to conclude anything from.
-const QUADRATIC_RANGE: f64 = 1e-2;
-/// A correction this small that no longer shrinks is rounding noise of a fine mesh.
-const STAGNATION_TOLERANCE: f64 = 1e-6;
-/// More iterations than this mean that the step was too long.
-const MAX_ITERATIONS: usize = 20;
-/// Rotation of a node in one load step, rad, beyond which another branch might be met.
-const MAX_STEP_ROTATION: f64 = 0.8;
-/// A load step may turn no node further from what the tangent at its start predicts than this share of the largest
-/// rotation predicted. On a smooth path that holds for every step that is short enough; a snap to another branch hardly
-/// ever passes: of 9715 random loads that random fingers carry, arc length finds 22 to be beyond a limit load.
-const MAX_PREDICTION_ERROR: f64 = 0.5;
-/// Rotations, rad, that count as none: a frame that only stretches turns by rounding alone.
-const ROTATION_NOISE: f64 = 1e-9;
-/// A load step whose prediction is off by so many times what is allowed will not come back to it.
-const HOPELESS: f64 = 1.25;
 
 /// Equilibrium of a frame.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,22 +32,6 @@ pub struct Statics<E> {
     /// The last correction of the last load step, as a share of the solution: by energy norm or by displacement, whichever
     /// is more. What is left to correct is less, or as much if it is rounding noise.
     pub(super) last_correction: f64,
-}
-
-/// A load step that was taken.
-pub(super) struct Taken {
-    pub iterations: usize,
-    /// How near it came to what a step may turn, and to how far it may end from its prediction: 0..1.
-    pub used: f64,
-}
-
-/// Why a load step was not taken.
-pub(super) enum Rejected {
-    NotPositiveDefinite,
-    /// Holds how many times too far, where that is known.
-    TooFar(Option<f64>),
-    /// Linear corrections do not shrink: too few digits are left. Holds their number.
-    Rounding(f64),
 }
 
 impl<'f> Statics<SparseEquations<'f>> {
@@ -197,56 +161,27 @@ impl<E: EquilibriumEquations> Statics<E> {
     ) -> Result<Taken, Rejected> {
         let linear = self.equations.kinematics() == Kinematics::Linear;
         self.last_correction = f64::INFINITY;
-        let mut previous = f64::INFINITY;
-        let mut predicted_turn = 0.0;
-        for iteration in 1..=MAX_ITERATIONS {
+        let mut step = LoadStep::new(linear, tolerance);
+        loop {
             if !self.equations.linearise(motion, loads, multiple) {
                 return Err(Rejected::NotPositiveDefinite);
             }
             let scale = 2.0 * self.equations.elastic_energy();
-            if iteration == 1 && !linear {
+            if step.is_first() && !linear {
                 self.predicted.clone_from(&motion.rotations);
             }
             let work = self.equations.correct(motion);
-            let mut prediction_error = 0.0;
-            if iteration == 1 && !linear {
+            let turn = if linear { 0.0 } else { largest_difference(&motion.rotations, &self.predicted) };
+            if step.is_first() && !linear {
                 // The first correction is what the tangent at the start predicts.
-                predicted_turn = largest_difference(&motion.rotations, &self.predicted);
                 self.predicted.clone_from(&motion.rotations);
-            } else if !linear {
-                prediction_error = largest_difference(&motion.rotations, &self.predicted);
             }
-            let turned = (predicted_turn + prediction_error) / MAX_STEP_ROTATION;
-            let off = prediction_error / (MAX_PREDICTION_ERROR * predicted_turn + ROTATION_NOISE);
-            let used = f64::max(turned, off);
-            if !linear && (turned.is_nan() || turned > 1.0 || off > HOPELESS) {
-                return Err(Rejected::TooFar(Some(used).filter(|used| used.is_finite())));
-            }
-            if work.is_nan() {
-                return Err(if linear { Rejected::NotPositiveDefinite } else { Rejected::TooFar(None) });
-            }
-            let relative = (work / scale).max(0.0).sqrt();
-            let next = relative.powi(3) / (previous * previous);
-            let converges = previous.max(relative) <= QUADRATIC_RANGE && next <= tolerance;
-            // One correction by the residual is all that a linear solution needs, if any.
-            let converges = converges || (linear && (relative <= LINEAR_TOLERANCE || self.equations.keeps_digits()));
-            let stagnates = relative <= STAGNATION_TOLERANCE && relative > 0.25 * previous;
-            if work <= 0.0 || converges || stagnates {
+            let Some(end) = step.judge(work, scale, turn, || self.equations.keeps_digits()) else { continue };
+            if let Ok(Taken { correction: Some(correction), .. }) = end {
                 let moved = self.equations.largest_correction();
-                self.last_correction = relative.max(digits::share(moved, motion.largest_displacement()));
-                let follows = linear || used <= 1.0;
-                return if follows {
-                    Ok(Taken { iterations: iteration, used })
-                } else {
-                    Err(Rejected::TooFar(Some(used)))
-                };
+                self.last_correction = correction.max(digits::share(moved, motion.largest_displacement()));
             }
-            previous = relative;
-        }
-        match -previous.log10() {
-            _ if !linear => Err(Rejected::TooFar(None)),
-            digits if digits >= FEWEST_DIGITS => Ok(Taken { iterations: MAX_ITERATIONS, used: 0.0 }),
-            digits => Err(Rejected::Rounding(digits.max(0.0))),
+            return end;
         }
     }
 
@@ -259,6 +194,6 @@ impl<E: EquilibriumEquations> Statics<E> {
     }
 }
 
-fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }

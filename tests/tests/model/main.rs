@@ -18,6 +18,7 @@ mod sensing {
 }
 mod statics {
     mod arc_length;
+    mod batch;
     mod examples;
     mod fine_meshes;
     mod ladder;

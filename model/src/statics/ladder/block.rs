@@ -6,83 +6,99 @@
 //! only W = L^-1 C and y = L^-1 g.
 
 use super::ldl::Ldl;
+use crate::number::Number;
 
 /// The factored stiffness of a block and its coupling to its neighbours.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Block<const N: usize, const M: usize> {
-    factor: Ldl<N>,
+pub(super) struct Block<R: Number, const N: usize, const M: usize> {
+    factor: Ldl<R, N>,
     /// W = L^-1 C.
-    with: [[f64; M]; N],
+    with: [[R; M]; N],
 }
 
-impl<const N: usize, const M: usize> Block<N, M> {
-    /// A block that is not factored yet.
-    pub(super) fn empty() -> Block<N, M> {
-        Block { factor: Ldl::empty(), with: [[0.0; M]; N] }
+impl<R: Number, const N: usize, const M: usize> Block<R, N, M> {
+    /// A block that is not factored yet, in numbers like the one given.
+    pub(super) fn empty(like: R) -> Block<R, N, M> {
+        Block { factor: Ldl::empty(like), with: [[like.zero(); M]; N] }
     }
 
     /// Factorises; rows of `coupling` are the block's unknowns, columns the neighbours'.
     #[inline(always)]
-    pub(super) fn factorise(&mut self, stiffness: &[[f64; N]; N], coupling: &[[f64; M]; N]) {
+    pub(super) fn factorise(&mut self, stiffness: &[[R; N]; N], coupling: &[[R; M]; N]) {
         self.factor.factorise(stiffness);
         self.with = *coupling;
         self.factor.forward(&mut self.with);
     }
 
-    /// Whether the block is positive definite.
-    pub(super) fn positive(&self) -> bool {
+    /// Where the block is positive definite.
+    #[inline(always)]
+    pub(super) fn positive(&self) -> R::Mask {
         self.factor.positive
     }
 
-    /// Whether each pivot is larger than a limit of its own.
-    pub(super) fn pivots_exceed(&self, limits: &[f64; N]) -> bool {
+    /// Where each pivot is larger than a limit of its own.
+    #[inline(always)]
+    pub(super) fn pivots_exceed(&self, limits: &[R; N]) -> R::Mask {
         self.factor.pivots_exceed(limits)
     }
 
     /// Logarithm of the block's determinant.
-    pub(super) fn log_determinant(&self) -> f64 {
+    pub(super) fn log_determinant(&self) -> R {
         self.factor.log_determinant()
     }
 
     /// Takes C^T K^-1 C off the neighbours' stiffness, in its upper triangle.
     #[inline(always)]
-    pub(super) fn reduce_stiffness(&self, neighbours: &mut [[f64; M]; M]) {
-        for (row, target) in neighbours.iter_mut().enumerate() {
-            let weights: [f64; N] = self.factor.divided(&std::array::from_fn(|i| self.with[i][row]));
-            for (weight, with) in weights.iter().zip(&self.with) {
-                // From an even column: pairs of numbers go through one instruction.
-                for column in (row & !1)..M {
-                    target[column] -= weight * with[column];
+    pub(super) fn reduce_stiffness(&self, neighbours: &mut [[R; M]; M]) {
+        for row in 0..M {
+            let weights: [R; N] = self.factor.divided(&std::array::from_fn(|i| self.with[i][row]));
+            // Of single numbers from an even column: pairs of them go through one instruction.
+            let first = if R::LANES == 1 { row & !1 } else { row };
+            for column in first..M {
+                let mut sum = neighbours[row][column];
+                for i in 0..N {
+                    sum -= weights[i] * self.with[i][column];
                 }
+                neighbours[row][column] = sum;
             }
         }
     }
 
     /// y = L^-1 g.
-    pub(super) fn forward(&self, gradient: &[f64; N]) -> [f64; N] {
+    #[inline(always)]
+    pub(super) fn forward(&self, gradient: &[R; N]) -> [R; N] {
         self.factor.forward_vector(gradient)
     }
 
     /// Takes C^T K^-1 g, from y = L^-1 g, off the neighbours' gradient.
-    pub(super) fn reduce_gradient(&self, y: &[f64; N], neighbours: &mut [f64; M]) {
-        for (y, with) in self.factor.divided(y).iter().zip(&self.with) {
-            for (target, with) in neighbours.iter_mut().zip(with) {
-                *target -= y * with;
+    #[inline(always)]
+    pub(super) fn reduce_gradient(&self, y: &[R; N], neighbours: &mut [R; M]) {
+        let y = self.factor.divided(y);
+        for i in 0..N {
+            for k in 0..M {
+                neighbours[k] -= y[i] * self.with[i][k];
             }
         }
     }
 
     /// g K^-1 g, from y = L^-1 g.
-    pub(super) fn work(&self, y: &[f64; N]) -> f64 {
-        y.iter().zip(&self.factor.divided(y)).map(|(a, b)| a * b).sum()
+    #[inline(always)]
+    pub(super) fn work(&self, y: &[R; N]) -> R {
+        let divided = self.factor.divided(y);
+        let mut work = y[0] * divided[0];
+        for i in 1..N {
+            work += y[i] * divided[i];
+        }
+        work
     }
 
     /// The block's motion -K^-1 (g + C neighbours), from y = L^-1 g.
-    pub(super) fn motion(&self, y: &[f64; N], neighbours: &[f64; M]) -> [f64; N] {
+    #[inline(always)]
+    pub(super) fn motion(&self, y: &[R; N], neighbours: &[R; M]) -> [R; N] {
         let mut sum = *y;
-        for (sum, with) in sum.iter_mut().zip(&self.with) {
-            for (with, neighbour) in with.iter().zip(neighbours) {
-                *sum += with * neighbour;
+        for i in 0..N {
+            for k in 0..M {
+                sum[i] += self.with[i][k] * neighbours[k];
             }
         }
         self.factor.backward(&self.factor.divided(&sum)).map(|x| -x)

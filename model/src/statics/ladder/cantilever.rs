@@ -12,26 +12,27 @@
 
 use super::block::Block;
 use super::chain::{Ends, EndsMatrix};
-use crate::Vector;
 use crate::element::{Response, quarter_turn};
+use crate::number::Number;
+use nalgebra::Vector2;
 
 /// Unknowns: deflection x, y (mm) and rotation (rad) of the second end as seen from the first; rotation of the whole.
-pub(super) type Deflection = [f64; 4];
+pub(super) type Deflection<R = f64> = [R; 4];
 const TURN: usize = 3;
 
 /// Forces on a cantilever: gradient of its energy by its deflection, and by a displacement as a whole.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Forces {
-    by_deflection: Deflection,
-    by_displacement: [f64; 2],
+pub(super) struct Forces<R: Number> {
+    by_deflection: Deflection<R>,
+    by_displacement: [R; 2],
     /// From the first to the second end, mm.
-    lever: Vector,
+    lever: Vector2<R>,
 }
 
-impl Forces {
+impl<R: Number> Forces<R> {
     /// Of a gradient on the two ends; `lever` reaches from the first to the second, mm.
     #[inline(always)]
-    pub(super) fn on(gradient: &Ends, lever: Vector) -> Forces {
+    pub(super) fn on(gradient: &Ends<R>, lever: Vector2<R>) -> Forces<R> {
         let [x, y, moment, end_x, end_y, end_moment] = *gradient;
         let arm = quarter_turn(lever);
         Forces {
@@ -42,7 +43,8 @@ impl Forces {
     }
 
     /// On the two ends.
-    pub(super) fn on_ends(&self) -> Ends {
+    #[inline(always)]
+    pub(super) fn on_ends(&self) -> Ends<R> {
         let [x, y, moment, turn] = self.by_deflection;
         let arm = quarter_turn(self.lever);
         let [all_x, all_y] = self.by_displacement;
@@ -51,9 +53,9 @@ impl Forces {
 
     /// Puts an element behind the second end and eliminates its deflection; returns its y.
     #[inline(always)]
-    pub(super) fn extend(&mut self, joint: &Joint, next: &Forces) -> [f64; 3] {
+    pub(super) fn extend(&mut self, joint: &Joint<R>, next: &Forces<R>) -> [R; 3] {
         let (arm, next_arm) = (quarter_turn(self.lever), quarter_turn(joint.lever));
-        self.lever += joint.lever;
+        self.lever = sum(self.lever, joint.lever);
         let g = &mut self.by_deflection;
         // The next element goes where the old second end goes.
         let [x, y] = next.by_displacement;
@@ -64,7 +66,8 @@ impl Forces {
         g[TURN] += arm.x * x + arm.y * y + next.by_deflection[TURN];
         // Seen from the new second end, and the next element turns with the old one.
         g[2] += next.by_deflection[TURN] - next_arm.x * g[0] - next_arm.y * g[1];
-        let y = joint.block.forward(&std::array::from_fn(|i| next.by_deflection[i] - g[i]));
+        let by_next = &next.by_deflection;
+        let y = joint.block.forward(&[by_next[0] - g[0], by_next[1] - g[1], by_next[2] - g[2]]);
         joint.block.reduce_gradient(&y, g);
         y
     }
@@ -72,64 +75,67 @@ impl Forces {
 
 /// Where an element was put behind a cantilever: the elimination of its deflection.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Joint {
-    block: Block<3, 4>,
+pub(super) struct Joint<R: Number = f64> {
+    block: Block<R, 3, 4>,
     /// From the element's first to its second node, mm.
-    lever: Vector,
+    lever: Vector2<R>,
 }
 
-impl Joint {
-    /// To be overwritten.
-    pub(super) fn empty() -> Joint {
-        Joint { block: Block::empty(), lever: Vector::zeros() }
+impl<R: Number> Joint<R> {
+    /// To be overwritten, in numbers like the one given.
+    pub(super) fn empty(like: R) -> Joint<R> {
+        Joint { block: Block::empty(like), lever: Vector2::new(like.zero(), like.zero()) }
     }
 
-    /// Whether the node between, held on both sides, is stable.
-    pub(super) fn positive(&self) -> bool {
+    /// Where the node between, held on both sides, is stable.
+    #[inline(always)]
+    pub(super) fn positive(&self) -> R::Mask {
         self.block.positive()
     }
 
     /// Work of a residual on the correction of the element's deflection, by its y, N mm.
-    pub(super) fn work(&self, y: &[f64; 3]) -> f64 {
+    #[inline(always)]
+    pub(super) fn work(&self, y: &[R; 3]) -> R {
         self.block.work(y)
     }
 
     /// Logarithm of the determinant of what was eliminated here.
-    pub(super) fn log_determinant(&self) -> f64 {
+    pub(super) fn log_determinant(&self) -> R {
         self.block.log_determinant()
     }
 
     /// The deflection of the shorter cantilever, from that of the longer one and the y of the residual.
     #[inline(always)]
-    pub(super) fn shortened(&self, y: &[f64; 3], longer: &Deflection) -> Deflection {
+    pub(super) fn shortened(&self, y: &[R; 3], longer: &Deflection<R>) -> Deflection<R> {
         let [x, y, rotation] = self.block.motion(y, longer);
         let rotation = longer[2] - rotation;
-        let arm = quarter_turn(self.lever) * rotation;
-        [longer[0] - x - arm.x, longer[1] - y - arm.y, rotation, longer[TURN]]
+        let arm = quarter_turn(self.lever);
+        [longer[0] - x - arm.x * rotation, longer[1] - y - arm.y * rotation, rotation, longer[TURN]]
     }
 
-    pub(super) fn lever(&self) -> Vector {
+    #[inline(always)]
+    pub(super) fn lever(&self) -> Vector2<R> {
         self.lever
     }
 }
 
 /// Second derivatives of the energy of a chain's first elements by [`Deflection`], the nodes between eliminated.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Cantilever {
+pub(super) struct Cantilever<R: Number> {
     /// Symmetric: only the upper triangle is kept up to date.
-    stiffness: [[f64; 4]; 4],
+    stiffness: [[R; 4]; 4],
     /// From the first to the second end, mm.
-    lever: Vector,
+    lever: Vector2<R>,
 }
 
-impl Cantilever {
+impl<R: Number> Cantilever<R> {
     /// Of one element without loads; `carried`: the force at its second end, N, if it turns with the element.
     ///
     /// The second end's own stiffness is that of the deflection. A turn of the whole by w turns the force f by
     /// w quarter_turn(f); the moments about the first end, which balance before, then lack w f . lever.
     #[inline(always)]
-    pub(super) fn of_element(element: &Response, carried: Vector, lever: Vector) -> Cantilever {
-        let mut stiffness = [[0.0; 4]; 4];
+    pub(super) fn of_element(element: &Response<R>, carried: Vector2<R>, lever: Vector2<R>) -> Cantilever<R> {
+        let mut stiffness = [[lever.x.zero(); 4]; 4];
         // Symmetric: columns are rows.
         let columns = &element.tangent.data.0;
         for i in 0..3 {
@@ -139,31 +145,33 @@ impl Cantilever {
         }
         let turned = quarter_turn(carried);
         (stiffness[0][TURN], stiffness[1][TURN]) = (turned.x, turned.y);
-        stiffness[TURN][TURN] = carried.dot(&lever);
+        stiffness[TURN][TURN] = carried.x * lever.x + carried.y * lever.y;
         Cantilever { stiffness, lever }
     }
 
     /// Adds what a load on the element has; it keeps its direction, so its own terms count.
-    pub(super) fn add_load(&mut self, potential: &Response) {
+    #[inline(always)]
+    pub(super) fn add_load(&mut self, potential: &Response<R>) {
         let tangent = &potential.tangent;
         let arm = quarter_turn(self.lever);
-        let turn = nalgebra::Vector6::new(0.0, 0.0, 1.0, arm.x, arm.y, 1.0);
-        let by_turn = tangent * turn;
+        let by_turn: Ends<R> = std::array::from_fn(|i| {
+            tangent[(i, 2)] + tangent[(i, 3)] * arm.x + tangent[(i, 4)] * arm.y + tangent[(i, 5)]
+        });
         for i in 0..3 {
             for j in i..3 {
                 self.stiffness[i][j] += tangent[(3 + i, 3 + j)];
             }
             self.stiffness[i][TURN] += by_turn[3 + i];
         }
-        self.stiffness[TURN][TURN] += turn.dot(&by_turn);
+        self.stiffness[TURN][TURN] += by_turn[2] + arm.x * by_turn[3] + arm.y * by_turn[4] + by_turn[5];
     }
 
     /// Puts an element behind the second end and eliminates its deflection.
     #[inline(always)]
-    pub(super) fn extend(&mut self, joint: &mut Joint, next: &Cantilever) {
+    pub(super) fn extend(&mut self, joint: &mut Joint<R>, next: &Cantilever<R>) {
         let arm = quarter_turn(next.lever);
         joint.lever = next.lever;
-        self.lever += next.lever;
+        self.lever = sum(self.lever, next.lever);
         let s = &mut self.stiffness;
         // Seen from the new second end: the old one is `arm` times its rotation behind.
         let lifted = [s[0][0] * arm.x + s[0][1] * arm.y, s[0][1] * arm.x + s[1][1] * arm.y];
@@ -177,10 +185,10 @@ impl Cantilever {
         s[2][2] += turning;
         s[2][TURN] += turning;
         s[TURN][TURN] += turning;
-        let with_turn: [f64; 3] = std::array::from_fn(|i| next.stiffness[i][TURN]);
+        let with_turn = [next.stiffness[0][TURN], next.stiffness[1][TURN], next.stiffness[2][TURN]];
 
-        let mut own = [[0.0; 3]; 3];
-        let mut coupling = [[0.0; 4]; 3];
+        let mut own = [[turning.zero(); 3]; 3];
+        let mut coupling = [[turning.zero(); 4]; 3];
         for i in 0..3 {
             for j in i..3 {
                 own[i][j] = s[i][j] + next.stiffness[i][j];
@@ -198,15 +206,15 @@ impl Cantilever {
     }
 
     /// Second derivatives by the two ends.
-    pub(super) fn on_ends(&self) -> EndsMatrix {
+    #[inline(always)]
+    pub(super) fn on_ends(&self) -> EndsMatrix<R> {
         let s = &self.stiffness;
         let arm = quarter_turn(self.lever);
         let upper = |i: usize, j: usize| s[i.min(j)][i.max(j)];
         // By the first end's rotation: the second end deflects by minus this.
-        let turn = [arm.x, arm.y, 1.0];
-        let held: [f64; 3] =
-            std::array::from_fn(|i| upper(i, 0) * turn[0] + upper(i, 1) * turn[1] + upper(i, 2) * turn[2] - s[i][TURN]);
-        let mut ends = [[0.0; 6]; 6];
+        let held: [R; 3] =
+            std::array::from_fn(|i| upper(i, 0) * arm.x + upper(i, 1) * arm.y + upper(i, 2) - s[i][TURN]);
+        let mut ends = [[arm.x.zero(); 6]; 6];
         for i in 0..3 {
             for j in i..3 {
                 ends[3 + i][3 + j] = s[i][j];
@@ -222,17 +230,24 @@ impl Cantilever {
                 ends[i][3 + j] = -upper(i, j);
             }
         }
-        let with_turn: f64 = (0..3).map(|i| turn[i] * s[i][TURN]).sum();
-        ends[2][2] = (0..3).map(|i| turn[i] * held[i]).sum::<f64>() - with_turn + s[TURN][TURN];
+        let by_turn = |by: [R; 3]| arm.x * by[0] + arm.y * by[1] + by[2];
+        ends[2][2] = by_turn(held) - by_turn([s[0][TURN], s[1][TURN], s[2][TURN]]) + s[TURN][TURN];
         ends
     }
 
-    pub(super) fn lever(&self) -> Vector {
+    #[inline(always)]
+    pub(super) fn lever(&self) -> Vector2<R> {
         self.lever
     }
 
     /// The stiffnesses against each part of the deflection alone.
-    pub(super) fn diagonal(&self) -> [f64; 3] {
-        std::array::from_fn(|i| self.stiffness[i][i])
+    #[inline(always)]
+    pub(super) fn diagonal(&self) -> [R; 3] {
+        [self.stiffness[0][0], self.stiffness[1][1], self.stiffness[2][2]]
     }
+}
+
+#[inline(always)]
+fn sum<R: Number>(a: Vector2<R>, b: Vector2<R>) -> Vector2<R> {
+    Vector2::new(a.x + b.x, a.y + b.y)
 }

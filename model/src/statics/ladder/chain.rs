@@ -6,70 +6,76 @@
 use super::SMALL_PIVOT;
 use super::block::Block;
 use super::cantilever::{Cantilever, Deflection, Forces, Joint};
-use crate::Vector;
-use crate::element::{ElementVector, Response, quarter_turn};
+use crate::element::{Response, quarter_turn};
 use crate::frame::{FrameMotion, PlaneFrame};
 use crate::mesh::Line;
+use crate::number::Number;
+use nalgebra::{SVector, Vector2};
 use std::ops::Range;
 
 /// x, y and rotation of a first end, then of a second.
-pub(super) type Ends = [f64; 6];
+pub(super) type Ends<R = f64> = [R; 6];
 /// Second derivatives by [`Ends`], symmetric: only the upper triangle is kept up to date.
-pub(super) type EndsMatrix = [[f64; 6]; 6];
+pub(super) type EndsMatrix<R = f64> = [[R; 6]; 6];
 
 /// The two ends of [`Ends`].
-pub(super) fn halves(ends: &Ends) -> [[f64; 3]; 2] {
+#[inline(always)]
+pub(super) fn halves<R: Number>(ends: &Ends<R>) -> [[R; 3]; 2] {
     let [a, b, c, d, e, f] = *ends;
     [[a, b, c], [d, e, f]]
 }
 
 /// Two ends as [`Ends`].
-pub(super) fn joined(first: &[f64; 3], second: &[f64; 3]) -> Ends {
+#[inline(always)]
+pub(super) fn joined<R: Number>(first: &[R; 3], second: &[R; 3]) -> Ends<R> {
     [first[0], first[1], first[2], second[0], second[1], second[2]]
 }
 
 /// The numbers of an element's vector.
-pub(super) fn numbers(vector: &ElementVector) -> Ends {
+#[inline(always)]
+pub(super) fn numbers<R: Number>(vector: &SVector<R, 6>) -> Ends<R> {
     vector.data.0[0]
 }
 
 /// An element of a chain, with what stands on it.
-pub(super) struct Element {
-    pub elastic: Response,
-    pub load: Option<Response>,
+pub(super) struct Element<'a, R: Number> {
+    pub elastic: Response<R>,
+    pub load: Option<&'a Response<R>>,
     /// From its first to its second node, mm.
-    pub lever: Vector,
+    pub lever: Vector2<R>,
 }
 
 /// The stiffness of a chain, condensed; its [`Joint`]s, one for each element but the first, are kept elsewhere.
 #[derive(Debug, Clone)]
-pub(super) struct Chain {
+pub(super) struct Chain<R: Number = f64> {
     /// From the first to the second node of the first element, and of the whole chain, mm.
-    first_lever: Vector,
-    lever: Vector,
+    first_lever: Vector2<R>,
+    lever: Vector2<R>,
     /// The two end rotations of a pinned member, which belong to nothing else, with the ends' displacements.
-    pins: Option<Block<2, 6>>,
+    pins: Option<Block<R, 2, 6>>,
     /// By its two ends.
-    pub stiffness: EndsMatrix,
-    pub positive: bool,
-    /// Whether no element is so soft beside those before it that the difference has lost digits that may count.
-    pub accurate: bool,
+    pub stiffness: EndsMatrix<R>,
+    pub positive: R::Mask,
+    /// Where no element is so soft beside those before it that the difference has lost digits that may count.
+    pub accurate: R::Mask,
     /// The diagonal of the stiffness before pins were released.
-    pub diagonal: Ends,
+    pub diagonal: Ends<R>,
 }
 
-impl Chain {
-    pub(super) fn new(frame: &PlaneFrame, line: &Line) -> Chain {
+impl<R: Number> Chain<R> {
+    /// A line's chain, in numbers like the one given.
+    pub(super) fn new(frame: &PlaneFrame, line: &Line, like: R) -> Chain<R> {
+        let zero = like.zero();
         let members = &frame.members()[line.members.clone()];
         let pinned = members.first().is_some_and(|m| m.ends[0].rotation != frame.rotation_of(m.ends[0].node));
         Chain {
-            first_lever: Vector::zeros(),
-            lever: Vector::zeros(),
-            pins: pinned.then(Block::empty),
-            stiffness: [[0.0; 6]; 6],
-            positive: true,
-            accurate: true,
-            diagonal: [0.0; 6],
+            first_lever: Vector2::new(zero, zero),
+            lever: Vector2::new(zero, zero),
+            pins: pinned.then(|| Block::empty(like)),
+            stiffness: [[zero; 6]; 6],
+            positive: like.always(),
+            accurate: like.always(),
+            diagonal: [zero; 6],
         }
     }
 
@@ -80,61 +86,68 @@ impl Chain {
 
     /// Takes the stiffness and gradient of its only element.
     #[inline(always)]
-    pub(super) fn take(&mut self, forces: &mut ChainForces, element: &Response) {
+    pub(super) fn take(&mut self, forces: &mut ChainForces<R>, element: &Response<R>) {
         // Symmetric: columns are rows.
         self.stiffness = element.tangent.data.0;
-        self.positive = true;
-        forces.work = 0.0;
+        self.positive = forces.work.always();
+        forces.work = forces.work.zero();
         forces.gradient = numbers(&element.gradient);
         forces.raw = forces.gradient;
         self.finish(forces);
     }
 
-    /// Condenses the elements' stiffness and gradients, given from the first to the second end; `ys` gets the y of each
-    /// joint.
+    /// Begins to condense several elements' stiffness and gradients, given from the first to the second end.
     #[inline(always)]
-    pub(super) fn condense(
+    pub(super) fn begin(&mut self, forces: &mut ChainForces<R>, first: &Element<R>) -> Growing<R> {
+        (self.positive, self.accurate) = (forces.work.always(), forces.work.always());
+        forces.work = forces.work.zero();
+        let (stiffness, carried, gradient) = first.cantilever();
+        (self.first_lever, forces.raw) = (first.lever, gradient);
+        Growing { stiffness, carried }
+    }
+
+    /// Puts the next element behind those before it; `y` gets that of the joint.
+    #[inline(always)]
+    pub(super) fn extend(
         &mut self,
-        joints: &mut [Joint],
-        forces: &mut ChainForces,
-        ys: &mut [[f64; 3]],
-        elements: impl Iterator<Item = Element>,
+        growing: &mut Growing<R>,
+        (joint, y): (&mut Joint<R>, &mut [R; 3]),
+        forces: &mut ChainForces<R>,
+        element: &Element<R>,
     ) {
-        (self.positive, self.accurate) = (true, true);
-        forces.work = 0.0;
-        let mut joints = joints.iter_mut().zip(ys);
-        let mut condensed = None;
-        for element in elements {
-            let (next, next_carried, gradient) = element.cantilever();
-            let Some((so_far, carried)) = &mut condensed else {
-                (self.first_lever, forces.raw) = (next.lever(), gradient);
-                condensed = Some((next, next_carried));
-                continue;
-            };
-            let Some((joint, y)) = joints.next() else { break };
-            let before = so_far.diagonal();
-            so_far.extend(joint, &next);
-            self.positive &= joint.positive();
-            self.accurate &= so_far.diagonal().iter().zip(before).all(|(now, before)| *now > SMALL_PIVOT * before);
-            *y = carried.extend(joint, &next_carried);
-            forces.work += joint.work(y);
-            forces.raw[3..].copy_from_slice(&gradient[3..]);
+        let Growing { stiffness, carried } = growing;
+        let (next, next_carried, gradient) = element.cantilever();
+        let before = stiffness.diagonal();
+        stiffness.extend(joint, &next);
+        let like = forces.work;
+        self.positive = like.both(self.positive, joint.positive());
+        let now = stiffness.diagonal();
+        for i in 0..3 {
+            self.accurate = like.both(self.accurate, now[i].exceeds(before[i] * SMALL_PIVOT));
         }
-        if let Some((whole, carried)) = condensed {
-            self.lever = whole.lever();
-            self.stiffness = whole.on_ends();
-            forces.gradient = carried.on_ends();
-            self.finish(forces);
-        }
+        *y = carried.extend(joint, &next_carried);
+        forces.work += joint.work(y);
+        forces.raw[3..].copy_from_slice(&gradient[3..]);
+    }
+
+    /// Takes what has grown.
+    #[inline(always)]
+    pub(super) fn end(&mut self, growing: &Growing<R>, forces: &mut ChainForces<R>) {
+        self.lever = growing.stiffness.lever();
+        self.stiffness = growing.stiffness.on_ends();
+        forces.gradient = growing.carried.on_ends();
+        self.finish(forces);
     }
 
     /// Notes the diagonal and releases pins.
     #[inline(always)]
-    fn finish(&mut self, forces: &mut ChainForces) {
-        self.diagonal = std::array::from_fn(|i| self.stiffness[i][i]);
+    fn finish(&mut self, forces: &mut ChainForces<R>) {
+        for i in 0..6 {
+            self.diagonal[i] = self.stiffness[i][i];
+        }
         if let Some(block) = &mut self.pins {
             eliminate_pins(block, &mut self.stiffness);
-            self.positive = self.positive && block.positive();
+            self.positive = forces.work.both(self.positive, block.positive());
         }
         self.release_pins(forces);
     }
@@ -143,12 +156,12 @@ impl Chain {
     #[inline(always)]
     pub(super) fn load(
         &self,
-        joints: &[Joint],
-        forces: &mut ChainForces,
-        ys: &mut [[f64; 3]],
-        mut gradients: impl Iterator<Item = Ends>,
+        joints: &[Joint<R>],
+        forces: &mut ChainForces<R>,
+        ys: &mut [[R; 3]],
+        mut gradients: impl Iterator<Item = Ends<R>>,
     ) {
-        forces.work = 0.0;
+        forces.work = forces.work.zero();
         let Some(first) = gradients.next() else { return };
         (forces.gradient, forces.raw) = (first, first);
         if !joints.is_empty() {
@@ -164,7 +177,8 @@ impl Chain {
     }
 
     /// Condenses the gradient of pinned ends.
-    fn release_pins(&self, forces: &mut ChainForces) {
+    #[inline(always)]
+    fn release_pins(&self, forces: &mut ChainForces<R>) {
         if let Some(block) = &self.pins {
             forces.pins_y = pass_pins(block, &mut forces.gradient);
             forces.work += block.work(&forces.pins_y);
@@ -172,10 +186,11 @@ impl Chain {
     }
 
     /// Gradients at the two ends that stand for gradients at the two nodes of one element.
-    pub(super) fn condensed_gradient(&self, joints: &[Joint], element: usize, on_element: Ends) -> Ends {
+    pub(super) fn condensed_gradient(&self, joints: &[Joint<R>], element: usize, on_element: Ends<R>) -> Ends<R> {
+        let nothing = [on_element[0].zero(); 6];
         let mut gradient = on_element;
         if !joints.is_empty() {
-            let on = |at: usize| if at == element { on_element } else { [0.0; 6] };
+            let on = |at: usize| if at == element { on_element } else { nothing };
             let mut carried = Forces::on(&on(0), self.first_lever);
             for (i, joint) in joints.iter().enumerate() {
                 carried.extend(joint, &Forces::on(&on(i + 1), joint.lever()));
@@ -189,51 +204,54 @@ impl Chain {
     }
 
     /// Logarithm of the determinant of pinned rotations.
-    pub(super) fn log_determinant(&self) -> f64 {
-        self.pins.as_ref().map_or(0.0, Block::log_determinant)
+    pub(super) fn log_determinant(&self) -> R {
+        self.pins.as_ref().map_or(self.lever.x.zero(), Block::log_determinant)
     }
 
     /// Carries the corrections of the two ends back to the nodes between them (and to the rotations of pinned ends).
+    #[inline(always)]
     pub(super) fn correct(
         &self,
-        Solved { joints, ys, between }: Solved,
-        forces: &ChainForces,
-        motion: &mut FrameMotion,
-        [first, second]: [&[f64; 3]; 2],
+        Solved { joints, ys, between }: Solved<R>,
+        forces: &ChainForces<R>,
+        motion: &mut FrameMotion<R>,
+        [first, second]: [&[R; 3]; 2],
     ) {
         let mut ends = joined(first, second);
         if let Some(block) = &self.pins {
             [ends[2], ends[5]] = block.motion(&forces.pins_y, &ends);
-            for (slot, turn) in between.ends.into_iter().zip([ends[2], ends[5]]) {
-                motion.rotations[slot] += turn;
-            }
+            let [first, second] = between.ends;
+            motion.rotations[first] += ends[2];
+            motion.rotations[second] += ends[5];
         }
         let [x, y, turn, end_x, end_y, end_turn] = ends;
-        let arm = quarter_turn(self.lever) * turn;
-        let mut deflection: Deflection = [end_x - x - arm.x, end_y - y - arm.y, end_turn - turn, turn];
+        let arm = quarter_turn(self.lever);
+        let mut deflection: Deflection<R> = [end_x - x - arm.x * turn, end_y - y - arm.y * turn, end_turn - turn, turn];
         let mut lever = self.lever;
         let displacements = &mut motion.displacements[between.nodes.clone()];
         let rotations = &mut motion.rotations[between.rotations.clone()];
         let inner = displacements.iter_mut().zip(rotations);
         for (((u, rotation), joint), y_joint) in inner.zip(joints).zip(ys).rev() {
             deflection = joint.shortened(y_joint, &deflection);
-            lever -= joint.lever();
-            *u += Vector::new(x + deflection[0] - lever.y * turn, y + deflection[1] + lever.x * turn);
+            lever.x -= joint.lever().x;
+            lever.y -= joint.lever().y;
+            u.x += x + deflection[0] - lever.y * turn;
+            u.y += y + deflection[1] + lever.x * turn;
             *rotation += turn + deflection[2];
         }
     }
 }
 
-impl Element {
+impl<R: Number> Element<'_, R> {
     /// Its stiffness and forces, and the gradients on its two nodes.
     #[inline(always)]
-    fn cantilever(&self) -> (Cantilever, Forces, Ends) {
+    fn cantilever(&self) -> (Cantilever<R>, Forces<R>, Ends<R>) {
         let mut gradient = numbers(&self.elastic.gradient);
-        let mut cantilever = Cantilever::of_element(&self.elastic, Vector::new(gradient[3], gradient[4]), self.lever);
-        if let Some(load) = &self.load {
+        let mut cantilever = Cantilever::of_element(&self.elastic, Vector2::new(gradient[3], gradient[4]), self.lever);
+        if let Some(load) = self.load {
             cantilever.add_load(load);
-            for (sum, part) in gradient.iter_mut().zip(&load.gradient) {
-                *sum += part;
+            for i in 0..6 {
+                gradient[i] += load.gradient[i];
             }
         }
         (cantilever, Forces::on(&gradient, self.lever), gradient)
@@ -242,24 +260,35 @@ impl Element {
 
 /// What forces a chain has, condensed.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct ChainForces {
-    pins_y: [f64; 2],
+pub(super) struct ChainForces<R: Number> {
+    pins_y: [R; 2],
     /// By its two ends.
-    pub gradient: Ends,
+    pub gradient: Ends<R>,
     /// Gradients at the two ends before anything was condensed onto them.
-    pub raw: Ends,
+    pub raw: Ends<R>,
     /// Work of the residual on the correction of what was eliminated, N mm.
-    pub work: f64,
+    pub work: R,
 }
 
-impl ChainForces {
-    pub(super) const NONE: ChainForces = ChainForces { pins_y: [0.0; 2], gradient: [0.0; 6], raw: [0.0; 6], work: 0.0 };
+impl<R: Number> ChainForces<R> {
+    /// No forces, in numbers like the one given.
+    #[inline(always)]
+    pub(super) fn none(like: R) -> ChainForces<R> {
+        let zero = like.zero();
+        ChainForces { pins_y: [zero; 2], gradient: [zero; 6], raw: [zero; 6], work: zero }
+    }
+}
+
+/// The first elements of a chain, put behind each other, and what forces they have.
+pub(super) struct Growing<R: Number> {
+    stiffness: Cantilever<R>,
+    carried: Forces<R>,
 }
 
 /// What is between the ends of a chain: its joints, the y of each, and its nodes.
-pub(super) struct Solved<'a> {
-    pub joints: &'a [Joint],
-    pub ys: &'a [[f64; 3]],
+pub(super) struct Solved<'a, R: Number> {
+    pub joints: &'a [Joint<R>],
+    pub ys: &'a [[R; 3]],
     pub between: &'a Between,
 }
 
@@ -300,22 +329,25 @@ pub(super) fn joints_of(line: &Line) -> Range<usize> {
 }
 
 /// Takes the pinned rotations out of the gradient of the ends; returns their y.
-fn pass_pins(block: &Block<2, 6>, gradient: &mut Ends) -> [f64; 2] {
+#[inline(always)]
+fn pass_pins<R: Number>(block: &Block<R, 2, 6>, gradient: &mut Ends<R>) -> [R; 2] {
     let y = block.forward(&[gradient[2], gradient[5]]);
-    (gradient[2], gradient[5]) = (0.0, 0.0);
+    (gradient[2], gradient[5]) = (y[0].zero(), y[0].zero());
     block.reduce_gradient(&y, gradient);
     y
 }
 
 /// Takes the pinned rotations out of the stiffness of the ends.
-fn eliminate_pins(block: &mut Block<2, 6>, stiffness: &mut EndsMatrix) {
-    let own = [[stiffness[2][2], stiffness[2][5]], [0.0, stiffness[5][5]]];
+#[inline(always)]
+fn eliminate_pins<R: Number>(block: &mut Block<R, 2, 6>, stiffness: &mut EndsMatrix<R>) {
+    let zero = stiffness[0][0].zero();
+    let own = [[stiffness[2][2], stiffness[2][5]], [zero, stiffness[5][5]]];
     let upper = |i: usize, j: usize| stiffness[i.min(j)][i.max(j)];
     let mut coupling = [2, 5].map(|i| std::array::from_fn(|j| upper(i, j)));
     for row in coupling.iter_mut().chain(stiffness.iter_mut()) {
-        (row[2], row[5]) = (0.0, 0.0);
+        (row[2], row[5]) = (zero, zero);
     }
-    (stiffness[2], stiffness[5]) = ([0.0; 6], [0.0; 6]);
+    (stiffness[2], stiffness[5]) = ([zero; 6], [zero; 6]);
     block.factorise(&own, &coupling);
     block.reduce_stiffness(stiffness);
 }

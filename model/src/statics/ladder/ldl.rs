@@ -3,32 +3,36 @@
 //! Matrices are plain arrays of rows: with sizes and indices known when compiling, nothing is checked or looped over
 //! when running.
 
+use crate::number::Number;
+
 /// Unit lower triangle and diagonal of K = L D L^T.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Ldl<const N: usize> {
+pub(super) struct Ldl<R: Number, const N: usize> {
     /// Rows of L^T; what stands on and below the diagonal is not read.
-    upper: [[f64; N]; N],
-    inverse_diagonal: [f64; N],
-    /// Whether all pivots are positive: K is positive definite.
-    pub positive: bool,
+    upper: [[R; N]; N],
+    inverse_diagonal: [R; N],
+    /// Where all pivots are positive: K is positive definite.
+    pub positive: R::Mask,
 }
 
-impl<const N: usize> Ldl<N> {
-    /// No factor yet.
-    pub(super) fn empty() -> Ldl<N> {
-        Ldl { upper: [[0.0; N]; N], inverse_diagonal: [0.0; N], positive: false }
+impl<R: Number, const N: usize> Ldl<R, N> {
+    /// No factor yet, in numbers like the one given.
+    pub(super) fn empty(like: R) -> Ldl<R, N> {
+        Ldl { upper: [[like.zero(); N]; N], inverse_diagonal: [like.zero(); N], positive: like.always() }
     }
 
     /// Factorises; only the upper triangle is read. In place, since moving a factor costs as much as making it.
     #[inline(always)]
-    pub(super) fn factorise(&mut self, matrix: &[[f64; N]; N]) {
+    pub(super) fn factorise(&mut self, matrix: &[[R; N]; N]) {
         self.upper = *matrix;
-        self.positive = true;
+        let zero = matrix[0][0].zero();
+        let one = matrix[0][0].constant(1.0);
+        self.positive = zero.always();
         for j in 0..N {
             let row = self.upper[j];
             // A pivot that is not a number compares as false.
-            self.positive &= row[j] > 0.0;
-            let inverse = 1.0 / row[j];
+            self.positive = zero.both(self.positive, row[j].exceeds(zero));
+            let inverse = one / row[j];
             self.inverse_diagonal[j] = inverse;
             for i in j + 1..N {
                 let factor = row[i] * inverse;
@@ -42,54 +46,90 @@ impl<const N: usize> Ldl<N> {
 
     /// Overwrites each of M columns with L^-1 times it.
     #[inline(always)]
-    pub(super) fn forward<const M: usize>(&self, columns: &mut [[f64; M]; N]) {
-        for j in 0..N {
-            let known = columns[j];
-            for i in j + 1..N {
-                for (x, known) in columns[i].iter_mut().zip(&known) {
-                    *x -= self.upper[j][i] * known;
-                }
+    pub(super) fn forward<const M: usize>(&self, columns: &mut [[R; M]; N]) {
+        // Single numbers go through one instruction as neighbours in a row; of lanes, a column fits into the registers.
+        if R::LANES == 1 {
+            self.forward_from::<M, M>(columns, 0);
+        } else {
+            for first in 0..M {
+                self.forward_from::<M, 1>(columns, first);
             }
         }
     }
 
-    /// Whether each pivot is larger than a limit of its own.
-    pub(super) fn pivots_exceed(&self, limits: &[f64; N]) -> bool {
-        self.inverse_diagonal.iter().zip(limits).all(|(inverse, limit)| inverse * limit < 1.0)
+    /// The same for some of the columns.
+    #[inline(always)]
+    fn forward_from<const M: usize, const COUNT: usize>(&self, columns: &mut [[R; M]; N], first: usize) {
+        let mut x: [[R; COUNT]; N] = std::array::from_fn(|i| std::array::from_fn(|k| columns[i][first + k]));
+        for j in 0..N {
+            let known = x[j];
+            for i in 0..N {
+                if i > j {
+                    for k in 0..COUNT {
+                        x[i][k] -= self.upper[j][i] * known[k];
+                    }
+                }
+            }
+        }
+        for i in 0..N {
+            for k in 0..COUNT {
+                columns[i][first + k] = x[i][k];
+            }
+        }
+    }
+
+    /// Where each pivot is larger than a limit of its own.
+    #[inline(always)]
+    pub(super) fn pivots_exceed(&self, limits: &[R; N]) -> R::Mask {
+        let one = limits[0].constant(1.0);
+        let mut exceed = one.always();
+        for i in 0..N {
+            exceed = one.both(exceed, one.exceeds(self.inverse_diagonal[i] * limits[i]));
+        }
+        exceed
     }
 
     /// Logarithm of the determinant; not a number if a pivot is negative.
-    pub(super) fn log_determinant(&self) -> f64 {
-        -self.inverse_diagonal.iter().map(|inverse| inverse.ln()).sum::<f64>()
+    pub(super) fn log_determinant(&self) -> R {
+        let mut sum = self.inverse_diagonal[0].zero();
+        for inverse in &self.inverse_diagonal {
+            sum -= inverse.each(f64::ln);
+        }
+        sum
     }
 
     /// L^-1 times a vector.
-    pub(super) fn forward_vector(&self, right: &[f64; N]) -> [f64; N] {
+    #[inline(always)]
+    pub(super) fn forward_vector(&self, right: &[R; N]) -> [R; N] {
         let mut x = *right;
         for j in 0..N {
+            let known = x[j];
             for i in j + 1..N {
-                x[i] -= self.upper[j][i] * x[j];
+                x[i] -= self.upper[j][i] * known;
             }
         }
         x
     }
 
     /// L^-T times a vector.
-    pub(super) fn backward(&self, right: &[f64; N]) -> [f64; N] {
+    #[inline(always)]
+    pub(super) fn backward(&self, right: &[R; N]) -> [R; N] {
         let mut x = *right;
         for i in (0..N).rev() {
             for k in i + 1..N {
-                x[i] -= self.upper[i][k] * x[k];
+                let known = x[k];
+                x[i] -= self.upper[i][k] * known;
             }
         }
         x
     }
 
     /// D^-1 times a vector.
-    pub(super) fn divided(&self, right: &[f64; N]) -> [f64; N] {
+    #[inline(always)]
+    pub(super) fn divided(&self, right: &[R; N]) -> [R; N] {
         let mut x = *right;
-        for (x, inverse) in x.iter_mut().zip(&self.inverse_diagonal) {
-            *x *= inverse;
+        for i in 0..N {
+            x[i] *= self.inverse_diagonal[i];
         }
         x
     }
@@ -104,7 +144,7 @@ mod tests {
         k.transpose().data.0
     }
 
-    fn solved(ldl: &Ldl<3>, right: Vector3<f64>) -> Vector3<f64> {
+    fn solved(ldl: &Ldl<f64, 3>, right: Vector3<f64>) -> Vector3<f64> {
         ldl.backward(&ldl.divided(&ldl.forward_vector(&right.into()))).into()
     }
 
@@ -112,7 +152,7 @@ mod tests {
     fn solves_and_sees_the_sign() {
         let k = Matrix3::new(4.0, 1.0, -2.0, 1.0, 5.0, 0.5, -2.0, 0.5, 6.0);
         let x = Vector3::new(1.0, -2.0, 3.0);
-        let mut ldl = Ldl::empty();
+        let mut ldl = Ldl::empty(0.0);
         ldl.factorise(&rows(&k));
         assert!(ldl.positive);
         assert!((solved(&ldl, k * x) - x).norm() < 1e-14);

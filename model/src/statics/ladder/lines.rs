@@ -1,113 +1,75 @@
 //! Lines with the loads that stand between their ends, condensed.
 
+use super::balance::Balance;
 use super::chain::{ChainForces, Element, joints_of, numbers};
 use super::factor::Factor;
-use super::{Ladder, Location};
 use crate::Kinematics;
-use crate::element::Response;
-use crate::frame::{FrameLoad, FrameMotion};
-use crate::mesh::Mesh;
+use crate::frame::FrameMotion;
+use crate::number::Number;
 
-impl Ladder<'_> {
+impl<R: Number> Balance<'_, R> {
     /// Condenses every line with the loads that stand on it.
-    pub(super) fn condense_lines(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) {
-        let Ladder { mesh, kinematics, ref places, .. } = *self;
-        let frame = mesh.frame();
-        let standing = Standing { mesh, kinematics, motion, loads, places, factor };
-        self.energy = 0.0;
-        for (index, (chain, line)) in self.own.chains.iter_mut().zip(mesh.lines()).enumerate() {
-            let forces = &mut self.forces[index];
-            let loaded = standing.on_line(index);
-            let members = &frame.members()[line.members.clone()];
-            if let [only] = members {
-                let mut response = frame.member_response(motion, only, kinematics);
-                self.energy += response.energy;
-                if let Some(load) = if loaded { standing.on_element(index, 0) } else { None } {
-                    response.gradient += load.gradient;
-                    response.tangent += load.tangent;
+    #[inline(always)]
+    pub(super) fn condense_lines(&mut self, stiffness: &mut Factor<R>, motion: &FrameMotion<R>) {
+        let (frame, kinematics, applied) = (self.mesh.frame(), self.kinematics, &self.applied);
+        let linear = kinematics == Kinematics::Linear;
+        self.energy = self.energy.zero();
+        for (index, line) in self.mesh.lines().iter().enumerate() {
+            let (chain, forces) = (&mut stiffness.chains[index], &mut self.forces[index]);
+            let count = line.members.len();
+            let mut growing = None;
+            for at in line.members.clone() {
+                let member = &frame.members()[at];
+                let mut elastic = frame.member_response(motion, member, kinematics);
+                self.energy += elastic.energy;
+                let load = applied.on_member(at);
+                if count == 1 {
+                    if let Some(load) = load {
+                        elastic.gradient += load.gradient;
+                        elastic.tangent += load.tangent;
+                    }
+                    chain.take(forces, &elastic);
+                    break;
                 }
-                chain.take(forces, &response);
-                continue;
+                let element = Element { elastic, load, lever: frame.lever(motion, member, linear) };
+                match &mut growing {
+                    None => growing = Some(chain.begin(forces, &element)),
+                    Some(growing) => {
+                        chain.extend(growing, (&mut stiffness.joints[at], &mut self.ys[at]), forces, &element);
+                    }
+                }
             }
-            let energy = &mut self.energy;
-            let elements = members.iter().enumerate().map(|(i, member)| {
-                let elastic = frame.member_response(motion, member, kinematics);
-                *energy += elastic.energy;
-                let load = if loaded { standing.on_element(index, i) } else { None };
-                Element { elastic, load, lever: frame.lever(motion, member, kinematics == Kinematics::Linear) }
-            });
-            let inner = joints_of(line);
-            chain.condense(&mut self.own.joints[inner.clone()], forces, &mut self.ys[inner], elements);
+            if let Some(growing) = &growing {
+                chain.end(growing, forces);
+            }
         }
     }
+}
 
+impl Balance<'_> {
     /// Condenses the gradients of every line with the stiffness of small displacements. `unmoved`: the motion is none, and
     /// so are the forces of elements.
-    pub(super) fn load_lines(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64, unmoved: bool) {
-        let Ladder { mesh, kinematics, ref places, .. } = *self;
-        let frame = mesh.frame();
-        let standing = Standing { mesh, kinematics, motion, loads, places, factor };
-        let Factor { chains, joints, .. } = Factor::chosen(mesh, &self.own, self.rests);
+    pub(super) fn load_lines(&mut self, stiffness: &Factor, motion: &FrameMotion, unmoved: bool) {
+        let (frame, applied) = (self.mesh.frame(), &self.applied);
         self.energy = 0.0;
-        for (index, (chain, line)) in chains.iter().zip(mesh.lines()).enumerate() {
+        for (index, (chain, line)) in stiffness.chains.iter().zip(self.mesh.lines()).enumerate() {
             let inner = joints_of(line);
             let (forces, ys) = (&mut self.forces[index], &mut self.ys[inner.clone()]);
-            let loaded = standing.on_line(index);
-            if unmoved && !loaded {
-                *forces = ChainForces::NONE;
+            if unmoved && !applied.on_any_member(&line.members) {
+                *forces = ChainForces::none(0.0);
                 ys.fill([0.0; 3]);
                 continue;
             }
             let sum = &mut self.energy;
-            let gradients = frame.members()[line.members.clone()].iter().enumerate().map(|(i, member)| {
-                let (energy, mut gradient) = frame.member_linear_forces(motion, member);
+            let gradients = line.members.clone().map(|at| {
+                let (energy, mut gradient) = frame.member_linear_forces(motion, &frame.members()[at]);
                 *sum += energy;
-                if let Some(load) = if loaded { standing.on_element(index, i) } else { None } {
+                if let Some(load) = applied.on_member(at) {
                     gradient += load.gradient;
                 }
                 numbers(&gradient)
             });
-            chain.load(&joints[inner], forces, ys, gradients);
+            chain.load(&stiffness.joints[inner], forces, ys, gradients);
         }
-    }
-}
-
-/// The loads, and where they stand.
-struct Standing<'a> {
-    mesh: &'a Mesh,
-    kinematics: Kinematics,
-    motion: &'a FrameMotion,
-    loads: &'a [FrameLoad],
-    places: &'a [Location],
-    factor: f64,
-}
-
-impl Standing<'_> {
-    /// Whether any stands between the ends of a line.
-    fn on_line(&self, index: usize) -> bool {
-        self.places.iter().any(|place| matches!(place, Location::Inside { line, .. } if *line == index))
-    }
-
-    /// Potential of those that stand inside an element or on the node where it begins, by the motion of its two nodes.
-    #[cold]
-    fn on_element(&self, line: usize, element: usize) -> Option<Response> {
-        let here = Location::Inside { line, element };
-        let standing = self.loads.iter().zip(self.places).filter(|(_, place)| **place == here);
-        standing.map(|(load, _)| self.potential(load)).reduce(|mut sum, part| {
-            sum.energy += part.energy;
-            sum.gradient += part.gradient;
-            sum.tangent += part.tangent;
-            sum
-        })
-    }
-
-    fn potential(&self, load: &FrameLoad) -> Response {
-        let frame = self.mesh.frame();
-        if let FrameLoad::Interior { member, xi, force } = *load {
-            return frame.interior_load(self.motion, member, self.kinematics, xi, force * self.factor);
-        }
-        let (end, force, moment_nmm) = load.at_end(frame);
-        let linear = self.kinematics == Kinematics::Linear;
-        frame.end_load(self.motion, end, force * self.factor, moment_nmm * self.factor, linear)
     }
 }

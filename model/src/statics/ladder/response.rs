@@ -2,6 +2,7 @@
 
 use super::chain::{Ends, joined, joints_of, numbers};
 use super::factor::Factor;
+use super::loads::{element_of, place};
 use super::{Ladder, Location};
 use crate::Vector;
 use crate::frame::{FrameLoad, FrameMotion};
@@ -51,22 +52,15 @@ impl Ladder<'_> {
     pub fn stiffened_member(&mut self, motion: &FrameMotion, member: usize, out: &mut [Vector]) {
         let frame = self.mesh.frame();
         let response = frame.member_response(motion, &frame.members()[member], self.kinematics);
-        let (line, element) = self.element_of(member);
+        let (line, element) = element_of(self.mesh, member);
         self.respond(&OnElement { line, element, gradient: numbers(&response.gradient) }, out);
-    }
-
-    /// The line of a member, and its position in it.
-    pub(super) fn element_of(&self, member: usize) -> (usize, usize) {
-        let mut lines = self.mesh.lines().iter().enumerate();
-        let found = lines.find(|(_, line)| line.members.contains(&member));
-        found.map_or((0, 0), |(index, line)| (index, member - line.members.start))
     }
 
     /// The element that takes the gradient of a load: its own, or one that ends or begins at its node.
     fn placed(&self, load: &FrameLoad, gradient: Ends) -> OnElement {
-        let line = match self.place(load) {
+        let line = match place(self.mesh, load) {
             Location::Inside { line, element } => return OnElement { line, element, gradient },
-            Location::Tip => self.factor().plate_members(self.rung_ys.len())[0],
+            Location::Tip => self.factor().plate_members(self.waiting.len())[0],
             Location::Rung { rung, row } => self.factor().plate_members(rung)[row / 3],
             // A load on a clamp moves nothing.
             Location::Clamped => return OnElement { line: 0, element: 0, gradient: [0.0; 6] },
@@ -80,7 +74,7 @@ impl Ladder<'_> {
     /// are not computed.
     fn respond(&mut self, on: &OnElement, out: &mut [Vector]) {
         let OnElement { line, element, gradient } = *on;
-        let count = self.rung_ys.len();
+        let count = self.waiting.len();
         let stiffness = Factor::chosen(self.mesh, &self.own, self.rests);
         let joints = &stiffness.joints[joints_of(&self.mesh.lines()[line])];
         let on_ends = stiffness.chains[line].condensed_gradient(joints, element, gradient);

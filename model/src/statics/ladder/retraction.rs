@@ -14,42 +14,54 @@
 //!
 //! Reference: Absil, Mahony, Sepulchre, Optimization Algorithms on Matrix Manifolds (2008), sec. 4.1 and 6.3.
 
-use crate::Vector;
 use crate::element::quarter_turn;
 use crate::frame::{BeamEnd, FrameMotion, Member, PlaneFrame};
 use crate::mesh::Line;
+use crate::number::{Number, arctangent};
+use nalgebra::Vector2;
 
 /// A correction that turns no node by more than this, rad, has second-order terms below rounding.
 const NO_TURN: f64 = 1e-8;
 
 /// The motion before a correction, and room for what one line needs.
 #[derive(Debug, Clone)]
-pub(super) struct Retraction {
-    before: FrameMotion,
+pub(super) struct Retraction<R> {
+    before: FrameMotion<R>,
     /// Each element's chord before the correction, mm, and its turn by the correction, rad.
-    chords: Vec<(Vector, f64)>,
+    chords: Vec<(Vector2<R>, R)>,
 }
 
-impl Retraction {
-    pub(super) fn new(frame: &PlaneFrame) -> Retraction {
-        Retraction { before: FrameMotion::at_rest(frame), chords: Vec::new() }
+impl<R: Number> Retraction<R> {
+    /// Room for a frame, in numbers like the one given.
+    pub(super) fn new(frame: &PlaneFrame, like: R) -> Retraction<R> {
+        Retraction { before: FrameMotion::of_zeros(frame, like), chords: Vec::new() }
     }
 
     /// Keeps the motion that is about to be corrected.
-    pub(super) fn remember(&mut self, motion: &FrameMotion) {
+    pub(super) fn remember(&mut self, motion: &FrameMotion<R>) {
         self.before.clone_from(motion);
     }
 
-    /// Mends the nodes inside a line to which the correction was added. `key_nodes` are the corrections of its first and
-    /// last node, mm; a node at a rigid link has moved otherwise.
-    pub(super) fn mend(&mut self, frame: &PlaneFrame, line: &Line, motion: &mut FrameMotion, key_nodes: [Vector; 2]) {
+    /// Mends the nodes inside a line to which the correction was added, in the lanes in which any of them turns.
+    /// `key_nodes` are the corrections of its first and last node, mm; a node at a rigid link has moved otherwise.
+    #[inline(always)]
+    pub(super) fn mend(
+        &mut self,
+        frame: &PlaneFrame,
+        line: &Line,
+        motion: &mut FrameMotion<R>,
+        key_nodes: [Vector2<R>; 2],
+    ) {
         let members = &frame.members()[line.members.clone()];
         let [first, .., last] = members else { return };
-        let turns = |node: &usize| {
-            let slot = frame.rotation_of(*node);
-            (motion.rotations[slot] - self.before.rotations[slot]).abs() > NO_TURN
-        };
-        if !line.nodes.iter().any(turns) {
+        let no_turn = key_nodes[0].x.constant(NO_TURN);
+        let mut turns = no_turn.exceeds(no_turn);
+        for &node in &line.nodes {
+            let slot = frame.rotation_of(node);
+            let turn = (motion.rotations[slot] - self.before.rotations[slot]).abs();
+            turns = no_turn.either(turns, turn.exceeds(no_turn));
+        }
+        if !no_turn.anywhere(turns) {
             return;
         }
         let ends = [first.ends[0], last.ends[1]];
@@ -57,71 +69,90 @@ impl Retraction {
 
         // The inner nodes follow the ends in proportion.
         let count = members.len();
-        let inner = || line.nodes[1..count].iter().enumerate().map(|(i, &node)| (node, (i + 1) as f64 / count as f64));
-        for (node, xi) in inner() {
-            motion.displacements[node] += off[0] * (1.0 - xi) + off[1] * xi;
+        for (i, &node) in line.nodes[1..count].iter().enumerate() {
+            let xi = (i + 1) as f64 / count as f64;
+            let u = &mut motion.displacements[node];
+            advance(&mut u.x, turns, off[0].x * (1.0 - xi) + off[1].x * xi);
+            advance(&mut u.y, turns, off[0].y * (1.0 - xi) + off[1].y * xi);
         }
         // At the ends the chords must turn back to what Newton has for the key nodes; a cubic across the member does it.
         let [from, to] = displacements(frame, motion, ends);
-        let whole = first.beam.direction * (first.beam.length_mm * count as f64) + (to - from);
-        let leaning = |index: usize, slopes: [f64; 2]| {
-            let (chord, surplus) = self.turned(frame, motion, &members[index], index);
-            let [before, after] = [index, index + 1].map(|node| cubic(slopes, node as f64 / count as f64));
-            let lifted = chord + quarter_turn(whole) * (after - before);
-            (lifted, surplus + chord.perp(&lifted).atan2(chord.dot(&lifted)))
-        };
-        // The slope with which the cubic turns this chord by so much.
-        let slope = |chord: Vector, turn: f64| {
-            let turned = chord * turn.cos() + quarter_turn(chord) * turn.sin();
-            let share = whole.dot(&turned) / (count as f64 * chord.norm_squared());
-            if share > 0.5 { turn.sin() / share } else { turn }
-        };
-        let mut slopes = end_slopes(
-            [0, count - 1].map(|end| {
-                let (chord, surplus) = leaning(end, [0.0; 2]);
-                slope(chord, -surplus)
-            }),
-            count,
-        );
+        let whole = chord(first, count as f64, from, to);
+        let no_slopes = [no_turn.zero(); 2];
+        // Closures would not be inlined here, and lanes computed by calls of single instructions.
+        let (chord, surplus) = self.leaning(frame, motion, first, (0, count), whole, no_slopes);
+        let first_slope = slope(whole, count, chord, -surplus);
+        let (chord, surplus) = self.leaning(frame, motion, last, (count - 1, count), whole, no_slopes);
+        let mut slopes = end_slopes([first_slope, slope(whole, count, chord, -surplus)], count);
         // That turns the end chords exactly, but it is at the end nodes that the turn is Newton's. Half an element off is a
         // shear force that grows as 1 / h, and with it what an axial force does to the tangent: it loses its sign.
         if count > 2 {
-            let ends = [(0, 1), (count - 1, count - 2)].map(|(end, next)| {
-                let (chord, surplus) = leaning(end, slopes);
-                slope(chord, 0.5 * (leaning(next, slopes).1 - 3.0 * surplus))
-            });
-            let more = end_slopes(ends, count);
+            let mut more = slopes;
+            for (end, (at, next)) in [(0, 1), (count - 1, count - 2)].into_iter().enumerate() {
+                let (chord, surplus) = self.leaning(frame, motion, &members[at], (at, count), whole, slopes);
+                let (_, beside) = self.leaning(frame, motion, &members[next], (next, count), whole, slopes);
+                more[end] = slope(whole, count, chord, (beside - surplus * 3.0) * 0.5);
+            }
+            let more = end_slopes(more, count);
             slopes = [slopes[0] + more[0], slopes[1] + more[1]];
         }
-        for (node, xi) in inner() {
-            motion.displacements[node] += quarter_turn(whole) * cubic(slopes, xi);
+        let across = quarter_turn(whole);
+        for (i, &node) in line.nodes[1..count].iter().enumerate() {
+            let lift = cubic(slopes, (i + 1) as f64 / count as f64);
+            let u = &mut motion.displacements[node];
+            advance(&mut u.x, turns, across.x * lift);
+            advance(&mut u.y, turns, across.y * lift);
         }
         // A node between two chords turns as these have.
         let (_, mut below) = self.turned(frame, motion, first, 0);
         for (index, member) in members.iter().enumerate().skip(1) {
             let (_, above) = self.turned(frame, motion, member, index);
-            motion.rotations[member.ends[0].rotation] += 0.5 * (below + above);
+            advance(&mut motion.rotations[member.ends[0].rotation], turns, (below + above) * 0.5);
             below = above;
         }
     }
 
+    /// An element's chord, mm, and how much further than by the correction it has turned, rad, once the [`cubic`] with these
+    /// slopes is put across the member; the element is the `index`-th of `count`.
+    #[inline(always)]
+    fn leaning(
+        &self,
+        frame: &PlaneFrame,
+        motion: &FrameMotion<R>,
+        member: &Member,
+        (index, count): (usize, usize),
+        whole: Vector2<R>,
+        slopes: [R; 2],
+    ) -> (Vector2<R>, R) {
+        let (chord, surplus) = self.turned(frame, motion, member, index);
+        let before = cubic(slopes, index as f64 / count as f64);
+        let after = cubic(slopes, (index + 1) as f64 / count as f64);
+        let (across, lift) = (quarter_turn(whole), after - before);
+        let lifted = Vector2::new(chord.x + across.x * lift, chord.y + across.y * lift);
+        (lifted, surplus + arctangent(cross(chord, lifted), dot(chord, lifted)))
+    }
+
     /// Notes each chord before the correction and its turn by it; returns how far the two ends of the elastic part are
     /// from where the correction has them, mm.
+    #[inline(always)]
     fn measure(
         &mut self,
         frame: &PlaneFrame,
         line: &Line,
-        motion: &FrameMotion,
+        motion: &FrameMotion<R>,
         ends: [BeamEnd; 2],
-        key_nodes: [Vector; 2],
-    ) -> [Vector; 2] {
+        key_nodes: [Vector2<R>; 2],
+    ) -> [Vector2<R>; 2] {
         let Retraction { before, chords } = self;
         let (old, new) = (displacements(frame, before, ends), displacements(frame, motion, ends));
-        let corrections = [0, 1].map(|i| {
+        let mut corrections = key_nodes;
+        for i in 0..2 {
             let BeamEnd { node, rotation, arm } = ends[i];
-            let arm = arm + (old[i] - before.displacements[node]);
-            key_nodes[i] + quarter_turn(arm) * (motion.rotations[rotation] - before.rotations[rotation])
-        });
+            let swung = difference(old[i], before.displacements[node]);
+            let turn = motion.rotations[rotation] - before.rotations[rotation];
+            corrections[i].x -= (swung.y + arm.y) * turn;
+            corrections[i].y += (swung.x + arm.x) * turn;
+        }
         chords.clear();
         let members = &frame.members()[line.members.clone()];
         let (mut position, mut correction) = (old[0], corrections[0]);
@@ -130,43 +161,87 @@ impl Retraction {
             let (next, next_correction) = if is_last {
                 (old[1], corrections[1])
             } else {
-                (before.displacements[node], motion.displacements[node] - before.displacements[node])
+                (before.displacements[node], difference(motion.displacements[node], before.displacements[node]))
             };
-            let chord = member.beam.direction * member.beam.length_mm + (next - position);
-            chords.push((chord, chord.perp(&(next_correction - correction)) / chord.norm_squared()));
+            let chord = chord(member, 1.0, position, next);
+            chords.push((chord, cross(chord, difference(next_correction, correction)) / dot(chord, chord)));
             (position, correction) = (next, next_correction);
         }
-        [0, 1].map(|i| new[i] - old[i] - corrections[i])
+        [difference(difference(new[0], old[0]), corrections[0]), difference(difference(new[1], old[1]), corrections[1])]
     }
 
     /// An element's chord, mm, and how much further than by the correction it has turned, rad.
-    fn turned(&self, frame: &PlaneFrame, motion: &FrameMotion, member: &Member, index: usize) -> (Vector, f64) {
+    #[inline(always)]
+    fn turned(&self, frame: &PlaneFrame, motion: &FrameMotion<R>, member: &Member, index: usize) -> (Vector2<R>, R) {
         let (before, turn) = self.chords[index];
         let [from, to] = displacements(frame, motion, member.ends);
-        let chord = member.beam.direction * member.beam.length_mm + (to - from);
-        (chord, before.perp(&chord).atan2(before.dot(&chord)) - turn)
+        let chord = chord(member, 1.0, from, to);
+        (chord, arctangent(cross(before, chord), dot(before, chord)) - turn)
     }
 }
 
+/// The chord of `count` members like this one in a row, between two displaced ends, mm.
+#[inline(always)]
+fn chord<R: Number>(member: &Member, count: f64, from: Vector2<R>, to: Vector2<R>) -> Vector2<R> {
+    let rest = member.beam.direction * (member.beam.length_mm * count);
+    Vector2::new(to.x - from.x + rest.x, to.y - from.y + rest.y)
+}
+
+#[inline(always)]
+fn difference<R: Number>(a: Vector2<R>, b: Vector2<R>) -> Vector2<R> {
+    Vector2::new(a.x - b.x, a.y - b.y)
+}
+
+#[inline(always)]
+fn dot<R: Number>(a: Vector2<R>, b: Vector2<R>) -> R {
+    a.x * b.x + a.y * b.y
+}
+
+/// Positive where b lies to the left of a.
+#[inline(always)]
+fn cross<R: Number>(a: Vector2<R>, b: Vector2<R>) -> R {
+    a.x * b.y - a.y * b.x
+}
+
+/// The slope with which the [`cubic`] across `whole` turns a chord of `count` by so much.
+#[inline(always)]
+fn slope<R: Number>(whole: Vector2<R>, count: usize, chord: Vector2<R>, turn: R) -> R {
+    let (sine, cosine, across) = (turn.each(f64::sin), turn.each(f64::cos), quarter_turn(chord));
+    let turned = Vector2::new(chord.x * cosine + across.x * sine, chord.y * cosine + across.y * sine);
+    let share = dot(whole, turned) / (dot(chord, chord) * count as f64);
+    R::select(share.exceeds(share.constant(0.5)), sine / share, turn)
+}
+
 /// s_0 xi (1 - xi)^2 - s_1 xi^2 (1 - xi): the cubic with these slopes at its two ends, of which the second counts back.
-fn cubic(slopes: [f64; 2], xi: f64) -> f64 {
+#[inline(always)]
+fn cubic<R: Number>(slopes: [R; 2], xi: f64) -> R {
     let rest = 1.0 - xi;
-    xi * rest * (slopes[0] * rest - slopes[1] * xi)
+    (slopes[0] * rest - slopes[1] * xi) * (xi * rest)
 }
 
 /// Slopes of the [`cubic`] of which the first and the last of `count` chords have these slopes; one node alone cannot turn
 /// two chords.
-fn end_slopes(chords: [f64; 2], count: usize) -> [f64; 2] {
+#[inline(always)]
+fn end_slopes<R: Number>(chords: [R; 2], count: usize) -> [R; 2] {
     if count < 3 {
         return chords;
     }
     let xi = 1.0 / count as f64;
     let rest = 1.0 - xi;
     let [first, last] = chords;
-    [(first, last), (last, first)].map(|(near, far)| (rest * near + xi * far) / (rest * (rest - xi)))
+    let divisor = first.constant(rest * (rest - xi));
+    [(first * rest + last * xi) / divisor, (last * rest + first * xi) / divisor]
+}
+
+/// Adds to a value where a mask holds.
+#[inline(always)]
+fn advance<R: Number>(value: &mut R, mask: R::Mask, by: R) {
+    *value = R::select(mask, *value + by, *value);
 }
 
 /// Displacements of the two ends of an elastic part, mm.
-fn displacements(frame: &PlaneFrame, motion: &FrameMotion, ends: [BeamEnd; 2]) -> [Vector; 2] {
-    frame.end_motions(motion, &ends, false).map(|end| end.displacement)
+#[inline(always)]
+fn displacements<R: Number>(frame: &PlaneFrame, motion: &FrameMotion<R>, ends: [BeamEnd; 2]) -> [Vector2<R>; 2] {
+    let [first, second] = frame.end_motions(motion, &ends, false);
+    [first.displacement, second.displacement]
 }

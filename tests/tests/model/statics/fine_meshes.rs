@@ -108,7 +108,7 @@ proptest! {
 
 /// The paper's finger; one with plates like foil; two with a member that is 10^12 times stiffer or a million times softer.
 /// Forces in N that bend them a little.
-fn hard_fingers() -> Vec<(Finger, f64)> {
+pub(super) fn hard_fingers() -> Vec<(Finger, f64)> {
     let of = |change: &dyn Fn(&mut FingerDescription)| {
         let mut description = paper().description().clone();
         change(&mut description);

@@ -1,0 +1,230 @@
+//! Equilibria of one finger under many loads, several at once.
+//!
+//! The loads share the mesh, so they share every instruction: each goes through Newton's method in a lane of the machine's
+//! registers. A lane has its own load and its own end; where one has ended, the next load takes its place. No lane sees
+//! another, and each computes what [`Statics::equilibrium`] computes, operation by operation. So a result is the same, bit
+//! for bit, alone or in any batch, for any number of threads and on any machine.
+//!
+//! Lanes take the whole load in one step. What needs more steps, or has no equilibrium, is left to the single path, and so
+//! is the first correction: from rest it needs no stiffness but the one that the mesh keeps.
+
+use super::ladder::{Balance, Factor};
+use super::load_step::{CORRECTION_TOLERANCE, LoadStep};
+use super::newton::largest_difference;
+use super::{Equilibrium, EquilibriumEquations, Ladder, Statics, StaticsError};
+use crate::Kinematics;
+use crate::frame::{FrameLoad, FrameMotion};
+use crate::mesh::Mesh;
+use crate::number::{Lanes, Number};
+use pulp::{Arch, Simd, WithSimd};
+use rayon::prelude::*;
+
+/// Loads that one thread takes at a time: many against those at the end, which leave lanes empty, and few against a study's.
+const LOADS_A_PIECE: usize = 256;
+
+/// Equilibria under dead loads, each followed from rest: those of [`Statics::equilibrium`], in the order of the loads.
+///
+/// Co-rotational fingers go several at a time, and in pieces on rayon's threads.
+///
+/// # Errors
+/// Each load has its own [`StaticsError`].
+pub fn equilibria<L: AsRef<[FrameLoad]>>(
+    mesh: &Mesh,
+    kinematics: Kinematics,
+    loads: &[L],
+) -> Vec<Result<Equilibrium, StaticsError>> {
+    let loads: Vec<&[FrameLoad]> = loads.iter().map(AsRef::as_ref).collect();
+    in_pieces(mesh, kinematics, &loads)
+}
+
+fn in_pieces(mesh: &Mesh, kinematics: Kinematics, loads: &[&[FrameLoad]]) -> Vec<Result<Equilibrium, StaticsError>> {
+    let pieces = loads.par_chunks(LOADS_A_PIECE);
+    let found = pieces.flat_map_iter(|loads| Arch::new().dispatch(Piece { mesh, kinematics, loads }));
+    found.collect()
+}
+
+/// Some loads, for one thread.
+struct Piece<'a> {
+    mesh: &'a Mesh,
+    kinematics: Kinematics,
+    loads: &'a [&'a [FrameLoad]],
+}
+
+impl WithSimd for Piece<'_> {
+    type Output = Vec<Result<Equilibrium, StaticsError>>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Piece { mesh, kinematics, loads } = self;
+        let mut single = Statics::ladder(mesh, kinematics);
+        // The linear factor is kept between loads, which leaves lanes nothing to share; and one load fills no register.
+        if kinematics == Kinematics::Linear || loads.len() == 1 {
+            return loads.iter().map(|loads| single.equilibrium(loads)).collect();
+        }
+        let mut waiting = Waiting { single, loads: loads.iter().enumerate(), results: vec![None; loads.len()] };
+        let mut batch = Batch::new(mesh, kinematics, Lanes::splat(simd, 0.0));
+        batch.fill(&mut waiting);
+        while batch.is_busy() {
+            batch.iterate();
+            batch.judge(&mut waiting);
+            batch.fill(&mut waiting);
+        }
+        // No load is left without a result.
+        waiting.results.into_iter().flatten().collect()
+    }
+}
+
+type Found = Result<Equilibrium, StaticsError>;
+
+/// Loads that wait for a lane, and what has been found.
+struct Waiting<'a, I> {
+    /// For all that lanes do not do.
+    single: Statics<Ladder<'a>>,
+    loads: I,
+    results: Vec<Option<Found>>,
+}
+
+/// A load on its way, after its first correction.
+struct Path<'a> {
+    /// Its position among the loads.
+    index: usize,
+    loads: &'a [FrameLoad],
+    step: LoadStep,
+}
+
+impl<'a, I: Iterator<Item = (usize, &'a &'a [FrameLoad])>> Waiting<'a, I> {
+    /// The next load that one correction from rest does not solve; leaves the corrected motion behind.
+    fn next(&mut self, motion: &mut FrameMotion, at_rest: &FrameMotion) -> Option<Path<'a>> {
+        while let Some((index, &loads)) = self.loads.next() {
+            if !loads.iter().all(FrameLoad::is_finite) {
+                self.results[index] = Some(Err(StaticsError::LoadNotFinite));
+                continue;
+            }
+            motion.clone_from(at_rest);
+            let equations = self.single.equations_mut();
+            let mut step = LoadStep::new(false, CORRECTION_TOLERANCE);
+            if equations.linearise(motion, loads, 1.0) {
+                let scale = 2.0 * equations.elastic_energy();
+                let work = equations.correct(motion);
+                let turn = largest_difference(&motion.rotations, &at_rest.rotations);
+                if step.judge(work, scale, turn, || false).is_none() {
+                    return Some(Path { index, loads, step });
+                }
+            }
+            self.leave(index, loads);
+        }
+        None
+    }
+
+    /// Leaves a load to the single path.
+    fn leave(&mut self, index: usize, loads: &[FrameLoad]) {
+        self.results[index] = Some(self.single.equilibrium(loads));
+    }
+}
+
+/// As many loads on their way as there are lanes.
+struct Batch<'a, R: Number> {
+    balance: Balance<'a, R>,
+    stiffness: Factor<R>,
+    /// In each lane, if it is in use.
+    paths: Vec<Option<Path<'a>>>,
+    motion: FrameMotion<R>,
+    /// Rotations that the first correction predicts.
+    predicted: Vec<R>,
+    /// Of the last correction: work, scale and turn as in [`LoadStep::judge`].
+    work: R,
+    scale: R,
+    turn: R,
+    at_rest: FrameMotion,
+    /// Room for the motion of one lane.
+    of_lane: FrameMotion,
+}
+
+impl<'a, R: Number> Batch<'a, R> {
+    fn new(mesh: &'a Mesh, kinematics: Kinematics, like: R) -> Batch<'a, R> {
+        let motion = FrameMotion::of_zeros(mesh.frame(), like);
+        let at_rest = FrameMotion::at_rest(mesh.frame());
+        Batch {
+            balance: Balance::new(mesh, kinematics, like),
+            stiffness: Factor::with_room(mesh, like),
+            paths: (0..R::LANES).map(|_| None).collect(),
+            predicted: motion.rotations.clone(),
+            motion,
+            work: like,
+            scale: like,
+            turn: like,
+            of_lane: at_rest.clone(),
+            at_rest,
+        }
+    }
+
+    fn is_busy(&self) -> bool {
+        self.paths.iter().any(Option::is_some)
+    }
+
+    /// Puts waiting loads into free lanes.
+    fn fill(&mut self, waiting: &mut Waiting<'a, impl Iterator<Item = (usize, &'a &'a [FrameLoad])>>) {
+        for (lane, path) in self.paths.iter_mut().enumerate().filter(|(_, path)| path.is_none()) {
+            *path = waiting.next(&mut self.of_lane, &self.at_rest);
+            if path.is_none() {
+                // What an empty lane holds must not slow the others down.
+                self.of_lane.clone_from(&self.at_rest);
+            }
+            self.motion.set_lane(lane, &self.of_lane);
+            for (predicted, rotation) in self.predicted.iter_mut().zip(&self.of_lane.rotations) {
+                predicted.set_lane(lane, *rotation);
+            }
+        }
+    }
+
+    /// One correction by Newton's method in each lane.
+    #[inline(always)]
+    fn iterate(&mut self) {
+        self.apply_loads();
+        self.balance.factorise(&mut self.stiffness, &self.motion);
+        self.balance.eliminate_gradient(&self.stiffness);
+        self.scale = self.balance.energy() * 2.0;
+        self.work = self.balance.correct(&self.stiffness, &mut self.motion);
+        self.turn = self.work.zero();
+        for (predicted, rotation) in self.predicted.iter().zip(&self.motion.rotations) {
+            self.turn = self.turn.larger((*rotation - *predicted).abs());
+        }
+    }
+
+    fn apply_loads(&mut self) {
+        self.balance.take_off_loads();
+        for (lane, path) in self.paths.iter().enumerate() {
+            let Some(path) = path else { continue };
+            // What a load on a node does, does not depend on how the node moves.
+            if path.loads.iter().any(|load| !matches!(load, FrameLoad::Node { .. })) {
+                self.motion.copy_lane(lane, &mut self.of_lane);
+            }
+            self.balance.apply_loads(lane, &self.of_lane, path.loads, 1.0);
+        }
+    }
+
+    /// Decides in each lane how to go on; where the path has ended, its result is kept and the lane is free.
+    fn judge(&mut self, waiting: &mut Waiting<'a, impl Iterator<Item = (usize, &'a &'a [FrameLoad])>>) {
+        for (lane, place) in self.paths.iter_mut().enumerate() {
+            let Some(path) = place else { continue };
+            let mut taken = None;
+            if self.work.holds(self.stiffness.positive(), lane) {
+                let (work, scale, turn) = (self.work.lane(lane), self.scale.lane(lane), self.turn.lane(lane));
+                match path.step.judge(work, scale, turn, || false) {
+                    None => continue,
+                    Some(end) => taken = end.ok(),
+                }
+            }
+            match taken {
+                Some(taken) => {
+                    let mut motion = self.at_rest.clone();
+                    self.motion.copy_lane(lane, &mut motion);
+                    let found = Equilibrium { motion, iterations: taken.iterations, load_steps: 1 };
+                    waiting.results[path.index] = Some(Ok(found));
+                }
+                None => waiting.leave(path.index, path.loads),
+            }
+            *place = None;
+        }
+    }
+}

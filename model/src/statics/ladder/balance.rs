@@ -1,0 +1,223 @@
+//! The forces on a finger, eliminated with a stiffness, and the correction that balances them.
+
+use super::chain::{Between, ChainForces, Ends, Solved, halves, joints_of};
+use super::factor::Factor;
+use super::loads::Applied;
+use super::retraction::Retraction;
+use super::rung::RigidRib;
+use crate::Kinematics;
+use crate::frame::{FrameLoad, FrameMotion};
+use crate::mesh::Mesh;
+use crate::number::Number;
+use nalgebra::Vector2;
+
+/// What one motion under one load - or several, one a lane - needs beside the stiffness.
+#[derive(Debug, Clone)]
+pub(in crate::statics) struct Balance<'m, R: Number = f64> {
+    pub(super) mesh: &'m Mesh,
+    pub(super) kinematics: Kinematics,
+    pub(super) applied: Applied<R>,
+    /// One for each line.
+    pub(super) forces: Vec<ChainForces<R>>,
+    /// y = L^-1 g of everything that is eliminated: each joint, each rung, the tip.
+    pub(super) ys: Vec<[R; 3]>,
+    rung_ys: Vec<Ends<R>>,
+    tip_y: [R; 3],
+    pub(super) energy: R,
+    work: R,
+    /// One for each rung, and the tip's: their corrections on the way back.
+    corrections: Vec<Ends<R>>,
+    tip_correction: [R; 3],
+    /// Where rotations are large and lines have inner nodes.
+    retraction: Option<Retraction<R>>,
+}
+
+impl<'m, R: Number> Balance<'m, R> {
+    /// Room for the elimination, in numbers like the one given.
+    pub(in crate::statics) fn new(mesh: &'m Mesh, kinematics: Kinematics, like: R) -> Balance<'m, R> {
+        let (frame, rungs, zero) = (mesh.frame(), mesh.finger().rib_count(), like.zero());
+        let bends = kinematics != Kinematics::Linear && frame.node_count() > mesh.finger().key_node_count();
+        Balance {
+            mesh,
+            kinematics,
+            applied: Applied::none(rungs, like),
+            forces: vec![ChainForces::none(like); mesh.lines().len()],
+            ys: vec![[zero; 3]; frame.members().len()],
+            rung_ys: vec![[zero; 6]; rungs],
+            tip_y: [zero; 3],
+            energy: zero,
+            work: zero,
+            corrections: vec![[zero; 6]; rungs],
+            tip_correction: [zero; 3],
+            retraction: bends.then(|| Retraction::new(frame, like)),
+        }
+    }
+
+    fn linear(&self) -> bool {
+        self.kinematics == Kinematics::Linear
+    }
+
+    /// Takes all loads off.
+    pub(in crate::statics) fn take_off_loads(&mut self) {
+        self.applied.clear();
+    }
+
+    /// Adds `factor` times the loads in one lane, at the motion of this lane.
+    pub(in crate::statics) fn apply_loads(
+        &mut self,
+        lane: usize,
+        motion: &FrameMotion,
+        loads: &[FrameLoad],
+        factor: f64,
+    ) {
+        self.applied.add(lane, (self.mesh, self.kinematics), motion, loads, factor);
+    }
+
+    /// Elastic energy at the last motion that was linearised, N mm.
+    #[inline(always)]
+    pub(in crate::statics) fn energy(&self) -> R {
+        self.energy
+    }
+
+    /// The undeformable rib of a rung, if it has one.
+    #[inline(always)]
+    fn rigid_rib(&self, stiffness: &Factor<R>, level: usize, motion: &FrameMotion<R>) -> Option<RigidRib<R>> {
+        let frame = self.mesh.frame();
+        let front = self.mesh.frame_node(self.mesh.finger().rib_nodes(level)[0]);
+        let (slot, lever) = frame.link_of(front, motion, self.linear())?;
+        let front_pull = if self.linear() {
+            Vector2::new(lever.x.zero(), lever.x.zero())
+        } else {
+            let raw = stiffness.rung_sum(level, |line| &self.forces[line].raw);
+            let load = &self.applied.on_rung(level, 3).gradient;
+            Vector2::new(raw[3] + load[0], raw[4] + load[1])
+        };
+        Some(RigidRib { lever, together: slot == frame.rotation_of(front), front_pull })
+    }
+
+    /// Factorises the tangent at a motion under the loads that are applied, and notes its forces.
+    #[inline(always)]
+    pub(in crate::statics) fn factorise(&mut self, stiffness: &mut Factor<R>, motion: &FrameMotion<R>) {
+        self.condense_lines(stiffness, motion);
+        stiffness.eliminate_tip(self.applied.on_tip().curvature);
+        for level in (0..self.rung_ys.len()).rev() {
+            let rib = self.rigid_rib(stiffness, level, motion);
+            let curvatures = [self.applied.on_rung(level, 0).curvature, self.applied.on_rung(level, 3).curvature];
+            stiffness.eliminate_rung(level, rib, curvatures);
+        }
+    }
+
+    /// Eliminates the gradient from tip to base with a stiffness.
+    #[inline(always)]
+    pub(in crate::statics) fn eliminate_gradient(&mut self, stiffness: &Factor<R>) {
+        let count = self.rung_ys.len();
+        let mut tip = self.applied.on_tip().gradient;
+        for line in stiffness.plate_members(count) {
+            for i in 0..3 {
+                tip[i] += self.forces[line].gradient[3 + i];
+            }
+        }
+        self.tip_y = stiffness.tip.forward(&tip);
+        let mut work = self.work.zero();
+        for forces in &self.forces {
+            work += forces.work;
+        }
+        work += stiffness.tip.work(&self.tip_y);
+        for level in (0..count).rev() {
+            let mut gradient = stiffness.rung_sum(level, |line| &self.forces[line].gradient);
+            match stiffness.rungs.get(level + 1) {
+                Some(above) => above.reduce_gradient(&self.rung_ys[level + 1], &mut gradient),
+                None => stiffness.tip.reduce_gradient(&self.tip_y, &mut gradient),
+            }
+            for row in [0, 3] {
+                let load = &self.applied.on_rung(level, row).gradient;
+                for i in 0..3 {
+                    gradient[row + i] += load[i];
+                }
+            }
+            self.rung_ys[level] = stiffness.rungs[level].forward(&gradient);
+            work += stiffness.rungs[level].work(&self.rung_ys[level]);
+        }
+        self.work = work;
+    }
+
+    /// Adds Newton's correction to the linearised motion; returns its squared energy norm, N mm.
+    #[inline(always)]
+    pub(in crate::statics) fn correct(&mut self, stiffness: &Factor<R>, motion: &mut FrameMotion<R>) -> R {
+        if let Some(retraction) = &mut self.retraction {
+            retraction.remember(motion);
+        }
+        let (mesh, frame, finger, linear) = (self.mesh, self.mesh.frame(), self.mesh.finger(), self.linear());
+        let count = self.corrections.len();
+        let zero = self.work.zero();
+        let mut below = [zero; 6];
+        for (level, rung) in stiffness.rungs.iter().enumerate() {
+            let (correction, link_rotation) = rung.motion(&self.rung_ys[level], &below);
+            self.corrections[level] = correction;
+            let [front, back] = finger.rib_nodes(level).map(|node| mesh.frame_node(node));
+            for (node, row) in [(back, 0), (front, 3)] {
+                let u = &mut motion.displacements[node];
+                u.x += correction[row];
+                u.y += correction[row + 1];
+            }
+            motion.rotations[frame.rotation_of(back)] += correction[2];
+            if frame.rotation_of(front) != frame.rotation_of(back) {
+                motion.rotations[frame.rotation_of(front)] += correction[5];
+            }
+            if let (Some((slot, _)), Some(turn)) = (frame.link_of(front, motion, linear), link_rotation) {
+                motion.rotations[slot] += turn;
+            }
+            below = correction;
+        }
+        let tip = stiffness.tip.motion(&self.tip_y, &below);
+        self.tip_correction = tip;
+        let tip_node = mesh.frame_node(finger.tip());
+        let u = &mut motion.displacements[tip_node];
+        u.x += tip[0];
+        u.y += tip[1];
+        motion.rotations[frame.rotation_of(tip_node)] += tip[2];
+        frame.follow_links(motion, linear);
+
+        // Back along the chains, from the corrections of their ends (back, front).
+        for (index, line) in mesh.lines().iter().enumerate() {
+            let joints = joints_of(line);
+            if line.members.is_empty() || (joints.is_empty() && !stiffness.chains[index].is_pinned()) {
+                continue;
+            }
+            let (level, sides) = match index {
+                back if back <= count => (back, [0, 0]),
+                front if front < 2 * (count + 1) => (front - (count + 1), [1, 1]),
+                rib => (rib - 2 * (count + 1) + 1, [0, 1]),
+            };
+            let upper = if sides[0] == sides[1] { level + 1 } else { level };
+            let first = self.key_correction(level, sides[0]);
+            let second = self.key_correction(upper, sides[1]);
+            let between = Between::of(frame, line);
+            let inner = Solved { joints: &stiffness.joints[joints.clone()], ys: &self.ys[joints], between: &between };
+            stiffness.chains[index].correct(inner, &self.forces[index], motion, [&first, &second]);
+            if let Some(retraction) = &mut self.retraction {
+                let key_nodes = [Vector2::new(first[0], first[1]), Vector2::new(second[0], second[1])];
+                retraction.mend(frame, line, motion, key_nodes);
+            }
+        }
+        self.work
+    }
+
+    /// Correction of the back (0) or front (1) node of a level: the base, the rungs, the tip.
+    #[inline(always)]
+    fn key_correction(&self, level: usize, side: usize) -> [R; 3] {
+        match level {
+            0 => [self.work.zero(); 3],
+            level if level > self.corrections.len() => self.tip_correction,
+            level => halves(&self.corrections[level - 1])[side],
+        }
+    }
+}
+
+impl Balance<'_> {
+    /// Largest displacement of a key node by the last correction, mm.
+    pub(super) fn largest_correction(&self) -> f64 {
+        let nodes = self.corrections.iter().flat_map(halves).chain([self.tip_correction]);
+        nodes.map(|[x, y, _]| x * x + y * y).fold(0.0, f64::max).sqrt()
+    }
+}

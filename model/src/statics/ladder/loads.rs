@@ -1,0 +1,157 @@
+//! The loads as the ladder meets them: their potentials by the motions of key nodes, and of elements between key nodes.
+
+use super::Location;
+use crate::Kinematics;
+use crate::element::Response;
+use crate::frame::{FrameLoad, FrameMotion};
+use crate::mesh::Mesh;
+use crate::number::Number;
+use nalgebra::{SMatrix, SVector};
+use std::ops::Range;
+
+/// Potential of the loads on one key node, by its motion.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct OnNode<R> {
+    /// By x, y and rotation.
+    pub gradient: [R; 3],
+    /// Twice by the rotation: the end of an arm moves on a circle.
+    pub curvature: R,
+}
+
+/// Potentials of all loads at one motion.
+#[derive(Debug, Clone)]
+pub(super) struct Applied<R> {
+    nothing: OnNode<R>,
+    /// Back and front node of each rung, then the tip.
+    on_nodes: Vec<OnNode<R>>,
+    /// Elements that carry a load, inside or on the node where they begin.
+    on_members: Vec<(usize, Response<R>)>,
+}
+
+impl<R: Number> Applied<R> {
+    /// No loads on a ladder of so many rungs, in numbers like the one given.
+    pub(super) fn none(rungs: usize, like: R) -> Applied<R> {
+        let nothing = OnNode { gradient: [like.zero(); 3], curvature: like.zero() };
+        Applied { nothing, on_nodes: vec![nothing; 2 * rungs + 1], on_members: Vec::new() }
+    }
+
+    /// Takes all loads off.
+    pub(super) fn clear(&mut self) {
+        self.on_nodes.fill(self.nothing);
+        self.on_members.clear();
+    }
+
+    /// The loads on the key node at a row (0 back, 3 front) of a rung.
+    #[inline(always)]
+    pub(super) fn on_rung(&self, rung: usize, row: usize) -> &OnNode<R> {
+        &self.on_nodes[2 * rung + row / 3]
+    }
+
+    /// The loads on the tip.
+    #[inline(always)]
+    pub(super) fn on_tip(&self) -> &OnNode<R> {
+        &self.on_nodes[self.on_nodes.len() - 1]
+    }
+
+    /// The loads on an element between key nodes.
+    #[inline(always)]
+    pub(super) fn on_member(&self, member: usize) -> Option<&Response<R>> {
+        self.on_members.iter().find(|(loaded, _)| *loaded == member).map(|(_, potential)| potential)
+    }
+
+    /// Whether a load stands on any of some elements.
+    #[inline(always)]
+    pub(super) fn on_any_member(&self, members: &Range<usize>) -> bool {
+        self.on_members.iter().any(|(loaded, _)| members.contains(loaded))
+    }
+
+    /// Adds `factor` times the loads in one lane; `motion` is the motion of this lane.
+    pub(super) fn add(
+        &mut self,
+        lane: usize,
+        (mesh, kinematics): (&Mesh, Kinematics),
+        motion: &FrameMotion,
+        loads: &[FrameLoad],
+        factor: f64,
+    ) {
+        let frame = mesh.frame();
+        for load in loads {
+            if let FrameLoad::Interior { member, xi, force } = *load {
+                let potential = frame.interior_load(motion, member, kinematics, xi, force * factor);
+                self.add_to_member(lane, member, &potential);
+                continue;
+            }
+            let (end, force, moment_nmm) = load.at_end(frame);
+            let linear = kinematics == Kinematics::Linear;
+            let potential = frame.end_load(motion, end, force * factor, moment_nmm * factor, linear);
+            let on_node = match location(mesh, end.node) {
+                // A load on a clamp moves nothing.
+                Location::Clamped => continue,
+                Location::Inside { line, element } => {
+                    self.add_to_member(lane, mesh.lines()[line].members.start + element, &potential);
+                    continue;
+                }
+                Location::Rung { rung, row } => 2 * rung + row / 3,
+                Location::Tip => self.on_nodes.len() - 1,
+            };
+            let OnNode { gradient, curvature } = &mut self.on_nodes[on_node];
+            for (sum, part) in gradient.iter_mut().zip(&potential.gradient) {
+                add_in_lane(sum, lane, *part);
+            }
+            add_in_lane(curvature, lane, potential.tangent[(2, 2)]);
+        }
+    }
+
+    fn add_to_member(&mut self, lane: usize, member: usize, potential: &Response) {
+        let found = self.on_members.iter().position(|(loaded, _)| *loaded == member);
+        let index = found.unwrap_or_else(|| {
+            let zero = self.nothing.curvature;
+            let none = Response { energy: zero, gradient: SVector::repeat(zero), tangent: SMatrix::repeat(zero) };
+            self.on_members.push((member, none));
+            self.on_members.len() - 1
+        });
+        let (_, sum) = &mut self.on_members[index];
+        let pairs = sum.gradient.iter_mut().zip(&potential.gradient);
+        for (sum, part) in pairs.chain(sum.tangent.iter_mut().zip(&potential.tangent)) {
+            add_in_lane(sum, lane, *part);
+        }
+    }
+}
+
+fn add_in_lane<R: Number>(sum: &mut R, lane: usize, part: f64) {
+    sum.set_lane(lane, sum.lane(lane) + part);
+}
+
+/// Where a node of the frame is.
+pub(super) fn location(mesh: &Mesh, node: usize) -> Location {
+    let finger = mesh.finger();
+    if node == mesh.frame_node(finger.tip()) {
+        return Location::Tip;
+    }
+    let mut ribs = (0..finger.rib_count()).map(|rung| (rung, finger.rib_nodes(rung).map(|id| mesh.frame_node(id))));
+    if let Some((rung, [front, _])) = ribs.find(|(_, nodes)| nodes.contains(&node)) {
+        return Location::Rung { rung, row: if node == front { 3 } else { 0 } };
+    }
+    let mut lines = mesh.lines().iter().enumerate();
+    // Nodes inside a line follow each other.
+    let found = lines.find_map(|(line, along)| {
+        let inner = &along.nodes[1..along.nodes.len() - 1];
+        inner.binary_search(&node).ok().map(|i| Location::Inside { line, element: i + 1 })
+    });
+    found.unwrap_or(Location::Clamped)
+}
+
+/// Where a load stands.
+pub(super) fn place(mesh: &Mesh, load: &FrameLoad) -> Location {
+    if let FrameLoad::Interior { member, .. } = *load {
+        let (line, element) = element_of(mesh, member);
+        return Location::Inside { line, element };
+    }
+    location(mesh, load.at_end(mesh.frame()).0.node)
+}
+
+/// The line of a member, and its position in it.
+pub(super) fn element_of(mesh: &Mesh, member: usize) -> (usize, usize) {
+    let found = mesh.lines().iter().enumerate().find(|(_, line)| line.members.contains(&member));
+    found.map_or((0, 0), |(index, line)| (index, member - line.members.start))
+}
