@@ -143,15 +143,32 @@ impl<'m> Linearisation<'m> {
         Ok(self.points[index].solution.as_ref().map(|solution| (grid_n, solution)))
     }
 
-    /// Newton's method for the forces that are sensed as `target_n`; `None` if the finger carries none.
+    /// The forces that are sensed as `target_n`, sought from these and else from rest; `None` if the finger carries none.
     fn solve(
         &mut self,
-        LinearModel { gain, compliance }: LinearModel,
+        model: LinearModel,
         measurement: &Measurement,
         target_n: &[f64],
     ) -> Result<Option<Solution>, SensingError> {
         let target = DVector::from_column_slice(target_n);
-        let Some((mut forces_n, mut motion)) = self.carried(&target)? else { return Ok(None) };
+        if let Some(start) = self.carried(&target)?
+            && let Some(found) = self.solve_from(start, model, measurement, &target)?
+        {
+            return Ok(Some(found));
+        }
+        // What is sensed may be far from the forces: small ones along a plate read as large ones.
+        let at_rest = (&target * 0.0, FrameMotion::at_rest(self.mesh.frame()));
+        self.solve_from(at_rest, model, measurement, &target)
+    }
+
+    /// Newton's method from forces and the shape under them.
+    fn solve_from(
+        &mut self,
+        (mut forces_n, mut motion): (DVector<f64>, FrameMotion),
+        LinearModel { gain, compliance }: LinearModel,
+        measurement: &Measurement,
+        target: &DVector<f64>,
+    ) -> Result<Option<Solution>, SensingError> {
         for _ in 0..MAX_STEPS {
             let loads = self.loads(&forces_n)?;
             if !self.statics.linearise(&motion, &loads) {
@@ -162,7 +179,7 @@ impl<'m> Linearisation<'m> {
             let sensed = &forces_n + gain * (&displacements - compliance * &forces_n);
             let derivative = DMatrix::identity(target.len(), target.len()) + gain * (&rates - compliance);
             let Some(slope) = derivative.try_inverse() else { return Ok(None) };
-            let step = &slope * (&target - sensed);
+            let step = &slope * (target - sensed);
             if !step.iter().all(|x| x.is_finite()) {
                 return Ok(None);
             }

@@ -16,7 +16,7 @@ const SMALL_CORRECTION: f64 = 1e-5;
 /// Digits of a number in double precision.
 const ALL_DIGITS: f64 = 15.65;
 /// With fewer digits no correction of Newton's gets below what counts as rounding noise, 1e-6 of the solution.
-const FEWEST_NEWTON_DIGITS: f64 = 6.0;
+const FEWEST_NEWTON_DIGITS: f64 = 5.0;
 /// Share of the load under which a frame is linear to all digits.
 const HARDLY_ANY_LOAD: f64 = 1e-12;
 

@@ -44,7 +44,7 @@ pub enum StaticsError {
     LoadNotFinite,
     /// Rounding has left too few digits.
     #[error(
-        "rounding leaves {digits:.1} digits of the solution, and 4 are the fewest that are given (6 with large rotations): use \
+        "rounding leaves {digits:.1} digits of the solution, and 4 are the fewest that are given (5 with large rotations): use \
          a coarser mesh (or parts that differ less in stiffness)"
     )]
     TooFewDigits {
