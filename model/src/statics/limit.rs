@@ -15,6 +15,9 @@ const HALVINGS: usize = 9;
 const REACH_AT_FOLD: f64 = 0.8;
 /// The same at a bifurcation, where the path is smooth.
 const REACH_AT_BIFURCATION: f64 = 0.95;
+/// A step is no shorter than this share of the one before it, whatever is predicted: determinants that fell in one step by
+/// many powers of ten follow no power of what is left.
+const LEAST_REACH: f64 = 0.01;
 /// A power up to this is a fold's: the others that there are, 2/3 and 1, are as far from it as rounding and secants allow.
 const LARGEST_POWER_OF_FOLD: f64 = 0.58;
 /// The end is reached when this share of the load is left to a fold.
@@ -55,11 +58,17 @@ impl Approach {
         self.predicted = self.end();
     }
 
-    /// The farthest share that is worth a step, short of the end.
+    /// The farthest share that is worth a step: short of the end, unless that is much nearer than the last equilibrium.
     pub(super) fn near(&self) -> Option<f64> {
-        let (End { share: end, power }, at) = (self.predicted?, self.at()?);
+        let End { share: end, power } = self.predicted?;
+        let [_, Some([before, _]), Some([at, _])] = self.points else { return None };
         let reach = REACH_AT_FOLD + (REACH_AT_BIFURCATION - REACH_AT_FOLD) * (2.0 * power - 1.0);
-        Some(at + reach * (end - at))
+        Some(at + f64::max(reach * (end - at), LEAST_REACH * (at - before)))
+    }
+
+    /// Whether an equilibrium disproves the prediction.
+    pub(super) fn is_disproved_by(&self, share: f64) -> bool {
+        self.predicted.is_some_and(|end| share > end.share)
     }
 
     /// A share as far behind the end as the last equilibrium is before it, if that is near enough: a branch that ends does
@@ -143,6 +152,15 @@ mod tests {
             assert!((end.power - power).abs() < 0.08, "{power}: {end:?}");
             assert!(approach.beyond().is_some_and(|beyond| beyond > 0.7) && steps <= most, "{power}: {steps} steps");
         }
+    }
+
+    #[test]
+    fn an_end_that_is_told_from_one_steep_fall_does_not_hold_the_path_up() {
+        let mut approach = Approach::default();
+        approach.add(0.0, Some(469.0));
+        approach.add(0.5, Some(428.0));
+        let near = approach.near().expect("a prediction");
+        assert!(near >= 0.505 && approach.is_disproved_by(near), "{near}");
     }
 
     #[test]

@@ -23,6 +23,8 @@ const STATION_TOLERANCE: f64 = 1e-8;
 const SHORT_STEP: f64 = 1e-3;
 /// Smallest step that is tried where no end of the branch can be told, as a share of the whole way.
 const LEAST_STEP: f64 = 1e-7;
+/// A path that has taken so many steps is given up.
+const MOST_STEPS: usize = 2000;
 
 /// Loads that change along a way, from share 0 to share 1.
 pub(super) trait LoadPath {
@@ -82,6 +84,9 @@ impl<E: EquilibriumEquations> Statics<E> {
         let mut approach: Option<Approach> = None;
         let (mut failed_since, mut digits_checked) = (false, false);
         while done < 1.0 {
+            if load_steps == MOST_STEPS {
+                return Err(StaticsError::NoEquilibrium { converged_fraction: done });
+            }
             let mut target = f64::min(done + step, 1.0);
             let mut is_beyond = false;
             if let Some(approach) = &mut approach {
@@ -97,7 +102,7 @@ impl<E: EquilibriumEquations> Statics<E> {
                 if let Some(beyond) = approach.beyond() {
                     (target, is_beyond) = (beyond.min(1.0), true);
                 } else if let Some(near) = approach.near() {
-                    target = target.min(near);
+                    target = target.min(near.max(done + LEAST_STEP));
                 }
             }
             let taken = target - done;
@@ -113,11 +118,12 @@ impl<E: EquilibriumEquations> Statics<E> {
                     load_steps += 1;
                     step = taken * (AIM / found.used).clamp(0.5, if failed_since { 1.0 } else { GROWTH });
                     failed_since = false;
+                    approach = approach.filter(|approach| !approach.is_disproved_by(done));
                 }
                 Err(Rejected::NotPositiveDefinite) if linear => return Err(StaticsError::NotHeld),
                 Err(Rejected::Rounding(digits)) => return Err(StaticsError::TooFewDigits { digits }),
                 Err(why) => {
-                    let ends = is_beyond || taken < LEAST_STEP;
+                    let ends = is_beyond || taken < 2.0 * LEAST_STEP;
                     if done < SHORT_STEP && (ends || taken < SHORT_STEP) && !digits_checked {
                         self.require_digits_at_rest(path.at(1.0).0)?;
                         digits_checked = true;

@@ -11,7 +11,8 @@ pub(super) const CORRECTION_TOLERANCE: f64 = 1e-11;
 const LINEAR_TOLERANCE: f64 = 1e-8;
 /// Corrections above this share of the solution are too large to conclude anything from.
 const QUADRATIC_RANGE: f64 = 1e-2;
-/// A correction this small that no longer shrinks is rounding noise of a fine mesh.
+/// Two corrections this small, of which neither is a fourth of the one before it, are rounding noise of a fine mesh or of
+/// a needle. One alone may be large by chance: of needles it left errors of 1e-7 where noise is 1e-9.
 const STAGNATION_TOLERANCE: f64 = 1e-6;
 /// More iterations than this mean that the step was too long.
 const MAX_ITERATIONS: usize = 20;
@@ -56,13 +57,15 @@ pub(super) struct LoadStep {
     iterations: usize,
     /// Energy norm of the last correction, as a share of the solution's.
     previous: f64,
+    /// Whether it was rounding noise, by its size.
+    stagnated: bool,
     /// Largest turn of a node by the first correction, rad: what the tangent at the start predicts.
     predicted_turn: f64,
 }
 
 impl LoadStep {
     pub(super) fn new(linear: bool, tolerance: f64) -> LoadStep {
-        LoadStep { linear, tolerance, iterations: 0, previous: f64::INFINITY, predicted_turn: 0.0 }
+        LoadStep { linear, tolerance, iterations: 0, previous: f64::INFINITY, stagnated: false, predicted_turn: 0.0 }
     }
 
     /// Whether the next correction is the first of the step.
@@ -104,7 +107,7 @@ impl LoadStep {
         // One correction by the residual is all that a linear solution needs, if any.
         let converges = converges || (linear && (relative <= LINEAR_TOLERANCE || keeps_digits()));
         let stagnates = relative <= STAGNATION_TOLERANCE && relative > 0.25 * previous;
-        if work <= 0.0 || converges || stagnates {
+        if work <= 0.0 || converges || (stagnates && self.stagnated) {
             let follows = linear || used <= 1.0;
             return Some(if follows {
                 Ok(Taken { iterations: self.iterations, used, correction: Some(relative) })
@@ -112,7 +115,7 @@ impl LoadStep {
                 Err(Rejected::TooFar(Some(used)))
             });
         }
-        self.previous = relative;
+        (self.previous, self.stagnated) = (relative, stagnates);
         if self.iterations < MAX_ITERATIONS {
             return None;
         }
