@@ -19,7 +19,7 @@ const GROWTH: f64 = 3.0;
 const LEAST_SHARE: f64 = 0.01;
 /// Tolerance of equilibria on the way: the next step corrects what is left, which must not count beside a short step.
 const STATION_TOLERANCE: f64 = 1e-8;
-/// Where a step as short as this share of the way fails before as much is done, it may be for too fine a mesh.
+/// Where a step as short as this share of the way fails, it may be for too fine a mesh.
 const SHORT_STEP: f64 = 1e-3;
 /// Smallest step that is tried where no end of the branch can be told, as a share of the whole way.
 const LEAST_STEP: f64 = 1e-7;
@@ -124,7 +124,7 @@ impl<E: EquilibriumEquations> Statics<E> {
                 Err(Rejected::Rounding(digits)) => return Err(StaticsError::TooFewDigits { digits }),
                 Err(why) => {
                     let ends = is_beyond || taken < 2.0 * LEAST_STEP;
-                    if done < SHORT_STEP && (ends || taken < SHORT_STEP) && !digits_checked {
+                    if (ends || taken < SHORT_STEP) && !digits_checked && start.is_at_rest() {
                         self.require_digits_at_rest(path.at(1.0).0)?;
                         digits_checked = true;
                     }
