@@ -15,12 +15,16 @@ const GRID: f64 = 0.05;
 const MOST_POINTS: usize = 256;
 /// Newton steps; two or three are usual.
 const MAX_STEPS: usize = 30;
+/// A Newton step brings what is sensed closer to what it shall be if no more than this share is still missing. After one
+/// that does not, the next is halved: Newton's method may go to and fro.
+const CLOSER: f64 = 0.9;
+/// Newton steps that may bring it no closer.
+const MOST_ASTRAY: usize = 4;
 /// Forces have converged when a step changes none by more than this share of the largest.
 const STEP_TOLERANCE: f64 = 1e-6;
-/// Shortest part of a Newton step that is tried where the finger does not carry the whole.
-const LEAST_STEP: f64 = 1e-3;
-/// Halvings of forces that the finger does not carry.
-const MOST_HALVINGS: usize = 30;
+/// Newton steps that the finger may refuse to carry: of a single force, where a refusal costs nothing once the ends of its
+/// way are known, and of several. A step that is refused comes back to within half of what is left to the end.
+const MOST_REFUSED: [usize; 2] = [30, 8];
 
 /// The error that a linear estimator makes on the co-rotational finger.
 ///
@@ -36,6 +40,8 @@ pub struct Linearisation<'m> {
     mesh: &'m Mesh,
     contacts: Vec<Contact>,
     statics: Statics<Ladder<'m>>,
+    /// The smallest and the largest size of a single force that the finger carries, N, as far as known.
+    ends_n: [f64; 2],
     /// The gain that the points belong to.
     gain: DMatrix<f64>,
     points: Vec<Point>,
@@ -83,7 +89,15 @@ impl<'m> Linearisation<'m> {
     /// Prepares the co-rotational finger of a mesh.
     pub fn new(mesh: &'m Mesh, contacts: &[Contact]) -> Linearisation<'m> {
         let statics = Statics::ladder(mesh, Kinematics::Corotational);
-        Linearisation { mesh, contacts: contacts.to_vec(), statics, gain: DMatrix::zeros(0, 0), points: Vec::new() }
+        let ends_n = [f64::NEG_INFINITY, f64::INFINITY];
+        Linearisation {
+            mesh,
+            contacts: contacts.to_vec(),
+            statics,
+            ends_n,
+            gain: DMatrix::zeros(0, 0),
+            points: Vec::new(),
+        }
     }
 
     /// The error of sensed forces, N.
@@ -143,35 +157,21 @@ impl<'m> Linearisation<'m> {
         Ok(self.points[index].solution.as_ref().map(|solution| (grid_n, solution)))
     }
 
-    /// The forces that are sensed as `target_n`, sought from these and else from rest; `None` if the finger carries none.
+    /// The forces that are sensed as `target_n`, found by Newton's method from rest, where its first step goes to forces of
+    /// that size; `None` if the finger carries none.
     fn solve(
         &mut self,
-        model: LinearModel,
+        LinearModel { gain, compliance }: LinearModel,
         measurement: &Measurement,
         target_n: &[f64],
     ) -> Result<Option<Solution>, SensingError> {
         let target = DVector::from_column_slice(target_n);
-        if let Some(start) = self.carried(&target)?
-            && let Some(found) = self.solve_from(start, model, measurement, &target)?
-        {
-            return Ok(Some(found));
-        }
-        // What is sensed may be far from the forces: small ones along a plate read as large ones.
-        let at_rest = (&target * 0.0, FrameMotion::at_rest(self.mesh.frame()));
-        self.solve_from(at_rest, model, measurement, &target)
-    }
-
-    /// Newton's method from forces and the shape under them.
-    fn solve_from(
-        &mut self,
-        (mut forces_n, mut motion): (DVector<f64>, FrameMotion),
-        LinearModel { gain, compliance }: LinearModel,
-        measurement: &Measurement,
-        target: &DVector<f64>,
-    ) -> Result<Option<Solution>, SensingError> {
+        let mut forces_n = DVector::zeros(target.len());
+        let mut motion = FrameMotion::at_rest(self.mesh.frame());
+        let most_refused = MOST_REFUSED[usize::from(target.len() > 1)];
+        let (mut refused, mut astray, mut missing_before_n) = (0, 0, f64::INFINITY);
         for _ in 0..MAX_STEPS {
-            let loads = self.loads(&forces_n)?;
-            if !self.statics.linearise(&motion, &loads) {
+            if !self.statics.linearise(&motion, &self.loads(&forces_n)?) {
                 return Ok(None);
             }
             let rates = self.rates(&motion, measurement)?;
@@ -179,43 +179,64 @@ impl<'m> Linearisation<'m> {
             let sensed = &forces_n + gain * (&displacements - compliance * &forces_n);
             let derivative = DMatrix::identity(target.len(), target.len()) + gain * (&rates - compliance);
             let Some(slope) = derivative.try_inverse() else { return Ok(None) };
-            let step = &slope * (target - sensed);
+            let missing = &target - sensed;
+            let step = &slope * &missing;
             if !step.iter().all(|x| x.is_finite()) {
                 return Ok(None);
             }
             if step.amax() <= STEP_TOLERANCE * target.amax() {
                 return Ok(Some(Solution { forces_n, slope, displacements, rates }));
             }
-            let mut part = 1.0;
+            let closer = missing.amax() <= CLOSER * missing_before_n;
+            missing_before_n = missing.amax();
+            astray += usize::from(!closer);
+            if astray > MOST_ASTRAY {
+                return Ok(None);
+            }
+            let mut part = if closer { 1.0 } else { 0.5 };
             loop {
                 let next = &forces_n + &step * part;
-                match self.statics.shifted(&motion, &loads, &self.loads(&next)?) {
-                    Ok(equilibrium) => {
-                        (forces_n, motion) = (next, equilibrium.motion);
+                match self.followed(&motion, &forces_n, &next)? {
+                    Ok(followed) => {
+                        (forces_n, motion) = (next, followed);
                         break;
                     }
-                    Err(StaticsError::NoEquilibrium { converged_fraction }) if part > LEAST_STEP => {
-                        part *= halved_below(converged_fraction);
+                    Err(_) if refused == most_refused => return Ok(None),
+                    Err(carried) => {
+                        refused += 1;
+                        part *= halved_below(carried);
                     }
-                    Err(StaticsError::NoEquilibrium { .. }) => return Ok(None),
-                    Err(other) => return Err(other.into()),
                 }
             }
         }
         Ok(None)
     }
 
-    /// The forces, halved until the finger carries them, and its shape under them.
-    fn carried(&mut self, forces_n: &DVector<f64>) -> Result<Option<(DVector<f64>, FrameMotion)>, SensingError> {
-        let mut forces_n = forces_n.clone();
-        for _ in 0..MOST_HALVINGS {
-            match self.statics.equilibrium(&self.loads(&forces_n)?) {
-                Ok(equilibrium) => return Ok(Some((forces_n, equilibrium.motion))),
-                Err(StaticsError::NoEquilibrium { converged_fraction }) => forces_n *= halved_below(converged_fraction),
-                Err(other) => return Err(other.into()),
-            }
+    /// The shape under other forces, followed from the one under these, or the share of the way that the finger carries.
+    ///
+    /// All sizes of a single force lie on one way, whose ends are sought once.
+    fn followed(
+        &mut self,
+        motion: &FrameMotion,
+        forces_n: &DVector<f64>,
+        next_n: &DVector<f64>,
+    ) -> Result<Result<FrameMotion, f64>, SensingError> {
+        let single = self.contacts.len() == 1;
+        let (from_n, to_n) = (forces_n[0], next_n[0]);
+        let end_n = &mut self.ends_n[usize::from(to_n > from_n)];
+        if single && to_n.abs() > end_n.abs() && to_n * *end_n > 0.0 {
+            return Ok(Err(f64::max((*end_n - from_n) / (to_n - from_n), 0.0)));
         }
-        Ok(None)
+        match self.statics.shifted(motion, &self.loads(forces_n)?, &self.loads(next_n)?) {
+            Ok(equilibrium) => Ok(Ok(equilibrium.motion)),
+            Err(StaticsError::NoEquilibrium { converged_fraction }) => {
+                if single {
+                    self.ends_n[usize::from(to_n > from_n)] = from_n + converged_fraction * (to_n - from_n);
+                }
+                Ok(Err(converged_fraction))
+            }
+            Err(other) => Err(other.into()),
+        }
     }
 
     fn loads(&self, forces_n: &DVector<f64>) -> Result<Vec<FrameLoad>, SensingError> {
