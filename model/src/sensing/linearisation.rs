@@ -221,17 +221,18 @@ impl<'m> Linearisation<'m> {
         forces_n: &DVector<f64>,
         next_n: &DVector<f64>,
     ) -> Result<Result<FrameMotion, f64>, SensingError> {
-        let single = self.contacts.len() == 1;
         let (from_n, to_n) = (forces_n[0], next_n[0]);
-        let end_n = &mut self.ends_n[usize::from(to_n > from_n)];
-        if single && to_n.abs() > end_n.abs() && to_n * *end_n > 0.0 {
-            return Ok(Err(f64::max((*end_n - from_n) / (to_n - from_n), 0.0)));
+        // A single force that goes on in the direction in which it has left rest.
+        let single = self.contacts.len() == 1 && to_n.abs() > from_n.abs() && to_n * from_n >= 0.0;
+        let side = usize::from(to_n > 0.0);
+        if single && to_n.abs() > self.ends_n[side].abs() {
+            return Ok(Err(f64::max((self.ends_n[side] - from_n) / (to_n - from_n), 0.0)));
         }
         match self.statics.shifted(motion, &self.loads(forces_n)?, &self.loads(next_n)?) {
             Ok(equilibrium) => Ok(Ok(equilibrium.motion)),
             Err(StaticsError::NoEquilibrium { converged_fraction }) => {
                 if single {
-                    self.ends_n[usize::from(to_n > from_n)] = from_n + converged_fraction * (to_n - from_n);
+                    self.ends_n[side] = from_n + converged_fraction * (to_n - from_n);
                 }
                 Ok(Err(converged_fraction))
             }

@@ -23,6 +23,8 @@ const STATION_TOLERANCE: f64 = 1e-8;
 const SHORT_STEP: f64 = 1e-3;
 /// Smallest step that is tried where no end of the branch can be told, as a share of the whole way.
 const LEAST_STEP: f64 = 1e-7;
+/// The same for a way that is shortened where it fails: where exactly does not matter then.
+const LEAST_TRIED_STEP: f64 = 0.02;
 /// A path that has taken so many steps is given up.
 const MOST_STEPS: usize = 2000;
 
@@ -30,6 +32,16 @@ const MOST_STEPS: usize = 2000;
 pub(super) trait LoadPath {
     /// The loads at a share of the way, and their common multiple.
     fn at(&mut self, share: f64) -> (&[FrameLoad], f64);
+
+    /// Whether an equilibrium on the way is worth going on from.
+    fn goes_on(&mut self, _motion: &FrameMotion) -> bool {
+        true
+    }
+
+    /// A step as short as this share of the way that fails ends the path where no end of the branch can be told.
+    fn least_step(&self) -> f64 {
+        LEAST_STEP
+    }
 }
 
 /// The same loads between two multiples.
@@ -68,6 +80,26 @@ impl LoadPath for Shifting<'_> {
         }
         self.loads.extend(self.to.iter().map(|load| load.scaled(share)));
         (&self.loads, 1.0)
+    }
+}
+
+/// Loads that fade while others grow, for a caller who shortens the way where it fails.
+pub(super) struct Tried<'l, W> {
+    pub shifting: Shifting<'l>,
+    pub goes_on: W,
+}
+
+impl<W: FnMut(&FrameMotion) -> bool> LoadPath for Tried<'_, W> {
+    fn at(&mut self, share: f64) -> (&[FrameLoad], f64) {
+        self.shifting.at(share)
+    }
+
+    fn goes_on(&mut self, motion: &FrameMotion) -> bool {
+        (self.goes_on)(motion)
+    }
+
+    fn least_step(&self) -> f64 {
+        LEAST_TRIED_STEP
     }
 }
 
@@ -112,6 +144,9 @@ impl<E: EquilibriumEquations> Statics<E> {
                 Ok(found) => {
                     done = target;
                     if done < 1.0 {
+                        if !path.goes_on(&motion) {
+                            return Err(StaticsError::NoEquilibrium { converged_fraction: done - taken });
+                        }
                         before.get_or_insert_with(|| start.clone()).clone_from(&motion);
                     }
                     iterations += found.iterations;
@@ -123,7 +158,7 @@ impl<E: EquilibriumEquations> Statics<E> {
                 Err(Rejected::NotPositiveDefinite) if linear => return Err(StaticsError::NotHeld),
                 Err(Rejected::Rounding(digits)) => return Err(StaticsError::TooFewDigits { digits }),
                 Err(why) => {
-                    let ends = is_beyond || taken < 2.0 * LEAST_STEP;
+                    let ends = is_beyond || taken < 2.0 * path.least_step();
                     if (ends || taken < SHORT_STEP) && !digits_checked && start.is_at_rest() {
                         self.require_digits_at_rest(path.at(1.0).0)?;
                         digits_checked = true;

@@ -5,7 +5,7 @@
 //! [`load_path`](super::load_path).
 
 use super::digits;
-use super::load_path::{Growing, Shifting};
+use super::load_path::{Growing, Shifting, Tried};
 use super::load_step::{LoadStep, Rejected, Taken};
 use super::{EquilibriumEquations, Ladder, SparseEquations, StaticsError};
 use crate::Kinematics;
@@ -132,6 +132,24 @@ impl<E: EquilibriumEquations> Statics<E> {
             return Err(StaticsError::LoadNotFinite);
         }
         self.follow(start, Shifting { from, to, loads: Vec::with_capacity(from.len() + to.len()) })
+    }
+
+    /// The equilibrium that [`shifted`](Statics::shifted) leads to, or the share of the way at which it was given up: the
+    /// finger carries no more, or an equilibrium on the way is not worth going on from.
+    pub(crate) fn tried(
+        &mut self,
+        start: &FrameMotion,
+        [from, to]: [&[FrameLoad]; 2],
+        goes_on: impl FnMut(&FrameMotion) -> bool,
+    ) -> Result<Equilibrium, f64> {
+        if !from.iter().chain(to).all(FrameLoad::is_finite) {
+            return Err(0.0);
+        }
+        let shifting = Shifting { from, to, loads: Vec::with_capacity(from.len() + to.len()) };
+        self.follow(start, Tried { shifting, goes_on }).map_err(|error| match error {
+            StaticsError::NoEquilibrium { converged_fraction } => converged_fraction,
+            _ => 0.0,
+        })
     }
 
     /// Linearises the equations at a motion under loads; `false` if it is not a stable shape.

@@ -14,6 +14,8 @@ pub(super) struct LeastSquares {
     /// Upper triangle R of A = Q R, column after column.
     triangle: Vec<f64>,
     solution: Vec<f64>,
+    /// |A x|^2.
+    explained: f64,
 }
 
 impl LeastSquares {
@@ -56,6 +58,8 @@ impl LeastSquares {
                 }
             }
         }
+        // Until it is substituted back, the solution holds Q^T b.
+        self.explained = self.solution.iter().map(|x| x * x).sum();
         for k in (0..unknowns).rev() {
             for j in k + 1..unknowns {
                 self.solution[k] -= self.triangle[j * unknowns + k] * self.solution[j];
@@ -63,6 +67,11 @@ impl LeastSquares {
             self.solution[k] /= self.triangle[k * unknowns + k];
         }
         self.solution.iter().all(|x| x.is_finite()).then_some(&self.solution)
+    }
+
+    /// |A x|^2 of the solution x: by so much it makes |b|^2 smaller.
+    pub(super) fn explained(&self) -> f64 {
+        self.explained
     }
 
     /// R of A = Q R, column after column.
@@ -95,6 +104,9 @@ mod tests {
             assert!((found - expected).abs() < 1e-14, "{solution:?}");
         }
         assert_eq!(solution.len(), 3);
+        // (1 + 2 x - x^2)^2 at the five points.
+        let explained = 49.0 + 4.0 + 1.0 + 4.0 + 1.0;
+        assert!((problem.explained() - explained).abs() < 1e-12);
     }
 
     #[test]

@@ -14,6 +14,10 @@ const OUTLIER_SIGMAS: f64 = 4.5;
 /// Ratio of the median of a Rayleigh distribution to the standard deviation of one coordinate.
 const RAYLEIGH_MEDIAN: f64 = 1.177_410_022_515_474_6;
 
+/// Dampings between which one is looked for, and the factor between two that are tried.
+const DAMPINGS: [f64; 2] = [1e-10, 1e12];
+const DAMPING_FACTOR: f64 = 4.0;
+
 const ALL_ALIKE: SensingError = SensingError::IllConditioned { span: f64::INFINITY, limit: LARGEST_SPAN, weakest: 1 };
 
 /// Derivatives of the shape and the weights of the markers; by key node, so that they serve whatever is seen next.
@@ -30,6 +34,17 @@ pub(super) struct Linearised {
     /// Room for the distances whose median is sought, and for the problem that a step solves.
     distances: Vec<f64>,
     problem: LeastSquares,
+    /// Length of each column of the derivatives by the scaled unknowns, mm.
+    lengths_mm: Vec<f64>,
+}
+
+/// What a step does if the finger answers linearly.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Promise {
+    /// Decrease of the misfit, mm^2.
+    pub decrease_mm2: f64,
+    /// How far it moves the markers, mm: root of the sum over unknowns and markers, each unknown's move counted alone.
+    pub reach_mm: f64,
 }
 
 impl Linearised {
@@ -41,6 +56,7 @@ impl Linearised {
             step: Vec::with_capacity(unknowns),
             distances: Vec::with_capacity(key_nodes),
             problem: LeastSquares::default(),
+            lengths_mm: Vec::with_capacity(unknowns),
         }
     }
 
@@ -91,14 +107,16 @@ impl Linearised {
         motion: &FrameMotion,
         measurement: &Measurement,
         damping: f64,
-    ) -> Result<(), SensingError> {
+    ) -> Result<Promise, SensingError> {
         let (unknowns, coordinates) = (self.scales.len(), measurement.coordinate_count());
         self.pose(measurement, if damping > 0.0 { unknowns } else { 0 });
-        if damping > 0.0 {
-            for j in 0..unknowns {
-                let column = self.problem.column_mut(j);
-                let norm = column.iter().map(|x| x * x).sum::<f64>().sqrt();
-                column[coordinates + j] = damping.sqrt() * norm;
+        self.lengths_mm.clear();
+        for j in 0..unknowns {
+            let column = self.problem.column_mut(j);
+            let length_mm = column.iter().map(|x| x * x).sum::<f64>().sqrt();
+            self.lengths_mm.push(length_mm);
+            if damping > 0.0 {
+                column[coordinates + j] = damping.sqrt() * length_mm;
             }
         }
         let right = self.problem.column_mut(unknowns);
@@ -109,7 +127,35 @@ impl Linearised {
         let solution = self.problem.solve().ok_or(ALL_ALIKE)?;
         self.step.clear();
         self.step.extend(solution.iter().zip(&self.scales).map(|(x, scale)| x * scale));
-        Ok(())
+        let reach_mm2: f64 = solution.iter().zip(&self.lengths_mm).map(|(x, length_mm)| (x * length_mm).powi(2)).sum();
+        // |b|^2 - |b - A x|^2, from the problem with the damping's rows below.
+        let decrease_mm2 = self.problem.explained() + damping * reach_mm2;
+        Ok(Promise { decrease_mm2, reach_mm: reach_mm2.sqrt() })
+    }
+
+    /// Finds the damped step that reaches no further than `longest_mm`, and no less far than it must, beginning with the
+    /// damping of another step. Returns its damping.
+    ///
+    /// # Errors
+    /// [`SensingError::IllConditioned`] if the unknowns are not identifiable.
+    pub(super) fn shorten(
+        &mut self,
+        motion: &FrameMotion,
+        measurement: &Measurement,
+        longest_mm: f64,
+        mut damping: f64,
+    ) -> Result<(f64, Promise), SensingError> {
+        let [least, most] = DAMPINGS;
+        let mut promise = self.solve(motion, measurement, damping)?;
+        while promise.reach_mm <= longest_mm && damping > least {
+            damping /= DAMPING_FACTOR;
+            promise = self.solve(motion, measurement, damping)?;
+        }
+        while promise.reach_mm > longest_mm && damping < most {
+            damping *= DAMPING_FACTOR;
+            promise = self.solve(motion, measurement, damping)?;
+        }
+        Ok((damping, promise))
     }
 
     /// Changes of the unknowns, in their units, that explain a further displacement of the key nodes best.

@@ -29,6 +29,7 @@ use crate::statics::{Ladder, Statics};
 use crate::{Finger, Kinematics};
 use linearised::Linearised;
 use nalgebra::DMatrix;
+use start::Start;
 use unknowns::Unknown;
 
 /// Turn of a deformed normal in one step, degrees, below which it counts as settled: worth 1e-6 of the force.
@@ -37,7 +38,10 @@ const SETTLED_ANGLE_DEG: f64 = 1e-4;
 /// be a wrong one: the search starts again from the linear forces times other factors, and the best minimum counts.
 const POOR_FIT: f64 = 0.02;
 const POOR_FIT_SIGMAS: f64 = 3.0;
-const OTHER_STARTS: [f64; 4] = [1.0, -1.0, 0.3, -0.3];
+const STARTS: [Start; 4] = [Start::Times(1.0), Start::Times(-1.0), Start::Times(0.3), Start::Times(-0.3)];
+/// Unknown directions from which the search starts as well where none of these explains the measurement: forces nearly along
+/// a plate that has buckled.
+const STARTS_BY_DIRECTION: [Start; 3] = [Start::Towards(0.0), Start::Towards(-60.0), Start::Towards(60.0)];
 
 /// Sensed forces with the positions and directions that go with them.
 #[derive(Debug, Clone, PartialEq)]
@@ -177,11 +181,18 @@ impl<'m> NonlinearEstimator<'m> {
         let mut failure = None;
         // Misfit and forces of all minima.
         let mut minima: Vec<(f64, Vec<f64>)> = Vec::new();
-        for factor in OTHER_STARTS {
-            if best.as_ref().is_some_and(|found| found.near && misfit(&found.state) <= largest_misfit) {
-                break;
+        let by_direction = self.questions.iter().any(|question| question.direction == Direction::Auto);
+        for start in STARTS.into_iter().chain(STARTS_BY_DIRECTION.into_iter().filter(|_| by_direction)) {
+            if let Some(found) = &mut best
+                && misfit(&found.state) <= largest_misfit
+            {
+                if found.near || matches!(start, Start::Towards(_)) {
+                    break;
+                }
+                // An explanation that leaves the unknowns open is reason enough to refuse.
+                self.judged(&mut found.state, measurement, noise_mm, found.steps)?;
             }
-            match self.searched(measurement, noise_mm, factor) {
+            match self.searched(measurement, noise_mm, start) {
                 Ok(found) => {
                     minima.push((misfit(&found.state), found.state.forces_n.clone()));
                     if best.as_ref().is_none_or(|best| misfit(&found.state) < misfit(&best.state)) {
@@ -209,9 +220,9 @@ impl<'m> NonlinearEstimator<'m> {
         &mut self,
         measurement: &Measurement,
         noise_mm: Option<f64>,
-        factor: f64,
+        start: Start,
     ) -> Result<Found, SensingError> {
-        let start = self.start(measurement, noise_mm, factor)?;
+        let start = self.start(measurement, noise_mm, start)?;
         let mut state = start.clone();
         if let Some(steps) = self.correct(&mut state, measurement, noise_mm) {
             return Ok(Found { state, steps, near: true });

@@ -1,24 +1,48 @@
-//! The way to the nearest minimum, from any start: the method of Levenberg and Marquardt.
+//! The way to the nearest minimum, from any start: the method of Levenberg and Marquardt with a trust region.
+//!
+//! The finger answers a force along a plate hardly at all, until the plate buckles: a step that is good for the linearised
+//! finger may lead far away, or where no equilibrium is. So steps reach only as far as the last ones were right, and a
+//! step is given up on the way where an equilibrium is worse than its start.
 
 use super::{NonlinearEstimator, SETTLED_ANGLE_DEG, State};
 use crate::measurement::Measurement;
 use crate::sensing::SensingError;
 use crate::statics::StaticsError;
 
-/// Most Gauss-Newton steps; a good start needs three.
+/// Most steps that are tried; a good start needs three.
 const MAX_STEPS: usize = 60;
-/// Steps have converged when they change every unknown by less than this share of its scale.
+/// Steps have converged when they change every unknown by less than this share of its scale, ...
 const STEP_TOLERANCE: f64 = 1e-7;
+/// ... or when no combination of the unknowns is further from its best value than this share of its standard deviation
+/// (Bates and Watts, Nonlinear Regression Analysis and Its Applications, sec. 2.2.3, relative offset).
+const OFFSET_TOLERANCE: f64 = 1e-2;
 /// Where the finger does not explain the data, markers are weighed anew in every step, and these converge slowly. After
 /// [`MAX_STEPS`], changes of less than this share are small enough: no camera would see them.
 const SMALL_ENOUGH: f64 = 1e-5;
-/// Damping after a step that made things worse; it grows tenfold as long as that goes on.
+/// After a step that changes every unknown by less than this share, the minimum may be near; if it was not, after one
+/// that changes them by a tenth of it.
+const MAY_BE_NEAR: f64 = 0.03;
+/// An equilibrium on the way of a step with so many times the misfit of its start ends the step.
+const WORSE: f64 = 2.0;
+/// Decrease of the misfit, as a share of what was promised, from which on steps may reach further, and below which they
+/// reach less far (Nocedal and Wright, Numerical Optimization, algorithm 4.1).
+const GOOD: f64 = 0.75;
+const POOR: f64 = 0.25;
+/// How many times as far steps may reach after a good one, and after a poor one.
+const FURTHER: f64 = 3.0;
+const LESS_FAR: f64 = 0.5;
+/// After a step that failed they reach as far as it was carried, but no less and no more than these shares of it.
+const AFTER_FAILURE: [f64; 2] = [0.1, 0.5];
+/// The same after a step that the finger carries but that is worse.
+const AFTER_WORSE: f64 = 0.25;
+/// Reach, as a share of what the markers moved, below which no step helps: the minimum is reached as far as rounding lets
+/// it be seen, or as the finger carries it.
+const SHORTEST: f64 = 1e-12;
+/// Damping with which the first is looked for.
 const FIRST_DAMPING: f64 = 1e-3;
-/// Damping beyond which no step helps: the minimum is reached as far as rounding lets it be seen.
-const MAX_DAMPING: f64 = 1e8;
 
 impl NonlinearEstimator<'_> {
-    /// Gauss-Newton steps, each to the equilibrium that belongs to it, damped where they do not help. Returns their
+    /// Gauss-Newton steps, each to the equilibrium that belongs to it, shortened where they do not help. Returns their
     /// number.
     ///
     /// # Errors
@@ -31,59 +55,68 @@ impl NonlinearEstimator<'_> {
     ) -> Result<usize, SensingError> {
         self.linearise(state)?;
         state.linearised.weigh(&state.motion, measurement, noise_mm);
-        let mut damping = 0.0;
-        let (mut iterations, mut last_change) = (0, f64::INFINITY);
-        for steps in 1..=MAX_STEPS {
-            iterations = steps;
-            state.linearised.solve(&state.motion, measurement, damping)?;
+        let shortest_mm = SHORTEST * state.linearised.misfit_at_rest(measurement).sqrt();
+        let (mut longest_mm, mut damping) = (f64::INFINITY, FIRST_DAMPING);
+        let (mut settled, mut last_change, mut near) = (false, f64::INFINITY, MAY_BE_NEAR);
+        let mut iterations = 0;
+        while iterations < MAX_STEPS && longest_mm > shortest_mm {
+            iterations += 1;
+            let before = state.linearised.misfit(&state.motion, measurement);
+            let mut promise = state.linearised.solve(&state.motion, measurement, 0.0)?;
+            let variance_mm2 =
+                f64::max(noise_mm.unwrap_or(0.0).powi(2), before / measurement.coordinate_count() as f64);
+            let is_there = settled && promise.decrease_mm2 <= OFFSET_TOLERANCE * OFFSET_TOLERANCE * variance_mm2;
+            if is_there || last_change <= near {
+                let mut corrected = state.clone();
+                if let Some(steps) = self.correct(&mut corrected, measurement, noise_mm) {
+                    *state = corrected;
+                    return Ok(iterations + steps);
+                }
+                near = 0.1 * f64::min(near, last_change);
+            }
+            if is_there {
+                return Ok(iterations);
+            }
+            if promise.reach_mm > longest_mm {
+                (damping, promise) = state.linearised.shorten(&state.motion, measurement, longest_mm, damping)?;
+            }
             let change = self.relative_change(state);
             let mut next = state.clone();
-            let turn_deg = self.advance(&mut next)?;
-            let settles = turn_deg <= SETTLED_ANGLE_DEG;
-            // Share of a step that the finger does not carry as a whole.
-            let mut carried = None;
-            let better = match self.statics.shifted(&state.motion, &state.loads, &next.loads) {
+            settled = self.advance(&mut next)? <= SETTLED_ANGLE_DEG;
+            // Compared under the same weights: reweighting is not progress.
+            let misfit = |motion: &_| state.linearised.misfit(motion, measurement);
+            let tried = self
+                .statics
+                .tried(&state.motion, [&state.loads, &next.loads], |on_the_way| misfit(on_the_way) <= WORSE * before);
+            let failed_at = match tried {
                 Ok(equilibrium) => {
                     next.motion = equilibrium.motion;
-                    // Compared under the same weights: reweighting is not progress.
-                    let [before, after] = [&*state, &next].map(|at| state.linearised.misfit(&at.motion, measurement));
+                    let after = misfit(&next.motion);
                     // A turning normal may make a good step look worse; the next corrects its residual.
-                    let slack = if settles { 1e-12 } else { 0.5 };
-                    after <= before * (1.0 + slack) || change <= STEP_TOLERANCE
+                    let slack = if settled { 1e-12 } else { 0.5 };
+                    if after <= before * (1.0 + slack) || change <= STEP_TOLERANCE {
+                        *state = next;
+                        self.linearise(state)?;
+                        state.linearised.weigh(&state.motion, measurement, noise_mm);
+                        if change <= STEP_TOLERANCE && settled {
+                            return Ok(iterations);
+                        }
+                        last_change = if settled { change } else { f64::INFINITY };
+                        let gain = (before - after) / promise.decrease_mm2;
+                        if gain >= GOOD {
+                            longest_mm = longest_mm.max(FURTHER * promise.reach_mm);
+                        } else if gain < POOR && settled {
+                            longest_mm = LESS_FAR * promise.reach_mm;
+                        }
+                        continue;
+                    }
+                    AFTER_WORSE
                 }
-                Err(StaticsError::NoEquilibrium { converged_fraction }) => {
-                    carried = Some(converged_fraction);
-                    false
-                }
-                Err(_) => {
-                    carried = Some(0.0);
-                    false
-                }
+                Err(share) => share,
             };
-            if better {
-                last_change = if settles { change } else { f64::INFINITY };
-                *state = next;
-                self.linearise(state)?;
-                state.linearised.weigh(&state.motion, measurement, noise_mm);
-                damping = if damping > FIRST_DAMPING { 0.1 * damping } else { 0.0 };
-                if change <= STEP_TOLERANCE && settles {
-                    return Ok(steps);
-                }
-            } else if damping >= MAX_DAMPING && carried.is_none() {
-                return Ok(steps);
-            } else if damping >= MAX_DAMPING {
-                // The finger does not carry what would explain more.
-                break;
-            } else {
-                // A damping shortens the step of a single unknown by 1 + damping: those that leave it too long are not tried.
-                let least = carried.filter(|share| *share > 0.0).map_or(0.0, |share| (1.0 + damping) / share - 1.0);
-                damping = f64::max(10.0 * damping, FIRST_DAMPING);
-                while damping < least.min(MAX_DAMPING) {
-                    damping *= 10.0;
-                }
-            }
+            longest_mm = promise.reach_mm * failed_at.clamp(AFTER_FAILURE[0], AFTER_FAILURE[1]);
         }
-        if last_change <= SMALL_ENOUGH {
+        if longest_mm <= shortest_mm || last_change <= SMALL_ENOUGH {
             return Ok(iterations);
         }
         let forces = state.linearised.step.iter().take(self.questions.len());

@@ -9,15 +9,27 @@ use crate::sensing::{
 };
 use crate::statics::{Equilibrium, StaticsError};
 
+/// A start of the search.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Start {
+    /// The linear forces times a factor.
+    Times(f64),
+    /// The linear forces with all unknown directions at this angle from the undeformed inward normal, degrees.
+    Towards(f64),
+}
+
 impl NonlinearEstimator<'_> {
     /// Least squares on the linear finger, at the position along the plate where it explains the measurement best.
-    /// The forces are multiplied by `factor`.
     pub(super) fn start(
         &mut self,
         measurement: &Measurement,
         noise_mm: Option<f64>,
-        factor: f64,
+        start: Start,
     ) -> Result<State, SensingError> {
+        let (factor, towards_deg) = match start {
+            Start::Times(factor) => (factor, None),
+            Start::Towards(angle_deg) => (1.0, Some(angle_deg)),
+        };
         let finger = self.finger();
         // A contact of unknown position is tried at every node; several of them are tried one after the other.
         let mut positions: Vec<Option<ContactPosition>> = self.questions.iter().map(|q| q.position).collect();
@@ -28,7 +40,9 @@ impl NonlinearEstimator<'_> {
             let mut best = None;
             for node in finger.contact_nodes() {
                 positions[i] = Some(ContactPosition::Node(node));
-                let Ok((contacts, estimate)) = self.linear_start(&positions, measurement) else { continue };
+                let Ok((contacts, estimate)) = self.linear_start(&positions, towards_deg, measurement) else {
+                    continue;
+                };
                 let inward = contacts.iter().zip(&estimate.forces_n).all(|(_, f)| *f >= 0.0);
                 let better = best.is_none_or(|(_, residual)| estimate.residual_rms_mm < residual);
                 if inward && better {
@@ -37,7 +51,7 @@ impl NonlinearEstimator<'_> {
             }
             positions[i] = Some(ContactPosition::Node(best.map_or(finger.tip(), |(node, _)| node)));
         }
-        let (contacts, estimate) = self.linear_start(&positions, measurement)?;
+        let (contacts, estimate) = self.linear_start(&positions, towards_deg, measurement)?;
         // A position that moves is a distance along the plate, not a node.
         let contacts: Vec<Contact> = contacts
             .iter()
@@ -73,20 +87,24 @@ impl NonlinearEstimator<'_> {
         Err(SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 0.0 }))
     }
 
-    /// Least squares with two components where the direction is unknown, turned into one force and its angle.
+    /// Least squares with two components where the direction is unknown, turned into one force and its angle; or with the
+    /// unknown directions at an angle.
     fn linear_start(
         &self,
         positions: &[Option<ContactPosition>],
+        towards_deg: Option<f64>,
         measurement: &Measurement,
     ) -> Result<(Vec<Contact>, Estimate), SensingError> {
         let finger = self.finger();
         let mut components = Vec::new();
         for (question, position) in self.questions.iter().zip(positions) {
             let position = position.or(question.position).unwrap_or(ContactPosition::Node(finger.tip()));
-            match question.direction {
-                Direction::Angle(angle_deg) => components.push(Contact { position, angle_deg }),
-                Direction::Normal => components.push(Contact { position, angle_deg: 0.0 }),
-                Direction::Auto => {
+            match (question.direction, towards_deg) {
+                (Direction::Angle(angle_deg), _) | (Direction::Auto, Some(angle_deg)) => {
+                    components.push(Contact { position, angle_deg });
+                }
+                (Direction::Normal, _) => components.push(Contact { position, angle_deg: 0.0 }),
+                (Direction::Auto, None) => {
                     components.extend([0.0, 90.0].map(|angle_deg| Contact { position, angle_deg }));
                 }
             }
@@ -101,8 +119,8 @@ impl NonlinearEstimator<'_> {
         let (mut contacts, mut forces_n) = (Vec::new(), Vec::new());
         for question in &self.questions {
             let Some((contact, force)) = parts.next() else { break };
-            match (question.direction, parts.len()) {
-                (Direction::Auto, 1..) => {
+            match (question.direction, towards_deg, parts.len()) {
+                (Direction::Auto, None, 1..) => {
                     let across = parts.next().map_or(0.0, |(_, f)| f);
                     contacts.push(Contact { angle_deg: across.atan2(force).to_degrees(), ..*contact });
                     forces_n.push(force.hypot(across));
