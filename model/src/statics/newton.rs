@@ -134,22 +134,22 @@ impl<E: EquilibriumEquations> Statics<E> {
         self.follow(start, Shifting { from, to, loads: Vec::with_capacity(from.len() + to.len()) })
     }
 
-    /// The equilibrium that [`shifted`](Statics::shifted) leads to, or the share of the way at which it was given up: the
-    /// finger carries no more, or an equilibrium on the way is not worth going on from.
+    /// As [`shifted`](Statics::shifted), for a caller who shortens the way where it fails: the end of a branch is not sought
+    /// closely, and the way is also given up at an equilibrium that is not worth going on from.
+    ///
+    /// # Errors
+    /// See [`StaticsError`]; the converged fraction is that of the way.
     pub(crate) fn tried(
         &mut self,
         start: &FrameMotion,
         [from, to]: [&[FrameLoad]; 2],
         goes_on: impl FnMut(&FrameMotion) -> bool,
-    ) -> Result<Equilibrium, f64> {
+    ) -> Result<Equilibrium, StaticsError> {
         if !from.iter().chain(to).all(FrameLoad::is_finite) {
-            return Err(0.0);
+            return Err(StaticsError::LoadNotFinite);
         }
         let shifting = Shifting { from, to, loads: Vec::with_capacity(from.len() + to.len()) };
-        self.follow(start, Tried { shifting, goes_on }).map_err(|error| match error {
-            StaticsError::NoEquilibrium { converged_fraction } => converged_fraction,
-            _ => 0.0,
-        })
+        self.follow(start, Tried { shifting, goes_on })
     }
 
     /// Linearises the equations at a motion under loads; `false` if it is not a stable shape.

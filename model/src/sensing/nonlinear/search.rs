@@ -112,7 +112,8 @@ impl NonlinearEstimator<'_> {
                     }
                     AFTER_WORSE
                 }
-                Err(share) => share,
+                Err(StaticsError::NoEquilibrium { converged_fraction }) => converged_fraction,
+                Err(_) => 0.0,
             };
             longest_mm = promise.reach_mm * failed_at.clamp(AFTER_FAILURE[0], AFTER_FAILURE[1]);
         }

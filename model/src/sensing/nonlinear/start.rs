@@ -7,7 +7,7 @@ use crate::measurement::Measurement;
 use crate::sensing::{
     Contact, ContactPosition, Direction, Estimate, LinearEstimator, Prior, SensingError, halved_below,
 };
-use crate::statics::{Equilibrium, StaticsError};
+use crate::statics::{Equilibrium, EquilibriumEquations, StaticsError};
 
 /// A start of the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,10 +66,11 @@ impl NonlinearEstimator<'_> {
             .collect();
         let mut forces_n: Vec<f64> = estimate.forces_n.iter().map(|f| f * factor).collect();
         // Linear forces may be beyond what the finger carries: halve them until it stands.
+        let rest = self.statics.equations().at_rest();
         for _ in 0..30 {
             let loads = contacts.iter().zip(&forces_n).map(|(c, f)| self.mesh.frame_load(&c.load(finger, *f)));
             let loads = loads.collect::<Result<Vec<_>, _>>()?;
-            match self.statics.equilibrium(&loads) {
+            match self.statics.tried(&rest, [&[], &loads], |_| true) {
                 Ok(Equilibrium { motion, .. }) => {
                     let linearised = Linearised::new(finger.key_node_count(), self.unknowns.len());
                     let mut state = State { forces_n, contacts, loads, motion, linearised };
