@@ -6,6 +6,7 @@
 //! that wastes nothing.
 
 mod cases;
+mod scout;
 
 use crate::estimators::{Estimator, EstimatorError, EstimatorId, Sensed};
 use crate::settings::TWO_SIDED_95;

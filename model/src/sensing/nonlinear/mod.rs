@@ -98,7 +98,8 @@ struct State {
     linearised: Linearised,
 }
 
-/// A minimum, the steps to it, and whether it was near: then it is the only one about, otherwise there may be others.
+/// A minimum, the steps to it, and whether it was near or the way to it straight: then it is the only one about, otherwise
+/// there may be others.
 struct Found {
     state: State,
     steps: usize,
@@ -228,7 +229,7 @@ impl<'m> NonlinearEstimator<'m> {
             return Ok(Found { state, steps, near: true });
         }
         state = start;
-        let steps = self.search(&mut state, measurement, noise_mm)?;
-        Ok(Found { state, steps, near: false })
+        let (steps, near) = self.search(&mut state, measurement, noise_mm)?;
+        Ok(Found { state, steps, near })
     }
 }

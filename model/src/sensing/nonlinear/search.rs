@@ -43,7 +43,7 @@ const FIRST_DAMPING: f64 = 1e-3;
 
 impl NonlinearEstimator<'_> {
     /// Gauss-Newton steps, each to the equilibrium that belongs to it, shortened where they do not help. Returns their
-    /// number.
+    /// number, and whether the way was straight: every step did what it promised.
     ///
     /// # Errors
     /// [`SensingError`] if the unknowns are not identifiable, or the steps do not settle.
@@ -52,13 +52,15 @@ impl NonlinearEstimator<'_> {
         state: &mut State,
         measurement: &Measurement,
         noise_mm: Option<f64>,
-    ) -> Result<usize, SensingError> {
+    ) -> Result<(usize, bool), SensingError> {
         self.linearise(state)?;
         state.linearised.weigh(&state.motion, measurement, noise_mm);
         let shortest_mm = SHORTEST * state.linearised.misfit_at_rest(measurement).sqrt();
         let (mut longest_mm, mut damping) = (f64::INFINITY, FIRST_DAMPING);
         let (mut settled, mut last_change, mut near) = (false, f64::INFINITY, MAY_BE_NEAR);
         let mut iterations = 0;
+        // Whether every step was right as it was.
+        let mut straight = true;
         while iterations < MAX_STEPS && longest_mm > shortest_mm {
             iterations += 1;
             let before = state.linearised.misfit(&state.motion, measurement);
@@ -70,12 +72,12 @@ impl NonlinearEstimator<'_> {
                 let mut corrected = state.clone();
                 if let Some(steps) = self.correct(&mut corrected, measurement, noise_mm) {
                     *state = corrected;
-                    return Ok(iterations + steps);
+                    return Ok((iterations + steps, straight));
                 }
                 near = 0.1 * f64::min(near, last_change);
             }
             if is_there {
-                return Ok(iterations);
+                return Ok((iterations, straight));
             }
             if promise.reach_mm > longest_mm {
                 (damping, promise) = state.linearised.shorten(&state.motion, measurement, longest_mm, damping)?;
@@ -99,10 +101,11 @@ impl NonlinearEstimator<'_> {
                         self.linearise(state)?;
                         state.linearised.weigh(&state.motion, measurement, noise_mm);
                         if change <= STEP_TOLERANCE && settled {
-                            return Ok(iterations);
+                            return Ok((iterations, straight));
                         }
                         last_change = if settled { change } else { f64::INFINITY };
                         let gain = (before - after) / promise.decrease_mm2;
+                        straight &= gain >= GOOD || change <= MAY_BE_NEAR;
                         if gain >= GOOD {
                             longest_mm = longest_mm.max(FURTHER * promise.reach_mm);
                         } else if gain < POOR && settled {
@@ -115,10 +118,11 @@ impl NonlinearEstimator<'_> {
                 Err(StaticsError::NoEquilibrium { converged_fraction }) => converged_fraction,
                 Err(_) => 0.0,
             };
+            straight = false;
             longest_mm = promise.reach_mm * failed_at.clamp(AFTER_FAILURE[0], AFTER_FAILURE[1]);
         }
         if longest_mm <= shortest_mm || last_change <= SMALL_ENOUGH {
-            return Ok(iterations);
+            return Ok((iterations, straight));
         }
         let forces = state.linearised.step.iter().take(self.questions.len());
         Err(SensingError::NotConverged { iterations, change_n: forces.fold(0.0, |m: f64, x| m.max(x.abs())) })

@@ -1,21 +1,19 @@
 //! Random cases: forces that bend the true finger, noisy measurements of it, and the estimates of every estimator.
 
 use super::ScatterRequest;
+use super::scout::{Scout, loads};
 use crate::estimators::{BeamEstimator, Estimator, EstimatorError, PreparedEstimator, Sensed};
 use crate::sampling::noise::Noise;
 use crate::settings::LEAST_STATED_MM;
-use finray_model::frame::{FrameLoad, FrameMotion};
+use finray_model::frame::FrameMotion;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::Contact;
-use finray_model::statics::{EquilibriumEquations, Ladder, Statics, StaticsError};
+use finray_model::statics::{EquilibriumEquations, Ladder, Statics};
 use finray_model::{Finger, Kinematics, Mesh};
 use rayon::prelude::*;
 
 /// A finger that carries none of this many draws in a row carries no force of the range.
 const MOST_DRAWS: usize = 100;
-/// A finger of the estimator's mesh that carries no more than this share of a draw does not leave open whether the true finger carries
-/// it: limit loads differ by some per cent between meshes.
-const CLEARLY_TOO_LARGE: f64 = 0.9;
 /// Cases that share prepared estimators; threads take turns by as many.
 const BLOCK: u64 = 100;
 /// Share of the noise by which the first-order response is found: the forces change by some per cent of sigma then, far above where the
@@ -105,9 +103,9 @@ struct Bench<'a> {
     mesh: &'a Mesh,
     contacts: &'a [Contact],
     statics: Statics<Ladder<'a>>,
-    /// The estimator's mesh, and how it bends: tells at less cost which draws are too large, once one was.
     model: &'a Mesh,
-    scout: Option<Statics<Ladder<'a>>>,
+    /// Tells which draws are too large; there once one was.
+    scout: Option<Scout<'a>>,
     bound: Box<dyn PreparedEstimator + 'a>,
     estimators: Vec<Box<dyn PreparedEstimator + 'a>>,
 }
@@ -159,35 +157,21 @@ impl<'a> Bench<'a> {
 
     /// The motion under a draw, and how many draws were not carried; they are drawn again. `None` if none is carried.
     fn carried(&mut self, draw: &mut Draw, start: &Start, range_n: [f64; 2]) -> Option<(FrameMotion, usize)> {
-        let from = self.loads(self.mesh, &start.forces_n)?;
+        let from = loads(self.mesh, self.contacts, &start.forces_n)?;
         for not_carried in 0..MOST_DRAWS {
-            if !self.is_clearly_too_large(&draw.forces_n)? {
-                let loads = self.loads(self.mesh, &draw.forces_n)?;
-                let near = if not_carried == 0 { self.statics.shifted(&start.motion, &from, &loads).ok() } else { None };
+            if !self.scout.as_mut().is_some_and(|scout| scout.refuses(&draw.forces_n)) {
+                let loads = loads(self.mesh, self.contacts, &draw.forces_n)?;
+                let near =
+                    if not_carried == 0 { self.statics.shifted(&start.motion, &from, &loads).ok() } else { None };
                 if let Some(found) = near.or_else(|| self.statics.equilibrium(&loads).ok()) {
                     return Some((found.motion, not_carried));
                 }
                 let kinematics = self.statics.equations().kinematics();
-                self.scout.get_or_insert_with(|| Statics::ladder(self.model, kinematics));
+                self.scout.get_or_insert_with(|| Scout::new(self.model, kinematics, self.contacts));
             }
             draw.again(range_n);
         }
         None
-    }
-
-    /// Whether the finger of the estimator's mesh carries much less than a draw; never before the true finger has refused one.
-    fn is_clearly_too_large(&mut self, forces_n: &[f64]) -> Option<bool> {
-        let loads = self.loads(self.model, forces_n)?;
-        let found = self.scout.as_mut().map(|scout| scout.equilibrium(&loads));
-        Some(matches!(
-            found,
-            Some(Err(StaticsError::NoEquilibrium { converged_fraction })) if converged_fraction < CLEARLY_TOO_LARGE
-        ))
-    }
-
-    fn loads(&self, mesh: &Mesh, forces_n: &[f64]) -> Option<Vec<FrameLoad>> {
-        let load = |(c, f): (&Contact, &f64)| mesh.frame_load(&c.load(self.finger, *f)).ok();
-        self.contacts.iter().zip(forces_n).map(load).collect()
     }
 
     /// Estimates of every estimator from the noise samples of a bent finger.
