@@ -1,7 +1,7 @@
 //! Random cases: forces that bend the true finger, noisy measurements of it, and the estimates of every estimator.
 
 use super::ScatterRequest;
-use super::scout::{Scout, loads};
+use super::scout::{Scout, Seen, loads};
 use crate::estimators::{BeamEstimator, Estimator, EstimatorError, PreparedEstimator, Sensed};
 use crate::sampling::noise::Noise;
 use crate::settings::LEAST_STATED_MM;
@@ -145,7 +145,7 @@ impl<'a> Bench<'a> {
                 .map(|(position, start)| (starts[start].distance_n(&draws[open[position]].forces_n), position, start));
             let Some((_, position, start)) = pairs.min_by(|a, b| a.0.total_cmp(&b.0)) else { return bent };
             let number = open.remove(position);
-            let Some((motion, not_carried)) = self.carried(&mut draws[number], &starts[start], range_n) else {
+            let Some((motion, not_carried)) = self.carried(&mut draws[number], start, &starts, range_n) else {
                 continue;
             };
             let Draw { forces_n, noise, .. } = &draws[number];
@@ -155,23 +155,41 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// The motion under a draw, and how many draws were not carried; they are drawn again. `None` if none is carried.
-    fn carried(&mut self, draw: &mut Draw, start: &Start, range_n: [f64; 2]) -> Option<(FrameMotion, usize)> {
-        let from = loads(self.mesh, self.contacts, &start.forces_n)?;
+    /// The motion under a draw, followed from the start of this number, and how many draws were not carried; they are drawn again.
+    /// `None` if none is carried.
+    fn carried(
+        &mut self,
+        draw: &mut Draw,
+        mut start: usize,
+        starts: &[Start],
+        range_n: [f64; 2],
+    ) -> Option<(FrameMotion, usize)> {
         for not_carried in 0..MOST_DRAWS {
-            if !self.scout.as_mut().is_some_and(|scout| scout.refuses(&draw.forces_n)) {
-                let loads = loads(self.mesh, self.contacts, &draw.forces_n)?;
-                let near =
-                    if not_carried == 0 { self.statics.shifted(&start.motion, &from, &loads).ok() } else { None };
-                if let Some(found) = near.or_else(|| self.statics.equilibrium(&loads).ok()) {
-                    return Some((found.motion, not_carried));
+            let seen = self.scout.as_mut().map_or(Seen::Carried, |scout| scout.sees(&draw.forces_n));
+            if seen != Seen::TooLarge {
+                if let Some(motion) = self.followed(&draw.forces_n, &starts[start], seen) {
+                    return Some((motion, not_carried));
                 }
                 let kinematics = self.statics.equations().kinematics();
                 self.scout.get_or_insert_with(|| Scout::new(self.model, kinematics, self.contacts));
             }
             draw.again(range_n);
+            let distances = starts.iter().map(|start| start.distance_n(&draw.forces_n)).enumerate();
+            start = distances.min_by(|a, b| a.1.total_cmp(&b.1))?.0;
         }
         None
+    }
+
+    /// The motion under forces, followed from a start or, where it decides whether they are carried, from rest.
+    fn followed(&mut self, forces_n: &[f64], start: &Start, seen: Seen) -> Option<FrameMotion> {
+        let loads_at = |forces_n: &[f64]| loads(self.mesh, self.contacts, forces_n);
+        let loads = loads_at(forces_n)?;
+        if seen == Seen::Carried
+            && let Ok(found) = self.statics.shifted(&start.motion, &loads_at(&start.forces_n)?, &loads)
+        {
+            return Some(found.motion);
+        }
+        self.statics.equilibrium(&loads).ok().map(|found| found.motion)
     }
 
     /// Estimates of every estimator from the noise samples of a bent finger.

@@ -20,6 +20,17 @@ pub(super) struct Scout<'m> {
     limits: Vec<Limit>,
 }
 
+/// What a scout sees of some forces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Seen {
+    /// Its finger carries them.
+    Carried,
+    /// Its finger does not carry them, but a finer mesh may.
+    AtTheLimit,
+    /// Its finger carries much less.
+    TooLarge,
+}
+
 /// The largest forces of one ratio that the finger carries.
 #[derive(Clone, Copy)]
 struct Limit {
@@ -47,21 +58,24 @@ impl<'m> Scout<'m> {
         Scout { mesh, contacts, statics: Statics::ladder(mesh, kinematics), limits: Vec::new() }
     }
 
-    /// Whether the finger carries much less than some forces.
-    pub(super) fn refuses(&mut self, forces_n: &[f64]) -> bool {
+    /// What the finger carries of some forces.
+    pub(super) fn sees(&mut self, forces_n: &[f64]) -> Seen {
         let size_n = forces_n.iter().map(|force| force * force).sum::<f64>().sqrt();
         let ray = Ray::of(forces_n);
         if let Some(limit_n) = ray.and_then(|ray| self.known_limit_n(ray))
             && limit_n < CLEARLY_TOO_LARGE * size_n
         {
-            return true;
+            return Seen::TooLarge;
         }
-        let Some(loads) = loads(self.mesh, self.contacts, forces_n) else { return false };
-        let Err(StaticsError::NoEquilibrium { converged_fraction }) = self.statics.equilibrium(&loads) else {
-            return false;
-        };
-        self.limits.extend(ray.map(|ray| Limit { ray, size_n: converged_fraction * size_n }));
-        converged_fraction < CLEARLY_TOO_LARGE
+        let Some(loads) = loads(self.mesh, self.contacts, forces_n) else { return Seen::AtTheLimit };
+        match self.statics.equilibrium(&loads) {
+            Ok(_) => Seen::Carried,
+            Err(StaticsError::NoEquilibrium { converged_fraction }) => {
+                self.limits.extend(ray.map(|ray| Limit { ray, size_n: converged_fraction * size_n }));
+                if converged_fraction < CLEARLY_TOO_LARGE { Seen::TooLarge } else { Seen::AtTheLimit }
+            }
+            Err(_) => Seen::AtTheLimit,
+        }
     }
 
     /// The larger of the limits of the nearest known ratios to both sides; `None` if one of them is too far.
@@ -107,7 +121,7 @@ mod tests {
                     Err(StaticsError::NoEquilibrium { converged_fraction }) => converged_fraction,
                     Err(other) => return Err(other.into()),
                 };
-                let refuses = scout.refuses(&forces_n);
+                let refuses = scout.sees(&forces_n) == Seen::TooLarge;
                 assert!(!refuses || share < 0.95, "{forces_n:?} N are refused, {share} of them are carried");
                 refused += usize::from(refuses);
                 carried += usize::from(share == 1.0);
