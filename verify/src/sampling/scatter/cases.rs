@@ -202,6 +202,9 @@ impl<'a> Bench<'a> {
                 estimator.estimate(&seen, Some(noise_mm.max(LEAST_STATED_MM))).ok()
             };
             let sensed = self.estimators.iter_mut().map(sense).collect();
+            if controlled && noise_mm > 0.0 {
+                self.bound.expect_samples_of(&bent.clean, noise_mm, 2);
+            }
             let bound = if noise_mm > 0.0 { self.bound.estimate(&bent.clean, Some(noise_mm)).ok() } else { None };
             let first_order = bound.as_ref().filter(|_| controlled).and_then(|at_rest| {
                 let mut coordinates = bent.noise.iter();
