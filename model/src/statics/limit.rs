@@ -71,14 +71,26 @@ impl Approach {
         self.predicted.is_some_and(|end| share > end.share)
     }
 
+    /// Whether two predictions agree that the branch ends before a share, by as much as is left to the end.
+    pub(super) fn ends_before(&self, share: f64) -> bool {
+        let (Some(End { share: end, .. }), Some(at)) = (self.predicted, self.at()) else { return false };
+        self.predictions_agree() && end + (end - at) < share
+    }
+
+    fn predictions_agree(&self) -> bool {
+        let (Some(before), Some(end), Some(at)) = (self.predicted_before, self.predicted, self.at()) else {
+            return false;
+        };
+        (before.share - end.share).abs() <= AGREEMENT * (end.share - at)
+    }
+
     /// A share as far behind the end as the last equilibrium is before it, if that is near enough: a branch that ends does
     /// not get there.
     pub(super) fn beyond(&self) -> Option<f64> {
         let (End { share: end, power }, at) = (self.predicted?, self.at()?);
         let left = end - at;
-        let agrees = self.predicted_before.is_some_and(|before| (before.share - end).abs() <= AGREEMENT * left);
         let gap = if power <= LARGEST_POWER_OF_FOLD { GAP_TO_FOLD } else { GAP_TO_OTHERS };
-        (agrees && left < gap * end).then_some(end + left)
+        (self.predictions_agree() && left < gap * end).then_some(end + left)
     }
 
     fn at(&self) -> Option<f64> {

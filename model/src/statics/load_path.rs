@@ -23,7 +23,7 @@ const STATION_TOLERANCE: f64 = 1e-8;
 const SHORT_STEP: f64 = 1e-3;
 /// Smallest step that is tried where no end of the branch can be told, as a share of the whole way.
 const LEAST_STEP: f64 = 1e-7;
-/// The same for a way that is shortened where it fails: where exactly does not matter then.
+/// The same of a way that is a trial.
 const LEAST_TRIED_STEP: f64 = 0.02;
 /// A path that has taken so many steps is given up.
 const MOST_STEPS: usize = 2000;
@@ -38,9 +38,9 @@ pub(super) trait LoadPath {
         true
     }
 
-    /// A step as short as this share of the way that fails ends the path where no end of the branch can be told.
-    fn least_step(&self) -> f64 {
-        LEAST_STEP
+    /// Whether the caller shortens the way where it fails: where exactly does not matter then.
+    fn is_trial(&self) -> bool {
+        false
     }
 }
 
@@ -98,8 +98,8 @@ impl<W: FnMut(&FrameMotion) -> bool> LoadPath for Tried<'_, W> {
         (self.goes_on)(motion)
     }
 
-    fn least_step(&self) -> f64 {
-        LEAST_TRIED_STEP
+    fn is_trial(&self) -> bool {
+        true
     }
 }
 
@@ -107,6 +107,7 @@ impl<E: EquilibriumEquations> Statics<E> {
     /// Follows equilibria from `start` to the end of the way.
     pub(super) fn follow(&mut self, start: &FrameMotion, mut path: impl LoadPath) -> Result<Equilibrium, StaticsError> {
         let linear = self.equations.kinematics() == Kinematics::Linear;
+        let least_step = if path.is_trial() { LEAST_TRIED_STEP } else { LEAST_STEP };
         let mut motion = start.clone();
         // The last equilibrium on the way, if it is not the start.
         let mut before: Option<FrameMotion> = None;
@@ -130,6 +131,9 @@ impl<E: EquilibriumEquations> Statics<E> {
                         before.get_or_insert_with(|| start.clone()).clone_from(&motion);
                         iterations += 1;
                     }
+                }
+                if path.is_trial() && approach.ends_before(1.0) {
+                    return Err(StaticsError::NoEquilibrium { converged_fraction: done });
                 }
                 if let Some(beyond) = approach.beyond() {
                     (target, is_beyond) = (beyond.min(1.0), true);
@@ -158,7 +162,7 @@ impl<E: EquilibriumEquations> Statics<E> {
                 Err(Rejected::NotPositiveDefinite) if linear => return Err(StaticsError::NotHeld),
                 Err(Rejected::Rounding(digits)) => return Err(StaticsError::TooFewDigits { digits }),
                 Err(why) => {
-                    let ends = is_beyond || taken < 2.0 * path.least_step();
+                    let ends = is_beyond || taken < 2.0 * least_step;
                     if (ends || taken < SHORT_STEP) && !digits_checked && start.is_at_rest() {
                         self.require_digits_at_rest(path.at(1.0).0)?;
                         digits_checked = true;
