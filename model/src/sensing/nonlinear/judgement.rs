@@ -37,6 +37,37 @@ impl NonlinearEstimate {
         claimed.map_or(Ok(()), |i| Err(SensingError::Ambiguous { contact: i + 1, force_n: forces_n[i], other_n: 0.0 }))
     }
 
+    /// Refuses an estimate where the search began with other forces that explain the data as well, though they are no
+    /// minimum: where the finger answers linearly, forces whose misfit is no larger than [`AS_GOOD`] allows are within three
+    /// standard deviations.
+    ///
+    /// # Errors
+    /// [`SensingError::Ambiguous`].
+    pub(super) fn check_starts<'s>(
+        &self,
+        misfit: f64,
+        starts: impl Iterator<Item = (f64, &'s Vec<f64>)>,
+    ) -> Result<(), SensingError> {
+        for (start_misfit, start_n) in starts {
+            if start_misfit - misfit > AS_GOOD * self.forces.noise_mm.powi(2) {
+                continue;
+            }
+            if let Some(i) = self.other_answer(start_n) {
+                let (force_n, other_n) = (self.forces.forces_n[i], start_n[i]);
+                return Err(SensingError::Ambiguous { contact: i + 1, force_n, other_n });
+            }
+        }
+        Ok(())
+    }
+
+    /// The first force that differs from this estimate's by more than its standard deviation allows.
+    fn other_answer(&self, other_n: &[f64]) -> Option<usize> {
+        let Estimate { forces_n, sigmas_n, .. } = &self.forces;
+        let largest = forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
+        let same = |i: usize| f64::max(ANOTHER_ANSWER_SIGMAS * sigmas_n[i], SAME_ANSWER * largest);
+        (0..forces_n.len()).find(|&i| (forces_n[i] - other_n[i]).abs() > same(i))
+    }
+
     /// Refuses an estimate beside which another minimum explains the data as well, and one from few coordinates, far from
     /// the linear forces, to which one start alone has led. `minima` holds misfit and forces of each minimum that was found.
     ///
@@ -49,12 +80,10 @@ impl NonlinearEstimate {
         near: bool,
         coordinates: usize,
     ) -> Result<(), SensingError> {
-        let Estimate { forces_n, sigmas_n, noise_mm, .. } = &self.forces;
-        let largest = forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
-        let same = |i: usize| f64::max(ANOTHER_ANSWER_SIGMAS * sigmas_n[i], SAME_ANSWER * largest);
+        let Estimate { forces_n, noise_mm, .. } = &self.forces;
         let mut confirmations = 0;
         for (other_misfit, other_n) in minima {
-            match (0..forces_n.len()).find(|&i| (forces_n[i] - other_n[i]).abs() > same(i)) {
+            match self.other_answer(other_n) {
                 Some(i) if other_misfit - misfit <= AS_GOOD * noise_mm * noise_mm => {
                     let (force_n, other_n) = (forces_n[i], other_n[i]);
                     return Err(SensingError::Ambiguous { contact: i + 1, force_n, other_n });

@@ -182,6 +182,8 @@ impl<'m> NonlinearEstimator<'m> {
         let mut failure = None;
         // Misfit and forces of all minima.
         let mut minima: Vec<(f64, Vec<f64>)> = Vec::new();
+        // Forces and shapes from which they were sought.
+        let mut starts: Vec<(Vec<f64>, FrameMotion)> = Vec::new();
         let by_direction = self.questions.iter().any(|question| question.direction == Direction::Auto);
         for start in STARTS.into_iter().chain(STARTS_BY_DIRECTION.into_iter().filter(|_| by_direction)) {
             if let Some(found) = &mut best
@@ -193,7 +195,7 @@ impl<'m> NonlinearEstimator<'m> {
                 // An explanation that leaves the unknowns open is reason enough to refuse.
                 self.judged(&mut found.state, measurement, noise_mm, found.steps)?;
             }
-            match self.searched(measurement, noise_mm, start) {
+            match self.searched(measurement, noise_mm, start, &mut starts) {
                 Ok(found) => {
                     minima.push((misfit(&found.state), found.state.forces_n.clone()));
                     if best.as_ref().is_none_or(|best| misfit(&found.state) < misfit(&best.state)) {
@@ -211,6 +213,8 @@ impl<'m> NonlinearEstimator<'m> {
         // With several unknown positions, answers may differ in their order alone.
         if self.questions.iter().filter(|question| question.position.is_none()).count() <= 1 {
             estimate.check_rivals(least_misfit, &minima, near, coordinates)?;
+            let misfit = |motion: &FrameMotion| state.linearised.misfit(motion, measurement);
+            estimate.check_starts(least_misfit, starts.iter().map(|(forces_n, motion)| (misfit(motion), forces_n)))?;
         }
         self.last = Some(state);
         Ok(estimate)
@@ -222,8 +226,10 @@ impl<'m> NonlinearEstimator<'m> {
         measurement: &Measurement,
         noise_mm: Option<f64>,
         start: Start,
+        starts: &mut Vec<(Vec<f64>, FrameMotion)>,
     ) -> Result<Found, SensingError> {
         let start = self.start(measurement, noise_mm, start)?;
+        starts.push((start.forces_n.clone(), start.motion.clone()));
         let mut state = start.clone();
         if let Some(steps) = self.correct(&mut state, measurement, noise_mm) {
             return Ok(Found { state, steps, near: true });

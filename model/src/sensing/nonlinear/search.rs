@@ -35,6 +35,8 @@ const LESS_FAR: f64 = 0.5;
 const AFTER_FAILURE: [f64; 2] = [0.1, 0.5];
 /// The same after a step that the finger carries but that is worse.
 const AFTER_WORSE: f64 = 0.25;
+/// How far the first step may reach, as a share of what the markers moved.
+const FIRST_REACH: f64 = 0.5;
 /// Reach, as a share of what the markers moved, below which no step helps: the minimum is reached as far as rounding lets
 /// it be seen, or as the finger carries it.
 const SHORTEST: f64 = 1e-12;
@@ -43,7 +45,7 @@ const FIRST_DAMPING: f64 = 1e-3;
 
 impl NonlinearEstimator<'_> {
     /// Gauss-Newton steps, each to the equilibrium that belongs to it, shortened where they do not help. Returns their
-    /// number, and whether the way was straight: every step did what it promised.
+    /// number, and whether the way was straight: every step was whole and did what it promised.
     ///
     /// # Errors
     /// [`SensingError`] if the unknowns are not identifiable, or the steps do not settle.
@@ -55,11 +57,12 @@ impl NonlinearEstimator<'_> {
     ) -> Result<(usize, bool), SensingError> {
         self.linearise(state)?;
         state.linearised.weigh(&state.motion, measurement, noise_mm);
-        let shortest_mm = SHORTEST * state.linearised.misfit_at_rest(measurement).sqrt();
-        let (mut longest_mm, mut damping) = (f64::INFINITY, FIRST_DAMPING);
+        let moved_mm = state.linearised.misfit_at_rest(measurement).sqrt();
+        let shortest_mm = SHORTEST * moved_mm;
+        let (mut longest_mm, mut damping) = (FIRST_REACH * moved_mm, FIRST_DAMPING);
         let (mut settled, mut last_change, mut near) = (false, f64::INFINITY, MAY_BE_NEAR);
         let mut iterations = 0;
-        // Whether every step was right as it was.
+        // Whether every step was whole and did what it promised.
         let mut straight = true;
         while iterations < MAX_STEPS && longest_mm > shortest_mm {
             iterations += 1;
@@ -80,6 +83,7 @@ impl NonlinearEstimator<'_> {
                 return Ok((iterations, straight));
             }
             if promise.reach_mm > longest_mm {
+                straight = false;
                 (damping, promise) = state.linearised.shorten(&state.motion, measurement, longest_mm, damping)?;
             }
             let change = self.relative_change(state);
