@@ -213,8 +213,12 @@ impl<'m> NonlinearEstimator<'m> {
         // With several unknown positions, answers may differ in their order alone.
         if self.questions.iter().filter(|question| question.position.is_none()).count() <= 1 {
             estimate.check_rivals(least_misfit, &minima, near, coordinates)?;
-            let misfit = |motion: &FrameMotion| state.linearised.misfit(motion, measurement);
-            estimate.check_starts(least_misfit, starts.iter().map(|(forces_n, motion)| (misfit(motion), forces_n)))?;
+            // A start pushes along the undeformed normal where the deformed one is asked for: it is no answer then.
+            if self.questions.iter().all(|question| question.direction != Direction::Normal) {
+                let misfit = |motion: &FrameMotion| state.linearised.misfit(motion, measurement);
+                let starts = starts.iter().map(|(forces_n, motion)| (misfit(motion), forces_n));
+                estimate.check_starts(least_misfit, starts)?;
+            }
         }
         self.last = Some(state);
         Ok(estimate)
