@@ -49,15 +49,23 @@ impl NonlinearEstimate {
         starts: impl Iterator<Item = (f64, &'s Vec<f64>)>,
     ) -> Result<(), SensingError> {
         for (start_misfit, start_n) in starts {
-            if start_misfit - misfit > AS_GOOD * self.forces.noise_mm.powi(2) {
-                continue;
-            }
-            if let Some(i) = self.other_answer(start_n) {
-                let (force_n, other_n) = (self.forces.forces_n[i], start_n[i]);
-                return Err(SensingError::Ambiguous { contact: i + 1, force_n, other_n });
-            }
+            self.is_confirmed_by(start_n, start_misfit - misfit)?;
         }
         Ok(())
+    }
+
+    /// Whether other forces, whose misfit is larger by `excess`, are the same answer.
+    ///
+    /// # Errors
+    /// [`SensingError::Ambiguous`] if they are another one that explains the data as well.
+    fn is_confirmed_by(&self, other_n: &[f64], excess: f64) -> Result<bool, SensingError> {
+        match self.other_answer(other_n) {
+            Some(i) if excess <= AS_GOOD * self.forces.noise_mm.powi(2) => {
+                let (force_n, other_n) = (self.forces.forces_n[i], other_n[i]);
+                Err(SensingError::Ambiguous { contact: i + 1, force_n, other_n })
+            }
+            other => Ok(other.is_none()),
+        }
     }
 
     /// The first force that differs from this estimate's by more than its standard deviation allows.
@@ -80,20 +88,13 @@ impl NonlinearEstimate {
         near: bool,
         coordinates: usize,
     ) -> Result<(), SensingError> {
-        let Estimate { forces_n, noise_mm, .. } = &self.forces;
         let mut confirmations = 0;
         for (other_misfit, other_n) in minima {
-            match self.other_answer(other_n) {
-                Some(i) if other_misfit - misfit <= AS_GOOD * noise_mm * noise_mm => {
-                    let (force_n, other_n) = (forces_n[i], other_n[i]);
-                    return Err(SensingError::Ambiguous { contact: i + 1, force_n, other_n });
-                }
-                Some(_) => {}
-                None => confirmations += 1,
-            }
+            confirmations += usize::from(self.is_confirmed_by(other_n, other_misfit - misfit)?);
         }
         // One of them is the estimate itself. Many coordinates that all fit confirm it as well.
-        let confirmed = near || confirmations >= 2 || coordinates >= CONFIRMING_COORDINATES * forces_n.len();
+        let confirmed =
+            near || confirmations >= 2 || coordinates >= CONFIRMING_COORDINATES * self.forces.forces_n.len();
         if confirmed { Ok(()) } else { Err(SensingError::Unconfirmed) }
     }
 }

@@ -38,9 +38,9 @@ pub(super) struct Linearised {
     lengths_mm: Vec<f64>,
 }
 
-/// What a step does if the finger answers linearly.
+/// What a step does to the linearised finger.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Promise {
+pub(super) struct Prediction {
     /// Decrease of the misfit, mm^2.
     pub decrease_mm2: f64,
     /// How far it moves the markers, mm: root of the sum over unknowns and markers, each unknown's move counted alone.
@@ -107,7 +107,7 @@ impl Linearised {
         motion: &FrameMotion,
         measurement: &Measurement,
         damping: f64,
-    ) -> Result<Promise, SensingError> {
+    ) -> Result<Prediction, SensingError> {
         let (unknowns, coordinates) = (self.scales.len(), measurement.coordinate_count());
         self.pose(measurement, if damping > 0.0 { unknowns } else { 0 });
         self.lengths_mm.clear();
@@ -130,11 +130,11 @@ impl Linearised {
         let reach_mm2: f64 = solution.iter().zip(&self.lengths_mm).map(|(x, length_mm)| (x * length_mm).powi(2)).sum();
         // |b|^2 - |b - A x|^2, from the problem with the damping's rows below.
         let decrease_mm2 = self.problem.explained() + damping * reach_mm2;
-        Ok(Promise { decrease_mm2, reach_mm: reach_mm2.sqrt() })
+        Ok(Prediction { decrease_mm2, reach_mm: reach_mm2.sqrt() })
     }
 
-    /// Finds the damped step that reaches no further than `longest_mm`, and no less far than it must, beginning with the
-    /// damping of another step. Returns its damping.
+    /// Finds the step that reaches no further than `longest_mm`, with the smallest damping for that, to a factor of
+    /// [`DAMPING_FACTOR`]; the search for it begins with the damping of another step. Returns the damping.
     ///
     /// # Errors
     /// [`SensingError::IllConditioned`] if the unknowns are not identifiable.
@@ -144,18 +144,18 @@ impl Linearised {
         measurement: &Measurement,
         longest_mm: f64,
         mut damping: f64,
-    ) -> Result<(f64, Promise), SensingError> {
+    ) -> Result<(f64, Prediction), SensingError> {
         let [least, most] = DAMPINGS;
-        let mut promise = self.solve(motion, measurement, damping)?;
-        while promise.reach_mm <= longest_mm && damping > least {
+        let mut prediction = self.solve(motion, measurement, damping)?;
+        while prediction.reach_mm <= longest_mm && damping > least {
             damping /= DAMPING_FACTOR;
-            promise = self.solve(motion, measurement, damping)?;
+            prediction = self.solve(motion, measurement, damping)?;
         }
-        while promise.reach_mm > longest_mm && damping < most {
+        while prediction.reach_mm > longest_mm && damping < most {
             damping *= DAMPING_FACTOR;
-            promise = self.solve(motion, measurement, damping)?;
+            prediction = self.solve(motion, measurement, damping)?;
         }
-        Ok((damping, promise))
+        Ok((damping, prediction))
     }
 
     /// Changes of the unknowns, in their units, that explain a further displacement of the key nodes best.

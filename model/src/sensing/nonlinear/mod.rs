@@ -224,7 +224,7 @@ impl<'m> NonlinearEstimator<'m> {
         Ok(estimate)
     }
 
-    /// The minimum nearest to the linear forces times a factor, the careful way if it is not near.
+    /// The minimum nearest to a start, the careful way if it is not near. Adds the start's forces and shape to `starts`.
     fn searched(
         &mut self,
         measurement: &Measurement,

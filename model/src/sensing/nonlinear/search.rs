@@ -24,7 +24,7 @@ const SMALL_ENOUGH: f64 = 1e-5;
 const MAY_BE_NEAR: f64 = 0.03;
 /// An equilibrium on the way of a step with so many times the misfit of its start ends the step.
 const WORSE: f64 = 2.0;
-/// Decrease of the misfit, as a share of what was promised, from which on steps may reach further, and below which they
+/// Decrease of the misfit, as a share of what was predicted, from which on steps may reach further, and below which they
 /// reach less far (Nocedal and Wright, Numerical Optimization, algorithm 4.1).
 const GOOD: f64 = 0.75;
 const POOR: f64 = 0.25;
@@ -45,7 +45,7 @@ const FIRST_DAMPING: f64 = 1e-3;
 
 impl NonlinearEstimator<'_> {
     /// Gauss-Newton steps, each to the equilibrium that belongs to it, shortened where they do not help. Returns their
-    /// number, and whether the way was straight: every step was whole and did what it promised.
+    /// number, and whether the way was straight: every step was whole and as good as predicted.
     ///
     /// # Errors
     /// [`SensingError`] if the unknowns are not identifiable, or the steps do not settle.
@@ -62,15 +62,15 @@ impl NonlinearEstimator<'_> {
         let (mut longest_mm, mut damping) = (FIRST_REACH * moved_mm, FIRST_DAMPING);
         let (mut settled, mut last_change, mut near) = (false, f64::INFINITY, MAY_BE_NEAR);
         let mut iterations = 0;
-        // Whether every step was whole and did what it promised.
+        // Whether every step was whole and as good as predicted.
         let mut straight = true;
         while iterations < MAX_STEPS && longest_mm > shortest_mm {
             iterations += 1;
             let before = state.linearised.misfit(&state.motion, measurement);
-            let mut promise = state.linearised.solve(&state.motion, measurement, 0.0)?;
+            let mut prediction = state.linearised.solve(&state.motion, measurement, 0.0)?;
             let variance_mm2 =
                 f64::max(noise_mm.unwrap_or(0.0).powi(2), before / measurement.coordinate_count() as f64);
-            let is_there = settled && promise.decrease_mm2 <= OFFSET_TOLERANCE * OFFSET_TOLERANCE * variance_mm2;
+            let is_there = settled && prediction.decrease_mm2 <= OFFSET_TOLERANCE * OFFSET_TOLERANCE * variance_mm2;
             if is_there || last_change <= near {
                 let mut corrected = state.clone();
                 if let Some(steps) = self.correct(&mut corrected, measurement, noise_mm) {
@@ -82,9 +82,9 @@ impl NonlinearEstimator<'_> {
             if is_there {
                 return Ok((iterations, straight));
             }
-            if promise.reach_mm > longest_mm {
+            if prediction.reach_mm > longest_mm {
                 straight = false;
-                (damping, promise) = state.linearised.shorten(&state.motion, measurement, longest_mm, damping)?;
+                (damping, prediction) = state.linearised.shorten(&state.motion, measurement, longest_mm, damping)?;
             }
             let change = self.relative_change(state);
             let mut next = state.clone();
@@ -108,12 +108,12 @@ impl NonlinearEstimator<'_> {
                             return Ok((iterations, straight));
                         }
                         last_change = if settled { change } else { f64::INFINITY };
-                        let gain = (before - after) / promise.decrease_mm2;
+                        let gain = (before - after) / prediction.decrease_mm2;
                         straight &= gain >= GOOD || change <= MAY_BE_NEAR;
                         if gain >= GOOD {
-                            longest_mm = longest_mm.max(FURTHER * promise.reach_mm);
+                            longest_mm = longest_mm.max(FURTHER * prediction.reach_mm);
                         } else if gain < POOR && settled {
-                            longest_mm = LESS_FAR * promise.reach_mm;
+                            longest_mm = LESS_FAR * prediction.reach_mm;
                         }
                         continue;
                     }
@@ -123,7 +123,7 @@ impl NonlinearEstimator<'_> {
                 Err(_) => 0.0,
             };
             straight = false;
-            longest_mm = promise.reach_mm * failed_at.clamp(AFTER_FAILURE[0], AFTER_FAILURE[1]);
+            longest_mm = prediction.reach_mm * failed_at.clamp(AFTER_FAILURE[0], AFTER_FAILURE[1]);
         }
         if longest_mm <= shortest_mm || last_change <= SMALL_ENOUGH {
             return Ok((iterations, straight));
