@@ -22,6 +22,7 @@
 #![forbid(unsafe_code)]
 
 pub mod calibration;
+pub mod camera;
 pub mod compliance;
 pub mod element;
 pub mod finger;

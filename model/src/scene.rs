@@ -1,8 +1,10 @@
 //! The scene file: TOML text to a checked [`Finger`].
 
+mod camera;
 mod object;
 mod reader;
 
+pub use camera::{CameraDescription, Markers, Rgb};
 pub use object::{ObjectDescription, ObjectMotion, Outline, ROD_RADIUS_MM, Until};
 
 use crate::finger::{Finger, FingerDescription, Joints, Part, RibDescription, RibPositions, Strip, Zone};
@@ -18,19 +20,16 @@ pub struct Scene {
     pub finger: Finger,
     /// Up to which strain the material of each part is what the model takes it for, where the scene says so.
     pub strain_limits: StrainLimits,
+    /// Standard deviation of one measured coordinate, mm, where the scene says so.
+    pub noise_mm: Option<f64>,
     /// The camera, where the scene has one.
-    pub camera: Option<Camera>,
+    pub camera: Option<CameraDescription>,
+    /// The markers that it sees, where the scene has them.
+    pub markers: Option<Markers>,
     /// Radius of the rods that an object meets, mm.
     pub rod_radius_mm: f64,
     /// The object that is pressed onto the finger, where the scene has one.
     pub object: Option<ObjectDescription>,
-}
-
-/// The camera that measures the nodes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Camera {
-    /// Standard deviation of one measured coordinate, mm.
-    pub noise_mm: f64,
 }
 
 /// A scene text that cannot be used.
@@ -51,7 +50,7 @@ impl Scene {
     /// [`SceneError`] with the line, the key and what was expected.
     pub fn from_toml(text: &str) -> Result<Scene, SceneError> {
         let document = Document::parse(text)?;
-        let top = document.top(&["name", "finger", "camera", "contact", "object"])?;
+        let top = document.top(&["name", "finger", "camera", "markers", "contact", "object"])?;
         let name = top.text("name")?;
         let table = top.table("finger", &FINGER_KEYS)?;
         let description = read_finger(&table)?;
@@ -60,9 +59,13 @@ impl Scene {
             line: document.line_of(&impossible.key),
             message: impossible.to_string(),
         })?;
-        let camera = match top.optional_table("camera", &["noise_mm"])? {
+        let (noise_mm, camera) = match top.optional_table("camera", &camera::KEYS)? {
+            None => (None, None),
+            Some(table) => camera::read_camera(&table)?,
+        };
+        let markers = match top.optional_table("markers", &camera::MARKER_KEYS)? {
             None => None,
-            Some(table) => Some(Camera { noise_mm: not_negative_mm(&table, "noise_mm")? }),
+            Some(table) => Some(camera::read_markers(&table)?),
         };
         let rod_radius_mm = match top.optional_table("contact", &["rod_radius_mm"])? {
             None => ROD_RADIUS_MM,
@@ -72,7 +75,7 @@ impl Scene {
             None => None,
             Some(table) => Some(object::read_object(&table, &finger)?),
         };
-        Ok(Scene { name, finger, strain_limits, camera, rod_radius_mm, object })
+        Ok(Scene { name, finger, strain_limits, noise_mm, camera, markers, rod_radius_mm, object })
     }
 }
 

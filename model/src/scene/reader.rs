@@ -121,6 +121,11 @@ impl<'d, 't> TableReader<'d, 't> {
         }
     }
 
+    /// An error about a key whose message says what was expected.
+    pub(super) fn at(&self, key: &str, message: &str) -> SceneError {
+        SceneError { line: self.document.line_of(&joined(&self.path, key)), message: joined(&self.path, message) }
+    }
+
     /// The error for a value that is not there.
     pub(super) fn missing(&self, key: &str, expected: &str) -> SceneError {
         let path = joined(&self.path, key);
@@ -207,6 +212,29 @@ impl<'d, 't> TableReader<'d, 't> {
                 other => Err(self.wrong(key, "true or false", &described(other))),
             })
             .transpose()
+    }
+
+    /// A list of `N` numbers; `what` names them and their unit.
+    pub(super) fn optional_numbers<const N: usize>(
+        &self,
+        key: &str,
+        what: &str,
+    ) -> Result<Option<[f64; N]>, SceneError> {
+        let Some(value) = self.value(key) else { return Ok(None) };
+        let wrong = |found: &str| self.wrong(key, &format!("a list of {N} numbers, {what}"), found);
+        let DeValue::Array(items) = value else { return Err(wrong(&described(value))) };
+        let numbers: Option<Vec<f64>> = items.iter().map(|item| number(item.get_ref())).collect();
+        let numbers = numbers.ok_or_else(|| wrong("a list of something else"))?;
+        if let Some(other) = numbers.iter().find(|number| !number.is_finite()) {
+            return Err(wrong(&format!("{other:?} in it")));
+        }
+        let found = numbers.len();
+        <[f64; N]>::try_from(numbers).map(Some).map_err(|_| wrong(&format!("{found}")))
+    }
+
+    /// A required list of `N` numbers.
+    pub(super) fn numbers<const N: usize>(&self, key: &str, what: &str) -> Result<[f64; N], SceneError> {
+        self.optional_numbers(key, what)?.ok_or_else(|| self.missing(key, &format!("a list of {N} numbers, {what}")))
     }
 
     /// A list of pairs of numbers; `what` says of what, and the unit.

@@ -1,11 +1,12 @@
 //! Tests of `model` alone, by family of properties: equilibria (`statics`, and `invariance` of the way a finger is written down), the
-//! inverse (`sensing`, `networks` and their `training` on `samples`, `calibration`), what signs and angles mean (`conventions`), and where the
+//! inverse (`sensing`, `networks` and their `training` on `samples`, `calibration`), the `camera`, what signs and angles mean (`conventions`), and where the
 //! beam model holds (`validity`). Most hold for random fingers; `finray_tests` draws them and has what several modules share.
 
 mod calibration {
     mod modulus;
     mod zones;
 }
+mod camera;
 mod conventions;
 mod invariance;
 mod networks;

@@ -88,7 +88,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         KinematicsArgument::Linear => (Kinematics::Linear, 1),
         KinematicsArgument::Corotational => (Kinematics::Corotational, ELEMENTS),
     };
-    let noise_mm = arguments.noise_mm.or(scene.camera.map(|camera| camera.noise_mm));
+    let noise_mm = arguments.noise_mm.or(scene.noise_mm);
     let model = FactorModel { kinematics, elements, noise_mm };
     let estimate = calibration::factors(&finger, &cases, &unknowns, &model).map_err(failure)?;
     for (i, j, correlation) in estimate.entangled() {

@@ -114,7 +114,7 @@ fn grid(
         numbers
     };
     let noise_levels_mm = match candidates.noise_mm {
-        [] => vec![scene.camera.map_or(0.0, |camera| camera.noise_mm)],
+        [] => vec![scene.noise_mm.unwrap_or(0.0)],
         given => growing(given),
     };
     Ok(Grid {

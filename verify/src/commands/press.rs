@@ -86,7 +86,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let contact_scene = ContactScene::new(&scene, object, &corners)
         .map_err(|error| Failure::BadInput(error.to_string()))?
         .with_fineness(arguments.fineness.into());
-    let noise_mm = arguments.noise_mm.or(scene.camera.map(|camera| camera.noise_mm)).unwrap_or(0.0);
+    let noise_mm = arguments.noise_mm.or(scene.noise_mm).unwrap_or(0.0);
     let mut noise = Noise::new(arguments.seed);
     let (mut rows, mut steps, mut last) = (Vec::new(), 0, None);
     let mut validity = Pressing::default();

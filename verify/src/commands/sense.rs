@@ -96,7 +96,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let question = Question {
         contacts,
         measurement: &displacements::load(&arguments.displacements, finger)?,
-        noise_mm: arguments.noise_mm.or(scene.camera.map(|camera| camera.noise_mm)),
+        noise_mm: arguments.noise_mm.or(scene.noise_mm),
         mesh_nodes: arguments.mesh_nodes,
         networks: &networks,
     };

@@ -98,7 +98,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let [first, last] = [2, finger.key_node_count() - 1];
         return Err(Failure::BadInput(format!("--hide: expected nodes that move, {first} to {last}, found {node}")));
     }
-    let noise_mm = arguments.noise_mm.or(scene.camera.map(|camera| camera.noise_mm)).unwrap_or(CAMERA_NOISE_MM);
+    let noise_mm = arguments.noise_mm.or(scene.noise_mm).unwrap_or(CAMERA_NOISE_MM);
     let recipe = recipe(arguments, contacts, noise_mm);
     let bar = TrainingBar::new(recipe.epochs);
     let network = train(finger, &recipe, &mut |epoch| bar.epoch(epoch))?;

@@ -200,7 +200,7 @@ impl Study {
             given,
             finger,
             is_paper: is_papers_finger(finger),
-            noise_mm: scene.camera.map_or(CAMERA_NOISE_MM, |camera| camera.noise_mm),
+            noise_mm: scene.noise_mm.unwrap_or(CAMERA_NOISE_MM),
             effort,
             fine: &fine,
             corotational: &corotational.map_err(within("finger at rest"))?,

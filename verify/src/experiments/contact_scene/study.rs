@@ -89,7 +89,7 @@ pub fn run_all(
     let run = |(SceneWithOutline { scene, corners }, fineness): &(SceneWithOutline, usize)| {
         let Some(object) = &scene.object else { return Ok(None) };
         let prepared = ContactScene::new(scene, object, corners)?.with_fineness(*fineness);
-        let noise_mm = scene.camera.map_or(noise_mm, |camera| camera.noise_mm);
+        let noise_mm = scene.noise_mm.unwrap_or(noise_mm);
         SceneStudy::run(&scene.name, &prepared, noise_mm, samples, done).map(Some)
     };
     let studies: Vec<Option<SceneStudy>> = scenes.par_iter().map(run).collect::<Result<_, SceneStudyError>>()?;

@@ -1,0 +1,274 @@
+//! Pinhole with the distortion of Brown and Conrady.
+
+use super::{Pixel, ViewError};
+use nalgebra::{Matrix2, Matrix2x3, Vector2, Vector3};
+
+/// Tangent of the angle from the axis up to which a lens is looked at: 79 degrees.
+const WIDEST: f64 = 5.0;
+/// Steps in which the radius is searched for the first fold; the slope is a cubic in r^2 and has three roots at most.
+const FOLD_STEPS: usize = 2000;
+/// Newton's method ends where a step is below this share: a tenth of 1e-10 px at 1e5 px of focal length.
+const SETTLED: f64 = 1e-16;
+const MOST_STEPS: usize = 50;
+/// Points along each side of the image at which the distortion must have an inverse.
+const SIDE_POINTS: usize = 32;
+/// Largest image, px a side, and longest focal length, px.
+const LARGEST_PX: u32 = 65_535;
+const LONGEST_FOCUS_PX: f64 = 1e7;
+
+/// Coefficients of distortion, in OpenCV's convention. With r^2 = x^2 + y^2 and f = 1 + k1 r^2 + k2 r^4 + k3 r^6:
+///
+/// x' = x f + 2 p1 x y + p2 (r^2 + 2 x^2), y' = y f + p1 (r^2 + 2 y^2) + 2 p2 x y.
+///
+/// Source: D. C. Brown, Decentering distortion of lenses, Photogrammetric Engineering 32 (1966); OpenCV, calib3d.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Distortion {
+    /// Radial coefficients k1, k2, k3.
+    pub radial: [f64; 3],
+    /// Tangential coefficients p1, p2.
+    pub tangential: [f64; 2],
+}
+
+impl Distortion {
+    /// From k1, k2, p1, p2, k3, the order of OpenCV.
+    pub fn from_opencv([k1, k2, p1, p2, k3]: [f64; 5]) -> Distortion {
+        Distortion { radial: [k1, k2, k3], tangential: [p1, p2] }
+    }
+
+    /// As k1, k2, p1, p2, k3, the order of OpenCV.
+    pub fn to_opencv(&self) -> [f64; 5] {
+        let ([k1, k2, k3], [p1, p2]) = (self.radial, self.tangential);
+        [k1, k2, p1, p2, k3]
+    }
+
+    /// f and its derivative by r^2.
+    fn factor(&self, q: f64) -> (f64, f64) {
+        let [k1, k2, k3] = self.radial;
+        (1.0 + q * (k1 + q * (k2 + q * k3)), k1 + q * (2.0 * k2 + q * 3.0 * k3))
+    }
+
+    /// Distorted coordinates and their derivatives by the undistorted ones.
+    fn bend(&self, at: &Vector2<f64>) -> (Vector2<f64>, Matrix2<f64>) {
+        let (x, y, q) = (at.x, at.y, at.norm_squared());
+        let (f, slope) = self.factor(q);
+        let [p1, p2] = self.tangential;
+        let bent = Vector2::new(
+            x * f + 2.0 * p1 * x * y + p2 * (q + 2.0 * x * x),
+            y * f + p1 * (q + 2.0 * y * y) + 2.0 * p2 * x * y,
+        );
+        let mixed = 2.0 * x * y * slope + 2.0 * p1 * x + 2.0 * p2 * y;
+        let by_x = f + 2.0 * x * x * slope + 2.0 * p1 * y + 6.0 * p2 * x;
+        let by_y = f + 2.0 * y * y * slope + 6.0 * p1 * y + 2.0 * p2 * x;
+        (bent, Matrix2::new(by_x, mixed, mixed, by_y))
+    }
+
+    /// Radius of the first fold of the radial part, where r f(r^2) stops growing; [`WIDEST`] if there is none before.
+    fn first_fold(&self) -> f64 {
+        let slope = |r: f64| {
+            let (f, by_q) = self.factor(r * r);
+            f + 2.0 * r * r * by_q
+        };
+        let radius = |step: usize| WIDEST * step as f64 / FOLD_STEPS as f64;
+        let Some(step) = (1..=FOLD_STEPS).find(|&step| slope(radius(step)) <= 0.0) else { return WIDEST };
+        let (mut below, mut above) = (radius(step - 1), radius(step));
+        while above - below > f64::EPSILON * above {
+            let middle = 0.5 * (below + above);
+            if middle <= below || middle >= above {
+                break;
+            }
+            if slope(middle) > 0.0 { below = middle } else { above = middle }
+        }
+        below
+    }
+}
+
+/// A lens and its sensor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lens {
+    size_px: [u32; 2],
+    focal_px: Vector2<f64>,
+    principal_point_px: Pixel,
+    distortion: Distortion,
+    /// Largest undistorted radius at which the distortion grows with it.
+    widest: f64,
+}
+
+/// A lens that cannot be. Names the key of a scene's `[camera]` table.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{key}: expected {expected}")]
+pub struct ImpossibleLens {
+    /// The key.
+    pub key: &'static str,
+    /// What was expected there, and what was found.
+    pub expected: String,
+}
+
+impl Lens {
+    /// A lens from the size of its image, focal lengths along u and v, principal point (all px) and distortion.
+    ///
+    /// # Errors
+    /// [`ImpossibleLens`] for an empty image, focal lengths that are not positive, a number that is not finite, or a distortion that folds
+    /// the image.
+    pub fn new(
+        size_px: [u32; 2],
+        focal_px: [f64; 2],
+        principal_point_px: [f64; 2],
+        distortion: Distortion,
+    ) -> Result<Lens, ImpossibleLens> {
+        let wrong = |key, expected: String| Err(ImpossibleLens { key, expected });
+        if size_px.iter().any(|side| !(1..=LARGEST_PX).contains(side)) {
+            return wrong("size_px", format!("width and height of 1 to {LARGEST_PX} px, found {size_px:?}"));
+        }
+        if !focal_px.iter().all(|f| f.is_normal() && (1e-3..=LONGEST_FOCUS_PX).contains(f)) {
+            return wrong("focal_px", format!("two focal lengths above 0 and up to 1e7 px, found {focal_px:?}"));
+        }
+        if !principal_point_px.iter().all(|x| x.abs() <= LONGEST_FOCUS_PX) {
+            let found = format!("two coordinates in px, up to 1e7, found {principal_point_px:?}");
+            return wrong("principal_point_px", found);
+        }
+        if !distortion.to_opencv().iter().all(|k| k.abs() <= 1e6) {
+            let found = format!("k1, k2, p1, p2, k3 of at most 1e6, found {:?}", distortion.to_opencv());
+            return wrong("distortion", found);
+        }
+        let lens = Lens {
+            size_px,
+            focal_px: focal_px.into(),
+            principal_point_px: principal_point_px.into(),
+            distortion,
+            widest: distortion.first_fold(),
+        };
+        match lens.border().find(|pixel| lens.undistorted(pixel).is_err()) {
+            None => Ok(lens),
+            Some(pixel) => {
+                let at = format!("pixel ({:.0}, {:.0})", pixel.x, pixel.y);
+                wrong("distortion", format!("coefficients that do not fold the image; these fold it before {at}"))
+            }
+        }
+    }
+
+    /// Width and height of the image, px.
+    pub fn size_px(&self) -> [u32; 2] {
+        self.size_px
+    }
+
+    /// Focal lengths along u and v, px.
+    pub fn focal_px(&self) -> [f64; 2] {
+        self.focal_px.into()
+    }
+
+    /// Pixel on the axis, px.
+    pub fn principal_point_px(&self) -> [f64; 2] {
+        self.principal_point_px.into()
+    }
+
+    /// The distortion.
+    pub fn distortion(&self) -> &Distortion {
+        &self.distortion
+    }
+
+    /// Whether a pixel lies in the image, outer halves of its border pixels included.
+    pub fn contains(&self, pixel: &Pixel) -> bool {
+        (0..2).all(|axis| (-0.5..=f64::from(self.size_px[axis]) - 0.5).contains(&pixel[axis]))
+    }
+
+    /// Pixels along the border of the image.
+    fn border(&self) -> impl Iterator<Item = Pixel> + use<> {
+        let [width, height] = self.size_px.map(f64::from);
+        (0..=SIDE_POINTS).flat_map(move |i| {
+            let share = i as f64 / SIDE_POINTS as f64;
+            let (u, v) = (share * width - 0.5, share * height - 0.5);
+            [Pixel::new(u, -0.5), Pixel::new(u, height - 0.5), Pixel::new(-0.5, v), Pixel::new(width - 0.5, v)]
+        })
+    }
+
+    /// The pixel of a point of the camera frame, mm.
+    pub(super) fn project(&self, point: &Vector3<f64>) -> Result<Pixel, ViewError> {
+        let bent = self.distortion.bend(&self.seen(point)?);
+        self.on_sensor(bent)
+    }
+
+    /// The pixel of a point of the camera frame and its derivatives by that point, px/mm.
+    pub(super) fn project_with_derivatives(&self, point: &Vector3<f64>) -> Result<(Pixel, Matrix2x3<f64>), ViewError> {
+        let at = self.seen(point)?;
+        let (bent, by_at) = self.distortion.bend(&at);
+        let pixel = self.on_sensor((bent, by_at))?;
+        let by_point = Matrix2x3::new(1.0, 0.0, -at.x, 0.0, 1.0, -at.y) / point.z;
+        Ok((pixel, Matrix2::from_diagonal(&self.focal_px) * by_at * by_point))
+    }
+
+    /// Undistorted coordinates X/Z, Y/Z of a point of the camera frame.
+    fn seen(&self, point: &Vector3<f64>) -> Result<Vector2<f64>, ViewError> {
+        if point.z.is_nan() || point.z <= 0.0 {
+            return Err(ViewError::Behind);
+        }
+        let at = point.xy() / point.z;
+        if at.norm() > self.widest { Err(ViewError::Folded) } else { Ok(at) }
+    }
+
+    fn on_sensor(&self, (bent, by_at): (Vector2<f64>, Matrix2<f64>)) -> Result<Pixel, ViewError> {
+        // The tangential part can fold the image as well.
+        if by_at.determinant() <= 0.0 {
+            return Err(ViewError::Folded);
+        }
+        Ok(self.principal_point_px + self.focal_px.component_mul(&bent))
+    }
+
+    /// Direction of the ray to a pixel in the camera frame, with z = 1.
+    pub(super) fn ray(&self, pixel: &Pixel) -> Result<Vector3<f64>, ViewError> {
+        self.undistorted(pixel).map(|at| at.push(1.0))
+    }
+
+    /// Undistorted coordinates of a pixel: the radial part by Newton's method between bounds, where it has one solution; then both parts.
+    pub fn undistorted(&self, pixel: &Pixel) -> Result<Vector2<f64>, ViewError> {
+        let bent = (pixel - self.principal_point_px).component_div(&self.focal_px);
+        let radius = bent.norm();
+        let mut at = match radius > 0.0 {
+            true => bent * (self.radius_of(radius).unwrap_or(self.widest) / radius),
+            false => bent,
+        };
+        for _ in 0..MOST_STEPS {
+            let (found, by_at) = self.distortion.bend(&at);
+            if by_at.determinant() <= 0.0 {
+                return Err(ViewError::Folded);
+            }
+            let step = by_at.lu().solve(&(bent - found)).ok_or(ViewError::Folded)?;
+            at += step;
+            // Only the tangential part can lead beyond the fold, and back.
+            if at.norm() > 2.0 * self.widest {
+                return Err(ViewError::Folded);
+            }
+            if step.norm() <= SETTLED * (1.0 + at.norm()) {
+                break;
+            }
+        }
+        let (found, by_at) = self.distortion.bend(&at);
+        let solved = (found - bent).norm() <= 1e-12 * (1.0 + radius);
+        if solved && at.norm() <= self.widest && by_at.determinant() > 0.0 { Ok(at) } else { Err(ViewError::Folded) }
+    }
+
+    /// The radius that the radial part bends to `bent`; `None` beyond the fold.
+    fn radius_of(&self, bent: f64) -> Option<f64> {
+        let (mut below, mut above) = (0.0, self.widest);
+        let radial = |r: f64| r * self.distortion.factor(r * r).0;
+        if radial(above) < bent {
+            return None;
+        }
+        let mut r = bent.min(above);
+        for _ in 0..MOST_STEPS {
+            let (f, by_q) = self.distortion.factor(r * r);
+            let excess = r * f - bent;
+            if excess > 0.0 {
+                above = r
+            } else {
+                below = r
+            }
+            let newton = r - excess / (f + 2.0 * r * r * by_q);
+            let next = if newton > below && newton < above { newton } else { 0.5 * (below + above) };
+            if (next - r).abs() <= f64::EPSILON * r {
+                break;
+            }
+            r = next;
+        }
+        Some(r)
+    }
+}

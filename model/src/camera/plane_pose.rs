@@ -1,0 +1,172 @@
+//! The pose of a plane from pixels of known points on it.
+
+use super::least_squares::{Fit, fit};
+use super::{Lens, Pixel, Pose};
+use crate::Vector;
+use nalgebra::{DMatrix, DVector, Matrix2x6, Matrix3, Matrix6, Rotation3, Vector2, Vector3, Vector6};
+
+/// Points that have a pose: four, which do not lie on a line.
+const LEAST_POINTS: usize = 4;
+/// Spread of the points across their line, as a share of that along it, below which they count as points of a line.
+const LEAST_SPREAD: f64 = 1e-3;
+
+/// A pose and what it rests on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PoseFit {
+    /// The pose.
+    pub pose: Pose,
+    /// Root mean square of the residuals of one pixel coordinate, px, over the degrees of freedom; 0 for four points that fit exactly.
+    pub residual_sd_px: f64,
+    /// Covariance of a small motion of the camera frame (rotation vector in rad, then translation in mm), for pixels of standard deviation
+    /// 1 px: times the variance of a pixel coordinate it is the covariance of the pose.
+    pub unit_covariance: Matrix6<f64>,
+}
+
+/// Why points have no pose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum PlanePoseError {
+    /// Too few.
+    #[error("a pose needs at least {LEAST_POINTS} points, found {found}")]
+    TooFew {
+        /// How many there are.
+        found: usize,
+    },
+    /// They lie on a line, in the plane or in the image.
+    #[error("a pose needs points that do not lie on one line")]
+    OnALine,
+    /// A pixel that the lens does not see.
+    #[error("a pixel lies where the lens's distortion folds the image")]
+    Folded,
+    /// No pose puts the points before the camera.
+    #[error("no pose puts the points where they are seen")]
+    NotFound,
+}
+
+/// The pose from pixels of points of the plane z = `height_mm` of the finger frame, mm: the homography of the undistorted pixels, then
+/// least squares of the pixels. A plane that is seen from afar fits nearly as well tilted the other way, so both are tried.
+///
+/// # Errors
+/// [`PlanePoseError`] for points that have no pose.
+///
+/// # Reference
+/// Z. Zhang, A flexible new technique for camera calibration, IEEE Trans. PAMI 22 (2000), sec. 3.1 and app. A; the second tilt: G.
+/// Schweighofer and A. Pinz, Robust pose estimation from a planar target, IEEE Trans. PAMI 28 (2006).
+pub fn plane_pose(lens: &Lens, height_mm: f64, points: &[(Vector, Pixel)]) -> Result<PoseFit, PlanePoseError> {
+    if points.len() < LEAST_POINTS {
+        return Err(PlanePoseError::TooFew { found: points.len() });
+    }
+    let seen: Result<Vec<Vector2<f64>>, _> = points.iter().map(|(_, pixel)| lens.undistorted(pixel)).collect();
+    let seen = seen.map_err(|_| PlanePoseError::Folded)?;
+    let positions: Vec<Vector2<f64>> = points.iter().map(|(position, _)| *position).collect();
+    if on_a_line(&positions) || on_a_line(&seen) {
+        return Err(PlanePoseError::OnALine);
+    }
+    let homography = homography(&positions, &seen).ok_or(PlanePoseError::OnALine)?;
+    let mean: Vector2<f64> = positions.iter().sum::<Vector2<f64>>() / positions.len() as f64;
+    let first = of_homography(&homography, &mean, height_mm).ok_or(PlanePoseError::NotFound)?;
+    let starts = [first, tilted_back(&first, &mean.push(height_mm))];
+    let fits = starts.iter().filter_map(|start| refined(lens, height_mm, points, start));
+    let best = fits.min_by(|a, b| a.squares.total_cmp(&b.squares)).ok_or(PlanePoseError::NotFound)?;
+    let freedom = 2 * points.len() - 6;
+    let inverse = best.inverse.ok_or(PlanePoseError::OnALine)?;
+    Ok(PoseFit {
+        pose: best.parameters,
+        residual_sd_px: if freedom > 0 { (best.squares / freedom as f64).sqrt() } else { 0.0 },
+        unit_covariance: Matrix6::from_fn(|i, j| inverse[(i, j)]),
+    })
+}
+
+fn refined(lens: &Lens, height_mm: f64, points: &[(Vector, Pixel)], start: &Pose) -> Option<Fit<Pose>> {
+    let residual = |pose: &Pose| {
+        let mut at = DVector::zeros(2 * points.len());
+        let mut by = DMatrix::zeros(2 * points.len(), 6);
+        for (i, (position, pixel)) in points.iter().enumerate() {
+            let (found, by_motion) = by_motion(lens, pose, &position.push(height_mm))?;
+            at.fixed_rows_mut::<2>(2 * i).copy_from(&(found - pixel));
+            by.fixed_rows_mut::<2>(2 * i).copy_from(&by_motion);
+        }
+        Some((at, by))
+    };
+    fit(*start, residual, |pose, step| pose.moved(&Vector6::from_fn(|i, _| step[i])))
+}
+
+/// The pixel of a point and its derivatives by a small motion of the camera frame: d(R X) = w x R X = -[R X]x w.
+pub(super) fn by_motion(lens: &Lens, pose: &Pose, point: &Vector3<f64>) -> Option<(Pixel, Matrix2x6<f64>)> {
+    let (pixel, by_camera) = lens.project_with_derivatives(&pose.to_camera(point)).ok()?;
+    let turned = pose.rotation * point;
+    let mut by = Matrix2x6::zeros();
+    by.fixed_columns_mut::<3>(0).copy_from(&(-by_camera * turned.cross_matrix()));
+    by.fixed_columns_mut::<3>(3).copy_from(&by_camera);
+    Some((pixel, by))
+}
+
+/// Centre and scale of points: the mean goes to zero, the root mean square distance to it to sqrt(2).
+fn normalisation(points: &[Vector2<f64>]) -> Matrix3<f64> {
+    let count = points.len() as f64;
+    let mean = points.iter().sum::<Vector2<f64>>() / count;
+    let spread = (points.iter().map(|point| (point - mean).norm_squared()).sum::<f64>() / count).sqrt();
+    let scale = std::f64::consts::SQRT_2 / spread;
+    Matrix3::new(scale, 0.0, -scale * mean.x, 0.0, scale, -scale * mean.y, 0.0, 0.0, 1.0)
+}
+
+fn on_a_line(points: &[Vector2<f64>]) -> bool {
+    let mean = points.iter().sum::<Vector2<f64>>() / points.len() as f64;
+    let centred = DMatrix::from_fn(points.len(), 2, |i, j| (points[i] - mean)[j]);
+    let spreads = centred.svd(false, false).singular_values;
+    spreads.min() <= LEAST_SPREAD * spreads.max()
+}
+
+/// H with seen ~ H (position, 1), by the direct linear transform of normalised points.
+///
+/// # Reference
+/// R. Hartley and A. Zisserman, Multiple View Geometry, algorithm 4.2.
+pub(super) fn homography(positions: &[Vector2<f64>], seen: &[Vector2<f64>]) -> Option<Matrix3<f64>> {
+    let (from, to) = (normalisation(positions), normalisation(seen));
+    let mut rows = DMatrix::zeros((2 * positions.len()).max(9), 9);
+    for (i, (position, seen)) in positions.iter().zip(seen).enumerate() {
+        let (p, q) = (from * position.push(1.0), to * seen.push(1.0));
+        for k in 0..3 {
+            rows[(2 * i, k)] = p[k];
+            rows[(2 * i, 6 + k)] = -q.x * p[k];
+            rows[(2 * i + 1, 3 + k)] = p[k];
+            rows[(2 * i + 1, 6 + k)] = -q.y * p[k];
+        }
+    }
+    let parts = rows.svd(false, true);
+    // Three points of four on a line leave more than one homography.
+    if parts.singular_values[7] <= LEAST_SPREAD.powi(2) * parts.singular_values[0] {
+        return None;
+    }
+    let right = parts.v_t?;
+    let last = right.row(8);
+    let normalised = Matrix3::from_fn(|i, j| last[3 * i + j]);
+    Some(to.try_inverse()? * normalised * from)
+}
+
+/// The pose behind the homography of the plane z = `height_mm`, H ~ [r1 r2 R (0, 0, height) + t], with the points' mean before the camera.
+fn of_homography(homography: &Matrix3<f64>, mean: &Vector2<f64>, height_mm: f64) -> Option<Pose> {
+    let scale = 2.0 / (homography.column(0).norm() + homography.column(1).norm());
+    let depth = (homography * mean.push(1.0)).z;
+    let scale = if depth < 0.0 { -scale } else { scale };
+    let columns = homography * scale;
+    let (first, second) = (columns.column(0).into_owned(), columns.column(1).into_owned());
+    let near = Matrix3::from_columns(&[first, second, first.cross(&second)]);
+    let parts = near.svd(true, true);
+    let (left, right) = (parts.u?, parts.v_t?);
+    let sign = (left * right).determinant().signum();
+    let rotation = left * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, sign)) * right;
+    let rotation = Rotation3::from_matrix_unchecked(rotation);
+    let translation_mm = columns.column(2) - rotation * Vector3::new(0.0, 0.0, height_mm);
+    Some(Pose { rotation, translation_mm })
+}
+
+/// The pose with the plane's normal mirrored about the ray to a point, which stays where it is.
+fn tilted_back(pose: &Pose, point: &Vector3<f64>) -> Pose {
+    let seen = pose.to_camera(point);
+    let ray = seen.normalize();
+    let normal = pose.rotation * Vector3::z();
+    let mirrored = ray * (2.0 * ray.dot(&normal)) - normal;
+    let turn = Rotation3::rotation_between(&normal, &mirrored).unwrap_or_else(Rotation3::identity);
+    let rotation = turn * pose.rotation;
+    Pose { rotation, translation_mm: seen - rotation * point }
+}

@@ -1,0 +1,51 @@
+//! Where the finger stands before a camera.
+
+use nalgebra::{Rotation3, Vector3, Vector6};
+
+/// A rigid motion from the finger frame to the camera frame: X_camera = R X + t.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pose {
+    /// R.
+    pub rotation: Rotation3<f64>,
+    /// t, mm: the origin of the finger frame in the camera frame.
+    pub translation_mm: Vector3<f64>,
+}
+
+impl Pose {
+    /// From the Rodrigues vector of R (axis times angle, rad) and t.
+    pub fn new(rotation_vector_rad: [f64; 3], translation_mm: [f64; 3]) -> Pose {
+        Pose {
+            rotation: Rotation3::from_scaled_axis(rotation_vector_rad.into()),
+            translation_mm: translation_mm.into(),
+        }
+    }
+
+    /// The Rodrigues vector of R, rad.
+    pub fn rotation_vector_rad(&self) -> [f64; 3] {
+        self.rotation.scaled_axis().into()
+    }
+
+    /// A point of the finger frame in the camera frame, mm.
+    pub fn to_camera(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        self.rotation * point + self.translation_mm
+    }
+
+    /// The camera's centre in the finger frame, mm.
+    pub fn eye(&self) -> Vector3<f64> {
+        -(self.rotation.inverse() * self.translation_mm)
+    }
+
+    /// The pose after a small motion of the camera frame: rotation vector (rad), then translation (mm).
+    pub(super) fn moved(&self, motion: &Vector6<f64>) -> Pose {
+        let turn = Rotation3::from_scaled_axis(motion.fixed_rows::<3>(0).into_owned());
+        Pose { rotation: turn * self.rotation, translation_mm: self.translation_mm + motion.fixed_rows::<3>(3) }
+    }
+
+    /// The pose seen by a camera, and from a finger, that were both moved: by Q and q in the finger frame.
+    ///
+    /// A point X then stands at Q X + q, and its pixel stays where it was.
+    pub fn of_moved_finger(&self, rotation: &Rotation3<f64>, translation_mm: &Vector3<f64>) -> Pose {
+        let back = self.rotation * rotation.inverse();
+        Pose { rotation: back, translation_mm: self.translation_mm - back * translation_mm }
+    }
+}

@@ -1,0 +1,120 @@
+//! The camera that sees the finger and the markers that it sees: `[camera]` and `[markers]`.
+
+use super::reader::TableReader;
+use super::{SceneError, not_negative_mm};
+use crate::camera::{Camera, Distortion, Lens, Pose};
+
+/// Farthest distance of the finger from the camera, mm, and largest size of a marker.
+const FARTHEST_MM: f64 = 1e5;
+const LARGEST_MARKER_MM: f64 = 1e3;
+/// Keys that describe the camera's images.
+const LENS_KEYS: [&str; 4] = ["size_px", "focal_px", "principal_point_px", "distortion"];
+const POSE_KEYS: [&str; 2] = ["rotation_vector_rad", "translation_mm"];
+
+/// All keys of `[camera]`.
+pub(super) const KEYS: [&str; 7] =
+    ["noise_mm", "size_px", "focal_px", "principal_point_px", "distortion", "rotation_vector_rad", "translation_mm"];
+
+/// All keys of `[markers]`.
+pub(super) const MARKER_KEYS: [&str; 4] = ["radius_mm", "height_mm", "front_rgb", "back_rgb"];
+
+/// The camera as the scene has it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CameraDescription {
+    /// Its lens and sensor.
+    pub lens: Lens,
+    /// Where the finger stands before it, where the scene says so.
+    pub pose: Option<Pose>,
+}
+
+impl CameraDescription {
+    /// The camera, if its pose is known.
+    pub fn posed(&self) -> Option<Camera> {
+        self.pose.map(|pose| Camera { lens: self.lens, pose })
+    }
+}
+
+/// A colour: red, green and blue, 0 to 255 each, as an image file has them.
+pub type Rgb = [u8; 3];
+
+/// Discs on the key nodes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Markers {
+    /// Radius, mm.
+    pub radius_mm: f64,
+    /// Height above the plane of the beams, mm, along z = x cross y of the finger frame.
+    pub height_mm: f64,
+    /// Colour on the front plate, the tip and its clamped node included.
+    pub front_rgb: Rgb,
+    /// Colour on the back plate.
+    pub back_rgb: Rgb,
+}
+
+/// The standard deviation of a measured coordinate, mm, and the camera.
+pub(super) fn read_camera(table: &TableReader) -> Result<(Option<f64>, Option<CameraDescription>), SceneError> {
+    let noise_mm = if table.has("noise_mm") { Some(not_negative_mm(table, "noise_mm")?) } else { None };
+    if !LENS_KEYS.iter().chain(&POSE_KEYS).any(|key| table.has(key)) {
+        return match noise_mm {
+            Some(_) => Ok((noise_mm, None)),
+            None => Err(table.missing("noise_mm", "a length in mm, or size_px and further keys of a camera")),
+        };
+    }
+    let size_px: [f64; 2] = table.numbers("size_px", "width and height in px")?;
+    let whole = |side: &f64| side.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(side);
+    if !size_px.iter().all(whole) {
+        return Err(table.wrong("size_px", "whole numbers, width and height in px", &format!("{size_px:?}")));
+    }
+    let distortion: [f64; 5] = table.optional_numbers("distortion", "k1, k2, p1, p2, k3")?.unwrap_or_default();
+    let lens = Lens::new(
+        size_px.map(|side| side as u32),
+        table.numbers("focal_px", "focal lengths along u and v in px")?,
+        table.numbers("principal_point_px", "u and v in px")?,
+        Distortion::from_opencv(distortion),
+    )
+    .map_err(|impossible| table.at(impossible.key, &impossible.to_string()))?;
+    let pose = match POSE_KEYS.iter().any(|key| table.has(key)) {
+        false => None,
+        true => Some(read_pose(table)?),
+    };
+    Ok((noise_mm, Some(CameraDescription { lens, pose })))
+}
+
+fn read_pose(table: &TableReader) -> Result<Pose, SceneError> {
+    let rotation: [f64; 3] = table.numbers("rotation_vector_rad", "a rotation vector in rad")?;
+    if rotation.iter().any(|angle| angle.abs() > 100.0) {
+        return Err(table.wrong("rotation_vector_rad", "a rotation vector in rad", &format!("{rotation:?}")));
+    }
+    let translation: [f64; 3] = table.numbers("translation_mm", "a translation in mm")?;
+    if translation.iter().any(|length| length.abs() > FARTHEST_MM) {
+        let expected = format!("a translation of at most {FARTHEST_MM} mm");
+        return Err(table.wrong("translation_mm", &expected, &format!("{translation:?}")));
+    }
+    Ok(Pose::new(rotation, translation))
+}
+
+pub(super) fn read_markers(table: &TableReader) -> Result<Markers, SceneError> {
+    let radius_mm = table.number("radius_mm", "length in mm")?;
+    if !(radius_mm > 0.0 && radius_mm <= LARGEST_MARKER_MM) {
+        let expected = format!("a length in mm, above 0 and up to {LARGEST_MARKER_MM}");
+        return Err(table.wrong("radius_mm", &expected, &format!("{radius_mm:?}")));
+    }
+    let height_mm = table.number("height_mm", "length in mm")?;
+    if height_mm.is_nan() || height_mm.abs() > LARGEST_MARKER_MM {
+        let expected = format!("a length of at most {LARGEST_MARKER_MM} mm");
+        return Err(table.wrong("height_mm", &expected, &format!("{height_mm:?}")));
+    }
+    Ok(Markers {
+        radius_mm,
+        height_mm,
+        front_rgb: read_rgb(table, "front_rgb")?,
+        back_rgb: read_rgb(table, "back_rgb")?,
+    })
+}
+
+fn read_rgb(table: &TableReader, key: &str) -> Result<Rgb, SceneError> {
+    let colour: [f64; 3] = table.numbers(key, "red, green and blue from 0 to 255")?;
+    if !colour.iter().all(|part| part.fract() == 0.0 && (0.0..=255.0).contains(part)) {
+        return Err(table.wrong(key, "whole numbers from 0 to 255, red, green and blue", &format!("{colour:?}")));
+    }
+    Ok(colour.map(|part| part as u8))
+}
