@@ -12,6 +12,7 @@ pub mod estimators;
 pub mod experiments;
 pub mod figures;
 pub mod files;
+pub mod imaging;
 pub mod lattice;
 pub mod mujoco;
 pub mod problems;

@@ -4,7 +4,7 @@
 mod commands;
 
 use clap::{CommandFactory, Parser, Subcommand};
-use commands::{calibrate, map, merge, press, report, sense, solve, sweep};
+use commands::{calibrate, map, merge, press, render, report, sense, solve, sweep};
 #[cfg(feature = "train")]
 use commands::{networks, train};
 use finray_verify::files::write_text;
@@ -36,6 +36,7 @@ enum Command {
     Sweep(sweep::Arguments),
     Merge(merge::Arguments),
     Press(press::Arguments),
+    Render(render::Arguments),
     #[cfg(feature = "train")]
     Train(train::Arguments),
     #[cfg(feature = "train")]
@@ -57,6 +58,7 @@ fn main() -> ExitCode {
         Command::Sweep(arguments) => sweep::run(&arguments),
         Command::Merge(arguments) => merge::run(&arguments),
         Command::Press(arguments) => press::run(&arguments),
+        Command::Render(arguments) => render::run(&arguments),
         #[cfg(feature = "train")]
         Command::Train(arguments) => train::run(&arguments),
         #[cfg(feature = "train")]

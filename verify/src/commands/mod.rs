@@ -6,6 +6,7 @@ pub mod merge;
 #[cfg(feature = "train")]
 pub mod networks;
 pub mod press;
+pub mod render;
 pub mod report;
 pub mod sense;
 pub mod solve;
@@ -15,6 +16,7 @@ pub mod train;
 
 mod contacts;
 mod grid;
+mod loads;
 mod parse;
 mod progress;
 mod validity;

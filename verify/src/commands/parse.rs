@@ -36,6 +36,11 @@ pub fn positive(text: &str) -> Result<f64, String> {
     finite(text).and_then(|x| if x > 0.0 { Ok(x) } else { Err(format!("expected more than zero, found {x}")) })
 }
 
+/// A share, 0 to 1.
+pub fn share(text: &str) -> Result<f64, String> {
+    finite(text).and_then(|x| if (0.0..=1.0).contains(&x) { Ok(x) } else { Err(format!("expected 0 to 1, found {x}")) })
+}
+
 /// A step from one direction to the next, degrees.
 pub fn degrees_between(text: &str) -> Result<f64, String> {
     const FINEST: f64 = 0.01;

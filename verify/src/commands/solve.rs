@@ -1,10 +1,9 @@
 //! `finray solve`
 
-use super::parse::{NodeLoad, PositionLoad, node_load, position_load};
+use super::loads::Loads;
 use super::{Failure, validity};
 use clap::ValueEnum;
-use finray_model::statics::{Statics, StaticsError};
-use finray_model::{Kinematics, Load, Mesh};
+use finray_model::Kinematics;
 use finray_verify::files::{displacements, load_scene, write_text};
 use std::path::PathBuf;
 
@@ -25,18 +24,11 @@ use std::path::PathBuf;
 pub struct Arguments {
     /// Scene file (TOML); - for standard input
     scene: PathBuf,
-    /// Force in N (and moment in N mm) on a key node, finger frame
-    #[arg(long, value_name = "NODE:FX,FY[,M]", value_parser = node_load, num_args = 1.., allow_hyphen_values = false)]
-    load: Vec<NodeLoad>,
-    /// Force in N at a position along the front plate (mm from its base), at an angle from the inward normal
-    #[arg(long, value_name = "S_MM:FORCE,ANGLE_DEG", value_parser = position_load, num_args = 1..)]
-    load_at: Vec<PositionLoad>,
+    #[command(flatten)]
+    loads: Loads,
     /// How displacements become deformations
     #[arg(long, value_enum, default_value_t = KinematicsArgument::Corotational)]
     kinematics: KinematicsArgument,
-    /// Nodes of the mesh; the key nodes alone if not given
-    #[arg(long, value_name = "N")]
-    mesh_nodes: Option<usize>,
     /// Result file; - for standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
     out: PathBuf,
@@ -64,24 +56,14 @@ impl From<KinematicsArgument> for Kinematics {
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = load_scene(&arguments.scene)?;
-    let finger = &scene.finger;
-    let mesh = match arguments.mesh_nodes {
-        None => Mesh::key_nodes(finger),
-        Some(nodes) => Mesh::with_nodes(finger, nodes)?,
-    };
-    if arguments.load.is_empty() && arguments.load_at.is_empty() {
+    if arguments.loads.is_empty() {
         return Err(Failure::BadInput(
             "expected at least one --load NODE:FX,FY or --load-at S_MM:FORCE,ANGLE_DEG".to_owned(),
         ));
     }
-    let node_loads =
-        arguments.load.iter().map(|l| Load::Node { node: l.node, force: l.force, moment_nmm: l.moment_nmm });
-    let position_loads =
-        arguments.load_at.iter().map(|l| Load::at_position(l.s_mm, finger.direction(l.angle_deg) * l.force_n));
     let kinematics = arguments.kinematics.into();
-    let loads = node_loads.chain(position_loads).map(|load| mesh.frame_load(&load));
-    let loads = loads.collect::<Result<Vec<_>, _>>().map_err(StaticsError::from)?;
-    let motion = Statics::ladder(&mesh, kinematics).accurate_equilibrium(&loads)?.motion;
+    let mesh = arguments.loads.mesh(&scene.finger)?;
+    let (motion, loads) = arguments.loads.equilibrium(&mesh, kinematics)?;
     write_text(&arguments.out, &displacements::to_csv(&mesh.shape(&motion))?)?;
     validity::warn_of_equilibrium(&scene.strain_limits, &mesh, &motion, kinematics, &loads);
     Ok(())

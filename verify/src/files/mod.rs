@@ -1,5 +1,6 @@
 //! Input and output: scenes, displacements and measurements as text, results as whole files.
 
+mod images;
 mod networks;
 mod output;
 mod scene;
@@ -8,6 +9,7 @@ pub(crate) mod table;
 pub mod displacements;
 pub mod measurements;
 
+pub use images::{load_image, to_png};
 pub use networks::{load_network, load_network_and_digest};
 pub use output::{
     Reader, Stream, csv_text, is_stream, require_folder, write_all_or_nothing, write_bytes, write_folder, write_from,

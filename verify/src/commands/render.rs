@@ -1,0 +1,118 @@
+//! `finray render`
+
+use super::loads::Loads;
+use super::parse::{not_negative, share};
+use super::{Failure, not_both_from_standard_input};
+use finray_model::camera::Camera;
+use finray_model::frame::FrameMotion;
+use finray_model::scene::Markers;
+use finray_model::{Finger, Kinematics, NodeId, Scene};
+use finray_verify::files::{displacements, load_scene, to_png, write_bytes};
+use finray_verify::imaging::render::{Disturbances, RenderRequest, render};
+use std::path::PathBuf;
+
+/// Largest blur, px: beyond, a marker of a few pixels is no longer seen.
+const LARGEST_BLUR_PX: f64 = 100.0;
+
+/// Render the image that the scene's camera takes of the (deformed) finger.
+///
+/// Writes a PNG file. The scene needs [camera] with its lens and pose, and [markers]. Without loads
+/// and --shape the finger is undeformed. With loads it has the same shape as `finray solve` with the
+/// same arguments. Edge pixels of a marker hold the share that its disc covers, so its true centre is
+/// known to a thousandth of a pixel.
+///
+/// Examples:
+///   finray render fixtures/scenes/camera.toml --load-at 80:2,-20 --out image.png
+///   finray render fixtures/scenes/camera.toml --shape shape.csv --grey-noise 2 --blur-px 0.8
+///       --light-falloff 0.3 --clutter 30 --hide 18 --out image.png
+#[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct Arguments {
+    /// Scene file (TOML); - for standard input
+    scene: PathBuf,
+    #[command(flatten)]
+    loads: Loads,
+    /// Shape of the finger instead of loads (CSV of solve or press); - for standard input
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["load", "load_at", "mesh_nodes"])]
+    shape: Option<PathBuf>,
+    /// Standard deviation of noise on every channel of every pixel, grey levels of 255
+    #[arg(long, value_name = "S", value_parser = not_negative, default_value_t = 0.0)]
+    grey_noise: f64,
+    /// Standard deviation of a Gaussian blur, px
+    #[arg(long, value_name = "S", value_parser = not_negative, default_value_t = 0.0)]
+    blur_px: f64,
+    /// Share of the light that the image's corners lack, 0 to 1
+    #[arg(long, value_name = "SHARE", value_parser = share, default_value_t = 0.0)]
+    light_falloff: f64,
+    /// Discs and boxes beside the markers, half of them in their colours
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1000))]
+    clutter: u16,
+    /// Nodes whose markers are hidden
+    #[arg(long, value_name = "NODE", num_args = 1..)]
+    hide: Vec<usize>,
+    /// Seed of noise and clutter
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// Result file (PNG); - for standard output
+    #[arg(long, value_name = "FILE", default_value = "-")]
+    out: PathBuf,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if let Some(shape) = &arguments.shape {
+        not_both_from_standard_input(&arguments.scene, shape, "--shape")?;
+    }
+    if arguments.blur_px > LARGEST_BLUR_PX {
+        let found = arguments.blur_px;
+        return Err(Failure::BadInput(format!("--blur-px: expected at most {LARGEST_BLUR_PX} px, found {found}")));
+    }
+    let scene = load_scene(&arguments.scene)?;
+    let finger = &scene.finger;
+    let (camera, markers) = camera_and_markers(&scene)?;
+    let hidden: Vec<NodeId> = arguments.hide.iter().copied().map(NodeId).collect();
+    if let Some(unknown) = hidden.iter().find(|node| !(1..=finger.key_node_count()).contains(&node.0)) {
+        let count = finger.key_node_count();
+        return Err(Failure::BadInput(format!(
+            "--hide: node {unknown} does not exist: the finger has the key nodes 1 to {count}"
+        )));
+    }
+    let shape = match &arguments.shape {
+        Some(path) => displacements::load_shape(path, finger)?,
+        None => shape_under(&arguments.loads, finger)?,
+    };
+    let image = render(&RenderRequest {
+        camera: &camera,
+        finger,
+        shape: &shape,
+        markers: &markers,
+        hidden: &hidden,
+        disturbances: Disturbances {
+            light_falloff: arguments.light_falloff,
+            blur_px: arguments.blur_px,
+            grey_noise: arguments.grey_noise,
+            clutter: arguments.clutter.into(),
+            seed: arguments.seed,
+        },
+    });
+    let image = image.map_err(|error| Failure::BadInput(error.to_string()))?;
+    let png = to_png(&image).map_err(|error| Failure::NotComputed(error.to_string()))?;
+    Ok(write_bytes(&arguments.out, &png)?)
+}
+
+fn shape_under(loads: &Loads, finger: &Finger) -> Result<finray_model::mesh::FingerShape, Failure> {
+    let mesh = loads.mesh(finger)?;
+    let motion = match loads.is_empty() {
+        true => FrameMotion::at_rest(mesh.frame()),
+        false => loads.equilibrium(&mesh, Kinematics::Corotational)?.0,
+    };
+    Ok(mesh.shape(&motion))
+}
+
+/// The scene's camera with its pose, and its markers.
+fn camera_and_markers(scene: &Scene) -> Result<(Camera, Markers), Failure> {
+    let missing =
+        |what: &str| Failure::BadInput(format!("the scene has no {what}; fixtures/scenes/camera.toml has an example"));
+    let camera = scene.camera.ok_or_else(|| missing("[camera] with size_px, focal_px and principal_point_px"))?;
+    let camera = camera.posed().ok_or_else(|| missing("rotation_vector_rad and translation_mm in [camera]"))?;
+    Ok((camera, scene.markers.ok_or_else(|| missing("[markers]"))?))
+}

@@ -1,0 +1,66 @@
+//! What lies about: discs and boxes, behind the finger.
+
+use super::disc::paint_disc;
+use super::mix;
+use crate::sampling::noise::Noise;
+use finray_model::NodeId;
+use finray_model::camera::{Camera, Pixel};
+use finray_model::scene::{Markers, Rgb};
+use image::Rgb32FImage;
+
+/// Sizes against a marker's radius.
+const SIZES: [f64; 2] = [0.5, 2.5];
+/// Distance to a marker's centre that keeps clutter from touching it, in its radii, beyond the clutter's own size.
+const CLEAR: f64 = 3.0;
+/// Draws after which there is no room.
+const MOST_DRAWS: usize = 1000;
+/// Colours are off by up to as much as this, grey levels.
+const OTHER_SHADE: f64 = 30.0;
+const GREYS: [Rgb; 2] = [[120, 110, 100], [220, 220, 225]];
+
+/// Paints `count` shapes that touch no marker.
+pub(super) fn scatter(
+    canvas: &mut Rgb32FImage,
+    camera: &Camera,
+    markers: &Markers,
+    pixels: &[(NodeId, Pixel)],
+    count: usize,
+    chance: &mut Noise,
+) {
+    let [width, height] = camera.lens.size_px().map(f64::from);
+    let colours = [markers.front_rgb, markers.back_rgb, GREYS[0], GREYS[1]];
+    for number in 0..count {
+        let size_mm = markers.radius_mm * chance.evenly(SIZES);
+        let shade = [(); 3].map(|()| chance.evenly([-OTHER_SHADE, OTHER_SHADE]));
+        let colour = colours[number % colours.len()];
+        let colour = [0, 1, 2].map(|i| (f64::from(colour[i]) + shade[i]).clamp(0.0, 255.0) as f32);
+        let clear = |at: &Pixel| {
+            let Ok(sd) = camera.position_sd_mm(at, markers.height_mm, 1.0) else { return false };
+            let room = (size_mm * std::f64::consts::SQRT_2 + CLEAR * markers.radius_mm) / sd;
+            pixels.iter().all(|(_, marker)| (marker - at).norm() > room)
+        };
+        let mut draw = || Pixel::new(chance.evenly([0.0, width]), chance.evenly([0.0, height]));
+        let Some(at) = (0..MOST_DRAWS).map(|_| draw()).find(clear) else { return };
+        let Ok((centre, by_pixel)) = camera.on_plane_with_derivatives(&at, markers.height_mm) else { continue };
+        if number % 3 == 2 {
+            let half = size_mm / by_pixel.norm() * std::f64::consts::SQRT_2;
+            paint_box(canvas, &at, half, colour);
+        } else {
+            paint_disc(canvas, camera, (centre, markers.height_mm), size_mm, colour);
+        }
+    }
+}
+
+/// Paints a box of whole pixels.
+fn paint_box(canvas: &mut Rgb32FImage, at: &Pixel, half: f64, colour: [f32; 3]) {
+    let (width, height) = canvas.dimensions();
+    let side = |middle: f64, size: u32| {
+        let from = (middle - half).max(0.0) as u32;
+        from..((middle + half).max(0.0) as u32).min(size)
+    };
+    for v in side(at.y, height) {
+        for u in side(at.x, width) {
+            mix(&mut canvas.get_pixel_mut(u, v).0, colour, 1.0);
+        }
+    }
+}

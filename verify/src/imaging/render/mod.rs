@@ -1,0 +1,144 @@
+//! The image that a camera takes of a deformed finger, made so that every marker's true centre is known.
+//!
+//! Plates and ribs are strips about the curves that their end positions and rotations give a beam without loads on it; markers are discs
+//! of the plane, whose edge pixels hold the share of the pixel that the disc covers. Light, blur and noise come on top, in this order.
+
+mod clutter;
+mod disc;
+mod outline;
+
+use crate::sampling::noise::Noise;
+use disc::paint_disc;
+use finray_model::camera::{Camera, Pixel};
+use finray_model::mesh::FingerShape;
+use finray_model::scene::{Markers, Rgb};
+use finray_model::{Finger, NodeId};
+use image::{ImageBuffer, Rgb32FImage, RgbImage};
+use outline::finger_mask;
+
+/// Colours of what is no marker: a dark background and a light finger.
+const BACKGROUND: Rgb = [64, 68, 74];
+const BODY: Rgb = [186, 188, 190];
+
+/// What is seen, and how.
+#[derive(Debug, Clone, Copy)]
+pub struct RenderRequest<'a> {
+    /// The camera.
+    pub camera: &'a Camera,
+    /// The finger.
+    pub finger: &'a Finger,
+    /// Its key nodes as they moved.
+    pub shape: &'a FingerShape,
+    /// Its markers.
+    pub markers: &'a Markers,
+    /// Nodes whose markers are hidden.
+    pub hidden: &'a [NodeId],
+    /// Disturbances.
+    pub disturbances: Disturbances,
+}
+
+/// What an image has beside the finger.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Disturbances {
+    /// Share of the light that the corners lack; it falls off with the square of the distance from the image's centre.
+    pub light_falloff: f64,
+    /// Standard deviation of a Gaussian blur, px.
+    pub blur_px: f64,
+    /// Standard deviation of noise on every channel of every pixel, grey levels of 255.
+    pub grey_noise: f64,
+    /// Discs and boxes beside the markers, half of them in the markers' colours.
+    pub clutter: usize,
+    /// Seed of noise and clutter.
+    pub seed: u64,
+}
+
+/// The finger is not where the camera looks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum RenderError {
+    /// A node has no pixel.
+    #[error("the camera does not see the finger: node {node} {reason}")]
+    NotSeen {
+        /// The node.
+        node: NodeId,
+        /// Why.
+        reason: finray_model::camera::ViewError,
+    },
+    /// All nodes are outside the image.
+    #[error("the camera does not see the finger: all its nodes are outside the image")]
+    Outside,
+}
+
+/// Pixels at which the centres of the markers are, by node: what an image can be held against.
+///
+/// # Errors
+/// [`RenderError`] for a node that has no pixel, or a finger outside the image.
+pub fn marker_pixels(
+    camera: &Camera,
+    shape: &FingerShape,
+    height_mm: f64,
+) -> Result<Vec<(NodeId, Pixel)>, RenderError> {
+    let seen = shape.motions().iter().map(|motion| {
+        let at = (motion.position + motion.displacement).push(height_mm);
+        let pixel = camera.project(&at).map_err(|reason| RenderError::NotSeen { node: motion.node, reason })?;
+        Ok((motion.node, pixel))
+    });
+    let seen = seen.collect::<Result<Vec<_>, _>>()?;
+    if seen.iter().any(|(_, pixel)| camera.lens.contains(pixel)) { Ok(seen) } else { Err(RenderError::Outside) }
+}
+
+/// The image.
+///
+/// # Errors
+/// [`RenderError`] for a finger that the camera does not see.
+pub fn render(request: &RenderRequest) -> Result<RgbImage, RenderError> {
+    let &RenderRequest { camera, finger, shape, markers, hidden, disturbances } = request;
+    let pixels = marker_pixels(camera, shape, markers.height_mm)?;
+    let [width, height] = camera.lens.size_px();
+    let mut canvas: Rgb32FImage = ImageBuffer::from_pixel(width, height, BACKGROUND.map(f32::from).into());
+    let mut chance = Noise::of_stream(disturbances.seed, 1);
+    clutter::scatter(&mut canvas, camera, markers, &pixels, disturbances.clutter, &mut chance);
+    if let Some(mask) = finger_mask(camera, finger, shape) {
+        let body = BODY.map(f32::from);
+        for (pixel, &covered) in canvas.pixels_mut().zip(mask.data()) {
+            mix(&mut pixel.0, body, f32::from(covered) / 255.0);
+        }
+    }
+    let on_front = finger.plate_nodes(finray_model::finger::Plate::Front);
+    for motion in shape.motions().iter().filter(|motion| !hidden.contains(&motion.node)) {
+        let colour = if on_front.contains(&motion.node) { markers.front_rgb } else { markers.back_rgb };
+        let centre = motion.position + motion.displacement;
+        paint_disc(&mut canvas, camera, (centre, markers.height_mm), markers.radius_mm, colour.map(f32::from));
+    }
+    Ok(developed(canvas, &disturbances))
+}
+
+/// Light, blur, noise, and 256 grey levels.
+fn developed(mut canvas: Rgb32FImage, disturbances: &Disturbances) -> RgbImage {
+    let (width, height) = canvas.dimensions();
+    let middle = [f64::from(width - 1) / 2.0, f64::from(height - 1) / 2.0];
+    let farthest = (middle[0].powi(2) + middle[1].powi(2)).max(1.0);
+    if disturbances.light_falloff > 0.0 {
+        for (u, v, pixel) in canvas.enumerate_pixels_mut() {
+            let away = (f64::from(u) - middle[0]).powi(2) + (f64::from(v) - middle[1]).powi(2);
+            let light = (1.0 - disturbances.light_falloff * away / farthest) as f32;
+            pixel.0 = pixel.0.map(|part| part * light);
+        }
+    }
+    if disturbances.blur_px > 0.0 {
+        canvas = imageproc::filter::gaussian_blur_f32(&canvas, disturbances.blur_px as f32);
+    }
+    let mut chance = Noise::of_stream(disturbances.seed, 0);
+    let mut grey = |part: f32| {
+        let noise =
+            if disturbances.grey_noise > 0.0 { disturbances.grey_noise * chance.standard_normal() } else { 0.0 };
+        (f64::from(part) + noise).round().clamp(0.0, 255.0) as u8
+    };
+    ImageBuffer::from_fn(width, height, |u, v| canvas.get_pixel(u, v).0.map(&mut grey).into())
+}
+
+/// Paints a share of a pixel.
+fn mix(pixel: &mut [f32; 3], colour: [f32; 3], share: f32) {
+    for (part, new) in pixel.iter_mut().zip(colour) {
+        *part += share * (new - *part);
+    }
+}

@@ -1,0 +1,102 @@
+//! Plates, ribs and base line as the camera sees them.
+
+use finray_model::camera::Camera;
+use finray_model::finger::{Joints, Plate};
+use finray_model::mesh::{FingerShape, NodeMotion};
+use finray_model::{Finger, NodeId, Vector};
+use tiny_skia::{FillRule, Mask, Path, PathBuilder, Transform};
+
+/// Points along a member.
+const POINTS: usize = 24;
+/// Thickness of the base and of ribs that the scene gives none, mm.
+const BASE_THICKNESS_MM: f64 = 3.0;
+
+/// Shares of the pixels, of 255, that the finger's body covers; `None` if it is not seen.
+pub(super) fn finger_mask(camera: &Camera, finger: &Finger, shape: &FingerShape) -> Option<Mask> {
+    let [width, height] = camera.lens.size_px();
+    let mut mask = Mask::new(width, height)?;
+    for strip in strips(finger, shape) {
+        if let Some(path) = path(camera, &strip) {
+            mask.fill_path(&path, FillRule::Winding, true, Transform::identity());
+        }
+    }
+    Some(mask)
+}
+
+/// A stretch of plate or rib: the points of its middle with its thickness, mm.
+struct Strip {
+    middle: Vec<Vector>,
+    thickness_mm: f64,
+}
+
+fn strips(finger: &Finger, shape: &FingerShape) -> Vec<Strip> {
+    let description = finger.description();
+    let mut strips = Vec::new();
+    for plate in [Plate::Front, Plate::Back] {
+        let thickness_mm = match plate {
+            Plate::Front => description.front.thickness_mm,
+            Plate::Back => description.back.thickness_mm,
+        };
+        for pair in finger.plate_nodes(plate).windows(2) {
+            strips.push(Strip { middle: bent(shape, [pair[0], pair[1]]), thickness_mm });
+        }
+    }
+    let ribs = &description.ribs;
+    let thickness_mm = ribs.strip.map_or(BASE_THICKNESS_MM, |strip| strip.thickness_mm);
+    for rib in 0..finger.rib_count() {
+        let nodes = finger.rib_nodes(rib);
+        let is_straight = ribs.strip.is_none() || ribs.joints == Joints::Hinged;
+        let middle =
+            if is_straight { nodes.map(|node| moved(shape.motion(node))).to_vec() } else { bent(shape, nodes) };
+        strips.push(Strip { middle, thickness_mm });
+    }
+    let base = finger.clamped_nodes().map(|node| moved(shape.motion(node))).to_vec();
+    strips.push(Strip { middle: base, thickness_mm: BASE_THICKNESS_MM });
+    strips
+}
+
+fn moved(motion: &NodeMotion) -> Vector {
+    motion.position + motion.displacement
+}
+
+/// A member between two nodes: the cubic through their positions with their rotated directions, which a beam without loads on it follows
+/// (Euler and Bernoulli).
+fn bent(shape: &FingerShape, nodes: [NodeId; 2]) -> Vec<Vector> {
+    let [first, second] = nodes.map(|node| shape.motion(node));
+    let (from, to) = (moved(first), moved(second));
+    let along = second.position - first.position;
+    let length = (to - from).norm();
+    let direction = |motion: &NodeMotion| {
+        nalgebra::Rotation2::new(motion.rotation) * along * (length / along.norm().max(f64::MIN_POSITIVE))
+    };
+    let (leaving, arriving) = (direction(first), direction(second));
+    let at = |k: usize| {
+        let t = k as f64 / (POINTS - 1) as f64;
+        let (t2, t3) = (t * t, t * t * t);
+        from * (2.0 * t3 - 3.0 * t2 + 1.0)
+            + leaving * (t3 - 2.0 * t2 + t)
+            + to * (3.0 * t2 - 2.0 * t3)
+            + arriving * (t3 - t2)
+    };
+    (0..POINTS).map(at).collect()
+}
+
+/// The outline of a strip, in pixels whose corners are whole numbers; `None` if a point of it is not seen.
+fn path(camera: &Camera, strip: &Strip) -> Option<Path> {
+    let count = strip.middle.len();
+    let edge = |k: usize, side: f64| {
+        let along = (strip.middle[(k + 1).min(count - 1)] - strip.middle[k.saturating_sub(1)]).normalize();
+        let across = Vector::new(-along.y, along.x);
+        let pixel = camera.project(&(strip.middle[k] + across * (side * strip.thickness_mm / 2.0)).push(0.0)).ok()?;
+        let pixel = [pixel.x as f32 + 0.5, pixel.y as f32 + 0.5];
+        pixel.iter().all(|x| x.is_finite()).then_some(pixel)
+    };
+    let outline = (0..count).map(|k| edge(k, 1.0)).chain((0..count).rev().map(|k| edge(k, -1.0)));
+    let mut builder = PathBuilder::new();
+    for (k, corner) in outline.enumerate() {
+        let [x, y] = corner?;
+        if k == 0 { builder.move_to(x, y) } else { builder.line_to(x, y) }
+    }
+    builder.close();
+    builder.finish()
+}
