@@ -4,7 +4,7 @@
 mod commands;
 
 use clap::{CommandFactory, Parser, Subcommand};
-use commands::{calibrate, map, merge, press, render, report, sense, solve, sweep};
+use commands::{calibrate, locate, map, merge, press, render, report, sense, solve, sweep};
 #[cfg(feature = "train")]
 use commands::{networks, train};
 use finray_verify::files::write_text;
@@ -37,6 +37,7 @@ enum Command {
     Merge(merge::Arguments),
     Press(press::Arguments),
     Render(render::Arguments),
+    Locate(locate::Arguments),
     #[cfg(feature = "train")]
     Train(train::Arguments),
     #[cfg(feature = "train")]
@@ -59,6 +60,7 @@ fn main() -> ExitCode {
         Command::Merge(arguments) => merge::run(&arguments),
         Command::Press(arguments) => press::run(&arguments),
         Command::Render(arguments) => render::run(&arguments),
+        Command::Locate(arguments) => locate::run(&arguments),
         #[cfg(feature = "train")]
         Command::Train(arguments) => train::run(&arguments),
         #[cfg(feature = "train")]

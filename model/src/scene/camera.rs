@@ -2,7 +2,7 @@
 
 use super::reader::TableReader;
 use super::{SceneError, not_negative_mm};
-use crate::camera::{Camera, Distortion, Lens, Pose};
+use crate::camera::{Distortion, Lens, Pose};
 
 /// Farthest distance of the finger from the camera, mm, and largest size of a marker.
 const FARTHEST_MM: f64 = 1e5;
@@ -25,13 +25,6 @@ pub struct CameraDescription {
     pub lens: Lens,
     /// Where the finger stands before it, where the scene says so.
     pub pose: Option<Pose>,
-}
-
-impl CameraDescription {
-    /// The camera, if its pose is known.
-    pub fn posed(&self) -> Option<Camera> {
-        self.pose.map(|pose| Camera { lens: self.lens, pose })
-    }
 }
 
 /// A colour: red, green and blue, 0 to 255 each, as an image file has them.

@@ -1,6 +1,7 @@
 //! The commands: what each takes, reads and writes.
 
 pub mod calibrate;
+pub mod locate;
 pub mod map;
 pub mod merge;
 #[cfg(feature = "train")]
@@ -14,6 +15,7 @@ pub mod sweep;
 #[cfg(feature = "train")]
 pub mod train;
 
+mod cameras;
 mod contacts;
 mod grid;
 mod loads;

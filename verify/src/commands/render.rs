@@ -1,12 +1,11 @@
 //! `finray render`
 
+use super::cameras::camera_and_markers;
 use super::loads::Loads;
 use super::parse::{not_negative, share};
 use super::{Failure, not_both_from_standard_input};
-use finray_model::camera::Camera;
 use finray_model::frame::FrameMotion;
-use finray_model::scene::Markers;
-use finray_model::{Finger, Kinematics, NodeId, Scene};
+use finray_model::{Finger, Kinematics, NodeId};
 use finray_verify::files::{displacements, load_scene, to_png, write_bytes};
 use finray_verify::imaging::render::{Disturbances, RenderRequest, render};
 use std::path::PathBuf;
@@ -106,13 +105,4 @@ fn shape_under(loads: &Loads, finger: &Finger) -> Result<finray_model::mesh::Fin
         false => loads.equilibrium(&mesh, Kinematics::Corotational)?.0,
     };
     Ok(mesh.shape(&motion))
-}
-
-/// The scene's camera with its pose, and its markers.
-fn camera_and_markers(scene: &Scene) -> Result<(Camera, Markers), Failure> {
-    let missing =
-        |what: &str| Failure::BadInput(format!("the scene has no {what}; fixtures/scenes/camera.toml has an example"));
-    let camera = scene.camera.ok_or_else(|| missing("[camera] with size_px, focal_px and principal_point_px"))?;
-    let camera = camera.posed().ok_or_else(|| missing("rotation_vector_rad and translation_mm in [camera]"))?;
-    Ok((camera, scene.markers.ok_or_else(|| missing("[markers]"))?))
 }

@@ -1,0 +1,119 @@
+//! `finray locate`
+
+use super::cameras::{camera_and_markers, camera_of, markers_of};
+use super::{Failure, not_both_from_standard_input};
+use finray_model::{NodeId, Vector};
+use finray_verify::files::{FileError, csv_text, is_standard_stream, load_image, load_scene, write_text};
+use finray_verify::imaging::locate::{Located, Locator, LocatorError, Rest};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Locate the nodes of a finger in images of its markers.
+///
+/// Writes image,node,u_px,v_px,x_mm,y_mm,ux_mm,uy_mm,sigma_mm, a row a marker found; a hidden one has
+/// none. x_mm, y_mm is its position in the finger frame, ux_mm, uy_mm its displacement from the
+/// scene's undeformed node. `finray sense` reads this.
+///
+/// --rest takes an image of the unloaded finger: the pose comes from it, and displacements count from
+/// where its markers are.
+///
+/// sigma_mm is the standard deviation of one coordinate of the displacement, from the noise of the
+/// image. It does not hold errors of the lens, nor of a pose that the scene states.
+///
+/// Several images are taken for a stream: markers are sought near where they were in the one before.
+/// Markers are named by their order along the plates and by what a finger can do; where two ways to
+/// name them fit alike, or too few are seen, the image is refused.
+///
+/// Examples:
+///   finray render fixtures/scenes/camera.toml --load-at 80:2,-20 --grey-noise 2 --out image.png
+///   finray locate fixtures/scenes/camera.toml --image image.png --out nodes.csv
+///   finray sense fixtures/scenes/camera.toml --displacements nodes.csv --contact-at 80@-20
+#[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct Arguments {
+    /// Scene file (TOML); - for standard input
+    scene: PathBuf,
+    /// Image of the finger (PNG, JPEG); several in the order in which they were taken; - for standard input
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    image: Vec<PathBuf>,
+    /// Image of the unloaded finger
+    #[arg(long, value_name = "FILE")]
+    rest: Option<PathBuf>,
+    /// Result file; - for standard output
+    #[arg(long, value_name = "FILE", default_value = "-")]
+    out: PathBuf,
+}
+
+#[derive(Serialize)]
+struct Row<'a> {
+    image: &'a str,
+    node: usize,
+    u_px: f64,
+    v_px: f64,
+    x_mm: f64,
+    y_mm: f64,
+    ux_mm: f64,
+    uy_mm: f64,
+    sigma_mm: f64,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let inputs = || arguments.image.iter().chain(&arguments.rest);
+    for image in inputs() {
+        not_both_from_standard_input(&arguments.scene, image, "an image")?;
+    }
+    if inputs().filter(|image| is_standard_stream(image)).count() > 1 {
+        let message = "two images cannot both be -: standard input can be read only once";
+        return Err(Failure::BadInput(message.to_owned()));
+    }
+    let scene = load_scene(&arguments.scene)?;
+    let finger = &scene.finger;
+    let refused = |path: &Path, error: &dyn std::fmt::Display| {
+        Failure::from(FileError::Content { path: path.to_owned(), message: error.to_string() })
+    };
+    let rest = match &arguments.rest {
+        None => None,
+        Some(path) => {
+            let markers = markers_of(&scene)?;
+            let image = load_image(path)?;
+            let (lens, pose) = camera_of(&scene)?;
+            Some(Rest::of(finger, &lens, pose, &markers, &image).map_err(|error| refused(path, &error))?)
+        }
+    };
+    let (camera, markers) = match &rest {
+        Some(rest) => (rest.camera, markers_of(&scene)?),
+        None => camera_and_markers(&scene)?,
+    };
+    let at_rest = |node: NodeId| -> (Vector, f64) {
+        let seen = rest.iter().flat_map(|rest| &rest.located).find(|marker| marker.node == node);
+        seen.map_or((finger.position(node), 0.0), |marker| (marker.position, marker.sd_mm))
+    };
+    let mut locator =
+        Locator::new(finger, &camera, &markers).map_err(|error: LocatorError| Failure::BadInput(error.to_string()))?;
+    let mut rows = Vec::new();
+    let names: Vec<String> = arguments.image.iter().map(|path| name_of(path)).collect();
+    for (path, name) in arguments.image.iter().zip(&names) {
+        let image = load_image(path)?;
+        let found = locator.track(&image).map_err(|error| refused(path, &error))?;
+        rows.extend(found.into_iter().map(|Located { node, pixel, position, sd_mm }| {
+            let (from, from_sd_mm) = at_rest(node);
+            Row {
+                image: name,
+                node: node.0,
+                u_px: pixel.x,
+                v_px: pixel.y,
+                x_mm: position.x,
+                y_mm: position.y,
+                ux_mm: position.x - from.x,
+                uy_mm: position.y - from.y,
+                sigma_mm: sd_mm.hypot(from_sd_mm),
+            }
+        }));
+    }
+    Ok(write_text(&arguments.out, &csv_text(rows)?)?)
+}
+
+/// The name of an image's file, without its folder.
+fn name_of(path: &Path) -> String {
+    path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
+}

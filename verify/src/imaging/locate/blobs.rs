@@ -1,0 +1,116 @@
+//! Where markers may be: patches of their colours, found on a grid of pixels and then looked at closely.
+
+use super::colour::{Colours, Side};
+use finray_model::camera::Pixel;
+use image::{GrayImage, Luma, RgbImage};
+use imageproc::region_labelling::{Connectivity, connected_components};
+
+/// Pixels of the grid across a marker's radius: its patch then has some twenty-eight of them.
+const ACROSS_RADIUS: f64 = 3.0;
+/// Area of a patch against a marker's: less is hidden by more than half or no marker, more is not one alone.
+const AREA: [f64; 2] = [0.3, 1.8];
+/// Patches beyond this many, the largest first, are left: an image of something else.
+const MOST_BLOBS: usize = 400;
+
+/// A patch of a marker's colour.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Blob {
+    /// Its colour.
+    pub side: Side,
+    /// The middle of its pixels.
+    pub centre: Pixel,
+}
+
+/// Patches of about a marker's size.
+pub(super) fn blobs(image: &RgbImage, colours: &Colours, radius_px: f64) -> Vec<Blob> {
+    let stride = ((radius_px / ACROSS_RADIUS) as u32).max(1);
+    let (width, height) = (image.width().div_ceil(stride), image.height().div_ceil(stride));
+    let row_length = 3 * image.width() as usize;
+    let raw = image.as_raw();
+    let mut grid = GrayImage::new(width, height);
+    for (row, cells) in grid.rows_mut().enumerate() {
+        let start = row * stride as usize * row_length;
+        let pixels = raw[start..start + row_length].chunks_exact(3).step_by(stride as usize);
+        for (cell, pixel) in cells.zip(pixels) {
+            let side = colours.side_of(&[pixel[0], pixel[1], pixel[2]]);
+            *cell = Luma([side.map_or(0, |side| 1 + side as u8)]);
+        }
+    }
+    let labels = connected_components(&grid, Connectivity::Eight, Luma([0]));
+    let mut patches: Vec<Patch> = Vec::new();
+    for (x, y, label) in labels.enumerate_pixels().filter(|(_, _, label)| label.0[0] > 0) {
+        let number = label.0[0] as usize;
+        if patches.len() < number {
+            patches.resize(number, Patch::default());
+        }
+        patches[number - 1].add(x, y, grid.get_pixel(x, y).0[0]);
+    }
+    let whole = std::f64::consts::PI * (radius_px / f64::from(stride)).powi(2);
+    // One pixel more or less matters to small markers.
+    let fits = |patch: &Patch| {
+        let cells = f64::from(patch.cells);
+        cells + 1.0 >= AREA[0] * whole && cells - 1.0 <= AREA[1] * whole
+    };
+    let mut blobs: Vec<(u32, Blob)> = Vec::new();
+    for patch in patches.iter().filter(|patch| fits(patch)) {
+        let rough = patch.middle() * f64::from(stride);
+        let side = if patch.value == 1 { Side::Front } else { Side::Back };
+        if let Some(centre) = middle_of_colour(image, colours, side, &rough, 1.5 * radius_px) {
+            blobs.push((patch.cells, Blob { side, centre }));
+        }
+    }
+    blobs.sort_by_key(|(cells, _)| std::cmp::Reverse(*cells));
+    blobs.truncate(MOST_BLOBS);
+    blobs.into_iter().map(|(_, blob)| blob).collect()
+}
+
+/// The middle of the pixels of a colour within a distance of a pixel; `None` if there are none.
+pub(super) fn middle_of_colour(
+    image: &RgbImage,
+    colours: &Colours,
+    side: Side,
+    about: &Pixel,
+    reach: f64,
+) -> Option<Pixel> {
+    let within = |axis: usize, size: u32| {
+        let from = (about[axis] - reach).ceil().max(0.0);
+        let to = (about[axis] + reach).floor().min(f64::from(size) - 1.0);
+        (from <= to).then_some((from as usize, to as usize))
+    };
+    let (columns, rows) = (within(0, image.width())?, within(1, image.height())?);
+    let raw = image.as_raw();
+    let (mut count, mut sum) = (0_u64, [0_u64; 2]);
+    for v in rows.0..=rows.1 {
+        let start = 3 * (v * image.width() as usize + columns.0);
+        let end = 3 * (v * image.width() as usize + columns.1 + 1);
+        for (u, pixel) in (columns.0..).zip(raw[start..end].chunks_exact(3)) {
+            if colours.side_of(&[pixel[0], pixel[1], pixel[2]]) == Some(side) {
+                count += 1;
+                sum[0] += u as u64;
+                sum[1] += v as u64;
+            }
+        }
+    }
+    (count > 0).then(|| Pixel::new(sum[0] as f64 / count as f64, sum[1] as f64 / count as f64))
+}
+
+/// Cells of the grid that touch each other.
+#[derive(Debug, Clone, Copy, Default)]
+struct Patch {
+    value: u8,
+    cells: u32,
+    sum: [f64; 2],
+}
+
+impl Patch {
+    fn add(&mut self, x: u32, y: u32, value: u8) {
+        self.value = value;
+        self.cells += 1;
+        self.sum[0] += f64::from(x);
+        self.sum[1] += f64::from(y);
+    }
+
+    fn middle(&self) -> Pixel {
+        Pixel::from(self.sum) / f64::from(self.cells)
+    }
+}

@@ -1,0 +1,104 @@
+//! Which pixels have a marker's colour, whatever the light.
+
+use finray_model::scene::{Markers, Rgb};
+
+/// Smallest angle between a marker's colour and grey, degrees: below, light alone makes a pixel a marker.
+const LEAST_SATURATION_DEG: f64 = 8.0;
+/// Colours nearer to each other than this, degrees, are one.
+const ALIKE_DEG: f64 = 6.0;
+/// Largest angle of a pixel's colour to its marker's, as a share of the angle to grey and to the other marker's colour.
+const SHARE: f64 = 0.5;
+/// Light on a marker against the colour that the scene states.
+const LIGHT: [f64; 2] = [0.2, 1.5];
+
+/// On which plate a marker is, by its colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Side {
+    /// The front plate, the tip and its clamped node included.
+    Front,
+    /// The back plate.
+    Back,
+}
+
+/// Colours that cannot be found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "markers.{key}: expected a colour that is not a shade of grey, found {colour:?}: light and shadow would look like markers"
+)]
+pub struct GreyMarker {
+    /// The key.
+    pub key: &'static str,
+    /// The colour.
+    pub colour: Rgb,
+}
+
+/// One colour as a cone about its direction: light scales red, green and blue alike.
+#[derive(Debug, Clone, Copy)]
+struct Cone {
+    axis: [f32; 3],
+    /// Square of the cosine of its half angle.
+    cosine2: f32,
+    /// Shortest and longest projection onto the axis, grey levels.
+    length: [f32; 2],
+}
+
+impl Cone {
+    fn holds(&self, pixel: &[u8; 3]) -> bool {
+        let [r, g, b] = pixel.map(f32::from);
+        let along = r * self.axis[0] + g * self.axis[1] + b * self.axis[2];
+        along > self.length[0] && along < self.length[1] && along * along > self.cosine2 * (r * r + g * g + b * b)
+    }
+}
+
+/// Tells marker pixels from others.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Colours {
+    front: Cone,
+    /// `None` where both plates have the same.
+    back: Option<Cone>,
+}
+
+impl Colours {
+    pub fn new(markers: &Markers) -> Result<Colours, GreyMarker> {
+        let saturation = |key, colour: Rgb| {
+            let angle = angle_deg(colour, [255; 3]);
+            if angle < LEAST_SATURATION_DEG { Err(GreyMarker { key, colour }) } else { Ok(angle) }
+        };
+        let front = saturation("front_rgb", markers.front_rgb)?;
+        let back = saturation("back_rgb", markers.back_rgb)?;
+        let apart = angle_deg(markers.front_rgb, markers.back_rgb);
+        let cone = |colour: Rgb, widest: f64| {
+            let length = colour.map(f64::from).iter().map(|part| part * part).sum::<f64>().sqrt();
+            Cone {
+                axis: colour.map(|part| (f64::from(part) / length) as f32),
+                cosine2: (SHARE * widest).to_radians().cos().powi(2) as f32,
+                length: LIGHT.map(|light| (light * length) as f32),
+            }
+        };
+        if apart < ALIKE_DEG {
+            return Ok(Colours { front: cone(markers.front_rgb, front.min(back)), back: None });
+        }
+        Ok(Colours {
+            front: cone(markers.front_rgb, front.min(apart)),
+            back: Some(cone(markers.back_rgb, back.min(apart))),
+        })
+    }
+
+    /// Whether both plates have the same colour.
+    pub fn are_alike(&self) -> bool {
+        self.back.is_none()
+    }
+
+    /// The side whose colour a pixel has; [`Side::Front`] where both have the same.
+    pub fn side_of(&self, pixel: &[u8; 3]) -> Option<Side> {
+        if self.front.holds(pixel) {
+            return Some(Side::Front);
+        }
+        self.back.filter(|cone| cone.holds(pixel)).map(|_| Side::Back)
+    }
+}
+
+fn angle_deg(first: Rgb, second: Rgb) -> f64 {
+    let [a, b] = [first, second].map(|colour| nalgebra::Vector3::from(colour.map(f64::from)));
+    if a.norm() == 0.0 || b.norm() == 0.0 { 0.0 } else { a.angle(&b).to_degrees() }
+}

@@ -1,0 +1,199 @@
+//! The centre of a disc, from the light of the pixels about its edge.
+//!
+//! A pixel at the distance d outside the disc's edge (px) shows background + (disc - background) Phi(-d / b): the edge, blurred by a
+//! Gaussian of standard deviation b, Phi the normal distribution. The disc's own light is a plane over its inside, the background one
+//! colour for each sector around it, since plates and ribs cross it. Centre, radius and b are found by least squares over the pixels
+//! of the edge; each counts by the square of its contrast, as noise is the same everywhere. Sectors that do not look like an edge (an
+//! occluder, another marker) are left out.
+//!
+//! Distances are taken in the finger's plane, where the disc is a circle: what perspective and lens do to its image is allowed for.
+
+mod plane_map;
+mod shades;
+mod sums;
+
+use finray_model::Vector;
+use finray_model::camera::{Camera, Pixel};
+use image::RgbImage;
+use nalgebra::{Matrix4, Vector3, Vector4};
+use plane_map::PlaneMap;
+use shades::{BACKGROUND_PX, KEPT_SECTORS, Shades};
+use sums::Sums;
+
+/// Half the width of the band of pixels about the edge, in b.
+const BAND: f64 = 2.5;
+/// b where the search starts, and its bounds, px. A pixel's own width is a blur of 0.29 px.
+const FIRST_BLUR_PX: f64 = 0.9;
+const BLURS_PX: [f64; 2] = [0.25, 6.0];
+/// Largest deviation of the radius from the expected one, as a share.
+const RADIUS_TOLERANCE: f64 = 0.25;
+/// Largest residual standard deviation, as a share of the contrast.
+const LARGEST_RESIDUAL: f64 = 0.2;
+/// Steps on the way to the edge, with shades found anew at each.
+const FIRST_STEPS: usize = 3;
+/// Rounds in which sectors are judged where the edge is by then, and steps in each.
+const ROUNDS: usize = 3;
+const ROUND_STEPS: usize = 3;
+/// Largest change of the centre in the last step, px.
+const SETTLED_PX: f64 = 0.01;
+/// Smallest standard deviation of a centre, px: shading, rounding to grey levels and what the model of the edge leaves out.
+const LEAST_SD_PX: f64 = 0.01;
+
+/// A disc that was found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Disc {
+    /// Its centre in the finger's plane, mm.
+    pub centre: Vector,
+    /// The pixel of the centre.
+    pub pixel: Pixel,
+    /// Standard deviation of one coordinate of the centre, mm.
+    pub sd_mm: f64,
+    /// Radius, mm, and blur, px, as found or as given.
+    pub outline: Outline,
+}
+
+/// What the discs of an image have in common.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Outline {
+    /// Radius, mm.
+    pub radius_mm: f64,
+    /// Standard deviation of the blur, px.
+    pub blur_px: f64,
+}
+
+/// A pixel about the edge.
+struct Sample {
+    /// Where it lies in the plane, mm.
+    at: Vector,
+    light: Vector3<f32>,
+}
+
+/// What is sought: centre and radius (mm, in the plane), and the blur (px).
+#[derive(Debug, Clone, Copy)]
+struct Edge {
+    centre: Vector,
+    radius: f64,
+    blur: f64,
+}
+
+/// Measures a disc of about this radius about a pixel; `None` where there is none.
+pub(super) fn measure(
+    image: &RgbImage,
+    camera: &Camera,
+    (height_mm, radius_mm): (f64, f64),
+    about: &Pixel,
+) -> Option<Disc> {
+    let outline = Outline { radius_mm, blur_px: FIRST_BLUR_PX };
+    Search::new(image, camera, height_mm, outline, about, true)?.found(camera, height_mm)
+}
+
+/// Measures the centre alone of a disc whose radius and blur are known from others.
+pub(super) fn measure_centre(
+    image: &RgbImage,
+    camera: &Camera,
+    height_mm: f64,
+    outline: Outline,
+    about: &Pixel,
+) -> Option<Disc> {
+    Search::new(image, camera, height_mm, outline, about, false)?.found(camera, height_mm)
+}
+
+/// The search for one edge.
+struct Search {
+    map: PlaneMap,
+    samples: Vec<Sample>,
+    edge: Edge,
+    /// The outline at the start.
+    expected: Outline,
+    /// Whether radius and blur are sought too.
+    is_outline_open: bool,
+}
+
+impl Search {
+    fn new(
+        image: &RgbImage,
+        camera: &Camera,
+        height_mm: f64,
+        expected: Outline,
+        about: &Pixel,
+        is_outline_open: bool,
+    ) -> Option<Search> {
+        let map = PlaneMap::new(camera, height_mm, about, expected.radius_mm)?;
+        let edge = Edge { centre: map.origin, radius: expected.radius_mm, blur: expected.blur_px };
+        // Room for an edge that is a quarter farther out, blurred twice as much, and its background.
+        let reach =
+            map.radius_px(expected.radius_mm) * (1.0 + RADIUS_TOLERANCE) + 2.0 * BAND * edge.blur + BACKGROUND_PX;
+        let samples = map.samples(image, reach)?;
+        Some(Search { map, samples, edge, expected, is_outline_open })
+    }
+
+    fn found(mut self, camera: &Camera, height_mm: f64) -> Option<Disc> {
+        for _ in 0..FIRST_STEPS {
+            let shades = Shades::new(&self.samples, &self.edge, &self.map)?;
+            self.step(&Sums::of(&self.samples, &self.edge, &shades, &self.map, &[]))?;
+        }
+        for round in 1..=ROUNDS {
+            let shades = Shades::new(&self.samples, &self.edge, &self.map)?;
+            let excluded = shades.unlikely(&Sums::of(&self.samples, &self.edge, &shades, &self.map, &[]));
+            for step in 1..=ROUND_STEPS {
+                let sums = Sums::of(&self.samples, &self.edge, &shades, &self.map, &excluded);
+                let (change_px, inverse) = self.step(&sums)?;
+                if (round, step) == (ROUNDS, ROUND_STEPS) && change_px < SETTLED_PX {
+                    let kept = excluded.iter().filter(|excluded| !**excluded).count() as f64 / shades.sectors as f64;
+                    return (kept >= KEPT_SECTORS).then(|| self.disc(&sums, &inverse, camera, height_mm))?;
+                }
+            }
+        }
+        None
+    }
+
+    /// One step of Gauss and Newton: the change of the centre, px, and the inverse of the normal equations. `None` where the edge is lost.
+    fn step(&mut self, sums: &Sums) -> Option<(f64, Matrix4<f64>)> {
+        let mut normal = sums.normal;
+        if !self.is_outline_open {
+            for fixed in 2..4 {
+                normal.fill_row(fixed, 0.0);
+                normal.fill_column(fixed, 0.0);
+                normal[(fixed, fixed)] = f64::INFINITY;
+            }
+        }
+        let inverse = inverse(&normal)?;
+        let change: Vector4<f64> = inverse * sums.gradient;
+        let edge = &mut self.edge;
+        edge.centre += change.fixed_rows::<2>(0) * self.map.scale;
+        edge.radius += change[2] * self.map.scale;
+        let largest = 0.5 * edge.blur;
+        edge.blur = (edge.blur + change[3].clamp(-largest, largest)).clamp(BLURS_PX[0], BLURS_PX[1]);
+        let away = (edge.centre - self.map.origin).norm();
+        let off = (edge.radius / self.expected.radius_mm - 1.0).abs();
+        let is_near = away < self.expected.radius_mm && off < 2.0 * RADIUS_TOLERANCE;
+        is_near.then(|| (change.fixed_rows::<2>(0).norm(), inverse))
+    }
+
+    fn disc(&self, sums: &Sums, inverse: &Matrix4<f64>, camera: &Camera, height_mm: f64) -> Option<Disc> {
+        let residual_sd = (sums.squares / (sums.count - 4.0).max(1.0)).sqrt();
+        let contrast = (sums.weight / sums.count).sqrt();
+        let off = (self.edge.radius / self.expected.radius_mm - 1.0).abs();
+        if off > RADIUS_TOLERANCE || residual_sd > LARGEST_RESIDUAL * contrast {
+            return None;
+        }
+        let variance_px2 = (inverse[(0, 0)] + inverse[(1, 1)]) / 2.0 * residual_sd * residual_sd;
+        Some(Disc {
+            centre: self.edge.centre,
+            pixel: camera.project(&self.edge.centre.push(height_mm)).ok()?,
+            sd_mm: variance_px2.sqrt().hypot(LEAST_SD_PX) * self.map.scale,
+            outline: Outline { radius_mm: self.edge.radius, blur_px: self.edge.blur },
+        })
+    }
+}
+
+/// The inverse of the normal equations; an infinite diagonal stands for what is known.
+fn inverse(normal: &Matrix4<f64>) -> Option<Matrix4<f64>> {
+    if normal[(3, 3)].is_finite() {
+        return normal.try_inverse();
+    }
+    let centre = normal.fixed_view::<2, 2>(0, 0).into_owned().try_inverse()?;
+    let mut whole = Matrix4::zeros();
+    whole.fixed_view_mut::<2, 2>(0, 0).copy_from(&centre);
+    Some(whole)
+}

@@ -1,0 +1,93 @@
+//! The finger's plane about a marker, as its pixels see it.
+
+use super::{Edge, Sample};
+use finray_model::Vector;
+use finray_model::camera::{Camera, Pixel};
+use image::RgbImage;
+use nalgebra::{Matrix2, Vector3};
+
+/// Positions in the plane about a pixel, to second order in the distance from it.
+pub(super) struct PlaneMap {
+    about: Pixel,
+    /// The point at the middle, mm.
+    pub origin: Vector,
+    slope: Matrix2<f64>,
+    /// Second derivatives by u u, u v and v v.
+    curvature: [Vector; 3],
+    /// mm a px, root of the area that a pixel has in the plane.
+    pub scale: f64,
+    /// Derivatives of the pixel by the plane's coordinates.
+    by_point: Matrix2<f64>,
+}
+
+impl PlaneMap {
+    pub fn new(camera: &Camera, height_mm: f64, about: &Pixel, radius_mm: f64) -> Option<PlaneMap> {
+        let (origin, slope) = camera.on_plane_with_derivatives(about, height_mm).ok()?;
+        let scale = slope.determinant().abs().sqrt();
+        let step = radius_mm / scale;
+        let at = |u: f64, v: f64| camera.on_plane(&(about + Pixel::new(u, v) * step), height_mm).ok();
+        let (left, right, up, down) = (at(-1.0, 0.0)?, at(1.0, 0.0)?, at(0.0, -1.0)?, at(0.0, 1.0)?);
+        let mixed = (at(1.0, 1.0)? - at(1.0, -1.0)? - at(-1.0, 1.0)? + at(-1.0, -1.0)?) / (4.0 * step * step);
+        let second = |before: Vector, after: Vector| (before - origin * 2.0 + after) / (step * step);
+        let slope = Matrix2::from_columns(&[(right - left) / (2.0 * step), (down - up) / (2.0 * step)]);
+        Some(PlaneMap {
+            about: *about,
+            origin,
+            slope,
+            curvature: [second(left, right), mixed, second(up, down)],
+            scale,
+            by_point: slope.try_inverse()?,
+        })
+    }
+
+    fn at(&self, step: &Pixel) -> Vector {
+        let [uu, uv, vv] = &self.curvature;
+        self.origin
+            + self.slope * step
+            + uu * (0.5 * step.x * step.x)
+            + uv * (step.x * step.y)
+            + vv * (0.5 * step.y * step.y)
+    }
+
+    /// The longest radius of the disc's image, px.
+    pub fn radius_px(&self, radius_mm: f64) -> f64 {
+        radius_mm * self.by_point.norm()
+    }
+
+    /// Pixels within a distance of the middle; `None` if they are not all in the image.
+    pub fn samples(&self, image: &RgbImage, reach: f64) -> Option<Vec<Sample>> {
+        let range = |axis: usize, size: u32| {
+            let (from, to) = ((self.about[axis] - reach).ceil(), (self.about[axis] + reach).floor());
+            // A disc at the border is measured by what is seen of its surroundings.
+            let (from, to) = (from.max(0.0), to.min(f64::from(size) - 1.0));
+            (from <= to).then_some(from as usize..=to as usize)
+        };
+        let (columns, rows) = (range(0, image.width())?, range(1, image.height())?);
+        let mut samples = Vec::with_capacity((4.0 * reach * reach) as usize + 1);
+        for v in rows {
+            let start = 3 * (v * image.width() as usize + columns.start());
+            let end = 3 * (v * image.width() as usize + columns.end() + 1);
+            for (u, pixel) in columns.clone().zip(image.as_raw()[start..end].chunks_exact(3)) {
+                let step = Pixel::new(u as f64, v as f64) - self.about;
+                if step.norm_squared() <= reach * reach {
+                    let light = Vector3::new(f32::from(pixel[0]), f32::from(pixel[1]), f32::from(pixel[2]));
+                    samples.push(Sample { at: self.at(&step), light });
+                }
+            }
+        }
+        Some(samples)
+    }
+
+    /// Distance outside the edge along the pixels, px, the direction from the centre, in the plane, and px a mm along it.
+    pub fn outside(&self, edge: &Edge, at: &Vector) -> (f64, Vector, f64) {
+        let from_centre = at - edge.centre;
+        let far = from_centre.norm();
+        if far < 1e-12 {
+            return (-edge.radius / self.scale, Vector::x(), 1.0 / self.scale);
+        }
+        let direction = from_centre / far;
+        // The distance in the plane grows along the pixels by |slope^T direction|.
+        let px_a_mm = 1.0 / (self.slope.tr_mul(&direction)).norm();
+        ((far - edge.radius) * px_a_mm, direction, px_a_mm)
+    }
+}

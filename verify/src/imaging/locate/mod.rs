@@ -1,0 +1,214 @@
+//! Node positions from images: find the markers ([`colour`], [`blobs`]), measure their centres ([`disc`]), name them ([`naming`]).
+
+mod blobs;
+mod colour;
+mod disc;
+mod naming;
+mod rest;
+
+pub use colour::GreyMarker;
+pub use naming::NamingError;
+pub use rest::{Rest, RestError};
+
+use blobs::{Blob, blobs, middle_of_colour};
+use colour::{Colours, Side};
+use disc::{Disc, Outline, measure, measure_centre};
+use finray_model::camera::{Camera, Lens, Pixel, ViewError};
+use finray_model::finger::Plate;
+use finray_model::scene::Markers;
+use finray_model::{Finger, NodeId, Vector};
+use image::RgbImage;
+use naming::{Candidate, Names, name};
+
+/// Smallest radius of a marker in the image, px: below, nothing of it is spared by blur.
+const LEAST_RADIUS_PX: f64 = 2.5;
+/// A marker is sought within so many of its radii of where it was in the image before.
+const NEAR: f64 = 1.6;
+/// Share of the markers of the image before that must be found again near where they were; with fewer the whole image is searched.
+const FOUND_AGAIN: f64 = 0.8;
+
+/// A marker in an image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Located {
+    /// Its node.
+    pub node: NodeId,
+    /// Where its centre is seen.
+    pub pixel: Pixel,
+    /// Its centre in the finger frame, mm.
+    pub position: Vector,
+    /// Standard deviation of one coordinate of the position, mm: noise of the image, and what is known of shading and the edge's model. The
+    /// errors of lens and pose are not in it.
+    pub sd_mm: f64,
+}
+
+/// Why an image shows no finger.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum LocateError {
+    /// It has another size than the camera's.
+    #[error("expected an image of {} x {} px as the scene's camera takes, found {} x {} px", expected[0], expected[1], found[0], found[1])]
+    Size {
+        /// Width and height of the scene's camera, px.
+        expected: [u32; 2],
+        /// Of the image.
+        found: [u32; 2],
+    },
+    /// Markers would be too small.
+    #[error(
+        "markers of this camera have a radius of {radius_px:.1} px, of which at least {LEAST_RADIUS_PX} px are needed"
+    )]
+    TooSmall {
+        /// Their radius, px.
+        radius_px: f64,
+    },
+    /// The finger is not before the camera.
+    #[error("the camera does not see the finger: its middle {0}")]
+    View(#[from] ViewError),
+    /// The finger lies outside the image.
+    #[error("the camera does not see the finger: its middle is outside the image")]
+    Outside,
+    /// Nodes have no names.
+    #[error("no finger is seen: {0}")]
+    Naming(#[from] NamingError),
+}
+
+/// Finds the markers of one finger with one camera.
+#[derive(Debug, Clone)]
+pub struct Locator<'f> {
+    finger: &'f Finger,
+    camera: Camera,
+    markers: Markers,
+    colours: Colours,
+    radius_px: f64,
+    on_front: Vec<NodeId>,
+    /// Positions in the last image.
+    last: Vec<Located>,
+}
+
+impl<'f> Locator<'f> {
+    /// A locator for a scene's finger, camera and markers.
+    ///
+    /// # Errors
+    /// [`LocatorError`] for colours that cannot be found and a camera that does not see the finger.
+    pub fn new(finger: &'f Finger, camera: &Camera, markers: &Markers) -> Result<Locator<'f>, LocatorError> {
+        let colours = Colours::new(markers)?;
+        let radius_px = radius_px(finger, camera, markers)?;
+        Ok(Locator {
+            finger,
+            camera: *camera,
+            markers: *markers,
+            colours,
+            radius_px,
+            on_front: finger.plate_nodes(Plate::Front),
+            last: Vec::new(),
+        })
+    }
+
+    /// The camera.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// Markers in an image, in the order of the nodes; hidden ones are left out. Nothing is assumed of the shape.
+    ///
+    /// # Errors
+    /// [`LocateError`] if the image does not show the finger, or more than one way to name the markers fits.
+    pub fn locate(&mut self, image: &RgbImage) -> Result<Vec<Located>, LocateError> {
+        require_size(&self.camera.lens, image)?;
+        let discs: Vec<(Side, Disc)> =
+            blobs(image, &self.colours, self.radius_px).iter().filter_map(|blob| self.measured(image, blob)).collect();
+        self.last = self.named(image, &discs)?;
+        Ok(self.last.clone())
+    }
+
+    /// Markers in the next image of a stream: each is sought near where it was in the image before; the whole image is searched if they
+    /// are not found there, or do not fit a finger.
+    ///
+    /// # Errors
+    /// As [`Locator::locate`].
+    pub fn track(&mut self, image: &RgbImage) -> Result<Vec<Located>, LocateError> {
+        require_size(&self.camera.lens, image)?;
+        let reach = NEAR * self.radius_px;
+        let near = |last: &Located| {
+            let side = if self.on_front.contains(&last.node) { Side::Front } else { Side::Back };
+            let side = if self.colours.are_alike() { Side::Front } else { side };
+            let centre = middle_of_colour(image, &self.colours, side, &last.pixel, reach)?;
+            // Once more from there: what was cut off at the border of the window is seen.
+            let centre = middle_of_colour(image, &self.colours, side, &centre, reach)?;
+            self.measured(image, &Blob { side, centre })
+        };
+        let discs: Vec<(Side, Disc)> = self.last.iter().filter_map(near).collect();
+        let enough = !self.last.is_empty() && discs.len() as f64 >= FOUND_AGAIN * self.last.len() as f64;
+        match enough.then(|| self.named(image, &discs)) {
+            Some(Ok(found)) if found.len() as f64 >= FOUND_AGAIN * self.last.len() as f64 => {
+                self.last = found;
+                Ok(self.last.clone())
+            }
+            _ => self.locate(image),
+        }
+    }
+
+    fn measured(&self, image: &RgbImage, blob: &Blob) -> Option<(Side, Disc)> {
+        let Markers { height_mm, radius_mm, .. } = self.markers;
+        let disc = measure(image, &self.camera, (height_mm, radius_mm), &blob.centre)?;
+        Some((blob.side, disc))
+    }
+
+    fn named(&self, image: &RgbImage, discs: &[(Side, Disc)]) -> Result<Vec<Located>, LocateError> {
+        let alike = self.colours.are_alike();
+        let candidate = |(side, disc): &(Side, Disc)| Candidate {
+            sides: [Side::Front, Side::Back].map(|other| alike || other == *side),
+            at: disc.centre,
+        };
+        let candidates: Vec<Candidate> = discs.iter().map(candidate).collect();
+        let names: Names = name(self.finger, &candidates)?;
+        let named: Vec<(NodeId, Disc)> =
+            names.iter().enumerate().filter_map(|(i, name)| Some((NodeId(i + 1), discs[(*name)?].1))).collect();
+        // Markers are alike and equally sharp: what half of them have is what a marker has whose edge is partly disturbed.
+        let outline = Outline {
+            radius_mm: median(named.iter().map(|(_, disc)| disc.outline.radius_mm)),
+            blur_px: median(named.iter().map(|(_, disc)| disc.outline.blur_px)),
+        };
+        let located = named.iter().map(|(node, disc)| {
+            let height_mm = self.markers.height_mm;
+            let again = measure_centre(image, &self.camera, height_mm, outline, &disc.pixel).unwrap_or(*disc);
+            Located { node: *node, pixel: again.pixel, position: again.centre, sd_mm: again.sd_mm }
+        });
+        Ok(located.collect())
+    }
+}
+
+/// The middle one of some numbers.
+fn median(numbers: impl Iterator<Item = f64>) -> f64 {
+    let mut numbers: Vec<f64> = numbers.collect();
+    let middle = numbers.len() / 2;
+    *numbers.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// Why no locator can be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum LocatorError {
+    /// The markers' colours.
+    #[error(transparent)]
+    Colour(#[from] GreyMarker),
+    /// The camera.
+    #[error(transparent)]
+    Camera(#[from] LocateError),
+}
+
+/// Radius of a marker at the middle of the undeformed finger, px.
+fn radius_px(finger: &Finger, camera: &Camera, markers: &Markers) -> Result<f64, LocateError> {
+    let nodes = finger.key_node_count();
+    let middle = (1..=nodes).map(|node| finger.position(NodeId(node))).sum::<Vector>() / nodes as f64;
+    let pixel = camera.project(&middle.push(markers.height_mm))?;
+    if !camera.lens.contains(&pixel) {
+        return Err(LocateError::Outside);
+    }
+    let mm_a_px = camera.position_sd_mm(&pixel, markers.height_mm, 1.0)?;
+    let radius_px = markers.radius_mm / mm_a_px;
+    if radius_px < LEAST_RADIUS_PX { Err(LocateError::TooSmall { radius_px }) } else { Ok(radius_px) }
+}
+
+fn require_size(lens: &Lens, image: &RgbImage) -> Result<(), LocateError> {
+    let (expected, found) = (lens.size_px(), [image.width(), image.height()]);
+    if expected == found { Ok(()) } else { Err(LocateError::Size { expected, found }) }
+}
