@@ -113,6 +113,14 @@ impl Measurement {
         Measurement { markers: finger.free_nodes().map(marker).collect() }
     }
 
+    /// The same measurement with every marker as good as the others.
+    pub fn of_equal_weight(mut self) -> Measurement {
+        for marker in &mut self.markers {
+            marker.weight = 1.0;
+        }
+        self
+    }
+
     /// The same measurement without the markers of hidden nodes.
     pub fn without(mut self, hidden: &[NodeId]) -> Measurement {
         self.markers.retain(|marker| !hidden.contains(&marker.node));

@@ -18,10 +18,10 @@ use std::path::PathBuf;
 /// from the front plate's undeformed inward normal, positive towards the tip; 0 if left out. Give a
 /// node twice with two angles to ask for two components.
 ///
-/// sigma_n is one standard deviation: from the noise of --noise-mm, else of the scene's camera table,
-/// else of the residual, and from the model's own error as far as it is known (linearisation, mesh,
-/// training). Where the measurement contradicts the
-/// stated noise (chi-squared test), or the model errs by more than noise does, a warning says so.
+/// sigma_n is one standard deviation: from the noise of --noise-mm, else of noise_mm in the scene's
+/// camera table, else of a column sigma_mm as `finray locate` writes it, else of the residual, and from
+/// the model's own error as far as it is known (linearisation, mesh, training). Where the measurement
+/// contradicts the stated noise (chi-squared test), or the model errs by more than noise does, a warning says so.
 /// sigma_n does not include errors that no measurement shows: a wrong modulus scales every force alike.
 ///
 /// The nonlinear estimator is co-rotational. It alone takes the directions `normal` (of the
@@ -63,6 +63,9 @@ pub struct Arguments {
     /// Standard deviation of one measured coordinate, mm
     #[arg(long, value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
+    /// Image whose rows are read, of a file of several
+    #[arg(long, value_name = "NAME")]
+    image_name: Option<String>,
     /// Nodes of the nonlinear estimator's mesh
     #[arg(long, value_name = "N")]
     mesh_nodes: Option<usize>,
@@ -93,10 +96,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let contacts = &arguments.contacts.0;
     arguments.estimator.admits(finger, contacts, &networks)?;
+    let found = displacements::load(&arguments.displacements, finger, arguments.image_name.as_deref())?;
+    // A stated noise holds for all nodes alike, and networks are trained on nodes that are measured alike.
+    let noise_mm = arguments.noise_mm.or(scene.noise_mm);
+    let is_alike = noise_mm.is_some() || arguments.estimator == EstimatorId::Network;
+    let noise_mm = noise_mm.or(found.noise_mm);
+    let measurement = if is_alike { found.of_equal_weight() } else { found.measurement };
     let question = Question {
         contacts,
-        measurement: &displacements::load(&arguments.displacements, finger)?,
-        noise_mm: arguments.noise_mm.or(scene.noise_mm),
+        measurement: &measurement,
+        noise_mm,
         mesh_nodes: arguments.mesh_nodes,
         networks: &networks,
     };

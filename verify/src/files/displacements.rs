@@ -63,17 +63,91 @@ pub fn load_shape(path: &Path, finger: &Finger) -> Result<FingerShape, FileError
     Ok(FingerShape::new(finger, |node| motions[node.0 - 1].unwrap_or_default()))
 }
 
-/// Reads `node,ux_mm,uy_mm`, found by name, in any order; nodes may be missing.
+/// Displacements as a file has them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Displacements {
+    /// The displacements; weights follow from the file's standard deviations, where it has them.
+    pub measurement: Measurement,
+    /// Standard deviation of a coordinate of weight 1, mm, where the file has a column `sigma_mm`.
+    pub noise_mm: Option<f64>,
+}
+
+impl Displacements {
+    /// The displacements with one standard deviation for all, stated elsewhere.
+    pub fn of_equal_weight(self) -> Measurement {
+        self.measurement.of_equal_weight()
+    }
+}
+
+/// A clamped node may seem to have moved by so many standard deviations, and by as much, mm, before rows and nodes must be mixed up.
+const CLAMPED_SIGMAS: f64 = 6.0;
+const CLAMPED_MM: f64 = 0.05;
+
+/// Reads `node,ux_mm,uy_mm`, found by name, in any order; nodes may be missing. With a column `sigma_mm`, as `locate` writes it, rows of
+/// clamped nodes carry noise and are ignored. Of a file of several images (a column `image`) the rows of `image_name` are read.
 ///
 /// # Errors
 /// [`FileError`] naming the line for anything that is not a marker of this finger.
-pub fn load(path: &Path, finger: &Finger) -> Result<Measurement, FileError> {
-    let table = Table::read(path, ["node", "ux_mm", "uy_mm"])?;
+pub fn load(path: &Path, finger: &Finger, image_name: Option<&str>) -> Result<Displacements, FileError> {
+    let text = super::read_text(path)?;
+    let columns = super::table::header(&text);
+    let has = |name: &str| columns.iter().any(|column| column == name);
+    let images = match has("image") {
+        true => Some(rows_of_image(path, &text, image_name)?),
+        false if image_name.is_some() => {
+            return Err(FileError::content(path, "--image-name: expected a column image, as locate writes it"));
+        }
+        false => None,
+    };
+    let is_chosen = |number: usize| images.as_ref().is_none_or(|chosen| chosen[number]);
     let mut measurement = Measurement::empty();
-    for row in table.rows() {
+    if !has("sigma_mm") {
+        let table = Table::of_text(path, &text, ["node", "ux_mm", "uy_mm"])?;
+        for (_, row) in table.rows().iter().enumerate().filter(|(number, _)| is_chosen(*number)) {
+            let displacement = Vector::new(table.number(row, 1)?, table.number(row, 2)?);
+            let marker = Marker { node: table.node(row, 0)?, displacement, weight: 1.0 };
+            measurement.add(finger, marker).map_err(|error| table.wrong(row, error))?;
+        }
+        return Ok(Displacements { measurement, noise_mm: None });
+    }
+    let table = Table::of_text(path, &text, ["node", "ux_mm", "uy_mm", "sigma_mm"])?;
+    let mut rows = Vec::new();
+    for (_, row) in table.rows().iter().enumerate().filter(|(number, _)| is_chosen(*number)) {
+        let (node, sigma_mm) = (table.node(row, 0)?, table.number(row, 3)?);
+        if !(sigma_mm > 0.0 && sigma_mm.is_normal()) {
+            return Err(table.wrong(row, format!("sigma_mm: expected a length in mm above zero, found {sigma_mm}")));
+        }
         let displacement = Vector::new(table.number(row, 1)?, table.number(row, 2)?);
-        let marker = Marker { node: table.node(row, 0)?, displacement, weight: 1.0 };
+        let is_clamped = finger.clamped_nodes().contains(&node);
+        if !(is_clamped && displacement.norm() <= CLAMPED_MM.max(CLAMPED_SIGMAS * sigma_mm)) {
+            rows.push((row, node, displacement, sigma_mm));
+        }
+    }
+    let squares: f64 = rows.iter().map(|(_, _, _, sigma_mm)| sigma_mm * sigma_mm).sum();
+    let noise_mm = (squares / rows.len().max(1) as f64).sqrt();
+    for (row, node, displacement, sigma_mm) in rows {
+        let marker = Marker { node, displacement, weight: noise_mm / sigma_mm };
         measurement.add(finger, marker).map_err(|error| table.wrong(row, error))?;
     }
-    Ok(measurement)
+    Ok(Displacements { measurement, noise_mm: Some(noise_mm) })
+}
+
+/// Which rows belong to an image; without a name the file must have one image alone.
+fn rows_of_image(path: &Path, text: &str, image_name: Option<&str>) -> Result<Vec<bool>, FileError> {
+    let table = Table::of_text(path, text, ["image"])?;
+    let names: Vec<&str> = table.rows().iter().map(|row| row.cells[0].as_str()).collect();
+    let mut images = names.clone();
+    images.dedup();
+    let chosen = match image_name {
+        Some(name) if names.contains(&name) => name,
+        None if images.len() == 1 => images[0],
+        _ => {
+            const SHOWN: usize = 5;
+            let more = if images.len() > SHOWN { ", ..." } else { "" };
+            let listed = images[..images.len().min(SHOWN)].join(", ");
+            let message = format!("expected --image-name with one of the file's images: {listed}{more}");
+            return Err(FileError::content(path, message));
+        }
+    };
+    Ok(names.iter().map(|name| *name == chosen).collect())
 }

@@ -83,6 +83,13 @@ impl<const N: usize> Table<N> {
     }
 }
 
+/// Names of the columns of a CSV text; none if it has none.
+pub(crate) fn header(text: &str) -> Vec<String> {
+    let text = text.trim_start_matches('\u{feff}');
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
+    reader.headers().map_or_else(|_| Vec::new(), |header| header.iter().map(str::to_owned).collect())
+}
+
 fn described(text: &str, error: &csv::Error) -> String {
     match error.kind() {
         csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {

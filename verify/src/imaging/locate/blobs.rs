@@ -12,6 +12,11 @@ const AREA: [f64; 2] = [0.3, 1.8];
 /// Patches beyond this many, the largest first, are left: an image of something else.
 const MOST_BLOBS: usize = 400;
 
+/// Smallest radius of a marker in the image, px: below, nothing of it is spared by blur.
+pub(super) const LEAST_RADIUS_PX: f64 = 2.5;
+/// Ratio of the radii of markers that are alike but not equally far away.
+const ALIKE: f64 = 1.4;
+
 /// A patch of a marker's colour.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Blob {
@@ -24,6 +29,40 @@ pub(super) struct Blob {
 /// Patches of about a marker's size.
 pub(super) fn blobs(image: &RgbImage, colours: &Colours, radius_px: f64) -> Vec<Blob> {
     let stride = ((radius_px / ACROSS_RADIUS) as u32).max(1);
+    let whole = std::f64::consts::PI * (radius_px / f64::from(stride)).powi(2);
+    // One pixel more or less matters to small markers.
+    let fits = |patch: &Patch| {
+        let cells = f64::from(patch.cells);
+        cells + 1.0 >= AREA[0] * whole && cells - 1.0 <= AREA[1] * whole
+    };
+    let mut blobs: Vec<(u32, Blob)> = Vec::new();
+    for patch in patches(image, colours, stride).iter().filter(|patch| fits(patch)) {
+        let rough = patch.middle() * f64::from(stride);
+        let side = patch.side();
+        if let Some(centre) = middle_of_colour(image, colours, side, &rough, 1.5 * radius_px) {
+            blobs.push((patch.cells, Blob { side, centre }));
+        }
+    }
+    blobs.sort_by_key(|(cells, _)| std::cmp::Reverse(*cells));
+    blobs.truncate(MOST_BLOBS);
+    blobs.into_iter().map(|(_, blob)| blob).collect()
+}
+
+/// The radius that most patches have, px, as if they were discs; `None` without patches of a disc's size.
+pub(super) fn commonest_radius(image: &RgbImage, colours: &Colours) -> Option<f64> {
+    const STRIDE: u32 = 2;
+    let radius = |patch: &Patch| (f64::from(patch.cells) / std::f64::consts::PI).sqrt() * f64::from(STRIDE);
+    let mut radii: Vec<f64> =
+        patches(image, colours, STRIDE).iter().map(radius).filter(|radius| *radius >= LEAST_RADIUS_PX).collect();
+    radii.sort_by(f64::total_cmp);
+    // Those alike; the middle of the largest such group.
+    let group = |from: usize| radii[from..].partition_point(|radius| *radius < ALIKE * radii[from]);
+    let (from, count) = (0..radii.len()).map(|from| (from, group(from))).max_by_key(|(_, count)| *count)?;
+    Some(radii[from + count / 2])
+}
+
+/// Patches of a colour on the grid of every `stride`-th pixel.
+fn patches(image: &RgbImage, colours: &Colours, stride: u32) -> Vec<Patch> {
     let (width, height) = (image.width().div_ceil(stride), image.height().div_ceil(stride));
     let row_length = 3 * image.width() as usize;
     let raw = image.as_raw();
@@ -45,23 +84,7 @@ pub(super) fn blobs(image: &RgbImage, colours: &Colours, radius_px: f64) -> Vec<
         }
         patches[number - 1].add(x, y, grid.get_pixel(x, y).0[0]);
     }
-    let whole = std::f64::consts::PI * (radius_px / f64::from(stride)).powi(2);
-    // One pixel more or less matters to small markers.
-    let fits = |patch: &Patch| {
-        let cells = f64::from(patch.cells);
-        cells + 1.0 >= AREA[0] * whole && cells - 1.0 <= AREA[1] * whole
-    };
-    let mut blobs: Vec<(u32, Blob)> = Vec::new();
-    for patch in patches.iter().filter(|patch| fits(patch)) {
-        let rough = patch.middle() * f64::from(stride);
-        let side = if patch.value == 1 { Side::Front } else { Side::Back };
-        if let Some(centre) = middle_of_colour(image, colours, side, &rough, 1.5 * radius_px) {
-            blobs.push((patch.cells, Blob { side, centre }));
-        }
-    }
-    blobs.sort_by_key(|(cells, _)| std::cmp::Reverse(*cells));
-    blobs.truncate(MOST_BLOBS);
-    blobs.into_iter().map(|(_, blob)| blob).collect()
+    patches
 }
 
 /// The middle of the pixels of a colour within a distance of a pixel; `None` if there are none.
@@ -108,6 +131,10 @@ impl Patch {
         self.cells += 1;
         self.sum[0] += f64::from(x);
         self.sum[1] += f64::from(y);
+    }
+
+    fn side(&self) -> Side {
+        if self.value == 1 { Side::Front } else { Side::Back }
     }
 
     fn middle(&self) -> Pixel {

@@ -1,31 +1,36 @@
 //! Node positions from images: find the markers ([`colour`], [`blobs`]), measure their centres ([`disc`]), name them ([`naming`]).
+//! The finger at rest is found without a guess of its pose ([`pattern`], [`rest`]).
 
 mod blobs;
 mod colour;
 mod disc;
 mod naming;
+mod pattern;
 mod rest;
 
 pub use colour::GreyMarker;
 pub use naming::NamingError;
 pub use rest::{Rest, RestError};
 
-use blobs::{Blob, blobs, middle_of_colour};
+use blobs::{Blob, LEAST_RADIUS_PX, blobs, middle_of_colour};
 use colour::{Colours, Side};
-use disc::{Disc, Outline, measure, measure_centre};
+use disc::{Disc, Outline, View};
 use finray_model::camera::{Camera, Lens, Pixel, ViewError};
 use finray_model::finger::Plate;
 use finray_model::scene::Markers;
 use finray_model::{Finger, NodeId, Vector};
 use image::RgbImage;
+use nalgebra::Matrix3;
 use naming::{Candidate, Names, name};
 
-/// Smallest radius of a marker in the image, px: below, nothing of it is spared by blur.
-const LEAST_RADIUS_PX: f64 = 2.5;
 /// A marker is sought within so many of its radii of where it was in the image before.
 const NEAR: f64 = 1.6;
 /// Share of the markers of the image before that must be found again near where they were; with fewer the whole image is searched.
 const FOUND_AGAIN: f64 = 0.8;
+
+/// Variance of rounding to grey levels, and ratio of the variances of the noisiest and the least noisy colour from which they are weighed.
+const ROUNDING: f64 = 0.1;
+const UNEVEN: f64 = 3.0;
 
 /// A marker in an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -148,8 +153,7 @@ impl<'f> Locator<'f> {
     }
 
     fn measured(&self, image: &RgbImage, blob: &Blob) -> Option<(Side, Disc)> {
-        let Markers { height_mm, radius_mm, .. } = self.markers;
-        let disc = measure(image, &self.camera, (height_mm, radius_mm), &blob.centre)?;
+        let disc = self.view(image, Matrix3::identity()).measure(self.markers.radius_mm, &blob.centre)?;
         Some((blob.side, disc))
     }
 
@@ -163,18 +167,54 @@ impl<'f> Locator<'f> {
         let names: Names = name(self.finger, &candidates)?;
         let named: Vec<(NodeId, Disc)> =
             names.iter().enumerate().filter_map(|(i, name)| Some((NodeId(i + 1), discs[(*name)?].1))).collect();
-        // Markers are alike and equally sharp: what half of them have is what a marker has whose edge is partly disturbed.
+        Ok(self.measured_together(image, named))
+    }
+
+    fn view<'a>(&'a self, image: &'a RgbImage, metric: Matrix3<f32>) -> View<'a> {
+        View { image, camera: &self.camera, height_mm: self.markers.height_mm, metric }
+    }
+
+    /// The centres once more. Markers are alike and equally sharp: what half of them have is what a marker has whose edge is partly
+    /// disturbed. Colours may be noisier than brightness, as after compression: they count less then.
+    fn measured_together(&self, image: &RgbImage, mut named: Vec<(NodeId, Disc)>) -> Vec<Located> {
+        let colours = named.iter().map(|(_, disc)| disc.colours).sum::<Matrix3<f64>>() / named.len() as f64;
+        let metric = metric(&colours);
+        let view = self.view(image, metric.unwrap_or_else(Matrix3::identity));
+        if metric.is_some() {
+            for (_, disc) in &mut named {
+                *disc = view.measure(self.markers.radius_mm, &disc.pixel).unwrap_or(*disc);
+            }
+        }
         let outline = Outline {
             radius_mm: median(named.iter().map(|(_, disc)| disc.outline.radius_mm)),
             blur_px: median(named.iter().map(|(_, disc)| disc.outline.blur_px)),
         };
-        let located = named.iter().map(|(node, disc)| {
-            let height_mm = self.markers.height_mm;
-            let again = measure_centre(image, &self.camera, height_mm, outline, &disc.pixel).unwrap_or(*disc);
-            Located { node: *node, pixel: again.pixel, position: again.centre, sd_mm: again.sd_mm }
-        });
-        Ok(located.collect())
+        for (_, disc) in &mut named {
+            *disc = view.measure_centre(outline, &disc.pixel).unwrap_or(*disc);
+        }
+        // Of one marker the excess is known to a third, of all together well.
+        let excess = named.iter().map(|(_, disc)| disc.excess_variance).sum::<f64>() / named.len() as f64;
+        let wider = excess.max(1.0).sqrt();
+        let located = |&(node, disc): &(NodeId, Disc)| Located {
+            node,
+            pixel: disc.pixel,
+            position: disc.centre,
+            sd_mm: disc.sd_mm * wider,
+        };
+        named.iter().map(located).collect()
     }
+}
+
+/// The inverse of the covariance of colours, 1 for the least noisy of them; `None` where all are about equally noisy.
+fn metric(colours: &Matrix3<f64>) -> Option<Matrix3<f32>> {
+    let noise = (colours + Matrix3::from_diagonal_element(ROUNDING)).symmetric_eigen();
+    let least = noise.eigenvalues.min();
+    if noise.eigenvalues.max() < UNEVEN * least {
+        return None;
+    }
+    let weights = noise.eigenvalues.map(|variance| least / variance);
+    let inverse = noise.eigenvectors * Matrix3::from_diagonal(&weights) * noise.eigenvectors.transpose();
+    Some(inverse.cast::<f32>())
 }
 
 /// The middle one of some numbers.

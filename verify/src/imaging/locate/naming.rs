@@ -30,12 +30,14 @@ const TURN_DEG: f64 = 14.0;
 /// Largest turn from one segment to the next, degrees a segment.
 const LARGEST_TURN_DEG: f64 = 60.0;
 const RIB: f64 = 0.05;
+/// The same of ribs that do not deform: noise and pose alone.
+const RIGID_RIB: f64 = 0.01;
 /// Largest cost of a rib: one that buckles, or whose other end is a false marker, must not break a chain.
 const RIB_MOST: f64 = 12.0;
 /// Cost of a hidden node, and of a clamped node's marker that is not where it must be.
-const HIDDEN: f64 = 8.0;
-/// Largest distance of a clamped node's marker from where the pose has it, as a share of the first segment.
-const CLAMPED: f64 = 0.15;
+const HIDDEN: f64 = 6.0;
+/// Largest distance of a clamped node's marker from where the pose has it, as a share of the plate.
+const CLAMPED: f64 = 0.01;
 /// Another chain that costs no more than this beyond the best fits alike.
 const ALIKE: f64 = 4.0;
 /// Nodes that another chain of the same cost may name otherwise, each left out; with more, nothing is certain.
@@ -154,6 +156,12 @@ impl<'a> Chain<'a> {
             let length = (finger.position(front) - finger.position(back)).norm();
             ribs[rib + 1] = at(other).map(|at| (at, length));
         }
+        // The tip ends the back plate as well: its last segment holds it as a rib would.
+        if plate == Plate::Front {
+            let before = NodeId(finger.tip().0 - 1);
+            let length = (finger.position(before) - finger.position(finger.tip())).norm();
+            ribs[nodes.len() - 1] = at(before).map(|at| (at, length));
+        }
         // What the other plate has is its own, but for the tip.
         let other = finger.plate_nodes(if plate == Plate::Front { Plate::Back } else { Plate::Front });
         let taken: Vec<usize> =
@@ -190,11 +198,11 @@ impl<'a> Chain<'a> {
     fn cheapest(&self, without: Option<(usize, usize)>) -> Option<Named> {
         let base = self.finger.base(self.plate);
         let allowed = |position: usize, candidate: usize| without != Some((position, candidate));
-        let first_mm = self.lengths_mm[1];
+        let largest_mm = CLAMPED * self.lengths_mm[self.nodes.len() - 1];
         let clamped = self.choices[0].iter().copied().filter(|&c| allowed(0, c));
         let clamped = clamped.map(|c| (c, (self.candidates[c].at - base).norm()));
-        let clamped = clamped.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, away)| *away < CLAMPED * first_mm);
-        let start = clamped.map_or(HIDDEN, |(_, away)| (away / (0.5 * CLAMPED * first_mm)).powi(2));
+        let clamped = clamped.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, away)| *away < largest_mm);
+        let start = clamped.map_or(HIDDEN, |(_, away)| (away / (0.5 * largest_mm)).powi(2));
         let mut links: Vec<Link> = Vec::new();
         // Links that end at each position.
         let mut ending: Vec<Vec<usize>> = vec![Vec::new(); self.nodes.len()];
@@ -269,8 +277,15 @@ impl<'a> Chain<'a> {
     }
 
     fn rib_cost(&self, position: usize, at: &Vector) -> f64 {
-        self.ribs[position]
-            .map_or(0.0, |(other, length)| (((at - other).norm() / length - 1.0) / RIB).powi(2).min(RIB_MOST))
+        // At the tip it is the other plate's last segment, which does not stretch either.
+        let is_tip = position + 1 == self.nodes.len();
+        let is_rigid = self.finger.description().ribs.strip.is_none() && !is_tip;
+        let rib = if is_rigid { RIGID_RIB } else { RIB };
+        let longer = if is_tip { LONGER } else { rib };
+        self.ribs[position].map_or(0.0, |(other, length)| {
+            let excess = (at - other).norm() / length - 1.0;
+            (excess / if excess > 0.0 { longer } else { rib }).powi(2).min(RIB_MOST)
+        })
     }
 }
 
@@ -279,4 +294,93 @@ fn turn_cost(before: &Vector, step: &Vector, segments: f64) -> Option<f64> {
     let turn_deg = before.perp(step).atan2(before.dot(step)).abs().to_degrees();
     let each = turn_deg / (segments / 2.0);
     (each <= LARGEST_TURN_DEG).then(|| (each / TURN_DEG).powi(2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::noise::Noise;
+    use finray_fixtures::{PAPER_SCENE, SOFT_SCENE, SPRING_STEEL_SCENE};
+    use finray_model::{Kinematics, Load, Mesh, Scene, statics};
+
+    /// Markers of a shape as they would be measured, and the node of each.
+    fn markers(finger: &Finger, chance: &mut Noise, largest_n: f64) -> Option<Vec<(NodeId, Candidate)>> {
+        let mesh = Mesh::key_nodes(finger);
+        let length = finger.plate_length_mm(Plate::Front);
+        let angle_deg = chance.evenly([-40.0, 40.0]);
+        let force = finger.direction(angle_deg) * chance.evenly([0.0, largest_n]);
+        let load = Load::at_position(chance.evenly([0.05, 0.98]) * length, force);
+        let shape = statics::solve(&mesh, &[load], Kinematics::Corotational).ok()?;
+        let on_front = finger.plate_nodes(Plate::Front);
+        let marker = |motion: &finray_model::mesh::NodeMotion| {
+            let noise = Vector::new(chance.standard_normal(), chance.standard_normal()) * 0.02;
+            let is_front = on_front.contains(&motion.node);
+            let at = motion.position + motion.displacement + noise;
+            (motion.node, Candidate { sides: [is_front, !is_front], at })
+        };
+        Some(shape.motions().iter().map(marker).collect())
+    }
+
+    /// Every named marker has its own name: three fingers, large deflections, hidden markers, false ones of the same colours. A false marker
+    /// may stand where a hidden one could: where nodes are 20 to 40 mm apart, up to two in a thousand.
+    #[test]
+    fn no_marker_gets_another_nodes_name() {
+        const SHAPES: u64 = 400;
+        const FAR_APART: f64 = 0.002;
+        for (scene, largest_n, most_wrong) in
+            [(PAPER_SCENE, 6.0, 0.0), (SPRING_STEEL_SCENE, 12.0, FAR_APART), (SOFT_SCENE, 2.0, FAR_APART)]
+        {
+            let finger = Scene::from_toml(scene).expect("a scene").finger;
+            let (mut all, mut named, mut wrong) = (0, 0, 0);
+            for number in 0..SHAPES {
+                let mut chance = Noise::of_stream(7, number);
+                let Some(mut seen) = markers(&finger, &mut chance, largest_n) else { continue };
+                seen.retain(|_| chance.evenly([0.0, 1.0]) > 0.12);
+                let nodes = seen.len();
+                for _ in 0..number % 13 {
+                    let at = Vector::new(chance.evenly([-30.0, 180.0]), chance.evenly([-70.0, 70.0]));
+                    // A false marker that lies on a true one would be measured as one of them, or not at all.
+                    if seen.iter().all(|(_, other)| (other.at - at).norm() > 4.0) {
+                        let is_front = chance.evenly([0.0, 1.0]) < 0.5;
+                        seen.push((NodeId(0), Candidate { sides: [is_front, !is_front], at }));
+                    }
+                }
+                let candidates: Vec<Candidate> = seen.iter().map(|(_, candidate)| *candidate).collect();
+                all += nodes;
+                let Ok(names) = name(&finger, &candidates) else { continue };
+                for (i, candidate) in names.iter().enumerate().filter_map(|(i, name)| Some((i, (*name)?))) {
+                    wrong += i32::from(seen[candidate].0 != NodeId(i + 1));
+                    named += 1;
+                }
+            }
+            assert!(f64::from(wrong) <= most_wrong * f64::from(named), "{wrong} of {named}");
+            // Refused shapes and markers that are left out count as not named.
+            assert!(f64::from(named) > 0.97 * all as f64, "{named} of {all}");
+        }
+    }
+
+    #[test]
+    fn too_few_markers_are_no_finger() {
+        let finger = Scene::from_toml(PAPER_SCENE).expect("a scene").finger;
+        let mut seen = markers(&finger, &mut Noise::new(1), 2.0).expect("a shape");
+        seen.truncate(5);
+        let candidates: Vec<Candidate> = seen.iter().map(|(_, candidate)| *candidate).collect();
+        // Of nodes 1 to 5 one is clamped.
+        assert_eq!(name(&finger, &candidates), Err(NamingError::TooFew { found: 4, all: 23, least: 7 }));
+        assert!(matches!(name(&finger, &[]), Err(NamingError::TooFew { found: 0, .. })));
+    }
+
+    /// A copy of every marker of a plate beside it: which one is the marker is not known, so nobody says it.
+    #[test]
+    fn two_ways_to_name_are_refused() {
+        let finger = Scene::from_toml(PAPER_SCENE).expect("a scene").finger;
+        let seen = markers(&finger, &mut Noise::new(2), 1.0).expect("a shape");
+        let mut candidates: Vec<Candidate> = seen.iter().map(|(_, candidate)| *candidate).collect();
+        let copies = candidates.clone();
+        candidates.extend(copies.iter().map(|marker| Candidate { at: marker.at + Vector::new(0.0, 0.5), ..*marker }));
+        match name(&finger, &candidates) {
+            Err(NamingError::Ambiguous { .. } | NamingError::TooFew { .. }) => {}
+            other => panic!("{other:?}"),
+        }
+    }
 }

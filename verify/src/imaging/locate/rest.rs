@@ -1,6 +1,9 @@
 //! The finger at rest: its pose before the camera, and where each marker is without load.
 
-use super::{LocateError, Located, Locator, LocatorError};
+use super::blobs::{blobs, commonest_radius};
+use super::colour::Colours;
+use super::pattern::at_rest;
+use super::{LocateError, Located, Locator, LocatorError, require_size};
 use finray_model::Finger;
 use finray_model::camera::{Camera, Lens, PlanePoseError, Pose, plane_pose};
 use finray_model::scene::Markers;
@@ -34,9 +37,11 @@ pub enum RestError {
     /// They have no pose.
     #[error(transparent)]
     Pose(#[from] PlanePoseError),
-    /// No pose to start from.
-    #[error("the scene has no pose to start from")]
-    NoPose,
+    /// No two rows of markers that meet at a tip, and no pose to start from.
+    #[error(
+        "no unloaded finger is seen: expected two rows of markers as the scene has them, with at least six of ten in sight"
+    )]
+    NoPattern,
     /// They are not where an unloaded finger has them.
     #[error(
         "the markers are {residual_px:.1} px rms from those of the scene's unloaded finger, at most {LARGEST_RESIDUAL_PX} px are expected: is \
@@ -60,7 +65,9 @@ impl Rest {
         markers: &Markers,
         image: &RgbImage,
     ) -> Result<Rest, RestError> {
-        let Some(pose) = pose else { return Err(RestError::NoPose) };
+        require_size(lens, image)?;
+        // Where markers are named by their pattern, a pose that the scene states adds nothing, and may be off.
+        let pose = pose_of_pattern(finger, lens, markers, image)?.or(pose).ok_or(RestError::NoPattern)?;
         let mut camera = Camera { lens: *lens, pose };
         let mut located = Locator::new(finger, &camera, markers)?.locate(image)?;
         let mut residual_sd_px = f64::INFINITY;
@@ -76,4 +83,19 @@ impl Rest {
         }
         Ok(Rest { camera, located, residual_sd_px })
     }
+}
+
+/// The pose from the pattern of the unloaded finger's markers; `None` if it is not seen.
+fn pose_of_pattern(
+    finger: &Finger,
+    lens: &Lens,
+    markers: &Markers,
+    image: &RgbImage,
+) -> Result<Option<Pose>, RestError> {
+    let colours = Colours::new(markers).map_err(LocatorError::from)?;
+    let Some(radius_px) = commonest_radius(image, &colours) else { return Ok(None) };
+    let blobs = blobs(image, &colours, radius_px);
+    let Some(named) = at_rest(finger, lens, &blobs, (radius_px, colours.are_alike())) else { return Ok(None) };
+    let points: Vec<_> = named.iter().map(|(node, pixel)| (finger.position(*node), *pixel)).collect();
+    Ok(plane_pose(lens, markers.height_mm, &points).ok().map(|fit| fit.pose))
 }

@@ -15,7 +15,7 @@ mod sums;
 use finray_model::Vector;
 use finray_model::camera::{Camera, Pixel};
 use image::RgbImage;
-use nalgebra::{Matrix4, Vector3, Vector4};
+use nalgebra::{Matrix2, Matrix3, Matrix4, Vector2, Vector3, Vector4};
 use plane_map::PlaneMap;
 use shades::{BACKGROUND_PX, KEPT_SECTORS, Shades};
 use sums::Sums;
@@ -39,6 +39,9 @@ const SETTLED_PX: f64 = 0.01;
 /// Smallest standard deviation of a centre, px: shading, rounding to grey levels and what the model of the edge leaves out.
 const LEAST_SD_PX: f64 = 0.01;
 
+/// Sectors of a piece of edge, whose pixels may err alike: eight pixels, as compression takes them together.
+const PIECE_SECTORS: usize = 4;
+
 /// A disc that was found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Disc {
@@ -50,6 +53,11 @@ pub(super) struct Disc {
     pub sd_mm: f64,
     /// Radius, mm, and blur, px, as found or as given.
     pub outline: Outline,
+    /// Variance of the centre as its pieces of edge scatter, over that from the residual of independent pixels: more than 1 where
+    /// neighbouring pixels err alike, as after compression.
+    pub excess_variance: f64,
+    /// Mean products of the residuals' colours about the edge, grey levels^2.
+    pub colours: Matrix3<f64>,
 }
 
 /// What the discs of an image have in common.
@@ -76,30 +84,32 @@ struct Edge {
     blur: f64,
 }
 
-/// Measures a disc of about this radius about a pixel; `None` where there is none.
-pub(super) fn measure(
-    image: &RgbImage,
-    camera: &Camera,
-    (height_mm, radius_mm): (f64, f64),
-    about: &Pixel,
-) -> Option<Disc> {
-    let outline = Outline { radius_mm, blur_px: FIRST_BLUR_PX };
-    Search::new(image, camera, height_mm, outline, about, true)?.found(camera, height_mm)
+/// An image and how its light is weighed.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct View<'a> {
+    pub image: &'a RgbImage,
+    pub camera: &'a Camera,
+    /// Height of the discs above the finger's plane, mm.
+    pub height_mm: f64,
+    /// Weighs differences of colours: the inverse of their noise's covariance, up to a factor.
+    pub metric: Matrix3<f32>,
 }
 
-/// Measures the centre alone of a disc whose radius and blur are known from others.
-pub(super) fn measure_centre(
-    image: &RgbImage,
-    camera: &Camera,
-    height_mm: f64,
-    outline: Outline,
-    about: &Pixel,
-) -> Option<Disc> {
-    Search::new(image, camera, height_mm, outline, about, false)?.found(camera, height_mm)
+impl View<'_> {
+    /// Measures a disc of about this radius about a pixel; `None` where there is none.
+    pub fn measure(&self, radius_mm: f64, about: &Pixel) -> Option<Disc> {
+        Search::new(self, Outline { radius_mm, blur_px: FIRST_BLUR_PX }, about, true)?.found()
+    }
+
+    /// Measures the centre alone of a disc whose radius and blur are known from others.
+    pub fn measure_centre(&self, outline: Outline, about: &Pixel) -> Option<Disc> {
+        Search::new(self, outline, about, false)?.found()
+    }
 }
 
 /// The search for one edge.
-struct Search {
+struct Search<'a> {
+    view: &'a View<'a>,
     map: PlaneMap,
     samples: Vec<Sample>,
     edge: Edge,
@@ -109,38 +119,35 @@ struct Search {
     is_outline_open: bool,
 }
 
-impl Search {
-    fn new(
-        image: &RgbImage,
-        camera: &Camera,
-        height_mm: f64,
-        expected: Outline,
-        about: &Pixel,
-        is_outline_open: bool,
-    ) -> Option<Search> {
-        let map = PlaneMap::new(camera, height_mm, about, expected.radius_mm)?;
+impl<'a> Search<'a> {
+    fn new(view: &'a View<'a>, expected: Outline, about: &Pixel, is_outline_open: bool) -> Option<Search<'a>> {
+        let map = PlaneMap::new(view.camera, view.height_mm, about, expected.radius_mm)?;
         let edge = Edge { centre: map.origin, radius: expected.radius_mm, blur: expected.blur_px };
         // Room for an edge that is a quarter farther out, blurred twice as much, and its background.
         let reach =
             map.radius_px(expected.radius_mm) * (1.0 + RADIUS_TOLERANCE) + 2.0 * BAND * edge.blur + BACKGROUND_PX;
-        let samples = map.samples(image, reach)?;
-        Some(Search { map, samples, edge, expected, is_outline_open })
+        let samples = map.samples(view.image, reach)?;
+        Some(Search { view, map, samples, edge, expected, is_outline_open })
     }
 
-    fn found(mut self, camera: &Camera, height_mm: f64) -> Option<Disc> {
+    fn sums(&self, shades: &Shades, excluded: &[bool]) -> Sums {
+        Sums::of(&self.samples, &self.edge, (shades, &self.view.metric), &self.map, excluded)
+    }
+
+    fn found(mut self) -> Option<Disc> {
         for _ in 0..FIRST_STEPS {
             let shades = Shades::new(&self.samples, &self.edge, &self.map)?;
-            self.step(&Sums::of(&self.samples, &self.edge, &shades, &self.map, &[]))?;
+            self.step(&self.sums(&shades, &[]))?;
         }
         for round in 1..=ROUNDS {
             let shades = Shades::new(&self.samples, &self.edge, &self.map)?;
-            let excluded = shades.unlikely(&Sums::of(&self.samples, &self.edge, &shades, &self.map, &[]));
+            let excluded = shades.unlikely(&self.sums(&shades, &[]));
             for step in 1..=ROUND_STEPS {
-                let sums = Sums::of(&self.samples, &self.edge, &shades, &self.map, &excluded);
+                let sums = self.sums(&shades, &excluded);
                 let (change_px, inverse) = self.step(&sums)?;
                 if (round, step) == (ROUNDS, ROUND_STEPS) && change_px < SETTLED_PX {
                     let kept = excluded.iter().filter(|excluded| !**excluded).count() as f64 / shades.sectors as f64;
-                    return (kept >= KEPT_SECTORS).then(|| self.disc(&sums, &inverse, camera, height_mm))?;
+                    return (kept >= KEPT_SECTORS).then(|| self.disc(&sums, &inverse))?;
                 }
             }
         }
@@ -170,7 +177,7 @@ impl Search {
         is_near.then(|| (change.fixed_rows::<2>(0).norm(), inverse))
     }
 
-    fn disc(&self, sums: &Sums, inverse: &Matrix4<f64>, camera: &Camera, height_mm: f64) -> Option<Disc> {
+    fn disc(&self, sums: &Sums, inverse: &Matrix4<f64>) -> Option<Disc> {
         let residual_sd = (sums.squares / (sums.count - 4.0).max(1.0)).sqrt();
         let contrast = (sums.weight / sums.count).sqrt();
         let off = (self.edge.radius / self.expected.radius_mm - 1.0).abs();
@@ -180,10 +187,29 @@ impl Search {
         let variance_px2 = (inverse[(0, 0)] + inverse[(1, 1)]) / 2.0 * residual_sd * residual_sd;
         Some(Disc {
             centre: self.edge.centre,
-            pixel: camera.project(&self.edge.centre.push(height_mm)).ok()?,
+            pixel: self.view.camera.project(&self.edge.centre.push(self.view.height_mm)).ok()?,
             sd_mm: variance_px2.sqrt().hypot(LEAST_SD_PX) * self.map.scale,
             outline: Outline { radius_mm: self.edge.radius, blur_px: self.edge.blur },
+            excess_variance: self.excess_variance(sums, inverse, variance_px2),
+            colours: sums.colours / sums.count,
         })
+    }
+}
+
+impl Search<'_> {
+    /// The variance of the centre from the scatter of pieces of its edge, over another one.
+    ///
+    /// # Reference
+    /// The covariance of clustered residuals: K.-Y. Liang and S. Zeger, Longitudinal data analysis using generalized linear models,
+    /// Biometrika 73 (1986).
+    fn excess_variance(&self, sums: &Sums, inverse: &Matrix4<f64>, variance_px2: f64) -> f64 {
+        let pieces: Vec<Vector2<f64>> = sums.pulls.chunks(PIECE_SECTORS).map(|pulls| pulls.iter().sum()).collect();
+        let scatter: Matrix2<f64> = pieces.iter().map(|pull| pull * pull.transpose()).sum();
+        let inverse = inverse.fixed_view::<2, 2>(0, 0);
+        let pieces = pieces.len() as f64;
+        // The centre follows the pieces, which takes two of their degrees of freedom.
+        let variance = (inverse * scatter * inverse).trace() / 2.0 * pieces / (pieces - 2.0).max(1.0);
+        variance / variance_px2
     }
 }
 

@@ -1,0 +1,168 @@
+//! The undeformed finger in an image, without a guess of where it is: two rows of markers that meet at the tip.
+//!
+//! A camera keeps lines straight once its distortion is taken out. Of the lines through two markers of a colour, the one with most
+//! markers on it is a plate; two markers near the ends of each plate, taken for nodes near its ends, make a homography, and the one under
+//! which most nodes have a marker names them.
+
+use super::blobs::Blob;
+use super::colour::Side;
+use finray_model::camera::{Lens, Pixel};
+use finray_model::finger::Plate;
+use finray_model::{Finger, NodeId, Vector};
+use nalgebra::{Matrix3, SMatrix, SVector};
+
+/// Blobs that are looked at, the largest first.
+const MOST_BLOBS: usize = 150;
+/// Largest distance of a marker from its plate's line and from its node, in its own radii.
+const ON_LINE: f64 = 0.7;
+const ON_NODE: f64 = 1.2;
+/// Markers at each end of a line that may be false, and nodes at each end of a plate that may be hidden.
+const DOUBTFUL: usize = 3;
+/// Share of the nodes that must have a marker.
+const LEAST_SHARE: f64 = 0.6;
+
+/// A marker by its place in the image without distortion.
+#[derive(Debug, Clone, Copy)]
+struct Mark {
+    sides: [bool; 2],
+    at: Vector,
+    pixel: Pixel,
+}
+
+/// Nodes and their pixels; `None` if there is no such pattern.
+pub(super) fn at_rest(
+    finger: &Finger,
+    lens: &Lens,
+    blobs: &[Blob],
+    (radius_px, alike): (f64, bool),
+) -> Option<Vec<(NodeId, Pixel)>> {
+    let radius = radius_px / (0.5 * (lens.focal_px()[0] + lens.focal_px()[1]));
+    let mark = |blob: &Blob| {
+        let sides = [Side::Front, Side::Back].map(|side| alike || side == blob.side);
+        Some(Mark { sides, at: lens.undistorted(&blob.centre).ok()?, pixel: blob.centre })
+    };
+    let marks: Vec<Mark> = blobs.iter().take(MOST_BLOBS).filter_map(mark).collect();
+    let front = row(&marks, Side::Front, radius, &[])?;
+    let taken: &[usize] = if alike { &front } else { &[] };
+    let back = row(&marks, Side::Back, radius, taken)?;
+    let front_nodes = finger.plate_nodes(Plate::Front);
+    let mut back_nodes = finger.plate_nodes(Plate::Back);
+    // The tip is a marker of the front plate.
+    back_nodes.pop();
+    let mut best: Option<(usize, f64, Vec<(NodeId, Pixel)>)> = None;
+    let rows = match alike {
+        true => vec![(&front, &back), (&back, &front)],
+        false => vec![(&front, &back)],
+    };
+    for (front, back) in rows {
+        for first in ends(front, &front_nodes) {
+            for second in ends(back, &back_nodes) {
+                let pairs = [first[0], first[1], second[0], second[1]];
+                let positions = pairs.map(|(_, node)| finger.position(node));
+                let Some(homography) = through(&positions, &pairs.map(|(mark, _)| marks[mark].at)) else { continue };
+                // Seen from above (z > 0) the image is a mirrored one, as v runs down; without colours only this tells the plates apart.
+                if alike && !is_from_above(&homography, &positions[0]) {
+                    continue;
+                }
+                let (named, distance) = named(finger, &marks, &homography, radius);
+                let is_better = |best: &(usize, f64, Vec<(NodeId, Pixel)>)| {
+                    named.len() > best.0 || (named.len() == best.0 && distance < best.1)
+                };
+                if best.as_ref().is_none_or(is_better) {
+                    best = Some((named.len(), distance, named));
+                }
+            }
+        }
+    }
+    let (count, _, named) = best?;
+    (count as f64 >= LEAST_SHARE * finger.key_node_count() as f64).then_some(named)
+}
+
+/// Markers of a side on one line, in their order along it: the line with most of them.
+fn row(marks: &[Mark], side: Side, radius: f64, taken: &[usize]) -> Option<Vec<usize>> {
+    let of_side: Vec<usize> =
+        (0..marks.len()).filter(|i| marks[*i].sides[side as usize] && !taken.contains(i)).collect();
+    let mut best: Vec<usize> = Vec::new();
+    for (k, &first) in of_side.iter().enumerate() {
+        for &second in &of_side[k + 1..] {
+            let from = marks[first].at;
+            let Some(along) = (marks[second].at - from).try_normalize(radius) else { continue };
+            let is_on_line = |&&i: &&usize| (marks[i].at - from).perp(&along).abs() < ON_LINE * radius;
+            if of_side.iter().filter(is_on_line).count() > best.len() {
+                best = of_side.iter().filter(is_on_line).copied().collect();
+                best.sort_by(|&a, &b| marks[a].at.dot(&along).total_cmp(&marks[b].at.dot(&along)));
+            }
+        }
+    }
+    (best.len() >= 2).then_some(best)
+}
+
+/// Ways to take two marks near the ends of a row for two nodes near the ends of a plate, in both directions.
+fn ends(row: &[usize], nodes: &[NodeId]) -> Vec<[(usize, NodeId); 2]> {
+    let mut ways = Vec::new();
+    for (i, k) in (0..DOUBTFUL).flat_map(|i| (0..DOUBTFUL).map(move |k| (i, k))) {
+        for (n, m) in (0..DOUBTFUL).flat_map(|n| (0..DOUBTFUL).map(move |m| (n, m))) {
+            // Marks that are left out at an end stand for nodes that are not seen, or are false themselves.
+            if i + k + 2 > row.len() || n + m + 2 > nodes.len() {
+                continue;
+            }
+            let (first, last) = (row[i], row[row.len() - 1 - k]);
+            let (near, far) = (nodes[n], nodes[nodes.len() - 1 - m]);
+            ways.push([(first, near), (last, far)]);
+            ways.push([(last, near), (first, far)]);
+        }
+    }
+    ways
+}
+
+/// The homography through four pairs.
+fn through(positions: &[Vector; 4], seen: &[Vector; 4]) -> Option<Matrix3<f64>> {
+    // Lengths of about 1 on both sides keep the digits.
+    let scale = positions.iter().map(|position| position.norm()).fold(f64::MIN_POSITIVE, f64::max);
+    let mut rows = SMatrix::<f64, 8, 8>::zeros();
+    let mut right = SVector::<f64, 8>::zeros();
+    for (i, (position, seen)) in positions.iter().zip(seen).enumerate() {
+        let (x, y) = (position.x / scale, position.y / scale);
+        let (first, second) = (2 * i, 2 * i + 1);
+        for (k, part) in [x, y, 1.0].into_iter().enumerate() {
+            rows[(first, k)] = part;
+            rows[(second, 3 + k)] = part;
+        }
+        for (row, at) in [(first, seen.x), (second, seen.y)] {
+            rows[(row, 6)] = -at * x;
+            rows[(row, 7)] = -at * y;
+            right[row] = at;
+        }
+    }
+    let h = rows.lu().solve(&right)?;
+    let whole = Matrix3::new(h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], 1.0);
+    Some(whole * Matrix3::new(1.0 / scale, 0.0, 0.0, 0.0, 1.0 / scale, 0.0, 0.0, 0.0, 1.0))
+}
+
+fn is_from_above(homography: &Matrix3<f64>, at: &Vector) -> bool {
+    let depth = (homography * at.push(1.0)).z;
+    homography.determinant() / depth.powi(3) < 0.0
+}
+
+/// Nodes with the markers that are where the homography has them, and the sum of their distances. A marker is one node's alone: nothing
+/// is named where two want it.
+fn named(finger: &Finger, marks: &[Mark], homography: &Matrix3<f64>, radius: f64) -> (Vec<(NodeId, Pixel)>, f64) {
+    let mut named = Vec::new();
+    let mut sum = 0.0;
+    let mut taken = vec![false; marks.len()];
+    for node in (1..=finger.key_node_count()).map(NodeId) {
+        let seen = homography * finger.position(node).push(1.0);
+        let at = seen.xy() / seen.z;
+        let side = if node >= finger.tip() { Side::Front } else { Side::Back };
+        let of_side = (0..marks.len()).filter(|&i| marks[i].sides[side as usize]);
+        let nearest = of_side.map(|i| ((marks[i].at - at).norm(), i)).min_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((distance, i)) = nearest.filter(|(distance, _)| *distance < ON_NODE * radius) {
+            if std::mem::replace(&mut taken[i], true) {
+                return (Vec::new(), f64::INFINITY);
+            }
+            named.push((node, marks[i].pixel));
+            sum += distance;
+        }
+    }
+    (named, sum)
+}
