@@ -34,8 +34,8 @@ const FIRST_STEPS: usize = 3;
 /// Rounds in which sectors are judged where the edge is by then, and steps in each.
 const ROUNDS: usize = 3;
 const ROUND_STEPS: usize = 3;
-/// Largest change of the centre in the last step, px.
-const SETTLED_PX: f64 = 0.01;
+/// Largest change of the centre in the last step, px; it counts as an error.
+const SETTLED_PX: f64 = 0.05;
 /// Smallest standard deviation of a centre, px: shading, rounding to grey levels and what the model of the edge leaves out.
 const LEAST_SD_PX: f64 = 0.01;
 
@@ -147,7 +147,7 @@ impl<'a> Search<'a> {
                 let (change_px, inverse) = self.step(&sums)?;
                 if (round, step) == (ROUNDS, ROUND_STEPS) && change_px < SETTLED_PX {
                     let kept = excluded.iter().filter(|excluded| !**excluded).count() as f64 / shades.sectors as f64;
-                    return (kept >= KEPT_SECTORS).then(|| self.disc(&sums, &inverse))?;
+                    return (kept >= KEPT_SECTORS).then(|| self.disc(&sums, &inverse, change_px))?;
                 }
             }
         }
@@ -177,7 +177,7 @@ impl<'a> Search<'a> {
         is_near.then(|| (change.fixed_rows::<2>(0).norm(), inverse))
     }
 
-    fn disc(&self, sums: &Sums, inverse: &Matrix4<f64>) -> Option<Disc> {
+    fn disc(&self, sums: &Sums, inverse: &Matrix4<f64>, change_px: f64) -> Option<Disc> {
         let residual_sd = (sums.squares / (sums.count - 4.0).max(1.0)).sqrt();
         let contrast = (sums.weight / sums.count).sqrt();
         let off = (self.edge.radius / self.expected.radius_mm - 1.0).abs();
@@ -188,7 +188,7 @@ impl<'a> Search<'a> {
         Some(Disc {
             centre: self.edge.centre,
             pixel: self.view.camera.project(&self.edge.centre.push(self.view.height_mm)).ok()?,
-            sd_mm: variance_px2.sqrt().hypot(LEAST_SD_PX) * self.map.scale,
+            sd_mm: variance_px2.sqrt().hypot(LEAST_SD_PX).hypot(change_px) * self.map.scale,
             outline: Outline { radius_mm: self.edge.radius, blur_px: self.edge.blur },
             excess_variance: self.excess_variance(sums, inverse, variance_px2),
             colours: sums.colours / sums.count,
