@@ -1,7 +1,7 @@
 //! Image files: PNG and JPEG, by their content.
 
 use super::{FileError, read_bytes};
-use image::{ImageFormat, ImageReader, Limits, RgbImage};
+use image::{ImageError, ImageFormat, ImageReader, Limits, RgbImage};
 use std::io::Cursor;
 use std::path::Path;
 
@@ -26,9 +26,9 @@ pub fn load_image(path: &Path) -> Result<RgbImage, FileError> {
     (limits.max_image_width, limits.max_image_height) = (Some(LARGEST_SIDE_PX), Some(LARGEST_SIDE_PX));
     limits.max_alloc = Some(MOST_MEMORY);
     reader.limits(limits);
-    let image = reader.decode().map_err(|error| {
-        let reason = error.to_string().replace('\n', " ");
-        wrong(format!("expected a whole image of at most {LARGEST_SIDE_PX} px a side: {reason}"))
+    let image = reader.decode().map_err(|error| match error {
+        ImageError::Limits(_) => wrong(format!("expected an image of at most {LARGEST_SIDE_PX} px a side")),
+        _ => wrong("expected a whole image; this one is damaged or cut off".to_owned()),
     })?;
     Ok(image.into_rgb8())
 }
@@ -37,7 +37,7 @@ pub fn load_image(path: &Path) -> Result<RgbImage, FileError> {
 ///
 /// # Errors
 /// None in memory; the signature is the encoder's.
-pub fn to_png(image: &RgbImage) -> Result<Vec<u8>, image::ImageError> {
+pub fn to_png(image: &RgbImage) -> Result<Vec<u8>, ImageError> {
     let mut bytes = Vec::new();
     image.write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)?;
     Ok(bytes)

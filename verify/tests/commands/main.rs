@@ -7,6 +7,7 @@ mod kit;
 
 mod arguments;
 mod calibrate;
+mod camera;
 mod garbage;
 mod map;
 mod output;

@@ -1,0 +1,261 @@
+//! `finray render` and `finray locate`: from a scene to an image, from there to displacements, and to the force.
+
+use crate::kit::*;
+use finray_fixtures::CAMERA_SCENE;
+use image::{DynamicImage, ImageFormat, RgbImage};
+use std::io::Cursor;
+
+/// The paper's finger, its markers and the camera that sees them.
+const CAMERA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/scenes/camera.toml");
+/// Largest error of a coordinate, mm, as asked of rendered images with grey noise 2 and a blur of 0.8 px.
+const LARGEST_MM: f64 = 0.015;
+
+/// An image of the paper's finger under a force, with the shape that `solve` gives it.
+fn image_of(folder: &Folder, name: &str, load_at: &str, options: &[&str]) -> (String, Csv) {
+    let shape = Csv::of(&finray(&["solve", CAMERA, "--load-at", load_at]).done());
+    let path = folder.path(name);
+    let disturbed = ["--grey-noise", "2", "--blur-px", "0.8"];
+    finray(&[&["render", CAMERA, "--load-at", load_at, "--out", &path], &disturbed[..], options].concat()).done();
+    (path, shape)
+}
+
+/// Checks every located node of an image against the shape.
+fn assert_located(located: &Csv, image: &str, shape: &Csv) {
+    let (nodes, all) = (located.texts("node"), shape.texts("node"));
+    for (i, node) in nodes.iter().enumerate().filter(|(i, _)| located.texts("image")[*i] == image) {
+        let of = all.iter().position(|other| other == node).expect("a key node");
+        for column in ["ux_mm", "uy_mm"] {
+            let error = located.numbers(column)[i] - shape.numbers(column)[of];
+            assert!(error.abs() < LARGEST_MM, "{image} node {node} {column}: {error}");
+        }
+    }
+}
+
+#[test]
+fn an_image_leads_back_to_the_force() {
+    let folder = Folder::new();
+    let (image, shape) = image_of(&folder, "image.png", "80:2,-20", &["--hide", "7", "18"]);
+    let nodes = folder.path("nodes.csv");
+    finray(&["locate", CAMERA, "--image", &image, "--out", &nodes]).done();
+    let located = Csv::of(&folder.read("nodes.csv"));
+    assert_eq!(located.header.join(","), "image,node,u_px,v_px,x_mm,y_mm,ux_mm,uy_mm,sigma_mm");
+    assert_eq!(located.rows.len(), 23);
+    assert!(!located.texts("node").contains(&"7") && !located.texts("node").contains(&"18"));
+    assert_located(&located, "image.png", &shape);
+    for estimator in ["nonlinear", "least-squares", "ridge"] {
+        // The mesh of the image, so that it is the noise alone that is tested.
+        let mesh: &[&str] = if estimator == "nonlinear" { &["--mesh-nodes", "25"] } else { &[] };
+        let arguments =
+            ["sense", CAMERA, "--displacements", &nodes, "--contact-at", "80@-20", "--estimator", estimator];
+        let sensed = Csv::of(&finray(&[&arguments, mesh].concat()).computed());
+        let (force, sigma) = (sensed.numbers("force_n")[0], sensed.numbers("sigma_n")[0]);
+        assert!((force - 2.0).abs() < 4.0 * sigma, "{estimator}: {force} +- {sigma}");
+        // 0.067 mm would leave 1.2 % at the worst node; a camera leaves a tenth.
+        assert!(estimator != "nonlinear" || (force - 2.0).abs() < 0.0024, "{force}");
+    }
+}
+
+#[test]
+fn a_stream_is_sensed_image_by_image() {
+    let folder = Folder::new();
+    let images =
+        ["1", "1.2", "3.5"].map(|force| image_of(&folder, &format!("{force}.png"), &format!("60:{force}"), &[]));
+    let (rest, _) = image_of(&folder, "rest.png", "60:0", &[]);
+    let paths: Vec<&str> = images.iter().map(|(path, _)| path.as_str()).collect();
+    let nodes = folder.path("nodes.csv");
+    finray(&[&["locate", CAMERA, "--rest", &rest, "--out", &nodes, "--image"], &paths[..]].concat()).done();
+    let located = Csv::of(&folder.read("nodes.csv"));
+    assert_eq!(located.rows.len(), 3 * 25);
+    for (path, shape) in &images {
+        let name = path.rsplit(['/', '\\']).next().expect("a name");
+        assert_located(&located, name, shape);
+    }
+    let sense = ["sense", CAMERA, "--displacements", &nodes, "--contact-at", "60", "--mesh-nodes", "25"];
+    assert_says(&finray(&sense).refused(), &["--image-name", "1.png, 1.2.png, 3.5.png"]);
+    assert_says(&finray(&[&sense[..], &["--image-name", "2.png"]].concat()).refused(), &["--image-name", "1.png"]);
+    let sensed = Csv::of(&finray(&[&sense[..], &["--image-name", "3.5.png"]].concat()).computed());
+    assert!((sensed.numbers("force_n")[0] - 3.5).abs() < 0.01, "{sensed:?}");
+}
+
+/// The pose need not be in the scene where an image of the unloaded finger is at hand.
+#[test]
+fn the_pose_may_come_from_an_image_at_rest() {
+    let folder = Folder::new();
+    let (image, shape) = image_of(&folder, "image.png", "100:3", &[]);
+    let (rest, _) = image_of(&folder, "rest.png", "60:0", &["--seed", "5"]);
+    let (before, after) = CAMERA_SCENE.split_once("rotation_vector_rad").expect("a pose");
+    let without = format!("{before}{}", &after[after.find("\n\n").expect("the next table")..]);
+    let scene = folder.put("scene.toml", &without);
+    let located = Csv::of(&finray(&["locate", &scene, "--image", &image, "--rest", &rest]).done());
+    assert_located(&located, "image.png", &shape);
+    let message = finray(&["locate", &scene, "--image", &image]).refused();
+    assert_says(&message, &["rotation_vector_rad", "[camera]"]);
+    // A bent finger is no finger at rest.
+    let message = finray(&["locate", &scene, "--image", &image, "--rest", &image]).refused();
+    assert_says(&message, &["unloaded"]);
+}
+
+#[test]
+fn the_same_seed_gives_the_same_image() {
+    let folder = Folder::new();
+    let render = |name: &str, seed: &str| {
+        let path = folder.path(name);
+        let arguments = ["render", CAMERA, "--grey-noise", "3", "--clutter", "9", "--light-falloff", "0.2"];
+        finray(&[&arguments[..], &["--seed", seed, "--out", &path]].concat()).done();
+        std::fs::read(path).expect("the image")
+    };
+    let first = render("1.png", "1");
+    assert!(first == render("2.png", "1") && first != render("3.png", "2"));
+    assert_eq!(&first[..8], b"\x89PNG\r\n\x1a\n");
+}
+
+/// A shape from a file is the shape of the same load.
+#[test]
+fn shapes_are_rendered_from_files() {
+    let folder = Folder::new();
+    let (of_load, _) = image_of(&folder, "load.png", "90:2,10", &[]);
+    let shape = folder.path("shape.csv");
+    finray(&["solve", CAMERA, "--load-at", "90:2,10", "--out", &shape]).done();
+    let of_shape = folder.path("shape.png");
+    let arguments = ["render", CAMERA, "--shape", &shape, "--grey-noise", "2", "--blur-px", "0.8", "--out", &of_shape];
+    finray(&arguments).done();
+    assert!(std::fs::read(of_load).expect("an image") == std::fs::read(of_shape).expect("an image"));
+    let text = folder.read("shape.csv");
+    let short = folder.put("short.csv", text.rsplit_once("\n25,").expect("node 25").0);
+    assert_says(&finray(&["render", CAMERA, "--shape", &short]).refused(), &["node 25 is missing"]);
+    assert!(
+        finray(&["render", CAMERA, "--shape", &shape, "--load", "19:0,-1"]).refused().contains("cannot be used with")
+    );
+}
+
+fn encoded(image: &DynamicImage, format: ImageFormat) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    image.write_to(&mut Cursor::new(&mut bytes), format).expect("an image in memory");
+    bytes
+}
+
+#[test]
+fn bad_images_are_refused_and_nothing_is_written() {
+    let folder = Folder::new();
+    let (image, _) = image_of(&folder, "image.png", "80:2", &[]);
+    let good = std::fs::read(&image).expect("the image");
+    let black = DynamicImage::ImageRgb8(RgbImage::new(1600, 1400));
+    let small = DynamicImage::ImageRgb8(RgbImage::new(16, 14));
+    let everything: Vec<String> = (1..=25).map(|node| node.to_string()).collect();
+    let everything: Vec<&str> = everything.iter().map(String::as_str).collect();
+    let (hidden, _) = image_of(&folder, "hidden.png", "80:2", &[&["--hide"], &everything[..]].concat());
+    // A header that promises 60 000 x 60 000 pixels.
+    let mut huge = good.clone();
+    huge[16..24].copy_from_slice(&[0, 0, 0xea, 0x60, 0, 0, 0xea, 0x60]);
+    for (name, bytes, expected) in [
+        ("empty.png", Vec::new(), "expected an image, PNG or JPEG"),
+        ("text.png", b"node,ux_mm\n".to_vec(), "expected an image, PNG or JPEG"),
+        ("short.png", good[..good.len() / 2].to_vec(), "expected a whole image"),
+        ("head.png", good[..40].to_vec(), "expected a whole image"),
+        ("huge.png", huge, "expected a whole image"),
+        ("small.png", encoded(&small, ImageFormat::Png), "expected an image of 1600 x 1400 px"),
+        ("black.jpg", encoded(&black, ImageFormat::Jpeg), "found 0 of 23 markers"),
+        ("hidden.png", std::fs::read(&hidden).expect("the image"), "found 0 of 23 markers"),
+    ] {
+        let path = folder.put(name, bytes);
+        let out = folder.put("out.csv", "as before");
+        for role in ["--image", "--rest"] {
+            let other = if role == "--image" { vec![] } else { vec!["--image", &image] };
+            let arguments = [&["locate", CAMERA, role, &path, "--out", &out], &other[..]].concat();
+            let message = finray(&arguments).refused();
+            if role == "--image" {
+                assert_says(&message, &[name, expected]);
+            }
+            assert_says(&message, &[name]);
+            assert_eq!(folder.read("out.csv"), "as before");
+        }
+    }
+    assert_says(&finray(&["locate", CAMERA, "--image", "nowhere.png"]).refused(), &["nowhere.png", "cannot be read"]);
+    assert_says(&finray(&["locate", PAPER, "--image", &image]).refused(), &["[camera]"]);
+    assert_says(&finray(&["render", PAPER]).refused(), &["[camera]"]);
+    assert_says(&finray(&["render", CAMERA, "--hide", "26"]).refused(), &["--hide", "1 to 25"]);
+}
+
+/// Files in other formats of colour show the same finger.
+#[test]
+fn other_kinds_of_image_files_are_read() {
+    let folder = Folder::new();
+    let (image, shape) = image_of(&folder, "image.png", "80:2", &[]);
+    let decoded = image::open(&image).expect("the image");
+    for (name, bytes) in [
+        ("16.png", encoded(&DynamicImage::ImageRgb16(decoded.to_rgb16()), ImageFormat::Png)),
+        ("alpha.png", encoded(&DynamicImage::ImageRgba8(decoded.to_rgba8()), ImageFormat::Png)),
+    ] {
+        let path = folder.put(name, bytes);
+        let located = Csv::of(&finray(&["locate", CAMERA, "--image", &path]).done());
+        assert_eq!(located.rows.len(), 25, "{name}");
+        assert_located(&located, name, &shape);
+    }
+    // Without colour the markers cannot be told from the rest.
+    let grey = folder.put("grey.png", encoded(&DynamicImage::ImageLuma8(decoded.to_luma8()), ImageFormat::Png));
+    assert_says(&finray(&["locate", CAMERA, "--image", &grey]).refused(), &["found 0 of 23 markers"]);
+}
+
+/// Damaged image files end with a message, whatever is in them.
+#[test]
+fn damaged_images_do_no_harm() {
+    use rand::{RngExt, SeedableRng};
+    let folder = Folder::new();
+    let (image, _) = image_of(&folder, "image.png", "80:2", &[]);
+    let decoded = image::open(&image).expect("the image");
+    let files = [std::fs::read(&image).expect("the image"), encoded(&decoded, ImageFormat::Jpeg)];
+    let mut chance = rand_chacha::ChaCha8Rng::seed_from_u64(18);
+    for number in 0..40 {
+        let mut bytes = files[number % 2].clone();
+        for _ in 0..chance.random_range(1..20) {
+            // Half of the damage is in the header, where lengths and kinds stand.
+            let end = if chance.random_bool(0.5) { 700 } else { bytes.len() };
+            let at = chance.random_range(0..end.min(bytes.len()));
+            bytes[at] = chance.random();
+        }
+        let path = folder.put("damaged", &bytes);
+        let answer = finray(&["locate", CAMERA, "--image", &path]);
+        if answer.code != Some(0) {
+            answer.refused();
+        }
+    }
+}
+
+#[test]
+fn cameras_and_markers_of_a_scene_are_checked() {
+    let refused = |from: &str, to: &str| {
+        assert!(CAMERA_SCENE.contains(from), "the scene has no {from}");
+        crate::kit::scene::refused(&CAMERA_SCENE.replace(from, to))
+    };
+    for (from, to, expected) in [
+        ("size_px = [1600, 1400]", "size_px = [1600]", "camera.size_px: expected a list of 2 numbers"),
+        ("size_px = [1600, 1400]", "size_px = [1600.5, 1400]", "camera.size_px: expected whole numbers"),
+        ("size_px = [1600, 1400]", "size_px = [0, 1400]", "camera.size_px: expected width and height"),
+        ("focal_px = [1360.0, 1360.0]\n", "", "camera.focal_px is missing"),
+        ("[1360.0, 1360.0]", "[1360.0, nan]", "camera.focal_px"),
+        ("[1360.0, 1360.0]", "[-1360.0, 1360.0]", "camera.focal_px: expected two focal lengths above 0"),
+        ("distortion = [0.0,", "distortion = [-2.0,", "camera.distortion: expected coefficients that do not fold"),
+        ("distortion = [0.0,", "distortion = [\"a\",", "camera.distortion: expected a list of 5 numbers"),
+        ("translation_mm = [-75.0, 0.0, 170.0]\n", "", "camera.translation_mm is missing"),
+        ("[-75.0, 0.0, 170.0]", "[-75.0, 0.0, 1e9]", "camera.translation_mm: expected a translation of at most"),
+        ("radius_mm = 1.5", "radius_mm = 0", "markers.radius_mm: expected a length in mm, above 0"),
+        ("height_mm = 0.0\n", "", "markers.height_mm is missing"),
+        ("[226, 186, 46]", "[226, 186]", "markers.front_rgb: expected a list of 3 numbers"),
+        ("[226, 186, 46]", "[226, 186, 256]", "markers.front_rgb: expected whole numbers from 0 to 255"),
+        ("back_rgb", "back_rbg", "unknown key `markers.back_rbg`; the nearest known key is `back_rgb`"),
+    ] {
+        assert_says(&refused(from, to), &[expected, "line "]);
+    }
+    // What can be written but not seen.
+    let folder = Folder::new();
+    let (image, _) = image_of(&folder, "image.png", "80:2", &[]);
+    for (from, to, expected) in [
+        ("[-75.0, 0.0, 170.0]", "[-75.0, 0.0, -170.0]", "behind the camera"),
+        ("[-75.0, 0.0, 170.0]", "[300.0, 0.0, 170.0]", "outside the image"),
+        ("radius_mm = 1.5", "radius_mm = 0.1", "radius of 0.8 px"),
+        ("[226, 186, 46]", "[200, 200, 200]", "markers.front_rgb: expected a colour that is not a shade of grey"),
+    ] {
+        let scene = folder.put("scene.toml", CAMERA_SCENE.replace(from, to));
+        assert_says(&finray(&["locate", &scene, "--image", &image]).refused(), &[expected]);
+    }
+}
