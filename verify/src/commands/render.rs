@@ -15,7 +15,7 @@ const LARGEST_BLUR_PX: f64 = 100.0;
 
 /// Render the image that the scene's camera takes of the (deformed) finger.
 ///
-/// Writes a PNG file. The scene needs [camera] with its lens and pose, and [markers]. Without loads
+/// Writes a PNG file. The scene needs the tables camera, with lens and pose, and markers. Without loads
 /// and --shape the finger is undeformed. With loads it has the same shape as `finray solve` with the
 /// same arguments. Edge pixels of a marker hold the share that its disc covers, so its true centre is
 /// known to a thousandth of a pixel.

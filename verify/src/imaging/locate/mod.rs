@@ -1,5 +1,5 @@
-//! Node positions from images: find the markers ([`colour`], [`blobs`]), measure their centres ([`disc`]), name them ([`naming`]).
-//! The finger at rest is found without a guess of its pose ([`pattern`], [`rest`]).
+//! Node positions from images: find the markers (`colour`, `blobs`), measure their centres (`disc`), name them (`naming`).
+//! The finger at rest is found without a guess of its pose (`pattern`, `rest`).
 
 mod blobs;
 mod colour;

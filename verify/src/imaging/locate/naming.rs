@@ -169,13 +169,7 @@ impl<'a> Chain<'a> {
         let last = nodes.len() - 1;
         let choices = (0..nodes.len()).map(|position| {
             // The tip has the front plate's colour, and the front plate finds it first.
-            let side = if position == last {
-                Side::Front
-            } else if plate == Plate::Front {
-                Side::Front
-            } else {
-                Side::Back
-            };
+            let side = if position == last || plate == Plate::Front { Side::Front } else { Side::Back };
             if position == last && plate == Plate::Back {
                 return names[finger.tip().0 - 1].into_iter().collect();
             }

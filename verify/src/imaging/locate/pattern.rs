@@ -49,7 +49,7 @@ pub(super) fn at_rest(
     let mut back_nodes = finger.plate_nodes(Plate::Back);
     // The tip is a marker of the front plate.
     back_nodes.pop();
-    let mut best: Option<(usize, f64, Vec<(NodeId, Pixel)>)> = None;
+    let mut best = Named::default();
     let rows = match alike {
         true => vec![(&front, &back), (&back, &front)],
         false => vec![(&front, &back)],
@@ -64,18 +64,22 @@ pub(super) fn at_rest(
                 if alike && !is_from_above(&homography, &positions[0]) {
                     continue;
                 }
-                let (named, distance) = named(finger, &marks, &homography, radius);
-                let is_better = |best: &(usize, f64, Vec<(NodeId, Pixel)>)| {
-                    named.len() > best.0 || (named.len() == best.0 && distance < best.1)
-                };
-                if best.as_ref().is_none_or(is_better) {
-                    best = Some((named.len(), distance, named));
+                let found = named(finger, &marks, &homography, radius);
+                let (more, fewer) = (found.nodes.len(), best.nodes.len());
+                if more > fewer || (more == fewer && found.distance < best.distance) {
+                    best = found;
                 }
             }
         }
     }
-    let (count, _, named) = best?;
-    (count as f64 >= LEAST_SHARE * finger.key_node_count() as f64).then_some(named)
+    (best.nodes.len() as f64 >= LEAST_SHARE * finger.key_node_count() as f64).then_some(best.nodes)
+}
+
+/// Nodes with their pixels, and the sum of their distances to where a homography has them.
+#[derive(Debug, Clone, Default)]
+struct Named {
+    nodes: Vec<(NodeId, Pixel)>,
+    distance: f64,
 }
 
 /// Markers of a side on one line, in their order along it: the line with most of them.
@@ -144,11 +148,9 @@ fn is_from_above(homography: &Matrix3<f64>, at: &Vector) -> bool {
     homography.determinant() / depth.powi(3) < 0.0
 }
 
-/// Nodes with the markers that are where the homography has them, and the sum of their distances. A marker is one node's alone: nothing
-/// is named where two want it.
-fn named(finger: &Finger, marks: &[Mark], homography: &Matrix3<f64>, radius: f64) -> (Vec<(NodeId, Pixel)>, f64) {
-    let mut named = Vec::new();
-    let mut sum = 0.0;
+/// Nodes with the markers that are where the homography has them. A marker is one node's alone: nothing is named where two want it.
+fn named(finger: &Finger, marks: &[Mark], homography: &Matrix3<f64>, radius: f64) -> Named {
+    let mut named = Named::default();
     let mut taken = vec![false; marks.len()];
     for node in (1..=finger.key_node_count()).map(NodeId) {
         let seen = homography * finger.position(node).push(1.0);
@@ -158,11 +160,11 @@ fn named(finger: &Finger, marks: &[Mark], homography: &Matrix3<f64>, radius: f64
         let nearest = of_side.map(|i| ((marks[i].at - at).norm(), i)).min_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((distance, i)) = nearest.filter(|(distance, _)| *distance < ON_NODE * radius) {
             if std::mem::replace(&mut taken[i], true) {
-                return (Vec::new(), f64::INFINITY);
+                return Named::default();
             }
-            named.push((node, marks[i].pixel));
-            sum += distance;
+            named.nodes.push((node, marks[i].pixel));
+            named.distance += distance;
         }
     }
-    (named, sum)
+    named
 }

@@ -52,7 +52,7 @@ fn window(
     let side = |axis: usize| {
         let (from, to) =
             ((pixel[axis] - reach).ceil().max(0.0), (pixel[axis] + reach).floor().min(f64::from(size[axis]) - 1.0));
-        (from <= to).then(|| from as u32..=to as u32)
+        (from <= to).then_some(from as u32..=to as u32)
     };
     Some((side(0)?, side(1)?))
 }
