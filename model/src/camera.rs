@@ -6,10 +6,12 @@
 
 mod least_squares;
 mod lens;
+mod lens_fit;
 mod plane_pose;
 mod pose;
 
 pub use lens::{Distortion, ImpossibleLens, Lens};
+pub use lens_fit::{LENS_PARAMETERS, LensFit, LensFitError, fit_lens};
 pub use plane_pose::{PlanePoseError, PoseFit, plane_pose};
 pub use pose::Pose;
 

@@ -4,7 +4,7 @@
 mod commands;
 
 use clap::{CommandFactory, Parser, Subcommand};
-use commands::{calibrate, locate, map, merge, press, render, report, sense, solve, sweep};
+use commands::{calibrate, lens, locate, map, merge, press, render, report, sense, solve, sweep};
 #[cfg(feature = "train")]
 use commands::{networks, train};
 use finray_verify::files::write_text;
@@ -38,6 +38,7 @@ enum Command {
     Press(press::Arguments),
     Render(render::Arguments),
     Locate(locate::Arguments),
+    Lens(lens::Arguments),
     #[cfg(feature = "train")]
     Train(train::Arguments),
     #[cfg(feature = "train")]
@@ -61,6 +62,7 @@ fn main() -> ExitCode {
         Command::Press(arguments) => press::run(&arguments),
         Command::Render(arguments) => render::run(&arguments),
         Command::Locate(arguments) => locate::run(&arguments),
+        Command::Lens(arguments) => lens::run(&arguments),
         #[cfg(feature = "train")]
         Command::Train(arguments) => train::run(&arguments),
         #[cfg(feature = "train")]

@@ -70,10 +70,12 @@ fn joined(path: &str, key: &str) -> String {
     if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
 }
 
-/// How near a key is to a known one: by letters in order, which sees typing errors, and by pairs of letters, which sees
-/// a part that was left out.
+/// How near a key is to a known one: by letters in order and by letters to change, which see typing errors, and by pairs of letters,
+/// which sees a part that was left out.
 fn likeness(known: &str, key: &str) -> f64 {
-    strsim::jaro_winkler(known, key) + strsim::sorensen_dice(known, key)
+    strsim::jaro_winkler(known, key)
+        + strsim::normalized_damerau_levenshtein(known, key)
+        + strsim::sorensen_dice(known, key)
 }
 
 /// One table, all of whose keys are known.

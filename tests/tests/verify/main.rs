@@ -21,6 +21,7 @@ mod experiments {
     mod twin;
 }
 mod imaging {
+    mod lens;
     mod locate;
 }
 mod lattice {

@@ -5,7 +5,10 @@
 
 mod clutter;
 mod disc;
+mod grid;
 mod outline;
+
+pub use grid::{GridPlate, render_grid};
 
 use crate::sampling::noise::Noise;
 use disc::paint_disc;

@@ -1,0 +1,310 @@
+//! The lens from images of a plane grid.
+
+use super::least_squares::{Fit, fit};
+use super::plane_pose::{by_motion, homography, plane_pose};
+use super::{Distortion, ImpossibleLens, Lens, Pixel, PlanePoseError, Pose};
+use crate::Vector;
+use nalgebra::{DMatrix, DVector, Vector2, Vector6};
+
+/// Parameters of the lens: focal lengths, principal point, k1, k2, p1, p2, k3.
+const PARAMETERS: usize = 9;
+/// Their names, in this order.
+pub const LENS_PARAMETERS: [&str; PARAMETERS] = ["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"];
+/// What lenses and sensors are, without looking: what the images do not show stays there. Standard deviations of the focal lengths'
+/// logarithm (and while the distortion is found), of the logarithm of their ratio, of the principal point's distance from the middle as a share of the image's width, and of the
+/// coefficients.
+const FOCAL_SD: f64 = 0.7;
+const HELD_FOCAL_SD: f64 = 0.01;
+const ASPECT_SD: f64 = 0.005;
+const CENTRE_SD: f64 = 0.03;
+const RADIAL_SD: [f64; 3] = [0.5, 0.5, 0.2];
+const TANGENTIAL_SD: f64 = 0.003;
+/// Focal length without a hint, in widths of the image: a field of view of 45 degrees.
+const USUAL_FOCUS: f64 = 1.2;
+/// Focal lengths from which the search starts, in widths of the image: wide, usual and long lenses.
+const STARTS: [f64; 3] = [0.6, 1.2, 3.0];
+/// Noise of a dot's centre that the priors are weighed against before the residual is known, px.
+const FIRST_NOISE_PX: f64 = 0.1;
+/// Smallest noise that is believed, px.
+const LEAST_NOISE_PX: f64 = 0.002;
+/// Rounds of fit and noise.
+const ROUNDS: usize = 3;
+/// Dots that an image must have.
+const LEAST_POINTS: usize = 12;
+
+/// A lens and what is known of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LensFit {
+    /// The lens.
+    pub lens: Lens,
+    /// Standard deviations, in the order of [`LENS_PARAMETERS`].
+    pub sds: [f64; PARAMETERS],
+    /// By parameter, whether the images say more of it than what lenses are like anyway: its variance is less than half of that.
+    pub is_shown: [bool; PARAMETERS],
+    /// Pose of the grid in each image.
+    pub poses: Vec<Pose>,
+    /// Residual standard deviation of one pixel coordinate, px.
+    pub residual_sd_px: f64,
+}
+
+/// Why images give no lens.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum LensFitError {
+    /// No image at all.
+    #[error("expected at least one image of a grid")]
+    NoView,
+    /// Too few dots in one.
+    #[error("image {image} shows {found} dots of the grid, of which at least {LEAST_POINTS} are needed")]
+    TooFew {
+        /// Its number, from 1.
+        image: usize,
+        /// Dots.
+        found: usize,
+    },
+    /// The grid has no pose in one.
+    #[error("image {image}: {reason}")]
+    Pose {
+        /// Its number, from 1.
+        image: usize,
+        /// Why.
+        reason: PlanePoseError,
+    },
+    /// No lens fits.
+    #[error("no lens of this kind fits the dots: {0}")]
+    Impossible(#[from] ImpossibleLens),
+    /// The search found nothing.
+    #[error("no lens of this kind fits the dots")]
+    NotFound,
+}
+
+/// What is sought.
+#[derive(Debug, Clone)]
+struct Unknowns {
+    lens: [f64; PARAMETERS],
+    poses: Vec<Pose>,
+}
+
+/// The lens and the poses of a plane grid from its dots: a list an image, of positions on the grid (mm) and pixels. Least squares of the
+/// pixels with a prior on every parameter of the lens, so that few images give what they show and no more.
+///
+/// # Errors
+/// [`LensFitError`] for images that give no lens.
+///
+/// # Reference
+/// Z. Zhang, A flexible new technique for camera calibration, IEEE Trans. PAMI 22 (2000); the start from one focal length, with the
+/// principal point in the middle, from his eqs (3) and (4).
+pub fn fit_lens(size_px: [u32; 2], views: &[Vec<(Vector, Pixel)>]) -> Result<LensFit, LensFitError> {
+    if views.is_empty() {
+        return Err(LensFitError::NoView);
+    }
+    for (i, view) in views.iter().enumerate() {
+        if view.len() < LEAST_POINTS {
+            return Err(LensFitError::TooFew { image: i + 1, found: view.len() });
+        }
+    }
+    let [width, height] = size_px.map(f64::from);
+    let middle = [(width - 1.0) / 2.0, (height - 1.0) / 2.0];
+    let prior = Prior { middle, width, focal: USUAL_FOCUS * width, focal_sd: FOCAL_SD };
+    // The sum of squares has other minima, at focal lengths far too long, where the distortion hides the plane's slant.
+    let starts = STARTS.map(|share| share * width).into_iter().chain(first_focal_px(views, middle));
+    let found = starts.map(|focal| from_start(size_px, views, &prior, focal));
+    let (mut best, mut failure) = (None::<Fit<Unknowns>>, None);
+    for found in found {
+        match found {
+            Ok(fit) if best.as_ref().is_none_or(|best| fit.squares < best.squares) => best = Some(fit),
+            Ok(_) => {}
+            Err(error) => failure = failure.or(Some(error)),
+        }
+    }
+    let mut unknowns = best.ok_or_else(|| failure.unwrap_or(LensFitError::NotFound))?.parameters;
+    let points: usize = views.iter().map(Vec::len).sum();
+    let columns = PARAMETERS + 6 * views.len();
+    let mut noise_px = FIRST_NOISE_PX;
+    let mut covariance = None;
+    for _ in 0..ROUNDS {
+        let (at, _) = residuals(size_px, views, &unknowns, &prior, noise_px).ok_or(LensFitError::NotFound)?;
+        // Degrees of freedom are those without priors, which is cautious.
+        let freedom = (2 * points).saturating_sub(columns).max(1) as f64;
+        noise_px = (at.rows(0, 2 * points).norm_squared() * noise_px * noise_px / freedom).sqrt().max(LEAST_NOISE_PX);
+        let found = fit(unknowns, |unknowns| residuals(size_px, views, unknowns, &prior, noise_px), moved);
+        let found = found.ok_or(LensFitError::NotFound)?;
+        (unknowns, covariance) = (found.parameters, found.inverse);
+    }
+    let covariance = covariance.ok_or(LensFitError::NotFound)?;
+    let sds = std::array::from_fn(|i| covariance[(i, i)].sqrt());
+    let prior_sds = prior.sds(&unknowns.lens);
+    Ok(LensFit {
+        lens: lens_of(size_px, &unknowns.lens)?,
+        is_shown: std::array::from_fn(|i| 2.0 * sds[i] * sds[i] < prior_sds[i] * prior_sds[i]),
+        sds,
+        poses: unknowns.poses,
+        residual_sd_px: noise_px,
+    })
+}
+
+/// The nearest minimum to a focal length, with the principal point in the middle and no distortion.
+fn from_start(
+    size_px: [u32; 2],
+    views: &[Vec<(Vector, Pixel)>],
+    prior: &Prior,
+    focal: f64,
+) -> Result<Fit<Unknowns>, LensFitError> {
+    let [cx, cy] = prior.middle;
+    let start = Lens::new(size_px, [focal; 2], prior.middle, Distortion::default())?;
+    let poses = views.iter().enumerate().map(|(i, view)| {
+        let found = plane_pose(&start, 0.0, view).map_err(|reason| LensFitError::Pose { image: i + 1, reason })?;
+        Ok(found.pose)
+    });
+    let lens = [focal, focal, cx, cy, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let unknowns = Unknowns { lens, poses: poses.collect::<Result<_, LensFitError>>()? };
+    let fitted = |unknowns: Unknowns, prior: &Prior| {
+        fit(unknowns, |unknowns| residuals(size_px, views, unknowns, prior, FIRST_NOISE_PX), moved)
+            .ok_or(LensFitError::NotFound)
+    };
+    // Distortion first: without it, bent rows of dots drive the focal length away.
+    let held = Prior { focal, focal_sd: HELD_FOCAL_SD, ..*prior };
+    fitted(fitted(unknowns, &held)?.parameters, prior)
+}
+
+fn lens_of(size_px: [u32; 2], p: &[f64; PARAMETERS]) -> Result<Lens, ImpossibleLens> {
+    Lens::new(size_px, [p[0], p[1]], [p[2], p[3]], Distortion::from_opencv([p[4], p[5], p[6], p[7], p[8]]))
+}
+
+/// One focal length for all images, with the principal point in the middle: for the homography (h1 h2 h3) of each,
+/// (h11 h12 + h21 h22) / f^2 = -h31 h32 and (h11^2 + h21^2 - h12^2 - h22^2) / f^2 = h32^2 - h31^2. `None` where the planes are not tilted.
+fn first_focal_px(views: &[Vec<(Vector, Pixel)>], middle: [f64; 2]) -> Option<f64> {
+    let (mut top, mut bottom) = (0.0, 0.0);
+    for view in views {
+        let positions: Vec<Vector2<f64>> = view.iter().map(|(position, _)| *position).collect();
+        let seen: Vec<Vector2<f64>> = view.iter().map(|(_, pixel)| pixel - Vector2::from(middle)).collect();
+        let h = homography(&positions, &seen)?;
+        let h = h / h.norm();
+        let rows = [
+            (h[(0, 0)] * h[(0, 1)] + h[(1, 0)] * h[(1, 1)], -h[(2, 0)] * h[(2, 1)]),
+            (
+                h[(0, 0)].powi(2) + h[(1, 0)].powi(2) - h[(0, 1)].powi(2) - h[(1, 1)].powi(2),
+                h[(2, 1)].powi(2) - h[(2, 0)].powi(2),
+            ),
+        ];
+        for (by, value) in rows {
+            top += by * by;
+            bottom += by * value;
+        }
+    }
+    let focal = (top / bottom).sqrt();
+    focal.is_finite().then_some(focal)
+}
+
+/// What lenses are like.
+struct Prior {
+    middle: [f64; 2],
+    width: f64,
+    focal: f64,
+    /// Of the focal length's logarithm.
+    focal_sd: f64,
+}
+
+impl Prior {
+    /// Residuals over their standard deviations, and their derivatives.
+    fn rows(&self, p: &[f64; PARAMETERS]) -> Vec<(f64, Vec<(usize, f64)>)> {
+        let centre = CENTRE_SD * self.width;
+        let mut rows = vec![
+            ((p[0] / self.focal).ln() / self.focal_sd, vec![(0, 1.0 / (p[0] * self.focal_sd))]),
+            ((p[1] / p[0]).ln() / ASPECT_SD, vec![(0, -1.0 / (p[0] * ASPECT_SD)), (1, 1.0 / (p[1] * ASPECT_SD))]),
+        ];
+        for axis in 0..2 {
+            rows.push(((p[2 + axis] - self.middle[axis]) / centre, vec![(2 + axis, 1.0 / centre)]));
+        }
+        for (i, sd) in self.coefficient_sds() {
+            rows.push((p[i] / sd, vec![(i, 1.0 / sd)]));
+        }
+        rows
+    }
+
+    fn coefficient_sds(&self) -> [(usize, f64); 5] {
+        let [k1, k2, k3] = RADIAL_SD;
+        [(4, k1), (5, k2), (6, TANGENTIAL_SD), (7, TANGENTIAL_SD), (8, k3)]
+    }
+
+    /// Standard deviation of each parameter by the prior alone.
+    fn sds(&self, p: &[f64; PARAMETERS]) -> [f64; PARAMETERS] {
+        let mut sds = [0.0; PARAMETERS];
+        (sds[0], sds[1]) = (self.focal_sd * p[0], self.focal_sd.hypot(ASPECT_SD) * p[1]);
+        (sds[2], sds[3]) = (CENTRE_SD * self.width, CENTRE_SD * self.width);
+        for (i, sd) in self.coefficient_sds() {
+            sds[i] = sd;
+        }
+        sds
+    }
+}
+
+/// Residuals over the noise, priors after them, and derivatives by the lens's parameters and each pose's motion.
+fn residuals(
+    size_px: [u32; 2],
+    views: &[Vec<(Vector, Pixel)>],
+    unknowns: &Unknowns,
+    prior: &Prior,
+    noise_px: f64,
+) -> Option<(DVector<f64>, DMatrix<f64>)> {
+    let lens = lens_of(size_px, &unknowns.lens).ok()?;
+    let points: usize = views.iter().map(Vec::len).sum();
+    let priors = prior.rows(&unknowns.lens);
+    let rows = 2 * points + priors.len();
+    let mut at = DVector::zeros(rows);
+    let mut by = DMatrix::zeros(rows, PARAMETERS + 6 * views.len());
+    let mut row = 0;
+    for (number, (view, pose)) in views.iter().zip(&unknowns.poses).enumerate() {
+        for (position, pixel) in view {
+            let (found, by_pose) = by_motion(&lens, pose, &position.push(0.0))?;
+            at.fixed_rows_mut::<2>(row).copy_from(&((found - pixel) / noise_px));
+            by.fixed_view_mut::<2, 6>(row, PARAMETERS + 6 * number).copy_from(&(by_pose / noise_px));
+            let seen = pose.to_camera(&position.push(0.0));
+            let by_lens = by_parameters(&unknowns.lens, &(seen.xy() / seen.z));
+            for (column, derivative) in by_lens.iter().enumerate() {
+                by.fixed_view_mut::<2, 1>(row, column).copy_from(&(derivative / noise_px));
+            }
+            row += 2;
+        }
+    }
+    for (value, derivatives) in priors {
+        at[row] = value;
+        for (column, derivative) in derivatives {
+            by[(row, column)] = derivative;
+        }
+        row += 1;
+    }
+    Some((at, by))
+}
+
+/// Derivatives of a pixel by the lens's parameters, at undistorted coordinates: see [`Distortion`].
+fn by_parameters(p: &[f64; PARAMETERS], at: &Vector2<f64>) -> [Vector2<f64>; PARAMETERS] {
+    let (x, y, q) = (at.x, at.y, at.norm_squared());
+    let f = 1.0 + q * (p[4] + q * (p[5] + q * p[8]));
+    let bent = Vector2::new(
+        x * f + 2.0 * p[6] * x * y + p[7] * (q + 2.0 * x * x),
+        y * f + p[6] * (q + 2.0 * y * y) + 2.0 * p[7] * x * y,
+    );
+    let scaled = |v: Vector2<f64>| Vector2::new(p[0] * v.x, p[1] * v.y);
+    [
+        Vector2::new(bent.x, 0.0),
+        Vector2::new(0.0, bent.y),
+        Vector2::x(),
+        Vector2::y(),
+        scaled(at * q),
+        scaled(at * (q * q)),
+        scaled(Vector2::new(2.0 * x * y, q + 2.0 * y * y)),
+        scaled(Vector2::new(q + 2.0 * x * x, 2.0 * x * y)),
+        scaled(at * (q * q * q)),
+    ]
+}
+
+fn moved(unknowns: &Unknowns, step: &DVector<f64>) -> Unknowns {
+    let mut moved = unknowns.clone();
+    for (parameter, change) in moved.lens.iter_mut().zip(step.iter()) {
+        *parameter += change;
+    }
+    for (number, pose) in moved.poses.iter_mut().enumerate() {
+        *pose = pose.moved(&Vector6::from_fn(|i, _| step[PARAMETERS + 6 * number + i]));
+    }
+    moved
+}

@@ -1,0 +1,99 @@
+//! `finray lens`
+
+use super::Failure;
+use super::parse::positive;
+use finray_model::camera::{LENS_PARAMETERS, LensFit};
+use finray_verify::files::{FileError, load_image, write_text};
+use finray_verify::imaging::grid::{find_grid, lens_of_grids};
+use rayon::prelude::*;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Find the lens of a camera from images of a plane grid of dots or holes.
+///
+/// Writes size_px, focal_px, principal_point_px and distortion as a scene's camera table has them
+/// (TOML), with standard deviations and the residual in comments. The grid is square, of dark or
+/// light dots; it is found without a guess, may be unevenly lit, slanted and partly hidden.
+///
+/// Take ten images or more that fill the frame, slanted by 20 to 40 degrees in different directions.
+/// What the images do not show (from one image or from images without slant: focal length and
+/// principal point) stays near what lenses are like, and a note says so. Such a lens still holds for
+/// positions in the plane of the grid, with a pose found in that plane (`finray locate --rest`).
+///
+/// Example:
+///   finray lens --grid-mm 5 --image grid1.png grid2.png grid3.png --out lens.toml
+#[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct Arguments {
+    /// Distance between neighbouring dots, mm
+    #[arg(long, value_name = "P", value_parser = positive)]
+    grid_mm: f64,
+    /// Image of the grid (PNG, JPEG); several of one camera
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    image: Vec<PathBuf>,
+    /// Result file; - for standard output
+    #[arg(long, value_name = "FILE", default_value = "-")]
+    out: PathBuf,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let seen = arguments.image.par_iter().map(|path| {
+        let wrong = |message: String| Failure::from(FileError::Content { path: path.clone(), message });
+        let image = load_image(path)?;
+        let grid = find_grid(&image).map_err(|error| wrong(error.to_string()))?;
+        Ok(([image.width(), image.height()], grid))
+    });
+    let (sizes, grids): (Vec<[u32; 2]>, Vec<_>) = seen.collect::<Result<Vec<_>, Failure>>()?.into_iter().unzip();
+    let size_px = sizes[0];
+    if let Some(other) = sizes.iter().position(|size| *size != size_px) {
+        let ([w, h], [x, y]) = (size_px, sizes[other]);
+        let message = format!("expected {w} x {h} px as the first image has, found {x} x {y}");
+        return Err(FileError::Content { path: arguments.image[other].clone(), message }.into());
+    }
+    let (fit, left_out) =
+        lens_of_grids(size_px, arguments.grid_mm, &grids).map_err(|error| Failure::BadInput(error.to_string()))?;
+    let dots = grids.iter().map(Vec::len).sum::<usize>() - left_out;
+    write_text(&arguments.out, &to_toml(&fit, arguments, dots))?;
+    if let Some(note) = not_shown(&fit) {
+        eprintln!("note: {note}");
+    }
+    Ok(())
+}
+
+fn to_toml(fit: &LensFit, arguments: &Arguments, dots: usize) -> String {
+    let lens = &fit.lens;
+    let mut text = String::new();
+    let images = arguments.image.len();
+    let plural = if images == 1 { "" } else { "s" };
+    let (grid_mm, residual) = (arguments.grid_mm, fit.residual_sd_px);
+    // Writing to a string does not fail.
+    let _ = writeln!(
+        text,
+        "# Lens from {images} image{plural} of a grid of {grid_mm} mm: {dots} dots, residual {residual:.3} px."
+    );
+    let _ = writeln!(text, "# Standard deviations:");
+    for (name, sd) in LENS_PARAMETERS.iter().zip(fit.sds) {
+        let _ = writeln!(text, "#   {name} {sd:.2e}");
+    }
+    if let Some(note) = not_shown(fit) {
+        let _ = writeln!(text, "# {note}");
+    }
+    let _ = writeln!(text, "[camera]");
+    let _ = writeln!(text, "size_px = {:?}", lens.size_px());
+    let _ = writeln!(text, "focal_px = {:?}", lens.focal_px());
+    let _ = writeln!(text, "principal_point_px = {:?}", lens.principal_point_px());
+    let _ = writeln!(text, "distortion = {:?}", lens.distortion().to_opencv());
+    text
+}
+
+/// Says which parameters the images do not show.
+fn not_shown(fit: &LensFit) -> Option<String> {
+    let names: Vec<&str> =
+        LENS_PARAMETERS.iter().zip(fit.is_shown).filter(|(_, shown)| !shown).map(|(name, _)| *name).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "the images hardly show {}: these stay near what lenses are like; slanted images show more",
+            names.join(", ")
+        )
+    })
+}

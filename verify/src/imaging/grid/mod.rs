@@ -1,0 +1,134 @@
+//! A plane grid of dots or holes in an image, found without a guess: where its dots are and which are neighbours.
+//!
+//! Dots may be dark or light, unevenly lit, and partly hidden; the grid may be seen at a slant and through a lens that bends it.
+
+mod dots;
+mod lattice;
+
+use dots::{Dot, dots};
+use finray_model::Vector;
+use finray_model::camera::{Lens, LensFit, LensFitError, Pixel, Pose, fit_lens};
+use image::{GrayImage, RgbImage};
+
+/// Dots that a grid must have.
+const LEAST_DOTS: usize = 12;
+/// Blocks over which brightness is averaged for the threshold, px: about the size of a dot and its surroundings, for small and large ones.
+const BLOCKS_PX: [u32; 4] = [10, 25, 60, 120];
+/// Residuals beyond so many medians of their size are no dots of the grid.
+const OUTLIER: f64 = 6.0;
+/// Rounds in which the centres of the dots' images are corrected for perspective.
+const ROUNDS: usize = 3;
+/// Corners by which a dot's outline is projected.
+const OUTLINE: usize = 48;
+
+/// A dot of a grid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GridDot {
+    /// Column and row, counted from some dot.
+    pub index: [i32; 2],
+    /// The middle of its light.
+    pub pixel: Pixel,
+    /// Radius of a disc of its area, px.
+    pub radius_px: f64,
+}
+
+/// No grid is seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("expected a plane grid of round dots or holes, at least {LEAST_DOTS} of which are neighbours; found {found}")]
+pub struct NoGrid {
+    /// Dots of the largest lattice.
+    pub found: usize,
+}
+
+/// Finds the grid: of all ways to tell dots from their surroundings, the one with the largest lattice.
+///
+/// # Errors
+/// [`NoGrid`] for an image without one.
+pub fn find_grid(image: &RgbImage) -> Result<Vec<GridDot>, NoGrid> {
+    let grey: GrayImage = image::imageops::grayscale(image);
+    let mut best: Vec<GridDot> = Vec::new();
+    for block_px in BLOCKS_PX {
+        for are_dark in [true, false] {
+            let dots: Vec<Dot> = dots(&grey, block_px, are_dark);
+            let found = lattice::largest(&dots);
+            if found.len() > best.len() {
+                best = found;
+            }
+        }
+    }
+    if best.len() < LEAST_DOTS { Err(NoGrid { found: best.len() }) } else { Ok(best) }
+}
+
+/// The lens that sees grids of a pitch (mm) in images of one size. A slanted dot's middle is not where its centre is seen; that is
+/// corrected, with the dots taken for discs. Returns the fit and the dots left out as no dots of their grid.
+///
+/// # Errors
+/// [`LensFitError`].
+pub fn lens_of_grids(
+    size_px: [u32; 2],
+    pitch_mm: f64,
+    grids: &[Vec<GridDot>],
+) -> Result<(LensFit, usize), LensFitError> {
+    let position = |dot: &GridDot| Vector::new(f64::from(dot.index[0]), f64::from(dot.index[1])) * pitch_mm;
+    let mut grids = grids.to_vec();
+    let mut shifts: Vec<Vec<Pixel>> = grids.iter().map(|grid| vec![Pixel::zeros(); grid.len()]).collect();
+    let mut left_out = 0;
+    let mut found: Option<LensFit> = None;
+    for round in 0..ROUNDS {
+        let views: Vec<Vec<(Vector, Pixel)>> = grids
+            .iter()
+            .zip(&shifts)
+            .map(|(grid, shifts)| {
+                grid.iter().zip(shifts).map(|(dot, shift)| (position(dot), dot.pixel - shift)).collect()
+            })
+            .collect();
+        let fit = fit_lens(size_px, &views)?;
+        if round == 0 {
+            for ((grid, pose), shifts) in grids.iter_mut().zip(&fit.poses).zip(&mut shifts) {
+                left_out += drop_outliers(grid, &fit.lens, pose, position);
+                *shifts = vec![Pixel::zeros(); grid.len()];
+            }
+        }
+        for ((grid, pose), shifts) in grids.iter().zip(&fit.poses).zip(&mut shifts) {
+            for (dot, shift) in grid.iter().zip(shifts.iter_mut()) {
+                *shift = shift_of_middle(&fit.lens, pose, &position(dot), dot.radius_px).unwrap_or_default();
+            }
+        }
+        found = Some(fit);
+    }
+    found.map(|fit| (fit, left_out)).ok_or(LensFitError::NotFound)
+}
+
+fn drop_outliers(grid: &mut Vec<GridDot>, lens: &Lens, pose: &Pose, position: impl Fn(&GridDot) -> Vector) -> usize {
+    let camera = finray_model::camera::Camera { lens: *lens, pose: *pose };
+    let residual = |dot: &GridDot| {
+        camera.project(&position(dot).push(0.0)).map_or(f64::INFINITY, |pixel| (pixel - dot.pixel).norm())
+    };
+    let mut residuals: Vec<f64> = grid.iter().map(residual).collect();
+    let middle = residuals.len() / 2;
+    let median = *residuals.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let before = grid.len();
+    grid.retain(|dot| residual(dot) <= OUTLIER * median.max(1e-3));
+    before - grid.len()
+}
+
+/// How far the middle of a disc's image is from the image of its centre, px.
+fn shift_of_middle(lens: &Lens, pose: &Pose, centre: &Vector, radius_px: f64) -> Option<Pixel> {
+    let camera = finray_model::camera::Camera { lens: *lens, pose: *pose };
+    let (at, by_point) = camera.project_with_derivatives(&centre.push(0.0)).ok()?;
+    let in_plane = by_point.fixed_columns::<2>(0).into_owned();
+    let radius_mm = radius_px / in_plane.determinant().abs().sqrt();
+    let corner = |k: usize| {
+        let (sine, cosine) = (std::f64::consts::TAU * k as f64 / OUTLINE as f64).sin_cos();
+        camera.project(&(centre + Vector::new(cosine, sine) * radius_mm).push(0.0)).ok().map(|pixel| pixel - at)
+    };
+    let corners = (0..OUTLINE).map(corner).collect::<Option<Vec<Pixel>>>()?;
+    let (mut area, mut moment) = (0.0, Pixel::zeros());
+    for (k, from) in corners.iter().enumerate() {
+        let to = corners[(k + 1) % OUTLINE];
+        let cross = from.perp(&to);
+        area += cross / 2.0;
+        moment += (from + to) * (cross / 6.0);
+    }
+    Some(moment / area)
+}

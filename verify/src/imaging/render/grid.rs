@@ -1,0 +1,42 @@
+//! A plane grid of dots, as `finray lens` looks for it.
+
+use super::disc::paint_disc;
+use super::{Disturbances, developed};
+use finray_model::Vector;
+use finray_model::camera::Camera;
+use image::{ImageBuffer, Rgb32FImage, RgbImage};
+
+/// A grid in the plane z = 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GridPlate {
+    /// Distance between neighbouring dots, mm.
+    pub pitch_mm: f64,
+    /// Radius of a dot, mm.
+    pub radius_mm: f64,
+    /// Dots along x and y, about the origin.
+    pub counts: [u16; 2],
+    /// Grey level of the plate and of the dots.
+    pub greys: [u8; 2],
+}
+
+/// The image of a grid; dots that `is_hidden` are left out.
+pub fn render_grid(
+    camera: &Camera,
+    plate: &GridPlate,
+    is_hidden: impl Fn(&Vector) -> bool,
+    disturbances: Disturbances,
+) -> RgbImage {
+    let [width, height] = camera.lens.size_px();
+    let [ground, dot] = plate.greys.map(f32::from);
+    let mut canvas: Rgb32FImage = ImageBuffer::from_pixel(width, height, [ground; 3].into());
+    let along = |i: u16, count: u16| (f64::from(i) - f64::from(count - 1) / 2.0) * plate.pitch_mm;
+    for i in 0..plate.counts[0] {
+        for j in 0..plate.counts[1] {
+            let centre = Vector::new(along(i, plate.counts[0]), along(j, plate.counts[1]));
+            if !is_hidden(&centre) {
+                paint_disc(&mut canvas, camera, (centre, 0.0), plate.radius_mm, [dot; 3]);
+            }
+        }
+    }
+    developed(canvas, &disturbances)
+}
