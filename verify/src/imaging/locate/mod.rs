@@ -20,7 +20,6 @@ use finray_model::finger::Plate;
 use finray_model::scene::Markers;
 use finray_model::{Finger, NodeId, Vector};
 use image::RgbImage;
-use nalgebra::Matrix3;
 use naming::{Candidate, Names, name};
 
 /// A marker is sought within so many of its radii of where it was in the image before.
@@ -28,7 +27,7 @@ const NEAR: f64 = 1.6;
 /// Share of the markers of the image before that must be found again near where they were; with fewer the whole image is searched.
 const FOUND_AGAIN: f64 = 0.8;
 
-/// Variance of rounding to grey levels, and ratio of the variances of the noisiest and the least noisy colour from which they are weighed.
+/// Variance of rounding to grey levels, and ratio of the variances of brightness and colour from which on they are weighed.
 const ROUNDING: f64 = 0.1;
 const UNEVEN: f64 = 3.0;
 
@@ -153,7 +152,7 @@ impl<'f> Locator<'f> {
     }
 
     fn measured(&self, image: &RgbImage, blob: &Blob) -> Option<(Side, Disc)> {
-        let disc = self.view(image, Matrix3::identity()).measure(self.markers.radius_mm, &blob.centre)?;
+        let disc = self.view(image, [1.0; 2]).measure(self.markers.radius_mm, &blob.centre)?;
         Some((blob.side, disc))
     }
 
@@ -170,30 +169,32 @@ impl<'f> Locator<'f> {
         Ok(self.measured_together(image, named))
     }
 
-    fn view<'a>(&'a self, image: &'a RgbImage, metric: Matrix3<f32>) -> View<'a> {
-        View { image, camera: &self.camera, height_mm: self.markers.height_mm, metric }
+    fn view<'a>(&'a self, image: &'a RgbImage, weights: [f64; 2]) -> View<'a> {
+        View { image, camera: &self.camera, height_mm: self.markers.height_mm, weights }
     }
 
     /// The centres once more. Markers are alike and equally sharp: what half of them have is what a marker has whose edge is partly
     /// disturbed. Colours may be noisier than brightness, as after compression: they count less then.
     fn measured_together(&self, image: &RgbImage, mut named: Vec<(NodeId, Disc)>) -> Vec<Located> {
-        let colours = named.iter().map(|(_, disc)| disc.colours).sum::<Matrix3<f64>>() / named.len() as f64;
-        let metric = metric(&colours);
-        let view = self.view(image, metric.unwrap_or_else(Matrix3::identity));
-        if metric.is_some() {
+        let count = named.len() as f64;
+        let noise = [0, 1].map(|part| named.iter().map(|(_, disc)| disc.noise[part]).sum::<f64>() / count + ROUNDING);
+        let least = noise[0].min(noise[1]);
+        let is_even = noise[0].max(noise[1]) < UNEVEN * least;
+        let view = self.view(image, if is_even { [1.0; 2] } else { noise.map(|noise| least / noise) });
+        if !is_even {
             for (_, disc) in &mut named {
                 *disc = view.measure(self.markers.radius_mm, &disc.pixel).unwrap_or(*disc);
             }
         }
         let outline = Outline {
             radius_mm: median(named.iter().map(|(_, disc)| disc.outline.radius_mm)),
-            blur_px: median(named.iter().map(|(_, disc)| disc.outline.blur_px)),
+            blurs_px: [0, 1].map(|part| median(named.iter().map(|(_, disc)| disc.outline.blurs_px[part]))),
         };
         for (_, disc) in &mut named {
             *disc = view.measure_centre(outline, &disc.pixel).unwrap_or(*disc);
         }
         // Of one marker the excess is known to a third, of all together well.
-        let excess = named.iter().map(|(_, disc)| disc.excess_variance).sum::<f64>() / named.len() as f64;
+        let excess = named.iter().map(|(_, disc)| disc.excess_variance).sum::<f64>() / count;
         let wider = excess.max(1.0).sqrt();
         let located = |&(node, disc): &(NodeId, Disc)| Located {
             node,
@@ -203,18 +204,6 @@ impl<'f> Locator<'f> {
         };
         named.iter().map(located).collect()
     }
-}
-
-/// The inverse of the covariance of colours, 1 for the least noisy of them; `None` where all are about equally noisy.
-fn metric(colours: &Matrix3<f64>) -> Option<Matrix3<f32>> {
-    let noise = (colours + Matrix3::from_diagonal_element(ROUNDING)).symmetric_eigen();
-    let least = noise.eigenvalues.min();
-    if noise.eigenvalues.max() < UNEVEN * least {
-        return None;
-    }
-    let weights = noise.eigenvalues.map(|variance| least / variance);
-    let inverse = noise.eigenvectors * Matrix3::from_diagonal(&weights) * noise.eigenvectors.transpose();
-    Some(inverse.cast::<f32>())
 }
 
 /// The middle one of some numbers.

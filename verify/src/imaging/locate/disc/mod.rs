@@ -1,10 +1,10 @@
 //! The centre of a disc, from the light of the pixels about its edge.
 //!
 //! A pixel at the distance d outside the disc's edge (px) shows background + (disc - background) Phi(-d / b): the edge, blurred by a
-//! Gaussian of standard deviation b, Phi the normal distribution. The disc's own light is a plane over its inside, the background one
-//! colour for each sector around it, since plates and ribs cross it. Centre, radius and b are found by least squares over the pixels
-//! of the edge; each counts by the square of its contrast, as noise is the same everywhere. Sectors that do not look like an edge (an
-//! occluder, another marker) are left out.
+//! Gaussian of standard deviation b, Phi the normal distribution. Brightness and colour have a b each, since compressed images store colour
+//! with fewer pixels. The disc's own light is a plane over its inside, the background one colour for each sector around it, since plates
+//! and ribs cross it. Centre, radius and both b are found by least squares over the pixels of the edge; each counts by the square of its
+//! contrast, as noise is the same everywhere. Sectors that do not look like an edge (an occluder, another marker) are left out.
 //!
 //! Distances are taken in the finger's plane, where the disc is a circle: what perspective and lens do to its image is allowed for.
 
@@ -15,11 +15,18 @@ mod sums;
 use finray_model::Vector;
 use finray_model::camera::{Camera, Pixel};
 use image::RgbImage;
-use nalgebra::{Matrix2, Matrix3, Matrix4, Vector2, Vector3, Vector4};
+use nalgebra::{Matrix2, SMatrix, SVector, Vector2, Vector3};
 use plane_map::PlaneMap;
 use shades::{BACKGROUND_PX, KEPT_SECTORS, Shades};
 use sums::Sums;
 
+/// Unknowns of an edge: centre (two), radius, blur of brightness and of colour.
+const UNKNOWNS: usize = 5;
+/// Parts of the light: brightness and colour.
+const PARTS: usize = 2;
+/// Standard deviation of the difference of their blurs, px, for noise of two grey levels: holds the one that a marker hardly shows.
+const BLURS_APART_PX: f64 = 1.0;
+const USUAL_NOISE: f64 = 2.0;
 /// Half the width of the band of pixels about the edge, in b.
 const BAND: f64 = 2.5;
 /// b where the search starts, and its bounds, px. A pixel's own width is a blur of 0.29 px.
@@ -56,8 +63,8 @@ pub(super) struct Disc {
     /// Variance of the centre as its pieces of edge scatter, over that from the residual of independent pixels: more than 1 where
     /// neighbouring pixels err alike, as after compression.
     pub excess_variance: f64,
-    /// Mean products of the residuals' colours about the edge, grey levels^2.
-    pub colours: Matrix3<f64>,
+    /// Mean squared residual of brightness and of colour about the edge, grey levels^2.
+    pub noise: [f64; PARTS],
 }
 
 /// What the discs of an image have in common.
@@ -65,23 +72,31 @@ pub(super) struct Disc {
 pub(super) struct Outline {
     /// Radius, mm.
     pub radius_mm: f64,
-    /// Standard deviation of the blur, px.
-    pub blur_px: f64,
+    /// Standard deviation of the blur of brightness and of colour, px.
+    pub blurs_px: [f64; PARTS],
 }
 
 /// A pixel about the edge.
 struct Sample {
     /// Where it lies in the plane, mm.
     at: Vector,
+    /// Its brightness and, at right angles to that, two parts of its colour: see [`plane_map::light_of`].
     light: Vector3<f32>,
 }
 
-/// What is sought: centre and radius (mm, in the plane), and the blur (px).
+/// What is sought: centre and radius (mm, in the plane), and the blurs (px).
 #[derive(Debug, Clone, Copy)]
 struct Edge {
     centre: Vector,
     radius: f64,
-    blur: f64,
+    blurs: [f64; PARTS],
+}
+
+impl Edge {
+    /// Half the width of the band of pixels about the edge in which brightness or colour changes, px.
+    fn band(&self) -> f64 {
+        BAND * self.blurs[0].max(self.blurs[1])
+    }
 }
 
 /// An image and how its light is weighed.
@@ -91,14 +106,14 @@ pub(super) struct View<'a> {
     pub camera: &'a Camera,
     /// Height of the discs above the finger's plane, mm.
     pub height_mm: f64,
-    /// Weighs differences of colours: the inverse of their noise's covariance, up to a factor.
-    pub metric: Matrix3<f32>,
+    /// What squared differences of brightness and of colour count: inverse to their noise, 1 for the less noisy.
+    pub weights: [f64; PARTS],
 }
 
 impl View<'_> {
     /// Measures a disc of about this radius about a pixel; `None` where there is none.
     pub fn measure(&self, radius_mm: f64, about: &Pixel) -> Option<Disc> {
-        Search::new(self, Outline { radius_mm, blur_px: FIRST_BLUR_PX }, about, true)?.found()
+        Search::new(self, Outline { radius_mm, blurs_px: [FIRST_BLUR_PX; PARTS] }, about, true)?.found()
     }
 
     /// Measures the centre alone of a disc whose radius and blur are known from others.
@@ -122,16 +137,15 @@ struct Search<'a> {
 impl<'a> Search<'a> {
     fn new(view: &'a View<'a>, expected: Outline, about: &Pixel, is_outline_open: bool) -> Option<Search<'a>> {
         let map = PlaneMap::new(view.camera, view.height_mm, about, expected.radius_mm)?;
-        let edge = Edge { centre: map.origin, radius: expected.radius_mm, blur: expected.blur_px };
+        let edge = Edge { centre: map.origin, radius: expected.radius_mm, blurs: expected.blurs_px };
         // Room for an edge that is a quarter farther out, blurred twice as much, and its background.
-        let reach =
-            map.radius_px(expected.radius_mm) * (1.0 + RADIUS_TOLERANCE) + 2.0 * BAND * edge.blur + BACKGROUND_PX;
+        let reach = map.radius_px(expected.radius_mm) * (1.0 + RADIUS_TOLERANCE) + 2.0 * edge.band() + BACKGROUND_PX;
         let samples = map.samples(view.image, reach)?;
         Some(Search { view, map, samples, edge, expected, is_outline_open })
     }
 
     fn sums(&self, shades: &Shades, excluded: &[bool]) -> Sums {
-        Sums::of(&self.samples, &self.edge, (shades, &self.view.metric), &self.map, excluded)
+        Sums::of(&self.samples, &self.edge, (shades, self.view.weights), &self.map, excluded)
     }
 
     fn found(mut self) -> Option<Disc> {
@@ -154,31 +168,44 @@ impl<'a> Search<'a> {
         None
     }
 
-    /// One step of Gauss and Newton: the change of the centre, px, and the inverse of the normal equations. `None` where the edge is lost.
-    fn step(&mut self, sums: &Sums) -> Option<(f64, Matrix4<f64>)> {
-        let mut normal = sums.normal;
-        if !self.is_outline_open {
-            for fixed in 2..4 {
-                normal.fill_row(fixed, 0.0);
-                normal.fill_column(fixed, 0.0);
-                normal[(fixed, fixed)] = f64::INFINITY;
-            }
-        }
-        let inverse = inverse(&normal)?;
-        let change: Vector4<f64> = inverse * sums.gradient;
+    /// One step of Gauss and Newton: the change of the centre, px, and the centre's part of the inverse of the normal equations. `None`
+    /// where the edge is lost.
+    fn step(&mut self, sums: &Sums) -> Option<(f64, Matrix2<f64>)> {
         let edge = &mut self.edge;
+        let change: SVector<f64, UNKNOWNS>;
+        let inverse: Matrix2<f64>;
+        if self.is_outline_open {
+            let mut normal = sums.normal;
+            let mut gradient = sums.gradient;
+            // Both blurs are the lens's, but for compression.
+            let tie = (USUAL_NOISE / BLURS_APART_PX).powi(2);
+            for (part, other) in [(3, 4), (4, 3)] {
+                normal[(part, part)] += tie;
+                normal[(part, other)] -= tie;
+                gradient[part] -= tie * (edge.blurs[part - 3] - edge.blurs[other - 3]);
+            }
+            let whole: SMatrix<f64, UNKNOWNS, UNKNOWNS> = normal.cholesky()?.inverse();
+            change = whole * gradient;
+            inverse = whole.fixed_view::<2, 2>(0, 0).into_owned();
+        } else {
+            inverse = sums.normal.fixed_view::<2, 2>(0, 0).into_owned().try_inverse()?;
+            let of_centre = inverse * sums.gradient.fixed_rows::<2>(0);
+            change = SVector::from_fn(|i, _| if i < 2 { of_centre[i] } else { 0.0 });
+        }
         edge.centre += change.fixed_rows::<2>(0) * self.map.scale;
         edge.radius += change[2] * self.map.scale;
-        let largest = 0.5 * edge.blur;
-        edge.blur = (edge.blur + change[3].clamp(-largest, largest)).clamp(BLURS_PX[0], BLURS_PX[1]);
+        for (part, blur) in edge.blurs.iter_mut().enumerate() {
+            let largest = 0.5 * *blur;
+            *blur = (*blur + change[3 + part].clamp(-largest, largest)).clamp(BLURS_PX[0], BLURS_PX[1]);
+        }
         let away = (edge.centre - self.map.origin).norm();
         let off = (edge.radius / self.expected.radius_mm - 1.0).abs();
         let is_near = away < self.expected.radius_mm && off < 2.0 * RADIUS_TOLERANCE;
         is_near.then(|| (change.fixed_rows::<2>(0).norm(), inverse))
     }
 
-    fn disc(&self, sums: &Sums, inverse: &Matrix4<f64>, change_px: f64) -> Option<Disc> {
-        let residual_sd = (sums.squares / (sums.count - 4.0).max(1.0)).sqrt();
+    fn disc(&self, sums: &Sums, inverse: &Matrix2<f64>, change_px: f64) -> Option<Disc> {
+        let residual_sd = (sums.squares / (3.0 * sums.count - UNKNOWNS as f64).max(1.0)).sqrt();
         let contrast = (sums.weight / sums.count).sqrt();
         let off = (self.edge.radius / self.expected.radius_mm - 1.0).abs();
         if off > RADIUS_TOLERANCE || residual_sd > LARGEST_RESIDUAL * contrast {
@@ -189,9 +216,9 @@ impl<'a> Search<'a> {
             centre: self.edge.centre,
             pixel: self.view.camera.project(&self.edge.centre.push(self.view.height_mm)).ok()?,
             sd_mm: variance_px2.sqrt().hypot(LEAST_SD_PX).hypot(change_px) * self.map.scale,
-            outline: Outline { radius_mm: self.edge.radius, blur_px: self.edge.blur },
+            outline: Outline { radius_mm: self.edge.radius, blurs_px: self.edge.blurs },
             excess_variance: self.excess_variance(sums, inverse, variance_px2),
-            colours: sums.colours / sums.count,
+            noise: sums.noise.map(|noise| noise / sums.count),
         })
     }
 }
@@ -202,24 +229,12 @@ impl Search<'_> {
     /// # Reference
     /// The covariance of clustered residuals: K.-Y. Liang and S. Zeger, Longitudinal data analysis using generalized linear models,
     /// Biometrika 73 (1986).
-    fn excess_variance(&self, sums: &Sums, inverse: &Matrix4<f64>, variance_px2: f64) -> f64 {
+    fn excess_variance(&self, sums: &Sums, inverse: &Matrix2<f64>, variance_px2: f64) -> f64 {
         let pieces: Vec<Vector2<f64>> = sums.pulls.chunks(PIECE_SECTORS).map(|pulls| pulls.iter().sum()).collect();
         let scatter: Matrix2<f64> = pieces.iter().map(|pull| pull * pull.transpose()).sum();
-        let inverse = inverse.fixed_view::<2, 2>(0, 0);
         let pieces = pieces.len() as f64;
         // The centre follows the pieces, which takes two of their degrees of freedom.
         let variance = (inverse * scatter * inverse).trace() / 2.0 * pieces / (pieces - 2.0).max(1.0);
         variance / variance_px2
     }
-}
-
-/// The inverse of the normal equations; an infinite diagonal stands for what is known.
-fn inverse(normal: &Matrix4<f64>) -> Option<Matrix4<f64>> {
-    if normal[(3, 3)].is_finite() {
-        return normal.try_inverse();
-    }
-    let centre = normal.fixed_view::<2, 2>(0, 0).into_owned().try_inverse()?;
-    let mut whole = Matrix4::zeros();
-    whole.fixed_view_mut::<2, 2>(0, 0).copy_from(&centre);
-    Some(whole)
 }

@@ -6,6 +6,18 @@ use finray_model::camera::{Camera, Pixel};
 use image::RgbImage;
 use nalgebra::{Matrix2, Vector3};
 
+/// Brightness as JPEG and television have it (0.299 R + 0.587 G + 0.114 B, ITU-R BT.601), and two parts of the colour at right angles to it,
+/// scaled so that noise that is alike in red, green and blue is alike in all three.
+pub(super) fn light_of([r, g, b]: [u8; 3]) -> Vector3<f32> {
+    let [r, g, b] = [f32::from(r), f32::from(g), f32::from(b)];
+    // (0.299, 0.587, 0.114), (0.587, -0.299, 0) and their cross product, each of length 1.
+    Vector3::new(
+        0.447_233_1 * r + 0.878_012_8 * g + 0.170_517_0 * b,
+        0.891_062_7 * r - 0.453_880_3 * g,
+        0.077_394_3 * r + 0.151_941_3 * g - 0.985_354_7 * b,
+    )
+}
+
 /// Positions in the plane about a pixel, to second order in the distance from it.
 pub(super) struct PlaneMap {
     about: Pixel,
@@ -70,7 +82,7 @@ impl PlaneMap {
             for (u, pixel) in columns.clone().zip(image.as_raw()[start..end].chunks_exact(3)) {
                 let step = Pixel::new(u as f64, v as f64) - self.about;
                 if step.norm_squared() <= reach * reach {
-                    let light = Vector3::new(f32::from(pixel[0]), f32::from(pixel[1]), f32::from(pixel[2]));
+                    let light = light_of([pixel[0], pixel[1], pixel[2]]);
                     samples.push(Sample { at: self.at(&step), light });
                 }
             }

@@ -2,7 +2,7 @@
 
 use super::plane_map::PlaneMap;
 use super::sums::Sums;
-use super::{BAND, Edge, Sample};
+use super::{Edge, Sample};
 use finray_model::Vector;
 use nalgebra::Vector3;
 
@@ -15,9 +15,9 @@ const SECTORS: [usize; 2] = [12, 96];
 const EVEN_SECTORS: f64 = 0.3;
 /// Scatter that an even background may have beside noise, grey levels.
 const SHADING: f64 = 2.0;
-/// Pixels inside belong to the disc if no channel differs by more than this from the median, grey levels.
+/// Pixels inside belong to the disc if no part of their light differs by more than this from the median, grey levels.
 const ALIKE: f64 = 40.0;
-/// Smallest contrast of a sector, grey levels over all channels.
+/// Smallest contrast of a sector, grey levels over all parts of the light.
 const LEAST_CONTRAST: f64 = 12.0;
 /// A sector whose mean squared residual is beyond that of even sectors by so many of its standard deviations is no edge of the disc.
 const UNLIKELY: f64 = 4.0;
@@ -40,7 +40,7 @@ pub(super) struct Shades {
 
 impl Shades {
     pub fn new(samples: &[Sample], edge: &Edge, map: &PlaneMap) -> Option<Shades> {
-        let band = BAND * edge.blur;
+        let band = edge.band();
         let sectors =
             ((std::f64::consts::TAU * edge.radius / map.scale / SECTOR_PX) as usize).clamp(SECTORS[0], SECTORS[1]);
         let mut about = vec![(0.0_f32, Vector3::zeros(), 0.0_f32); sectors];
@@ -99,7 +99,7 @@ impl Shades {
 
     /// Sectors whose residual is above that of even ones, or that have no contrast.
     pub fn unlikely(&self, sums: &Sums) -> Vec<bool> {
-        let mean = |&(count, squares, _): &(f64, f64, f64)| squares / f64::max(count, 1.0);
+        let mean = |&(count, squares, _): &(f64, f64, f64)| squares / f64::max(3.0 * count, 1.0);
         let mut means: Vec<f64> = sums.by_sector.iter().filter(|sector| sector.0 > 0.0).map(mean).collect();
         means.sort_by(f64::total_cmp);
         let even = means.get((means.len() as f64 * EVEN_SECTORS) as usize).copied().unwrap_or(0.0).max(LEAST_VARIANCE);
@@ -107,7 +107,11 @@ impl Shades {
         let excess = |sector: &(f64, f64, f64)| {
             let (count, contrast2) = (sector.0.max(1.0), sector.2 / sector.0.max(1.0));
             let has_edge = sector.0 > 0.0 && contrast2 > LEAST_CONTRAST * LEAST_CONTRAST;
-            if has_edge { mean(sector) / (even * (1.0 + UNLIKELY * (2.0 / count).sqrt())) } else { f64::INFINITY }
+            if has_edge {
+                mean(sector) / (even * (1.0 + UNLIKELY * (2.0 / (3.0 * count)).sqrt()))
+            } else {
+                f64::INFINITY
+            }
         };
         let excesses: Vec<f64> = sums.by_sector.iter().map(excess).collect();
         let mut sorted = excesses.clone();

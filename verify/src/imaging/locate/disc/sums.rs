@@ -2,20 +2,20 @@
 
 use super::plane_map::PlaneMap;
 use super::shades::Shades;
-use super::{BAND, Edge, Sample};
-use nalgebra::{Matrix3, Matrix4, Vector2, Vector4};
+use super::{BAND, Edge, PARTS, Sample, UNKNOWNS};
+use nalgebra::{SMatrix, SVector, Vector2};
 
 /// Sums over the pixels of the band.
 pub(super) struct Sums {
-    pub normal: Matrix4<f64>,
-    pub gradient: Vector4<f64>,
+    pub normal: SMatrix<f64, UNKNOWNS, UNKNOWNS>,
+    pub gradient: SVector<f64, UNKNOWNS>,
     pub count: f64,
-    /// Of the squared residuals in the metric of the light, grey levels^2.
+    /// Of the weighted squared residuals, grey levels^2.
     pub squares: f64,
-    /// Of the squared contrasts.
+    /// Of the weighted squared contrasts.
     pub weight: f64,
-    /// Of the products of the residuals' colours, grey levels^2.
-    pub colours: Matrix3<f64>,
+    /// Of the squared residuals of brightness and, halved, of colour.
+    pub noise: [f64; PARTS],
     /// By sector: pixels, squared residuals, squared contrasts.
     pub by_sector: Vec<(f64, f64, f64)>,
     /// By sector: the centre's part of the gradient.
@@ -23,25 +23,25 @@ pub(super) struct Sums {
 }
 
 impl Sums {
-    /// Sums where the edge is now. `metric` weighs the differences of colours.
+    /// Sums where the edge is now.
     pub fn of(
         samples: &[Sample],
         edge: &Edge,
-        (shades, metric): (&Shades, &Matrix3<f32>),
+        (shades, weights): (&Shades, [f64; PARTS]),
         map: &PlaneMap,
         excluded: &[bool],
     ) -> Sums {
         let mut sums = Sums {
-            normal: Matrix4::zeros(),
-            gradient: Vector4::zeros(),
+            normal: SMatrix::zeros(),
+            gradient: SVector::zeros(),
             count: 0.0,
             squares: 0.0,
             weight: 0.0,
-            colours: Matrix3::zeros(),
+            noise: [0.0; PARTS],
             by_sector: vec![(0.0, 0.0, 0.0); shades.sectors],
             pulls: vec![Vector2::zeros(); shades.sectors],
         };
-        let band = BAND * edge.blur;
+        let band = edge.band();
         for sample in samples {
             let (d, direction, px_a_mm) = map.outside(edge, &sample.at);
             if d.abs() > band {
@@ -51,34 +51,45 @@ impl Sums {
             if excluded.get(number) == Some(&true) {
                 continue;
             }
-            let contrast = shades.inside_at(&sample.at) - background;
-            let weighed = metric * contrast;
-            let contrast2 = f64::from(contrast.dot(&weighed));
-            if contrast2 < 1.0 {
-                continue;
-            }
-            let light = sample.light - background;
-            let share = f64::from(light.dot(&weighed)) / contrast2;
-            let x = d / edge.blur;
-            let (covered, density) = normal_distribution(-x);
-            let residual = share - covered;
-            let steepness = density / edge.blur;
-            // Centre and radius in units of `scale` mm, about a px.
-            let along = Vector2::from(direction) * (px_a_mm * map.scale);
-            let row = Vector4::new(along.x, along.y, px_a_mm * map.scale, x) * steepness;
             let trust = shades.trust[number];
-            sums.normal += row * row.transpose() * (contrast2 * trust);
-            sums.gradient += row * (residual * contrast2 * trust);
-            sums.pulls[number] += row.xy() * (residual * contrast2 * trust);
+            let contrast = (shades.inside_at(&sample.at) - background).cast::<f64>();
+            let light = (sample.light - background).cast::<f64>();
+            // Centre and radius in units of `scale` mm, about a px.
+            let px = px_a_mm * map.scale;
+            let (mut squared, mut contrast2) = (0.0, 0.0);
+            let mut pull = Vector2::zeros();
+            for (part, parts) in [0..1, 1..3].into_iter().enumerate() {
+                let (blur, weight) = (edge.blurs[part], weights[part]);
+                let x = d / blur;
+                let (covered, density) =
+                    if x.abs() > BAND { (f64::from(u8::from(x < 0.0)), 0.0) } else { normal_distribution(-x) };
+                let (mut own, mut against, mut residuals) = (0.0, 0.0, 0.0);
+                for k in parts {
+                    let residual = light[k] - contrast[k] * covered;
+                    own += contrast[k] * contrast[k];
+                    against += contrast[k] * residual;
+                    residuals += residual * residual;
+                }
+                let steepness = density / blur;
+                let mut row = SVector::<f64, UNKNOWNS>::zeros();
+                (row[0], row[1], row[2]) = (direction.x * px * steepness, direction.y * px * steepness, px * steepness);
+                row[3 + part] = x * steepness;
+                sums.normal.syger(weight * own * trust, &row, &row, 1.0);
+                sums.gradient.axpy(weight * against * trust, &row, 1.0);
+                pull += row.fixed_rows::<2>(0) * (weight * against * trust);
+                sums.noise[part] += residuals * trust / (1 + part) as f64;
+                squared += weight * residuals;
+                contrast2 += weight * own;
+            }
+            sums.pulls[number] += pull;
             sums.count += trust;
-            let squared = residual * residual * contrast2;
             sums.squares += squared * trust;
             sums.weight += contrast2 * trust;
-            let colour = (light - contrast * covered as f32).cast::<f64>();
-            sums.colours += colour * colour.transpose() * trust;
             let sector = &mut sums.by_sector[number];
             *sector = (sector.0 + 1.0, sector.1 + squared, sector.2 + contrast2);
         }
+        // Only the lower triangle was summed.
+        sums.normal.fill_upper_triangle_with_lower_triangle();
         sums
     }
 }
