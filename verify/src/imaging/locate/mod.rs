@@ -86,6 +86,15 @@ pub struct Locator<'f> {
     on_front: Vec<NodeId>,
     /// Positions in the last image.
     last: Vec<Located>,
+    /// What its discs have in common.
+    common: Option<Common>,
+}
+
+/// What the discs of an image have in common: their outline, and what brightness and colour count.
+#[derive(Debug, Clone, Copy)]
+struct Common {
+    outline: Outline,
+    weights: [f64; 2],
 }
 
 impl<'f> Locator<'f> {
@@ -104,6 +113,7 @@ impl<'f> Locator<'f> {
             radius_px,
             on_front: finger.plate_nodes(Plate::Front),
             last: Vec::new(),
+            common: None,
         })
     }
 
@@ -120,7 +130,9 @@ impl<'f> Locator<'f> {
         require_size(&self.camera.lens, image)?;
         let discs: Vec<(Side, Disc)> =
             blobs(image, &self.colours, self.radius_px).iter().filter_map(|blob| self.measured(image, blob)).collect();
-        self.last = self.named(image, &discs)?;
+        let mut named = self.named(&discs)?;
+        self.common = Some(self.measured_together(image, &mut named));
+        self.last = located(&named);
         Ok(self.last.clone())
     }
 
@@ -132,19 +144,23 @@ impl<'f> Locator<'f> {
     pub fn track(&mut self, image: &RgbImage) -> Result<Vec<Located>, LocateError> {
         require_size(&self.camera.lens, image)?;
         let reach = NEAR * self.radius_px;
+        let Some(Common { outline, weights }) = self.common.filter(|_| !self.last.is_empty()) else {
+            return self.locate(image);
+        };
+        let view = self.view(image, weights);
         let near = |last: &Located| {
             let side = if self.on_front.contains(&last.node) { Side::Front } else { Side::Back };
             let side = if self.colours.are_alike() { Side::Front } else { side };
             let centre = middle_of_colour(image, &self.colours, side, &last.pixel, reach)?;
             // Once more from there: what was cut off at the border of the window is seen.
             let centre = middle_of_colour(image, &self.colours, side, &centre, reach)?;
-            self.measured(image, &Blob { side, centre })
+            Some((side, view.measure_centre(outline, &centre)?))
         };
         let discs: Vec<(Side, Disc)> = self.last.iter().filter_map(near).collect();
-        let enough = !self.last.is_empty() && discs.len() as f64 >= FOUND_AGAIN * self.last.len() as f64;
-        match enough.then(|| self.named(image, &discs)) {
-            Some(Ok(found)) if found.len() as f64 >= FOUND_AGAIN * self.last.len() as f64 => {
-                self.last = found;
+        let enough = |count: usize| count as f64 >= FOUND_AGAIN * self.last.len() as f64;
+        match enough(discs.len()).then(|| self.named(&discs)) {
+            Some(Ok(named)) if enough(named.len()) => {
+                self.last = located(&named);
                 Ok(self.last.clone())
             }
             _ => self.locate(image),
@@ -156,7 +172,7 @@ impl<'f> Locator<'f> {
         Some((blob.side, disc))
     }
 
-    fn named(&self, image: &RgbImage, discs: &[(Side, Disc)]) -> Result<Vec<Located>, LocateError> {
+    fn named(&self, discs: &[(Side, Disc)]) -> Result<Vec<(NodeId, Disc)>, LocateError> {
         let alike = self.colours.are_alike();
         let candidate = |(side, disc): &(Side, Disc)| Candidate {
             sides: [Side::Front, Side::Back].map(|other| alike || other == *side),
@@ -164,9 +180,8 @@ impl<'f> Locator<'f> {
         };
         let candidates: Vec<Candidate> = discs.iter().map(candidate).collect();
         let names: Names = name(self.finger, &candidates)?;
-        let named: Vec<(NodeId, Disc)> =
-            names.iter().enumerate().filter_map(|(i, name)| Some((NodeId(i + 1), discs[(*name)?].1))).collect();
-        Ok(self.measured_together(image, named))
+        let named = names.iter().enumerate().filter_map(|(i, name)| Some((NodeId(i + 1), discs[(*name)?].1)));
+        Ok(named.collect())
     }
 
     fn view<'a>(&'a self, image: &'a RgbImage, weights: [f64; 2]) -> View<'a> {
@@ -175,14 +190,15 @@ impl<'f> Locator<'f> {
 
     /// The centres once more. Markers are alike and equally sharp: what half of them have is what a marker has whose edge is partly
     /// disturbed. Colours may be noisier than brightness, as after compression: they count less then.
-    fn measured_together(&self, image: &RgbImage, mut named: Vec<(NodeId, Disc)>) -> Vec<Located> {
+    fn measured_together(&self, image: &RgbImage, named: &mut [(NodeId, Disc)]) -> Common {
         let count = named.len() as f64;
         let noise = [0, 1].map(|part| named.iter().map(|(_, disc)| disc.noise[part]).sum::<f64>() / count + ROUNDING);
         let least = noise[0].min(noise[1]);
         let is_even = noise[0].max(noise[1]) < UNEVEN * least;
-        let view = self.view(image, if is_even { [1.0; 2] } else { noise.map(|noise| least / noise) });
+        let weights = if is_even { [1.0; 2] } else { noise.map(|noise| least / noise) };
+        let view = self.view(image, weights);
         if !is_even {
-            for (_, disc) in &mut named {
+            for (_, disc) in named.iter_mut() {
                 *disc = view.measure(self.markers.radius_mm, &disc.pixel).unwrap_or(*disc);
             }
         }
@@ -190,20 +206,25 @@ impl<'f> Locator<'f> {
             radius_mm: median(named.iter().map(|(_, disc)| disc.outline.radius_mm)),
             blurs_px: [0, 1].map(|part| median(named.iter().map(|(_, disc)| disc.outline.blurs_px[part]))),
         };
-        for (_, disc) in &mut named {
+        for (_, disc) in named.iter_mut() {
             *disc = view.measure_centre(outline, &disc.pixel).unwrap_or(*disc);
         }
-        // Of one marker the excess is known to a third, of all together well.
-        let excess = named.iter().map(|(_, disc)| disc.excess_variance).sum::<f64>() / count;
-        let wider = excess.max(1.0).sqrt();
-        let located = |&(node, disc): &(NodeId, Disc)| Located {
-            node,
-            pixel: disc.pixel,
-            position: disc.centre,
-            sd_mm: disc.sd_mm * wider,
-        };
-        named.iter().map(located).collect()
+        Common { outline, weights }
     }
+}
+
+/// Markers from their discs.
+fn located(named: &[(NodeId, Disc)]) -> Vec<Located> {
+    // Of one marker the excess is known to a third, of all together well.
+    let excess = named.iter().map(|(_, disc)| disc.excess_variance).sum::<f64>() / named.len() as f64;
+    let wider = excess.max(1.0).sqrt();
+    let located = |&(node, disc): &(NodeId, Disc)| Located {
+        node,
+        pixel: disc.pixel,
+        position: disc.centre,
+        sd_mm: disc.sd_mm * wider,
+    };
+    named.iter().map(located).collect()
 }
 
 /// The middle one of some numbers.

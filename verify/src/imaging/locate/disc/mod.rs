@@ -18,7 +18,7 @@ use image::RgbImage;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2, Vector3};
 use plane_map::PlaneMap;
 use shades::{BACKGROUND_PX, KEPT_SECTORS, Shades};
-use sums::Sums;
+use sums::{Band, Sums};
 
 /// Unknowns of an edge: centre (two), radius, blur of brightness and of colour.
 const UNKNOWNS: usize = 5;
@@ -36,11 +36,14 @@ const BLURS_PX: [f64; 2] = [0.25, 6.0];
 const RADIUS_TOLERANCE: f64 = 0.25;
 /// Largest residual standard deviation, as a share of the contrast.
 const LARGEST_RESIDUAL: f64 = 0.2;
-/// Steps on the way to the edge, with shades found anew at each.
-const FIRST_STEPS: usize = 3;
-/// Rounds in which sectors are judged where the edge is by then, and steps in each.
-const ROUNDS: usize = 3;
-const ROUND_STEPS: usize = 3;
+/// Steps on the way to the edge, with shades found anew at each, and rounds in which sectors are judged where the edge is by then: where
+/// nothing is known, and where radius and blur are.
+const FIRST: (usize, usize) = (3, 3);
+const AGAIN: (usize, usize) = (1, 2);
+/// Room for a centre that is not where the search begins, px.
+const ROOM_PX: f64 = 1.0;
+/// Steps in a round.
+const ROUND_STEPS: usize = 2;
 /// Largest change of the centre in the last step, px; it counts as an error.
 const SETTLED_PX: f64 = 0.05;
 /// Smallest standard deviation of a centre, px: shading, rounding to grey levels and what the model of the edge leaves out.
@@ -139,27 +142,33 @@ impl<'a> Search<'a> {
         let map = PlaneMap::new(view.camera, view.height_mm, about, expected.radius_mm)?;
         let edge = Edge { centre: map.origin, radius: expected.radius_mm, blurs: expected.blurs_px };
         // Room for an edge that is a quarter farther out, blurred twice as much, and its background.
-        let reach = map.radius_px(expected.radius_mm) * (1.0 + RADIUS_TOLERANCE) + 2.0 * edge.band() + BACKGROUND_PX;
+        let (wider, blurred) = if is_outline_open { (1.0 + RADIUS_TOLERANCE, 2.0) } else { (1.0, 1.0) };
+        let reach = map.radius_px(expected.radius_mm) * wider + blurred * edge.band() + BACKGROUND_PX + ROOM_PX;
         let samples = map.samples(view.image, reach)?;
         Some(Search { view, map, samples, edge, expected, is_outline_open })
     }
 
-    fn sums(&self, shades: &Shades, excluded: &[bool]) -> Sums {
-        Sums::of(&self.samples, &self.edge, (shades, self.view.weights), &self.map, excluded)
+    /// Background, disc and band where the edge is now.
+    fn band(&self) -> Option<(Shades, Band)> {
+        let shades = Shades::new(&self.samples, &self.edge, &self.map)?;
+        let band = Band::new(&self.samples, &self.edge, &shades, &self.map);
+        Some((shades, band))
     }
 
     fn found(mut self) -> Option<Disc> {
-        for _ in 0..FIRST_STEPS {
-            let shades = Shades::new(&self.samples, &self.edge, &self.map)?;
-            self.step(&self.sums(&shades, &[]))?;
+        let weights = self.view.weights;
+        let (first_steps, rounds) = if self.is_outline_open { FIRST } else { AGAIN };
+        for _ in 0..first_steps {
+            let (_, band) = self.band()?;
+            self.step(&band.sums(&self.edge, weights, &[]))?;
         }
-        for round in 1..=ROUNDS {
-            let shades = Shades::new(&self.samples, &self.edge, &self.map)?;
-            let excluded = shades.unlikely(&self.sums(&shades, &[]));
+        for round in 1..=rounds {
+            let (shades, band) = self.band()?;
+            let excluded = shades.unlikely(&band.sums(&self.edge, weights, &[]));
             for step in 1..=ROUND_STEPS {
-                let sums = self.sums(&shades, &excluded);
+                let sums = band.sums(&self.edge, weights, &excluded);
                 let (change_px, inverse) = self.step(&sums)?;
-                if (round, step) == (ROUNDS, ROUND_STEPS) && change_px < SETTLED_PX {
+                if (round, step) == (rounds, ROUND_STEPS) && change_px < SETTLED_PX {
                     let kept = excluded.iter().filter(|excluded| !**excluded).count() as f64 / shades.sectors as f64;
                     return (kept >= KEPT_SECTORS).then(|| self.disc(&sums, &inverse, change_px))?;
                 }

@@ -63,7 +63,10 @@ impl PlaneMap {
 
     /// The longest radius of the disc's image, px.
     pub fn radius_px(&self, radius_mm: f64) -> f64 {
-        radius_mm * self.by_point.norm()
+        // The largest singular value.
+        let (squares, determinant) = (self.by_point.norm_squared(), self.by_point.determinant());
+        let spread = (squares * squares - 4.0 * determinant * determinant).max(0.0).sqrt();
+        radius_mm * (0.5 * (squares + spread)).sqrt()
     }
 
     /// Pixels within a distance of the middle; `None` if they are not all in the image.

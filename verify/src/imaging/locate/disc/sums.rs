@@ -22,15 +22,47 @@ pub(super) struct Sums {
     pub pulls: Vec<Vector2<f64>>,
 }
 
-impl Sums {
-    /// Sums where the edge is now.
-    pub fn of(
-        samples: &[Sample],
-        edge: &Edge,
-        (shades, weights): (&Shades, [f64; PARTS]),
-        map: &PlaneMap,
-        excluded: &[bool],
-    ) -> Sums {
+/// A pixel of the band, as it lies to an edge.
+struct Near {
+    /// Distance outside the edge, px.
+    d: f64,
+    direction: Vector2<f64>,
+    /// px a mm along it.
+    px_a_mm: f64,
+    sector: usize,
+    /// Light beyond the background, and that of the disc beyond it.
+    light: [f64; 3],
+    contrast: [f64; 3],
+}
+
+/// The pixels about an edge, with the background and the disc's light at each.
+pub(super) struct Band {
+    near: Vec<Near>,
+    /// Where the edge was when they were gathered.
+    edge: Edge,
+    trust: Vec<f64>,
+    scale: f64,
+}
+
+impl Band {
+    pub fn new(samples: &[Sample], edge: &Edge, shades: &Shades, map: &PlaneMap) -> Band {
+        let band = edge.band();
+        let near = samples.iter().filter_map(|sample| {
+            let (d, direction, px_a_mm) = map.outside(edge, &sample.at);
+            if d.abs() > band {
+                return None;
+            }
+            let (sector, background) = shades.outside_at(&direction);
+            let contrast = (shades.inside_at(&sample.at) - background).cast::<f64>();
+            let light = (sample.light - background).cast::<f64>();
+            Some(Near { d, direction, px_a_mm, sector, light: light.into(), contrast: contrast.into() })
+        });
+        Band { near: near.collect(), edge: *edge, trust: shades.trust.clone(), scale: map.scale }
+    }
+
+    /// The sums where the edge is now: a little away from where the pixels were gathered.
+    pub fn sums(&self, edge: &Edge, weights: [f64; PARTS], excluded: &[bool]) -> Sums {
+        let sectors = self.trust.len();
         let mut sums = Sums {
             normal: SMatrix::zeros(),
             gradient: SVector::zeros(),
@@ -38,59 +70,65 @@ impl Sums {
             squares: 0.0,
             weight: 0.0,
             noise: [0.0; PARTS],
-            by_sector: vec![(0.0, 0.0, 0.0); shades.sectors],
-            pulls: vec![Vector2::zeros(); shades.sectors],
+            by_sector: vec![(0.0, 0.0, 0.0); sectors],
+            pulls: vec![Vector2::zeros(); sectors],
         };
-        let band = edge.band();
-        for sample in samples {
-            let (d, direction, px_a_mm) = map.outside(edge, &sample.at);
-            if d.abs() > band {
+        let moved = edge.centre - self.edge.centre;
+        let grown = edge.radius - self.edge.radius;
+        for near in &self.near {
+            if excluded.get(near.sector) == Some(&true) {
                 continue;
             }
-            let (number, background) = shades.outside_at(&direction);
-            if excluded.get(number) == Some(&true) {
-                continue;
-            }
-            let trust = shades.trust[number];
-            let contrast = (shades.inside_at(&sample.at) - background).cast::<f64>();
-            let light = (sample.light - background).cast::<f64>();
+            let d = near.d - (near.direction.dot(&moved) + grown) * near.px_a_mm;
+            let trust = self.trust[near.sector];
             // Centre and radius in units of `scale` mm, about a px.
-            let px = px_a_mm * map.scale;
+            let px = near.px_a_mm * self.scale;
             let (mut squared, mut contrast2) = (0.0, 0.0);
-            let mut pull = Vector2::zeros();
             for (part, parts) in [0..1, 1..3].into_iter().enumerate() {
                 let (blur, weight) = (edge.blurs[part], weights[part]);
                 let x = d / blur;
-                let (covered, density) =
-                    if x.abs() > BAND { (f64::from(u8::from(x < 0.0)), 0.0) } else { normal_distribution(-x) };
+                let (covered, density) = match x.abs() > BAND {
+                    true => (f64::from(u8::from(x < 0.0)), 0.0),
+                    false => normal_distribution(-x),
+                };
                 let (mut own, mut against, mut residuals) = (0.0, 0.0, 0.0);
                 for k in parts {
-                    let residual = light[k] - contrast[k] * covered;
-                    own += contrast[k] * contrast[k];
-                    against += contrast[k] * residual;
+                    let residual = near.light[k] - near.contrast[k] * covered;
+                    own += near.contrast[k] * near.contrast[k];
+                    against += near.contrast[k] * residual;
                     residuals += residual * residual;
                 }
                 let steepness = density / blur;
-                let mut row = SVector::<f64, UNKNOWNS>::zeros();
-                (row[0], row[1], row[2]) = (direction.x * px * steepness, direction.y * px * steepness, px * steepness);
-                row[3 + part] = x * steepness;
-                sums.normal.syger(weight * own * trust, &row, &row, 1.0);
-                sums.gradient.axpy(weight * against * trust, &row, 1.0);
-                pull += row.fixed_rows::<2>(0) * (weight * against * trust);
+                let along = px * steepness;
+                let row = [near.direction.x * along, near.direction.y * along, along, x * steepness];
+                sums.add(part, &row, weight * own * trust, weight * against * trust);
+                sums.pulls[near.sector] += Vector2::new(row[0], row[1]) * (weight * against * trust);
                 sums.noise[part] += residuals * trust / (1 + part) as f64;
                 squared += weight * residuals;
                 contrast2 += weight * own;
             }
-            sums.pulls[number] += pull;
             sums.count += trust;
             sums.squares += squared * trust;
             sums.weight += contrast2 * trust;
-            let sector = &mut sums.by_sector[number];
+            let sector = &mut sums.by_sector[near.sector];
             *sector = (sector.0 + 1.0, sector.1 + squared, sector.2 + contrast2);
         }
         // Only the lower triangle was summed.
         sums.normal.fill_upper_triangle_with_lower_triangle();
         sums
+    }
+}
+
+impl Sums {
+    /// Adds a pixel's part: `row` has the derivatives by centre, radius and the part's own blur.
+    fn add(&mut self, part: usize, row: &[f64; 4], weight: f64, pull: f64) {
+        let at = [0, 1, 2, 3 + part];
+        for (i, &line) in at.iter().enumerate() {
+            self.gradient[line] += row[i] * pull;
+            for (k, &column) in at.iter().enumerate().take(i + 1) {
+                self.normal[(line, column)] += weight * row[i] * row[k];
+            }
+        }
     }
 }
 
