@@ -16,7 +16,7 @@ use finray_model::Vector;
 use finray_model::camera::{Camera, Pixel};
 use image::RgbImage;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2, Vector3};
-use plane_map::PlaneMap;
+use plane_map::{PlaneMap, Polar};
 use shades::{BACKGROUND_PX, KEPT_SECTORS, Shades};
 use sums::{Band, Sums};
 
@@ -150,8 +150,10 @@ impl<'a> Search<'a> {
 
     /// Background, disc and band where the edge is now.
     fn band(&self) -> Option<(Shades, Band)> {
-        let shades = Shades::new(&self.samples, &self.edge, &self.map)?;
-        let band = Band::new(&self.samples, &self.edge, &shades, &self.map);
+        let (edge, scale) = (&self.edge, self.map.scale);
+        let polars: Vec<Polar> = self.samples.iter().map(|sample| self.map.polar(edge, &sample.at)).collect();
+        let shades = Shades::new(&self.samples, &polars, edge, scale)?;
+        let band = Band::new(&self.samples, &polars, edge, &shades, scale);
         Some((shades, band))
     }
 

@@ -93,16 +93,44 @@ impl PlaneMap {
         Some(samples)
     }
 
-    /// Distance outside the edge along the pixels, px, the direction from the centre, in the plane, and px a mm along it.
-    pub fn outside(&self, edge: &Edge, at: &Vector) -> (f64, Vector, f64) {
+    /// How a point lies to an edge.
+    pub fn polar(&self, edge: &Edge, at: &Vector) -> Polar {
         let from_centre = at - edge.centre;
         let far = from_centre.norm();
         if far < 1e-12 {
-            return (-edge.radius / self.scale, Vector::x(), 1.0 / self.scale);
+            let px_a_mm = 1.0 / self.scale;
+            return Polar { outside_px: -edge.radius * px_a_mm, direction: Vector::x(), px_a_mm, turn: 0.0 };
         }
         let direction = from_centre / far;
         // The distance in the plane grows along the pixels by |slope^T direction|.
         let px_a_mm = 1.0 / (self.slope.tr_mul(&direction)).norm();
-        ((far - edge.radius) * px_a_mm, direction, px_a_mm)
+        Polar { outside_px: (far - edge.radius) * px_a_mm, direction, px_a_mm, turn: turn(&direction) }
     }
+}
+
+/// How a point of the plane lies to an edge.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Polar {
+    /// Distance outside the edge along the pixels, px.
+    pub outside_px: f64,
+    /// Direction from the centre, in the plane.
+    pub direction: Vector,
+    /// px a mm along it.
+    pub px_a_mm: f64,
+    /// The direction as a share of a whole turn, 0 to 1: see [`turn`].
+    pub turn: f64,
+}
+
+/// The angle of a direction as a share of a whole turn, good to 6e-4: sectors need no more, and the arctangent would take half of the time.
+///
+/// # Reference
+/// S. Rajan et al., Efficient approximations for the arctangent function, IEEE Signal Processing Magazine 23 (2006), eq. (7).
+fn turn(direction: &Vector) -> f64 {
+    let (x, y) = (direction.x, direction.y);
+    let octant = |z: f64| z * (0.125 + (0.273 / std::f64::consts::TAU) * (1.0 - z.abs()));
+    let turn = match x.abs() > y.abs() {
+        true => octant(y / x) + if x < 0.0 { 0.5 } else { 0.0 },
+        false => (if y > 0.0 { 0.25 } else { 0.75 }) - octant(x / y),
+    };
+    if turn < 0.0 { turn + 1.0 } else { turn }
 }

@@ -1,6 +1,6 @@
 //! Light of a disc and of what lies about it.
 
-use super::plane_map::PlaneMap;
+use super::plane_map::Polar;
 use super::sums::Sums;
 use super::{Edge, Sample};
 use finray_model::Vector;
@@ -39,20 +39,20 @@ pub(super) struct Shades {
 }
 
 impl Shades {
-    pub fn new(samples: &[Sample], edge: &Edge, map: &PlaneMap) -> Option<Shades> {
+    pub fn new(samples: &[Sample], polars: &[Polar], edge: &Edge, scale: f64) -> Option<Shades> {
         let band = edge.band();
         let sectors =
-            ((std::f64::consts::TAU * edge.radius / map.scale / SECTOR_PX) as usize).clamp(SECTORS[0], SECTORS[1]);
+            ((std::f64::consts::TAU * edge.radius / scale / SECTOR_PX) as usize).clamp(SECTORS[0], SECTORS[1]);
         let mut about = vec![(0.0_f32, Vector3::zeros(), 0.0_f32); sectors];
         let mut inner: Vec<&Sample> = Vec::with_capacity(samples.len() / 2);
         // Small discs have no inside that the blur spares: their middle stands for it.
-        let depth = band.min(0.5 * edge.radius / map.scale);
-        for sample in samples {
-            let (d, direction, _) = map.outside(edge, &sample.at);
+        let depth = band.min(0.5 * edge.radius / scale);
+        for (sample, polar) in samples.iter().zip(polars) {
+            let d = polar.outside_px;
             if d < -depth {
                 inner.push(sample);
             } else if d > band && d < band + BACKGROUND_PX {
-                let (sum, light, squares) = &mut about[sector(&direction, sectors).0];
+                let (sum, light, squares) = &mut about[sector(polar.turn, sectors).0];
                 *sum += 1.0;
                 *light += sample.light;
                 *squares += sample.light.norm_squared();
@@ -87,8 +87,8 @@ impl Shades {
     }
 
     /// The background in a direction, between the middles of two sectors.
-    pub fn outside_at(&self, direction: &Vector) -> (usize, Vector3<f32>) {
-        let (number, part) = sector(direction, self.sectors);
+    pub fn outside_at(&self, turn: f64) -> (usize, Vector3<f32>) {
+        let (number, part) = sector(turn, self.sectors);
         let other = match part < 0.5 {
             true => (number + self.sectors - 1) % self.sectors,
             false => (number + 1) % self.sectors,
@@ -134,8 +134,7 @@ fn trust(variances: &[f64]) -> Vec<f64> {
 }
 
 /// Number of the sector of a direction and where in it, 0 to 1.
-fn sector(direction: &Vector, sectors: usize) -> (usize, f64) {
-    let turn = direction.y.atan2(direction.x) / std::f64::consts::TAU + 0.5;
+fn sector(turn: f64, sectors: usize) -> (usize, f64) {
     let at = turn * sectors as f64;
     ((at as usize).min(sectors - 1), at.fract())
 }

@@ -1,6 +1,6 @@
 //! The equations of an edge: sums over the pixels about it.
 
-use super::plane_map::PlaneMap;
+use super::plane_map::Polar;
 use super::shades::Shades;
 use super::{BAND, Edge, PARTS, Sample, UNKNOWNS};
 use nalgebra::{SMatrix, SVector, Vector2};
@@ -45,19 +45,19 @@ pub(super) struct Band {
 }
 
 impl Band {
-    pub fn new(samples: &[Sample], edge: &Edge, shades: &Shades, map: &PlaneMap) -> Band {
+    pub fn new(samples: &[Sample], polars: &[Polar], edge: &Edge, shades: &Shades, scale: f64) -> Band {
         let band = edge.band();
-        let near = samples.iter().filter_map(|sample| {
-            let (d, direction, px_a_mm) = map.outside(edge, &sample.at);
+        let near = samples.iter().zip(polars).filter_map(|(sample, polar)| {
+            let Polar { outside_px: d, direction, px_a_mm, turn } = *polar;
             if d.abs() > band {
                 return None;
             }
-            let (sector, background) = shades.outside_at(&direction);
+            let (sector, background) = shades.outside_at(turn);
             let contrast = (shades.inside_at(&sample.at) - background).cast::<f64>();
             let light = (sample.light - background).cast::<f64>();
             Some(Near { d, direction, px_a_mm, sector, light: light.into(), contrast: contrast.into() })
         });
-        Band { near: near.collect(), edge: *edge, trust: shades.trust.clone(), scale: map.scale }
+        Band { near: near.collect(), edge: *edge, trust: shades.trust.clone(), scale }
     }
 
     /// The sums where the edge is now: a little away from where the pixels were gathered.
