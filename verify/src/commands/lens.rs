@@ -2,9 +2,9 @@
 
 use super::Failure;
 use super::parse::positive;
+use finray_imaging::grid::{find_grid, lens_of_grids};
 use finray_model::camera::{LENS_PARAMETERS, LensFit};
 use finray_verify::files::{FileError, load_image, write_text};
-use finray_verify::imaging::grid::{find_grid, lens_of_grids};
 use rayon::prelude::*;
 use std::fmt::Write;
 use std::path::PathBuf;

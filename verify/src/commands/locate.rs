@@ -2,9 +2,9 @@
 
 use super::cameras::{camera_and_markers, camera_of, markers_of};
 use super::{Failure, not_both_from_standard_input};
+use finray_imaging::locate::{Located, Locator, LocatorError, Rest};
 use finray_model::{NodeId, Vector};
 use finray_verify::files::{FileError, csv_text, is_standard_stream, load_image, load_scene, write_text};
-use finray_verify::imaging::locate::{Located, Locator, LocatorError, Rest};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

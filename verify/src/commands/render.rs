@@ -7,7 +7,7 @@ use super::{Failure, not_both_from_standard_input};
 use finray_model::frame::FrameMotion;
 use finray_model::{Finger, Kinematics, NodeId};
 use finray_verify::files::{displacements, load_scene, to_png, write_bytes};
-use finray_verify::imaging::render::{Disturbances, RenderRequest, render};
+use finray_verify::render::{Disturbances, RenderRequest, render};
 use std::path::PathBuf;
 
 /// Largest blur, px: beyond, a marker of a few pixels is no longer seen.

@@ -1,11 +1,11 @@
 //! What is found in rendered images: centres, their stated standard deviations, names.
 
 use finray_fixtures::CAMERA_SCENE;
+use finray_imaging::locate::{LocateError, Located, Locator, NamingError, Rest};
 use finray_model::camera::{Camera, Distortion, Lens, Pose};
 use finray_model::mesh::FingerShape;
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, statics};
-use finray_verify::imaging::locate::{LocateError, Located, Locator, NamingError, Rest};
-use finray_verify::imaging::render::{Disturbances, RenderRequest, render};
+use finray_verify::render::{Disturbances, RenderRequest, render};
 use finray_verify::sampling::noise::Noise;
 use nalgebra::{Rotation3, Vector3};
 use rayon::prelude::*;

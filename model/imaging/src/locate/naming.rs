@@ -15,6 +15,8 @@ pub(super) struct Candidate {
     pub sides: [bool; 2],
     /// Its centre, mm, finger frame.
     pub at: Vector,
+    /// The only node that it may be, where one is known.
+    pub node: Option<NodeId>,
 }
 
 /// Hidden nodes in a row that a chain may skip.
@@ -71,8 +73,12 @@ pub enum NamingError {
 /// The candidate of each key node, by its number less one.
 pub(super) type Names = Vec<Option<usize>>;
 
-/// Names the candidates.
-pub(super) fn name(finger: &Finger, candidates: &[Candidate]) -> Result<Names, NamingError> {
+/// Names the candidates as one finger has them; nobody asks whether another naming fits as well.
+pub(super) fn name_likely(finger: &Finger, candidates: &[Candidate]) -> Names {
+    likely(finger, candidates).0
+}
+
+fn likely(finger: &Finger, candidates: &[Candidate]) -> (Names, [Option<Named>; 2]) {
     let mut names: Names = vec![None; finger.key_node_count()];
     let mut chains = [None, None];
     for _ in 0..ROUNDS {
@@ -83,6 +89,12 @@ pub(super) fn name(finger: &Finger, candidates: &[Candidate]) -> Result<Names, N
             chains[usize::from(plate == Plate::Back)] = Some(found);
         }
     }
+    (names, chains)
+}
+
+/// Names the candidates.
+pub(super) fn name(finger: &Finger, candidates: &[Candidate]) -> Result<Names, NamingError> {
+    let (mut names, chains) = likely(finger, candidates);
     for plate in [Plate::Front, Plate::Back] {
         let Some(best) = &chains[usize::from(plate == Plate::Back)] else { continue };
         let question = Chain::new(finger, plate, candidates, &names);
@@ -173,7 +185,10 @@ impl<'a> Chain<'a> {
             if position == last && plate == Plate::Back {
                 return names[finger.tip().0 - 1].into_iter().collect();
             }
-            let of_side = |i: &usize| candidates[*i].sides[side as usize] && !taken.contains(i);
+            let may_be = |candidate: &Candidate| {
+                candidate.sides[side as usize] && candidate.node.is_none_or(|node| node == nodes[position])
+            };
+            let of_side = |i: &usize| may_be(&candidates[*i]) && !taken.contains(i);
             (0..candidates.len()).filter(of_side).collect()
         });
         Chain { finger, plate, candidates, choices: choices.collect(), nodes, lengths_mm, ribs }
@@ -293,24 +308,30 @@ fn turn_cost(before: &Vector, step: &Vector, segments: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampling::noise::Noise;
     use finray_fixtures::{PAPER_SCENE, SOFT_SCENE, SPRING_STEEL_SCENE};
     use finray_model::{Kinematics, Load, Mesh, Scene, statics};
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    fn normal(chance: &mut ChaCha8Rng) -> f64 {
+        StandardNormal.sample(chance)
+    }
 
     /// Markers of a shape as they would be measured, and the node of each.
-    fn markers(finger: &Finger, chance: &mut Noise, largest_n: f64) -> Option<Vec<(NodeId, Candidate)>> {
+    fn markers(finger: &Finger, chance: &mut ChaCha8Rng, largest_n: f64) -> Option<Vec<(NodeId, Candidate)>> {
         let mesh = Mesh::key_nodes(finger);
         let length = finger.plate_length_mm(Plate::Front);
-        let angle_deg = chance.evenly([-40.0, 40.0]);
-        let force = finger.direction(angle_deg) * chance.evenly([0.0, largest_n]);
-        let load = Load::at_position(chance.evenly([0.05, 0.98]) * length, force);
+        let angle_deg = chance.random_range(-40.0..40.0);
+        let force = finger.direction(angle_deg) * chance.random_range(0.0..largest_n);
+        let load = Load::at_position(chance.random_range(0.05..0.98) * length, force);
         let shape = statics::solve(&mesh, &[load], Kinematics::Corotational).ok()?;
         let on_front = finger.plate_nodes(Plate::Front);
         let marker = |motion: &finray_model::mesh::NodeMotion| {
-            let noise = Vector::new(chance.standard_normal(), chance.standard_normal()) * 0.02;
+            let noise = Vector::new(normal(chance), normal(chance)) * 0.02;
             let is_front = on_front.contains(&motion.node);
             let at = motion.position + motion.displacement + noise;
-            (motion.node, Candidate { sides: [is_front, !is_front], at })
+            (motion.node, Candidate { sides: [is_front, !is_front], at, node: None })
         };
         Some(shape.motions().iter().map(marker).collect())
     }
@@ -327,16 +348,16 @@ mod tests {
             let finger = Scene::from_toml(scene).expect("a scene").finger;
             let (mut all, mut named, mut wrong) = (0, 0, 0);
             for number in 0..SHAPES {
-                let mut chance = Noise::of_stream(7, number);
+                let mut chance = ChaCha8Rng::seed_from_u64(number);
                 let Some(mut seen) = markers(&finger, &mut chance, largest_n) else { continue };
-                seen.retain(|_| chance.evenly([0.0, 1.0]) > 0.12);
+                seen.retain(|_| chance.random_range(0.0..1.0) > 0.12);
                 let nodes = seen.len();
                 for _ in 0..number % 13 {
-                    let at = Vector::new(chance.evenly([-30.0, 180.0]), chance.evenly([-70.0, 70.0]));
+                    let at = Vector::new(chance.random_range(-30.0..180.0), chance.random_range(-70.0..70.0));
                     // A false marker that lies on a true one would be measured as one of them, or not at all.
                     if seen.iter().all(|(_, other)| (other.at - at).norm() > 4.0) {
-                        let is_front = chance.evenly([0.0, 1.0]) < 0.5;
-                        seen.push((NodeId(0), Candidate { sides: [is_front, !is_front], at }));
+                        let is_front = chance.random_range(0.0..1.0) < 0.5;
+                        seen.push((NodeId(0), Candidate { sides: [is_front, !is_front], at, node: None }));
                     }
                 }
                 let candidates: Vec<Candidate> = seen.iter().map(|(_, candidate)| *candidate).collect();
@@ -356,7 +377,7 @@ mod tests {
     #[test]
     fn too_few_markers_are_no_finger() {
         let finger = Scene::from_toml(PAPER_SCENE).expect("a scene").finger;
-        let mut seen = markers(&finger, &mut Noise::new(1), 2.0).expect("a shape");
+        let mut seen = markers(&finger, &mut ChaCha8Rng::seed_from_u64(1), 2.0).expect("a shape");
         seen.truncate(5);
         let candidates: Vec<Candidate> = seen.iter().map(|(_, candidate)| *candidate).collect();
         // Of nodes 1 to 5 one is clamped.
@@ -368,7 +389,7 @@ mod tests {
     #[test]
     fn two_ways_to_name_are_refused() {
         let finger = Scene::from_toml(PAPER_SCENE).expect("a scene").finger;
-        let seen = markers(&finger, &mut Noise::new(2), 1.0).expect("a shape");
+        let seen = markers(&finger, &mut ChaCha8Rng::seed_from_u64(2), 1.0).expect("a shape");
         let mut candidates: Vec<Candidate> = seen.iter().map(|(_, candidate)| *candidate).collect();
         let copies = candidates.clone();
         candidates.extend(copies.iter().map(|marker| Candidate { at: marker.at + Vector::new(0.0, 0.5), ..*marker }));

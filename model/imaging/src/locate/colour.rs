@@ -43,6 +43,7 @@ struct Cone {
 }
 
 impl Cone {
+    #[inline]
     fn holds(&self, pixel: &[u8; 3]) -> bool {
         let [r, g, b] = pixel.map(f32::from);
         let along = r * self.axis[0] + g * self.axis[1] + b * self.axis[2];
@@ -90,6 +91,7 @@ impl Colours {
     }
 
     /// The side whose colour a pixel has; [`Side::Front`] where both have the same.
+    #[inline]
     pub fn side_of(&self, pixel: &[u8; 3]) -> Option<Side> {
         if self.front.holds(pixel) {
             return Some(Side::Front);

@@ -14,13 +14,13 @@ pub use rest::{Rest, RestError};
 
 use blobs::{Blob, LEAST_RADIUS_PX, blobs, middle_of_colour};
 use colour::{Colours, Side};
-use disc::{Disc, Outline, View};
+use disc::{Buffers, Disc, Outline, View};
 use finray_model::camera::{Camera, Lens, Pixel, ViewError};
 use finray_model::finger::Plate;
 use finray_model::scene::Markers;
 use finray_model::{Finger, NodeId, Vector};
 use image::RgbImage;
-use naming::{Candidate, Names, name};
+use naming::{Candidate, Names, name, name_likely};
 
 /// A marker is sought within so many of its radii of where it was in the image before.
 const NEAR: f64 = 1.6;
@@ -88,6 +88,7 @@ pub struct Locator<'f> {
     last: Vec<Located>,
     /// What its discs have in common.
     common: Option<Common>,
+    buffers: Buffers,
 }
 
 /// What the discs of an image have in common: their outline, and what brightness and colour count.
@@ -114,6 +115,7 @@ impl<'f> Locator<'f> {
             on_front: finger.plate_nodes(Plate::Front),
             last: Vec::new(),
             common: None,
+            buffers: Buffers::default(),
         })
     }
 
@@ -128,10 +130,15 @@ impl<'f> Locator<'f> {
     /// [`LocateError`] if the image does not show the finger, or more than one way to name the markers fits.
     pub fn locate(&mut self, image: &RgbImage) -> Result<Vec<Located>, LocateError> {
         require_size(&self.camera.lens, image)?;
+        let mut buffers = std::mem::take(&mut self.buffers);
+        let view = self.view(image, [1.0; 2]);
+        let measured =
+            |blob: &Blob| Some((blob.side, view.measure(self.markers.radius_mm, &blob.centre, &mut buffers)?));
         let discs: Vec<(Side, Disc)> =
-            blobs(image, &self.colours, self.radius_px).iter().filter_map(|blob| self.measured(image, blob)).collect();
+            blobs(image, &self.colours, self.radius_px).iter().filter_map(measured).collect();
         let mut named = self.named(&discs)?;
-        self.common = Some(self.measured_together(image, &mut named));
+        self.common = Some(self.measured_together(image, &mut named, &mut buffers));
+        self.buffers = buffers;
         self.last = located(&named);
         Ok(self.last.clone())
     }
@@ -147,29 +154,31 @@ impl<'f> Locator<'f> {
         let Some(Common { outline, weights }) = self.common.filter(|_| !self.last.is_empty()) else {
             return self.locate(image);
         };
+        let mut buffers = std::mem::take(&mut self.buffers);
         let view = self.view(image, weights);
         let near = |last: &Located| {
             let side = if self.on_front.contains(&last.node) { Side::Front } else { Side::Back };
             let side = if self.colours.are_alike() { Side::Front } else { side };
-            let centre = middle_of_colour(image, &self.colours, side, &last.pixel, reach)?;
-            // Once more from there: what was cut off at the border of the window is seen.
-            let centre = middle_of_colour(image, &self.colours, side, &centre, reach)?;
-            Some((side, view.measure_centre(outline, &centre)?))
-        };
-        let discs: Vec<(Side, Disc)> = self.last.iter().filter_map(near).collect();
-        let enough = |count: usize| count as f64 >= FOUND_AGAIN * self.last.len() as f64;
-        match enough(discs.len()).then(|| self.named(&discs)) {
-            Some(Ok(named)) if enough(named.len()) => {
-                self.last = located(&named);
-                Ok(self.last.clone())
+            let mut centre = middle_of_colour(image, &self.colours, side, &last.pixel, reach)?;
+            // What was cut off at the border of the window is seen from there.
+            if (centre - last.pixel).norm() > reach - self.radius_px {
+                centre = middle_of_colour(image, &self.colours, side, &centre, reach)?;
             }
-            _ => self.locate(image),
+            Some((last.node, view.measure_centre(outline, &centre, &mut buffers)?))
+        };
+        let found: Vec<(NodeId, Disc)> = self.last.iter().filter_map(near).collect();
+        self.buffers = buffers;
+        // What is near where a node was is that node, unless no finger has such a shape.
+        let candidate =
+            |(node, disc): &(NodeId, Disc)| Candidate { sides: [true; 2], at: disc.centre, node: Some(*node) };
+        let candidates: Vec<Candidate> = found.iter().map(candidate).collect();
+        let names = name_likely(self.finger, &candidates);
+        let named: Vec<(NodeId, Disc)> = names.iter().flatten().map(|&i| found[i]).collect();
+        if (named.len() as f64) < FOUND_AGAIN * self.last.len() as f64 {
+            return self.locate(image);
         }
-    }
-
-    fn measured(&self, image: &RgbImage, blob: &Blob) -> Option<(Side, Disc)> {
-        let disc = self.view(image, [1.0; 2]).measure(self.markers.radius_mm, &blob.centre)?;
-        Some((blob.side, disc))
+        self.last = located(&named);
+        Ok(self.last.clone())
     }
 
     fn named(&self, discs: &[(Side, Disc)]) -> Result<Vec<(NodeId, Disc)>, LocateError> {
@@ -177,6 +186,7 @@ impl<'f> Locator<'f> {
         let candidate = |(side, disc): &(Side, Disc)| Candidate {
             sides: [Side::Front, Side::Back].map(|other| alike || other == *side),
             at: disc.centre,
+            node: None,
         };
         let candidates: Vec<Candidate> = discs.iter().map(candidate).collect();
         let names: Names = name(self.finger, &candidates)?;
@@ -190,7 +200,7 @@ impl<'f> Locator<'f> {
 
     /// The centres once more. Markers are alike and equally sharp: what half of them have is what a marker has whose edge is partly
     /// disturbed. Colours may be noisier than brightness, as after compression: they count less then.
-    fn measured_together(&self, image: &RgbImage, named: &mut [(NodeId, Disc)]) -> Common {
+    fn measured_together(&self, image: &RgbImage, named: &mut [(NodeId, Disc)], buffers: &mut Buffers) -> Common {
         let count = named.len() as f64;
         let noise = [0, 1].map(|part| named.iter().map(|(_, disc)| disc.noise[part]).sum::<f64>() / count + ROUNDING);
         let least = noise[0].min(noise[1]);
@@ -199,7 +209,7 @@ impl<'f> Locator<'f> {
         let view = self.view(image, weights);
         if !is_even {
             for (_, disc) in named.iter_mut() {
-                *disc = view.measure(self.markers.radius_mm, &disc.pixel).unwrap_or(*disc);
+                *disc = view.measure(self.markers.radius_mm, &disc.pixel, buffers).unwrap_or(*disc);
             }
         }
         let outline = Outline {
@@ -207,7 +217,7 @@ impl<'f> Locator<'f> {
             blurs_px: [0, 1].map(|part| median(named.iter().map(|(_, disc)| disc.outline.blurs_px[part]))),
         };
         for (_, disc) in named.iter_mut() {
-            *disc = view.measure_centre(outline, &disc.pixel).unwrap_or(*disc);
+            *disc = view.measure_centre(outline, &disc.pixel, buffers).unwrap_or(*disc);
         }
         Common { outline, weights }
     }

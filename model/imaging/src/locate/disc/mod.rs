@@ -15,10 +15,10 @@ mod sums;
 use finray_model::Vector;
 use finray_model::camera::{Camera, Pixel};
 use image::RgbImage;
-use nalgebra::{Matrix2, SMatrix, SVector, Vector2, Vector3};
-use plane_map::{PlaneMap, Polar};
+use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
+use plane_map::{Pixels, PlaneMap};
 use shades::{BACKGROUND_PX, KEPT_SECTORS, Shades};
-use sums::{Band, Sums};
+use sums::{Band, OfSector, Sums};
 
 /// Unknowns of an edge: centre (two), radius, blur of brightness and of colour.
 const UNKNOWNS: usize = 5;
@@ -36,14 +36,15 @@ const BLURS_PX: [f64; 2] = [0.25, 6.0];
 const RADIUS_TOLERANCE: f64 = 0.25;
 /// Largest residual standard deviation, as a share of the contrast.
 const LARGEST_RESIDUAL: f64 = 0.2;
-/// Steps on the way to the edge, with shades found anew at each, and rounds in which sectors are judged where the edge is by then: where
-/// nothing is known, and where radius and blur are.
-const FIRST: (usize, usize) = (3, 3);
-const AGAIN: (usize, usize) = (1, 2);
 /// Room for a centre that is not where the search begins, px.
 const ROOM_PX: f64 = 1.0;
-/// Steps in a round.
-const ROUND_STEPS: usize = 2;
+/// Rounds in which pixels are gathered where the edge is by then, at most, and steps in a round.
+const ROUNDS: usize = 9;
+const STEPS: usize = 2;
+/// An edge that moves less than this in a round, px, is near: from then on unlikely sectors are told; and one that moves less than this is
+/// there.
+const NEAR_PX: f64 = 1.0;
+const THERE_PX: f64 = 0.25;
 /// Largest change of the centre in the last step, px; it counts as an error.
 const SETTLED_PX: f64 = 0.05;
 /// Smallest standard deviation of a centre, px: shading, rounding to grey levels and what the model of the edge leaves out.
@@ -79,16 +80,8 @@ pub(super) struct Outline {
     pub blurs_px: [f64; PARTS],
 }
 
-/// A pixel about the edge.
-struct Sample {
-    /// Where it lies in the plane, mm.
-    at: Vector,
-    /// Its brightness and, at right angles to that, two parts of its colour: see [`plane_map::light_of`].
-    light: Vector3<f32>,
-}
-
-/// What is sought: centre and radius (mm, in the plane), and the blurs (px).
-#[derive(Debug, Clone, Copy)]
+/// What is sought: centre and radius in the units of the plane's map, and the blurs (px).
+#[derive(Debug, Clone, Copy, Default)]
 struct Edge {
     centre: Vector,
     radius: f64,
@@ -113,15 +106,24 @@ pub(super) struct View<'a> {
     pub weights: [f64; PARTS],
 }
 
+/// What one disc after the other is measured in.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Buffers {
+    pixels: Pixels,
+    shades: Shades,
+    band: Band,
+    sums: Sums,
+}
+
 impl View<'_> {
     /// Measures a disc of about this radius about a pixel; `None` where there is none.
-    pub fn measure(&self, radius_mm: f64, about: &Pixel) -> Option<Disc> {
-        Search::new(self, Outline { radius_mm, blurs_px: [FIRST_BLUR_PX; PARTS] }, about, true)?.found()
+    pub fn measure(&self, radius_mm: f64, about: &Pixel, buffers: &mut Buffers) -> Option<Disc> {
+        Search::new(self, Outline { radius_mm, blurs_px: [FIRST_BLUR_PX; PARTS] }, about, true, buffers)?.found()
     }
 
     /// Measures the centre alone of a disc whose radius and blur are known from others.
-    pub fn measure_centre(&self, outline: Outline, about: &Pixel) -> Option<Disc> {
-        Search::new(self, outline, about, false)?.found()
+    pub fn measure_centre(&self, outline: Outline, about: &Pixel, buffers: &mut Buffers) -> Option<Disc> {
+        Search::new(self, outline, about, false, buffers)?.found()
     }
 }
 
@@ -129,59 +131,76 @@ impl View<'_> {
 struct Search<'a> {
     view: &'a View<'a>,
     map: PlaneMap,
-    samples: Vec<Sample>,
     edge: Edge,
-    /// The outline at the start.
-    expected: Outline,
+    /// The edge at the start.
+    expected: Edge,
     /// Whether radius and blur are sought too.
     is_outline_open: bool,
+    buffers: &'a mut Buffers,
+}
+
+/// The last step of a search.
+struct Step {
+    /// Change of the centre, px.
+    change_px: f64,
+    /// The centre's part of the inverse of the normal equations.
+    inverse: Matrix2<f64>,
 }
 
 impl<'a> Search<'a> {
-    fn new(view: &'a View<'a>, expected: Outline, about: &Pixel, is_outline_open: bool) -> Option<Search<'a>> {
+    fn new(
+        view: &'a View<'a>,
+        expected: Outline,
+        about: &Pixel,
+        is_outline_open: bool,
+        buffers: &'a mut Buffers,
+    ) -> Option<Search<'a>> {
         let map = PlaneMap::new(view.camera, view.height_mm, about, expected.radius_mm)?;
-        let edge = Edge { centre: map.origin, radius: expected.radius_mm, blurs: expected.blurs_px };
+        let radius = expected.radius_mm / map.unit_mm;
+        let edge = Edge { centre: Vector::zeros(), radius, blurs: expected.blurs_px };
         // Room for an edge that is a quarter farther out, blurred twice as much, and its background.
         let (wider, blurred) = if is_outline_open { (1.0 + RADIUS_TOLERANCE, 2.0) } else { (1.0, 1.0) };
-        let reach = map.radius_px(expected.radius_mm) * wider + blurred * edge.band() + BACKGROUND_PX + ROOM_PX;
-        let samples = map.samples(view.image, reach)?;
-        Some(Search { view, map, samples, edge, expected, is_outline_open })
-    }
-
-    /// Background, disc and band where the edge is now.
-    fn band(&self) -> Option<(Shades, Band)> {
-        let (edge, scale) = (&self.edge, self.map.scale);
-        let polars: Vec<Polar> = self.samples.iter().map(|sample| self.map.polar(edge, &sample.at)).collect();
-        let shades = Shades::new(&self.samples, &polars, edge, scale)?;
-        let band = Band::new(&self.samples, &polars, edge, &shades, scale);
-        Some((shades, band))
+        let reach = map.radius_px(radius) * wider + blurred * edge.band() + BACKGROUND_PX + ROOM_PX;
+        map.gather(view.image, reach, &mut buffers.pixels);
+        Some(Search { view, map, edge, expected: edge, is_outline_open, buffers })
     }
 
     fn found(mut self) -> Option<Disc> {
         let weights = self.view.weights;
-        let (first_steps, rounds) = if self.is_outline_open { FIRST } else { AGAIN };
-        for _ in 0..first_steps {
-            let (_, band) = self.band()?;
-            self.step(&band.sums(&self.edge, weights, &[]))?;
-        }
-        for round in 1..=rounds {
-            let (shades, band) = self.band()?;
-            let excluded = shades.unlikely(&band.sums(&self.edge, weights, &[]));
-            for step in 1..=ROUND_STEPS {
-                let sums = band.sums(&self.edge, weights, &excluded);
-                let (change_px, inverse) = self.step(&sums)?;
-                if (round, step) == (rounds, ROUND_STEPS) && change_px < SETTLED_PX {
-                    let kept = excluded.iter().filter(|excluded| !**excluded).count() as f64 / shades.sectors as f64;
-                    return (kept >= KEPT_SECTORS).then(|| self.disc(&sums, &inverse, change_px))?;
+        let mut is_near = false;
+        for _ in 0..ROUNDS {
+            let from = self.edge;
+            let Buffers { pixels, shades, band, .. } = &mut *self.buffers;
+            self.map.measure_from(&from, pixels);
+            shades.gather(pixels, &self.map, &from)?;
+            band.gather(pixels, &self.map, &from, shades);
+            let mut kept = 0.0;
+            let mut last = None;
+            for step in 0..STEPS {
+                let Buffers { shades, band, sums, .. } = &mut *self.buffers;
+                band.sum(&self.edge, weights, &shades.trust, sums);
+                if is_near && step == 0 {
+                    kept = shades.distrust_unlikely(sums);
+                    band.sum(&self.edge, weights, &shades.trust, sums);
+                }
+                last = Some(self.step()?);
+                if !is_near {
+                    break;
                 }
             }
+            let last = last?;
+            let moved = (self.edge.centre - from.centre).norm().max((self.edge.radius - from.radius).abs());
+            if is_near && moved < THERE_PX && last.change_px < SETTLED_PX {
+                return if kept >= KEPT_SECTORS { self.disc(&last) } else { None };
+            }
+            is_near = moved < NEAR_PX;
         }
         None
     }
 
-    /// One step of Gauss and Newton: the change of the centre, px, and the centre's part of the inverse of the normal equations. `None`
-    /// where the edge is lost.
-    fn step(&mut self, sums: &Sums) -> Option<(f64, Matrix2<f64>)> {
+    /// One step of Gauss and Newton; `None` where the edge is lost.
+    fn step(&mut self) -> Option<Step> {
+        let sums = &self.buffers.sums;
         let edge = &mut self.edge;
         let change: SVector<f64, UNKNOWNS>;
         let inverse: Matrix2<f64>;
@@ -203,49 +222,50 @@ impl<'a> Search<'a> {
             let of_centre = inverse * sums.gradient.fixed_rows::<2>(0);
             change = SVector::from_fn(|i, _| if i < 2 { of_centre[i] } else { 0.0 });
         }
-        edge.centre += change.fixed_rows::<2>(0) * self.map.scale;
-        edge.radius += change[2] * self.map.scale;
+        edge.centre += change.fixed_rows::<2>(0);
+        edge.radius += change[2];
         for (part, blur) in edge.blurs.iter_mut().enumerate() {
             let largest = 0.5 * *blur;
             *blur = (*blur + change[3 + part].clamp(-largest, largest)).clamp(BLURS_PX[0], BLURS_PX[1]);
         }
-        let away = (edge.centre - self.map.origin).norm();
-        let off = (edge.radius / self.expected.radius_mm - 1.0).abs();
-        let is_near = away < self.expected.radius_mm && off < 2.0 * RADIUS_TOLERANCE;
-        is_near.then(|| (change.fixed_rows::<2>(0).norm(), inverse))
+        let away = edge.centre.norm();
+        let off = (edge.radius / self.expected.radius - 1.0).abs();
+        let is_near = away < self.expected.radius && off < 2.0 * RADIUS_TOLERANCE;
+        is_near.then(|| Step { change_px: change.fixed_rows::<2>(0).norm(), inverse })
     }
 
-    fn disc(&self, sums: &Sums, inverse: &Matrix2<f64>, change_px: f64) -> Option<Disc> {
+    fn disc(&self, last: &Step) -> Option<Disc> {
+        let (sums, inverse) = (&self.buffers.sums, &last.inverse);
         let residual_sd = (sums.squares / (3.0 * sums.count - UNKNOWNS as f64).max(1.0)).sqrt();
         let contrast = (sums.weight / sums.count).sqrt();
-        let off = (self.edge.radius / self.expected.radius_mm - 1.0).abs();
+        let off = (self.edge.radius / self.expected.radius - 1.0).abs();
         if off > RADIUS_TOLERANCE || residual_sd > LARGEST_RESIDUAL * contrast {
             return None;
         }
         let variance_px2 = (inverse[(0, 0)] + inverse[(1, 1)]) / 2.0 * residual_sd * residual_sd;
+        let centre = self.map.origin + self.edge.centre * self.map.unit_mm;
         Some(Disc {
-            centre: self.edge.centre,
-            pixel: self.view.camera.project(&self.edge.centre.push(self.view.height_mm)).ok()?,
-            sd_mm: variance_px2.sqrt().hypot(LEAST_SD_PX).hypot(change_px) * self.map.scale,
-            outline: Outline { radius_mm: self.edge.radius, blurs_px: self.edge.blurs },
-            excess_variance: self.excess_variance(sums, inverse, variance_px2),
+            centre,
+            pixel: self.view.camera.project(&centre.push(self.view.height_mm)).ok()?,
+            sd_mm: variance_px2.sqrt().hypot(LEAST_SD_PX).hypot(last.change_px) * self.map.unit_mm,
+            outline: Outline { radius_mm: self.edge.radius * self.map.unit_mm, blurs_px: self.edge.blurs },
+            excess_variance: excess_variance(&sums.by_sector, inverse, variance_px2),
             noise: sums.noise.map(|noise| noise / sums.count),
         })
     }
 }
 
-impl Search<'_> {
-    /// The variance of the centre from the scatter of pieces of its edge, over another one.
-    ///
-    /// # Reference
-    /// The covariance of clustered residuals: K.-Y. Liang and S. Zeger, Longitudinal data analysis using generalized linear models,
-    /// Biometrika 73 (1986).
-    fn excess_variance(&self, sums: &Sums, inverse: &Matrix2<f64>, variance_px2: f64) -> f64 {
-        let pieces: Vec<Vector2<f64>> = sums.pulls.chunks(PIECE_SECTORS).map(|pulls| pulls.iter().sum()).collect();
-        let scatter: Matrix2<f64> = pieces.iter().map(|pull| pull * pull.transpose()).sum();
-        let pieces = pieces.len() as f64;
-        // The centre follows the pieces, which takes two of their degrees of freedom.
-        let variance = (inverse * scatter * inverse).trace() / 2.0 * pieces / (pieces - 2.0).max(1.0);
-        variance / variance_px2
-    }
+/// The variance of the centre from the scatter of pieces of its edge, over another one.
+///
+/// # Reference
+/// The covariance of clustered residuals: K.-Y. Liang and S. Zeger, Longitudinal data analysis using generalized linear models,
+/// Biometrika 73 (1986).
+fn excess_variance(sectors: &[OfSector], inverse: &Matrix2<f64>, variance_px2: f64) -> f64 {
+    let pieces = sectors.chunks(PIECE_SECTORS);
+    let count = pieces.len() as f64;
+    let pulls = pieces.map(|piece| piece.iter().map(|of| of.pull.cast::<f64>()).sum::<Vector2<f64>>());
+    let scatter: Matrix2<f64> = pulls.map(|pull| pull * pull.transpose()).sum();
+    // The centre follows the pieces, which takes two of their degrees of freedom.
+    let variance = (inverse * scatter * inverse).trace() / 2.0 * count / (count - 2.0).max(1.0);
+    variance / variance_px2
 }

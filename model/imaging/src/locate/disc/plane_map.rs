@@ -1,0 +1,180 @@
+//! The finger's plane about a marker, as its pixels see it.
+
+use super::Edge;
+use finray_model::Vector;
+use finray_model::camera::{Camera, Pixel};
+use image::RgbImage;
+use nalgebra::Matrix2;
+
+/// Brightness as JPEG and television have it (0.299 R + 0.587 G + 0.114 B, ITU-R BT.601), and two parts of the colour at right angles to it,
+/// scaled so that noise that is alike in red, green and blue is alike in all three.
+fn light_of(pixel: &[u8]) -> [f32; 3] {
+    let [r, g, b] = [f32::from(pixel[0]), f32::from(pixel[1]), f32::from(pixel[2])];
+    // (0.299, 0.587, 0.114), (0.587, -0.299, 0) and their cross product, each of length 1.
+    [
+        0.447_233_1 * r + 0.878_012_8 * g + 0.170_517 * b,
+        0.891_062_7 * r - 0.453_880_3 * g,
+        0.077_394_3 * r + 0.151_941_3 * g - 0.985_354_7 * b,
+    ]
+}
+
+/// The pixels about a marker, a list for each quantity.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Pixels {
+    /// Where they lie in the plane, from the map's origin, in its units.
+    pub at: [Vec<f32>; 2],
+    /// Brightness and two parts of colour.
+    pub light: [Vec<f32>; 3],
+    /// Distance outside the edge along the image, px: of the edge that was last asked for.
+    pub outside: Vec<f32>,
+}
+
+/// Positions in the plane about a pixel, to second order in the distance from it. Their unit is `unit_mm`, about that of a pixel.
+pub(super) struct PlaneMap {
+    about: Pixel,
+    /// The point at the middle, mm.
+    pub origin: Vector,
+    /// Derivatives of a position by the pixel's coordinates.
+    slope: Matrix2<f64>,
+    /// Second derivatives by u u, u v and v v.
+    curvature: [Vector; 3],
+    /// Root of the area that a pixel has in the plane, mm.
+    pub unit_mm: f64,
+    /// Derivatives of the pixel by the plane's coordinates.
+    by_point: Matrix2<f64>,
+}
+
+impl PlaneMap {
+    pub fn new(camera: &Camera, height_mm: f64, about: &Pixel, radius_mm: f64) -> Option<PlaneMap> {
+        let (origin, slope) = camera.on_plane_with_derivatives(about, height_mm).ok()?;
+        let unit_mm = slope.determinant().abs().sqrt();
+        let step = radius_mm / unit_mm;
+        let at = |u: f64, v: f64| {
+            let point = camera.on_plane(&(about + Pixel::new(u, v) * step), height_mm).ok()?;
+            Some((point - origin) / unit_mm)
+        };
+        let (left, right, up, down) = (at(-1.0, 0.0)?, at(1.0, 0.0)?, at(0.0, -1.0)?, at(0.0, 1.0)?);
+        let mixed = (at(1.0, 1.0)? - at(1.0, -1.0)? - at(-1.0, 1.0)? + at(-1.0, -1.0)?) / (4.0 * step * step);
+        let second = |before: Vector, after: Vector| (before + after) / (step * step);
+        let slope = Matrix2::from_columns(&[(right - left) / (2.0 * step), (down - up) / (2.0 * step)]);
+        Some(PlaneMap {
+            about: *about,
+            origin,
+            slope,
+            curvature: [second(left, right), mixed, second(up, down)],
+            unit_mm,
+            by_point: slope.try_inverse()?,
+        })
+    }
+
+    /// The longest radius of the image of a disc of a radius in the map's units, px.
+    pub fn radius_px(&self, radius: f64) -> f64 {
+        // The largest singular value.
+        let (squares, determinant) = (self.by_point.norm_squared(), self.by_point.determinant());
+        let spread = (squares * squares - 4.0 * determinant * determinant).max(0.0).sqrt();
+        radius * (0.5 * (squares + spread)).sqrt()
+    }
+
+    /// Gathers the pixels within a distance of the middle that are in the image: a disc at the border is measured by what is seen of its
+    /// surroundings.
+    pub fn gather(&self, image: &RgbImage, reach: f64, pixels: &mut Pixels) {
+        pixels.at.iter_mut().chain(&mut pixels.light).for_each(Vec::clear);
+        let within = |middle: f64, reach: f64, size: u32| {
+            let from = (middle - reach).ceil().max(0.0);
+            let to = (middle + reach).floor().min(f64::from(size) - 1.0);
+            from as usize..(to + 1.0).max(from) as usize
+        };
+        let [uu, uv, vv] = self.curvature;
+        for row in within(self.about.y, reach, image.height()) {
+            let v = row as f64 - self.about.y;
+            let half = (reach * reach - v * v).max(0.0).sqrt();
+            let columns = within(self.about.x, half, image.width());
+            // By u: constant, slope, half the curvature.
+            let rest = self.slope.column(1) * v + vv * (0.5 * v * v);
+            let by_u = self.slope.column(0) + uv * v;
+            for (axis, list) in pixels.at.iter_mut().enumerate() {
+                let terms = [rest[axis] as f32, by_u[axis] as f32, (0.5 * uu[axis]) as f32];
+                let first = (columns.start as f64 - self.about.x) as f32;
+                list.extend((0..columns.len()).map(|k| {
+                    let u = first + k as f32;
+                    terms[0] + u * (terms[1] + u * terms[2])
+                }));
+            }
+            let start = 3 * (row * image.width() as usize + columns.start);
+            for pixel in image.as_raw()[start..start + 3 * columns.len()].chunks_exact(3) {
+                for (list, light) in pixels.light.iter_mut().zip(light_of(pixel)) {
+                    list.push(light);
+                }
+            }
+        }
+        pixels.outside.resize(pixels.at[0].len(), 0.0);
+    }
+
+    /// Works out how far outside an edge the pixels are.
+    pub fn measure_from(&self, edge: &Edge, pixels: &mut Pixels) {
+        let polar = self.about_edge(edge);
+        let Pixels { at: [x, y], outside, .. } = pixels;
+        for ((x, y), outside) in x.iter().zip(y.iter()).zip(outside) {
+            let Polar { far, along, .. } = polar.of(*x, *y);
+            *outside = (far - polar.radius) * (far / along);
+        }
+    }
+
+    /// How points lie to an edge.
+    pub fn about_edge(&self, edge: &Edge) -> AboutEdge {
+        AboutEdge {
+            centre: [edge.centre.x as f32, edge.centre.y as f32],
+            radius: edge.radius as f32,
+            slope: [0, 1, 2, 3].map(|i| self.slope[i] as f32),
+        }
+    }
+}
+
+/// An edge and the map's slope.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct AboutEdge {
+    centre: [f32; 2],
+    radius: f32,
+    /// By columns.
+    slope: [f32; 4],
+}
+
+/// How a point of the plane lies to an edge, in the map's units.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Polar {
+    /// Step from the centre.
+    pub step: [f32; 2],
+    /// Its length.
+    pub far: f32,
+    /// The length, times how many units a px along the step is.
+    pub along: f32,
+}
+
+impl AboutEdge {
+    /// How a point lies to the edge.
+    #[inline]
+    pub fn of(&self, x: f32, y: f32) -> Polar {
+        // A point at the centre is as far inside as can be, whatever its direction.
+        const LEAST: f32 = 1e-3;
+        let step = [x - self.centre[0], y - self.centre[1]];
+        let far = (step[0] * step[0] + step[1] * step[1]).sqrt().max(LEAST);
+        // The distance in the plane grows along the pixels by |slope^T direction|.
+        let by_u = self.slope[0] * step[0] + self.slope[1] * step[1];
+        let by_v = self.slope[2] * step[0] + self.slope[3] * step[1];
+        Polar { step, far, along: (by_u * by_u + by_v * by_v).sqrt().max(LEAST) }
+    }
+}
+
+/// The angle of a direction as a share of a whole turn, good to 6e-4: sectors need no more, and the arctangent would take half of the time.
+///
+/// # Reference
+/// S. Rajan et al., Efficient approximations for the arctangent function, IEEE Signal Processing Magazine 23 (2006), eq. (7).
+#[inline]
+pub(super) fn turn([x, y]: [f32; 2]) -> f32 {
+    let octant = |z: f32| z * (0.125 + (0.273 / std::f32::consts::TAU) * (1.0 - z.abs()));
+    let turn = match x.abs() > y.abs() {
+        true => octant(y / x) + if x < 0.0 { 0.5 } else { 0.0 },
+        false => (if y > 0.0 { 0.25 } else { 0.75 }) - octant(x / y),
+    };
+    if turn < 0.0 { turn + 1.0 } else { turn }
+}

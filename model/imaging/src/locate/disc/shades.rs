@@ -1,0 +1,233 @@
+//! Light of a disc and of what lies about it.
+
+use super::Edge;
+use super::plane_map::{Pixels, PlaneMap, Polar, turn};
+use super::sums::{OfSector, Sums};
+use nalgebra::Vector3;
+
+/// Where the background of a sector is seen: from the band's end, so many px on.
+pub(super) const BACKGROUND_PX: f64 = 3.0;
+/// Length of a sector along the edge, px, and bounds of their number.
+const SECTOR_PX: f64 = 2.0;
+const SECTORS: [usize; 2] = [12, 96];
+/// Share of the sectors whose background is taken to be even; their scatter is noise.
+const EVEN_SECTORS: f64 = 0.3;
+/// Scatter that an even background may have beside noise, grey levels.
+const SHADING: f32 = 2.0;
+/// Pixels inside belong to the disc if no part of their light differs by more than this from the median, grey levels.
+const ALIKE: f32 = 40.0;
+/// Pixels of the inside that are looked at, about, and those of them that the median is taken of: more do not say more.
+const INSIDE_PIXELS: usize = 400;
+const MEDIAN_PIXELS: usize = 48;
+/// Fewest pixels that have a slope of light.
+const SLOPE_PIXELS: usize = 12;
+/// Smallest contrast of a sector, grey levels over all parts of the light.
+const LEAST_CONTRAST: f32 = 12.0;
+/// A sector whose mean squared residual is beyond that of even sectors by so many of its standard deviations is no edge of the disc.
+const UNLIKELY: f32 = 4.0;
+/// Smallest variance of a grey level that is told from none: rounding leaves 1/12.
+const LEAST_VARIANCE: f32 = 0.5;
+/// Share of the sectors that stay however disturbed they are, and that must have an edge.
+pub(super) const KEPT_SECTORS: f64 = 0.4;
+
+/// Light of the disc and of what lies about it.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Shades {
+    /// By a step from the centre: constant, by x, by y.
+    inside: [Vector3<f32>; 3],
+    outside: Vec<Vector3<f32>>,
+    /// By sector, how much its pixels count: less where an edge of plate or rib crosses the background, which is then not the same along
+    /// the sector.
+    pub trust: Vec<f32>,
+    sectors: Vec<Background>,
+    /// Numbers of pixels inside the disc.
+    inner: Vec<u32>,
+    /// For medians.
+    sorted: Vec<f32>,
+}
+
+/// Pixels beyond the edge in a sector.
+#[derive(Debug, Clone, Copy, Default)]
+struct Background {
+    count: f32,
+    light: Vector3<f32>,
+    squares: f32,
+}
+
+impl Background {
+    /// Variance of the light.
+    fn variance(&self) -> f32 {
+        match self.count > 1.0 {
+            true => ((self.squares - self.light.norm_squared() / self.count) / (self.count - 1.0)).max(0.0),
+            false => 0.0,
+        }
+    }
+}
+
+impl Shades {
+    /// Looks at the pixels inside and outside an edge; `None` if there is no disc.
+    pub fn gather(&mut self, pixels: &Pixels, map: &PlaneMap, edge: &Edge) -> Option<()> {
+        let band = edge.band();
+        let sectors = ((std::f64::consts::TAU * edge.radius / SECTOR_PX) as usize).clamp(SECTORS[0], SECTORS[1]);
+        // Small discs have no inside that the blur spares: their middle stands for it.
+        let depth = -band.min(0.5 * edge.radius) as f32;
+        let background = [band as f32, (band + BACKGROUND_PX) as f32];
+        let polar = map.about_edge(edge);
+        self.sectors.clear();
+        self.sectors.resize(sectors, Background::default());
+        self.inner.clear();
+        for (i, &d) in pixels.outside.iter().enumerate() {
+            if d < depth {
+                self.inner.push(i as u32);
+            } else if d > background[0] && d < background[1] {
+                let Polar { step, .. } = polar.of(pixels.at[0][i], pixels.at[1][i]);
+                let light = Vector3::new(pixels.light[0][i], pixels.light[1][i], pixels.light[2][i]);
+                let sector = &mut self.sectors[sector(turn(step), sectors).0];
+                sector.count += 1.0;
+                sector.light += light;
+                sector.squares += light.norm_squared();
+            }
+        }
+        if self.inner.len() < 3 {
+            return None;
+        }
+        self.find_inside(pixels, edge)?;
+        self.find_outside()?;
+        self.find_trust();
+        Some(())
+    }
+
+    fn find_outside(&mut self) -> Option<()> {
+        let count = self.sectors.len();
+        self.outside.clear();
+        for i in 0..count {
+            // A sector without a pixel, at the border of the image, has its neighbour's background.
+            let seen = |k: usize| self.sectors[k % count].count > 0.0;
+            let beside = |away: &usize| seen(i + away) || seen(i + count - away);
+            let away = (0..=count / 2).find(beside)?;
+            let Background { count: pixels, light, .. } = if seen(i + away) {
+                self.sectors[(i + away) % count]
+            } else {
+                self.sectors[(i + count - away) % count]
+            };
+            self.outside.push(light / pixels);
+        }
+        Some(())
+    }
+
+    /// How much each sector counts, from the variances of their backgrounds: an edge that crosses one may come to lie in its neighbours on
+    /// the way to the disc.
+    fn find_trust(&mut self) {
+        let count = self.sectors.len();
+        self.sorted.clear();
+        self.sorted.extend(self.sectors.iter().map(Background::variance));
+        let at = ((count - 1) as f64 * EVEN_SECTORS) as usize;
+        let noise = *self.sorted.select_nth_unstable_by(at, f32::total_cmp).1 + SHADING * SHADING;
+        let even = |i: usize| noise / (noise + (self.sectors[i % count].variance() - 2.0 * noise).max(0.0));
+        self.trust.clear();
+        self.trust.extend((0..count).map(|i| even(i).min(even(i + 1)).min(even(i + count - 1)).powi(2)));
+    }
+
+    /// The plane through the light of the disc's inside; pixels of something else (an occluder) are left out.
+    fn find_inside(&mut self, pixels: &Pixels, edge: &Edge) -> Option<()> {
+        let mut median = [0.0; 3];
+        for (median, light) in median.iter_mut().zip(&pixels.light) {
+            self.sorted.clear();
+            let stride = (self.inner.len() / MEDIAN_PIXELS).max(1);
+            self.sorted.extend(self.inner.iter().step_by(stride).map(|&i| light[i as usize]));
+            let middle = self.sorted.len() / 2;
+            *median = *self.sorted.select_nth_unstable_by(middle, f32::total_cmp).1;
+        }
+        let centre = [edge.centre.x as f32, edge.centre.y as f32];
+        // 1, x, y, x x, x y, y y; and of each part of the light: 1, x, y.
+        let mut moments = [0.0_f64; 6];
+        let mut lights = [[0.0_f64; 3]; 3];
+        let mut count = 0;
+        for &i in self.inner.iter().step_by((self.inner.len() / INSIDE_PIXELS).max(1)) {
+            let i = i as usize;
+            let light = [pixels.light[0][i], pixels.light[1][i], pixels.light[2][i]];
+            if (0..3).any(|k| (light[k] - median[k]).abs() >= ALIKE) {
+                continue;
+            }
+            let [x, y] = [f64::from(pixels.at[0][i] - centre[0]), f64::from(pixels.at[1][i] - centre[1])];
+            for (sum, term) in moments.iter_mut().zip([1.0, x, y, x * x, x * y, y * y]) {
+                *sum += term;
+            }
+            for (sums, light) in lights.iter_mut().zip(light.map(f64::from)) {
+                for (sum, term) in sums.iter_mut().zip([light, light * x, light * y]) {
+                    *sum += term;
+                }
+            }
+            count += 1;
+        }
+        // Few pixels have a mean and no slope.
+        if count < SLOPE_PIXELS {
+            self.inside = [Vector3::from(median), Vector3::zeros(), Vector3::zeros()];
+            return Some(());
+        }
+        let [n, x, y, xx, xy, yy] = moments;
+        let normal = nalgebra::Matrix3::new(n, x, y, x, xx, xy, y, xy, yy).cholesky()?;
+        let planes = lights.map(|right| normal.solve(&Vector3::from(right)));
+        self.inside = [0, 1, 2].map(|term| Vector3::from(planes.map(|plane| plane[term] as f32)));
+        Some(())
+    }
+
+    #[inline]
+    pub fn inside_at(&self, step: [f32; 2]) -> Vector3<f32> {
+        self.inside[0] + self.inside[1] * step[0] + self.inside[2] * step[1]
+    }
+
+    /// The background in a direction, between the middles of two sectors, and the direction's sector.
+    #[inline]
+    pub fn outside_at(&self, turn: f32) -> (u32, Vector3<f32>) {
+        let count = self.outside.len();
+        let (number, part) = sector(turn, count);
+        let other = match part < 0.5 {
+            true => number.checked_sub(1).unwrap_or(count - 1),
+            false if number + 1 < count => number + 1,
+            false => 0,
+        };
+        let share = (part - 0.5).abs();
+        (number as u32, self.outside[number] * (1.0 - share) + self.outside[other] * share)
+    }
+
+    /// Takes the trust from sectors whose residual is above that of even ones, or that have no contrast. Returns the share of those left.
+    pub fn distrust_unlikely(&mut self, sums: &Sums) -> f64 {
+        let mean = |of: &OfSector| of.squares / (3.0 * of.count).max(1.0);
+        self.sorted.clear();
+        self.sorted.extend(sums.by_sector.iter().filter(|of| of.count > 0.0).map(mean));
+        let at = (self.sorted.len() as f64 * EVEN_SECTORS) as usize;
+        let even = match self.sorted.is_empty() {
+            true => LEAST_VARIANCE,
+            false => self.sorted.select_nth_unstable_by(at, f32::total_cmp).1.max(LEAST_VARIANCE),
+        };
+        // How far beyond what noise explains; without contrast there is no edge.
+        let excess = |of: &OfSector| {
+            let (count, contrast2) = (of.count.max(1.0), of.contrast2 / of.count.max(1.0));
+            let has_edge = of.count > 0.0 && contrast2 > LEAST_CONTRAST * LEAST_CONTRAST;
+            if has_edge { mean(of) / (even * (1.0 + UNLIKELY * (2.0 / (3.0 * count)).sqrt())) } else { f32::INFINITY }
+        };
+        self.sorted.clear();
+        self.sorted.extend(sums.by_sector.iter().map(excess));
+        let at = (self.sorted.len() as f64 * KEPT_SECTORS) as usize;
+        // Where most are disturbed the least disturbed stay, and their residual makes the standard deviation.
+        let limit = self.sorted.select_nth_unstable_by(at, f32::total_cmp).1.clamp(1.0, f32::MAX);
+        let mut kept = 0;
+        for (trust, of) in self.trust.iter_mut().zip(&sums.by_sector) {
+            let stays = excess(of) <= limit;
+            kept += usize::from(stays);
+            if !stays {
+                *trust = 0.0;
+            }
+        }
+        kept as f64 / self.trust.len() as f64
+    }
+}
+
+/// Number of the sector of a direction and where in it, 0 to 1.
+#[inline]
+fn sector(turn: f32, sectors: usize) -> (usize, f32) {
+    let at = turn * sectors as f32;
+    let number = (at as usize).min(sectors - 1);
+    (number, at - number as f32)
+}
