@@ -84,7 +84,7 @@ fn likely(finger: &Finger, candidates: &[Candidate]) -> (Names, [Option<Named>; 
     for _ in 0..ROUNDS {
         for plate in [Plate::Front, Plate::Back] {
             let question = Chain::new(finger, plate, candidates, &names);
-            let Some(found) = question.cheapest(None) else { continue };
+            let Some(found) = question.cheapest() else { continue };
             question.write(&found, &mut names);
             chains[usize::from(plate == Plate::Back)] = Some(found);
         }
@@ -99,12 +99,11 @@ pub(super) fn name(finger: &Finger, candidates: &[Candidate]) -> Result<Names, N
         let Some(best) = &chains[usize::from(plate == Plate::Back)] else { continue };
         let question = Chain::new(finger, plate, candidates, &names);
         // Named anew with the last names of the other plate.
-        let best_cost = question.cheapest(None).map_or(best.cost, |found| found.cost);
+        let best_cost = question.cheapest().map_or(best.cost, |found| found.cost);
         for (position, &candidate) in best.named.iter().enumerate().filter_map(|(k, c)| Some((k, c.as_ref()?))) {
-            let Some(other) = question.cheapest(Some((position, candidate))) else { continue };
-            if other.cost > best_cost + ALIKE {
+            let Some(other) = question.cheapest_within(best_cost + ALIKE, Some((position, candidate))) else {
                 continue;
-            }
+            };
             let differs = |k: &usize| other.named[*k].is_some() && other.named[*k] != best.named[*k];
             let differing = (0..best.named.len()).filter(differs).count();
             if differing > MOST_DOUBTFUL {
@@ -203,8 +202,13 @@ impl<'a> Chain<'a> {
         }
     }
 
-    /// The chain of least cost, without naming a position as a candidate; `None` if none leaves the base.
-    fn cheapest(&self, without: Option<(usize, usize)>) -> Option<Named> {
+    /// The chain of least cost; `None` if none leaves the base.
+    fn cheapest(&self) -> Option<Named> {
+        self.cheapest_within(f64::INFINITY, None)
+    }
+
+    /// The chain of least cost, without naming a position as a candidate; `None` if none leaves the base at no more than a cost.
+    fn cheapest_within(&self, most: f64, without: Option<(usize, usize)>) -> Option<Named> {
         let base = self.finger.base(self.plate);
         let allowed = |position: usize, candidate: usize| without != Some((position, candidate));
         let largest_mm = CLAMPED * self.lengths_mm[self.nodes.len() - 1];
@@ -216,6 +220,7 @@ impl<'a> Chain<'a> {
         // Links that end at each position.
         let mut ending: Vec<Vec<usize>> = vec![Vec::new(); self.nodes.len()];
         let along = (self.finger.position(self.nodes[1]) - base).normalize();
+        let mut best: Vec<(usize, f64, usize)> = Vec::new();
         for position in 1..self.nodes.len() {
             for &candidate in &self.choices[position] {
                 if !allowed(position, candidate) || clamped.is_some_and(|(c, _)| c == candidate) {
@@ -227,15 +232,17 @@ impl<'a> Chain<'a> {
                     && let Some(cost) = self.step_cost(0, position, &(at - base))
                     && let Some(turn) = turn_cost(&along, &(at - base), 1.0 + position as f64)
                 {
-                    ending[position].push(links.len());
                     let cost = start + cost + turn + rib;
                     let segments = position as f64;
-                    links.push(Link { position, candidate, before: None, step: at - base, segments, cost });
+                    if cost <= most {
+                        ending[position].push(links.len());
+                        links.push(Link { position, candidate, before: None, step: at - base, segments, cost });
+                    }
                 }
                 let from = position.saturating_sub(MOST_SKIPPED + 1).max(1);
                 for before in from..position {
                     // Chains that meet in one step go on alike: of each candidate before, the cheapest.
-                    let mut best: Vec<(usize, f64, usize)> = Vec::new();
+                    best.clear();
                     for &link in &ending[before] {
                         let last = links[link];
                         if last.candidate == candidate {
@@ -244,15 +251,21 @@ impl<'a> Chain<'a> {
                         let step = at - self.candidates[last.candidate].at;
                         let segments = (position - before) as f64;
                         let Some(cost) = self.step_cost(before, position, &step) else { continue };
+                        let known = best.iter().position(|(candidate, _, _)| *candidate == last.candidate);
+                        let to_beat = known.map_or(most, |entry| best[entry].1);
+                        let straight = last.cost + cost + rib;
+                        if straight > to_beat {
+                            continue;
+                        }
                         let Some(turn) = turn_cost(&last.step, &step, last.segments + segments) else { continue };
-                        let cost = last.cost + cost + turn + rib;
-                        match best.iter_mut().find(|(c, _, _)| *c == last.candidate) {
-                            Some(entry) if entry.1 <= cost => {}
-                            Some(entry) => *entry = (last.candidate, cost, link),
-                            None => best.push((last.candidate, cost, link)),
+                        let found = (last.candidate, straight + turn, link);
+                        match known {
+                            _ if found.1 > to_beat => {}
+                            Some(entry) => best[entry] = found,
+                            None => best.push(found),
                         }
                     }
-                    for (_, cost, link) in best {
+                    for &(_, cost, link) in &best {
                         let step = at - self.candidates[links[link].candidate].at;
                         ending[position].push(links.len());
                         let segments = (position - before) as f64;
@@ -271,7 +284,8 @@ impl<'a> Chain<'a> {
             named[link.position] = Some(link.candidate);
             at = link.before;
         }
-        Some(Named { cost: whole(&links[best]), named })
+        let cost = whole(&links[best]);
+        (cost <= most).then_some(Named { cost, named })
     }
 
     /// Cost of a step between two positions along the plate, hidden ones between them included; `None` if it cannot be.

@@ -38,9 +38,11 @@ const RADIUS_TOLERANCE: f64 = 0.25;
 const LARGEST_RESIDUAL: f64 = 0.2;
 /// Room for a centre that is not where the search begins, px.
 const ROOM_PX: f64 = 1.0;
-/// Rounds in which pixels are gathered where the edge is by then, at most, and steps in a round.
+/// Rounds in which pixels are gathered where the edge is by then, and steps in a round, at most; a step that moves the centre by less, px,
+/// is the last of its round.
 const ROUNDS: usize = 9;
-const STEPS: usize = 2;
+const STEPS: usize = 5;
+const STILL_PX: f64 = 0.002;
 /// An edge that moves less than this in a round, px, is near: from then on unlikely sectors are told; and one that moves less than this is
 /// there.
 const NEAR_PX: f64 = 1.0;
@@ -48,10 +50,10 @@ const THERE_PX: f64 = 0.25;
 /// Largest change of the centre in the last step, px; it counts as an error.
 const SETTLED_PX: f64 = 0.05;
 /// Smallest standard deviation of a centre, px: shading, rounding to grey levels and what the model of the edge leaves out.
-const LEAST_SD_PX: f64 = 0.01;
+const LEAST_SD_PX: f64 = 0.005;
 
 /// Sectors of a piece of edge, whose pixels may err alike: eight pixels, as compression takes them together.
-const PIECE_SECTORS: usize = 4;
+const PIECE_SECTORS: usize = 6;
 
 /// A disc that was found.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -167,8 +169,11 @@ impl<'a> Search<'a> {
 
     fn found(mut self) -> Option<Disc> {
         let weights = self.view.weights;
-        let mut is_near = false;
-        for _ in 0..ROUNDS {
+        // Who knows the outline knows about where the centre is.
+        let mut is_near = !self.is_outline_open;
+        for round in 0..ROUNDS {
+            // Where the search began, sectors are judged after a step: an edge that is a little off looks unlikely.
+            let judged_from = usize::from(round == 0);
             let from = self.edge;
             let Buffers { pixels, shades, band, .. } = &mut *self.buffers;
             self.map.measure_from(&from, pixels);
@@ -178,13 +183,19 @@ impl<'a> Search<'a> {
             let mut last = None;
             for step in 0..STEPS {
                 let Buffers { shades, band, sums, .. } = &mut *self.buffers;
-                band.sum(&self.edge, weights, &shades.trust, sums);
-                if is_near && step == 0 {
+                let mut sum = |shades: &Shades, sums: &mut Sums| match self.is_outline_open {
+                    true => band.sum::<true>(&self.edge, weights, &shades.trust, sums),
+                    false => band.sum::<false>(&self.edge, weights, &shades.trust, sums),
+                };
+                sum(shades, sums);
+                if is_near && step == judged_from {
                     kept = shades.distrust_unlikely(sums);
-                    band.sum(&self.edge, weights, &shades.trust, sums);
+                    sum(shades, sums);
                 }
-                last = Some(self.step()?);
-                if !is_near {
+                let found = self.step()?;
+                let is_still = step >= judged_from && found.change_px < STILL_PX;
+                last = Some(found);
+                if !is_near || is_still {
                     break;
                 }
             }

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 /// Where the background of a sector is seen: from the band's end, so many px on.
 pub(super) const BACKGROUND_PX: f64 = 3.0;
 /// Length of a sector along the edge, px, and bounds of their number.
-const SECTOR_PX: f64 = 2.0;
+const SECTOR_PX: f64 = 1.3;
 const SECTORS: [usize; 2] = [12, 96];
 /// Share of the sectors whose background is taken to be even; their scatter is noise.
 const EVEN_SECTORS: f64 = 0.3;
@@ -125,7 +125,7 @@ impl Shades {
         let noise = *self.sorted.select_nth_unstable_by(at, f32::total_cmp).1 + SHADING * SHADING;
         let even = |i: usize| noise / (noise + (self.sectors[i % count].variance() - 2.0 * noise).max(0.0));
         self.trust.clear();
-        self.trust.extend((0..count).map(|i| even(i).min(even(i + 1)).min(even(i + count - 1)).powi(2)));
+        self.trust.extend((0..count).map(|i| even(i).powi(2)));
     }
 
     /// The plane through the light of the disc's inside; pixels of something else (an occluder) are left out.

@@ -84,7 +84,14 @@ impl Band {
     }
 
     /// The sums where the edge is now: a little away from where the pixels were gathered. `trust` says by sector what its pixels count.
-    pub fn sum(&mut self, edge: &Edge, weights: [f64; PARTS], trust: &[f32], sums: &mut Sums) {
+    /// Where radius and blur are known, theirs are left out.
+    pub fn sum<const IS_OUTLINE_OPEN: bool>(
+        &mut self,
+        edge: &Edge,
+        weights: [f64; PARTS],
+        trust: &[f32],
+        sums: &mut Sums,
+    ) {
         for part in 0..PARTS {
             self.shares(edge, part);
         }
@@ -119,18 +126,21 @@ impl Band {
                 pull += along * steepness;
                 let stiff = weight * own * trusted;
                 steepness2 += stiff * steepness * steepness;
-                let both = stiff * steepness * widening;
-                for (sum, row) in with_blur[part].iter_mut().zip(row) {
-                    *sum += f64::from(both * row);
+                if IS_OUTLINE_OPEN {
+                    let both = stiff * steepness * widening;
+                    for (sum, row) in with_blur[part].iter_mut().zip(row) {
+                        *sum += f64::from(both * row);
+                    }
+                    with_blur[part][3] += f64::from(stiff * widening * widening);
+                    pulls[3 + part] += f64::from(along * widening * trusted);
                 }
-                with_blur[part][3] += f64::from(stiff * widening * widening);
-                pulls[3 + part] += f64::from(along * widening * trusted);
                 totals[3 + part] += f64::from(residual2 * trusted);
             }
             let pull = pull * trusted;
             let products =
                 [row[0] * row[0], row[0] * row[1], row[1] * row[1], row[0] * row[2], row[1] * row[2], row[2] * row[2]];
-            for (sum, product) in together.iter_mut().zip(products) {
+            let wanted = if IS_OUTLINE_OPEN { 6 } else { 3 };
+            for (sum, product) in together.iter_mut().zip(products).take(wanted) {
                 *sum += f64::from(steepness2 * product);
             }
             let pulled = row.map(|row| pull * row);
