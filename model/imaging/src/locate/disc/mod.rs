@@ -53,7 +53,7 @@ const SETTLED_PX: f64 = 0.05;
 const LEAST_SD_PX: f64 = 0.005;
 
 /// Sectors of a piece of edge, whose pixels may err alike: eight pixels, as compression takes them together.
-const PIECE_SECTORS: usize = 6;
+const PIECE_SECTORS: usize = 12;
 
 /// A disc that was found.
 #[derive(Debug, Clone, Copy, PartialEq)]
