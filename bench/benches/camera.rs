@@ -5,11 +5,11 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use finray_fixtures::CAMERA_SCENE;
 use finray_imaging::grid::find_grid;
 use finray_imaging::locate::{Located, Locator};
+use finray_imaging::render::{Disturbances, GridPlate, RenderRequest, render, render_grid};
 use finray_model::camera::Camera;
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::sensing::{Contact, ContactPosition, NonlinearEstimator};
 use finray_model::{Kinematics, Load, Mesh, Scene, statics};
-use finray_verify::render::{Disturbances, GridPlate, RenderRequest, render, render_grid};
 use image::RgbImage;
 use std::hint::black_box;
 

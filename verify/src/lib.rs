@@ -16,7 +16,6 @@ pub mod lattice;
 pub mod mujoco;
 pub mod problems;
 mod registry;
-pub mod render;
 pub mod report;
 pub mod sampling;
 pub mod settings;

@@ -4,10 +4,10 @@ use super::cameras::camera_and_markers;
 use super::loads::Loads;
 use super::parse::{not_negative, share};
 use super::{Failure, not_both_from_standard_input};
+use finray_imaging::render::{Disturbances, RenderRequest, render};
 use finray_model::frame::FrameMotion;
 use finray_model::{Finger, Kinematics, NodeId};
 use finray_verify::files::{displacements, load_scene, to_png, write_bytes};
-use finray_verify::render::{Disturbances, RenderRequest, render};
 use std::path::PathBuf;
 
 /// Largest blur, px: beyond, a marker of a few pixels is no longer seen.

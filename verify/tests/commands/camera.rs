@@ -263,8 +263,8 @@ fn cameras_and_markers_of_a_scene_are_checked() {
 
 /// An image of a grid of 10 mm before the camera of the scene, without its distortion, slanted by an angle (rad).
 fn grid(folder: &Folder, name: &str, slant: f64) -> String {
+    use finray_imaging::render::{Disturbances, GridPlate, render_grid};
     use finray_model::camera::{Camera, Pose};
-    use finray_verify::render::{Disturbances, GridPlate, render_grid};
     let lens = finray_model::Scene::from_toml(CAMERA_SCENE).expect("the fixture").camera.expect("a camera").lens;
     let pose = Pose::new([std::f64::consts::PI, 0.0, slant], [5.0, -3.0, 200.0]);
     let plate = GridPlate { pitch_mm: 10.0, radius_mm: 2.5, counts: [17, 15], greys: [210, 50] };

@@ -1,9 +1,9 @@
 //! The lens from images of a plane grid.
 
 use finray_imaging::grid::{GridDot, NoGrid, find_grid, lens_of_grids};
+use finray_imaging::render::{Disturbances, GridPlate, render_grid};
 use finray_model::Vector;
 use finray_model::camera::{Camera, Distortion, LENS_PARAMETERS, Lens, Pose};
-use finray_verify::render::{Disturbances, GridPlate, render_grid};
 use finray_verify::sampling::noise::Noise;
 use nalgebra::{Rotation3, Vector3};
 use rayon::prelude::*;

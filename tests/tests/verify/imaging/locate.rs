@@ -2,10 +2,10 @@
 
 use finray_fixtures::CAMERA_SCENE;
 use finray_imaging::locate::{LocateError, Located, Locator, NamingError, Rest};
+use finray_imaging::render::{Disturbances, RenderRequest, render};
 use finray_model::camera::{Camera, Distortion, Lens, Pose};
 use finray_model::mesh::FingerShape;
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, statics};
-use finray_verify::render::{Disturbances, RenderRequest, render};
 use finray_verify::sampling::noise::Noise;
 use nalgebra::{Rotation3, Vector3};
 use rayon::prelude::*;

@@ -10,7 +10,6 @@ mod outline;
 
 pub use grid::{GridPlate, render_grid};
 
-use crate::sampling::noise::Noise;
 use disc::paint_disc;
 use finray_model::camera::{Camera, Pixel};
 use finray_model::mesh::FingerShape;
@@ -18,6 +17,9 @@ use finray_model::scene::{Markers, Rgb};
 use finray_model::{Finger, NodeId};
 use image::{ImageBuffer, Rgb32FImage, RgbImage};
 use outline::finger_mask;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 
 /// Colours of what is no marker: a dark background and a light finger.
 const BACKGROUND: Rgb = [64, 68, 74];
@@ -98,7 +100,7 @@ pub fn render(request: &RenderRequest) -> Result<RgbImage, RenderError> {
     let pixels = marker_pixels(camera, shape, markers.height_mm)?;
     let [width, height] = camera.lens.size_px();
     let mut canvas: Rgb32FImage = ImageBuffer::from_pixel(width, height, BACKGROUND.map(f32::from).into());
-    let mut chance = Noise::of_stream(disturbances.seed, 1);
+    let mut chance = chance(disturbances.seed, 1);
     clutter::scatter(&mut canvas, camera, markers, &pixels, disturbances.clutter, &mut chance);
     if let Some(mask) = finger_mask(camera, finger, shape) {
         let body = BODY.map(f32::from);
@@ -130,13 +132,22 @@ fn developed(mut canvas: Rgb32FImage, disturbances: &Disturbances) -> RgbImage {
     if disturbances.blur_px > 0.0 {
         canvas = imageproc::filter::gaussian_blur_f32(&canvas, disturbances.blur_px as f32);
     }
-    let mut chance = Noise::of_stream(disturbances.seed, 0);
+    let mut chance = chance(disturbances.seed, 0);
     let mut grey = |part: f32| {
-        let noise =
-            if disturbances.grey_noise > 0.0 { disturbances.grey_noise * chance.standard_normal() } else { 0.0 };
+        let noise: f64 = match disturbances.grey_noise > 0.0 {
+            true => disturbances.grey_noise * Distribution::<f64>::sample(&StandardNormal, &mut chance),
+            false => 0.0,
+        };
         (f64::from(part) + noise).round().clamp(0.0, 255.0) as u8
     };
     ImageBuffer::from_fn(width, height, |u, v| canvas.get_pixel(u, v).0.map(&mut grey).into())
+}
+
+/// A stream of random numbers of a seed.
+fn chance(seed: u64, stream: u64) -> ChaCha8Rng {
+    let mut chance = ChaCha8Rng::seed_from_u64(seed);
+    chance.set_stream(stream);
+    chance
 }
 
 /// Paints a share of a pixel.

@@ -2,11 +2,12 @@
 
 use super::disc::paint_disc;
 use super::mix;
-use crate::sampling::noise::Noise;
 use finray_model::NodeId;
 use finray_model::camera::{Camera, Pixel};
 use finray_model::scene::{Markers, Rgb};
 use image::Rgb32FImage;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
 
 /// Sizes against a marker's radius.
 const SIZES: [f64; 2] = [0.5, 2.5];
@@ -25,13 +26,13 @@ pub(super) fn scatter(
     markers: &Markers,
     pixels: &[(NodeId, Pixel)],
     count: usize,
-    chance: &mut Noise,
+    chance: &mut ChaCha8Rng,
 ) {
     let [width, height] = camera.lens.size_px().map(f64::from);
     let colours = [markers.front_rgb, markers.back_rgb, GREYS[0], GREYS[1]];
     for number in 0..count {
-        let size_mm = markers.radius_mm * chance.evenly(SIZES);
-        let shade = [(); 3].map(|()| chance.evenly([-OTHER_SHADE, OTHER_SHADE]));
+        let size_mm = markers.radius_mm * chance.random_range(SIZES[0]..SIZES[1]);
+        let shade = [(); 3].map(|()| chance.random_range(-OTHER_SHADE..OTHER_SHADE));
         let colour = colours[number % colours.len()];
         let colour = [0, 1, 2].map(|i| (f64::from(colour[i]) + shade[i]).clamp(0.0, 255.0) as f32);
         let clear = |at: &Pixel| {
@@ -39,7 +40,7 @@ pub(super) fn scatter(
             let room = (size_mm * std::f64::consts::SQRT_2 + CLEAR * markers.radius_mm) / sd;
             pixels.iter().all(|(_, marker)| (marker - at).norm() > room)
         };
-        let mut draw = || Pixel::new(chance.evenly([0.0, width]), chance.evenly([0.0, height]));
+        let mut draw = || Pixel::new(chance.random_range(0.0..width), chance.random_range(0.0..height));
         let Some(at) = (0..MOST_DRAWS).map(|_| draw()).find(clear) else { return };
         let Ok((centre, by_pixel)) = camera.on_plane_with_derivatives(&at, markers.height_mm) else { continue };
         if number % 3 == 2 {
