@@ -86,6 +86,14 @@ impl Effort {
         }
     }
 
+    /// Nodes at which forces are sensed from images, at most, and conditions of the camera.
+    pub(crate) fn camera(self) -> (usize, usize) {
+        match self {
+            Effort::Quick => (2, 8),
+            Effort::Full => (6, usize::MAX),
+        }
+    }
+
     /// Calibrations of the digital twin, forces a node that are sensed on it, and sets of zones that are fitted.
     pub(crate) fn twin(self) -> [usize; 3] {
         match self {

@@ -4,6 +4,7 @@
 //! [`study`](crate::study) lists them.
 
 pub mod assumed;
+pub mod camera;
 pub mod causes;
 pub mod contact_scene;
 pub mod convergence;

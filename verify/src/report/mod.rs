@@ -4,6 +4,7 @@
 pub mod page;
 
 mod answers;
+mod camera;
 mod causes;
 mod checks;
 mod claims;

@@ -6,6 +6,7 @@ use crate::check::{Check, Comparison};
 use crate::estimators::EstimatorId;
 use crate::estimators::network::Networks;
 use crate::experiments::assumed;
+use crate::experiments::camera::{self, CameraStudy};
 use crate::experiments::causes::{self, CauseMap};
 use crate::experiments::contact_scene::study::{SceneStudy, SceneWithOutline};
 use crate::experiments::convergence::{self, Convergence};
@@ -153,6 +154,9 @@ study! { |context|
     "noise of displacements":
         /// Floors by the origin of the undeformed positions, under camera noise.
         displacement_noise: Option<DisplacementNoiseStudy> = displacement_noise::run(context);
+    "camera":
+        /// From images to forces, for scenes with a camera and for the paper's finger.
+        camera: Option<CameraStudy> = camera::run(context);
     "unknown directions":
         /// Forces of unknown direction under camera noise, in a full study.
         directions: Option<DirectionStudy> = direction::run(context);

@@ -1,0 +1,133 @@
+//! The conditions under which the camera is tried: one change each.
+
+use finray_imaging::render::Disturbances;
+use finray_model::camera::{Camera, Distortion, Lens, Pose};
+use finray_model::scene::Markers;
+use image::RgbImage;
+use image::codecs::jpeg::JpegEncoder;
+use nalgebra::{Rotation3, Vector3};
+
+/// One change of the scene's camera.
+pub(super) struct Condition {
+    pub item: &'static str,
+    pub setting: &'static str,
+    pub change: Change,
+    /// Whether displacements are counted from where the same camera sees the finger at rest.
+    pub is_rest_seen: bool,
+}
+
+pub(super) enum Change {
+    /// Of images, which are rendered and searched.
+    Image(ImageChange),
+    /// Of what the camera is taken for.
+    Assumed(AssumedChange),
+}
+
+/// How an image differs from that of the scene's camera.
+pub(super) struct ImageChange {
+    /// Standard deviation of the noise, grey levels of 255, and of the blur, px.
+    grey_noise: f64,
+    blur_px: f64,
+    /// Share of the pixels along each side, and of the markers' radius.
+    resolution: f64,
+    radius: f64,
+    /// Quality of JPEG compression, of 100.
+    quality: Option<u8>,
+    clutter: usize,
+}
+
+/// Light of the corners that is missing against the middle, as a share.
+const FALLOFF: f64 = 0.3;
+/// An ordinary industrial camera in focus.
+const ORDINARY: ImageChange =
+    ImageChange { grey_noise: 2.0, blur_px: 0.8, resolution: 1.0, radius: 1.0, quality: None, clutter: 0 };
+
+/// How the camera that reads differs from the one that sees.
+pub(super) struct AssumedChange {
+    /// Added to the distortion's k1.
+    k1: f64,
+    /// Factor of the focal lengths.
+    focal: f64,
+    /// The finger's plane turned about its y axis, degrees.
+    tilt_deg: f64,
+    /// Added to the height of the markers, mm.
+    height_mm: f64,
+}
+
+const TRUE: AssumedChange = AssumedChange { k1: 0.0, focal: 1.0, tilt_deg: 0.0, height_mm: 0.0 };
+
+const fn image(item: &'static str, setting: &'static str, change: ImageChange) -> Condition {
+    Condition { item, setting, change: Change::Image(change), is_rest_seen: false }
+}
+
+const fn assumed(item: &'static str, setting: &'static str, change: AssumedChange, is_rest_seen: bool) -> Condition {
+    Condition { item, setting, change: Change::Assumed(change), is_rest_seen }
+}
+
+/// All conditions, those that a quick study has first. The first is the scene's camera as it is.
+pub(super) const CONDITIONS: &[Condition] = &[
+    image("as it is", "noise 2 of 255, blur 0.8 px", ORDINARY),
+    image("resolution", "a quarter of the pixels along each side", ImageChange { resolution: 0.25, ..ORDINARY }),
+    assumed("lens", "k1 off by 0.01", AssumedChange { k1: 0.01, ..TRUE }, false),
+    assumed("lens", "k1 off by 0.01", AssumedChange { k1: 0.01, ..TRUE }, true),
+    assumed("pose", "tilted by 0.5 deg", AssumedChange { tilt_deg: 0.5, ..TRUE }, false),
+    assumed("pose", "tilted by 0.5 deg", AssumedChange { tilt_deg: 0.5, ..TRUE }, true),
+    assumed("height", "markers 1 mm higher", AssumedChange { height_mm: 1.0, ..TRUE }, false),
+    assumed("height", "markers 1 mm higher", AssumedChange { height_mm: 1.0, ..TRUE }, true),
+    image("noise", "none", ImageChange { grey_noise: 0.0, ..ORDINARY }),
+    image("noise", "5 of 255", ImageChange { grey_noise: 5.0, ..ORDINARY }),
+    image("noise", "10 of 255", ImageChange { grey_noise: 10.0, ..ORDINARY }),
+    image("blur", "1.6 px", ImageChange { blur_px: 1.6, ..ORDINARY }),
+    image("blur", "3.2 px", ImageChange { blur_px: 3.2, ..ORDINARY }),
+    image("resolution", "half of the pixels along each side", ImageChange { resolution: 0.5, ..ORDINARY }),
+    image("markers", "two thirds of the radius", ImageChange { radius: 2.0 / 3.0, ..ORDINARY }),
+    image("markers", "0.4 of the radius", ImageChange { radius: 0.4, ..ORDINARY }),
+    image("compression", "JPEG, quality 92", ImageChange { quality: Some(92), ..ORDINARY }),
+    image("compression", "JPEG, quality 75", ImageChange { quality: Some(75), ..ORDINARY }),
+    image("clutter", "40 patches of other colours", ImageChange { clutter: 40, ..ORDINARY }),
+    assumed("lens", "k1 off by 0.001", AssumedChange { k1: 0.001, ..TRUE }, false),
+    assumed("lens", "focal length off by 0.1 %", AssumedChange { focal: 1.001, ..TRUE }, false),
+    assumed("lens", "focal length off by 0.1 %", AssumedChange { focal: 1.001, ..TRUE }, true),
+    assumed("pose", "tilted by 0.05 deg", AssumedChange { tilt_deg: 0.05, ..TRUE }, false),
+    assumed("height", "markers 0.1 mm higher", AssumedChange { height_mm: 0.1, ..TRUE }, false),
+];
+
+impl ImageChange {
+    /// The camera and the markers that the image is taken of and read with.
+    pub fn applied(&self, camera: &Camera, markers: &Markers) -> (Camera, Markers) {
+        let markers = Markers { radius_mm: markers.radius_mm * self.radius, ..*markers };
+        let lens = &camera.lens;
+        let side = |px: u32| ((f64::from(px) * self.resolution).round() as u32).max(1);
+        let focal = lens.focal_px().map(|px| px * self.resolution);
+        // Pixel (0, 0) has its centre at (0, 0).
+        let middle = lens.principal_point_px().map(|px| (px + 0.5) * self.resolution - 0.5);
+        let lens = Lens::new(lens.size_px().map(side), focal, middle, *lens.distortion()).unwrap_or(*lens);
+        (Camera { lens, pose: camera.pose }, markers)
+    }
+
+    pub fn disturbances(&self, seed: u64) -> Disturbances {
+        let &ImageChange { grey_noise, blur_px, clutter, .. } = self;
+        Disturbances { light_falloff: FALLOFF, blur_px, grey_noise, clutter, seed }
+    }
+
+    /// The image after compression; `None` if it cannot be compressed.
+    pub fn compressed(&self, image: RgbImage) -> Option<RgbImage> {
+        let Some(quality) = self.quality else { return Some(image) };
+        let mut bytes = Vec::new();
+        JpegEncoder::new_with_quality(&mut bytes, quality).encode_image(&image).ok()?;
+        Some(image::load_from_memory_with_format(&bytes, image::ImageFormat::Jpeg).ok()?.into_rgb8())
+    }
+}
+
+impl AssumedChange {
+    /// The camera and the height of the markers (mm) that points are read with.
+    pub fn applied(&self, camera: &Camera, markers: &Markers) -> (Camera, f64) {
+        let [k1, k2, p1, p2, k3] = camera.lens.distortion().to_opencv();
+        let distortion = Distortion::from_opencv([k1 + self.k1, k2, p1, p2, k3]);
+        let focal = camera.lens.focal_px().map(|px| px * self.focal);
+        let lens = Lens::new(camera.lens.size_px(), focal, camera.lens.principal_point_px(), distortion);
+        let turned = Rotation3::from_axis_angle(&Vector3::y_axis(), self.tilt_deg.to_radians());
+        let pose = Pose { rotation: camera.pose.rotation * turned, translation_mm: camera.pose.translation_mm };
+        (Camera { lens: lens.unwrap_or(camera.lens), pose }, markers.height_mm + self.height_mm)
+    }
+}

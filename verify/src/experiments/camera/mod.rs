@@ -1,0 +1,317 @@
+//! From a camera's image to a force: what noise, blur, resolution, markers, compression, lens, pose and height cost in millimetres of a
+//! node's displacement and in the force that is sensed from them.
+//!
+//! The finger is bent by a known force at a node, seen by the scene's camera in a rendered image, found in it again, and sensed with the
+//! beams that it was bent with: the errors are those of the camera alone. What the camera is only assumed to be (lens, pose, height) needs
+//! no image: points are projected by the true camera and read with another one.
+
+mod conditions;
+
+use super::response::{ContactForce, RespondingFinger};
+use super::{Context, Evidence};
+use crate::check::{Check, Kind};
+use conditions::{CONDITIONS, Change, Condition};
+use finray_imaging::locate::{Locator, LocatorError};
+use finray_imaging::render::{RenderError, RenderRequest, render};
+use finray_model::camera::Camera;
+use finray_model::measurement::{Marker, Measurement};
+use finray_model::mesh::{FingerShape, LoadError};
+use finray_model::scene::Markers;
+use finray_model::sensing::{Contact, NonlinearEstimator, SensingError};
+use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector, statics};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Force at every node, N, along the normal: the middle of the paper's 0.3 to 3 N.
+pub const FORCE_N: f64 = 1.5;
+/// Error of a force that a user asks for, as a share.
+pub const ASKED_ERROR: f64 = 0.01;
+/// Root mean square of a node's error in an image of the scene's camera, mm: a fiftieth of the paper's worst one.
+pub const GOOD_POSITION_MM: f64 = 0.004;
+
+/// What one condition costs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CameraRow {
+    /// What differs from the scene's camera: "noise", "lens", ...
+    pub item: &'static str,
+    /// By how much.
+    pub setting: &'static str,
+    /// Whether images were rendered and searched, or points projected alone.
+    pub in_images: bool,
+    /// Whether displacements are counted from where the same camera sees the finger at rest; otherwise from where the scene has it.
+    pub is_rest_seen: bool,
+    /// Markers in sight and those that were found.
+    pub markers: usize,
+    /// See `markers`.
+    pub found: usize,
+    /// Root mean square and largest error of a displacement's coordinate, mm.
+    pub displacement_rms_mm: Option<f64>,
+    /// See `displacement_rms_mm`.
+    pub displacement_largest_mm: Option<f64>,
+    /// Root mean square of the standard deviations that the images are read with, mm.
+    pub stated_mm: Option<f64>,
+    /// Forces that were asked for and those that were refused.
+    pub forces: usize,
+    /// See `forces`.
+    pub refused: usize,
+    /// Root mean square over the answered nodes of sensed / true - 1.
+    pub force_rms_error: Option<f64>,
+    /// The largest of them in size.
+    pub force_largest_error: Option<f64>,
+    /// The same to first order: errors of displacements along the finger's response to the force.
+    pub first_order_rms_error: Option<f64>,
+}
+
+/// A node and the noise of a coordinate at which a force there errs by [`ASKED_ERROR`], by the Cramer-Rao bound.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct NeededNoise {
+    /// The node.
+    pub node: NodeId,
+    /// Standard deviation of a coordinate, mm.
+    pub noise_mm: f64,
+}
+
+/// The camera's errors, and what they cost.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CameraStudy {
+    /// What each condition costs; the first is the scene's camera as it is.
+    pub rows: Vec<CameraRow>,
+    /// Nodes at which forces were sensed.
+    pub nodes: Vec<NodeId>,
+    /// For every loaded contact node, from tip to base.
+    pub needed: Vec<NeededNoise>,
+    /// Size of the scene's images, px.
+    pub size_px: [u32; 2],
+    /// Pixels a mm at the middle of the finger.
+    pub px_a_mm: f64,
+}
+
+/// Why the study could not be done.
+#[derive(Debug, thiserror::Error)]
+pub enum CameraStudyError {
+    /// The camera does not see the finger.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// Markers cannot be found.
+    #[error(transparent)]
+    Locator(#[from] LocatorError),
+    /// A contact is not on the finger.
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    /// A contact cannot be sensed.
+    #[error(transparent)]
+    Sensing(#[from] SensingError),
+}
+
+/// For scenes with a camera and markers, and for the paper's finger with a camera that is assumed.
+///
+/// # Errors
+/// [`CameraStudyError`] if the camera does not see the finger.
+pub fn run(context: &Context) -> Result<Option<CameraStudy>, CameraStudyError> {
+    let assumed = context.is_paper.then(|| Scene::from_toml(finray_fixtures::CAMERA_SCENE).ok()).flatten();
+    let scene = &context.given.scene;
+    let seen_by = |scene: &Scene| {
+        let described = scene.camera?;
+        Some((Camera { lens: described.lens, pose: described.pose? }, scene.markers?))
+    };
+    let Some((camera, markers)) = seen_by(scene).or_else(|| seen_by(&assumed?)) else { return Ok(None) };
+    CameraStudy::run(context, &camera, &markers).map(Some)
+}
+
+/// A bent finger, and how its free nodes move with the force.
+struct Bent {
+    node: NodeId,
+    shape: FingerShape,
+    /// mm per N, two coordinates a free node.
+    along: Vec<(NodeId, Vector)>,
+}
+
+/// Displacements as a camera has them, and their standard deviation.
+struct Seen {
+    displacements: Vec<(NodeId, Vector)>,
+    sd_mm: Option<f64>,
+}
+
+impl CameraStudy {
+    fn run(context: &Context, camera: &Camera, markers: &Markers) -> Result<CameraStudy, CameraStudyError> {
+        let finger = context.finger;
+        let mesh = Mesh::key_nodes(finger);
+        let (most_nodes, most_conditions) = context.effort.camera();
+        let conditions = &CONDITIONS[..most_conditions.min(CONDITIONS.len())];
+        context.progress.part("camera", conditions.len());
+        let loaded: Vec<NodeId> = finger.contact_nodes().filter(|node| *node != finger.tip()).collect();
+        let mut responding = RespondingFinger::new(&mesh);
+        let mut all = Vec::new();
+        for &node in &loaded {
+            all.extend(bent(&mut responding, &mesh, node)?);
+        }
+        let needed = |bent: &Bent| {
+            let squares: f64 = bent.along.iter().map(|(_, along)| along.norm_squared()).sum();
+            NeededNoise { node: bent.node, noise_mm: ASKED_ERROR * FORCE_N * squares.sqrt() }
+        };
+        let needed = all.iter().map(needed).collect();
+        let every = (all.len().div_ceil(most_nodes)).max(1);
+        // From the base on, where forces bend least.
+        let asked: Vec<&Bent> = all.iter().rev().step_by(every).collect();
+        let middle = finger.position(NodeId(finger.key_node_count() / 4)).push(markers.height_mm);
+        let px_a_mm = camera
+            .project_with_derivatives(&middle)
+            .map_or(f64::NAN, |(_, by_point)| by_point.fixed_columns::<2>(0).determinant().abs().sqrt());
+        let row = |condition: &Condition| {
+            let row = condition_row(&mesh, &asked, condition, camera, markers);
+            context.progress.step();
+            row
+        };
+        let rows: Result<Vec<CameraRow>, CameraStudyError> = conditions.par_iter().map(row).collect();
+        let nodes = asked.iter().map(|bent| bent.node).collect();
+        Ok(CameraStudy { rows: rows?, nodes, needed, size_px: camera.lens.size_px(), px_a_mm })
+    }
+
+    /// The scene's camera as it is.
+    pub fn as_it_is(&self) -> Option<&CameraRow> {
+        self.rows.first()
+    }
+
+    /// The node that needs the least noise.
+    pub fn worst(&self) -> Option<NeededNoise> {
+        self.needed.iter().copied().min_by(|a, b| a.noise_mm.total_cmp(&b.noise_mm))
+    }
+}
+
+/// `None` where the finger does not carry the force.
+fn bent(responding: &mut RespondingFinger, mesh: &Mesh, node: NodeId) -> Result<Option<Bent>, CameraStudyError> {
+    let finger = mesh.finger();
+    let contact = Contact::at_node(node);
+    let force = ContactForce { contact, along_n: FORCE_N, across_n: 0.0, lever_mm: 0.0 };
+    let Some(response) = responding.under(&[force])? else { return Ok(None) };
+    let load = Load::at_node(node, finger.direction(0.0) * FORCE_N);
+    let Ok(shape) = statics::solve(mesh, &[load], Kinematics::Corotational) else { return Ok(None) };
+    let along = finger.free_nodes().zip(response.along[0].as_slice().chunks_exact(2));
+    let along = along.map(|(node, along)| (node, Vector::new(along[0], along[1]))).collect();
+    Ok(Some(Bent { node, shape, along }))
+}
+
+fn condition_row(
+    mesh: &Mesh,
+    asked: &[&Bent],
+    condition: &Condition,
+    camera: &Camera,
+    markers: &Markers,
+) -> Result<CameraRow, CameraStudyError> {
+    let finger = mesh.finger();
+    let free = finger.free_nodes().count();
+    let mut errors_mm: Vec<f64> = Vec::new();
+    let mut sds_mm: Vec<f64> = Vec::new();
+    let (mut sensed, mut first_order) = (Vec::new(), Vec::new());
+    let mut found = 0;
+    for (number, bent) in asked.iter().enumerate() {
+        let seen = match &condition.change {
+            Change::Image(change) => {
+                let (camera, markers) = change.applied(camera, markers);
+                in_image(finger, &bent.shape, &camera, &markers, change, number as u64)?
+            }
+            Change::Assumed(change) => {
+                let read = change.applied(camera, markers);
+                projected(finger, &bent.shape, (camera, markers.height_mm), read, condition.is_rest_seen)
+            }
+        };
+        let Some(seen) = seen else { continue };
+        let of_node = |node: NodeId| bent.shape.motion(node).displacement;
+        let error = |(node, displacement): &(NodeId, Vector)| displacement - of_node(*node);
+        errors_mm.extend(seen.displacements.iter().flat_map(|one| [error(one).x, error(one).y]));
+        sds_mm.extend(seen.sd_mm);
+        found += seen.displacements.len();
+        // Least squares to first order: the errors along the response, over its square.
+        let (mut product, mut squares) = (0.0, 0.0);
+        for one in &seen.displacements {
+            let along =
+                bent.along.iter().find(|(node, _)| *node == one.0).map_or_else(Vector::zeros, |(_, along)| *along);
+            product += along.dot(&error(one));
+            squares += along.norm_squared();
+        }
+        let marker = |&(node, displacement): &(NodeId, Vector)| Marker { node, displacement, weight: 1.0 };
+        let Ok(measurement) = Measurement::new(finger, seen.displacements.iter().map(marker)) else { continue };
+        let mut estimator = NonlinearEstimator::new(mesh, &[Contact::at_node(bent.node).into()])?;
+        // Where no noise is stated, what is left over says it.
+        if let Ok(estimate) = estimator.estimate(&measurement, seen.sd_mm) {
+            sensed.push(estimate.forces.forces_n[0] / FORCE_N - 1.0);
+            first_order.push(product / squares / FORCE_N);
+        }
+    }
+    let size = |largest: f64, error: &f64| largest.max(error.abs());
+    Ok(CameraRow {
+        item: condition.item,
+        setting: condition.setting,
+        in_images: matches!(condition.change, Change::Image(_)),
+        is_rest_seen: condition.is_rest_seen,
+        markers: free * asked.len(),
+        found,
+        displacement_rms_mm: rms(&errors_mm),
+        displacement_largest_mm: (!errors_mm.is_empty()).then(|| errors_mm.iter().fold(0.0, size)),
+        stated_mm: rms(&sds_mm),
+        forces: asked.len(),
+        refused: asked.len() - sensed.len(),
+        force_rms_error: rms(&sensed),
+        force_largest_error: (!sensed.is_empty()).then(|| sensed.iter().fold(0.0, size)),
+        first_order_rms_error: rms(&first_order),
+    })
+}
+
+/// Root mean square; `None` of nothing.
+fn rms(numbers: &[f64]) -> Option<f64> {
+    let mean = numbers.iter().map(|x| x * x).sum::<f64>() / numbers.len() as f64;
+    (!numbers.is_empty()).then(|| mean.sqrt())
+}
+
+/// What is found in an image; `None` where it is refused.
+fn in_image(
+    finger: &Finger,
+    shape: &FingerShape,
+    camera: &Camera,
+    markers: &Markers,
+    change: &conditions::ImageChange,
+    seed: u64,
+) -> Result<Option<Seen>, CameraStudyError> {
+    let disturbances = change.disturbances(seed);
+    let image = render(&RenderRequest { camera, finger, shape, markers, hidden: &[], disturbances })?;
+    let Some(image) = change.compressed(image) else { return Ok(None) };
+    let Ok(located) = Locator::new(finger, camera, markers)?.locate(&image) else { return Ok(None) };
+    let clamped = finger.clamped_nodes();
+    let free: Vec<_> = located.iter().filter(|marker| !clamped.contains(&marker.node)).collect();
+    let displacements = free.iter().map(|marker| (marker.node, marker.position - finger.position(marker.node)));
+    let sds: Vec<f64> = free.iter().map(|marker| marker.sd_mm).collect();
+    Ok(Some(Seen { displacements: displacements.collect(), sd_mm: rms(&sds) }))
+}
+
+/// Points that one camera projects and another one reads; `None` where one of them does not see the finger.
+fn projected(
+    finger: &Finger,
+    shape: &FingerShape,
+    (camera, height_mm): (&Camera, f64),
+    (read, read_height_mm): (Camera, f64),
+    is_rest_seen: bool,
+) -> Option<Seen> {
+    let seen = |at: Vector| read.on_plane(&camera.project(&at.push(height_mm)).ok()?, read_height_mm).ok();
+    let displacement = |node: NodeId| {
+        let rest = finger.position(node);
+        let from = if is_rest_seen { seen(rest)? } else { rest };
+        Some((node, seen(rest + shape.motion(node).displacement)? - from))
+    };
+    let displacements = finger.free_nodes().map(displacement).collect::<Option<Vec<_>>>()?;
+    Some(Seen { displacements, sd_mm: None })
+}
+
+impl Evidence for CameraStudy {
+    fn checks(&self, context: &Context) -> Vec<Check> {
+        let Some(row) = self.as_it_is().filter(|_| context.is_paper) else { return Vec::new() };
+        let unfound = (row.markers - row.found) as f64;
+        let internal = |quantity: &str, ours: Option<f64>, tolerance: f64| {
+            let ours = ours.unwrap_or(f64::NAN);
+            Check::new(Kind::Internal, "node positions in rendered images", "render", quantity, 0.0, ours, tolerance)
+        };
+        vec![
+            internal("rms error of a coordinate, mm", row.displacement_rms_mm, GOOD_POSITION_MM),
+            internal("markers in sight that were not found", Some(unfound), 0.0),
+        ]
+    }
+}
