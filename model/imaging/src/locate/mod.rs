@@ -14,7 +14,7 @@ pub use rest::{Rest, RestError};
 
 use blobs::{Blob, LEAST_RADIUS_PX, blobs, middle_of_colour};
 use colour::{Colours, Side};
-use disc::{Buffers, Disc, Outline, View};
+use disc::{Buffers, Disc, LARGEST_BLUR, Outline, View};
 use finray_model::camera::{Camera, Lens, Pixel, ViewError};
 use finray_model::finger::Plate;
 use finray_model::scene::Markers;
@@ -70,6 +70,17 @@ pub enum LocateError {
     /// The finger lies outside the image.
     #[error("the camera does not see the finger: its middle is outside the image")]
     Outside,
+    /// Nothing of a marker shows its own light.
+    #[error(
+        "markers are out of focus: their edge is blurred by {blur_px:.1} px (standard deviation), of which at most {LARGEST_BLUR} of their \
+         radius of {radius_px:.1} px can be measured"
+    )]
+    Blurred {
+        /// Standard deviation of the blur, px.
+        blur_px: f64,
+        /// Their radius, px.
+        radius_px: f64,
+    },
     /// Nodes have no names.
     #[error("no finger is seen: {0}")]
     Naming(#[from] NamingError),
@@ -137,8 +148,9 @@ impl<'f> Locator<'f> {
         let discs: Vec<(Side, Disc)> =
             blobs(image, &self.colours, self.radius_px).iter().filter_map(measured).collect();
         let mut named = self.named(&discs)?;
-        self.common = Some(self.measured_together(image, &mut named, &mut buffers));
+        let common = self.measured_together(image, &mut named, &mut buffers);
         self.buffers = buffers;
+        self.common = Some(common?);
         self.last = located(&named);
         Ok(self.last.clone())
     }
@@ -200,7 +212,12 @@ impl<'f> Locator<'f> {
 
     /// The centres once more. Markers are alike and equally sharp: what half of them have is what a marker has whose edge is partly
     /// disturbed. Colours may be noisier than brightness, as after compression: they count less then.
-    fn measured_together(&self, image: &RgbImage, named: &mut [(NodeId, Disc)], buffers: &mut Buffers) -> Common {
+    fn measured_together(
+        &self,
+        image: &RgbImage,
+        named: &mut [(NodeId, Disc)],
+        buffers: &mut Buffers,
+    ) -> Result<Common, LocateError> {
         let count = named.len() as f64;
         let noise = [0, 1].map(|part| named.iter().map(|(_, disc)| disc.noise[part]).sum::<f64>() / count + ROUNDING);
         let least = noise[0].min(noise[1]);
@@ -216,10 +233,14 @@ impl<'f> Locator<'f> {
             radius_mm: median(named.iter().map(|(_, disc)| disc.outline.radius_mm)),
             blurs_px: [0, 1].map(|part| median(named.iter().map(|(_, disc)| disc.outline.blurs_px[part]))),
         };
+        let (blur_px, radius_px) = (outline.blurs_px[0], self.radius_px * outline.radius_mm / self.markers.radius_mm);
+        if blur_px > LARGEST_BLUR * radius_px {
+            return Err(LocateError::Blurred { blur_px, radius_px });
+        }
         for (_, disc) in named.iter_mut() {
             *disc = view.measure_centre(outline, &disc.pixel, buffers).unwrap_or(*disc);
         }
-        Common { outline, weights }
+        Ok(Common { outline, weights })
     }
 }
 

@@ -29,9 +29,11 @@ const BLURS_APART_PX: f64 = 1.0;
 const USUAL_NOISE: f64 = 2.0;
 /// Half the width of the band of pixels about the edge, in b.
 const BAND: f64 = 2.5;
-/// b where the search starts, and its bounds, px. A pixel's own width is a blur of 0.29 px.
+/// b where the search starts, and its smallest, px. A pixel's own width is a blur of 0.29 px.
 const FIRST_BLUR_PX: f64 = 0.9;
-const BLURS_PX: [f64; 2] = [0.25, 6.0];
+const LEAST_BLUR_PX: f64 = 0.25;
+/// Largest blur of markers, as a share of their radius: beyond it nothing of a disc shows its own light.
+pub(super) const LARGEST_BLUR: f64 = 0.4;
 /// Largest deviation of the radius from the expected one, as a share.
 const RADIUS_TOLERANCE: f64 = 0.25;
 /// Largest residual standard deviation, as a share of the contrast.
@@ -51,6 +53,9 @@ const THERE_PX: f64 = 0.25;
 const SETTLED_PX: f64 = 0.05;
 /// Smallest standard deviation of a centre, px: shading, rounding to grey levels and what the model of the edge leaves out.
 const LEAST_SD_PX: f64 = 0.005;
+/// The same of small or blurred discs, px, times (blur / radius)^2: of what lies about them less is seen beside their edge. Both are from
+/// rendered images, of discs of 3 to 12 px with blurs of 0.8 to 3.2 px.
+const SMALL_SD_PX: f64 = 0.45;
 
 /// Sectors of a piece of edge, whose pixels may err alike: eight pixels, as compression takes them together.
 const PIECE_SECTORS: usize = 12;
@@ -138,6 +143,8 @@ struct Search<'a> {
     expected: Edge,
     /// Whether radius and blur are sought too.
     is_outline_open: bool,
+    /// Largest blur whose band leaves room for the background among the gathered pixels, px.
+    largest_blur_px: f64,
     buffers: &'a mut Buffers,
 }
 
@@ -160,11 +167,16 @@ impl<'a> Search<'a> {
         let map = PlaneMap::new(view.camera, view.height_mm, about, expected.radius_mm)?;
         let radius = expected.radius_mm / map.unit_mm;
         let edge = Edge { centre: Vector::zeros(), radius, blurs: expected.blurs_px };
-        // Room for an edge that is a quarter farther out, blurred twice as much, and its background.
-        let (wider, blurred) = if is_outline_open { (1.0 + RADIUS_TOLERANCE, 2.0) } else { (1.0, 1.0) };
-        let reach = map.radius_px(radius) * wider + blurred * edge.band() + BACKGROUND_PX + ROOM_PX;
+        let radius_px = map.radius_px(radius);
+        // Room for an edge that is a quarter farther out, blurred twice as much or as much as it may be, and its background.
+        let (wider, band) = match is_outline_open {
+            true => (1.0 + RADIUS_TOLERANCE, (2.0 * edge.band()).max(BAND * LARGEST_BLUR * radius_px)),
+            false => (1.0, edge.band()),
+        };
+        let reach = radius_px * wider + band + BACKGROUND_PX + ROOM_PX;
         map.gather(view.image, reach, &mut buffers.pixels);
-        Some(Search { view, map, edge, expected: edge, is_outline_open, buffers })
+        let largest_blur_px = (reach - radius_px - BACKGROUND_PX) / BAND;
+        Some(Search { view, map, edge, expected: edge, is_outline_open, largest_blur_px, buffers })
     }
 
     fn found(mut self) -> Option<Disc> {
@@ -237,7 +249,7 @@ impl<'a> Search<'a> {
         edge.radius += change[2];
         for (part, blur) in edge.blurs.iter_mut().enumerate() {
             let largest = 0.5 * *blur;
-            *blur = (*blur + change[3 + part].clamp(-largest, largest)).clamp(BLURS_PX[0], BLURS_PX[1]);
+            *blur = (*blur + change[3 + part].clamp(-largest, largest)).clamp(LEAST_BLUR_PX, self.largest_blur_px);
         }
         let away = edge.centre.norm();
         let off = (edge.radius / self.expected.radius - 1.0).abs();
@@ -255,10 +267,12 @@ impl<'a> Search<'a> {
         }
         let variance_px2 = (inverse[(0, 0)] + inverse[(1, 1)]) / 2.0 * residual_sd * residual_sd;
         let centre = self.map.origin + self.edge.centre * self.map.unit_mm;
+        let small = (self.edge.blurs[0] / self.edge.radius).powi(2);
+        let sd_px = variance_px2.sqrt().hypot(LEAST_SD_PX).hypot(SMALL_SD_PX * small).hypot(last.change_px);
         Some(Disc {
             centre,
             pixel: self.view.camera.project(&centre.push(self.view.height_mm)).ok()?,
-            sd_mm: variance_px2.sqrt().hypot(LEAST_SD_PX).hypot(last.change_px) * self.map.unit_mm,
+            sd_mm: sd_px * self.map.unit_mm,
             outline: Outline { radius_mm: self.edge.radius * self.map.unit_mm, blurs_px: self.edge.blurs },
             excess_variance: excess_variance(&sums.by_sector, inverse, variance_px2),
             noise: sums.noise.map(|noise| noise / sums.count),
