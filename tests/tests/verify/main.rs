@@ -21,6 +21,8 @@ mod experiments {
     mod twin;
 }
 mod imaging {
+    mod chain;
+    mod kit;
     mod lens;
     mod locate;
 }

@@ -1,6 +1,6 @@
 //! What is found in rendered images: centres, their stated standard deviations, names.
 
-use finray_fixtures::CAMERA_SCENE;
+use super::kit::{DISTURBED, camera_of, rms, scene, tilted};
 use finray_imaging::locate::{LocateError, Located, Locator, NamingError, Rest};
 use finray_imaging::render::{Disturbances, RenderRequest, render};
 use finray_model::camera::{Camera, Distortion, Lens, Pose};
@@ -18,35 +18,12 @@ const IMAGES: u64 = 32;
 /// Share of the markers in sight that may be left out: clutter that touches one, a name in doubt.
 const LOST: f64 = 0.01;
 
-fn scene() -> Scene {
-    Scene::from_toml(CAMERA_SCENE).expect("the fixture")
-}
-
-fn camera_of(scene: &Scene) -> Camera {
-    let described = scene.camera.expect("the fixture has a camera");
-    Camera { lens: described.lens, pose: described.pose.expect("with a pose") }
-}
-
-/// A camera that is tilted by up to 15 degrees, with barrel distortion up to k1 = -0.2, so far away that it sees the whole finger.
-fn tilted(chance: &mut Noise) -> Camera {
-    let [k1, k2] = [chance.evenly([-0.2, 0.05]), chance.evenly([-0.02, 0.02])];
-    let distortion = Distortion::from_opencv([k1, k2, 0.0005, -0.0005, 0.0]);
-    let lens = Lens::new([1600, 1400], [1360.0, 1365.0], [799.5, 699.5], distortion).expect("a lens");
-    let mut small = || chance.evenly([-0.25, 0.25]);
-    let rotation = Rotation3::from_euler_angles(std::f64::consts::PI + small(), small(), small() * 0.4);
-    let middle = Vector3::new(chance.evenly([-3.0, 3.0]), chance.evenly([-3.0, 3.0]), chance.evenly([178.0, 195.0]));
-    Camera { lens, pose: Pose { rotation, translation_mm: middle - rotation * Vector3::new(75.0, 0.0, 0.0) } }
-}
-
 /// A force up to 5 N on the front plate; `None` where the finger does not carry it.
 fn bent(finger: &Finger, chance: &mut Noise) -> Option<FingerShape> {
     let (angle_deg, force_n) = (chance.evenly([-40.0, 40.0]), chance.evenly([0.3, 5.0]));
     let load = Load::at_position(chance.evenly([15.0, 150.0]), finger.direction(angle_deg) * force_n);
     statics::solve(&Mesh::key_nodes(finger), &[load], Kinematics::Corotational).ok()
 }
-
-const DISTURBED: Disturbances =
-    Disturbances { light_falloff: 0.3, blur_px: 0.8, grey_noise: 2.0, clutter: 20, seed: 0 };
 
 /// Errors in mm over the stated standard deviations, markers that were missed, and all in sight.
 struct Errors {
@@ -74,10 +51,6 @@ fn errors(shape: &FingerShape, hidden: &[NodeId], located: &[Located]) -> Errors
         errors.sigmas.extend(error.iter().map(|error| error / found.sd_mm));
     }
     errors
-}
-
-fn rms(numbers: &[f64]) -> f64 {
-    (numbers.iter().map(|x| x * x).sum::<f64>() / numbers.len() as f64).sqrt()
 }
 
 #[test]

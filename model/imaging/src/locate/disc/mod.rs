@@ -25,7 +25,7 @@ const UNKNOWNS: usize = 5;
 /// Parts of the light: brightness and colour.
 const PARTS: usize = 2;
 /// Standard deviation of the difference of their blurs, px, for noise of two grey levels: holds the one that a marker hardly shows.
-const BLURS_APART_PX: f64 = 1.0;
+const BLURS_APART_PX: f64 = 0.15;
 const USUAL_NOISE: f64 = 2.0;
 /// Half the width of the band of pixels about the edge, in b.
 const BAND: f64 = 2.5;
