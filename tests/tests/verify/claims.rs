@@ -37,6 +37,7 @@ fn claims_say_what_was_shown(claims: &[Claim]) {
         ("resulting torque", Refuted),
         ("remains nearly unchanged", Reproduced),
         ("nonconstant Young's modulus", InSimulation),
+        ("vision-based measuring system is less than 0.2 mm", LessInSimulation),
     ] {
         assert_eq!(row(words).verdict, verdict, "{:?}", row(words));
     }

@@ -3,6 +3,7 @@
 //! Every verdict follows from a computed figure through a named [criterion](criteria), or says that nothing was tested. All of ours
 //! are computed on models of the finger: a figure measured on the real one is reproduced or not, but never refuted by them.
 
+mod camera;
 pub mod criteria;
 mod deformation;
 mod experiments;
@@ -134,7 +135,9 @@ pub fn ledger(study: &Study) -> Result<Vec<Claim>, ClaimError> {
     claims.extend(single_finger::claims(study));
     claims.extend(gripper::claims(study));
     claims.extend(limits::claims(study)?);
-    claims.push(rate::sensing_rate(&study.speed_error));
+    claims.push(camera::position_error(study.camera.as_ref()));
+    let times = study.camera.as_ref().and_then(|camera| camera.times);
+    claims.push(rate::sensing_rate(&study.speed_error, times));
     claims.extend(untested::claims());
     Ok(claims)
 }

@@ -4,11 +4,13 @@ use super::dataset::{Columns, Dataset, Format};
 use super::format::{nodes_in_words, percent_two_digits};
 use super::page::{Block, Figure, Section, text};
 use super::{ReportError, Results};
-use crate::experiments::camera::{ASKED_ERROR, CameraRow, CameraStudy, FORCE_N, NeededNoise};
-use crate::figures::{Axis, Chart, Dash, FigureError, Frame, Series};
+use crate::experiments::camera::{AS_IT_IS, ASKED_ERROR, CameraRow, CameraStudy, FORCE_N, FrameTimes, NeededNoise};
+use crate::figures::{Axis, Chart, Dash, FigureError, Frame, Point, Series};
 use crate::settings::CAMERA_NOISE_MM;
 
 const CSV: &str = "camera.csv";
+/// Height of a line of a drawing, px.
+const LINE_PX: f64 = 24.0;
 const NEEDED_CSV: &str = "camera_needed.csv";
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
@@ -32,13 +34,26 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         nodes_in_words(&camera.nodes.iter().map(|node| node.0).collect::<Vec<_>>()),
         camera.px_a_mm,
     ))];
-    if camera.rows.iter().any(is_drawn) {
-        blocks.push(Block::Figure(Figure {
-            svg: drawing(camera)?,
-            caption: "Errors of displacements and of the forces sensed from them, one point a condition.".to_owned(),
-            csv: Some(CSV.to_owned()),
-            wide: true,
-        }));
+    if let Some(FrameTimes { search_s, track_s }) = camera.times {
+        blocks.push(text(format!(
+            "From an image in memory to node positions: {:.1} ms where the whole image is searched, {:.1} ms where markers are sought near where \
+             they were in the image before (medians, one core of this computer). The paper's vision takes about 40 ms, on another one and in images \
+             of a real finger.",
+            1e3 * search_s,
+            1e3 * track_s
+        )));
+    }
+    let drawings: [(_, _, Of); 2] = [
+        ("Errors of displacements", "rms error of a coordinate, mm", |row| row.displacement_rms_mm),
+        ("Errors of forces", "rms error of the force, %", |row| row.force_rms_error.map(|error| 100.0 * error)),
+    ];
+    let papers = [Some(CAMERA_NOISE_MM), camera.bound_rms(CAMERA_NOISE_MM).map(|error| 100.0 * error)];
+    let asked = [None, Some(100.0 * ASKED_ERROR)];
+    for (((title, axis, of), papers), asked) in drawings.into_iter().zip(papers).zip(asked) {
+        if let Some(svg) = drawing(camera, (title, axis), of, papers, asked)? {
+            let caption = format!("{title}, a row a condition of the camera.");
+            blocks.push(Block::Figure(Figure { svg, caption, csv: Some(CSV.to_owned()), wide: false }));
+        }
     }
     let columns = Columns::<&CameraRow>::new()
         .page("what differs", Format::Words, |row| row.item)
@@ -68,45 +83,57 @@ fn setting(row: &CameraRow) -> String {
     if row.is_rest_seen { format!("{}, image at rest", row.setting) } else { row.setting.to_owned() }
 }
 
-/// Both errors have a place on logarithmic axes.
-fn is_drawn(row: &CameraRow) -> bool {
-    place(row).is_some_and(|place| place.iter().all(|x| *x > 0.0))
+/// A number of a row.
+type Of = fn(&CameraRow) -> Option<f64>;
+
+/// A line of a drawing: conditions that differ in what displacements are counted from share one.
+fn line(row: &CameraRow) -> String {
+    if row.item == AS_IT_IS { row.item.to_owned() } else { format!("{}: {}", row.item, row.setting) }
 }
 
-/// Millimetres and percent.
-fn place(row: &CameraRow) -> Option<[f64; 2]> {
-    Some([row.displacement_rms_mm?, 100.0 * row.force_rms_error?])
-}
-
-fn drawing(camera: &CameraStudy) -> Result<String, FigureError> {
-    let drawn: Vec<&CameraRow> = camera.rows.iter().filter(|row| is_drawn(row)).collect();
-    let mut items: Vec<&str> = Vec::new();
-    for row in &drawn {
-        if !items.contains(&row.item) {
-            items.push(row.item);
-        }
+/// Errors line by line, the paper's camera in the last; `None` where nothing has a place on a logarithmic axis.
+fn drawing(
+    camera: &CameraStudy,
+    (title, axis): (&str, &str),
+    of: Of,
+    papers: Option<f64>,
+    asked: Option<f64>,
+) -> Result<Option<String>, FigureError> {
+    // What differs in the same thing stands together.
+    let first = |item: &str| camera.rows.iter().position(|row| row.item == item);
+    let mut rows: Vec<&CameraRow> = camera.rows.iter().collect();
+    rows.sort_by_key(|row| first(row.item));
+    let mut lines: Vec<String> = rows.into_iter().map(line).collect();
+    lines.dedup();
+    lines.push("the paper's camera".to_owned());
+    // From the top on.
+    let at = |name: &str| (lines.len() - 1 - lines.iter().position(|other| other == name).unwrap_or(0)) as f64;
+    let points = |is_rest_seen: bool| -> Vec<Point> {
+        let rows = camera.rows.iter().filter(|row| row.is_rest_seen == is_rest_seen);
+        let drawn = rows.filter_map(|row| Some([of(row).filter(|error| *error > 0.0)?, at(&line(row))]));
+        drawn.collect()
+    };
+    let papers = papers.map(|papers| [papers, 0.0]).into_iter().collect();
+    let named = [
+        ("pose of the scene", points(false)),
+        ("counted from an image at rest", points(true)),
+        ("independent noise, bound", papers),
+    ];
+    let mut series: Vec<Series> = named
+        .into_iter()
+        .enumerate()
+        .filter(|(_, (_, points))| !points.is_empty())
+        .map(|(n, (label, points))| Series { dash: Dash::None, ..Series::nth(n, label, points) })
+        .collect();
+    if series.is_empty() {
+        return Ok(None);
     }
-    let series = items.iter().enumerate().map(|(n, item)| {
-        let of_item: Vec<&&CameraRow> = drawn.iter().filter(|row| row.item == *item).collect();
-        let points = of_item.iter().filter_map(|row| place(row)).collect();
-        let labels = of_item.iter().map(|row| setting(row)).collect();
-        Series { labels, dash: Dash::None, ..Series::nth(n, *item, points) }
-    });
-    let mut series: Vec<Series> = series.collect();
-    // Where independent errors of a coordinate lead at the worst node, over the whole figure.
-    if let Some(worst) = camera.worst() {
-        let places = drawn.iter().filter_map(|row| place(row)).map(|place| place[0]);
-        let [low, high] =
-            [f64::min, f64::max].map(|of| places.clone().chain([CAMERA_NOISE_MM]).fold(CAMERA_NOISE_MM, of));
-        let at = |mm: f64| [mm, 100.0 * ASKED_ERROR * mm / worst.noise_mm];
-        series.push(Series::guide(format!("independent noise, node {}", worst.node), vec![at(low), at(high)]));
-        let papers = Series::guide("the paper's camera, 0.067 mm", vec![at(CAMERA_NOISE_MM)]);
-        series.push(Series { labels: vec!["0.2 mm at worst".to_owned()], ..papers });
-    }
-    let alt = "Error of the sensed force over the error of the displacements, both axes logarithmic, a point a condition of the camera";
-    let frame = Frame::full("What the camera's errors cost", alt).with_plot_height(400.0);
-    let axes = [Axis::log("rms error of a displacement's coordinate, mm"), Axis::log("rms error of the force, %")];
-    Chart::new(frame, axes, series).compared([(100.0 * ASKED_ERROR, percent_two_digits(ASKED_ERROR))]).svg()
+    let [low, high] = [-0.5, lines.len() as f64 - 0.5];
+    series.extend(asked.map(|asked| Series::guide(format!("{asked} %"), vec![[asked, low], [asked, high]])));
+    let alt = format!("{title} on a logarithmic axis, a row a condition of the camera");
+    let frame = Frame::half(title, alt).with_plot_height(LINE_PX * lines.len() as f64);
+    lines.reverse();
+    Chart::new(frame, [Axis::log(axis), Axis::categories("", lines)], series).svg().map(Some)
 }
 
 /// What the camera reaches, what it needs, and what costs most.
@@ -120,7 +147,7 @@ fn in_words(camera: &CameraStudy) -> Option<String> {
         percent_two_digits(row.force_rms_error?),
     );
     let needed = format!(
-        "{} at the worst node ({}) needs {:.4} mm; the paper's camera (0.2 mm at worst, {CAMERA_NOISE_MM} mm as a standard deviation) gives {}.",
+        "An error of {} at the worst node ({}) needs {:.4} mm; the paper's camera (0.2 mm at worst, {CAMERA_NOISE_MM} mm as a standard deviation) gives {}.",
         percent_two_digits(ASKED_ERROR),
         worst.node,
         worst.noise_mm,

@@ -93,7 +93,6 @@ fn centres_are_within_twice_the_bound() {
         (marker.pixel - pixel).norm() / 2.0_f64.sqrt() / bound
     };
     let ratios: Vec<f64> = all.iter().map(ratio).collect();
-    eprintln!("RATIO {}", rms(&ratios));
     assert!(rms(&ratios) <= 2.0, "{} times the bound", rms(&ratios));
     // Nothing is better than the bound.
     assert!(rms(&ratios) > 0.9, "{} times the bound", rms(&ratios));
@@ -122,7 +121,6 @@ fn small_and_blurred_markers_state_their_errors() {
         (radius_mm, blur_px, located.map(sigmas))
     };
     for (radius_mm, blur_px, found) in cases.par_iter().map(found).collect::<Vec<_>>() {
-        eprintln!("SMALL {radius_mm} {blur_px} {found:?}");
         match found {
             // 50 coordinates scatter by a tenth.
             Ok((markers, sigmas)) => {
@@ -174,7 +172,6 @@ fn a_lens_and_a_pose_that_are_found_serve_as_well() {
         errors
     };
     let errors: Vec<f64> = (0..CAMERAS).into_par_iter().flat_map_iter(of_camera).collect();
-    eprintln!("LENS {} {}", errors.len(), rms(&errors));
     assert!(errors.len() > 290 && rms(&errors) <= 0.012, "{} errors, {} mm rms", errors.len(), rms(&errors));
 }
 
@@ -220,7 +217,6 @@ fn forces_from_images_err_by_a_tenth_of_the_papers() {
             let errors: Vec<f64> = pairs.iter().map(|pair| pair[which].abs()).collect();
             errors.iter().sum::<f64>() / errors.len() as f64
         });
-        eprintln!("FORCE {node} {of_images} {of_papers}");
         assert!(of_images <= 0.1 * of_papers, "node {node}: {of_images} against {of_papers}");
     }
 }

@@ -3,9 +3,8 @@
 use super::kit::{DISTURBED, camera_of, rms, scene, tilted};
 use finray_imaging::locate::{LocateError, Located, Locator, NamingError, Rest};
 use finray_imaging::render::{Disturbances, RenderRequest, render};
-use finray_model::camera::{Camera, Distortion, Lens, Pose};
 use finray_model::mesh::FingerShape;
-use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, statics};
+use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, statics};
 use finray_verify::sampling::noise::Noise;
 use nalgebra::{Rotation3, Vector3};
 use rayon::prelude::*;

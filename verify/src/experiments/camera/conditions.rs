@@ -39,7 +39,7 @@ pub(super) struct ImageChange {
 /// Light of the corners that is missing against the middle, as a share.
 const FALLOFF: f64 = 0.3;
 /// An ordinary industrial camera in focus.
-const ORDINARY: ImageChange =
+pub(super) const ORDINARY: ImageChange =
     ImageChange { grey_noise: 2.0, blur_px: 0.8, resolution: 1.0, radius: 1.0, quality: None, clutter: 0 };
 
 /// How the camera that reads differs from the one that sees.
@@ -66,8 +66,8 @@ const fn assumed(item: &'static str, setting: &'static str, change: AssumedChang
 
 /// All conditions, those that a quick study has first. The first is the scene's camera as it is.
 pub(super) const CONDITIONS: &[Condition] = &[
-    image("as it is", "noise 2 of 255, blur 0.8 px", ORDINARY),
-    image("resolution", "a quarter of the pixels along each side", ImageChange { resolution: 0.25, ..ORDINARY }),
+    image(super::AS_IT_IS, "noise 2 of 255, blur 0.8 px", ORDINARY),
+    image("resolution", "1/4 along each side", ImageChange { resolution: 0.25, ..ORDINARY }),
     assumed("lens", "k1 off by 0.01", AssumedChange { k1: 0.01, ..TRUE }, false),
     assumed("lens", "k1 off by 0.01", AssumedChange { k1: 0.01, ..TRUE }, true),
     assumed("pose", "tilted by 0.5 deg", AssumedChange { tilt_deg: 0.5, ..TRUE }, false),
@@ -79,12 +79,12 @@ pub(super) const CONDITIONS: &[Condition] = &[
     image("noise", "10 of 255", ImageChange { grey_noise: 10.0, ..ORDINARY }),
     image("blur", "1.6 px", ImageChange { blur_px: 1.6, ..ORDINARY }),
     image("blur", "3.2 px", ImageChange { blur_px: 3.2, ..ORDINARY }),
-    image("resolution", "half of the pixels along each side", ImageChange { resolution: 0.5, ..ORDINARY }),
-    image("markers", "two thirds of the radius", ImageChange { radius: 2.0 / 3.0, ..ORDINARY }),
+    image("resolution", "1/2 along each side", ImageChange { resolution: 0.5, ..ORDINARY }),
+    image("markers", "2/3 of the radius", ImageChange { radius: 2.0 / 3.0, ..ORDINARY }),
     image("markers", "0.4 of the radius", ImageChange { radius: 0.4, ..ORDINARY }),
     image("compression", "JPEG, quality 92", ImageChange { quality: Some(92), ..ORDINARY }),
     image("compression", "JPEG, quality 75", ImageChange { quality: Some(75), ..ORDINARY }),
-    image("clutter", "40 patches of other colours", ImageChange { clutter: 40, ..ORDINARY }),
+    image("clutter", "40 patches", ImageChange { clutter: 40, ..ORDINARY }),
     assumed("lens", "k1 off by 0.001", AssumedChange { k1: 0.001, ..TRUE }, false),
     assumed("lens", "focal length off by 0.1 %", AssumedChange { focal: 1.001, ..TRUE }, false),
     assumed("lens", "focal length off by 0.1 %", AssumedChange { focal: 1.001, ..TRUE }, true),

@@ -21,6 +21,7 @@ use finray_model::sensing::{Contact, NonlinearEstimator, SensingError};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector, statics};
 use rayon::prelude::*;
 use serde::Serialize;
+use std::time::Instant;
 
 /// Force at every node, N, along the normal: the middle of the paper's 0.3 to 3 N.
 pub const FORCE_N: f64 = 1.5;
@@ -28,6 +29,9 @@ pub const FORCE_N: f64 = 1.5;
 pub const ASKED_ERROR: f64 = 0.01;
 /// Root mean square of a node's error in an image of the scene's camera, mm: a fiftieth of the paper's worst one.
 pub const GOOD_POSITION_MM: f64 = 0.004;
+
+/// The scene's camera with nothing changed.
+pub const AS_IT_IS: &str = "as it is";
 
 /// What one condition costs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -84,6 +88,17 @@ pub struct CameraStudy {
     pub size_px: [u32; 2],
     /// Pixels a mm at the middle of the finger.
     pub px_a_mm: f64,
+    /// Time of an image in memory, on one core; `None` where it shows no finger.
+    pub times: Option<FrameTimes>,
+}
+
+/// Median times from an image in memory to node positions, s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrameTimes {
+    /// The whole image is searched.
+    pub search_s: f64,
+    /// Markers are sought near where they were in the image before.
+    pub track_s: f64,
 }
 
 /// Why the study could not be done.
@@ -163,13 +178,25 @@ impl CameraStudy {
             row
         };
         let rows: Result<Vec<CameraRow>, CameraStudyError> = conditions.par_iter().map(row).collect();
+        let rows = rows?;
+        // One after the other, with nothing beside it.
+        let times = match asked.first() {
+            Some(bent) => frame_times(finger, &bent.shape, camera, markers)?,
+            None => None,
+        };
         let nodes = asked.iter().map(|bent| bent.node).collect();
-        Ok(CameraStudy { rows: rows?, nodes, needed, size_px: camera.lens.size_px(), px_a_mm })
+        Ok(CameraStudy { rows, nodes, needed, size_px: camera.lens.size_px(), px_a_mm, times })
     }
 
     /// The scene's camera as it is.
     pub fn as_it_is(&self) -> Option<&CameraRow> {
         self.rows.first()
+    }
+
+    /// Root mean square error of a force over the nodes of the rows, by the Cramer-Rao bound for independent noise of every coordinate.
+    pub fn bound_rms(&self, noise_mm: f64) -> Option<f64> {
+        let asked = self.needed.iter().filter(|needed| self.nodes.contains(&needed.node));
+        rms(&asked.map(|needed| ASKED_ERROR * noise_mm / needed.noise_mm).collect::<Vec<f64>>())
     }
 
     /// The node that needs the least noise.
@@ -281,6 +308,37 @@ fn in_image(
     let displacements = free.iter().map(|marker| (marker.node, marker.position - finger.position(marker.node)));
     let sds: Vec<f64> = free.iter().map(|marker| marker.sd_mm).collect();
     Ok(Some(Seen { displacements: displacements.collect(), sd_mm: rms(&sds) }))
+}
+
+/// Times of two images in turn that differ in their noise; the first of each kind is not timed.
+fn frame_times(
+    finger: &Finger,
+    shape: &FingerShape,
+    camera: &Camera,
+    markers: &Markers,
+) -> Result<Option<FrameTimes>, CameraStudyError> {
+    const TIMED: usize = 9;
+    let image = |seed: u64| {
+        let disturbances = conditions::ORDINARY.disturbances(seed);
+        render(&RenderRequest { camera, finger, shape, markers, hidden: &[], disturbances })
+    };
+    let images = [image(1)?, image(2)?];
+    let mut locator = Locator::new(finger, camera, markers)?;
+    let mut median = |is_tracked: bool| {
+        let mut seconds = Vec::with_capacity(TIMED);
+        for (run, image) in images.iter().cycle().take(TIMED + 1).enumerate() {
+            let start = Instant::now();
+            let located = if is_tracked { locator.track(image) } else { locator.locate(image) };
+            let time = start.elapsed().as_secs_f64();
+            located.ok()?;
+            if run > 0 {
+                seconds.push(time);
+            }
+        }
+        Some(*seconds.select_nth_unstable_by(TIMED / 2, f64::total_cmp).1)
+    };
+    let Some(search_s) = median(false) else { return Ok(None) };
+    Ok(median(true).map(|track_s| FrameTimes { search_s, track_s }))
 }
 
 /// Points that one camera projects and another one reads; `None` where one of them does not see the finger.
