@@ -1,5 +1,6 @@
 //! `finray report`: the page, the summary for machines and a CSV behind every figure.
 
+mod camera;
 mod checks;
 mod command;
 mod maps;

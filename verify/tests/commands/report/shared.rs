@@ -23,11 +23,13 @@ pub static PAPERS: LazyLock<Report> = LazyLock::new(|| {
 });
 pub static SPRING_STEELS: LazyLock<Report> = LazyLock::new(|| Report::of("spring-steel", &[SPRING_STEEL], None));
 
-/// Notes which page it is given, stays for a while, as a browser does, and notes that it has left.
+/// Notes which page it is given, stays for a while, as a browser does, and notes that it has left, unless another run has come since.
 pub const OPENER: &str = r#"#!/bin/sh
 echo "$1" > "${0%/*}/opened"
+echo $$ > "${0%/*}/last"
 /bin/sleep 60
-: > "${0%/*}/left"
+read -r last < "${0%/*}/last"
+[ "$last" = $$ ] && : > "${0%/*}/left"
 "#;
 
 /// The last row is for other nodes than ours.

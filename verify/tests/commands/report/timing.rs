@@ -44,7 +44,7 @@ fn times_of_sensing_are_of_a_moving_force_cold_and_warm() {
         .find(|claim| claim["claim"].as_str().is_some_and(|said| said.contains("cannot exceed 25 Hz")))
         .expect("the claim");
     assert_eq!(rate["verdict"], "not-tested");
-    assert_says(rate["how"].as_str().expect("words"), &["Image processing was not run here", "camera noise"]);
+    assert_says(rate["how"].as_str().expect("words"), &["its rate is not tested", "camera noise"]);
 }
 
 /// Times of criterion and of other programs are taken as they are, and say whose they are.

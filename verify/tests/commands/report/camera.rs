@@ -1,0 +1,65 @@
+//! From camera to force.
+
+use super::shared::*;
+use crate::kit::*;
+
+#[test]
+fn what_a_camera_costs_is_in_the_report() {
+    let summary = PAPERS.summary();
+    let rows = array(&summary, "camera");
+    let numbers = ["displacement_rms_mm", "displacement_largest_mm", "force_rms_error", "force_largest_error"];
+    assert_keys(rows, &["item", "setting"], &numbers);
+    let number = |row: &serde_json::Value, key: &str| row[key].as_f64().expect("a number");
+    for row in rows {
+        assert_eq!((number(row, "found"), number(row, "refused")), (number(row, "markers"), 0.0), "{row}");
+        // Displacements that are all counted alike err little: the force follows them to first order. It is computed once from the response
+        // and once by sensing.
+        if row["in_images"] == true || row["is_rest_seen"] == true {
+            let [sensed, first] = ["force_rms_error", "first_order_rms_error"].map(|key| number(row, key));
+            assert!((sensed / first - 1.0).abs() < 0.02, "{row}");
+        }
+        // Points without an image are read without noise.
+        assert_eq!(row["stated_mm"].is_null(), row["in_images"] == false, "{row}");
+    }
+    assert!(rows[0]["item"] == "as it is" && number(&rows[0], "displacement_rms_mm") < 0.004);
+    let page = PAPERS.read("index.html");
+    let section =
+        page[page.find("id=\"camera\"").expect("the section")..].split("</section>").next().unwrap_or_default();
+    assert_eq!(section.matches("<svg").count(), 2);
+    for said in ["the paper's camera", "In simulation", "where the whole image is searched"] {
+        assert!(section.contains(said), "{said}");
+    }
+}
+
+/// The noise that a force can bear is what `sense` says of it.
+#[test]
+fn the_noise_that_is_needed_gives_the_error_that_is_asked() {
+    let folder = Folder::new();
+    let needed = Csv::of(&PAPERS.read("camera_needed.csv"));
+    let (nodes, noises) = (needed.texts("node"), needed.numbers("noise_mm"));
+    assert_eq!(nodes.len(), 11);
+    for (node, noise_mm) in nodes.iter().zip(noises) {
+        let shape = folder.path("shape.csv");
+        // Nodes 25 (base) to 13 (tip) are 12.75 mm apart.
+        let s_mm = 12.75 * (25.0 - node.parse::<f64>().expect("a number"));
+        finray(&["solve", PAPER, "--load-at", &format!("{s_mm}:1.5"), "--out", &shape]).done();
+        let noise = noise_mm.to_string();
+        let arguments = [
+            "sense",
+            PAPER,
+            "--displacements",
+            &shape,
+            "--contact",
+            node,
+            "--estimator",
+            "nonlinear",
+            "--noise-mm",
+            &noise,
+        ];
+        let sensed = Csv::of(&finray(&[&arguments[..], &["--mesh-nodes", "25"]].concat()).computed());
+        let (force_n, sigma_n) = (sensed.numbers("force_n")[0], sensed.numbers("sigma_n")[0]);
+        // The stated one holds the mesh's own error too, which grows to a quarter of a percent at the base.
+        let ratio = sigma_n / force_n / 0.01;
+        assert!((0.999..1.05).contains(&ratio), "node {node}: {sigma_n} of {force_n} N");
+    }
+}
