@@ -89,7 +89,7 @@ impl Effort {
     /// Nodes at which forces are sensed from images, at most, and conditions of the camera.
     pub(crate) fn camera(self) -> (usize, usize) {
         match self {
-            Effort::Quick => (2, 8),
+            Effort::Quick => (2, 9),
             Effort::Full => (6, usize::MAX),
         }
     }

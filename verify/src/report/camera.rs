@@ -30,7 +30,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let mut blocks = vec![text(format!(
         "In simulation: {FORCE_N} N along the normal at {} in turn, seen in a rendered image of {width} x {height} px ({:.1} px a mm), found \
          in it, and sensed by the nonlinear estimator with the beams that bent the finger.{assumed} What the camera is only taken for (lens, \
-         pose, height) is projected without an image.",
+         pose, height) is projected without an image; \"mesh\" is what the mesh of the key nodes makes of the exact displacements of a finer one.",
         nodes_in_words(&camera.nodes.iter().map(|node| node.0).collect::<Vec<_>>()),
         camera.px_a_mm,
     ))];
@@ -115,7 +115,7 @@ fn drawing(
     };
     let papers = papers.map(|papers| [papers, 0.0]).into_iter().collect();
     let named = [
-        ("pose of the scene", points(false)),
+        ("counted from the scene", points(false)),
         ("counted from an image at rest", points(true)),
         ("independent noise, bound", papers),
     ];
@@ -167,7 +167,11 @@ fn in_words(camera: &CameraStudy) -> Option<String> {
     let enough =
         coarse.filter(|row| row.force_largest_error <= Some(ASKED_ERROR)).find(|row| row.force_largest_error.is_some());
     let enough = enough.map_or_else(String::new, |row| {
-        format!(" With {} no sensed force errs by more than {}.", row.setting, percent_two_digits(ASKED_ERROR))
+        format!(
+            " At a resolution of {} no sensed force errs by more than {}.",
+            row.setting,
+            percent_two_digits(ASKED_ERROR)
+        )
     });
     Some(format!("{found} {needed} {most}{enough}"))
 }

@@ -21,6 +21,8 @@ pub(super) enum Change {
     Image(ImageChange),
     /// Of what the camera is taken for.
     Assumed(AssumedChange),
+    /// None of the camera: exact displacements of a finger that is meshed this many times as finely as the one that senses.
+    FinerFinger(usize),
 }
 
 /// How an image differs from that of the scene's camera.
@@ -68,6 +70,12 @@ const fn assumed(item: &'static str, setting: &'static str, change: AssumedChang
 pub(super) const CONDITIONS: &[Condition] = &[
     image(super::AS_IT_IS, "noise 2 of 255, blur 0.8 px", ORDINARY),
     image("resolution", "1/4 along each side", ImageChange { resolution: 0.25, ..ORDINARY }),
+    Condition {
+        item: "mesh",
+        setting: "key nodes alone, no camera",
+        change: Change::FinerFinger(8),
+        is_rest_seen: false,
+    },
     assumed("lens", "k1 off by 0.01", AssumedChange { k1: 0.01, ..TRUE }, false),
     assumed("lens", "k1 off by 0.01", AssumedChange { k1: 0.01, ..TRUE }, true),
     assumed("pose", "tilted by 0.5 deg", AssumedChange { tilt_deg: 0.5, ..TRUE }, false),

@@ -36,7 +36,7 @@ pub const AS_IT_IS: &str = "as it is";
 /// What one condition costs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CameraRow {
-    /// What differs from the scene's camera: "noise", "lens", ...
+    /// What differs from the scene's camera: "noise", "lens", ..., or its mesh alone.
     pub item: &'static str,
     /// By how much.
     pub setting: &'static str,
@@ -136,6 +136,7 @@ pub fn run(context: &Context) -> Result<Option<CameraStudy>, CameraStudyError> {
 /// A bent finger, and how its free nodes move with the force.
 struct Bent {
     node: NodeId,
+    load: Load,
     shape: FingerShape,
     /// mm per N, two coordinates a free node.
     along: Vec<(NodeId, Vector)>,
@@ -215,7 +216,7 @@ fn bent(responding: &mut RespondingFinger, mesh: &Mesh, node: NodeId) -> Result<
     let Ok(shape) = statics::solve(mesh, &[load], Kinematics::Corotational) else { return Ok(None) };
     let along = finger.free_nodes().zip(response.along[0].as_slice().chunks_exact(2));
     let along = along.map(|(node, along)| (node, Vector::new(along[0], along[1]))).collect();
-    Ok(Some(Bent { node, shape, along }))
+    Ok(Some(Bent { node, load, shape, along }))
 }
 
 fn condition_row(
@@ -232,18 +233,29 @@ fn condition_row(
     let (mut sensed, mut first_order) = (Vec::new(), Vec::new());
     let mut found = 0;
     for (number, bent) in asked.iter().enumerate() {
+        let mut shape = &bent.shape;
+        let finer;
         let seen = match &condition.change {
             Change::Image(change) => {
                 let (camera, markers) = change.applied(camera, markers);
-                in_image(finger, &bent.shape, &camera, &markers, change, number as u64)?
+                in_image(finger, shape, &camera, &markers, change, number as u64)?
             }
             Change::Assumed(change) => {
                 let read = change.applied(camera, markers);
-                projected(finger, &bent.shape, (camera, markers.height_mm), read, condition.is_rest_seen)
+                projected(finger, shape, (camera, markers.height_mm), read, condition.is_rest_seen)
+            }
+            Change::FinerFinger(times) => {
+                let Ok(bent) = statics::solve(&mesh.refined(*times), &[bent.load], Kinematics::Corotational) else {
+                    continue;
+                };
+                finer = bent;
+                shape = &finer;
+                let displacements = finger.free_nodes().map(|node| (node, shape.motion(node).displacement));
+                Some(Seen { displacements: displacements.collect(), sd_mm: None })
             }
         };
         let Some(seen) = seen else { continue };
-        let of_node = |node: NodeId| bent.shape.motion(node).displacement;
+        let of_node = |node: NodeId| shape.motion(node).displacement;
         let error = |(node, displacement): &(NodeId, Vector)| displacement - of_node(*node);
         errors_mm.extend(seen.displacements.iter().flat_map(|one| [error(one).x, error(one).y]));
         sds_mm.extend(seen.sd_mm);
