@@ -151,7 +151,7 @@ impl<'f> Locator<'f> {
         let common = self.measured_together(image, &mut named, &mut buffers);
         self.buffers = buffers;
         self.common = Some(common?);
-        self.last = located(&named);
+        self.last = located(&named, &self.on_front);
         Ok(self.last.clone())
     }
 
@@ -189,7 +189,7 @@ impl<'f> Locator<'f> {
         if (named.len() as f64) < FOUND_AGAIN * self.last.len() as f64 {
             return self.locate(image);
         }
-        self.last = located(&named);
+        self.last = located(&named, &self.on_front);
         Ok(self.last.clone())
     }
 
@@ -244,18 +244,30 @@ impl<'f> Locator<'f> {
     }
 }
 
-/// Markers from their discs.
-fn located(named: &[(NodeId, Disc)]) -> Vec<Located> {
-    // Of one marker the excess is known to a third, of all together well.
-    let excess = named.iter().map(|(_, disc)| disc.excess_variance).sum::<f64>() / named.len() as f64;
-    let wider = excess.max(1.0).sqrt();
+/// Markers from their discs. Those of the front plate share a colour, those of the back plate another one.
+fn located(named: &[(NodeId, Disc)], on_front: &[NodeId]) -> Vec<Located> {
+    let [front, back] = [true, false].map(|is_front| {
+        let of_plate = named.iter().filter(|(node, _)| on_front.contains(node) == is_front);
+        wider(of_plate.map(|(_, disc)| disc.excess_variances))
+    });
     let located = |&(node, disc): &(NodeId, Disc)| Located {
         node,
         pixel: disc.pixel,
         position: disc.centre,
-        sd_mm: disc.sd_mm * wider,
+        sd_mm: disc.sd_mm * if on_front.contains(&node) { front } else { back },
     };
     named.iter().map(located).collect()
+}
+
+/// By how much standard deviations are wider than for pixels that err independently. Of one marker it is hardly known, of all of a colour well.
+///
+/// Centres take up what residuals have of one period around the edge, and the longer the period the more there is of it: from two and three
+/// periods along a Gaussian, S(n) = a exp(-c n^2).
+fn wider(excess_variances: impl Iterator<Item = [f64; 2]>) -> f64 {
+    let (count, [two, three]) =
+        excess_variances.fold((0.0, [0.0; 2]), |(count, sums), of| (count + 1.0, [sums[0] + of[0], sums[1] + of[1]]));
+    let of_one_period = two / count * (two / three).max(1.0).powf(3.0 / 5.0);
+    of_one_period.max(1.0).sqrt()
 }
 
 /// The middle one of some numbers.

@@ -2,7 +2,7 @@
 //!
 //! A pixel at the distance d outside the disc's edge (px) shows background + (disc - background) Phi(-d / b): the edge, blurred by a
 //! Gaussian of standard deviation b, Phi the normal distribution. Brightness and colour have a b each, since compressed images store colour
-//! with fewer pixels. The disc's own light is a plane over its inside, the background one colour for each sector around it, since plates
+//! with fewer pixels. The disc's own light falls off evenly over its inside, the background one colour for each sector around it, since plates
 //! and ribs cross it. Centre, radius and both b are found by least squares over the pixels of the edge; each counts by the square of its
 //! contrast, as noise is the same everywhere. Sectors that do not look like an edge (an occluder, another marker) are left out.
 //!
@@ -15,7 +15,7 @@ mod sums;
 use finray_model::Vector;
 use finray_model::camera::{Camera, Pixel};
 use image::RgbImage;
-use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
+use nalgebra::{Complex, Matrix2, SMatrix, SVector};
 use plane_map::{Pixels, PlaneMap};
 use shades::{BACKGROUND_PX, KEPT_SECTORS, Shades};
 use sums::{Band, OfSector, Sums};
@@ -57,9 +57,6 @@ const LEAST_SD_PX: f64 = 0.005;
 /// rendered images, of discs of 3 to 12 px with blurs of 0.8 to 3.2 px.
 const SMALL_SD_PX: f64 = 0.45;
 
-/// Sectors of a piece of edge, whose pixels may err alike: eight pixels, as compression takes them together.
-const PIECE_SECTORS: usize = 12;
-
 /// A disc that was found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Disc {
@@ -71,9 +68,9 @@ pub(super) struct Disc {
     pub sd_mm: f64,
     /// Radius, mm, and blur, px, as found or as given.
     pub outline: Outline,
-    /// Variance of the centre as its pieces of edge scatter, over that from the residual of independent pixels: more than 1 where
-    /// neighbouring pixels err alike, as after compression.
-    pub excess_variance: f64,
+    /// Variance of the centre from what the residuals have of two and of three periods around the edge, over that from independent pixels: more
+    /// than 1 where neighbouring pixels err alike, as after compression.
+    pub excess_variances: [f64; 2],
     /// Mean squared residual of brightness and of colour about the edge, grey levels^2.
     pub noise: [f64; PARTS],
 }
@@ -274,23 +271,25 @@ impl<'a> Search<'a> {
             pixel: self.view.camera.project(&centre.push(self.view.height_mm)).ok()?,
             sd_mm: sd_px * self.map.unit_mm,
             outline: Outline { radius_mm: self.edge.radius * self.map.unit_mm, blurs_px: self.edge.blurs },
-            excess_variance: excess_variance(&sums.by_sector, inverse, variance_px2),
+            excess_variances: excess_variances(&sums.by_sector, inverse, variance_px2),
             noise: sums.noise.map(|noise| noise / sums.count),
         })
     }
 }
 
-/// The variance of the centre from the scatter of pieces of its edge, over another one.
-///
-/// # Reference
-/// The covariance of clustered residuals: K.-Y. Liang and S. Zeger, Longitudinal data analysis using generalized linear models,
-/// Biometrika 73 (1986).
-fn excess_variance(sectors: &[OfSector], inverse: &Matrix2<f64>, variance_px2: f64) -> f64 {
-    let pieces = sectors.chunks(PIECE_SECTORS);
-    let count = pieces.len() as f64;
-    let pulls = pieces.map(|piece| piece.iter().map(|of| of.pull.cast::<f64>()).sum::<Vector2<f64>>());
-    let scatter: Matrix2<f64> = pulls.map(|pull| pull * pull.transpose()).sum();
-    // The centre follows the pieces, which takes two of their degrees of freedom.
-    let variance = (inverse * scatter * inverse).trace() / 2.0 * count / (count - 2.0).max(1.0);
-    variance / variance_px2
+/// The variance of the centre from what the residuals have of two and of three periods around the edge, over another one.
+fn excess_variances(sectors: &[OfSector], inverse: &Matrix2<f64>, variance_px2: f64) -> [f64; 2] {
+    let angle = std::f64::consts::TAU / sectors.len() as f64;
+    let to_next = Complex::cis(angle);
+    let mut direction = Complex::cis(angle / 2.0);
+    let mut sums = [Complex::new(0.0, 0.0); 2];
+    for of in sectors {
+        let pull = f64::from(of.pull.x) * direction.re + f64::from(of.pull.y) * direction.im;
+        let square = direction * direction;
+        for (sum, turned) in sums.iter_mut().zip([square, square * direction]) {
+            *sum += turned * pull;
+        }
+        direction *= to_next;
+    }
+    sums.map(|sum| (inverse * inverse).trace() / 2.0 * sum.norm_sqr() / 2.0 / variance_px2)
 }

@@ -128,7 +128,8 @@ impl Shades {
         self.trust.extend((0..count).map(|i| even(i).powi(2)));
     }
 
-    /// The plane through the light of the disc's inside; pixels of something else (an occluder) are left out.
+    /// The light of the disc's inside: a plane through its brightness, whose slope its colours share; pixels of something else (an occluder)
+    /// are left out.
     fn find_inside(&mut self, pixels: &Pixels, edge: &Edge) -> Option<()> {
         let mut median = [0.0; 3];
         for (median, light) in median.iter_mut().zip(&pixels.light) {
@@ -139,9 +140,10 @@ impl Shades {
             *median = *self.sorted.select_nth_unstable_by(middle, f32::total_cmp).1;
         }
         let centre = [edge.centre.x as f32, edge.centre.y as f32];
-        // 1, x, y, x x, x y, y y; and of each part of the light: 1, x, y.
+        // 1, x, y, x x, x y, y y; brightness times 1, x, y; and colour.
         let mut moments = [0.0_f64; 6];
-        let mut lights = [[0.0_f64; 3]; 3];
+        let mut brightness = [0.0_f64; 3];
+        let mut colour = [0.0_f64; 2];
         let mut count = 0;
         for &i in self.inner.iter().step_by((self.inner.len() / INSIDE_PIXELS).max(1)) {
             let i = i as usize;
@@ -153,10 +155,12 @@ impl Shades {
             for (sum, term) in moments.iter_mut().zip([1.0, x, y, x * x, x * y, y * y]) {
                 *sum += term;
             }
-            for (sums, light) in lights.iter_mut().zip(light.map(f64::from)) {
-                for (sum, term) in sums.iter_mut().zip([light, light * x, light * y]) {
-                    *sum += term;
-                }
+            let light = light.map(f64::from);
+            for (sum, term) in brightness.iter_mut().zip([1.0, x, y]) {
+                *sum += light[0] * term;
+            }
+            for (sum, light) in colour.iter_mut().zip(&light[1..]) {
+                *sum += light;
             }
             count += 1;
         }
@@ -167,8 +171,14 @@ impl Shades {
         }
         let [n, x, y, xx, xy, yy] = moments;
         let normal = nalgebra::Matrix3::new(n, x, y, x, xx, xy, y, xy, yy).cholesky()?;
-        let planes = lights.map(|right| normal.solve(&Vector3::from(right)));
-        self.inside = [0, 1, 2].map(|term| Vector3::from(planes.map(|plane| plane[term] as f32)));
+        let plane = normal.solve(&Vector3::from(brightness));
+        // Light falls off alike for all colours, which compression stores worse than brightness: theirs have its slope.
+        let relative = [plane[1], plane[2]].map(|slope| slope / plane[0].max(1.0));
+        let mean = [x / n, y / n];
+        let falls_to = 1.0 + relative[0] * mean[0] + relative[1] * mean[1];
+        let [first, second] = colour.map(|sum| sum / n / falls_to);
+        let middle = Vector3::new(plane[0], first, second);
+        self.inside = [1.0, relative[0], relative[1]].map(|share| (middle * share).cast::<f32>());
         Some(())
     }
 
