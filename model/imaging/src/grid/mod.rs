@@ -7,7 +7,7 @@ mod lattice;
 
 use dots::{Dot, dots};
 use finray_model::Vector;
-use finray_model::camera::{Lens, LensFit, LensFitError, Pixel, Pose, fit_lens};
+use finray_model::camera::{Camera, Lens, LensFit, LensFitError, Pixel, Pose, fit_lens};
 use image::{GrayImage, RgbImage};
 
 /// Dots that a grid must have.
@@ -16,6 +16,8 @@ const LEAST_DOTS: usize = 12;
 const BLOCKS_PX: [u32; 4] = [10, 25, 60, 120];
 /// Residuals beyond so many medians of their size are no dots of the grid.
 const OUTLIER: f64 = 6.0;
+/// Largest residual of a grid, as a share of the distance between neighbours: what is farther off is no plane grid.
+const LARGEST_RESIDUAL: f64 = 0.1;
 /// Rounds in which the centres of the dots' images are corrected for perspective.
 const ROUNDS: usize = 3;
 /// Corners by which a dot's outline is projected.
@@ -38,6 +40,27 @@ pub struct GridDot {
 pub struct NoGrid {
     /// Dots of the largest lattice.
     pub found: usize,
+}
+
+/// Why grids give no lens.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum LensOfGridsError {
+    /// No lens fits.
+    #[error(transparent)]
+    Fit(#[from] LensFitError),
+    /// The dots of one image are no grid before any lens.
+    #[error(
+        "image {image}: expected a plane grid, found dots that are off it by {residual_px:.1} px (root mean square) where neighbours are \
+         {pitch_px:.0} px apart"
+    )]
+    Uneven {
+        /// Its number, from 1.
+        image: usize,
+        /// Root mean square distance of the dots from where the lens projects them, px.
+        residual_px: f64,
+        /// Distance of neighbours, px.
+        pitch_px: f64,
+    },
 }
 
 /// Finds the grid: of all ways to tell dots from their surroundings, the one with the largest lattice.
@@ -63,12 +86,12 @@ pub fn find_grid(image: &RgbImage) -> Result<Vec<GridDot>, NoGrid> {
 /// corrected, with the dots taken for discs. Returns the fit and the dots left out as no dots of their grid.
 ///
 /// # Errors
-/// [`LensFitError`].
+/// [`LensOfGridsError`].
 pub fn lens_of_grids(
     size_px: [u32; 2],
     pitch_mm: f64,
     grids: &[Vec<GridDot>],
-) -> Result<(LensFit, usize), LensFitError> {
+) -> Result<(LensFit, usize), LensOfGridsError> {
     let position = |dot: &GridDot| Vector::new(f64::from(dot.index[0]), f64::from(dot.index[1])) * pitch_mm;
     let mut grids = grids.to_vec();
     let mut shifts: Vec<Vec<Pixel>> = grids.iter().map(|grid| vec![Pixel::zeros(); grid.len()]).collect();
@@ -96,14 +119,35 @@ pub fn lens_of_grids(
         }
         found = Some(fit);
     }
-    found.map(|fit| (fit, left_out)).ok_or(LensFitError::NotFound)
+    let fit = found.ok_or(LensFitError::NotFound)?;
+    for (image, (grid, pose)) in grids.iter().zip(&fit.poses).enumerate() {
+        let camera = Camera { lens: fit.lens, pose: *pose };
+        let squares: f64 = grid.iter().map(|dot| residual_px(&camera, dot, position(dot)).powi(2)).sum();
+        let residual_px = (squares / grid.len() as f64).sqrt();
+        let pitch_px = pitch_px(grid);
+        if residual_px > LARGEST_RESIDUAL * pitch_px {
+            return Err(LensOfGridsError::Uneven { image: image + 1, residual_px, pitch_px });
+        }
+    }
+    Ok((fit, left_out))
+}
+
+/// How far a dot is from where a camera projects its position in the plane.
+fn residual_px(camera: &Camera, dot: &GridDot, position: Vector) -> f64 {
+    camera.project(&position.push(0.0)).map_or(f64::INFINITY, |pixel| (pixel - dot.pixel).norm())
+}
+
+/// Mean distance of neighbours along the rows; infinite where a grid has none.
+fn pitch_px(grid: &[GridDot]) -> f64 {
+    let at: std::collections::HashMap<[i32; 2], Pixel> = grid.iter().map(|dot| (dot.index, dot.pixel)).collect();
+    let next = |dot: &GridDot| Some((at.get(&[dot.index[0] + 1, dot.index[1]])? - dot.pixel).norm());
+    let distances: Vec<f64> = grid.iter().filter_map(next).collect();
+    if distances.is_empty() { f64::INFINITY } else { distances.iter().sum::<f64>() / distances.len() as f64 }
 }
 
 fn drop_outliers(grid: &mut Vec<GridDot>, lens: &Lens, pose: &Pose, position: impl Fn(&GridDot) -> Vector) -> usize {
-    let camera = finray_model::camera::Camera { lens: *lens, pose: *pose };
-    let residual = |dot: &GridDot| {
-        camera.project(&position(dot).push(0.0)).map_or(f64::INFINITY, |pixel| (pixel - dot.pixel).norm())
-    };
+    let camera = Camera { lens: *lens, pose: *pose };
+    let residual = |dot: &GridDot| residual_px(&camera, dot, position(dot));
     let mut residuals: Vec<f64> = grid.iter().map(residual).collect();
     let middle = residuals.len() / 2;
     let median = *residuals.select_nth_unstable_by(middle, f64::total_cmp).1;
@@ -114,7 +158,7 @@ fn drop_outliers(grid: &mut Vec<GridDot>, lens: &Lens, pose: &Pose, position: im
 
 /// How far the middle of a disc's image is from the image of its centre, px.
 fn shift_of_middle(lens: &Lens, pose: &Pose, centre: &Vector, radius_px: f64) -> Option<Pixel> {
-    let camera = finray_model::camera::Camera { lens: *lens, pose: *pose };
+    let camera = Camera { lens: *lens, pose: *pose };
     let (at, by_point) = camera.project_with_derivatives(&centre.push(0.0)).ok()?;
     let in_plane = by_point.fixed_columns::<2>(0).into_owned();
     let radius_mm = radius_px / in_plane.determinant().abs().sqrt();

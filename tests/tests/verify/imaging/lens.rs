@@ -1,6 +1,6 @@
 //! The lens from images of a plane grid.
 
-use finray_imaging::grid::{GridDot, NoGrid, find_grid, lens_of_grids};
+use finray_imaging::grid::{GridDot, LensOfGridsError, NoGrid, find_grid, lens_of_grids};
 use finray_imaging::render::{Disturbances, GridPlate, render_grid};
 use finray_model::Vector;
 use finray_model::camera::{Camera, Distortion, LENS_PARAMETERS, Lens, Pose};
@@ -81,6 +81,37 @@ fn one_image_gives_what_it_shows() {
         let seen = found.on_plane(&dot.pixel, 0.0).expect("the plane");
         assert!((seen - position).norm() < 0.05, "{position} {seen}");
     }
+}
+
+/// Discs that are strewn at random hold small lattices, and no lens makes a grid of them.
+#[test]
+fn strewn_discs_are_no_grid() {
+    const SIZE_PX: [u32; 2] = [1600, 1400];
+    let mut refused = 0;
+    for seed in 0..8 {
+        let mut chance = Noise::of_stream(31, seed);
+        let mut centres: Vec<Vector> = Vec::new();
+        for _ in 0..6000 {
+            let centre = Vector::new(chance.evenly([15.0, 1585.0]), chance.evenly([15.0, 1385.0]));
+            if centres.iter().all(|other| (other - centre).norm() > 30.0) {
+                centres.push(centre);
+            }
+        }
+        let mut image = image::RgbImage::from_pixel(SIZE_PX[0], SIZE_PX[1], image::Rgb([210; 3]));
+        for centre in &centres {
+            let around = |middle: f64| (middle as u32 - 12)..=(middle as u32 + 12);
+            for (u, v) in around(centre.y).flat_map(|v| around(centre.x).map(move |u| (u, v))) {
+                if (Vector::new(f64::from(u), f64::from(v)) - centre).norm() < 11.0 {
+                    image.put_pixel(u, v, image::Rgb([50; 3]));
+                }
+            }
+        }
+        let Ok(grid) = find_grid(&image) else { continue };
+        let lens = lens_of_grids(SIZE_PX, 5.0, &[grid]);
+        assert!(matches!(lens, Err(LensOfGridsError::Uneven { image: 1, .. })), "seed {seed}: {lens:?}");
+        refused += 1;
+    }
+    assert!(refused >= 3, "only {refused} of 8 images hold something like a grid");
 }
 
 #[test]
