@@ -6,6 +6,8 @@ use finray_imaging::render::{Disturbances, RenderRequest, render};
 use finray_model::mesh::FingerShape;
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, statics};
 use finray_verify::sampling::noise::Noise;
+use image::RgbImage;
+use jpeg_encoder::{ChromaSubsamplingMethod, ColorType, Encoder, SamplingFactor};
 use nalgebra::{Rotation3, Vector3};
 use rayon::prelude::*;
 
@@ -81,6 +83,44 @@ fn nodes_are_found_through_tilt_lens_light_noise_and_clutter() {
     assert!(rms(&sigmas) > 0.3, "{}: stated without need", rms(&sigmas));
 }
 
+/// As a camera's file has it, colour with half of the pixels along each side.
+fn compressed(image: &RgbImage, quality: u8) -> RgbImage {
+    let mut bytes = Vec::new();
+    let mut encoder = Encoder::new(&mut bytes, quality);
+    encoder.set_sampling_factor(SamplingFactor::F_2_2);
+    encoder.set_chroma_subsampling_method(ChromaSubsamplingMethod::Average);
+    let [width, height] = [image.width(), image.height()].map(|px| u16::try_from(px).expect("a small image"));
+    encoder.encode(image, width, height, ColorType::Rgb).expect("an image in memory");
+    image::load_from_memory(&bytes).expect("a JPEG").into_rgb8()
+}
+
+/// Compression makes neighbouring pixels err alike, and colours more than brightness.
+#[test]
+fn compressed_images_state_their_errors() {
+    let scene = scene();
+    let (finger, markers) = (&scene.finger, scene.markers.expect("the fixture has markers"));
+    for (quality, allowed_mm) in [(92, 0.005), (75, 0.012)] {
+        let of_image = |number: u64| {
+            let mut chance = Noise::of_stream(19, number);
+            let camera = tilted(&mut chance);
+            let shape = bent(finger, &mut chance)?;
+            let disturbances = Disturbances { seed: number, ..DISTURBED };
+            let request =
+                RenderRequest { camera: &camera, finger, shape: &shape, markers: &markers, hidden: &[], disturbances };
+            let image = compressed(&render(&request).expect("a finger in sight"), quality);
+            let located = Locator::new(finger, &camera, &markers).expect("a locator").locate(&image).expect("a finger");
+            Some(errors(&shape, &[], &located))
+        };
+        let all: Vec<Errors> = (0..12).into_par_iter().filter_map(of_image).collect();
+        let mm: Vec<f64> = all.iter().flat_map(|errors| errors.mm.iter().copied()).collect();
+        let sigmas: Vec<f64> = all.iter().flat_map(|errors| errors.sigmas.iter().copied()).collect();
+        println!("quality {quality}: {} mm, {} sigma", rms(&mm), rms(&sigmas));
+        assert!(rms(&mm) <= allowed_mm, "quality {quality}: {} mm rms", rms(&mm));
+        // 500 coordinates, of which those of an image err alike.
+        assert!((0.5..1.25).contains(&rms(&sigmas)), "quality {quality}: {}", rms(&sigmas));
+    }
+}
+
 /// In a stream each image starts from the one before and finds what a full search finds, as well as that.
 #[test]
 fn tracking_finds_what_a_full_search_finds() {
@@ -121,13 +161,13 @@ fn images_without_the_finger_are_refused() {
     let scene = scene();
     let (finger, markers, camera) = (&scene.finger, scene.markers.expect("markers"), camera_of(&scene));
     let mut locator = Locator::new(finger, &camera, &markers).expect("a locator");
-    let black = image::RgbImage::new(1600, 1400);
+    let black = RgbImage::new(1600, 1400);
     assert!(matches!(locator.locate(&black), Err(LocateError::Naming(NamingError::TooFew { found: 0, .. }))));
-    let colour = image::RgbImage::from_pixel(1600, 1400, image::Rgb(markers.front_rgb));
+    let colour = RgbImage::from_pixel(1600, 1400, image::Rgb(markers.front_rgb));
     assert!(matches!(locator.locate(&colour), Err(LocateError::Naming(NamingError::TooFew { .. }))));
-    let small = image::RgbImage::new(800, 700);
+    let small = RgbImage::new(800, 700);
     assert_eq!(locator.locate(&small), Err(LocateError::Size { expected: [1600, 1400], found: [800, 700] }));
-    let everywhere = image::RgbImage::from_fn(1600, 1400, |u, v| {
+    let everywhere = RgbImage::from_fn(1600, 1400, |u, v| {
         let is_marker = (u % 40 < 24) && (v % 40 < 24);
         image::Rgb(if is_marker { markers.back_rgb } else { [60, 60, 60] })
     });

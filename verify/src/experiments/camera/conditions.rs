@@ -4,7 +4,7 @@ use finray_imaging::render::Disturbances;
 use finray_model::camera::{Camera, Distortion, Lens, Pose};
 use finray_model::scene::Markers;
 use image::RgbImage;
-use image::codecs::jpeg::JpegEncoder;
+use jpeg_encoder::{ChromaSubsamplingMethod, ColorType, Encoder, SamplingFactor};
 use nalgebra::{Rotation3, Vector3};
 
 /// One change of the scene's camera.
@@ -33,7 +33,7 @@ pub(super) struct ImageChange {
     /// Share of the pixels along each side, and of the markers' radius.
     resolution: f64,
     radius: f64,
-    /// Quality of JPEG compression, of 100.
+    /// Quality of JPEG compression, of 100; colour has half of the pixels along each side, as cameras store it.
     quality: Option<u8>,
     clutter: usize,
 }
@@ -122,7 +122,11 @@ impl ImageChange {
     pub fn compressed(&self, image: RgbImage) -> Option<RgbImage> {
         let Some(quality) = self.quality else { return Some(image) };
         let mut bytes = Vec::new();
-        JpegEncoder::new_with_quality(&mut bytes, quality).encode_image(&image).ok()?;
+        let mut encoder = Encoder::new(&mut bytes, quality);
+        encoder.set_sampling_factor(SamplingFactor::F_2_2);
+        encoder.set_chroma_subsampling_method(ChromaSubsamplingMethod::Average);
+        let [width, height] = [image.width(), image.height()].map(|px| u16::try_from(px).ok());
+        encoder.encode(&image, width?, height?, ColorType::Rgb).ok()?;
         Some(image::load_from_memory_with_format(&bytes, image::ImageFormat::Jpeg).ok()?.into_rgb8())
     }
 }
