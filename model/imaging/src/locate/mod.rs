@@ -20,6 +20,7 @@ use finray_model::finger::Plate;
 use finray_model::scene::Markers;
 use finray_model::{Finger, NodeId, Vector};
 use image::RgbImage;
+use nalgebra::{Matrix2, Vector2};
 use naming::{Candidate, Names, name, name_likely};
 
 /// A marker is sought within so many of its radii of where it was in the image before.
@@ -30,6 +31,11 @@ const FOUND_AGAIN: f64 = 0.8;
 /// Variance of rounding to grey levels, and ratio of the variances of brightness and colour from which on they are weighed.
 const ROUNDING: f64 = 0.1;
 const UNEVEN: f64 = 3.0;
+
+/// A displacement of colour against brightness is allowed for if it is beyond so many of its standard deviations; so many times, as it is
+/// found to first order.
+const COLOUR_SIGMAS: f64 = 4.0;
+const COLOUR_ROUNDS: usize = 4;
 
 /// A marker in an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -106,7 +112,9 @@ pub struct Locator<'f> {
 #[derive(Debug, Clone, Copy)]
 struct Common {
     outline: Outline,
+    /// See [`View`].
     weights: [f64; 2],
+    colour_shift_px: Vector,
 }
 
 impl<'f> Locator<'f> {
@@ -142,7 +150,7 @@ impl<'f> Locator<'f> {
     pub fn locate(&mut self, image: &RgbImage) -> Result<Vec<Located>, LocateError> {
         require_size(&self.camera.lens, image)?;
         let mut buffers = std::mem::take(&mut self.buffers);
-        let view = self.view(image, [1.0; 2]);
+        let view = self.view(image, [1.0; 2], Vector::zeros());
         let measured =
             |blob: &Blob| Some((blob.side, view.measure(self.markers.radius_mm, &blob.centre, &mut buffers)?));
         let discs: Vec<(Side, Disc)> =
@@ -163,11 +171,11 @@ impl<'f> Locator<'f> {
     pub fn track(&mut self, image: &RgbImage) -> Result<Vec<Located>, LocateError> {
         require_size(&self.camera.lens, image)?;
         let reach = NEAR * self.radius_px;
-        let Some(Common { outline, weights }) = self.common.filter(|_| !self.last.is_empty()) else {
+        let Some(Common { outline, weights, colour_shift_px }) = self.common.filter(|_| !self.last.is_empty()) else {
             return self.locate(image);
         };
         let mut buffers = std::mem::take(&mut self.buffers);
-        let view = self.view(image, weights);
+        let view = self.view(image, weights, colour_shift_px);
         let near = |last: &Located| {
             let side = if self.on_front.contains(&last.node) { Side::Front } else { Side::Back };
             let side = if self.colours.are_alike() { Side::Front } else { side };
@@ -206,8 +214,8 @@ impl<'f> Locator<'f> {
         Ok(named.collect())
     }
 
-    fn view<'a>(&'a self, image: &'a RgbImage, weights: [f64; 2]) -> View<'a> {
-        View { image, camera: &self.camera, height_mm: self.markers.height_mm, weights }
+    fn view<'a>(&'a self, image: &'a RgbImage, weights: [f64; 2], colour_shift_px: Vector) -> View<'a> {
+        View { image, camera: &self.camera, height_mm: self.markers.height_mm, weights, colour_shift_px }
     }
 
     /// The centres once more. Markers are alike and equally sharp: what half of them have is what a marker has whose edge is partly
@@ -223,24 +231,40 @@ impl<'f> Locator<'f> {
         let least = noise[0].min(noise[1]);
         let is_even = noise[0].max(noise[1]) < UNEVEN * least;
         let weights = if is_even { [1.0; 2] } else { noise.map(|noise| least / noise) };
-        let view = self.view(image, weights);
-        if !is_even {
-            for (_, disc) in named.iter_mut() {
-                *disc = view.measure(self.markers.radius_mm, &disc.pixel, buffers).unwrap_or(*disc);
+        let mut view = self.view(image, weights, Vector::zeros());
+        let mut rounds = 0;
+        loop {
+            if !is_even || rounds > 0 {
+                for (_, disc) in named.iter_mut() {
+                    *disc = view.measure(self.markers.radius_mm, &disc.pixel, buffers).unwrap_or(*disc);
+                }
             }
+            let outline = Outline {
+                radius_mm: median(named.iter().map(|(_, disc)| disc.outline.radius_mm)),
+                blurs_px: [0, 1].map(|part| median(named.iter().map(|(_, disc)| disc.outline.blurs_px[part]))),
+            };
+            let (blur_px, radius_px) =
+                (outline.blurs_px[0], self.radius_px * outline.radius_mm / self.markers.radius_mm);
+            if blur_px > LARGEST_BLUR * radius_px {
+                return Err(LocateError::Blurred { blur_px, radius_px });
+            }
+            let (mut normal, mut gradient) = (Matrix2::zeros(), Vector2::zeros());
+            for (_, disc) in named.iter_mut() {
+                if let Some((found, shift)) = view.measure_centre_and_colour(outline, &disc.pixel, buffers) {
+                    *disc = found;
+                    normal += shift.normal;
+                    gradient += shift.gradient;
+                }
+            }
+            // Neighbouring pixels may err alike: then a displacement shows less clearly.
+            let excess = named.iter().map(|(_, disc)| disc.excess_variances[0]).sum::<f64>() / count;
+            let shift: Vector = normal.try_inverse().map_or_else(Vector::zeros, |inverse| inverse * gradient);
+            rounds += 1;
+            if rounds == COLOUR_ROUNDS || shift.dot(&gradient) < COLOUR_SIGMAS.powi(2) * excess.max(1.0) {
+                return Ok(Common { outline, weights, colour_shift_px: view.colour_shift_px });
+            }
+            view.colour_shift_px += shift;
         }
-        let outline = Outline {
-            radius_mm: median(named.iter().map(|(_, disc)| disc.outline.radius_mm)),
-            blurs_px: [0, 1].map(|part| median(named.iter().map(|(_, disc)| disc.outline.blurs_px[part]))),
-        };
-        let (blur_px, radius_px) = (outline.blurs_px[0], self.radius_px * outline.radius_mm / self.markers.radius_mm);
-        if blur_px > LARGEST_BLUR * radius_px {
-            return Err(LocateError::Blurred { blur_px, radius_px });
-        }
-        for (_, disc) in named.iter_mut() {
-            *disc = view.measure_centre(outline, &disc.pixel, buffers).unwrap_or(*disc);
-        }
-        Ok(Common { outline, weights })
     }
 }
 

@@ -84,22 +84,27 @@ fn nodes_are_found_through_tilt_lens_light_noise_and_clutter() {
 }
 
 /// As a camera's file has it, colour with half of the pixels along each side.
-fn compressed(image: &RgbImage, quality: u8) -> RgbImage {
+fn compressed(image: &RgbImage, quality: u8, colour: ChromaSubsamplingMethod) -> RgbImage {
     let mut bytes = Vec::new();
     let mut encoder = Encoder::new(&mut bytes, quality);
     encoder.set_sampling_factor(SamplingFactor::F_2_2);
-    encoder.set_chroma_subsampling_method(ChromaSubsamplingMethod::Average);
+    encoder.set_chroma_subsampling_method(colour);
     let [width, height] = [image.width(), image.height()].map(|px| u16::try_from(px).expect("a small image"));
     encoder.encode(image, width, height, ColorType::Rgb).expect("an image in memory");
     image::load_from_memory(&bytes).expect("a JPEG").into_rgb8()
 }
 
-/// Compression makes neighbouring pixels err alike, and colours more than brightness.
+/// Compression makes neighbouring pixels err alike, and colours more than brightness. Some encoders store every other pixel's colour, which displaces
+/// it by half a pixel.
 #[test]
 fn compressed_images_state_their_errors() {
     let scene = scene();
     let (finger, markers) = (&scene.finger, scene.markers.expect("the fixture has markers"));
-    for (quality, allowed_mm) in [(92, 0.005), (75, 0.012)] {
+    use ChromaSubsamplingMethod::{Average, Nearest};
+    // Half a pixel would be 0.06 mm. What every other pixel leaves out is no blur, and the errors of that are not all stated.
+    for (quality, colour, allowed_mm, allowed_sigmas) in
+        [(92, Average, 0.005, 1.25), (75, Average, 0.012, 1.25), (92, Nearest, 0.007, 1.5)]
+    {
         let of_image = |number: u64| {
             let mut chance = Noise::of_stream(19, number);
             let camera = tilted(&mut chance);
@@ -107,17 +112,16 @@ fn compressed_images_state_their_errors() {
             let disturbances = Disturbances { seed: number, ..DISTURBED };
             let request =
                 RenderRequest { camera: &camera, finger, shape: &shape, markers: &markers, hidden: &[], disturbances };
-            let image = compressed(&render(&request).expect("a finger in sight"), quality);
+            let image = compressed(&render(&request).expect("a finger in sight"), quality, colour);
             let located = Locator::new(finger, &camera, &markers).expect("a locator").locate(&image).expect("a finger");
             Some(errors(&shape, &[], &located))
         };
         let all: Vec<Errors> = (0..12).into_par_iter().filter_map(of_image).collect();
         let mm: Vec<f64> = all.iter().flat_map(|errors| errors.mm.iter().copied()).collect();
         let sigmas: Vec<f64> = all.iter().flat_map(|errors| errors.sigmas.iter().copied()).collect();
-        println!("quality {quality}: {} mm, {} sigma", rms(&mm), rms(&sigmas));
-        assert!(rms(&mm) <= allowed_mm, "quality {quality}: {} mm rms", rms(&mm));
+        assert!(rms(&mm) <= allowed_mm, "quality {quality} {colour:?}: {} mm rms", rms(&mm));
         // 500 coordinates, of which those of an image err alike.
-        assert!((0.5..1.25).contains(&rms(&sigmas)), "quality {quality}: {}", rms(&sigmas));
+        assert!((0.5..allowed_sigmas).contains(&rms(&sigmas)), "quality {quality} {colour:?}: {}", rms(&sigmas));
     }
 }
 

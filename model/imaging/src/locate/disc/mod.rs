@@ -15,7 +15,7 @@ mod sums;
 use finray_model::Vector;
 use finray_model::camera::{Camera, Pixel};
 use image::RgbImage;
-use nalgebra::{Complex, Matrix2, SMatrix, SVector};
+use nalgebra::{Complex, Matrix2, SMatrix, SVector, Vector2};
 use plane_map::{Pixels, PlaneMap};
 use shades::{BACKGROUND_PX, KEPT_SECTORS, Shades};
 use sums::{Band, OfSector, Sums};
@@ -84,12 +84,21 @@ pub(super) struct Outline {
     pub blurs_px: [f64; PARTS],
 }
 
+/// What a disc says of the displacement of colour against brightness, beside its own centre: the normal equations of least squares, over the
+/// variance of the residuals.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct ColourShift {
+    pub normal: Matrix2<f64>,
+    pub gradient: Vector2<f64>,
+}
+
 /// What is sought: centre and radius in the units of the plane's map, and the blurs (px).
 #[derive(Debug, Clone, Copy, Default)]
 struct Edge {
     centre: Vector,
     radius: f64,
     blurs: [f64; PARTS],
+    colour_shift: Vector,
 }
 
 impl Edge {
@@ -108,6 +117,8 @@ pub(super) struct View<'a> {
     pub height_mm: f64,
     /// What squared differences of brightness and of colour count: inverse to their noise, 1 for the less noisy.
     pub weights: [f64; PARTS],
+    /// How far colour is displaced against brightness along the finger's axes, px: by encoders that take every other pixel's, and by lenses.
+    pub colour_shift_px: Vector,
 }
 
 /// What one disc after the other is measured in.
@@ -128,6 +139,17 @@ impl View<'_> {
     /// Measures the centre alone of a disc whose radius and blur are known from others.
     pub fn measure_centre(&self, outline: Outline, about: &Pixel, buffers: &mut Buffers) -> Option<Disc> {
         Search::new(self, outline, about, false, buffers)?.found()
+    }
+
+    /// The same, with what the disc says of a further displacement of colour.
+    pub fn measure_centre_and_colour(
+        &self,
+        outline: Outline,
+        about: &Pixel,
+        buffers: &mut Buffers,
+    ) -> Option<(Disc, ColourShift)> {
+        let mut search = Search::new(self, outline, about, false, buffers)?;
+        Some((search.found()?, search.colour_shift()?))
     }
 }
 
@@ -163,7 +185,8 @@ impl<'a> Search<'a> {
     ) -> Option<Search<'a>> {
         let map = PlaneMap::new(view.camera, view.height_mm, about, expected.radius_mm)?;
         let radius = expected.radius_mm / map.unit_mm;
-        let edge = Edge { centre: Vector::zeros(), radius, blurs: expected.blurs_px };
+        let edge =
+            Edge { centre: Vector::zeros(), radius, blurs: expected.blurs_px, colour_shift: view.colour_shift_px };
         let radius_px = map.radius_px(radius);
         // Room for an edge that is a quarter farther out, blurred twice as much or as much as it may be, and its background.
         let (wider, band) = match is_outline_open {
@@ -176,7 +199,7 @@ impl<'a> Search<'a> {
         Some(Search { view, map, edge, expected: edge, is_outline_open, largest_blur_px, buffers })
     }
 
-    fn found(mut self) -> Option<Disc> {
+    fn found(&mut self) -> Option<Disc> {
         let weights = self.view.weights;
         // Who knows the outline knows about where the centre is.
         let mut is_near = !self.is_outline_open;
@@ -254,9 +277,21 @@ impl<'a> Search<'a> {
         is_near.then(|| Step { change_px: change.fixed_rows::<2>(0).norm(), inverse })
     }
 
+    /// Where the disc was found; the centre is eliminated.
+    fn colour_shift(&mut self) -> Option<ColourShift> {
+        let Buffers { shades, band, sums, .. } = &mut *self.buffers;
+        let variance = sums.residual_variance();
+        let of_both = sums.normal.fixed_view::<2, 2>(0, 0).into_owned();
+        let weights = [0.0, self.view.weights[1]];
+        band.sum::<false>(&self.edge, weights, &shades.trust, sums);
+        let of_colour = sums.normal.fixed_view::<2, 2>(0, 0).into_owned();
+        let normal = of_colour - of_colour * of_both.try_inverse()? * of_colour;
+        Some(ColourShift { normal: normal / variance, gradient: sums.gradient.fixed_rows::<2>(0) / variance })
+    }
+
     fn disc(&self, last: &Step) -> Option<Disc> {
         let (sums, inverse) = (&self.buffers.sums, &last.inverse);
-        let residual_sd = (sums.squares / (3.0 * sums.count - UNKNOWNS as f64).max(1.0)).sqrt();
+        let residual_sd = sums.residual_variance().sqrt();
         let contrast = (sums.weight / sums.count).sqrt();
         let off = (self.edge.radius / self.expected.radius - 1.0).abs();
         if off > RADIUS_TOLERANCE || residual_sd > LARGEST_RESIDUAL * contrast {

@@ -3,6 +3,7 @@
 use super::plane_map::{Pixels, PlaneMap, Polar, turn};
 use super::shades::Shades;
 use super::{BAND, Edge, PARTS, UNKNOWNS};
+use finray_model::Vector;
 use nalgebra::{SMatrix, SVector, Vector2};
 
 /// Sums over the pixels of the band. Centre and radius are in the map's units.
@@ -18,6 +19,13 @@ pub(super) struct Sums {
     /// Of the squared residuals of brightness and, halved, of colour.
     pub noise: [f64; PARTS],
     pub by_sector: Vec<OfSector>,
+}
+
+impl Sums {
+    /// Of the weighted residuals, grey levels^2.
+    pub fn residual_variance(&self) -> f64 {
+        self.squares / (3.0 * self.count - UNKNOWNS as f64).max(1.0)
+    }
 }
 
 /// Sums over the pixels of a sector.
@@ -176,7 +184,8 @@ impl Band {
     /// The disc's share of the light of every pixel, where the edge is now.
     fn shares(&mut self, edge: &Edge, part: usize) {
         let count = self.outside.len();
-        let moved = edge.centre - self.edge.centre;
+        let shift = if part == 1 { edge.colour_shift } else { Vector::zeros() };
+        let moved = edge.centre + shift - self.edge.centre;
         let [moved_x, moved_y] = [moved.x as f32, moved.y as f32];
         let grown = (edge.radius - self.edge.radius) as f32;
         let sharp = (1.0 / edge.blurs[part]) as f32;
