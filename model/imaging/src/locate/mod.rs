@@ -1,4 +1,5 @@
-//! Node positions from images: find the markers (`colour`, `blobs`), measure their centres (`disc`), name them (`naming`).
+//! Node positions from images: find the markers (`colour`, `blobs`), measure their centres (`disc`), name them (`naming`), and measure them again
+//! as markers that are alike (`together`).
 //! The finger at rest is found without a guess of its pose (`pattern`, `rest`).
 
 mod blobs;
@@ -7,6 +8,7 @@ mod disc;
 mod naming;
 mod pattern;
 mod rest;
+mod together;
 
 pub use colour::GreyMarker;
 pub use naming::NamingError;
@@ -14,28 +16,19 @@ pub use rest::{Rest, RestError};
 
 use blobs::{Blob, LEAST_RADIUS_PX, blobs, middle_of_colour};
 use colour::{Colours, Side};
-use disc::{Buffers, Disc, LARGEST_BLUR, Outline, View};
+use disc::{Buffers, Disc, LARGEST_BLUR, View};
 use finray_model::camera::{Camera, Lens, Pixel, ViewError};
 use finray_model::finger::Plate;
 use finray_model::scene::Markers;
 use finray_model::{Finger, NodeId, Vector};
 use image::RgbImage;
-use nalgebra::{Matrix2, Vector2};
 use naming::{Candidate, Names, name, name_likely};
+use together::{Common, located, measure_together};
 
 /// A marker is sought within so many of its radii of where it was in the image before.
 const NEAR: f64 = 1.6;
 /// Share of the markers of the image before that must be found again near where they were; with fewer the whole image is searched.
 const FOUND_AGAIN: f64 = 0.8;
-
-/// Variance of rounding to grey levels, and ratio of the variances of brightness and colour from which on they are weighed.
-const ROUNDING: f64 = 0.1;
-const UNEVEN: f64 = 3.0;
-
-/// A displacement of colour against brightness is allowed for if it is beyond so many of its standard deviations; so many times, as it is
-/// found to first order.
-const COLOUR_SIGMAS: f64 = 4.0;
-const COLOUR_ROUNDS: usize = 4;
 
 /// A marker in an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -108,15 +101,6 @@ pub struct Locator<'f> {
     buffers: Buffers,
 }
 
-/// What the discs of an image have in common: their outline, and what brightness and colour count.
-#[derive(Debug, Clone, Copy)]
-struct Common {
-    outline: Outline,
-    /// See [`View`].
-    weights: [f64; 2],
-    colour_shift_px: Vector,
-}
-
 impl<'f> Locator<'f> {
     /// A locator for a scene's finger, camera and markers.
     ///
@@ -156,7 +140,7 @@ impl<'f> Locator<'f> {
         let discs: Vec<(Side, Disc)> =
             blobs(image, &self.colours, self.radius_px).iter().filter_map(measured).collect();
         let mut named = self.named(&discs)?;
-        let common = self.measured_together(image, &mut named, &mut buffers);
+        let common = measure_together(view, &self.markers, self.radius_px, &mut named, &mut buffers);
         self.buffers = buffers;
         self.common = Some(common?);
         self.last = located(&named, &self.on_front);
@@ -217,88 +201,6 @@ impl<'f> Locator<'f> {
     fn view<'a>(&'a self, image: &'a RgbImage, weights: [f64; 2], colour_shift_px: Vector) -> View<'a> {
         View { image, camera: &self.camera, height_mm: self.markers.height_mm, weights, colour_shift_px }
     }
-
-    /// The centres once more. Markers are alike and equally sharp: what half of them have is what a marker has whose edge is partly
-    /// disturbed. Colours may be noisier than brightness, as after compression: they count less then.
-    fn measured_together(
-        &self,
-        image: &RgbImage,
-        named: &mut [(NodeId, Disc)],
-        buffers: &mut Buffers,
-    ) -> Result<Common, LocateError> {
-        let count = named.len() as f64;
-        let noise = [0, 1].map(|part| named.iter().map(|(_, disc)| disc.noise[part]).sum::<f64>() / count + ROUNDING);
-        let least = noise[0].min(noise[1]);
-        let is_even = noise[0].max(noise[1]) < UNEVEN * least;
-        let weights = if is_even { [1.0; 2] } else { noise.map(|noise| least / noise) };
-        let mut view = self.view(image, weights, Vector::zeros());
-        let mut rounds = 0;
-        loop {
-            if !is_even || rounds > 0 {
-                for (_, disc) in named.iter_mut() {
-                    *disc = view.measure(self.markers.radius_mm, &disc.pixel, buffers).unwrap_or(*disc);
-                }
-            }
-            let outline = Outline {
-                radius_mm: median(named.iter().map(|(_, disc)| disc.outline.radius_mm)),
-                blurs_px: [0, 1].map(|part| median(named.iter().map(|(_, disc)| disc.outline.blurs_px[part]))),
-            };
-            let (blur_px, radius_px) =
-                (outline.blurs_px[0], self.radius_px * outline.radius_mm / self.markers.radius_mm);
-            if blur_px > LARGEST_BLUR * radius_px {
-                return Err(LocateError::Blurred { blur_px, radius_px });
-            }
-            let (mut normal, mut gradient) = (Matrix2::zeros(), Vector2::zeros());
-            for (_, disc) in named.iter_mut() {
-                if let Some((found, shift)) = view.measure_centre_and_colour(outline, &disc.pixel, buffers) {
-                    *disc = found;
-                    normal += shift.normal;
-                    gradient += shift.gradient;
-                }
-            }
-            // Neighbouring pixels may err alike: then a displacement shows less clearly.
-            let excess = named.iter().map(|(_, disc)| disc.excess_variances[0]).sum::<f64>() / count;
-            let shift: Vector = normal.try_inverse().map_or_else(Vector::zeros, |inverse| inverse * gradient);
-            rounds += 1;
-            if rounds == COLOUR_ROUNDS || shift.dot(&gradient) < COLOUR_SIGMAS.powi(2) * excess.max(1.0) {
-                return Ok(Common { outline, weights, colour_shift_px: view.colour_shift_px });
-            }
-            view.colour_shift_px += shift;
-        }
-    }
-}
-
-/// Markers from their discs. Those of the front plate share a colour, those of the back plate another one.
-fn located(named: &[(NodeId, Disc)], on_front: &[NodeId]) -> Vec<Located> {
-    let [front, back] = [true, false].map(|is_front| {
-        let of_plate = named.iter().filter(|(node, _)| on_front.contains(node) == is_front);
-        wider(of_plate.map(|(_, disc)| disc.excess_variances))
-    });
-    let located = |&(node, disc): &(NodeId, Disc)| Located {
-        node,
-        pixel: disc.pixel,
-        position: disc.centre,
-        sd_mm: disc.sd_mm * if on_front.contains(&node) { front } else { back },
-    };
-    named.iter().map(located).collect()
-}
-
-/// By how much standard deviations are wider than for pixels that err independently. Of one marker it is hardly known, of all of a colour well.
-///
-/// Centres take up what residuals have of one period around the edge, and the longer the period the more there is of it: from two and three
-/// periods along a Gaussian, S(n) = a exp(-c n^2).
-fn wider(excess_variances: impl Iterator<Item = [f64; 2]>) -> f64 {
-    let (count, [two, three]) =
-        excess_variances.fold((0.0, [0.0; 2]), |(count, sums), of| (count + 1.0, [sums[0] + of[0], sums[1] + of[1]]));
-    let of_one_period = two / count * (two / three).max(1.0).powf(3.0 / 5.0);
-    of_one_period.max(1.0).sqrt()
-}
-
-/// The middle one of some numbers.
-fn median(numbers: impl Iterator<Item = f64>) -> f64 {
-    let mut numbers: Vec<f64> = numbers.collect();
-    let middle = numbers.len() / 2;
-    *numbers.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// Why no locator can be made.

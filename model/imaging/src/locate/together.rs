@@ -1,0 +1,126 @@
+//! What the markers of an image have in common: outline, blur, noise, and what compression and lenses do to colours.
+
+use super::disc::{Buffers, ColourShift, Disc, LARGEST_BLUR, Outline, View};
+use super::{LocateError, Located};
+use finray_model::scene::Markers;
+use finray_model::{NodeId, Vector};
+use nalgebra::{Matrix2, Vector2};
+
+/// Variance of rounding to grey levels, and ratio of the variances of brightness and colour from which on they are weighed.
+const ROUNDING: f64 = 0.1;
+const UNEVEN: f64 = 3.0;
+
+/// A displacement of colour against brightness is allowed for if it is beyond so many of its standard deviations; so many times, as it is
+/// found to first order.
+const COLOUR_SIGMAS: f64 = 4.0;
+const COLOUR_ROUNDS: usize = 4;
+
+/// What the discs of an image have in common: their outline, and what brightness and colour count.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Common {
+    pub outline: Outline,
+    /// See [`View`].
+    pub weights: [f64; 2],
+    /// See [`View`].
+    pub colour_shift_px: Vector,
+}
+
+/// Measures the centres once more. Markers are alike and equally sharp: what half of them have is what a marker has whose edge is partly
+/// disturbed. Colours may be noisier than brightness, as after compression: they count less then. `view` weighs both alike; `radius_px` is that
+/// of a marker at the middle of the finger.
+///
+/// # Errors
+/// [`LocateError::Blurred`].
+pub(super) fn measure_together(
+    mut view: View,
+    markers: &Markers,
+    radius_px: f64,
+    named: &mut [(NodeId, Disc)],
+    buffers: &mut Buffers,
+) -> Result<Common, LocateError> {
+    let noise = [0, 1].map(|part| mean(named, |disc| disc.noise[part]) + ROUNDING);
+    let least = noise[0].min(noise[1]);
+    let is_even = noise[0].max(noise[1]) < UNEVEN * least;
+    if !is_even {
+        view.weights = noise.map(|noise| least / noise);
+    }
+    let mut rounds = 0;
+    loop {
+        if !is_even || rounds > 0 {
+            for (_, disc) in named.iter_mut() {
+                *disc = view.measure(markers.radius_mm, &disc.pixel, buffers).unwrap_or(*disc);
+            }
+        }
+        let outline = outline_of(named);
+        let (blur_px, radius_px) = (outline.blurs_px[0], radius_px * outline.radius_mm / markers.radius_mm);
+        if blur_px > LARGEST_BLUR * radius_px {
+            return Err(LocateError::Blurred { blur_px, radius_px });
+        }
+        let ColourShift { normal, gradient } = measure_centres(&view, outline, named, buffers);
+        let shift: Vector = normal.try_inverse().map_or_else(Vector::zeros, |inverse| inverse * gradient);
+        // Neighbouring pixels may err alike: then a displacement shows less clearly.
+        let excess = mean(named, |disc| disc.excess_variances[0]).max(1.0);
+        rounds += 1;
+        if rounds == COLOUR_ROUNDS || shift.dot(&gradient) < COLOUR_SIGMAS.powi(2) * excess {
+            return Ok(Common { outline, weights: view.weights, colour_shift_px: view.colour_shift_px });
+        }
+        view.colour_shift_px += shift;
+    }
+}
+
+fn outline_of(named: &[(NodeId, Disc)]) -> Outline {
+    Outline {
+        radius_mm: median(named.iter().map(|(_, disc)| disc.outline.radius_mm)),
+        blurs_px: [0, 1].map(|part| median(named.iter().map(|(_, disc)| disc.outline.blurs_px[part]))),
+    }
+}
+
+/// Centres of discs of one outline, and what all of them say of a further displacement of colour.
+fn measure_centres(view: &View, outline: Outline, named: &mut [(NodeId, Disc)], buffers: &mut Buffers) -> ColourShift {
+    let mut all = ColourShift { normal: Matrix2::zeros(), gradient: Vector2::zeros() };
+    for (_, disc) in named {
+        if let Some((found, shift)) = view.measure_centre_and_colour(outline, &disc.pixel, buffers) {
+            *disc = found;
+            all.normal += shift.normal;
+            all.gradient += shift.gradient;
+        }
+    }
+    all
+}
+
+fn mean(named: &[(NodeId, Disc)], of: impl Fn(&Disc) -> f64) -> f64 {
+    named.iter().map(|(_, disc)| of(disc)).sum::<f64>() / named.len() as f64
+}
+
+/// Markers from their discs. Those of the front plate share a colour, those of the back plate another one.
+pub(super) fn located(named: &[(NodeId, Disc)], on_front: &[NodeId]) -> Vec<Located> {
+    let [front, back] = [true, false].map(|is_front| {
+        let of_plate = named.iter().filter(|(node, _)| on_front.contains(node) == is_front);
+        wider(of_plate.map(|(_, disc)| disc.excess_variances))
+    });
+    let located = |&(node, disc): &(NodeId, Disc)| Located {
+        node,
+        pixel: disc.pixel,
+        position: disc.centre,
+        sd_mm: disc.sd_mm * if on_front.contains(&node) { front } else { back },
+    };
+    named.iter().map(located).collect()
+}
+
+/// By how much standard deviations are wider than for pixels that err independently. Of one marker it is hardly known, of all of a colour well.
+///
+/// Centres take up what residuals have of one period around the edge, and the longer the period the more there is of it: from two and three
+/// periods along a Gaussian, S(n) = a exp(-c n^2).
+fn wider(excess_variances: impl Iterator<Item = [f64; 2]>) -> f64 {
+    let (count, [two, three]) =
+        excess_variances.fold((0.0, [0.0; 2]), |(count, sums), of| (count + 1.0, [sums[0] + of[0], sums[1] + of[1]]));
+    let of_one_period = two / count * (two / three).max(1.0).powf(3.0 / 5.0);
+    of_one_period.max(1.0).sqrt()
+}
+
+/// The middle one of some numbers.
+fn median(numbers: impl Iterator<Item = f64>) -> f64 {
+    let mut numbers: Vec<f64> = numbers.collect();
+    let middle = numbers.len() / 2;
+    *numbers.select_nth_unstable_by(middle, f64::total_cmp).1
+}
