@@ -27,17 +27,17 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         true => " Its focal length, colours and light are assumed: the paper gives the image's size and the distance.",
         false => "",
     };
+    let scale = camera.px_a_mm.map_or_else(String::new, |scale| format!(" ({scale:.1} px a mm)"));
     let mut blocks = vec![text(format!(
-        "In simulation: {FORCE_N} N along the normal at {} in turn, seen in a rendered image of {width} x {height} px ({:.1} px a mm), found \
+        "In simulation: {FORCE_N} N along the normal at {} in turn, seen in a rendered image of {width} x {height} px{scale}, found \
          in it, and sensed by the nonlinear estimator with the beams that bent the finger.{assumed} What the camera is only taken for (lens, \
          pose, height) is projected without an image; \"mesh\" is what the mesh of the key nodes makes of the exact displacements of a finer one.",
         nodes_in_words(&camera.nodes.iter().map(|node| node.0).collect::<Vec<_>>()),
-        camera.px_a_mm,
     ))];
     if let Some(FrameTimes { search_s, track_s }) = camera.times {
         blocks.push(text(format!(
             "From an image in memory to node positions: {:.1} ms where the whole image is searched, {:.1} ms where markers are sought near where \
-             they were in the image before (medians, one core of this computer). The paper's vision takes about 40 ms, on another one and in images \
+             they were in the image before (medians, one core of this computer, a finger that holds still). The paper's vision takes about 40 ms, on another one and in images \
              of a real finger.",
             1e3 * search_s,
             1e3 * track_s
@@ -147,7 +147,7 @@ fn in_words(camera: &CameraStudy) -> Option<String> {
         percent_two_digits(row.force_rms_error?),
     );
     let needed = format!(
-        "An error of {} at the worst node ({}) needs {:.4} mm; the paper's camera (0.2 mm at worst, {CAMERA_NOISE_MM} mm as a standard deviation) gives {}.",
+        "An error of {} at the worst node ({}) needs {:.4} mm; the paper's camera (0.2 mm at worst, {CAMERA_NOISE_MM} mm as a standard deviation) gives {} at best.",
         percent_two_digits(ASKED_ERROR),
         worst.node,
         worst.noise_mm,

@@ -29,6 +29,8 @@ use together::{Common, located, measure_together};
 const NEAR: f64 = 1.6;
 /// Share of the markers of the image before that must be found again near where they were; with fewer the whole image is searched.
 const FOUND_AGAIN: f64 = 0.8;
+/// Images after which a stream in which a marker is missing is searched again.
+const SEARCH_AGAIN: usize = 10;
 
 /// A marker in an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,8 +41,8 @@ pub struct Located {
     pub pixel: Pixel,
     /// Its centre in the finger frame, mm.
     pub position: Vector,
-    /// Standard deviation of one coordinate of the position, mm: noise of the image, and what is known of shading and the edge's model. The
-    /// errors of lens and pose are not in it.
+    /// Standard deviation of one coordinate of the position, mm: noise of the image, and what shading and the model of the edge leave in
+    /// rendered images. The errors of lens and pose are not in it.
     pub sd_mm: f64,
 }
 
@@ -94,8 +96,13 @@ pub struct Locator<'f> {
     colours: Colours,
     radius_px: f64,
     on_front: Vec<NodeId>,
-    /// Positions in the last image.
+    /// Every marker that was seen since the last full search, where it was last seen.
     last: Vec<Located>,
+    /// Markers that the last full search found, and images that were tracked since.
+    searched: usize,
+    tracked: usize,
+    /// Markers in the last image.
+    seen: usize,
     /// What its discs have in common.
     common: Option<Common>,
     buffers: Buffers,
@@ -117,6 +124,9 @@ impl<'f> Locator<'f> {
             radius_px,
             on_front: finger.plate_nodes(Plate::Front),
             last: Vec::new(),
+            searched: 0,
+            tracked: 0,
+            seen: 0,
             common: None,
             buffers: Buffers::default(),
         })
@@ -144,11 +154,13 @@ impl<'f> Locator<'f> {
         self.buffers = buffers;
         self.common = Some(common?);
         self.last = located(&named, &self.on_front);
+        (self.searched, self.tracked, self.seen) = (self.last.len(), 0, self.last.len());
         Ok(self.last.clone())
     }
 
-    /// Markers in the next image of a stream: each is sought near where it was in the image before; the whole image is searched if they
-    /// are not found there, or do not fit a finger.
+    /// Markers in the next image of a stream: each is sought near where it was last seen, with the outline and the noise of the last full
+    /// search. The whole image is searched if a fifth of what that search found is missing or does not fit a finger, and every tenth image
+    /// while a marker is missing.
     ///
     /// # Errors
     /// As [`Locator::locate`].
@@ -158,6 +170,10 @@ impl<'f> Locator<'f> {
         let Some(Common { outline, weights, colour_shift_px }) = self.common.filter(|_| !self.last.is_empty()) else {
             return self.locate(image);
         };
+        self.tracked += 1;
+        if self.seen < self.finger.key_node_count() && self.tracked.is_multiple_of(SEARCH_AGAIN) {
+            return self.locate(image);
+        }
         let mut buffers = std::mem::take(&mut self.buffers);
         let view = self.view(image, weights, colour_shift_px);
         let near = |last: &Located| {
@@ -178,11 +194,17 @@ impl<'f> Locator<'f> {
         let candidates: Vec<Candidate> = found.iter().map(candidate).collect();
         let names = name_likely(self.finger, &candidates);
         let named: Vec<(NodeId, Disc)> = names.iter().flatten().map(|&i| found[i]).collect();
-        if (named.len() as f64) < FOUND_AGAIN * self.last.len() as f64 {
+        if (named.len() as f64) < FOUND_AGAIN * self.searched as f64 {
             return self.locate(image);
         }
-        self.last = located(&named, &self.on_front);
-        Ok(self.last.clone())
+        let found = located(&named, &self.on_front);
+        for last in &mut self.last {
+            if let Some(now) = found.iter().find(|now| now.node == last.node) {
+                *last = *now;
+            }
+        }
+        self.seen = found.len();
+        Ok(found)
     }
 
     fn named(&self, discs: &[(Side, Disc)]) -> Result<Vec<(NodeId, Disc)>, LocateError> {

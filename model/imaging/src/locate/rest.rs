@@ -54,7 +54,7 @@ pub enum RestError {
 }
 
 impl Rest {
-    /// Finds the pose, from about where the scene has it or without a guess.
+    /// Finds the pose without a guess, or else from about where the scene has it.
     ///
     /// # Errors
     /// [`RestError`] if the image does not show the unloaded finger.

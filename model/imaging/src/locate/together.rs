@@ -59,9 +59,9 @@ pub(super) fn measure_together(
         let ColourShift { normal, gradient } = measure_centres(&view, outline, named, buffers);
         let shift: Vector = normal.try_inverse().map_or_else(Vector::zeros, |inverse| inverse * gradient);
         // Neighbouring pixels may err alike: then a displacement shows less clearly.
-        let excess = mean(named, |disc| disc.excess_variances[0]).max(1.0);
+        let sigmas = shift.dot(&gradient).max(0.0).sqrt() / wider(named.iter().map(|(_, disc)| disc.excess_variances));
         rounds += 1;
-        if rounds == COLOUR_ROUNDS || shift.dot(&gradient) < COLOUR_SIGMAS.powi(2) * excess {
+        if rounds == COLOUR_ROUNDS || sigmas < COLOUR_SIGMAS {
             return Ok(Common { outline, weights: view.weights, colour_shift_px: view.colour_shift_px });
         }
         view.colour_shift_px += shift;

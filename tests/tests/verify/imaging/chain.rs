@@ -16,6 +16,9 @@ use image::RgbImage;
 use nalgebra::{Matrix2, Rotation3, Vector2, Vector3};
 use rayon::prelude::*;
 
+/// Of the fixture's camera.
+const PX_A_MM: f64 = 8.0;
+
 fn image_of(
     camera: &Camera,
     finger: &Finger,
@@ -84,12 +87,11 @@ fn centres_are_within_twice_the_bound() {
     assert_eq!(all.len(), 25 * IMAGES as usize);
     // The pixels' own width blurs too.
     let blur_px = DISTURBED.blur_px.hypot(1.0 / 12.0_f64.sqrt());
-    let px_a_mm = 8.0;
     let ratio = |marker: &Located| {
         let motion = shape.motion(marker.node);
         let at = (motion.position + motion.displacement).push(markers.height_mm);
         let pixel = camera.project(&at).expect("in sight");
-        let bound = bound_px(&sharp, pixel, px_a_mm * markers.radius_mm, DISTURBED.grey_noise, blur_px);
+        let bound = bound_px(&sharp, pixel, PX_A_MM * markers.radius_mm, DISTURBED.grey_noise, blur_px);
         (marker.pixel - pixel).norm() / 2.0_f64.sqrt() / bound
     };
     let ratios: Vec<f64> = all.iter().map(ratio).collect();
@@ -98,7 +100,7 @@ fn centres_are_within_twice_the_bound() {
     assert!(rms(&ratios) > 0.9, "{} times the bound", rms(&ratios));
 }
 
-/// Markers of 3 px and blurs of a third of the radius err more, and say so; what is out of focus is refused.
+/// Markers of 3 px and blurs of up to a third of their radius err more, and say so; from half of the radius on they are refused.
 #[test]
 fn small_and_blurred_markers_state_their_errors() {
     let scene = scene();
@@ -121,15 +123,16 @@ fn small_and_blurred_markers_state_their_errors() {
         (radius_mm, blur_px, located.map(sigmas))
     };
     for (radius_mm, blur_px, found) in cases.par_iter().map(found).collect::<Vec<_>>() {
+        let blur = blur_px / (PX_A_MM * radius_mm);
         match found {
-            // 50 coordinates scatter by a tenth.
             Ok((markers, sigmas)) => {
-                assert!(markers == 25 && sigmas < 1.5, "{radius_mm} {blur_px}: {markers} {sigmas}")
+                assert!(blur < 0.5, "{radius_mm} {blur_px}: out of focus");
+                // What the model of the edge leaves out is common to all coordinates: these two figures scatter by more than 50 would.
+                assert!(markers == 25 && sigmas < 1.5, "{radius_mm} {blur_px}: {markers} {sigmas}");
             }
-            Err(error) => {
-                assert!(blur_px > 3.0 * radius_mm, "{radius_mm} {blur_px}: {error}");
-                assert!(matches!(error, LocateError::Blurred { .. } | LocateError::Naming(_)));
-            }
+            Err(LocateError::Blurred { .. }) => assert!(blur > 0.3, "{radius_mm} {blur_px}: sharp"),
+            // Nothing is as wide as a marker any more.
+            Err(error) => assert!(blur > 0.6, "{radius_mm} {blur_px}: {error}"),
         }
     }
 }
@@ -172,7 +175,13 @@ fn a_lens_and_a_pose_that_are_found_serve_as_well() {
         errors
     };
     let errors: Vec<f64> = (0..CAMERAS).into_par_iter().flat_map_iter(of_camera).collect();
-    assert!(errors.len() > 290 && rms(&errors) <= 0.012, "{} errors, {} mm rms", errors.len(), rms(&errors));
+    // Three shapes of 25 markers a camera; a coordinate may err three times as much as with the true lens and pose.
+    assert!(
+        errors.len() as f64 > 0.99 * 2.0 * 75.0 * CAMERAS as f64 && rms(&errors) <= 0.012,
+        "{} errors, {} mm rms",
+        errors.len(),
+        rms(&errors)
+    );
 }
 
 /// Forces from images alone, where the finger bends least: a tenth of the error that the paper's camera leaves.

@@ -160,6 +160,45 @@ fn tracking_finds_what_a_full_search_finds() {
     assert!(tracked < 1.1 * searched, "{tracked} mm where a search errs by {searched} mm");
 }
 
+/// Markers that are hidden for a while come back: near where they were at once, elsewhere when the stream is searched again.
+#[test]
+fn hidden_markers_come_back() {
+    const IMAGES: usize = 15;
+    let scene = scene();
+    let (finger, markers, camera) = (&scene.finger, scene.markers.expect("markers"), camera_of(&scene));
+    let mesh = Mesh::key_nodes(finger);
+    let mut tracker = Locator::new(finger, &camera, &markers).expect("a locator");
+    let mut seen = |force_n: f64, hidden: &[NodeId]| {
+        let load = Load::at_position(80.0, finger.direction(0.0) * force_n);
+        let shape = statics::solve(&mesh, &[load], Kinematics::Corotational).expect("carried");
+        let request = RenderRequest {
+            camera: &camera,
+            finger,
+            shape: &shape,
+            markers: &markers,
+            hidden,
+            disturbances: DISTURBED,
+        };
+        let located = tracker.track(&render(&request).expect("in sight")).expect("a finger");
+        let errors = errors(&shape, hidden, &located);
+        assert!(errors.mm.iter().all(|error| error.abs() < LARGEST_MM), "{:?}", errors.mm);
+        errors.lost
+    };
+    let nodes = [NodeId(6), NodeId(18), NodeId(19)];
+    assert_eq!(seen(0.5, &nodes[..1]), 0);
+    // Node 6 was never seen: it is found when the stream is searched again.
+    assert_eq!(seen(0.5, &nodes[1..]), 1);
+    assert_eq!(seen(0.5, &[]), 1);
+    let images_without = (0..IMAGES).take_while(|_| seen(0.5, &[]) > 0).count();
+    assert!(images_without < 10, "{images_without}");
+    // All are seen. The finger moves on by more than a marker's width while 18 and 19 are hidden.
+    for step in 0..4 {
+        assert_eq!(seen(0.5 + 0.25 * f64::from(step), &nodes[1..]), 0);
+    }
+    let images_without = (0..IMAGES).take_while(|_| seen(1.25, &[]) > 0).count();
+    assert!(images_without < 10, "{images_without}");
+}
+
 #[test]
 fn images_without_the_finger_are_refused() {
     let scene = scene();

@@ -101,16 +101,16 @@ pub(super) const CONDITIONS: &[Condition] = &[
 ];
 
 impl ImageChange {
-    /// The camera and the markers that the image is taken of and read with.
-    pub fn applied(&self, camera: &Camera, markers: &Markers) -> (Camera, Markers) {
+    /// The camera and the markers that the image is taken of and read with; `None` where no lens is such.
+    pub fn applied(&self, camera: &Camera, markers: &Markers) -> Option<(Camera, Markers)> {
         let markers = Markers { radius_mm: markers.radius_mm * self.radius, ..*markers };
         let lens = &camera.lens;
         let side = |px: u32| ((f64::from(px) * self.resolution).round() as u32).max(1);
         let focal = lens.focal_px().map(|px| px * self.resolution);
         // Pixel (0, 0) has its centre at (0, 0).
         let middle = lens.principal_point_px().map(|px| (px + 0.5) * self.resolution - 0.5);
-        let lens = Lens::new(lens.size_px().map(side), focal, middle, *lens.distortion()).unwrap_or(*lens);
-        (Camera { lens, pose: camera.pose }, markers)
+        let lens = Lens::new(lens.size_px().map(side), focal, middle, *lens.distortion()).ok()?;
+        Some((Camera { lens, pose: camera.pose }, markers))
     }
 
     pub fn disturbances(&self, seed: u64) -> Disturbances {
@@ -132,14 +132,14 @@ impl ImageChange {
 }
 
 impl AssumedChange {
-    /// The camera and the height of the markers (mm) that points are read with.
-    pub fn applied(&self, camera: &Camera, markers: &Markers) -> (Camera, f64) {
+    /// The camera and the height of the markers (mm) that points are read with; `None` where no lens is such.
+    pub fn applied(&self, camera: &Camera, markers: &Markers) -> Option<(Camera, f64)> {
         let [k1, k2, p1, p2, k3] = camera.lens.distortion().to_opencv();
         let distortion = Distortion::from_opencv([k1 + self.k1, k2, p1, p2, k3]);
         let focal = camera.lens.focal_px().map(|px| px * self.focal);
-        let lens = Lens::new(camera.lens.size_px(), focal, camera.lens.principal_point_px(), distortion);
+        let lens = Lens::new(camera.lens.size_px(), focal, camera.lens.principal_point_px(), distortion).ok()?;
         let turned = Rotation3::from_axis_angle(&Vector3::y_axis(), self.tilt_deg.to_radians());
         let pose = Pose { rotation: camera.pose.rotation * turned, translation_mm: camera.pose.translation_mm };
-        (Camera { lens: lens.unwrap_or(camera.lens), pose }, markers.height_mm + self.height_mm)
+        Some((Camera { lens, pose }, markers.height_mm + self.height_mm))
     }
 }

@@ -11,8 +11,8 @@ use super::response::{ContactForce, RespondingFinger};
 use super::{Context, Evidence};
 use crate::check::{Check, Kind};
 use conditions::{CONDITIONS, Change, Condition};
-use finray_imaging::locate::{Locator, LocatorError};
-use finray_imaging::render::{RenderError, RenderRequest, render};
+use finray_imaging::locate::Locator;
+use finray_imaging::render::{RenderRequest, render};
 use finray_model::camera::Camera;
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::mesh::{FingerShape, LoadError};
@@ -44,11 +44,11 @@ pub struct CameraRow {
     pub in_images: bool,
     /// Whether displacements are counted from where the same camera sees the finger at rest; otherwise from where the scene has it.
     pub is_rest_seen: bool,
-    /// Markers in sight and those that were found.
+    /// Markers of the free nodes in all images and those that were found.
     pub markers: usize,
     /// See `markers`.
     pub found: usize,
-    /// Root mean square and largest error of a displacement's coordinate, mm.
+    /// Root mean square and largest error of a displacement's coordinate, mm; none where displacements are exact.
     pub displacement_rms_mm: Option<f64>,
     /// See `displacement_rms_mm`.
     pub displacement_largest_mm: Option<f64>,
@@ -86,8 +86,8 @@ pub struct CameraStudy {
     pub needed: Vec<NeededNoise>,
     /// Size of the scene's images, px.
     pub size_px: [u32; 2],
-    /// Pixels a mm at the middle of the finger.
-    pub px_a_mm: f64,
+    /// Pixels a mm at the middle of the undeformed finger; `None` where the camera does not see it.
+    pub px_a_mm: Option<f64>,
     /// Time of an image in memory, on one core; `None` where it shows no finger.
     pub times: Option<FrameTimes>,
 }
@@ -104,12 +104,6 @@ pub struct FrameTimes {
 /// Why the study could not be done.
 #[derive(Debug, thiserror::Error)]
 pub enum CameraStudyError {
-    /// The camera does not see the finger.
-    #[error(transparent)]
-    Render(#[from] RenderError),
-    /// Markers cannot be found.
-    #[error(transparent)]
-    Locator(#[from] LocatorError),
     /// A contact is not on the finger.
     #[error(transparent)]
     Load(#[from] LoadError),
@@ -121,7 +115,7 @@ pub enum CameraStudyError {
 /// For scenes with a camera and markers, and for the paper's finger with a camera that is assumed.
 ///
 /// # Errors
-/// [`CameraStudyError`] if the camera does not see the finger.
+/// [`CameraStudyError`] if a contact cannot be loaded or sensed. What no image shows is a row that is refused.
 pub fn run(context: &Context) -> Result<Option<CameraStudy>, CameraStudyError> {
     let assumed = context.is_paper.then(|| Scene::from_toml(finray_fixtures::CAMERA_SCENE).ok()).flatten();
     let scene = &context.given.scene;
@@ -169,10 +163,11 @@ impl CameraStudy {
         let every = (all.len().div_ceil(most_nodes)).max(1);
         // From the base on, where forces bend least.
         let asked: Vec<&Bent> = all.iter().rev().step_by(every).collect();
-        let middle = finger.position(NodeId(finger.key_node_count() / 4)).push(markers.height_mm);
-        let px_a_mm = camera
-            .project_with_derivatives(&middle)
-            .map_or(f64::NAN, |(_, by_point)| by_point.fixed_columns::<2>(0).determinant().abs().sqrt());
+        let nodes = finger.key_node_count();
+        let middle = (1..=nodes).map(|node| finger.position(NodeId(node))).sum::<Vector>() / nodes as f64;
+        let by_point =
+            camera.project_with_derivatives(&middle.push(markers.height_mm)).ok().map(|(_, by_point)| by_point);
+        let px_a_mm = by_point.map(|by_point| by_point.fixed_columns::<2>(0).determinant().abs().sqrt());
         let row = |condition: &Condition| {
             let row = condition_row(&mesh, &asked, condition, camera, markers);
             context.progress.step();
@@ -181,10 +176,7 @@ impl CameraStudy {
         let rows: Result<Vec<CameraRow>, CameraStudyError> = conditions.par_iter().map(row).collect();
         let rows = rows?;
         // One after the other, with nothing beside it.
-        let times = match asked.first() {
-            Some(bent) => frame_times(finger, &bent.shape, camera, markers)?,
-            None => None,
-        };
+        let times = asked.first().and_then(|bent| frame_times(finger, &bent.shape, camera, markers));
         let nodes = asked.iter().map(|bent| bent.node).collect();
         Ok(CameraStudy { rows, nodes, needed, size_px: camera.lens.size_px(), px_a_mm, times })
     }
@@ -236,13 +228,13 @@ fn condition_row(
         let mut shape = &bent.shape;
         let finer;
         let seen = match &condition.change {
-            Change::Image(change) => {
-                let (camera, markers) = change.applied(camera, markers);
-                in_image(finger, shape, &camera, &markers, change, number as u64)?
-            }
+            Change::Image(change) => change
+                .applied(camera, markers)
+                .and_then(|(camera, markers)| in_image(finger, shape, &camera, &markers, change, number as u64)),
             Change::Assumed(change) => {
+                let seen_by = (camera, markers.height_mm);
                 let read = change.applied(camera, markers);
-                projected(finger, shape, (camera, markers.height_mm), read, condition.is_rest_seen)
+                read.and_then(|read| projected(finger, shape, seen_by, read, condition.is_rest_seen))
             }
             Change::FinerFinger(times) => {
                 let Ok(bent) = statics::solve(&mesh.refined(*times), &[bent.load], Kinematics::Corotational) else {
@@ -257,7 +249,10 @@ fn condition_row(
         let Some(seen) = seen else { continue };
         let of_node = |node: NodeId| shape.motion(node).displacement;
         let error = |(node, displacement): &(NodeId, Vector)| displacement - of_node(*node);
-        errors_mm.extend(seen.displacements.iter().flat_map(|one| [error(one).x, error(one).y]));
+        let is_seen = !matches!(condition.change, Change::FinerFinger(_));
+        if is_seen {
+            errors_mm.extend(seen.displacements.iter().flat_map(|one| [error(one).x, error(one).y]));
+        }
         sds_mm.extend(seen.sd_mm);
         found += seen.displacements.len();
         // Least squares to first order: the errors along the response, over its square.
@@ -274,7 +269,9 @@ fn condition_row(
         // Where no noise is stated, what is left over says it.
         if let Ok(estimate) = estimator.estimate(&measurement, seen.sd_mm) {
             sensed.push(estimate.forces.forces_n[0] / FORCE_N - 1.0);
-            first_order.push(product / squares / FORCE_N);
+            if is_seen {
+                first_order.push(product / squares / FORCE_N);
+            }
         }
     }
     let size = |largest: f64, error: &f64| largest.max(error.abs());
@@ -302,7 +299,7 @@ fn rms(numbers: &[f64]) -> Option<f64> {
     (!numbers.is_empty()).then(|| mean.sqrt())
 }
 
-/// What is found in an image; `None` where it is refused.
+/// What is found in an image; `None` where it is refused, or the markers are too small or grey, or out of sight.
 fn in_image(
     finger: &Finger,
     shape: &FingerShape,
@@ -310,32 +307,26 @@ fn in_image(
     markers: &Markers,
     change: &conditions::ImageChange,
     seed: u64,
-) -> Result<Option<Seen>, CameraStudyError> {
+) -> Option<Seen> {
     let disturbances = change.disturbances(seed);
-    let image = render(&RenderRequest { camera, finger, shape, markers, hidden: &[], disturbances })?;
-    let Some(image) = change.compressed(image) else { return Ok(None) };
-    let Ok(located) = Locator::new(finger, camera, markers)?.locate(&image) else { return Ok(None) };
+    let image = render(&RenderRequest { camera, finger, shape, markers, hidden: &[], disturbances }).ok()?;
+    let located = Locator::new(finger, camera, markers).ok()?.locate(&change.compressed(image)?).ok()?;
     let clamped = finger.clamped_nodes();
     let free: Vec<_> = located.iter().filter(|marker| !clamped.contains(&marker.node)).collect();
     let displacements = free.iter().map(|marker| (marker.node, marker.position - finger.position(marker.node)));
     let sds: Vec<f64> = free.iter().map(|marker| marker.sd_mm).collect();
-    Ok(Some(Seen { displacements: displacements.collect(), sd_mm: rms(&sds) }))
+    Some(Seen { displacements: displacements.collect(), sd_mm: rms(&sds) })
 }
 
 /// Times of two images in turn that differ in their noise; the first of each kind is not timed.
-fn frame_times(
-    finger: &Finger,
-    shape: &FingerShape,
-    camera: &Camera,
-    markers: &Markers,
-) -> Result<Option<FrameTimes>, CameraStudyError> {
+fn frame_times(finger: &Finger, shape: &FingerShape, camera: &Camera, markers: &Markers) -> Option<FrameTimes> {
     const TIMED: usize = 9;
     let image = |seed: u64| {
         let disturbances = conditions::ORDINARY.disturbances(seed);
-        render(&RenderRequest { camera, finger, shape, markers, hidden: &[], disturbances })
+        render(&RenderRequest { camera, finger, shape, markers, hidden: &[], disturbances }).ok()
     };
     let images = [image(1)?, image(2)?];
-    let mut locator = Locator::new(finger, camera, markers)?;
+    let mut locator = Locator::new(finger, camera, markers).ok()?;
     let mut median = |is_tracked: bool| {
         let mut seconds = Vec::with_capacity(TIMED);
         for (run, image) in images.iter().cycle().take(TIMED + 1).enumerate() {
@@ -349,8 +340,7 @@ fn frame_times(
         }
         Some(*seconds.select_nth_unstable_by(TIMED / 2, f64::total_cmp).1)
     };
-    let Some(search_s) = median(false) else { return Ok(None) };
-    Ok(median(true).map(|track_s| FrameTimes { search_s, track_s }))
+    Some(FrameTimes { search_s: median(false)?, track_s: median(true)? })
 }
 
 /// Points that one camera projects and another one reads; `None` where one of them does not see the finger.
@@ -382,7 +372,7 @@ impl Evidence for CameraStudy {
         vec![
             internal("rms error of a coordinate, mm", row.displacement_rms_mm, GOOD_POSITION_MM),
             // Fewer than one.
-            internal("markers in sight that were not found", Some(unfound), 0.5),
+            internal("markers of free nodes that were not found", Some(unfound), 0.5),
         ]
     }
 }

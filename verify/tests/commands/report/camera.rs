@@ -7,10 +7,14 @@ use crate::kit::*;
 fn what_a_camera_costs_is_in_the_report() {
     let summary = PAPERS.summary();
     let rows = array(&summary, "camera");
-    let numbers = ["displacement_rms_mm", "displacement_largest_mm", "force_rms_error", "force_largest_error"];
-    assert_keys(rows, &["item", "setting"], &numbers);
+    assert_keys(rows, &["item", "setting"], &["force_rms_error", "force_largest_error"]);
     let number = |row: &serde_json::Value, key: &str| row[key].as_f64().expect("a number");
     for row in rows {
+        // The mesh alone errs without a camera.
+        let is_mesh = row["item"] == "mesh";
+        for key in ["displacement_rms_mm", "displacement_largest_mm", "first_order_rms_error"] {
+            assert_eq!(row[key].is_null(), is_mesh, "{key} of {row}");
+        }
         assert_eq!((number(row, "found"), number(row, "refused")), (number(row, "markers"), 0.0), "{row}");
         // Displacements that are all counted alike err little: the force follows them to first order. It is computed once from the response
         // and once by sensing.
@@ -62,4 +66,17 @@ fn the_noise_that_is_needed_gives_the_error_that_is_asked() {
         let ratio = sigma_n / force_n / 0.01;
         assert!((0.999..1.05).contains(&ratio), "node {node}: {sigma_n} of {force_n} N");
     }
+}
+
+/// What cannot be seen is a row that is refused; the rest of the report stands.
+#[test]
+fn markers_that_are_too_small_for_a_condition_are_refused() {
+    let folder = Folder::new();
+    let scene = folder.put("scene.toml", finray_fixtures::CAMERA_SCENE.replace("radius_mm = 1.5", "radius_mm = 0.7"));
+    let out = folder.path("report");
+    finray(&["report", &scene, "--quick", "--out", &out]).done();
+    let rows = Csv::of(&folder.read("report/camera.csv"));
+    let quarter = rows.texts("setting").iter().position(|setting| *setting == "1/4 along each side").expect("a row");
+    assert_eq!((rows.texts("found")[quarter], rows.texts("refused")[quarter]), ("0", rows.texts("forces")[quarter]));
+    assert_eq!((rows.texts("found")[0], rows.texts("refused")[0]), (rows.texts("markers")[0], "0"));
 }

@@ -80,9 +80,10 @@ impl PlaneMap {
     pub fn gather(&self, image: &RgbImage, reach: f64, pixels: &mut Pixels) {
         pixels.at.iter_mut().chain(&mut pixels.light).for_each(Vec::clear);
         let within = |middle: f64, reach: f64, size: u32| {
-            let from = (middle - reach).ceil().max(0.0);
-            let to = (middle + reach).floor().min(f64::from(size) - 1.0);
-            from as usize..(to + 1.0).max(from) as usize
+            let size = f64::from(size);
+            let from = (middle - reach).ceil().clamp(0.0, size);
+            let end = ((middle + reach).floor() + 1.0).clamp(from, size);
+            from as usize..end as usize
         };
         let [uu, uv, vv] = self.curvature;
         for row in within(self.about.y, reach, image.height()) {
@@ -177,4 +178,30 @@ pub(super) fn turn([x, y]: [f32; 2]) -> f32 {
         false => (if y > 0.0 { 0.25 } else { 0.75 }) - octant(x / y),
     };
     if turn < 0.0 { turn + 1.0 } else { turn }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use finray_model::camera::{Distortion, Lens, Pose};
+
+    /// What lies beyond the corners of an image has few pixels or none.
+    #[test]
+    fn pixels_are_gathered_at_the_border() {
+        let [width, height] = [64, 48];
+        let lens = Lens::new([width, height], [500.0; 2], [31.5, 23.5], Distortion::default()).expect("a lens");
+        let camera = Camera { lens, pose: Pose::new([std::f64::consts::PI, 0.0, 0.0], [0.0, 0.0, 100.0]) };
+        let image = RgbImage::new(width, height);
+        let mut pixels = Pixels::default();
+        for (u, v) in [(31.0, 23.0), (-1.0, -2.0), (65.85, 28.8), (65.85, 49.5), (70.0, 20.0), (-9.0, 47.0)] {
+            let map = PlaneMap::new(&camera, 0.0, &Pixel::new(u, v), 1.0).expect("a plane");
+            for reach in [3.0, 18.25, 100.0] {
+                map.gather(&image, reach, &mut pixels);
+                let within = |row: u32, column: u32| (f64::from(column) - u).hypot(f64::from(row) - v) <= reach;
+                let expected = (0..height).flat_map(|row| (0..width).map(move |column| (row, column)));
+                let expected = expected.filter(|(row, column)| within(*row, *column)).count();
+                assert_eq!((pixels.at[0].len(), pixels.light[2].len()), (expected, expected), "{u} {v} {reach}");
+            }
+        }
+    }
 }
