@@ -33,7 +33,7 @@ const BAND: f64 = 2.5;
 const FIRST_BLUR_PX: f64 = 0.9;
 const LEAST_BLUR_PX: f64 = 0.25;
 /// Largest blur of markers, as a share of their radius: beyond it nothing of a disc shows its own light.
-pub(super) const LARGEST_BLUR: f64 = 0.4;
+pub(super) const LARGEST_BLUR: f64 = 0.33;
 /// Largest deviation of the radius from the expected one, as a share.
 const RADIUS_TOLERANCE: f64 = 0.25;
 /// Largest residual standard deviation, as a share of the contrast.
