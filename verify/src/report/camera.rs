@@ -117,7 +117,7 @@ fn drawing(
     let named = [
         ("counted from the scene", points(false)),
         ("counted from an image at rest", points(true)),
-        ("independent noise, bound", papers),
+        ("independent noise", papers),
     ];
     let mut series: Vec<Series> = named
         .into_iter()

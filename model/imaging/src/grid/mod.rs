@@ -12,7 +12,7 @@ use image::{GrayImage, RgbImage};
 
 /// Dots that a grid must have.
 const LEAST_DOTS: usize = 12;
-/// Blocks over which brightness is averaged for the threshold, px: about the size of a dot and its surroundings, for small and large ones.
+/// Half the side of the blocks over which brightness is averaged for the threshold, px: a dot and its surroundings, for small and large ones.
 const BLOCKS_PX: [u32; 4] = [10, 25, 60, 120];
 /// Residuals beyond so many medians of their size are no dots of the grid.
 const OUTLIER: f64 = 6.0;

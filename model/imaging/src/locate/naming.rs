@@ -73,7 +73,7 @@ pub enum NamingError {
 /// The candidate of each key node, by its number less one.
 pub(super) type Names = Vec<Option<usize>>;
 
-/// Names the candidates as one finger has them; nobody asks whether another naming fits as well.
+/// Names the candidates as one finger has them, without a check whether other names fit as well.
 pub(super) fn name_likely(finger: &Finger, candidates: &[Candidate]) -> Names {
     likely(finger, candidates).0
 }
@@ -399,7 +399,7 @@ mod tests {
         assert!(matches!(name(&finger, &[]), Err(NamingError::TooFew { found: 0, .. })));
     }
 
-    /// A copy of every marker of a plate beside it: which one is the marker is not known, so nobody says it.
+    /// A copy of every marker of a plate beside it: which one is the marker is not known, so neither is named.
     #[test]
     fn two_ways_to_name_are_refused() {
         let finger = Scene::from_toml(PAPER_SCENE).expect("a scene").finger;

@@ -21,7 +21,7 @@ const DOUBTFUL: usize = 3;
 /// Share of the nodes that must have a marker.
 const LEAST_SHARE: f64 = 0.6;
 
-/// A marker by its place in the image without distortion.
+/// A marker by its position in the image without distortion.
 #[derive(Debug, Clone, Copy)]
 struct Mark {
     sides: [bool; 2],

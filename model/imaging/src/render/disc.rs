@@ -17,7 +17,7 @@ pub(super) fn paint_disc(
     colour: [f32; 3],
 ) {
     let Ok((pixel, by_point)) = camera.project_with_derivatives(&centre.push(height_mm)) else { return };
-    // Perspective makes the nearer half larger: half as much again is room enough for what is seen at more than a degree.
+    // Perspective makes the nearer half larger: half as much again is room enough for a radius up to a third of the distance.
     let reach = 1.5 * radius_mm * by_point.norm() + 2.0;
     let (width, height) = canvas.dimensions();
     let Some((columns, rows)) = window(&pixel, reach, [width, height]) else { return };
@@ -26,7 +26,7 @@ pub(super) fn paint_disc(
             let at = Pixel::new(f64::from(u), f64::from(v));
             let Ok((point, by_pixel)) = camera.on_plane_with_derivatives(&at, height_mm) else { continue };
             let from_centre = point - centre;
-            // Half a diagonal of the pixel, in the plane.
+            // No less than half a diagonal of the pixel, in the plane.
             let half = by_pixel.norm();
             let share = match from_centre.norm() {
                 far if far >= radius_mm + half => continue,

@@ -23,7 +23,7 @@ pub(super) fn finger_mask(camera: &Camera, finger: &Finger, shape: &FingerShape)
     Some(mask)
 }
 
-/// A stretch of plate or rib: the points of its middle with its thickness, mm.
+/// A piece of plate or rib: the points of its middle with its thickness, mm.
 struct Strip {
     middle: Vec<Vector>,
     thickness_mm: f64,

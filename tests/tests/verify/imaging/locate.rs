@@ -16,7 +16,7 @@ const RMS_MM: f64 = 0.004;
 const LARGEST_MM: f64 = 0.015;
 /// Images of the statistics.
 const IMAGES: u64 = 32;
-/// Share of the markers in sight that may be left out: clutter that touches one, a name in doubt.
+/// Share of the markers in sight that may be left out: those whose name is in doubt.
 const LOST: f64 = 0.01;
 
 /// A force up to 5 N on the front plate; `None` where the finger does not carry it.
@@ -217,7 +217,7 @@ fn images_without_the_finger_are_refused() {
     assert!(matches!(locator.locate(&everywhere), Err(LocateError::Naming(_))));
 }
 
-/// The image of the unloaded finger gives the pose back, from a scene whose pose is off by some mm and degrees.
+/// The image of the unloaded finger gives the pose back, whether the scene has one or not: its pattern is found without.
 #[test]
 fn the_pose_comes_from_the_finger_at_rest() {
     let scene = scene();

@@ -266,7 +266,7 @@ fn condition_row(
         let marker = |&(node, displacement): &(NodeId, Vector)| Marker { node, displacement, weight: 1.0 };
         let Ok(measurement) = Measurement::new(finger, seen.displacements.iter().map(marker)) else { continue };
         let mut estimator = NonlinearEstimator::new(mesh, &[Contact::at_node(bent.node).into()])?;
-        // Where no noise is stated, what is left over says it.
+        // Where no noise is stated, it is estimated from the residual.
         if let Ok(estimate) = estimator.estimate(&measurement, seen.sd_mm) {
             sensed.push(estimate.forces.forces_n[0] / FORCE_N - 1.0);
             if is_seen {

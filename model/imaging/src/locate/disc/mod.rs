@@ -45,7 +45,7 @@ const ROOM_PX: f64 = 1.0;
 const ROUNDS: usize = 9;
 const STEPS: usize = 5;
 const STILL_PX: f64 = 0.002;
-/// An edge that moves less than this in a round, px, is near: from then on unlikely sectors are told; and one that moves less than this is
+/// An edge that moves less than this in a round, px, is near: from then on unlikely sectors are left out; and one that moves less than this is
 /// there.
 const NEAR_PX: f64 = 1.0;
 const THERE_PX: f64 = 0.25;
@@ -201,7 +201,7 @@ impl<'a> Search<'a> {
 
     fn found(&mut self) -> Option<Disc> {
         let weights = self.view.weights;
-        // Who knows the outline knows about where the centre is.
+        // Where the outline is known, so is about where the centre is.
         let mut is_near = !self.is_outline_open;
         for round in 0..ROUNDS {
             // Where the search began, sectors are judged after a step: an edge that is a little off looks unlikely.

@@ -34,7 +34,7 @@ pub(super) struct PlaneMap {
     about: Pixel,
     /// The point at the middle, mm.
     pub origin: Vector,
-    /// Derivatives of a position by the pixel's coordinates.
+    /// Derivatives of a position by the pixel's coordinates, over about a radius to both sides.
     slope: Matrix2<f64>,
     /// Second derivatives by u u, u v and v v.
     curvature: [Vector; 3],

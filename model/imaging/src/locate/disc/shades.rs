@@ -25,7 +25,7 @@ const SLOPE_PIXELS: usize = 12;
 const LEAST_CONTRAST: f32 = 12.0;
 /// A sector whose mean squared residual is beyond that of even sectors by so many of its standard deviations is no edge of the disc.
 const UNLIKELY: f32 = 4.0;
-/// Smallest variance of a grey level that is told from none: rounding leaves 1/12.
+/// Variance of a grey level below which an image counts as without noise: rounding leaves 1/12.
 const LEAST_VARIANCE: f32 = 0.5;
 /// Share of the sectors that stay however disturbed they are, and that must have an edge.
 pub(super) const KEPT_SECTORS: f64 = 0.4;
