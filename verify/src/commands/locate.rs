@@ -8,6 +8,9 @@ use finray_verify::files::{FileError, csv_text, is_standard_stream, load_image, 
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
+/// Residual of the pose at rest, px, beyond which more than the noise of an image and a lens that was found is in it.
+const SURE_REST_PX: f64 = 0.3;
+
 /// Locate the nodes of a finger in images of its markers.
 ///
 /// Writes image,node,u_px,v_px,x_mm,y_mm,ux_mm,uy_mm,sigma_mm, a row a marker found; a hidden one has
@@ -77,7 +80,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             let markers = markers_of(&scene)?;
             let image = load_image(path)?;
             let (lens, pose) = camera_of(&scene)?;
-            Some(Rest::of(finger, &lens, pose, &markers, &image).map_err(|error| refused(path, &error))?)
+            let rest = Rest::of(finger, &lens, pose, &markers, &image).map_err(|error| refused(path, &error))?;
+            if rest.residual_sd_px > SURE_REST_PX {
+                eprintln!(
+                    "warning: {}: the markers are {:.1} px rms from those of the scene's unloaded finger: a load that is on it already is missing in \
+                     every force that is sensed; markers that are off their nodes are allowed for",
+                    path.display(),
+                    rest.residual_sd_px
+                );
+            }
+            Some(rest)
         }
     };
     let (camera, markers) = match &rest {

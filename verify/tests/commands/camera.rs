@@ -94,6 +94,10 @@ fn the_pose_may_come_from_an_image_at_rest() {
     // A bent finger is no finger at rest.
     let message = finray(&["locate", &scene, "--image", &image, "--rest", &image]).refused();
     assert_says(&message, &["unloaded"]);
+    // A little of a load may be markers that are off their nodes.
+    let (bent, _) = image_of(&folder, "bent.png", "80:0.05", &[]);
+    let (_, warnings) = finray(&["locate", &scene, "--image", &image, "--rest", &bent]).warned();
+    assert_says(&warnings.join(" "), &["bent.png", "px rms from those of the scene's unloaded finger"]);
 }
 
 #[test]
