@@ -101,7 +101,8 @@ pub fn youngs_modulus(finger: &Finger, cases: &[CalibrationCase]) -> Result<Modu
     for case in cases {
         let shape = statics::solve(&mesh, &[case.load], Kinematics::Linear)?;
         for marker in case.measurement.markers() {
-            nodes.push((marker.displacement, shape.motion(marker.node).displacement, marker.weight));
+            let computed = shape.motion(marker.node).marker_displacement(finger);
+            nodes.push((marker.displacement, computed, marker.weight));
         }
     }
     // Each node alone would choose its own c; the best for all lies between the extremes.

@@ -1,7 +1,8 @@
-//! Displacements of the key nodes under unit forces: the columns of the compliance that sensing needs, and no others.
+//! Displacements of the markers under unit forces: the columns of the compliance that sensing needs, and no others.
 //!
 //! The linear finger is exact at its key nodes with one element a member, so the coarsest mesh serves.
 
+use crate::element::quarter_turn;
 use crate::finger::{Finger, NodeId};
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::mesh::{Load, LoadError, Mesh};
@@ -10,7 +11,7 @@ use crate::{Kinematics, Vector};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::OnceLock;
 
-/// Displacement of every key node under each of some unit loads, mm per N (and per N mm of a moment).
+/// Displacement of the marker of every key node under each of some unit loads, mm per N (and per N mm of a moment).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compliance {
     /// By load, then by key node.
@@ -26,8 +27,9 @@ impl Compliance {
         let mesh = Mesh::key_nodes(finger);
         let frame_loads = loads.iter().map(|load| mesh.frame_load(load)).collect::<Result<Vec<_>, _>>()?;
         let motions = Statics::ladder(&mesh, Kinematics::Linear).unit_motions(&frame_loads)?;
-        let key_nodes = finger.key_node_count();
-        Ok(Compliance { columns: motions.into_iter().map(|m| m.displacements[..key_nodes].to_vec()).collect() })
+        let markers: Vec<_> = (1..=finger.key_node_count()).map(|node| mesh.marker_node(NodeId(node))).collect();
+        let column = |motion: FrameMotion| markers.iter().map(|marker| motion.displacements[*marker]).collect();
+        Ok(Compliance { columns: motions.into_iter().map(column).collect() })
     }
 
     /// Number of loads.
@@ -35,7 +37,7 @@ impl Compliance {
         self.columns.len()
     }
 
-    /// Displacement of a node under load `load`, mm per unit.
+    /// Displacement of a node's marker under load `load`, mm per unit.
     pub fn displacement(&self, node: NodeId, load: usize) -> Vector {
         self.columns[load][node.0 - 1]
     }
@@ -93,7 +95,13 @@ impl NodalCompliance {
     /// # Errors
     /// As [`Compliance::new`].
     pub fn columns(&self, loads: &[Load]) -> Result<Compliance, StaticsError> {
-        let column = |load| Ok(self.motions(load)?.iter().map(|motion| motion.xy()).collect());
+        let finger = self.finger();
+        let offsets: Vec<_> =
+            (1..=self.nodes.len()).map(|node| quarter_turn(finger.marker_offset(NodeId(node)))).collect();
+        let markers = |motions: Vec<Vector3<f64>>| {
+            motions.iter().zip(&offsets).map(|(motion, offset)| motion.xy() + offset * motion.z).collect()
+        };
+        let column = |load| Ok(markers(self.motions(load)?));
         Ok(Compliance { columns: loads.iter().map(column).collect::<Result<_, StaticsError>>()? })
     }
 

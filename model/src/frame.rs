@@ -8,17 +8,19 @@
 //! undeformable members are exact, without penalty stiffness.
 
 mod equations;
+mod links;
 mod loads;
 mod members;
 
 pub use equations::Equations;
 pub(crate) use equations::MEMBER_COORDINATES;
 pub use loads::FrameLoad;
+pub(crate) use members::swing;
 
 use crate::Vector;
 use crate::element::Beam;
 use crate::number::Number;
-use members::swing;
+use links::RigidLink;
 use nalgebra::Vector2;
 
 /// Index of a node of a frame, from 0.
@@ -71,14 +73,6 @@ pub struct Member {
     pub ends: [BeamEnd; 2],
 }
 
-/// A node that follows another one rigidly: u = u_master + (R(rotation) - 1) lever.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct RigidLink {
-    master: NodeIndex,
-    rotation: RotationSlot,
-    lever: Vector,
-}
-
 /// A node of the frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct FrameNode {
@@ -122,20 +116,6 @@ impl PlaneFrame {
         self.rotation_fixed[at.rotation] = rotation;
     }
 
-    /// Joins two free nodes by an undeformable bar. `hinged`: pinned at both nodes; otherwise they turn together.
-    ///
-    /// The second node loses its translations, which follow from the first node's and the bar's rotation.
-    pub fn link_rigidly(&mut self, first: NodeIndex, second: NodeIndex, hinged: bool) {
-        let lever = self.position(second) - self.position(first);
-        let rotation = if hinged {
-            self.add_rotation()
-        } else {
-            self.nodes[second].rotation = self.nodes[first].rotation;
-            self.nodes[first].rotation
-        };
-        self.nodes[second].link = Some(RigidLink { master: first, rotation, lever });
-    }
-
     /// A beam end clamped to a node, without an arm.
     pub fn clamped_end(&self, node: NodeIndex) -> BeamEnd {
         BeamEnd { node, rotation: self.nodes[node].rotation, arm: Vector::zeros() }
@@ -163,18 +143,6 @@ impl PlaneFrame {
     /// Number of nodes.
     pub fn node_count(&self) -> usize {
         self.nodes.len()
-    }
-
-    /// Moves linked nodes to where their masters and links carry them.
-    #[inline(always)]
-    pub(crate) fn follow_links<R: Number>(&self, motion: &mut FrameMotion<R>, linear: bool) {
-        for (n, node) in self.nodes.iter().enumerate() {
-            if let Some(link) = node.link {
-                let swung = swing(link.lever, motion.rotations[link.rotation], linear);
-                let master = motion.displacements[link.master];
-                motion.displacements[n] = Vector2::new(master.x + swung.x, master.y + swung.y);
-            }
-        }
     }
 
     /// Undeformed position of a node, mm.

@@ -1,4 +1,4 @@
-//! What a camera sees of a deformed finger: displacements of key nodes, without rotations.
+//! What a camera sees of a deformed finger: displacements of the key nodes' markers, without rotations.
 
 use crate::Vector;
 use crate::finger::{Finger, NodeId};
@@ -103,7 +103,7 @@ impl Measurement {
 
     /// All free nodes of a computed shape, as a camera without noise would see them.
     pub fn of_shape(finger: &Finger, shape: &FingerShape) -> Measurement {
-        let marker = |node| Marker { node, displacement: shape.motion(node).displacement, weight: 1.0 };
+        let marker = |node| Marker { node, displacement: shape.motion(node).marker_displacement(finger), weight: 1.0 };
         Measurement { markers: finger.free_nodes().map(marker).collect() }
     }
 

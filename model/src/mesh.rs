@@ -1,15 +1,15 @@
 //! A finger divided into beam elements.
 //!
 //! Members are the pieces of plate between key nodes, and the ribs. Each is divided evenly between its rigid arms.
-//! Node `n` of the finger is node `n - 1` of the frame; nodes made by refinement come after the key nodes.
+//! Node `n` of the finger is node `n - 1` of the frame; the joints of ribs on brackets come next, then nodes made by refinement.
 
 mod apportion;
 mod prepared;
 mod zones;
 
 use crate::Vector;
-use crate::finger::{Finger, Joints, NodeId, Part, Plate, Zone};
-use crate::frame::{BeamEnd, FrameLoad, FrameMotion, NodeIndex, PlaneFrame, Section};
+use crate::finger::{Finger, FingerPoint, Joints, MarkerPoints, NodeId, Part, Plate, Zone};
+use crate::frame::{BeamEnd, FrameLoad, FrameMotion, NodeIndex, PlaneFrame, Section, swing};
 use prepared::Prepared;
 use zones::{ElementPositions, mean_compliance};
 
@@ -93,7 +93,7 @@ const MOST_NODES: usize = 200_000;
 pub struct Line {
     /// Its part.
     pub part: Part,
-    /// Frame nodes from one key node to the other, both included.
+    /// Frame nodes from one key node to the other, both included; of a rib on brackets from joint to joint.
     pub nodes: Vec<NodeIndex>,
     /// Its elements in the same order, as members of the frame; empty for a rib that does not deform.
     pub members: std::ops::Range<usize>,
@@ -188,6 +188,28 @@ impl Mesh {
         node.0 - 1
     }
 
+    /// The frame node of a key node's joint with its rib: that of the key node itself without brackets, or without rib.
+    pub fn hinge_node(&self, node: NodeId) -> NodeIndex {
+        hinge_node(&self.finger, node)
+    }
+
+    /// The frame node that the marker of a key node moves with.
+    pub fn marker_node(&self, node: NodeId) -> NodeIndex {
+        match self.finger.description().markers_on {
+            MarkerPoints::Junctions => self.frame_node(node),
+            MarkerPoints::Hinges => self.hinge_node(node),
+        }
+    }
+
+    /// From a key node to its marker, mm, in its current direction, or undeformed.
+    pub(crate) fn marker_lever(&self, node: NodeId, motion: &FrameMotion, linear: bool) -> Vector {
+        let undeformed = self.finger.marker_offset(node);
+        if linear {
+            return undeformed;
+        }
+        undeformed + motion.displacements[self.marker_node(node)] - motion.displacements[self.frame_node(node)]
+    }
+
     /// Places a load on the frame.
     ///
     /// # Errors
@@ -234,6 +256,8 @@ impl Mesh {
                     position: self.frame.position(index),
                     displacement: motion.displacements[index],
                     rotation: motion.rotations[self.frame.rotation_of(index)],
+                    hinge_position: self.finger.hinge(node),
+                    hinge_displacement: motion.displacements[self.hinge_node(node)],
                 }
             })
             .collect();
@@ -248,14 +272,14 @@ impl Mesh {
         for node in finger.clamped_nodes() {
             frame.support(node.0 - 1, [true; 3]);
         }
-        // Links first: they decide which rotation the beams at a node are clamped to.
-        let rigid_ribs = finger.description().ribs.strip.is_none();
-        let hinged = finger.description().ribs.joints == Joints::Hinged;
-        if rigid_ribs {
-            for rib in 0..finger.rib_count() {
-                let [front, back] = finger.rib_nodes(rib);
-                frame.link_rigidly(back.0 - 1, front.0 - 1, hinged);
+        if finger.has_brackets() {
+            for node in (0..finger.rib_count()).flat_map(|rib| finger.rib_nodes(rib)) {
+                frame.add_node(finger.hinge(node));
             }
+        }
+        // Links first: they decide which rotation the beams at a node are clamped to.
+        for rib in 0..finger.rib_count() {
+            link_rib(&mut frame, finger, rib);
         }
         let mut mesh = Mesh {
             finger: finger.clone(),
@@ -317,7 +341,7 @@ impl Mesh {
     }
 
     fn add_rib(&mut self, rib: usize, elements: usize) {
-        let [front, back] = self.finger.rib_nodes(rib).map(|node| self.frame_node(node));
+        let [front, back] = self.finger.rib_nodes(rib).map(|node| self.hinge_node(node));
         let Some(section) = self.finger.section(Part::Ribs) else {
             let at = self.frame.members().len();
             self.lines.push(Line { part: Part::Ribs, nodes: vec![back, front], members: at..at });
@@ -358,6 +382,42 @@ impl Mesh {
     }
 }
 
+/// See [`Mesh::hinge_node`].
+fn hinge_node(finger: &Finger, node: NodeId) -> NodeIndex {
+    let key_nodes = finger.key_node_count();
+    let has_rib = node.0 > 1 && node.0 < key_nodes && node != finger.tip();
+    match finger.has_brackets() && has_rib {
+        // As [`Mesh::build`] adds them: front then back, from base to tip.
+        true if node < finger.tip() => key_nodes + 2 * (node.0 - 2) + 1,
+        true => key_nodes + 2 * (key_nodes - 1 - node.0),
+        false => node.0 - 1,
+    }
+}
+
+/// Links what moves rigidly with the ends of a rib: the brackets, and a rib that does not deform.
+fn link_rib(frame: &mut PlaneFrame, finger: &Finger, rib: usize) {
+    let [front, back] = finger.rib_nodes(rib).map(|node| node.0 - 1);
+    let [front_hinge, back_hinge] = finger.rib_nodes(rib).map(|node| hinge_node(finger, node));
+    let hinged = finger.description().ribs.joints == Joints::Hinged;
+    let deforms = finger.description().ribs.strip.is_some();
+    match (finger.has_brackets(), deforms, hinged) {
+        (false, true, _) => {}
+        (false, false, _) => frame.link_rigidly(back, front, hinged),
+        (true, false, true) => {
+            frame.link_rigidly(back, back_hinge, false);
+            frame.link_rigidly(back_hinge, front_hinge, true);
+            frame.link_rigidly(front_hinge, front, false);
+        }
+        (true, _, _) => {
+            if !deforms {
+                frame.link_rigidly(back, front, false);
+            }
+            frame.link_rigidly(back, back_hinge, false);
+            frame.link_rigidly(front, front_hinge, false);
+        }
+    }
+}
+
 /// Lengths of the lines that share the elements: back plate and front plate from base to tip, ribs from base to tip,
 /// base line.
 fn line_lengths(finger: &Finger) -> Vec<f64> {
@@ -365,10 +425,7 @@ fn line_lengths(finger: &Finger) -> Vec<f64> {
         let positions = finger.plate_positions_mm(plate);
         positions.windows(2).map(|w| w[1] - w[0]).collect::<Vec<_>>()
     });
-    let ribs = (0..finger.rib_count()).map(|rib| {
-        let [front, back] = finger.rib_nodes(rib).map(|node| finger.position(node));
-        (front - back).norm()
-    });
+    let ribs = (0..finger.rib_count()).map(|rib| finger.rib_length_mm(rib));
     plates.chain(ribs).chain(std::iter::once(finger.description().base_width_mm)).collect()
 }
 
@@ -383,6 +440,25 @@ pub struct NodeMotion {
     pub displacement: Vector,
     /// Rotation, rad; at a hinge the plate's.
     pub rotation: f64,
+    /// Undeformed position of the joint of its rib, mm: its own where no bracket holds the rib off the plate.
+    pub hinge_position: Vector,
+    /// Displacement of that joint, mm.
+    pub hinge_displacement: Vector,
+}
+
+impl NodeMotion {
+    /// Undeformed position of the node's marker on a finger, mm.
+    pub fn marker_position(&self, finger: &Finger) -> Vector {
+        self.position + finger.marker_offset(self.node)
+    }
+
+    /// Displacement of the node's marker on a finger, mm.
+    pub fn marker_displacement(&self, finger: &Finger) -> Vector {
+        match finger.description().markers_on {
+            MarkerPoints::Junctions => self.displacement,
+            MarkerPoints::Hinges => self.hinge_displacement,
+        }
+    }
 }
 
 /// The key nodes of a deformed finger, in their order.
@@ -393,10 +469,27 @@ pub struct FingerShape {
 
 impl FingerShape {
     /// The shape in which every key node has the displacement (mm) and rotation (rad) that `motion` gives it.
-    pub fn new(finger: &Finger, mut motion: impl FnMut(NodeId) -> (Vector, f64)) -> FingerShape {
+    pub fn new(finger: &Finger, motion: impl FnMut(NodeId) -> (Vector, f64)) -> FingerShape {
+        FingerShape::turning(finger, motion, false)
+    }
+
+    /// The same where rotations are small: brackets turn linearly.
+    pub fn of_linear(finger: &Finger, motion: impl FnMut(NodeId) -> (Vector, f64)) -> FingerShape {
+        FingerShape::turning(finger, motion, true)
+    }
+
+    fn turning(finger: &Finger, mut motion: impl FnMut(NodeId) -> (Vector, f64), linear: bool) -> FingerShape {
         let motions = (1..=finger.key_node_count()).map(NodeId).map(|node| {
             let (displacement, rotation) = motion(node);
-            NodeMotion { node, position: finger.position(node), displacement, rotation }
+            let hinge_displacement = displacement + swing(finger.bracket(node), rotation, linear);
+            NodeMotion {
+                node,
+                position: finger.position(node),
+                displacement,
+                rotation,
+                hinge_position: finger.hinge(node),
+                hinge_displacement,
+            }
         });
         FingerShape { motions: motions.collect() }
     }
@@ -409,6 +502,14 @@ impl FingerShape {
     /// One key node, which must be one of the finger's.
     pub fn motion(&self, node: NodeId) -> &NodeMotion {
         &self.motions[node.0 - 1]
+    }
+
+    /// Position of a point, mm.
+    pub fn point(&self, point: FingerPoint) -> Vector {
+        match point {
+            FingerPoint::Node(node) => self.motion(node).position + self.motion(node).displacement,
+            FingerPoint::Hinge(node) => self.motion(node).hinge_position + self.motion(node).hinge_displacement,
+        }
     }
 
     /// Largest displacement of a key node, mm.

@@ -7,7 +7,7 @@ mod reader;
 pub use camera::{CameraDescription, Markers, Rgb};
 pub use object::{ObjectDescription, ObjectMotion, Outline, ROD_RADIUS_MM, Until};
 
-use crate::finger::{Finger, FingerDescription, Joints, Part, RibDescription, RibPositions, Strip, Zone};
+use crate::finger::{Finger, FingerDescription, Joints, MarkerPoints, Part, RibDescription, RibPositions, Strip, Zone};
 use crate::validity::StrainLimits;
 use reader::{Document, TableReader};
 
@@ -52,8 +52,12 @@ impl Scene {
         let document = Document::parse(text)?;
         let top = document.top(&["name", "finger", "camera", "markers", "contact", "object"])?;
         let name = top.text("name")?;
+        let markers = match top.optional_table("markers", &camera::MARKER_KEYS)? {
+            None => camera::MarkersRead::default(),
+            Some(table) => camera::read_markers(&table)?,
+        };
         let table = top.table("finger", &FINGER_KEYS)?;
-        let description = read_finger(&table)?;
+        let description = read_finger(&table, markers.on)?;
         let strain_limits = read_strain_limits(&table)?;
         let finger = Finger::new(description).map_err(|impossible| SceneError {
             line: document.line_of(&impossible.key),
@@ -63,10 +67,6 @@ impl Scene {
             None => (None, None),
             Some(table) => camera::read_camera(&table)?,
         };
-        let markers = match top.optional_table("markers", &camera::MARKER_KEYS)? {
-            None => None,
-            Some(table) => Some(camera::read_markers(&table)?),
-        };
         let rod_radius_mm = match top.optional_table("contact", &["rod_radius_mm"])? {
             None => ROD_RADIUS_MM,
             Some(table) => not_negative_mm(&table, "rod_radius_mm")?,
@@ -75,7 +75,7 @@ impl Scene {
             None => None,
             Some(table) => Some(object::read_object(&table, &finger)?),
         };
-        Ok(Scene { name, finger, strain_limits, noise_mm, camera, markers, rod_radius_mm, object })
+        Ok(Scene { name, finger, strain_limits, noise_mm, camera, markers: markers.discs, rod_radius_mm, object })
     }
 }
 
@@ -101,7 +101,7 @@ const FINGER_KEYS: [&str; 10] = [
     "zone",
 ];
 
-fn read_finger(table: &TableReader) -> Result<FingerDescription, SceneError> {
+fn read_finger(table: &TableReader, markers_on: MarkerPoints) -> Result<FingerDescription, SceneError> {
     Ok(FingerDescription {
         base_width_mm: table.number("base_width_mm", "length in mm")?,
         front_length_mm: table.number("front_length_mm", "length in mm")?,
@@ -117,6 +117,7 @@ fn read_finger(table: &TableReader) -> Result<FingerDescription, SceneError> {
             .iter()
             .map(read_zone)
             .collect::<Result<_, _>>()?,
+        markers_on,
     })
 }
 
@@ -124,8 +125,8 @@ fn read_finger(table: &TableReader) -> Result<FingerDescription, SceneError> {
 const MATERIAL_KEYS: [&str; 2] = ["thickness_mm", "youngs_modulus_mpa"];
 const LARGEST_STRAIN: &str = "largest_strain";
 const STRIP_KEYS: [&str; 3] = ["thickness_mm", "youngs_modulus_mpa", LARGEST_STRAIN];
-const RIB_KEYS: [&str; 7] =
-    ["count", "positions_mm", "joints", "rigid", "thickness_mm", "youngs_modulus_mpa", LARGEST_STRAIN];
+const RIB_KEYS: [&str; 8] =
+    ["count", "positions_mm", "joints", "bracket_mm", "rigid", "thickness_mm", "youngs_modulus_mpa", LARGEST_STRAIN];
 
 fn read_strain_limits(finger: &TableReader) -> Result<StrainLimits, SceneError> {
     let limit = |table: TableReader| match table.optional_number(LARGEST_STRAIN, "strain")? {
@@ -175,7 +176,9 @@ fn read_ribs(table: &TableReader) -> Result<RibDescription, SceneError> {
     } else {
         Some(read_strip(table)?)
     };
-    Ok(RibDescription { positions, joints, strip })
+    let bracket_mm =
+        table.optional_number_or_pair("bracket_mm", "a length in mm, or [front, back]")?.unwrap_or_default();
+    Ok(RibDescription { positions, joints, bracket_mm, strip })
 }
 
 fn read_zone(table: &TableReader) -> Result<Zone, SceneError> {

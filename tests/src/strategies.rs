@@ -1,7 +1,9 @@
 //! Random fingers.
 
 use finray_model::Finger;
-use finray_model::finger::{FingerDescription, Joints, Part, Plate, RibDescription, RibPositions, Strip, Zone};
+use finray_model::finger::{
+    FingerDescription, Joints, MarkerPoints, Part, Plate, RibDescription, RibPositions, Strip, Zone,
+};
 use proptest::prelude::*;
 
 fn strip() -> impl Strategy<Value = Strip> {
@@ -18,13 +20,19 @@ fn ribs() -> impl Strategy<Value = (usize, Vec<[f64; 2]>, Joints, Option<Strip>)
     )
 }
 
+/// None, or of any two lengths, as shares of the base width; with markers on junctions or hinges.
+fn brackets() -> impl Strategy<Value = ([f64; 2], MarkerPoints)> {
+    let lengths = prop_oneof![2 => Just([0.0; 2]), 1 => [0.0..0.08, 0.0..0.08]];
+    (lengths, prop_oneof![Just(MarkerPoints::Junctions), Just(MarkerPoints::Hinges)])
+}
+
 /// Fingers of every kind that a scene file can describe, without zones.
 pub fn finger() -> impl Strategy<Value = Finger> {
     let sizes = (40.0..90.0, 80.0..200.0, 0.85..1.2, 8.0..40.0);
     let extras = (prop_oneof![Just(0.0), 0.005..0.02], prop_oneof![Just(0.0), 0.1..0.49]);
-    (sizes, extras, strip(), strip(), ribs()).prop_filter_map(
+    (sizes, extras, strip(), strip(), ribs(), brackets()).prop_filter_map(
         "an impossible finger",
-        |(sizes, extras, front, back, ribs)| {
+        |(sizes, extras, front, back, ribs, (brackets, markers_on))| {
             let (base_width_mm, front_length_mm, ratio, depth_mm) = sizes;
             let back_length_mm = front_length_mm * ratio;
             let (count, gaps, joints, strip) = ribs;
@@ -35,6 +43,7 @@ pub fn finger() -> impl Strategy<Value = Finger> {
             };
             let positions =
                 (0..count).map(|rib| [position(0, front_length_mm, rib), position(1, back_length_mm, rib)]).collect();
+            let bracket_mm = brackets.map(|share| share * base_width_mm);
             let description = FingerDescription {
                 base_width_mm,
                 front_length_mm,
@@ -44,8 +53,9 @@ pub fn finger() -> impl Strategy<Value = Finger> {
                 poissons_ratio: extras.1,
                 front,
                 back,
-                ribs: RibDescription { positions: RibPositions::Positions(positions), joints, strip },
+                ribs: RibDescription { positions: RibPositions::Positions(positions), joints, bracket_mm, strip },
                 zones: Vec::new(),
+                markers_on,
             };
             Finger::new(description).ok()
         },

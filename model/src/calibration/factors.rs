@@ -214,7 +214,8 @@ impl Sensitivities {
                 return Err(StaticsError::NoEquilibrium { converged_fraction: 1.0 }.into());
             }
             for (i, marker) in case.measurement.markers().iter().enumerate() {
-                let away = (shape.motion(marker.node).displacement - marker.displacement) * marker.weight;
+                let away =
+                    (shape.motion(marker.node).marker_displacement(&finger) - marker.displacement) * marker.weight;
                 (residual[row + 2 * i], residual[row + 2 * i + 1]) = (away.x, away.y);
             }
             for (column, shares) in shares.iter().enumerate() {

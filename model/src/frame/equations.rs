@@ -2,9 +2,11 @@
 
 use super::{BeamEnd, FrameMotion, PlaneFrame};
 
-/// Coordinates on which the motion of a node may depend: its x and y (or its master's), its rotation, the rotation of
-/// its rigid link.
-pub(super) const NODE_COORDINATES: usize = 4;
+/// Most rigid levers in a row that carry a node: a bracket, a rib and a bracket.
+pub(super) const MOST_LEVERS: usize = 3;
+/// Coordinates on which the motion of a node may depend: its x and y (or its master's), its rotation, the rotations of
+/// the levers that carry it.
+pub(super) const NODE_COORDINATES: usize = 3 + MOST_LEVERS;
 /// Coordinates of two nodes.
 pub(crate) const MEMBER_COORDINATES: usize = 2 * NODE_COORDINATES;
 
@@ -31,8 +33,8 @@ impl Equations {
         for end in frame.members.iter().flat_map(|m| m.ends) {
             used[end.rotation] = true;
         }
-        for link in frame.nodes.iter().filter_map(|node| node.link) {
-            used[link.rotation] = true;
+        for lever in frame.nodes.iter().filter_map(|node| node.link).flat_map(|link| link.levers()) {
+            used[lever.rotation] = true;
         }
         for (node, equation) in frame.nodes.iter().zip(&mut translations) {
             if node.link.is_none() {
@@ -83,12 +85,14 @@ impl Equations {
         let node = &frame.nodes[end.node];
         let carrier = node.link.map_or(end.node, |link| link.master);
         let [x, y] = self.translations[carrier];
-        [x, y, self.rotations[end.rotation], node.link.and_then(|link| self.rotations[link.rotation])]
+        let levers = node.link.map_or([None; MOST_LEVERS], |link| link.places());
+        let [first, second, third] = levers.map(|lever| self.rotations[lever?.rotation]);
+        [x, y, self.rotations[end.rotation], first, second, third]
     }
 
     /// Equations of the coordinates of two beam ends.
     pub(crate) fn of_ends(&self, frame: &PlaneFrame, ends: &[BeamEnd; 2]) -> [Option<usize>; MEMBER_COORDINATES] {
         let [a, b] = ends.map(|end| self.of_end(frame, &end));
-        [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]]
+        std::array::from_fn(|i| if i < NODE_COORDINATES { a[i] } else { b[i - NODE_COORDINATES] })
     }
 }

@@ -1,7 +1,7 @@
 //! Members seen from the coordinates of the frame: the chain rule over rigid arms and rigid links.
 
 use super::equations::{MEMBER_COORDINATES, NODE_COORDINATES};
-use super::{BeamEnd, FrameMotion, Member, NodeIndex, PlaneFrame, RotationSlot};
+use super::{BeamEnd, FrameMotion, Member, NodeIndex, PlaneFrame};
 use crate::Vector;
 use crate::element::{EndMotion, Kinematics, Response, Station, quarter_turn};
 use crate::number::Number;
@@ -9,7 +9,7 @@ use nalgebra::{SMatrix, SVector, Vector2};
 
 /// Displacement of the end of a lever that turns by `rotation`: (R - 1) lever, without cancellation for small turns.
 #[inline(always)]
-pub(super) fn swing<R: Number>(lever: Vector, rotation: R, linear: bool) -> Vector2<R> {
+pub(crate) fn swing<R: Number>(lever: Vector, rotation: R, linear: bool) -> Vector2<R> {
     let quarter = quarter_turn(lever);
     if linear {
         return Vector2::new(rotation * quarter.x, rotation * quarter.y);
@@ -117,18 +117,6 @@ impl PlaneFrame {
         beam.stations(kinematics, &motions, loads)
     }
 
-    /// The lever that carries a linked node, in its current direction, and the slot it turns with.
-    #[inline(always)]
-    pub(crate) fn link_of<R: Number>(
-        &self,
-        node: NodeIndex,
-        motion: &FrameMotion<R>,
-        linear: bool,
-    ) -> Option<(RotationSlot, Vector2<R>)> {
-        let link = self.nodes[node].link?;
-        Some((link.rotation, turned(link.lever, motion.rotations[link.rotation], linear)))
-    }
-
     /// Chain rule from two nodes to the coordinates of the frame, over the rigid links that may carry them; the second
     /// derivatives are those of [`carry_over_arms`].
     pub(crate) fn carry_over_links(
@@ -139,21 +127,21 @@ impl PlaneFrame {
         linear: bool,
     ) -> (SVector<f64, MEMBER_COORDINATES>, SMatrix<f64, MEMBER_COORDINATES, MEMBER_COORDINATES>) {
         let mut first = SMatrix::<f64, 6, MEMBER_COORDINATES>::zeros();
-        let mut second = [0.0; 2];
+        let mut second = SVector::<f64, MEMBER_COORDINATES>::zeros();
         for (i, node) in nodes.into_iter().enumerate() {
             first.fixed_view_mut::<3, 3>(3 * i, NODE_COORDINATES * i).fill_with_identity();
-            if let Some((_, lever)) = self.link_of(node, motion, linear) {
-                let column = NODE_COORDINATES * i + 3;
+            for (k, (_, lever)) in self.turned_levers(node, motion, linear).enumerate() {
+                let column = NODE_COORDINATES * i + 3 + k;
                 first[(3 * i, column)] = -lever.y;
                 first[(3 * i + 1, column)] = lever.x;
                 if !linear {
-                    second[i] = -(response.gradient[3 * i] * lever.x + response.gradient[3 * i + 1] * lever.y);
+                    second[column] = -(response.gradient[3 * i] * lever.x + response.gradient[3 * i + 1] * lever.y);
                 }
             }
         }
         let mut tangent = first.transpose() * response.tangent * first;
-        for (i, second) in second.into_iter().enumerate() {
-            tangent[(NODE_COORDINATES * i + 3, NODE_COORDINATES * i + 3)] += second;
+        for (i, second) in second.iter().enumerate() {
+            tangent[(i, i)] += second;
         }
         (first.transpose() * response.gradient, tangent)
     }

@@ -3,6 +3,7 @@
 use super::reader::TableReader;
 use super::{SceneError, not_negative_mm};
 use crate::camera::{Distortion, Lens, Pose};
+use crate::finger::MarkerPoints;
 
 /// Farthest distance of the finger from the camera, mm, and largest size of a marker.
 const FARTHEST_MM: f64 = 1e5;
@@ -16,7 +17,7 @@ pub(super) const KEYS: [&str; 7] =
     ["noise_mm", "size_px", "focal_px", "principal_point_px", "distortion", "rotation_vector_rad", "translation_mm"];
 
 /// All keys of `[markers]`.
-pub(super) const MARKER_KEYS: [&str; 4] = ["radius_mm", "height_mm", "front_rgb", "back_rgb"];
+pub(super) const MARKER_KEYS: [&str; 5] = ["on", "radius_mm", "height_mm", "front_rgb", "back_rgb"];
 
 /// The camera as the scene has it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,7 +86,22 @@ fn read_pose(table: &TableReader) -> Result<Pose, SceneError> {
     Ok(Pose::new(rotation, translation))
 }
 
-pub(super) fn read_markers(table: &TableReader) -> Result<Markers, SceneError> {
+/// `[markers]`: what they are on and, unless displacements are given otherwise, how they look.
+#[derive(Default)]
+pub(super) struct MarkersRead {
+    pub on: MarkerPoints,
+    pub discs: Option<Markers>,
+}
+
+pub(super) fn read_markers(table: &TableReader) -> Result<MarkersRead, SceneError> {
+    let points = [("junctions", MarkerPoints::Junctions), ("hinges", MarkerPoints::Hinges)];
+    let on = if table.has("on") { table.choice("on", &points)? } else { MarkerPoints::default() };
+    let alone = table.has("on") && !MARKER_KEYS.iter().any(|key| *key != "on" && table.has(key));
+    let discs = if alone { None } else { Some(read_discs(table)?) };
+    Ok(MarkersRead { on, discs })
+}
+
+fn read_discs(table: &TableReader) -> Result<Markers, SceneError> {
     let radius_mm = table.number("radius_mm", "length in mm")?;
     if !(radius_mm > 0.0 && radius_mm <= LARGEST_MARKER_MM) {
         let expected = format!("a length in mm, above 0 and up to {LARGEST_MARKER_MM}");

@@ -239,6 +239,18 @@ impl<'d, 't> TableReader<'d, 't> {
         self.optional_numbers(key, what)?.ok_or_else(|| self.missing(key, &format!("a list of {N} numbers, {what}")))
     }
 
+    /// A number that stands for two, or a list of two.
+    pub(super) fn optional_number_or_pair(&self, key: &str, what: &str) -> Result<Option<[f64; 2]>, SceneError> {
+        match self.value(key) {
+            Some(DeValue::Array(_)) => self.optional_numbers(key, what),
+            Some(value) => match number(value) {
+                Some(both) => Ok(Some([both; 2])),
+                None => Err(self.wrong(key, what, &described(value))),
+            },
+            None => Ok(None),
+        }
+    }
+
     /// A list of pairs of numbers; `what` says of what, and the unit.
     pub(super) fn optional_pairs(&self, key: &str, what: &str) -> Result<Option<Vec<[f64; 2]>>, SceneError> {
         let Some(value) = self.value(key) else { return Ok(None) };

@@ -175,7 +175,8 @@ impl<'m> Linearisation<'m> {
                 return Ok(None);
             }
             let rates = self.rates(&motion, measurement)?;
-            let displacements = weighted(measurement, |marker| motion.displacements[marker.node.0 - 1]);
+            let displacements =
+                weighted(measurement, |marker| motion.displacements[self.mesh.marker_node(marker.node)]);
             let sensed = &forces_n + gain * (&displacements - compliance * &forces_n);
             let derivative = DMatrix::identity(target.len(), target.len()) + gain * (&rates - compliance);
             let Some(slope) = derivative.try_inverse() else { return Ok(None) };

@@ -12,8 +12,8 @@ use proptest::prelude::*;
 const ROUNDING: f64 = 1e-8;
 
 /// The finger's frame built by hand from its key nodes: turned by an angle and with the nodes added in another order.
-/// Returns the frame and the position of each key node in it. Without arms and zones.
-fn built_by_hand(finger: &Finger, turn: Rotation2<f64>, order: &[usize]) -> (PlaneFrame, Vec<usize>) {
+/// Returns the frame, and the position in it of each key node and of the joints of each rib. Without arms and zones.
+fn built_by_hand(finger: &Finger, turn: Rotation2<f64>, order: &[usize]) -> (PlaneFrame, Vec<usize>, Vec<[usize; 2]>) {
     let mut frame = PlaneFrame::new();
     let count = finger.key_node_count();
     let mut index = vec![0; count + 1];
@@ -27,10 +27,20 @@ fn built_by_hand(finger: &Finger, turn: Rotation2<f64>, order: &[usize]) -> (Pla
     }
     let description = finger.description();
     let hinged = description.ribs.joints == Joints::Hinged;
-    for rib in (0..finger.rib_count()).filter(|_| description.ribs.strip.is_none()) {
-        let [front, back] = finger.rib_nodes(rib);
-        // The other node of the pair is the master, compared with the mesh.
-        frame.link_rigidly(index[front.0], index[back.0], hinged);
+    // Joints of the ribs, front and back: nodes of their own, that the key nodes carry.
+    let joints: Vec<[usize; 2]> = (0..finger.rib_count())
+        .map(|rib| finger.rib_nodes(rib).map(|node| frame.add_node(turn * finger.hinge(node))))
+        .collect();
+    for (rib, &[front_joint, back_joint]) in joints.iter().enumerate() {
+        let [front, back] = finger.rib_nodes(rib).map(|node| index[node.0]);
+        frame.link_rigidly(front, front_joint, false);
+        if description.ribs.strip.is_none() {
+            // The other node of the pair is the master, compared with the mesh.
+            frame.link_rigidly(front_joint, back_joint, hinged);
+            frame.link_rigidly(back_joint, back, false);
+        } else {
+            frame.link_rigidly(back, back_joint, false);
+        }
     }
     for plate in [Plate::Front, Plate::Back] {
         let section = finger.section(Part::from(plate)).expect("plates have a section");
@@ -40,14 +50,14 @@ fn built_by_hand(finger: &Finger, turn: Rotation2<f64>, order: &[usize]) -> (Pla
     }
     if let Some(section) = finger.section(Part::Ribs) {
         for rib in (0..finger.rib_count()).rev() {
-            let ends = finger.rib_nodes(rib).map(|node| {
-                let end = frame.clamped_end(index[node.0]);
+            let ends = joints[rib].map(|joint| {
+                let end = frame.clamped_end(joint);
                 if hinged { BeamEnd { rotation: frame.add_rotation(), ..end } } else { end }
             });
             frame.add_member(ends, section);
         }
     }
-    (frame, index)
+    (frame, index, joints)
 }
 
 fn without_arms(finger: &Finger) -> Finger {
@@ -71,7 +81,7 @@ proptest! {
         let node = contact_node(&finger, at);
         let force = force_for_deflection(&finger, node, angle, 0.02);
         let mesh = Mesh::key_nodes(&finger);
-        let (frame, index) = built_by_hand(&finger, turn, &order);
+        let (frame, index, joints) = built_by_hand(&finger, turn, &order);
         for kinematics in KINEMATICS {
             let straight = solve(&mesh, &[Load::at_node(node, force)], kinematics);
             let load = FrameLoad::Node { node: index[node.0], force: turn * force, moment_nmm: 0.0 };
@@ -86,6 +96,13 @@ proptest! {
                 prop_assert!((there - expected).norm() <= ROUNDING * straight.largest_displacement_mm());
                 let rotation = turned.rotations[frame.rotation_of(index[motion.node.0])];
                 prop_assert!((rotation - motion.rotation).abs() <= ROUNDING);
+            }
+            for (rib, ends) in joints.iter().enumerate() {
+                for (joint, node) in ends.iter().zip(finger.rib_nodes(rib)) {
+                    let there: Vector = turned.displacements[*joint];
+                    let expected: Vector = turn * straight.motion(node).hinge_displacement;
+                    prop_assert!((there - expected).norm() <= ROUNDING * straight.largest_displacement_mm());
+                }
             }
         }
     }
@@ -148,6 +165,7 @@ fn scaled(d: &FingerDescription, length: f64, force: f64) -> Finger {
         strip.thickness_mm *= length;
         strip.youngs_modulus_mpa *= force / (length * length);
     }
+    d.ribs.bracket_mm = d.ribs.bracket_mm.map(|bracket| bracket * length);
     if let RibPositions::Positions(positions) = &mut d.ribs.positions {
         positions.iter_mut().flatten().for_each(|position| *position *= length);
     }

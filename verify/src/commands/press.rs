@@ -4,6 +4,7 @@ use super::parse::not_negative;
 use super::validity::Pressing;
 use super::{Failure, progress};
 use clap::value_parser;
+use finray_model::Finger;
 use finray_verify::experiments::contact_scene::checks::{BALANCE_TOLERANCE, SETTLING_TOLERANCE};
 use finray_verify::experiments::contact_scene::file::load_scene_with_outline;
 use finray_verify::experiments::contact_scene::study::SceneWithOutline;
@@ -121,7 +122,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             )),
         });
     }
-    write(arguments, &csv_text(rows)?, last.as_ref())?;
+    write(arguments, &scene.finger, &csv_text(rows)?, last.as_ref())?;
     validity.warn();
     Ok(())
 }
@@ -143,11 +144,11 @@ fn doubt(step: &SceneStep) -> Option<String> {
     }
 }
 
-fn write(arguments: &Arguments, forces: &str, last: Option<&SceneStep>) -> Result<(), Failure> {
+fn write(arguments: &Arguments, finger: &Finger, forces: &str, last: Option<&SceneStep>) -> Result<(), Failure> {
     let (Some(path), Some(step)) = (&arguments.shape, last) else {
         return Ok(write_text(&arguments.out, forces)?);
     };
-    let shape = displacements::to_csv(&step.pressed.shape)?;
+    let shape = displacements::to_csv(&step.pressed.shape, finger)?;
     if arguments.out == Path::new("-") {
         write_text(path, &shape)?;
         return Ok(write_text(&arguments.out, forces)?);

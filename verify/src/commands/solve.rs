@@ -64,7 +64,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let kinematics = arguments.kinematics.into();
     let mesh = arguments.loads.mesh(&scene.finger)?;
     let (motion, loads) = arguments.loads.equilibrium(&mesh, kinematics)?;
-    write_text(&arguments.out, &displacements::to_csv(&mesh.shape(&motion))?)?;
+    write_text(&arguments.out, &displacements::to_csv(&mesh.shape(&motion), mesh.finger())?)?;
     validity::warn_of_equilibrium(&scene.strain_limits, &mesh, &motion, kinematics, &loads);
     Ok(())
 }

@@ -3,10 +3,12 @@
 use super::{Context, Evidence};
 use crate::settings::DRAWN_FORCE_N;
 use crate::truths::Truth;
+use finray_model::frame::NodeIndex;
+use finray_model::mesh::FingerShape;
 use finray_model::sensing::{Contact, ContactPosition};
 use finray_model::statics::Statics;
 use finray_model::validity::Validity;
-use finray_model::{Kinematics, Load, NodeId, Vector};
+use finray_model::{Kinematics, Load, Mesh, NodeId, Vector};
 use rayon::prelude::*;
 use std::convert::Infallible;
 
@@ -38,8 +40,8 @@ pub struct TouchedFinger {
     pub angle_deg: f64,
     /// Force, N.
     pub force_n: f64,
-    /// Positions of the key nodes.
-    pub positions: Vec<Vector>,
+    /// Its shape.
+    pub shape: FingerShape,
 }
 
 impl Evidence for TouchedFinger {}
@@ -62,8 +64,7 @@ pub fn touched(context: &Context) -> Result<Vec<TouchedFinger>, Infallible> {
     let shape = |&(node, angle_deg): &(NodeId, f64)| {
         let contact = Contact { position: ContactPosition::Node(node), angle_deg };
         let shape = context.corotational.shapes(&contact, &[DRAWN_FORCE_N]).pop()?;
-        let positions = shape.motions().iter().map(|motion| motion.position + motion.displacement).collect();
-        Some(TouchedFinger { node: node.0, angle_deg, force_n: DRAWN_FORCE_N, positions })
+        Some(TouchedFinger { node: node.0, angle_deg, force_n: DRAWN_FORCE_N, shape })
     };
     Ok(contacts.par_iter().filter_map(shape).collect())
 }
@@ -88,15 +89,22 @@ pub fn run(context: &Context) -> Result<Vec<BentFinger>, Infallible> {
             let Ok(equilibrium) = Statics::ladder(mesh, kinematics).equilibrium(&[frame_load]) else { continue };
             let motion = equilibrium.motion;
             let position = |&index: &usize| mesh.frame().position(index) + motion.displacements[index];
+            let drawn = |nodes: Vec<NodeIndex>| nodes.iter().map(position).collect();
             bent.push(BentFinger {
                 validity: Validity::of(mesh, &motion, kinematics, &[frame_load]),
                 label: format!("{DRAWN_FORCE_N} N at node {node}, {name}"),
                 kinematics,
                 force: finger.direction(0.0) * DRAWN_FORCE_N,
                 at: position(&mesh.frame_node(node)),
-                lines: mesh.lines().iter().map(|line| line.nodes.iter().map(position).collect()).collect(),
+                lines: mesh.lines().iter().map(|line| line.nodes.clone()).chain(brackets(mesh)).map(drawn).collect(),
             });
         }
     }
     Ok(bent)
+}
+
+/// From key nodes to the joints of their ribs, where brackets hold ribs off the plates.
+fn brackets(mesh: &Mesh) -> impl Iterator<Item = Vec<NodeIndex>> {
+    let ends = mesh.finger().free_nodes().map(|node| [mesh.frame_node(node), mesh.hinge_node(node)]);
+    ends.filter(|[node, hinge]| node != hinge).map(Vec::from)
 }

@@ -2,8 +2,9 @@
 
 use super::FileError;
 use super::table::Table;
+use finray_model::finger::MarkerPoints;
 use finray_model::measurement::{Marker, Measurement};
-use finray_model::mesh::FingerShape;
+use finray_model::mesh::{FingerShape, NodeMotion};
 use finray_model::{Finger, Vector};
 use serde::Serialize;
 use std::path::Path;
@@ -18,19 +19,39 @@ struct Row {
     theta_rad: f64,
 }
 
-/// CSV of a shape: `node,x_mm,y_mm,ux_mm,uy_mm,theta_rad`, a row a key node, undeformed position and displacement.
+/// The joint of a node's rib, where brackets hold ribs off the plates.
+#[derive(Serialize)]
+struct Hinge {
+    hinge_x_mm: f64,
+    hinge_y_mm: f64,
+    hinge_ux_mm: f64,
+    hinge_uy_mm: f64,
+}
+
+/// CSV of a shape: `node,x_mm,y_mm,ux_mm,uy_mm,theta_rad`, a row a key node, undeformed position and displacement; with brackets
+/// also `hinge_x_mm,hinge_y_mm,hinge_ux_mm,hinge_uy_mm`, those of the joint at their end.
 ///
 /// # Errors
 /// None in memory; the signature is the CSV writer's.
-pub fn to_csv(shape: &FingerShape) -> Result<String, csv::Error> {
-    super::csv_text(shape.motions().iter().map(|motion| Row {
+pub fn to_csv(shape: &FingerShape, finger: &Finger) -> Result<String, csv::Error> {
+    let row = |motion: &NodeMotion| Row {
         node: motion.node.0,
         x_mm: motion.position.x,
         y_mm: motion.position.y,
         ux_mm: motion.displacement.x,
         uy_mm: motion.displacement.y,
         theta_rad: motion.rotation,
-    }))
+    };
+    if !finger.has_brackets() {
+        return super::csv_text(shape.motions().iter().map(row));
+    }
+    let hinge = |motion: &NodeMotion| Hinge {
+        hinge_x_mm: motion.hinge_position.x,
+        hinge_y_mm: motion.hinge_position.y,
+        hinge_ux_mm: motion.hinge_displacement.x,
+        hinge_uy_mm: motion.hinge_displacement.y,
+    };
+    super::csv_text(shape.motions().iter().map(|motion| (row(motion), hinge(motion))))
 }
 
 /// Reads the shape of a whole finger: `node,ux_mm,uy_mm,theta_rad`, found by name, a row a key node in any order.
@@ -83,7 +104,8 @@ impl Displacements {
 const CLAMPED_SIGMAS: f64 = 6.0;
 const CLAMPED_MM: f64 = 0.05;
 
-/// Reads `node,ux_mm,uy_mm`, found by name, in any order; nodes may be missing. With a column `sigma_mm`, as `locate` writes it, rows of
+/// Reads `node,ux_mm,uy_mm`, found by name, in any order; nodes may be missing. Where the scene has its markers on hinges, a file of
+/// `solve` gives `hinge_ux_mm,hinge_uy_mm` instead. With a column `sigma_mm`, as `locate` writes it, rows of
 /// clamped nodes carry noise and are ignored. Of a file of several images (a column `image`) the rows of `image_name` are read.
 ///
 /// # Errors
@@ -101,8 +123,10 @@ pub fn load(path: &Path, finger: &Finger, image_name: Option<&str>) -> Result<Di
     };
     let is_chosen = |number: usize| images.as_ref().is_none_or(|chosen| chosen[number]);
     let mut measurement = Measurement::empty();
+    let on_hinges = finger.description().markers_on == MarkerPoints::Hinges && has("hinge_ux_mm");
+    let [ux_mm, uy_mm] = if on_hinges { ["hinge_ux_mm", "hinge_uy_mm"] } else { ["ux_mm", "uy_mm"] };
     if !has("sigma_mm") {
-        let table = Table::of_text(path, &text, ["node", "ux_mm", "uy_mm"])?;
+        let table = Table::of_text(path, &text, ["node", ux_mm, uy_mm])?;
         for (_, row) in table.rows().iter().enumerate().filter(|(number, _)| is_chosen(*number)) {
             let displacement = Vector::new(table.number(row, 1)?, table.number(row, 2)?);
             let marker = Marker { node: table.node(row, 0)?, displacement, weight: 1.0 };
@@ -110,7 +134,7 @@ pub fn load(path: &Path, finger: &Finger, image_name: Option<&str>) -> Result<Di
         }
         return Ok(Displacements { measurement, noise_mm: None });
     }
-    let table = Table::of_text(path, &text, ["node", "ux_mm", "uy_mm", "sigma_mm"])?;
+    let table = Table::of_text(path, &text, ["node", ux_mm, uy_mm, "sigma_mm"])?;
     let mut rows = Vec::new();
     for (_, row) in table.rows().iter().enumerate().filter(|(number, _)| is_chosen(*number)) {
         let (node, sigma_mm) = (table.node(row, 0)?, table.number(row, 3)?);

@@ -163,12 +163,14 @@ impl Assembly {
 
     fn add_rib(&mut self, finger: &Finger, rib: usize, target_mm: f64) {
         let [front, back] = finger.rib_nodes(rib);
-        let between = finger.position(front) - finger.position(back);
+        let between = finger.hinge(front) - finger.hinge(back);
         let direction = between.normalize();
+        let joint = |node: NodeId| self.key_nodes[node.0 - 1].moved(finger.bracket(node));
+        let [back, front] = [back, front].map(joint);
         let hinged = finger.description().ribs.joints == Joints::Hinged;
         let Some(section) = finger.section(Part::Ribs) else {
             if hinged {
-                let ends = [self.key_nodes[back.0 - 1], self.key_nodes[front.0 - 1]];
+                let ends = [back, front];
                 let section = undeformable_bar(finger);
                 let bar = Segment { ends, pinned: [true; 2], direction, length_mm: between.norm(), section };
                 self.springs.extend(bar.springs(self.axial));
@@ -177,7 +179,7 @@ impl Assembly {
             return;
         };
         let arm = direction * finger.description().rod_arm_mm;
-        let ends = [self.key_nodes[back.0 - 1].moved(arm), self.key_nodes[front.0 - 1].moved(-arm)];
+        let ends = [back.moved(arm), front.moved(-arm)];
         let borders = borders_mm([0.0, between.norm() - 2.0 * finger.description().rod_arm_mm], &[], target_mm);
         let segments = borders.len() - 1;
         let length_mm = borders[1];
@@ -296,10 +298,7 @@ fn members_mm(finger: &Finger) -> impl Iterator<Item = f64> {
         let positions = finger.plate_positions_mm(plate);
         positions.windows(2).map(|position| position[1] - position[0]).collect::<Vec<_>>()
     });
-    let ribs = (0..finger.rib_count()).map(|rib| {
-        let [front, back] = finger.rib_nodes(rib).map(|node| finger.position(node));
-        (front - back).norm()
-    });
+    let ribs = (0..finger.rib_count()).map(|rib| finger.rib_length_mm(rib));
     plates.chain(ribs).map(move |length_mm| length_mm - arms_mm)
 }
 

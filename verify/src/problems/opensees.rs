@@ -36,6 +36,19 @@ struct Row {
     ux_mm: f64,
     uy_mm: f64,
     theta_rad: f64,
+    /// Displacement of the joint of a rib, where brackets hold ribs off the plates.
+    hinge_ux_mm: Option<f64>,
+    hinge_uy_mm: Option<f64>,
+}
+
+impl Row {
+    fn displacement(&self) -> Vector {
+        Vector::new(self.ux_mm, self.uy_mm)
+    }
+
+    fn hinge_displacement(&self) -> Option<Vector> {
+        Some(Vector::new(self.hinge_ux_mm?, self.hinge_uy_mm?))
+    }
 }
 
 /// A load case and how far we are from it.
@@ -51,7 +64,7 @@ pub struct CaseDeviation {
     pub load_node: NodeId,
     /// Force, N.
     pub force: Vector,
-    /// Largest difference of a key node's displacement, as a share of the largest displacement.
+    /// Largest difference of a key node's displacement, or of a joint's, as a share of the largest displacement.
     pub displacement: f64,
     /// Largest difference of a key node's rotation, rad.
     pub rotation_rad: f64,
@@ -77,10 +90,11 @@ fn deviation(finger: &Finger, rows: &[Row]) -> Result<CaseDeviation, ProblemErro
     let mesh = Mesh::with_nodes(finger, first.mesh_nodes)?;
     let load = Load::Node { node: load_node, force, moment_nmm: first.m_nmm };
     let shape = statics::solve(&mesh, &[load], kinematics)?;
-    let theirs = |row: &Row| Vector::new(row.ux_mm, row.uy_mm);
     let ours = |row: &Row| shape.motion(NodeId(row.node));
-    let largest = worst(rows.iter().map(|row| theirs(row).norm()));
-    let displacement = worst(rows.iter().map(|row| (ours(row).displacement - theirs(row)).norm()));
+    let largest = worst(rows.iter().map(|row| row.displacement().norm()));
+    let of_node = |row: &Row| (ours(row).displacement - row.displacement()).norm();
+    let of_joint = |row: &Row| row.hinge_displacement().map(|theirs| (ours(row).hinge_displacement - theirs).norm());
+    let displacement = worst(rows.iter().map(of_node).chain(rows.iter().filter_map(of_joint)));
     let rotation_rad = worst(rows.iter().map(|row| (ours(row).rotation - row.theta_rad).abs()));
     Ok(CaseDeviation {
         case: first.case,

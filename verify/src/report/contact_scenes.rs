@@ -12,10 +12,10 @@ use crate::experiments::contact_scene::study::{SceneStudy, StudiedStep};
 use crate::experiments::contact_scene::{ForceRow, SeenContact};
 use crate::figures::{Axis, Chart, Dash, FigureError, Frame, Hue, Series, Spread};
 use crate::settings::TWO_SIDED_95;
-use finray_model::Finger;
-use finray_model::finger::Plate;
+use finray_model::finger::{FingerPoint, Plate};
 use finray_model::mesh::FingerShape;
 use finray_model::sensing::ContactPosition;
+use finray_model::{Finger, Vector};
 use std::collections::BTreeMap;
 
 const CSV: &str = "contact_scenes.csv";
@@ -116,20 +116,14 @@ fn figures(finger: &Finger, scene: &SceneStudy) -> Result<Vec<Figure>, FigureErr
     Ok(figures)
 }
 
-fn lines_of(finger: &Finger, at: impl Fn(finray_model::NodeId) -> [f64; 2]) -> Vec<Vec<[f64; 2]>> {
-    let plates = [Plate::Front, Plate::Back].map(|plate| finger.plate_nodes(plate));
-    let ribs = (0..finger.rib_count()).map(|rib| finger.rib_nodes(rib).to_vec());
-    plates.into_iter().chain(ribs).map(|nodes| nodes.into_iter().map(&at).collect()).collect()
+fn lines_of(finger: &Finger, at: impl Fn(FingerPoint) -> Vector) -> Vec<Vec<[f64; 2]>> {
+    let drawn = |points: Vec<FingerPoint>| points.into_iter().map(|named| point(&at(named))).collect();
+    finger.outline().into_iter().map(|(_, points)| drawn(points)).collect()
 }
 
 fn drawing(finger: &Finger, scene: &SceneStudy, last: &StudiedStep) -> Result<String, FigureError> {
     let pressed = &last.step.pressed;
-    let deformed = |shape: &FingerShape| {
-        lines_of(finger, |node| {
-            let motion = shape.motion(node);
-            point(&(motion.position + motion.displacement))
-        })
-    };
+    let deformed = |shape: &FingerShape| lines_of(finger, |at| shape.point(at));
     let outline = scene.outline.iter().map(|corner| point(&(corner + pressed.object))).collect();
     let longest_mm = LONGEST_ARROW * finger.plate_length_mm(Plate::Front);
     let largest_n = worst(last.step.contacts.iter().map(|seen| seen.force.norm()));
@@ -140,7 +134,7 @@ fn drawing(finger: &Finger, scene: &SceneStudy, last: &StudiedStep) -> Result<St
         Series::arrow([point(&foot), point(&seen.point)], format!("{:.2} N", seen.force.norm()), Hue::Vermilion)
     });
     let alt = format!("The finger bent by the object of the scene {}, with the contact forces.", scene.name);
-    let at_rest = lines_of(finger, |node| point(&finger.position(node)));
+    let at_rest = lines_of(finger, |at| finger.point(at));
     let lines = [
         Series::lines("at rest", at_rest, Hue::Faint, 3.0),
         Series::lines("pressed", deformed(&pressed.shape), Hue::Blue, 2.4),

@@ -7,7 +7,7 @@ use crate::figures::{
 };
 use crate::sampling::map::{AccuracyMap, CellState};
 use crate::study::Study;
-use finray_model::finger::Plate;
+use finray_model::finger::{Part, Plate};
 use finray_model::{Finger, Kinematics, NodeId, Vector};
 
 /// Limits of the two shades of the paper's Table I, %.
@@ -156,9 +156,10 @@ pub(super) fn percent_line(value: f64) -> (f64, String) {
 
 /// Front plate, back plate and ribs, at rest.
 pub(super) fn at_rest(finger: &Finger) -> [Lines; 3] {
-    let through = |nodes: &[NodeId]| nodes.iter().map(|node| point(&finger.position(*node))).collect();
-    let [front, back] = [Plate::Front, Plate::Back].map(|plate| vec![through(&finger.plate_nodes(plate))]);
-    [front, back, (0..finger.rib_count()).map(|rib| through(&finger.rib_nodes(rib))).collect()]
+    [Part::Front, Part::Back, Part::Ribs].map(|part| {
+        let lines = finger.outline().into_iter().filter(|(of, _)| *of == part);
+        lines.map(|(_, points)| points.into_iter().map(|at| point(&finger.point(at))).collect()).collect()
+    })
 }
 
 /// The finger with its node numbers.

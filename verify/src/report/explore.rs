@@ -10,7 +10,7 @@ use crate::sampling::map::{AccuracyMap, Cell};
 use crate::sampling::scatter::ScatterRow;
 use crate::settings::DRAWN_FORCE_N;
 use crate::truths::TruthId;
-use finray_model::finger::Plate;
+use finray_model::finger::{FingerPoint, Plate};
 use finray_model::{Finger, NodeId, Vector};
 use serde_json::{Value, json};
 
@@ -31,9 +31,10 @@ pub(super) fn data(Results { study, .. }: Results) -> String {
     let off = format!("{POSITION_OFF_MM} mm and {DIRECTION_OFF_DEG} deg off");
     let assumed = study.assumed.iter().map(|map| of_map(map, &off, super::trust::ASSUMED_CSV));
     let pairs = study.noise.iter().flat_map(|noise| noise.pairs.iter().zip(&noise.linear_pairs).map(of_pair));
-    let shape = |shape: &crate::experiments::shapes::TouchedFinger| {
-        let xy: Vec<Value> = shape.positions.iter().map(point).collect();
-        json!({"node": shape.node, "angle_deg": shape.angle_deg, "force_n": shape.force_n, "xy": xy})
+    let points = drawn_points(&study.finger);
+    let shape = |touched: &crate::experiments::shapes::TouchedFinger| {
+        let xy: Vec<Value> = points.iter().map(|at| point(&touched.shape.point(*at))).collect();
+        json!({"node": touched.node, "angle_deg": touched.angle_deg, "force_n": touched.force_n, "xy": xy})
     };
     let data = json!({
         "finger": of_finger(finger, study.noise_mm),
@@ -56,13 +57,23 @@ fn point(at: &Vector) -> Value {
     json!([number(at.x), number(at.y)])
 }
 
+/// The key nodes in their order, then the joints of ribs on brackets.
+fn drawn_points(finger: &Finger) -> Vec<FingerPoint> {
+    let mut points: Vec<FingerPoint> =
+        (1..=finger.key_node_count()).map(|node| FingerPoint::Node(NodeId(node))).collect();
+    let lines = finger.outline();
+    let hinges = lines.iter().flat_map(|(_, line)| line).filter(|at| matches!(at, FingerPoint::Hinge(_)));
+    points.extend(hinges);
+    points
+}
+
 fn of_finger(finger: &Finger, noise_mm: f64) -> Value {
-    let nodes: Vec<Value> = (1..=finger.key_node_count()).map(|node| point(&finger.position(NodeId(node)))).collect();
-    let plates = [Plate::Back, Plate::Front].map(|plate| finger.plate_nodes(plate));
-    let ribs = (0..finger.rib_count()).map(|rib| finger.rib_nodes(rib).to_vec());
-    let lines: Vec<Vec<NodeId>> = plates.into_iter().chain(ribs).collect();
-    let members: Vec<[usize; 2]> =
-        lines.iter().flat_map(|line| line.windows(2)).map(|ends| [ends[0].0, ends[1].0]).collect();
+    let points = drawn_points(finger);
+    let nodes: Vec<Value> = points.iter().map(|at| point(&finger.point(*at))).collect();
+    let number_of = |named: FingerPoint| points.iter().position(|at| *at == named).map(|index| index + 1);
+    let lines = finger.outline();
+    let pairs = lines.iter().flat_map(|(_, line)| line.windows(2));
+    let members: Vec<[usize; 2]> = pairs.filter_map(|ends| Some([number_of(ends[0])?, number_of(ends[1])?])).collect();
     let contacts = finger.contact_nodes().rev().filter_map(|node| Some((node, finger.front_position_mm(node)?)));
     let contacts: Vec<Value> = contacts.map(|(node, s_mm)| json!({"node": node.0, "s_mm": number(s_mm)})).collect();
     json!({
@@ -108,7 +119,7 @@ fn of_pair((nonlinear, linear): (&ScatterRow, &ScatterRow)) -> Value {
 fn of_scene(finger: &Finger, scene: &SceneStudy) -> Value {
     let step = |studied: &StudiedStep| {
         let pressed = &studied.step.pressed;
-        let bent = pressed.shape.motions().iter().map(|motion| point(&(motion.position + motion.displacement)));
+        let bent = drawn_points(finger).into_iter().map(|at| point(&pressed.shape.point(at)));
         let sensed = studied.noisy.as_ref().ok().and_then(Option::as_ref);
         let contacts = contacts_sensed(&studied.step, sensed).map(|(seen, sensed)| {
             let along = |of: &crate::experiments::contact_scene::SensedContact| {

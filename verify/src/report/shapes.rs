@@ -23,11 +23,10 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
         .file("line", |(_, line, _)| *line)
         .file("x_mm", |(.., point)| point.x)
         .file("y_mm", |(.., point)| point.y);
-    let touched = study
-        .touched
-        .iter()
-        .flat_map(|shape| shape.positions.iter().enumerate().map(move |(n, at)| (shape, n + 1, at)));
-    let of_touched = Columns::<(&TouchedFinger, usize, &Vector)>::new()
+    let touched = study.touched.iter().flat_map(|touched| {
+        touched.shape.motions().iter().map(move |m| (touched, m.node.0, m.position + m.displacement))
+    });
+    let of_touched = Columns::<(&TouchedFinger, usize, Vector)>::new()
         .file("loaded_node", |(shape, ..)| shape.node)
         .file("angle_deg", |(shape, ..)| shape.angle_deg)
         .file("force_n", |(shape, ..)| shape.force_n)

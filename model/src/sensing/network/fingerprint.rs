@@ -1,7 +1,7 @@
 //! Which finger a network belongs to, whatever its scene file calls it.
 
 use crate::Finger;
-use crate::finger::{Joints, NodeId, Part, Plate};
+use crate::finger::{Joints, MarkerPoints, NodeId, Part, Plate};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use sha2::{Digest, Sha256};
 use std::fmt;
@@ -10,7 +10,8 @@ use std::str::FromStr;
 /// Significant digits that count: ribs by number and at the same positions by hand differ by rounding.
 const DIGITS: i32 = 10;
 
-/// SHA-256 over the numbers of a finger: key nodes, rigid arms, rigidities, joints, zones. Neither names, nor order of
+/// SHA-256 over the numbers of a finger: key nodes, rigid arms, rigidities, joints, brackets with
+/// what markers are on, zones. Neither names, nor order of
 /// zones, nor the way the ribs were written, nor what a scene says besides the finger takes part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Fingerprint([u8; 32]);
@@ -36,6 +37,15 @@ impl Fingerprint {
             numbers.text(match finger.description().ribs.joints {
                 Joints::Rigid => "joints rigid",
                 Joints::Hinged => "joints hinged",
+            });
+        }
+        if finger.has_brackets() {
+            for (name, length_mm) in ["front", "back"].into_iter().zip(finger.description().ribs.bracket_mm) {
+                numbers.number(&format!("{name} bracket_mm"), length_mm);
+            }
+            numbers.text(match finger.description().markers_on {
+                MarkerPoints::Junctions => "markers on junctions",
+                MarkerPoints::Hinges => "markers on hinges",
             });
         }
         let mut zones: Vec<String> = finger

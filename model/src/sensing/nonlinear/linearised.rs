@@ -4,8 +4,10 @@ use super::least_squares::LeastSquares;
 use super::unknowns::Unknown;
 use super::{NonlinearEstimator, State};
 use crate::Vector;
-use crate::frame::FrameMotion;
+use crate::finger::NodeId;
+use crate::frame::{FrameMotion, NodeIndex};
 use crate::measurement::{Marker, Measurement};
+use crate::mesh::Mesh;
 use crate::sensing::{Contact, LARGEST_SPAN, SensingError};
 use nalgebra::DMatrix;
 
@@ -23,6 +25,8 @@ const ALL_ALIKE: SensingError = SensingError::IllConditioned { span: f64::INFINI
 /// Derivatives of the shape and the weights of the markers; by key node, so that they serve whatever is seen next.
 #[derive(Debug, Clone)]
 pub(super) struct Linearised {
+    /// The frame node that each marker moves with.
+    marker_nodes: Vec<NodeIndex>,
     /// Displacements of all key nodes per unit of the first unknown, of the second and so on.
     rates: Vec<Vector>,
     /// Robust weight of a marker, beside its own: 1, and less for an outlier.
@@ -47,9 +51,16 @@ pub(super) struct Prediction {
     pub reach_mm: f64,
 }
 
+/// Distance of a marker from where a motion has it, times its own weight.
+fn distance(marker_nodes: &[NodeIndex], marker: &Marker, motion: &FrameMotion) -> Vector {
+    (marker.displacement - motion.displacements[marker_nodes[marker.node.0 - 1]]) * marker.weight
+}
+
 impl Linearised {
-    pub(super) fn new(key_nodes: usize, unknowns: usize) -> Linearised {
+    pub(super) fn new(mesh: &Mesh, unknowns: usize) -> Linearised {
+        let key_nodes = mesh.finger().key_node_count();
         Linearised {
+            marker_nodes: (1..=key_nodes).map(|node| mesh.marker_node(NodeId(node))).collect(),
             rates: vec![Vector::zeros(); key_nodes * unknowns],
             weights: vec![1.0; key_nodes],
             scales: vec![1.0; unknowns],
@@ -66,29 +77,24 @@ impl Linearised {
         self.rates[unknown * self.weights.len() + key_node]
     }
 
-    /// Distance of a marker from where a motion has it, times its own weight. Key nodes come first in a frame.
-    fn distance(marker: &Marker, motion: &FrameMotion) -> Vector {
-        (marker.displacement - motion.displacements[marker.node.0 - 1]) * marker.weight
-    }
-
     /// Weights of the markers by how far they are off: 1, beyond a limit the square root of Cauchy's weight.
     pub(super) fn weigh(&mut self, motion: &FrameMotion, measurement: &Measurement, noise_mm: Option<f64>) {
         let markers = measurement.markers();
         self.distances.clear();
-        self.distances.extend(markers.iter().map(|marker| Linearised::distance(marker, motion).norm()));
+        self.distances.extend(markers.iter().map(|marker| distance(&self.marker_nodes, marker, motion).norm()));
         let middle = self.distances.len() / 2;
         let median = *self.distances.select_nth_unstable_by(middle, f64::total_cmp).1;
         // The median also stands for what the model itself cannot explain.
         let limit = OUTLIER_SIGMAS * noise_mm.unwrap_or(0.0).max(median / RAYLEIGH_MEDIAN);
         for marker in markers {
-            let off = Linearised::distance(marker, motion).norm();
+            let off = distance(&self.marker_nodes, marker, motion).norm();
             self.weights[marker.node.0 - 1] = if off > limit && limit > 0.0 { limit / off } else { 1.0 };
         }
     }
 
     /// Sum of the squared weighted differences between what was measured and a motion, mm^2.
     pub(super) fn misfit(&self, motion: &FrameMotion, measurement: &Measurement) -> f64 {
-        let weighted = |marker: &Marker| Linearised::distance(marker, motion) * self.weights[marker.node.0 - 1];
+        let weighted = |marker: &Marker| distance(&self.marker_nodes, marker, motion) * self.weights[marker.node.0 - 1];
         measurement.markers().iter().map(|marker| weighted(marker).norm_squared()).sum()
     }
 
@@ -121,7 +127,7 @@ impl Linearised {
         }
         let right = self.problem.column_mut(unknowns);
         for (marker, row) in measurement.markers().iter().zip(right.chunks_exact_mut(2)) {
-            let difference = Linearised::distance(marker, motion) * self.weights[marker.node.0 - 1];
+            let difference = distance(&self.marker_nodes, marker, motion) * self.weights[marker.node.0 - 1];
             row.copy_from_slice(difference.as_slice());
         }
         let solution = self.problem.solve().ok_or(ALL_ALIKE)?;

@@ -72,7 +72,7 @@ impl NonlinearEstimator<'_> {
             let loads = loads.collect::<Result<Vec<_>, _>>()?;
             match self.statics.tried(&rest, [&[], &loads], |_| true) {
                 Ok(Equilibrium { motion, .. }) => {
-                    let linearised = Linearised::new(finger.key_node_count(), self.unknowns.len());
+                    let linearised = Linearised::new(self.mesh, self.unknowns.len());
                     let mut state = State { forces_n, contacts, loads, motion, linearised };
                     self.differentiate(&mut state)?;
                     state.linearised.weigh(&state.motion, measurement, noise_mm);

@@ -1,6 +1,6 @@
 //! The forces on a finger, eliminated with a stiffness, and the correction that balances them.
 
-use super::chain::{Between, ChainForces, Ends, Solved, halves, joints_of};
+use super::chain::{Between, ChainForces, Ends, Solved, halves, joined, joints_of};
 use super::factor::Factor;
 use super::loads::Applied;
 use super::retraction::Retraction;
@@ -36,7 +36,7 @@ impl<'m, R: Number> Balance<'m, R> {
     /// Room for the elimination, in numbers like the one given.
     pub(in crate::statics) fn new(mesh: &'m Mesh, kinematics: Kinematics, like: R) -> Balance<'m, R> {
         let (frame, rungs, zero) = (mesh.frame(), mesh.finger().rib_count(), like.zero());
-        let bends = kinematics != Kinematics::Linear && frame.node_count() > mesh.finger().key_node_count();
+        let bends = kinematics != Kinematics::Linear && mesh.lines().iter().any(|line| line.members.len() > 1);
         Balance {
             mesh,
             kinematics,
@@ -83,16 +83,31 @@ impl<'m, R: Number> Balance<'m, R> {
     #[inline(always)]
     fn rigid_rib(&self, stiffness: &Factor<R>, level: usize, motion: &FrameMotion<R>) -> Option<RigidRib<R>> {
         let frame = self.mesh.frame();
-        let front = self.mesh.frame_node(self.mesh.finger().rib_nodes(level)[0]);
-        let (slot, lever) = frame.link_of(front, motion, self.linear())?;
+        let [front, back] = self.mesh.finger().rib_nodes(level).map(|node| self.mesh.frame_node(node));
+        if !frame.is_linked(front) {
+            return None;
+        }
+        let zero = self.work.zero();
+        let (with_back, with_front) = (frame.rotation_of(back), frame.rotation_of(front));
+        let mut levers = [Vector2::new(zero, zero); 3];
+        for (slot, lever) in frame.turned_levers(front, motion, self.linear()) {
+            let sum = &mut levers[if slot == with_back {
+                0
+            } else if slot == with_front {
+                2
+            } else {
+                1
+            }];
+            *sum = Vector2::new(sum.x + lever.x, sum.y + lever.y);
+        }
         let front_pull = if self.linear() {
-            Vector2::new(lever.x.zero(), lever.x.zero())
+            Vector2::new(zero, zero)
         } else {
             let raw = stiffness.rung_sum(level, |line| &self.forces[line].raw);
             let load = &self.applied.on_rung(level, 3).gradient;
             Vector2::new(raw[3] + load[0], raw[4] + load[1])
         };
-        Some(RigidRib { lever, together: slot == frame.rotation_of(front), front_pull })
+        Some(RigidRib { levers, together: with_back == with_front, front_pull })
     }
 
     /// Factorises the tangent at a motion under the loads that are applied, and notes its forces.
@@ -164,8 +179,11 @@ impl<'m, R: Number> Balance<'m, R> {
             if frame.rotation_of(front) != frame.rotation_of(back) {
                 motion.rotations[frame.rotation_of(front)] += correction[5];
             }
-            if let (Some((slot, _)), Some(turn)) = (frame.link_of(front, motion, linear), link_rotation) {
-                motion.rotations[slot] += turn;
+            if let Some(turn) = link_rotation {
+                let of_nodes = [back, front].map(|node| frame.rotation_of(node));
+                if let Some(slot) = frame.lever_rotations(front).find(|slot| !of_nodes.contains(slot)) {
+                    motion.rotations[slot] += turn;
+                }
             }
             below = correction;
         }
@@ -190,14 +208,15 @@ impl<'m, R: Number> Balance<'m, R> {
                 rib => (rib - 2 * (count + 1) + 1, [0, 1]),
             };
             let upper = if sides[0] == sides[1] { level + 1 } else { level };
-            let first = self.key_correction(level, sides[0]);
-            let second = self.key_correction(upper, sides[1]);
+            let chain = &stiffness.chains[index];
+            let ends =
+                chain.carried(&joined(&self.key_correction(level, sides[0]), &self.key_correction(upper, sides[1])));
             let between = Between::of(frame, line);
             let inner = Solved { joints: &stiffness.joints[joints.clone()], ys: &self.ys[joints], between: &between };
-            stiffness.chains[index].correct(inner, &self.forces[index], motion, [&first, &second]);
+            chain.correct(inner, &self.forces[index], motion, &ends);
             if let Some(retraction) = &mut self.retraction {
-                let key_nodes = [Vector2::new(first[0], first[1]), Vector2::new(second[0], second[1])];
-                retraction.mend(frame, line, motion, key_nodes);
+                let end_nodes = [Vector2::new(ends[0], ends[1]), Vector2::new(ends[3], ends[4])];
+                retraction.mend(frame, line, motion, end_nodes);
             }
         }
         self.work

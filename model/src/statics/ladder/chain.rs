@@ -5,6 +5,7 @@
 
 use super::SMALL_PIVOT;
 use super::block::Block;
+use super::brackets::Brackets;
 use super::cantilever::{Cantilever, Deflection, Forces, Joint};
 use crate::element::{Response, quarter_turn};
 use crate::frame::{FrameMotion, PlaneFrame};
@@ -53,7 +54,9 @@ pub(super) struct Chain<R: Number = f64> {
     lever: Vector2<R>,
     /// The two end rotations of a pinned member, which belong to nothing else, with the ends' displacements.
     pins: Option<Block<R, 2, 6>>,
-    /// By its two ends.
+    /// The brackets that hold its ends off the key nodes, where it has any.
+    brackets: Option<Brackets<R>>,
+    /// By its two ends, or by the key nodes that hold their brackets.
     pub stiffness: EndsMatrix<R>,
     pub positive: R::Mask,
     /// Where no element is so soft beside those before it that the difference has lost digits that may count.
@@ -72,6 +75,7 @@ impl<R: Number> Chain<R> {
             first_lever: Vector2::new(zero, zero),
             lever: Vector2::new(zero, zero),
             pins: pinned.then(|| Block::empty(like)),
+            brackets: None,
             stiffness: [[zero; 6]; 6],
             positive: like.always(),
             accurate: like.always(),
@@ -93,7 +97,6 @@ impl<R: Number> Chain<R> {
         forces.work = forces.work.zero();
         forces.gradient = numbers(&element.gradient);
         forces.raw = forces.gradient;
-        self.finish(forces);
     }
 
     /// Begins to condense several elements' stiffness and gradients, given from the first to the second end.
@@ -136,12 +139,11 @@ impl<R: Number> Chain<R> {
         self.lever = growing.stiffness.lever();
         self.stiffness = growing.stiffness.on_ends();
         forces.gradient = growing.carried.on_ends();
-        self.finish(forces);
     }
 
-    /// Notes the diagonal and releases pins.
+    /// Notes the diagonal, releases pins and goes from the ends of brackets to the key nodes.
     #[inline(always)]
-    fn finish(&mut self, forces: &mut ChainForces<R>) {
+    pub(super) fn finish(&mut self, forces: &mut ChainForces<R>, brackets: Option<Brackets<R>>, linear: bool) {
         for i in 0..6 {
             self.diagonal[i] = self.stiffness[i][i];
         }
@@ -149,7 +151,15 @@ impl<R: Number> Chain<R> {
             eliminate_pins(block, &mut self.stiffness);
             self.positive = forces.work.both(self.positive, block.positive());
         }
-        self.release_pins(forces);
+        self.brackets = brackets;
+        if let Some(brackets) = &self.brackets {
+            brackets.carry_diagonal(&mut self.diagonal);
+            brackets.carry_stiffness(&mut self.stiffness);
+            if !linear {
+                brackets.add_turning(&forces.raw, &mut self.stiffness);
+            }
+        }
+        self.release(forces);
     }
 
     /// Condenses other gradients with the stiffness that is there.
@@ -173,15 +183,18 @@ impl<R: Number> Chain<R> {
             }
             forces.gradient = carried.on_ends();
         }
-        self.release_pins(forces);
+        self.release(forces);
     }
 
-    /// Condenses the gradient of pinned ends.
+    /// Condenses the gradient of pinned ends, and of the ends of brackets.
     #[inline(always)]
-    fn release_pins(&self, forces: &mut ChainForces<R>) {
+    fn release(&self, forces: &mut ChainForces<R>) {
         if let Some(block) = &self.pins {
             forces.pins_y = pass_pins(block, &mut forces.gradient);
             forces.work += block.work(&forces.pins_y);
+        }
+        if let Some(brackets) = &self.brackets {
+            brackets.carry_gradient(&mut forces.gradient);
         }
     }
 
@@ -200,7 +213,16 @@ impl<R: Number> Chain<R> {
         if let Some(block) = &self.pins {
             pass_pins(block, &mut gradient);
         }
+        if let Some(brackets) = &self.brackets {
+            brackets.carry_gradient(&mut gradient);
+        }
         gradient
+    }
+
+    /// Corrections of its two ends by those of the two key nodes.
+    #[inline(always)]
+    pub(super) fn carried(&self, key_nodes: &Ends<R>) -> Ends<R> {
+        self.brackets.as_ref().map_or(*key_nodes, |brackets| brackets.carried(key_nodes))
     }
 
     /// Logarithm of the determinant of pinned rotations.
@@ -215,9 +237,9 @@ impl<R: Number> Chain<R> {
         Solved { joints, ys, between }: Solved<R>,
         forces: &ChainForces<R>,
         motion: &mut FrameMotion<R>,
-        [first, second]: [&[R; 3]; 2],
+        ends: &Ends<R>,
     ) {
-        let mut ends = joined(first, second);
+        let mut ends = *ends;
         if let Some(block) = &self.pins {
             [ends[2], ends[5]] = block.motion(&forces.pins_y, &ends);
             let [first, second] = between.ends;

@@ -1,6 +1,7 @@
 //! Lines with the loads that stand between their ends, condensed.
 
 use super::balance::Balance;
+use super::brackets::Brackets;
 use super::chain::{ChainForces, Element, joints_of, numbers};
 use super::factor::Factor;
 use crate::Kinematics;
@@ -41,6 +42,9 @@ impl<R: Number> Balance<'_, R> {
             }
             if let Some(growing) = &growing {
                 chain.end(growing, forces);
+            }
+            if count > 0 {
+                chain.finish(forces, Brackets::of(frame, line, motion, linear), linear);
             }
         }
     }

@@ -12,6 +12,7 @@
 
 mod balance;
 mod block;
+mod brackets;
 mod cantilever;
 mod chain;
 mod factor;

@@ -5,6 +5,7 @@ use super::factor::Factor;
 use super::loads::{element_of, place};
 use super::{Ladder, Location};
 use crate::Vector;
+use crate::element::quarter_turn;
 use crate::frame::{FrameLoad, FrameMotion};
 
 /// A gradient on the two nodes of an element of a line: minus the forces there.
@@ -15,7 +16,7 @@ struct OnElement {
 }
 
 impl Ladder<'_> {
-    /// How the key nodes move, to first order, when a load is added to the finger in its last linearised `motion`: a
+    /// How the markers move, by key node and to first order, when a load is added to the finger in its last linearised `motion`: a
     /// column of the tangent compliance, mm per unit of the load.
     pub fn added_load(&mut self, motion: &FrameMotion, load: &FrameLoad, out: &mut [Vector]) {
         let frame = self.mesh.frame();
@@ -28,10 +29,10 @@ impl Ladder<'_> {
                 frame.end_load(motion, end, force, moment_nmm, self.linear()).gradient
             }
         };
-        self.respond(&self.placed(load, numbers(&gradient)), out);
+        self.respond(motion, &self.placed(load, numbers(&gradient)), out);
     }
 
-    /// How the key nodes move, to first order, per mm that a load moves along the front plate towards the tip.
+    /// How the markers move, by key node and to first order, per mm that a load moves along the front plate towards the tip.
     pub fn moved_load(&mut self, motion: &FrameMotion, load: &FrameLoad, out: &mut [Vector]) {
         let frame = self.mesh.frame();
         let slope = match *load {
@@ -44,16 +45,16 @@ impl Ladder<'_> {
                 frame.arm_load_slope(motion, end, self.mesh.finger().front_tangent(), force, self.linear())
             }
         };
-        self.respond(&self.placed(load, numbers(&-slope)), out);
+        self.respond(motion, &self.placed(load, numbers(&-slope)), out);
     }
 
-    /// How the key nodes move, to first order, in the finger in its last linearised `motion` when a member stiffens: mm per
+    /// How the markers move, by key node and to first order, in the finger in its last linearised `motion` when a member stiffens: mm per
     /// unit of ln(modulus). Its forces grow in proportion to its modulus, so they are the added load.
     pub fn stiffened_member(&mut self, motion: &FrameMotion, member: usize, out: &mut [Vector]) {
         let frame = self.mesh.frame();
         let response = frame.member_response(motion, &frame.members()[member], self.kinematics);
         let (line, element) = element_of(self.mesh, member);
-        self.respond(&OnElement { line, element, gradient: numbers(&response.gradient) }, out);
+        self.respond(motion, &OnElement { line, element, gradient: numbers(&response.gradient) }, out);
     }
 
     /// The element that takes the gradient of a load: its own, or one that ends or begins at its node.
@@ -72,7 +73,7 @@ impl Ladder<'_> {
 
     /// One forward and one backward pass along the rungs with the factors that are there; nodes between the key nodes
     /// are not computed.
-    fn respond(&mut self, on: &OnElement, out: &mut [Vector]) {
+    fn respond(&mut self, motion: &FrameMotion, on: &OnElement, out: &mut [Vector]) {
         let OnElement { line, element, gradient } = *on;
         let count = self.waiting.len();
         let stiffness = Factor::chosen(self.mesh, &self.own, self.rests);
@@ -108,9 +109,11 @@ impl Ladder<'_> {
         let mut below = [0.0; 6];
         for (at, (rung, waiting)) in stiffness.rungs.iter().zip(&self.waiting).enumerate() {
             (below, _) = rung.motion(waiting, &below);
-            let [front, back] = finger.rib_nodes(at).map(|node| self.mesh.frame_node(node));
-            out[back] = Vector::new(below[0], below[1]);
-            out[front] = Vector::new(below[3], below[4]);
+            for (node, row) in finger.rib_nodes(at).into_iter().zip([3, 0]) {
+                let marker = self.mesh.marker_lever(node, motion, self.linear());
+                let moved = Vector::new(below[row], below[row + 1]) + quarter_turn(marker) * below[row + 2];
+                out[self.mesh.frame_node(node)] = moved;
+            }
         }
         let [x, y, _] = stiffness.tip.motion(&tip_y, &below);
         out[self.mesh.frame_node(finger.tip())] = Vector::new(x, y);

@@ -43,18 +43,18 @@ impl<R: Number> Retraction<R> {
     }
 
     /// Mends the nodes inside a line to which the correction was added, in the lanes in which any of them turns.
-    /// `key_nodes` are the corrections of its first and last node, mm; a node at a rigid link has moved otherwise.
+    /// `end_nodes` are the corrections of its first and last node, mm; a node at a rigid link has moved otherwise.
     #[inline(always)]
     pub(super) fn mend(
         &mut self,
         frame: &PlaneFrame,
         line: &Line,
         motion: &mut FrameMotion<R>,
-        key_nodes: [Vector2<R>; 2],
+        end_nodes: [Vector2<R>; 2],
     ) {
         let members = &frame.members()[line.members.clone()];
         let [first, .., last] = members else { return };
-        let no_turn = key_nodes[0].x.constant(NO_TURN);
+        let no_turn = end_nodes[0].x.constant(NO_TURN);
         let mut turns = no_turn.exceeds(no_turn);
         for &node in &line.nodes {
             let slot = frame.rotation_of(node);
@@ -65,7 +65,7 @@ impl<R: Number> Retraction<R> {
             return;
         }
         let ends = [first.ends[0], last.ends[1]];
-        let off = self.measure(frame, line, motion, ends, key_nodes);
+        let off = self.measure(frame, line, motion, ends, end_nodes);
 
         // The inner nodes follow the ends in proportion.
         let count = members.len();
@@ -141,11 +141,11 @@ impl<R: Number> Retraction<R> {
         line: &Line,
         motion: &FrameMotion<R>,
         ends: [BeamEnd; 2],
-        key_nodes: [Vector2<R>; 2],
+        end_nodes: [Vector2<R>; 2],
     ) -> [Vector2<R>; 2] {
         let Retraction { before, chords } = self;
         let (old, new) = (displacements(frame, before, ends), displacements(frame, motion, ends));
-        let mut corrections = key_nodes;
+        let mut corrections = end_nodes;
         for i in 0..2 {
             let BeamEnd { node, rotation, arm } = ends[i];
             let swung = difference(old[i], before.displacements[node]);

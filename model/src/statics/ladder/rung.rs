@@ -12,49 +12,55 @@ use nalgebra::Vector2;
 /// unit stiffness. The nodes move by u = T q.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RigidRib<R> {
-    /// From the back to the front node, in its current direction, mm.
-    pub lever: Vector2<R>,
+    /// From the back to the front node in pieces that turn with each of the three rotations, in their current directions, mm:
+    /// the back bracket, the rib, the front bracket. If all turn together, the first is the sum.
+    pub levers: [Vector2<R>; 3],
     /// Whether rib and both nodes turn together.
     pub together: bool,
-    /// Pull of the elements on the front node, N, where it counts: as the lever turns, its end moves on a circle.
+    /// Pull of the elements on the front node, N, where it counts: as a lever turns, its end moves on a circle.
     pub front_pull: Vector2<R>,
 }
 
 impl<R: Number> RigidRib<R> {
-    fn turn(&self) -> usize {
-        if self.together { 2 } else { 3 }
-    }
-
     /// u = T q.
     #[inline(always)]
     fn nodal(&self, q: &Ends<R>) -> Ends<R> {
-        let turn = q[self.turn()];
-        let front = if self.together { q[2] } else { q[4] };
-        [q[0], q[1], q[2], q[0] - self.lever.y * turn, q[1] + self.lever.x * turn, front]
+        let [back, rib, front] = &self.levers;
+        let (mut x, mut y) = (q[0] - back.y * q[2], q[1] + back.x * q[2]);
+        if self.together {
+            return [q[0], q[1], q[2], x, y, q[2]];
+        }
+        x -= rib.y * q[3] + front.y * q[4];
+        y += rib.x * q[3] + front.x * q[4];
+        [q[0], q[1], q[2], x, y, q[4]]
     }
 
     /// T^T f.
     #[inline(always)]
     fn generalised(&self, f: &Ends<R>) -> Ends<R> {
-        let moment = self.lever.x * f[4] - self.lever.y * f[3];
-        let none = moment.zero();
+        let none = f[0].zero();
+        let moment = |lever: &Vector2<R>| lever.x * f[4] - lever.y * f[3];
+        let [back, rib, front] = &self.levers;
+        let back = f[2] + moment(back);
         match self.together {
-            true => [f[0] + f[3], f[1] + f[4], f[2] + moment + f[5], none, none, none],
-            false => [f[0] + f[3], f[1] + f[4], f[2], moment, f[5], none],
+            true => [f[0] + f[3], f[1] + f[4], back + f[5], none, none, none],
+            false => [f[0] + f[3], f[1] + f[4], back, moment(rib), f[5] + moment(front), none],
         }
     }
 
-    /// T^T K T with what the turning lever adds.
+    /// T^T K T with what the turning levers add.
     #[inline(always)]
     fn generalised_stiffness(&self, stiffness: &EndsMatrix<R>) -> EndsMatrix<R> {
         let full: EndsMatrix<R> = std::array::from_fn(|i| std::array::from_fn(|j| stiffness[i.min(j)][i.max(j)]));
         // T^T times the symmetric K is the transpose of K T; so T^T each row, and again each row of the transpose.
         let half = transposed(&full.map(|row| self.generalised(&row)));
         let mut whole = half.map(|row| self.generalised(&row));
-        let turn = self.turn();
-        whole[turn][turn] -= self.front_pull.x * self.lever.x + self.front_pull.y * self.lever.y;
-        for unused in if self.together { 3..6 } else { 5..6 } {
-            whole[unused][unused] = self.lever.x.constant(1.0);
+        let turns = if self.together { 2..3 } else { 2..5 };
+        for (turn, lever) in turns.clone().zip(&self.levers) {
+            whole[turn][turn] -= self.front_pull.x * lever.x + self.front_pull.y * lever.y;
+        }
+        for unused in turns.end..6 {
+            whole[unused][unused] = self.front_pull.x.constant(1.0);
         }
         whole
     }

@@ -183,7 +183,7 @@ proptest! {
         let bent = mesh.frame_load(&Load::at_node(node, force)).expect("a contact node");
         let mut statics = Statics::ladder(&mesh, Kinematics::Corotational);
         let mut displacements = |loads: &[FrameLoad]| {
-            statics.equilibrium(loads).ok().map(|found| mesh.shape(&found.motion).motions().iter().map(|m| m.displacement).collect::<Vec<_>>())
+            statics.equilibrium(loads).ok().map(|found| mesh.shape(&found.motion).motions().iter().map(|m| m.marker_displacement(&finger)).collect::<Vec<_>>())
         };
         let (step, shift) = (1e-4, 1e-4 * length);
         let s_mm = at[1] * length;

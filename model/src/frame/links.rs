@@ -1,0 +1,97 @@
+//! Rigid links: nodes that follow others over levers that turn.
+
+use super::equations::MOST_LEVERS;
+use super::members::{swing, turned};
+use super::{FrameMotion, NodeIndex, PlaneFrame, RotationSlot};
+use crate::Vector;
+use crate::number::Number;
+use nalgebra::Vector2;
+
+/// A rigid bar, from the node that it begins at, undeformed, mm; it turns with a rotation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Lever {
+    pub rotation: RotationSlot,
+    pub along: Vector,
+}
+
+/// A node that follows another one over rigid levers in a row: u = u_master + sum over levers of (R(rotation) - 1) lever.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct RigidLink {
+    /// The first node of the row, which follows no other.
+    pub master: NodeIndex,
+    levers: [Option<Lever>; MOST_LEVERS],
+}
+
+impl RigidLink {
+    /// The levers from the master on.
+    #[inline(always)]
+    pub fn levers(&self) -> impl Iterator<Item = Lever> + use<> {
+        self.levers.into_iter().flatten()
+    }
+
+    /// Where in the row each lever is.
+    pub fn places(&self) -> [Option<Lever>; MOST_LEVERS] {
+        self.levers
+    }
+}
+
+impl PlaneFrame {
+    /// Joins two free nodes by an undeformable bar. `hinged`: pinned at both nodes; otherwise they turn together.
+    ///
+    /// The second node loses its translations, which follow from the first node's and the bar's rotation. The first one may
+    /// follow another node itself.
+    ///
+    /// # Panics
+    /// If there are then more than three bars in a row.
+    pub fn link_rigidly(&mut self, first: NodeIndex, second: NodeIndex, hinged: bool) {
+        let along = self.position(second) - self.position(first);
+        let rotation = if hinged {
+            self.add_rotation()
+        } else {
+            self.nodes[second].rotation = self.nodes[first].rotation;
+            self.nodes[first].rotation
+        };
+        let row = self.nodes[first].link;
+        let mut link = row.unwrap_or(RigidLink { master: first, levers: [None; MOST_LEVERS] });
+        let free = link.levers.iter_mut().find(|lever| lever.is_none());
+        *free.expect("at most three bars in a row") = Some(Lever { rotation, along });
+        self.nodes[second].link = Some(link);
+    }
+
+    /// Moves linked nodes to where their masters and links carry them.
+    #[inline(always)]
+    pub(crate) fn follow_links<R: Number>(&self, motion: &mut FrameMotion<R>, linear: bool) {
+        for (n, node) in self.nodes.iter().enumerate() {
+            if let Some(link) = &node.link {
+                let mut u = motion.displacements[link.master];
+                for Lever { rotation, along } in link.levers() {
+                    let swung = swing(along, motion.rotations[rotation], linear);
+                    u = Vector2::new(u.x + swung.x, u.y + swung.y);
+                }
+                motion.displacements[n] = u;
+            }
+        }
+    }
+
+    /// The levers that carry a linked node, each with its slot and in its current direction; none for other nodes.
+    #[inline(always)]
+    pub(crate) fn turned_levers<'a, R: Number>(
+        &'a self,
+        node: NodeIndex,
+        motion: &'a FrameMotion<R>,
+        linear: bool,
+    ) -> impl Iterator<Item = (RotationSlot, Vector2<R>)> + 'a {
+        let levers = self.nodes[node].link.iter().flat_map(RigidLink::levers);
+        levers.map(move |lever| (lever.rotation, turned(lever.along, motion.rotations[lever.rotation], linear)))
+    }
+
+    /// The slots of the levers that carry a linked node; none for other nodes.
+    pub(crate) fn lever_rotations(&self, node: NodeIndex) -> impl Iterator<Item = RotationSlot> {
+        self.nodes[node].link.iter().flat_map(RigidLink::levers).map(|lever| lever.rotation)
+    }
+
+    /// Whether a node follows another one.
+    pub(crate) fn is_linked(&self, node: NodeIndex) -> bool {
+        self.nodes[node].link.is_some()
+    }
+}
