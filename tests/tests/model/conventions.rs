@@ -57,6 +57,28 @@ fn angles_are_counted_from_the_inward_normal_towards_the_tip() {
     assert!((finger.direction(30.0).dot(&normal) - 0.75_f64.sqrt()).abs() < ROUNDING);
 }
 
+/// A bracket stands at right angles to its plate, on the side of the other one; tip and clamped nodes have none.
+#[test]
+fn brackets_stand_off_the_plates_into_the_finger() {
+    let mut description = lopsided("").description().clone();
+    description.ribs.bracket_mm = [2.0, 3.0];
+    let finger = Finger::new(description).expect("room for the brackets");
+    for rib in 0..finger.rib_count() {
+        for ((node, plate), length_mm) in
+            finger.rib_nodes(rib).into_iter().zip([Plate::Front, Plate::Back]).zip([2.0, 3.0])
+        {
+            let bracket = finger.hinge(node) - finger.position(node);
+            let along = (finger.position(finger.tip()) - finger.base(plate)).normalize();
+            let other = if plate == Plate::Front { Plate::Back } else { Plate::Front };
+            assert!((bracket.norm() - length_mm).abs() < ROUNDING && bracket.dot(&along).abs() < ROUNDING);
+            assert!(bracket.dot(&(finger.base(other) - finger.base(plate))) > 0.0);
+        }
+    }
+    for node in finger.clamped_nodes().into_iter().chain([finger.tip()]) {
+        assert_eq!(finger.hinge(node), finger.position(node));
+    }
+}
+
 /// The front plate is the one with positive y, node numbers run from the back base over the tip to the front base.
 #[test]
 fn numbering_goes_over_the_tip() {

@@ -2,6 +2,7 @@
 
 use crate::kit::scene::{assert_refused, refused};
 use crate::kit::*;
+use finray_model::Scene;
 
 #[test]
 fn sizes_must_be_positive_finite_numbers() {
@@ -43,6 +44,21 @@ fn sizes_must_be_positive_finite_numbers() {
         );
         let camera = format!("[camera]\nnoise_mm = {value}\n[finger]");
         assert_refused("\n[finger]", &camera, "noise_mm", &["camera.noise_mm: expected a length in mm, zero or more"]);
+    }
+    for value in ["-0.1", "nan", "inf", "1e-310", "[3.0, -1.0]", "[nan, 1.0]"] {
+        let bracket = format!("count = 11\nbracket_mm = {value}");
+        assert_refused("count = 11", &bracket, "bracket_mm", &["finger.ribs.bracket_mm: expected"]);
+    }
+    // The last rib is 58 mm / 12 long between the plates' middle lines.
+    for (value, room) in [("2.3", true), ("2.5", false), ("[4.6, 0.0]", true), ("[0.0, 4.9]", false)] {
+        let bracket = format!("count = 11\nbracket_mm = {value}");
+        let scene = paper_with(&[("count = 11", &bracket)]);
+        if room {
+            Scene::from_toml(&scene).unwrap_or_else(|error| panic!("{value}: {error}"));
+        } else {
+            let expected = "finger.ribs.bracket_mm: expected brackets that leave room for rib 11 between them";
+            assert_refused("count = 11", &bracket, "bracket_mm", &[expected]);
+        }
     }
     for value in ["0.51", "-1.0", "nan", "inf"] {
         let ratio = format!("depth_mm = 20.0\npoissons_ratio = {value}");

@@ -35,6 +35,41 @@ fn a_measurement_may_be_written_in_many_ways() {
     }
 }
 
+/// A camera that sees hinges sees other displacements than one that sees the junctions on the plate; both sense the force.
+#[test]
+fn markers_on_hinges_are_compared_with_hinges() {
+    let folder = Folder::new();
+    let bracketed = finray_fixtures::BRACKETS_SCENE.to_owned();
+    let on_plates = folder.put("plates.toml", &bracketed);
+    let on_hinges = folder.put("hinges.toml", bracketed + "[markers]\non = \"hinges\"\n");
+    let shape = finray(&["solve", &on_plates, "--load-at", "102:1.5,10", "--mesh-nodes", "100"]).done();
+    let table = Csv::of(&shape);
+    let column = |name: &str| table.numbers(name);
+    let moved =
+        |x: &str, y: &str| -> Vec<[f64; 2]> { column(x).into_iter().zip(column(y)).map(|(x, y)| [x, y]).collect() };
+    let hinges = moved("hinge_ux_mm", "hinge_uy_mm");
+    assert!(hinges.iter().zip(moved("ux_mm", "uy_mm")).any(|(a, b)| (a[0] - b[0]).abs() > 0.3));
+    let seen = |moved: Vec<[f64; 2]>| {
+        let rows = moved.iter().enumerate().map(|(node, [x, y])| format!("{},{x},{y}\n", node + 1));
+        "node,ux_mm,uy_mm\n".to_owned() + &rows.collect::<String>()
+    };
+    let force = |scene: &str, text: &str| -> f64 {
+        let arguments = ["sense", scene, "--displacements", "-", "--contact", "9@10", "--mesh-nodes", "100"];
+        Csv::of(&finray_reading(text.as_bytes(), &arguments).computed()).numbers("force_n")[0]
+    };
+    let truth = 1.5;
+    for (scene, text) in [
+        (&on_plates, shape.clone()),
+        (&on_hinges, shape.clone()),
+        (&on_hinges, seen(hinges.clone())),
+        (&on_plates, seen(moved("ux_mm", "uy_mm"))),
+    ] {
+        assert_close(&[force(scene, &text)], &[truth], 1e-6);
+    }
+    // Hinges taken for junctions: another force, by a hundred times the tolerance.
+    assert!((force(&on_plates, &seen(hinges)) - truth).abs() > 1e-4 * truth);
+}
+
 #[test]
 fn rows_of_clamped_nodes_are_ignored_at_zero_and_refused_elsewhere() {
     let shape = linear_shape(&TRUTH);
