@@ -210,6 +210,14 @@ impl Finger {
         }
     }
 
+    /// Whether a node has a marker: where markers are on hinges, only the ends of ribs do.
+    pub fn has_marker(&self, node: NodeId) -> bool {
+        match self.description.markers_on {
+            MarkerPoints::Junctions => true,
+            MarkerPoints::Hinges => node != self.tip() && !self.clamped_nodes().contains(&node),
+        }
+    }
+
     /// Undeformed position of a point, mm.
     pub fn point(&self, point: FingerPoint) -> Vector {
         match point {

@@ -4,7 +4,7 @@ mod camera;
 mod object;
 mod reader;
 
-pub use camera::{CameraDescription, Markers, Rgb};
+pub use camera::{Base, CameraDescription, MarkerLook, Markers, Reference, Rgb, Shade};
 pub use object::{ObjectDescription, ObjectMotion, Outline, ROD_RADIUS_MM, Until};
 
 use crate::finger::{Finger, FingerDescription, Joints, MarkerPoints, Part, RibDescription, RibPositions, Strip, Zone};
@@ -26,6 +26,8 @@ pub struct Scene {
     pub camera: Option<CameraDescription>,
     /// The markers that it sees, where the scene has them.
     pub markers: Option<Markers>,
+    /// How the base is found, where it moves from image to image.
+    pub base: Option<Base>,
     /// Radius of the rods that an object meets, mm.
     pub rod_radius_mm: f64,
     /// The object that is pressed onto the finger, where the scene has one.
@@ -50,7 +52,7 @@ impl Scene {
     /// [`SceneError`] with the line, the key and what was expected.
     pub fn from_toml(text: &str) -> Result<Scene, SceneError> {
         let document = Document::parse(text)?;
-        let top = document.top(&["name", "finger", "camera", "markers", "contact", "object"])?;
+        let top = document.top(&["name", "finger", "camera", "markers", "base", "contact", "object"])?;
         let name = top.text("name")?;
         let markers = match top.optional_table("markers", &camera::MARKER_KEYS)? {
             None => camera::MarkersRead::default(),
@@ -67,6 +69,10 @@ impl Scene {
             None => (None, None),
             Some(table) => camera::read_camera(&table)?,
         };
+        let base = match top.optional_table("base", &camera::BASE_KEYS)? {
+            None => None,
+            Some(table) => Some(camera::read_base(&table)?),
+        };
         let rod_radius_mm = match top.optional_table("contact", &["rod_radius_mm"])? {
             None => ROD_RADIUS_MM,
             Some(table) => not_negative_mm(&table, "rod_radius_mm")?,
@@ -75,7 +81,7 @@ impl Scene {
             None => None,
             Some(table) => Some(object::read_object(&table, &finger)?),
         };
-        Ok(Scene { name, finger, strain_limits, noise_mm, camera, markers: markers.discs, rod_radius_mm, object })
+        Ok(Scene { name, finger, strain_limits, noise_mm, camera, markers: markers.discs, base, rod_radius_mm, object })
     }
 }
 

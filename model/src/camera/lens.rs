@@ -151,6 +151,11 @@ impl Lens {
         self.size_px
     }
 
+    /// The middle of the image.
+    pub fn middle(&self) -> Pixel {
+        Pixel::from(self.size_px.map(|side| f64::from(side.saturating_sub(1)) / 2.0))
+    }
+
     /// Focal lengths along u and v, px.
     pub fn focal_px(&self) -> [f64; 2] {
         self.focal_px.into()
@@ -214,7 +219,7 @@ impl Lens {
     }
 
     /// Direction of the ray to a pixel in the camera frame, with z = 1.
-    pub(super) fn ray(&self, pixel: &Pixel) -> Result<Vector3<f64>, ViewError> {
+    pub fn ray(&self, pixel: &Pixel) -> Result<Vector3<f64>, ViewError> {
         self.undistorted(pixel).map(|at| at.push(1.0))
     }
 

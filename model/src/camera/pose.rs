@@ -25,6 +25,15 @@ impl Pose {
         self.rotation.scaled_axis().into()
     }
 
+    /// The pose of a frame in a plane that is seen: z normal to the plane and towards the camera, the origin at a point of it, x along the image's
+    /// rows (u). `normal` and `origin_mm` are in the camera frame.
+    pub fn in_plane(normal: &Vector3<f64>, origin_mm: &Vector3<f64>) -> Pose {
+        let z = if normal.dot(origin_mm) > 0.0 { -normal.normalize() } else { normal.normalize() };
+        let x = (Vector3::x() - z * z.x).normalize();
+        let rotation = Rotation3::from_basis_unchecked(&[x, z.cross(&x), z]);
+        Pose { rotation, translation_mm: *origin_mm }
+    }
+
     /// A point of the finger frame in the camera frame, mm.
     pub fn to_camera(&self, point: &Vector3<f64>) -> Vector3<f64> {
         self.rotation * point + self.translation_mm

@@ -2,6 +2,7 @@
 
 use super::reader::TableReader;
 use super::{SceneError, not_negative_mm};
+use crate::Vector;
 use crate::camera::{Distortion, Lens, Pose};
 use crate::finger::MarkerPoints;
 
@@ -17,7 +18,10 @@ pub(super) const KEYS: [&str; 7] =
     ["noise_mm", "size_px", "focal_px", "principal_point_px", "distortion", "rotation_vector_rad", "translation_mm"];
 
 /// All keys of `[markers]`.
-pub(super) const MARKER_KEYS: [&str; 5] = ["on", "radius_mm", "height_mm", "front_rgb", "back_rgb"];
+pub(super) const MARKER_KEYS: [&str; 7] =
+    ["on", "radius_mm", "height_mm", "front_rgb", "back_rgb", "shade", "inner_radius_mm"];
+const COLOUR_KEYS: [&str; 2] = ["front_rgb", "back_rgb"];
+const SHADE_KEYS: [&str; 2] = ["shade", "inner_radius_mm"];
 
 /// The camera as the scene has it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,17 +35,43 @@ pub struct CameraDescription {
 /// A colour: red, green and blue, 0 to 255 each, as an image file has them.
 pub type Rgb = [u8; 3];
 
-/// Discs on the key nodes.
+/// Discs or rings on the key nodes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Markers {
-    /// Radius, mm.
+    /// Radius, mm; of rings the outer one.
     pub radius_mm: f64,
     /// Height above the plane of the beams, mm, along z = x cross y of the finger frame.
     pub height_mm: f64,
-    /// Colour on the front plate, the tip and its clamped node included.
-    pub front_rgb: Rgb,
-    /// Colour on the back plate.
-    pub back_rgb: Rgb,
+    /// How they are told from what is around them.
+    pub look: MarkerLook,
+}
+
+/// What makes a marker one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum MarkerLook {
+    /// Colours that nothing else has.
+    Coloured {
+        /// On the front plate, the tip and its clamped node included.
+        front_rgb: Rgb,
+        /// On the back plate.
+        back_rgb: Rgb,
+    },
+    /// A rim against which the surroundings are darker, or lighter.
+    Grey {
+        /// Brightness of the marker.
+        shade: Shade,
+        /// Radius of what is inside a ring, mm: it may look like anything; zero for discs.
+        inner_radius_mm: f64,
+    },
+}
+
+/// Brightness against the surroundings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shade {
+    /// Brighter.
+    Bright,
+    /// Darker.
+    Dark,
 }
 
 /// The standard deviation of a measured coordinate, mm, and the camera.
@@ -112,12 +142,65 @@ fn read_discs(table: &TableReader) -> Result<Markers, SceneError> {
         let expected = format!("a length of at most {LARGEST_MARKER_MM} mm");
         return Err(table.wrong("height_mm", &expected, &format!("{height_mm:?}")));
     }
-    Ok(Markers {
-        radius_mm,
-        height_mm,
-        front_rgb: read_rgb(table, "front_rgb")?,
-        back_rgb: read_rgb(table, "back_rgb")?,
-    })
+    Ok(Markers { radius_mm, height_mm, look: read_look(table, radius_mm)? })
+}
+
+/// A mark on the finger's base.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reference {
+    /// Its place, mm, finger frame.
+    pub at: Vector,
+    /// How it looks, and its height above the plane of the beams.
+    pub markers: Markers,
+}
+
+/// A base that is not where the camera's pose has it: it moves from image to image.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Base {
+    /// Marks that move with it; two or more show where it is.
+    pub references: Vec<Reference>,
+}
+
+/// All keys of `[base]`, and of each reference.
+pub(super) const BASE_KEYS: [&str; 1] = ["reference"];
+const REFERENCE_KEYS: [&str; 5] = ["at_mm", "radius_mm", "height_mm", "shade", "inner_radius_mm"];
+
+pub(super) fn read_base(table: &TableReader) -> Result<Base, SceneError> {
+    let reference = |table: &TableReader| {
+        let [x, y] = table.numbers("at_mm", "x and y in mm")?;
+        if x.abs() > FARTHEST_MM || y.abs() > FARTHEST_MM {
+            return Err(table.wrong(
+                "at_mm",
+                &format!("lengths of at most {FARTHEST_MM} mm"),
+                &format!("{:?}", [x, y]),
+            ));
+        }
+        if !table.has("shade") {
+            return Err(table.missing("shade", "\"bright\" or \"dark\""));
+        }
+        Ok(Reference { at: Vector::new(x, y), markers: read_discs(table)? })
+    };
+    let references = table.tables("reference", &REFERENCE_KEYS)?;
+    Ok(Base { references: references.iter().map(reference).collect::<Result<_, _>>()? })
+}
+
+fn read_look(table: &TableReader, radius_mm: f64) -> Result<MarkerLook, SceneError> {
+    if !SHADE_KEYS.iter().any(|key| table.has(key)) {
+        return Ok(MarkerLook::Coloured {
+            front_rgb: read_rgb(table, "front_rgb")?,
+            back_rgb: read_rgb(table, "back_rgb")?,
+        });
+    }
+    if let Some(colour) = COLOUR_KEYS.iter().find(|key| table.has(key)) {
+        return Err(table.wrong("shade", "either shade or front_rgb and back_rgb", &format!("shade and {colour}")));
+    }
+    let shade = table.choice("shade", &[("bright", Shade::Bright), ("dark", Shade::Dark)])?;
+    let inner_radius_mm = table.optional_number("inner_radius_mm", "length in mm")?.unwrap_or(0.0);
+    if !(0.0..radius_mm).contains(&inner_radius_mm) {
+        let expected = format!("a length in mm, zero or more and below radius_mm = {radius_mm:?}");
+        return Err(table.wrong("inner_radius_mm", &expected, &format!("{inner_radius_mm:?}")));
+    }
+    Ok(MarkerLook::Grey { shade, inner_radius_mm })
 }
 
 fn read_rgb(table: &TableReader, key: &str) -> Result<Rgb, SceneError> {

@@ -3,8 +3,9 @@
 use super::Failure;
 use super::parse::positive;
 use finray_imaging::grid::{find_grid, lens_of_grids};
-use finray_model::camera::{LENS_PARAMETERS, LensFit};
+use finray_model::camera::{LENS_PARAMETERS, LensFit, Pose};
 use finray_verify::files::{FileError, load_image, write_text};
+use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -20,6 +21,10 @@ use std::path::PathBuf;
 /// principal point) stays near what lenses are like, and a note says so. Such a lens still holds for
 /// positions in the plane of the grid, with a pose found in that plane (`finray locate --rest`).
 ///
+/// --plane also writes the pose of the grid's plane, for a finger that moves in a plane before it: origin
+/// in the middle of the image, x to its right, y up, z towards the camera. All images must show the
+/// grid in the same place.
+///
 /// Example:
 ///   finray lens --grid-mm 5 --image grid1.png grid2.png grid3.png --out lens.toml
 #[derive(clap::Args)]
@@ -31,10 +36,17 @@ pub struct Arguments {
     /// Image of the grid (PNG, JPEG); several of one camera
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     image: Vec<PathBuf>,
+    /// Also write the pose of the grid's plane
+    #[arg(long)]
+    plane: bool,
     /// Result file; - for standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
     out: PathBuf,
 }
+
+/// Largest differences between images of a plane that is in the same place: of its normal, deg, and of its distance from the camera, as a share.
+const SAME_NORMAL_DEG: f64 = 0.5;
+const SAME_DISTANCE: f64 = 0.005;
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let seen = arguments.image.par_iter().map(|path| {
@@ -53,11 +65,48 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (fit, left_out) =
         lens_of_grids(size_px, arguments.grid_mm, &grids).map_err(|error| Failure::BadInput(error.to_string()))?;
     let dots = grids.iter().map(Vec::len).sum::<usize>() - left_out;
-    write_text(&arguments.out, &to_toml(&fit, arguments, dots))?;
+    let mut text = to_toml(&fit, arguments, dots);
+    if arguments.plane {
+        let pose = pose_of_plane(&fit).map_err(Failure::BadInput)?;
+        text += &format!(
+            "rotation_vector_rad = {:?}\ntranslation_mm = {:?}\n",
+            pose.rotation_vector_rad(),
+            <[f64; 3]>::from(pose.translation_mm)
+        );
+    }
+    write_text(&arguments.out, &text)?;
     if let Some(note) = not_shown(&fit) {
         eprintln!("note: {note}");
     }
     Ok(())
+}
+
+/// The pose of the plane that all images show.
+fn pose_of_plane(fit: &LensFit) -> Result<Pose, String> {
+    let ray = fit.lens.ray(&fit.lens.middle()).map_err(|error| format!("--plane: the middle of the image {error}"))?;
+    let seen: Vec<[Vector3<f64>; 2]> = fit
+        .poses
+        .iter()
+        .map(|pose| {
+            let normal = pose.rotation * Vector3::z();
+            let normal = if normal.dot(&pose.translation_mm) > 0.0 { -normal } else { normal };
+            [normal, ray * (normal.dot(&pose.translation_mm) / normal.dot(&ray))]
+        })
+        .collect();
+    let [normal, origin] = [0, 1].map(|part| seen.iter().map(|of| of[part]).sum::<Vector3<f64>>() / seen.len() as f64);
+    for (number, of) in seen.iter().enumerate() {
+        let turned_deg = of[0].angle(&normal).to_degrees();
+        let farther = (of[1] - origin).norm() / origin.norm();
+        if turned_deg > SAME_NORMAL_DEG || farther > SAME_DISTANCE {
+            return Err(format!(
+                "--plane: expected images of a grid in one place, found image {} turned by {turned_deg:.2} deg and {:.2} % nearer or farther than the \
+                 mean",
+                number + 1,
+                100.0 * farther
+            ));
+        }
+    }
+    Ok(Pose::in_plane(&normal, &origin))
 }
 
 fn to_toml(fit: &LensFit, arguments: &Arguments, dots: usize) -> String {

@@ -2,8 +2,9 @@
 
 use super::cameras::{camera_and_markers, camera_of, markers_of};
 use super::{Failure, not_both_from_standard_input};
-use finray_imaging::locate::{Located, Locator, LocatorError, Rest};
-use finray_model::{NodeId, Vector};
+use finray_imaging::locate::{Located, Locator, LocatorError, Rest, RimLocator};
+use finray_model::scene::MarkerLook;
+use finray_model::{Finger, NodeId, Scene, Vector};
 use finray_verify::files::{FileError, csv_text, is_standard_stream, load_image, load_scene, write_text};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -48,8 +49,8 @@ pub struct Arguments {
 }
 
 #[derive(Serialize)]
-struct Row<'a> {
-    image: &'a str,
+struct Row {
+    image: String,
     node: usize,
     u_px: f64,
     v_px: f64,
@@ -70,16 +71,47 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::BadInput(message.to_owned()));
     }
     let scene = load_scene(&arguments.scene)?;
-    let finger = &scene.finger;
-    let refused = |path: &Path, error: &dyn std::fmt::Display| {
-        Failure::from(FileError::Content { path: path.to_owned(), message: error.to_string() })
+    let rows = match markers_of(&scene)?.look {
+        MarkerLook::Coloured { .. } => by_colour(arguments, &scene)?,
+        MarkerLook::Grey { .. } => by_rims(arguments, &scene)?,
     };
+    Ok(write_text(&arguments.out, &csv_text(rows)?)?)
+}
+
+fn refused(path: &Path, error: &dyn std::fmt::Display) -> Failure {
+    Failure::from(FileError::Content { path: path.to_owned(), message: error.to_string() })
+}
+
+fn row(image: &str, seen: &Located, (from, from_sd_mm): (Vector, f64)) -> Row {
+    let Located { node, pixel, position, sd_mm } = *seen;
+    Row {
+        image: image.to_owned(),
+        node: node.0,
+        u_px: pixel.x,
+        v_px: pixel.y,
+        x_mm: position.x,
+        y_mm: position.y,
+        ux_mm: position.x - from.x,
+        uy_mm: position.y - from.y,
+        sigma_mm: sd_mm.hypot(from_sd_mm),
+    }
+}
+
+/// Where a marker is without load, mm, with its standard deviation: where an image of the finger at rest has it, or the scene.
+fn at_rest(finger: &Finger, rest: Option<&[Located]>, node: NodeId) -> (Vector, f64) {
+    let seen = rest.unwrap_or_default().iter().find(|marker| marker.node == node);
+    let undeformed = finger.position(node) + finger.marker_offset(node);
+    seen.map_or((undeformed, 0.0), |marker| (marker.position, marker.sd_mm))
+}
+
+fn by_colour(arguments: &Arguments, scene: &Scene) -> Result<Vec<Row>, Failure> {
+    let finger = &scene.finger;
     let rest = match &arguments.rest {
         None => None,
         Some(path) => {
-            let markers = markers_of(&scene)?;
+            let markers = markers_of(scene)?;
             let image = load_image(path)?;
-            let (lens, pose) = camera_of(&scene)?;
+            let (lens, pose) = camera_of(scene)?;
             let rest = Rest::of(finger, &lens, pose, &markers, &image).map_err(|error| refused(path, &error))?;
             if rest.residual_sd_px > SURE_REST_PX {
                 eprintln!(
@@ -93,36 +125,38 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     };
     let (camera, markers) = match &rest {
-        Some(rest) => (rest.camera, markers_of(&scene)?),
-        None => camera_and_markers(&scene)?,
+        Some(rest) => (rest.camera, markers_of(scene)?),
+        None => camera_and_markers(scene)?,
     };
-    let at_rest = |node: NodeId| -> (Vector, f64) {
-        let seen = rest.iter().flat_map(|rest| &rest.located).find(|marker| marker.node == node);
-        seen.map_or((finger.position(node), 0.0), |marker| (marker.position, marker.sd_mm))
-    };
-    let mut locator =
-        Locator::new(finger, &camera, &markers).map_err(|error: LocatorError| Failure::BadInput(error.to_string()))?;
+    let located_at_rest = rest.as_ref().map(|rest| rest.located.as_slice());
+    let mut locator = Locator::new(finger, &camera, &markers).map_err(cannot_locate)?;
     let mut rows = Vec::new();
-    let names: Vec<String> = arguments.image.iter().map(|path| name_of(path)).collect();
-    for (path, name) in arguments.image.iter().zip(&names) {
+    for path in &arguments.image {
         let image = load_image(path)?;
         let found = locator.track(&image).map_err(|error| refused(path, &error))?;
-        rows.extend(found.into_iter().map(|Located { node, pixel, position, sd_mm }| {
-            let (from, from_sd_mm) = at_rest(node);
-            Row {
-                image: name,
-                node: node.0,
-                u_px: pixel.x,
-                v_px: pixel.y,
-                x_mm: position.x,
-                y_mm: position.y,
-                ux_mm: position.x - from.x,
-                uy_mm: position.y - from.y,
-                sigma_mm: sd_mm.hypot(from_sd_mm),
-            }
-        }));
+        let name = name_of(path);
+        rows.extend(found.iter().map(|seen| row(&name, seen, at_rest(finger, located_at_rest, seen.node))));
     }
-    Ok(write_text(&arguments.out, &csv_text(rows)?)?)
+    Ok(rows)
+}
+
+fn by_rims(arguments: &Arguments, scene: &Scene) -> Result<Vec<Row>, Failure> {
+    let finger = &scene.finger;
+    let (camera, markers) = camera_and_markers(scene)?;
+    let locator = RimLocator::new(finger, &camera, &markers, scene.base.as_ref()).map_err(cannot_locate)?;
+    let seen = |path: &Path| locator.locate(&load_image(path)?).map_err(|error| refused(path, &error));
+    let rest = arguments.rest.as_deref().map(seen).transpose()?;
+    let located_at_rest = rest.as_ref().map(|rest| rest.located.as_slice());
+    let mut rows = Vec::new();
+    for path in &arguments.image {
+        let (found, name) = (seen(path)?, name_of(path));
+        rows.extend(found.located.iter().map(|seen| row(&name, seen, at_rest(finger, located_at_rest, seen.node))));
+    }
+    Ok(rows)
+}
+
+fn cannot_locate(error: LocatorError) -> Failure {
+    Failure::BadInput(error.to_string())
 }
 
 /// The name of an image's file, without its folder.

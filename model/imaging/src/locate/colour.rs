@@ -1,6 +1,6 @@
 //! Which pixels have a marker's colour, whatever the light.
 
-use finray_model::scene::{Markers, Rgb};
+use finray_model::scene::Rgb;
 
 /// Smallest angle between a marker's colour and grey, degrees: below, light alone makes a pixel a marker.
 const LEAST_SATURATION_DEG: f64 = 8.0;
@@ -60,14 +60,14 @@ pub(super) struct Colours {
 }
 
 impl Colours {
-    pub fn new(markers: &Markers) -> Result<Colours, GreyMarker> {
+    pub fn new([front_rgb, back_rgb]: [Rgb; 2]) -> Result<Colours, GreyMarker> {
         let saturation = |key, colour: Rgb| {
             let angle = angle_deg(colour, [255; 3]);
             if angle < LEAST_SATURATION_DEG { Err(GreyMarker { key, colour }) } else { Ok(angle) }
         };
-        let front = saturation("front_rgb", markers.front_rgb)?;
-        let back = saturation("back_rgb", markers.back_rgb)?;
-        let apart = angle_deg(markers.front_rgb, markers.back_rgb);
+        let front = saturation("front_rgb", front_rgb)?;
+        let back = saturation("back_rgb", back_rgb)?;
+        let apart = angle_deg(front_rgb, back_rgb);
         let cone = |colour: Rgb, widest: f64| {
             let length = colour.map(f64::from).iter().map(|part| part * part).sum::<f64>().sqrt();
             Cone {
@@ -77,12 +77,9 @@ impl Colours {
             }
         };
         if apart < ALIKE_DEG {
-            return Ok(Colours { front: cone(markers.front_rgb, front.min(back)), back: None });
+            return Ok(Colours { front: cone(front_rgb, front.min(back)), back: None });
         }
-        Ok(Colours {
-            front: cone(markers.front_rgb, front.min(apart)),
-            back: Some(cone(markers.back_rgb, back.min(apart))),
-        })
+        Ok(Colours { front: cone(front_rgb, front.min(apart)), back: Some(cone(back_rgb, back.min(apart))) })
     }
 
     /// Whether both plates have the same colour.

@@ -1,6 +1,7 @@
 //! Node positions from images: find the markers (`colour`, `blobs`), measure their centres (`disc`), name them (`naming`), and measure them again
 //! as markers that are alike (`together`).
-//! The finger at rest is found without a guess of its pose (`pattern`, `rest`).
+//! The finger at rest is found without a guess of its pose (`pattern`, `rest`). Markers in grey light are found by their rims (`rim`,
+//! `rim_locator`).
 
 mod blobs;
 mod colour;
@@ -8,21 +9,24 @@ mod disc;
 mod naming;
 mod pattern;
 mod rest;
+mod rim;
+mod rim_locator;
 mod together;
 
 pub use colour::GreyMarker;
 pub use naming::NamingError;
 pub use rest::{Rest, RestError};
+pub use rim_locator::{RimLocator, SeenFinger};
 
 use blobs::{Blob, LEAST_RADIUS_PX, blobs, middle_of_colour};
 use colour::{Colours, Side};
 use disc::{Buffers, Disc, LARGEST_BLUR, View};
 use finray_model::camera::{Camera, Lens, Pixel, ViewError};
 use finray_model::finger::Plate;
-use finray_model::scene::Markers;
+use finray_model::scene::{MarkerLook, Markers};
 use finray_model::{Finger, NodeId, Vector};
 use image::RgbImage;
-use naming::{Candidate, Names, name, name_likely};
+use naming::{Candidate, Marked, Names, name, name_likely};
 use together::{Common, located, measure_together};
 
 /// A marker is sought within so many of its radii of where it was in the image before.
@@ -87,7 +91,7 @@ pub enum LocateError {
     Naming(#[from] NamingError),
 }
 
-/// Finds the markers of one finger with one camera.
+/// Finds the coloured markers of one finger with one camera.
 #[derive(Debug, Clone)]
 pub struct Locator<'f> {
     finger: &'f Finger,
@@ -114,7 +118,10 @@ impl<'f> Locator<'f> {
     /// # Errors
     /// [`LocatorError`] for colours that cannot be found and a camera that does not see the finger.
     pub fn new(finger: &'f Finger, camera: &Camera, markers: &Markers) -> Result<Locator<'f>, LocatorError> {
-        let colours = Colours::new(markers)?;
+        let MarkerLook::Coloured { front_rgb, back_rgb } = markers.look else {
+            return Err(LocatorError::NotColoured);
+        };
+        let colours = Colours::new([front_rgb, back_rgb])?;
         let radius_px = radius_px(finger, camera, markers)?;
         Ok(Locator {
             finger,
@@ -189,10 +196,14 @@ impl<'f> Locator<'f> {
         let found: Vec<(NodeId, Disc)> = self.last.iter().filter_map(near).collect();
         self.buffers = buffers;
         // What is near where a node was is that node, unless no finger has such a shape.
-        let candidate =
-            |(node, disc): &(NodeId, Disc)| Candidate { sides: [true; 2], at: disc.centre, node: Some(*node) };
+        let candidate = |(node, disc): &(NodeId, Disc)| Candidate {
+            sides: [true; 2],
+            at: disc.centre,
+            node: Some(*node),
+            cost: 0.0,
+        };
         let candidates: Vec<Candidate> = found.iter().map(candidate).collect();
-        let names = name_likely(self.finger, &candidates);
+        let names = name_likely(Marked::at_base(self.finger), &candidates);
         let named: Vec<(NodeId, Disc)> = names.iter().flatten().map(|&i| found[i]).collect();
         if (named.len() as f64) < FOUND_AGAIN * self.searched as f64 {
             return self.locate(image);
@@ -213,9 +224,10 @@ impl<'f> Locator<'f> {
             sides: [Side::Front, Side::Back].map(|other| alike || other == *side),
             at: disc.centre,
             node: None,
+            cost: 0.0,
         };
         let candidates: Vec<Candidate> = discs.iter().map(candidate).collect();
-        let names: Names = name(self.finger, &candidates)?;
+        let names: Names = name(Marked::at_base(self.finger), &candidates)?;
         let named = names.iter().enumerate().filter_map(|(i, name)| Some((NodeId(i + 1), discs[(*name)?].1)));
         Ok(named.collect())
     }
@@ -228,6 +240,12 @@ impl<'f> Locator<'f> {
 /// Why no locator can be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LocatorError {
+    /// Grey markers are not found by their colour.
+    #[error("markers: expected front_rgb and back_rgb, found shade")]
+    NotColoured,
+    /// Coloured markers are not found by their rims.
+    #[error("markers: expected shade, found front_rgb and back_rgb")]
+    NotGrey,
     /// The markers' colours.
     #[error(transparent)]
     Colour(#[from] GreyMarker),
@@ -244,7 +262,12 @@ fn radius_px(finger: &Finger, camera: &Camera, markers: &Markers) -> Result<f64,
     if !camera.lens.contains(&pixel) {
         return Err(LocateError::Outside);
     }
-    let mm_a_px = camera.position_sd_mm(&pixel, markers.height_mm, 1.0)?;
+    radius_at(camera, &pixel, markers)
+}
+
+/// Radius of a marker that is seen at a pixel, px.
+fn radius_at(camera: &Camera, pixel: &Pixel, markers: &Markers) -> Result<f64, LocateError> {
+    let mm_a_px = camera.position_sd_mm(pixel, markers.height_mm, 1.0)?;
     let radius_px = markers.radius_mm / mm_a_px;
     if radius_px < LEAST_RADIUS_PX { Err(LocateError::TooSmall { radius_px }) } else { Ok(radius_px) }
 }

@@ -6,7 +6,7 @@ use super::pattern::at_rest;
 use super::{LocateError, Located, Locator, LocatorError, require_size};
 use finray_model::Finger;
 use finray_model::camera::{Camera, Lens, PlanePoseError, Pose, plane_pose};
-use finray_model::scene::Markers;
+use finray_model::scene::{MarkerLook, Markers};
 use image::RgbImage;
 
 /// Largest residual of the pose's fit, px: a finger that is bent, or not this one, leaves more.
@@ -92,7 +92,10 @@ fn pose_of_pattern(
     markers: &Markers,
     image: &RgbImage,
 ) -> Result<Option<Pose>, RestError> {
-    let colours = Colours::new(markers).map_err(LocatorError::from)?;
+    let MarkerLook::Coloured { front_rgb, back_rgb } = markers.look else {
+        return Err(LocatorError::NotColoured.into());
+    };
+    let colours = Colours::new([front_rgb, back_rgb]).map_err(LocatorError::from)?;
     let Some(radius_px) = commonest_radius(image, &colours) else { return Ok(None) };
     let blobs = blobs(image, &colours, radius_px);
     let Some(named) = at_rest(finger, lens, &blobs, (radius_px, colours.are_alike())) else { return Ok(None) };

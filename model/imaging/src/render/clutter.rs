@@ -1,10 +1,10 @@
 //! What lies about: discs and boxes, behind the finger.
 
 use super::disc::paint_disc;
-use super::mix;
+use super::{BRIGHT, DARK, mix};
 use finray_model::NodeId;
 use finray_model::camera::{Camera, Pixel};
-use finray_model::scene::{Markers, Rgb};
+use finray_model::scene::{MarkerLook, Markers, Rgb};
 use image::Rgb32FImage;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -29,7 +29,11 @@ pub(super) fn scatter(
     chance: &mut ChaCha8Rng,
 ) {
     let [width, height] = camera.lens.size_px().map(f64::from);
-    let colours = [markers.front_rgb, markers.back_rgb, GREYS[0], GREYS[1]];
+    let [first, second] = match markers.look {
+        MarkerLook::Coloured { front_rgb, back_rgb } => [front_rgb, back_rgb],
+        MarkerLook::Grey { .. } => [BRIGHT, DARK],
+    };
+    let colours = [first, second, GREYS[0], GREYS[1]];
     for number in 0..count {
         let size_mm = markers.radius_mm * chance.random_range(SIZES[0]..SIZES[1]);
         let shade = [(); 3].map(|()| chance.random_range(-OTHER_SHADE..OTHER_SHADE));

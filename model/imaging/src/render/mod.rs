@@ -13,8 +13,8 @@ pub use grid::{GridPlate, render_grid};
 use disc::paint_disc;
 use finray_model::camera::{Camera, Pixel};
 use finray_model::mesh::FingerShape;
-use finray_model::scene::{Markers, Rgb};
-use finray_model::{Finger, NodeId};
+use finray_model::scene::{MarkerLook, Markers, Rgb, Shade};
+use finray_model::{Finger, NodeId, Vector};
 use image::{ImageBuffer, Rgb32FImage, RgbImage};
 use outline::finger_mask;
 use rand::SeedableRng;
@@ -24,6 +24,9 @@ use rand_distr::{Distribution, StandardNormal};
 /// Colours of what is no marker: a dark background and a light finger.
 const BACKGROUND: Rgb = [64, 68, 74];
 const BODY: Rgb = [186, 188, 190];
+/// Grey markers.
+const BRIGHT: Rgb = [250, 250, 248];
+const DARK: Rgb = [22, 24, 26];
 
 /// What is seen, and how.
 #[derive(Debug, Clone, Copy)]
@@ -79,11 +82,12 @@ pub enum RenderError {
 /// [`RenderError`] for a node that has no pixel, or a finger outside the image.
 pub fn marker_pixels(
     camera: &Camera,
+    finger: &Finger,
     shape: &FingerShape,
     height_mm: f64,
 ) -> Result<Vec<(NodeId, Pixel)>, RenderError> {
     let seen = shape.motions().iter().map(|motion| {
-        let at = (motion.position + motion.displacement).push(height_mm);
+        let at = (motion.marker_position(finger) + motion.marker_displacement(finger)).push(height_mm);
         let pixel = camera.project(&at).map_err(|reason| RenderError::NotSeen { node: motion.node, reason })?;
         Ok((motion.node, pixel))
     });
@@ -97,7 +101,7 @@ pub fn marker_pixels(
 /// [`RenderError`] for a finger that the camera does not see.
 pub fn render(request: &RenderRequest) -> Result<RgbImage, RenderError> {
     let &RenderRequest { camera, finger, shape, markers, hidden, disturbances } = request;
-    let pixels = marker_pixels(camera, shape, markers.height_mm)?;
+    let pixels = marker_pixels(camera, finger, shape, markers.height_mm)?;
     let [width, height] = camera.lens.size_px();
     let mut canvas: Rgb32FImage = ImageBuffer::from_pixel(width, height, BACKGROUND.map(f32::from).into());
     let mut chance = chance(disturbances.seed, 1);
@@ -109,12 +113,33 @@ pub fn render(request: &RenderRequest) -> Result<RgbImage, RenderError> {
         }
     }
     let on_front = finger.plate_nodes(finray_model::finger::Plate::Front);
-    for motion in shape.motions().iter().filter(|motion| !hidden.contains(&motion.node)) {
-        let colour = if on_front.contains(&motion.node) { markers.front_rgb } else { markers.back_rgb };
-        let centre = motion.position + motion.displacement;
-        paint_disc(&mut canvas, camera, (centre, markers.height_mm), markers.radius_mm, colour.map(f32::from));
+    let is_seen = |node: NodeId| finger.has_marker(node) && !hidden.contains(&node);
+    for motion in shape.motions().iter().filter(|motion| is_seen(motion.node)) {
+        let centre = motion.marker_position(finger) + motion.marker_displacement(finger);
+        paint_marker(&mut canvas, camera, markers, centre, on_front.contains(&motion.node));
     }
     Ok(developed(canvas, &disturbances))
+}
+
+/// Paints a disc or ring about a point of the finger frame, mm.
+fn paint_marker(canvas: &mut Rgb32FImage, camera: &Camera, markers: &Markers, centre: Vector, is_front: bool) {
+    let at = (centre, markers.height_mm);
+    match markers.look {
+        MarkerLook::Coloured { front_rgb, back_rgb } => {
+            let colour = if is_front { front_rgb } else { back_rgb };
+            paint_disc(canvas, camera, at, markers.radius_mm, colour.map(f32::from));
+        }
+        MarkerLook::Grey { shade, inner_radius_mm } => {
+            let [ring, inside] = match shade {
+                Shade::Bright => [BRIGHT, DARK],
+                Shade::Dark => [DARK, BRIGHT],
+            };
+            paint_disc(canvas, camera, at, markers.radius_mm, ring.map(f32::from));
+            if inner_radius_mm > 0.0 {
+                paint_disc(canvas, camera, at, inner_radius_mm, inside.map(f32::from));
+            }
+        }
+    }
 }
 
 /// Weights of a Gaussian of a standard deviation (px), out to four of them: imageproc's own ends at two, where it is narrower than it says.

@@ -4,6 +4,7 @@ use super::kit::{DISTURBED, camera_of, rms, scene, tilted};
 use finray_imaging::locate::{LocateError, Located, Locator, NamingError, Rest};
 use finray_imaging::render::{Disturbances, RenderRequest, render};
 use finray_model::mesh::FingerShape;
+use finray_model::scene::MarkerLook;
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, statics};
 use finray_verify::sampling::noise::Noise;
 use image::RgbImage;
@@ -206,13 +207,14 @@ fn images_without_the_finger_are_refused() {
     let mut locator = Locator::new(finger, &camera, &markers).expect("a locator");
     let black = RgbImage::new(1600, 1400);
     assert!(matches!(locator.locate(&black), Err(LocateError::Naming(NamingError::TooFew { found: 0, .. }))));
-    let colour = RgbImage::from_pixel(1600, 1400, image::Rgb(markers.front_rgb));
+    let MarkerLook::Coloured { front_rgb, back_rgb } = markers.look else { panic!("coloured markers") };
+    let colour = RgbImage::from_pixel(1600, 1400, image::Rgb(front_rgb));
     assert!(matches!(locator.locate(&colour), Err(LocateError::Naming(NamingError::TooFew { .. }))));
     let small = RgbImage::new(800, 700);
     assert_eq!(locator.locate(&small), Err(LocateError::Size { expected: [1600, 1400], found: [800, 700] }));
     let everywhere = RgbImage::from_fn(1600, 1400, |u, v| {
         let is_marker = (u % 40 < 24) && (v % 40 < 24);
-        image::Rgb(if is_marker { markers.back_rgb } else { [60, 60, 60] })
+        image::Rgb(if is_marker { back_rgb } else { [60, 60, 60] })
     });
     assert!(matches!(locator.locate(&everywhere), Err(LocateError::Naming(_))));
 }

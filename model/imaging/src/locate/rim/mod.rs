@@ -1,0 +1,226 @@
+//! Bright or dark discs and rings in grey light, by their outer rim.
+//!
+//! What is inside a ring (a screw's head, a hole) and what lies about it may look like anything; the rim is where the light changes most along a
+//! ray from the centre. Rays are cast in the plane of the markers, where the rim is a circle, whatever perspective and lens do to its image.
+
+mod votes;
+
+use finray_model::Vector;
+use finray_model::camera::{Camera, Pixel};
+use finray_model::scene::Shade;
+use image::GrayImage;
+use nalgebra::{Complex, Matrix2, Matrix3, Vector3};
+
+/// Rays from a centre, and steps along each, px.
+const RAYS: usize = 64;
+const STEP_PX: f64 = 0.25;
+/// Where along a ray the edge may be, against the expected radius.
+const REACH: [f64; 2] = [0.75, 1.3];
+/// Half the length over which the light before and after an edge is averaged, px.
+const SIDE_PX: f64 = 1.0;
+/// Smallest step of the light across a rim, grey levels.
+const LEAST_CONTRAST: f64 = 8.0;
+/// Share of the rays that must meet the rim.
+const LEAST_SHARE: f64 = 0.6;
+/// Rays whose edge is farther off the circle than so many standard deviations (of which the least is so many px) do not count.
+const OUTLIER: f64 = 3.0;
+const LEAST_SPREAD_PX: f64 = 0.15;
+/// Radius of a marker against the stated one: what the rim's sharpest edge may be off.
+const RADIUS_TOLERANCE: f64 = 0.2;
+/// Largest standard deviation of the rim about its circle, as a share of the radius.
+const LARGEST_SPREAD: f64 = 0.1;
+/// Rims whose centres are nearer to each other than this, in radii, overlap: markers do not.
+const APART: f64 = 1.8;
+/// Rounds of casting rays from the centre that is known by then, and of leaving out rays.
+const ROUNDS: usize = 4;
+/// Smallest standard deviation of a centre, px: as that of coloured discs, twice over, since no edge is modelled.
+const LEAST_SD_PX: f64 = 0.01;
+
+/// A rim that was found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Rim {
+    /// Its centre in the plane, mm.
+    pub centre: Vector,
+    /// The pixel of the centre.
+    pub pixel: Pixel,
+    /// Standard deviation of one coordinate of the centre, mm.
+    pub sd_mm: f64,
+}
+
+/// What rims are sought.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct RimShape {
+    /// Outer radius, and that of what may look like anything inside, mm.
+    pub radius_mm: f64,
+    pub inner_radius_mm: f64,
+    pub shade: Shade,
+    /// Height of their plane, mm.
+    pub height_mm: f64,
+}
+
+/// Rims of a shape that do not overlap, those with most votes first. `radius_px` is about what they have in the image.
+pub(super) fn rims(grey: &GrayImage, camera: &Camera, shape: &RimShape, radius_px: f64) -> Vec<Rim> {
+    let centres = votes::centres(grey, radius_px, shape.shade);
+    let mut found: Vec<Rim> = Vec::new();
+    for rim in centres.iter().filter_map(|centre| measured(grey, camera, shape, centre)) {
+        if found.iter().all(|other| (other.centre - rim.centre).norm() > APART * shape.radius_mm) {
+            found.push(rim);
+        }
+    }
+    found
+}
+
+/// An edge that a ray meets: its distance from the centre, mm; by ray.
+type Edges = [Option<f64>; RAYS];
+
+fn direction(ray: usize) -> Vector {
+    let (sine, cosine) = (std::f64::consts::TAU * ray as f64 / RAYS as f64).sin_cos();
+    Vector::new(cosine, sine)
+}
+
+/// The rim about a pixel.
+fn measured(grey: &GrayImage, camera: &Camera, shape: &RimShape, about: &Pixel) -> Option<Rim> {
+    let mut centre = camera.on_plane(about, shape.height_mm).ok()?;
+    let mut last = None;
+    for _ in 0..ROUNDS {
+        let (_, by_pixel) = camera
+            .on_plane_with_derivatives(&camera.project(&centre.push(shape.height_mm)).ok()?, shape.height_mm)
+            .ok()?;
+        let mm_a_px = by_pixel.determinant().abs().sqrt();
+        let edges = edges(grey, camera, shape, &centre, mm_a_px);
+        let circle = Circle::through(&edges, LEAST_SPREAD_PX * mm_a_px)?;
+        if circle.centre.norm() > shape.radius_mm {
+            return None;
+        }
+        centre += circle.centre;
+        last = Some((circle, mm_a_px));
+    }
+    let (circle, mm_a_px) = last?;
+    let off = (circle.radius_mm / shape.radius_mm - 1.0).abs();
+    let is_rim =
+        circle.share >= LEAST_SHARE && off <= RADIUS_TOLERANCE && circle.spread_mm <= LARGEST_SPREAD * shape.radius_mm;
+    let pixel = camera.project(&centre.push(shape.height_mm)).ok()?;
+    is_rim.then(|| Rim { centre, pixel, sd_mm: circle.sd_mm.max(LEAST_SD_PX * mm_a_px) })
+}
+
+/// Where the light changes most along each ray.
+fn edges(grey: &GrayImage, camera: &Camera, shape: &RimShape, centre: &Vector, mm_a_px: f64) -> Edges {
+    let [nearest, farthest] = REACH.map(|share| share * shape.radius_mm);
+    let side_mm = SIDE_PX * mm_a_px;
+    // Beside the edge nothing of what is inside a ring is seen.
+    let from = (nearest - side_mm).max(shape.inner_radius_mm);
+    let step = STEP_PX * mm_a_px;
+    let count = ((farthest + side_mm - from) / step).ceil() as usize + 1;
+    let side = (SIDE_PX / STEP_PX).round() as usize;
+    let sign = match shape.shade {
+        Shade::Bright => 1.0,
+        Shade::Dark => -1.0,
+    };
+    let mut light = Vec::with_capacity(count);
+    std::array::from_fn(|ray| {
+        let along = direction(ray);
+        light.clear();
+        for k in 0..count {
+            let at = centre + along * (from + k as f64 * step);
+            light.push(sign * brightness(grey, &camera.project(&at.push(shape.height_mm)).ok()?)?);
+        }
+        // Fall of the light over both sides of a point.
+        let fall = |k: usize| {
+            let inside: f64 = light[k.saturating_sub(side)..k].iter().sum::<f64>() / k.min(side) as f64;
+            let outside: f64 =
+                light[k + 1..(k + 1 + side).min(count)].iter().sum::<f64>() / side.min(count - 1 - k) as f64;
+            inside - outside
+        };
+        let first = ((nearest.max(from) - from) / step).ceil().max(1.0) as usize;
+        let last = (((farthest - from) / step).floor() as usize).min(count - 2);
+        let best = (first..=last).max_by(|&a, &b| fall(a).total_cmp(&fall(b)))?;
+        if fall(best) < LEAST_CONTRAST || best == first || best == last {
+            return None;
+        }
+        // The top of the parabola through the largest fall and its neighbours.
+        let [before, here, after] = [best - 1, best, best + 1].map(fall);
+        let bend = before - 2.0 * here + after;
+        let shift = if bend < 0.0 { (0.5 * (before - after) / bend).clamp(-0.5, 0.5) } else { 0.0 };
+        Some(from + (best as f64 + shift) * step)
+    })
+}
+
+/// Light at a position between pixels; `None` outside the image.
+fn brightness(grey: &GrayImage, at: &Pixel) -> Option<f64> {
+    let (u, v) = (at.x.floor(), at.y.floor());
+    let (width, height) = grey.dimensions();
+    if !(u >= 0.0 && v >= 0.0 && u + 1.0 < f64::from(width) && v + 1.0 < f64::from(height)) {
+        return None;
+    }
+    let (x, y) = (at.x - u, at.y - v);
+    let light = |i: u32, j: u32| f64::from(grey.get_pixel(u as u32 + i, v as u32 + j).0[0]);
+    Some((light(0, 0) * (1.0 - x) + light(1, 0) * x) * (1.0 - y) + (light(0, 1) * (1.0 - x) + light(1, 1) * x) * y)
+}
+
+/// A circle through edges.
+#[derive(Debug, Clone, Copy)]
+struct Circle {
+    /// From where the rays begin, mm.
+    centre: Vector,
+    radius_mm: f64,
+    /// Share of the rays that count.
+    share: f64,
+    /// Standard deviation of the edges about it, and of one coordinate of its centre, mm.
+    spread_mm: f64,
+    sd_mm: f64,
+}
+
+impl Circle {
+    /// The circle of least squares, without rays that are far off it; to first order about where the rays begin.
+    fn through(edges: &Edges, least_spread_mm: f64) -> Option<Circle> {
+        let mut counts: [bool; RAYS] = std::array::from_fn(|ray| edges[ray].is_some());
+        let mut circle = None;
+        for _ in 0..ROUNDS {
+            let met: Vec<(usize, f64)> =
+                (0..RAYS).filter(|ray| counts[*ray]).filter_map(|ray| Some((ray, edges[ray]?))).collect();
+            if met.len() < RAYS / 3 {
+                return None;
+            }
+            let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+            for &(ray, distance) in &met {
+                let along = direction(ray);
+                let row = Vector3::new(along.x, along.y, 1.0);
+                normal += row * row.transpose();
+                right += row * distance;
+            }
+            let inverse = normal.try_inverse()?;
+            let found = inverse * right;
+            let off = |ray: usize, distance: f64| distance - direction(ray).dot(&found.xy()) - found.z;
+            let squares: f64 = met.iter().map(|&(ray, distance)| off(ray, distance).powi(2)).sum();
+            let spread_mm = (squares / (met.len() - 3) as f64).sqrt();
+            let mut sizes: Vec<f64> = met.iter().map(|&(ray, distance)| off(ray, distance).abs()).collect();
+            let middle = sizes.len() / 2;
+            let median = *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
+            let limit = OUTLIER * (1.5 * median).max(least_spread_mm);
+            let residuals: [f64; RAYS] = std::array::from_fn(|ray| {
+                edges[ray].filter(|_| counts[ray]).map_or(0.0, |distance| off(ray, distance))
+            });
+            circle = Some(Circle {
+                centre: found.xy(),
+                radius_mm: found.z,
+                share: met.len() as f64 / RAYS as f64,
+                spread_mm,
+                sd_mm: centre_sd_mm(&residuals, &inverse.fixed_view::<2, 2>(0, 0).into_owned()),
+            });
+            counts = std::array::from_fn(|ray| edges[ray].is_some_and(|distance| off(ray, distance).abs() <= limit));
+        }
+        circle
+    }
+}
+
+/// Standard deviation of one coordinate of the centre. Neighbouring rays err alike: centres take up what errors have of one period around the
+/// rim, of which two and three periods, left in the residuals, say how much there is.
+fn centre_sd_mm(residuals: &[f64; RAYS], inverse: &Matrix2<f64>) -> f64 {
+    let power = |periods: usize| {
+        let turn = |ray: usize| Complex::cis(std::f64::consts::TAU * (periods * ray) as f64 / RAYS as f64);
+        residuals.iter().enumerate().map(|(ray, off)| turn(ray) * *off).sum::<Complex<f64>>().norm_sqr() / RAYS as f64
+    };
+    // Of independent errors, the mean power is their variance.
+    let variance = (power(2) + power(3) + power(4)) / 3.0;
+    (variance * inverse.trace() / 2.0).sqrt()
+}

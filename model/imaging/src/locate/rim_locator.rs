@@ -1,0 +1,253 @@
+//! Nodes from the rims of grey markers, before surroundings that look alike, and the base of a finger that moves.
+//!
+//! Of many round rims in an image some are markers: those that one finger can have. Where the base is not known, every pair of rims that could be
+//! two references on it, or the two ends of a rib, proposes a place for it; the place from which the markers are named at the least cost is it.
+
+use super::naming::{Candidate, Marked, Names, NamingError, name, name_at_cost};
+use super::rim::{Rim, RimShape, rims};
+use super::{LocateError, Located, LocatorError, radius_at, radius_px, require_size};
+use finray_model::camera::Camera;
+use finray_model::scene::{Base, MarkerLook, Markers};
+use finray_model::{Finger, NodeId, Vector};
+use image::{GrayImage, RgbImage};
+use nalgebra::{Isometry2, UnitComplex};
+
+/// How far references may be from where the scene has them, mm, and as a share of their distance from each other.
+const REFERENCE_MM: f64 = 1.5;
+const REFERENCE_SHARE: f64 = 0.03;
+/// Deviation of a rib's length in a proposal: the scene's geometry is nominal.
+const RIB_SHARE: f64 = 0.08;
+/// Ribs from the base that propose a place, and standard deviation of the place, as a share of the length of the plate up to the rib: it bends.
+const PROPOSING: usize = 2;
+const BEND_SHARE: f64 = 0.2;
+/// Standard deviation of a rim's centre, as a share of its radius, that costs 1: what is not round is hardly a marker.
+const ROUND: f64 = 0.02;
+/// Another place whose names cost no more than this beyond the best fits alike.
+const ALIKE: f64 = 4.0;
+/// Nodes that such names may have otherwise.
+const MOST_DOUBTFUL: usize = 1;
+
+/// What an image shows of a finger.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SeenFinger {
+    /// From the finger frame, which moves with the base, to where the camera's pose has it.
+    pub base: Isometry2<f64>,
+    /// Distance of each reference from its place once the base is where it fits best, mm; `None` where it was not found. Without two of them the
+    /// base is only about where the markers have it.
+    pub references_mm: Vec<Option<f64>>,
+    /// Markers, in the order of the nodes, with positions in the finger frame.
+    pub located: Vec<Located>,
+}
+
+/// Finds the grey markers of one finger with one camera.
+#[derive(Debug, Clone)]
+pub struct RimLocator<'f> {
+    finger: &'f Finger,
+    camera: Camera,
+    shape: RimShape,
+    radius_px: f64,
+    base: Option<Base>,
+}
+
+/// A proposal for the base.
+struct Proposal {
+    base: Isometry2<f64>,
+    /// Standard deviation of its place, mm.
+    sd_mm: f64,
+    /// The rim of each reference, in the order of the references.
+    references: Vec<Option<usize>>,
+}
+
+impl<'f> RimLocator<'f> {
+    /// A locator for a scene's finger, camera and markers. `base`: what shows the base, where it is not where the camera's pose has it.
+    ///
+    /// # Errors
+    /// [`LocatorError`] for coloured markers and a camera that does not see the finger.
+    pub fn new(
+        finger: &'f Finger,
+        camera: &Camera,
+        markers: &Markers,
+        base: Option<&Base>,
+    ) -> Result<RimLocator<'f>, LocatorError> {
+        let shape = shape_of(markers)?;
+        let radius_px = match base {
+            None => radius_px(finger, camera, markers)?,
+            // The finger may be anywhere in the image.
+            Some(_) => radius_at(camera, &camera.lens.middle(), markers)?,
+        };
+        Ok(RimLocator { finger, camera: *camera, shape, radius_px, base: base.cloned() })
+    }
+
+    /// Markers in an image; hidden ones are left out. Nothing is assumed of the shape.
+    ///
+    /// # Errors
+    /// [`LocateError`] if the image does not show the finger, or more than one way to name the markers fits.
+    pub fn locate(&self, image: &RgbImage) -> Result<SeenFinger, LocateError> {
+        require_size(&self.camera.lens, image)?;
+        let grey: GrayImage = image::imageops::grayscale(image);
+        let rims = rims(&grey, &self.camera, &self.shape, self.radius_px);
+        let Some(base) = &self.base else {
+            let names = name(Marked::at_base(self.finger), &self.candidates(&rims, &Isometry2::identity()))?;
+            let located = self.located(&rims, &names, &Isometry2::identity());
+            return Ok(SeenFinger { base: Isometry2::identity(), references_mm: Vec::new(), located });
+        };
+        let marks: Vec<Vec<Rim>> = base.references.iter().map(|of| self.marks(&grey, &of.markers)).collect();
+        let proposals = match base.references.len() {
+            0 | 1 => self.by_ribs(&rims),
+            _ => by_references(base, &marks),
+        };
+        let best = self.best(&rims, &proposals)?;
+        let marked = Marked { finger: self.finger, base_sd_mm: best.sd_mm };
+        let names = name(marked, &self.candidates(&rims, &best.base))?;
+        let references_mm = base.references.iter().enumerate().map(|(i, reference)| {
+            let mark = best.references.get(i).copied().flatten()?;
+            Some((marks[i][mark].centre - (best.base * nalgebra::Point2::from(reference.at)).coords).norm())
+        });
+        Ok(SeenFinger {
+            base: best.base,
+            references_mm: references_mm.collect(),
+            located: self.located(&rims, &names, &best.base),
+        })
+    }
+
+    /// Rims that may be a reference.
+    fn marks(&self, grey: &GrayImage, markers: &Markers) -> Vec<Rim> {
+        let Ok(shape) = shape_of(markers) else { return Vec::new() };
+        rims(grey, &self.camera, &shape, self.radius_px * markers.radius_mm / self.shape.radius_mm)
+    }
+
+    /// Places of the base by the ends of the ribs next to it.
+    fn by_ribs(&self, rims: &[Rim]) -> Vec<Proposal> {
+        let mut proposals = Vec::new();
+        for rib in 0..self.finger.rib_count().min(PROPOSING) {
+            let nodes = self.finger.rib_nodes(rib);
+            let ends = nodes.map(|node| self.finger.position(node) + self.finger.marker_offset(node));
+            let plate_mm = self.finger.plate_positions_mm(finray_model::finger::Plate::Front)[rib + 1];
+            for (seen, _) in pairs(rims, rims, (ends[0] - ends[1]).norm(), RIB_SHARE * (ends[0] - ends[1]).norm()) {
+                let base = aligned(&ends, &seen.map(|(_, centre)| centre));
+                proposals.push(Proposal { base, sd_mm: BEND_SHARE * plate_mm, references: Vec::new() });
+            }
+        }
+        proposals
+    }
+
+    /// The place from which the markers are named at the least cost.
+    fn best<'p>(&self, rims: &[Rim], proposals: &'p [Proposal]) -> Result<&'p Proposal, NamingError> {
+        let mut best: Option<(f64, &Proposal, Names)> = None;
+        let mut others: Vec<(f64, Names)> = Vec::new();
+        for proposal in proposals {
+            let marked = Marked { finger: self.finger, base_sd_mm: proposal.sd_mm };
+            let Some((names, cost)) = name_at_cost(marked, &self.candidates(rims, &proposal.base)) else { continue };
+            others.push((cost, names.clone()));
+            if best.as_ref().is_none_or(|(least, ..)| cost < *least) {
+                best = Some((cost, proposal, names));
+            }
+        }
+        let all = self.finger.free_nodes().filter(|node| self.finger.has_marker(*node)).count();
+        let none = NamingError::TooFew { found: 0, all, least: (all / 3).max(all.min(3)) };
+        let (cost, proposal, names) = best.ok_or(none)?;
+        for (_, other) in others.iter().filter(|(other, _)| *other <= cost + ALIKE) {
+            let nodes = names.iter().zip(other).filter(|(a, b)| a != b).count();
+            if nodes > MOST_DOUBTFUL {
+                return Err(NamingError::Places { nodes });
+            }
+        }
+        Ok(proposal)
+    }
+
+    /// Rims as candidates in the finger frame.
+    fn candidates(&self, rims: &[Rim], base: &Isometry2<f64>) -> Vec<Candidate> {
+        let candidate = |rim: &Rim| Candidate {
+            sides: [true; 2],
+            at: base.inverse_transform_point(&rim.centre.into()).coords,
+            node: None,
+            cost: (rim.sd_mm / (ROUND * self.shape.radius_mm)).powi(2),
+        };
+        rims.iter().map(candidate).collect()
+    }
+
+    fn located(&self, rims: &[Rim], names: &Names, base: &Isometry2<f64>) -> Vec<Located> {
+        let named = names.iter().enumerate().filter_map(|(i, name)| Some((NodeId(i + 1), rims[(*name)?])));
+        let located = |(node, Rim { centre, pixel, sd_mm }): (NodeId, Rim)| Located {
+            node,
+            pixel,
+            position: base.inverse_transform_point(&centre.into()).coords,
+            sd_mm,
+        };
+        named.map(located).collect()
+    }
+}
+
+fn shape_of(markers: &Markers) -> Result<RimShape, LocatorError> {
+    let MarkerLook::Grey { shade, inner_radius_mm } = markers.look else { return Err(LocatorError::NotGrey) };
+    Ok(RimShape { radius_mm: markers.radius_mm, inner_radius_mm, shade, height_mm: markers.height_mm })
+}
+
+type Seen = (usize, Vector);
+
+/// Pairs of rims at a distance, in both orders, and how far they are off it, mm.
+fn pairs(first: &[Rim], second: &[Rim], distance_mm: f64, tolerance_mm: f64) -> Vec<([Seen; 2], f64)> {
+    let mut found = Vec::new();
+    for (i, a) in first.iter().enumerate() {
+        for (k, b) in second.iter().enumerate() {
+            let off = ((a.centre - b.centre).norm() - distance_mm).abs();
+            if off <= tolerance_mm && a.centre != b.centre {
+                found.push(([(i, a.centre), (k, b.centre)], off));
+            }
+        }
+    }
+    found
+}
+
+/// Places of the base by references: those for which most of them are found.
+fn by_references(base: &Base, marks: &[Vec<Rim>]) -> Vec<Proposal> {
+    let places: Vec<Vector> = base.references.iter().map(|reference| reference.at).collect();
+    let mut proposals: Vec<Proposal> = Vec::new();
+    for first in 0..places.len() {
+        for second in first + 1..places.len() {
+            let ends = [places[first], places[second]];
+            let distance_mm = (ends[0] - ends[1]).norm();
+            let tolerance_mm = REFERENCE_MM.hypot(REFERENCE_SHARE * distance_mm);
+            for (seen, _) in pairs(&marks[first], &marks[second], distance_mm, tolerance_mm) {
+                let rough = aligned(&ends, &seen.map(|(_, centre)| centre));
+                let nearest = |(place, marks): (&Vector, &Vec<Rim>)| {
+                    let at = (rough * nalgebra::Point2::from(*place)).coords;
+                    let away = |mark: &Rim| (mark.centre - at).norm();
+                    let nearest = (0..marks.len()).min_by(|&a, &b| away(&marks[a]).total_cmp(&away(&marks[b])))?;
+                    (away(&marks[nearest]) <= 2.0 * tolerance_mm).then_some(nearest)
+                };
+                let references: Vec<Option<usize>> = places.iter().zip(marks).map(nearest).collect();
+                let found: Vec<(Vector, Vector)> = references
+                    .iter()
+                    .enumerate()
+                    .filter_map(|(i, mark)| Some((places[i], marks[i][(*mark)?].centre)))
+                    .collect();
+                proposals.push(Proposal { base: fitted(&found), sd_mm: REFERENCE_MM, references });
+            }
+        }
+    }
+    let found = |proposal: &Proposal| proposal.references.iter().flatten().count();
+    let most = proposals.iter().map(found).max().unwrap_or(0);
+    proposals.retain(|proposal| found(proposal) == most);
+    proposals
+}
+
+/// The motion that takes two points onto two others as well as a rigid one can.
+fn aligned(from: &[Vector; 2], to: &[Vector; 2]) -> Isometry2<f64> {
+    fitted(&[(from[0], to[0]), (from[1], to[1])])
+}
+
+/// The rigid motion of least squares (Kabsch in the plane).
+fn fitted(pairs: &[(Vector, Vector)]) -> Isometry2<f64> {
+    let count = pairs.len().max(1) as f64;
+    let (from, to) = pairs.iter().fold((Vector::zeros(), Vector::zeros()), |(a, b), (from, to)| (a + from, b + to));
+    let (from, to) = (from / count, to / count);
+    let (mut cosine, mut sine) = (0.0, 0.0);
+    for (a, b) in pairs {
+        let (a, b) = (a - from, b - to);
+        cosine += a.dot(&b);
+        sine += a.perp(&b);
+    }
+    let turn = UnitComplex::new(sine.atan2(cosine));
+    Isometry2::from_parts((to - turn * from).into(), turn)
+}
