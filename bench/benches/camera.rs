@@ -27,8 +27,15 @@ fn camera(criterion: &mut Criterion) {
     let frame = |force_n: f64| -> RgbImage {
         let load = Load::at_position(CONTACT_MM, finger.direction(0.0) * force_n);
         let shape = statics::solve(&mesh, &[load], Kinematics::Corotational).expect("carried");
-        let request =
-            RenderRequest { camera: &camera, finger, shape: &shape, markers: &markers, hidden: &[], disturbances };
+        let request = RenderRequest {
+            camera: &camera,
+            finger,
+            shape: &shape,
+            markers: &markers,
+            references: &[],
+            hidden: &[],
+            disturbances,
+        };
         render(&request).expect("in sight")
     };
     let frames = FORCES_N.map(frame);

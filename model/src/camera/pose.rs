@@ -1,6 +1,6 @@
 //! Where the finger stands before a camera.
 
-use nalgebra::{Rotation3, Vector3, Vector6};
+use nalgebra::{Isometry2, Rotation3, Vector3, Vector6};
 
 /// A rigid motion from the finger frame to the camera frame: X_camera = R X + t.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,6 +48,13 @@ impl Pose {
     pub(super) fn moved(&self, motion: &Vector6<f64>) -> Pose {
         let turn = Rotation3::from_scaled_axis(motion.fixed_rows::<3>(0).into_owned());
         Pose { rotation: turn * self.rotation, translation_mm: self.translation_mm + motion.fixed_rows::<3>(3) }
+    }
+
+    /// The pose of a finger that was moved in its plane: what stood at X stands at `base` X.
+    pub fn of_moved_base(&self, base: &Isometry2<f64>) -> Pose {
+        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), base.rotation.angle());
+        let shift = base.translation.vector.push(0.0);
+        Pose { rotation: self.rotation * turn, translation_mm: self.to_camera(&shift) }
     }
 
     /// The pose seen by a camera, and from a finger, that were both moved: by Q and q in the finger frame.

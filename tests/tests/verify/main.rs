@@ -25,6 +25,7 @@ mod imaging {
     mod kit;
     mod lens;
     mod locate;
+    mod rims;
 }
 mod lattice {
     mod accuracy;

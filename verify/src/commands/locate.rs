@@ -2,10 +2,11 @@
 
 use super::cameras::{camera_and_markers, camera_of, markers_of};
 use super::{Failure, not_both_from_standard_input};
-use finray_imaging::locate::{Located, Locator, LocatorError, Rest, RimLocator};
+use finray_imaging::locate::{Located, Locator, LocatorError, Rest, RimLocator, SeenBase};
 use finray_model::scene::MarkerLook;
 use finray_model::{Finger, NodeId, Scene, Vector};
 use finray_verify::files::{FileError, csv_text, is_standard_stream, load_image, load_scene, write_text};
+use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -27,6 +28,10 @@ const SURE_REST_PX: f64 = 0.3;
 /// Several images are taken for a stream: markers are sought near where they were in the one before.
 /// Markers are named by their order along the plates and by what a finger can do; where two ways to
 /// name them fit alike, or too few are seen, the image is refused.
+///
+/// Markers with a shade instead of colours are found by their rims, each image by itself. Where the
+/// base moves (table base), its pose comes from the references on it, and base_x_mm,base_y_mm,base_deg,
+/// base_sigma_mm,base_sigma_deg follow: errors that all markers of an image share.
 ///
 /// Examples:
 ///   finray render fixtures/scenes/camera.toml --load-at 80:2,-20 --grey-noise 2 --out image.png
@@ -71,11 +76,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::BadInput(message.to_owned()));
     }
     let scene = load_scene(&arguments.scene)?;
-    let rows = match markers_of(&scene)?.look {
-        MarkerLook::Coloured { .. } => by_colour(arguments, &scene)?,
-        MarkerLook::Grey { .. } => by_rims(arguments, &scene)?,
+    camera_of(&scene)?;
+    let table = match markers_of(&scene)?.look {
+        MarkerLook::Coloured { .. } => csv_text(by_colour(arguments, &scene)?)?,
+        MarkerLook::Grey { .. } if scene.base.is_some() => csv_text(by_rims(arguments, &scene)?)?,
+        MarkerLook::Grey { .. } => csv_text(by_rims(arguments, &scene)?.into_iter().map(|(row, _)| row))?,
     };
-    Ok(write_text(&arguments.out, &csv_text(rows)?)?)
+    Ok(write_text(&arguments.out, &table)?)
 }
 
 fn refused(path: &Path, error: &dyn std::fmt::Display) -> Failure {
@@ -140,17 +147,53 @@ fn by_colour(arguments: &Arguments, scene: &Scene) -> Result<Vec<Row>, Failure> 
     Ok(rows)
 }
 
-fn by_rims(arguments: &Arguments, scene: &Scene) -> Result<Vec<Row>, Failure> {
+/// Where the base is, repeated on each row of its image.
+#[derive(Serialize, Clone, Copy)]
+struct BaseRow {
+    base_x_mm: f64,
+    base_y_mm: f64,
+    base_deg: f64,
+    base_sigma_mm: f64,
+    base_sigma_deg: f64,
+}
+
+impl From<&SeenBase> for BaseRow {
+    fn from(base: &SeenBase) -> BaseRow {
+        // Errors of the middle of the references and of the turn about it move the origin.
+        let arm_mm = base.middle.norm() / std::f64::consts::SQRT_2;
+        BaseRow {
+            base_x_mm: base.pose.translation.x,
+            base_y_mm: base.pose.translation.y,
+            base_deg: base.pose.rotation.angle().to_degrees(),
+            base_sigma_mm: base.sd_mm.hypot(base.sd_rad * arm_mm),
+            base_sigma_deg: base.sd_rad.to_degrees(),
+        }
+    }
+}
+
+fn by_rims(arguments: &Arguments, scene: &Scene) -> Result<Vec<(Row, BaseRow)>, Failure> {
     let finger = &scene.finger;
     let (camera, markers) = camera_and_markers(scene)?;
     let locator = RimLocator::new(finger, &camera, &markers, scene.base.as_ref()).map_err(cannot_locate)?;
     let seen = |path: &Path| locator.locate(&load_image(path)?).map_err(|error| refused(path, &error));
     let rest = arguments.rest.as_deref().map(seen).transpose()?;
     let located_at_rest = rest.as_ref().map(|rest| rest.located.as_slice());
+    // Each image by itself.
+    let found = arguments.image.par_iter().map(|path| seen(path)).collect::<Result<Vec<_>, _>>()?;
     let mut rows = Vec::new();
-    for path in &arguments.image {
-        let (found, name) = (seen(path)?, name_of(path));
-        rows.extend(found.located.iter().map(|seen| row(&name, seen, at_rest(finger, located_at_rest, seen.node))));
+    for (path, found) in arguments.image.iter().zip(found) {
+        let name = name_of(path);
+        if !found.base.is_known {
+            eprintln!(
+                "warning: {}: two references on the base were not found, so the finger frame is only about where the ribs have it: displacements are \
+                 not to be used",
+                path.display()
+            );
+        }
+        let base = BaseRow::from(&found.base);
+        rows.extend(
+            found.located.iter().map(|seen| (row(&name, seen, at_rest(finger, located_at_rest, seen.node)), base)),
+        );
     }
     Ok(rows)
 }

@@ -5,9 +5,11 @@ use super::loads::Loads;
 use super::parse::{not_negative, share};
 use super::{Failure, not_both_from_standard_input};
 use finray_imaging::render::{Disturbances, RenderRequest, render};
+use finray_model::camera::Camera;
 use finray_model::frame::FrameMotion;
 use finray_model::{Finger, Kinematics, NodeId};
 use finray_verify::files::{displacements, load_scene, to_png, write_bytes};
+use nalgebra::Isometry2;
 use std::path::PathBuf;
 
 /// Largest blur, px: beyond, a marker of a few pixels is no longer seen.
@@ -20,8 +22,11 @@ const LARGEST_BLUR_PX: f64 = 100.0;
 /// same arguments. Edge pixels of a marker hold the share that its disc covers, so its true centre is
 /// known to a thousandth of a pixel.
 ///
+/// --base moves a finger whose base moves from image to image (table base) in its plane.
+///
 /// Examples:
 ///   finray render fixtures/scenes/camera.toml --load-at 80:2,-20 --out image.png
+///   finray render fixtures/scenes/bracketed.toml --base 60,-75,90 --load-at 75:3,5 --out image.png
 ///   finray render fixtures/scenes/camera.toml --shape shape.csv --grey-noise 2 --blur-px 0.8
 ///       --light-falloff 0.3 --clutter 30 --hide 18 --out image.png
 #[derive(clap::Args)]
@@ -34,6 +39,9 @@ pub struct Arguments {
     /// Shape of the finger instead of loads (CSV of solve or press); - for standard input
     #[arg(long, value_name = "FILE", conflicts_with_all = ["load", "load_at", "mesh_nodes"])]
     shape: Option<PathBuf>,
+    /// Where the base is: the origin of the finger frame in that of the camera's pose, and its turn
+    #[arg(long, value_name = "X_MM,Y_MM,DEG", value_parser = moved_base, allow_hyphen_values = true)]
+    base: Option<Isometry2<f64>>,
     /// Standard deviation of noise on every channel of every pixel, grey levels of 255
     #[arg(long, value_name = "S", value_parser = not_negative, default_value_t = 0.0)]
     grey_noise: f64,
@@ -68,6 +76,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = load_scene(&arguments.scene)?;
     let finger = &scene.finger;
     let (camera, markers) = camera_and_markers(&scene)?;
+    let references = scene.base.as_ref().map_or(&[][..], |base| &base.references);
+    let camera = match (&arguments.base, &scene.base) {
+        (None, _) => camera,
+        (Some(base), Some(_)) => Camera { pose: camera.pose.of_moved_base(base), ..camera },
+        (Some(_), None) => {
+            return Err(Failure::BadInput(
+                "--base: expected a scene with a table [base], as a base that moves".to_owned(),
+            ));
+        }
+    };
     let hidden: Vec<NodeId> = arguments.hide.iter().copied().map(NodeId).collect();
     if let Some(unknown) = hidden.iter().find(|node| !(1..=finger.key_node_count()).contains(&node.0)) {
         let count = finger.key_node_count();
@@ -84,6 +102,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         finger,
         shape: &shape,
         markers: &markers,
+        references,
         hidden: &hidden,
         disturbances: Disturbances {
             light_falloff: arguments.light_falloff,
@@ -96,6 +115,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let image = image.map_err(|error| Failure::BadInput(error.to_string()))?;
     let png = to_png(&image).map_err(|error| Failure::NotComputed(error.to_string()))?;
     Ok(write_bytes(&arguments.out, &png)?)
+}
+
+/// Three numbers: mm, mm, deg.
+fn moved_base(text: &str) -> Result<Isometry2<f64>, String> {
+    let numbers: Option<Vec<f64>> =
+        text.split(',').map(|part| part.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, turn_deg]) => Ok(Isometry2::new([x, y].into(), turn_deg.to_radians())),
+        _ => Err("expected X_MM,Y_MM,DEG, three numbers".to_owned()),
+    }
 }
 
 fn shape_under(loads: &Loads, finger: &Finger) -> Result<finray_model::mesh::FingerShape, Failure> {

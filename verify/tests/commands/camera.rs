@@ -319,3 +319,109 @@ fn images_without_a_grid_give_no_lens() {
     let answer = finray(&["lens", "--grid-mm", "10", "--image", &grid(&folder, "flat.png", 0.0)]);
     assert!(answer.code == Some(0) && answer.err.starts_with("note: ") && answer.err.contains("fx"), "{}", answer.err);
 }
+
+/// `lens --plane` gives the pose of the grid's plane: origin in the middle of the image, z towards the camera. It takes images of one place alone.
+#[test]
+fn the_plane_of_a_grid_is_written() {
+    use finray_model::camera::Pose;
+    use nalgebra::Vector3;
+    let folder = Folder::new();
+    let images = [("1.png", 0.3), ("2.png", 0.3), ("3.png", -0.3)].map(|(name, slant)| grid(&folder, name, slant));
+    let lens = |images: &[&str]| finray(&[&["lens", "--grid-mm", "10", "--plane", "--image"], images].concat());
+    let written = lens(&[&images[0], &images[1]]);
+    assert_eq!(written.code, Some(0), "{}", written.err);
+    let (before, _) = CAMERA_SCENE.split_once("[camera]").expect("a camera");
+    let scene = finray_model::Scene::from_toml(&format!("{before}{}", written.out)).expect("a scene");
+    let found = scene.camera.expect("a camera").pose.expect("a pose");
+    let truth = Pose::new([std::f64::consts::PI, 0.0, 0.3], [5.0, -3.0, 200.0]);
+    let [z, true_z] = [found, truth].map(|pose| pose.rotation * Vector3::z());
+    // Two images in one place leave the focal length at its usual value, and with it slant and distance.
+    assert!(z.dot(&true_z).abs() > 0.03_f64.cos() && z.z < 0.0, "{z} {true_z}");
+    let along = true_z.dot(&truth.translation_mm) / true_z.dot(&found.translation_mm);
+    let focal = scene.camera.expect("a camera").lens.focal_px()[0] / 1360.0;
+    assert!((along * focal - 1.0).abs() < 0.005, "{along} {focal}");
+    assert_says(
+        &lens(&[&images[0], &images[2]]).refused(),
+        &["--plane: expected images of a grid in one place", "image"],
+    );
+}
+
+/// A finger with grey markers whose base is anywhere: from an image to displacements and the force.
+#[test]
+fn grey_markers_lead_back_to_the_force() {
+    const BRACKETED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/scenes/bracketed.toml");
+    let folder = Folder::new();
+    let image = folder.path("image.png");
+    let render =
+        ["render", BRACKETED, "--base", "40,-70,95", "--load-at", "75:3,10", "--blur-px", "0.8", "--grey-noise", "2"];
+    finray(&[&render[..], &["--clutter", "20", "--out", &image]].concat()).done();
+    let nodes = folder.path("nodes.csv");
+    finray(&["locate", BRACKETED, "--image", &image, "--out", &nodes]).done();
+    let located = Csv::of(&folder.read("nodes.csv"));
+    let base = "base_x_mm,base_y_mm,base_deg,base_sigma_mm,base_sigma_deg";
+    assert_eq!(located.header.join(","), format!("image,node,u_px,v_px,x_mm,y_mm,ux_mm,uy_mm,sigma_mm,{base}"));
+    assert_eq!(located.texts("node"), ["2", "3", "4", "5", "7", "8", "9", "10"]);
+    for (column, truth, tolerance) in [("base_x_mm", 40.0, 0.03), ("base_y_mm", -70.0, 0.03), ("base_deg", 95.0, 0.1)] {
+        assert_close(&[located.numbers(column)[0]], &[truth], tolerance / truth.abs());
+    }
+    let shape = Csv::of(&finray(&["solve", BRACKETED, "--load-at", "75:3,10"]).done());
+    for (i, node) in located.texts("node").iter().enumerate() {
+        let of = shape.texts("node").iter().position(|other| other == node).expect("a key node");
+        for (found, truth) in [("ux_mm", "hinge_ux_mm"), ("uy_mm", "hinge_uy_mm")] {
+            let (error, sigma) = (located.numbers(found)[i] - shape.numbers(truth)[of], located.numbers("sigma_mm")[i]);
+            assert!(error.abs() < 5.0 * sigma && sigma < 0.1, "node {node} {found}: {error} {sigma}");
+        }
+    }
+    let sense = ["sense", BRACKETED, "--displacements", &nodes, "--contact-at", "75@10", "--mesh-nodes", "11"];
+    let sensed = Csv::of(&finray(&sense).computed());
+    let (force, sigma) = (sensed.numbers("force_n")[0], sensed.numbers("sigma_n")[0]);
+    assert!((force - 3.0).abs() < 4.0 * sigma && sigma < 0.05, "{force} +- {sigma}");
+    // Without references no displacement is known, and a warning says so.
+    let (scene, _) = finray_fixtures::BRACKETED_SCENE.split_once("[[base.reference]]").expect("references");
+    let (_, camera) = finray_fixtures::BRACKETED_SCENE.split_once("[camera]").expect("a camera");
+    let without = folder.put("without.toml", format!("{scene}[camera]{camera}"));
+    let (_, warnings) = finray(&["locate", &without, "--image", &image]).warned();
+    assert_says(
+        &warnings.join("\\n"),
+        &["image.png: two references on the base were not found", "displacements are not to be used"],
+    );
+}
+
+#[test]
+fn shades_and_references_of_a_scene_are_checked() {
+    let folder = Folder::new();
+    let image = folder.put("image.png", encoded(&DynamicImage::ImageRgb8(RgbImage::new(1920, 1080)), ImageFormat::Png));
+    for (from, to, expected) in [
+        (
+            "shade = \"bright\"",
+            "shade = \"white\"",
+            "markers.shade: expected one of \"bright\", \"dark\", found the text \"white\"",
+        ),
+        (
+            "inner_radius_mm = 1.0",
+            "inner_radius_mm = 2.0",
+            "markers.inner_radius_mm: expected a length in mm, zero or more and below radius_mm",
+        ),
+        (
+            "shade = \"bright\"",
+            "shade = \"bright\"\nfront_rgb = [226, 186, 46]",
+            "markers.shade: expected either shade or front_rgb and back_rgb, found shade and front_rgb",
+        ),
+        ("at_mm = [-16.0, 20.0]", "at_mm = [-16.0]", "base.reference[1].at_mm: expected a list of 2 numbers"),
+        ("at_mm = [-16.0, 20.0]", "", "base.reference[1].at_mm is missing"),
+        ("at_mm = [-16.0, 20.0]", "at_mm = [-1e9, 20.0]", "base.reference[1].at_mm: expected lengths of at most"),
+        ("at_mm = [-16.0, -10.0]\nshade = \"dark\"", "at_mm = [-16.0, -10.0]", "base.reference[2].shade is missing"),
+        ("[base]", "[base]\nmarks = 2", "unknown key `base.marks`; the nearest known key is `reference`"),
+    ] {
+        let text = finray_fixtures::BRACKETED_SCENE.replacen(from, to, 1);
+        assert_ne!(text, finray_fixtures::BRACKETED_SCENE, "{from}");
+        let scene = folder.put("scene.toml", text);
+        assert_says(&finray(&["locate", &scene, "--image", &image]).refused(), &["line ", expected]);
+    }
+    assert_says(
+        &finray(&["render", CAMERA, "--base", "1,2,3"]).refused(),
+        &["--base: expected a scene with a table [base]"],
+    );
+    let numbers = finray(&["render", CAMERA, "--base", "1,2"]).refused();
+    assert_says(&numbers, &["expected X_MM,Y_MM,DEG, three numbers"]);
+}

@@ -16,7 +16,7 @@ mod together;
 pub use colour::GreyMarker;
 pub use naming::NamingError;
 pub use rest::{Rest, RestError};
-pub use rim_locator::{RimLocator, SeenFinger};
+pub use rim_locator::{RimLocator, SeenBase, SeenFinger};
 
 use blobs::{Blob, LEAST_RADIUS_PX, blobs, middle_of_colour};
 use colour::{Colours, Side};

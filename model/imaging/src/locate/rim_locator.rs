@@ -4,12 +4,12 @@
 //! two references on it, or the two ends of a rib, proposes a place for it; the place from which the markers are named at the least cost is it.
 
 use super::naming::{Candidate, Marked, Names, NamingError, name, name_at_cost};
-use super::rim::{Rim, RimShape, rims};
+use super::rim::{GreyView, Rim, RimShape, rims};
 use super::{LocateError, Located, LocatorError, radius_at, radius_px, require_size};
 use finray_model::camera::Camera;
-use finray_model::scene::{Base, MarkerLook, Markers};
+use finray_model::scene::{Base, MarkerLook, Markers, Reference};
 use finray_model::{Finger, NodeId, Vector};
-use image::{GrayImage, RgbImage};
+use image::RgbImage;
 use nalgebra::{Isometry2, UnitComplex};
 
 /// How far references may be from where the scene has them, mm, and as a share of their distance from each other.
@@ -22,6 +22,8 @@ const PROPOSING: usize = 2;
 const BEND_SHARE: f64 = 0.2;
 /// Standard deviation of a rim's centre, as a share of its radius, that costs 1: what is not round is hardly a marker.
 const ROUND: f64 = 0.02;
+/// A named rim whose centre is less well known than the middle one of all by this factor is no marker: markers are alike.
+const LEAST_ROUND: f64 = 4.0;
 /// Another place whose names cost no more than this beyond the best fits alike.
 const ALIKE: f64 = 4.0;
 /// Nodes that such names may have otherwise.
@@ -30,13 +32,47 @@ const MOST_DOUBTFUL: usize = 1;
 /// What an image shows of a finger.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeenFinger {
-    /// From the finger frame, which moves with the base, to where the camera's pose has it.
-    pub base: Isometry2<f64>,
-    /// Distance of each reference from its place once the base is where it fits best, mm; `None` where it was not found. Without two of them the
-    /// base is only about where the markers have it.
-    pub references_mm: Vec<Option<f64>>,
-    /// Markers, in the order of the nodes, with positions in the finger frame.
+    /// Where the base is.
+    pub base: SeenBase,
+    /// Markers, in the order of the nodes, with positions in the finger frame; their standard deviations hold that of the base.
     pub located: Vec<Located>,
+}
+
+/// Where an image has the base of a finger.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SeenBase {
+    /// From the finger frame, which moves with the base, to where the camera's pose has it.
+    pub pose: Isometry2<f64>,
+    /// Whether it is known: from the camera's pose or from two references. Otherwise it is only about where the markers have it, and displacements are
+    /// not known.
+    pub is_known: bool,
+    /// Distance of each reference from its place once the base is where it fits best, mm; `None` where it was not found.
+    pub references_mm: Vec<Option<f64>>,
+    /// The middle of the references, finger frame, mm.
+    pub middle: Vector,
+    /// Standard deviation of one coordinate of that middle, mm: an error that all markers of an image share.
+    pub sd_mm: f64,
+    /// Standard deviation of the turn about it, rad, which they share as well.
+    pub sd_rad: f64,
+}
+
+impl SeenBase {
+    /// That of a base whose pose is known.
+    fn fixed() -> SeenBase {
+        SeenBase {
+            pose: Isometry2::identity(),
+            is_known: true,
+            references_mm: Vec::new(),
+            middle: Vector::zeros(),
+            sd_mm: 0.0,
+            sd_rad: 0.0,
+        }
+    }
+
+    /// Standard deviation of one coordinate of a position of the finger frame that the base's pose leaves, mm; root mean square of x and y.
+    fn sd_at(&self, position: &Vector) -> f64 {
+        self.sd_mm.hypot(self.sd_rad * (position - self.middle).norm() / std::f64::consts::SQRT_2)
+    }
 }
 
 /// Finds the grey markers of one finger with one camera.
@@ -84,14 +120,14 @@ impl<'f> RimLocator<'f> {
     /// [`LocateError`] if the image does not show the finger, or more than one way to name the markers fits.
     pub fn locate(&self, image: &RgbImage) -> Result<SeenFinger, LocateError> {
         require_size(&self.camera.lens, image)?;
-        let grey: GrayImage = image::imageops::grayscale(image);
-        let rims = rims(&grey, &self.camera, &self.shape, self.radius_px);
+        let view = GreyView::new(&self.camera, image);
+        let rims = rims(&view, &self.shape, self.radius_px);
         let Some(base) = &self.base else {
             let names = name(Marked::at_base(self.finger), &self.candidates(&rims, &Isometry2::identity()))?;
-            let located = self.located(&rims, &names, &Isometry2::identity());
-            return Ok(SeenFinger { base: Isometry2::identity(), references_mm: Vec::new(), located });
+            let base = SeenBase::fixed();
+            return Ok(SeenFinger { located: self.located(&rims, &names, &base), base });
         };
-        let marks: Vec<Vec<Rim>> = base.references.iter().map(|of| self.marks(&grey, &of.markers)).collect();
+        let marks: Vec<Vec<Rim>> = self.marks(&view, base);
         let proposals = match base.references.len() {
             0 | 1 => self.by_ribs(&rims),
             _ => by_references(base, &marks),
@@ -99,21 +135,23 @@ impl<'f> RimLocator<'f> {
         let best = self.best(&rims, &proposals)?;
         let marked = Marked { finger: self.finger, base_sd_mm: best.sd_mm };
         let names = name(marked, &self.candidates(&rims, &best.base))?;
-        let references_mm = base.references.iter().enumerate().map(|(i, reference)| {
-            let mark = best.references.get(i).copied().flatten()?;
-            Some((marks[i][mark].centre - (best.base * nalgebra::Point2::from(reference.at)).coords).norm())
-        });
-        Ok(SeenFinger {
-            base: best.base,
-            references_mm: references_mm.collect(),
-            located: self.located(&rims, &names, &best.base),
-        })
+        let base = seen_base(base, &marks, best);
+        Ok(SeenFinger { located: self.located(&rims, &names, &base), base })
     }
 
-    /// Rims that may be a reference.
-    fn marks(&self, grey: &GrayImage, markers: &Markers) -> Vec<Rim> {
-        let Ok(shape) = shape_of(markers) else { return Vec::new() };
-        rims(grey, &self.camera, &shape, self.radius_px * markers.radius_mm / self.shape.radius_mm)
+    /// Rims that may be each reference; those that look alike are sought once.
+    fn marks(&self, view: &GreyView, base: &Base) -> Vec<Vec<Rim>> {
+        let mut known: Vec<(RimShape, Vec<Rim>)> = Vec::new();
+        let of_reference = |reference: &Reference| {
+            let Ok(shape) = shape_of(&reference.markers) else { return Vec::new() };
+            if let Some((_, marks)) = known.iter().find(|(other, _)| *other == shape) {
+                return marks.clone();
+            }
+            let marks = rims(view, &shape, self.radius_px * shape.radius_mm / self.shape.radius_mm);
+            known.push((shape, marks.clone()));
+            marks
+        };
+        base.references.iter().map(of_reference).collect()
     }
 
     /// Places of the base by the ends of the ribs next to it.
@@ -166,21 +204,47 @@ impl<'f> RimLocator<'f> {
         rims.iter().map(candidate).collect()
     }
 
-    fn located(&self, rims: &[Rim], names: &Names, base: &Isometry2<f64>) -> Vec<Located> {
-        let named = names.iter().enumerate().filter_map(|(i, name)| Some((NodeId(i + 1), rims[(*name)?])));
-        let located = |(node, Rim { centre, pixel, sd_mm }): (NodeId, Rim)| Located {
-            node,
-            pixel,
-            position: base.inverse_transform_point(&centre.into()).coords,
-            sd_mm,
+    fn located(&self, rims: &[Rim], names: &Names, base: &SeenBase) -> Vec<Located> {
+        let mut named: Vec<(NodeId, Rim)> =
+            names.iter().enumerate().filter_map(|(i, name)| Some((NodeId(i + 1), rims[(*name)?]))).collect();
+        let mut sds: Vec<f64> = named.iter().map(|(_, rim)| rim.sd_mm).collect();
+        sds.sort_by(f64::total_cmp);
+        let most_mm = sds.get(sds.len() / 2).map_or(0.0, |middle| LEAST_ROUND * middle);
+        named.retain(|(_, rim)| rim.sd_mm <= most_mm);
+        let located = |(node, Rim { centre, pixel, sd_mm }): (NodeId, Rim)| {
+            let position = base.pose.inverse_transform_point(&centre.into()).coords;
+            Located { node, pixel, position, sd_mm: sd_mm.hypot(base.sd_at(&position)) }
         };
-        named.map(located).collect()
+        named.into_iter().map(located).collect()
     }
 }
 
 fn shape_of(markers: &Markers) -> Result<RimShape, LocatorError> {
     let MarkerLook::Grey { shade, inner_radius_mm } = markers.look else { return Err(LocatorError::NotGrey) };
     Ok(RimShape { radius_mm: markers.radius_mm, inner_radius_mm, shade, height_mm: markers.height_mm })
+}
+
+/// The base as a proposal has it.
+fn seen_base(base: &Base, marks: &[Vec<Rim>], proposal: &Proposal) -> SeenBase {
+    let found = |i: usize| Some(marks[i][proposal.references.get(i).copied().flatten()?]);
+    let seen: Vec<(Vector, Rim)> =
+        base.references.iter().enumerate().filter_map(|(i, reference)| Some((reference.at, found(i)?))).collect();
+    let away = |(i, reference): (usize, &Reference)| {
+        Some((found(i)?.centre - (proposal.base * nalgebra::Point2::from(reference.at)).coords).norm())
+    };
+    let count = seen.len() as f64;
+    let middle = seen.iter().map(|(at, _)| at).sum::<Vector>() / count.max(1.0);
+    let variance = seen.iter().map(|(_, rim)| rim.sd_mm.powi(2)).sum::<f64>() / count.max(1.0);
+    let spread: f64 = seen.iter().map(|(at, _)| (at - middle).norm_squared()).sum();
+    let is_known = seen.len() > 1;
+    SeenBase {
+        pose: proposal.base,
+        is_known,
+        references_mm: base.references.iter().enumerate().map(away).collect(),
+        middle,
+        sd_mm: if is_known { (variance / count).sqrt() } else { 0.0 },
+        sd_rad: if is_known { (variance / spread).sqrt() } else { 0.0 },
+    }
 }
 
 type Seen = (usize, Vector);

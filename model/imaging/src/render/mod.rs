@@ -13,7 +13,7 @@ pub use grid::{GridPlate, render_grid};
 use disc::paint_disc;
 use finray_model::camera::{Camera, Pixel};
 use finray_model::mesh::FingerShape;
-use finray_model::scene::{MarkerLook, Markers, Rgb, Shade};
+use finray_model::scene::{MarkerLook, Markers, Reference, Rgb, Shade};
 use finray_model::{Finger, NodeId, Vector};
 use image::{ImageBuffer, Rgb32FImage, RgbImage};
 use outline::finger_mask;
@@ -39,6 +39,8 @@ pub struct RenderRequest<'a> {
     pub shape: &'a FingerShape,
     /// Its markers.
     pub markers: &'a Markers,
+    /// Marks on its base.
+    pub references: &'a [Reference],
     /// Nodes whose markers are hidden.
     pub hidden: &'a [NodeId],
     /// Disturbances.
@@ -100,7 +102,7 @@ pub fn marker_pixels(
 /// # Errors
 /// [`RenderError`] for a finger that the camera does not see.
 pub fn render(request: &RenderRequest) -> Result<RgbImage, RenderError> {
-    let &RenderRequest { camera, finger, shape, markers, hidden, disturbances } = request;
+    let &RenderRequest { camera, finger, shape, markers, references, hidden, disturbances } = request;
     let pixels = marker_pixels(camera, finger, shape, markers.height_mm)?;
     let [width, height] = camera.lens.size_px();
     let mut canvas: Rgb32FImage = ImageBuffer::from_pixel(width, height, BACKGROUND.map(f32::from).into());
@@ -117,6 +119,9 @@ pub fn render(request: &RenderRequest) -> Result<RgbImage, RenderError> {
     for motion in shape.motions().iter().filter(|motion| is_seen(motion.node)) {
         let centre = motion.marker_position(finger) + motion.marker_displacement(finger);
         paint_marker(&mut canvas, camera, markers, centre, on_front.contains(&motion.node));
+    }
+    for reference in references {
+        paint_marker(&mut canvas, camera, &reference.markers, reference.at, true);
     }
     Ok(developed(canvas, &disturbances))
 }

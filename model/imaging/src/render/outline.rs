@@ -3,7 +3,7 @@
 use finray_model::camera::Camera;
 use finray_model::finger::{Joints, Plate};
 use finray_model::mesh::{FingerShape, NodeMotion};
-use finray_model::{Finger, NodeId, Vector};
+use finray_model::{Finger, Vector};
 use tiny_skia::{FillRule, Mask, Path, PathBuilder, Transform};
 
 /// Points along a member.
@@ -38,17 +38,22 @@ fn strips(finger: &Finger, shape: &FingerShape) -> Vec<Strip> {
             Plate::Back => description.back.thickness_mm,
         };
         for pair in finger.plate_nodes(plate).windows(2) {
-            strips.push(Strip { middle: bent(shape, [pair[0], pair[1]]), thickness_mm });
+            let ends = [pair[0], pair[1]].map(|node| End::of_plate(shape.motion(node)));
+            strips.push(Strip { middle: bent(ends), thickness_mm });
         }
     }
     let ribs = &description.ribs;
     let thickness_mm = ribs.strip.map_or(BASE_THICKNESS_MM, |strip| strip.thickness_mm);
     for rib in 0..finger.rib_count() {
-        let nodes = finger.rib_nodes(rib);
+        let ends = finger.rib_nodes(rib).map(|node| End::of_rib(shape.motion(node)));
         let is_straight = ribs.strip.is_none() || ribs.joints == Joints::Hinged;
-        let middle =
-            if is_straight { nodes.map(|node| moved(shape.motion(node))).to_vec() } else { bent(shape, nodes) };
+        let middle = if is_straight { ends.map(|end| end.at).to_vec() } else { bent(ends) };
         strips.push(Strip { middle, thickness_mm });
+        if finger.has_brackets() {
+            for (node, end) in finger.rib_nodes(rib).into_iter().zip(ends) {
+                strips.push(Strip { middle: vec![moved(shape.motion(node)), end.at], thickness_mm: BASE_THICKNESS_MM });
+            }
+        }
     }
     let base = finger.clamped_nodes().map(|node| moved(shape.motion(node))).to_vec();
     strips.push(Strip { middle: base, thickness_mm: BASE_THICKNESS_MM });
@@ -59,16 +64,33 @@ fn moved(motion: &NodeMotion) -> Vector {
     motion.position + motion.displacement
 }
 
-/// A member between two nodes: the cubic through their positions with their rotated directions, which a beam without loads on it follows
+/// An end of a member.
+#[derive(Debug, Clone, Copy)]
+struct End {
+    undeformed: Vector,
+    at: Vector,
+    rotation: f64,
+}
+
+impl End {
+    fn of_plate(motion: &NodeMotion) -> End {
+        End { undeformed: motion.position, at: moved(motion), rotation: motion.rotation }
+    }
+
+    fn of_rib(motion: &NodeMotion) -> End {
+        let at = motion.hinge_position + motion.hinge_displacement;
+        End { undeformed: motion.hinge_position, at, rotation: motion.rotation }
+    }
+}
+
+/// A member between two ends: the cubic through their positions with their rotated directions, which a beam without loads on it follows
 /// (Euler and Bernoulli).
-fn bent(shape: &FingerShape, nodes: [NodeId; 2]) -> Vec<Vector> {
-    let [first, second] = nodes.map(|node| shape.motion(node));
-    let (from, to) = (moved(first), moved(second));
-    let along = second.position - first.position;
+fn bent([first, second]: [End; 2]) -> Vec<Vector> {
+    let (from, to) = (first.at, second.at);
+    let along = second.undeformed - first.undeformed;
     let length = (to - from).norm();
-    let direction = |motion: &NodeMotion| {
-        nalgebra::Rotation2::new(motion.rotation) * along * (length / along.norm().max(f64::MIN_POSITIVE))
-    };
+    let direction =
+        |end: End| nalgebra::Rotation2::new(end.rotation) * along * (length / along.norm().max(f64::MIN_POSITIVE));
     let (leaving, arriving) = (direction(first), direction(second));
     let at = |k: usize| {
         let t = k as f64 / (POINTS - 1) as f64;

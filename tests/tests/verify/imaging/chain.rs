@@ -26,7 +26,7 @@ fn image_of(
     markers: &Markers,
     disturbances: Disturbances,
 ) -> RgbImage {
-    let request = RenderRequest { camera, finger, shape, markers, hidden: &[], disturbances };
+    let request = RenderRequest { camera, finger, shape, markers, references: &[], hidden: &[], disturbances };
     render(&request).expect("a finger in sight")
 }
 

@@ -65,8 +65,15 @@ fn nodes_are_found_through_tilt_lens_light_noise_and_clutter() {
         let shape = bent(finger, &mut chance)?;
         let hidden: Vec<NodeId> = (0..number % 4).map(|_| NodeId(chance.evenly([1.0, 26.0]) as usize)).collect();
         let disturbances = Disturbances { seed: number, ..DISTURBED };
-        let request =
-            RenderRequest { camera: &camera, finger, shape: &shape, markers: &markers, hidden: &hidden, disturbances };
+        let request = RenderRequest {
+            camera: &camera,
+            finger,
+            shape: &shape,
+            markers: &markers,
+            references: &[],
+            hidden: &hidden,
+            disturbances,
+        };
         let image = render(&request).expect("a finger in sight");
         let located = Locator::new(finger, &camera, &markers).expect("a locator").locate(&image).expect("a finger");
         Some(errors(&shape, &hidden, &located))
@@ -111,8 +118,15 @@ fn compressed_images_state_their_errors() {
             let camera = tilted(&mut chance);
             let shape = bent(finger, &mut chance)?;
             let disturbances = Disturbances { seed: number, ..DISTURBED };
-            let request =
-                RenderRequest { camera: &camera, finger, shape: &shape, markers: &markers, hidden: &[], disturbances };
+            let request = RenderRequest {
+                camera: &camera,
+                finger,
+                shape: &shape,
+                markers: &markers,
+                references: &[],
+                hidden: &[],
+                disturbances,
+            };
             let image = compressed(&render(&request).expect("a finger in sight"), quality, colour);
             let located = Locator::new(finger, &camera, &markers).expect("a locator").locate(&image).expect("a finger");
             Some(errors(&shape, &[], &located))
@@ -140,8 +154,15 @@ fn tracking_finds_what_a_full_search_finds() {
         let load = Load::at_position(80.0, finger.direction(0.0) * force_n);
         let shape = statics::solve(&mesh, &[load], Kinematics::Corotational).expect("carried");
         let disturbances = Disturbances { seed: step.into(), ..DISTURBED };
-        let request =
-            RenderRequest { camera: &camera, finger, shape: &shape, markers: &markers, hidden: &[], disturbances };
+        let request = RenderRequest {
+            camera: &camera,
+            finger,
+            shape: &shape,
+            markers: &markers,
+            references: &[],
+            hidden: &[],
+            disturbances,
+        };
         let image = render(&request).expect("in sight");
         let tracked = tracker.track(&image).expect("a finger");
         let searched = Locator::new(finger, &camera, &markers).expect("a locator").locate(&image).expect("a finger");
@@ -177,6 +198,7 @@ fn hidden_markers_come_back() {
             finger,
             shape: &shape,
             markers: &markers,
+            references: &[],
             hidden,
             disturbances: DISTURBED,
         };
@@ -230,6 +252,7 @@ fn the_pose_comes_from_the_finger_at_rest() {
         finger,
         shape: &shape,
         markers: &markers,
+        references: &[],
         hidden: &[],
         disturbances: DISTURBED,
     };

@@ -309,7 +309,8 @@ fn in_image(
     seed: u64,
 ) -> Option<Seen> {
     let disturbances = change.disturbances(seed);
-    let image = render(&RenderRequest { camera, finger, shape, markers, hidden: &[], disturbances }).ok()?;
+    let image =
+        render(&RenderRequest { camera, finger, shape, markers, references: &[], hidden: &[], disturbances }).ok()?;
     let located = Locator::new(finger, camera, markers).ok()?.locate(&change.compressed(image)?).ok()?;
     let clamped = finger.clamped_nodes();
     let free: Vec<_> = located.iter().filter(|marker| !clamped.contains(&marker.node)).collect();
@@ -323,7 +324,7 @@ fn frame_times(finger: &Finger, shape: &FingerShape, camera: &Camera, markers: &
     const TIMED: usize = 9;
     let image = |seed: u64| {
         let disturbances = conditions::ORDINARY.disturbances(seed);
-        render(&RenderRequest { camera, finger, shape, markers, hidden: &[], disturbances }).ok()
+        render(&RenderRequest { camera, finger, shape, markers, references: &[], hidden: &[], disturbances }).ok()
     };
     let images = [image(1)?, image(2)?];
     let mut locator = Locator::new(finger, camera, markers).ok()?;

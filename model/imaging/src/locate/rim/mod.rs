@@ -8,8 +8,9 @@ mod votes;
 use finray_model::Vector;
 use finray_model::camera::{Camera, Pixel};
 use finray_model::scene::Shade;
-use image::GrayImage;
+use image::{GrayImage, RgbImage};
 use nalgebra::{Complex, Matrix2, Matrix3, Vector3};
+use votes::Slopes;
 
 /// Rays from a centre, and steps along each, px.
 const RAYS: usize = 64;
@@ -58,9 +59,23 @@ pub(super) struct RimShape {
     pub height_mm: f64,
 }
 
+/// An image in which rims are sought.
+pub(super) struct GreyView<'a> {
+    camera: &'a Camera,
+    grey: GrayImage,
+    slopes: Slopes,
+}
+
+impl<'a> GreyView<'a> {
+    pub fn new(camera: &'a Camera, image: &RgbImage) -> GreyView<'a> {
+        let grey = image::imageops::grayscale(image);
+        GreyView { camera, slopes: Slopes::of(&grey), grey }
+    }
+}
+
 /// Rims of a shape that do not overlap, those with most votes first. `radius_px` is about what they have in the image.
-pub(super) fn rims(grey: &GrayImage, camera: &Camera, shape: &RimShape, radius_px: f64) -> Vec<Rim> {
-    let centres = votes::centres(grey, radius_px, shape.shade);
+pub(super) fn rims(GreyView { camera, grey, slopes }: &GreyView, shape: &RimShape, radius_px: f64) -> Vec<Rim> {
+    let centres = votes::centres(slopes, radius_px, shape.shade);
     let mut found: Vec<Rim> = Vec::new();
     for rim in centres.iter().filter_map(|centre| measured(grey, camera, shape, centre)) {
         if found.iter().all(|other| (other.centre - rim.centre).norm() > APART * shape.radius_mm) {

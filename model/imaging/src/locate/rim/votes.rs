@@ -24,10 +24,21 @@ const MOST: usize = 200;
 
 type Votes = ImageBuffer<Luma<f32>, Vec<f32>>;
 
+/// What Sobel's filter gives of an image's light along u and along v: eight times its slope, grey levels a pixel.
+pub(super) struct Slopes([Slope; 2]);
+
+type Slope = ImageBuffer<Luma<i16>, Vec<i16>>;
+
+impl Slopes {
+    pub fn of(grey: &GrayImage) -> Slopes {
+        Slopes([horizontal_sobel(grey), vertical_sobel(grey)])
+    }
+}
+
 /// Centres of rims of about a radius (px), those with most votes first.
-pub(super) fn centres(grey: &GrayImage, radius_px: f64, shade: Shade) -> Vec<Pixel> {
-    let (width, height) = grey.dimensions();
-    let votes = summed(&cast(grey, radius_px, shade));
+pub(super) fn centres(slopes: &Slopes, radius_px: f64, shade: Shade) -> Vec<Pixel> {
+    let votes = summed(&cast(slopes, radius_px, shade));
+    let (width, height) = votes.dimensions();
     let least = LEAST_SHARE * (std::f64::consts::TAU * radius_px) as f32;
     let at = |u: u32, v: u32| votes.get_pixel(u, v).0[0];
     let mut peaks: Vec<(f32, Pixel)> = Vec::new();
@@ -55,10 +66,9 @@ pub(super) fn centres(grey: &GrayImage, radius_px: f64, shade: Shade) -> Vec<Pix
 }
 
 /// Votes by pixel.
-fn cast(grey: &GrayImage, radius_px: f64, shade: Shade) -> Votes {
-    let (width, height) = grey.dimensions();
+fn cast(Slopes([along_u, along_v]): &Slopes, radius_px: f64, shade: Shade) -> Votes {
+    let (width, height) = along_u.dimensions();
     let mut votes = Votes::new(width, height);
-    let (along_u, along_v) = (horizontal_sobel(grey), vertical_sobel(grey));
     let towards = match shade {
         Shade::Bright => 1.0,
         Shade::Dark => -1.0,
