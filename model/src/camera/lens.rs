@@ -219,6 +219,9 @@ impl Lens {
     }
 
     /// Direction of the ray to a pixel in the camera frame, with z = 1.
+    ///
+    /// # Errors
+    /// [`ViewError::Folded`] where the distortion has no inverse.
     pub fn ray(&self, pixel: &Pixel) -> Result<Vector3<f64>, ViewError> {
         self.undistorted(pixel).map(|at| at.push(1.0))
     }

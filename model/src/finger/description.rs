@@ -75,7 +75,7 @@ pub struct Zone {
     pub modulus_factor: f64,
 }
 
-/// A finger as the user describes it; [`Finger::new`] checks it.
+/// A finger as the user describes it; [`Finger::new`](super::Finger::new) checks it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FingerDescription {
     /// Distance between the two plates at the base, mm.
