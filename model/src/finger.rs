@@ -4,12 +4,15 @@ mod description;
 mod placement;
 
 pub use description::{
-    FingerDescription, ImpossibleFinger, Joints, MarkerPoints, Part, RibDescription, RibPositions, Strip, Zone,
+    FingerDescription, ImpossibleFinger, Joints, MarkerPoints, Part, RibDescription, RibPositions, RigidEnds, Strip,
+    Zone,
 };
 
 use crate::Vector;
 use crate::frame::Section;
-use placement::{check_room, check_strip, check_zones, place_ribs, place_tip, require, require_positive};
+use placement::{
+    check_rigid_parts, check_room, check_strip, check_zones, place_ribs, place_tip, require, require_positive,
+};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -65,6 +68,7 @@ impl Finger {
         if let Some(strip) = &d.ribs.strip {
             check_strip("finger.ribs", strip)?;
         }
+        check_rigid_parts(d)?;
         let tip = place_tip(d)?;
         let ribs = place_ribs(d)?;
         check_zones(d)?;
@@ -136,6 +140,16 @@ impl Finger {
             Plate::Front => self.description.front_length_mm,
             Plate::Back => self.description.back_length_mm,
         }
+    }
+
+    /// Rigid arms at both ends of a plate's member, mm: rods, clips, and ends that do not deform. Members are counted from the base from 0.
+    pub fn member_arms_mm(&self, part: Plate, member: usize) -> [f64; 2] {
+        let side = usize::from(part == Plate::Back);
+        let RigidEnds { base_mm, tip_mm } = self.description.rigid_ends[side];
+        let clip_mm = self.description.ribs.clip_mm[side] / 2.0;
+        let first = if member == 0 { base_mm } else { clip_mm };
+        let second = if member == self.rib_count() { tip_mm } else { clip_mm };
+        [first, second].map(|arm_mm| arm_mm.max(self.description.rod_arm_mm))
     }
 
     /// Clamped end of a plate, mm.

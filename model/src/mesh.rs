@@ -293,10 +293,8 @@ impl Mesh {
         let mut elements = elements.iter().copied();
         let mut next = || elements.next().unwrap_or(1);
         for plate in [Plate::Back, Plate::Front] {
-            let positions = finger.plate_positions_mm(plate);
-            let nodes = finger.plate_nodes(plate);
-            for (position, node) in positions.windows(2).zip(nodes.windows(2)) {
-                mesh.add_plate_member(plate, [node[0], node[1]], [position[0], position[1]], next());
+            for member in 0..=finger.rib_count() {
+                mesh.add_plate_member(plate, member, next());
             }
         }
         for rib in 0..finger.rib_count() {
@@ -305,15 +303,17 @@ impl Mesh {
         mesh
     }
 
-    fn add_plate_member(&mut self, plate: Plate, nodes: [NodeId; 2], positions: [f64; 2], elements: usize) {
-        let arm = self.finger.description().rod_arm_mm;
+    fn add_plate_member(&mut self, plate: Plate, member: usize, elements: usize) {
+        let arms_mm = self.finger.member_arms_mm(plate, member);
+        let (nodes, positions) = (self.finger.plate_nodes(plate), self.finger.plate_positions_mm(plate));
+        let (nodes, positions) = ([nodes[member], nodes[member + 1]], [positions[member], positions[member + 1]]);
         let along = (self.finger.plate_point(plate, 1.0) - self.finger.base(plate)).normalize();
         let [from, to] = nodes.map(|node| self.frame_node(node));
         let ends = [
-            BeamEnd { arm: along * arm, ..self.frame.clamped_end(from) },
-            BeamEnd { arm: along * -arm, ..self.frame.clamped_end(to) },
+            BeamEnd { arm: along * arms_mm[0], ..self.frame.clamped_end(from) },
+            BeamEnd { arm: along * -arms_mm[1], ..self.frame.clamped_end(to) },
         ];
-        let elements_at = ElementPositions::new(positions, arm, elements);
+        let elements_at = ElementPositions::new(positions, arms_mm, elements);
         let free = elements_at.free();
         // `section` is there for plates by construction.
         let Some(section) = self.finger.section(plate.into()) else { return };
@@ -326,7 +326,7 @@ impl Mesh {
         let first_member = self.frame.members().len();
         self.add_line(plate.into(), ends, &sections);
         if plate == Plate::Front {
-            if arm > 0.0 {
+            if arms_mm[0] > 0.0 {
                 self.front.push((free[0], FrontSpan::Arm { end: ends[0], node_mm: positions[0] }));
             }
             for i in 0..elements {
@@ -334,7 +334,7 @@ impl Mesh {
                 let piece = FrontSpan::Element { member, from_mm: position(i), to_mm: position(i + 1) };
                 self.front.push((position(i + 1), piece));
             }
-            if arm > 0.0 {
+            if arms_mm[1] > 0.0 {
                 self.front.push((positions[1], FrontSpan::Arm { end: ends[1], node_mm: positions[1] }));
             }
         }

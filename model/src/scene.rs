@@ -7,7 +7,9 @@ mod reader;
 pub use camera::{Base, CameraDescription, MarkerLook, Markers, Reference, Rgb, Shade};
 pub use object::{ObjectDescription, ObjectMotion, Outline, ROD_RADIUS_MM, Until};
 
-use crate::finger::{Finger, FingerDescription, Joints, MarkerPoints, Part, RibDescription, RibPositions, Strip, Zone};
+use crate::finger::{
+    Finger, FingerDescription, Joints, MarkerPoints, Part, RibDescription, RibPositions, RigidEnds, Strip, Zone,
+};
 use crate::validity::StrainLimits;
 use reader::{Document, TableReader};
 
@@ -115,8 +117,12 @@ fn read_finger(table: &TableReader, markers_on: MarkerPoints) -> Result<FingerDe
         depth_mm: table.number("depth_mm", "length in mm")?,
         rod_arm_mm: table.optional_number("rod_arm_mm", "length in mm")?.unwrap_or(0.0),
         poissons_ratio: table.optional_number("poissons_ratio", "ratio")?.unwrap_or(0.0),
-        front: read_strip(&table.table("front", &STRIP_KEYS)?)?,
-        back: read_strip(&table.table("back", &STRIP_KEYS)?)?,
+        front: read_strip(&table.table("front", &PLATE_KEYS)?)?,
+        back: read_strip(&table.table("back", &PLATE_KEYS)?)?,
+        rigid_ends: [
+            read_rigid_ends(&table.table("front", &PLATE_KEYS)?)?,
+            read_rigid_ends(&table.table("back", &PLATE_KEYS)?)?,
+        ],
         ribs: read_ribs(&table.table("ribs", &RIB_KEYS)?)?,
         zones: table
             .tables("zone", &["plate", "from_mm", "to_mm", "modulus_factor"])?
@@ -130,9 +136,18 @@ fn read_finger(table: &TableReader, markers_on: MarkerPoints) -> Result<FingerDe
 /// The material of a plate or rib.
 const MATERIAL_KEYS: [&str; 2] = ["thickness_mm", "youngs_modulus_mpa"];
 const LARGEST_STRAIN: &str = "largest_strain";
-const STRIP_KEYS: [&str; 3] = ["thickness_mm", "youngs_modulus_mpa", LARGEST_STRAIN];
-const RIB_KEYS: [&str; 8] =
-    ["count", "positions_mm", "joints", "bracket_mm", "rigid", "thickness_mm", "youngs_modulus_mpa", LARGEST_STRAIN];
+const PLATE_KEYS: [&str; 5] = ["thickness_mm", "youngs_modulus_mpa", LARGEST_STRAIN, "rigid_base_mm", "rigid_tip_mm"];
+const RIB_KEYS: [&str; 9] = [
+    "count",
+    "positions_mm",
+    "joints",
+    "bracket_mm",
+    "clip_mm",
+    "rigid",
+    "thickness_mm",
+    "youngs_modulus_mpa",
+    LARGEST_STRAIN,
+];
 
 fn read_strain_limits(finger: &TableReader) -> Result<StrainLimits, SceneError> {
     let limit = |table: TableReader| match table.optional_number(LARGEST_STRAIN, "strain")? {
@@ -142,9 +157,16 @@ fn read_strain_limits(finger: &TableReader) -> Result<StrainLimits, SceneError> 
         strain => Ok(strain),
     };
     Ok(StrainLimits {
-        front: limit(finger.table("front", &STRIP_KEYS)?)?,
-        back: limit(finger.table("back", &STRIP_KEYS)?)?,
+        front: limit(finger.table("front", &PLATE_KEYS)?)?,
+        back: limit(finger.table("back", &PLATE_KEYS)?)?,
         ribs: limit(finger.table("ribs", &RIB_KEYS)?)?,
+    })
+}
+
+fn read_rigid_ends(table: &TableReader) -> Result<RigidEnds, SceneError> {
+    Ok(RigidEnds {
+        base_mm: table.optional_number("rigid_base_mm", "length in mm")?.unwrap_or_default(),
+        tip_mm: table.optional_number("rigid_tip_mm", "length in mm")?.unwrap_or_default(),
     })
 }
 
@@ -182,9 +204,9 @@ fn read_ribs(table: &TableReader) -> Result<RibDescription, SceneError> {
     } else {
         Some(read_strip(table)?)
     };
-    let bracket_mm =
-        table.optional_number_or_pair("bracket_mm", "a length in mm, or [front, back]")?.unwrap_or_default();
-    Ok(RibDescription { positions, joints, bracket_mm, strip })
+    let lengths = |key| table.optional_number_or_pair(key, "a length in mm, or [front, back]");
+    let (bracket_mm, clip_mm) = (lengths("bracket_mm")?.unwrap_or_default(), lengths("clip_mm")?.unwrap_or_default());
+    Ok(RibDescription { positions, joints, bracket_mm, clip_mm, strip })
 }
 
 fn read_zone(table: &TableReader) -> Result<Zone, SceneError> {

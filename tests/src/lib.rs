@@ -13,4 +13,4 @@ pub use comparison::{KINEMATICS, assert_all_pass, largest, motions_apart, shapes
 pub use fingers::{ELEMENTS, fine_mesh, finger_of, paper, paper_scene_with};
 pub use loads::{at_node, at_nodes, at_position, contact_node, force_for_deflection};
 pub use measurements::{noisy, seen};
-pub use strategies::{finger, finger_with_zones};
+pub use strategies::{built_finger, built_finger_with_zones, finger, finger_with_zones};

@@ -2,7 +2,7 @@
 
 use finray_model::Finger;
 use finray_model::finger::{
-    FingerDescription, Joints, MarkerPoints, Part, Plate, RibDescription, RibPositions, Strip, Zone,
+    FingerDescription, Joints, MarkerPoints, Part, Plate, RibDescription, RibPositions, RigidEnds, Strip, Zone,
 };
 use proptest::prelude::*;
 
@@ -20,19 +20,50 @@ fn ribs() -> impl Strategy<Value = (usize, Vec<[f64; 2]>, Joints, Option<Strip>)
     )
 }
 
-/// None, or of any two lengths, as shares of the base width; with markers on junctions or hinges.
-fn brackets() -> impl Strategy<Value = ([f64; 2], MarkerPoints)> {
-    let lengths = prop_oneof![2 => Just([0.0; 2]), 1 => [0.0..0.08, 0.0..0.08]];
-    (lengths, prop_oneof![Just(MarkerPoints::Junctions), Just(MarkerPoints::Hinges)])
+/// Brackets, as shares of the base width, clips and rigid ends, as shares of the front plate, in a third of the fingers each; markers on junctions or
+/// hinges.
+fn rigid_parts() -> impl Strategy<Value = ([f64; 2], [f64; 2], [RigidEnds; 2], MarkerPoints)> {
+    let brackets = prop_oneof![2 => Just([0.0; 2]), 1 => [0.0..0.08, 0.0..0.08]];
+    let clips = prop_oneof![2 => Just([0.0; 2]), 1 => [0.0..0.04, 0.0..0.04]];
+    let ends = prop_oneof![2 => Just([0.0; 4]), 1 => [0.0..0.05, 0.0..0.05, 0.0..0.05, 0.0..0.05]];
+    let ends = ends.prop_map(|[a, b, c, d]| [[a, b], [c, d]].map(|[base_mm, tip_mm]| RigidEnds { base_mm, tip_mm }));
+    (brackets, clips, ends, prop_oneof![Just(MarkerPoints::Junctions), Just(MarkerPoints::Hinges)])
 }
 
-/// Fingers of every kind that a scene file can describe, without zones.
+/// Fingers as they are built: also with brackets, clips and plate ends that do not deform.
+pub fn built_finger() -> impl Strategy<Value = Finger> {
+    built(finger())
+}
+
+/// The same with zones.
+pub fn built_finger_with_zones() -> impl Strategy<Value = Finger> {
+    built(finger_with_zones())
+}
+
+fn built(fingers: impl Strategy<Value = Finger>) -> impl Strategy<Value = Finger> {
+    (fingers, rigid_parts()).prop_filter_map(
+        "no room for rigid parts",
+        |(finger, (brackets, clips, ends, markers_on))| {
+            let mut description = FingerDescription { markers_on, ..finger.description().clone() };
+            let (base_mm, front_mm) = (description.base_width_mm, description.front_length_mm);
+            description.ribs.bracket_mm = brackets.map(|share| share * base_mm);
+            description.ribs.clip_mm = clips.map(|share| share * front_mm);
+            description.rigid_ends = ends.map(|RigidEnds { base_mm, tip_mm }| RigidEnds {
+                base_mm: base_mm * front_mm,
+                tip_mm: tip_mm * front_mm,
+            });
+            Finger::new(description).ok()
+        },
+    )
+}
+
+/// Fingers of plates and ribs of every kind, without zones and rigid parts but the arms of rods.
 pub fn finger() -> impl Strategy<Value = Finger> {
     let sizes = (40.0..90.0, 80.0..200.0, 0.85..1.2, 8.0..40.0);
     let extras = (prop_oneof![Just(0.0), 0.005..0.02], prop_oneof![Just(0.0), 0.1..0.49]);
-    (sizes, extras, strip(), strip(), ribs(), brackets()).prop_filter_map(
+    (sizes, extras, strip(), strip(), ribs()).prop_filter_map(
         "an impossible finger",
-        |(sizes, extras, front, back, ribs, (brackets, markers_on))| {
+        |(sizes, extras, front, back, ribs)| {
             let (base_width_mm, front_length_mm, ratio, depth_mm) = sizes;
             let back_length_mm = front_length_mm * ratio;
             let (count, gaps, joints, strip) = ribs;
@@ -43,7 +74,6 @@ pub fn finger() -> impl Strategy<Value = Finger> {
             };
             let positions =
                 (0..count).map(|rib| [position(0, front_length_mm, rib), position(1, back_length_mm, rib)]).collect();
-            let bracket_mm = brackets.map(|share| share * base_width_mm);
             let description = FingerDescription {
                 base_width_mm,
                 front_length_mm,
@@ -53,9 +83,16 @@ pub fn finger() -> impl Strategy<Value = Finger> {
                 poissons_ratio: extras.1,
                 front,
                 back,
-                ribs: RibDescription { positions: RibPositions::Positions(positions), joints, bracket_mm, strip },
+                rigid_ends: Default::default(),
+                ribs: RibDescription {
+                    positions: RibPositions::Positions(positions),
+                    joints,
+                    bracket_mm: [0.0; 2],
+                    clip_mm: [0.0; 2],
+                    strip,
+                },
                 zones: Vec::new(),
-                markers_on,
+                markers_on: MarkerPoints::Junctions,
             };
             Finger::new(description).ok()
         },

@@ -9,6 +9,15 @@ pub struct Strip {
     pub youngs_modulus_mpa: f64,
 }
 
+/// Lengths at the ends of a plate that do not deform, mm, zero or more.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct RigidEnds {
+    /// Next to the base: it is clamped as a whole.
+    pub base_mm: f64,
+    /// Next to the tip: it turns with it.
+    pub tip_mm: f64,
+}
+
 /// How ribs meet the plates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Joints {
@@ -37,6 +46,9 @@ pub struct RibDescription {
     /// Lengths of the rigid brackets that hold their ends off the front and the back plate, mm, zero or more: perpendicular to
     /// the undeformed plate, towards the other one, turning with the plate. Joints are at their ends.
     pub bracket_mm: [f64; 2],
+    /// Lengths of the rigid clips that hold the brackets on the front and the back plate, mm, zero or more: the plate does not bend there,
+    /// half of it on each side of the node.
+    pub clip_mm: [f64; 2],
     /// Their material; `None` for ribs that do not deform (or if there are none).
     pub strip: Option<Strip>,
 }
@@ -94,6 +106,8 @@ pub struct FingerDescription {
     pub front: Strip,
     /// The back plate.
     pub back: Strip,
+    /// What does not deform of the front and of the back plate.
+    pub rigid_ends: [RigidEnds; 2],
     /// The ribs.
     pub ribs: RibDescription,
     /// Sections of other modulus; overlapping ones multiply.

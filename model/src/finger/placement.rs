@@ -107,26 +107,41 @@ pub(super) fn check_zones(d: &FingerDescription) -> Result<(), ImpossibleFinger>
     Ok(())
 }
 
-/// The arms of rods and the brackets of ribs must leave room for what is between them.
+/// The arms of rods, clips and rigid ends, and the brackets of ribs must leave room for what is between them.
 pub(super) fn check_room(finger: &Finger) -> Result<(), ImpossibleFinger> {
     check_brackets(finger)?;
-    let arm = finger.description.rod_arm_mm;
-    let plates = [Plate::Front, Plate::Back]
-        .into_iter()
-        .flat_map(|plate| finger.plate_positions_mm(plate).windows(2).map(|w| w[1] - w[0]).collect::<Vec<_>>());
+    let d = &finger.description;
     let ribs = (0..finger.rib_count()).map(|rib| finger.rib_length_mm(rib));
-    let shortest = plates.chain(ribs).fold(f64::INFINITY, f64::min);
-    require(2.0 * arm < shortest * (1.0 - SMALLEST_SPACING), "finger.rod_arm_mm", || {
-        format!("expected less than half of the shortest member, {shortest:?} mm, found {arm:?}")
-    })
+    let plates = [Plate::Front, Plate::Back];
+    let members =
+        plates.map(|plate| finger.plate_positions_mm(plate).windows(2).map(|w| w[1] - w[0]).collect::<Vec<_>>());
+    let shortest = members.iter().flatten().copied().chain(ribs).fold(f64::INFINITY, f64::min);
+    require(2.0 * d.rod_arm_mm < shortest * (1.0 - SMALLEST_SPACING), "finger.rod_arm_mm", || {
+        format!("expected less than half of the shortest member, {shortest:?} mm, found {:?}", d.rod_arm_mm)
+    })?;
+    for ((plate, name), lengths_mm) in plates.into_iter().zip(["front", "back"]).zip(&members) {
+        for (member, length_mm) in lengths_mm.iter().enumerate() {
+            let arms_mm = finger.member_arms_mm(plate, member);
+            let key = match member {
+                0 => format!("finger.{name}.rigid_base_mm"),
+                last if last == finger.rib_count() => format!("finger.{name}.rigid_tip_mm"),
+                _ => "finger.ribs.clip_mm".to_owned(),
+            };
+            require(arms_mm[0] + arms_mm[1] < length_mm * (1.0 - SMALLEST_SPACING), &key, || {
+                format!(
+                    "expected clips and rigid ends that leave some of each member of the {name} plate to bend, found {:?} of {length_mm:?} mm rigid",
+                    arms_mm[0] + arms_mm[1]
+                )
+            })?;
+        }
+    }
+    Ok(())
 }
 
 /// The hinges of each plate must lie before those of the other: then ribs have a length and neither cross nor turn round.
 fn check_brackets(finger: &Finger) -> Result<(), ImpossibleFinger> {
     const KEY: &str = "finger.ribs.bracket_mm";
     let brackets_mm = finger.description.ribs.bracket_mm;
-    let possible = brackets_mm.iter().all(|length_mm| *length_mm == 0.0 || (length_mm.is_normal() && *length_mm > 0.0));
-    require(possible, KEY, || format!("expected lengths in mm, zero or more, found {brackets_mm:?}"))?;
     for rib in 0..finger.rib_count() {
         let [front, back] = finger.rib_nodes(rib);
         for (plate, hinge, other_mm) in [(Plate::Front, back, brackets_mm[0]), (Plate::Back, front, brackets_mm[1])] {
@@ -139,6 +154,27 @@ fn check_brackets(finger: &Finger) -> Result<(), ImpossibleFinger> {
                 )
             })?;
         }
+    }
+    Ok(())
+}
+
+/// Lengths that may be zero.
+pub(super) fn check_rigid_parts(d: &FingerDescription) -> Result<(), ImpossibleFinger> {
+    let [front, back] = d.rigid_ends;
+    for (key, lengths_mm) in [
+        ("finger.ribs.bracket_mm", &d.ribs.bracket_mm[..]),
+        ("finger.ribs.clip_mm", &d.ribs.clip_mm[..]),
+        ("finger.front.rigid_base_mm", &[front.base_mm]),
+        ("finger.front.rigid_tip_mm", &[front.tip_mm]),
+        ("finger.back.rigid_base_mm", &[back.base_mm]),
+        ("finger.back.rigid_tip_mm", &[back.tip_mm]),
+    ] {
+        let possible =
+            lengths_mm.iter().all(|length_mm| *length_mm == 0.0 || (length_mm.is_normal() && *length_mm > 0.0));
+        require(possible, key, || match lengths_mm {
+            [length_mm] => format!("expected a length in mm, zero or more, found {length_mm:?}"),
+            _ => format!("expected lengths in mm, zero or more, found {lengths_mm:?}"),
+        })?;
     }
     Ok(())
 }

@@ -11,8 +11,8 @@ pub(super) struct ElementPositions {
 
 impl ElementPositions {
     /// Equal elements between the rigid arms of a member.
-    pub(super) fn new(positions: [f64; 2], arm_mm: f64, elements: usize) -> ElementPositions {
-        ElementPositions { free: [positions[0] + arm_mm, positions[1] - arm_mm], elements }
+    pub(super) fn new(positions: [f64; 2], arms_mm: [f64; 2], elements: usize) -> ElementPositions {
+        ElementPositions { free: [positions[0] + arms_mm[0], positions[1] - arms_mm[1]], elements }
     }
 
     /// Where the elastic part begins and ends.
@@ -71,8 +71,9 @@ impl Mesh {
         let positions = self.finger.plate_positions_mm(plate);
         let lines = self.lines.iter().filter(|line| line.part == chosen.part).enumerate();
         let shares = lines.flat_map(|(nth, line)| {
-            let elements =
-                ElementPositions::new([positions[nth], positions[nth + 1]], description.rod_arm_mm, line.members.len());
+            // Ribs have no positions along a plate; their share does not need them.
+            let arms_mm = if chosen.part == Part::Ribs { [0.0; 2] } else { self.finger.member_arms_mm(plate, nth) };
+            let elements = ElementPositions::new([positions[nth], positions[nth + 1]], arms_mm, line.members.len());
             let share = |i: usize| match chosen.part {
                 Part::Ribs => f64::from(u8::from(holds_rib(chosen, positions[nth + 1]))),
                 Part::Front | Part::Back => {

@@ -4,7 +4,7 @@ use finray_model::finger::{FingerDescription, Joints, Part, Plate, RibPositions}
 use finray_model::frame::{BeamEnd, FrameLoad, FrameMotion, PlaneFrame};
 use finray_model::statics::{Statics, solve, solve_frame};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
-use finray_tests::{KINEMATICS, cases, contact_node, finger, finger_with_zones, force_for_deflection, largest};
+use finray_tests::{KINEMATICS, built_finger_with_zones, cases, contact_node, finger, force_for_deflection, largest};
 use nalgebra::Rotation2;
 use proptest::prelude::*;
 
@@ -61,7 +61,11 @@ fn built_by_hand(finger: &Finger, turn: Rotation2<f64>, order: &[usize]) -> (Pla
 }
 
 fn without_arms(finger: &Finger) -> Finger {
-    Finger::new(FingerDescription { rod_arm_mm: 0.0, ..finger.description().clone() }).expect("still possible")
+    let mut description =
+        FingerDescription { rod_arm_mm: 0.0, rigid_ends: Default::default(), ..finger.description().clone() };
+    description.ribs.clip_mm = [0.0; 2];
+    description.zones.clear();
+    Finger::new(description).expect("still possible")
 }
 
 proptest! {
@@ -70,7 +74,7 @@ proptest! {
     /// Turning the whole scene turns the displacements; the order in which nodes and beams are given changes nothing.
     #[test]
     fn turn_of_the_scene_and_order_of_nodes(
-        finger in finger(),
+        finger in built_finger_with_zones(),
         at in 0.0..1.0,
         angle in -80.0..80.0,
         turn in -3.1..3.1,
@@ -109,7 +113,7 @@ proptest! {
 
     /// Lengths in another unit and forces in another unit give the same shape in those units.
     #[test]
-    fn units(finger in finger_with_zones(), at in 0.0..1.0, angle in -80.0..80.0, length in -3.0..3.0, force in -6.0..6.0) {
+    fn units(finger in built_finger_with_zones(), at in 0.0..1.0, angle in -80.0..80.0, length in -3.0..3.0, force in -6.0..6.0) {
         let (length, force_unit) = (10_f64.powf(length), 10_f64.powf(force));
         let node = contact_node(&finger, at);
         let force = force_for_deflection(&finger, node, angle, 0.02);
@@ -166,6 +170,11 @@ fn scaled(d: &FingerDescription, length: f64, force: f64) -> Finger {
         strip.youngs_modulus_mpa *= force / (length * length);
     }
     d.ribs.bracket_mm = d.ribs.bracket_mm.map(|bracket| bracket * length);
+    d.ribs.clip_mm = d.ribs.clip_mm.map(|clip| clip * length);
+    for ends in &mut d.rigid_ends {
+        ends.base_mm *= length;
+        ends.tip_mm *= length;
+    }
     if let RibPositions::Positions(positions) = &mut d.ribs.positions {
         positions.iter_mut().flatten().for_each(|position| *position *= length);
     }

@@ -133,13 +133,15 @@ impl Assembly {
         let Some(section) = finger.section(plate.into()) else { return };
         let zones: Vec<&Zone> =
             finger.description().zones.iter().filter(|zone| zone.part == Part::from(plate)).collect();
-        let arm = finger.description().rod_arm_mm;
         let along = (finger.plate_point(plate, 1.0) - finger.base(plate)).normalize();
         let positions = finger.plate_positions_mm(plate);
-        for (nodes, positions) in finger.plate_nodes(plate).windows(2).zip(positions.windows(2)) {
-            let [from, to] =
-                [self.key_nodes[nodes[0].0 - 1].moved(along * arm), self.key_nodes[nodes[1].0 - 1].moved(along * -arm)];
-            let free_mm = [positions[0] + arm, positions[1] - arm];
+        for (member, (nodes, positions)) in finger.plate_nodes(plate).windows(2).zip(positions.windows(2)).enumerate() {
+            let arms_mm = finger.member_arms_mm(plate, member);
+            let [from, to] = [
+                self.key_nodes[nodes[0].0 - 1].moved(along * arms_mm[0]),
+                self.key_nodes[nodes[1].0 - 1].moved(along * -arms_mm[1]),
+            ];
+            let free_mm = [positions[0] + arms_mm[0], positions[1] - arms_mm[1]];
             let borders = borders_mm(free_mm, &zones, target_mm);
             let anchors = self.divide([from, to], &borders);
             if plate == Plate::Front {
@@ -293,13 +295,17 @@ fn undeformable_bar(finger: &Finger) -> Section {
 
 /// Free lengths of all members: of the back plate, of the front plate, ribs.
 fn members_mm(finger: &Finger) -> impl Iterator<Item = f64> {
-    let arms_mm = 2.0 * finger.description().rod_arm_mm;
     let plates = [Plate::Back, Plate::Front].into_iter().flat_map(|plate| {
         let positions = finger.plate_positions_mm(plate);
-        positions.windows(2).map(|position| position[1] - position[0]).collect::<Vec<_>>()
+        let free = |(member, ends): (usize, &[f64])| {
+            let arms_mm = finger.member_arms_mm(plate, member);
+            ends[1] - ends[0] - arms_mm[0] - arms_mm[1]
+        };
+        positions.windows(2).enumerate().map(free).collect::<Vec<_>>()
     });
-    let ribs = (0..finger.rib_count()).map(|rib| finger.rib_length_mm(rib));
-    plates.chain(ribs).map(move |length_mm| length_mm - arms_mm)
+    let arms_mm = 2.0 * finger.description().rod_arm_mm;
+    let ribs = (0..finger.rib_count()).map(move |rib| finger.rib_length_mm(rib) - arms_mm);
+    plates.chain(ribs)
 }
 
 /// Mean free length of the plate members.

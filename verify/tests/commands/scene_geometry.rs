@@ -49,6 +49,47 @@ fn sizes_must_be_positive_finite_numbers() {
         let bracket = format!("count = 11\nbracket_mm = {value}");
         assert_refused("count = 11", &bracket, "bracket_mm", &["finger.ribs.bracket_mm: expected"]);
     }
+    for (from, to, at, expected) in [
+        (
+            "count = 11",
+            "count = 11\nclip_mm = -1.0",
+            "clip_mm",
+            "finger.ribs.clip_mm: expected lengths in mm, zero or more",
+        ),
+        // Members of the paper's plates are 12.75 mm long.
+        (
+            "count = 11",
+            "count = 11\nclip_mm = [12.8, 0.0]",
+            "clip_mm",
+            "finger.ribs.clip_mm: expected clips and rigid ends that leave some",
+        ),
+        (
+            "[finger.front]",
+            "[finger.front]\nrigid_tip_mm = nan",
+            "rigid_tip_mm",
+            "finger.front.rigid_tip_mm: expected a length in mm",
+        ),
+        (
+            "[finger.back]",
+            "[finger.back]\nrigid_tip_mm = 13.0",
+            "rigid_tip_mm",
+            "finger.back.rigid_tip_mm: expected clips and rigid ends",
+        ),
+        (
+            "[finger.back]",
+            "[finger.back]\nrigid_base_mm = 12.75",
+            "rigid_base_mm",
+            "finger.back.rigid_base_mm: expected clips and rigid",
+        ),
+        (
+            "[finger.back]",
+            "[finger.back]\nrigid_bas_mm = 1.0",
+            "rigid_bas_mm",
+            "the nearest known key is `rigid_base_mm`",
+        ),
+    ] {
+        assert_refused(from, to, at, &[expected]);
+    }
     // The last rib is 58 mm / 12 long between the plates' middle lines.
     for (value, room) in [("2.3", true), ("2.5", false), ("[4.6, 0.0]", true), ("[0.0, 4.9]", false)] {
         let bracket = format!("count = 11\nbracket_mm = {value}");

@@ -10,7 +10,7 @@ use std::str::FromStr;
 /// Significant digits that count: ribs by number and at the same positions by hand differ by rounding.
 const DIGITS: i32 = 10;
 
-/// SHA-256 over the numbers of a finger: key nodes, rigid arms, rigidities, joints, brackets with
+/// SHA-256 over the numbers of a finger: key nodes, rigid arms, clips and ends, rigidities, joints, brackets with
 /// what markers are on, zones. Neither names, nor order of
 /// zones, nor the way the ribs were written, nor what a scene says besides the finger takes part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -38,6 +38,14 @@ impl Fingerprint {
                 Joints::Rigid => "joints rigid",
                 Joints::Hinged => "joints hinged",
             });
+        }
+        let d = finger.description();
+        let ends = d.rigid_ends.iter().flat_map(|ends| [ends.base_mm, ends.tip_mm]);
+        let rigid: Vec<f64> = d.ribs.clip_mm.iter().copied().chain(ends).collect();
+        if rigid.iter().any(|length_mm| *length_mm > 0.0) {
+            for (place, length_mm) in rigid.into_iter().enumerate() {
+                numbers.number(&format!("rigid part {place} mm"), length_mm);
+            }
         }
         if finger.has_brackets() {
             for (name, length_mm) in ["front", "back"].into_iter().zip(finger.description().ribs.bracket_mm) {

@@ -4,7 +4,9 @@ use finray_model::compliance::{Compliance, NodalCompliance};
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::sensing::{Contact, ContactPosition, Estimate, LinearEstimator, Prior, SensingError};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId};
-use finray_tests::{CAMERA_NOISE_MM, at_node, at_position, cases, contact_node, finger_with_zones, noisy, paper, seen};
+use finray_tests::{
+    CAMERA_NOISE_MM, at_node, at_position, built_finger_with_zones, cases, contact_node, noisy, paper, seen,
+};
 use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -34,7 +36,7 @@ proptest! {
     /// Any finger: what forces and moments on key nodes do adds up to what a load at any position, on a node or on an arm does.
     #[test]
     fn a_finger_solved_once_serves_every_load(
-        finger in finger_with_zones(),
+        finger in built_finger_with_zones(),
         at in prop::collection::vec((0.001..=1.0, -80.0..80.0), 1..=4),
     ) {
         let mut contacts: Vec<Contact> = at
@@ -57,7 +59,7 @@ proptest! {
     /// Any finger: up to three forces at nodes and between them, in any direction, come back; markers may be hidden.
     #[test]
     fn applied_forces_come_back(
-        finger in finger_with_zones(),
+        finger in built_finger_with_zones(),
         at in prop::collection::vec((0.1..1.0, -80.0..80.0, -5.0..5.0), 1..=3),
         hidden in 0.0..1.0,
     ) {

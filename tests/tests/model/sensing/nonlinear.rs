@@ -8,7 +8,7 @@ use finray_model::sensing::{
 use finray_model::statics::{Statics, StaticsError};
 use finray_model::{Kinematics, Load, Mesh, NodeId, Vector};
 use finray_tests::{
-    CAMERA_NOISE_MM, at_node, at_position, cases, contact_node, finger_with_zones, force_for_deflection, largest,
+    CAMERA_NOISE_MM, at_node, at_position, built_finger_with_zones, cases, contact_node, force_for_deflection, largest,
     noisy, paper, seen,
 };
 use proptest::prelude::*;
@@ -169,7 +169,7 @@ proptest! {
     /// The ladder's sensitivities to added and moved loads are differences of equilibria, on any finger.
     #[test]
     fn sensitivities_are_differences_of_equilibria(
-        finger in finger_with_zones(),
+        finger in built_finger_with_zones(),
         elements in 1..4_usize,
         at in [0.0..1.0, 0.1..0.95],
         angle in -60.0..60.0,

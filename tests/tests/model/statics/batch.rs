@@ -5,7 +5,7 @@ use finray_model::finger::Plate;
 use finray_model::frame::FrameLoad;
 use finray_model::statics::{Equilibrium, Statics, StaticsError, equilibria};
 use finray_model::{Finger, Kinematics, Load, Mesh, Vector};
-use finray_tests::{KINEMATICS, cases, contact_node, finger_with_zones, force_for_deflection, paper};
+use finray_tests::{KINEMATICS, built_finger_with_zones, cases, contact_node, force_for_deflection, paper};
 use proptest::prelude::*;
 
 fn one_by_one<L: AsRef<[FrameLoad]>>(
@@ -43,7 +43,7 @@ proptest! {
     /// Any finger, any mesh: hinges, rigid links, arms, zones; loads of all kinds, of which the largest are refused.
     #[test]
     fn random_fingers_and_loads_agree(
-        finger in finger_with_zones(),
+        finger in built_finger_with_zones(),
         elements in prop_oneof![2 => Just(1_usize), 2 => 2..6_usize],
         drawn in prop::collection::vec(([0.0..1.0, 0.05..1.0], -80.0..80.0, -3.0..0.5, 0..4_usize), 0..11),
     ) {

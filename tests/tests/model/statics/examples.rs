@@ -34,10 +34,12 @@ fn a_buckling_load_is_not_jumped_over() {
         poissons_ratio: 0.0,
         front: strip(1.94819, 181.17),
         back: strip(0.5, 353.372),
+        rigid_ends: Default::default(),
         ribs: RibDescription {
             positions: RibPositions::Positions(vec![[59.8018, 29.6223], [120.8031, 74.9941]]),
             joints: Joints::Hinged,
             bracket_mm: [0.0; 2],
+            clip_mm: [0.0; 2],
             strip: None,
         },
         zones: Vec::new(),

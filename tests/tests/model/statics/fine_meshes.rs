@@ -52,7 +52,8 @@ proptest! {
     #![proptest_config(cases(48))]
 
     /// Zones, hinges, arms and rigid ribs: 256 elements a member take hardly more load steps than four. Adding Newton's
-    /// corrections as they are takes about sixteen times as many.
+    /// corrections as they are takes about sixteen times as many. Not of every finger: one whose front plate is a sixth as thick as
+    /// its back plate was seen to take 170 steps instead of 20, from 128 elements a member on.
     #[test]
     fn load_steps_do_not_grow_with_the_mesh(
         finger in finger_with_zones(),

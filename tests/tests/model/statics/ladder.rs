@@ -3,7 +3,9 @@
 use finray_model::frame::FrameLoad;
 use finray_model::statics::Statics;
 use finray_model::{Kinematics, Load, Mesh};
-use finray_tests::{KINEMATICS, cases, contact_node, finger_with_zones, force_for_deflection, motions_apart, paper};
+use finray_tests::{
+    KINEMATICS, built_finger_with_zones, cases, contact_node, force_for_deflection, motions_apart, paper,
+};
 use proptest::prelude::*;
 
 /// Largest difference of a displacement, as a share of the largest, up to about 684 nodes.
@@ -15,7 +17,7 @@ proptest! {
     /// Any finger, any mesh: hinges, rigid links, arms, zones; loads on nodes with moments, at positions, inside elements.
     #[test]
     fn agrees_with_the_sparse_path(
-        finger in finger_with_zones(),
+        finger in built_finger_with_zones(),
         elements in prop_oneof![4 => 1..6_usize, 1 => 20..30_usize],
         at in [0.0..1.0, 0.05..1.0],
         angle in -80.0..80.0,

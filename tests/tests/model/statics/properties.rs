@@ -4,8 +4,8 @@ use finray_model::frame::{FrameLoad, FrameMotion};
 use finray_model::statics::{Statics, elastic_energy, reaction, solve};
 use finray_model::{Finger, Kinematics, Load, Mesh, Vector};
 use finray_tests::{
-    KINEMATICS, cases, contact_node, finger, finger_with_zones, force_for_deflection, largest, motions_apart,
-    shapes_apart,
+    KINEMATICS, built_finger, built_finger_with_zones, cases, contact_node, force_for_deflection, largest,
+    motions_apart, shapes_apart,
 };
 use proptest::prelude::*;
 
@@ -27,7 +27,7 @@ proptest! {
 
     /// Maxwell and Betti: a unit force at A moves B along b as much as a unit force along b at B moves A along a.
     #[test]
-    fn reciprocity(finger in finger_with_zones(), at in [0.0..1.0, 0.0..1.0], angles in [-90.0..90.0, -90.0..90.0]) {
+    fn reciprocity(finger in built_finger_with_zones(), at in [0.0..1.0, 0.0..1.0], angles in [-90.0..90.0, -90.0..90.0]) {
         let nodes = at.map(|fraction| contact_node(&finger, fraction));
         let directions = angles.map(|angle| finger.direction(angle));
         let moved = [0, 1].map(|i| displacements(&finger, &[Load::at_node(nodes[i], directions[i])]));
@@ -39,7 +39,7 @@ proptest! {
 
     /// Linear displacements under two loads are the sum of those under each, and grow with the load.
     #[test]
-    fn superposition(finger in finger_with_zones(), at in [0.0..1.0, 0.0..1.0], factors in [-3.0..3.0, -3.0..3.0]) {
+    fn superposition(finger in built_finger_with_zones(), at in [0.0..1.0, 0.0..1.0], factors in [-3.0..3.0, -3.0..3.0]) {
         let loads = [0, 1].map(|i| Load::at_node(contact_node(&finger, at[i]), finger.direction(40.0 * i as f64)));
         let scaled = [0, 1].map(|i| match loads[i] {
             Load::Node { node, force, .. } => Load::at_node(node, force * factors[i]),
@@ -56,7 +56,7 @@ proptest! {
 
     /// The stiffness at rest is symmetric and positive definite: x K x > 0 for any x, and K has a Cholesky factor.
     #[test]
-    fn stiffness_is_symmetric_positive_definite(finger in finger_with_zones(), seed in prop::collection::vec(-1.0..1.0, 64)) {
+    fn stiffness_is_symmetric_positive_definite(finger in built_finger_with_zones(), seed in prop::collection::vec(-1.0..1.0, 64)) {
         let mesh = Mesh::with_elements_per_member(&finger, 2);
         let mut statics = Statics::sparse(mesh.frame(), Kinematics::Linear);
         prop_assert!(statics.equilibrium(&[]).is_ok());
@@ -75,7 +75,7 @@ proptest! {
     /// a load between nodes or on an arm.
     #[test]
     fn loads_and_reactions_balance(
-        finger in finger_with_zones(),
+        finger in built_finger_with_zones(),
         at in [0.0..1.0, 0.03..1.0],
         angle in -90.0..90.0,
         share in 0.001..0.03,
@@ -115,7 +115,7 @@ proptest! {
 
     /// Clapeyron: the elastic energy of the linear finger is half the work of its load.
     #[test]
-    fn linear_energy_is_half_the_work(finger in finger_with_zones(), at in 0.0..1.0, angle in -90.0..90.0) {
+    fn linear_energy_is_half_the_work(finger in built_finger_with_zones(), at in 0.0..1.0, angle in -90.0..90.0) {
         let mesh = Mesh::key_nodes(&finger);
         let node = contact_node(&finger, at);
         let force = finger.direction(angle);
@@ -129,7 +129,7 @@ proptest! {
     /// The elastic energy of the co-rotational finger is the work of its load along the path, by Simpson's rule over
     /// the force; how far the rule can be trusted is seen from half as many steps (near a snap it is not smooth).
     #[test]
-    fn corotational_energy_is_the_work_of_the_load(finger in finger_with_zones(), at in 0.0..1.0, angle in -60.0..60.0) {
+    fn corotational_energy_is_the_work_of_the_load(finger in built_finger_with_zones(), at in 0.0..1.0, angle in -60.0..60.0) {
         const STEPS: usize = 64;
         let mesh = Mesh::key_nodes(&finger);
         let node = contact_node(&finger, at);
@@ -155,7 +155,7 @@ proptest! {
     /// The full load at once leads to the same equilibrium as 100 small steps; where the small steps meet a limit load,
     /// the full load is refused too.
     #[test]
-    fn no_limit_load_is_jumped_over(finger in finger_with_zones(), at in 0.0..1.0, angle in -80.0..80.0, share in 0.005..0.03) {
+    fn no_limit_load_is_jumped_over(finger in built_finger_with_zones(), at in 0.0..1.0, angle in -80.0..80.0, share in 0.005..0.03) {
         let mesh = Mesh::key_nodes(&finger);
         let node = contact_node(&finger, at);
         let force = force_for_deflection(&finger, node, angle, share);
@@ -176,7 +176,7 @@ proptest! {
 
     /// Linear frames are exact at their nodes: refinement changes rounding alone.
     #[test]
-    fn refinement_changes_nothing_linear(finger in finger(), at in 0.0..1.0, angle in -90.0..90.0) {
+    fn refinement_changes_nothing_linear(finger in built_finger(), at in 0.0..1.0, angle in -90.0..90.0) {
         let node = contact_node(&finger, at);
         let load = Load::at_node(node, finger.direction(angle));
         let coarse = solve(&Mesh::key_nodes(&finger), &[load], Kinematics::Linear).expect("linear solution");
@@ -189,7 +189,7 @@ proptest! {
     /// A load between nodes acts as the same load on a node put there by refinement. Not next to the clamp, where
     /// nothing moves but rounding.
     #[test]
-    fn consistent_loads_are_exact_at_the_nodes(finger in finger(), at in 0.08..1.0, angle in -90.0..90.0) {
+    fn consistent_loads_are_exact_at_the_nodes(finger in built_finger(), at in 0.08..1.0, angle in -90.0..90.0) {
         let s_mm = at * finger.description().front_length_mm;
         let load = Load::at_position(s_mm, finger.direction(angle));
         let coarse = solve(&Mesh::key_nodes(&finger), &[load], Kinematics::Linear).expect("linear solution");
@@ -204,7 +204,7 @@ proptest! {
     /// links and loads between nodes: central differences in a random direction.
     #[test]
     fn tangent_is_consistent(
-        finger in finger(),
+        finger in built_finger_with_zones(),
         at in [0.0..1.0, 0.01..1.0],
         direction in prop::collection::vec(-1.0..1.0, 32),
         bent in 0.0..0.05,

@@ -4,7 +4,7 @@ use finray_model::finger::{Joints, Plate};
 use finray_model::frame::Section;
 use finray_model::mesh::{Load, LoadError};
 use finray_model::{Kinematics, Mesh, NodeId, Vector, statics};
-use finray_tests::{cases, contact_node, finger, finger_of, paper};
+use finray_tests::{built_finger, cases, contact_node, finger_of, paper};
 use finray_verify::lattice::accuracy::difference;
 use finray_verify::lattice::bodies::{Anchor, Assembly, Body, BodyLoad};
 use finray_verify::lattice::energy::{BodyMotion, Energy};
@@ -134,7 +134,7 @@ proptest! {
     /// For small displacements the lattice is a frame of slender beams, exactly: any finger, at nodes and between them.
     #[test]
     fn small_displacements_are_those_of_linear_beams(
-        finger in finger(), at in 0.0..1.0_f64, angle_deg in -80.0..80.0_f64, position in 0.1..1.0_f64,
+        finger in built_finger(), at in 0.0..1.0_f64, angle_deg in -80.0..80.0_f64, position in 0.1..1.0_f64,
     ) {
         let lattice = Lattice::new(&finger, 1).expect("a lattice");
         let beams = |load| statics::solve(&Mesh::key_nodes(&finger), &[load], Kinematics::Linear).expect("a solution");
