@@ -107,9 +107,14 @@ impl Finger {
         (self.tip().0..self.key_node_count()).map(NodeId)
     }
 
-    /// The nodes that move, in order: those a camera measures.
+    /// The nodes that move, in order.
     pub fn free_nodes(&self) -> impl DoubleEndedIterator<Item = NodeId> + ExactSizeIterator + Clone + use<> {
         (2..self.key_node_count()).map(NodeId)
+    }
+
+    /// The free nodes that have a marker, in order: those a camera measures.
+    pub fn marked_nodes(&self) -> impl DoubleEndedIterator<Item = NodeId> + ExactSizeIterator + Clone + use<> {
+        self.free_nodes().filter(|node| self.has_marker(*node)).collect::<Vec<_>>().into_iter()
     }
 
     /// Front and back node of rib `index`, counted from the base from 0.

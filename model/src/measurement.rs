@@ -101,16 +101,16 @@ impl Measurement {
         Ok(())
     }
 
-    /// All free nodes of a computed shape, as a camera without noise would see them.
+    /// All markers of a computed shape, as a camera without noise would see them.
     pub fn of_shape(finger: &Finger, shape: &FingerShape) -> Measurement {
         let marker = |node| Marker { node, displacement: shape.motion(node).marker_displacement(finger), weight: 1.0 };
-        Measurement { markers: finger.free_nodes().map(marker).collect() }
+        Measurement { markers: finger.marked_nodes().map(marker).collect() }
     }
 
-    /// All free nodes of a finger that nothing bends.
+    /// All markers of a finger that nothing bends.
     pub fn at_rest(finger: &Finger) -> Measurement {
         let marker = |node| Marker { node, displacement: Vector::zeros(), weight: 1.0 };
-        Measurement { markers: finger.free_nodes().map(marker).collect() }
+        Measurement { markers: finger.marked_nodes().map(marker).collect() }
     }
 
     /// The same measurement with every marker as good as the others.

@@ -65,7 +65,7 @@ impl SampleRecipe {
 
     /// The markers that are seen: all free key nodes but the hidden ones, in order.
     pub fn markers(&self, finger: &Finger) -> Vec<NodeId> {
-        finger.free_nodes().filter(|node| !self.hidden.contains(node)).collect()
+        finger.marked_nodes().filter(|node| !self.hidden.contains(node)).collect()
     }
 
     /// Checks every number by itself.

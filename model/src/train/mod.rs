@@ -86,7 +86,7 @@ pub fn train(finger: &Finger, recipe: &TrainingRecipe, progress: &mut dyn FnMut(
             largest_total_n: recipe.samples.largest_sum_n,
             direction_spread_deg: recipe.samples.direction_spread_deg,
             modulus_spread: recipe.samples.modulus_spread,
-            hidden_markers: finger.free_nodes().len() - training.markers.len(),
+            hidden_markers: finger.marked_nodes().len() - training.markers.len(),
             seed: recipe.seed,
             epochs,
         },

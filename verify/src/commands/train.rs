@@ -94,7 +94,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             "a network learns the forces of known positions and directions, not of `normal` or `auto`".into(),
         )
     })?;
-    if let Some(node) = arguments.hide.iter().find(|&&node| finger.free_nodes().all(|free| free.0 != node)) {
+    if let Some(node) = arguments.hide.iter().find(|&&node| finger.marked_nodes().all(|free| free.0 != node)) {
         let [first, last] = [2, finger.key_node_count() - 1];
         return Err(Failure::BadInput(format!("--hide: expected nodes that move, {first} to {last}, found {node}")));
     }

@@ -217,7 +217,7 @@ fn samples(finger: &Finger, request: &DirectionRequest) -> Vec<Vec<f64>> {
     let mut noise = Noise::new(request.seed);
     let mut sample = |number: usize| {
         noise.go_to(number as u64);
-        noise.standard_normals(2 * finger.free_nodes().len()).collect()
+        noise.standard_normals(2 * finger.marked_nodes().len()).collect()
     };
     (0..request.samples).map(&mut sample).collect()
 }

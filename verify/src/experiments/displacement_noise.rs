@@ -135,7 +135,7 @@ fn positions_mm(finger: &Finger, displacements_mm: &DVector<f64>) -> Vec<Vector>
     let displaced = |(i, node): (usize, NodeId)| {
         finger.position(node) + Vector::new(displacements_mm[2 * i], displacements_mm[2 * i + 1])
     };
-    finger.free_nodes().enumerate().map(displaced).collect()
+    finger.marked_nodes().enumerate().map(displaced).collect()
 }
 
 fn forces_at(nodes: &[NodeId], forces_n: &DVector<f64>) -> Vec<ContactForce> {

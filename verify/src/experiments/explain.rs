@@ -174,7 +174,7 @@ impl Sensitivity {
 
 /// Coordinates of the markers.
 fn seen(finger: &Finger, rates: &[Vector]) -> DVector<f64> {
-    let markers = finger.free_nodes();
+    let markers = finger.marked_nodes();
     DVector::from_iterator(2 * markers.len(), markers.flat_map(|node| [rates[node.0 - 1].x, rates[node.0 - 1].y]))
 }
 

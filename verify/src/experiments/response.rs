@@ -4,7 +4,7 @@ use finray_model::frame::{FrameLoad, FrameMotion};
 use finray_model::mesh::LoadError;
 use finray_model::sensing::{Contact, ContactPosition};
 use finray_model::statics::{Ladder, Statics};
-use finray_model::{Finger, Kinematics, Mesh, Vector};
+use finray_model::{Finger, Kinematics, Mesh, NodeId, Vector};
 use nalgebra::DVector;
 
 /// A force with a component across the direction of its contact.
@@ -87,7 +87,7 @@ impl<'m> RespondingFinger<'m> {
                 ladder.added_load(&motion, &load, &mut rates);
                 columns.push(coordinates(finger, &rates));
             }
-            let mut shift = DVector::zeros(2 * finger.free_nodes().len());
+            let mut shift = DVector::zeros(2 * finger.marked_nodes().len());
             if matches!(force.contact.position, ContactPosition::At(_)) {
                 for load in loads {
                     ladder.moved_load(&motion, load, &mut rates);
@@ -96,14 +96,16 @@ impl<'m> RespondingFinger<'m> {
             }
             moved.push(shift);
         }
-        let displacements_mm = coordinates(finger, &motion.displacements);
+        let markers =
+            (1..=finger.key_node_count()).map(|node| motion.displacements[self.mesh.marker_node(NodeId(node))]);
+        let displacements_mm = coordinates(finger, &markers.collect::<Vec<_>>());
         self.last = (loads, motion);
         Ok(Some(Response { displacements_mm, along, across, moved }))
     }
 }
 
-/// Coordinates of the free key nodes, which come first in a frame.
+/// Coordinates of the markers, from vectors by key node.
 fn coordinates(finger: &Finger, of_nodes: &[Vector]) -> DVector<f64> {
-    let nodes = finger.free_nodes();
+    let nodes = finger.marked_nodes();
     DVector::from_iterator(2 * nodes.len(), nodes.flat_map(|node| [of_nodes[node.0 - 1].x, of_nodes[node.0 - 1].y]))
 }

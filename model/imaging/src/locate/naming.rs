@@ -177,9 +177,9 @@ pub(super) fn name(marked: Marked, candidates: &[Candidate]) -> Result<Names, Na
             }
         }
     }
-    let nodes = || marked.finger.free_nodes().filter(|node| marked.finger.has_marker(*node));
-    let all = nodes().count();
-    let found = nodes().filter(|node| names[node.0 - 1].is_some()).count();
+    let nodes = marked.finger.marked_nodes();
+    let all = nodes.len();
+    let found = nodes.filter(|node| names[node.0 - 1].is_some()).count();
     let least = (all / 3).max(all.min(3));
     if found < least { Err(NamingError::TooFew { found, all, least }) } else { Ok(names) }
 }

@@ -181,7 +181,7 @@ impl<'f> RimLocator<'f> {
                 best = Some((cost, proposal, names));
             }
         }
-        let all = self.finger.free_nodes().filter(|node| self.finger.has_marker(*node)).count();
+        let all = self.finger.marked_nodes().len();
         let none = NamingError::TooFew { found: 0, all, least: (all / 3).max(all.min(3)) };
         let (cost, proposal, names) = best.ok_or(none)?;
         for (_, other) in others.iter().filter(|(other, _)| *other <= cost + ALIKE) {

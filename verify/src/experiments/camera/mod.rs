@@ -16,7 +16,7 @@ use finray_imaging::render::{RenderRequest, render};
 use finray_model::camera::Camera;
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::mesh::{FingerShape, LoadError};
-use finray_model::scene::Markers;
+use finray_model::scene::{MarkerLook, Markers};
 use finray_model::sensing::{Contact, NonlinearEstimator, SensingError};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector, statics};
 use rayon::prelude::*;
@@ -112,7 +112,8 @@ pub enum CameraStudyError {
     Sensing(#[from] SensingError),
 }
 
-/// For scenes with a camera and markers, and for the paper's finger with a camera that is assumed.
+/// For scenes with a camera and coloured markers, and for the paper's finger with a camera that is assumed. What rims of grey markers cost is not
+/// studied.
 ///
 /// # Errors
 /// [`CameraStudyError`] if a contact cannot be loaded or sensed. What no image shows is a row that is refused.
@@ -121,7 +122,8 @@ pub fn run(context: &Context) -> Result<Option<CameraStudy>, CameraStudyError> {
     let scene = &context.given.scene;
     let seen_by = |scene: &Scene| {
         let described = scene.camera?;
-        Some((Camera { lens: described.lens, pose: described.pose? }, scene.markers?))
+        let markers = scene.markers.filter(|markers| matches!(markers.look, MarkerLook::Coloured { .. }))?;
+        Some((Camera { lens: described.lens, pose: described.pose? }, markers))
     };
     let Some((camera, markers)) = seen_by(scene).or_else(|| seen_by(&assumed?)) else { return Ok(None) };
     CameraStudy::run(context, &camera, &markers).map(Some)
@@ -206,7 +208,7 @@ fn bent(responding: &mut RespondingFinger, mesh: &Mesh, node: NodeId) -> Result<
     let Some(response) = responding.under(&[force])? else { return Ok(None) };
     let load = Load::at_node(node, finger.direction(0.0) * FORCE_N);
     let Ok(shape) = statics::solve(mesh, &[load], Kinematics::Corotational) else { return Ok(None) };
-    let along = finger.free_nodes().zip(response.along[0].as_slice().chunks_exact(2));
+    let along = finger.marked_nodes().zip(response.along[0].as_slice().chunks_exact(2));
     let along = along.map(|(node, along)| (node, Vector::new(along[0], along[1]))).collect();
     Ok(Some(Bent { node, load, shape, along }))
 }
@@ -219,7 +221,7 @@ fn condition_row(
     markers: &Markers,
 ) -> Result<CameraRow, CameraStudyError> {
     let finger = mesh.finger();
-    let free = finger.free_nodes().count();
+    let free = finger.marked_nodes().count();
     let mut errors_mm: Vec<f64> = Vec::new();
     let mut sds_mm: Vec<f64> = Vec::new();
     let (mut sensed, mut first_order) = (Vec::new(), Vec::new());
@@ -242,7 +244,7 @@ fn condition_row(
                 };
                 finer = bent;
                 shape = &finer;
-                let displacements = finger.free_nodes().map(|node| (node, shape.motion(node).displacement));
+                let displacements = finger.marked_nodes().map(|node| (node, shape.motion(node).displacement));
                 Some(Seen { displacements: displacements.collect(), sd_mm: None })
             }
         };
@@ -358,7 +360,7 @@ fn projected(
         let from = if is_rest_seen { seen(rest)? } else { rest };
         Some((node, seen(rest + shape.motion(node).displacement)? - from))
     };
-    let displacements = finger.free_nodes().map(displacement).collect::<Option<Vec<_>>>()?;
+    let displacements = finger.marked_nodes().map(displacement).collect::<Option<Vec<_>>>()?;
     Some(Seen { displacements, sd_mm: None })
 }
 

@@ -199,7 +199,7 @@ fn hidden(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Une
     let mesh = Mesh::key_nodes(finger);
     let task = Task::new(&mesh, vec![at_node(middle(finger), 10.0)], vec![2.0])?;
     let mut noise = Noise::new(2);
-    let nodes: Vec<NodeId> = finger.free_nodes().collect();
+    let nodes: Vec<NodeId> = finger.marked_nodes().collect();
     // From both plates in turn.
     let order: Vec<NodeId> = (0..nodes.len()).map(|i| nodes[(i * 10) % nodes.len()]).collect();
     let (mut off, mut shrinks, mut refused) = (Vec::new(), 0, 0);
@@ -239,7 +239,7 @@ fn wild_marker(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<()
     let (mut changes, mut residuals) = (Vec::new(), Vec::new());
     for (kinematics, seen) in &task.seen {
         let noisy = noise.on(seen, CAMERA_NOISE_MM);
-        for spoiled in finger.free_nodes() {
+        for spoiled in finger.marked_nodes() {
             let moved = noisy.markers().iter().map(|marker| {
                 let wild = if marker.node == spoiled { WILD_MM } else { Vector::zeros() };
                 Marker { displacement: marker.displacement + wild, ..*marker }

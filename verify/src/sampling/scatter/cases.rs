@@ -235,7 +235,7 @@ impl Draw {
     fn new(request: &ScatterRequest, contacts: &[Contact], range_n: [f64; 2], stream: u64, number: u64) -> Draw {
         let mut chance = Noise::of_stream(request.seed, stream);
         chance.go_to(number);
-        let noise = chance.standard_normals(2 * request.truth.finger().free_nodes().len()).collect();
+        let noise = chance.standard_normals(2 * request.truth.finger().marked_nodes().len()).collect();
         let mut draw = Draw { forces_n: vec![0.0; contacts.len()], noise, chance };
         draw.again(range_n);
         draw

@@ -23,7 +23,7 @@ pub(super) struct NoiseSamples {
 
 impl NoiseSamples {
     pub(super) fn new(grid: &Grid, finger: &Finger) -> NoiseSamples {
-        let coordinates = 2 * finger.free_nodes().len();
+        let coordinates = 2 * finger.marked_nodes().len();
         let samples = grid.noise_samples.max(1);
         let mut noise = NoiseSamples { seed: grid.seed, coordinates, samples, kept: Vec::new() };
         noise.kept = noise.drawn(0..samples.min((KEPT / coordinates.max(1)).max(1)));
