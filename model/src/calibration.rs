@@ -1,8 +1,10 @@
 //! Moduli from measured shapes under known loads: eq. (11) of Xu et al. (2021), and [several at once](factors).
 
 mod factors;
+mod views;
 
 pub use factors::{FactorEstimate, FactorModel, Unknown, factors};
+pub use views::{FoundQuantity, FoundView, Quantity, Sought, View, ViewEstimate, ViewModel, friction_of, views};
 
 use crate::Kinematics;
 use crate::finger::Finger;
@@ -57,6 +59,14 @@ pub enum CalibrationError {
         /// Measured coordinates.
         coordinates: usize,
     },
+    /// Fewer views with a measured force than are needed.
+    #[error("not identifiable: {views} images with a measured force are too few for {unknowns} unknowns of friction")]
+    TooFewViews {
+        /// Views.
+        views: usize,
+        /// Unknowns.
+        unknowns: usize,
+    },
     /// The data say nothing of some factors.
     #[error("not identifiable: the measurements do not determine {parameters}")]
     NotIdentifiable {
@@ -77,6 +87,15 @@ pub enum CalibrationError {
         "no factors were found for which measured and computed nodes are closest: do loads and units fit the finger?"
     )]
     NoMinimum,
+    /// The scene's finger cannot explain a view, from where a search could begin.
+    #[error("the finger of the scene does not explain a view, so that there is nowhere to begin: {0}")]
+    Start(#[from] crate::sensing::SensingError),
+    /// The scene's finger carries a measured force nowhere.
+    #[error("the finger of the scene carries {force_n:.3} N nowhere along its plate: are units and modulus right?")]
+    NotCarried {
+        /// The force, N.
+        force_n: f64,
+    },
     /// A factor is beyond what a finger may have.
     #[error(transparent)]
     Finger(#[from] crate::finger::ImpossibleFinger),

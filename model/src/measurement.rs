@@ -19,10 +19,20 @@ pub struct Marker {
     pub weight: f64,
 }
 
+/// How well the base is known from which displacements count: standard deviations of an error that all markers share.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BaseUncertainty {
+    /// Of each coordinate of the origin, mm.
+    pub sd_mm: f64,
+    /// Of the turn about it, rad.
+    pub sd_rad: f64,
+}
+
 /// Measured displacements of some of a finger's free key nodes, each at most once.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurement {
     markers: Vec<Marker>,
+    base: Option<BaseUncertainty>,
 }
 
 /// A measurement that does not belong to the finger.
@@ -71,7 +81,7 @@ impl Measurement {
 
     /// A measurement in which no node is seen yet.
     pub fn empty() -> Measurement {
-        Measurement { markers: Vec::new() }
+        Measurement { markers: Vec::new(), base: None }
     }
 
     /// Adds one marker; see [`Measurement::new`].
@@ -104,13 +114,25 @@ impl Measurement {
     /// All markers of a computed shape, as a camera without noise would see them.
     pub fn of_shape(finger: &Finger, shape: &FingerShape) -> Measurement {
         let marker = |node| Marker { node, displacement: shape.motion(node).marker_displacement(finger), weight: 1.0 };
-        Measurement { markers: finger.marked_nodes().map(marker).collect() }
+        Measurement { markers: finger.marked_nodes().map(marker).collect(), base: None }
     }
 
     /// All markers of a finger that nothing bends.
     pub fn at_rest(finger: &Finger) -> Measurement {
         let marker = |node| Marker { node, displacement: Vector::zeros(), weight: 1.0 };
-        Measurement { markers: finger.marked_nodes().map(marker).collect() }
+        Measurement { markers: finger.marked_nodes().map(marker).collect(), base: None }
+    }
+
+    /// The same measurement from a base that is not known exactly. The nonlinear estimator seeks where it is, together with the
+    /// forces; the others do not, and take all errors for those of single markers.
+    pub fn with_uncertain_base(mut self, base: BaseUncertainty) -> Measurement {
+        self.base = Some(base);
+        self
+    }
+
+    /// How well the base is known; `None` if exactly.
+    pub fn base(&self) -> Option<BaseUncertainty> {
+        self.base
     }
 
     /// The same measurement with every marker as good as the others.

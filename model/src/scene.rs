@@ -1,10 +1,12 @@
 //! The scene file: TOML text to a checked [`Finger`].
 
 mod camera;
+mod contact;
 mod object;
 mod reader;
 
 pub use camera::{Base, CameraDescription, MarkerLook, Markers, Reference, Rgb, Shade};
+pub use contact::ContactDescription;
 pub use object::{ObjectDescription, ObjectMotion, Outline, ROD_RADIUS_MM, Until};
 
 use crate::finger::{
@@ -24,14 +26,16 @@ pub struct Scene {
     pub strain_limits: StrainLimits,
     /// Standard deviation of one measured coordinate, mm, where the scene says so.
     pub noise_mm: Option<f64>,
+    /// By how much the finger that is described misses its markers, mm: the standard deviation of one coordinate.
+    pub model_error_mm: f64,
     /// The camera, where the scene has one.
     pub camera: Option<CameraDescription>,
     /// The markers that it sees, where the scene has them.
     pub markers: Option<Markers>,
     /// How the base is found, where it moves from image to image.
     pub base: Option<Base>,
-    /// Radius of the rods that an object meets, mm.
-    pub rod_radius_mm: f64,
+    /// How objects meet the finger.
+    pub contact: ContactDescription,
     /// The object that is pressed onto the finger, where the scene has one.
     pub object: Option<ObjectDescription>,
 }
@@ -75,15 +79,26 @@ impl Scene {
             None => None,
             Some(table) => Some(camera::read_base(&table)?),
         };
-        let rod_radius_mm = match top.optional_table("contact", &["rod_radius_mm"])? {
-            None => ROD_RADIUS_MM,
-            Some(table) => not_negative_mm(&table, "rod_radius_mm")?,
+        let contact = match top.optional_table("contact", &contact::KEYS)? {
+            None => ContactDescription::default(),
+            Some(table) => contact::read_contact(&table)?,
         };
         let object = match top.optional_table("object", &object::KEYS)? {
             None => None,
             Some(table) => Some(object::read_object(&table, &finger)?),
         };
-        Ok(Scene { name, finger, strain_limits, noise_mm, camera, markers: markers.discs, base, rod_radius_mm, object })
+        Ok(Scene {
+            name,
+            finger,
+            strain_limits,
+            noise_mm,
+            model_error_mm: markers.model_error_mm,
+            camera,
+            markers: markers.discs,
+            base,
+            contact,
+            object,
+        })
     }
 }
 

@@ -1,9 +1,9 @@
 //! The lens from images of a plane grid.
 
-use super::least_squares::{Fit, fit};
 use super::plane_pose::{by_motion, homography, plane_pose};
 use super::{Distortion, ImpossibleLens, Lens, Pixel, PlanePoseError, Pose};
 use crate::Vector;
+use crate::least_squares::{Fit, fit};
 use nalgebra::{DMatrix, DVector, Vector2, Vector6};
 
 /// Parameters of the lens: focal lengths, principal point, k1, k2, p1, p2, k3.

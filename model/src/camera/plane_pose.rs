@@ -1,8 +1,8 @@
 //! The pose of a plane from pixels of known points on it.
 
-use super::least_squares::{Fit, fit};
 use super::{Lens, Pixel, Pose};
 use crate::Vector;
+use crate::least_squares::{Fit, fit};
 use nalgebra::{DMatrix, DVector, Matrix2x6, Matrix3, Matrix6, Rotation3, Vector2, Vector3, Vector6};
 
 /// Points that have a pose: four, which do not lie on a line.

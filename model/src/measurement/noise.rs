@@ -184,7 +184,7 @@ mod tests {
                 for _ in 0..FRAMES {
                     let marker =
                         |i| super::super::Marker { node: crate::NodeId(i), displacement: Vector::zeros(), weight: 1.0 };
-                    let mut seen = Measurement { markers: (2..5).map(marker).collect() };
+                    let mut seen = Measurement { markers: (2..5).map(marker).collect(), base: None };
                     noise.add_to(&mut seen, &shared, &mut normal);
                     let coordinates = seen.markers().iter().flat_map(|m| [m.displacement.x, m.displacement.y]);
                     mean += DVector::from_iterator(6, coordinates) / FRAMES as f64;

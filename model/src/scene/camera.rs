@@ -5,10 +5,13 @@ use super::{SceneError, not_negative_mm};
 use crate::Vector;
 use crate::camera::{Distortion, Lens, Pose};
 use crate::finger::MarkerPoints;
+use crate::measurement::BaseUncertainty;
 
 /// Farthest distance of the finger from the camera, mm, and largest size of a marker.
 const FARTHEST_MM: f64 = 1e5;
 const LARGEST_MARKER_MM: f64 = 1e3;
+/// Beyond it the turn of a base is anything.
+const LARGEST_SIGMA_DEG: f64 = 90.0;
 /// Keys that describe the camera's images.
 const LENS_KEYS: [&str; 4] = ["size_px", "focal_px", "principal_point_px", "distortion"];
 const POSE_KEYS: [&str; 2] = ["rotation_vector_rad", "translation_mm"];
@@ -18,8 +21,11 @@ pub(super) const KEYS: [&str; 7] =
     ["noise_mm", "size_px", "focal_px", "principal_point_px", "distortion", "rotation_vector_rad", "translation_mm"];
 
 /// All keys of `[markers]`.
-pub(super) const MARKER_KEYS: [&str; 7] =
-    ["on", "radius_mm", "height_mm", "front_rgb", "back_rgb", "shade", "inner_radius_mm"];
+pub(super) const MARKER_KEYS: [&str; 8] =
+    ["on", MODEL_ERROR, "radius_mm", "height_mm", "front_rgb", "back_rgb", "shade", "inner_radius_mm"];
+const MODEL_ERROR: &str = "model_error_mm";
+/// Those that do not say how markers look.
+const LOOKLESS: [&str; 2] = ["on", MODEL_ERROR];
 const COLOUR_KEYS: [&str; 2] = ["front_rgb", "back_rgb"];
 const SHADE_KEYS: [&str; 2] = ["shade", "inner_radius_mm"];
 
@@ -120,15 +126,17 @@ fn read_pose(table: &TableReader) -> Result<Pose, SceneError> {
 #[derive(Default)]
 pub(super) struct MarkersRead {
     pub on: MarkerPoints,
+    pub model_error_mm: f64,
     pub discs: Option<Markers>,
 }
 
 pub(super) fn read_markers(table: &TableReader) -> Result<MarkersRead, SceneError> {
     let points = [("junctions", MarkerPoints::Junctions), ("hinges", MarkerPoints::Hinges)];
     let on = if table.has("on") { table.choice("on", &points)? } else { MarkerPoints::default() };
-    let alone = table.has("on") && !MARKER_KEYS.iter().any(|key| *key != "on" && table.has(key));
-    let discs = if alone { None } else { Some(read_discs(table)?) };
-    Ok(MarkersRead { on, discs })
+    let model_error_mm = if table.has(MODEL_ERROR) { not_negative_mm(table, MODEL_ERROR)? } else { 0.0 };
+    let given = |lookless: bool| MARKER_KEYS.iter().any(|key| LOOKLESS.contains(key) == lookless && table.has(key));
+    let discs = if given(true) && !given(false) { None } else { Some(read_discs(table)?) };
+    Ok(MarkersRead { on, model_error_mm, discs })
 }
 
 fn read_discs(table: &TableReader) -> Result<Markers, SceneError> {
@@ -159,10 +167,12 @@ pub struct Reference {
 pub struct Base {
     /// Marks that move with it; two or more show where it is.
     pub references: Vec<Reference>,
+    /// How well the base is where the references have it, or without references where the scene has it, if the scene says so.
+    pub uncertainty: Option<BaseUncertainty>,
 }
 
 /// All keys of `[base]`, and of each reference.
-pub(super) const BASE_KEYS: [&str; 1] = ["reference"];
+pub(super) const BASE_KEYS: [&str; 3] = ["reference", "sigma_mm", "sigma_deg"];
 const REFERENCE_KEYS: [&str; 5] = ["at_mm", "radius_mm", "height_mm", "shade", "inner_radius_mm"];
 
 pub(super) fn read_base(table: &TableReader) -> Result<Base, SceneError> {
@@ -181,7 +191,25 @@ pub(super) fn read_base(table: &TableReader) -> Result<Base, SceneError> {
         Ok(Reference { at: Vector::new(x, y), markers: read_discs(table)? })
     };
     let references = table.tables("reference", &REFERENCE_KEYS)?;
-    Ok(Base { references: references.iter().map(reference).collect::<Result<_, _>>()? })
+    let uncertainty = match ["sigma_mm", "sigma_deg"].iter().any(|key| table.has(key)) {
+        false => None,
+        true => Some(BaseUncertainty {
+            sd_mm: not_negative_mm(table, "sigma_mm")?,
+            sd_rad: read_sigma_deg(table)?.to_radians(),
+        }),
+    };
+    Ok(Base { references: references.iter().map(reference).collect::<Result<_, _>>()?, uncertainty })
+}
+
+fn read_sigma_deg(table: &TableReader) -> Result<f64, SceneError> {
+    let sigma_deg = table.number("sigma_deg", "angle in degrees")?;
+    match (0.0..=LARGEST_SIGMA_DEG).contains(&sigma_deg) {
+        true => Ok(sigma_deg),
+        false => {
+            let expected = format!("an angle in degrees, 0 to {LARGEST_SIGMA_DEG}");
+            Err(table.wrong("sigma_deg", &expected, &format!("{sigma_deg:?}")))
+        }
+    }
 }
 
 fn read_look(table: &TableReader, radius_mm: f64) -> Result<MarkerLook, SceneError> {

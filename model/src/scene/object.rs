@@ -12,7 +12,7 @@ const STEPS: usize = 20;
 /// Largest length, in mm, and force, in N, that an object may have or go.
 const FARTHEST_MM: f64 = 1e4;
 /// Largest coefficient of friction: rubber on rubber reaches 2.
-const LARGEST_FRICTION: f64 = 10.0;
+pub(super) const LARGEST_FRICTION: f64 = 10.0;
 /// Most steps that are of use.
 const MOST_STEPS: usize = 10_000;
 

@@ -15,6 +15,7 @@ mod sensing {
     mod hard_measurements;
     mod linear;
     mod nonlinear;
+    mod priors;
     mod stated_sigma;
 }
 mod statics {

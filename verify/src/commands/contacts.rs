@@ -1,14 +1,36 @@
 //! The contacts of a command line, at nodes and at positions.
 
-use super::parse::{contact_at_node, contact_at_position};
+use super::Failure;
+use super::parse::{AskedContact, AskedDirection, contact_at_node, contact_at_position};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
-use finray_model::sensing::ContactQuestion;
+use finray_model::sensing::{ContactQuestion, Direction, Lean};
 
 const AT_NODES: &str = "contact";
 const AT_POSITIONS: &str = "contact-at";
 
 /// `--contact` and `--contact-at` in the order in which they are given, which clap's derive keeps for each alone.
-pub struct Contacts(pub Vec<ContactQuestion>);
+pub struct Contacts(Vec<AskedContact>);
+
+impl Contacts {
+    /// The contacts with the friction that is known of them.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] where a direction is that of friction and none is known.
+    pub fn with(&self, friction: Option<Lean>) -> Result<Vec<ContactQuestion>, Failure> {
+        let question = |asked: &AskedContact| {
+            let direction = match asked.direction {
+                AskedDirection::Itself(direction) => direction,
+                AskedDirection::Friction => Direction::Leaning(friction.ok_or_else(|| {
+                    let message =
+                        "a direction is `friction`: expected friction or friction_range in the scene's table contact";
+                    Failure::BadInput(message.to_owned())
+                })?),
+            };
+            Ok(ContactQuestion { position: asked.position, direction })
+        };
+        self.0.iter().map(question).collect()
+    }
+}
 
 impl Args for Contacts {
     fn augment_args(command: Command) -> Command {
@@ -16,13 +38,13 @@ impl Args for Contacts {
         command
             .arg(
                 list(AT_NODES)
-                    .value_name("NODE[@ANGLE_DEG|normal|auto]")
+                    .value_name("NODE[@ANGLE_DEG|normal|friction|auto]")
                     .value_parser(contact_at_node)
                     .help("Contact at a node of the front plate, tip included"),
             )
             .arg(
                 list(AT_POSITIONS)
-                    .value_name("S_MM|auto[@ANGLE_DEG|normal|auto]")
+                    .value_name("S_MM|auto[@ANGLE_DEG|normal|friction|auto]")
                     .value_parser(contact_at_position)
                     .help("Contact at a position along the front plate, mm from its base, or at an unknown one"),
             )
@@ -37,7 +59,7 @@ impl FromArgMatches for Contacts {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Contacts, clap::Error> {
         let positions_and_values = |name| {
             let positions = matches.indices_of(name).into_iter().flatten();
-            positions.zip(matches.get_many::<ContactQuestion>(name).into_iter().flatten().copied())
+            positions.zip(matches.get_many::<AskedContact>(name).into_iter().flatten().copied())
         };
         let mut contacts: Vec<_> = positions_and_values(AT_NODES).chain(positions_and_values(AT_POSITIONS)).collect();
         contacts.sort_by_key(|(position, _)| *position);

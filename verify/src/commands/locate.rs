@@ -31,7 +31,8 @@ const SURE_REST_PX: f64 = 0.3;
 ///
 /// Markers with a shade instead of colours are found by their rims, each image by itself. Where the
 /// base moves (table base), its pose comes from the references on it, and base_x_mm,base_y_mm,base_deg,
-/// base_sigma_mm,base_sigma_deg follow: errors that all markers of an image share.
+/// base_sigma_mm,base_sigma_deg follow: errors that all markers of an image share. marker_sigma_mm is
+/// what sigma_mm is without them: `finray sense` seeks the base together with the forces.
 ///
 /// Examples:
 ///   finray render fixtures/scenes/camera.toml --load-at 80:2,-20 --grey-noise 2 --out image.png
@@ -155,10 +156,13 @@ struct BaseRow {
     base_deg: f64,
     base_sigma_mm: f64,
     base_sigma_deg: f64,
+    marker_sigma_mm: f64,
 }
 
-impl From<&SeenBase> for BaseRow {
-    fn from(base: &SeenBase) -> BaseRow {
+impl BaseRow {
+    /// The base of an image, beside one of its markers.
+    fn beside(base: &SeenBase, row: &Row) -> BaseRow {
+        let shared_mm = base.sd_at(&Vector::new(row.x_mm, row.y_mm));
         // Errors of the middle of the references and of the turn about it move the origin.
         let arm_mm = base.middle.norm() / std::f64::consts::SQRT_2;
         BaseRow {
@@ -167,6 +171,7 @@ impl From<&SeenBase> for BaseRow {
             base_deg: base.pose.rotation.angle().to_degrees(),
             base_sigma_mm: base.sd_mm.hypot(base.sd_rad * arm_mm),
             base_sigma_deg: base.sd_rad.to_degrees(),
+            marker_sigma_mm: (row.sigma_mm * row.sigma_mm - shared_mm * shared_mm).sqrt(),
         }
     }
 }
@@ -185,15 +190,16 @@ fn by_rims(arguments: &Arguments, scene: &Scene) -> Result<Vec<(Row, BaseRow)>, 
         let name = name_of(path);
         if !found.base.is_known {
             eprintln!(
-                "warning: {}: two references on the base were not found, so the finger frame is only about where the ribs have it: displacements are \
-                 not to be used",
+                "warning: {}: two references on the base were not found, so the finger frame is only about where the ribs have it: \
+                 displacements are to be used where the base is sought with the forces, as `finray sense` does",
                 path.display()
             );
         }
-        let base = BaseRow::from(&found.base);
-        rows.extend(
-            found.located.iter().map(|seen| (row(&name, seen, at_rest(finger, located_at_rest, seen.node)), base)),
-        );
+        rows.extend(found.located.iter().map(|seen| {
+            let row = row(&name, seen, at_rest(finger, located_at_rest, seen.node));
+            let base = BaseRow::beside(&found.base, &row);
+            (row, base)
+        }));
     }
     Ok(rows)
 }

@@ -1,6 +1,6 @@
 //! The small languages of the command line: loads, contacts, plain numbers.
 
-use finray_model::sensing::{ContactPosition, ContactQuestion, Direction};
+use finray_model::sensing::{ContactPosition, Direction};
 use finray_model::{NodeId, Vector};
 
 /// `NODE:FX,FY[,M]`.
@@ -70,32 +70,49 @@ pub fn position_load(text: &str) -> Result<PositionLoad, String> {
     Ok(PositionLoad { s_mm: finite(position)?, force_n: finite(force)?, angle_deg: finite(angle)? })
 }
 
-/// Direction after an `@`: degrees, `normal` or `auto`; 0 degrees without one.
-fn direction(text: Option<&str>) -> Result<Direction, String> {
-    match text.map(str::trim) {
-        None => Ok(Direction::Angle(0.0)),
-        Some("normal") => Ok(Direction::Normal),
-        Some("auto") => Ok(Direction::Auto),
+/// A contact as it is asked about.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AskedContact {
+    /// Where; `None` if that is asked too.
+    pub position: Option<ContactPosition>,
+    pub direction: AskedDirection,
+}
+
+/// A direction that says all, or one that the friction of the scene completes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum AskedDirection {
+    Itself(Direction),
+    Friction,
+}
+
+/// Direction after an `@`: degrees, `normal`, `friction` or `auto`; 0 degrees without one.
+fn direction(text: Option<&str>) -> Result<AskedDirection, String> {
+    let direction = match text.map(str::trim) {
+        None => Direction::Angle(0.0),
+        Some("normal") => Direction::NORMAL,
+        Some("auto") => Direction::Auto,
+        Some("friction") => return Ok(AskedDirection::Friction),
         Some(number) => finite(number)
             .map(Direction::Angle)
-            .map_err(|_| format!("expected an angle in degrees, `normal` or `auto`, found \"{number}\"")),
-    }
+            .map_err(|_| format!("expected an angle in degrees, `normal`, `friction` or `auto`, found \"{number}\""))?,
+    };
+    Ok(AskedDirection::Itself(direction))
 }
 
-/// `NODE[@ANGLE_DEG|normal|auto]`.
-pub fn contact_at_node(text: &str) -> Result<ContactQuestion, String> {
+/// `NODE[@ANGLE_DEG|normal|friction|auto]`.
+pub fn contact_at_node(text: &str) -> Result<AskedContact, String> {
     let (position, towards) = split_at_sign(text);
-    Ok(ContactQuestion { position: Some(ContactPosition::Node(node(position)?)), direction: direction(towards)? })
+    Ok(AskedContact { position: Some(ContactPosition::Node(node(position)?)), direction: direction(towards)? })
 }
 
-/// `S_MM[@ANGLE_DEG|normal|auto]`, or `auto` for the position.
-pub fn contact_at_position(text: &str) -> Result<ContactQuestion, String> {
+/// `S_MM[@ANGLE_DEG|normal|friction|auto]`, or `auto` for the position.
+pub fn contact_at_position(text: &str) -> Result<AskedContact, String> {
     let (position, towards) = split_at_sign(text);
     let position = match position.trim() {
         "auto" => None,
         number => Some(ContactPosition::At(finite(number)?)),
     };
-    Ok(ContactQuestion { position, direction: direction(towards)? })
+    Ok(AskedContact { position, direction: direction(towards)? })
 }
 
 fn split_at_sign(text: &str) -> (&str, Option<&str>) {

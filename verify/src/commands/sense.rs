@@ -25,9 +25,10 @@ use std::path::PathBuf;
 /// sigma_n does not include errors that no measurement shows: a wrong modulus scales every force alike.
 ///
 /// The nonlinear estimator is co-rotational. It alone takes the directions `normal` (of the
-/// deformed plate) and `auto` (unknown), and the position `auto` (unknown); what is not identifiable
-/// is refused. Without a given mesh it refines until doubling the mesh changes no force by more than
-/// 0.2 %.
+/// deformed plate), `friction` (leaning from the normal, as the scene's table contact has it) and
+/// `auto` (unknown), and the position `auto` (unknown); what is not identifiable is refused. Without a
+/// given mesh it refines until doubling the mesh changes no force by more than 0.2 %. Where a file of
+/// `finray locate` or the scene's table base says how well the base is known, it seeks the base too.
 ///
 /// The network estimator answers in microseconds what it was trained for, and refuses the rest.
 /// Networks for the paper's finger ship (contact nodes 14 to 24 alone, the pairs 19 20, 16 17, 18 20
@@ -94,11 +95,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Some(path) => Networks::of(vec![load_network(path)?]),
         None => Networks::shipped()?,
     };
-    let contacts = &arguments.contacts.0;
+    let contacts = &arguments.contacts.with(scene.contact.lean)?;
     arguments.estimator.admits(finger, contacts, &networks)?;
-    let found = displacements::load(&arguments.displacements, finger, arguments.image_name.as_deref())?;
+    let errors = displacements::Errors {
+        model_mm: scene.model_error_mm,
+        base: scene.base.as_ref().and_then(|base| base.uncertainty),
+        base_is_sought: arguments.estimator == EstimatorId::Nonlinear,
+    };
+    let found = displacements::load(&arguments.displacements, finger, arguments.image_name.as_deref(), errors)?;
     // A stated noise holds for all nodes alike, and networks are trained on nodes that are measured alike.
-    let noise_mm = arguments.noise_mm.or(scene.noise_mm);
+    let noise_mm = arguments.noise_mm.or(scene.noise_mm).map(|noise_mm| noise_mm.hypot(scene.model_error_mm));
     let is_alike = noise_mm.is_some() || arguments.estimator == EstimatorId::Network;
     let noise_mm = noise_mm.or(found.noise_mm);
     let measurement = if is_alike { found.of_equal_weight() } else { found.measurement };

@@ -3,7 +3,7 @@
 use super::FileError;
 use super::table::Table;
 use finray_model::finger::MarkerPoints;
-use finray_model::measurement::{Marker, Measurement};
+use finray_model::measurement::{BaseUncertainty, Marker, Measurement};
 use finray_model::mesh::{FingerShape, NodeMotion};
 use finray_model::{Finger, Vector};
 use serde::Serialize;
@@ -93,6 +93,19 @@ pub struct Displacements {
     pub noise_mm: Option<f64>,
 }
 
+/// What is known of the errors of displacements beside what their file says.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Errors {
+    /// Standard deviation by which the finger that is described misses its markers, mm.
+    pub model_mm: f64,
+    /// How well the base is where the file has it, if not exactly.
+    pub base: Option<BaseUncertainty>,
+    /// Whether the base is sought: its error, which all markers share, is then not part of theirs.
+    pub base_is_sought: bool,
+}
+
+const BASE_COLUMNS: [&str; 3] = ["base_sigma_mm", "base_sigma_deg", "marker_sigma_mm"];
+
 impl Displacements {
     /// The displacements with one standard deviation for all, stated elsewhere.
     pub fn of_equal_weight(self) -> Measurement {
@@ -106,16 +119,35 @@ const CLAMPED_MM: f64 = 0.05;
 
 /// Reads `node,ux_mm,uy_mm`, found by name, in any order; nodes may be missing. Where the scene has its markers on hinges, a file of
 /// `solve` gives `hinge_ux_mm,hinge_uy_mm` instead. With a column `sigma_mm`, as `locate` writes it, rows of
-/// clamped nodes carry noise and are ignored. Of a file of several images (a column `image`) the rows of `image_name` are read.
+/// clamped nodes carry noise and are ignored. Of a file of several images (a column `image`) the rows of `image_name` are read. Where
+/// the base is sought, `marker_sigma_mm,base_sigma_mm,base_sigma_deg` stand for `sigma_mm`, which holds them all.
 ///
 /// # Errors
 /// [`FileError`] naming the line for anything that is not a marker of this finger.
-pub fn load(path: &Path, finger: &Finger, image_name: Option<&str>) -> Result<Displacements, FileError> {
-    let text = super::read_text(path)?;
-    let columns = super::table::header(&text);
+pub fn load(
+    path: &Path,
+    finger: &Finger,
+    image_name: Option<&str>,
+    errors: Errors,
+) -> Result<Displacements, FileError> {
+    of_text(path, &super::read_text(path)?, finger, image_name, errors)
+}
+
+/// As [`load`], from the text of the file.
+///
+/// # Errors
+/// [`FileError`] naming the line for anything that is not a marker of this finger.
+pub fn of_text(
+    path: &Path,
+    text: &str,
+    finger: &Finger,
+    image_name: Option<&str>,
+    errors: Errors,
+) -> Result<Displacements, FileError> {
+    let columns = super::table::header(text);
     let has = |name: &str| columns.iter().any(|column| column == name);
     let images = match has("image") {
-        true => Some(rows_of_image(path, &text, image_name)?),
+        true => Some(rows_of_image(path, text, image_name)?),
         false if image_name.is_some() => {
             return Err(FileError::content(path, "--image-name: expected a column image, as locate writes it"));
         }
@@ -126,21 +158,29 @@ pub fn load(path: &Path, finger: &Finger, image_name: Option<&str>) -> Result<Di
     let on_hinges = finger.description().markers_on == MarkerPoints::Hinges && has("hinge_ux_mm");
     let [ux_mm, uy_mm] = if on_hinges { ["hinge_ux_mm", "hinge_uy_mm"] } else { ["ux_mm", "uy_mm"] };
     if !has("sigma_mm") {
-        let table = Table::of_text(path, &text, ["node", ux_mm, uy_mm])?;
+        let table = Table::of_text(path, text, ["node", ux_mm, uy_mm])?;
         for (_, row) in table.rows().iter().enumerate().filter(|(number, _)| is_chosen(*number)) {
             let displacement = Vector::new(table.number(row, 1)?, table.number(row, 2)?);
             let marker = Marker { node: table.node(row, 0)?, displacement, weight: 1.0 };
             measurement.add(finger, marker).map_err(|error| table.wrong(row, error))?;
         }
+        let measurement = with_base(measurement, errors, None);
         return Ok(Displacements { measurement, noise_mm: None });
     }
-    let table = Table::of_text(path, &text, ["node", ux_mm, uy_mm, "sigma_mm"])?;
+    let base_apart = errors.base_is_sought && BASE_COLUMNS.iter().all(|column| has(column));
+    let base = match base_apart {
+        true => base_of_image(path, text, is_chosen)?,
+        false => None,
+    };
+    let sigma = if base_apart { "marker_sigma_mm" } else { "sigma_mm" };
+    let table = Table::of_text(path, text, ["node", ux_mm, uy_mm, sigma])?;
     let mut rows = Vec::new();
     for (_, row) in table.rows().iter().enumerate().filter(|(number, _)| is_chosen(*number)) {
         let (node, sigma_mm) = (table.node(row, 0)?, table.number(row, 3)?);
         if !(sigma_mm > 0.0 && sigma_mm.is_normal()) {
-            return Err(table.wrong(row, format!("sigma_mm: expected a length in mm above zero, found {sigma_mm}")));
+            return Err(table.wrong(row, format!("{sigma}: expected a length in mm above zero, found {sigma_mm}")));
         }
+        let sigma_mm = sigma_mm.hypot(errors.model_mm);
         let displacement = Vector::new(table.number(row, 1)?, table.number(row, 2)?);
         let is_clamped = finger.clamped_nodes().contains(&node);
         if !(is_clamped && displacement.norm() <= CLAMPED_MM.max(CLAMPED_SIGMAS * sigma_mm)) {
@@ -153,7 +193,38 @@ pub fn load(path: &Path, finger: &Finger, image_name: Option<&str>) -> Result<Di
         let marker = Marker { node, displacement, weight: noise_mm / sigma_mm };
         measurement.add(finger, marker).map_err(|error| table.wrong(row, error))?;
     }
-    Ok(Displacements { measurement, noise_mm: Some(noise_mm) })
+    Ok(Displacements { measurement: with_base(measurement, errors, base), noise_mm: Some(noise_mm) })
+}
+
+/// A measurement from a base that is known as a file and a scene have it, if it is to be sought.
+fn with_base(measurement: Measurement, errors: Errors, of_file: Option<BaseUncertainty>) -> Measurement {
+    let base = match (of_file, errors.base) {
+        (Some(one), Some(other)) => {
+            Some(BaseUncertainty { sd_mm: one.sd_mm.hypot(other.sd_mm), sd_rad: one.sd_rad.hypot(other.sd_rad) })
+        }
+        (one, other) => one.or(other),
+    };
+    match base.filter(|_| errors.base_is_sought) {
+        Some(base) => measurement.with_uncertain_base(base),
+        None => measurement,
+    }
+}
+
+/// How well an image's base is known: what the first of its rows says, as all do; `None` where it is known exactly.
+fn base_of_image(
+    path: &Path,
+    text: &str,
+    is_chosen: impl Fn(usize) -> bool,
+) -> Result<Option<BaseUncertainty>, FileError> {
+    let table = Table::of_text(path, text, ["base_sigma_mm", "base_sigma_deg"])?;
+    let mut rows = table.rows().iter().enumerate().filter(|(number, _)| is_chosen(*number));
+    let Some((_, row)) = rows.next() else { return Ok(None) };
+    let [sd_mm, sd_deg] = [table.number(row, 0)?, table.number(row, 1)?];
+    if sd_mm < 0.0 || sd_deg < 0.0 {
+        return Err(table.wrong(row, "base_sigma_mm, base_sigma_deg: expected zero or more".to_owned()));
+    }
+    let base = BaseUncertainty { sd_mm, sd_rad: sd_deg.to_radians() };
+    Ok(Some(base).filter(|base| base.sd_mm > 0.0 || base.sd_rad > 0.0))
 }
 
 /// Which rows belong to an image; without a name the file must have one image alone.

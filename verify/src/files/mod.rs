@@ -8,6 +8,7 @@ pub(crate) mod table;
 
 pub mod displacements;
 pub mod measurements;
+pub mod views;
 
 pub use images::{load_image, to_png};
 pub use networks::{load_network, load_network_and_digest};
@@ -15,7 +16,7 @@ pub use output::{
     Reader, Stream, csv_text, is_stream, require_folder, write_all_or_nothing, write_bytes, write_folder, write_from,
     write_text,
 };
-pub use scene::{load_scene, load_scene_and_text};
+pub use scene::{load_scene, load_scene_and_text, with_values};
 
 use std::io::Read;
 use std::path::{Path, PathBuf};

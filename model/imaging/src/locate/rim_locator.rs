@@ -26,6 +26,9 @@ const ROUND: f64 = 0.02;
 const LEAST_ROUND: f64 = 4.0;
 /// Another place whose names cost no more than this beyond the best fits alike.
 const ALIKE: f64 = 4.0;
+/// How far a base without references may be from where the ribs have it: as far as a finger may have bent.
+const UNKNOWN_MM: f64 = 10.0;
+const UNKNOWN_RAD: f64 = 0.2;
 /// Nodes that such names may have otherwise.
 const MOST_DOUBTFUL: usize = 1;
 
@@ -43,8 +46,8 @@ pub struct SeenFinger {
 pub struct SeenBase {
     /// From the finger frame, which moves with the base, to where the camera's pose has it.
     pub pose: Isometry2<f64>,
-    /// Whether it is known: from the camera's pose or from two references. Otherwise it is only about where the markers have it, and displacements are
-    /// not known.
+    /// Whether it is known: from the camera's pose or from two references. Otherwise it is only about where the markers have it, and displacements from
+    /// it are not known.
     pub is_known: bool,
     /// Distance of each reference from its place once the base is where it fits best, mm; `None` where it was not found.
     pub references_mm: Vec<Option<f64>>,
@@ -70,7 +73,7 @@ impl SeenBase {
     }
 
     /// Standard deviation of one coordinate of a position of the finger frame that the base's pose leaves, mm; root mean square of x and y.
-    fn sd_at(&self, position: &Vector) -> f64 {
+    pub fn sd_at(&self, position: &Vector) -> f64 {
         self.sd_mm.hypot(self.sd_rad * (position - self.middle).norm() / std::f64::consts::SQRT_2)
     }
 }
@@ -242,8 +245,8 @@ fn seen_base(base: &Base, marks: &[Vec<Rim>], proposal: &Proposal) -> SeenBase {
         is_known,
         references_mm: base.references.iter().enumerate().map(away).collect(),
         middle,
-        sd_mm: if is_known { (variance / count).sqrt() } else { 0.0 },
-        sd_rad: if is_known { (variance / spread).sqrt() } else { 0.0 },
+        sd_mm: if is_known { (variance / count).sqrt() } else { UNKNOWN_MM },
+        sd_rad: if is_known { (variance / spread).sqrt() } else { UNKNOWN_RAD },
     }
 }
 

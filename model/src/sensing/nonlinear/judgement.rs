@@ -112,7 +112,7 @@ impl NonlinearEstimator<'_> {
         steps: usize,
     ) -> Result<NonlinearEstimate, SensingError> {
         let (coordinates, count) = (measurement.coordinate_count(), self.unknowns.len());
-        let misfit = state.linearised.misfit(&state.motion, measurement);
+        let misfit = state.misfit(measurement);
         let residual_rms_mm = (misfit / coordinates as f64).sqrt();
         let moved: f64 = measurement.markers().iter().map(|marker| marker.displacement.norm_squared()).sum();
         let moved_rms_mm = (moved / coordinates as f64).sqrt();
@@ -122,7 +122,7 @@ impl NonlinearEstimator<'_> {
         if noise_mm.is_some_and(|noise_mm| !explained(noise_mm)) {
             return Err(SensingError::Unexplained { residual_rms_mm, moved_rms_mm });
         }
-        let degrees_of_freedom = coordinates - count;
+        let degrees_of_freedom = coordinates + self.priors.count() - count;
         let test = ResidualTest::new(noise_mm, misfit, degrees_of_freedom);
         // What the stated noise does not explain is uncertainty too.
         let noise_mm = noise_of(test, noise_mm, misfit, degrees_of_freedom);
@@ -134,7 +134,7 @@ impl NonlinearEstimator<'_> {
         let span = singular_values[0] / singular_values[count - 1];
         let Some(v_t) = svd.v_t.as_ref().filter(|_| span <= LARGEST_SPAN) else {
             let column = svd.v_t.map_or(0, |v_t| v_t.row(svd.singular_values.imin()).iamax_full().1);
-            let weakest = self.unknowns[column].contact() + 1;
+            let weakest = self.unknowns[column].contact().unwrap_or_default() + 1;
             return Err(SensingError::IllConditioned { span, limit: LARGEST_SPAN, weakest });
         };
         let scales = &state.linearised.scales;
@@ -153,7 +153,7 @@ impl NonlinearEstimator<'_> {
         let sigma = |j: usize| linear(j, j).sqrt();
         for (j, unknown) in self.unknowns.iter().enumerate() {
             let (what, contact, sigma, limit, unit) = match *unknown {
-                Unknown::Force(_) => continue,
+                Unknown::Force(_) | Unknown::Base(_) => continue,
                 Unknown::Position(i) => {
                     let limit = LARGEST_POSITION_SIGMA * self.finger().plate_length_mm(Plate::Front);
                     ("the position", i + 1, sigma(j), limit, "mm")

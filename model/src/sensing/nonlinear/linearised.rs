@@ -1,7 +1,8 @@
 //! The problem linearised at a state: the residual, and its derivatives by the unknowns.
 
 use super::least_squares::LeastSquares;
-use super::unknowns::Unknown;
+use super::nuisances::{Nuisances, PriorRow, Priors};
+use super::unknowns::{BaseMotion, Unknown};
 use super::{NonlinearEstimator, State};
 use crate::Vector;
 use crate::finger::NodeId;
@@ -9,7 +10,7 @@ use crate::frame::{FrameMotion, NodeIndex};
 use crate::measurement::{Marker, Measurement};
 use crate::mesh::Mesh;
 use crate::sensing::{Contact, LARGEST_SPAN, SensingError};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Point2, UnitComplex};
 
 /// Markers off by more than this many standard deviations count less (Cauchy's weight beyond it).
 const OUTLIER_SIGMAS: f64 = 4.5;
@@ -25,12 +26,15 @@ const ALL_ALIKE: SensingError = SensingError::IllConditioned { span: f64::INFINI
 /// Derivatives of the shape and the weights of the markers; by key node, so that they serve whatever is seen next.
 #[derive(Debug, Clone)]
 pub(super) struct Linearised {
-    /// The frame node that each marker moves with.
-    marker_nodes: Vec<NodeIndex>,
+    /// What each marker moves with.
+    marker_points: Vec<MarkerPoint>,
     /// Displacements of all key nodes per unit of the first unknown, of the second and so on.
     rates: Vec<Vector>,
     /// Robust weight of a marker, beside its own: 1, and less for an outlier.
     weights: Vec<f64>,
+    /// What is known beforehand, and its rows where the derivatives were taken.
+    pub priors: Priors,
+    prior_rows: Vec<PriorRow>,
     /// Scale of each unknown.
     pub scales: Vec<f64>,
     /// The last step, in the unknowns' units.
@@ -51,18 +55,45 @@ pub(super) struct Prediction {
     pub reach_mm: f64,
 }
 
-/// Distance of a marker from where a motion has it, times its own weight.
-fn distance(marker_nodes: &[NodeIndex], marker: &Marker, motion: &FrameMotion) -> Vector {
-    (marker.displacement - motion.displacements[marker_nodes[marker.node.0 - 1]]) * marker.weight
+/// What a marker moves with.
+#[derive(Debug, Clone, Copy)]
+struct MarkerPoint {
+    node: NodeIndex,
+    /// Where it is undeformed, finger frame, mm.
+    rest: Vector,
+}
+
+/// A shape of the finger: its deformation, and where its base is.
+#[derive(Clone, Copy)]
+pub(super) struct Posed<'s> {
+    pub motion: &'s FrameMotion,
+    pub nuisances: &'s Nuisances,
+}
+
+/// Distance of a marker from where a shape has it, times its own weight.
+fn distance(points: &[MarkerPoint], marker: &Marker, shape: Posed) -> Vector {
+    let MarkerPoint { node, rest } = points[marker.node.0 - 1];
+    let base = &shape.nuisances.base;
+    let displaced = shape.motion.displacements[node];
+    // What is left of the position by the base's turn; exactly zero for a base that is where it should be.
+    let by_base = base.translation.vector + (base.rotation * (rest + displaced) - (rest + displaced));
+    (marker.displacement - displaced - by_base) * marker.weight
 }
 
 impl Linearised {
-    pub(super) fn new(mesh: &Mesh, unknowns: usize) -> Linearised {
-        let key_nodes = mesh.finger().key_node_count();
+    pub(super) fn new(mesh: &Mesh, unknowns: usize, priors: Priors) -> Linearised {
+        let finger = mesh.finger();
+        let key_nodes = finger.key_node_count();
+        let point = |node: NodeId| MarkerPoint {
+            node: mesh.marker_node(node),
+            rest: finger.position(node) + finger.marker_offset(node),
+        };
         Linearised {
-            marker_nodes: (1..=key_nodes).map(|node| mesh.marker_node(NodeId(node))).collect(),
+            marker_points: (1..=key_nodes).map(|node| point(NodeId(node))).collect(),
             rates: vec![Vector::zeros(); key_nodes * unknowns],
             weights: vec![1.0; key_nodes],
+            prior_rows: Vec::with_capacity(priors.count()),
+            priors,
             scales: vec![1.0; unknowns],
             step: Vec::with_capacity(unknowns),
             distances: Vec::with_capacity(key_nodes),
@@ -78,24 +109,26 @@ impl Linearised {
     }
 
     /// Weights of the markers by how far they are off: 1, beyond a limit the square root of Cauchy's weight.
-    pub(super) fn weigh(&mut self, motion: &FrameMotion, measurement: &Measurement, noise_mm: Option<f64>) {
+    pub(super) fn weigh(&mut self, shape: Posed, measurement: &Measurement, noise_mm: Option<f64>) {
         let markers = measurement.markers();
         self.distances.clear();
-        self.distances.extend(markers.iter().map(|marker| distance(&self.marker_nodes, marker, motion).norm()));
+        self.distances.extend(markers.iter().map(|marker| distance(&self.marker_points, marker, shape).norm()));
         let middle = self.distances.len() / 2;
         let median = *self.distances.select_nth_unstable_by(middle, f64::total_cmp).1;
         // The median also stands for what the model itself cannot explain.
         let limit = OUTLIER_SIGMAS * noise_mm.unwrap_or(0.0).max(median / RAYLEIGH_MEDIAN);
         for marker in markers {
-            let off = distance(&self.marker_nodes, marker, motion).norm();
+            let off = distance(&self.marker_points, marker, shape).norm();
             self.weights[marker.node.0 - 1] = if off > limit && limit > 0.0 { limit / off } else { 1.0 };
         }
     }
 
-    /// Sum of the squared weighted differences between what was measured and a motion, mm^2.
-    pub(super) fn misfit(&self, motion: &FrameMotion, measurement: &Measurement) -> f64 {
-        let weighted = |marker: &Marker| distance(&self.marker_nodes, marker, motion) * self.weights[marker.node.0 - 1];
-        measurement.markers().iter().map(|marker| weighted(marker).norm_squared()).sum()
+    /// Sum of the squared weighted differences between what was measured and a shape, and of those between what is known beforehand
+    /// and the shape, mm^2.
+    pub(super) fn misfit(&self, shape: Posed, measurement: &Measurement) -> f64 {
+        let weighted = |marker: &Marker| distance(&self.marker_points, marker, shape) * self.weights[marker.node.0 - 1];
+        let markers: f64 = measurement.markers().iter().map(|marker| weighted(marker).norm_squared()).sum();
+        markers + self.priors.misfit(shape.nuisances)
     }
 
     /// The same without loads: the misfit of the finger at rest.
@@ -110,11 +143,12 @@ impl Linearised {
     /// [`SensingError::IllConditioned`] if the unknowns are not identifiable.
     pub(super) fn solve(
         &mut self,
-        motion: &FrameMotion,
+        shape: Posed,
         measurement: &Measurement,
         damping: f64,
     ) -> Result<Prediction, SensingError> {
         let (unknowns, coordinates) = (self.scales.len(), measurement.coordinate_count());
+        let damped_from = coordinates + self.prior_rows.len();
         self.pose(measurement, if damping > 0.0 { unknowns } else { 0 });
         self.lengths_mm.clear();
         for j in 0..unknowns {
@@ -122,13 +156,16 @@ impl Linearised {
             let length_mm = column.iter().map(|x| x * x).sum::<f64>().sqrt();
             self.lengths_mm.push(length_mm);
             if damping > 0.0 {
-                column[coordinates + j] = damping.sqrt() * length_mm;
+                column[damped_from + j] = damping.sqrt() * length_mm;
             }
         }
         let right = self.problem.column_mut(unknowns);
         for (marker, row) in measurement.markers().iter().zip(right.chunks_exact_mut(2)) {
-            let difference = distance(&self.marker_nodes, marker, motion) * self.weights[marker.node.0 - 1];
+            let difference = distance(&self.marker_points, marker, shape) * self.weights[marker.node.0 - 1];
             row.copy_from_slice(difference.as_slice());
+        }
+        for (value, row) in right[coordinates..].iter_mut().zip(&self.prior_rows) {
+            *value = row.left_mm;
         }
         let solution = self.problem.solve().ok_or(ALL_ALIKE)?;
         self.step.clear();
@@ -146,20 +183,20 @@ impl Linearised {
     /// [`SensingError::IllConditioned`] if the unknowns are not identifiable.
     pub(super) fn shorten(
         &mut self,
-        motion: &FrameMotion,
+        shape: Posed,
         measurement: &Measurement,
         longest_mm: f64,
         mut damping: f64,
     ) -> Result<(f64, Prediction), SensingError> {
         let [least, most] = DAMPINGS;
-        let mut prediction = self.solve(motion, measurement, damping)?;
+        let mut prediction = self.solve(shape, measurement, damping)?;
         while prediction.reach_mm <= longest_mm && damping > least {
             damping /= DAMPING_FACTOR;
-            prediction = self.solve(motion, measurement, damping)?;
+            prediction = self.solve(shape, measurement, damping)?;
         }
         while prediction.reach_mm > longest_mm && damping < most {
             damping *= DAMPING_FACTOR;
-            prediction = self.solve(motion, measurement, damping)?;
+            prediction = self.solve(shape, measurement, damping)?;
         }
         Ok((damping, prediction))
     }
@@ -193,16 +230,20 @@ impl Linearised {
         Ok(DMatrix::from_column_slice(self.scales.len(), self.scales.len(), self.problem.triangle()))
     }
 
-    /// Sets up the columns of the derivatives, with zero rows below them.
+    /// Sets up the columns of the derivatives, markers first, then priors, with zero rows below them.
     fn pose(&mut self, measurement: &Measurement, rows_below: usize) {
         let markers = measurement.markers();
-        self.problem.reset(measurement.coordinate_count() + rows_below, self.scales.len());
+        let coordinates = measurement.coordinate_count();
+        self.problem.reset(coordinates + self.prior_rows.len() + rows_below, self.scales.len());
         for ((j, scale), rates) in self.scales.iter().enumerate().zip(self.rates.chunks_exact(self.weights.len())) {
             let column = self.problem.column_mut(j);
             for (marker, row) in markers.iter().zip(column.chunks_exact_mut(2)) {
                 let node = marker.node.0 - 1;
                 row.copy_from_slice((rates[node] * (scale * marker.weight * self.weights[node])).as_slice());
             }
+        }
+        for (i, row) in self.prior_rows.iter().enumerate() {
+            self.problem.column_mut(row.index)[coordinates + i] = row.by_unknown * self.scales[row.index];
         }
     }
 }
@@ -212,20 +253,35 @@ impl NonlinearEstimator<'_> {
     pub(super) fn differentiate(&mut self, state: &mut State) -> Result<(), SensingError> {
         let finger = self.finger();
         self.rescale(state);
-        let State { contacts, loads, motion, linearised, .. } = state;
+        let State { forces_n, contacts, nuisances, loads, motion, linearised } = state;
+        linearised.prior_rows.clear();
+        linearised.prior_rows.extend(linearised.priors.rows(nuisances, forces_n));
+        let (base, points) = (nuisances.base, &linearised.marker_points);
+        let turned = base.rotation != UnitComplex::identity();
         let ladder = self.statics.equations_mut();
         for (unknown, rates) in self.unknowns.iter().zip(linearised.rates.chunks_exact_mut(finger.key_node_count())) {
-            let turned_deg = match *unknown {
-                Unknown::Position(i) => {
-                    ladder.moved_load(motion, &loads[i], rates);
+            match *unknown {
+                Unknown::Position(i) => ladder.moved_load(motion, &loads[i], rates),
+                Unknown::Force(i) | Unknown::Across(i) => {
+                    let across_deg = if *unknown == Unknown::Force(i) { 0.0 } else { 90.0 };
+                    let along = Contact { angle_deg: contacts[i].angle_deg + across_deg, ..contacts[i] };
+                    ladder.added_load(motion, &self.mesh.frame_load(&along.unit_load(finger))?, rates);
+                }
+                Unknown::Base(way) => {
+                    for (rate, point) in rates.iter_mut().zip(points) {
+                        let position = base * Point2::from(point.rest + motion.displacements[point.node]);
+                        *rate = match way {
+                            BaseMotion::X => Vector::x(),
+                            BaseMotion::Y => Vector::y(),
+                            BaseMotion::Turn => Vector::new(-position.y, position.x),
+                        };
+                    }
                     continue;
                 }
-                Unknown::Force(_) => 0.0,
-                Unknown::Across(_) => 90.0,
-            };
-            let contact = contacts[unknown.contact()];
-            let along = Contact { angle_deg: contact.angle_deg + turned_deg, ..contact };
-            ladder.added_load(motion, &self.mesh.frame_load(&along.unit_load(finger))?, rates);
+            }
+            if turned {
+                rates.iter_mut().for_each(|rate| *rate = base.rotation * *rate);
+            }
         }
         Ok(())
     }

@@ -10,6 +10,7 @@ mod judgement;
 mod least_squares;
 mod linear_range;
 mod linearised;
+mod nuisances;
 mod refine;
 mod search;
 mod simultaneous;
@@ -27,8 +28,9 @@ use crate::measurement::Measurement;
 use crate::mesh::Mesh;
 use crate::statics::{Ladder, Statics};
 use crate::{Finger, Kinematics};
-use linearised::Linearised;
+use linearised::{Linearised, Posed};
 use nalgebra::DMatrix;
+use nuisances::{Nuisances, Priors};
 use start::Start;
 use unknowns::Unknown;
 
@@ -82,6 +84,7 @@ pub struct NonlinearEstimator<'m> {
     mesh: &'m Mesh,
     questions: Vec<ContactQuestion>,
     unknowns: Vec<Unknown>,
+    priors: Priors,
     statics: Statics<Ladder<'m>>,
     last: Option<State>,
     /// Where estimates start after a [`reset`](NonlinearEstimator::reset).
@@ -93,9 +96,22 @@ pub struct NonlinearEstimator<'m> {
 struct State {
     forces_n: Vec<f64>,
     contacts: Vec<Contact>,
+    nuisances: Nuisances,
     loads: Vec<FrameLoad>,
     motion: FrameMotion,
     linearised: Linearised,
+}
+
+impl State {
+    /// Its shape, and the problem linearised there.
+    fn split(&mut self) -> (Posed<'_>, &mut Linearised) {
+        (Posed { motion: &self.motion, nuisances: &self.nuisances }, &mut self.linearised)
+    }
+
+    /// Its misfit, mm^2.
+    fn misfit(&self, measurement: &Measurement) -> f64 {
+        self.linearised.misfit(Posed { motion: &self.motion, nuisances: &self.nuisances }, measurement)
+    }
 }
 
 /// A minimum, the steps to it, and whether it was near or the way to it straight: then it is the only one about, otherwise
@@ -129,7 +145,8 @@ impl<'m> NonlinearEstimator<'m> {
         Ok(NonlinearEstimator {
             mesh,
             questions: questions.to_vec(),
-            unknowns: Unknown::of(questions),
+            unknowns: Unknown::of(questions, false),
+            priors: Priors::default(),
             statics: Statics::ladder(mesh, Kinematics::Corotational),
             last: None,
             held: None,
@@ -166,7 +183,9 @@ impl<'m> NonlinearEstimator<'m> {
         measurement: &Measurement,
         noise_mm: Option<f64>,
     ) -> Result<NonlinearEstimate, SensingError> {
-        let unknowns = self.unknowns.len();
+        self.expect(measurement, noise_mm)?;
+        // What is known beforehand is as good as measured.
+        let unknowns = self.unknowns.len() - self.priors.count();
         let coordinates = measurement.coordinate_count();
         if unknowns > coordinates {
             return Err(SensingError::TooFewMarkers { unknowns, coordinates });
@@ -174,7 +193,7 @@ impl<'m> NonlinearEstimator<'m> {
         let moved: f64 = measurement.markers().iter().map(|m| m.displacement.norm_squared()).sum();
         let poor = (POOR_FIT * (moved / coordinates as f64).sqrt()).max(POOR_FIT_SIGMAS * noise_mm.unwrap_or(0.0));
         let largest_misfit = poor * poor * coordinates as f64;
-        let misfit = |state: &State| state.linearised.misfit(&state.motion, measurement);
+        let misfit = |state: &State| state.misfit(measurement);
         let mut best: Option<Found> = None;
         if let Some(mut state) = self.last.take() {
             best = self.correct(&mut state, measurement, noise_mm).map(|steps| Found { state, steps, near: true });
@@ -214,14 +233,36 @@ impl<'m> NonlinearEstimator<'m> {
         if self.questions.iter().filter(|question| question.position.is_none()).count() <= 1 {
             estimate.check_rivals(least_misfit, &minima, near, coordinates)?;
             // A start pushes along the undeformed normal where the deformed one is asked for: it is no answer then.
-            if self.questions.iter().all(|question| question.direction != Direction::Normal) {
-                let misfit = |motion: &FrameMotion| state.linearised.misfit(motion, measurement);
+            if self.questions.iter().all(|question| !matches!(question.direction, Direction::Leaning(_))) {
+                let expected = Nuisances::expected(self.questions.len());
+                let misfit =
+                    |motion: &FrameMotion| state.linearised.misfit(Posed { motion, nuisances: &expected }, measurement);
                 let starts = starts.iter().map(|(forces_n, motion)| (misfit(motion), forces_n));
                 estimate.check_starts(least_misfit, starts)?;
             }
         }
         self.last = Some(state);
         Ok(estimate)
+    }
+
+    /// Takes over what a measurement leaves open of the base, and how noisy it is.
+    ///
+    /// # Errors
+    /// [`SensingError::NoiseNotStated`].
+    fn expect(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<(), SensingError> {
+        let is_base_sought = measurement.base().is_some();
+        if is_base_sought != self.unknowns.iter().any(|unknown| unknown.contact().is_none()) {
+            self.unknowns = Unknown::of(&self.questions, is_base_sought);
+            self.forget();
+        }
+        self.priors = Priors::new(&self.unknowns, &self.questions, measurement, noise_mm);
+        if self.priors.count() > 0 && noise_mm.is_none() {
+            return Err(SensingError::NoiseNotStated);
+        }
+        for state in self.last.iter_mut().chain(&mut self.held) {
+            state.linearised.priors.clone_from(&self.priors);
+        }
+        Ok(())
     }
 
     /// The minimum nearest to a start, the careful way if it is not near. Adds the start's forces and shape to `starts`.

@@ -4,7 +4,7 @@
 //! finger may lead far away, or where no equilibrium is. So steps reach only as far as the last ones were right, and a
 //! step is given up on the way where an equilibrium is worse than its start.
 
-use super::{NonlinearEstimator, SETTLED_ANGLE_DEG, State};
+use super::{NonlinearEstimator, Posed, SETTLED_ANGLE_DEG, State};
 use crate::measurement::Measurement;
 use crate::sensing::SensingError;
 use crate::statics::StaticsError;
@@ -56,7 +56,8 @@ impl NonlinearEstimator<'_> {
         noise_mm: Option<f64>,
     ) -> Result<(usize, bool), SensingError> {
         self.linearise(state)?;
-        state.linearised.weigh(&state.motion, measurement, noise_mm);
+        let (shape, linearised) = state.split();
+        linearised.weigh(shape, measurement, noise_mm);
         let moved_mm = state.linearised.misfit_at_rest(measurement).sqrt();
         let shortest_mm = SHORTEST * moved_mm;
         let (mut longest_mm, mut damping) = (FIRST_REACH * moved_mm, FIRST_DAMPING);
@@ -66,8 +67,9 @@ impl NonlinearEstimator<'_> {
         let mut straight = true;
         while iterations < MAX_STEPS && longest_mm > shortest_mm {
             iterations += 1;
-            let before = state.linearised.misfit(&state.motion, measurement);
-            let mut prediction = state.linearised.solve(&state.motion, measurement, 0.0)?;
+            let before = state.misfit(measurement);
+            let (shape, linearised) = state.split();
+            let mut prediction = linearised.solve(shape, measurement, 0.0)?;
             let variance_mm2 =
                 f64::max(noise_mm.unwrap_or(0.0).powi(2), before / measurement.coordinate_count() as f64);
             let is_there = settled && prediction.decrease_mm2 <= OFFSET_TOLERANCE * OFFSET_TOLERANCE * variance_mm2;
@@ -84,26 +86,29 @@ impl NonlinearEstimator<'_> {
             }
             if prediction.reach_mm > longest_mm {
                 straight = false;
-                (damping, prediction) = state.linearised.shorten(&state.motion, measurement, longest_mm, damping)?;
+                let (shape, linearised) = state.split();
+                (damping, prediction) = linearised.shorten(shape, measurement, longest_mm, damping)?;
             }
             let change = self.relative_change(state);
             let mut next = state.clone();
             settled = self.advance(&mut next)? <= SETTLED_ANGLE_DEG;
             // Compared under the same weights: reweighting is not progress.
-            let misfit = |motion: &_| state.linearised.misfit(motion, measurement);
+            let misfit =
+                |motion: &_| state.linearised.misfit(Posed { motion, nuisances: &next.nuisances }, measurement);
             let tried = self
                 .statics
                 .tried(&state.motion, [&state.loads, &next.loads], |on_the_way| misfit(on_the_way) <= WORSE * before);
             let failed_at = match tried {
                 Ok(equilibrium) => {
+                    let after = misfit(&equilibrium.motion);
                     next.motion = equilibrium.motion;
-                    let after = misfit(&next.motion);
                     // A turning normal may make a good step look worse; the next corrects its residual.
                     let slack = if settled { 1e-12 } else { 0.5 };
                     if after <= before * (1.0 + slack) || change <= STEP_TOLERANCE {
                         *state = next;
                         self.linearise(state)?;
-                        state.linearised.weigh(&state.motion, measurement, noise_mm);
+                        let (shape, linearised) = state.split();
+                        linearised.weigh(shape, measurement, noise_mm);
                         if change <= STEP_TOLERANCE && settled {
                             return Ok((iterations, straight));
                         }

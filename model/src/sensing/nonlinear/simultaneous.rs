@@ -35,7 +35,8 @@ impl NonlinearEstimator<'_> {
         // The state is in equilibrium.
         let mut turn = 0.0;
         for steps in 1..=MAX_STEPS {
-            state.linearised.solve(&state.motion, measurement, 0.0).ok()?;
+            let (shape, linearised) = state.split();
+            linearised.solve(shape, measurement, 0.0).ok()?;
             let change = self.relative_change(state);
             let normal_turn_deg = self.advance(state).ok()?;
             let shape_settled = turn <= SETTLED_TURN * state.motion.largest_rotation();
@@ -51,7 +52,8 @@ impl NonlinearEstimator<'_> {
                 return None;
             }
             self.differentiate(state).ok()?;
-            state.linearised.weigh(&state.motion, measurement, noise_mm);
+            let (shape, linearised) = state.split();
+            linearised.weigh(shape, measurement, noise_mm);
         }
         None
     }

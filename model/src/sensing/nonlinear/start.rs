@@ -1,6 +1,7 @@
 //! Where the search begins: least squares on the linear finger.
 
 use super::linearised::Linearised;
+use super::nuisances::Nuisances;
 use super::{NonlinearEstimator, State};
 use crate::finger::Plate;
 use crate::measurement::Measurement;
@@ -72,10 +73,12 @@ impl NonlinearEstimator<'_> {
             let loads = loads.collect::<Result<Vec<_>, _>>()?;
             match self.statics.tried(&rest, [&[], &loads], |_| true) {
                 Ok(Equilibrium { motion, .. }) => {
-                    let linearised = Linearised::new(self.mesh, self.unknowns.len());
-                    let mut state = State { forces_n, contacts, loads, motion, linearised };
+                    let linearised = Linearised::new(self.mesh, self.unknowns.len(), self.priors.clone());
+                    let nuisances = Nuisances::expected(self.questions.len());
+                    let mut state = State { forces_n, contacts, nuisances, loads, motion, linearised };
                     self.differentiate(&mut state)?;
-                    state.linearised.weigh(&state.motion, measurement, noise_mm);
+                    let (shape, linearised) = state.split();
+                    linearised.weigh(shape, measurement, noise_mm);
                     return Ok(state);
                 }
                 Err(StaticsError::NoEquilibrium { converged_fraction }) => {
@@ -104,7 +107,7 @@ impl NonlinearEstimator<'_> {
                 (Direction::Angle(angle_deg), _) | (Direction::Auto, Some(angle_deg)) => {
                     components.push(Contact { position, angle_deg });
                 }
-                (Direction::Normal, _) => components.push(Contact { position, angle_deg: 0.0 }),
+                (Direction::Leaning(lean), _) => components.push(Contact { position, angle_deg: lean.angle_deg }),
                 (Direction::Auto, None) => {
                     components.extend([0.0, 90.0].map(|angle_deg| Contact { position, angle_deg }));
                 }

@@ -1,14 +1,21 @@
-//! The unknowns as a list of numbers: forces, then positions, then directions.
+//! The unknowns as a list of numbers: forces, then positions, then directions, then the base.
 
 use super::{NonlinearEstimator, State};
+use crate::Vector;
 use crate::finger::Plate;
-use crate::mesh::LoadError;
-use crate::sensing::{ContactPosition, ContactQuestion, Direction};
+use crate::frame::FrameMotion;
+use crate::mesh::{Load, LoadError};
+use crate::sensing::{Contact, ContactPosition, ContactQuestion, Direction, Normal};
+use nalgebra::{Translation2, UnitComplex};
 
 /// Share of the plate that a position moves in one step at most.
 const LONGEST_MOVE: f64 = 0.2;
 /// Share of the plate, from the base, where a position is no longer distinguishable from the clamp.
 const NEAREST_TO_BASE: f64 = 0.01;
+/// One unit of the base's turn, rad: its tip moves by about as much as a unit of force would move it.
+const TURN_UNIT: f64 = 0.01;
+/// Points at which the normal is taken where it is averaged over a length of plate.
+const NORMALS: usize = 5;
 
 /// One unknown: of which contact, and what.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,24 +24,46 @@ pub(super) enum Unknown {
     Position(usize),
     /// The part of a force across its current direction, N: with it the direction turns.
     Across(usize),
+    /// Where the base is, against where the measurement has it.
+    Base(BaseMotion),
+}
+
+/// One of the ways in which a base moves, in the finger frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum BaseMotion {
+    /// Along x, mm.
+    X,
+    /// Along y, mm.
+    Y,
+    /// About the origin, rad.
+    Turn,
 }
 
 impl Unknown {
-    /// All unknowns of some questions.
-    pub(super) fn of(questions: &[ContactQuestion]) -> Vec<Unknown> {
+    /// All unknowns of some questions, and of a base that is not known exactly.
+    pub(super) fn of(questions: &[ContactQuestion], is_base_sought: bool) -> Vec<Unknown> {
+        let is_sought = |question: &ContactQuestion| match question.direction {
+            Direction::Auto => true,
+            Direction::Leaning(lean) => lean.sd_deg > 0.0,
+            Direction::Angle(_) => false,
+        };
         let forces = (0..questions.len()).map(Unknown::Force);
         let positions = questions.iter().enumerate().filter(|(_, q)| q.position.is_none());
-        let angles = questions.iter().enumerate().filter(|(_, q)| q.direction == Direction::Auto);
+        let angles = questions.iter().enumerate().filter(|(_, q)| is_sought(q));
+        let base = [BaseMotion::X, BaseMotion::Y, BaseMotion::Turn].into_iter().filter(|_| is_base_sought);
         forces
             .chain(positions.map(|(i, _)| Unknown::Position(i)))
             .chain(angles.map(|(i, _)| Unknown::Across(i)))
+            .chain(base.map(Unknown::Base))
             .collect()
     }
 
-    /// The contact that it belongs to.
-    pub(super) fn contact(self) -> usize {
-        let (Unknown::Force(i) | Unknown::Position(i) | Unknown::Across(i)) = self;
-        i
+    /// The contact that it belongs to, if to one.
+    pub(super) fn contact(self) -> Option<usize> {
+        match self {
+            Unknown::Force(i) | Unknown::Position(i) | Unknown::Across(i) => Some(i),
+            Unknown::Base(_) => None,
+        }
     }
 }
 
@@ -44,7 +73,8 @@ impl NonlinearEstimator<'_> {
         let largest = state.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         for (scale, unknown) in state.linearised.scales.iter_mut().zip(&self.unknowns) {
             *scale = match *unknown {
-                Unknown::Force(_) | Unknown::Across(_) => 1.0,
+                Unknown::Force(_) | Unknown::Across(_) | Unknown::Base(BaseMotion::X | BaseMotion::Y) => 1.0,
+                Unknown::Base(BaseMotion::Turn) => TURN_UNIT,
                 Unknown::Position(i) => {
                     let force = state.forces_n[i].abs().max(1e-3 * largest).max(f64::MIN_POSITIVE);
                     0.1 * self.finger().plate_length_mm(Plate::Front) / force
@@ -59,7 +89,8 @@ impl NonlinearEstimator<'_> {
         let length = self.finger().plate_length_mm(Plate::Front);
         let change = |(unknown, x): (&Unknown, &f64)| match unknown {
             Unknown::Force(_) | Unknown::Across(_) => x.abs() / largest,
-            Unknown::Position(_) => x.abs() / length,
+            Unknown::Position(_) | Unknown::Base(BaseMotion::X | BaseMotion::Y) => x.abs() / length,
+            Unknown::Base(BaseMotion::Turn) => x.abs(),
         };
         self.unknowns.iter().zip(&state.linearised.step).map(change).fold(0.0, f64::max)
     }
@@ -71,15 +102,28 @@ impl NonlinearEstimator<'_> {
     /// [`LoadError`] never in practice: positions are kept on the plate.
     pub(super) fn advance(&self, state: &mut State) -> Result<f64, LoadError> {
         let finger = self.finger();
-        let State { forces_n, contacts, loads, motion, linearised } = state;
+        let State { forces_n, contacts, nuisances, loads, motion, linearised } = state;
         for (unknown, &x) in self.unknowns.iter().zip(&linearised.step) {
             match *unknown {
                 Unknown::Force(i) => forces_n[i] += x,
                 // Forces come first: the part along the direction is up to date.
                 Unknown::Across(i) => {
-                    contacts[i].angle_deg += x.atan2(forces_n[i]).to_degrees();
-                    forces_n[i] = forces_n[i].hypot(x);
+                    let turned_deg = x.atan2(forces_n[i]).to_degrees();
+                    match self.questions[i].direction {
+                        // A lean is small: a force may be negative.
+                        Direction::Leaning(_) => {
+                            nuisances.further_leans_deg[i] += (x / forces_n[i]).atan().to_degrees();
+                            forces_n[i] = forces_n[i].signum() * forces_n[i].hypot(x);
+                        }
+                        _ => {
+                            contacts[i].angle_deg += turned_deg;
+                            forces_n[i] = forces_n[i].hypot(x);
+                        }
+                    }
                 }
+                Unknown::Base(BaseMotion::X) => nuisances.base.append_translation_mut(&Translation2::new(x, 0.0)),
+                Unknown::Base(BaseMotion::Y) => nuisances.base.append_translation_mut(&Translation2::new(0.0, x)),
+                Unknown::Base(BaseMotion::Turn) => nuisances.base.append_rotation_mut(&UnitComplex::new(x)),
                 Unknown::Position(i) => {
                     if let ContactPosition::At(s_mm) = &mut contacts[i].position {
                         let length = finger.plate_length_mm(Plate::Front);
@@ -91,13 +135,34 @@ impl NonlinearEstimator<'_> {
         }
         let mut largest_turn_deg = 0.0_f64;
         for (i, (contact, question)) in contacts.iter_mut().zip(&self.questions).enumerate() {
-            if question.direction == Direction::Normal {
-                let angle_deg = self.mesh.frame().rotation_at(motion, &loads[i]).to_degrees();
+            if let Direction::Leaning(lean) = question.direction {
+                let turned = match lean.from {
+                    Normal::Deformed { over_mm } => self.normal_turned(motion, contact, over_mm)?,
+                    Normal::Undeformed => 0.0,
+                };
+                let angle_deg = turned.to_degrees() + lean.mean_deg(forces_n[i]) + nuisances.further_leans_deg[i];
                 largest_turn_deg = largest_turn_deg.max((angle_deg - contact.angle_deg).abs());
                 contact.angle_deg = angle_deg;
             }
             loads[i] = self.mesh.frame_load(&contact.load(finger, forces_n[i]))?;
         }
         Ok(largest_turn_deg)
+    }
+
+    /// By how much the plate's normal at a contact is turned, rad; the mean over a length of plate about it.
+    fn normal_turned(&self, motion: &FrameMotion, contact: &Contact, over_mm: f64) -> Result<f64, LoadError> {
+        let (finger, frame) = (self.finger(), self.mesh.frame());
+        let place = match contact.position_mm(finger).filter(|_| over_mm > 0.0) {
+            None => return Ok(frame.rotation_at(motion, &self.mesh.frame_load(&contact.unit_load(finger))?)),
+            Some(place) => place,
+        };
+        let length_mm = finger.plate_length_mm(Plate::Front);
+        let mut sum = 0.0;
+        for i in 0..NORMALS {
+            let share = (i as f64 + 0.5) / NORMALS as f64 - 0.5;
+            let s_mm = (place + share * over_mm).clamp(NEAREST_TO_BASE * length_mm, length_mm);
+            sum += frame.rotation_at(motion, &self.mesh.frame_load(&Load::at_position(s_mm, Vector::zeros()))?);
+        }
+        Ok(sum / NORMALS as f64)
     }
 }

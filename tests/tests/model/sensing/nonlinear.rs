@@ -96,7 +96,7 @@ fn normals_turn_with_the_plate() {
         contact.angle_deg = mesh.shape(&motion).motion(NodeId(16)).rotation.to_degrees();
     }
     let measurement = seen(&mesh, &[contact], &[3.0], Kinematics::Corotational).expect("carried");
-    let question = ContactQuestion { position: Some(contact.position), direction: Direction::Normal };
+    let question = ContactQuestion { position: Some(contact.position), direction: Direction::NORMAL };
     let mut estimator = NonlinearEstimator::new(&mesh, &[question]).expect("a contact node");
     let found = estimator.estimate(&measurement, None).expect("identifiable");
     assert!(contact.angle_deg.abs() > 2.0, "the plate turns: {}", contact.angle_deg);

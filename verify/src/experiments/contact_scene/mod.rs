@@ -122,7 +122,7 @@ impl ContactScene {
     pub fn new(scene: &Scene, object: &ObjectDescription, corners: &[Vector]) -> Result<ContactScene, OutlineError> {
         Ok(ContactScene {
             finger: scene.finger.clone(),
-            rod_radius_mm: scene.rod_radius_mm,
+            rod_radius_mm: scene.contact.rod_radius_mm,
             object: PreparedObject::new(scene, object, corners)?,
             fineness: FINENESS,
             assumed_friction: object.friction,

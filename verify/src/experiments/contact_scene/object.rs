@@ -174,7 +174,7 @@ impl PreparedObject {
         let (start, along, steps) = match &object.motion {
             ObjectMotion::Press { at_mm, direction_deg, until } => {
                 let along = finger.direction(*direction_deg);
-                let start = first_touch(finger, scene.rod_radius_mm, &outline, *at_mm, along);
+                let start = first_touch(finger, scene.contact.rod_radius_mm, &outline, *at_mm, along);
                 let step = |step| {
                     let end = match until {
                         Until::Travel(travel_mm) => Push::To(start + along * (travel_mm * share(step))),

@@ -41,7 +41,7 @@ impl Assumption {
     fn direction(self) -> Direction {
         match self {
             Assumption::Undeformed => Direction::Angle(0.0),
-            Assumption::Normal => Direction::Normal,
+            Assumption::Normal => Direction::NORMAL,
             Assumption::Unknown => Direction::Auto,
         }
     }

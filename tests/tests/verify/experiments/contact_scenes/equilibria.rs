@@ -66,7 +66,7 @@ fn a_frictionless_force_points_from_the_disc_to_the_rod() {
     let rod = motion.position + motion.displacement;
     let line = rod - step.pressed.object;
     // The solver's rounding, over a distance that only an overlap would change.
-    assert!((line.norm() - 20.0 - scene.rod_radius_mm).abs() < 1e-4, "{} mm apart", line.norm());
+    assert!((line.norm() - 20.0 - scene.contact.rod_radius_mm).abs() < 1e-4, "{} mm apart", line.norm());
     assert!(touch.force.perp(&line).abs() < 1e-6 * touch.force.norm() * line.norm());
 }
 

@@ -1,4 +1,4 @@
-//! Fits of a few parameters to many pixels.
+//! Fits of a few parameters to many measurements.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -10,7 +10,7 @@ const LEAST_DAMPING: f64 = 1e-14;
 const MOST_DAMPING: f64 = 1e10;
 
 /// What a fit found.
-pub(super) struct Fit<P> {
+pub(crate) struct Fit<P> {
     pub parameters: P,
     /// Sum of squared residuals.
     pub squares: f64,
@@ -25,7 +25,7 @@ pub(super) struct Fit<P> {
 ///
 /// # Reference
 /// Nocedal and Wright, Numerical Optimization, sec. 10.3; damping scaled by the diagonal as Marquardt does.
-pub(super) fn fit<P>(
+pub(crate) fn fit<P>(
     start: P,
     residual: impl Fn(&P) -> Option<(DVector<f64>, DMatrix<f64>)>,
     moved: impl Fn(&P, &DVector<f64>) -> P,

@@ -1,5 +1,7 @@
 //! `finray calibrate`
 
+mod images;
+
 use super::parse::not_negative;
 use super::{Failure, not_both_from_standard_input};
 use clap::ValueEnum;
@@ -21,18 +23,46 @@ use std::path::PathBuf;
 /// value of the scene, by least squares (Gauss-Newton). A compliant clamp is a zone at the base.
 /// Factors that are not identifiable are refused; pairs that are hardly separable are named.
 ///
+/// With --located a finger and its rig are calibrated from images of the pressed finger, all at once:
+/// --fit names what the scene has only nominally. modulus, front-modulus, back-modulus: factors on
+/// moduli; bracket, clip: their lengths; ribs: where each sits on each plate; height: of the markers
+/// above the beams, which is their scale; base: where the finger is in the frame of its references (or
+/// of the camera's pose). Where forces were measured (--forces, in the frame of the camera's pose),
+/// friction is the coefficient about the normal of the scene's table contact, friction-build-up also
+/// the force over which it builds up. Without forces geometry alone is identifiable. model_error_mm is
+/// by how much the calibrated finger still misses its markers. --calibrated writes the scene that
+/// `finray sense` takes.
+///
 /// Examples:
 ///   finray calibrate fixtures/scenes/paper.toml --measurements weights.csv
 ///   finray calibrate fixtures/scenes/twin.toml --measurements weights.csv --zones
 ///   finray calibrate fixtures/scenes/twin.toml --measurements weights.csv --zones=1+2,3+4,5+6
+///   finray calibrate fixtures/scenes/bracketed.toml --located nodes.csv --forces forces.csv
+///       --fit modulus,bracket,ribs=0.2,friction --calibrated calibrated.toml
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
+#[command(group = clap::ArgGroup::new("several").args(["zones", "located"]).multiple(true))]
 pub struct Arguments {
     /// Scene file (TOML); - for standard input
     scene: PathBuf,
-    /// Measured shapes (CSV); - for standard input
-    #[arg(long, value_name = "FILE")]
-    measurements: PathBuf,
+    /// Measured shapes under known loads (CSV); - for standard input
+    #[arg(long, value_name = "FILE", required_unless_present = "located")]
+    measurements: Option<PathBuf>,
+    /// Images of the pressed finger as `finray locate` has located them (CSV); - for standard input
+    #[arg(long, value_name = "FILE", conflicts_with = "measurements", requires = "fit")]
+    located: Option<PathBuf>,
+    /// What the images are to show, with --located: names joined by commas, each perhaps with a prior, as ribs=0.2
+    #[arg(long, value_name = "NAMES", requires = "located")]
+    fit: Option<String>,
+    /// Contact forces that were measured in some of the images: image,fx_n,fy_n (CSV), with --located
+    #[arg(long, value_name = "FILE", requires = "located")]
+    forces: Option<PathBuf>,
+    /// File for the scene with all that was found (TOML), with --located
+    #[arg(long, value_name = "FILE", requires = "located")]
+    calibrated: Option<PathBuf>,
+    /// File for what was found of each image (CSV), with --located
+    #[arg(long, value_name = "FILE", requires = "located")]
+    images: Option<PathBuf>,
     /// Seek the factors of the scene's zones too: of each, or of those named, by their order from 1; zones joined by +
     /// share a factor
     #[arg(long, value_name = "GROUPS", num_args = 0..=1, require_equals = true, default_missing_value = EACH)]
@@ -44,8 +74,8 @@ pub struct Arguments {
     /// estimated from the residual
     #[arg(long, value_name = "S", requires = "zones", value_parser = not_negative)]
     noise_mm: Option<f64>,
-    /// File for the correlation of each two factors (CSV), with --zones
-    #[arg(long, value_name = "FILE", requires = "zones")]
+    /// File for the correlation of each two values that were found (CSV), with --zones or --located
+    #[arg(long, value_name = "FILE", requires = "several")]
     correlations: Option<PathBuf>,
     /// Result file; - for standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
@@ -67,7 +97,7 @@ enum KinematicsArgument {
 struct Row {
     parameter: String,
     value: f64,
-    sigma: f64,
+    sigma: Option<f64>,
 }
 
 #[derive(Serialize)]
@@ -78,10 +108,16 @@ struct Correlation {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    not_both_from_standard_input(&arguments.scene, &arguments.measurements, "--measurements")?;
+    if let (Some(located), Some(fit)) = (&arguments.located, &arguments.fit) {
+        return images::run(arguments, located, fit);
+    }
+    let Some(measured) = &arguments.measurements else {
+        return Err(Failure::BadInput("expected --measurements, or --located and --fit".to_owned()));
+    };
+    not_both_from_standard_input(&arguments.scene, measured, "--measurements")?;
     let scene = load_scene(&arguments.scene)?;
     let finger = scene.finger;
-    let cases = measurements::load(&arguments.measurements, &finger)?;
+    let cases = measurements::load(measured, &finger)?;
     let Some(groups) = &arguments.zones else { return one_modulus(arguments, &finger, &cases) };
     let unknowns = unknowns(groups, finger.description().zones.len())?;
     let (kinematics, elements) = match arguments.kinematics {
@@ -170,7 +206,7 @@ fn factor_rows(finger: &Finger, estimate: &FactorEstimate) -> Vec<Row> {
             }
             Unknown::Zones(zones) => rows.extend(zones.iter().map(|&zone| {
                 let value = estimate.finger.description().zones[zone].modulus_factor;
-                Row { parameter: Unknown::Zones(vec![zone]).to_string(), value, sigma: value * relative(k) }
+                Row { parameter: Unknown::Zones(vec![zone]).to_string(), value, sigma: Some(value * relative(k)) }
             })),
         }
     }
@@ -190,7 +226,7 @@ fn modulus_rows(finger: &Finger, factor: f64, sigma: f64) -> Vec<Row> {
     let row = |parameter: &str, scale: f64| Row {
         parameter: parameter.to_owned(),
         value: scale * factor,
-        sigma: scale * sigma,
+        sigma: Some(scale * sigma),
     };
     let moduli = moduli(finger.description());
     moduli.into_iter().map(|(name, modulus)| row(name, modulus)).chain([row("modulus_factor", 1.0)]).collect()

@@ -1,0 +1,118 @@
+//! What is unknown beside forces and positions, but not quite: where the base is, and by how much friction turns a force.
+//!
+//! Each has a Gaussian prior, which stands below the markers as one more row of the least squares problem: the deviation from
+//! what is expected, in its standard deviations, times the noise of a coordinate.
+
+use super::unknowns::{BaseMotion, Unknown};
+use crate::measurement::{BaseUncertainty, Measurement};
+use crate::sensing::{ContactQuestion, Direction};
+use nalgebra::Isometry2;
+
+/// Values of the nuisances.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Nuisances {
+    /// Where the base is, in the finger frame of the measurement.
+    pub base: Isometry2<f64>,
+    /// How much further than its mean each force leans, degrees.
+    pub further_leans_deg: Vec<f64>,
+}
+
+impl Nuisances {
+    /// All as expected.
+    pub fn expected(contacts: usize) -> Nuisances {
+        Nuisances { base: Isometry2::identity(), further_leans_deg: vec![0.0; contacts] }
+    }
+
+    /// What is expected to be zero: a motion of the base in mm and rad, or a lean in degrees.
+    fn value(&self, unknown: Unknown) -> f64 {
+        match unknown {
+            Unknown::Base(BaseMotion::X) => self.base.translation.x,
+            Unknown::Base(BaseMotion::Y) => self.base.translation.y,
+            Unknown::Base(BaseMotion::Turn) => self.base.rotation.angle(),
+            Unknown::Across(i) => self.further_leans_deg[i],
+            Unknown::Force(_) | Unknown::Position(_) => 0.0,
+        }
+    }
+}
+
+/// The prior of one unknown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Prior {
+    /// Place among the unknowns.
+    index: usize,
+    unknown: Unknown,
+    /// Standard deviation of [`Nuisances::value`].
+    sd: f64,
+}
+
+/// A prior as a row of the least squares problem.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct PriorRow {
+    /// The unknown that it holds.
+    pub index: usize,
+    /// By the unknown, mm to its unit.
+    pub by_unknown: f64,
+    /// What is left, mm.
+    pub left_mm: f64,
+}
+
+/// All priors, in mm of the measurement's noise.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Priors {
+    priors: Vec<Prior>,
+    noise_mm: f64,
+}
+
+impl Priors {
+    /// Those of some questions and of a measurement's base.
+    pub fn new(
+        unknowns: &[Unknown],
+        questions: &[ContactQuestion],
+        measurement: &Measurement,
+        noise_mm: Option<f64>,
+    ) -> Priors {
+        let sd = |unknown: &Unknown| match (*unknown, measurement.base()) {
+            (Unknown::Base(BaseMotion::Turn), Some(BaseUncertainty { sd_rad, .. })) => Some(sd_rad),
+            (Unknown::Base(_), Some(BaseUncertainty { sd_mm, .. })) => Some(sd_mm),
+            (Unknown::Across(i), _) => match questions[i].direction {
+                Direction::Leaning(lean) => Some(lean.sd_deg),
+                Direction::Auto | Direction::Angle(_) => None,
+            },
+            _ => None,
+        };
+        let prior = |(index, unknown): (usize, &Unknown)| {
+            sd(unknown).map(|sd| Prior { index, unknown: *unknown, sd: sd.max(f64::MIN_POSITIVE) })
+        };
+        Priors {
+            priors: unknowns.iter().enumerate().filter_map(prior).collect(),
+            noise_mm: noise_mm.unwrap_or_default(),
+        }
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.priors.len()
+    }
+
+    /// Sum of the squared deviations, mm^2.
+    pub fn misfit(&self, nuisances: &Nuisances) -> f64 {
+        self.priors.iter().map(|prior| (self.noise_mm * nuisances.value(prior.unknown) / prior.sd).powi(2)).sum()
+    }
+
+    /// The rows below those of the markers.
+    pub fn rows<'p>(&'p self, nuisances: &'p Nuisances, forces_n: &'p [f64]) -> impl Iterator<Item = PriorRow> + 'p {
+        self.priors.iter().map(move |prior| {
+            let per_sd_mm = self.noise_mm / prior.sd;
+            let by_unknown = match prior.unknown {
+                // A lean is an angle, its unknown a force across another.
+                Unknown::Across(i) => (1.0 / forces_n[i]).to_degrees(),
+                _ => 1.0,
+            };
+            PriorRow {
+                index: prior.index,
+                by_unknown: per_sd_mm * by_unknown,
+                left_mm: -per_sd_mm * nuisances.value(prior.unknown),
+            }
+        })
+    }
+}

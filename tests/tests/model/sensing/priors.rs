@@ -1,0 +1,137 @@
+//! What is known beforehand, but not exactly: the base, and how friction turns a force. Stated standard deviations hold it.
+
+use finray_model::measurement::{BaseUncertainty, Marker, Measurement};
+use finray_model::sensing::{Contact, ContactQuestion, Direction, Lean, NonlinearEstimator, Normal, SensingError};
+use finray_model::statics::{Statics, StaticsError};
+use finray_model::{Finger, Kinematics, Mesh, NodeId, Vector};
+use finray_tests::{ELEMENTS, TWO_SIDED_95, at_node, finger_of, noisy, seen, share_error};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+const NOISE_MM: f64 = 0.02;
+
+/// The finger with brackets and clips of 3 mm.
+fn bracketed() -> Finger {
+    finger_of(finray_fixtures::BRACKETED_SCENE)
+}
+
+/// A force that leans from the normal of the deformed plate by an angle, by iteration: a dead force in the direction that the plate
+/// has under it.
+fn leaning(mesh: &Mesh, node: usize, force_n: f64, lean_deg: f64) -> Result<(Contact, Measurement), StaticsError> {
+    let finger = mesh.finger();
+    let mut contact = at_node(node, lean_deg);
+    let mut statics = Statics::ladder(mesh, Kinematics::Corotational);
+    for _ in 0..30 {
+        let load = mesh.frame_load(&contact.load(finger, force_n)).expect("on the plate");
+        let motion = statics.equilibrium(&[load])?.motion;
+        contact.angle_deg = lean_deg + mesh.shape(&motion).motion(NodeId(node)).rotation.to_degrees();
+    }
+    let load = mesh.frame_load(&contact.load(finger, force_n)).expect("on the plate");
+    let motion = statics.equilibrium(&[load])?.motion;
+    Ok((contact, Measurement::of_shape(finger, &mesh.shape(&motion))))
+}
+
+/// The same displacements as seen from a base that is thought to be elsewhere.
+fn from_another_base(finger: &Finger, seen: &Measurement, moved: Vector, turned_rad: f64) -> Measurement {
+    let (sin, cos) = turned_rad.sin_cos();
+    let marker = |marker: &Marker| {
+        let rest = finger.position(marker.node) + finger.marker_offset(marker.node);
+        let at = rest + marker.displacement;
+        let seen_at = moved + Vector::new(cos * at.x - sin * at.y, sin * at.x + cos * at.y);
+        Marker { displacement: seen_at - rest, ..*marker }
+    };
+    Measurement::new(finger, seen.markers().iter().map(marker)).expect("the same nodes")
+}
+
+/// Without noise, the force, the base and nothing else come back, whatever the base.
+#[test]
+fn a_base_that_is_elsewhere_is_found() {
+    let finger = bracketed();
+    let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
+    let (contact, seen) = leaning(&mesh, 8, 6.0, 0.0).expect("carried");
+    let loose = BaseUncertainty { sd_mm: 10.0, sd_rad: 0.3 };
+    let estimate = |measurement: &Measurement| {
+        let mut estimator = NonlinearEstimator::new(&mesh, &[contact.into()]).expect("on the plate");
+        estimator.estimate(measurement, Some(1e-6)).map(|found| found.forces)
+    };
+    for (moved, turned_rad) in [(Vector::new(1.5, -2.0), 0.05), (Vector::new(-0.3, 0.4), -0.02)] {
+        let elsewhere = from_another_base(&finger, &seen, moved, turned_rad);
+        let found = estimate(&elsewhere.clone().with_uncertain_base(loose)).expect("identifiable");
+        assert!((found.forces_n[0] / 6.0 - 1.0).abs() < 1e-5, "{found:?}");
+        // Taken for exact, such a base is a force that is far off, or no finger.
+        let wrong = estimate(&elsewhere);
+        assert!(wrong.is_err() || wrong.is_ok_and(|found| (found.forces_n[0] / 6.0 - 1.0).abs() > 0.05));
+    }
+}
+
+/// Bases, leans and noise as the priors state them: errors are as large as stated.
+#[test]
+fn stated_sigmas_hold_what_base_and_friction_leave_open() {
+    const CASES: usize = 300;
+    let finger = bracketed();
+    let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
+    let mut rng = ChaCha8Rng::seed_from_u64(19);
+    let base = BaseUncertainty { sd_mm: 0.1, sd_rad: 0.002 };
+    let lean = Lean::of_friction(0.3, 0.05);
+    let question = ContactQuestion { position: None, direction: Direction::Leaning(lean) };
+    let (mut within, mut squares, mut answered, mut largest) = (0, 0.0, 0, 0.0_f64);
+    for _ in 0..CASES {
+        let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+        let lean_deg = lean.angle_deg + lean.sd_deg * normal();
+        let moved = Vector::new(normal(), normal()) * base.sd_mm;
+        let turned_rad = normal() * base.sd_rad;
+        let (node, force_n) = (rng.random_range(8..=9), rng.random_range(1.0..8.0));
+        let (_, seen) = leaning(&mesh, node, force_n, lean_deg).expect("carried");
+        let seen = noisy(&from_another_base(&finger, &seen, moved, turned_rad), NOISE_MM, &mut rng);
+        let mut estimator = NonlinearEstimator::new(&mesh, &[question]).expect("on the plate");
+        let Ok(found) = estimator.estimate(&seen.with_uncertain_base(base), Some(NOISE_MM)) else { continue };
+        let error = (found.forces.forces_n[0] - force_n) / found.forces.sigmas_n[0];
+        answered += 1;
+        squares += error * error;
+        within += usize::from(error.abs() <= TWO_SIDED_95);
+        largest = largest.max(found.forces.sigmas_n[0] / force_n);
+    }
+    assert!(answered >= 295, "{answered} of {CASES} answered");
+    let share = within as f64 / answered as f64;
+    assert!((share - 0.95).abs() <= 3.0 * share_error(0.95, answered), "{share} of {answered} within");
+    // Of the mean square the standard deviation is sqrt(2 / n).
+    let mean = squares / answered as f64;
+    assert!((mean - 1.0).abs() <= 4.0 * (2.0 / answered as f64).sqrt(), "mean square {mean}");
+    assert!(largest > 0.02, "the priors are part of the sigmas: {largest}");
+}
+
+/// Leans that a law gives are followed exactly: friction that builds up with the force, about either normal.
+#[test]
+fn friction_that_builds_up_is_followed() {
+    let finger = bracketed();
+    let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
+    for (force_n, from) in
+        [(0.8, Normal::Deformed { over_mm: 0.0 }), (5.0, Normal::Deformed { over_mm: 0.0 }), (5.0, Normal::Undeformed)]
+    {
+        let lean = Lean { build_up_n: 2.0, from, ..Lean::of_friction(0.4, 0.0) };
+        let lean_deg = 0.4_f64.atan().to_degrees() * (1.0 - (-force_n / 2.0_f64).exp());
+        let seen = match from {
+            Normal::Deformed { .. } => leaning(&mesh, 9, force_n, lean_deg).expect("carried").1,
+            Normal::Undeformed => {
+                seen(&mesh, &[at_node(9, lean_deg)], &[force_n], Kinematics::Corotational).expect("carried")
+            }
+        };
+        let question = ContactQuestion { position: None, direction: Direction::Leaning(lean) };
+        let mut estimator = NonlinearEstimator::new(&mesh, &[question]).expect("on the plate");
+        let found = estimator.estimate(&seen, Some(1e-5)).expect("identifiable");
+        assert!((found.forces.forces_n[0] / force_n - 1.0).abs() < 1e-4, "{force_n} N: {found:?}");
+    }
+}
+
+/// A prior has no weight against a measurement of unknown noise.
+#[test]
+fn priors_need_a_noise() {
+    let finger = bracketed();
+    let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
+    let contact = at_node(9, 0.0);
+    let base = BaseUncertainty { sd_mm: 0.1, sd_rad: 0.002 };
+    let measurement = Measurement::at_rest(&finger).with_uncertain_base(base);
+    let mut estimator = NonlinearEstimator::new(&mesh, &[contact.into()]).expect("a contact node");
+    assert_eq!(estimator.estimate(&measurement, None), Err(SensingError::NoiseNotStated));
+}

@@ -1,0 +1,309 @@
+//! `finray calibrate --located`: a finger and its rig from several images.
+
+use super::{Arguments, Correlation, Row, failure};
+use crate::commands::parse::positive;
+use crate::commands::{Failure, not_both_from_standard_input};
+use finray_model::calibration::{self, FoundView, Quantity, Sought, ViewEstimate, ViewModel};
+use finray_model::finger::{Plate, RibPositions};
+use finray_model::sensing::{Lean, Normal};
+use finray_model::{Finger, Scene, Vector};
+use finray_verify::estimators::ELEMENTS;
+use finray_verify::files::views::{self, LocatedView};
+use finray_verify::files::{
+    csv_text, is_standard_stream, load_scene_and_text, with_values, write_all_or_nothing, write_text,
+};
+use nalgebra::Point2;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use toml_edit::{Array, Value};
+
+/// A camera so high that nothing depends on the height of markers.
+const NO_CAMERA_MM: f64 = 1e12;
+/// A prior that the images do not make better than this share of itself is all that is known.
+const HARDLY_BETTER: f64 = 0.8;
+
+/// What a name of `--fit` stands for.
+#[derive(Clone, Copy)]
+enum Named {
+    Quantities(fn(&Finger) -> Vec<Quantity>),
+    Friction { builds_up: bool },
+}
+
+/// A name, the prior that it has where none is given (standard deviation), and what it stands for.
+const NAMES: [(&str, Option<f64>, Named); 10] = [
+    ("modulus", None, Named::Quantities(|_| vec![Quantity::Modulus])),
+    ("front-modulus", None, Named::Quantities(|_| vec![Quantity::PlateModulus(Plate::Front)])),
+    ("back-modulus", None, Named::Quantities(|_| vec![Quantity::PlateModulus(Plate::Back)])),
+    ("bracket", None, Named::Quantities(|_| [Plate::Front, Plate::Back].map(Quantity::Bracket).to_vec())),
+    ("clip", Some(1.0), Named::Quantities(|_| vec![Quantity::Clip])),
+    ("ribs", Some(0.2), Named::Quantities(ribs)),
+    ("height", None, Named::Quantities(|_| vec![Quantity::MarkerHeight])),
+    ("base", None, Named::Quantities(|_| vec![Quantity::BaseX, Quantity::BaseY, Quantity::BaseTurn])),
+    ("friction", None, Named::Friction { builds_up: false }),
+    ("friction-build-up", None, Named::Friction { builds_up: true }),
+];
+
+fn ribs(finger: &Finger) -> Vec<Quantity> {
+    let on = |plate| (0..finger.rib_count()).map(move |rib| Quantity::RibPosition(plate, rib));
+    on(Plate::Front).chain(on(Plate::Back)).collect()
+}
+
+fn is_modulus(quantity: &Quantity) -> bool {
+    matches!(quantity, Quantity::Modulus | Quantity::PlateModulus(_))
+}
+
+fn is_of_rig(quantity: &Quantity) -> bool {
+    matches!(quantity, Quantity::MarkerHeight | Quantity::BaseX | Quantity::BaseY | Quantity::BaseTurn)
+}
+
+/// What is to be found.
+struct Fit {
+    sought: Vec<Sought>,
+    /// Whether friction is, and builds up.
+    friction: Option<bool>,
+}
+
+impl Fit {
+    fn seeks(&self, wanted: impl Fn(&Quantity) -> bool) -> bool {
+        self.sought.iter().any(|sought| wanted(&sought.quantity))
+    }
+
+    fn parse(text: &str, scene: &Scene) -> Result<Fit, Failure> {
+        let bad = |reason: String| Failure::BadInput(format!("--fit: {reason}"));
+        let mut fit = Fit { sought: Vec::new(), friction: None };
+        for part in text.split(',').map(str::trim) {
+            let (name, prior) = part.split_once('=').map_or((part, None), |(name, prior)| (name, Some(prior)));
+            let Some((_, own_prior, named)) = NAMES.iter().find(|(known, ..)| *known == name) else {
+                let known = NAMES.map(|(known, ..)| known).join(", ");
+                return Err(bad(format!("expected names of {known}, found \"{name}\"")));
+            };
+            let prior_sd = match prior {
+                None => *own_prior,
+                Some(text) => Some(positive(text).map_err(|reason| bad(format!("{name}: {reason}")))?),
+            };
+            match named {
+                Named::Friction { builds_up } => fit.friction = Some(*builds_up || fit.friction == Some(true)),
+                Named::Quantities(of) => {
+                    for quantity in of(&scene.finger) {
+                        if fit.seeks(|known| *known == quantity) {
+                            return Err(bad(format!("{quantity} is named twice")));
+                        }
+                        fit.sought.push(Sought { quantity, prior_sd });
+                    }
+                }
+            }
+        }
+        fit.check(scene).map_err(bad)?;
+        Ok(fit)
+    }
+
+    /// Whether the scene has what is sought.
+    fn check(&self, scene: &Scene) -> Result<(), String> {
+        let ribs = &scene.finger.description().ribs;
+        if self.seeks(|quantity| matches!(quantity, Quantity::Bracket(_))) && !scene.finger.has_brackets() {
+            return Err("bracket: expected bracket_mm in the scene's table finger.ribs".to_owned());
+        }
+        if self.seeks(|quantity| matches!(quantity, Quantity::RibPosition(..)))
+            && matches!(ribs.positions, RibPositions::Count(_))
+        {
+            return Err("ribs: expected positions_mm in the scene's table finger.ribs".to_owned());
+        }
+        let has_rig = scene.markers.is_some() && scene.camera.is_some_and(|camera| camera.pose.is_some());
+        if self.seeks(is_of_rig) && !has_rig {
+            return Err("height, base: expected markers and a camera with its pose in the scene".to_owned());
+        }
+        if self.seeks(|quantity| *quantity == Quantity::Modulus)
+            && self.seeks(|quantity| matches!(quantity, Quantity::PlateModulus(_)))
+        {
+            return Err("expected either modulus or those of the plates, found both".to_owned());
+        }
+        Ok(())
+    }
+}
+
+#[derive(Serialize)]
+struct ImageRow {
+    image: String,
+    s_mm: f64,
+    force_n: f64,
+    angle_deg: f64,
+    lean_deg: f64,
+    base_x_mm: f64,
+    base_y_mm: f64,
+    base_deg: f64,
+    residual_rms_mm: f64,
+}
+
+pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failure> {
+    not_both_from_standard_input(&arguments.scene, located, "--located")?;
+    if let Some(forces) = &arguments.forces {
+        not_both_from_standard_input(&arguments.scene, forces, "--forces")?;
+        not_both_from_standard_input(located, forces, "--forces")?;
+    }
+    let (scene, text) = load_scene_and_text(&arguments.scene)?;
+    let fit = Fit::parse(fit, &scene)?;
+    let seen = views::load(located, arguments.forces.as_deref(), &scene)?;
+    let measured = seen.iter().filter(|seen| seen.view.force.is_some()).count();
+    if measured == 0 && (fit.friction.is_some() || fit.seeks(is_modulus)) {
+        let message = "not identifiable: without a measured force (--forces) nothing tells a modulus, or friction";
+        return Err(Failure::BadInput(message.to_owned()));
+    }
+    let lean = match scene.contact.lean {
+        Some(lean) => lean,
+        None if measured == seen.len() => Lean::NONE,
+        None => {
+            let message =
+                "images without a measured force: expected friction or friction_range in the scene's table contact";
+            return Err(Failure::BadInput(message.to_owned()));
+        }
+    };
+    let model = ViewModel {
+        elements: ELEMENTS,
+        camera_height_mm: scene.camera.and_then(|camera| camera.pose).map_or(NO_CAMERA_MM, |pose| pose.eye().z),
+        marker_height_mm: scene.markers.map_or(0.0, |markers| markers.height_mm),
+        lean,
+    };
+    let all: Vec<_> = seen.iter().map(|seen| seen.view.clone()).collect();
+    let estimate = calibration::views(&scene.finger, &all, &fit.sought, &model).map_err(failure)?;
+    print_priors(&estimate);
+    let leaning: Vec<(f64, f64)> = (all.iter().zip(&estimate.views))
+        .filter(|(view, _)| view.force.is_some())
+        .map(|(_, found)| (found.force.norm(), found.lean_deg(&estimate.finger, lean.from)))
+        .collect();
+    let friction = fit.friction.map(|builds_up| calibration::friction_of(&leaning, lean.from, builds_up));
+    let friction = friction.transpose().map_err(failure)?;
+    let mut files: Vec<(PathBuf, String)> = Vec::new();
+    if let Some(path) = &arguments.correlations {
+        files.push((path.clone(), csv_text(correlations(&estimate))?));
+    }
+    if let Some(path) = &arguments.images {
+        files.push((path.clone(), csv_text(image_rows(&seen, &estimate, lean.from))?));
+    }
+    if let Some(path) = &arguments.calibrated {
+        let values = values(&scene, &estimate, friction.as_ref());
+        files.push((path.clone(), with_values(&text, &values).map_err(Failure::BadInput)?));
+    }
+    files.push((arguments.out.clone(), csv_text(rows(&estimate, friction.as_ref()))?));
+    if files.iter().any(|(path, _)| is_standard_stream(path)) {
+        for (path, text) in &files {
+            write_text(path, text)?;
+        }
+        return Ok(());
+    }
+    Ok(write_all_or_nothing(&files)?)
+}
+
+/// Says which values rest on a prior, and how far.
+fn print_priors(estimate: &ViewEstimate) {
+    for found in &estimate.quantities {
+        let Some(prior_sd) = found.sought.prior_sd else { continue };
+        let quantity = found.sought.quantity;
+        match found.sigma > HARDLY_BETTER * prior_sd {
+            true => {
+                eprintln!("note: {quantity}: prior of {prior_sd} (standard deviation), which the images hardly better")
+            }
+            false => eprintln!("note: {quantity}: prior of {prior_sd} (standard deviation)"),
+        }
+    }
+}
+
+/// Coefficient of friction, and the standard deviation of single forces about it.
+fn coefficient(lean: &Lean) -> (f64, f64) {
+    let coefficient = lean.angle_deg.to_radians().tan();
+    (coefficient, lean.sd_deg.to_radians() * (1.0 + coefficient * coefficient))
+}
+
+/// What was found; no standard deviation is known of what is itself one, nor of a force over which friction builds up.
+fn rows(estimate: &ViewEstimate, friction: Option<&Lean>) -> Vec<Row> {
+    let row = |parameter: &str, value, sigma| Row { parameter: parameter.to_owned(), value, sigma };
+    let quantities = estimate.quantities.iter();
+    let mut rows: Vec<Row> =
+        quantities.map(|found| row(&found.sought.quantity.to_string(), found.value, Some(found.sigma))).collect();
+    if let Some(lean) = friction {
+        let (coefficient, sigma) = coefficient(lean);
+        rows.push(row("friction", coefficient, Some(sigma)));
+        if lean.build_up_n > 0.0 {
+            rows.push(row("friction_build_up_n", lean.build_up_n, None));
+        }
+    }
+    rows.push(row("model_error_mm", estimate.model_error_mm, None));
+    rows
+}
+
+fn correlations(estimate: &ViewEstimate) -> Vec<Correlation> {
+    let name = |k: usize| estimate.quantities[k].sought.quantity.to_string();
+    let count = estimate.quantities.len();
+    let pairs = (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j)));
+    pairs
+        .map(|(i, j)| Correlation { parameter: name(i), other: name(j), correlation: estimate.correlation[(i, j)] })
+        .collect()
+}
+
+fn image_rows(seen: &[LocatedView], estimate: &ViewEstimate, from: Normal) -> Vec<ImageRow> {
+    let row = |(seen, found): (&LocatedView, &FoundView)| ImageRow {
+        image: seen.image.clone(),
+        s_mm: found.s_mm,
+        force_n: found.force.norm(),
+        angle_deg: found.lean_deg(&estimate.finger, Normal::Undeformed),
+        lean_deg: found.lean_deg(&estimate.finger, from),
+        base_x_mm: found.base.translation.x,
+        base_y_mm: found.base.translation.y,
+        base_deg: found.base.rotation.angle().to_degrees(),
+        residual_rms_mm: found.residual_rms_mm,
+    };
+    seen.iter().zip(&estimate.views).map(row).collect()
+}
+
+/// What the calibrated scene has in place of what the scene has.
+fn values(scene: &Scene, estimate: &ViewEstimate, friction: Option<&Lean>) -> Vec<(String, Value)> {
+    let sought = |wanted: fn(&Quantity) -> bool| estimate.quantities.iter().any(|found| wanted(&found.sought.quantity));
+    let pair = |[x, y]: [f64; 2]| Value::from(Array::from_iter([x, y]));
+    let description = estimate.finger.description();
+    let mut values: Vec<(String, Value)> = Vec::new();
+    let mut put = |key: &str, value: Value| values.push((key.to_owned(), value));
+    if sought(is_modulus) {
+        put("finger.front.youngs_modulus_mpa", description.front.youngs_modulus_mpa.into());
+        put("finger.back.youngs_modulus_mpa", description.back.youngs_modulus_mpa.into());
+    }
+    if let Some(strip) = description.ribs.strip.filter(|_| sought(|quantity| *quantity == Quantity::Modulus)) {
+        put("finger.ribs.youngs_modulus_mpa", strip.youngs_modulus_mpa.into());
+    }
+    if sought(|quantity| matches!(quantity, Quantity::Bracket(_))) {
+        put("finger.ribs.bracket_mm", pair(description.ribs.bracket_mm));
+    }
+    if sought(|quantity| *quantity == Quantity::Clip) {
+        put("finger.ribs.clip_mm", pair(description.ribs.clip_mm));
+    }
+    if let RibPositions::Positions(positions) = &description.ribs.positions
+        && sought(|quantity| matches!(quantity, Quantity::RibPosition(..)))
+    {
+        let positions = positions.iter().map(|position| pair(*position));
+        put("finger.ribs.positions_mm", Array::from_iter(positions).into());
+    }
+    if sought(|quantity| *quantity == Quantity::MarkerHeight) {
+        put("markers.height_mm", estimate.marker_height_mm.into());
+    }
+    put("markers.model_error_mm", estimate.model_error_mm.into());
+    if sought(|quantity| *quantity == Quantity::BaseX) {
+        // The references, or the pose, belong to a frame that is not quite the finger's.
+        let references = scene.base.as_ref().map_or(&[][..], |base| &base.references);
+        for (i, reference) in references.iter().enumerate() {
+            let at: Vector = (estimate.base.inverse() * Point2::from(reference.at)).coords;
+            put(&format!("base.reference[{}].at_mm", i + 1), pair([at.x, at.y]));
+        }
+        if let (true, Some(pose)) = (references.is_empty(), scene.camera.and_then(|camera| camera.pose)) {
+            let moved = pose.of_moved_base(&estimate.base);
+            put("camera.rotation_vector_rad", Array::from_iter(moved.rotation_vector_rad()).into());
+            put("camera.translation_mm", Array::from_iter(moved.translation_mm.iter().copied()).into());
+        }
+    }
+    if let Some(lean) = friction {
+        let (coefficient, sigma) = coefficient(lean);
+        put("contact.friction", coefficient.into());
+        put("contact.friction_sigma", sigma.into());
+        if lean.build_up_n > 0.0 {
+            put("contact.friction_build_up_n", lean.build_up_n.into());
+        }
+    }
+    values
+}
