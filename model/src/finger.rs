@@ -4,8 +4,8 @@ mod description;
 mod placement;
 
 pub use description::{
-    FingerDescription, ImpossibleFinger, Joints, MarkerPoints, Part, RibDescription, RibPositions, RigidEnds, Strip,
-    Zone,
+    BracketLengths, FingerDescription, ImpossibleFinger, Joints, MarkerPoints, Part, RibDescription, RibPositions,
+    RigidEnds, Strip, Zone,
 };
 
 use crate::Vector;
@@ -196,11 +196,11 @@ impl Finger {
 
     /// The bracket that holds a rib off a key node, undeformed, mm: from the node to the joint; zero for nodes without rib.
     pub fn bracket(&self, node: NodeId) -> Vector {
-        let [front_mm, back_mm] = self.description.ribs.bracket_mm;
         let last = self.key_node_count();
+        let bracket_mm = |rib: usize| self.description.ribs.bracket_mm.of(rib);
         match node.0 {
-            n if n > 1 && n < self.tip().0 => self.inward(Plate::Back) * back_mm,
-            n if n > self.tip().0 && n < last => self.inward(Plate::Front) * front_mm,
+            n if n > 1 && n < self.tip().0 => self.inward(Plate::Back) * bracket_mm(n - 2)[1],
+            n if n > self.tip().0 && n < last => self.inward(Plate::Front) * bracket_mm(last - 1 - n)[0],
             _ => Vector::zeros(),
         }
     }
@@ -212,7 +212,8 @@ impl Finger {
 
     /// Whether ribs are held off the plates.
     pub fn has_brackets(&self) -> bool {
-        self.rib_count() > 0 && self.description.ribs.bracket_mm != [0.0; 2]
+        self.rib_count() > 0
+            && self.description.ribs.bracket_mm.all().iter().flatten().any(|length_mm| *length_mm != 0.0)
     }
 
     /// Length of a rib between its joints, mm; ribs are counted from the base from 0.

@@ -10,7 +10,8 @@ pub use contact::ContactDescription;
 pub use object::{ObjectDescription, ObjectMotion, Outline, ROD_RADIUS_MM, Until};
 
 use crate::finger::{
-    Finger, FingerDescription, Joints, MarkerPoints, Part, RibDescription, RibPositions, RigidEnds, Strip, Zone,
+    BracketLengths, Finger, FingerDescription, Joints, MarkerPoints, Part, RibDescription, RibPositions, RigidEnds,
+    Strip, Zone,
 };
 use crate::validity::StrainLimits;
 use reader::{Document, TableReader};
@@ -220,7 +221,14 @@ fn read_ribs(table: &TableReader) -> Result<RibDescription, SceneError> {
         Some(read_strip(table)?)
     };
     let lengths = |key| table.optional_number_or_pair(key, "a length in mm, or [front, back]");
-    let (bracket_mm, clip_mm) = (lengths("bracket_mm")?.unwrap_or_default(), lengths("clip_mm")?.unwrap_or_default());
+    let clip_mm = lengths("clip_mm")?.unwrap_or_default();
+    let bracket_mm = match table.is_list_of_lists("bracket_mm") {
+        true => {
+            let each = table.optional_pairs("bracket_mm", "[front, back], lengths in mm")?;
+            BracketLengths::Each(each.unwrap_or_default())
+        }
+        false => BracketLengths::Alike(lengths("bracket_mm")?.unwrap_or_default()),
+    };
     Ok(RibDescription { positions, joints, bracket_mm, clip_mm, strip })
 }
 

@@ -2,7 +2,8 @@
 
 use finray_model::Finger;
 use finray_model::finger::{
-    FingerDescription, Joints, MarkerPoints, Part, Plate, RibDescription, RibPositions, RigidEnds, Strip, Zone,
+    BracketLengths, FingerDescription, Joints, MarkerPoints, Part, Plate, RibDescription, RibPositions, RigidEnds,
+    Strip, Zone,
 };
 use proptest::prelude::*;
 
@@ -46,7 +47,7 @@ fn built(fingers: impl Strategy<Value = Finger>) -> impl Strategy<Value = Finger
         |(finger, (brackets, clips, ends, markers_on))| {
             let mut description = FingerDescription { markers_on, ..finger.description().clone() };
             let (base_mm, front_mm) = (description.base_width_mm, description.front_length_mm);
-            description.ribs.bracket_mm = brackets.map(|share| share * base_mm);
+            description.ribs.bracket_mm = BracketLengths::Alike(brackets.map(|share| share * base_mm));
             description.ribs.clip_mm = clips.map(|share| share * front_mm);
             description.rigid_ends = ends.map(|RigidEnds { base_mm, tip_mm }| RigidEnds {
                 base_mm: base_mm * front_mm,
@@ -87,7 +88,7 @@ pub fn finger() -> impl Strategy<Value = Finger> {
                 ribs: RibDescription {
                     positions: RibPositions::Positions(positions),
                     joints,
-                    bracket_mm: [0.0; 2],
+                    bracket_mm: BracketLengths::NONE,
                     clip_mm: [0.0; 2],
                     strip,
                 },

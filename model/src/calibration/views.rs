@@ -5,7 +5,7 @@
 //! force, geometry alone is identifiable; moduli and forces scale alike.
 
 use super::CalibrationError;
-use crate::finger::{Finger, FingerDescription, Plate, RibPositions};
+use crate::finger::{BracketLengths, Finger, FingerDescription, Plate, RibPositions};
 use crate::frame::FrameMotion;
 use crate::least_squares::{Fit, fit};
 use crate::measurement::{BaseUncertainty, Marker, Measurement};
@@ -25,6 +25,8 @@ pub enum Quantity {
     PlateModulus(Plate),
     /// Length of the brackets on a plate, mm.
     Bracket(Plate),
+    /// How much longer the bracket of a rib, counted from 0, is on a plate than the scene has it, mm.
+    OwnBracket(Plate, usize),
     /// Length of the clips on both plates, mm.
     Clip,
     /// Where a rib, counted from 0, is along a plate, mm.
@@ -47,6 +49,7 @@ impl fmt::Display for Quantity {
             Quantity::Modulus => f.write_str("modulus_factor"),
             Quantity::PlateModulus(plate) => write!(f, "{}_modulus_factor", name(plate)),
             Quantity::Bracket(plate) => write!(f, "{}_bracket_mm", name(plate)),
+            Quantity::OwnBracket(plate, rib) => write!(f, "{}_rib_{}_bracket_more_mm", name(plate), rib + 1),
             Quantity::Clip => f.write_str("clip_mm"),
             Quantity::RibPosition(plate, rib) => write!(f, "{}_rib_{}_mm", name(plate), rib + 1),
             Quantity::MarkerHeight => f.write_str("marker_height_mm"),
@@ -305,7 +308,7 @@ pub fn views(
 }
 
 /// A description with one quantity changed.
-fn changed(description: &mut FingerDescription, quantity: Quantity, change: f64) {
+fn changed(description: &mut FingerDescription, rib_count: usize, quantity: Quantity, change: f64) {
     let plate_index = |plate: Plate| usize::from(plate == Plate::Back);
     match quantity {
         Quantity::Modulus => {
@@ -317,7 +320,16 @@ fn changed(description: &mut FingerDescription, quantity: Quantity, change: f64)
         }
         Quantity::PlateModulus(Plate::Front) => description.front.youngs_modulus_mpa *= change.exp(),
         Quantity::PlateModulus(Plate::Back) => description.back.youngs_modulus_mpa *= change.exp(),
-        Quantity::Bracket(plate) => description.ribs.bracket_mm[plate_index(plate)] += change,
+        Quantity::Bracket(plate) => {
+            let all = description.ribs.bracket_mm.all_mut();
+            all.iter_mut().for_each(|lengths_mm| lengths_mm[plate_index(plate)] += change);
+        }
+        Quantity::OwnBracket(plate, rib) => {
+            let ribs = &mut description.ribs;
+            let mut each: Vec<[f64; 2]> = (0..rib_count).map(|rib| ribs.bracket_mm.of(rib)).collect();
+            each[rib][plate_index(plate)] += change;
+            ribs.bracket_mm = BracketLengths::Each(each);
+        }
         Quantity::Clip => description.ribs.clip_mm.iter_mut().for_each(|clip_mm| *clip_mm += change),
         Quantity::RibPosition(plate, rib) => {
             if let RibPositions::Positions(positions) = &mut description.ribs.positions
@@ -335,7 +347,7 @@ impl Problem<'_> {
     fn stated(&self, quantity: Quantity) -> f64 {
         let ribs = &self.finger.description().ribs;
         match quantity {
-            Quantity::Bracket(plate) => ribs.bracket_mm[usize::from(plate == Plate::Back)],
+            Quantity::Bracket(plate) => ribs.bracket_mm.of(0)[usize::from(plate == Plate::Back)],
             Quantity::Clip => ribs.clip_mm[0],
             Quantity::RibPosition(plate, rib) => match &ribs.positions {
                 RibPositions::Positions(positions) => positions[rib][usize::from(plate == Plate::Back)],
@@ -356,7 +368,7 @@ impl Problem<'_> {
                 Quantity::BaseX => at.x += change,
                 Quantity::BaseY => at.y += change,
                 Quantity::BaseTurn => turn_deg += change,
-                of_finger => changed(&mut description, of_finger, change),
+                of_finger => changed(&mut description, self.finger.rib_count(), of_finger, change),
             }
         }
         let finger = Finger::new(description).ok()?;

@@ -36,6 +36,44 @@ pub enum RibPositions {
     Positions(Vec<[f64; 2]>),
 }
 
+/// Lengths of brackets on the front and the back plate, mm.
+#[derive(Debug, Clone, PartialEq)]
+pub enum BracketLengths {
+    /// All ribs alike.
+    Alike([f64; 2]),
+    /// Of each rib, from base to tip.
+    Each(Vec<[f64; 2]>),
+}
+
+impl BracketLengths {
+    /// No brackets.
+    pub const NONE: BracketLengths = BracketLengths::Alike([0.0; 2]);
+
+    /// Those of a rib, counted from 0.
+    pub fn of(&self, rib: usize) -> [f64; 2] {
+        match self {
+            BracketLengths::Alike(lengths_mm) => *lengths_mm,
+            BracketLengths::Each(lengths_mm) => lengths_mm[rib],
+        }
+    }
+
+    /// All that differ.
+    pub fn all_mut(&mut self) -> &mut [[f64; 2]] {
+        match self {
+            BracketLengths::Alike(lengths_mm) => std::slice::from_mut(lengths_mm),
+            BracketLengths::Each(lengths_mm) => lengths_mm,
+        }
+    }
+
+    /// All that differ.
+    pub fn all(&self) -> &[[f64; 2]] {
+        match self {
+            BracketLengths::Alike(lengths_mm) => std::slice::from_ref(lengths_mm),
+            BracketLengths::Each(lengths_mm) => lengths_mm,
+        }
+    }
+}
+
 /// The ribs as the user describes them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RibDescription {
@@ -45,7 +83,7 @@ pub struct RibDescription {
     pub joints: Joints,
     /// Lengths of the rigid brackets that hold their ends off the front and the back plate, mm, zero or more: perpendicular to
     /// the undeformed plate, towards the other one, turning with the plate. Joints are at their ends.
-    pub bracket_mm: [f64; 2],
+    pub bracket_mm: BracketLengths,
     /// Lengths of the rigid clips that hold the brackets on the front and the back plate, mm, zero or more: the plate does not bend there,
     /// half of it on each side of the node.
     pub clip_mm: [f64; 2],

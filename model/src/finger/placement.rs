@@ -1,6 +1,6 @@
 //! What a description must hold to be a finger, and where its nodes are.
 
-use super::{Finger, FingerDescription, ImpossibleFinger, Part, Plate, RibPositions, Strip};
+use super::{BracketLengths, Finger, FingerDescription, ImpossibleFinger, Part, Plate, RibPositions, Strip};
 use crate::Vector;
 
 /// Neighbouring nodes and the plates' ends must be this share of a plate apart.
@@ -141,8 +141,13 @@ pub(super) fn check_room(finger: &Finger) -> Result<(), ImpossibleFinger> {
 /// The hinges of each plate must lie before those of the other: then ribs have a length and neither cross nor turn round.
 fn check_brackets(finger: &Finger) -> Result<(), ImpossibleFinger> {
     const KEY: &str = "finger.ribs.bracket_mm";
-    let brackets_mm = finger.description.ribs.bracket_mm;
+    if let BracketLengths::Each(lengths_mm) = &finger.description.ribs.bracket_mm {
+        require(lengths_mm.len() == finger.rib_count(), KEY, || {
+            format!("expected a pair for each of {} ribs, found {}", finger.rib_count(), lengths_mm.len())
+        })?;
+    }
     for rib in 0..finger.rib_count() {
+        let brackets_mm = finger.description.ribs.bracket_mm.of(rib);
         let [front, back] = finger.rib_nodes(rib);
         for (plate, hinge, other_mm) in [(Plate::Front, back, brackets_mm[0]), (Plate::Back, front, brackets_mm[1])] {
             let distance_mm = (finger.hinge(hinge) - finger.base(plate)).dot(&finger.inward(plate));
@@ -162,7 +167,7 @@ fn check_brackets(finger: &Finger) -> Result<(), ImpossibleFinger> {
 pub(super) fn check_rigid_parts(d: &FingerDescription) -> Result<(), ImpossibleFinger> {
     let [front, back] = d.rigid_ends;
     for (key, lengths_mm) in [
-        ("finger.ribs.bracket_mm", &d.ribs.bracket_mm[..]),
+        ("finger.ribs.bracket_mm", d.ribs.bracket_mm.all().as_flattened()),
         ("finger.ribs.clip_mm", &d.ribs.clip_mm[..]),
         ("finger.front.rigid_base_mm", &[front.base_mm]),
         ("finger.front.rigid_tip_mm", &[front.tip_mm]),

@@ -251,6 +251,12 @@ impl<'d, 't> TableReader<'d, 't> {
         }
     }
 
+    /// Whether a list has lists in it.
+    pub(super) fn is_list_of_lists(&self, key: &str) -> bool {
+        let is_list = |item: &Spanned<DeValue>| matches!(item.get_ref(), DeValue::Array(_));
+        matches!(self.value(key), Some(DeValue::Array(items)) if items.iter().any(is_list))
+    }
+
     /// A list of pairs of numbers; `what` says of what, and the unit.
     pub(super) fn optional_pairs(&self, key: &str, what: &str) -> Result<Option<Vec<[f64; 2]>>, SceneError> {
         let Some(value) = self.value(key) else { return Ok(None) };

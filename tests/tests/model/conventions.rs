@@ -1,6 +1,6 @@
 //! What signs, angles and node numbers mean, on a finger without symmetry.
 
-use finray_model::finger::Plate;
+use finray_model::finger::{BracketLengths, Plate};
 use finray_model::{Finger, Mesh, NodeId, Scene};
 
 /// Rounding of coordinates of a finger of some hundred mm.
@@ -61,7 +61,7 @@ fn angles_are_counted_from_the_inward_normal_towards_the_tip() {
 #[test]
 fn brackets_stand_off_the_plates_into_the_finger() {
     let mut description = lopsided("").description().clone();
-    description.ribs.bracket_mm = [2.0, 3.0];
+    description.ribs.bracket_mm = BracketLengths::Alike([2.0, 3.0]);
     let finger = Finger::new(description).expect("room for the brackets");
     for rib in 0..finger.rib_count() {
         for ((node, plate), length_mm) in

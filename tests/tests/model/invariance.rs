@@ -169,7 +169,7 @@ fn scaled(d: &FingerDescription, length: f64, force: f64) -> Finger {
         strip.thickness_mm *= length;
         strip.youngs_modulus_mpa *= force / (length * length);
     }
-    d.ribs.bracket_mm = d.ribs.bracket_mm.map(|bracket| bracket * length);
+    d.ribs.bracket_mm.all_mut().as_flattened_mut().iter_mut().for_each(|bracket| *bracket *= length);
     d.ribs.clip_mm = d.ribs.clip_mm.map(|clip| clip * length);
     for ends in &mut d.rigid_ends {
         ends.base_mm *= length;

@@ -4,6 +4,7 @@
 
 mod calibration {
     mod modulus;
+    mod views;
     mod zones;
 }
 mod camera;

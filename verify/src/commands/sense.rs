@@ -97,12 +97,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let contacts = &arguments.contacts.with(scene.contact.lean)?;
     arguments.estimator.admits(finger, contacts, &networks)?;
-    let errors = displacements::Errors {
+    let reading = displacements::Reading {
+        from_positions: false,
         model_mm: scene.model_error_mm,
         base: scene.base.as_ref().and_then(|base| base.uncertainty),
         base_is_sought: arguments.estimator == EstimatorId::Nonlinear,
     };
-    let found = displacements::load(&arguments.displacements, finger, arguments.image_name.as_deref(), errors)?;
+    let found = displacements::load(&arguments.displacements, finger, arguments.image_name.as_deref(), reading)?;
     // A stated noise holds for all nodes alike, and networks are trained on nodes that are measured alike.
     let noise_mm = arguments.noise_mm.or(scene.noise_mm).map(|noise_mm| noise_mm.hypot(scene.model_error_mm));
     let is_alike = noise_mm.is_some() || arguments.estimator == EstimatorId::Network;

@@ -5,7 +5,7 @@ use super::table::Table;
 use finray_model::finger::MarkerPoints;
 use finray_model::measurement::{BaseUncertainty, Marker, Measurement};
 use finray_model::mesh::{FingerShape, NodeMotion};
-use finray_model::{Finger, Vector};
+use finray_model::{Finger, NodeId, Vector};
 use serde::Serialize;
 use std::path::Path;
 
@@ -93,9 +93,11 @@ pub struct Displacements {
     pub noise_mm: Option<f64>,
 }
 
-/// What is known of the errors of displacements beside what their file says.
+/// How displacements are read, and what is known of their errors beside what their file says.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Errors {
+pub struct Reading {
+    /// From the positions that were located, `x_mm,y_mm`, and where this scene has its undeformed markers, whatever scene they were located with.
+    pub from_positions: bool,
     /// Standard deviation by which the finger that is described misses its markers, mm.
     pub model_mm: f64,
     /// How well the base is where the file has it, if not exactly.
@@ -128,9 +130,9 @@ pub fn load(
     path: &Path,
     finger: &Finger,
     image_name: Option<&str>,
-    errors: Errors,
+    reading: Reading,
 ) -> Result<Displacements, FileError> {
-    of_text(path, &super::read_text(path)?, finger, image_name, errors)
+    of_text(path, &super::read_text(path)?, finger, image_name, reading)
 }
 
 /// As [`load`], from the text of the file.
@@ -142,7 +144,7 @@ pub fn of_text(
     text: &str,
     finger: &Finger,
     image_name: Option<&str>,
-    errors: Errors,
+    reading: Reading,
 ) -> Result<Displacements, FileError> {
     let columns = super::table::header(text);
     let has = |name: &str| columns.iter().any(|column| column == name);
@@ -156,18 +158,28 @@ pub fn of_text(
     let is_chosen = |number: usize| images.as_ref().is_none_or(|chosen| chosen[number]);
     let mut measurement = Measurement::empty();
     let on_hinges = finger.description().markers_on == MarkerPoints::Hinges && has("hinge_ux_mm");
-    let [ux_mm, uy_mm] = if on_hinges { ["hinge_ux_mm", "hinge_uy_mm"] } else { ["ux_mm", "uy_mm"] };
+    let [ux_mm, uy_mm] = match on_hinges {
+        _ if reading.from_positions => ["x_mm", "y_mm"],
+        true => ["hinge_ux_mm", "hinge_uy_mm"],
+        false => ["ux_mm", "uy_mm"],
+    };
+    // Of a node that does not exist the measurement tells.
+    let from = |node: NodeId| match reading.from_positions && (1..=finger.key_node_count()).contains(&node.0) {
+        true => finger.position(node) + finger.marker_offset(node),
+        false => Vector::zeros(),
+    };
     if !has("sigma_mm") {
         let table = Table::of_text(path, text, ["node", ux_mm, uy_mm])?;
         for (_, row) in table.rows().iter().enumerate().filter(|(number, _)| is_chosen(*number)) {
-            let displacement = Vector::new(table.number(row, 1)?, table.number(row, 2)?);
-            let marker = Marker { node: table.node(row, 0)?, displacement, weight: 1.0 };
+            let node = table.node(row, 0)?;
+            let displacement = Vector::new(table.number(row, 1)?, table.number(row, 2)?) - from(node);
+            let marker = Marker { node, displacement, weight: 1.0 };
             measurement.add(finger, marker).map_err(|error| table.wrong(row, error))?;
         }
-        let measurement = with_base(measurement, errors, None);
+        let measurement = with_base(measurement, reading, None);
         return Ok(Displacements { measurement, noise_mm: None });
     }
-    let base_apart = errors.base_is_sought && BASE_COLUMNS.iter().all(|column| has(column));
+    let base_apart = reading.base_is_sought && BASE_COLUMNS.iter().all(|column| has(column));
     let base = match base_apart {
         true => base_of_image(path, text, is_chosen)?,
         false => None,
@@ -180,8 +192,8 @@ pub fn of_text(
         if !(sigma_mm > 0.0 && sigma_mm.is_normal()) {
             return Err(table.wrong(row, format!("{sigma}: expected a length in mm above zero, found {sigma_mm}")));
         }
-        let sigma_mm = sigma_mm.hypot(errors.model_mm);
-        let displacement = Vector::new(table.number(row, 1)?, table.number(row, 2)?);
+        let sigma_mm = sigma_mm.hypot(reading.model_mm);
+        let displacement = Vector::new(table.number(row, 1)?, table.number(row, 2)?) - from(node);
         let is_clamped = finger.clamped_nodes().contains(&node);
         if !(is_clamped && displacement.norm() <= CLAMPED_MM.max(CLAMPED_SIGMAS * sigma_mm)) {
             rows.push((row, node, displacement, sigma_mm));
@@ -193,18 +205,18 @@ pub fn of_text(
         let marker = Marker { node, displacement, weight: noise_mm / sigma_mm };
         measurement.add(finger, marker).map_err(|error| table.wrong(row, error))?;
     }
-    Ok(Displacements { measurement: with_base(measurement, errors, base), noise_mm: Some(noise_mm) })
+    Ok(Displacements { measurement: with_base(measurement, reading, base), noise_mm: Some(noise_mm) })
 }
 
 /// A measurement from a base that is known as a file and a scene have it, if it is to be sought.
-fn with_base(measurement: Measurement, errors: Errors, of_file: Option<BaseUncertainty>) -> Measurement {
-    let base = match (of_file, errors.base) {
+fn with_base(measurement: Measurement, reading: Reading, of_file: Option<BaseUncertainty>) -> Measurement {
+    let base = match (of_file, reading.base) {
         (Some(one), Some(other)) => {
             Some(BaseUncertainty { sd_mm: one.sd_mm.hypot(other.sd_mm), sd_rad: one.sd_rad.hypot(other.sd_rad) })
         }
         (one, other) => one.or(other),
     };
-    match base.filter(|_| errors.base_is_sought) {
+    match base.filter(|_| reading.base_is_sought) {
         Some(base) => measurement.with_uncertain_base(base),
         None => measurement,
     }

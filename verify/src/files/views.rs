@@ -1,7 +1,7 @@
 //! Several images of one finger with the forces that were measured: what `calibrate` reads.
 
 use super::FileError;
-use super::displacements::{self, Errors};
+use super::displacements::{self, Reading};
 use super::table::{Table, header};
 use finray_model::calibration::View;
 use finray_model::measurement::BaseUncertainty;
@@ -53,10 +53,14 @@ pub fn load(located: &Path, forces: Option<&Path>, scene: &Scene) -> Result<Vec<
     };
     // The camera stands above the frame of its pose; without a camera, nowhere in particular.
     let eye = scene.camera.and_then(|camera| camera.pose).map_or(Vector::zeros(), |pose| pose.eye().xy());
-    let errors =
-        Errors { model_mm: 0.0, base: scene.base.as_ref().and_then(|base| base.uncertainty), base_is_sought: true };
+    let reading = Reading {
+        from_positions: true,
+        model_mm: 0.0,
+        base: scene.base.as_ref().and_then(|base| base.uncertainty),
+        base_is_sought: true,
+    };
     let view = |(image, base): (String, Isometry2<f64>)| {
-        let found = displacements::of_text(located, &text, &scene.finger, Some(&image), errors)?;
+        let found = displacements::of_text(located, &text, &scene.finger, Some(&image), reading)?;
         let noise_mm = found.noise_mm.or(scene.noise_mm).ok_or_else(|| {
             FileError::content(
                 located,

@@ -11,6 +11,7 @@ mod camera;
 mod garbage;
 mod map;
 mod output;
+mod photographs;
 mod press;
 mod report;
 mod scene_errors;

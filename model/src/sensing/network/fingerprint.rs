@@ -48,8 +48,9 @@ impl Fingerprint {
             }
         }
         if finger.has_brackets() {
-            for (name, length_mm) in ["front", "back"].into_iter().zip(finger.description().ribs.bracket_mm) {
-                numbers.number(&format!("{name} bracket_mm"), length_mm);
+            let all = finger.description().ribs.bracket_mm.all().as_flattened();
+            for (name, length_mm) in ["front", "back"].into_iter().cycle().zip(all) {
+                numbers.number(&format!("{name} bracket_mm"), *length_mm);
             }
             numbers.text(match finger.description().markers_on {
                 MarkerPoints::Junctions => "markers on junctions",

@@ -6,7 +6,8 @@ use crate::finger::Plate;
 use crate::measurement::Measurement;
 use crate::sensing::residual_test::noise_of;
 use crate::sensing::{
-    Contact, Estimate, LARGEST_SPAN, ResidualTest, SensingError, UNEXPLAINED_SHARE, UNEXPLAINED_SIGMAS, Warning,
+    Contact, ContactQuestion, Direction, Estimate, LARGEST_SPAN, ResidualTest, SensingError, UNEXPLAINED_SHARE,
+    UNEXPLAINED_SIGMAS, Warning,
 };
 use nalgebra::DMatrix;
 
@@ -99,6 +100,15 @@ impl NonlinearEstimate {
     }
 }
 
+/// A contact as it was found: its direction as it was given, else between -180 and 180 degrees.
+fn answered(contact: &Contact, question: &ContactQuestion) -> Contact {
+    let angle_deg = match question.direction {
+        Direction::Angle(angle_deg) => angle_deg,
+        _ => contact.angle_deg,
+    };
+    Contact { angle_deg: angle_deg - 360.0 * ((angle_deg + 180.0) / 360.0).floor(), ..*contact }
+}
+
 impl NonlinearEstimator<'_> {
     /// Standard deviations and refusals.
     ///
@@ -181,7 +191,8 @@ impl NonlinearEstimator<'_> {
             contacts: state
                 .contacts
                 .iter()
-                .map(|c| Contact { angle_deg: c.angle_deg - 360.0 * ((c.angle_deg + 180.0) / 360.0).floor(), ..*c })
+                .zip(&self.questions)
+                .map(|(contact, question)| answered(contact, question))
                 .collect(),
             steps,
         })

@@ -135,6 +135,10 @@ impl NonlinearEstimator<'_> {
         }
         let mut largest_turn_deg = 0.0_f64;
         for (i, (contact, question)) in contacts.iter_mut().zip(&self.questions).enumerate() {
+            // What is known of a direction is known where the measurement has the base.
+            if let Direction::Angle(angle_deg) = question.direction {
+                contact.angle_deg = angle_deg - nuisances.base.rotation.angle().to_degrees();
+            }
             if let Direction::Leaning(lean) = question.direction {
                 let turned = match lean.from {
                     Normal::Deformed { over_mm } => self.normal_turned(motion, contact, over_mm)?,

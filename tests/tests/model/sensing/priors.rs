@@ -51,16 +51,18 @@ fn a_base_that_is_elsewhere_is_found() {
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
     let (contact, seen) = leaning(&mesh, 8, 6.0, 0.0).expect("carried");
     let loose = BaseUncertainty { sd_mm: 10.0, sd_rad: 0.3 };
-    let estimate = |measurement: &Measurement| {
+    // A direction is known where the measurement has the base.
+    let estimate = |measurement: &Measurement, turned_rad: f64| {
+        let contact = Contact { angle_deg: contact.angle_deg + turned_rad.to_degrees(), ..contact };
         let mut estimator = NonlinearEstimator::new(&mesh, &[contact.into()]).expect("on the plate");
         estimator.estimate(measurement, Some(1e-6)).map(|found| found.forces)
     };
     for (moved, turned_rad) in [(Vector::new(1.5, -2.0), 0.05), (Vector::new(-0.3, 0.4), -0.02)] {
         let elsewhere = from_another_base(&finger, &seen, moved, turned_rad);
-        let found = estimate(&elsewhere.clone().with_uncertain_base(loose)).expect("identifiable");
+        let found = estimate(&elsewhere.clone().with_uncertain_base(loose), turned_rad).expect("identifiable");
         assert!((found.forces_n[0] / 6.0 - 1.0).abs() < 1e-5, "{found:?}");
         // Taken for exact, such a base is a force that is far off, or no finger.
-        let wrong = estimate(&elsewhere);
+        let wrong = estimate(&elsewhere, turned_rad);
         assert!(wrong.is_err() || wrong.is_ok_and(|found| (found.forces_n[0] / 6.0 - 1.0).abs() > 0.05));
     }
 }

@@ -1,6 +1,8 @@
 //! Equilibria of single fingers: the sizes that the paper gives, and fingers that were once solved wrongly.
 
-use finray_model::finger::{FingerDescription, Joints, MarkerPoints, RibDescription, RibPositions, Strip};
+use finray_model::finger::{
+    BracketLengths, FingerDescription, Joints, MarkerPoints, RibDescription, RibPositions, Strip,
+};
 use finray_model::statics::{Statics, StaticsError, reaction, solve};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
 use finray_tests::paper;
@@ -38,7 +40,7 @@ fn a_buckling_load_is_not_jumped_over() {
         ribs: RibDescription {
             positions: RibPositions::Positions(vec![[59.8018, 29.6223], [120.8031, 74.9941]]),
             joints: Joints::Hinged,
-            bracket_mm: [0.0; 2],
+            bracket_mm: BracketLengths::NONE,
             clip_mm: [0.0; 2],
             strip: None,
         },

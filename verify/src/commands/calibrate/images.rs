@@ -4,7 +4,7 @@ use super::{Arguments, Correlation, Row, failure};
 use crate::commands::parse::positive;
 use crate::commands::{Failure, not_both_from_standard_input};
 use finray_model::calibration::{self, FoundView, Quantity, Sought, ViewEstimate, ViewModel};
-use finray_model::finger::{Plate, RibPositions};
+use finray_model::finger::{BracketLengths, Plate, RibPositions};
 use finray_model::sensing::{Lean, Normal};
 use finray_model::{Finger, Scene, Vector};
 use finray_verify::estimators::ELEMENTS;
@@ -30,11 +30,12 @@ enum Named {
 }
 
 /// A name, the prior that it has where none is given (standard deviation), and what it stands for.
-const NAMES: [(&str, Option<f64>, Named); 10] = [
+const NAMES: [(&str, Option<f64>, Named); 11] = [
     ("modulus", None, Named::Quantities(|_| vec![Quantity::Modulus])),
     ("front-modulus", None, Named::Quantities(|_| vec![Quantity::PlateModulus(Plate::Front)])),
     ("back-modulus", None, Named::Quantities(|_| vec![Quantity::PlateModulus(Plate::Back)])),
     ("bracket", None, Named::Quantities(|_| [Plate::Front, Plate::Back].map(Quantity::Bracket).to_vec())),
+    ("brackets", Some(0.2), Named::Quantities(own_brackets)),
     ("clip", Some(1.0), Named::Quantities(|_| vec![Quantity::Clip])),
     ("ribs", Some(0.2), Named::Quantities(ribs)),
     ("height", None, Named::Quantities(|_| vec![Quantity::MarkerHeight])),
@@ -45,6 +46,11 @@ const NAMES: [(&str, Option<f64>, Named); 10] = [
 
 fn ribs(finger: &Finger) -> Vec<Quantity> {
     let on = |plate| (0..finger.rib_count()).map(move |rib| Quantity::RibPosition(plate, rib));
+    on(Plate::Front).chain(on(Plate::Back)).collect()
+}
+
+fn own_brackets(finger: &Finger) -> Vec<Quantity> {
+    let on = |plate| (0..finger.rib_count()).map(move |rib| Quantity::OwnBracket(plate, rib));
     on(Plate::Front).chain(on(Plate::Back)).collect()
 }
 
@@ -100,7 +106,9 @@ impl Fit {
     /// Whether the scene has what is sought.
     fn check(&self, scene: &Scene) -> Result<(), String> {
         let ribs = &scene.finger.description().ribs;
-        if self.seeks(|quantity| matches!(quantity, Quantity::Bracket(_))) && !scene.finger.has_brackets() {
+        if self.seeks(|quantity| matches!(quantity, Quantity::Bracket(_) | Quantity::OwnBracket(..)))
+            && !scene.finger.has_brackets()
+        {
             return Err("bracket: expected bracket_mm in the scene's table finger.ribs".to_owned());
         }
         if self.seeks(|quantity| matches!(quantity, Quantity::RibPosition(..)))
@@ -268,8 +276,12 @@ fn values(scene: &Scene, estimate: &ViewEstimate, friction: Option<&Lean>) -> Ve
     if let Some(strip) = description.ribs.strip.filter(|_| sought(|quantity| *quantity == Quantity::Modulus)) {
         put("finger.ribs.youngs_modulus_mpa", strip.youngs_modulus_mpa.into());
     }
-    if sought(|quantity| matches!(quantity, Quantity::Bracket(_))) {
-        put("finger.ribs.bracket_mm", pair(description.ribs.bracket_mm));
+    if sought(|quantity| matches!(quantity, Quantity::Bracket(_) | Quantity::OwnBracket(..))) {
+        let each = match &description.ribs.bracket_mm {
+            BracketLengths::Alike(lengths_mm) => pair(*lengths_mm),
+            BracketLengths::Each(each) => Array::from_iter(each.iter().map(|lengths_mm| pair(*lengths_mm))).into(),
+        };
+        put("finger.ribs.bracket_mm", each);
     }
     if sought(|quantity| *quantity == Quantity::Clip) {
         put("finger.ribs.clip_mm", pair(description.ribs.clip_mm));

@@ -25,8 +25,8 @@ use std::path::PathBuf;
 ///
 /// With --located a finger and its rig are calibrated from images of the pressed finger, all at once:
 /// --fit names what the scene has only nominally. modulus, front-modulus, back-modulus: factors on
-/// moduli; bracket, clip: their lengths; ribs: where each sits on each plate; height: of the markers
-/// above the beams, which is their scale; base: where the finger is in the frame of its references (or
+/// moduli; bracket, clip: their lengths; brackets: of each rib by itself; ribs: where each sits on each plate;
+/// height: of the markers above the beams, which is their scale; base: where the finger is in the frame of its references (or
 /// of the camera's pose). Where forces were measured (--forces, in the frame of the camera's pose),
 /// friction is the coefficient about the normal of the scene's table contact, friction-build-up also
 /// the force over which it builds up. Without forces geometry alone is identifiable. model_error_mm is

@@ -1,0 +1,215 @@
+//! A finger and its rig from several views of it: what was changed is found, to what is stated.
+
+use finray_model::calibration::{
+    CalibrationError, Quantity, Sought, View, ViewEstimate, ViewModel, friction_of, views,
+};
+use finray_model::finger::{BracketLengths, Plate, RibPositions};
+use finray_model::measurement::{BaseUncertainty, Marker, Measurement};
+use finray_model::sensing::{Lean, Normal};
+use finray_model::{Finger, Kinematics, Vector};
+use finray_tests::{ELEMENTS, at_position, finger_of, noisy, seen};
+use nalgebra::{Isometry2, Point2};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+const NOISE_MM: f64 = 0.01;
+const BASE: BaseUncertainty = BaseUncertainty { sd_mm: 0.05, sd_rad: 0.001 };
+const EYE: Vector = Vector::new(70.0, 10.0);
+const CAMERA_HEIGHT_MM: f64 = 250.0;
+/// Place along the plate, force and its angle from the undeformed normal.
+const PRESSES: [(f64, f64, f64); 5] =
+    [(60.0, 1.5, 5.0), (70.0, 3.0, 12.0), (72.0, 5.0, 15.0), (90.0, 6.0, 10.0), (50.0, 4.0, -5.0)];
+
+/// What the true finger and rig have in place of what the scene has.
+struct Truth {
+    finger: Finger,
+    modulus_factor: f64,
+    more_height_mm: f64,
+    base: Isometry2<f64>,
+}
+
+fn scene_finger() -> Finger {
+    finger_of(finray_fixtures::BRACKETED_SCENE)
+}
+
+fn truth() -> Truth {
+    let mut description = scene_finger().description().clone();
+    let modulus_factor = 0.92;
+    description.front.youngs_modulus_mpa *= modulus_factor;
+    description.back.youngs_modulus_mpa *= modulus_factor;
+    description.ribs.bracket_mm = BracketLengths::Alike([3.3, 2.8]);
+    if let RibPositions::Positions(positions) = &mut description.ribs.positions {
+        positions[1][0] += 0.25;
+        positions[2][1] -= 0.2;
+    }
+    let finger = Finger::new(description).expect("a possible finger");
+    Truth { finger, modulus_factor, more_height_mm: 1.5, base: Isometry2::new(Vector::new(0.8, -0.5), 0.01) }
+}
+
+/// The truth as the scene's rig would have located it, each view with its own base.
+fn views_of(truth: &Truth, forces: bool, rng: &mut ChaCha8Rng) -> Vec<View> {
+    let stated = scene_finger();
+    let mesh = finray_model::Mesh::with_elements_per_member(&truth.finger, ELEMENTS);
+    let mut view = |(s_mm, force_n, angle_deg): (f64, f64, f64)| {
+        let contact = at_position(s_mm, angle_deg);
+        let bent = seen(&mesh, &[contact], &[force_n], Kinematics::Corotational).expect("carried");
+        let mut normal = || -> f64 { StandardNormal.sample(rng) };
+        let own = Isometry2::new(Vector::new(normal(), normal()) * BASE.sd_mm, normal() * BASE.sd_rad);
+        let placed = truth.base * own;
+        let marker = |marker: &Marker| {
+            let at = truth.finger.position(marker.node) + truth.finger.marker_offset(marker.node) + marker.displacement;
+            let at = (placed * Point2::from(at)).coords;
+            // Higher markers seem further from where the camera stands.
+            let seen_at = EYE + (at - EYE) * (CAMERA_HEIGHT_MM / (CAMERA_HEIGHT_MM - truth.more_height_mm));
+            let displacement = seen_at - stated.position(marker.node) - stated.marker_offset(marker.node);
+            Marker { displacement, ..*marker }
+        };
+        let measurement = Measurement::new(&stated, bent.markers().iter().map(marker)).expect("the same nodes");
+        let force = placed.rotation * (truth.finger.direction(angle_deg) * force_n);
+        View {
+            measurement: noisy(&measurement, NOISE_MM, rng),
+            noise_mm: NOISE_MM,
+            base: BASE,
+            eye: EYE,
+            force: forces.then_some(force),
+        }
+    };
+    PRESSES.map(&mut view).to_vec()
+}
+
+fn sought(quantities: &[Quantity], prior_sd: Option<f64>) -> Vec<Sought> {
+    quantities.iter().map(|&quantity| Sought { quantity, prior_sd }).collect()
+}
+
+fn model(lean: Lean) -> ViewModel {
+    ViewModel { elements: ELEMENTS, camera_height_mm: CAMERA_HEIGHT_MM, marker_height_mm: 0.0, lean }
+}
+
+fn ribs() -> Vec<Quantity> {
+    let on = |plate| (0..4).map(move |rib| Quantity::RibPosition(plate, rib));
+    on(Plate::Front).chain(on(Plate::Back)).collect()
+}
+
+fn true_value(truth: &Truth, quantity: Quantity) -> f64 {
+    let RibPositions::Positions(positions) = &truth.finger.description().ribs.positions else { return f64::NAN };
+    let brackets = truth.finger.description().ribs.bracket_mm.of(0);
+    let index = |plate: Plate| usize::from(plate == Plate::Back);
+    match quantity {
+        Quantity::Modulus => truth.modulus_factor,
+        Quantity::Bracket(plate) => brackets[index(plate)],
+        Quantity::RibPosition(plate, rib) => positions[rib][index(plate)],
+        Quantity::MarkerHeight => truth.more_height_mm,
+        Quantity::BaseX => truth.base.translation.x,
+        Quantity::BaseY => truth.base.translation.y,
+        Quantity::BaseTurn => truth.base.rotation.angle().to_degrees(),
+        other => panic!("{other} was not changed"),
+    }
+}
+
+/// Squared errors in stated standard deviations.
+fn squares(truth: &Truth, estimate: &ViewEstimate) -> Vec<f64> {
+    let quantities = estimate.quantities.iter();
+    quantities.map(|found| ((found.value - true_value(truth, found.sought.quantity)) / found.sigma).powi(2)).collect()
+}
+
+/// With measured forces: modulus, brackets, ribs, height and base at once, to what is stated, and far better than the scene has them.
+#[test]
+fn a_finger_and_its_rig_are_found() {
+    let truth = truth();
+    let mut all = sought(
+        &[
+            Quantity::Modulus,
+            Quantity::Bracket(Plate::Front),
+            Quantity::Bracket(Plate::Back),
+            Quantity::MarkerHeight,
+            Quantity::BaseX,
+            Quantity::BaseY,
+            Quantity::BaseTurn,
+        ],
+        None,
+    );
+    all.extend(sought(&ribs(), Some(0.2)));
+    let mut sum = Vec::new();
+    for seed in 0..3 {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let seen = views_of(&truth, true, &mut rng);
+        let estimate = views(&scene_finger(), &seen, &all, &model(Lean::NONE)).expect("identifiable");
+        let modulus = estimate.quantities[0];
+        assert!((modulus.value / truth.modulus_factor - 1.0).abs() < 0.01, "{modulus:?}");
+        assert!(modulus.sigma < 0.005, "{modulus:?}");
+        // Nothing but noise is left.
+        assert!(estimate.model_error_mm < NOISE_MM, "{}", estimate.model_error_mm);
+        for (view, (s_mm, force_n, angle_deg)) in estimate.views.iter().zip(PRESSES) {
+            assert!((view.s_mm - s_mm).abs() < 1.0, "{view:?}");
+            assert!((view.force.norm() / force_n - 1.0).abs() < 1e-12);
+            assert!((view.lean_deg(&estimate.finger, Normal::Undeformed) - angle_deg).abs() < 0.3, "{view:?}");
+        }
+        sum.extend(squares(&truth, &estimate));
+    }
+    assert!(sum.iter().all(|square| *square < 16.0), "{sum:?}");
+    // Errors of one calibration are correlated: 45 of them are worth about half as many.
+    let mean = sum.iter().sum::<f64>() / sum.len() as f64;
+    assert!((0.4..1.9).contains(&mean), "mean square {mean}");
+}
+
+/// Without forces, geometry is found all the same, from forces that lean somewhere within a range.
+#[test]
+fn geometry_is_found_without_forces() {
+    let truth = truth();
+    let quantities = [Quantity::Bracket(Plate::Front), Quantity::Bracket(Plate::Back)];
+    let mut all = sought(&quantities, None);
+    all.extend(sought(&ribs(), Some(0.2)));
+    let mut truth = truth;
+    (truth.more_height_mm, truth.base) = (0.0, Isometry2::identity());
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let seen = views_of(&truth, false, &mut rng);
+    let lean = Lean { from: Normal::Undeformed, ..Lean::within([-0.3, 0.5]) };
+    let estimate = views(&scene_finger(), &seen, &all, &model(lean)).expect("identifiable");
+    let squares = squares(&truth, &estimate);
+    assert!(squares.iter().all(|square| *square < 16.0), "{squares:?} {estimate:?}");
+    assert!(estimate.quantities[..2].iter().all(|found| found.sigma < 0.1), "{:?}", estimate.quantities);
+}
+
+/// What nothing tells is refused by name.
+#[test]
+fn what_is_not_identifiable_is_refused() {
+    let truth = truth();
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let seen = views_of(&truth, false, &mut rng);
+    let lean = Lean { from: Normal::Undeformed, ..Lean::within([-0.3, 0.5]) };
+    // Without a force, all moduli may be doubled with all forces.
+    let refused = views(&scene_finger(), &seen, &sought(&[Quantity::Modulus], None), &model(lean));
+    let by_name = |error: &CalibrationError| error.to_string().contains("modulus_factor");
+    assert!(refused.as_ref().is_err_and(by_name), "{refused:?}");
+    // One view has fewer numbers than there are unknowns.
+    let all: Vec<Quantity> = ribs()
+        .into_iter()
+        .chain([
+            Quantity::Bracket(Plate::Front),
+            Quantity::BaseX,
+            Quantity::BaseY,
+            Quantity::BaseTurn,
+            Quantity::MarkerHeight,
+            Quantity::Clip,
+        ])
+        .collect();
+    let refused = views(&scene_finger(), &seen[..1], &sought(&all, None), &model(lean));
+    assert!(matches!(refused, Err(CalibrationError::TooFewMarkers { .. })), "{refused:?}");
+}
+
+/// Friction that builds up, from leans that follow the law, and from leans that scatter about a constant.
+#[test]
+fn friction_follows_from_leans() {
+    let law = |force_n: f64| 20.0 * (1.0 - (-force_n / 2.5_f64).exp());
+    let leans = [0.5, 1.0, 2.0, 4.0, 8.0].map(|force_n| (force_n, law(force_n)));
+    let found = friction_of(&leans, Normal::Undeformed, true).expect("identifiable");
+    // Build-up forces are tried in steps of 0.7 %.
+    assert!((found.build_up_n / 2.5 - 1.0).abs() < 0.007, "{found:?}");
+    assert!((found.angle_deg / 20.0 - 1.0).abs() < 0.005 && found.sd_deg < 0.05, "{found:?}");
+    let found = friction_of(&[(1.0, 19.0), (2.0, 21.0), (3.0, 20.0)], Normal::Undeformed, false).expect("identifiable");
+    // The mean, and the standard deviation of three about their mean.
+    assert!((found.angle_deg - 20.0).abs() < 1e-12 && (found.sd_deg - 1.0).abs() < 1e-12, "{found:?}");
+    let refused = friction_of(&leans[..2], Normal::Undeformed, true);
+    assert_eq!(refused, Err(CalibrationError::TooFewViews { views: 2, unknowns: 2 }));
+}

@@ -1,0 +1,127 @@
+//! From images of a finger that nobody has measured to its forces: `locate`, `calibrate --located`, `locate` and `sense`. The finger in the images
+//! is not the scene's: it is softer, its brackets have other lengths, and its base stands elsewhere in every image.
+
+use crate::kit::*;
+use finray_fixtures::BRACKETED_SCENE;
+use std::fmt::Write;
+
+/// What the finger of the images has in place of what the scene has.
+const MODULUS_FACTOR: f64 = 0.93;
+const BRACKETS_MM: [f64; 2] = [3.3, 2.8];
+/// Place, force and angle of the images, and where the base is: mm, mm, degrees.
+const PRESSES: [([f64; 3], [f64; 3]); 4] = [
+    ([60.0, 2.0, 8.0], [0.0, 0.0, 0.0]),
+    ([72.0, 4.0, 15.0], [-1.5, 0.8, 0.4]),
+    ([90.0, 6.0, 12.0], [-3.0, 0.2, -0.5]),
+    ([70.0, 3.0, 10.0], [-2.0, 1.5, 0.7]),
+];
+
+/// Unit vectors of the undeformed front plate: inward and towards the tip.
+fn front_plate() -> [[f64; 2]; 2] {
+    let (width, front, back) = (73.24_f64, 150.16_f64, 167.08_f64);
+    let tip_y = (back * back - front * front) / (2.0 * width);
+    let along_y = tip_y - 0.5 * width;
+    let along = [(front * front - along_y * along_y).sqrt() / front, along_y / front];
+    [[along[1], -along[0]], along]
+}
+
+/// A force of the finger frame in the frame of the camera's pose, in which the base is turned.
+fn force([force_n, angle_deg]: [f64; 2], base_deg: f64) -> [f64; 2] {
+    let [inward, along] = front_plate();
+    let (sin, cos) = angle_deg.to_radians().sin_cos();
+    let [x, y] = [0, 1].map(|k| force_n * (cos * inward[k] + sin * along[k]));
+    let (sin, cos) = base_deg.to_radians().sin_cos();
+    [cos * x - sin * y, sin * x + cos * y]
+}
+
+fn scene(folder: &Folder) -> String {
+    folder.put("scene.toml", BRACKETED_SCENE)
+}
+
+fn images(folder: &Folder) -> Vec<String> {
+    let modulus = format!("youngs_modulus_mpa = {:?}", 213000.0 * MODULUS_FACTOR);
+    let bracket = format!("bracket_mm = {BRACKETS_MM:?}");
+    let truth =
+        BRACKETED_SCENE.replace("youngs_modulus_mpa = 213000.0", &modulus).replace("bracket_mm = 3.0", &bracket);
+    let truth = folder.put("truth.toml", truth);
+    let image = |(i, ([s, force_n, angle], [x, y, deg])): (usize, ([f64; 3], [f64; 3]))| {
+        let path = folder.path(&format!("press{i}.png"));
+        let (load, base) = (format!("{s}:{force_n},{angle}"), format!("{x},{y},{deg}"));
+        let arguments =
+            ["render", &truth, "--load-at", &load, "--base", &base, "--grey-noise", "2", "--blur-px", "0.8"];
+        finray(&[&arguments[..], &["--out", &path]].concat()).done();
+        path
+    };
+    PRESSES.into_iter().enumerate().map(image).collect()
+}
+
+#[test]
+fn photographs_lead_to_a_finger_and_to_its_forces() {
+    let folder = Folder::new();
+    let (scene, images) = (scene(&folder), images(&folder));
+    let located = folder.path("located.csv");
+    finray(&["locate", &scene, "--image", &images[0], &images[1], &images[2], "--out", &located]).done();
+    let mut forces = "image,fx_n,fy_n\n".to_owned();
+    for (i, ([_, force_n, angle], [.., deg])) in PRESSES.iter().enumerate().take(3) {
+        let [fx, fy] = force([*force_n, *angle], *deg);
+        writeln!(forces, "press{i}.png,{fx},{fy}").expect("memory");
+    }
+    let forces = folder.put("forces.csv", forces);
+    let calibrated = folder.path("calibrated.toml");
+    let calibrate = ["calibrate", &scene, "--located", &located, "--forces", &forces, "--calibrated", &calibrated];
+    let fit = ["--fit", "modulus,bracket,friction", "--images", &folder.path("images.csv")];
+    let found = Csv::of(&finray(&[&calibrate[..], &fit].concat()).done());
+    let names = ["modulus_factor", "front_bracket_mm", "back_bracket_mm", "friction", "model_error_mm"];
+    assert_eq!(found.texts("parameter"), names);
+    let (values, sigmas) = (found.numbers("value"), found.texts("sigma"));
+    for (i, truth) in [MODULUS_FACTOR, BRACKETS_MM[0], BRACKETS_MM[1]].into_iter().enumerate() {
+        let sigma: f64 = sigmas[i].parse().expect("a number");
+        assert!((values[i] - truth).abs() < 4.0 * sigma, "{}: {} +- {sigma}", names[i], values[i]);
+    }
+    assert!((values[0] / MODULUS_FACTOR - 1.0).abs() < 0.01, "{}", values[0]);
+    // Nothing but the noise of the images is left.
+    assert!(values[4] < 0.02, "{}", values[4]);
+    let of_images = Csv::of(&folder.read("images.csv"));
+    assert_close(&of_images.numbers("force_n"), &PRESSES.map(|([_, force_n, _], _)| force_n)[..3], 1e-9);
+    // The scene that was written: all but what was found is as it was.
+    let written = folder.read("calibrated.toml");
+    assert!(written.contains("# The spring-steel finger as it is built"), "{written}");
+    assert!(written.contains("friction_sigma") && written.contains("model_error_mm"), "{written}");
+    // An image that was not calibrated on, with another force and base.
+    let other = folder.path("other.csv");
+    finray(&["locate", &calibrated, "--image", &images[3], "--out", &other]).done();
+    let [s, force_n, angle] = PRESSES[3].0;
+    for direction in [format!("{angle}"), "friction".to_owned()] {
+        let contact = format!("auto@{direction}");
+        let sensed =
+            Csv::of(&finray(&["sense", &calibrated, "--displacements", &other, "--contact-at", &contact]).computed());
+        let [found_s, found_n, sigma] = ["s_mm", "force_n", "sigma_n"].map(|column| sensed.numbers(column)[0]);
+        assert!((found_n - force_n).abs() < 3.0 * sigma, "{direction}: {found_n} +- {sigma}");
+        assert!(direction == "friction" || (found_n / force_n - 1.0).abs() < 0.02, "{found_n}");
+        assert!((found_s - s).abs() < 1.5, "{direction}: {found_s}");
+    }
+}
+
+#[test]
+fn what_images_cannot_show_is_refused() {
+    let folder = Folder::new();
+    let scene = scene(&folder);
+    // Hinges of the undeformed finger, moved a little: what they say does not matter here.
+    let rows = "image,node,x_mm,y_mm,ux_mm,uy_mm,sigma_mm\na,2,47,-20,0.1,0.1,0.01\na,3,76,-9,0.1,0.1,0.01\n";
+    let located = folder.put("located.csv", rows);
+    let refused = |scene: &str, options: &[&str]| {
+        finray(&[&["calibrate", scene, "--located", &located][..], options].concat()).refused()
+    };
+    assert_says(&refused(&scene, &["--fit", "modulus,size"]), &["--fit", "modulus, front-modulus", "\"size\""]);
+    assert_says(&refused(&scene, &["--fit", "ribs=-1"]), &["--fit", "ribs", "more than zero"]);
+    assert_says(&refused(&scene, &["--fit", "bracket,bracket"]), &["front_bracket_mm is named twice"]);
+    assert_says(&refused(&scene, &["--fit", "modulus"]), &["not identifiable", "--forces"]);
+    assert_says(&refused(&scene, &["--fit", "bracket"]), &["friction", "contact"]);
+    assert_says(&refused(PAPER, &["--fit", "bracket"]), &["bracket_mm", "finger.ribs"]);
+    assert_says(&refused(&scene, &[]), &["--fit"]);
+    let forces = folder.put("forces.csv", "image,fx_n,fy_n\nb,0,-1\n");
+    assert_says(&refused(&scene, &["--fit", "modulus", "--forces", &forces]), &["forces.csv", "line 2", "\"b\""]);
+    let forces = folder.put("forces.csv", "image,fx_n,fy_n\na,0,-1\n");
+    let few = refused(&scene, &["--fit", "modulus,bracket,ribs,friction", "--forces", &forces]);
+    assert_says(&few, &["not identifiable"]);
+}
