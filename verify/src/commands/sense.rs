@@ -3,11 +3,12 @@
 use super::contacts::Contacts;
 use super::parse::not_negative;
 use super::{Failure, not_both_from_standard_input, validity};
-use finray_model::Finger;
-use finray_model::sensing::{Contact, ContactPosition, Estimate, Warning};
+use finray_model::sensing::{Contact, ContactPosition, ContactQuestion, Estimate, Warning};
+use finray_model::{Finger, Scene};
 use finray_verify::estimators::network::Networks;
-use finray_verify::estimators::{EstimatorId, Question};
-use finray_verify::files::{csv_text, displacements, load_network, load_scene, write_text};
+use finray_verify::estimators::{Answer, EstimatorId, Question};
+use finray_verify::files::displacements::{self, Displacements, Reading};
+use finray_verify::files::{csv_text, load_network, load_scene, read_text, write_text};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -34,6 +35,8 @@ use std::path::PathBuf;
 /// Networks for the paper's finger ship (contact nodes 14 to 24 alone, the pairs 19 20, 16 17, 18 20
 /// and 16 20, any of 13 to 24); `finray train` makes those of other fingers and contacts, for
 /// --network.
+///
+/// With --all-images a file of several images gives a row for each; an image that is refused says why.
 ///
 /// Examples:
 ///   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact 19
@@ -67,6 +70,9 @@ pub struct Arguments {
     /// Image whose rows are read, of a file of several
     #[arg(long, value_name = "NAME")]
     image_name: Option<String>,
+    /// Sense in every image of a file of several: image,contact,s_mm,angle_deg,force_n,sigma_n,refused
+    #[arg(long, conflicts_with = "image_name")]
+    all_images: bool,
     /// Nodes of the nonlinear estimator's mesh
     #[arg(long, value_name = "N")]
     mesh_nodes: Option<usize>,
@@ -84,6 +90,18 @@ struct Row {
     sigma_n: f64,
 }
 
+/// A row of an image: numbers, or why there are none.
+#[derive(Serialize)]
+struct ImageRow {
+    image: String,
+    contact: Option<String>,
+    s_mm: Option<f64>,
+    angle_deg: Option<f64>,
+    force_n: Option<f64>,
+    sigma_n: Option<f64>,
+    refused: String,
+}
+
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     not_both_from_standard_input(&arguments.scene, &arguments.displacements, "--displacements")?;
     let scene = load_scene(&arguments.scene)?;
@@ -97,45 +115,98 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let contacts = &arguments.contacts.with(scene.contact.lean)?;
     arguments.estimator.admits(finger, contacts, &networks)?;
-    let reading = displacements::Reading {
+    let reading = Reading {
         from_positions: false,
         model_mm: scene.model_error_mm,
         base: scene.base.as_ref().and_then(|base| base.uncertainty),
         base_is_sought: arguments.estimator == EstimatorId::Nonlinear,
     };
-    let found = displacements::load(&arguments.displacements, finger, arguments.image_name.as_deref(), reading)?;
-    // A stated noise holds for all nodes alike, and networks are trained on nodes that are measured alike.
-    let noise_mm = arguments.noise_mm.or(scene.noise_mm).map(|noise_mm| noise_mm.hypot(scene.model_error_mm));
-    let is_alike = noise_mm.is_some() || arguments.estimator == EstimatorId::Network;
-    let noise_mm = noise_mm.or(found.noise_mm);
-    let measurement = if is_alike { found.of_equal_weight() } else { found.measurement };
-    let question = Question {
-        contacts,
-        measurement: &measurement,
-        noise_mm,
-        mesh_nodes: arguments.mesh_nodes,
-        networks: &networks,
-    };
-    let (contacts, estimate) = arguments.estimator.answer(finger, &question)?;
-    if let Some(i) = estimate.forces_n.iter().position(|force| !force.is_finite()) {
-        return Err(Failure::BadInput(format!(
-            "not identifiable: a force at contact {} hardly moves the measured nodes, or the displacements are not \
-             those of a finger in mm",
-            i + 1
-        )));
+    let task = Task { arguments, scene: &scene, contacts, networks: &networks, reading };
+    let text = read_text(&arguments.displacements)?;
+    if arguments.all_images {
+        return Ok(write_text(&arguments.out, &csv_text(task.all_images(&text)?)?)?);
     }
-    if let Some(warning) = estimate.warning {
-        eprintln!("warning: {warning}; {}", advice(arguments.estimator, &warning));
-    }
-    if estimate.noise_mm.is_infinite() {
-        eprintln!(
-            "note: as many unknowns as measured coordinates leave no residual to estimate the noise from; give \
-             --noise-mm for a finite sigma_n"
-        );
-    }
+    let (contacts, estimate) = task.sensed(task.displacements(&text, arguments.image_name.as_deref())?, "")?;
     write_text(&arguments.out, &csv_text(rows(finger, &contacts, &estimate))?)?;
     validity::warn_of_forces(&scene, &contacts, &estimate.forces_n);
     Ok(())
+}
+
+/// A question that is asked of one image or of several.
+struct Task<'t> {
+    arguments: &'t Arguments,
+    scene: &'t Scene,
+    contacts: &'t [ContactQuestion],
+    networks: &'t Networks,
+    reading: Reading,
+}
+
+impl Task<'_> {
+    /// A row a contact of each image. An image that is refused has rows without numbers that say why.
+    fn all_images(&self, text: &str) -> Result<Vec<ImageRow>, Failure> {
+        let mut all = Vec::new();
+        for image in displacements::images(&self.arguments.displacements, text)? {
+            let of = |row: Option<Row>, refused: &str| {
+                let numbers = row.as_ref();
+                ImageRow {
+                    image: image.clone(),
+                    contact: numbers.map(|row| row.contact.clone()),
+                    s_mm: numbers.map(|row| row.s_mm),
+                    angle_deg: numbers.map(|row| row.angle_deg),
+                    force_n: numbers.map(|row| row.force_n),
+                    sigma_n: numbers.map(|row| row.sigma_n),
+                    refused: refused.to_owned(),
+                }
+            };
+            // What is wrong with the file is an error; an image without an answer is one of its rows.
+            let found = self.displacements(text, Some(&image))?;
+            match self.sensed(found, &format!("{image}: ")) {
+                Ok((contacts, estimate)) => {
+                    all.extend(rows(&self.scene.finger, &contacts, &estimate).into_iter().map(|row| of(Some(row), "")));
+                }
+                Err(Failure::BadInput(reason) | Failure::NotComputed(reason)) => {
+                    all.extend(self.contacts.iter().map(|_| of(None, &reason)));
+                }
+            }
+        }
+        Ok(all)
+    }
+
+    fn displacements(&self, text: &str, image: Option<&str>) -> Result<Displacements, Failure> {
+        let path = &self.arguments.displacements;
+        Ok(displacements::of_text(path, text, &self.scene.finger, image, self.reading)?)
+    }
+
+    /// Forces of one image; warnings begin with `about`.
+    fn sensed(&self, found: Displacements, about: &str) -> Result<Answer, Failure> {
+        let Task { arguments, scene, contacts, networks, .. } = *self;
+        let finger = &scene.finger;
+        // A stated noise holds for all nodes alike, and networks are trained on nodes that are measured alike.
+        let noise_mm = arguments.noise_mm.or(scene.noise_mm).map(|noise_mm| noise_mm.hypot(scene.model_error_mm));
+        let is_alike = noise_mm.is_some() || arguments.estimator == EstimatorId::Network;
+        let noise_mm = noise_mm.or(found.noise_mm);
+        let measurement = if is_alike { found.of_equal_weight() } else { found.measurement };
+        let question =
+            Question { contacts, measurement: &measurement, noise_mm, mesh_nodes: arguments.mesh_nodes, networks };
+        let (contacts, estimate) = arguments.estimator.answer(finger, &question)?;
+        if let Some(i) = estimate.forces_n.iter().position(|force| !force.is_finite()) {
+            return Err(Failure::BadInput(format!(
+                "not identifiable: a force at contact {} hardly moves the measured nodes, or the displacements are not \
+             those of a finger in mm",
+                i + 1
+            )));
+        }
+        if let Some(warning) = estimate.warning {
+            eprintln!("warning: {about}{warning}; {}", advice(arguments.estimator, &warning));
+        }
+        if estimate.noise_mm.is_infinite() {
+            eprintln!(
+                "note: {about}as many unknowns as measured coordinates leave no residual to estimate the noise from; give \
+             --noise-mm for a finite sigma_n"
+            );
+        }
+        Ok((contacts, estimate))
+    }
 }
 
 /// Advice for a warning.

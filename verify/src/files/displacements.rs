@@ -239,15 +239,29 @@ fn base_of_image(
     Ok(Some(base).filter(|base| base.sd_mm > 0.0 || base.sd_rad > 0.0))
 }
 
+/// The images of a file, in the order of their first rows.
+///
+/// # Errors
+/// [`FileError`] where it has no column `image`.
+pub fn images(path: &Path, text: &str) -> Result<Vec<String>, FileError> {
+    let table = Table::of_text(path, text, ["image"])?;
+    let mut images: Vec<String> = Vec::new();
+    for row in table.rows() {
+        if !images.contains(&row.cells[0]) {
+            images.push(row.cells[0].clone());
+        }
+    }
+    Ok(images)
+}
+
 /// Which rows belong to an image; without a name the file must have one image alone.
 fn rows_of_image(path: &Path, text: &str, image_name: Option<&str>) -> Result<Vec<bool>, FileError> {
     let table = Table::of_text(path, text, ["image"])?;
     let names: Vec<&str> = table.rows().iter().map(|row| row.cells[0].as_str()).collect();
-    let mut images = names.clone();
-    images.dedup();
+    let images = images(path, text)?;
     let chosen = match image_name {
         Some(name) if names.contains(&name) => name,
-        None if images.len() == 1 => images[0],
+        None if images.len() == 1 => names[0],
         _ => {
             const SHOWN: usize = 5;
             let more = if images.len() > SHOWN { ", ..." } else { "" };

@@ -358,7 +358,7 @@ fn grey_markers_lead_back_to_the_force() {
     let nodes = folder.path("nodes.csv");
     finray(&["locate", BRACKETED, "--image", &image, "--out", &nodes]).done();
     let located = Csv::of(&folder.read("nodes.csv"));
-    let base = "base_x_mm,base_y_mm,base_deg,base_sigma_mm,base_sigma_deg";
+    let base = "base_x_mm,base_y_mm,base_deg,base_sigma_mm,base_sigma_deg,marker_sigma_mm";
     assert_eq!(located.header.join(","), format!("image,node,u_px,v_px,x_mm,y_mm,ux_mm,uy_mm,sigma_mm,{base}"));
     assert_eq!(located.texts("node"), ["2", "3", "4", "5", "7", "8", "9", "10"]);
     for (column, truth, tolerance) in [("base_x_mm", 40.0, 0.03), ("base_y_mm", -70.0, 0.03), ("base_deg", 95.0, 0.1)] {
@@ -376,15 +376,24 @@ fn grey_markers_lead_back_to_the_force() {
     let sensed = Csv::of(&finray(&sense).computed());
     let (force, sigma) = (sensed.numbers("force_n")[0], sensed.numbers("sigma_n")[0]);
     assert!((force - 3.0).abs() < 4.0 * sigma && sigma < 0.05, "{force} +- {sigma}");
-    // Without references no displacement is known, and a warning says so.
+    // Without references the base is only about where the ribs have it, as a warning says: it is sought with the force. The force leans from the
+    // undeformed normal by the arctangent of 10 degrees, wherever that normal points.
     let (scene, _) = finray_fixtures::BRACKETED_SCENE.split_once("[[base.reference]]").expect("references");
     let (_, camera) = finray_fixtures::BRACKETED_SCENE.split_once("[camera]").expect("a camera");
-    let without = folder.put("without.toml", format!("{scene}[camera]{camera}"));
-    let (_, warnings) = finray(&["locate", &without, "--image", &image]).warned();
+    let contact = "[contact]\nfriction = 0.17633\nnormal = \"undeformed\"\n";
+    let without = folder.put("without.toml", format!("{scene}{contact}[camera]{camera}"));
+    let found = folder.path("found.csv");
+    let (_, warnings) = finray(&["locate", &without, "--image", &image, "--out", &found]).warned();
     assert_says(
         &warnings.join("\\n"),
-        &["image.png: two references on the base were not found", "displacements are not to be used"],
+        &["image.png: two references on the base were not found", "where the base is sought with the forces"],
     );
+    let located = Csv::of(&folder.read("found.csv"));
+    assert_eq!((located.numbers("base_sigma_mm")[0] > 5.0, located.numbers("marker_sigma_mm")[0] < 0.1), (true, true));
+    let sense = ["sense", &without, "--displacements", &found, "--contact-at", "75@friction", "--mesh-nodes", "11"];
+    let sensed = Csv::of(&finray(&sense).computed());
+    let (force, sigma) = (sensed.numbers("force_n")[0], sensed.numbers("sigma_n")[0]);
+    assert!((force - 3.0).abs() < 4.0 * sigma && sigma < 0.06, "{force} +- {sigma}");
 }
 
 #[test]
@@ -411,7 +420,46 @@ fn shades_and_references_of_a_scene_are_checked() {
         ("at_mm = [-16.0, 20.0]", "", "base.reference[1].at_mm is missing"),
         ("at_mm = [-16.0, 20.0]", "at_mm = [-1e9, 20.0]", "base.reference[1].at_mm: expected lengths of at most"),
         ("at_mm = [-16.0, -10.0]\nshade = \"dark\"", "at_mm = [-16.0, -10.0]", "base.reference[2].shade is missing"),
-        ("[base]", "[base]\nmarks = 2", "unknown key `base.marks`; the nearest known key is `reference`"),
+        ("[base]", "[base]\nreferences = 2", "unknown key `base.references`; the nearest known key is `reference`"),
+        ("[base]", "[base]\nsigma_mm = 0.1", "base.sigma_deg is missing"),
+        ("[base]", "[base]\nsigma_mm = -0.1\nsigma_deg = 0.1", "base.sigma_mm: expected a length in mm, zero or more"),
+        ("[base]", "[base]\nsigma_mm = 0.1\nsigma_deg = 100", "base.sigma_deg: expected an angle in degrees, 0 to 90"),
+        (
+            "[markers]",
+            "[markers]\nmodel_error_mm = nan",
+            "markers.model_error_mm: expected a length in mm, zero or more",
+        ),
+        (
+            "[base]",
+            "[contact]\nfriction = -20\n[base]",
+            "contact.friction: expected a coefficient of friction, -10 to 10",
+        ),
+        (
+            "[base]",
+            "[contact]\nfriction_range = [0.5, 0.0]\n[base]",
+            "contact.friction_range: expected two coefficients",
+        ),
+        (
+            "[base]",
+            "[contact]\nfriction_range = [0.0, 0.5]\nfriction = 0.2\n[base]",
+            "contact.friction_range: expected either friction or friction_range, found both",
+        ),
+        ("[base]", "[contact]\nfriction_sigma = 0.1\n[base]", "contact.friction is missing: expected a coefficient"),
+        (
+            "[base]",
+            "[contact]\nfriction = 0.1\nnormal = \"own\"\n[base]",
+            "contact.normal: expected one of \"deformed\", \"undeformed\"",
+        ),
+        (
+            "[base]",
+            "[contact]\nfriction = 0.1\nnormal = \"undeformed\"\nnormal_over_mm = 5\n[base]",
+            "contact.normal_over_mm: expected nothing",
+        ),
+        (
+            "bracket_mm = 3.0",
+            "bracket_mm = [[3.0, 2.0]]",
+            "finger.ribs.bracket_mm: expected a pair for each of 4 ribs, found 1",
+        ),
     ] {
         let text = finray_fixtures::BRACKETED_SCENE.replacen(from, to, 1);
         assert_ne!(text, finray_fixtures::BRACKETED_SCENE, "{from}");

@@ -100,6 +100,26 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
         assert!(direction == "friction" || (found_n / force_n - 1.0).abs() < 0.02, "{found_n}");
         assert!((found_s - s).abs() < 1.5, "{direction}: {found_s}");
     }
+    // All images of one file: a row each, one for an image that shows no finger as well.
+    let mut rows = folder.read("other.csv");
+    let seen = Csv::of(&rows);
+    let moved = ["ux_mm", "uy_mm"].map(|column| seen.header.iter().position(|name| name == column).expect("a column"));
+    for (i, row) in seen.rows.iter().enumerate() {
+        let mut cells = row.clone();
+        cells[0] = "nothing.png".to_owned();
+        cells[moved[i % 2]] = if i % 3 == 0 { "60" } else { "-60" }.to_owned();
+        rows += &(cells.join(",") + "\n");
+    }
+    let both = folder.put("both.csv", rows);
+    let sense = ["sense", &calibrated, "--displacements", &both, "--all-images", "--contact-at", "auto@friction"];
+    let sensed = Csv::of(&finray(&sense).computed());
+    assert_eq!(sensed.header.join(","), "image,contact,s_mm,angle_deg,force_n,sigma_n,refused");
+    assert_eq!(sensed.texts("image"), ["press3.png", "nothing.png"]);
+    let refused = sensed.texts("refused");
+    assert!(refused[0].is_empty() && !refused[1].is_empty(), "{refused:?}");
+    assert!(sensed.texts("force_n")[1].is_empty());
+    let sense = ["sense", PAPER, "--displacements", "-", "--all-images", "--contact", "19"];
+    assert_says(&finray_reading(b"node,ux_mm,uy_mm\n19,1,1\n", &sense).refused(), &["image"]);
 }
 
 #[test]
