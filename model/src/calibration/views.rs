@@ -126,11 +126,17 @@ pub struct FoundView {
     pub base: Isometry2<f64>,
     /// By how much the plate's normal at the contact is turned, rad.
     pub normal_turn_rad: f64,
-    /// Root mean square of the residual, mm.
-    pub residual_rms_mm: f64,
+    /// Computed less seen position of each marker, mm, in the frame of the view.
+    pub residuals_mm: Vec<Vector>,
 }
 
 impl FoundView {
+    /// Root mean square of the residual of a coordinate, mm.
+    pub fn residual_rms_mm(&self) -> f64 {
+        let squares: f64 = self.residuals_mm.iter().map(Vector::norm_squared).sum();
+        (squares / (2 * self.residuals_mm.len()) as f64).sqrt()
+    }
+
     /// By how much the force leans from a normal towards the tip, degrees.
     pub fn lean_deg(&self, finger: &Finger, from: Normal) -> f64 {
         let [inward, tipward] = [0.0, 90.0].map(|angle_deg| finger.direction(angle_deg));
@@ -287,13 +293,12 @@ pub fn views(
     let mut found_views = Vec::new();
     for (view, own) in views.iter().zip(&point.own) {
         let pressed = problem.pressed(&candidate, view, own).ok_or(CalibrationError::NoMinimum)?;
-        let squares = problem.residuals(&candidate, view, own, &pressed).map(|(_, left)| left.norm_squared());
         found_views.push(FoundView {
             s_mm: own.s_mm,
             force: pressed.force,
             base: candidate.base * own.base,
             normal_turn_rad: pressed.normal_turn_rad,
-            residual_rms_mm: (squares.sum::<f64>() / view.measurement.coordinate_count() as f64).sqrt(),
+            residuals_mm: problem.residuals(&candidate, view, own, &pressed).map(|(_, left)| left).collect(),
         });
     }
     Ok(ViewEstimate {

@@ -5,8 +5,10 @@ use finray_model::Scene;
 use finray_verify::claims::ledger;
 use finray_verify::experiments::contact_scene::file::load_scene_with_outline;
 use finray_verify::experiments::contact_scene::study::SceneWithOutline;
+use finray_verify::experiments::measured;
 use finray_verify::experiments::speed_error::criterion::CriterionTimes;
 use finray_verify::experiments::speed_error::file as peers;
+use finray_verify::files::views;
 use finray_verify::files::{FileError, require_folder, write_folder, write_text};
 use finray_verify::report;
 use finray_verify::settings::{Effort, Progress};
@@ -24,6 +26,7 @@ use std::sync::Mutex;
 /// Examples:
 ///   finray report --open
 ///   finray report my-finger.toml --out my-report
+///   finray report calibrated.toml --measurements located.csv --forces forces.csv
 ///   finray report --criterion target/criterion --peers peers.csv
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
@@ -43,6 +46,13 @@ pub struct Arguments {
     /// Times and errors of other programs on the paper's finger, as bench/peers writes them (CSV); - for standard input
     #[arg(long, value_name = "FILE")]
     peers: Option<PathBuf>,
+    /// Images of the finger as `finray locate` has located them with this scene (CSV), with --forces: a section compares
+    /// what is sensed in them with what was measured
+    #[arg(long, value_name = "FILE", requires = "scene", requires = "forces")]
+    measurements: Option<PathBuf>,
+    /// The contact forces that were measured in these images: image,fx_n,fy_n in the frame of the camera's pose (CSV)
+    #[arg(long, value_name = "FILE", requires = "measurements")]
+    forces: Option<PathBuf>,
     /// Open the page in the browser when it is done; where nothing opens it, its path is all there is
     #[arg(long)]
     open: bool,
@@ -57,6 +67,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             SceneWithOutline { scene, corners: Vec::new() }
         }
     };
+    let seen = match &arguments.measurements {
+        None => None,
+        Some(located) => Some(views::load(located, arguments.forces.as_deref(), &scene.scene)?),
+    };
     require_folder(&arguments.out)?;
     let criterion = criterion_times(arguments.criterion.as_deref())?;
     let peers = arguments.peers.as_deref().map(peers::load).transpose()?;
@@ -64,6 +78,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let bars = Bars(Mutex::new(ProgressBar::hidden()));
     let mut study = Study::run(&scene, effort, &bars).map_err(|error| Failure::NotComputed(error.to_string()))?;
     bars.finish();
+    if let Some(seen) = seen {
+        study.measured =
+            Some(measured::run(&scene.scene, &seen).map_err(|error| Failure::BadInput(error.to_string()))?);
+    }
     let claims = ledger(&study).map_err(|error| Failure::NotComputed(error.to_string()))?;
     if let Some((folder, times)) = &criterion {
         study.take_criterion(folder, times);

@@ -15,6 +15,7 @@ pub mod explain;
 pub mod hard_cases;
 pub mod lattice;
 pub mod maps;
+pub mod measured;
 pub mod networks;
 pub mod noise;
 pub mod response;

@@ -51,7 +51,12 @@ pub(super) fn caveat(study: &Study) -> String {
         }
         false => String::new(),
     };
-    format!("All of this is simulation, {noise}; no measurement of a real finger stands behind it.{assumed}")
+    match &study.measured {
+        None => {
+            format!("All of this is simulation, {noise}; no measurement of a real finger stands behind it.{assumed}")
+        }
+        Some(_) => format!("All of this is simulation, {noise}, but for the section on measured images.{assumed}"),
+    }
 }
 
 /// Shares of the cells in each situation, and the weakest regions of the first.

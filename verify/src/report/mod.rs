@@ -22,6 +22,7 @@ mod format;
 mod hard_cases;
 mod lattice;
 mod maps;
+mod measured;
 mod networks;
 mod pairs;
 mod recipes;

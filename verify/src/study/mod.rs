@@ -17,6 +17,7 @@ use crate::experiments::explain::{self, ExplanationMap};
 use crate::experiments::hard_cases::{self, HardCase};
 use crate::experiments::lattice::{self, LatticeStudy};
 use crate::experiments::maps;
+use crate::experiments::measured::MeasuredStudy;
 use crate::experiments::networks::accuracy::{self, NetworkStudy};
 use crate::experiments::networks::records::{self, Records};
 use crate::experiments::noise::{self, NoiseStudy};
@@ -85,6 +86,8 @@ macro_rules! study {
             pub timing_notes: Vec<String>,
             /// How long each part took.
             pub parts: Vec<PartTime>,
+            /// Images with measured forces, where they were given.
+            pub measured: Option<MeasuredStudy>,
             $($($(#[$about])* pub $field: $type,)+)+
         }
 
@@ -116,6 +119,7 @@ macro_rules! study {
                     comparisons,
                     timing_notes: Vec::new(),
                     parts,
+                    measured: None,
                     $($($field,)+)+
                 })
             }

@@ -100,6 +100,7 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
         assert!(direction == "friction" || (found_n / force_n - 1.0).abs() < 0.02, "{found_n}");
         assert!((found_s - s).abs() < 1.5, "{direction}: {found_s}");
     }
+    compared_in_a_report(&folder, &calibrated, &located, &forces);
     // All images of one file: a row each, one for an image that shows no finger as well.
     let mut rows = folder.read("other.csv");
     let seen = Csv::of(&rows);
@@ -120,6 +121,45 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
     assert!(sensed.texts("force_n")[1].is_empty());
     let sense = ["sense", PAPER, "--displacements", "-", "--all-images", "--contact", "19"];
     assert_says(&finray_reading(b"node,ux_mm,uy_mm\n19,1,1\n", &sense).refused(), &["image"]);
+}
+
+/// The report compares what is sensed in the images with what was measured.
+fn compared_in_a_report(folder: &Folder, calibrated: &str, located: &str, forces: &str) {
+    let out = folder.path("report");
+    let report = ["report", calibrated, "--quick", "--out", &out, "--measurements", located, "--forces", forces];
+    let said = finray(&report).computed();
+    assert_says(&said, &["but for the section on measured images"]);
+    let page = folder.read("report/index.html");
+    let section =
+        page.split("id=\"measured\"").nth(1).expect("the section").split("</section>").next().unwrap_or_default();
+    assert_eq!(section.matches("<svg").count(), 2);
+    assert_says(section, &["3 images whose contact force was measured", "friction of the scene", "no brackets"]);
+    let rows = Csv::of(&folder.read("report/measured_forces.csv"));
+    let errors = |known: &str| -> Vec<[f64; 2]> {
+        let of_known = rows
+            .texts("known")
+            .iter()
+            .enumerate()
+            .filter(|(_, other)| **other == known)
+            .map(|(i, _)| i)
+            .collect::<Vec<_>>();
+        let number = |i: usize, column: &str| rows.texts(column)[i].parse().unwrap_or(f64::INFINITY);
+        of_known.into_iter().map(|i| [number(i, "error"), number(i, "error_over_sigma")]).collect()
+    };
+    // The finger that was calibrated on them explains them; one without its brackets does not, nor one without friction.
+    let known = errors("direction measured");
+    assert_eq!(known.len(), 3);
+    assert!(known.iter().all(|[error, sigmas]| error.abs() < 0.02 && sigmas.abs() < 3.0), "{known:?}");
+    for worse in ["no friction", "direction measured, no brackets"] {
+        let all = errors(worse);
+        assert!(all.len() == 3 && all.iter().all(|[error, _]| error.abs() > 0.02), "{worse}: {all:?}");
+    }
+    let residuals = Csv::of(&folder.read("report/measured_residuals.csv"));
+    assert_eq!(residuals.rows.len(), 3 * 8);
+    assert!(residuals.numbers("residual_x_mm").iter().all(|left| left.abs() < 0.06));
+    // Without forces there is nothing to compare with.
+    let alone = finray(&["report", calibrated, "--measurements", located]).refused();
+    assert_says(&alone, &["--forces"]);
 }
 
 #[test]

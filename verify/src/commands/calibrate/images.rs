@@ -257,7 +257,7 @@ fn image_rows(seen: &[LocatedView], estimate: &ViewEstimate, from: Normal) -> Ve
         base_x_mm: found.base.translation.x,
         base_y_mm: found.base.translation.y,
         base_deg: found.base.rotation.angle().to_degrees(),
-        residual_rms_mm: found.residual_rms_mm,
+        residual_rms_mm: found.residual_rms_mm(),
     };
     seen.iter().zip(&estimate.views).map(row).collect()
 }

@@ -1,0 +1,255 @@
+//! Images of a finger under forces that were measured: what is sensed in each, and what each thing that is known of the finger brings.
+//!
+//! The scene is taken as it is: whether these images were used to calibrate it is for the reader to know.
+
+use crate::estimators::ELEMENTS;
+use crate::files::views::LocatedView;
+use finray_model::calibration::{self, CalibrationError, View, ViewModel};
+use finray_model::finger::{BracketLengths, Finger, RigidEnds};
+use finray_model::measurement::{Marker, Measurement};
+use finray_model::sensing::{ContactQuestion, Direction, Lean, sense_refining};
+use finray_model::{Scene, Vector};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// What is known when a force is sensed: the scene, or the scene but for one thing.
+struct Knowledge {
+    name: &'static str,
+    /// The finger, where there is one that differs.
+    finger: fn(&Finger) -> Option<Finger>,
+    /// The direction of the force, which as measured is given; `None` where the scene does not say it.
+    direction: fn(measured: Direction, Option<Lean>) -> Option<Direction>,
+    /// Whether the base is sought.
+    base_is_sought: bool,
+}
+
+fn as_it_is(finger: &Finger) -> Option<Finger> {
+    Some(finger.clone())
+}
+
+fn without_clips(finger: &Finger) -> Option<Finger> {
+    let mut description = finger.description().clone();
+    description.ribs.clip_mm = [0.0; 2];
+    Finger::new(description).ok().filter(|other| other != finger)
+}
+
+fn without_rigid_ends(finger: &Finger) -> Option<Finger> {
+    let mut description = finger.description().clone();
+    description.rigid_ends = [RigidEnds::default(); 2];
+    Finger::new(description).ok().filter(|other| other != finger)
+}
+
+fn without_brackets(finger: &Finger) -> Option<Finger> {
+    let mut description = finger.description().clone();
+    description.ribs.bracket_mm = BracketLengths::NONE;
+    Finger::new(description).ok().filter(|other| other != finger)
+}
+
+fn as_measured(measured: Direction, _: Option<Lean>) -> Option<Direction> {
+    Some(measured)
+}
+
+/// From the most that is known to less.
+const KNOWLEDGE: [Knowledge; 7] = [
+    Knowledge { name: "direction measured", finger: as_it_is, direction: as_measured, base_is_sought: true },
+    Knowledge {
+        name: "friction of the scene",
+        finger: as_it_is,
+        direction: |_, lean| lean.map(Direction::Leaning),
+        base_is_sought: true,
+    },
+    Knowledge {
+        name: "no friction",
+        finger: as_it_is,
+        direction: |_, _| Some(Direction::NORMAL),
+        base_is_sought: true,
+    },
+    Knowledge {
+        name: "direction measured, base taken for exact",
+        finger: as_it_is,
+        direction: as_measured,
+        base_is_sought: false,
+    },
+    Knowledge {
+        name: "direction measured, no clips",
+        finger: without_clips,
+        direction: as_measured,
+        base_is_sought: true,
+    },
+    Knowledge {
+        name: "direction measured, no rigid ends",
+        finger: without_rigid_ends,
+        direction: as_measured,
+        base_is_sought: true,
+    },
+    Knowledge {
+        name: "direction measured, no brackets",
+        finger: without_brackets,
+        direction: as_measured,
+        base_is_sought: true,
+    },
+];
+
+/// A force that was sensed in an image, or why none was.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MeasuredForce {
+    /// The image.
+    pub image: String,
+    /// What was known.
+    pub known: &'static str,
+    /// The measured force, N.
+    pub measured_n: f64,
+    /// The sensed one, N.
+    pub sensed_n: Option<f64>,
+    /// Its standard deviation, N.
+    pub sigma_n: Option<f64>,
+    /// Its error as a share of the measured force.
+    pub error: Option<f64>,
+    /// Its error in standard deviations.
+    pub error_over_sigma: Option<f64>,
+    /// Where it was sensed to act, mm along the front plate.
+    pub s_mm: Option<f64>,
+    /// Why it was refused.
+    pub refused: String,
+}
+
+/// What is left of a marker where the finger is bent by the measured force, its place and base being those that fit best.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MarkerResidual {
+    /// The image.
+    pub image: String,
+    /// The node.
+    pub node: usize,
+    /// Where the marker is seen, finger frame of the image, mm.
+    pub x_mm: f64,
+    /// The same.
+    pub y_mm: f64,
+    /// Computed less seen, mm.
+    pub residual_x_mm: f64,
+    /// The same.
+    pub residual_y_mm: f64,
+}
+
+/// Images with measured forces as the scene has them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredStudy {
+    /// Images whose force was measured.
+    pub images: usize,
+    /// Forces: for each thing that is known, all images.
+    pub forces: Vec<MeasuredForce>,
+    /// What is left of the markers.
+    pub residuals: Vec<MarkerResidual>,
+}
+
+impl MeasuredStudy {
+    /// What was known, in the order of the study, with its forces.
+    pub fn by_knowledge(&self) -> impl Iterator<Item = (&'static str, &[MeasuredForce])> {
+        self.forces.chunk_by(|a, b| a.known == b.known).map(|forces| (forces[0].known, forces))
+    }
+}
+
+/// Senses the force in every image whose force was measured.
+///
+/// # Errors
+/// [`CalibrationError`] where an image has no explanation under its measured force.
+pub fn run(scene: &Scene, seen: &[LocatedView]) -> Result<MeasuredStudy, CalibrationError> {
+    let measured: Vec<(&LocatedView, Vector)> =
+        seen.iter().filter_map(|seen| seen.view.force.map(|force| (seen, force))).collect();
+    let mut forces = Vec::new();
+    for knowledge in &KNOWLEDGE {
+        let Some(finger) = (knowledge.finger)(&scene.finger) else { continue };
+        if (knowledge.direction)(Direction::NORMAL, scene.contact.lean).is_none() {
+            continue;
+        }
+        let of = |(seen, force): &(&LocatedView, Vector)| sensed(scene, &finger, knowledge, seen, *force);
+        forces.extend(measured.par_iter().filter_map(of).collect::<Vec<_>>());
+    }
+    let views: Vec<View> = measured.iter().map(|(seen, _)| seen.view.clone()).collect();
+    let fitted = calibration::views(&scene.finger, &views, &[], &model(scene))?;
+    let mut residuals = Vec::new();
+    for ((seen, _), found) in measured.iter().zip(&fitted.views) {
+        let markers = seen.view.measurement.markers().iter().zip(&found.residuals_mm);
+        residuals.extend(markers.map(|(marker, residual)| {
+            let at = undeformed(&scene.finger, marker) + marker.displacement;
+            MarkerResidual {
+                image: seen.image.clone(),
+                node: marker.node.0,
+                x_mm: at.x,
+                y_mm: at.y,
+                residual_x_mm: residual.x,
+                residual_y_mm: residual.y,
+            }
+        }));
+    }
+    Ok(MeasuredStudy { images: measured.len(), forces, residuals })
+}
+
+fn undeformed(finger: &Finger, marker: &Marker) -> Vector {
+    finger.position(marker.node) + finger.marker_offset(marker.node)
+}
+
+/// One image; `None` where the direction is not known as it should be.
+fn sensed(
+    scene: &Scene,
+    finger: &Finger,
+    knowledge: &Knowledge,
+    seen: &LocatedView,
+    force: Vector,
+) -> Option<MeasuredForce> {
+    let [inward, tipward] = [0.0, 90.0].map(|angle_deg| scene.finger.direction(angle_deg));
+    let measured = Direction::Angle(force.dot(&tipward).atan2(force.dot(&inward)).to_degrees());
+    let direction = (knowledge.direction)(measured, scene.contact.lean)?;
+    let view = &seen.view;
+    // Displacements count from the finger that is meant; what it misses its markers by is part of their noise.
+    let sd_mm = |marker: &Marker| (view.noise_mm / marker.weight).hypot(scene.model_error_mm);
+    let markers = view.measurement.markers();
+    let noise_mm = (markers.iter().map(|m| sd_mm(m).powi(2)).sum::<f64>() / markers.len() as f64).sqrt();
+    let moved = |marker: &Marker| Marker {
+        displacement: undeformed(&scene.finger, marker) + marker.displacement - undeformed(finger, marker),
+        weight: noise_mm / sd_mm(marker),
+        ..*marker
+    };
+    let answer = Measurement::new(finger, markers.iter().map(moved)).map_err(|error| error.to_string()).and_then(
+        |measurement| {
+            let measurement = match knowledge.base_is_sought {
+                true => measurement.with_uncertain_base(view.base),
+                false => measurement,
+            };
+            let question = ContactQuestion { position: None, direction };
+            sense_refining(finger, &[question], &measurement, Some(noise_mm)).map_err(|error| error.to_string())
+        },
+    );
+    let measured_n = force.norm();
+    let (sensed_n, sigma_n, s_mm, refused) = match answer {
+        Ok(found) => {
+            let s_mm = found.contacts[0].position_mm(finger);
+            (Some(found.forces.forces_n[0]), Some(found.forces.sigmas_n[0]), s_mm, String::new())
+        }
+        Err(reason) => (None, None, None, reason),
+    };
+    let off_n = sensed_n.map(|sensed_n| sensed_n - measured_n);
+    Some(MeasuredForce {
+        image: seen.image.clone(),
+        known: knowledge.name,
+        measured_n,
+        sensed_n,
+        sigma_n,
+        error: off_n.map(|off_n| off_n / measured_n),
+        error_over_sigma: off_n.zip(sigma_n).map(|(off_n, sigma_n)| off_n / sigma_n),
+        s_mm,
+        refused,
+    })
+}
+
+/// Height of the camera where nothing depends on it, mm: that of markers is not sought.
+const HEIGHT_MM: f64 = 1e12;
+
+/// The model of the fit that shows residuals.
+fn model(scene: &Scene) -> ViewModel {
+    ViewModel {
+        elements: ELEMENTS,
+        camera_height_mm: HEIGHT_MM,
+        marker_height_mm: 0.0,
+        lean: scene.contact.lean.unwrap_or(Lean::NONE),
+    }
+}

@@ -1,0 +1,134 @@
+//! Forces sensed in images against those that were measured, and what is left of the markers.
+
+use super::dataset::{Columns, Dataset, Format};
+use super::format::percent_two_digits;
+use super::page::{Block, Figure, Section, text};
+use super::{ReportError, Results};
+use crate::experiments::measured::{MarkerResidual, MeasuredForce, MeasuredStudy};
+use crate::figures::{Axis, Chart, Dash, FigureError, Frame, Hue, Point, Series, Spread};
+
+const CSV: &str = "measured_forces.csv";
+const RESIDUALS_CSV: &str = "measured_residuals.csv";
+/// Standard deviations on either side of 95 % of a normal distribution.
+const TWO_SIDED_95: f64 = 1.96;
+/// Longest residual of the picture, mm on the page: the others to the same scale.
+const LONGEST_MM: f64 = 12.0;
+
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    vec![
+        Dataset::records(CSV, study.measured.iter().flat_map(|measured| &measured.forces)),
+        Dataset::records(RESIDUALS_CSV, study.measured.iter().flat_map(|measured| &measured.residuals)).csv_alone(),
+    ]
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
+    let Some(measured) = study.measured.as_ref().filter(|measured| measured.images > 0) else { return Ok(None) };
+    let mut blocks = vec![text(format!(
+        "{} images whose contact force was measured, each sensed by itself with the nonlinear estimator; the place of the contact is sought. Intervals \
+         are 95 %. Nothing is calibrated here: whether the scene was calibrated on these images is for the reader to know. Refused images are counted.",
+        measured.images
+    ))];
+    let drawn = [forces(measured)?, residuals(&measured.residuals)?];
+    let captions = [
+        ("Sensed against measured force, with 95 % intervals.", CSV),
+        (
+            "What is left of each marker under the measured force, all images: from where it is seen to where the finger has it.",
+            RESIDUALS_CSV,
+        ),
+    ];
+    for (svg, (caption, csv)) in drawn.into_iter().zip(captions) {
+        if let Some(svg) = svg {
+            blocks.push(Block::Figure(Figure {
+                svg,
+                caption: caption.to_owned(),
+                csv: Some(csv.to_owned()),
+                wide: false,
+            }));
+        }
+    }
+    let columns = Columns::<(&'static str, &[MeasuredForce])>::new()
+        .page("what is known", Format::Words, |(known, _)| *known)
+        .page("images", Format::Plain, |(_, forces)| forces.len())
+        .page("refused", Format::Plain, |(_, forces)| forces.iter().filter(|force| force.error.is_none()).count())
+        .page("mean error", Format::Percent, |(_, forces)| mean_error(forces))
+        .page("largest", Format::Percent, |(_, forces)| errors(forces).reduce(f64::max))
+        .page("error / sigma, rms", Format::Fixed(2), |(_, forces)| rms_of_sigmas(forces))
+        .page("within 95 %", Format::Plain, |(_, forces)| within(forces));
+    let caption = "Error of the force as a share of the measured one, by what is known: all that the scene has, and all but one thing";
+    blocks.push(Block::Table(columns.table(caption, CSV, measured.by_knowledge())));
+    Ok(Some(Section::new("measured", "Measured images", blocks).saying(in_words(measured))))
+}
+
+fn errors(forces: &[MeasuredForce]) -> impl Iterator<Item = f64> {
+    forces.iter().filter_map(|force| force.error).map(f64::abs)
+}
+
+fn mean_error(forces: &[MeasuredForce]) -> Option<f64> {
+    let answered = errors(forces).count();
+    (answered > 0).then(|| errors(forces).sum::<f64>() / answered as f64)
+}
+
+fn rms_of_sigmas(forces: &[MeasuredForce]) -> Option<f64> {
+    let all: Vec<f64> = forces.iter().filter_map(|force| force.error_over_sigma).collect();
+    (!all.is_empty()).then(|| (all.iter().map(|x| x * x).sum::<f64>() / all.len() as f64).sqrt())
+}
+
+/// Images whose interval holds the measured force.
+fn within(forces: &[MeasuredForce]) -> usize {
+    forces.iter().filter(|force| force.error_over_sigma.is_some_and(|off| off.abs() <= TWO_SIDED_95)).count()
+}
+
+/// The friction of the scene where it has one, else the measured direction.
+fn in_words(measured: &MeasuredStudy) -> Option<String> {
+    let all: Vec<_> = measured.by_knowledge().collect();
+    let (known, forces) = all.iter().find(|(known, _)| known.starts_with("friction")).or(all.first())?;
+    Some(format!(
+        "In {} images of the finger itself ({known}), forces err by {} in the mean; 95 % intervals hold {} of {}.",
+        measured.images,
+        percent_two_digits(mean_error(forces)?),
+        within(forces),
+        forces.len(),
+    ))
+}
+
+fn forces(measured: &MeasuredStudy) -> Result<Option<String>, FigureError> {
+    let mut series = Vec::new();
+    let mut largest = 0.0_f64;
+    // All that the scene has; the rest is in the table.
+    for (n, (known, forces)) in measured.by_knowledge().take(3).enumerate() {
+        let answered = || forces.iter().filter_map(|force| Some((force.measured_n, force.sensed_n?, force.sigma_n?)));
+        let points: Vec<Point> = answered().map(|(measured_n, sensed_n, _)| [measured_n, sensed_n]).collect();
+        if points.is_empty() {
+            continue;
+        }
+        let ends = answered()
+            .map(|(_, sensed_n, sigma_n)| [sensed_n - TWO_SIDED_95 * sigma_n, sensed_n + TWO_SIDED_95 * sigma_n]);
+        largest = points.iter().flatten().fold(largest, |m, x| m.max(*x));
+        series.push(Series { dash: Dash::None, spread: Spread::Bars(ends.collect()), ..Series::nth(n, known, points) });
+    }
+    if series.is_empty() {
+        return Ok(None);
+    }
+    series.push(Series::guide("as measured", vec![[0.0, 0.0], [largest, largest]]));
+    let title = "Sensed against measured";
+    let frame = Frame::half(title, "Sensed force over measured force, an image each, with intervals");
+    Chart::new(frame, [Axis::linear("measured force, N"), Axis::linear("sensed force, N")], series).svg().map(Some)
+}
+
+fn residuals(residuals: &[MarkerResidual]) -> Result<Option<String>, FigureError> {
+    let length = |left: &MarkerResidual| left.residual_x_mm.hypot(left.residual_y_mm);
+    let longest_mm = residuals.iter().map(length).fold(0.0, f64::max);
+    if longest_mm <= 0.0 {
+        return Ok(None);
+    }
+    let scale = LONGEST_MM / longest_mm;
+    let line = |left: &MarkerResidual| -> Vec<Point> {
+        vec![[left.x_mm, left.y_mm], [left.x_mm + scale * left.residual_x_mm, left.y_mm + scale * left.residual_y_mm]]
+    };
+    let seen: Vec<Point> = residuals.iter().map(|left| [left.x_mm, left.y_mm]).collect();
+    let mut series = Series::lines("what is left", residuals.iter().map(line).collect(), Hue::nth(1), 2.0);
+    series.push(Series { dash: Dash::None, hue: Hue::Neutral, ..Series::nth(0, "markers seen", seen) });
+    let title = format!("Residuals, {scale:.0} times as long ({longest_mm:.3} mm at most)");
+    let alt = "Markers of all images in the finger frame with what is left of each";
+    Chart::to_scale(Frame::half(title, alt), ["x, mm", "y, mm"], series).svg().map(Some)
+}
