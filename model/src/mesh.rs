@@ -13,6 +13,9 @@ use crate::frame::{BeamEnd, FrameLoad, FrameMotion, NodeIndex, PlaneFrame, Secti
 use prepared::Prepared;
 use zones::{ElementPositions, mean_compliance};
 
+/// Points at which a normal is taken that is averaged over a length of plate.
+const NORMALS: usize = 5;
+
 /// A dead load on a finger, in the finger frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Load {
@@ -208,6 +211,28 @@ impl Mesh {
             return undeformed;
         }
         undeformed + motion.displacements[self.marker_node(node)] - motion.displacements[self.frame_node(node)]
+    }
+
+    /// By how much the normal of the front plate is turned where a load acts, rad; the mean over a length of plate about it, as far as
+    /// the plate goes.
+    ///
+    /// # Errors
+    /// [`LoadError`] as of [`frame_load`](Mesh::frame_load).
+    pub(crate) fn normal_turn(&self, motion: &FrameMotion, load: &Load, over_mm: f64) -> Result<f64, LoadError> {
+        let at = |load: &Load| Ok(self.frame.rotation_at(motion, &self.frame_load(load)?));
+        let middle_mm = match *load {
+            Load::Front { s_mm, .. } => Some(s_mm),
+            Load::Node { node, .. } => self.finger.front_position_mm(node),
+        };
+        let Some(middle_mm) = middle_mm.filter(|_| over_mm > 0.0) else { return at(load) };
+        let length_mm = self.finger.plate_length_mm(Plate::Front);
+        let mut sum = 0.0;
+        for i in 0..NORMALS {
+            let share = (i as f64 + 0.5) / NORMALS as f64 - 0.5;
+            let s_mm = (middle_mm + share * over_mm).clamp(f64::EPSILON * length_mm, length_mm);
+            sum += at(&Load::at_position(s_mm, Vector::zeros()))?;
+        }
+        Ok(sum / NORMALS as f64)
     }
 
     /// Places a load on the frame.

@@ -124,7 +124,7 @@ pub struct FoundView {
     pub force: Vector,
     /// Where the base is in the frame that the view has of it.
     pub base: Isometry2<f64>,
-    /// By how much the plate's normal at the contact is turned, rad.
+    /// By how much the plate's normal is turned at the contact, rad; the mean over the length that leans count from.
     pub normal_turn_rad: f64,
     /// Computed less seen position of each marker, mm, in the frame of the view.
     pub residuals_mm: Vec<Vector>,
@@ -435,12 +435,15 @@ impl Problem<'_> {
     /// The force of a view in the finger frame, and how the finger bends under it; `None` where there is no equilibrium.
     fn pressed(&self, candidate: &Candidate, view: &View, own: &Own) -> Option<Pressed> {
         let finger = candidate.mesh.finger();
-        let frame = candidate.mesh.frame();
+        let over_mm = match self.model.lean.from {
+            Normal::Deformed { over_mm } => over_mm,
+            Normal::Undeformed => 0.0,
+        };
         let mut statics = Statics::ladder(&candidate.mesh, Kinematics::Corotational);
         let mut under = |force: Vector| {
-            let load = candidate.mesh.frame_load(&Load::at_position(own.s_mm, force)).ok()?;
-            let motion = statics.equilibrium(&[load]).ok()?.motion;
-            let normal_turn_rad = frame.rotation_at(&motion, &load);
+            let load = Load::at_position(own.s_mm, force);
+            let motion = statics.equilibrium(&[candidate.mesh.frame_load(&load).ok()?]).ok()?.motion;
+            let normal_turn_rad = candidate.mesh.normal_turn(&motion, &load, over_mm).ok()?;
             Some(Pressed { force, motion, normal_turn_rad })
         };
         if let Some(force) = view.force {

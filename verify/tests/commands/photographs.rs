@@ -175,6 +175,7 @@ fn what_images_cannot_show_is_refused() {
     assert_says(&refused(&scene, &["--fit", "modulus,size"]), &["--fit", "modulus, front-modulus", "\"size\""]);
     assert_says(&refused(&scene, &["--fit", "ribs=-1"]), &["--fit", "ribs", "more than zero"]);
     assert_says(&refused(&scene, &["--fit", "bracket,bracket"]), &["front_bracket_mm is named twice"]);
+    assert_says(&refused(&scene, &["--fit", "friction,friction-build-up"]), &["friction is named twice"]);
     assert_says(&refused(&scene, &["--fit", "modulus"]), &["not identifiable", "--forces"]);
     assert_says(&refused(&scene, &["--fit", "bracket"]), &["friction", "contact"]);
     assert_says(&refused(PAPER, &["--fit", "bracket"]), &["bracket_mm", "finger.ribs"]);

@@ -204,11 +204,13 @@ impl<'m> NonlinearEstimator<'m> {
         // Forces and shapes from which they were sought.
         let mut starts: Vec<(Vec<f64>, FrameMotion)> = Vec::new();
         let by_direction = self.questions.iter().any(|question| question.direction == Direction::Auto);
-        for start in STARTS.into_iter().chain(STARTS_BY_DIRECTION.into_iter().filter(|_| by_direction)) {
+        let follows = self.questions.iter().any(|question| matches!(question.direction, Direction::Leaning(_)));
+        let by_direction = STARTS_BY_DIRECTION.into_iter().filter(|_| by_direction);
+        for start in STARTS.into_iter().chain(by_direction).chain([Start::Held].into_iter().filter(|_| follows)) {
             if let Some(found) = &mut best
                 && misfit(&found.state) <= largest_misfit
             {
-                if found.near || matches!(start, Start::Towards(_)) {
+                if found.near || matches!(start, Start::Towards(_) | Start::Held) {
                     break;
                 }
                 // An explanation that leaves the unknowns open is reason enough to refuse.

@@ -6,7 +6,7 @@ use super::{NonlinearEstimator, State};
 use crate::finger::Plate;
 use crate::measurement::Measurement;
 use crate::sensing::{
-    Contact, ContactPosition, Direction, Estimate, LinearEstimator, Prior, SensingError, halved_below,
+    Contact, ContactPosition, ContactQuestion, Direction, Estimate, LinearEstimator, Prior, SensingError, halved_below,
 };
 use crate::statics::{Equilibrium, EquilibriumEquations, StaticsError};
 
@@ -17,6 +17,8 @@ pub(super) enum Start {
     Times(f64),
     /// The linear forces with all unknown directions at this angle from the undeformed inward normal, degrees.
     Towards(f64),
+    /// What explains the measurement best while directions that follow the plate are held where they are from the undeformed normal.
+    Held,
 }
 
 impl NonlinearEstimator<'_> {
@@ -30,6 +32,7 @@ impl NonlinearEstimator<'_> {
         let (factor, towards_deg) = match start {
             Start::Times(factor) => (factor, None),
             Start::Towards(angle_deg) => (1.0, Some(angle_deg)),
+            Start::Held => return self.held_start(measurement, noise_mm),
         };
         let finger = self.finger();
         // A contact of unknown position is tried at every node; several of them are tried one after the other.
@@ -89,6 +92,25 @@ impl NonlinearEstimator<'_> {
             }
         }
         Err(SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 0.0 }))
+    }
+
+    /// A force that follows the plate may lead the search astray where the plate turns much; one that does not, less often.
+    fn held_start(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<State, SensingError> {
+        let held = |question: &ContactQuestion| match question.direction {
+            Direction::Leaning(lean) => ContactQuestion { direction: Direction::Angle(lean.angle_deg), ..*question },
+            Direction::Angle(_) | Direction::Auto => *question,
+        };
+        let questions: Vec<ContactQuestion> = self.questions.iter().map(held).collect();
+        let mut estimator = NonlinearEstimator::new(self.mesh, &questions)?;
+        estimator.expect(measurement, noise_mm)?;
+        let found = estimator.searched(measurement, noise_mm, Start::Times(1.0), &mut Vec::new())?;
+        let linearised = Linearised::new(self.mesh, self.unknowns.len(), self.priors.clone());
+        let mut state = State { linearised, ..found.state };
+        self.statics.linearise(&state.motion, &state.loads);
+        self.differentiate(&mut state)?;
+        let (shape, linearised) = state.split();
+        linearised.weigh(shape, measurement, noise_mm);
+        Ok(state)
     }
 
     /// Least squares with two components where the direction is unknown, turned into one force and its angle; or with the

@@ -1,11 +1,9 @@
 //! The unknowns as a list of numbers: forces, then positions, then directions, then the base.
 
 use super::{NonlinearEstimator, State};
-use crate::Vector;
 use crate::finger::Plate;
-use crate::frame::FrameMotion;
-use crate::mesh::{Load, LoadError};
-use crate::sensing::{Contact, ContactPosition, ContactQuestion, Direction, Normal};
+use crate::mesh::LoadError;
+use crate::sensing::{ContactPosition, ContactQuestion, Direction, Normal};
 use nalgebra::{Translation2, UnitComplex};
 
 /// Share of the plate that a position moves in one step at most.
@@ -14,8 +12,6 @@ const LONGEST_MOVE: f64 = 0.2;
 const NEAREST_TO_BASE: f64 = 0.01;
 /// One unit of the base's turn, rad: its tip moves by about as much as a unit of force would move it.
 const TURN_UNIT: f64 = 0.01;
-/// Points at which the normal is taken where it is averaged over a length of plate.
-const NORMALS: usize = 5;
 
 /// One unknown: of which contact, and what.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -141,7 +137,9 @@ impl NonlinearEstimator<'_> {
             }
             if let Direction::Leaning(lean) = question.direction {
                 let turned = match lean.from {
-                    Normal::Deformed { over_mm } => self.normal_turned(motion, contact, over_mm)?,
+                    Normal::Deformed { over_mm } => {
+                        self.mesh.normal_turn(motion, &contact.unit_load(finger), over_mm)?
+                    }
                     Normal::Undeformed => 0.0,
                 };
                 let angle_deg = turned.to_degrees() + lean.mean_deg(forces_n[i]) + nuisances.further_leans_deg[i];
@@ -151,22 +149,5 @@ impl NonlinearEstimator<'_> {
             loads[i] = self.mesh.frame_load(&contact.load(finger, forces_n[i]))?;
         }
         Ok(largest_turn_deg)
-    }
-
-    /// By how much the plate's normal at a contact is turned, rad; the mean over a length of plate about it.
-    fn normal_turned(&self, motion: &FrameMotion, contact: &Contact, over_mm: f64) -> Result<f64, LoadError> {
-        let (finger, frame) = (self.finger(), self.mesh.frame());
-        let place = match contact.position_mm(finger).filter(|_| over_mm > 0.0) {
-            None => return Ok(frame.rotation_at(motion, &self.mesh.frame_load(&contact.unit_load(finger))?)),
-            Some(place) => place,
-        };
-        let length_mm = finger.plate_length_mm(Plate::Front);
-        let mut sum = 0.0;
-        for i in 0..NORMALS {
-            let share = (i as f64 + 0.5) / NORMALS as f64 - 0.5;
-            let s_mm = (place + share * over_mm).clamp(NEAREST_TO_BASE * length_mm, length_mm);
-            sum += frame.rotation_at(motion, &self.mesh.frame_load(&Load::at_position(s_mm, Vector::zeros()))?);
-        }
-        Ok(sum / NORMALS as f64)
     }
 }

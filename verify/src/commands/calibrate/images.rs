@@ -65,8 +65,15 @@ fn is_of_rig(quantity: &Quantity) -> bool {
 /// What is to be found.
 struct Fit {
     sought: Vec<Sought>,
-    /// Whether friction is, and builds up.
-    friction: Option<bool>,
+    friction: Option<FrictionFit>,
+}
+
+/// How friction is to be found.
+#[derive(Clone, Copy, Default)]
+struct FrictionFit {
+    builds_up: bool,
+    /// Standard deviation of the coefficient from object to object, which images of one do not show.
+    between_objects: f64,
 }
 
 impl Fit {
@@ -88,7 +95,13 @@ impl Fit {
                 Some(text) => Some(positive(text).map_err(|reason| bad(format!("{name}: {reason}")))?),
             };
             match named {
-                Named::Friction { builds_up } => fit.friction = Some(*builds_up || fit.friction == Some(true)),
+                Named::Friction { builds_up } => {
+                    if fit.friction.is_some() {
+                        return Err(bad("friction is named twice".to_owned()));
+                    }
+                    let between_objects = prior_sd.unwrap_or_default();
+                    fit.friction = Some(FrictionFit { builds_up: *builds_up, between_objects });
+                }
                 Named::Quantities(of) => {
                     for quantity in of(&scene.finger) {
                         if fit.seeks(|known| *known == quantity) {
@@ -178,7 +191,13 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failu
         .filter(|(view, _)| view.force.is_some())
         .map(|(_, found)| (found.force.norm(), found.lean_deg(&estimate.finger, lean.from)))
         .collect();
-    let friction = fit.friction.map(|builds_up| calibration::friction_of(&leaning, lean.from, builds_up));
+    let friction = fit.friction.map(|friction| {
+        let found = calibration::friction_of(&leaning, lean.from, friction.builds_up)?;
+        // What the coefficient differs by from object to object, as an angle.
+        let tangent = found.angle_deg.to_radians().tan();
+        let between_deg = (friction.between_objects / (1.0 + tangent * tangent)).to_degrees();
+        Ok(Lean { sd_deg: found.sd_deg.hypot(between_deg), ..found })
+    });
     let friction = friction.transpose().map_err(failure)?;
     let mut files: Vec<(PathBuf, String)> = Vec::new();
     if let Some(path) = &arguments.correlations {

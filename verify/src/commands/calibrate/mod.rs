@@ -29,7 +29,8 @@ use std::path::PathBuf;
 /// height: of the markers above the beams, which is their scale; base: where the finger is in the frame of its references (or
 /// of the camera's pose). Where forces were measured (--forces, in the frame of the camera's pose),
 /// friction is the coefficient about the normal of the scene's table contact, friction-build-up also
-/// the force over which it builds up. Without forces geometry alone is identifiable. model_error_mm is
+/// the force over which it builds up; friction=0.05 adds how much it differs from object to object,
+/// which images of one do not show. Without forces geometry alone is identifiable. model_error_mm is
 /// by how much the calibrated finger still misses its markers. --calibrated writes the scene that
 /// `finray sense` takes.
 ///
