@@ -135,6 +135,14 @@ impl Measurement {
         self.base
     }
 
+    /// The same measurement with other displacements.
+    pub(crate) fn displaced(mut self, displacement: impl Fn(&Marker) -> Vector) -> Measurement {
+        for marker in &mut self.markers {
+            marker.displacement = displacement(marker);
+        }
+        self
+    }
+
     /// The same measurement with every marker as good as the others.
     pub fn of_equal_weight(mut self) -> Measurement {
         for marker in &mut self.markers {

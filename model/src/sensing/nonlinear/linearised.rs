@@ -9,7 +9,7 @@ use crate::finger::NodeId;
 use crate::frame::{FrameMotion, NodeIndex};
 use crate::measurement::{Marker, Measurement};
 use crate::mesh::Mesh;
-use crate::sensing::{Contact, LARGEST_SPAN, SensingError};
+use crate::sensing::{Contact, Direction, LARGEST_SPAN, SensingError};
 use nalgebra::{DMatrix, Point2, UnitComplex};
 
 /// Markers off by more than this many standard deviations count less (Cauchy's weight beyond it).
@@ -30,6 +30,8 @@ pub(super) struct Linearised {
     marker_points: Vec<MarkerPoint>,
     /// Displacements of all key nodes per unit of the first unknown, of the second and so on.
     rates: Vec<Vector>,
+    /// Room for displacements of all key nodes.
+    across: Vec<Vector>,
     /// Robust weight of a marker, beside its own: 1, and less for an outlier.
     weights: Vec<f64>,
     /// What is known beforehand, and its rows where the derivatives were taken.
@@ -91,6 +93,7 @@ impl Linearised {
         Linearised {
             marker_points: (1..=key_nodes).map(|node| point(NodeId(node))).collect(),
             rates: vec![Vector::zeros(); key_nodes * unknowns],
+            across: vec![Vector::zeros(); key_nodes],
             weights: vec![1.0; key_nodes],
             prior_rows: Vec::with_capacity(priors.count()),
             priors,
@@ -275,6 +278,17 @@ impl NonlinearEstimator<'_> {
                             BaseMotion::Y => Vector::y(),
                             BaseMotion::Turn => Vector::new(-position.y, position.x),
                         };
+                    }
+                    // A force whose direction is known turns the other way as the finger has it.
+                    let held =
+                        self.questions.iter().enumerate().filter(|(_, q)| matches!(q.direction, Direction::Angle(_)));
+                    for (i, _) in held.filter(|_| way == BaseMotion::Turn) {
+                        let across = Contact { angle_deg: contacts[i].angle_deg + 90.0, ..contacts[i] };
+                        let load = self.mesh.frame_load(&across.unit_load(finger))?;
+                        ladder.added_load(motion, &load, &mut linearised.across);
+                        for (rate, across) in rates.iter_mut().zip(&linearised.across) {
+                            *rate -= base.rotation * *across * forces_n[i];
+                        }
                     }
                     continue;
                 }

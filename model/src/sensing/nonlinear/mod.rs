@@ -206,11 +206,13 @@ impl<'m> NonlinearEstimator<'m> {
         let by_direction = self.questions.iter().any(|question| question.direction == Direction::Auto);
         let follows = self.questions.iter().any(|question| matches!(question.direction, Direction::Leaning(_)));
         let by_direction = STARTS_BY_DIRECTION.into_iter().filter(|_| by_direction);
-        for start in STARTS.into_iter().chain(by_direction).chain([Start::Held].into_iter().filter(|_| follows)) {
+        let moved_base = measurement.base().map(|_| Start::FromMovedBase);
+        let held = follows.then_some(Start::Held);
+        for start in STARTS.into_iter().chain(moved_base).chain(by_direction).chain(held) {
             if let Some(found) = &mut best
                 && misfit(&found.state) <= largest_misfit
             {
-                if found.near || matches!(start, Start::Towards(_) | Start::Held) {
+                if found.near || matches!(start, Start::Towards(_) | Start::FromMovedBase | Start::Held) {
                     break;
                 }
                 // An explanation that leaves the unknowns open is reason enough to refuse.

@@ -3,12 +3,15 @@
 use super::linearised::Linearised;
 use super::nuisances::Nuisances;
 use super::{NonlinearEstimator, State};
-use crate::finger::Plate;
-use crate::measurement::Measurement;
+use crate::Vector;
+use crate::finger::{Finger, Plate};
+use crate::measurement::{Marker, Measurement};
 use crate::sensing::{
     Contact, ContactPosition, ContactQuestion, Direction, Estimate, LinearEstimator, Prior, SensingError, halved_below,
 };
 use crate::statics::{Equilibrium, EquilibriumEquations, StaticsError};
+use nalgebra::{Isometry2, Point2, UnitComplex};
+use std::borrow::Cow;
 
 /// A start of the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,6 +20,8 @@ pub(super) enum Start {
     Times(f64),
     /// The linear forces with all unknown directions at this angle from the undeformed inward normal, degrees.
     Towards(f64),
+    /// The linear forces of what is left when the base is where it alone explains the measurement best.
+    FromMovedBase,
     /// What explains the measurement best while directions that follow the plate are held where they are from the undeformed normal.
     Held,
 }
@@ -29,11 +34,15 @@ impl NonlinearEstimator<'_> {
         noise_mm: Option<f64>,
         start: Start,
     ) -> Result<State, SensingError> {
-        let (factor, towards_deg) = match start {
-            Start::Times(factor) => (factor, None),
-            Start::Towards(angle_deg) => (1.0, Some(angle_deg)),
+        let mut nuisances = Nuisances::expected(self.questions.len());
+        let (mut factor, mut towards_deg) = (1.0, None);
+        match start {
+            Start::Times(times) => factor = times,
+            Start::Towards(angle_deg) => towards_deg = Some(angle_deg),
+            Start::FromMovedBase => nuisances.base = rigid_motion(self.finger(), measurement),
             Start::Held => return self.held_start(measurement, noise_mm),
-        };
+        }
+        let from_base = seen_from(self.finger(), measurement, &nuisances.base);
         let finger = self.finger();
         // A contact of unknown position is tried at every node; several of them are tried one after the other.
         let mut positions: Vec<Option<ContactPosition>> = self.questions.iter().map(|q| q.position).collect();
@@ -44,7 +53,7 @@ impl NonlinearEstimator<'_> {
             let mut best = None;
             for node in finger.contact_nodes() {
                 positions[i] = Some(ContactPosition::Node(node));
-                let Ok((contacts, estimate)) = self.linear_start(&positions, towards_deg, measurement) else {
+                let Ok((contacts, estimate)) = self.linear_start(&positions, towards_deg, &from_base) else {
                     continue;
                 };
                 let inward = contacts.iter().zip(&estimate.forces_n).all(|(_, f)| *f >= 0.0);
@@ -55,7 +64,7 @@ impl NonlinearEstimator<'_> {
             }
             positions[i] = Some(ContactPosition::Node(best.map_or(finger.tip(), |(node, _)| node)));
         }
-        let (contacts, estimate) = self.linear_start(&positions, towards_deg, measurement)?;
+        let (contacts, estimate) = self.linear_start(&positions, towards_deg, &from_base)?;
         // A position that moves is a distance along the plate, not a node.
         let contacts: Vec<Contact> = contacts
             .iter()
@@ -77,7 +86,6 @@ impl NonlinearEstimator<'_> {
             match self.statics.tried(&rest, [&[], &loads], |_| true) {
                 Ok(Equilibrium { motion, .. }) => {
                     let linearised = Linearised::new(self.mesh, self.unknowns.len(), self.priors.clone());
-                    let nuisances = Nuisances::expected(self.questions.len());
                     let mut state = State { forces_n, contacts, nuisances, loads, motion, linearised };
                     self.differentiate(&mut state)?;
                     let (shape, linearised) = state.split();
@@ -160,4 +168,41 @@ impl NonlinearEstimator<'_> {
         estimate.forces_n = forces_n;
         Ok((contacts, estimate))
     }
+}
+
+/// Where the base is if nothing bends the finger: the rigid motion that brings its markers nearest to where they are seen.
+///
+/// # Reference
+/// Umeyama, IEEE Transactions on Pattern Analysis and Machine Intelligence 13 (1991), in the plane.
+fn rigid_motion(finger: &Finger, measurement: &Measurement) -> Isometry2<f64> {
+    let markers = || measurement.markers().iter().map(|marker| (marker_at_rest(finger, marker), marker));
+    let weight: f64 = markers().map(|(_, m)| m.weight * m.weight).sum();
+    let mean = |of: fn(Vector, &Marker) -> Vector| {
+        markers().map(|(rest, m)| of(rest, m) * m.weight * m.weight).sum::<Vector>() / weight
+    };
+    let (from, to) = (mean(|rest, _| rest), mean(|rest, m| rest + m.displacement));
+    let (mut along, mut across) = (0.0, 0.0);
+    for (rest, marker) in markers() {
+        let (a, b) = (rest - from, rest + marker.displacement - to);
+        along += marker.weight * marker.weight * a.dot(&b);
+        across += marker.weight * marker.weight * a.perp(&b);
+    }
+    let rotation = UnitComplex::new(across.atan2(along));
+    Isometry2::from_parts((to - rotation * from).into(), rotation)
+}
+
+/// Where the finger has a marker when nothing bends it, finger frame, mm.
+fn marker_at_rest(finger: &Finger, marker: &Marker) -> Vector {
+    finger.position(marker.node) + finger.marker_offset(marker.node)
+}
+
+/// The displacements as a base elsewhere has them.
+fn seen_from<'m>(finger: &Finger, measurement: &'m Measurement, base: &Isometry2<f64>) -> Cow<'m, Measurement> {
+    if *base == Isometry2::identity() {
+        return Cow::Borrowed(measurement);
+    }
+    Cow::Owned(measurement.clone().displaced(|marker| {
+        let rest = marker_at_rest(finger, marker);
+        base.inverse_transform_point(&Point2::from(rest + marker.displacement)).coords - rest
+    }))
 }

@@ -1,7 +1,9 @@
 //! What is known beforehand, but not exactly: the base, and how friction turns a force. Stated standard deviations hold it.
 
 use finray_model::measurement::{BaseUncertainty, Marker, Measurement};
-use finray_model::sensing::{Contact, ContactQuestion, Direction, Lean, NonlinearEstimator, Normal, SensingError};
+use finray_model::sensing::{
+    Contact, ContactPosition, ContactQuestion, Direction, Estimate, Lean, NonlinearEstimator, Normal, SensingError,
+};
 use finray_model::statics::{Statics, StaticsError};
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Vector};
 use finray_tests::{ELEMENTS, TWO_SIDED_95, at_node, finger_of, noisy, seen, share_error};
@@ -136,4 +138,61 @@ fn priors_need_a_noise() {
     let measurement = Measurement::at_rest(&finger).with_uncertain_base(base);
     let mut estimator = NonlinearEstimator::new(&mesh, &[contact.into()]).expect("a contact node");
     assert_eq!(estimator.estimate(&measurement, None), Err(SensingError::NoiseNotStated));
+}
+
+/// A base may be further from where it is thought to be than the finger bends: a small force, a finger mounted anew.
+#[test]
+fn bases_far_off_are_found() {
+    let finger = bracketed();
+    let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
+    let base = BaseUncertainty { sd_mm: 3.0, sd_rad: 0.06 };
+    let mut rng = ChaCha8Rng::seed_from_u64(12);
+    let mut within = |from: f64, to: f64| rng.random_range(from..to);
+    for _ in 0..100 {
+        let contact = Contact { position: ContactPosition::At(within(45.0, 95.0)), angle_deg: within(0.0, 25.0) };
+        let force_n = within(1.0, 4.0);
+        let clean = seen(&mesh, &[contact], &[force_n], Kinematics::Corotational).expect("carried");
+        let (moved, turned_rad) = (Vector::new(within(-5.0, 5.0), within(-5.0, 5.0)), within(-0.1, 0.1));
+        let elsewhere = from_another_base(&finger, &clean, moved, turned_rad).with_uncertain_base(base);
+        let direction = Direction::Angle(contact.angle_deg + turned_rad.to_degrees());
+        let mut estimator =
+            NonlinearEstimator::new(&mesh, &[ContactQuestion { position: None, direction }]).expect("on the plate");
+        let found = estimator.estimate(&elsewhere, Some(0.01)).map(|found| found.forces);
+        let is_right = |found: &Estimate| (found.forces_n[0] - force_n).abs() < TWO_SIDED_95 * found.sigmas_n[0];
+        assert!(found.as_ref().is_ok_and(is_right), "{contact:?}, {force_n} N, {moved} {turned_rad}: {found:?}");
+    }
+}
+
+/// The stated standard deviation is what noise of each coordinate does to the answer, one after the other.
+#[test]
+fn sigmas_are_responses_to_noise() {
+    let finger = bracketed();
+    let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
+    // So loose that it adds nothing to the sum.
+    let base = BaseUncertainty { sd_mm: 100.0, sd_rad: 1.0 };
+    let contact = Contact { position: ContactPosition::At(70.0), angle_deg: 15.0 };
+    let clean = seen(&mesh, &[contact], &[8.0], Kinematics::Corotational).expect("carried");
+    let question = ContactQuestion { position: None, direction: Direction::Angle(contact.angle_deg) };
+    let mut estimator = NonlinearEstimator::new(&mesh, &[question]).expect("on the plate");
+    let (noise_mm, step_mm) = (1e-3, 1e-4);
+    let mut sensed = |moved: Option<(NodeId, Vector)>| {
+        let marker = |marker: &Marker| match moved {
+            Some((node, by)) if node == marker.node => Marker { displacement: marker.displacement + by, ..*marker },
+            _ => *marker,
+        };
+        let measurement = Measurement::new(&finger, clean.markers().iter().map(marker)).expect("the same nodes");
+        let found = estimator.estimate(&measurement.with_uncertain_base(base), Some(noise_mm));
+        found.expect("identifiable").forces
+    };
+    let stated = sensed(None).sigmas_n[0];
+    let mut variance = 0.0;
+    for marker in clean.markers() {
+        for way in [Vector::x(), Vector::y()] {
+            let [plus, minus] = [step_mm, -step_mm].map(|step| sensed(Some((marker.node, way * step))).forces_n[0]);
+            variance += ((plus - minus) / (2.0 * step_mm) * noise_mm).powi(2);
+        }
+    }
+    let responses = variance.sqrt();
+    // Central differences of answers that settle to a hundredth of their standard deviation.
+    assert!((stated / responses - 1.0).abs() < 0.01, "stated {stated} N, responses {responses} N");
 }
