@@ -165,13 +165,20 @@ pub struct ViewEstimate {
     pub views: Vec<FoundView>,
     /// By how much the finger misses its markers beyond their noise, mm: standard deviation of one coordinate.
     pub model_error_mm: f64,
+    /// By which share the finger misses measured forces beyond what noise, place and base explain: standard deviation of one force.
+    /// `None` where no modulus is sought, or no force was measured.
+    pub force_error: Option<f64>,
 }
 
-/// Of the unknowns of one view: position, base x, y and turn; then force and lean, where it was not measured.
+/// Of the unknowns of one view: position, base x, y and turn; then the force, where it was not measured exactly, and its lean, where it was not
+/// measured.
 const OWN: usize = 4;
 /// Standard deviation of the residual, mm, with which the fit begins; then that of the last fit.
 const FIRST_MODEL_ERROR_MM: f64 = 0.05;
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 6;
+/// The same for the error of a force, as a share of it, and the least that counts.
+const FIRST_FORCE_ERROR: f64 = 0.01;
+const LEAST_FORCE_ERROR: f64 = 1e-5;
 /// Steps for derivatives: of lengths, mm, of factors, forces, as shares, and angles in rad, and of angles in degrees. Equilibria are good to
 /// ten digits.
 const LENGTH_STEP: f64 = 1e-3;
@@ -223,6 +230,8 @@ struct Problem<'p> {
     sought: &'p [Sought],
     model: &'p ViewModel,
     model_error_mm: f64,
+    /// `None` where measured forces are exact.
+    force_error: Option<f64>,
 }
 
 /// Finds what several views show of a finger and its rig.
@@ -230,7 +239,9 @@ struct Problem<'p> {
 /// # Reference
 /// Nonlinear least squares over all views and their own unknowns at once (bundle adjustment, Triggs et al. 2000, with the co-rotational
 /// finger in place of points), by the method of Levenberg and Marquardt; derivatives are differences of equilibria. What the finger leaves
-/// unexplained beyond the noise is a variance that is estimated with it, so that priors weigh as much as they should.
+/// unexplained beyond the noise is a variance that is estimated with it, so that priors weigh as much as they should. Where a modulus is
+/// sought, so is the variance of the share by which measured forces are missed, by Schall's iteration (Biometrika 78, 1991): it
+/// holds what is wrong with the sensor, and with the model where markers do not show it.
 ///
 /// # Errors
 /// [`CalibrationError`] where a view has no explanation at the start, or a quantity is not identifiable.
@@ -240,10 +251,13 @@ pub fn views(
     sought: &[Sought],
     model: &ViewModel,
 ) -> Result<ViewEstimate, CalibrationError> {
-    let mut problem = Problem { finger, views, sought, model, model_error_mm: FIRST_MODEL_ERROR_MM };
+    let is_scaled = sought.iter().any(|sought| sought.quantity.is_factor()) && views.iter().any(|v| v.force.is_some());
+    let force_error = is_scaled.then_some(FIRST_FORCE_ERROR);
+    let mut problem = Problem { finger, views, sought, model, model_error_mm: FIRST_MODEL_ERROR_MM, force_error };
     let names = |quantities: &mut dyn Iterator<Item = usize>| {
         quantities.map(|k| sought[k].quantity.to_string()).collect::<Vec<_>>().join(", ")
     };
+    let all = || names(&mut (0..sought.len()));
     let coordinates: usize = views.iter().map(|view| view.measurement.coordinate_count()).sum();
     let unknowns = sought.iter().filter(|sought| sought.prior_sd.is_none()).count()
         + views.iter().map(|view| if view.force.is_some() { 1 } else { 2 }).sum::<usize>();
@@ -265,10 +279,14 @@ pub fn views(
         let left = (coordinates - unknowns) as f64 / coordinates as f64;
         let excess_mm2 = (squares_mm2 / left - noise_mm2) / coordinates as f64;
         problem.model_error_mm = excess_mm2.max(0.0).sqrt();
+        if let Some(before) = problem.force_error {
+            let covariance = fitted.inverse.as_ref();
+            let covariance = covariance.ok_or_else(|| CalibrationError::NotSeparable { parameters: all() })?;
+            problem.force_error = Some(problem.force_error_of(&point, covariance, before).max(LEAST_FORCE_ERROR));
+        }
         found = Some(fitted);
     }
     let Fit { parameters: point, inverse, .. } = found.ok_or(CalibrationError::NoMinimum)?;
-    let all = || names(&mut (0..sought.len()));
     let covariance = inverse.ok_or_else(|| CalibrationError::NotSeparable { parameters: all() })?;
     let sigma = |k: usize| covariance[(k, k)].sqrt();
     let open = |k: &usize| {
@@ -295,7 +313,7 @@ pub fn views(
         let pressed = problem.pressed(&candidate, view, own).ok_or(CalibrationError::NoMinimum)?;
         found_views.push(FoundView {
             s_mm: own.s_mm,
-            force: pressed.force,
+            force: pressed.force * (view.force.map_or(own.force_n, |force| force.norm()) / own.force_n),
             base: candidate.base * own.base,
             normal_turn_rad: pressed.normal_turn_rad,
             residuals_mm: problem.residuals(&candidate, view, own, &pressed).map(|(_, left)| left).collect(),
@@ -306,6 +324,7 @@ pub fn views(
         correlation: DMatrix::from_fn(sought.len(), sought.len(), |i, j| covariance[(i, j)] / (sigma(i) * sigma(j))),
         views: found_views,
         model_error_mm: problem.model_error_mm,
+        force_error: problem.force_error,
         marker_height_mm: candidate.marker_height_mm,
         base: candidate.base,
         finger: candidate.mesh.finger().clone(),
@@ -428,8 +447,26 @@ impl Problem<'_> {
     }
 
     /// Number of unknowns of a view.
-    fn own_count(view: &View) -> usize {
-        if view.force.is_some() { OWN } else { OWN + 2 }
+    fn own_count(&self, view: &View) -> usize {
+        match view.force {
+            Some(_) => OWN + usize::from(self.force_error.is_some()),
+            None => OWN + 2,
+        }
+    }
+
+    /// Standard deviation of the share by which measured forces are missed, given that of the last fit: what was found, by as many forces as the
+    /// images tell.
+    fn force_error_of(&self, point: &Point, covariance: &DMatrix<f64>, before: f64) -> f64 {
+        let (mut column, mut squares, mut told) = (self.sought.len(), 0.0, 0.0);
+        for (view, own) in self.views.iter().zip(&point.own) {
+            if let Some(force) = view.force {
+                let (force_n, at) = (force.norm(), column + OWN);
+                squares += (own.force_n / force_n - 1.0).powi(2);
+                told += 1.0 - covariance[(at, at)] / (force_n * before).powi(2);
+            }
+            column += self.own_count(view);
+        }
+        (squares / told.max(f64::MIN_POSITIVE)).sqrt()
     }
 
     /// The force of a view in the finger frame, and how the finger bends under it; `None` where there is no equilibrium.
@@ -447,7 +484,7 @@ impl Problem<'_> {
             Some(Pressed { force, motion, normal_turn_rad })
         };
         if let Some(force) = view.force {
-            return under((candidate.base * own.base).rotation.inverse() * force);
+            return under((candidate.base * own.base).rotation.inverse() * force * (own.force_n / force.norm()));
         }
         // The lean counts from a normal that turns with the force: settled in a few steps.
         let lean_deg = self.model.lean.mean_deg(own.force_n) + own.further_lean_deg;
@@ -498,6 +535,9 @@ impl Problem<'_> {
         let BaseUncertainty { sd_mm, sd_rad } = view.base;
         let at = own.base.translation.vector / sd_mm;
         rows.extend([at.x, at.y, own.base.rotation.angle() / sd_rad]);
+        if let (Some(force), Some(force_error)) = (view.force, self.force_error) {
+            rows.push((own.force_n / force.norm() - 1.0) / force_error);
+        }
         if view.force.is_none() {
             rows.push(own.further_lean_deg / self.model.lean.sd_deg.max(SETTLED_DEG));
         }
@@ -524,7 +564,7 @@ impl Problem<'_> {
         let priors = self.sought.iter().filter(|sought| sought.prior_sd.is_some()).count();
         let shared = self.sought.len();
         let rows = at.iter().map(Vec::len).sum::<usize>() + priors;
-        let unknowns = shared + self.views.iter().map(Problem::own_count).sum::<usize>();
+        let unknowns = shared + self.views.iter().map(|view| self.own_count(view)).sum::<usize>();
         let mut residual = DVector::zeros(rows);
         let mut by = DMatrix::zeros(rows, unknowns);
         let mut row = 0;
@@ -552,7 +592,7 @@ impl Problem<'_> {
         }
         let (mut row, mut column) = (0, shared);
         for ((view, own), before) in self.views.iter().zip(&point.own).zip(&at) {
-            for j in 0..Problem::own_count(view) {
+            for j in 0..self.own_count(view) {
                 let step = own.step(j);
                 let after = self.weighted(&candidate, view, &own.moved(self.finger, j, step))?;
                 for (i, (after, before)) in after.iter().zip(before).enumerate() {
@@ -573,7 +613,7 @@ impl Problem<'_> {
         }
         let mut column = self.sought.len();
         for (view, own) in self.views.iter().zip(&mut moved.own) {
-            for j in 0..Problem::own_count(view) {
+            for j in 0..self.own_count(view) {
                 *own = own.moved(self.finger, j, step[column]);
                 column += 1;
             }

@@ -6,8 +6,17 @@ use super::reader::TableReader;
 use crate::sensing::{Lean, Normal};
 
 /// All keys of `[contact]`.
-pub(super) const KEYS: [&str; 7] =
-    ["rod_radius_mm", FRICTION, "friction_sigma", "friction_range", "friction_build_up_n", "normal", "normal_over_mm"];
+pub(super) const KEYS: [&str; 8] = [
+    "rod_radius_mm",
+    FRICTION,
+    "friction_sigma",
+    "friction_range",
+    "friction_build_up_n",
+    "normal",
+    "normal_over_mm",
+    FORCE_ERROR,
+];
+const FORCE_ERROR: &str = "force_error_share";
 const FRICTION: &str = "friction";
 /// Keys that say more of a friction that is stated.
 const FURTHER: [&str; 4] = ["friction_sigma", "friction_build_up_n", "normal", "normal_over_mm"];
@@ -19,11 +28,13 @@ pub struct ContactDescription {
     pub rod_radius_mm: f64,
     /// By how much friction turns a force that is sensed, where the scene says so.
     pub lean: Option<Lean>,
+    /// Share by which sensed forces err beyond what is known otherwise: standard deviation.
+    pub force_error: f64,
 }
 
 impl Default for ContactDescription {
     fn default() -> ContactDescription {
-        ContactDescription { rod_radius_mm: ROD_RADIUS_MM, lean: None }
+        ContactDescription { rod_radius_mm: ROD_RADIUS_MM, lean: None, force_error: 0.0 }
     }
 }
 
@@ -44,12 +55,15 @@ pub(super) fn read_contact(table: &TableReader) -> Result<ContactDescription, Sc
         }
         (false, false) => None,
     };
+    let force_error = not_negative(table, FORCE_ERROR, 1.0)?;
     match (lean, FURTHER.iter().find(|key| table.has(key))) {
         (None, Some(key)) => {
             Err(table.missing(FRICTION, &format!("a coefficient of friction (or friction_range), as `{key}` is there")))
         }
-        (None, None) => Ok(ContactDescription { rod_radius_mm, lean: None }),
-        (Some(lean), _) => Ok(ContactDescription { rod_radius_mm, lean: Some(read_further(table, lean)?) }),
+        (None, None) => Ok(ContactDescription { rod_radius_mm, lean: None, force_error }),
+        (Some(lean), _) => {
+            Ok(ContactDescription { rod_radius_mm, lean: Some(read_further(table, lean)?), force_error })
+        }
     }
 }
 
@@ -92,6 +106,7 @@ fn not_negative(table: &TableReader, key: &str, most: f64) -> Result<f64, SceneE
     let value = table.optional_number(key, "number")?.unwrap_or(0.0);
     match (0.0..=most).contains(&value) {
         true => Ok(value),
+        false if most < LARGEST_FRICTION => Err(table.wrong(key, "a share from 0 to 1", &format!("{value:?}"))),
         false => Err(table.wrong(key, "a finite number, zero or more", &format!("{value:?}"))),
     }
 }

@@ -410,6 +410,13 @@ pub struct Estimate {
 }
 
 impl Estimate {
+    /// Adds to the standard deviations an error that is a share of each force, as a calibration leaves it.
+    pub fn add_force_error(&mut self, share: f64) {
+        for (sigma_n, force_n) in self.sigmas_n.iter_mut().zip(&self.forces_n) {
+            *sigma_n = sigma_n.hypot(share * force_n);
+        }
+    }
+
     /// Adds an error of the model, N, to the standard deviations, which hold the noise's until then; warns where it is the
     /// larger of the two and not negligible.
     pub(super) fn add_model_error(&mut self, error_n: Vec<f64>, warning: fn(ModelError) -> Warning) {

@@ -188,7 +188,8 @@ impl Task<'_> {
         let measurement = if is_alike { found.of_equal_weight() } else { found.measurement };
         let question =
             Question { contacts, measurement: &measurement, noise_mm, mesh_nodes: arguments.mesh_nodes, networks };
-        let (contacts, estimate) = arguments.estimator.answer(finger, &question)?;
+        let (contacts, mut estimate) = arguments.estimator.answer(finger, &question)?;
+        estimate.add_force_error(scene.contact.force_error);
         if let Some(i) = estimate.forces_n.iter().position(|force| !force.is_finite()) {
             return Err(Failure::BadInput(format!(
                 "not identifiable: a force at contact {} hardly moves the measured nodes, or the displacements are not \

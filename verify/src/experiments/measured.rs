@@ -216,7 +216,10 @@ fn sensed(
                 false => measurement,
             };
             let question = ContactQuestion { position: None, direction };
-            sense_refining(finger, &[question], &measurement, Some(noise_mm)).map_err(|error| error.to_string())
+            let found = sense_refining(finger, &[question], &measurement, Some(noise_mm));
+            let mut found = found.map_err(|error| error.to_string())?;
+            found.forces.add_force_error(scene.contact.force_error);
+            Ok(found)
         },
     );
     let measured_n = force.norm();

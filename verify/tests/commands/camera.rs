@@ -444,6 +444,11 @@ fn shades_and_references_of_a_scene_are_checked() {
             "[contact]\nfriction_range = [0.0, 0.5]\nfriction = 0.2\n[base]",
             "contact.friction_range: expected either friction or friction_range, found both",
         ),
+        (
+            "[base]",
+            "[contact]\nforce_error_share = 2.0\n[base]",
+            "contact.force_error_share: expected a share from 0 to 1, found 2.0",
+        ),
         ("[base]", "[contact]\nfriction_sigma = 0.1\n[base]", "contact.friction is missing: expected a coefficient"),
         (
             "[base]",

@@ -13,6 +13,7 @@ mod map;
 mod output;
 mod photographs;
 mod press;
+mod rendered;
 mod report;
 mod scene_errors;
 mod scene_geometry;

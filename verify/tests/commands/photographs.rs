@@ -26,7 +26,7 @@ fn front_plate() -> [[f64; 2]; 2] {
 }
 
 /// A force of the finger frame in the frame of the camera's pose, in which the base is turned.
-fn force([force_n, angle_deg]: [f64; 2], base_deg: f64) -> [f64; 2] {
+pub(super) fn force([force_n, angle_deg]: [f64; 2], base_deg: f64) -> [f64; 2] {
     let [inward, along] = front_plate();
     let (sin, cos) = angle_deg.to_radians().sin_cos();
     let [x, y] = [0, 1].map(|k| force_n * (cos * inward[k] + sin * along[k]));
@@ -71,7 +71,8 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
     let calibrate = ["calibrate", &scene, "--located", &located, "--forces", &forces, "--calibrated", &calibrated];
     let fit = ["--fit", "modulus,bracket,friction", "--images", &folder.path("images.csv")];
     let found = Csv::of(&finray(&[&calibrate[..], &fit].concat()).done());
-    let names = ["modulus_factor", "front_bracket_mm", "back_bracket_mm", "friction", "model_error_mm"];
+    let names =
+        ["modulus_factor", "front_bracket_mm", "back_bracket_mm", "friction", "model_error_mm", "force_error_share"];
     assert_eq!(found.texts("parameter"), names);
     let (values, sigmas) = (found.numbers("value"), found.texts("sigma"));
     for (i, truth) in [MODULUS_FACTOR, BRACKETS_MM[0], BRACKETS_MM[1]].into_iter().enumerate() {
@@ -86,7 +87,10 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
     // The scene that was written: all but what was found is as it was.
     let written = folder.read("calibrated.toml");
     assert!(written.contains("# The spring-steel finger as it is built"), "{written}");
-    assert!(written.contains("friction_sigma") && written.contains("model_error_mm"), "{written}");
+    assert!(
+        ["friction_sigma", "model_error_mm", "force_error_share"].iter().all(|key| written.contains(key)),
+        "{written}"
+    );
     // An image that was not calibrated on, with another force and base.
     let other = folder.path("other.csv");
     finray(&["locate", &calibrated, "--image", &images[3], "--out", &other]).done();

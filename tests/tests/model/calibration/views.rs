@@ -213,3 +213,36 @@ fn friction_follows_from_leans() {
     let refused = friction_of(&leans[..2], Normal::Undeformed, true);
     assert_eq!(refused, Err(CalibrationError::TooFewViews { views: 2, unknowns: 2 }));
 }
+
+/// A sensor that misses forces by 3 %, one by one: that is found, and the modulus is as uncertain as it makes it.
+#[test]
+fn forces_that_are_missed_are_noticed() {
+    let mut truth = truth();
+    (truth.more_height_mm, truth.base) = (0.0, Isometry2::identity());
+    let all = sought(&[Quantity::Modulus, Quantity::Bracket(Plate::Front), Quantity::Bracket(Plate::Back)], None);
+    let seeds = 12;
+    let found = |missed_by: f64| {
+        let (mut variance, mut squares) = (0.0, 0.0);
+        for seed in 0..seeds {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let mut seen = views_of(&truth, true, &mut rng);
+            for view in &mut seen {
+                let normal: f64 = StandardNormal.sample(&mut rng);
+                view.force = view.force.map(|force| force * (1.0 + missed_by * normal));
+            }
+            let estimate = views(&scene_finger(), &seen, &all, &model(Lean::NONE)).expect("identifiable");
+            variance += estimate.force_error.expect("forces were measured").powi(2) / seeds as f64;
+            let modulus = estimate.quantities[0];
+            squares += ((modulus.value - truth.modulus_factor) / modulus.sigma).powi(2) / seeds as f64;
+        }
+        (variance.sqrt(), squares)
+    };
+    // Twelve times five forces less a modulus: a variance to within 4 standard errors of sqrt(2 / 48).
+    let (force_error, squares) = found(0.03);
+    assert!(((force_error / 0.03).powi(2) - 1.0).abs() < 4.0 * (2.0_f64 / 48.0).sqrt(), "{force_error}");
+    // So few forces tell their scatter badly: errors of the modulus in standard deviations have Student's distribution with 4 degrees of freedom,
+    // of variance 2 (its mean over twelve within a factor of two or three).
+    assert!((0.3..5.0).contains(&squares), "{squares}");
+    let (force_error, _) = found(0.0);
+    assert!(force_error < 0.005, "{force_error}");
+}

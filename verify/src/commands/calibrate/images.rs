@@ -234,6 +234,13 @@ fn print_priors(estimate: &ViewEstimate) {
     }
 }
 
+/// By which share forces err that the calibrated finger senses: what single forces are missed by, and what all are by a modulus.
+fn force_error(estimate: &ViewEstimate) -> Option<f64> {
+    let moduli = || estimate.quantities.iter().filter(|found| is_modulus(&found.sought.quantity));
+    let of_moduli = moduli().map(|found| found.sigma / found.value).fold(0.0, f64::max);
+    estimate.force_error.map(|of_single| of_single.hypot(of_moduli))
+}
+
 /// Coefficient of friction, and the standard deviation of single forces about it.
 fn coefficient(lean: &Lean) -> (f64, f64) {
     let coefficient = lean.angle_deg.to_radians().tan();
@@ -254,6 +261,7 @@ fn rows(estimate: &ViewEstimate, friction: Option<&Lean>) -> Vec<Row> {
         }
     }
     rows.push(row("model_error_mm", estimate.model_error_mm, None));
+    rows.extend(force_error(estimate).map(|share| row("force_error_share", share, None)));
     rows
 }
 
@@ -315,6 +323,9 @@ fn values(scene: &Scene, estimate: &ViewEstimate, friction: Option<&Lean>) -> Ve
         put("markers.height_mm", estimate.marker_height_mm.into());
     }
     put("markers.model_error_mm", estimate.model_error_mm.into());
+    if let Some(share) = force_error(estimate) {
+        put("contact.force_error_share", share.into());
+    }
     if sought(|quantity| *quantity == Quantity::BaseX) {
         // The references, or the pose, belong to a frame that is not quite the finger's.
         let references = scene.base.as_ref().map_or(&[][..], |base| &base.references);

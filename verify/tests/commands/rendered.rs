@@ -1,0 +1,227 @@
+//! Do stated intervals hold on images, and what does each unknown cost? Images are rendered of a finger whose true forces are known and that
+//! differs from its scene; the scene is calibrated on some of them and senses the others, as in the README.
+//!
+//! Every image: another force, place and friction, the base mounted anew, a pad between object and plate that spreads the force over 8 mm
+//! and lets friction act 3 mm before the plate. `FINRAY_TEST_CASES=<number>` sets how many images are sensed; with `--nocapture` the table
+//! is printed.
+
+use crate::kit::*;
+use crate::photographs::force;
+use finray_fixtures::BRACKETED_SCENE;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use std::fmt::Write;
+
+/// Images that the scene is calibrated on.
+const CALIBRATED_ON: usize = 10;
+/// Standard deviations of where the base is mounted, mm and degrees.
+const REMOUNTED: [f64; 2] = [0.5, 0.5];
+const LARGEST_FRICTION: f64 = 0.5;
+/// Half the length of plate that a pad spreads a force over, and its thickness, mm.
+const PAD_MM: [f64; 2] = [1.0, 0.0];
+const TWO_SIDED_95: f64 = 1.96;
+/// A coverage may be off by chance by this many standard errors.
+const STANDARD_ERRORS: f64 = 3.0;
+
+/// An image and what it shows.
+struct Press {
+    name: String,
+    s_mm: f64,
+    force_n: f64,
+    /// From the undeformed normal, as friction has it.
+    lean_deg: f64,
+    /// Turn of the base in the image.
+    base_deg: f64,
+}
+
+/// What is known when a force is sensed.
+#[derive(Clone, Copy)]
+enum Known {
+    PlaceAndDirection,
+    Direction,
+    DirectionOfExactBase,
+    RangeOfFriction,
+    NoFriction,
+}
+
+impl Known {
+    const ALL: [Known; 5] = [
+        Known::PlaceAndDirection,
+        Known::Direction,
+        Known::DirectionOfExactBase,
+        Known::RangeOfFriction,
+        Known::NoFriction,
+    ];
+
+    fn in_words(self) -> &'static str {
+        match self {
+            Known::PlaceAndDirection => "place and direction",
+            Known::Direction => "direction",
+            Known::DirectionOfExactBase => "direction, the base taken for exact",
+            Known::RangeOfFriction => "range of friction",
+            Known::NoFriction => "nothing, friction taken for none",
+        }
+    }
+
+    /// The contact to ask for, where the base is found at an angle in the image.
+    fn contact(self, press: &Press, found_base_deg: f64) -> String {
+        let angle_deg = press.lean_deg + press.base_deg - found_base_deg;
+        match self {
+            Known::PlaceAndDirection => format!("{}@{angle_deg}", press.s_mm),
+            Known::Direction | Known::DirectionOfExactBase => format!("auto@{angle_deg}"),
+            Known::RangeOfFriction => "auto@friction".to_owned(),
+            Known::NoFriction => "auto@normal".to_owned(),
+        }
+    }
+}
+
+/// Errors of the answers as shares of the true forces, how many intervals hold the truth, and how many images were asked.
+#[derive(Default)]
+struct Tally {
+    errors: Vec<f64>,
+    within: usize,
+    asked: usize,
+}
+
+impl Tally {
+    fn add(&mut self, press: &Press, answer: &Answer) {
+        self.asked += 1;
+        if answer.code != Some(0) {
+            return;
+        }
+        let found = Csv::of(&answer.out);
+        let [force_n, sigma_n] = ["force_n", "sigma_n"].map(|column| found.numbers(column)[0]);
+        self.errors.push((force_n / press.force_n - 1.0).abs());
+        self.within += usize::from((force_n - press.force_n).abs() <= TWO_SIDED_95 * sigma_n);
+    }
+
+    fn mean(&self) -> f64 {
+        self.errors.iter().sum::<f64>() / self.errors.len() as f64
+    }
+
+    fn coverage(&self) -> f64 {
+        self.within as f64 / self.asked as f64
+    }
+}
+
+/// The scene of the drawing: nothing of it is exactly right.
+fn drawn() -> String {
+    let [sigma_mm, sigma_deg] = REMOUNTED;
+    let base = format!("[base]\nsigma_mm = {sigma_mm}\nsigma_deg = {sigma_deg}\n");
+    let contact = format!("[contact]\nfriction_range = [0.0, {LARGEST_FRICTION}]\nnormal = \"undeformed\"\n");
+    BRACKETED_SCENE.replace("[base]\n", &base).replace("bracket_mm = 3.0", "bracket_mm = 3.0\nclip_mm = 6.0") + &contact
+}
+
+/// The finger of the images, its marks where the base was mounted this time.
+fn built(chance: &mut ChaCha8Rng) -> String {
+    let ribs = "[[27.2, 45.6], [53.9, 78.8], [81.15, 107.35], [107.9, 132.4]]";
+    let mut scene = drawn()
+        .replace("youngs_modulus_mpa = 213000.0", "youngs_modulus_mpa = 198000.0")
+        .replace("bracket_mm = 3.0", "bracket_mm = [3.3, 2.8]")
+        .replace("[[27.0, 45.67], [54.0, 78.69], [81.0, 107.5], [108.0, 132.27]]", ribs);
+    let (x, y, turn) =
+        (REMOUNTED[0] * normal(chance), REMOUNTED[0] * normal(chance), (REMOUNTED[1] * normal(chance)).to_radians());
+    let (sin, cos) = turn.sin_cos();
+    for at in [[-16.0, 20.0], [-16.0, -10.0]] {
+        let moved = [x + cos * at[0] - sin * at[1], y + sin * at[0] + cos * at[1]];
+        scene = scene.replace(&format!("at_mm = {at:?}"), &format!("at_mm = {moved:?}"));
+    }
+    scene
+}
+
+fn normal(chance: &mut ChaCha8Rng) -> f64 {
+    rand_distr::Distribution::sample(&rand_distr::StandardNormal, chance)
+}
+
+/// Renders an image of the finger pressed somewhere.
+fn press(folder: &Folder, number: usize) -> Press {
+    let mut chance = ChaCha8Rng::seed_from_u64(19 + number as u64);
+    let scene = folder.put(&format!("built{number}.toml"), built(&mut chance));
+    let (s_mm, force_n) = (chance.random_range(45.0..95.0), chance.random_range(1.0..8.0_f64));
+    let lean_deg = chance.random_range(0.0..LARGEST_FRICTION).atan().to_degrees();
+    // The pad: a few forces in a row, and those that turn as friction does about the plate.
+    let [half_mm, thick_mm] = PAD_MM;
+    let parts = [-1.0, -0.5, 0.0, 0.5, 1.0];
+    let turning_n = force_n * lean_deg.to_radians().sin() * thick_mm / (2.0 * half_mm);
+    let mut arguments: Vec<String> = parts
+        .iter()
+        .map(|part| format!("{}:{},{lean_deg}", s_mm + part * half_mm, force_n / parts.len() as f64))
+        .chain([1.0, -1.0].map(|side| format!("{}:{},0", s_mm + 0.999 * side * half_mm, side * turning_n)))
+        .flat_map(|load| ["--load-at".to_owned(), load])
+        .collect();
+    let (x, y, base_deg) =
+        (chance.random_range(-4.0..4.0), chance.random_range(-4.0..4.0), chance.random_range(-3.0..3.0_f64));
+    let name = format!("press{number}.png");
+    arguments.extend(["--base".to_owned(), format!("{x},{y},{base_deg}"), "--out".to_owned(), folder.path(&name)]);
+    arguments.extend(["--seed".to_owned(), number.to_string()]);
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    finray(&[&["render", &scene, "--grey-noise", "2", "--blur-px", "0.8"], &arguments[..]].concat()).done();
+    Press { name, s_mm, force_n, lean_deg, base_deg }
+}
+
+#[test]
+fn intervals_hold_on_rendered_images() {
+    let images = std::env::var("FINRAY_TEST_CASES").ok().and_then(|count| count.parse().ok()).unwrap_or(16);
+    let folder = Folder::new();
+    let presses: Vec<Press> =
+        (0..CALIBRATED_ON + images).into_par_iter().map(|number| press(&folder, number)).collect();
+    let (known, unknown) = presses.split_at(CALIBRATED_ON);
+    let calibrated = calibrated(&folder, known);
+    let exact = folder.read("calibrated.toml").replace("sigma_mm = 0.5\nsigma_deg = 0.5\n", "");
+    let exact = folder.put("exact.toml", exact);
+    let answers = unknown.par_iter().map(|press| {
+        let located = folder.path(&format!("{}.csv", press.name));
+        finray(&["locate", &calibrated, "--image", &folder.path(&press.name), "--out", &located]).done();
+        let found_base_deg = Csv::of(&folder.read(&format!("{}.csv", press.name))).numbers("base_deg")[0];
+        Known::ALL.map(|known| {
+            let scene = if matches!(known, Known::DirectionOfExactBase) { &exact } else { &calibrated };
+            let contact = known.contact(press, found_base_deg);
+            finray(&["sense", scene, "--displacements", &located, "--contact-at", &contact])
+        })
+    });
+    let answers: Vec<[Answer; 5]> = answers.collect();
+    let tallies: Vec<Tally> = (0..Known::ALL.len())
+        .map(|i| {
+            let mut tally = Tally::default();
+            unknown.iter().zip(&answers).for_each(|(press, answers)| tally.add(press, &answers[i]));
+            tally
+        })
+        .collect();
+    println!("{:36} {:>8} {:>8} {:>8} {:>8}", "what is known", "refused", "mean", "largest", "within");
+    for (known, tally) in Known::ALL.iter().zip(&tallies) {
+        let largest = tally.errors.iter().copied().fold(0.0, f64::max);
+        let (refused, mean, within) = (tally.asked - tally.errors.len(), tally.mean(), tally.coverage());
+        println!("{:36} {refused:8} {mean:8.4} {largest:8.4} {within:8.3}", known.in_words());
+    }
+    let [place, direction, exact_base, friction, none] = &tallies[..] else { panic!("five tallies") };
+    let by_chance = STANDARD_ERRORS * (0.95 * 0.05 / images as f64).sqrt();
+    for tally in [place, direction, friction] {
+        assert!(tally.coverage() >= 0.95 - by_chance, "{} within", tally.coverage());
+    }
+    // What each unknown costs: less is known, more is missed, and what is left out is not in the interval.
+    assert!(place.mean() < 0.003 && direction.mean() < 0.006 && friction.mean() < 0.08);
+    assert!(place.mean() < direction.mean() && direction.mean() < friction.mean() && friction.mean() < none.mean());
+    assert!(exact_base.mean() > 3.0 * direction.mean() && exact_base.coverage() < 0.95 - by_chance);
+    assert!(none.coverage() < 0.5, "{}", none.coverage());
+}
+
+/// The scene that some images and their measured forces lead to.
+fn calibrated(folder: &Folder, presses: &[Press]) -> String {
+    let (scene, located, calibrated) =
+        (folder.put("drawn.toml", drawn()), folder.path("located.csv"), folder.path("calibrated.toml"));
+    let images: Vec<String> = presses.iter().map(|press| folder.path(&press.name)).collect();
+    let images: Vec<&str> = images.iter().map(String::as_str).collect();
+    finray(&[&["locate", &scene, "--out", &located, "--image"], &images[..]].concat()).done();
+    let mut forces = "image,fx_n,fy_n\n".to_owned();
+    for Press { name, force_n, lean_deg, base_deg, .. } in presses {
+        let [fx, fy] = force([*force_n, *lean_deg], *base_deg);
+        writeln!(forces, "{name},{fx},{fy}").expect("memory");
+    }
+    let forces = folder.put("forces.csv", forces);
+    let of_images = ["calibrate", &scene, "--located", &located, "--forces", &forces];
+    let said = finray(&[&of_images[..], &["--fit", "modulus,bracket,ribs=0.2", "--calibrated", &calibrated]].concat());
+    println!("{}", said.out);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    calibrated
+}
