@@ -1,9 +1,9 @@
 //! Do stated intervals hold on images, and what does each unknown cost? Images are rendered of a finger whose true forces are known and that
 //! differs from its scene; the scene is calibrated on some of them and senses the others, as in the README.
 //!
-//! Every image: another force, place and friction, the base mounted anew, a pad between object and plate that spreads the force over 8 mm
-//! and lets friction act 3 mm before the plate. `FINRAY_TEST_CASES=<number>` sets how many images are sensed; with `--nocapture` the table
-//! is printed.
+//! Every image: another force, place and friction, the base mounted anew. The force is spread over a length of the plate; with a pad, over more
+//! of it, and friction acts before the plate. `FINRAY_TEST_CASES=<number>` sets how many images are sensed; with `--nocapture` the table is
+//! printed.
 
 use crate::kit::*;
 use crate::photographs::force;
@@ -18,8 +18,10 @@ const CALIBRATED_ON: usize = 10;
 /// Standard deviations of where the base is mounted, mm and degrees.
 const REMOUNTED: [f64; 2] = [0.5, 0.5];
 const LARGEST_FRICTION: f64 = 0.5;
-/// Half the length of plate that a pad spreads a force over, and its thickness, mm.
-const PAD_MM: [f64; 2] = [1.0, 0.0];
+/// Half the length of plate that a force is spread over, and how far before the plate friction acts, mm: of an object that touches the plate,
+/// and with a pad between.
+const TOUCHING_MM: [f64; 2] = [1.0, 0.0];
+const PAD_MM: [f64; 2] = [4.0, 3.0];
 const TWO_SIDED_95: f64 = 1.96;
 /// A coverage may be off by chance by this many standard errors.
 const STANDARD_ERRORS: f64 = 3.0;
@@ -134,14 +136,14 @@ fn normal(chance: &mut ChaCha8Rng) -> f64 {
     rand_distr::Distribution::sample(&rand_distr::StandardNormal, chance)
 }
 
-/// Renders an image of the finger pressed somewhere.
-fn press(folder: &Folder, number: usize) -> Press {
+/// Renders an image of the finger pressed somewhere; `spread_mm` as in [`PAD_MM`].
+fn press(folder: &Folder, number: usize, spread_mm: [f64; 2]) -> Press {
     let mut chance = ChaCha8Rng::seed_from_u64(19 + number as u64);
     let scene = folder.put(&format!("built{number}.toml"), built(&mut chance));
     let (s_mm, force_n) = (chance.random_range(45.0..95.0), chance.random_range(1.0..8.0_f64));
     let lean_deg = chance.random_range(0.0..LARGEST_FRICTION).atan().to_degrees();
-    // The pad: a few forces in a row, and those that turn as friction does about the plate.
-    let [half_mm, thick_mm] = PAD_MM;
+    // A few forces in a row, and those that turn as friction does about the plate.
+    let [half_mm, thick_mm] = spread_mm;
     let parts = [-1.0, -0.5, 0.0, 0.5, 1.0];
     let turning_n = force_n * lean_deg.to_radians().sin() * thick_mm / (2.0 * half_mm);
     let mut arguments: Vec<String> = parts
@@ -160,12 +162,21 @@ fn press(folder: &Folder, number: usize) -> Press {
     Press { name, s_mm, force_n, lean_deg, base_deg }
 }
 
-#[test]
-fn intervals_hold_on_rendered_images() {
-    let images = std::env::var("FINRAY_TEST_CASES").ok().and_then(|count| count.parse().ok()).unwrap_or(16);
+/// How many images are sensed.
+fn images() -> usize {
+    std::env::var("FINRAY_TEST_CASES").ok().and_then(|count| count.parse().ok()).unwrap_or(16)
+}
+
+/// How far a coverage of 95 % may be off by chance.
+fn by_chance() -> f64 {
+    STANDARD_ERRORS * (0.95 * 0.05 / images() as f64).sqrt()
+}
+
+/// Renders, calibrates and senses; prints a table and returns what was found for each of [`Known::ALL`].
+fn sensed(spread_mm: [f64; 2]) -> [Tally; 5] {
     let folder = Folder::new();
     let presses: Vec<Press> =
-        (0..CALIBRATED_ON + images).into_par_iter().map(|number| press(&folder, number)).collect();
+        (0..CALIBRATED_ON + images()).into_par_iter().map(|number| press(&folder, number, spread_mm)).collect();
     let (known, unknown) = presses.split_at(CALIBRATED_ON);
     let calibrated = calibrated(&folder, known);
     let exact = folder.read("calibrated.toml").replace("sigma_mm = 0.5\nsigma_deg = 0.5\n", "");
@@ -181,29 +192,42 @@ fn intervals_hold_on_rendered_images() {
         })
     });
     let answers: Vec<[Answer; 5]> = answers.collect();
-    let tallies: Vec<Tally> = (0..Known::ALL.len())
-        .map(|i| {
-            let mut tally = Tally::default();
-            unknown.iter().zip(&answers).for_each(|(press, answers)| tally.add(press, &answers[i]));
-            tally
-        })
-        .collect();
+    let tallies: [Tally; 5] = std::array::from_fn(|i| {
+        let mut tally = Tally::default();
+        unknown.iter().zip(&answers).for_each(|(press, answers)| tally.add(press, &answers[i]));
+        tally
+    });
     println!("{:36} {:>8} {:>8} {:>8} {:>8}", "what is known", "refused", "mean", "largest", "within");
     for (known, tally) in Known::ALL.iter().zip(&tallies) {
         let largest = tally.errors.iter().copied().fold(0.0, f64::max);
         let (refused, mean, within) = (tally.asked - tally.errors.len(), tally.mean(), tally.coverage());
         println!("{:36} {refused:8} {mean:8.4} {largest:8.4} {within:8.3}", known.in_words());
     }
-    let [place, direction, exact_base, friction, none] = &tallies[..] else { panic!("five tallies") };
-    let by_chance = STANDARD_ERRORS * (0.95 * 0.05 / images as f64).sqrt();
+    tallies
+}
+
+#[test]
+fn intervals_hold_on_rendered_images() {
+    let [place, direction, exact_base, friction, none] = &sensed(TOUCHING_MM);
     for tally in [place, direction, friction] {
-        assert!(tally.coverage() >= 0.95 - by_chance, "{} within", tally.coverage());
+        assert!(tally.coverage() >= 0.95 - by_chance(), "{} within", tally.coverage());
     }
     // What each unknown costs: less is known, more is missed, and what is left out is not in the interval.
     assert!(place.mean() < 0.003 && direction.mean() < 0.006 && friction.mean() < 0.08);
     assert!(place.mean() < direction.mean() && direction.mean() < friction.mean() && friction.mean() < none.mean());
-    assert!(exact_base.mean() > 3.0 * direction.mean() && exact_base.coverage() < 0.95 - by_chance);
+    assert!(exact_base.mean() > 3.0 * direction.mean() && exact_base.coverage() < 0.95 - by_chance());
     assert!(none.coverage() < 0.5, "{}", none.coverage());
+}
+
+/// No scene has a pad: forces are off by about a percent, and an interval that counts on the place does not hold. What the README says of pads
+/// has to change when this fails.
+#[test]
+fn a_pad_misleads_most_where_the_place_is_given() {
+    let [place, direction, _, friction, none] = &sensed(PAD_MM);
+    assert!(place.coverage() < 0.95 - by_chance(), "{}", place.coverage());
+    assert!(place.mean() < 0.03 && direction.mean() < place.mean(), "{} {}", place.mean(), direction.mean());
+    assert!(friction.coverage() >= 0.95 - by_chance(), "{}", friction.coverage());
+    assert!(friction.mean() < none.mean());
 }
 
 /// The scene that some images and their measured forces lead to.
