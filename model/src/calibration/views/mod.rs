@@ -1,0 +1,222 @@
+//! A finger and its rig from several views of it: what the scene states only nominally.
+//!
+//! A view is an image in which the finger is pressed somewhere on its front plate. Each adds unknowns of its own: where it is pressed, where
+//! its base is and, unless it was measured, the force. All views share the [`Quantity`]s that are sought. Without any measured
+//! force, geometry alone is identifiable; moduli and forces scale alike.
+
+mod friction;
+mod problem;
+mod quantity;
+mod start;
+
+pub use friction::friction_of;
+pub use quantity::{Quantity, Sought};
+
+use super::CalibrationError;
+use crate::Vector;
+use crate::finger::Finger;
+use crate::least_squares::{Fit, fit};
+use crate::measurement::{BaseUncertainty, Measurement};
+use crate::sensing::{Lean, Normal};
+use nalgebra::{DMatrix, Isometry2};
+use problem::Problem;
+
+/// One image of the finger, as it was located with the scene's rig.
+#[derive(Debug, Clone, PartialEq)]
+pub struct View {
+    /// Displacements of markers from the scene's undeformed finger, mm, in the frame that the image has of its base.
+    pub measurement: Measurement,
+    /// Standard deviation of a coordinate of weight 1, mm.
+    pub noise_mm: f64,
+    /// How far the base may be from there.
+    pub base: BaseUncertainty,
+    /// Where the camera stands above that frame, mm.
+    pub eye: Vector,
+    /// The contact force in that frame, N, where it was measured.
+    pub force: Option<Vector>,
+}
+
+/// What is held beside the views.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ViewModel {
+    /// Elements a member.
+    pub elements: usize,
+    /// Height of the camera above the plane of the beams, mm.
+    pub camera_height_mm: f64,
+    /// Height of the markers above it, mm.
+    pub marker_height_mm: f64,
+    /// How a force leans that was not measured.
+    pub lean: Lean,
+}
+
+/// A quantity as it was found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FoundQuantity {
+    /// What was sought.
+    pub sought: Sought,
+    /// Its value: of lengths and angles the whole, of factors on what the scene has.
+    pub value: f64,
+    /// Its standard deviation.
+    pub sigma: f64,
+}
+
+/// A view as the calibrated finger has it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FoundView {
+    /// Where the force acts, mm along the front plate.
+    pub s_mm: f64,
+    /// The force in the finger frame, N.
+    pub force: Vector,
+    /// Where the base is in the frame that the view has of it.
+    pub base: Isometry2<f64>,
+    /// By how much the plate's normal is turned at the contact, rad; the mean over the length that leans count from.
+    pub normal_turn_rad: f64,
+    /// Computed less seen position of each marker, mm, in the frame of the view.
+    pub residuals_mm: Vec<Vector>,
+}
+
+impl FoundView {
+    /// Root mean square of the residual of a coordinate, mm.
+    pub fn residual_rms_mm(&self) -> f64 {
+        let squares: f64 = self.residuals_mm.iter().map(Vector::norm_squared).sum();
+        (squares / (2 * self.residuals_mm.len()) as f64).sqrt()
+    }
+
+    /// By how much the force leans from a normal towards the tip, degrees.
+    pub fn lean_deg(&self, finger: &Finger, from: Normal) -> f64 {
+        let [inward, tipward] = [0.0, 90.0].map(|angle_deg| finger.direction(angle_deg));
+        let angle_deg = self.force.dot(&tipward).atan2(self.force.dot(&inward)).to_degrees();
+        match from {
+            Normal::Undeformed => angle_deg,
+            Normal::Deformed { .. } => angle_deg - self.normal_turn_rad.to_degrees(),
+        }
+    }
+}
+
+/// A finger and its rig as several views have them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ViewEstimate {
+    /// The finger with all that was found.
+    pub finger: Finger,
+    /// Height of the markers, mm.
+    pub marker_height_mm: f64,
+    /// Where the finger is in the frame that a view has of its base.
+    pub base: Isometry2<f64>,
+    /// The quantities that were sought.
+    pub quantities: Vec<FoundQuantity>,
+    /// Correlation of each two of them.
+    pub correlation: DMatrix<f64>,
+    /// The views.
+    pub views: Vec<FoundView>,
+    /// By how much the finger misses its markers beyond their noise, mm: standard deviation of one coordinate.
+    pub model_error_mm: f64,
+    /// By which share the finger misses measured forces beyond what noise, place and base explain: standard deviation of one force.
+    /// `None` where no modulus is sought, or no force was measured.
+    pub force_error: Option<f64>,
+}
+
+/// Standard deviation of the residual, mm, with which the fit begins; then that of the last fit.
+const FIRST_MODEL_ERROR_MM: f64 = 0.05;
+const ROUNDS: usize = 6;
+/// The same for the error of a force, as a share of it, and the least that counts.
+const FIRST_FORCE_ERROR: f64 = 0.01;
+const LEAST_FORCE_ERROR: f64 = 1e-5;
+/// A factor whose logarithm is known to no better, or a length, mm, or an angle, degrees, is not identifiable.
+const LARGEST_SIGMAS: [f64; 2] = [1.0, 20.0];
+
+/// Finds what several views show of a finger and its rig.
+///
+/// # Reference
+/// Nonlinear least squares over all views and their own unknowns at once (bundle adjustment, Triggs et al. 2000, with the co-rotational
+/// finger in place of points), by the method of Levenberg and Marquardt; derivatives are differences of equilibria. What the finger leaves
+/// unexplained beyond the noise is a variance that is estimated with it, so that priors weigh as much as they should. Where a modulus is
+/// sought, so is the variance of the share by which measured forces are missed, by Schall's iteration (Biometrika 78, 1991): it
+/// holds what is wrong with the sensor, and with the model where markers do not show it.
+///
+/// # Errors
+/// [`CalibrationError`] where a view has no explanation at the start, or a quantity is not identifiable.
+pub fn views(
+    finger: &Finger,
+    views: &[View],
+    sought: &[Sought],
+    model: &ViewModel,
+) -> Result<ViewEstimate, CalibrationError> {
+    let is_scaled = sought.iter().any(|sought| sought.quantity.is_factor()) && views.iter().any(|v| v.force.is_some());
+    let force_error = is_scaled.then_some(FIRST_FORCE_ERROR);
+    let mut problem = Problem { finger, views, sought, model, model_error_mm: FIRST_MODEL_ERROR_MM, force_error };
+    let names = |quantities: &mut dyn Iterator<Item = usize>| {
+        quantities.map(|k| sought[k].quantity.to_string()).collect::<Vec<_>>().join(", ")
+    };
+    let all = || names(&mut (0..sought.len()));
+    let coordinates: usize = views.iter().map(|view| view.measurement.coordinate_count()).sum();
+    let unknowns = sought.iter().filter(|sought| sought.prior_sd.is_none()).count()
+        + views.iter().map(|view| if view.force.is_some() { 1 } else { 2 }).sum::<usize>();
+    if coordinates <= unknowns {
+        return Err(CalibrationError::TooFewMarkers { unknowns, coordinates });
+    }
+    let mut point = problem.start()?;
+    let mut found = None;
+    for _ in 0..ROUNDS {
+        let fitted = fit(point.clone(), |point| problem.linearised(point), |point, step| problem.moved(point, step));
+        let fitted = fitted.ok_or(CalibrationError::NoMinimum)?;
+        point.clone_from(&fitted.parameters);
+        let squares_mm2 = problem.residual_squares_mm2(&point).ok_or(CalibrationError::NoMinimum)?;
+        let noise_mm2: f64 = views
+            .iter()
+            .flat_map(|view| view.measurement.markers().iter().map(|m| 2.0 * (view.noise_mm / m.weight).powi(2)))
+            .sum();
+        // What was fitted is missing in the residual.
+        let left = (coordinates - unknowns) as f64 / coordinates as f64;
+        let excess_mm2 = (squares_mm2 / left - noise_mm2) / coordinates as f64;
+        problem.model_error_mm = excess_mm2.max(0.0).sqrt();
+        if let Some(before) = problem.force_error {
+            let covariance = fitted.inverse.as_ref();
+            let covariance = covariance.ok_or_else(|| CalibrationError::NotSeparable { parameters: all() })?;
+            problem.force_error = Some(problem.force_error_of(&point, covariance, before).max(LEAST_FORCE_ERROR));
+        }
+        found = Some(fitted);
+    }
+    let Fit { parameters: point, inverse, .. } = found.ok_or(CalibrationError::NoMinimum)?;
+    let covariance = inverse.ok_or_else(|| CalibrationError::NotSeparable { parameters: all() })?;
+    let sigma = |k: usize| covariance[(k, k)].sqrt();
+    let open = |k: &usize| {
+        let limit = LARGEST_SIGMAS[usize::from(!sought[*k].quantity.is_factor())];
+        sigma(*k).is_nan() || sigma(*k) >= limit
+    };
+    if (0..sought.len()).any(|k| open(&k)) {
+        return Err(CalibrationError::NotIdentifiable { parameters: names(&mut (0..sought.len()).filter(open)) });
+    }
+    let candidate = problem.candidate(&point.shared).ok_or(CalibrationError::NoMinimum)?;
+    let quantities = sought.iter().zip(&point.shared).enumerate().map(|(k, (sought, change))| {
+        let value = match sought.quantity.is_factor() {
+            true => change.exp(),
+            false => problem.stated(sought.quantity) + change,
+        };
+        FoundQuantity {
+            sought: *sought,
+            value,
+            sigma: sigma(k) * if sought.quantity.is_factor() { value } else { 1.0 },
+        }
+    });
+    let mut found_views = Vec::new();
+    for (view, own) in views.iter().zip(&point.own) {
+        let pressed = problem.pressed(&candidate, view, own).ok_or(CalibrationError::NoMinimum)?;
+        found_views.push(FoundView {
+            s_mm: own.s_mm,
+            force: pressed.force * (view.force.map_or(own.force_n, |force| force.norm()) / own.force_n),
+            base: candidate.base * own.base,
+            normal_turn_rad: pressed.normal_turn_rad,
+            residuals_mm: problem.residuals(&candidate, view, own, &pressed).map(|(_, left)| left).collect(),
+        });
+    }
+    Ok(ViewEstimate {
+        quantities: quantities.collect(),
+        correlation: DMatrix::from_fn(sought.len(), sought.len(), |i, j| covariance[(i, j)] / (sigma(i) * sigma(j))),
+        views: found_views,
+        model_error_mm: problem.model_error_mm,
+        force_error: problem.force_error,
+        marker_height_mm: candidate.marker_height_mm,
+        base: candidate.base,
+        finger: candidate.mesh.finger().clone(),
+    })
+}

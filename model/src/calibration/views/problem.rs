@@ -1,0 +1,311 @@
+//! The least squares problem: all views and their own unknowns at once.
+
+use super::quantity::changed;
+use super::{Quantity, Sought, View, ViewModel};
+use crate::finger::{Finger, Plate, RibPositions};
+use crate::frame::FrameMotion;
+use crate::measurement::{BaseUncertainty, Marker};
+use crate::mesh::Mesh;
+use crate::sensing::Normal;
+use crate::statics::Statics;
+use crate::{Kinematics, Load, Vector};
+use nalgebra::{DMatrix, DVector, Isometry2, Point2, UnitComplex};
+
+/// Of the unknowns of one view: position, base x, y and turn; then the force, where it was not measured exactly, and its lean, where it was not
+/// measured.
+const OWN: usize = 4;
+/// Steps for derivatives: of lengths, mm, of factors, forces, as shares, and angles in rad, and of angles in degrees. Equilibria are good to
+/// ten digits.
+const LENGTH_STEP: f64 = 1e-3;
+const SHARE_STEP: f64 = 1e-4;
+const ANGLE_STEP_DEG: f64 = 1e-2;
+/// Share of the plate that is left free at both ends of where a contact is sought.
+const MARGIN: f64 = 0.02;
+/// Standard deviation of a lean, degrees, that counts as none.
+const SETTLED_DEG: f64 = 1e-3;
+/// The turn of the normal has settled, rad, after so many steps at most.
+const SETTLED_RAD: f64 = 1e-9;
+const NORMAL_STEPS: usize = 60;
+
+/// Everything that is sought, as one point of the search.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Point {
+    /// Changes of the quantities: logarithms of factors, mm, degrees.
+    pub shared: Vec<f64>,
+    pub own: Vec<Own>,
+}
+
+/// The unknowns of one view.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Own {
+    pub s_mm: f64,
+    pub base: Isometry2<f64>,
+    pub force_n: f64,
+    /// How much further than its mean the force leans, degrees.
+    pub further_lean_deg: f64,
+}
+
+/// A finger and a rig.
+pub(super) struct Candidate {
+    pub mesh: Mesh,
+    pub marker_height_mm: f64,
+    pub base: Isometry2<f64>,
+}
+
+/// The search's problem.
+pub(super) struct Problem<'p> {
+    pub finger: &'p Finger,
+    pub views: &'p [View],
+    pub sought: &'p [Sought],
+    pub model: &'p ViewModel,
+    pub model_error_mm: f64,
+    /// `None` where measured forces are exact.
+    pub force_error: Option<f64>,
+}
+
+/// A finger under a force.
+pub(super) struct Pressed {
+    pub force: Vector,
+    pub motion: FrameMotion,
+    pub normal_turn_rad: f64,
+}
+
+impl Problem<'_> {
+    /// What the scene states of a quantity: zero where it has none of its own.
+    pub(super) fn stated(&self, quantity: Quantity) -> f64 {
+        let ribs = &self.finger.description().ribs;
+        match quantity {
+            Quantity::Bracket(plate) => ribs.bracket_mm.of(0)[usize::from(plate == Plate::Back)],
+            Quantity::Clip => ribs.clip_mm[0],
+            Quantity::RibPosition(plate, rib) => match &ribs.positions {
+                RibPositions::Positions(positions) => positions[rib][usize::from(plate == Plate::Back)],
+                RibPositions::Count(_) => f64::NAN,
+            },
+            Quantity::MarkerHeight => self.model.marker_height_mm,
+            _ => 0.0,
+        }
+    }
+
+    /// The finger and rig of some changes; `None` if there is no such finger.
+    pub(super) fn candidate(&self, shared: &[f64]) -> Option<Candidate> {
+        let mut description = self.finger.description().clone();
+        let (mut marker_height_mm, mut at, mut turn_deg) = (self.model.marker_height_mm, Vector::zeros(), 0.0);
+        for (sought, &change) in self.sought.iter().zip(shared) {
+            match sought.quantity {
+                Quantity::MarkerHeight => marker_height_mm += change,
+                Quantity::BaseX => at.x += change,
+                Quantity::BaseY => at.y += change,
+                Quantity::BaseTurn => turn_deg += change,
+                of_finger => changed(&mut description, self.finger.rib_count(), of_finger, change),
+            }
+        }
+        let finger = Finger::new(description).ok()?;
+        let base = Isometry2::new(at, turn_deg.to_radians());
+        Some(Candidate { mesh: Mesh::with_elements_per_member(&finger, self.model.elements), marker_height_mm, base })
+    }
+
+    /// Number of unknowns of a view.
+    pub(super) fn own_count(&self, view: &View) -> usize {
+        match view.force {
+            Some(_) => OWN + usize::from(self.force_error.is_some()),
+            None => OWN + 2,
+        }
+    }
+
+    /// Standard deviation of the share by which measured forces are missed, given that of the last fit: what was found, by as many forces as the
+    /// images tell.
+    pub(super) fn force_error_of(&self, point: &Point, covariance: &DMatrix<f64>, before: f64) -> f64 {
+        let (mut column, mut squares, mut told) = (self.sought.len(), 0.0, 0.0);
+        for (view, own) in self.views.iter().zip(&point.own) {
+            if let Some(force) = view.force {
+                let (force_n, at) = (force.norm(), column + OWN);
+                squares += (own.force_n / force_n - 1.0).powi(2);
+                told += 1.0 - covariance[(at, at)] / (force_n * before).powi(2);
+            }
+            column += self.own_count(view);
+        }
+        (squares / told.max(f64::MIN_POSITIVE)).sqrt()
+    }
+
+    /// The force of a view in the finger frame, and how the finger bends under it; `None` where there is no equilibrium.
+    pub(super) fn pressed(&self, candidate: &Candidate, view: &View, own: &Own) -> Option<Pressed> {
+        let finger = candidate.mesh.finger();
+        let over_mm = match self.model.lean.from {
+            Normal::Deformed { over_mm } => over_mm,
+            Normal::Undeformed => 0.0,
+        };
+        let mut statics = Statics::ladder(&candidate.mesh, Kinematics::Corotational);
+        let mut under = |force: Vector| {
+            let load = Load::at_position(own.s_mm, force);
+            let motion = statics.equilibrium(&[candidate.mesh.frame_load(&load).ok()?]).ok()?.motion;
+            let normal_turn_rad = candidate.mesh.normal_turn(&motion, &load, over_mm).ok()?;
+            Some(Pressed { force, motion, normal_turn_rad })
+        };
+        if let Some(force) = view.force {
+            return under((candidate.base * own.base).rotation.inverse() * force * (own.force_n / force.norm()));
+        }
+        // The lean counts from a normal that turns with the force: settled in a few steps.
+        let lean_deg = self.model.lean.mean_deg(own.force_n) + own.further_lean_deg;
+        let mut turn_rad = 0.0_f64;
+        for _ in 0..NORMAL_STEPS {
+            let pressed = under(finger.direction(lean_deg + turn_rad.to_degrees()) * own.force_n)?;
+            let before = turn_rad;
+            if let Normal::Deformed { .. } = self.model.lean.from {
+                turn_rad = pressed.normal_turn_rad;
+            }
+            if (turn_rad - before).abs() <= SETTLED_RAD {
+                return Some(pressed);
+            }
+        }
+        None
+    }
+
+    /// What is left of each marker of a view, mm.
+    pub(super) fn residuals<'v>(
+        &self,
+        candidate: &'v Candidate,
+        view: &'v View,
+        own: &Own,
+        pressed: &'v Pressed,
+    ) -> impl Iterator<Item = (&'v Marker, Vector)> {
+        let (finger, stated) = (candidate.mesh.finger(), self.finger);
+        let placed = candidate.base * own.base;
+        let height_mm = self.model.camera_height_mm;
+        // Markers that are higher than they were thought to be are nearer to where the camera stands.
+        let nearer = (height_mm - candidate.marker_height_mm) / (height_mm - self.model.marker_height_mm);
+        let undeformed = |finger: &Finger, node| finger.position(node) + finger.marker_offset(node);
+        view.measurement.markers().iter().map(move |marker| {
+            let seen = undeformed(stated, marker.node) + marker.displacement;
+            let displaced = pressed.motion.displacements[candidate.mesh.marker_node(marker.node)];
+            let computed = placed * Point2::from(undeformed(finger, marker.node) + displaced);
+            (marker, computed.coords - (view.eye + (seen - view.eye) * nearer))
+        })
+    }
+
+    /// Residuals of one view in their standard deviations, its priors last; `None` where there is no equilibrium.
+    fn weighted(&self, candidate: &Candidate, view: &View, own: &Own) -> Option<Vec<f64>> {
+        let pressed = self.pressed(candidate, view, own)?;
+        let mut rows = Vec::with_capacity(view.measurement.coordinate_count() + OWN);
+        for (marker, residual) in self.residuals(candidate, view, own, &pressed) {
+            let sd_mm = (view.noise_mm / marker.weight).hypot(self.model_error_mm);
+            rows.extend((residual / sd_mm).iter());
+        }
+        let BaseUncertainty { sd_mm, sd_rad } = view.base;
+        let at = own.base.translation.vector / sd_mm;
+        rows.extend([at.x, at.y, own.base.rotation.angle() / sd_rad]);
+        if let (Some(force), Some(force_error)) = (view.force, self.force_error) {
+            rows.push((own.force_n / force.norm() - 1.0) / force_error);
+        }
+        if view.force.is_none() {
+            rows.push(own.further_lean_deg / self.model.lean.sd_deg.max(SETTLED_DEG));
+        }
+        Some(rows)
+    }
+
+    /// Sum of the squared residuals of all markers, mm^2.
+    pub(super) fn residual_squares_mm2(&self, point: &Point) -> Option<f64> {
+        let candidate = self.candidate(&point.shared)?;
+        let mut sum = 0.0;
+        for (view, own) in self.views.iter().zip(&point.own) {
+            let pressed = self.pressed(&candidate, view, own)?;
+            sum += self.residuals(&candidate, view, own, &pressed).map(|(_, left)| left.norm_squared()).sum::<f64>();
+        }
+        Some(sum)
+    }
+
+    /// All residuals and their derivatives by a step; `None` where there is no equilibrium.
+    pub(super) fn linearised(&self, point: &Point) -> Option<(DVector<f64>, DMatrix<f64>)> {
+        let candidate = self.candidate(&point.shared)?;
+        let at: Vec<Vec<f64>> = (self.views.iter().zip(&point.own))
+            .map(|(view, own)| self.weighted(&candidate, view, own))
+            .collect::<Option<_>>()?;
+        let priors = self.sought.iter().filter(|sought| sought.prior_sd.is_some()).count();
+        let shared = self.sought.len();
+        let rows = at.iter().map(Vec::len).sum::<usize>() + priors;
+        let unknowns = shared + self.views.iter().map(|view| self.own_count(view)).sum::<usize>();
+        let mut residual = DVector::zeros(rows);
+        let mut by = DMatrix::zeros(rows, unknowns);
+        let mut row = 0;
+        for rows in &at {
+            residual.rows_mut(row, rows.len()).copy_from_slice(rows);
+            row += rows.len();
+        }
+        for (k, sought) in self.sought.iter().enumerate() {
+            let step = if sought.quantity.is_factor() { SHARE_STEP } else { LENGTH_STEP };
+            let mut changed = point.shared.clone();
+            changed[k] += step;
+            let other = self.candidate(&changed)?;
+            let mut row = 0;
+            for ((view, own), before) in self.views.iter().zip(&point.own).zip(&at) {
+                for (i, (after, before)) in self.weighted(&other, view, own)?.iter().zip(before).enumerate() {
+                    by[(row + i, k)] = (after - before) / step;
+                }
+                row += before.len();
+            }
+            if let Some(prior_sd) = sought.prior_sd {
+                let place = row + self.sought[..k].iter().filter(|sought| sought.prior_sd.is_some()).count();
+                residual[place] = point.shared[k] / prior_sd;
+                by[(place, k)] = 1.0 / prior_sd;
+            }
+        }
+        let (mut row, mut column) = (0, shared);
+        for ((view, own), before) in self.views.iter().zip(&point.own).zip(&at) {
+            for j in 0..self.own_count(view) {
+                let step = own.step(j);
+                let after = self.weighted(&candidate, view, &own.moved(self.finger, j, step))?;
+                for (i, (after, before)) in after.iter().zip(before).enumerate() {
+                    by[(row + i, column)] = (after - before) / step;
+                }
+                column += 1;
+            }
+            row += before.len();
+        }
+        Some((residual, by))
+    }
+
+    /// A point after a step.
+    pub(super) fn moved(&self, point: &Point, step: &DVector<f64>) -> Point {
+        let mut moved = point.clone();
+        for (change, step) in moved.shared.iter_mut().zip(step) {
+            *change += step;
+        }
+        let mut column = self.sought.len();
+        for (view, own) in self.views.iter().zip(&mut moved.own) {
+            for j in 0..self.own_count(view) {
+                *own = own.moved(self.finger, j, step[column]);
+                column += 1;
+            }
+        }
+        moved
+    }
+}
+
+impl Own {
+    /// Step of an unknown for derivatives.
+    fn step(&self, unknown: usize) -> f64 {
+        match unknown {
+            0 => LENGTH_STEP,
+            1 | 2 => LENGTH_STEP,
+            3 => SHARE_STEP,
+            4 => SHARE_STEP * self.force_n,
+            _ => ANGLE_STEP_DEG,
+        }
+    }
+
+    /// The same with one unknown moved.
+    fn moved(&self, finger: &Finger, unknown: usize, by: f64) -> Own {
+        let mut moved = *self;
+        match unknown {
+            0 => {
+                let length_mm = finger.plate_length_mm(Plate::Front);
+                moved.s_mm = (self.s_mm + by).clamp(MARGIN * length_mm, (1.0 - MARGIN) * length_mm);
+            }
+            1 => moved.base.translation.x += by,
+            2 => moved.base.translation.y += by,
+            3 => moved.base.rotation = UnitComplex::new(by) * self.base.rotation,
+            4 => moved.force_n += by,
+            _ => moved.further_lean_deg += by,
+        }
+        moved
+    }
+}

@@ -1,0 +1,152 @@
+//! Contacts: where a force acts and in which direction, as far as that is known.
+
+use super::{Lean, SensingError};
+use crate::Vector;
+use crate::finger::{Finger, NodeId, Plate};
+use crate::mesh::{Load, LoadError};
+use serde::{Deserialize, Serialize};
+
+/// Where a force acts on the front plate.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum ContactPosition {
+    /// At a contact node: from the tip to the last node before the front base.
+    #[serde(rename = "node")]
+    Node(NodeId),
+    /// At a distance from the front base along the plate, mm.
+    #[serde(rename = "s_mm")]
+    At(f64),
+}
+
+/// A contact whose force is sought: its position and direction are known.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Contact {
+    /// Where it acts.
+    #[serde(flatten)]
+    pub position: ContactPosition,
+    /// Direction of the force, degrees from the undeformed inward normal, positive towards the tip.
+    pub angle_deg: f64,
+}
+
+/// As on the command line: `19@0`, `80 mm@-20`.
+impl std::fmt::Display for Contact {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match self.position {
+            ContactPosition::Node(node) => write!(f, "{node}@{}", self.angle_deg),
+            ContactPosition::At(s_mm) => write!(f, "{s_mm} mm@{}", self.angle_deg),
+        }
+    }
+}
+
+impl Contact {
+    /// At a node, along the undeformed normal.
+    pub fn at_node(node: NodeId) -> Contact {
+        Contact { position: ContactPosition::Node(node), angle_deg: 0.0 }
+    }
+
+    /// The contact's force of 1 N as a load.
+    pub fn unit_load(&self, finger: &Finger) -> Load {
+        self.load(finger, 1.0)
+    }
+
+    /// The contact's force as a load.
+    pub fn load(&self, finger: &Finger, force_n: f64) -> Load {
+        let force: Vector = finger.direction(self.angle_deg) * force_n;
+        match self.position {
+            ContactPosition::Node(node) => Load::at_node(node, force),
+            ContactPosition::At(s_mm) => Load::at_position(s_mm, force),
+        }
+    }
+
+    /// Position along the front plate, mm from the base; `None` for a node that is not on it.
+    pub fn position_mm(&self, finger: &Finger) -> Option<f64> {
+        match self.position {
+            ContactPosition::Node(node) => finger.front_position_mm(node),
+            ContactPosition::At(s_mm) => Some(s_mm),
+        }
+    }
+}
+
+/// Direction of a force that is asked about.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Direction {
+    /// Known, degrees from the undeformed inward normal, positive towards the tip; of a base that is not known exactly, from where the
+    /// measurement has it.
+    Angle(f64),
+    /// The plate's inward normal, and what friction turns it by.
+    Leaning(Lean),
+    /// Unknown.
+    Auto,
+}
+
+impl Direction {
+    /// Along the inward normal of the deformed plate.
+    pub const NORMAL: Direction = Direction::Leaning(Lean::NONE);
+}
+
+/// A contact whose force is sought, and perhaps its position and direction too.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactQuestion {
+    /// Where it acts; `None` if unknown.
+    pub position: Option<ContactPosition>,
+    /// In which direction.
+    pub direction: Direction,
+}
+
+impl ContactQuestion {
+    /// The contact, if position and direction are known before measuring.
+    pub fn known(&self) -> Option<Contact> {
+        match (self.position, self.direction) {
+            (Some(position), Direction::Angle(angle_deg)) => Some(Contact { position, angle_deg }),
+            _ => None,
+        }
+    }
+}
+
+impl From<Contact> for ContactQuestion {
+    fn from(contact: Contact) -> ContactQuestion {
+        ContactQuestion { position: Some(contact.position), direction: Direction::Angle(contact.angle_deg) }
+    }
+}
+
+/// Checks that contacts lie on the free front plate, have finite angles and differ from each other.
+///
+/// # Errors
+/// [`SensingError`] naming the first contact that is wrong.
+pub fn check_contacts(finger: &Finger, contacts: &[Contact]) -> Result<(), SensingError> {
+    if contacts.is_empty() {
+        return Err(SensingError::NoContact);
+    }
+    let [_, front_base] = finger.clamped_nodes();
+    let (first, last) = (finger.tip(), NodeId(front_base.0 - 1));
+    for (i, contact) in contacts.iter().enumerate() {
+        match contact.position {
+            ContactPosition::Node(node) => {
+                if !(1..=front_base.0).contains(&node.0) {
+                    return Err(LoadError::NodeMissing { node, key_nodes: front_base.0 }.into());
+                }
+                if finger.clamped_nodes().contains(&node) {
+                    return Err(LoadError::NodeClamped { node }.into());
+                }
+                if !(first..=last).contains(&node) {
+                    return Err(SensingError::NotAContactNode { node, first, last });
+                }
+            }
+            ContactPosition::At(s_mm) => {
+                let length_mm = finger.plate_length_mm(Plate::Front);
+                if !(s_mm > 0.0 && s_mm <= length_mm) {
+                    return Err(LoadError::PositionOffPlate { s_mm, length_mm }.into());
+                }
+            }
+        }
+        if !contact.angle_deg.is_finite() {
+            return Err(SensingError::AngleNotFinite { contact: i + 1 });
+        }
+        let same = |other: &Contact| {
+            other.angle_deg == contact.angle_deg && other.position_mm(finger) == contact.position_mm(finger)
+        };
+        if let Some(j) = contacts[..i].iter().position(same) {
+            return Err(SensingError::SameContact { first: j + 1, second: i + 1 });
+        }
+    }
+    Ok(())
+}
