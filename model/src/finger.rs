@@ -279,6 +279,11 @@ impl Finger {
         self.inward(Plate::Front) * cos + tangent * sin
     }
 
+    /// Angle of a direction, degrees from the front plate's undeformed inward normal, positive towards the tip.
+    pub fn angle_deg(&self, direction: Vector) -> f64 {
+        direction.dot(&self.front_tangent()).atan2(direction.dot(&self.inward(Plate::Front))).to_degrees()
+    }
+
     /// Section of a part without zones: plane-strain modulus E / (1 - nu^2); `None` for ribs that do not deform.
     pub fn section(&self, part: Part) -> Option<Section> {
         let d = &self.description;

@@ -82,7 +82,7 @@ impl Scene {
         };
         let contact = match top.optional_table("contact", &contact::KEYS)? {
             None => ContactDescription::default(),
-            Some(table) => contact::read_contact(&table)?,
+            Some(table) => contact::read_contact(&table, &finger)?,
         };
         let object = match top.optional_table("object", &object::KEYS)? {
             None => None,

@@ -1,7 +1,10 @@
 //! Contacts and forces on a finger.
 
-use finray_model::sensing::{Contact, ContactPosition};
-use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector, statics};
+use finray_model::finger::Plate;
+use finray_model::frame::FrameMotion;
+use finray_model::sensing::{Contact, ContactPosition, Pad};
+use finray_model::statics::{self, Statics};
+use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
 
 /// A contact at a node, in a direction.
 pub fn at_node(node: usize, angle_deg: f64) -> Contact {
@@ -30,5 +33,54 @@ pub fn force_for_deflection(finger: &Finger, node: NodeId, angle_deg: f64, share
     let direction = finger.direction(angle_deg);
     let shape = statics::solve(&Mesh::key_nodes(finger), &[Load::at_node(node, direction)], Kinematics::Linear)
         .expect("a checked finger has a linear solution");
-    direction * (share * finger.plate_length_mm(finray_model::finger::Plate::Front) / shape.largest_displacement_mm())
+    direction * (share * finger.plate_length_mm(Plate::Front) / shape.largest_displacement_mm())
+}
+
+/// Settling of the plate's direction under a pad, steps.
+const SETTLED_AFTER: usize = 12;
+
+/// Forces, N, that do to the plate what an object does that presses on a pad: an even pressure with shear, in equal parts, whose resultant acts
+/// where the object touches the pad, and so turns the plate. It is a couple across the plate as that is bent, found by iteration; nothing here
+/// is the estimator's, which has two forces instead.
+///
+/// # Panics
+/// Where the finger does not carry them, or the pad is not all on the plate.
+pub fn under_pad(mesh: &Mesh, contact: Contact, force_n: f64, pad: Pad, parts: usize) -> Vec<(Contact, f64)> {
+    let finger = mesh.finger();
+    let s_mm = contact.position_mm(finger).expect("on the plate");
+    let shares: Vec<(Contact, f64)> = (0..parts)
+        .map(|i| s_mm + pad.length_mm * ((i as f64 + 0.5) / parts as f64 - 0.5))
+        .map(|at_mm| (at_position(at_mm, contact.angle_deg), force_n / parts as f64))
+        .collect();
+    let ends_mm = [-0.5, 0.5].map(|side| s_mm + side * pad.length_mm);
+    let mut statics = Statics::ladder(mesh, Kinematics::Corotational);
+    let mut all = shares.clone();
+    let mut plate_deg = 0.0;
+    for _ in 0..SETTLED_AFTER {
+        let shear_n = force_n * (contact.angle_deg - plate_deg).to_radians().sin();
+        let turning_n = shear_n * pad.thickness_mm / pad.length_mm;
+        let couple = ends_mm.into_iter().zip([-turning_n, turning_n]);
+        all.clone_from(&shares);
+        all.extend(couple.map(|(at_mm, force_n)| (at_position(at_mm, plate_deg), force_n)));
+        let loads = all.iter().map(|(contact, force_n)| mesh.frame_load(&contact.load(finger, *force_n)));
+        let loads: Vec<_> = loads.collect::<Result<_, _>>().expect("on the plate");
+        let motion = statics.equilibrium(&loads).expect("carried").motion;
+        plate_deg = chord_turn_deg(mesh, &motion, ends_mm);
+    }
+    all
+}
+
+/// By how much the line between two points of the front plate is turned, degrees; the points are the nodes of the mesh that are nearest.
+fn chord_turn_deg(mesh: &Mesh, motion: &FrameMotion, ends_mm: [f64; 2]) -> f64 {
+    let (finger, frame) = (mesh.finger(), mesh.frame());
+    let ends = ends_mm.map(|end_mm| {
+        let wanted = finger.base(Plate::Front) + finger.front_tangent() * end_mm;
+        let off = |node: &usize| (frame.position(*node) - wanted).norm();
+        (0..frame.node_count()).min_by(|a, b| off(a).total_cmp(&off(b))).expect("a mesh has nodes")
+    });
+    let [before, after] = [0.0, 1.0].map(|moved| {
+        let [from, to] = ends.map(|node| frame.position(node) + motion.displacements[node] * moved);
+        (to - from).y.atan2((to - from).x)
+    });
+    (after - before).to_degrees()
 }

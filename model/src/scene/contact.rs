@@ -3,11 +3,14 @@
 use super::SceneError;
 use super::object::{LARGEST_FRICTION, ROD_RADIUS_MM};
 use super::reader::TableReader;
-use crate::sensing::{Lean, Normal};
+use crate::finger::{Finger, Plate};
+use crate::sensing::{Lean, Normal, Pad};
 
 /// All keys of `[contact]`.
-pub(super) const KEYS: [&str; 8] = [
+pub(super) const KEYS: [&str; 10] = [
     "rod_radius_mm",
+    PAD,
+    PAD_LENGTH,
     FRICTION,
     "friction_sigma",
     "friction_range",
@@ -16,6 +19,8 @@ pub(super) const KEYS: [&str; 8] = [
     "normal_over_mm",
     FORCE_ERROR,
 ];
+const PAD: &str = "pad_mm";
+const PAD_LENGTH: &str = "pad_length_mm";
 const FORCE_ERROR: &str = "force_error_share";
 const FRICTION: &str = "friction";
 /// Keys that say more of a friction that is stated.
@@ -30,15 +35,17 @@ pub struct ContactDescription {
     pub lean: Option<Lean>,
     /// Share by which sensed forces err beyond what is known otherwise: standard deviation.
     pub force_error: f64,
+    /// What lies between an object and the front plate where forces are sensed.
+    pub pad: Pad,
 }
 
 impl Default for ContactDescription {
     fn default() -> ContactDescription {
-        ContactDescription { rod_radius_mm: ROD_RADIUS_MM, lean: None, force_error: 0.0 }
+        ContactDescription { rod_radius_mm: ROD_RADIUS_MM, lean: None, force_error: 0.0, pad: Pad::default() }
     }
 }
 
-pub(super) fn read_contact(table: &TableReader) -> Result<ContactDescription, SceneError> {
+pub(super) fn read_contact(table: &TableReader, finger: &Finger) -> Result<ContactDescription, SceneError> {
     let rod_radius_mm =
         if table.has("rod_radius_mm") { super::not_negative_mm(table, "rod_radius_mm")? } else { ROD_RADIUS_MM };
     let lean = match (table.has(FRICTION), table.has("friction_range")) {
@@ -56,13 +63,25 @@ pub(super) fn read_contact(table: &TableReader) -> Result<ContactDescription, Sc
         (false, false) => None,
     };
     let force_error = not_negative(table, FORCE_ERROR, 1.0)?;
+    let pad_mm = |key| match table.has(key) {
+        true => super::not_negative_mm(table, key),
+        false => Ok(0.0),
+    };
+    let pad = Pad { length_mm: pad_mm(PAD_LENGTH)?, thickness_mm: pad_mm(PAD)? };
+    let plate_mm = finger.plate_length_mm(Plate::Front);
+    for (key, length_mm) in [(PAD_LENGTH, pad.length_mm), (PAD, pad.thickness_mm)] {
+        if length_mm > plate_mm {
+            let expected = format!("a length in mm, no more than the front plate's {plate_mm}");
+            return Err(table.wrong(key, &expected, &format!("{length_mm:?}")));
+        }
+    }
     match (lean, FURTHER.iter().find(|key| table.has(key))) {
         (None, Some(key)) => {
             Err(table.missing(FRICTION, &format!("a coefficient of friction (or friction_range), as `{key}` is there")))
         }
-        (None, None) => Ok(ContactDescription { rod_radius_mm, lean: None, force_error }),
+        (None, None) => Ok(ContactDescription { rod_radius_mm, lean: None, force_error, pad }),
         (Some(lean), _) => {
-            Ok(ContactDescription { rod_radius_mm, lean: Some(read_further(table, lean)?), force_error })
+            Ok(ContactDescription { rod_radius_mm, lean: Some(read_further(table, lean)?), force_error, pad })
         }
     }
 }

@@ -8,6 +8,7 @@ mod linear;
 mod linearisation;
 pub mod network;
 mod nonlinear;
+mod pad;
 mod residual_test;
 
 pub use contact::{Contact, ContactPosition, ContactQuestion, Direction, check_contacts};
@@ -17,6 +18,7 @@ pub use lean::{Lean, Normal};
 pub use linear::{LinearEstimator, Prior};
 pub use linearisation::Linearisation;
 pub use nonlinear::{Discretisation, NonlinearEstimate, NonlinearEstimator, sense_refining};
+pub use pad::Pad;
 pub use residual_test::{ResidualTest, SIGNIFICANCE};
 
 /// Largest span of the scaled singular values at which forces are still identifiable.

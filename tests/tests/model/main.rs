@@ -16,6 +16,7 @@ mod sensing {
     mod hard_measurements;
     mod linear;
     mod nonlinear;
+    mod pad;
     mod priors;
     mod stated_sigma;
 }

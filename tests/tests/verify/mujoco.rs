@@ -3,7 +3,7 @@
 //! The files say how they were made and how far they can be trusted: `fixtures/mujoco/README.md`.
 
 use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, ContactPosition, sense_refining};
+use finray_model::sensing::{Contact, ContactPosition, Pad, sense_refining};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, statics};
 use finray_tests::{CAMERA_NOISE_MM, paper};
 use finray_verify::mujoco::{ContactStep, ExportedFinger, FINGERS, TouchedRod, contact_steps};
@@ -160,7 +160,8 @@ fn the_force_on_every_rod_is_sensed() {
     for step in contact_steps().expect("a table") {
         let contacts: Vec<_> = step.touched.iter().map(|rod| position_of_force(&finger, &step, rod).into()).collect();
         let measurement = Measurement::of_shape(&finger, &step.shape);
-        let sensed = sense_refining(&finger, &contacts, &measurement, Some(CAMERA_NOISE_MM)).expect("an answer");
+        let sensed =
+            sense_refining(&finger, &contacts, Pad::default(), &measurement, Some(CAMERA_NOISE_MM)).expect("an answer");
         for (rod, force_n) in step.touched.iter().zip(&sensed.forces.forces_n) {
             let error = force_n / rod.force.norm() - 1.0;
             assert!(error.abs() < SENSED_TOLERANCE, "push {}, {} mm, {rod:?}: {force_n} N", step.push, step.depth_mm);

@@ -157,9 +157,10 @@ impl From<EstimatorError> for Failure {
         match error {
             EstimatorError::Sensing(inner) => inner.into(),
             EstimatorError::Network(inner) => inner.into(),
-            EstimatorError::NoNetwork(_) | EstimatorError::Mesh(_) | EstimatorError::NotKnown => {
-                Failure::BadInput(error.to_string())
-            }
+            EstimatorError::NoNetwork(_)
+            | EstimatorError::Mesh(_)
+            | EstimatorError::NotKnown
+            | EstimatorError::NoPad => Failure::BadInput(error.to_string()),
         }
     }
 }

@@ -186,8 +186,14 @@ impl Task<'_> {
         let is_alike = noise_mm.is_some() || arguments.estimator == EstimatorId::Network;
         let noise_mm = noise_mm.or(found.noise_mm);
         let measurement = if is_alike { found.of_equal_weight() } else { found.measurement };
-        let question =
-            Question { contacts, measurement: &measurement, noise_mm, mesh_nodes: arguments.mesh_nodes, networks };
+        let question = Question {
+            contacts,
+            pad: scene.contact.pad,
+            measurement: &measurement,
+            noise_mm,
+            mesh_nodes: arguments.mesh_nodes,
+            networks,
+        };
         let (contacts, mut estimate) = arguments.estimator.answer(finger, &question)?;
         estimate.add_force_error(scene.contact.force_error);
         if let Some(i) = estimate.forces_n.iter().position(|force| !force.is_finite()) {

@@ -14,7 +14,7 @@ use crate::registry::registry;
 use finray_model::measurement::Measurement;
 use finray_model::mesh::MeshSizeError;
 use finray_model::sensing::network::NetworkError;
-use finray_model::sensing::{Contact, ContactQuestion, Estimate, SensingError, check_contacts};
+use finray_model::sensing::{Contact, ContactQuestion, Estimate, Pad, SensingError, check_contacts};
 use finray_model::{Finger, Mesh};
 use network::{Networks, NoNetwork};
 
@@ -121,6 +121,9 @@ impl EstimatorId {
     /// # Errors
     /// [`EstimatorError`] for wrong contacts, or if the estimator refuses to answer.
     pub fn answer(self, finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
+        if !question.pad.is_none() && !self.searches() {
+            return Err(EstimatorError::NoPad);
+        }
         (self.row().answer)(finger, question)
     }
 }
@@ -130,6 +133,8 @@ impl EstimatorId {
 pub struct Question<'q> {
     /// The contacts.
     pub contacts: &'q [ContactQuestion],
+    /// What lies between objects and the plate; estimators that do not search refuse a pad.
+    pub pad: Pad,
     /// The measurement.
     pub measurement: &'q Measurement,
     /// Standard deviation of one coordinate, mm; `None` if unknown.
@@ -219,4 +224,7 @@ pub enum EstimatorError {
     /// Positions and directions that are sought with the forces.
     #[error("a position or direction that is `normal` or `auto` needs --estimator {name}", name = EstimatorId::Nonlinear)]
     NotKnown,
+    /// A pad between object and plate.
+    #[error("a scene whose contacts have a pad (pad_mm, pad_length_mm) needs --estimator {name}", name = EstimatorId::Nonlinear)]
+    NoPad,
 }

@@ -196,8 +196,7 @@ fn sensed(
     seen: &LocatedView,
     force: Vector,
 ) -> Option<MeasuredForce> {
-    let [inward, tipward] = [0.0, 90.0].map(|angle_deg| scene.finger.direction(angle_deg));
-    let measured = Direction::Angle(force.dot(&tipward).atan2(force.dot(&inward)).to_degrees());
+    let measured = Direction::Angle(scene.finger.angle_deg(force));
     let direction = (knowledge.direction)(measured, scene.contact.lean)?;
     let view = &seen.view;
     // Displacements count from the finger that is meant; what it misses its markers by is part of their noise.
@@ -216,7 +215,7 @@ fn sensed(
                 false => measurement,
             };
             let question = ContactQuestion { position: None, direction };
-            let found = sense_refining(finger, &[question], &measurement, Some(noise_mm));
+            let found = sense_refining(finger, &[question], scene.contact.pad, &measurement, Some(noise_mm));
             let mut found = found.map_err(|error| error.to_string())?;
             found.forces.add_force_error(scene.contact.force_error);
             Ok(found)
@@ -254,5 +253,6 @@ fn model(scene: &Scene) -> ViewModel {
         camera_height_mm: HEIGHT_MM,
         marker_height_mm: 0.0,
         lean: scene.contact.lean.unwrap_or(Lean::NONE),
+        pad: scene.contact.pad,
     }
 }

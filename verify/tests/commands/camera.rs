@@ -449,6 +449,12 @@ fn shades_and_references_of_a_scene_are_checked() {
             "[contact]\nforce_error_share = 2.0\n[base]",
             "contact.force_error_share: expected a share from 0 to 1, found 2.0",
         ),
+        ("[base]", "[contact]\npad_mm = -1\n[base]", "contact.pad_mm: expected a length in mm, zero or more"),
+        (
+            "[base]",
+            "[contact]\npad_length_mm = 300.0\n[base]",
+            "contact.pad_length_mm: expected a length in mm, no more than the front plate's 150.16, found 300.0",
+        ),
         ("[base]", "[contact]\nfriction_sigma = 0.1\n[base]", "contact.friction is missing: expected a coefficient"),
         (
             "[base]",

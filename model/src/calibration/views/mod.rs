@@ -17,7 +17,7 @@ use crate::Vector;
 use crate::finger::Finger;
 use crate::least_squares::{Fit, fit};
 use crate::measurement::{BaseUncertainty, Measurement};
-use crate::sensing::{Lean, Normal};
+use crate::sensing::{Lean, Normal, Pad};
 use nalgebra::{DMatrix, Isometry2};
 use problem::Problem;
 
@@ -47,6 +47,8 @@ pub struct ViewModel {
     pub marker_height_mm: f64,
     /// How a force leans that was not measured.
     pub lean: Lean,
+    /// What lies between objects and the plate.
+    pub pad: Pad,
 }
 
 /// A quantity as it was found.
@@ -84,8 +86,7 @@ impl FoundView {
 
     /// By how much the force leans from a normal towards the tip, degrees.
     pub fn lean_deg(&self, finger: &Finger, from: Normal) -> f64 {
-        let [inward, tipward] = [0.0, 90.0].map(|angle_deg| finger.direction(angle_deg));
-        let angle_deg = self.force.dot(&tipward).atan2(self.force.dot(&inward)).to_degrees();
+        let angle_deg = finger.angle_deg(self.force);
         match from {
             Normal::Undeformed => angle_deg,
             Normal::Deformed { .. } => angle_deg - self.normal_turn_rad.to_degrees(),

@@ -6,9 +6,9 @@ use crate::finger::{Finger, Plate, RibPositions};
 use crate::frame::FrameMotion;
 use crate::measurement::{BaseUncertainty, Marker};
 use crate::mesh::Mesh;
-use crate::sensing::Normal;
+use crate::sensing::{Contact, ContactPosition, Normal};
 use crate::statics::Statics;
-use crate::{Kinematics, Load, Vector};
+use crate::{Kinematics, Vector};
 use nalgebra::{DMatrix, DVector, Isometry2, Point2, UnitComplex};
 
 /// Of the unknowns of one view: position, base x, y and turn; then the force, where it was not measured exactly, and its lean, where it was not
@@ -135,26 +135,29 @@ impl Problem<'_> {
             Normal::Undeformed => 0.0,
         };
         let mut statics = Statics::ladder(&candidate.mesh, Kinematics::Corotational);
-        let mut under = |force: Vector| {
-            let load = Load::at_position(own.s_mm, force);
-            let motion = statics.equilibrium(&[candidate.mesh.frame_load(&load).ok()?]).ok()?.motion;
-            let normal_turn_rad = candidate.mesh.normal_turn(&motion, &load, over_mm).ok()?;
-            Some(Pressed { force, motion, normal_turn_rad })
-        };
-        if let Some(force) = view.force {
-            return under((candidate.base * own.base).rotation.inverse() * force * (own.force_n / force.norm()));
-        }
-        // The lean counts from a normal that turns with the force: settled in a few steps.
+        let pad = self.model.pad;
+        let measured = view
+            .force
+            .map(|force| (candidate.base * own.base).rotation.inverse() * force * (own.force_n / force.norm()));
         let lean_deg = self.model.lean.mean_deg(own.force_n) + own.further_lean_deg;
-        let mut turn_rad = 0.0_f64;
+        // A lean may count from a normal that turns with the force, and so does a pad: settled in a few steps.
+        let (mut normal_rad, mut plate_rad) = (0.0_f64, 0.0_f64);
         for _ in 0..NORMAL_STEPS {
-            let pressed = under(finger.direction(lean_deg + turn_rad.to_degrees()) * own.force_n)?;
-            let before = turn_rad;
-            if let Normal::Deformed { .. } = self.model.lean.from {
-                turn_rad = pressed.normal_turn_rad;
+            let leaning = || finger.direction(lean_deg + normal_rad.to_degrees()) * own.force_n;
+            let force = measured.unwrap_or_else(leaning);
+            let angle_deg = finger.angle_deg(force);
+            let contact = Contact { position: ContactPosition::At(own.s_mm), angle_deg };
+            let loads = pad.loads(&candidate.mesh, &contact, force.norm(), plate_rad).collect::<Result<Vec<_>, _>>();
+            let motion = statics.equilibrium(&loads.ok()?).ok()?.motion;
+            let load = contact.unit_load(finger);
+            let normal_turn_rad = candidate.mesh.normal_turn(&motion, &load, over_mm).ok()?;
+            let before = [normal_rad, plate_rad];
+            if let (None, Normal::Deformed { .. }) = (view.force, self.model.lean.from) {
+                normal_rad = normal_turn_rad;
             }
-            if (turn_rad - before).abs() <= SETTLED_RAD {
-                return Some(pressed);
+            plate_rad = pad.plate_turn(&candidate.mesh, &contact, &motion).ok()?;
+            if (normal_rad - before[0]).abs().max((plate_rad - before[1]).abs()) <= SETTLED_RAD {
+                return Some(Pressed { force, motion, normal_turn_rad });
             }
         }
         None

@@ -47,7 +47,7 @@ impl Problem<'_> {
     fn start_of_unknown(&self, stated: &Candidate, view: &View) -> Result<Own, CalibrationError> {
         let direction = Direction::Leaning(Lean { sd_deg: 0.0, ..self.model.lean });
         let questions = [ContactQuestion { position: None, direction }];
-        let mut estimator = NonlinearEstimator::new(&stated.mesh, &questions)?;
+        let mut estimator = NonlinearEstimator::new(&stated.mesh, &questions)?.with_pad(self.model.pad);
         let measurement = view.measurement.clone().with_uncertain_base(view.base);
         let sensed = estimator.estimate(&measurement, Some(view.noise_mm.hypot(FIRST_MODEL_ERROR_MM)))?;
         Ok(Own {

@@ -4,7 +4,7 @@ use super::{NonlinearEstimate, NonlinearEstimator, State};
 use crate::Kinematics;
 use crate::measurement::Measurement;
 use crate::mesh::Mesh;
-use crate::sensing::{Contact, SensingError, Warning};
+use crate::sensing::{Contact, Pad, SensingError, Warning};
 use crate::statics::{Ladder, Statics};
 
 /// Into how many parts elements are divided for the finer mesh; where some members are single elements, whose errors do not
@@ -78,7 +78,7 @@ impl<'m> Discretisation<'m> {
         let error_n = match self.known.iter().find(|known| self.serves(known, state)) {
             Some(known) => known.error_n.clone(),
             None => {
-                let error_n = self.error(state, measurement)?;
+                let error_n = self.error(estimator.pad, state, measurement)?;
                 if self.known.len() == MOST_KEPT {
                     self.known.clear();
                 }
@@ -105,10 +105,9 @@ impl<'m> Discretisation<'m> {
     }
 
     /// The error of each force at a state, N.
-    fn error(&mut self, state: &mut State, measurement: &Measurement) -> Result<Vec<f64>, SensingError> {
-        let finger = self.finer.finger();
-        let contacts = state.contacts.iter().zip(&state.forces_n);
-        let loads = contacts.map(|(c, f)| self.finer.frame_load(&c.load(finger, *f)));
+    fn error(&mut self, pad: Pad, state: &mut State, measurement: &Measurement) -> Result<Vec<f64>, SensingError> {
+        let contacts = state.contacts.iter().zip(&state.forces_n).zip(&state.plate_turns_rad);
+        let loads = contacts.flat_map(|((c, f), turn_rad)| pad.loads(self.finer, c, *f, *turn_rad));
         let fine = self.statics.equilibrium(&loads.collect::<Result<Vec<_>, _>>()?)?.motion;
         let coarse = &state.motion.displacements;
         let further = |node: usize| fine.displacements[node] - coarse[node];

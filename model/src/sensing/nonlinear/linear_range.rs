@@ -47,7 +47,11 @@ impl NonlinearEstimator<'_> {
     ) -> Result<bool, SensingError> {
         let mut loads = state.loads.clone();
         let force_n = state.forces_n[contact] + change_n;
-        loads[contact] = self.mesh.frame_load(&state.contacts[contact].load(self.finger(), force_n))?;
+        let (found, turn_rad) = (&state.contacts[contact], state.plate_turns_rad[contact]);
+        let of_contact = self.pad.loads(self.mesh, found, force_n, turn_rad);
+        for (load, found) in loads[contact * self.pad.load_count()..].iter_mut().zip(of_contact) {
+            *load = found?;
+        }
         let motion = match self.statics.shifted(&state.motion, &state.loads, &loads) {
             Ok(equilibrium) => equilibrium.motion,
             Err(StaticsError::NoEquilibrium { .. }) => return Ok(false),

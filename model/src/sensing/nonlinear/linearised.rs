@@ -6,9 +6,9 @@ use super::unknowns::{BaseMotion, Unknown};
 use super::{NonlinearEstimator, State};
 use crate::Vector;
 use crate::finger::NodeId;
-use crate::frame::{FrameMotion, NodeIndex};
+use crate::frame::{FrameLoad, FrameMotion, NodeIndex};
 use crate::measurement::{Marker, Measurement};
-use crate::mesh::Mesh;
+use crate::mesh::{LoadError, Mesh};
 use crate::sensing::{Contact, Direction, LARGEST_SPAN, SensingError};
 use nalgebra::{DMatrix, Point2, UnitComplex};
 
@@ -256,19 +256,24 @@ impl NonlinearEstimator<'_> {
     pub(super) fn differentiate(&mut self, state: &mut State) -> Result<(), SensingError> {
         let finger = self.finger();
         self.rescale(state);
-        let State { forces_n, contacts, nuisances, loads, motion, linearised } = state;
+        let count = self.pad.load_count();
+        let State { forces_n, contacts, nuisances, plate_turns_rad, loads, motion, linearised } = state;
         linearised.prior_rows.clear();
         linearised.prior_rows.extend(linearised.priors.rows(nuisances, forces_n));
-        let (base, points) = (nuisances.base, &linearised.marker_points);
+        let (base, points, across) = (nuisances.base, &linearised.marker_points, &mut linearised.across);
         let turned = base.rotation != UnitComplex::identity();
         let ladder = self.statics.equations_mut();
         for (unknown, rates) in self.unknowns.iter().zip(linearised.rates.chunks_exact_mut(finger.key_node_count())) {
             match *unknown {
-                Unknown::Position(i) => ladder.moved_load(motion, &loads[i], rates),
+                Unknown::Position(i) => {
+                    let of_contact = loads[i * count..][..count].iter().map(|load| Ok(*load));
+                    add_up(of_contact, rates, across, |load, out| ladder.moved_load(motion, load, out))?;
+                }
                 Unknown::Force(i) | Unknown::Across(i) => {
                     let across_deg = if *unknown == Unknown::Force(i) { 0.0 } else { 90.0 };
                     let along = Contact { angle_deg: contacts[i].angle_deg + across_deg, ..contacts[i] };
-                    ladder.added_load(motion, &self.mesh.frame_load(&along.unit_load(finger))?, rates);
+                    let of_contact = self.pad.loads(self.mesh, &along, 1.0, plate_turns_rad[i]);
+                    add_up(of_contact, rates, across, |load, out| ladder.added_load(motion, load, out))?;
                 }
                 Unknown::Base(way) => {
                     for (rate, point) in rates.iter_mut().zip(points) {
@@ -283,11 +288,12 @@ impl NonlinearEstimator<'_> {
                     let held =
                         self.questions.iter().enumerate().filter(|(_, q)| matches!(q.direction, Direction::Angle(_)));
                     for (i, _) in held.filter(|_| way == BaseMotion::Turn) {
-                        let across = Contact { angle_deg: contacts[i].angle_deg + 90.0, ..contacts[i] };
-                        let load = self.mesh.frame_load(&across.unit_load(finger))?;
-                        ladder.added_load(motion, &load, &mut linearised.across);
-                        for (rate, across) in rates.iter_mut().zip(&linearised.across) {
-                            *rate -= base.rotation * *across * forces_n[i];
+                        let across_contact = Contact { angle_deg: contacts[i].angle_deg + 90.0, ..contacts[i] };
+                        for load in self.pad.loads(self.mesh, &across_contact, 1.0, plate_turns_rad[i]) {
+                            ladder.added_load(motion, &load?, across);
+                            for (rate, across) in rates.iter_mut().zip(&*across) {
+                                *rate -= base.rotation * *across * forces_n[i];
+                            }
                         }
                     }
                     continue;
@@ -299,4 +305,23 @@ impl NonlinearEstimator<'_> {
         }
         Ok(())
     }
+}
+
+/// Adds up what each of some loads does to the key nodes; `room` is for one of them.
+fn add_up(
+    loads: impl Iterator<Item = Result<FrameLoad, LoadError>>,
+    rates: &mut [Vector],
+    room: &mut [Vector],
+    mut of: impl FnMut(&FrameLoad, &mut [Vector]),
+) -> Result<(), LoadError> {
+    for (i, load) in loads.enumerate() {
+        match i {
+            0 => of(&load?, rates),
+            _ => {
+                of(&load?, room);
+                rates.iter_mut().zip(&*room).for_each(|(rate, further)| *rate += further);
+            }
+        }
+    }
+    Ok(())
 }

@@ -21,7 +21,8 @@ pub use discretisation::Discretisation;
 pub use refine::sense_refining;
 
 use super::{
-    Contact, ContactPosition, ContactQuestion, Direction, Estimate, ModelError, SensingError, Warning, check_contacts,
+    Contact, ContactPosition, ContactQuestion, Direction, Estimate, ModelError, Pad, SensingError, Warning,
+    check_contacts,
 };
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::measurement::Measurement;
@@ -83,6 +84,7 @@ impl NonlinearEstimate {
 pub struct NonlinearEstimator<'m> {
     mesh: &'m Mesh,
     questions: Vec<ContactQuestion>,
+    pad: Pad,
     unknowns: Vec<Unknown>,
     priors: Priors,
     statics: Statics<Ladder<'m>>,
@@ -97,6 +99,9 @@ struct State {
     forces_n: Vec<f64>,
     contacts: Vec<Contact>,
     nuisances: Nuisances,
+    /// By how much the plate is turned under the pad at each contact, rad.
+    plate_turns_rad: Vec<f64>,
+    /// Of the first contact, then of the second and so on, as many as the pad makes of each.
     loads: Vec<FrameLoad>,
     motion: FrameMotion,
     linearised: Linearised,
@@ -145,12 +150,20 @@ impl<'m> NonlinearEstimator<'m> {
         Ok(NonlinearEstimator {
             mesh,
             questions: questions.to_vec(),
+            pad: Pad::default(),
             unknowns: Unknown::of(questions, false),
             priors: Priors::default(),
             statics: Statics::ladder(mesh, Kinematics::Corotational),
             last: None,
             held: None,
         })
+    }
+
+    /// The same with a pad between objects and the plate.
+    pub fn with_pad(mut self, pad: Pad) -> NonlinearEstimator<'m> {
+        self.pad = pad;
+        self.forget();
+        self
     }
 
     /// Forgets the last estimate: the next one starts from the one that is held, else from least squares.

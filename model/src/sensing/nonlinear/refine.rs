@@ -4,7 +4,7 @@ use super::{NonlinearEstimate, NonlinearEstimator};
 use crate::Finger;
 use crate::measurement::Measurement;
 use crate::mesh::Mesh;
-use crate::sensing::{ContactQuestion, SensingError, Warning};
+use crate::sensing::{ContactQuestion, Pad, SensingError, Warning};
 
 /// Change of a force between a mesh and one twice as fine at which refinement ends, as a share of the largest force.
 const REFINEMENT_TOLERANCE: f64 = 2e-3;
@@ -21,12 +21,13 @@ const ELEMENTS: std::ops::RangeInclusive<usize> = 4..=64;
 pub fn sense_refining(
     finger: &Finger,
     questions: &[ContactQuestion],
+    pad: Pad,
     measurement: &Measurement,
     noise_mm: Option<f64>,
 ) -> Result<NonlinearEstimate, SensingError> {
     let on = |elements| {
         let mesh = Mesh::with_elements_per_member(finger, elements);
-        NonlinearEstimator::new(&mesh, questions)?.estimate(measurement, noise_mm)
+        NonlinearEstimator::new(&mesh, questions)?.with_pad(pad).estimate(measurement, noise_mm)
     };
     let mut elements = *ELEMENTS.start();
     let mut coarse = on(elements)?;

@@ -81,12 +81,13 @@ impl NonlinearEstimator<'_> {
         // Linear forces may be beyond what the finger carries: halve them until it stands.
         let rest = self.statics.equations().at_rest();
         for _ in 0..30 {
-            let loads = contacts.iter().zip(&forces_n).map(|(c, f)| self.mesh.frame_load(&c.load(finger, *f)));
+            let loads = contacts.iter().zip(&forces_n).flat_map(|(c, f)| self.pad.loads(self.mesh, c, *f, 0.0));
             let loads = loads.collect::<Result<Vec<_>, _>>()?;
             match self.statics.tried(&rest, [&[], &loads], |_| true) {
                 Ok(Equilibrium { motion, .. }) => {
                     let linearised = Linearised::new(self.mesh, self.unknowns.len(), self.priors.clone());
-                    let mut state = State { forces_n, contacts, nuisances, loads, motion, linearised };
+                    let plate_turns_rad = vec![0.0; contacts.len()];
+                    let mut state = State { forces_n, contacts, nuisances, plate_turns_rad, loads, motion, linearised };
                     self.differentiate(&mut state)?;
                     let (shape, linearised) = state.split();
                     linearised.weigh(shape, measurement, noise_mm);
@@ -109,7 +110,7 @@ impl NonlinearEstimator<'_> {
             Direction::Angle(_) | Direction::Auto => *question,
         };
         let questions: Vec<ContactQuestion> = self.questions.iter().map(held).collect();
-        let mut estimator = NonlinearEstimator::new(self.mesh, &questions)?;
+        let mut estimator = NonlinearEstimator::new(self.mesh, &questions)?.with_pad(self.pad);
         estimator.expect(measurement, noise_mm)?;
         let found = estimator.searched(measurement, noise_mm, Start::Times(1.0), &mut Vec::new())?;
         let linearised = Linearised::new(self.mesh, self.unknowns.len(), self.priors.clone());

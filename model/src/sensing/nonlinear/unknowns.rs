@@ -98,7 +98,7 @@ impl NonlinearEstimator<'_> {
     /// [`LoadError`] never in practice: positions are kept on the plate.
     pub(super) fn advance(&self, state: &mut State) -> Result<f64, LoadError> {
         let finger = self.finger();
-        let State { forces_n, contacts, nuisances, loads, motion, linearised } = state;
+        let State { forces_n, contacts, nuisances, plate_turns_rad, loads, motion, linearised } = state;
         for (unknown, &x) in self.unknowns.iter().zip(&linearised.step) {
             match *unknown {
                 Unknown::Force(i) => forces_n[i] += x,
@@ -146,7 +146,14 @@ impl NonlinearEstimator<'_> {
                 largest_turn_deg = largest_turn_deg.max((angle_deg - contact.angle_deg).abs());
                 contact.angle_deg = angle_deg;
             }
-            loads[i] = self.mesh.frame_load(&contact.load(finger, forces_n[i]))?;
+            let turn_rad = self.pad.plate_turn(self.mesh, contact, motion)?;
+            largest_turn_deg = largest_turn_deg.max((turn_rad - plate_turns_rad[i]).abs().to_degrees());
+            plate_turns_rad[i] = turn_rad;
+            let count = self.pad.load_count();
+            let of_contact = self.pad.loads(self.mesh, contact, forces_n[i], turn_rad);
+            for (load, found) in loads[i * count..].iter_mut().zip(of_contact) {
+                *load = found?;
+            }
         }
         Ok(largest_turn_deg)
     }

@@ -5,7 +5,7 @@ use finray_model::calibration::{
 };
 use finray_model::finger::{BracketLengths, Plate, RibPositions};
 use finray_model::measurement::{BaseUncertainty, Marker, Measurement};
-use finray_model::sensing::{Lean, Normal};
+use finray_model::sensing::{Lean, Normal, Pad};
 use finray_model::{Finger, Kinematics, Vector};
 use finray_tests::{ELEMENTS, at_position, finger_of, noisy, seen};
 use nalgebra::{Isometry2, Point2};
@@ -83,7 +83,13 @@ fn sought(quantities: &[Quantity], prior_sd: Option<f64>) -> Vec<Sought> {
 }
 
 fn model(lean: Lean) -> ViewModel {
-    ViewModel { elements: ELEMENTS, camera_height_mm: CAMERA_HEIGHT_MM, marker_height_mm: 0.0, lean }
+    ViewModel {
+        elements: ELEMENTS,
+        camera_height_mm: CAMERA_HEIGHT_MM,
+        marker_height_mm: 0.0,
+        lean,
+        pad: Pad::default(),
+    }
 }
 
 fn ribs() -> Vec<Quantity> {

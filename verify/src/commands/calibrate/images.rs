@@ -183,6 +183,7 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failu
         camera_height_mm: scene.camera.and_then(|camera| camera.pose).map_or(NO_CAMERA_MM, |pose| pose.eye().z),
         marker_height_mm: scene.markers.map_or(0.0, |markers| markers.height_mm),
         lean,
+        pad: scene.contact.pad,
     };
     let all: Vec<_> = seen.iter().map(|seen| seen.view.clone()).collect();
     let estimate = calibration::views(&scene.finger, &all, &fit.sought, &model).map_err(failure)?;

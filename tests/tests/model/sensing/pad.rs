@@ -1,0 +1,88 @@
+//! A pad spreads a force and lets it act before the plate: what many forces on the plate do is sensed as one, to what is stated.
+
+use finray_model::measurement::Measurement;
+use finray_model::sensing::{
+    Contact, ContactQuestion, Direction, Lean, NonlinearEstimate, NonlinearEstimator, Normal, Pad,
+};
+use finray_model::{Finger, Kinematics, Mesh, statics};
+use finray_tests::{ELEMENTS, TWO_SIDED_95, at_position, finger_of, noisy, share_error, under_pad};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+const PAD: Pad = Pad { length_mm: 8.0, thickness_mm: 3.0 };
+/// Forces that an even pressure is made of.
+const PARTS: usize = 101;
+/// Two forces differ from an even pressure, and a chord from the mean direction of the plate, by this share of the force at most.
+const MADE_OF_PARTS: f64 = 3e-4;
+
+fn bracketed() -> Finger {
+    finger_of(finray_fixtures::BRACKETED_SCENE)
+}
+
+/// What is seen where an object presses on the pad.
+fn pressed(mesh: &Mesh, contact: Contact, force_n: f64) -> Measurement {
+    let loads = under_pad(mesh, contact, force_n, PAD, PARTS);
+    let loads: Vec<_> = loads.iter().map(|(contact, force_n)| contact.load(mesh.finger(), *force_n)).collect();
+    let shape = statics::solve(mesh, &loads, Kinematics::Corotational).expect("carried");
+    Measurement::of_shape(mesh.finger(), &shape)
+}
+
+/// Force, place and lean come back from what a pressure with shear does, where a force at a point would be off by far more.
+#[test]
+fn what_a_pad_does_is_sensed() {
+    let finger = bracketed();
+    let mesh = Mesh::with_elements_per_member(&finger, 32);
+    for (s_mm, force_n, angle_deg) in [(72.0, 3.0, 20.0), (55.0, 6.0, 5.0), (93.0, 2.0, -15.0), (81.0, 7.0, 25.0)] {
+        let contact = at_position(s_mm, angle_deg);
+        let seen = pressed(&mesh, contact, force_n);
+        let at_point = NonlinearEstimator::new(&mesh, &[contact.into()]).expect("on the plate");
+        let sensed = |estimator: NonlinearEstimator| {
+            let mut estimator = estimator;
+            estimator.estimate(&seen, None).expect("identifiable")
+        };
+        let off = |found: &NonlinearEstimate| (found.forces.forces_n[0] / force_n - 1.0).abs();
+        let with_pad = sensed(at_point.clone().with_pad(PAD));
+        assert!(off(&with_pad) < MADE_OF_PARTS, "{s_mm} mm: {with_pad:?}");
+        assert!(off(&sensed(at_point)) > 5.0 * MADE_OF_PARTS, "{s_mm} mm");
+        let open = ContactQuestion { position: None, direction: Direction::Angle(angle_deg) };
+        let found = sensed(NonlinearEstimator::new(&mesh, &[open]).expect("one contact").with_pad(PAD));
+        assert!(off(&found) < MADE_OF_PARTS, "{s_mm} mm: {found:?}");
+        let found_mm = found.contacts[0].position_mm(&finger).expect("on the plate");
+        assert!((found_mm - s_mm).abs() < 0.05, "{s_mm} mm: found at {found_mm} mm");
+    }
+}
+
+/// With noise, and place and lean open, errors are as large as stated.
+#[test]
+fn stated_sigmas_hold_with_a_pad() {
+    const CASES: usize = 300;
+    const NOISE_MM: f64 = 0.02;
+    let finger = bracketed();
+    let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
+    let lean = Lean { from: Normal::Undeformed, ..Lean::of_friction(0.3, 0.05) };
+    let question = ContactQuestion { position: None, direction: Direction::Leaning(lean) };
+    let prepared = NonlinearEstimator::new(&mesh, &[question]).expect("one contact").with_pad(PAD);
+    let mut rng = ChaCha8Rng::seed_from_u64(19);
+    let presses: Vec<(f64, Measurement)> = (0..CASES)
+        .map(|_| {
+            let further: f64 = StandardNormal.sample(&mut rng);
+            let (s_mm, force_n) = (rng.random_range(50.0..95.0), rng.random_range(1.0..7.0));
+            let seen = pressed(&mesh, at_position(s_mm, lean.angle_deg + lean.sd_deg * further), force_n);
+            (force_n, noisy(&seen, NOISE_MM, &mut rng))
+        })
+        .collect();
+    let (mut within, mut squares, mut answered) = (0, 0.0, 0);
+    for (force_n, seen) in &presses {
+        let Ok(found) = prepared.clone().estimate(seen, Some(NOISE_MM)) else { continue };
+        let error = (found.forces.forces_n[0] - force_n) / found.forces.sigmas_n[0];
+        answered += 1;
+        squares += error * error;
+        within += usize::from(error.abs() <= TWO_SIDED_95);
+    }
+    assert!(answered >= 295, "{answered} of {CASES} answered");
+    let share = within as f64 / answered as f64;
+    assert!((share - 0.95).abs() <= 3.0 * share_error(0.95, answered), "{share} of {answered} within");
+    let mean = squares / answered as f64;
+    assert!((mean - 1.0).abs() <= 4.0 * (2.0 / answered as f64).sqrt(), "mean square {mean}");
+}
