@@ -66,6 +66,29 @@ pub enum MeasurementError {
     },
 }
 
+/// Errors of a finger's markers beside what is stated of each.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MarkerErrors {
+    /// Their own, against what is stated: below one where part of that is the same in all images, and so is in what was calibrated.
+    pub noise_factor: f64,
+    /// By how much the finger that is described misses them, mm: standard deviation of one coordinate.
+    pub model_mm: f64,
+}
+
+impl Default for MarkerErrors {
+    /// As stated.
+    fn default() -> MarkerErrors {
+        MarkerErrors { noise_factor: 1.0, model_mm: 0.0 }
+    }
+}
+
+impl MarkerErrors {
+    /// Standard deviation of a coordinate of which one is stated, mm.
+    pub fn sd_mm(&self, stated_mm: f64) -> f64 {
+        (self.noise_factor * stated_mm).hypot(self.model_mm)
+    }
+}
+
 impl Measurement {
     /// Checks markers against a finger. Clamped nodes at zero are left out.
     ///

@@ -13,6 +13,7 @@ use crate::finger::{
     BracketLengths, Finger, FingerDescription, Joints, MarkerPoints, Part, RibDescription, RibPositions, RigidEnds,
     Strip, Zone,
 };
+use crate::measurement::MarkerErrors;
 use crate::validity::StrainLimits;
 use reader::{Document, TableReader};
 
@@ -27,8 +28,8 @@ pub struct Scene {
     pub strain_limits: StrainLimits,
     /// Standard deviation of one measured coordinate, mm, where the scene says so.
     pub noise_mm: Option<f64>,
-    /// By how much the finger that is described misses its markers, mm: the standard deviation of one coordinate.
-    pub model_error_mm: f64,
+    /// Errors of markers beside what is stated of each.
+    pub marker_errors: MarkerErrors,
     /// The camera, where the scene has one.
     pub camera: Option<CameraDescription>,
     /// The markers that it sees, where the scene has them.
@@ -93,7 +94,7 @@ impl Scene {
             finger,
             strain_limits,
             noise_mm,
-            model_error_mm: markers.model_error_mm,
+            marker_errors: markers.errors,
             camera,
             markers: markers.discs,
             base,

@@ -5,7 +5,7 @@ use super::{SceneError, not_negative_mm};
 use crate::Vector;
 use crate::camera::{Distortion, Lens, Pose};
 use crate::finger::MarkerPoints;
-use crate::measurement::BaseUncertainty;
+use crate::measurement::{BaseUncertainty, MarkerErrors};
 
 /// Farthest distance of the finger from the camera, mm, and largest size of a marker.
 const FARTHEST_MM: f64 = 1e5;
@@ -21,11 +21,12 @@ pub(super) const KEYS: [&str; 7] =
     ["noise_mm", "size_px", "focal_px", "principal_point_px", "distortion", "rotation_vector_rad", "translation_mm"];
 
 /// All keys of `[markers]`.
-pub(super) const MARKER_KEYS: [&str; 8] =
-    ["on", MODEL_ERROR, "radius_mm", "height_mm", "front_rgb", "back_rgb", "shade", "inner_radius_mm"];
+pub(super) const MARKER_KEYS: [&str; 9] =
+    ["on", NOISE_FACTOR, MODEL_ERROR, "radius_mm", "height_mm", "front_rgb", "back_rgb", "shade", "inner_radius_mm"];
 const MODEL_ERROR: &str = "model_error_mm";
+const NOISE_FACTOR: &str = "noise_factor";
 /// Those that do not say how markers look.
-const LOOKLESS: [&str; 2] = ["on", MODEL_ERROR];
+const LOOKLESS: [&str; 3] = ["on", NOISE_FACTOR, MODEL_ERROR];
 const COLOUR_KEYS: [&str; 2] = ["front_rgb", "back_rgb"];
 const SHADE_KEYS: [&str; 2] = ["shade", "inner_radius_mm"];
 
@@ -126,17 +127,21 @@ fn read_pose(table: &TableReader) -> Result<Pose, SceneError> {
 #[derive(Default)]
 pub(super) struct MarkersRead {
     pub on: MarkerPoints,
-    pub model_error_mm: f64,
+    pub errors: MarkerErrors,
     pub discs: Option<Markers>,
 }
 
 pub(super) fn read_markers(table: &TableReader) -> Result<MarkersRead, SceneError> {
     let points = [("junctions", MarkerPoints::Junctions), ("hinges", MarkerPoints::Hinges)];
     let on = if table.has("on") { table.choice("on", &points)? } else { MarkerPoints::default() };
-    let model_error_mm = if table.has(MODEL_ERROR) { not_negative_mm(table, MODEL_ERROR)? } else { 0.0 };
+    let noise_factor = table.optional_number(NOISE_FACTOR, "number")?.unwrap_or(1.0);
+    if !(noise_factor > 0.0 && noise_factor <= 1.0) {
+        return Err(table.wrong(NOISE_FACTOR, "a number above 0 and up to 1", &format!("{noise_factor:?}")));
+    }
+    let model_mm = if table.has(MODEL_ERROR) { not_negative_mm(table, MODEL_ERROR)? } else { 0.0 };
     let given = |lookless: bool| MARKER_KEYS.iter().any(|key| LOOKLESS.contains(key) == lookless && table.has(key));
     let discs = if given(true) && !given(false) { None } else { Some(read_discs(table)?) };
-    Ok(MarkersRead { on, model_error_mm, discs })
+    Ok(MarkersRead { on, errors: MarkerErrors { noise_factor, model_mm }, discs })
 }
 
 fn read_discs(table: &TableReader) -> Result<Markers, SceneError> {

@@ -117,7 +117,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     arguments.estimator.admits(finger, contacts, &networks)?;
     let reading = Reading {
         from_positions: false,
-        model_mm: scene.model_error_mm,
+        errors: scene.marker_errors,
         base: scene.base.as_ref().and_then(|base| base.uncertainty),
         base_is_sought: arguments.estimator == EstimatorId::Nonlinear,
     };
@@ -182,7 +182,7 @@ impl Task<'_> {
         let Task { arguments, scene, contacts, networks, .. } = *self;
         let finger = &scene.finger;
         // A stated noise holds for all nodes alike, and networks are trained on nodes that are measured alike.
-        let noise_mm = arguments.noise_mm.or(scene.noise_mm).map(|noise_mm| noise_mm.hypot(scene.model_error_mm));
+        let noise_mm = arguments.noise_mm.or(scene.noise_mm).map(|noise_mm| scene.marker_errors.sd_mm(noise_mm));
         let is_alike = noise_mm.is_some() || arguments.estimator == EstimatorId::Network;
         let noise_mm = noise_mm.or(found.noise_mm);
         let measurement = if is_alike { found.of_equal_weight() } else { found.measurement };

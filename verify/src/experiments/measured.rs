@@ -200,7 +200,7 @@ fn sensed(
     let direction = (knowledge.direction)(measured, scene.contact.lean)?;
     let view = &seen.view;
     // Displacements count from the finger that is meant; what it misses its markers by is part of their noise.
-    let sd_mm = |marker: &Marker| (view.noise_mm / marker.weight).hypot(scene.model_error_mm);
+    let sd_mm = |marker: &Marker| scene.marker_errors.sd_mm(view.noise_mm / marker.weight);
     let markers = view.measurement.markers();
     let noise_mm = (markers.iter().map(|m| sd_mm(m).powi(2)).sum::<f64>() / markers.len() as f64).sqrt();
     let moved = |marker: &Marker| Marker {

@@ -3,7 +3,7 @@
 use super::FileError;
 use super::table::Table;
 use finray_model::finger::MarkerPoints;
-use finray_model::measurement::{BaseUncertainty, Marker, Measurement};
+use finray_model::measurement::{BaseUncertainty, Marker, MarkerErrors, Measurement};
 use finray_model::mesh::{FingerShape, NodeMotion};
 use finray_model::{Finger, NodeId, Vector};
 use serde::Serialize;
@@ -98,8 +98,8 @@ pub struct Displacements {
 pub struct Reading {
     /// From the positions that were located, `x_mm,y_mm`, and where this scene has its undeformed markers, whatever scene they were located with.
     pub from_positions: bool,
-    /// Standard deviation by which the finger that is described misses its markers, mm.
-    pub model_mm: f64,
+    /// Errors of markers beside those that the file states.
+    pub errors: MarkerErrors,
     /// How well the base is where the file has it, if not exactly.
     pub base: Option<BaseUncertainty>,
     /// Whether the base is sought: its error, which all markers share, is then not part of theirs.
@@ -192,7 +192,7 @@ pub fn of_text(
         if !(sigma_mm > 0.0 && sigma_mm.is_normal()) {
             return Err(table.wrong(row, format!("{sigma}: expected a length in mm above zero, found {sigma_mm}")));
         }
-        let sigma_mm = sigma_mm.hypot(reading.model_mm);
+        let sigma_mm = reading.errors.sd_mm(sigma_mm);
         let displacement = Vector::new(table.number(row, 1)?, table.number(row, 2)?) - from(node);
         let is_clamped = finger.clamped_nodes().contains(&node);
         if !(is_clamped && displacement.norm() <= CLAMPED_MM.max(CLAMPED_SIGMAS * sigma_mm)) {

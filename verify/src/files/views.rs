@@ -4,7 +4,7 @@ use super::FileError;
 use super::displacements::{self, Reading};
 use super::table::{Table, header};
 use finray_model::calibration::View;
-use finray_model::measurement::BaseUncertainty;
+use finray_model::measurement::{BaseUncertainty, MarkerErrors};
 use finray_model::{Scene, Vector};
 use nalgebra::{Isometry2, Point2};
 use std::path::Path;
@@ -55,7 +55,7 @@ pub fn load(located: &Path, forces: Option<&Path>, scene: &Scene) -> Result<Vec<
     let eye = scene.camera.and_then(|camera| camera.pose).map_or(Vector::zeros(), |pose| pose.eye().xy());
     let reading = Reading {
         from_positions: true,
-        model_mm: 0.0,
+        errors: MarkerErrors::default(),
         base: scene.base.as_ref().and_then(|base| base.uncertainty),
         base_is_sought: true,
     };

@@ -429,6 +429,7 @@ fn shades_and_references_of_a_scene_are_checked() {
             "[markers]\nmodel_error_mm = nan",
             "markers.model_error_mm: expected a length in mm, zero or more",
         ),
+        ("[markers]", "[markers]\nnoise_factor = 0.0", "markers.noise_factor: expected a number above 0 and up to 1"),
         (
             "[base]",
             "[contact]\nfriction = -20\n[base]",

@@ -16,7 +16,7 @@ use super::CalibrationError;
 use crate::Vector;
 use crate::finger::Finger;
 use crate::least_squares::{Fit, fit};
-use crate::measurement::{BaseUncertainty, Measurement};
+use crate::measurement::{BaseUncertainty, MarkerErrors, Measurement};
 use crate::sensing::{Lean, Normal, Pad};
 use nalgebra::{DMatrix, Isometry2};
 use problem::Problem;
@@ -109,8 +109,8 @@ pub struct ViewEstimate {
     pub correlation: DMatrix<f64>,
     /// The views.
     pub views: Vec<FoundView>,
-    /// By how much the finger misses its markers beyond their noise, mm: standard deviation of one coordinate.
-    pub model_error_mm: f64,
+    /// Errors of markers as the residuals have them, against the noise of the views.
+    pub marker_errors: MarkerErrors,
     /// By which share the finger misses measured forces beyond what noise, place and base explain: standard deviation of one force.
     /// `None` where no modulus is sought, or no force was measured.
     pub force_error: Option<f64>,
@@ -130,9 +130,9 @@ const LARGEST_SIGMAS: [f64; 2] = [1.0, 20.0];
 /// # Reference
 /// Nonlinear least squares over all views and their own unknowns at once (bundle adjustment, Triggs et al. 2000, with the co-rotational
 /// finger in place of points), by the method of Levenberg and Marquardt; derivatives are differences of equilibria. What the finger leaves
-/// unexplained beyond the noise is a variance that is estimated with it, so that priors weigh as much as they should. Where a modulus is
-/// sought, so is the variance of the share by which measured forces are missed, by Schall's iteration (Biometrika 78, 1991): it
-/// holds what is wrong with the sensor, and with the model where markers do not show it.
+/// unexplained beyond the noise is a variance that is estimated with it, so that priors weigh as much as they should; where it leaves less than
+/// that, the noise is less. Where a modulus is sought, so is the variance of the share by which measured forces are missed: it
+/// holds what is wrong with the sensor, and with the model where markers do not show it. All by Schall's iteration (Biometrika 78, 1991).
 ///
 /// # Errors
 /// [`CalibrationError`] where a view has no explanation at the start, or a quantity is not identifiable.
@@ -144,7 +144,8 @@ pub fn views(
 ) -> Result<ViewEstimate, CalibrationError> {
     let is_scaled = sought.iter().any(|sought| sought.quantity.is_factor()) && views.iter().any(|v| v.force.is_some());
     let force_error = is_scaled.then_some(FIRST_FORCE_ERROR);
-    let mut problem = Problem { finger, views, sought, model, model_error_mm: FIRST_MODEL_ERROR_MM, force_error };
+    let errors = MarkerErrors { noise_factor: 1.0, model_mm: FIRST_MODEL_ERROR_MM };
+    let mut problem = Problem { finger, views, sought, model, errors, force_error };
     let names = |quantities: &mut dyn Iterator<Item = usize>| {
         quantities.map(|k| sought[k].quantity.to_string()).collect::<Vec<_>>().join(", ")
     };
@@ -161,18 +162,10 @@ pub fn views(
         let fitted = fit(point.clone(), |point| problem.linearised(point), |point, step| problem.moved(point, step));
         let fitted = fitted.ok_or(CalibrationError::NoMinimum)?;
         point.clone_from(&fitted.parameters);
-        let squares_mm2 = problem.residual_squares_mm2(&point).ok_or(CalibrationError::NoMinimum)?;
-        let noise_mm2: f64 = views
-            .iter()
-            .flat_map(|view| view.measurement.markers().iter().map(|m| 2.0 * (view.noise_mm / m.weight).powi(2)))
-            .sum();
-        // What was fitted is missing in the residual.
-        let left = (coordinates - unknowns) as f64 / coordinates as f64;
-        let excess_mm2 = (squares_mm2 / left - noise_mm2) / coordinates as f64;
-        problem.model_error_mm = excess_mm2.max(0.0).sqrt();
+        let covariance = fitted.inverse.as_ref();
+        let covariance = covariance.ok_or_else(|| CalibrationError::NotSeparable { parameters: all() })?;
+        problem.errors = problem.marker_errors(&point, covariance).ok_or(CalibrationError::NoMinimum)?;
         if let Some(before) = problem.force_error {
-            let covariance = fitted.inverse.as_ref();
-            let covariance = covariance.ok_or_else(|| CalibrationError::NotSeparable { parameters: all() })?;
             problem.force_error = Some(problem.force_error_of(&point, covariance, before).max(LEAST_FORCE_ERROR));
         }
         found = Some(fitted);
@@ -214,7 +207,7 @@ pub fn views(
         quantities: quantities.collect(),
         correlation: DMatrix::from_fn(sought.len(), sought.len(), |i, j| covariance[(i, j)] / (sigma(i) * sigma(j))),
         views: found_views,
-        model_error_mm: problem.model_error_mm,
+        marker_errors: problem.errors,
         force_error: problem.force_error,
         marker_height_mm: candidate.marker_height_mm,
         base: candidate.base,

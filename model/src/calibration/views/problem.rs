@@ -4,7 +4,7 @@ use super::quantity::changed;
 use super::{Quantity, Sought, View, ViewModel};
 use crate::finger::{Finger, Plate, RibPositions};
 use crate::frame::FrameMotion;
-use crate::measurement::{BaseUncertainty, Marker};
+use crate::measurement::{BaseUncertainty, Marker, MarkerErrors};
 use crate::mesh::Mesh;
 use crate::sensing::{Contact, ContactPosition, Normal};
 use crate::statics::Statics;
@@ -21,6 +21,8 @@ const SHARE_STEP: f64 = 1e-4;
 const ANGLE_STEP_DEG: f64 = 1e-2;
 /// Share of the plate that is left free at both ends of where a contact is sought.
 const MARGIN: f64 = 0.02;
+/// Errors of markers without any noise, as shares of the stated ones.
+const LEAST_NOISE_FACTOR: f64 = 1e-3;
 /// Standard deviation of a lean, degrees, that counts as none.
 const SETTLED_DEG: f64 = 1e-3;
 /// The turn of the normal has settled, rad, after so many steps at most.
@@ -58,7 +60,7 @@ pub(super) struct Problem<'p> {
     pub views: &'p [View],
     pub sought: &'p [Sought],
     pub model: &'p ViewModel,
-    pub model_error_mm: f64,
+    pub errors: MarkerErrors,
     /// `None` where measured forces are exact.
     pub force_error: Option<f64>,
 }
@@ -110,6 +112,30 @@ impl Problem<'_> {
             Some(_) => OWN + usize::from(self.force_error.is_some()),
             None => OWN + 2,
         }
+    }
+
+    /// How many unknowns the images tell, each by as much of it as its prior left open (Schall's effective number of parameters).
+    pub(super) fn told(&self, covariance: &DMatrix<f64>) -> f64 {
+        let open = |column: usize, prior_sd: Option<f64>| {
+            prior_sd.map_or(1.0, |sd| 1.0 - covariance[(column, column)] / (sd * sd))
+        };
+        let mut told: f64 = self.sought.iter().enumerate().map(|(k, sought)| open(k, sought.prior_sd)).sum();
+        let mut column = self.sought.len();
+        for view in self.views {
+            let BaseUncertainty { sd_mm, sd_rad } = view.base;
+            let further = match (view.force, self.force_error) {
+                (Some(force), Some(share)) => [Some(Some(force.norm() * share)), None],
+                (Some(_), None) => [None, None],
+                (None, _) => [Some(None), Some(Some(self.model.lean.sd_deg.max(SETTLED_DEG)))],
+            };
+            let priors =
+                [None, Some(sd_mm), Some(sd_mm), Some(sd_rad)].into_iter().chain(further.into_iter().flatten());
+            for prior_sd in priors {
+                told += open(column, prior_sd);
+                column += 1;
+            }
+        }
+        told
     }
 
     /// Standard deviation of the share by which measured forces are missed, given that of the last fit: what was found, by as many forces as the
@@ -190,7 +216,7 @@ impl Problem<'_> {
         let pressed = self.pressed(candidate, view, own)?;
         let mut rows = Vec::with_capacity(view.measurement.coordinate_count() + OWN);
         for (marker, residual) in self.residuals(candidate, view, own, &pressed) {
-            let sd_mm = (view.noise_mm / marker.weight).hypot(self.model_error_mm);
+            let sd_mm = self.errors.sd_mm(view.noise_mm / marker.weight);
             rows.extend((residual / sd_mm).iter());
         }
         let BaseUncertainty { sd_mm, sd_rad } = view.base;
@@ -205,15 +231,29 @@ impl Problem<'_> {
         Some(rows)
     }
 
-    /// Sum of the squared residuals of all markers, mm^2.
-    pub(super) fn residual_squares_mm2(&self, point: &Point) -> Option<f64> {
+    /// Errors of the markers as the residuals have them, given the covariance of what was fitted: what they leave beyond the noise is the finger's;
+    /// where they are less than that, so is the noise.
+    pub(super) fn marker_errors(&self, point: &Point, covariance: &DMatrix<f64>) -> Option<MarkerErrors> {
         let candidate = self.candidate(&point.shared)?;
-        let mut sum = 0.0;
+        let (mut squares_mm2, mut noise_mm2, mut coordinates) = (0.0, 0.0, 0.0);
         for (view, own) in self.views.iter().zip(&point.own) {
             let pressed = self.pressed(&candidate, view, own)?;
-            sum += self.residuals(&candidate, view, own, &pressed).map(|(_, left)| left.norm_squared()).sum::<f64>();
+            for (marker, left) in self.residuals(&candidate, view, own, &pressed) {
+                squares_mm2 += left.norm_squared();
+                noise_mm2 += 2.0 * (view.noise_mm / marker.weight).powi(2);
+                coordinates += 2.0;
+            }
         }
-        Some(sum)
+        // What was fitted is missing in the residual.
+        let free = coordinates - self.told(covariance);
+        let excess_mm2 = squares_mm2 * coordinates / free - noise_mm2;
+        if excess_mm2 > 0.0 {
+            return Some(MarkerErrors { noise_factor: 1.0, model_mm: (excess_mm2 / coordinates).sqrt() });
+        }
+        // The mean of a variance of which the residual says so much: few degrees of freedom leave it large.
+        let mean = squares_mm2 * coordinates / ((free - 2.0) * noise_mm2);
+        let noise_factor = if free > 2.0 { mean.sqrt().clamp(LEAST_NOISE_FACTOR, 1.0) } else { 1.0 };
+        Some(MarkerErrors { noise_factor, model_mm: 0.0 })
     }
 
     /// All residuals and their derivatives by a step; `None` where there is no equilibrium.

@@ -204,7 +204,9 @@ impl<'m> NonlinearEstimator<'m> {
             return Err(SensingError::TooFewMarkers { unknowns, coordinates });
         }
         let moved: f64 = measurement.markers().iter().map(|m| m.displacement.norm_squared()).sum();
-        let poor = (POOR_FIT * (moved / coordinates as f64).sqrt()).max(POOR_FIT_SIGMAS * noise_mm.unwrap_or(0.0));
+        // Priors rest on the noise, and leave more than one minimum within a small share of what the markers moved.
+        let share = if self.priors.count() == 0 { POOR_FIT } else { 0.0 };
+        let poor = (share * (moved / coordinates as f64).sqrt()).max(POOR_FIT_SIGMAS * noise_mm.unwrap_or(0.0));
         let largest_misfit = poor * poor * coordinates as f64;
         let misfit = |state: &State| state.misfit(measurement);
         let mut best: Option<Found> = None;

@@ -261,7 +261,8 @@ fn rows(estimate: &ViewEstimate, friction: Option<&Lean>) -> Vec<Row> {
             rows.push(row("friction_build_up_n", lean.build_up_n, None));
         }
     }
-    rows.push(row("model_error_mm", estimate.model_error_mm, None));
+    rows.push(row("noise_factor", estimate.marker_errors.noise_factor, None));
+    rows.push(row("model_error_mm", estimate.marker_errors.model_mm, None));
     rows.extend(force_error(estimate).map(|share| row("force_error_share", share, None)));
     rows
 }
@@ -323,7 +324,8 @@ fn values(scene: &Scene, estimate: &ViewEstimate, friction: Option<&Lean>) -> Ve
     if sought(|quantity| *quantity == Quantity::MarkerHeight) {
         put("markers.height_mm", estimate.marker_height_mm.into());
     }
-    put("markers.model_error_mm", estimate.model_error_mm.into());
+    put("markers.noise_factor", estimate.marker_errors.noise_factor.into());
+    put("markers.model_error_mm", estimate.marker_errors.model_mm.into());
     if let Some(share) = force_error(estimate) {
         put("contact.force_error_share", share.into());
     }
