@@ -1,5 +1,6 @@
 //! Covariance and identifiability tests of an estimate.
 
+use super::leaning::FoundLean;
 use super::unknowns::Unknown;
 use super::{NonlinearEstimate, NonlinearEstimator, State};
 use crate::finger::Plate;
@@ -110,6 +111,27 @@ fn answered(contact: &Contact, question: &ContactQuestion) -> Contact {
 }
 
 impl NonlinearEstimator<'_> {
+    /// A lean that was sought, from the covariances of all forces with the force across its own, N^2, and the variance of that.
+    fn found_lean(
+        &self,
+        state: &State,
+        contact: usize,
+        covariance_n2: impl Fn(usize) -> f64,
+        variance_n2: f64,
+        second_order_n2: f64,
+    ) -> Option<FoundLean> {
+        let Direction::Leaning(lean) = self.questions[contact].direction else { return None };
+        let force_n = state.forces_n[contact];
+        let deg_per_n = (1.0 / force_n).to_degrees();
+        Some(FoundLean {
+            contact,
+            lean_deg: lean.mean_deg(force_n) + state.nuisances.further_leans_deg[contact],
+            sd_deg: variance_n2.sqrt() * deg_per_n.abs(),
+            second_order_n2,
+            by_lean_n: (0..self.questions.len()).map(|j| covariance_n2(j) / (variance_n2 * deg_per_n)).collect(),
+        })
+    }
+
     /// Standard deviations and refusals.
     ///
     /// # Errors
@@ -177,7 +199,12 @@ impl NonlinearEstimator<'_> {
                 return Err(SensingError::Undetermined { what, contact, sigma, unit });
             }
         }
+        let leans = self.unknowns.iter().enumerate().filter_map(|(k, unknown)| match *unknown {
+            Unknown::Across(i) => self.found_lean(state, i, |j| linear(j, k), linear(k, k), by_direction(i)),
+            _ => None,
+        });
         Ok(NonlinearEstimate {
+            leans: leans.collect(),
             forces: Estimate {
                 forces_n: state.forces_n.clone(),
                 sigmas_n: (0..self.questions.len()).map(|i| covariance(i, i).sqrt()).collect(),

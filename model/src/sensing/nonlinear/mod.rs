@@ -7,6 +7,7 @@
 
 mod discretisation;
 mod judgement;
+mod leaning;
 mod least_squares;
 mod linear_range;
 mod linearised;
@@ -29,6 +30,7 @@ use crate::measurement::Measurement;
 use crate::mesh::Mesh;
 use crate::statics::{Ladder, Statics};
 use crate::{Finger, Kinematics};
+use leaning::FoundLean;
 use linearised::{Linearised, Posed};
 use nalgebra::DMatrix;
 use nuisances::{Nuisances, Priors};
@@ -57,6 +59,8 @@ pub struct NonlinearEstimate {
     pub contacts: Vec<Contact>,
     /// Gauss-Newton steps taken.
     pub steps: usize,
+    /// Leans that were sought.
+    leans: Vec<FoundLean>,
 }
 
 impl NonlinearEstimate {
@@ -245,7 +249,7 @@ impl<'m> NonlinearEstimator<'m> {
         }
         let Found { mut state, steps, near } = best.ok_or_else(|| failure.unwrap_or(SensingError::NoContact))?;
         let least_misfit = misfit(&state);
-        let estimate = self.judged(&mut state, measurement, noise_mm, steps)?;
+        let mut estimate = self.judged(&mut state, measurement, noise_mm, steps)?;
         estimate.check_against_nothing(least_misfit, state.linearised.misfit_at_rest(measurement))?;
         self.require_linear_range(&state, measurement, &estimate.forces.sigmas_n)?;
         // With several unknown positions, answers may differ in their order alone.
@@ -260,6 +264,7 @@ impl<'m> NonlinearEstimator<'m> {
                 estimate.check_starts(least_misfit, starts)?;
             }
         }
+        self.widen_by_leans(&state, measurement, noise_mm, &mut estimate);
         self.last = Some(state);
         Ok(estimate)
     }

@@ -113,8 +113,21 @@ impl NonlinearEstimator<'_> {
         let mut estimator = NonlinearEstimator::new(self.mesh, &questions)?.with_pad(self.pad);
         estimator.expect(measurement, noise_mm)?;
         let found = estimator.searched(measurement, noise_mm, Start::Times(1.0), &mut Vec::new())?;
+        self.resumed(found.state, measurement, noise_mm)
+    }
+
+    /// A state of an estimator with other unknowns, linearised for these.
+    ///
+    /// # Errors
+    /// [`SensingError`] never in practice: its contacts are on the plate.
+    pub(super) fn resumed(
+        &mut self,
+        state: State,
+        measurement: &Measurement,
+        noise_mm: Option<f64>,
+    ) -> Result<State, SensingError> {
         let linearised = Linearised::new(self.mesh, self.unknowns.len(), self.priors.clone());
-        let mut state = State { linearised, ..found.state };
+        let mut state = State { linearised, ..state };
         self.statics.linearise(&state.motion, &state.loads);
         self.differentiate(&mut state)?;
         let (shape, linearised) = state.split();

@@ -6,7 +6,7 @@ use finray_model::sensing::{
 };
 use finray_model::statics::{Statics, StaticsError};
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Vector};
-use finray_tests::{ELEMENTS, TWO_SIDED_95, at_node, finger_of, noisy, seen, share_error};
+use finray_tests::{ELEMENTS, TWO_SIDED_95, at_node, at_position, finger_of, noisy, seen, share_error};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -103,6 +103,40 @@ fn stated_sigmas_hold_what_base_and_friction_leave_open() {
     let mean = squares / answered as f64;
     assert!((mean - 1.0).abs() <= 4.0 * (2.0 / answered as f64).sqrt(), "mean square {mean}");
     assert!(largest > 0.02, "the priors are part of the sigmas: {largest}");
+}
+
+/// A lean that markers hardly tell, of a wide range: the standard deviation is that of forces at either end of it, which are further off on one side
+/// than the tangent at the estimate says.
+#[test]
+fn a_wide_range_of_friction_widens_by_its_ends() {
+    // Stated so large that nothing is learned of the lean.
+    const STATED_MM: f64 = 0.2;
+    let finger = bracketed();
+    let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
+    let lean = Lean { from: Normal::Undeformed, ..Lean::within([0.0, 0.5]) };
+    let mut largest = 0.0_f64;
+    for (s_mm, force_n) in [(66.0, 3.0), (80.0, 5.0), (55.0, 2.0)] {
+        let bent = seen(&mesh, &[at_position(s_mm, lean.angle_deg)], &[force_n], Kinematics::Corotational);
+        let bent = bent.expect("carried");
+        let sensed = |lean: Lean| {
+            let question = ContactQuestion { position: None, direction: Direction::Leaning(lean) };
+            let mut estimator = NonlinearEstimator::new(&mesh, &[question]).expect("on the plate");
+            estimator.estimate(&bent, Some(STATED_MM)).expect("identifiable").forces
+        };
+        let held = |further_sd: f64| {
+            sensed(Lean { angle_deg: lean.angle_deg + further_sd * lean.sd_deg, sd_deg: 0.0, ..lean })
+        };
+        let root3 = 3.0_f64.sqrt();
+        let off_n = [-root3, root3].map(|end| held(end).forces_n[0] - force_n);
+        let by_ends_n = ((off_n[0].powi(2) + off_n[1].powi(2)) / 6.0).sqrt();
+        let step = 0.01;
+        let by_tangent_n = (held(step).forces_n[0] - held(-step).forces_n[0]) / (2.0 * step);
+        let noise_n = held(0.0).sigmas_n[0];
+        let stated_n = sensed(lean).sigmas_n[0];
+        assert!((stated_n / noise_n.hypot(by_ends_n) - 1.0).abs() < 0.02, "{stated_n}, {noise_n} and {by_ends_n}");
+        largest = largest.max(by_ends_n / by_tangent_n.abs());
+    }
+    assert!(largest > 1.1, "{largest}");
 }
 
 /// Leans that a law gives are followed exactly: friction that builds up with the force, about either normal.

@@ -1,0 +1,88 @@
+//! What a lean that is hardly known leaves of a force, beyond the finger linearised at the estimate.
+//!
+//! Markers that hardly tell how a force leans let a lean of some degrees more go with a contact elsewhere and another force, and the further it leans
+//! the more: the tangent at the estimate may show half of that.
+
+use super::{NonlinearEstimate, NonlinearEstimator, State};
+use crate::measurement::Measurement;
+use crate::sensing::{ContactQuestion, Direction, Lean, SensingError};
+
+/// How far from the estimate a lean is tried, in its standard deviations: the outer points of Gauss-Hermite's quadrature of three, and the ends of a
+/// range whose values are all alike.
+const REACH: f64 = 1.732_050_807_568_877_2;
+/// A lean that makes up less than this share of every standard deviation is not tried: curved or not, it hardly counts.
+const COUNTS: f64 = 0.3;
+
+/// How a lean was found.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct FoundLean {
+    /// Position of its contact in the list, from 0.
+    pub contact: usize,
+    /// The lean and its standard deviation, degrees.
+    pub lean_deg: f64,
+    pub sd_deg: f64,
+    /// Change of each force per degree, with all other unknowns as they then are best, N.
+    pub by_lean_n: Vec<f64>,
+    /// What its second order adds to the variance of its own force already, N^2.
+    pub second_order_n2: f64,
+}
+
+impl NonlinearEstimator<'_> {
+    /// Widens standard deviations to the mean square of how far the forces are from the estimate where a lean is at either end of what is left of it.
+    pub(super) fn widen_by_leans(
+        &self,
+        state: &State,
+        measurement: &Measurement,
+        noise_mm: Option<f64>,
+        estimate: &mut NonlinearEstimate,
+    ) {
+        for found in std::mem::take(&mut estimate.leans) {
+            let linear_n = |j: usize| found.by_lean_n[j] * found.sd_deg;
+            let counts = |(j, sigma_n): (usize, &f64)| linear_n(j).abs() > COUNTS * sigma_n;
+            if !estimate.forces.sigmas_n.iter().enumerate().any(counts) {
+                continue;
+            }
+            // Where no finger answers an end, the other one counts.
+            let ends = [-REACH, REACH]
+                .map(|reach| self.leaning_at(state, &found, reach * found.sd_deg, measurement, noise_mm).ok());
+            for (j, sigma_n) in estimate.forces.sigmas_n.iter_mut().enumerate() {
+                let off_n2 = |end: &Vec<f64>| ((end[j] - state.forces_n[j]) / REACH).powi(2);
+                let answered = ends.iter().flatten();
+                let mean_n2 = answered.clone().map(off_n2).sum::<f64>() / answered.count().max(1) as f64;
+                let second_order_n2 = if j == found.contact { found.second_order_n2 } else { 0.0 };
+                let more_n2 = (mean_n2 - linear_n(j).powi(2) - second_order_n2).max(0.0);
+                *sigma_n = sigma_n.hypot(more_n2.sqrt());
+                estimate.covariance_n2[(j, j)] += more_n2;
+            }
+        }
+    }
+
+    /// The forces that explain a measurement best if one of them leans by so many degrees more.
+    ///
+    /// # Errors
+    /// [`SensingError`] if there are none.
+    fn leaning_at(
+        &self,
+        state: &State,
+        found: &FoundLean,
+        more_deg: f64,
+        measurement: &Measurement,
+        noise_mm: Option<f64>,
+    ) -> Result<Vec<f64>, SensingError> {
+        let mut questions: Vec<ContactQuestion> = self.questions.clone();
+        let mut state = state.clone();
+        if let Direction::Leaning(lean) = &mut questions[found.contact].direction {
+            *lean = Lean { angle_deg: found.lean_deg + more_deg, sd_deg: 0.0, build_up_n: 0.0, ..*lean };
+            state.nuisances.further_leans_deg[found.contact] = 0.0;
+        }
+        let mut estimator = NonlinearEstimator::new(self.mesh, &questions)?.with_pad(self.pad);
+        estimator.expect(measurement, noise_mm)?;
+        let start = estimator.resumed(state, measurement, noise_mm)?;
+        let mut end = start.clone();
+        if estimator.correct(&mut end, measurement, noise_mm).is_none() {
+            end = start;
+            estimator.search(&mut end, measurement, noise_mm)?;
+        }
+        Ok(end.forces_n)
+    }
+}
