@@ -71,8 +71,15 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
     let calibrate = ["calibrate", &scene, "--located", &located, "--forces", &forces, "--calibrated", &calibrated];
     let fit = ["--fit", "modulus,bracket,friction", "--images", &folder.path("images.csv")];
     let found = Csv::of(&finray(&[&calibrate[..], &fit].concat()).done());
-    let names =
-        ["modulus_factor", "front_bracket_mm", "back_bracket_mm", "friction", "model_error_mm", "force_error_share"];
+    let names = [
+        "modulus_factor",
+        "front_bracket_mm",
+        "back_bracket_mm",
+        "friction",
+        "noise_factor",
+        "model_error_mm",
+        "force_error_share",
+    ];
     assert_eq!(found.texts("parameter"), names);
     let (values, sigmas) = (found.numbers("value"), found.texts("sigma"));
     for (i, truth) in [MODULUS_FACTOR, BRACKETS_MM[0], BRACKETS_MM[1]].into_iter().enumerate() {
@@ -81,14 +88,16 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
     }
     assert!((values[0] / MODULUS_FACTOR - 1.0).abs() < 0.01, "{}", values[0]);
     // Nothing but the noise of the images is left.
-    assert!(values[4] < 0.02, "{}", values[4]);
+    assert!(values[5] < 0.02, "{}", values[5]);
     let of_images = Csv::of(&folder.read("images.csv"));
     assert_close(&of_images.numbers("force_n"), &PRESSES.map(|([_, force_n, _], _)| force_n)[..3], 1e-9);
     // The scene that was written: all but what was found is as it was.
     let written = folder.read("calibrated.toml");
     assert!(written.contains("# The spring-steel finger as it is built"), "{written}");
     assert!(
-        ["friction_sigma", "model_error_mm", "force_error_share"].iter().all(|key| written.contains(key)),
+        ["friction_sigma", "noise_factor", "model_error_mm", "force_error_share"]
+            .iter()
+            .all(|key| written.contains(key)),
         "{written}"
     );
     // An image that was not calibrated on, with another force and base.

@@ -29,32 +29,40 @@ pub(super) struct FoundLean {
 
 impl NonlinearEstimator<'_> {
     /// Widens standard deviations to the mean square of how far the forces are from the estimate where a lean is at either end of what is left of it.
+    ///
+    /// # Errors
+    /// [`SensingError::Undetermined`] where no finger answers either end.
     pub(super) fn widen_by_leans(
         &self,
         state: &State,
         measurement: &Measurement,
         noise_mm: Option<f64>,
         estimate: &mut NonlinearEstimate,
-    ) {
+    ) -> Result<(), SensingError> {
         for found in std::mem::take(&mut estimate.leans) {
             let linear_n = |j: usize| found.by_lean_n[j] * found.sd_deg;
             let counts = |(j, sigma_n): (usize, &f64)| linear_n(j).abs() > COUNTS * sigma_n;
             if !estimate.forces.sigmas_n.iter().enumerate().any(counts) {
                 continue;
             }
-            // Where no finger answers an end, the other one counts.
+            // Where no finger answers one end, the other counts.
             let ends = [-REACH, REACH]
                 .map(|reach| self.leaning_at(state, &found, reach * found.sd_deg, measurement, noise_mm).ok());
+            let answered = ends.iter().flatten().count();
+            if answered == 0 {
+                let (contact, sigma) = (found.contact + 1, found.sd_deg);
+                return Err(SensingError::Undetermined { what: "the direction", contact, sigma, unit: "deg" });
+            }
             for (j, sigma_n) in estimate.forces.sigmas_n.iter_mut().enumerate() {
                 let off_n2 = |end: &Vec<f64>| ((end[j] - state.forces_n[j]) / REACH).powi(2);
-                let answered = ends.iter().flatten();
-                let mean_n2 = answered.clone().map(off_n2).sum::<f64>() / answered.count().max(1) as f64;
+                let mean_n2 = ends.iter().flatten().map(off_n2).sum::<f64>() / answered as f64;
                 let second_order_n2 = if j == found.contact { found.second_order_n2 } else { 0.0 };
                 let more_n2 = (mean_n2 - linear_n(j).powi(2) - second_order_n2).max(0.0);
                 *sigma_n = sigma_n.hypot(more_n2.sqrt());
                 estimate.covariance_n2[(j, j)] += more_n2;
             }
         }
+        Ok(())
     }
 
     /// The forces that explain a measurement best if one of them leans by so many degrees more.

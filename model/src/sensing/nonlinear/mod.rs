@@ -264,7 +264,7 @@ impl<'m> NonlinearEstimator<'m> {
                 estimate.check_starts(least_misfit, starts)?;
             }
         }
-        self.widen_by_leans(&state, measurement, noise_mm, &mut estimate);
+        self.widen_by_leans(&state, measurement, noise_mm, &mut estimate)?;
         self.last = Some(state);
         Ok(estimate)
     }
