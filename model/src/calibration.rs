@@ -4,7 +4,10 @@ mod factors;
 mod views;
 
 pub use factors::{FactorEstimate, FactorModel, Unknown, factors};
-pub use views::{FoundQuantity, FoundView, Quantity, Sought, View, ViewEstimate, ViewModel, friction_of, views};
+pub use views::{
+    BaseCompliance, FoundQuantity, FoundView, Quantity, Sought, View, ViewEstimate, ViewModel, compliance_of,
+    friction_of, views,
+};
 
 use crate::Kinematics;
 use crate::finger::Finger;
@@ -60,7 +63,7 @@ pub enum CalibrationError {
         coordinates: usize,
     },
     /// Fewer views with a measured force than are needed.
-    #[error("not identifiable: {views} images with a measured force are too few for {unknowns} unknowns of friction")]
+    #[error("not identifiable: {views} images with a measured force are too few for {unknowns} unknowns")]
     TooFewViews {
         /// Views.
         views: usize,

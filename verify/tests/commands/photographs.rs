@@ -69,12 +69,13 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
     let forces = folder.put("forces.csv", forces);
     let calibrated = folder.path("calibrated.toml");
     let calibrate = ["calibrate", &scene, "--located", &located, "--forces", &forces, "--calibrated", &calibrated];
-    let fit = ["--fit", "modulus,bracket,friction", "--images", &folder.path("images.csv")];
+    let fit = ["--fit", "modulus,bracket,friction,base-compliance", "--images", &folder.path("images.csv")];
     let found = Csv::of(&finray(&[&calibrate[..], &fit].concat()).done());
     let names = [
         "modulus_factor",
         "front_bracket_mm",
         "back_bracket_mm",
+        "base_deg_per_n",
         "friction",
         "noise_factor",
         "model_error_mm",
@@ -88,7 +89,9 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
     }
     assert!((values[0] / MODULUS_FACTOR - 1.0).abs() < 0.01, "{}", values[0]);
     // Nothing but the noise of the images is left.
-    assert!(values[5] < 0.02, "{}", values[5]);
+    assert!(values[6] < 0.02, "{}", values[6]);
+    // The line through turns of 0, 0.4 and -0.5 degrees at 2, 4 and 6 N.
+    assert!((values[3] + 0.125).abs() < 0.01, "{}", values[3]);
     let of_images = Csv::of(&folder.read("images.csv"));
     assert_close(&of_images.numbers("force_n"), &PRESSES.map(|([_, force_n, _], _)| force_n)[..3], 1e-9);
     // The scene that was written: all but what was found is as it was.

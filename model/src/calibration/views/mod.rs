@@ -4,11 +4,13 @@
 //! its base is and, unless it was measured, the force. All views share the [`Quantity`]s that are sought. Without any measured
 //! force, geometry alone is identifiable; moduli and forces scale alike.
 
+mod compliance;
 mod friction;
 mod problem;
 mod quantity;
 mod start;
 
+pub use compliance::{BaseCompliance, compliance_of};
 pub use friction::friction_of;
 pub use quantity::{Quantity, Sought};
 

@@ -1,7 +1,7 @@
 //! A finger and its rig from several views of it: what was changed is found, to what is stated.
 
 use finray_model::calibration::{
-    CalibrationError, Quantity, Sought, View, ViewEstimate, ViewModel, friction_of, views,
+    CalibrationError, Quantity, Sought, View, ViewEstimate, ViewModel, compliance_of, friction_of, views,
 };
 use finray_model::finger::{BracketLengths, Plate, RibPositions};
 use finray_model::measurement::{BaseUncertainty, Marker, Measurement};
@@ -246,6 +246,19 @@ fn friction_follows_from_leans() {
     assert!((found.angle_deg - 20.0).abs() < 1e-12 && (found.sd_deg - 1.0).abs() < 1e-12, "{found:?}");
     let refused = friction_of(&leans[..2], Normal::Undeformed, true);
     assert_eq!(refused, Err(CalibrationError::TooFewViews { views: 2, unknowns: 2 }));
+}
+
+/// A line by hand: slope 0.5 and residuals of 0.1, -0.2 and 0.1, of variance 0.06 with one degree of freedom, over forces whose squares about their
+/// mean sum up to 2.
+#[test]
+fn a_base_gives_way_along_a_line() {
+    let found = compliance_of(&[(1.0, 1.1), (2.0, 1.3), (3.0, 2.1)]).expect("three forces");
+    assert!((found.deg_per_n - 0.5).abs() < 1e-12, "{found:?}");
+    assert!((found.sigma_deg_per_n - (0.06_f64 / 2.0).sqrt()).abs() < 1e-12, "{found:?}");
+    let alike = compliance_of(&[(2.0, 1.1), (2.0, 1.3)]);
+    assert_eq!(alike, Err(CalibrationError::NotIdentifiable { parameters: "base_deg_per_n".to_owned() }));
+    let one = compliance_of(&[(2.0, 1.1)]);
+    assert_eq!(one, Err(CalibrationError::TooFewViews { views: 1, unknowns: 2 }));
 }
 
 /// A sensor that misses forces by 3 %, one by one: that is found, and the modulus is as uncertain as it makes it.

@@ -3,7 +3,7 @@
 use super::{Arguments, Correlation, Row, failure};
 use crate::commands::parse::positive;
 use crate::commands::{Failure, not_both_from_standard_input};
-use finray_model::calibration::{self, FoundView, Quantity, Sought, ViewEstimate, ViewModel};
+use finray_model::calibration::{self, BaseCompliance, FoundView, Quantity, Sought, ViewEstimate, ViewModel};
 use finray_model::finger::{BracketLengths, Plate, RibPositions};
 use finray_model::sensing::{Lean, Normal};
 use finray_model::{Finger, Scene, Vector};
@@ -27,10 +27,11 @@ const HARDLY_BETTER: f64 = 0.8;
 enum Named {
     Quantities(fn(&Finger) -> Vec<Quantity>),
     Friction { builds_up: bool },
+    BaseCompliance,
 }
 
 /// A name, the prior that it has where none is given (standard deviation), and what it stands for.
-const NAMES: [(&str, Option<f64>, Named); 11] = [
+const NAMES: [(&str, Option<f64>, Named); 12] = [
     ("modulus", None, Named::Quantities(|_| vec![Quantity::Modulus])),
     ("front-modulus", None, Named::Quantities(|_| vec![Quantity::PlateModulus(Plate::Front)])),
     ("back-modulus", None, Named::Quantities(|_| vec![Quantity::PlateModulus(Plate::Back)])),
@@ -40,6 +41,7 @@ const NAMES: [(&str, Option<f64>, Named); 11] = [
     ("ribs", Some(0.2), Named::Quantities(ribs)),
     ("height", None, Named::Quantities(|_| vec![Quantity::MarkerHeight])),
     ("base", None, Named::Quantities(|_| vec![Quantity::BaseX, Quantity::BaseY, Quantity::BaseTurn])),
+    ("base-compliance", None, Named::BaseCompliance),
     ("friction", None, Named::Friction { builds_up: false }),
     ("friction-build-up", None, Named::Friction { builds_up: true }),
 ];
@@ -66,6 +68,8 @@ fn is_of_rig(quantity: &Quantity) -> bool {
 struct Fit {
     sought: Vec<Sought>,
     friction: Option<FrictionFit>,
+    /// Whether the turn of the base with the force is to be found.
+    base_compliance: bool,
 }
 
 /// How friction is to be found.
@@ -83,7 +87,7 @@ impl Fit {
 
     fn parse(text: &str, scene: &Scene) -> Result<Fit, Failure> {
         let bad = |reason: String| Failure::BadInput(format!("--fit: {reason}"));
-        let mut fit = Fit { sought: Vec::new(), friction: None };
+        let mut fit = Fit { sought: Vec::new(), friction: None, base_compliance: false };
         for part in text.split(',').map(str::trim) {
             let (name, prior) = part.split_once('=').map_or((part, None), |(name, prior)| (name, Some(prior)));
             let Some((_, own_prior, named)) = NAMES.iter().find(|(known, ..)| *known == name) else {
@@ -102,6 +106,10 @@ impl Fit {
                     let between_objects = prior_sd.unwrap_or_default();
                     fit.friction = Some(FrictionFit { builds_up: *builds_up, between_objects });
                 }
+                Named::BaseCompliance if prior_sd.is_some() => {
+                    return Err(bad("base-compliance takes no standard deviation".to_owned()));
+                }
+                Named::BaseCompliance => fit.base_compliance = true,
                 Named::Quantities(of) => {
                     for quantity in of(&scene.finger) {
                         if fit.seeks(|known| *known == quantity) {
@@ -165,8 +173,8 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failu
     let fit = Fit::parse(fit, &scene)?;
     let seen = views::load(located, arguments.forces.as_deref(), &scene)?;
     let measured = seen.iter().filter(|seen| seen.view.force.is_some()).count();
-    if measured == 0 && (fit.friction.is_some() || fit.seeks(is_modulus)) {
-        let message = "not identifiable: without a measured force (--forces) nothing tells a modulus, or friction";
+    if measured == 0 && (fit.friction.is_some() || fit.base_compliance || fit.seeks(is_modulus)) {
+        let message = "not identifiable: without a measured force (--forces) nothing tells a modulus, friction, or how a base gives way";
         return Err(Failure::BadInput(message.to_owned()));
     }
     let lean = match scene.contact.lean {
@@ -200,6 +208,11 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failu
         Ok(Lean { sd_deg: found.sd_deg.hypot(between_deg), ..found })
     });
     let friction = friction.transpose().map_err(failure)?;
+    let turns: Vec<(f64, f64)> = (seen.iter().zip(&estimate.views))
+        .filter(|(seen, _)| seen.view.force.is_some())
+        .map(|(seen, found)| (found.force.norm(), (seen.base.rotation * found.base.rotation).angle().to_degrees()))
+        .collect();
+    let compliance = fit.base_compliance.then(|| calibration::compliance_of(&turns)).transpose().map_err(failure)?;
     let mut files: Vec<(PathBuf, String)> = Vec::new();
     if let Some(path) = &arguments.correlations {
         files.push((path.clone(), csv_text(correlations(&estimate))?));
@@ -211,7 +224,7 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failu
         let values = values(&scene, &estimate, friction.as_ref());
         files.push((path.clone(), with_values(&text, &values).map_err(Failure::BadInput)?));
     }
-    files.push((arguments.out.clone(), csv_text(rows(&estimate, friction.as_ref()))?));
+    files.push((arguments.out.clone(), csv_text(rows(&estimate, friction.as_ref(), compliance))?));
     if files.iter().any(|(path, _)| is_standard_stream(path)) {
         for (path, text) in &files {
             write_text(path, text)?;
@@ -249,11 +262,14 @@ fn coefficient(lean: &Lean) -> (f64, f64) {
 }
 
 /// What was found; no standard deviation is known of what is itself one, nor of a force over which friction builds up.
-fn rows(estimate: &ViewEstimate, friction: Option<&Lean>) -> Vec<Row> {
+fn rows(estimate: &ViewEstimate, friction: Option<&Lean>, compliance: Option<BaseCompliance>) -> Vec<Row> {
     let row = |parameter: &str, value, sigma| Row { parameter: parameter.to_owned(), value, sigma };
     let quantities = estimate.quantities.iter();
     let mut rows: Vec<Row> =
         quantities.map(|found| row(&found.sought.quantity.to_string(), found.value, Some(found.sigma))).collect();
+    if let Some(BaseCompliance { deg_per_n, sigma_deg_per_n }) = compliance {
+        rows.push(row("base_deg_per_n", deg_per_n, Some(sigma_deg_per_n).filter(|sigma| sigma.is_finite())));
+    }
     if let Some(lean) = friction {
         let (coefficient, sigma) = coefficient(lean);
         rows.push(row("friction", coefficient, Some(sigma)));
