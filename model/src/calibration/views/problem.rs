@@ -106,36 +106,29 @@ impl Problem<'_> {
         Some(Candidate { mesh: Mesh::with_elements_per_member(&finger, self.model.elements), marker_height_mm, base })
     }
 
+    /// Priors of a view's unknowns, in their order: standard deviations, `None` where nothing is known beforehand.
+    fn own_priors(&self, view: &View) -> impl Iterator<Item = Option<f64>> {
+        let BaseUncertainty { sd_mm, sd_rad } = view.base;
+        let further = match (view.force, self.force_error) {
+            (Some(force), Some(share)) => [Some(Some(force.norm() * share)), None],
+            (Some(_), None) => [None, None],
+            (None, _) => [Some(None), Some(Some(self.model.lean.sd_deg.max(SETTLED_DEG)))],
+        };
+        [None, Some(sd_mm), Some(sd_mm), Some(sd_rad)].into_iter().chain(further.into_iter().flatten())
+    }
+
     /// Number of unknowns of a view.
-    pub(super) fn own_count(&self, view: &View) -> usize {
-        match view.force {
-            Some(_) => OWN + usize::from(self.force_error.is_some()),
-            None => OWN + 2,
-        }
+    fn own_count(&self, view: &View) -> usize {
+        self.own_priors(view).count()
     }
 
     /// How many unknowns the images tell, each by as much of it as its prior left open (Schall's effective number of parameters).
-    pub(super) fn told(&self, covariance: &DMatrix<f64>) -> f64 {
-        let open = |column: usize, prior_sd: Option<f64>| {
-            prior_sd.map_or(1.0, |sd| 1.0 - covariance[(column, column)] / (sd * sd))
-        };
-        let mut told: f64 = self.sought.iter().enumerate().map(|(k, sought)| open(k, sought.prior_sd)).sum();
-        let mut column = self.sought.len();
-        for view in self.views {
-            let BaseUncertainty { sd_mm, sd_rad } = view.base;
-            let further = match (view.force, self.force_error) {
-                (Some(force), Some(share)) => [Some(Some(force.norm() * share)), None],
-                (Some(_), None) => [None, None],
-                (None, _) => [Some(None), Some(Some(self.model.lean.sd_deg.max(SETTLED_DEG)))],
-            };
-            let priors =
-                [None, Some(sd_mm), Some(sd_mm), Some(sd_rad)].into_iter().chain(further.into_iter().flatten());
-            for prior_sd in priors {
-                told += open(column, prior_sd);
-                column += 1;
-            }
-        }
-        told
+    fn told(&self, covariance: &DMatrix<f64>) -> f64 {
+        let priors = self.sought.iter().map(|sought| sought.prior_sd);
+        let priors = priors.chain(self.views.iter().flat_map(|view| self.own_priors(view)));
+        let open =
+            |(k, prior_sd): (usize, Option<f64>)| prior_sd.map_or(1.0, |sd| 1.0 - covariance[(k, k)] / (sd * sd));
+        priors.enumerate().map(open).sum()
     }
 
     /// Standard deviation of the share by which measured forces are missed, given that of the last fit: what was found, by as many forces as the

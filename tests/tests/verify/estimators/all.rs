@@ -39,28 +39,8 @@ fn every_estimator_finds_a_small_force() {
         for force_n in [sensed.forces_n[0], estimate.forces_n[0]] {
             assert!((force_n / 0.5 - 1.0).abs() < TOLERANCE, "{id}: {force_n} N");
         }
-    }
-}
-
-/// Only the search knows pads; the others say so, before they answer something else.
-#[test]
-fn estimators_that_do_not_search_refuse_pads() {
-    let finger = paper();
-    let contact = at_node(19, 0.0);
-    let mesh = TruthId::Corotational.mesh(&finger).expect("a mesh");
-    let truth = TruthId::Corotational.on(&mesh).expect("a finger at rest");
-    let measurement = Measurement::of_shape(&finger, &truth.shapes(&contact, &[0.5])[0]);
-    let networks = Networks::shipped().expect("networks that read");
-    for &id in EstimatorId::ALL {
-        let question = Question {
-            contacts: &[contact.into()],
-            pad: Pad { length_mm: 4.0, thickness_mm: 1.0 },
-            measurement: &measurement,
-            noise_mm: Some(CAMERA_NOISE_MM),
-            mesh_nodes: None,
-            networks: &networks,
-        };
-        let answer = id.answer(&finger, &question);
-        assert_eq!(answer == Err(EstimatorError::NoPad), id != EstimatorId::Nonlinear, "{id}: {answer:?}");
+        // Only the search knows pads; the others say so, before they answer something else.
+        let padded = id.answer(&finger, &Question { pad: Pad { length_mm: 4.0, thickness_mm: 1.0 }, ..question });
+        assert_eq!(padded == Err(EstimatorError::NoPad), id != EstimatorId::Nonlinear, "{id}: {padded:?}");
     }
 }
