@@ -27,6 +27,7 @@ pub mod compliance;
 pub mod element;
 pub mod finger;
 pub mod frame;
+pub mod gripper;
 mod least_squares;
 pub mod measurement;
 pub mod mesh;

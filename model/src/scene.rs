@@ -2,6 +2,7 @@
 
 mod camera;
 mod contact;
+mod gripper;
 mod object;
 mod reader;
 
@@ -13,6 +14,7 @@ use crate::finger::{
     BracketLengths, Finger, FingerDescription, Joints, MarkerPoints, Part, RibDescription, RibPositions, RigidEnds,
     Strip, Zone,
 };
+use crate::gripper::Gripper;
 use crate::measurement::MarkerErrors;
 use crate::validity::StrainLimits;
 use reader::{Document, TableReader};
@@ -40,6 +42,8 @@ pub struct Scene {
     pub contact: ContactDescription,
     /// The object that is pressed onto the finger, where the scene has one.
     pub object: Option<ObjectDescription>,
+    /// The linkage that moves two such fingers, where the scene has one.
+    pub gripper: Option<Gripper>,
 }
 
 /// A scene text that cannot be used.
@@ -60,7 +64,7 @@ impl Scene {
     /// [`SceneError`] with the line, the key and what was expected.
     pub fn from_toml(text: &str) -> Result<Scene, SceneError> {
         let document = Document::parse(text)?;
-        let top = document.top(&["name", "finger", "camera", "markers", "base", "contact", "object"])?;
+        let top = document.top(&["name", "finger", "camera", "markers", "base", "contact", "object", "gripper"])?;
         let name = top.text("name")?;
         let markers = match top.optional_table("markers", &camera::MARKER_KEYS)? {
             None => camera::MarkersRead::default(),
@@ -89,6 +93,10 @@ impl Scene {
             None => None,
             Some(table) => Some(object::read_object(&table, &finger)?),
         };
+        let gripper = match top.optional_table("gripper", &gripper::KEYS)? {
+            None => None,
+            Some(table) => Some(gripper::read_gripper(&table)?),
+        };
         Ok(Scene {
             name,
             finger,
@@ -100,6 +108,7 @@ impl Scene {
             base,
             contact,
             object,
+            gripper,
         })
     }
 }

@@ -4,7 +4,7 @@
 mod commands;
 
 use clap::{CommandFactory, Parser, Subcommand};
-use commands::{calibrate, lens, locate, map, merge, press, render, report, sense, solve, sweep};
+use commands::{calibrate, gripper, lens, locate, map, merge, press, render, report, sense, solve, sweep};
 #[cfg(feature = "train")]
 use commands::{networks, train};
 use finray_verify::files::write_text;
@@ -39,6 +39,7 @@ enum Command {
     Render(render::Arguments),
     Locate(locate::Arguments),
     Lens(lens::Arguments),
+    Gripper(gripper::Arguments),
     #[cfg(feature = "train")]
     Train(train::Arguments),
     #[cfg(feature = "train")]
@@ -63,6 +64,7 @@ fn main() -> ExitCode {
         Command::Render(arguments) => render::run(&arguments),
         Command::Locate(arguments) => locate::run(&arguments),
         Command::Lens(arguments) => lens::run(&arguments),
+        Command::Gripper(arguments) => gripper::run(&arguments),
         #[cfg(feature = "train")]
         Command::Train(arguments) => train::run(&arguments),
         #[cfg(feature = "train")]

@@ -1,6 +1,6 @@
 //! Tests of `model` alone, by family of properties: equilibria (`statics`, and `invariance` of the way a finger is written down), the
 //! inverse (`sensing`, `networks` and their `training` on `samples`, `calibration`), the `camera`, what signs and angles mean (`conventions`), and where the
-//! beam model holds (`validity`). Most hold for random fingers; `finray_tests` draws them and has what several modules share.
+//! beam model holds (`validity`), and the `gripper`'s linkage. Most hold for random fingers; `finray_tests` draws them and has what several modules share.
 
 mod calibration {
     mod modulus;
@@ -9,6 +9,7 @@ mod calibration {
 }
 mod camera;
 mod conventions;
+mod gripper;
 mod invariance;
 mod networks;
 mod samples;

@@ -70,6 +70,31 @@ pub fn position_load(text: &str) -> Result<PositionLoad, String> {
     Ok(PositionLoad { s_mm: finite(position)?, force_n: finite(force)?, angle_deg: finite(angle)? })
 }
 
+/// Motor angles, degrees.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MotorAngles(pub Vec<f64>);
+
+/// `DEG` or `FROM:TO:STEP`.
+pub fn motor_angles(text: &str) -> Result<MotorAngles, String> {
+    const MOST: f64 = 1e6;
+    // A last angle that rounding takes past the end still counts.
+    const ROUNDING: f64 = 1e-9;
+    let numbers = text.split(':').map(finite).collect::<Result<Vec<_>, _>>()?;
+    match numbers[..] {
+        [angle_deg] => Ok(MotorAngles(vec![angle_deg])),
+        [from_deg, to_deg, step_deg] => {
+            let steps = ((to_deg - from_deg) / step_deg + ROUNDING).floor();
+            if !(0.0..MOST).contains(&steps) {
+                return Err(format!(
+                    "expected a step that leads from {from_deg} to {to_deg} in fewer than {MOST} steps"
+                ));
+            }
+            Ok(MotorAngles((0..=steps as usize).map(|step| from_deg + step as f64 * step_deg).collect()))
+        }
+        _ => Err(format!("expected DEG or FROM:TO:STEP, for instance 0:360:22.5, found \"{text}\"")),
+    }
+}
+
 /// A contact as it is asked about.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AskedContact {

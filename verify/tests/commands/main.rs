@@ -9,6 +9,7 @@ mod arguments;
 mod calibrate;
 mod camera;
 mod garbage;
+mod gripper;
 mod map;
 mod output;
 mod photographs;

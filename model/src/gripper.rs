@@ -1,0 +1,222 @@
+//! The gripper's slider-rocker linkage: from the motor's angle to where its two fingers stand.
+//!
+//! A screw moves a nut along the axis between two mirrored linkages. In each, a rocker turns about a joint that is fixed to the
+//! gripper, and a link goes from the rocker's end to the nut. The finger stands on the link.
+
+use crate::{Finger, Vector};
+use nalgebra::Rotation2;
+use std::f64::consts::PI;
+
+/// Sine of the angle between rocker and link below which the pose is singular: the nut then moves both no further.
+const SINGULAR_SINE: f64 = 1e-6;
+
+/// The lengths of the linkage.
+///
+/// # Frame
+/// The mechanism frame has its origin in the fixed joint of one rocker, y along the screw; the nut is at (l4, l3), so the screw's axis, about
+/// which the other finger is the mirror image, is the line x = l4.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GripperDescription {
+    /// Way of the nut in one turn of the motor, mm; p_s of eq. (6).
+    pub screw_pitch_mm: f64,
+    /// Height of the nut at motor angle 0, mm; l03 of eq. (6).
+    pub slider_mm: f64,
+    /// Lengths of rocker and link, mm; l1 and l2 of eqs (7) and (8).
+    pub link_mm: [f64; 2],
+    /// Distance of the fixed joint from the screw's axis, mm; l4 of eq. (7).
+    pub fixed_joint_mm: f64,
+    /// Which way the linkage is put together.
+    pub assembly: Assembly,
+}
+
+/// Which of the two ways in which a linkage closes it is put together at motor angle 0; it keeps to it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Assembly {
+    /// The joint of rocker and link is the further of the two from the screw's axis.
+    #[default]
+    Outer,
+    /// It is the nearer one.
+    Inner,
+}
+
+/// A linkage that does not close at motor angle 0.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error(
+    "the links reach {shortest_mm} to {longest_mm} mm, but at motor angle 0 nut and fixed joint are {apart_mm} mm apart"
+)]
+pub struct ImpossibleLinkage {
+    /// The least distance that the links bridge, mm.
+    pub shortest_mm: f64,
+    /// The largest, mm.
+    pub longest_mm: f64,
+    /// The distance at motor angle 0, mm.
+    pub apart_mm: f64,
+}
+
+/// A gripper of two mirrored fingers on a linkage that closes.
+///
+/// # Reference
+/// Xu et al. (IEEE T-RO 2021), eqs (6)-(9).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gripper {
+    description: GripperDescription,
+    /// On which side of the line from the fixed joint to the nut the joint of rocker and link is: 1 on the left, -1 on the right.
+    side: f64,
+}
+
+/// A pose of the linkage.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LinkagePose {
+    /// Height of the nut, mm; l3 of eq. (6).
+    pub slider_mm: f64,
+    /// Inclination of the rocker, rad; phi1 of eqs (7) and (8).
+    pub phi1_rad: f64,
+    /// Inclination of the link, rad; phi2. The finger is turned by it.
+    pub phi2_rad: f64,
+    /// Where the middle of the finger's base line is, mechanism frame, mm; P of eq. (9).
+    pub base: Vector,
+}
+
+impl LinkagePose {
+    /// Whether rocker and link lie on one line: the end of the nut's reach, where the derivative of the opening is infinite.
+    pub fn is_singular(&self) -> bool {
+        (self.phi1_rad + self.phi2_rad).sin().abs() < SINGULAR_SINE
+    }
+
+    /// A point of the finger frame in the mechanism frame, mm. Eq. (9) has the finger's base line along x, towards the other finger, and its
+    /// tip along y: the two axes of the finger frame in the other order.
+    pub fn in_mechanism(&self, point: Vector) -> Vector {
+        self.base + Rotation2::new(self.phi2_rad) * point.yx()
+    }
+}
+
+impl Gripper {
+    /// Checks that the linkage closes. Lengths of links and pitch are above zero.
+    ///
+    /// # Errors
+    /// [`ImpossibleLinkage`].
+    pub fn new(description: GripperDescription) -> Result<Gripper, ImpossibleLinkage> {
+        let GripperDescription { slider_mm, assembly, .. } = description;
+        // Left of a line that goes upwards is away from the screw's axis.
+        let outer = if slider_mm < 0.0 { -1.0 } else { 1.0 };
+        let side = if assembly == Assembly::Outer { outer } else { -outer };
+        let gripper = Gripper { description, side };
+        match gripper.with_slider(slider_mm) {
+            Some(_) => Ok(gripper),
+            None => {
+                let [rocker, link] = description.link_mm;
+                let apart_mm = slider_mm.hypot(description.fixed_joint_mm);
+                Err(ImpossibleLinkage { shortest_mm: (rocker - link).abs(), longest_mm: rocker + link, apart_mm })
+            }
+        }
+    }
+
+    /// Its lengths.
+    pub fn description(&self) -> &GripperDescription {
+        &self.description
+    }
+
+    /// Height of the nut at a motor angle in degrees, mm: eq. (6).
+    pub fn slider_mm(&self, motor_deg: f64) -> f64 {
+        self.description.slider_mm + motor_deg / 360.0 * self.description.screw_pitch_mm
+    }
+
+    /// Motor angle in degrees that brings the nut to a height in mm.
+    fn motor_deg(&self, slider_mm: f64) -> f64 {
+        (slider_mm - self.description.slider_mm) / self.description.screw_pitch_mm * 360.0
+    }
+
+    /// The pose at a motor angle in degrees; `None` out of reach.
+    pub fn pose(&self, motor_deg: f64) -> Option<LinkagePose> {
+        self.with_slider(self.slider_mm(motor_deg))
+    }
+
+    /// The pose at a height of the nut: where the circles of rocker and link meet.
+    fn with_slider(&self, slider_mm: f64) -> Option<LinkagePose> {
+        let [rocker, link] = self.description.link_mm;
+        let nut = Vector::new(self.description.fixed_joint_mm, slider_mm);
+        let apart = nut.norm();
+        let along = (rocker * rocker - link * link + apart * apart) / (2.0 * apart);
+        let square = (rocker - along) * (rocker + along);
+        let reached = square >= 0.0 && self.is_on_the_same_way(slider_mm);
+        reached.then(|| {
+            let across = self.side * square.sqrt();
+            let base = (nut * along + Vector::new(-nut.y, nut.x) * across) / apart;
+            let rest = nut - base;
+            LinkagePose { slider_mm, phi1_rad: base.y.atan2(-base.x), phi2_rad: rest.y.atan2(rest.x), base }
+        })
+    }
+
+    /// Whether the nut comes there from motor angle 0 without links that are too long in between.
+    fn is_on_the_same_way(&self, slider_mm: f64) -> bool {
+        self.least_slider_mm().is_none() || slider_mm.signum() == self.description.slider_mm.signum()
+    }
+
+    /// The least distance of the nut from the height of the fixed joint, mm, where the links do not let it pass there.
+    fn least_slider_mm(&self) -> Option<f64> {
+        let [rocker, link] = self.description.link_mm;
+        let square = (rocker - link).powi(2) - self.description.fixed_joint_mm.powi(2);
+        (square >= 0.0).then(|| square.sqrt())
+    }
+
+    /// Motor angles at both ends of the nut's reach, degrees, the smaller first.
+    pub fn reach_deg(&self) -> [f64; 2] {
+        let [rocker, link] = self.description.link_mm;
+        let most = ((rocker + link).powi(2) - self.description.fixed_joint_mm.powi(2)).max(0.0).sqrt();
+        let ends = match self.least_slider_mm() {
+            None => [-most, most],
+            Some(least) if self.description.slider_mm < 0.0 => [-most, -least],
+            Some(least) => [least, most],
+        };
+        ends.map(|slider_mm| self.motor_deg(slider_mm))
+    }
+
+    /// Distance between the tips of the undeformed fingers, mm; negative where they would have passed each other.
+    pub fn opening_mm(&self, finger: &Finger, pose: &LinkagePose) -> f64 {
+        2.0 * (self.description.fixed_joint_mm - pose.in_mechanism(finger.position(finger.tip())).x)
+    }
+
+    /// By how much a turn of the motor opens the gripper, mm; `None` in a singular pose.
+    ///
+    /// # Reference
+    /// With eq. (7) the opening is 2 r cos(phi2 - beta), see [`motor_deg_for_opening`](Gripper::motor_deg_for_opening); differentiating eqs (7) and
+    /// (8), d phi2 / d l3 = sin phi1 / (l2 sin(phi1 + phi2)).
+    pub fn opening_per_turn_mm(&self, finger: &Finger, pose: &LinkagePose) -> Option<f64> {
+        let [radius_mm, beta_rad] = self.opening_arm(finger);
+        let LinkagePose { phi1_rad, phi2_rad, .. } = *pose;
+        let turn_per_mm = phi1_rad.sin() / (self.description.link_mm[1] * (phi1_rad + phi2_rad).sin());
+        let by_turn_mm = -2.0 * radius_mm * (phi2_rad - beta_rad).sin();
+        (!pose.is_singular()).then(|| by_turn_mm * turn_per_mm * self.description.screw_pitch_mm)
+    }
+
+    /// The motor angle in degrees that opens the undeformed gripper by `opening_mm` from tip to tip; of several, the one nearest to 0. `None` if
+    /// none does.
+    ///
+    /// # Reference
+    /// With eq. (7), the x of the joint is l4 - l2 cos phi2, so that the distance from tip to tip is 2 ((l2 - y) cos phi2 + x sin phi2) for a tip at (x, y) of
+    /// the finger frame: one cosine. Eq. (7) then gives phi1, and eq. (8) l3.
+    pub fn motor_deg_for_opening(&self, finger: &Finger, opening_mm: f64) -> Option<f64> {
+        let [rocker, link] = self.description.link_mm;
+        let [radius_mm, beta_rad] = self.opening_arm(finger);
+        let away_rad = (opening_mm / (2.0 * radius_mm)).acos();
+        let motor_deg = [away_rad, -away_rad].into_iter().flat_map(|away_rad| {
+            let phi2_rad = beta_rad + away_rad;
+            let phi1_rad = ((link * phi2_rad.cos() - self.description.fixed_joint_mm) / rocker).acos();
+            [phi1_rad, -phi1_rad]
+                .map(|phi1_rad| (phi2_rad, self.motor_deg(rocker * phi1_rad.sin() + link * phi2_rad.sin())))
+        });
+        // Of the heights that fit, those whose pose is on the side on which the linkage is put together. What is not a number has no pose.
+        let reached = motor_deg.filter(|(phi2_rad, motor_deg)| {
+            let turned = self.pose(*motor_deg).map(|pose| (pose.phi2_rad - phi2_rad).rem_euclid(2.0 * PI));
+            turned.is_some_and(|turned| turned.min(2.0 * PI - turned) < SINGULAR_SINE)
+        });
+        reached.map(|(_, motor_deg)| motor_deg).min_by(|a, b| a.abs().total_cmp(&b.abs()))
+    }
+
+    /// Half of the opening is r cos(phi2 - beta): r in mm and beta in rad.
+    fn opening_arm(&self, finger: &Finger) -> [f64; 2] {
+        let tip = finger.position(finger.tip());
+        let inwards = self.description.link_mm[1] - tip.y;
+        [inwards.hypot(tip.x), tip.x.atan2(inwards)]
+    }
+}

@@ -1,0 +1,197 @@
+//! The linkage against its equations, differences, its own inverse and its mirror image.
+
+use finray_model::gripper::{Assembly, Gripper, GripperDescription, LinkagePose};
+use finray_model::{Finger, Scene, Vector};
+use proptest::prelude::*;
+use std::f64::consts::PI;
+
+fn finger() -> Finger {
+    Scene::from_toml(finray_fixtures::PAPER_SCENE).unwrap().finger
+}
+
+prop_compose! {
+    /// Linkages that close at motor angle 0, in both assemblies, on both sides of the fixed joint's height.
+    fn linkages()(
+        rocker in 5.0..80.0,
+        link in 5.0..80.0,
+        reach in 0.02..0.98,
+        towards in 0.02..0.98,
+        is_below in any::<bool>(),
+        is_inner in any::<bool>(),
+        screw_pitch_mm in 0.5..10.0,
+    ) -> GripperDescription {
+        let [rocker, link, reach, towards]: [f64; 4] = [rocker, link, reach, towards];
+        let shortest = (rocker - link).abs();
+        let apart = shortest + reach * (rocker + link - shortest);
+        let (sin, cos) = (towards * PI / 2.0).sin_cos();
+        GripperDescription {
+            screw_pitch_mm,
+            slider_mm: if is_below { -apart * sin } else { apart * sin },
+            link_mm: [rocker, link],
+            fixed_joint_mm: apart * cos,
+            assembly: if is_inner { Assembly::Inner } else { Assembly::Outer },
+        }
+    }
+}
+
+/// A motor angle at a share of the reach.
+fn within(gripper: &Gripper, share: f64) -> f64 {
+    let [from_deg, to_deg] = gripper.reach_deg();
+    from_deg + share * (to_deg - from_deg)
+}
+
+/// The joint of rocker and link, from the rocker and from the link.
+fn joints(description: &GripperDescription, pose: &LinkagePose) -> [Vector; 2] {
+    let [rocker, link] = description.link_mm;
+    let nut = Vector::new(description.fixed_joint_mm, pose.slider_mm);
+    [
+        Vector::new(-pose.phi1_rad.cos(), pose.phi1_rad.sin()) * rocker,
+        nut - Vector::new(pose.phi2_rad.cos(), pose.phi2_rad.sin()) * link,
+    ]
+}
+
+proptest! {
+    /// Eqs (6)-(9), to rounding.
+    #[test]
+    fn the_papers_equations_hold(description in linkages(), share in 0.001..0.999) {
+        let gripper = Gripper::new(description).unwrap();
+        let motor_deg = within(&gripper, share);
+        let pose = gripper.pose(motor_deg).unwrap();
+        let GripperDescription { screw_pitch_mm, slider_mm, link_mm: [rocker, link], fixed_joint_mm, .. } = description;
+        let size = rocker + link;
+        let (phi1, phi2) = (pose.phi1_rad, pose.phi2_rad);
+        prop_assert!((pose.slider_mm - (slider_mm + motor_deg / 360.0 * screw_pitch_mm)).abs() <= 1e-12 * size);
+        prop_assert!((link * phi2.cos() - rocker * phi1.cos() - fixed_joint_mm).abs() <= 1e-12 * size, "eq. (7)");
+        prop_assert!((rocker * phi1.sin() + link * phi2.sin() - pose.slider_mm).abs() <= 1e-12 * size, "eq. (8)");
+        for joint in joints(&description, &pose) {
+            prop_assert!((joint - pose.base).norm() <= 1e-12 * size, "eq. (9)");
+        }
+    }
+
+    /// The joint is the further from the screw's axis in the one assembly, the nearer in the other, and stays on its side of the line to the nut.
+    #[test]
+    fn the_assembly_is_kept(description in linkages(), share in 0.001..0.999) {
+        let [outer, inner] = [Assembly::Outer, Assembly::Inner]
+            .map(|assembly| Gripper::new(GripperDescription { assembly, ..description }).unwrap());
+        let at_zero = |gripper: &Gripper| gripper.pose(0.0).unwrap();
+        prop_assert!(at_zero(&outer).base.x < at_zero(&inner).base.x);
+        for gripper in [outer, inner] {
+            let side = |pose: LinkagePose| Vector::new(description.fixed_joint_mm, pose.slider_mm).perp(&pose.base).signum();
+            prop_assert_eq!(side(gripper.pose(within(&gripper, share)).unwrap()), side(at_zero(&gripper)));
+        }
+    }
+
+    /// The derivative of the opening against central differences over a hundred-thousandth of the reach; away from its ends, where the curvature is infinite.
+    #[test]
+    fn the_opening_has_the_derivative_of_differences(description in linkages(), share in 0.05..0.95) {
+        let (gripper, finger) = (Gripper::new(description).unwrap(), finger());
+        let motor_deg = within(&gripper, share);
+        let [from_deg, to_deg] = gripper.reach_deg();
+        let step_deg = 1e-5 * (to_deg - from_deg);
+        let opening = |motor_deg: f64| gripper.opening_mm(&finger, &gripper.pose(motor_deg).unwrap());
+        let differences = (opening(motor_deg + step_deg) - opening(motor_deg - step_deg)) / (2.0 * step_deg) * 360.0;
+        let derivative = gripper.opening_per_turn_mm(&finger, &gripper.pose(motor_deg).unwrap()).unwrap();
+        // Openings of some 100 mm lose 1e-14 of them by rounding, over 2e-5 of the reach.
+        let rounding = 1e-12 / (2.0 * step_deg) * 360.0;
+        prop_assert!((differences - derivative).abs() <= 1e-6 * derivative.abs() + 1e-7 * description.screw_pitch_mm + rounding,
+            "{differences} and {derivative}");
+    }
+
+    /// The motor angle for an opening opens the gripper that far, and is no further from 0 than the one that the opening is from.
+    #[test]
+    fn an_opening_leads_back_to_its_motor_angle(description in linkages(), share in 0.001..0.999) {
+        let (gripper, finger) = (Gripper::new(description).unwrap(), finger());
+        let motor_deg = within(&gripper, share);
+        let opening = |motor_deg: f64| gripper.opening_mm(&finger, &gripper.pose(motor_deg).unwrap());
+        let back_deg = gripper.motor_deg_for_opening(&finger, opening(motor_deg)).unwrap();
+        prop_assert!((opening(back_deg) - opening(motor_deg)).abs() <= 1e-9 * (1.0 + opening(motor_deg).abs()));
+        // Where the opening is the largest, its motor angle is known to the square root of the rounding only.
+        prop_assert!(back_deg.abs() <= motor_deg.abs() * (1.0 + 1e-6) + 1e-3);
+    }
+
+    /// A linkage below the fixed joint's height is the mirror image of one above.
+    #[test]
+    fn below_is_the_mirror_image_of_above(description in linkages(), share in 0.001..0.999) {
+        let slider_mm = -description.slider_mm;
+        let [gripper, mirrored] =
+            [description, GripperDescription { slider_mm, ..description }].map(|description| Gripper::new(description).unwrap());
+        let motor_deg = within(&gripper, share);
+        let [pose, image] = [gripper.pose(motor_deg), mirrored.pose(-motor_deg)].map(Option::unwrap);
+        let size = description.link_mm[0] + description.link_mm[1];
+        prop_assert!((pose.base.x - image.base.x).abs() <= 1e-12 * size && (pose.base.y + image.base.y).abs() <= 1e-12 * size);
+        prop_assert!((pose.phi2_rad + image.phi2_rad).sin().abs() <= 1e-12 * size);
+    }
+
+    /// Beyond the end of reach there is no pose; at it rocker and link lie on one line.
+    #[test]
+    fn the_reach_ends_where_the_links_lie_on_one_line(description in linkages()) {
+        let gripper = Gripper::new(description).unwrap();
+        let [from_deg, to_deg] = gripper.reach_deg();
+        let beyond_deg = 1e-9 * (to_deg - from_deg);
+        prop_assert!(gripper.pose(from_deg - beyond_deg).is_none() && gripper.pose(to_deg + beyond_deg).is_none());
+        for share in [1e-9, 1.0 - 1e-9] {
+            let pose = gripper.pose(within(&gripper, share)).unwrap();
+            // The sine of the angle between them is the square root of the distance from the end, times ratios of lengths up to 300.
+            prop_assert!((pose.phi1_rad + pose.phi2_rad).sin().abs() <= 1e-2);
+        }
+    }
+}
+
+/// Rocker 3, link 4, and a right angle between them: a distance of 5.
+#[test]
+fn a_right_triangle_has_the_angles_of_the_textbook() {
+    let description = GripperDescription {
+        screw_pitch_mm: 4.0,
+        slider_mm: 0.0,
+        link_mm: [3.0, 4.0],
+        fixed_joint_mm: 5.0,
+        assembly: Assembly::Outer,
+    };
+    let gripper = Gripper::new(description).unwrap();
+    let pose = gripper.pose(0.0).unwrap();
+    assert!((pose.base - Vector::new(1.8, 2.4)).norm() < 1e-14);
+    assert!((pose.phi1_rad - 2.4_f64.atan2(-1.8)).abs() < 1e-14);
+    assert!((pose.phi2_rad - (-2.4_f64).atan2(3.2)).abs() < 1e-14);
+    // One turn lifts the nut by the pitch: too far for links of 3 and 4.
+    assert!((gripper.slider_mm(360.0) - 4.0).abs() < 1e-14);
+    assert!(gripper.pose(360.0 * 1.25).is_none());
+    let end = gripper.pose(gripper.reach_deg()[1] * (1.0 - 1e-15)).unwrap();
+    assert!(end.is_singular() && gripper.opening_per_turn_mm(&finger(), &end).is_none());
+}
+
+/// With the link level, the finger stands upright: its tip is over the middle of its base, which is a link away from the axis.
+#[test]
+fn an_upright_finger_opens_by_twice_its_distance_from_the_axis() {
+    let description = GripperDescription {
+        screw_pitch_mm: 4.0,
+        slider_mm: 25.0,
+        link_mm: [25.0, 40.0],
+        fixed_joint_mm: 40.0,
+        assembly: Assembly::Outer,
+    };
+    let (gripper, finger) = (Gripper::new(description).unwrap(), finger());
+    let pose = gripper.pose(0.0).unwrap();
+    let tip = finger.position(finger.tip());
+    assert!(pose.phi2_rad.abs() < 1e-14 && pose.base.x.abs() < 1e-14);
+    assert!((pose.in_mechanism(tip) - Vector::new(tip.y, 25.0 + tip.x)).norm() < 1e-12);
+    assert!((gripper.opening_mm(&finger, &pose) - 2.0 * (40.0 - tip.y)).abs() < 1e-12);
+    // The front plate is on the side of the screw's axis.
+    let [_, front_base] = finger.clamped_nodes();
+    assert!(pose.in_mechanism(finger.position(front_base)).x > 0.0);
+    // A higher nut leans the finger back: it opens.
+    assert!(gripper.opening_per_turn_mm(&finger, &pose).unwrap() > 0.0);
+}
+
+#[test]
+fn a_linkage_that_does_not_close_is_refused() {
+    let description = GripperDescription {
+        screw_pitch_mm: 4.0,
+        slider_mm: 20.0,
+        link_mm: [5.0, 10.0],
+        fixed_joint_mm: 30.0,
+        assembly: Assembly::Outer,
+    };
+    let impossible = Gripper::new(description).unwrap_err();
+    assert_eq!((impossible.shortest_mm, impossible.longest_mm), (5.0, 15.0));
+    assert!((impossible.apart_mm - 1300.0_f64.sqrt()).abs() < 1e-12);
+}

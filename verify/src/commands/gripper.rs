@@ -1,0 +1,114 @@
+//! `finray gripper`
+
+use super::Failure;
+use super::parse::{MotorAngles, motor_angles};
+use finray_model::gripper::Gripper;
+use finray_model::{Finger, Scene};
+use finray_verify::files::{csv_text, load_scene, write_text};
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Steps of the motor in the paper's experiments, degrees (sec. V-C).
+const STEP_DEG: f64 = 22.5;
+
+/// Where a gripper's two fingers stand: from the angle of its motor, or from how far it is open.
+///
+/// Needs a scene with a gripper table: a screw that moves a nut, and a rocker and a link for each of two mirrored
+/// fingers (Xu et al., IEEE T-RO 2021, eqs 6-9).
+///
+/// Writes motor_deg,slider_mm,phi1_rad,phi2_rad,base_x_mm,base_y_mm,angle_rad,opening_mm,
+/// opening_per_turn_mm,state, a row a motor angle. Base and angle place the finger in the mechanism
+/// frame: its origin is the rocker's fixed joint, y goes along the screw, whose axis is at x = fixed_joint_mm;
+/// the finger's base line is turned by the angle from x, its tip points along y, its front plate to the
+/// screw's axis. The other finger is the mirror image. opening_mm is the distance between the
+/// tips of the undeformed fingers, negative where they would have passed each other.
+///
+/// state is `regular`, `singular` (rocker and link on one line: the end of the nut's reach, without a derivative) or
+/// `out of reach` (no pose).
+///
+/// Examples:
+///   finray gripper fixtures/scenes/gripper.toml --motor-deg -1800:1800:360
+///   finray gripper fixtures/scenes/gripper.toml --opening-mm 60
+#[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct Arguments {
+    /// Scene file (TOML) with a gripper; - for standard input
+    scene: PathBuf,
+    /// Motor angles, degrees: one, or FROM:TO:STEP [default: the whole reach in steps of 22.5]
+    #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true, value_parser = motor_angles, conflicts_with = "opening_mm")]
+    motor_deg: Option<MotorAngles>,
+    /// The motor angle for this distance between the tips, mm; of several the one nearest to 0
+    #[arg(long, value_name = "MM", allow_hyphen_values = true)]
+    opening_mm: Option<f64>,
+    /// Result file; - for standard output
+    #[arg(long, value_name = "FILE", default_value = "-")]
+    out: PathBuf,
+}
+
+#[derive(Serialize)]
+struct Row {
+    motor_deg: f64,
+    slider_mm: f64,
+    phi1_rad: Option<f64>,
+    phi2_rad: Option<f64>,
+    base_x_mm: Option<f64>,
+    base_y_mm: Option<f64>,
+    angle_rad: Option<f64>,
+    opening_mm: Option<f64>,
+    opening_per_turn_mm: Option<f64>,
+    state: &'static str,
+}
+
+fn row(gripper: &Gripper, finger: &Finger, motor_deg: f64) -> Row {
+    let pose = gripper.pose(motor_deg);
+    let of_pose = pose.as_ref();
+    Row {
+        motor_deg,
+        slider_mm: gripper.slider_mm(motor_deg),
+        phi1_rad: of_pose.map(|pose| pose.phi1_rad),
+        phi2_rad: of_pose.map(|pose| pose.phi2_rad),
+        base_x_mm: of_pose.map(|pose| pose.base.x),
+        base_y_mm: of_pose.map(|pose| pose.base.y),
+        // Eq. (9): the finger turns with the link.
+        angle_rad: of_pose.map(|pose| pose.phi2_rad),
+        opening_mm: of_pose.map(|pose| gripper.opening_mm(finger, pose)),
+        opening_per_turn_mm: of_pose.and_then(|pose| gripper.opening_per_turn_mm(finger, pose)),
+        state: match of_pose {
+            None => "out of reach",
+            Some(pose) if pose.is_singular() => "singular",
+            Some(_) => "regular",
+        },
+    }
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let Scene { finger, gripper, .. } = load_scene(&arguments.scene)?;
+    let Some(gripper) = gripper else {
+        return Err(Failure::BadInput(format!(
+            "{}: line 1: gripper is missing: expected a table [gripper] with screw_pitch_mm, slider_mm, link_mm and \
+             fixed_joint_mm",
+            arguments.scene.display()
+        )));
+    };
+    let [from_deg, to_deg] = gripper.reach_deg();
+    let motor_deg = match (&arguments.motor_deg, arguments.opening_mm) {
+        (Some(angles), _) => angles.0.clone(),
+        (None, Some(opening_mm)) => {
+            let motor_deg = gripper.motor_deg_for_opening(&finger, opening_mm).ok_or_else(|| {
+                Failure::BadInput(format!(
+                    "--opening-mm: at no motor angle in reach ({from_deg:.1} to {to_deg:.1} degrees) are the tips \
+                     {opening_mm} mm apart"
+                ))
+            })?;
+            vec![motor_deg]
+        }
+        // Whole steps from motor angle 0.
+        (None, None) => {
+            let [first, last] = [(from_deg / STEP_DEG).ceil() as i64, (to_deg / STEP_DEG).floor() as i64];
+            (first..=last).map(|step| step as f64 * STEP_DEG).collect()
+        }
+    };
+    let rows = motor_deg.into_iter().map(|motor_deg| row(&gripper, &finger, motor_deg));
+    write_text(&arguments.out, &csv_text(rows)?)?;
+    Ok(())
+}

@@ -1,0 +1,71 @@
+//! `finray gripper`.
+
+use super::kit::{Csv, Folder, assert_says, finray, finray_reading};
+
+const SCENE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/scenes/gripper.toml");
+
+fn scene() -> String {
+    std::fs::read_to_string(SCENE).unwrap()
+}
+
+#[test]
+fn a_row_a_motor_angle_satisfies_the_papers_equations() {
+    let csv = Csv::of(&finray(&["gripper", SCENE, "--motor-deg", "-720:720:360"]).computed());
+    assert_eq!(csv.numbers("motor_deg"), [-720.0, -360.0, 0.0, 360.0, 720.0]);
+    assert_eq!(csv.numbers("slider_mm"), [12.0, 16.0, 20.0, 24.0, 28.0]);
+    assert_eq!(csv.texts("state"), ["regular"; 5]);
+    let [phi1, phi2] = ["phi1_rad", "phi2_rad"].map(|column| csv.numbers(column));
+    for (i, slider_mm) in csv.numbers("slider_mm").into_iter().enumerate() {
+        assert!((40.0 * phi2[i].cos() - 25.0 * phi1[i].cos() - 30.0).abs() < 1e-12);
+        assert!((25.0 * phi1[i].sin() + 40.0 * phi2[i].sin() - slider_mm).abs() < 1e-12);
+        assert!((csv.numbers("base_x_mm")[i] + 25.0 * phi1[i].cos()).abs() < 1e-12);
+        assert!((csv.numbers("base_y_mm")[i] - 25.0 * phi1[i].sin()).abs() < 1e-12);
+    }
+    assert_eq!(csv.numbers("angle_rad"), phi2);
+}
+
+#[test]
+fn beyond_the_links_a_row_says_out_of_reach() {
+    let csv = Csv::of(&finray(&["gripper", SCENE, "--motor-deg", "36000"]).computed());
+    assert_eq!((csv.texts("state"), csv.texts("opening_mm")), (vec!["out of reach"], vec![""]));
+}
+
+#[test]
+fn an_opening_finds_its_motor_angle() {
+    let csv = Csv::of(&finray(&["gripper", SCENE, "--opening-mm", "60"]).computed());
+    assert!((csv.numbers("opening_mm")[0] - 60.0).abs() < 1e-9);
+    let too_far = finray(&["gripper", SCENE, "--opening-mm", "1000"]).refused();
+    assert_says(&too_far, &["--opening-mm", "1000"]);
+}
+
+#[test]
+fn without_options_the_whole_reach_is_written() {
+    let csv = Csv::of(&finray(&["gripper", SCENE]).computed());
+    assert!(csv.numbers("motor_deg").contains(&0.0));
+    assert!(csv.texts("state").iter().all(|state| *state != "out of reach"));
+    assert!(csv.numbers("slider_mm").iter().copied().fold(0.0, f64::max) > 57.0);
+}
+
+#[test]
+fn bad_linkages_and_options_are_refused() {
+    for (from, to, expected) in [
+        ("link_mm = [25.0, 40.0]", "link_mm = [2.0, 4.0]", ["impossible linkage", "36.05"]),
+        ("link_mm = [25.0, 40.0]", "link_mm = [25.0, -40.0]", ["link_mm", "above zero"]),
+        ("screw_pitch_mm = 4.0", "screw_pitch_mm = 0.0", ["screw_pitch_mm", "above zero"]),
+        ("fixed_joint_mm = 30.0", "fixed_joint_mm = nan", ["fixed_joint_mm", "above zero"]),
+        ("slider_mm = 20.0 ", "slider_mm = inf ", ["slider_mm", "height"]),
+        ("slider_mm = 20.0 ", "", ["slider_mm", "missing"]),
+        ("slider_mm = 20.0 ", "slider = 20.0 ", ["slider", "slider_mm"]),
+    ] {
+        assert_eq!(scene().matches(from).count(), 1);
+        let message = finray_reading(scene().replace(from, to).as_bytes(), &["gripper", "-"]).refused();
+        assert_says(&message, &expected);
+        assert_says(&message, &["line "]);
+    }
+    for angles in ["0:360:-10", "0:1:0", "a", "1:2", "0:1e9:0.001"] {
+        finray(&["gripper", SCENE, "--motor-deg", angles]).refused();
+    }
+    let folder = Folder::new();
+    let paper = folder.put("paper.toml", scene().split("[gripper]").next().unwrap());
+    assert_says(&finray(&["gripper", &paper]).refused(), &["[gripper]", "screw_pitch_mm"]);
+}
