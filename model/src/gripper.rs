@@ -186,7 +186,7 @@ impl Gripper {
         let LinkagePose { phi1_rad, phi2_rad, .. } = *pose;
         let turn_per_mm = phi1_rad.sin() / (self.description.link_mm[1] * (phi1_rad + phi2_rad).sin());
         let by_turn_mm = -2.0 * radius_mm * (phi2_rad - beta_rad).sin();
-        (!pose.is_singular()).then(|| by_turn_mm * turn_per_mm * self.description.screw_pitch_mm)
+        (!pose.is_singular()).then_some(by_turn_mm * turn_per_mm * self.description.screw_pitch_mm)
     }
 
     /// The motor angle in degrees that opens the undeformed gripper by `opening_mm` from tip to tip; of several, the one nearest to 0. `None` if

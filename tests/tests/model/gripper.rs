@@ -122,6 +122,17 @@ proptest! {
         prop_assert!((pose.phi2_rad + image.phi2_rad).sin().abs() <= 1e-12 * size);
     }
 
+    /// Links that are too long to let the nut pass the fixed joint's height never have it on the other side.
+    #[test]
+    fn the_nut_stays_on_its_side_where_the_links_do_not_let_it_pass(description in linkages(), share in 0.001..0.999) {
+        let gripper = Gripper::new(description).unwrap();
+        let [rocker, link] = description.link_mm;
+        let passes = (rocker - link).abs() < description.fixed_joint_mm;
+        let there_mm = gripper.slider_mm(within(&gripper, share));
+        let other_side_deg = (-there_mm - description.slider_mm) / description.screw_pitch_mm * 360.0;
+        prop_assert_eq!(gripper.pose(other_side_deg).is_some(), passes);
+    }
+
     /// Beyond the end of reach there is no pose; at it rocker and link lie on one line.
     #[test]
     fn the_reach_ends_where_the_links_lie_on_one_line(description in linkages()) {
