@@ -1,5 +1,11 @@
 //! The paper's claims: every verdict is that of its own row's figures.
 
+mod camera;
+mod criteria;
+mod experiments;
+mod gripper;
+mod limits;
+
 use finray_model::Scene;
 use finray_verify::claims::{Claim, ClaimVerdict, ledger};
 use finray_verify::experiments::contact_scene::study::SceneWithOutline;

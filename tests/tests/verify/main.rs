@@ -3,6 +3,7 @@
 //! rooms use each other in a circle, and `stand_ins` has the estimators that stand in for real ones. Tests that run the `finray` command
 //! stand in `verify/tests`.
 
+mod check;
 mod claims;
 mod estimators {
     mod all;
@@ -13,12 +14,18 @@ mod experiments {
     mod assumed;
     mod causes;
     mod contact_scenes;
+    mod coverage;
     mod directions;
     mod displacement_noise;
     mod explanations;
     mod networks;
     mod table_two;
     mod twin;
+}
+mod figures {
+    mod bars;
+    mod chart;
+    mod map;
 }
 mod imaging {
     mod chain;
@@ -39,9 +46,31 @@ mod problems {
     mod mujoco;
     mod opensees;
 }
+mod report {
+    mod claims;
+    mod curves;
+    mod dataset;
+    mod explore;
+    mod format;
+    mod lattice;
+    mod maps {
+        mod drawings;
+        mod words;
+    }
+    mod page;
+    mod recipes;
+    mod speed_error;
+    mod table_two {
+        mod words;
+    }
+    mod twin {
+        mod words;
+    }
+}
 mod rooms;
 mod sampling {
     mod bound;
+    mod map;
     pub mod scatter;
     mod shared_start;
 }

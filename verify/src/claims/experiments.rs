@@ -35,7 +35,7 @@ pub fn range_of(figures: &[f64]) -> Range {
 }
 
 /// Estimate of a load at a node by linear least squares along the normal, N.
-fn sensed_n(finger: &Finger, node: NodeId, load: Load) -> Result<f64, SensingError> {
+pub fn sensed_n(finger: &Finger, node: NodeId, load: Load) -> Result<f64, SensingError> {
     let shape = statics::solve(&Mesh::key_nodes(finger), &[load], Kinematics::Linear)?;
     let seen = Measurement::of_shape(finger, &shape);
     let estimator = LinearEstimator::new(finger, &[Contact::at_node(node)], &seen)?;
@@ -187,83 +187,4 @@ pub fn stiffened(finger: &Finger, poissons_ratio: f64, rod_arm_mm: f64) -> Resul
 /// The largest size of some figures.
 pub fn largest(figures: &[f64]) -> f64 {
     worst(figures.iter().map(|figure| figure.abs()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use finray_model::Scene;
-
-    /// Rounding of a solution and of a least-squares problem after it.
-    const ROUNDING: f64 = 1e-9;
-
-    fn paper() -> Finger {
-        Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the paper's scene").finger
-    }
-
-    #[test]
-    fn what_is_not_wrong_costs_nothing() {
-        let finger = paper();
-        assert!(largest(&wrong_direction(&finger, 0.0).unwrap()) < ROUNDING);
-        assert!(largest(&neglected_torque(&finger, 0.0).unwrap()) < ROUNDING);
-        assert_eq!(stiffened(&finger, 0.0, 0.0).unwrap(), [1.0; 2]);
-    }
-
-    /// The linear finger: twice the torque, twice the error; a direction off by so much to either side errs by
-    /// cos - 1 plus or minus the same.
-    #[test]
-    fn errors_are_those_of_a_linear_finger() {
-        let finger = paper();
-        let [once, twice] = [0.2, 0.4].map(|friction| largest(&neglected_torque(&finger, friction).unwrap()));
-        assert!((twice / once - 2.0).abs() < 1e-6, "{once} and {twice}");
-        let node = NodeId(19);
-        let error = |off_deg| sensed_n(&finger, node, Load::at_node(node, finger.direction(off_deg))).unwrap() - 1.0;
-        let mean = 0.5 * (error(12.5) + error(-12.5));
-        assert!((mean - (12.5_f64.to_radians().cos() - 1.0)).abs() < ROUNDING, "{mean}");
-    }
-
-    /// Plane strain alone stiffens every part alike.
-    #[test]
-    fn plane_strain_stiffens_by_its_factor() {
-        let [low, high] = stiffened(&paper(), 0.45, 0.0).unwrap();
-        let factor = 1.0 / (1.0 - 0.45 * 0.45);
-        assert!((low / factor - 1.0).abs() < ROUNDING && (high / factor - 1.0).abs() < ROUNDING, "{low} {high}");
-    }
-
-    /// Twelve normal forces on the paper's finger: the span that the interface states.
-    #[test]
-    fn all_forces_span_what_is_known() {
-        let all = all_forces(&paper(), 0.067).unwrap();
-        assert_eq!(all.sigmas_n.len(), 12);
-        assert!((all.span - 363.0).abs() < 0.5, "{}", all.span);
-    }
-
-    /// The figures that independent programs found: at -12.5 deg the error is 2.6 to 4.0 %, above the paper's maximum.
-    #[test]
-    fn a_wrong_direction_costs_more_on_the_other_side() {
-        let finger = paper();
-        let [low, high] =
-            range_of(&wrong_direction(&finger, -12.5).unwrap().iter().map(|e| e.abs()).collect::<Vec<_>>());
-        assert!((low - 0.026).abs() < 0.001 && (high - 0.040).abs() < 0.001, "{low} {high}");
-    }
-
-    /// Half the noise, twice the distance; the same forces, none.
-    #[test]
-    fn exchanged_forces_are_apart_by_their_shapes_and_the_noise() {
-        let finger = paper();
-        let [once, twice] =
-            [0.067, 0.0335].map(|noise_mm| redistributed(&finger, [18, 20].map(NodeId), noise_mm).unwrap());
-        assert!((twice.distance / once.distance - 2.0).abs() < ROUNDING && once.share == twice.share);
-        assert_eq!(redistributed(&finger, [19, 19].map(NodeId), 0.067).unwrap().distance, 0.0);
-    }
-
-    /// A force so small that the finger is linear is sensed where it is: what remains is noise alone.
-    #[test]
-    fn no_force_is_sensed_where_nothing_touches_a_linear_finger() {
-        let finger = paper();
-        assert!(zero_force(&finger, 1e-4, 0.0).unwrap() < 1e-6);
-        assert!(zero_force(&finger, 0.5, 0.0).unwrap() > 1e-3);
-        let [small, large] = [1e-4, 0.5].map(|force_n| largest(&linearisation(&finger, force_n).unwrap()));
-        assert!(small < 1e-3 && large > 0.01, "{small} {large}");
-    }
 }

@@ -51,7 +51,7 @@ fn quoted(group: &ContactGroup, quantity: &str) -> &'static str {
 }
 
 /// The paper's own method on the simulated finger, against what it measured with it.
-fn of_the_papers_network(
+pub fn of_the_papers_network(
     ours: &Figure,
     by_spread: Option<&Figure>,
     recorded_at: &[&'static [usize]],
@@ -92,7 +92,7 @@ fn of_the_papers_network(
 }
 
 /// By the network's inputs scaled by the largest displacement, and by their spread.
-fn in_the_conclusion(largest: &[Figure], spread: &[Figure], noise_mm: f64) -> [Claim; 2] {
+pub fn in_the_conclusion(largest: &[Figure], spread: &[Figure], noise_mm: f64) -> [Claim; 2] {
     let row = |words: &str, paper: String, quantity: &str, criterion: &str, holds: &dyn Fn(f64) -> bool| {
         let of = |all: &'_ [Figure]| -> Vec<(&'static str, f64)> {
             let two = all.iter().filter(|figure| figure.group.paper_sum.is_some() && figure.quantity == quantity);
@@ -188,43 +188,4 @@ fn with_the_model(two: &TableTwo, group: &ContactGroup, noise_mm: f64) -> Vec<Cl
         ));
     }
     claims
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::claims::ClaimVerdict;
-    use crate::experiments::networks::paper::OverSeeds;
-    use crate::experiments::networks::records::Records;
-    use crate::settings::CAMERA_NOISE_MM;
-
-    /// Recorded 7 to 11 % where the paper has 29.8 % is a miss; 29 % would be none.
-    #[test]
-    fn what_the_network_misses_is_not_reproduced() {
-        let records = Records::shipped().expect("records").recipes;
-        let all = figures(&records, PAPER_RECIPES[0], CAMERA_NOISE_MM).expect("all five");
-        let apart = all.iter().find(|figure| figure.paper == 0.298).expect("nodes apart");
-        let verdict = |ours: &Figure| of_the_papers_network(ours, None, &[&[18, 20]], CAMERA_NOISE_MM).verdict;
-        assert_eq!(verdict(apart), ClaimVerdict::NotReproduced);
-        let near = Figure { recorded: OverSeeds { mean: 0.29, ..apart.recorded }, ..apart.clone() };
-        assert_eq!(verdict(&near), ClaimVerdict::Reproduced);
-        // Of the two scalings that the paper may have taken, one gives its figure and the other does not.
-        let of_both = |ours: &Figure, other: &Figure| {
-            of_the_papers_network(ours, Some(other), &[&[18, 20]], CAMERA_NOISE_MM).verdict
-        };
-        assert_eq!(of_both(apart, &near), ClaimVerdict::Depends);
-        assert_eq!(of_both(&near, &near), ClaimVerdict::Reproduced);
-        let [sums, each] = in_the_conclusion(&all, &[], CAMERA_NOISE_MM);
-        assert_eq!(each.verdict, ClaimVerdict::NotReproduced, "{each:?}");
-        let over = |all: &[Figure]| -> Vec<Figure> {
-            let raised = |figure: &Figure| OverSeeds { mean: figure.recorded.mean + 0.3, ..figure.recorded };
-            all.iter().map(|figure| Figure { recorded: raised(figure), ..figure.clone() }).collect()
-        };
-        let [raised_sums, raised_each] = in_the_conclusion(&over(&all), &[], CAMERA_NOISE_MM);
-        let [between, _] = in_the_conclusion(&all, &over(&all), CAMERA_NOISE_MM);
-        assert_eq!(between.verdict, ClaimVerdict::Depends, "{between:?}");
-        assert!(between.ours.contains("scaled by spread"), "{between:?}");
-        assert_eq!((raised_sums.verdict, raised_each.verdict), (ClaimVerdict::NotReproduced, ClaimVerdict::Reproduced));
-        assert!(sums.ours.contains("neighbours") && sums.ours.contains("apart"), "{sums:?}");
-    }
 }

@@ -31,7 +31,8 @@ pub(super) fn claims(study: &Study) -> Result<Vec<Claim>, SensingError> {
     Ok(claims)
 }
 
-fn all_at_once(finger: &Finger) -> Result<Claim, SensingError> {
+/// Whether forces of all nodes at once can be told apart.
+pub fn all_at_once(finger: &Finger) -> Result<Claim, SensingError> {
     let all = experiments::all_forces(finger, CAMERA_NOISE_MM)?;
     let poor = NOISE_OF_IMAGES.map(|images| at_most_nodes(&all.sigmas_n, |sigma_n| images * sigma_n > WELL_N));
     let [(count, _), (count_of_two, _)] = poor;
@@ -59,7 +60,7 @@ fn all_at_once(finger: &Finger) -> Result<Claim, SensingError> {
 }
 
 /// Whether shapes differ the more, the farther two nodes are apart.
-fn grows(all: &[Exchanged]) -> bool {
+pub fn grows(all: &[Exchanged]) -> bool {
     all.windows(2).all(|pair| pair[0].share < pair[1].share)
 }
 
@@ -93,7 +94,8 @@ fn exchanged(finger: &Finger) -> Result<[Claim; 2], SensingError> {
     ])
 }
 
-fn unknown_direction(finger: &Finger) -> Result<Claim, SensingError> {
+/// What a force of unknown direction costs.
+pub fn unknown_direction(finger: &Finger) -> Result<Claim, SensingError> {
     let across = experiments::unknown_direction(finger, CAMERA_NOISE_MM)?;
     let fails = NOISE_OF_IMAGES.map(|images| at_most_nodes(&across, |sigma_n| images * sigma_n > WELL_N));
     let [works, works_of_two] = fails.map(|(count, _)| across.len() - count);
@@ -120,7 +122,8 @@ fn unknown_direction(finger: &Finger) -> Result<Claim, SensingError> {
     ))
 }
 
-fn wrong_direction(finger: &Finger) -> Result<Claim, SensingError> {
+/// What a direction costs that is assumed wrong, to either side.
+pub fn wrong_direction(finger: &Finger) -> Result<Claim, SensingError> {
     let sides = [12.5, -12.5].map(|off_deg| experiments::wrong_direction(finger, off_deg));
     let [tip, base] = sides;
     let (tip, base) = (tip?, base?);
@@ -146,7 +149,8 @@ fn wrong_direction(finger: &Finger) -> Result<Claim, SensingError> {
     ))
 }
 
-fn torque(finger: &Finger) -> Result<Claim, SensingError> {
+/// What a torque costs that is neglected.
+pub fn torque(finger: &Finger) -> Result<Claim, SensingError> {
     let torque = experiments::neglected_torque(finger, FRICTIONS[1])?;
     let count = torque.iter().filter(|error| **error <= NEGLIGIBLE_FORCE_SHARE).count();
     let negligible = |friction| -> Result<ClaimVerdict, SensingError> {
@@ -204,36 +208,4 @@ fn network_time(study: &Study) -> Option<Claim> {
         "",
         ClaimVerdict::NotTested,
     ))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use finray_model::Scene;
-
-    fn paper() -> Finger {
-        Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the paper's scene").finger
-    }
-
-    /// At -12.5 deg the error is 2.6 to 4.0 %, above the paper's maximum at every node.
-    #[test]
-    fn a_wrong_direction_is_judged_on_both_sides() {
-        let row = wrong_direction(&paper()).expect("sensed");
-        assert_eq!(row.verdict, ClaimVerdict::Refuted);
-        assert!(row.ours.contains("towards the base 2.6 % to 4.0 % (at 11 of 11)"), "{}", row.ours);
-    }
-
-    #[test]
-    fn nodes_are_counted() {
-        for row in [unknown_direction(&paper()), torque(&paper())].map(|row| row.expect("sensed")) {
-            assert!(row.ours.contains("of 11 nodes"), "{}", row.ours);
-        }
-        assert!(all_at_once(&paper()).expect("sensed").ours.contains("of 12 nodes"));
-    }
-
-    #[test]
-    fn differences_grow_or_do_not() {
-        let of = |share| Exchanged { share, distance: 1.0 };
-        assert!(grows(&[of(0.01), of(0.02), of(0.03)]) && !grows(&[of(0.01), of(0.03), of(0.02)]));
-    }
 }

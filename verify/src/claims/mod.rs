@@ -3,12 +3,12 @@
 //! Every verdict follows from a computed figure through a named [criterion](criteria), or says that nothing was tested. All of ours
 //! are computed on models of the finger: a figure measured on the real one is reproduced or not, but never refuted by them.
 
-mod camera;
+pub mod camera;
 pub mod criteria;
 mod deformation;
-mod experiments;
-mod gripper;
-mod limits;
+pub mod experiments;
+pub mod gripper;
+pub mod limits;
 mod rate;
 mod single_finger;
 mod untested;

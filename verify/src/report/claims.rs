@@ -33,7 +33,8 @@ pub(super) fn section(Results { claims, .. }: Results) -> Result<Option<Section>
     Ok(Some(Section::new("claims", "The paper's claims", blocks).saying([counted(claims)])))
 }
 
-fn verdict(verdict: ClaimVerdict) -> Cell {
+/// A verdict in its colour.
+pub fn verdict(verdict: ClaimVerdict) -> Cell {
     let words = verdict.in_words();
     match verdict {
         ClaimVerdict::Reproduced => Cell::shaded(words, Shade::Pass),
@@ -46,37 +47,11 @@ fn verdict(verdict: ClaimVerdict) -> Cell {
     }
 }
 
-/// Number of claims by verdict.
-fn counted(claims: &[Claim]) -> String {
+/// How many claims have which verdict.
+pub fn counted(claims: &[Claim]) -> String {
     let counts = ClaimVerdict::ALL.map(|verdict| {
         let count = claims.iter().filter(|claim| claim.verdict == verdict).count();
         format!("{count} {}", verdict.in_words())
     });
     format!("Of {} claims: {}.", claims.len(), counts.join(", "))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn claims_are_counted_by_verdict() {
-        let claim = |verdict| Claim {
-            claim: "a".into(),
-            paper: "1".into(),
-            ours: "2".into(),
-            how: "so".into(),
-            criterion: "less".into(),
-            verdict,
-        };
-        let claims = [ClaimVerdict::InSimulation, ClaimVerdict::Refuted, ClaimVerdict::InSimulation].map(claim);
-        let words = counted(&claims);
-        assert!(
-            words.contains("Of 3 claims") && words.contains("2 in simulation") && words.contains("1 refuted"),
-            "{words}"
-        );
-        assert!(words.contains("0 reproduced"), "{words}");
-        assert_eq!(super::verdict(ClaimVerdict::InSimulation), Cell::plain("in simulation"));
-        assert_eq!(super::verdict(ClaimVerdict::Refuted), Cell::shaded("refuted", Shade::Fail));
-    }
 }

@@ -13,29 +13,32 @@ const ENOUGH: f64 = 0.05;
 /// A network keeps the error of another if its own is no more than this share above it.
 const KEEPS: f64 = 0.1;
 /// The paper's hidden layers.
-const PAPERS: &str = "150-200-150";
+pub const PAPERS: &str = "150-200-150";
 
 /// The networks of one recipe and all seeds.
-struct Point {
+pub struct Point {
     /// Training cases, or trained numbers.
     x: usize,
     layers: String,
     /// Mean error over that of the bound.
-    over_bound: Span,
+    pub over_bound: Span,
     error: f64,
 }
 
 /// The points of one set of contact nodes.
-struct Curve {
-    nodes: String,
-    points: Vec<Point>,
+pub struct Curve {
+    /// Contact nodes, by spaces.
+    pub nodes: String,
+    /// By rising size.
+    pub points: Vec<Point>,
 }
 
 pub(super) fn dataset(rows: &[CurveRow]) -> Dataset<'_> {
     Dataset::records(CSV, rows)
 }
 
-pub(super) fn blocks(rows: &[CurveRow]) -> Result<Vec<Block>, ReportError> {
+/// Sentences and figures; none where nothing is recorded.
+pub fn blocks(rows: &[CurveRow]) -> Result<Vec<Block>, ReportError> {
     let (samples, sizes) = (curves(rows, "samples", |row| row.samples), curves(rows, "size", |row| row.weights));
     let mut blocks = Vec::new();
     let mut figures = Vec::new();
@@ -54,7 +57,7 @@ pub(super) fn blocks(rows: &[CurveRow]) -> Result<Vec<Block>, ReportError> {
 }
 
 /// Networks that differ in nothing but their seed make a point; those of which one sensed nothing are left out.
-fn curves(rows: &[CurveRow], curve: &str, x: fn(&CurveRow) -> usize) -> Vec<Curve> {
+pub fn curves(rows: &[CurveRow], curve: &str, x: fn(&CurveRow) -> usize) -> Vec<Curve> {
     let mut of_curve: Vec<&CurveRow> = rows.iter().filter(|row| row.curve == curve).collect();
     let first = |row: &CurveRow| rows.iter().position(|other| other.curve == curve && other.nodes == row.nodes);
     of_curve.sort_by(|a, b| (first(a), x(a), &a.hidden_layers).cmp(&(first(b), x(b), &b.hidden_layers)));
@@ -101,7 +104,7 @@ fn figure(curves: &[Curve], x_label: &str, title: &str) -> Result<Figure, Report
 }
 
 /// From how many cases on the error is that of the most.
-fn samples_in_words(curves: &[Curve]) -> Option<String> {
+pub fn samples_in_words(curves: &[Curve]) -> Option<String> {
     let enough = |curve: &Curve| {
         let last = curve.points.last()?;
         let worse = curve.points.iter().rposition(|point| point.error > (1.0 + ENOUGH) * last.error);
@@ -124,7 +127,7 @@ fn samples_in_words(curves: &[Curve]) -> Option<String> {
 }
 
 /// Whether the paper's size is needed, and the smallest that keeps its error.
-fn sizes_in_words(curves: &[Curve]) -> Option<String> {
+pub fn sizes_in_words(curves: &[Curve]) -> Option<String> {
     let find = |curve: &Curve, layers: &str| curve.points.iter().position(|point| point.layers == layers);
     // Layers in the order of their size, by the first contacts; others have an output more.
     let order = &curves.first()?.points;
@@ -157,78 +160,5 @@ fn layers_in_words(layers: &str) -> String {
         "none" => "linear regression".to_owned(),
         several if several.contains('-') => several.to_owned(),
         one => format!("one layer of {one}"),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Two seeds whose mean error is the bound's 2 % and a share of it.
-    fn rows(curve: &str, networks: &[(usize, &str, usize, f64)]) -> Vec<CurveRow> {
-        let row = |seed: u64, nodes: &str, &(samples, layers, weights, above): &(usize, &str, usize, f64)| CurveRow {
-            curve: curve.to_owned(),
-            nodes: nodes.to_owned(),
-            samples,
-            hidden_layers: layers.to_owned(),
-            weights,
-            seed,
-            cases: 100,
-            mean_error: Some(0.02 * (1.0 + above + if seed == 1 { 0.01 } else { -0.01 })),
-            mean_error_bound: Some(0.02),
-        };
-        let seeds = [1, 2];
-        let of_nodes = |nodes: &'static str| {
-            seeds.iter().flat_map(move |&seed| networks.iter().map(move |network| row(seed, nodes, network)))
-        };
-        of_nodes("24").chain(of_nodes("19 20")).collect()
-    }
-
-    fn sizes(rows: &[CurveRow]) -> String {
-        sizes_in_words(&curves(rows, "size", |row| row.weights)).expect("words")
-    }
-
-    #[test]
-    fn the_smallest_network_that_keeps_the_error_is_named() {
-        let [none, small, large] = [(1, "none", 94, 1.0), (1, "16-16", 1400, 0.05), (1, PAPERS, 70_000, 0.03)];
-        let said = sizes(&rows("size", &[large, none, small]));
-        assert!(
-            said.contains("not needed: 16-16 keeps its error within 10 % at node 24 (1400 weights instead of 70000)"),
-            "{said}"
-        );
-        let worse = (1, "16-16", 1400, 0.2);
-        assert!(sizes(&rows("size", &[large, none, worse])).contains("is needed"));
-        // It must keep the error for every set of contacts.
-        let mut uneven = rows("size", &[large, none, small]);
-        let of_pair = uneven.iter_mut().filter(|row| row.hidden_layers == "16-16" && row.nodes == "19 20");
-        of_pair.for_each(|row| row.mean_error = row.mean_error.map(|error| 1.2 * error));
-        assert!(sizes(&uneven).contains("is needed"));
-    }
-
-    #[test]
-    fn the_number_of_cases_that_is_enough_is_named() {
-        let said = |networks: &[(usize, &str, usize, f64)]| {
-            let all = rows("samples", networks);
-            samples_in_words(&curves(&all, "samples", |row| row.samples)).expect("words")
-        };
-        let [few, some, many] = [(1000, "32-32", 1, 0.8), (5000, "32-32", 1, 0.12), (20_000, "32-32", 1, 0.1)];
-        assert!(said(&[many, few, some]).contains("From 5000 training cases on"), "{}", said(&[many, few, some]));
-        let still = (5000, "32-32", 1, 0.3);
-        assert!(said(&[few, still, many]).contains("still falls"));
-    }
-
-    #[test]
-    fn seeds_are_gathered_and_nothing_recorded_is_nothing_shown() {
-        let all = rows("samples", &[(1000, "32-32", 1, 0.5)]);
-        let [one, pair] = &curves(&all, "samples", |row| row.samples)[..] else { panic!("two curves") };
-        assert_eq!((one.nodes.as_str(), pair.nodes.as_str(), one.points.len()), ("24", "19 20", 1));
-        let point = &one.points[0];
-        assert!(
-            (point.over_bound.mean - 1.5).abs() < 1e-12 && (point.over_bound.least - 1.49).abs() < 1e-12,
-            "{:?}",
-            point.over_bound
-        );
-        assert!(blocks(&[]).expect("nothing to draw").is_empty());
-        assert_eq!(blocks(&all).expect("a figure").len(), 2);
     }
 }

@@ -5,14 +5,14 @@
 
 mod value;
 
-pub(super) use value::{Format, Value};
+pub use value::{Format, Value};
 
 use super::page::{self, Cell, Table};
 use crate::files::csv_text;
 use serde::{Serialize, Serializer};
 
 /// The columns of a table over rows of type `R`.
-pub(super) struct Columns<'c, R>(Vec<Column<'c, R>>);
+pub struct Columns<'c, R>(Vec<Column<'c, R>>);
 
 struct Column<'c, R> {
     in_files: Option<(&'static str, Accessor<'c, R, Value>)>,
@@ -21,20 +21,27 @@ struct Column<'c, R> {
 
 type Accessor<'c, R, T> = std::rc::Rc<dyn Fn(&R) -> T + 'c>;
 
-impl<'c, R: 'c> Columns<'c, R> {
-    pub(super) fn new() -> Self {
+impl<R> Default for Columns<'_, R> {
+    fn default() -> Self {
         Columns(Vec::new())
+    }
+}
+
+impl<'c, R: 'c> Columns<'c, R> {
+    /// No columns yet.
+    pub fn new() -> Self {
+        Self::default()
     }
 
     /// A column of the files: its key, with the unit, and its values.
-    pub(super) fn file<V: Into<Value>>(mut self, key: &'static str, of: impl Fn(&R) -> V + 'c) -> Self {
+    pub fn file<V: Into<Value>>(mut self, key: &'static str, of: impl Fn(&R) -> V + 'c) -> Self {
         let value = move |row: &R| of(row).into();
         self.0.push(Column { in_files: Some((key, std::rc::Rc::new(value))), on_page: None });
         self
     }
 
     /// Shows the last column on the page as well.
-    pub(super) fn shown(mut self, heading: impl Into<String>, format: Format) -> Self {
+    pub fn shown(mut self, heading: impl Into<String>, format: Format) -> Self {
         if let Some(Column { in_files: Some((_, of)), on_page }) = self.0.last_mut() {
             let of = of.clone();
             *on_page = Some((heading_of(heading, format), std::rc::Rc::new(move |row: &R| format.cell(&of(row)))));
@@ -43,28 +50,23 @@ impl<'c, R: 'c> Columns<'c, R> {
     }
 
     /// A column of the page alone.
-    pub(super) fn page<V: Into<Value>>(
-        self,
-        heading: impl Into<String>,
-        format: Format,
-        of: impl Fn(&R) -> V + 'c,
-    ) -> Self {
+    pub fn page<V: Into<Value>>(self, heading: impl Into<String>, format: Format, of: impl Fn(&R) -> V + 'c) -> Self {
         self.cells(heading_of(heading, format), move |row| format.cell(&of(row).into()))
     }
 
     /// A column of the page alone whose cells need more than a format.
-    pub(super) fn cells(mut self, heading: page::Column, of: impl Fn(&R) -> Cell + 'c) -> Self {
+    pub fn cells(mut self, heading: page::Column, of: impl Fn(&R) -> Cell + 'c) -> Self {
         self.0.push(Column { in_files: None, on_page: Some((heading, std::rc::Rc::new(of))) });
         self
     }
 
     /// A column for each of several things, all made the same way.
-    pub(super) fn each<T>(self, things: impl IntoIterator<Item = T>, add: impl Fn(Self, T) -> Self) -> Self {
+    pub fn each<T>(self, things: impl IntoIterator<Item = T>, add: impl Fn(Self, T) -> Self) -> Self {
         things.into_iter().fold(self, add)
     }
 
     /// The page's table of some rows; `csv` names the file with the same numbers.
-    pub(super) fn table(&self, caption: impl Into<String>, csv: &str, rows: impl IntoIterator<Item = R>) -> Table {
+    pub fn table(&self, caption: impl Into<String>, csv: &str, rows: impl IntoIterator<Item = R>) -> Table {
         let shown = || self.0.iter().filter_map(|column| column.on_page.as_ref());
         let rows = rows.into_iter().map(|row| shown().map(|(_, of)| of(&row)).collect());
         Table {
@@ -81,7 +83,7 @@ fn heading_of(heading: impl Into<String>, format: Format) -> page::Column {
 }
 
 /// Rows under a name.
-pub(super) struct Dataset<'s> {
+pub struct Dataset<'s> {
     csv: String,
     rows: Box<dyn Rows + 's>,
     is_empty: bool,
@@ -150,7 +152,7 @@ impl Serialize for Fields<'_> {
 
 impl<'s> Dataset<'s> {
     /// Rows under columns, for a CSV file of this name and the array of the summary that is called as the file is.
-    pub(super) fn new<R: 's>(csv: &str, columns: &Columns<'s, R>, rows: impl IntoIterator<Item = R>) -> Self {
+    pub fn new<R: 's>(csv: &str, columns: &Columns<'s, R>, rows: impl IntoIterator<Item = R>) -> Self {
         let rows: Vec<R> = rows.into_iter().collect();
         let in_files = || columns.0.iter().filter_map(|column| column.in_files.as_ref());
         let values = Values {
@@ -163,29 +165,29 @@ impl<'s> Dataset<'s> {
     }
 
     /// The same of rows that are written as an experiment has them.
-    pub(super) fn records<T: Serialize + 's>(csv: &str, rows: impl IntoIterator<Item = T>) -> Self {
+    pub fn records<T: Serialize + 's>(csv: &str, rows: impl IntoIterator<Item = T>) -> Self {
         let rows = Records(rows.into_iter().collect());
         let (csv, is_empty) = (csv.to_owned(), rows.0.is_empty());
         Dataset { csv, rows: Box::new(rows), is_empty, table: Table::default(), goes_to: GoesTo::Both }
     }
 
     /// Only as a CSV file.
-    pub(super) fn csv_alone(self) -> Self {
+    pub fn csv_alone(self) -> Self {
         Dataset { goes_to: GoesTo::CsvAlone, ..self }
     }
 
     /// Only as an array of the summary.
-    pub(super) fn summary_alone(self) -> Self {
+    pub fn summary_alone(self) -> Self {
         Dataset { goes_to: GoesTo::SummaryAlone, ..self }
     }
 
     /// The page's table of the columns that are shown.
-    pub(super) fn table(self, caption: impl Into<String>) -> Table {
+    pub fn table(self, caption: impl Into<String>) -> Table {
         Table { caption: caption.into(), ..self.table }
     }
 
     /// Name and text of the CSV file; `None` without rows.
-    pub(super) fn csv(&self) -> Result<Option<(String, String)>, csv::Error> {
+    pub fn csv(&self) -> Result<Option<(String, String)>, csv::Error> {
         if self.is_empty || self.goes_to == GoesTo::SummaryAlone {
             return Ok(None);
         }
@@ -193,73 +195,10 @@ impl<'s> Dataset<'s> {
     }
 
     /// Key and text of the summary's array, empty without rows.
-    pub(super) fn json(&self) -> Result<Option<(&str, String)>, serde_json::Error> {
+    pub fn json(&self) -> Result<Option<(&str, String)>, serde_json::Error> {
         if self.goes_to == GoesTo::CsvAlone {
             return Ok(None);
         }
         Ok(Some((self.csv.trim_end_matches(".csv"), self.rows.json()?)))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::report::page::Shade;
-
-    /// A node with an error that may be missing, and its contacts.
-    type Sample = (usize, Option<f64>, Vec<usize>);
-
-    fn columns() -> Columns<'static, Sample> {
-        Columns::<Sample>::new()
-            .file("node", |(node, ..)| *node)
-            .shown("node", Format::Plain)
-            .file("mean_error", |(_, error, _)| *error)
-            .shown("mean error", Format::Error)
-            .file("nodes", |(.., nodes)| nodes.clone())
-            .page("known", Format::Words, |(_, error, _)| if error.is_some() { "yes" } else { "no" })
-    }
-
-    fn dataset() -> Dataset<'static> {
-        let rows: [Sample; 2] = [(17, Some(1.0 / 3.0), vec![17, 18]), (18, None, Vec::new())];
-        Dataset::new("samples.csv", &columns(), rows)
-    }
-
-    #[test]
-    fn a_file_has_shortest_numbers_and_empty_fields() {
-        let (name, text) = dataset().csv().expect("text").expect("a file");
-        assert_eq!(name, "samples.csv");
-        assert_eq!(text, "node,mean_error,nodes\n17,0.3333333333333333,17 18\n18,,\n");
-        assert!(dataset().summary_alone().csv().expect("no text").is_none());
-        assert!(Dataset::new("samples.csv", &columns(), Vec::new()).csv().expect("no text").is_none());
-    }
-
-    #[test]
-    fn the_summary_has_null_and_lists_in_the_order_of_the_columns() {
-        let dataset = dataset();
-        let (key, text) = dataset.json().expect("text").expect("an array");
-        let lines: String = text.lines().map(str::trim).collect();
-        let wanted = r#"[{"node": 17,"mean_error": 0.3333333333333333,"nodes": [17,18]},{"node": 18,"mean_error": null,"nodes": []}]"#;
-        assert_eq!((key, lines.as_str()), ("samples", wanted));
-        assert!(dataset.csv_alone().json().expect("no text").is_none());
-        // An array is there also where a scene has no such study.
-        let none = Dataset::new("samples.csv", &columns(), Vec::new());
-        assert_eq!(none.json().expect("text"), Some(("samples", "[]".to_owned())));
-    }
-
-    #[test]
-    fn the_page_has_the_shown_columns_formatted() {
-        let table = dataset().table("Samples");
-        assert_eq!((table.caption.as_str(), table.csv.as_deref()), ("Samples", Some("samples.csv")));
-        let headings: Vec<_> = table.columns.iter().map(|column| (column.name.as_str(), column.numeric)).collect();
-        assert_eq!(headings, [("node", true), ("mean error", true), ("known", false)]);
-        assert_eq!(table.rows[0], [Cell::plain("17"), Cell::shaded("33 %", Shade::Red), Cell::plain("yes")]);
-        assert_eq!(table.rows[1], ["18", "-", "no"].map(Cell::plain));
-    }
-
-    #[test]
-    fn records_are_written_as_they_are() {
-        let dataset = Dataset::records("pairs.csv", [(1, 0.5), (2, f64::NAN)]);
-        assert_eq!(dataset.csv().expect("text").expect("a file").1, "1,0.5\n2,NaN\n");
-        assert!(dataset.json().expect("text").expect("an array").1.contains("null"));
     }
 }

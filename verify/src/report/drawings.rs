@@ -48,7 +48,7 @@ pub(super) fn rank_of(state: CellState, error: Option<f64>) -> usize {
 }
 
 /// Words and filling of each class of errors, by its largest error in percent.
-pub(super) fn percent_classes() -> Vec<Class> {
+pub fn percent_classes() -> Vec<Class> {
     let last = ERROR_CLASSES.len() - 1;
     let words = |rank: usize| match rank {
         0 => format!("up to {} %", ERROR_CLASSES[0].0),

@@ -15,8 +15,9 @@ use finray_model::{Finger, NodeId, Vector};
 use serde_json::{Value, json};
 
 /// Script and style of the section.
-pub(super) const SCRIPT: &str = include_str!("explore/explore.js");
-pub(super) const STYLE: &str = include_str!("explore/explore.css");
+pub const SCRIPT: &str = include_str!("explore/explore.js");
+/// Its style.
+pub const STYLE: &str = include_str!("explore/explore.css");
 
 /// The numbers as JSON without any `<`, so that they can stand in the page.
 pub(super) fn data(Results { study, .. }: Results) -> String {
@@ -138,27 +139,4 @@ fn of_scene(finger: &Finger, scene: &SceneStudy) -> Value {
         })
     };
     json!({"name": scene.name, "steps": scene.steps.iter().map(step).collect::<Vec<Value>>()})
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::figures::Paint;
-    use crate::report::drawings::percent_classes;
-    use crate::settings::TRUSTED_ERROR;
-
-    /// Script and style have the palette and the limits of the drawings.
-    #[test]
-    fn the_script_has_the_limits_and_colours_of_the_drawings() {
-        assert!(SCRIPT.contains(&format!("const TRUSTED = {TRUSTED_ERROR};")));
-        let mut limits = 0;
-        for (class, name) in
-            percent_classes().iter().zip(["within-2", "within-5", "within-10", "within-25", "above-25"])
-        {
-            let Paint::Colour([r, g, b]) = class.fill else { unreachable!("errors have colours") };
-            assert!(STYLE.contains(&format!("--{name}: #{r:02x}{g:02x}{b:02x};")), "{name}");
-            limits += usize::from(class.up_to.is_infinite() || name.ends_with(&format!("-{}", class.up_to)));
-        }
-        assert_eq!(limits, 5);
-    }
 }

@@ -5,10 +5,10 @@ use crate::sampling::scatter::ScatterRow;
 use crate::settings::{GROSS_ERROR, TRUSTED_ERROR};
 
 /// Stands where there is no number.
-pub(super) const NOTHING: &str = "-";
+pub const NOTHING: &str = "-";
 
 /// A figure for reading: four significant digits, powers of ten where it is very small or large.
-pub(super) fn figure(value: f64) -> String {
+pub fn figure(value: f64) -> String {
     let size = value.abs();
     if size != 0.0 && !(1e-3..1e5).contains(&size) {
         return format!("{value:.2e}");
@@ -18,7 +18,7 @@ pub(super) fn figure(value: f64) -> String {
 }
 
 /// A share in percent: two significant digits below 1 %, a decimal below 10 %.
-pub(super) fn percent(share: f64) -> String {
+pub fn percent(share: f64) -> String {
     match 100.0 * share.abs() {
         0.0 => "0 %".to_owned(),
         p if p < 0.01 => "< 0.01 %".to_owned(),
@@ -29,12 +29,12 @@ pub(super) fn percent(share: f64) -> String {
 }
 
 /// A share in percent with so many decimals.
-pub(super) fn percent_with(share: f64, decimals: usize) -> String {
+pub fn percent_with(share: f64, decimals: usize) -> String {
     format!("{:.decimals$} %", 100.0 * share)
 }
 
 /// A share in percent with two significant digits, down to where rounding begins.
-pub(super) fn percent_two_digits(share: f64) -> String {
+pub fn percent_two_digits(share: f64) -> String {
     match 100.0 * share {
         0.0 => "0 %".to_owned(),
         p if p < 1e-6 => "< 0.000001 %".to_owned(),
@@ -43,7 +43,7 @@ pub(super) fn percent_two_digits(share: f64) -> String {
 }
 
 /// A time in three significant digits, as of stopwatches: `228 \u{b5}s`.
-pub(super) fn time(seconds: f64) -> String {
+pub fn time(seconds: f64) -> String {
     let (value, unit) = match seconds {
         s if s < 1e-3 => (1e6 * s, "\u{b5}s"),
         s if s < 1.0 => (1e3 * s, "ms"),
@@ -54,7 +54,7 @@ pub(super) fn time(seconds: f64) -> String {
 }
 
 /// An error: amber above 10 %, red above 25 %, where the paper shades its Table I.
-pub(super) fn error(share: f64) -> Cell {
+pub fn error(share: f64) -> Cell {
     let shade = match share {
         e if e > GROSS_ERROR => Some(Shade::Red),
         e if e > TRUSTED_ERROR => Some(Shade::Amber),
@@ -64,58 +64,61 @@ pub(super) fn error(share: f64) -> Cell {
 }
 
 /// An error in the words given, shaded as [`error`] is.
-pub(super) fn error_as(words: impl Into<String>, share: f64) -> Cell {
+pub fn error_as(words: impl Into<String>, share: f64) -> Cell {
     Cell { text: words.into(), ..error(share) }
 }
 
 /// A number that may be missing.
-pub(super) fn or_nothing(value: Option<impl ToString>) -> String {
+pub fn or_nothing(value: Option<impl ToString>) -> String {
     value.map_or_else(|| NOTHING.to_owned(), |value| value.to_string())
 }
 
 /// Whether a tolerance holds, in green or red.
-pub(super) fn verdict(holds: bool, [kept, broken]: [&str; 2]) -> Cell {
+pub fn verdict(holds: bool, [kept, broken]: [&str; 2]) -> Cell {
     if holds { Cell::shaded(kept, Shade::Pass) } else { Cell::shaded(broken, Shade::Fail) }
 }
 
 /// Words with a capital at their head.
-pub(super) fn capitalised(words: &str) -> String {
+pub fn capitalised(words: &str) -> String {
     let mut letters = words.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// Numbers or words in a row.
-pub(super) fn list<T: ToString>(items: impl IntoIterator<Item = T>, between: &str) -> String {
+pub fn list<T: ToString>(items: impl IntoIterator<Item = T>, between: &str) -> String {
     items.into_iter().map(|item| item.to_string()).collect::<Vec<_>>().join(between)
 }
 
 /// Node numbers in a sentence: `19 and 20`.
-pub(super) fn nodes_in_words(nodes: &[usize]) -> String {
+pub fn nodes_in_words(nodes: &[usize]) -> String {
     list(nodes, " and ")
 }
 
 /// Share of refused cases, `0` of none.
-pub(super) fn share_refused<'r>(rows: impl IntoIterator<Item = &'r ScatterRow>) -> String {
+pub fn share_refused<'r>(rows: impl IntoIterator<Item = &'r ScatterRow>) -> String {
     share_of_counts(rows.into_iter().map(|row| [row.refused, row.cases]))
 }
 
 /// The same of numbers of refused and of answered cases.
-pub(super) fn share_of_counts(counts: impl Iterator<Item = [usize; 2]>) -> String {
+pub fn share_of_counts(counts: impl Iterator<Item = [usize; 2]>) -> String {
     let [refused, answered] = counts.fold([0, 0], |[r, a], [refused, answered]| [r + refused, a + answered]);
     if refused == 0 { "0".to_owned() } else { percent(refused as f64 / (refused + answered) as f64) }
 }
 
 /// Mean, least and greatest of some figures, as of networks that differ in their seed alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Span {
+pub struct Span {
+    /// Mean.
     pub mean: f64,
+    /// Least.
     pub least: f64,
+    /// Greatest.
     pub greatest: f64,
 }
 
 impl Span {
     /// `None` of no figures.
-    pub(super) fn of(figures: impl IntoIterator<Item = f64>) -> Option<Span> {
+    pub fn of(figures: impl IntoIterator<Item = f64>) -> Option<Span> {
         let figures: Vec<f64> = figures.into_iter().collect();
         let least = figures.iter().copied().reduce(f64::min)?;
         let greatest = figures.iter().copied().fold(least, f64::max);
@@ -123,7 +126,7 @@ impl Span {
     }
 
     /// `5.1 % (4.2\u{2013}6.0)`: mean, least and greatest.
-    pub(super) fn in_words(self) -> String {
+    pub fn in_words(self) -> String {
         let bare = |share: f64| percent(share).trim_end_matches(" %").to_owned();
         let [least, greatest] = [self.least, self.greatest].map(bare);
         match least == greatest {
@@ -133,39 +136,7 @@ impl Span {
     }
 
     /// `4.2 % to 6.0 %`.
-    pub(super) fn range(self) -> String {
+    pub fn range(self) -> String {
         format!("{} to {}", percent(self.least), percent(self.greatest))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn shares_keep_two_digits_where_it_matters() {
-        assert_eq!([0.0003, 0.0123, 0.123, -0.5].map(percent), ["0.03 %", "1.2 %", "12 %", "-50 %"]);
-        assert_eq!([0.0, 1e-7, 0.00456].map(percent), ["0 %", "< 0.01 %", "0.46 %"]);
-        assert_eq!([1e-6, 0.0016, 0.5, 1e-12].map(percent_two_digits), ["0.00010 %", "0.16 %", "50 %", "< 0.000001 %"]);
-        assert_eq!([2.284e-4, 8.2e-6, 0.0123, 2.0].map(time), ["228 \u{b5}s", "8.20 \u{b5}s", "12.3 ms", "2.00 s"]);
-        assert_eq!([0.000_123_4, 0.1234, 1234.5, 0.0].map(figure), ["1.23e-4", "0.1234", "1234", "0"]);
-    }
-
-    #[test]
-    fn sentences_begin_with_a_capital() {
-        assert_eq!(["least squares", ""].map(capitalised), ["Least squares", ""]);
-    }
-
-    #[test]
-    fn seeds_that_agree_have_no_range() {
-        assert_eq!(Span::of([0.3, 0.5]).map(Span::in_words).as_deref(), Some("40 % (30\u{2013}50)"));
-        assert_eq!(Span::of([0.02, 0.02]).map(Span::in_words).as_deref(), Some("2.0 %"));
-        assert_eq!(Span::of([]), None);
-    }
-
-    #[test]
-    fn refused_cases_are_a_share_of_all() {
-        assert_eq!(share_of_counts([[0, 10], [5, 5]].into_iter()), "25 %");
-        assert_eq!(share_of_counts([[0, 10]].into_iter()), "0");
     }
 }

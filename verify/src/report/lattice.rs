@@ -1,8 +1,6 @@
 //! The finger as rigid bodies and springs: how near it is to beams, what that rests on, and what sensing makes of it.
 
-#[cfg(test)]
-mod samples;
-mod words;
+pub mod words;
 
 use super::dataset::{Columns, Dataset, Format};
 use super::format::{error_as, percent_two_digits};
@@ -30,7 +28,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 }
 
 /// Errors and costs by fineness and force; the lattice with other axial springs; ways of settling.
-fn data(lattice: Option<&LatticeStudy>) -> Vec<Dataset<'_>> {
+pub fn data(lattice: Option<&LatticeStudy>) -> Vec<Dataset<'_>> {
     // Errors are shares of the largest displacement: from converged beams, and of the settled lattice from its equilibrium.
     let fineness = Columns::<(&FinenessRow, usize)>::new()
         .file("segments_a_stretch", |(row, _)| row.fineness)
@@ -63,7 +61,7 @@ fn data(lattice: Option<&LatticeStudy>) -> Vec<Dataset<'_>> {
 }
 
 /// Sweeps and precision of settling; no error where it does not settle.
-fn settled<'s>(rows: impl Iterator<Item = &'s SettlingRow>) -> Dataset<'s> {
+pub fn settled<'s>(rows: impl Iterator<Item = &'s SettlingRow>) -> Dataset<'s> {
     let columns = Columns::<&SettlingRow>::new()
         .file("sweeps", |row| row.sweeps)
         .shown("sweeps a step", Format::Plain)
@@ -109,7 +107,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 }
 
 /// What the axial springs matter.
-fn axial(lattice: &LatticeStudy) -> Table {
+pub fn axial(lattice: &LatticeStudy) -> Table {
     let cell = |row: &&AxialRow, force: usize| match &row.errors {
         Some(errors) => error_as(percent_two_digits(errors[force]), errors[force]),
         None => Cell::plain("no equilibrium"),
@@ -137,7 +135,7 @@ fn map_figure(study: &Study, lattice: &LatticeStudy) -> Result<Figure, ReportErr
 }
 
 /// What each estimator errs by on the lattice, by position.
-fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
+pub fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
     let title = format!("lattice truth, no noise, {DRAWN_FORCE_N} N, worst direction");
     let series = lattice.sensing.maps().into_iter().enumerate().map(|(n, map)| {
         let worst = |&s_mm: &f64| {
@@ -162,7 +160,7 @@ fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
 }
 
 /// A series a force.
-fn drawing(rows: &[FinenessRow]) -> Result<String, FigureError> {
+pub fn drawing(rows: &[FinenessRow]) -> Result<String, FigureError> {
     let forces_n = rows.first().map_or(&[][..], |row| &row.forces_n);
     let series: Vec<Series> = forces_n
         .iter()
@@ -181,42 +179,4 @@ fn drawing(rows: &[FinenessRow]) -> Result<String, FigureError> {
     let x = Axis::log("segments of plate between two key nodes").within(ends[0], ends[1]).with_ticks(finenesses);
     let axes = [x, Axis::log("difference / largest displacement")];
     Chart::new(Frame::full("Lattice against beams, by fineness", alt).with_plot_height(320.0), axes, series).svg()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::samples::sample;
-    use super::*;
-
-    #[test]
-    fn a_line_a_force_is_drawn() {
-        let rows = sample().rows;
-        let svg = drawing(&rows).expect("a figure");
-        for words in [">1 N</text>", ">5 N</text>", ">2</text>", ">4</text>"] {
-            assert!(svg.contains(words), "{words}");
-        }
-        // An error of nothing has no place on a logarithmic axis, and one fineness no slope.
-        let one = FinenessRow { errors: vec![0.0, 1e-3], ..rows[0].clone() };
-        let svg = drawing(&[one]).expect("a figure");
-        assert!(!svg.contains(">1 N</text>") && !svg.contains("fourth order"));
-    }
-
-    #[test]
-    fn both_estimators_are_drawn_and_their_cells_named() {
-        let figure = sensing_figure(&sample()).expect("a figure");
-        assert!(figure.svg.contains(">least squares</text>") && figure.svg.contains(">nonlinear</text>"));
-        assert_eq!(figure.csv.as_deref(), Some("map_lattice_nonlinear_without_noise.csv"));
-    }
-
-    #[test]
-    fn what_has_no_equilibrium_or_does_not_settle_is_said() {
-        let mut study = sample();
-        let none = axial(&study).rows.pop().expect("springs left out");
-        assert_eq!(none[2].text, "no equilibrium");
-        let file = data(Some(&study))[1].csv().expect("text").expect("a file").1;
-        assert_eq!(file.lines().filter(|line| line.ends_with(',')).count(), 2);
-        study.settling[4].error = None;
-        let single = settled(study.settling.iter()).table("").rows.pop().expect("single precision");
-        assert_eq!(single.iter().map(|cell| cell.text.as_str()).collect::<Vec<_>>(), ["32", "single", "-"]);
-    }
 }

@@ -1,8 +1,8 @@
 //! Where sensing fails: an overview of all truths and estimators, then the maps one by one and what explains them.
 
-mod drawings;
+pub mod drawings;
 mod tables;
-mod words;
+pub mod words;
 
 use super::dataset::Dataset;
 use super::drawings::map_figure_svg;

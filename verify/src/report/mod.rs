@@ -1,40 +1,39 @@
 //! From a [`Study`] to what a person looks at: page, figures, tables and the summary for machines. Nothing is computed
 //! here.
 
-pub mod page;
-
 mod answers;
 mod camera;
 mod causes;
 mod checks;
-mod claims;
+pub mod claims;
 mod contact_scenes;
 mod convergence;
-mod curves;
-mod dataset;
+pub mod curves;
+pub mod dataset;
 mod directions;
 mod displacement_noise;
-mod drawings;
+pub mod drawings;
 mod estimators;
-mod explore;
+pub mod explore;
 mod finger;
-mod format;
+pub mod format;
 mod hard_cases;
-mod lattice;
-mod maps;
+pub mod lattice;
+pub mod maps;
 mod measured;
 mod networks;
+pub mod page;
 mod pairs;
-mod recipes;
+pub mod recipes;
 mod scatter;
 mod sections;
 mod shapes;
-mod speed_error;
+pub mod speed_error;
 mod table_one;
-mod table_two;
+pub mod table_two;
 mod times;
 mod trust;
-mod twin;
+pub mod twin;
 
 pub use drawings::{map_figure_svg, standalone};
 

@@ -112,7 +112,13 @@ fn place(point: &SpeedErrorPoint) -> [f64; 2] {
     [1e6 * point.seconds, if point.task == Task::Solve { 1.0 } else { 100.0 } * point.error]
 }
 
-fn drawing(task: Task, points: &[&SpeedErrorPoint], title: &str, floor: Option<f64>) -> Result<String, FigureError> {
+/// Error over time, a point each; failures are said in its label.
+pub fn drawing(
+    task: Task,
+    points: &[&SpeedErrorPoint],
+    title: &str,
+    floor: Option<f64>,
+) -> Result<String, FigureError> {
     let drawn: Vec<&SpeedErrorPoint> =
         points.iter().copied().filter(|point| point.error > 0.0 && point.seconds > 0.0).collect();
     let mut series: Vec<Series> = Vec::new();
@@ -137,7 +143,8 @@ fn drawing(task: Task, points: &[&SpeedErrorPoint], title: &str, floor: Option<f
     chart.compared(floor.map(|left| (left, "may be left in the reference".to_owned()))).svg()
 }
 
-fn table(points: &[SpeedErrorPoint]) -> Table {
+/// Every point with its times, error and failures.
+pub fn table(points: &[SpeedErrorPoint]) -> Table {
     // Amber: what speaks against a way.
     let amber_if = |amber: bool, words: String| Cell { shade: amber.then_some(Shade::Amber), ..Cell::plain(words) };
     Columns::<&SpeedErrorPoint>::new()
@@ -160,42 +167,4 @@ fn table(points: &[SpeedErrorPoint]) -> Table {
             ref other => other.to_string(),
         })
         .table("Model error: the largest without noise, in its standard deviations", CSV, points)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::experiments::speed_error::Start;
-
-    fn point(model: &str, seconds: f64, error: f64, failed: usize) -> SpeedErrorPoint {
-        SpeedErrorPoint {
-            task: Task::Solve,
-            model: model.to_owned(),
-            estimator: None,
-            setting: format!("{model} set"),
-            start: Start::None,
-            seconds,
-            seconds_95: Some(2.0 * seconds),
-            preparation_seconds: None,
-            error,
-            bias_sigmas: None,
-            failed,
-            asked: 5,
-            on_front: failed == 0,
-            timed_by: TimedBy::Report,
-        }
-    }
-
-    #[test]
-    fn every_point_is_named_and_failures_are_marked() {
-        let points = [point("beams", 1e-5, 1e-2, 0), point("lattice", 1e-2, 1e-4, 2), point("exact", 1e-6, 0.0, 0)];
-        let svg = drawing(Task::Solve, &points.each_ref(), "the shape under a load", Some(1e-6)).unwrap();
-        for words in [">beams set<", ">lattice set (2 of 5 failed)<", "may be left"] {
-            assert!(svg.contains(words), "{words}");
-        }
-        assert!(!svg.contains("exact set"), "an error of nothing has no place");
-        let rows = table(&points).rows;
-        assert_eq!(rows[1][6], Cell::shaded("2 of 5", Shade::Amber));
-        assert_eq!([3, 4, 7].map(|cell| rows[0][cell].text.as_str()), ["10.0 \u{b5}s", "1.0 %", ""]);
-    }
 }

@@ -1,7 +1,7 @@
 //! The paper's Table II, by finger, noise and estimator; the paper's own network beside them, as recorded.
 
 mod rows;
-mod words;
+pub mod words;
 
 use super::dataset::{Columns, Dataset, Format};
 use super::drawings::bar_percent;

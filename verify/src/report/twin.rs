@@ -1,6 +1,6 @@
 //! The finger with softer ends: one of several that are fitted to Table I, and what sensing gains from knowing it.
 
-mod words;
+pub mod words;
 
 use super::dataset::{Columns, Dataset, Format};
 use super::drawings::{PAPER_SHADES_PERCENT, bar_percent, percent_line};

@@ -1,5 +1,7 @@
 //! The study of the networks: fifteen sets of contacts, those of Table II as they are.
 
+mod paper;
+
 use crate::sampling::scatter::{CASES, rows_on};
 use finray_model::{Kinematics, Mesh};
 use finray_tests::{CAMERA_NOISE_MM, paper};

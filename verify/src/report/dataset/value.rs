@@ -9,12 +9,18 @@ use serde::Serialize;
 /// A value of a file: CSV has it in its shortest form that reads back the same, nothing as an empty field and a list by spaces.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
-pub(in crate::report) enum Value {
+pub enum Value {
+    /// Words.
     Text(String),
+    /// A count.
     Integer(usize),
+    /// A figure.
     Number(f64),
+    /// Whether it holds.
     Bool(bool),
+    /// Several, in one field.
     List(Vec<Value>),
+    /// Nothing.
     None,
 }
 
@@ -75,7 +81,7 @@ impl Value {
 
 /// How a value is shown on the page.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::report) enum Format {
+pub enum Format {
     /// Flush left, as it is.
     Words,
     /// Flush right, as it is.

@@ -39,7 +39,7 @@ fn small_map(map: &AccuracyMap) -> Cells {
 }
 
 /// What is said above a small map: whole percents of the cells with an equilibrium, as there is little room.
-fn note(counts: TrustCounts) -> String {
+pub fn note(counts: TrustCounts) -> String {
     let TrustCounts { cells, refused, without_equilibrium, .. } = counts;
     let Some(share) = counts.share() else { return "no equilibrium".to_owned() };
     let refused = match refused {
@@ -113,18 +113,4 @@ fn explanation(study: &Study, kind: &Kind) -> Result<String, FigureError> {
     let cells = Cells::new(&map.positions_mm, &map.angles_deg, map.values(kind.of));
     let drawn = plate_map(&study.finger, Frame::half(title, alt), percent_classes(), cells);
     Map { missing_label: kind.missing_label.to_owned(), ..drawn }.svg()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn refused_cells_are_said_and_count_as_not_trusted() {
-        let counts =
-            |cells, trusted, refused, without_equilibrium| TrustCounts { cells, trusted, refused, without_equilibrium };
-        assert_eq!(note(counts(12, 1, 11, 0)), "8 % trusted, 92 % refused");
-        assert_eq!(note(counts(10, 4, 0, 2)), "50 % trusted");
-        assert_eq!(note(counts(10, 0, 0, 10)), "no equilibrium");
-    }
 }

@@ -24,7 +24,7 @@ pub(super) fn verdict(study: &TwinStudy) -> String {
 }
 
 /// How many numbers are fitted to how many, and how many other sets of zones do as well or better.
-fn freedom_in_words(fits: &[TwinFit]) -> String {
+pub fn freedom_in_words(fits: &[TwinFit]) -> String {
     let Some((own, others)) = fits.split_first() else { return String::new() };
     // The modulus outside the zones is fitted, too.
     let parameters = own.factors.len() + 1;
@@ -41,7 +41,7 @@ fn freedom_in_words(fits: &[TwinFit]) -> String {
 }
 
 /// The zones' moduli against those that the paper quotes for its material.
-fn moduli_in_words(moduli: &[f64]) -> String {
+pub fn moduli_in_words(moduli: &[f64]) -> String {
     let [least, most] = TPU_MPA;
     let mut outside: Vec<String> = moduli
         .iter()
@@ -73,46 +73,4 @@ pub(super) fn calibration(study: &TwinStudy) -> String {
         study.calibrations.len(),
         study.rms_over_sigma()
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::experiments::twin::{OTHERS, TWIN, ZoneSet};
-    use finray_model::Scene;
-
-    fn fit_of(set: ZoneSet, misfit: f64) -> TwinFit {
-        TwinFit {
-            set,
-            finger: Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the paper's scene").finger,
-            factors: set.groups.iter().map(|(_, start)| *start).collect(),
-            sigmas: vec![0.1; set.groups.len()],
-            modulus_factor: 1.0,
-            errors: Vec::new(),
-            misfit,
-        }
-    }
-
-    #[test]
-    fn the_twin_is_one_of_several_fits() {
-        let words = freedom_in_words(&[
-            fit_of(TWIN, 0.5),
-            fit_of(OTHERS[0], 0.4),
-            fit_of(OTHERS[1], 0.9),
-            fit_of(OTHERS[2], 3.0),
-        ]);
-        assert!(words.starts_with("4 parameters are fitted"), "{words}");
-        assert!(words.contains("of 3 other sets of zones 2 fit as well") && words.contains("1 better"), "{words}");
-        assert!(freedom_in_words(&[fit_of(TWIN, 0.3)]).contains("not fitted this time"));
-    }
-
-    /// The shipped twin is softer than the softest TPU that the paper quotes; a finger within the range is not said to be.
-    #[test]
-    fn moduli_are_held_against_the_material() {
-        let twin = Scene::from_toml(finray_fixtures::TWIN_SCENE).expect("the twin's scene").finger;
-        let words = moduli_in_words(&moduli_mpa(&twin));
-        assert!(words.contains("Zones of 7.6 and 3.2 MPa lie outside the 10 to 1000 MPa"), "{words}");
-        assert!(moduli_in_words(&[12.0, 40.0]).contains("within"));
-        assert!(moduli_in_words(&[12.0, 1200.0]).contains("Zones of 1200.0 MPa lie outside"));
-    }
 }

@@ -1,12 +1,12 @@
 //! A small study of the lattice for tests.
 
-use crate::estimators::EstimatorId;
-use crate::experiments::lattice::{LatticeSensing, LatticeStudy, MapDifference};
-use crate::lattice::accuracy::{FinenessRow, LoadGrid, SettlingCost};
-use crate::lattice::causes::{AXIAL_SPRINGS, AxialRow, SETTLINGS, SettlingRow};
-use crate::sampling::map::{AccuracyMap, Cell, MapRequest};
-use crate::truths::TruthId;
 use finray_model::NodeId;
+use finray_verify::estimators::EstimatorId;
+use finray_verify::experiments::lattice::{LatticeSensing, LatticeStudy, MapDifference};
+use finray_verify::lattice::accuracy::{FinenessRow, LoadGrid, SettlingCost};
+use finray_verify::lattice::causes::{AXIAL_SPRINGS, AxialRow, SETTLINGS, SettlingRow};
+use finray_verify::sampling::map::{AccuracyMap, Cell, MapRequest};
+use finray_verify::truths::TruthId;
 
 /// Least squares or the nonlinear estimator, off by `error` in its one cell.
 fn map(estimator: EstimatorId, error: f64) -> AccuracyMap {
@@ -35,7 +35,7 @@ fn map(estimator: EstimatorId, error: f64) -> AccuracyMap {
 }
 
 /// A study of 2 and 4 segments a plate member: errors that fall to an eighth at 1 N and to a sixteenth at 5 N.
-pub(super) fn sample() -> LatticeStudy {
+pub fn sample() -> LatticeStudy {
     let row = |fineness: usize, errors: [f64; 2], settling| FinenessRow {
         fineness,
         bodies: 40 * fineness,

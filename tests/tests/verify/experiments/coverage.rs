@@ -1,0 +1,46 @@
+//! Intervals that are too narrow, too wide or refused fail their checks.
+
+use finray_verify::check::Check;
+use finray_verify::estimators::EstimatorId;
+use finray_verify::experiments::coverage::{CoverageRow, TRUTH};
+use finray_verify::truths::TruthId;
+
+fn row(covered_without_warning: f64, covered_with_warning: f64) -> CoverageRow {
+    CoverageRow {
+        truth: TRUTH,
+        estimator: EstimatorId::LeastSquares,
+        noise_mm: 0.067,
+        contacts: 400,
+        samples: 30_000,
+        refused: 0,
+        warned: 10_000,
+        without_warning: 20_000,
+        covered_without_warning: Some(covered_without_warning),
+        covered_with_warning: Some(covered_with_warning),
+        error_over_sigma_with_warning: Some(0.9),
+    }
+}
+
+#[test]
+fn intervals_that_are_too_narrow_or_too_wide_fail() {
+    let passes = |row: CoverageRow| row.checks(true).iter().map(Check::passes).collect::<Vec<_>>();
+    assert_eq!(passes(row(0.95, 1.0)), [true, true, true, true]);
+    assert_eq!(passes(row(0.92, 0.92)), [true, false, false, true]);
+    assert_eq!(passes(row(0.98, 0.95)), [true, false, true, true]);
+    let vague = CoverageRow { error_over_sigma_with_warning: Some(0.1), ..row(0.95, 1.0) };
+    assert_eq!(passes(vague), [true, true, true, false]);
+    let silent = CoverageRow {
+        refused: 30_000,
+        warned: 0,
+        without_warning: 0,
+        covered_without_warning: None,
+        covered_with_warning: None,
+        error_over_sigma_with_warning: None,
+        ..row(0.95, 1.0)
+    };
+    assert_eq!(passes(silent), [false]);
+    let half = CoverageRow { refused: 10_000, ..row(0.95, 1.0) };
+    assert_eq!((passes(half.clone())[0], half.checks(false)[0].passes()), (false, true));
+    assert!(!passes(CoverageRow { samples: 0, refused: 0, ..row(0.95, 1.0) })[0]);
+    assert_eq!(passes(CoverageRow { truth: TruthId::Twin, ..row(0.5, 0.5) }), Vec::<bool>::new());
+}

@@ -1,0 +1,99 @@
+//! The page: words are escaped, every block is shown, nothing is fetched.
+
+use finray_verify::report::page::{Answer, Block, Cell, Column, Figure, Page, Question, Section, Shade, Table, render};
+
+fn page() -> Page {
+    Page {
+        title: "Truth <b>".into(),
+        subtitle: "under the title".into(),
+        answers: vec![Answer { question: "Does it?".into(), answer: "It <em>works</em>.".into() }],
+        caveat: "all of it simulated".into(),
+        lead: vec![figure(Some("lead.csv"))],
+        lead_caption: "what the colours say".into(),
+        explore: None,
+        questions: vec![Question { id: "where".into(), heading: "Where & when".into(), sections: vec![section()] }],
+        footer: "the end".into(),
+    }
+}
+
+fn figure(csv: Option<&str>) -> Figure {
+    Figure {
+        svg: "<svg viewBox=\"0 0 1 1\"></svg>".into(),
+        caption: "force & place".into(),
+        csv: csv.map(str::to_owned),
+        wide: true,
+    }
+}
+
+fn section() -> Section {
+    let table = Table {
+        caption: "Errors".into(),
+        columns: vec![Column::words("node"), Column::numbers("error, %")],
+        rows: vec![
+            vec![Cell::file("24.csv"), Cell::shaded("12 < 25", Shade::Amber)],
+            vec![Cell::plain("linear finger"), Cell::plain("0")],
+        ],
+        csv: Some("errors.csv".into()),
+    };
+    Section {
+        id: "maps".into(),
+        heading: "Maps".into(),
+        says: vec!["It <fails>.".into()],
+        blocks: vec![
+            Block::Text { paragraph: "a <script> b".into() },
+            Block::Figure(figure(Some("map.csv"))),
+            Block::Figures { figures: vec![figure(None), figure(None)] },
+            Block::Details {
+                summary: "More".into(),
+                blocks: vec![Block::Table(table), Block::List { items: vec!["one point".into()] }],
+            },
+        ],
+    }
+}
+
+#[test]
+fn words_are_escaped_and_drawings_are_not() {
+    let html = render(&page()).unwrap();
+    assert!(html.contains("a &lt;script&gt; b"));
+    assert!(html.contains("It &lt;em&gt;works&lt;&#x2f;em&gt;.") || html.contains("It &lt;em&gt;works&lt;/em&gt;."));
+    assert!(html.contains("<title>Truth &lt;b&gt;</title>"));
+    assert!(!html.contains("<script") && !html.contains("<em>"));
+    assert_eq!(html.matches("<svg viewBox=\"0 0 1 1\"></svg>").count(), 4);
+}
+
+#[test]
+fn every_block_is_shown_also_within_details() {
+    let html = render(&page()).unwrap();
+    for part in [
+        "<details",
+        "<summary>More</summary>",
+        "<li>one point</li>",
+        "12 &lt; 25",
+        "class=\"number amber\"",
+        "href=\"errors.csv\"",
+        "href=\"map.csv\"",
+        "href=\"lead.csv\"",
+        "It &lt;fails&gt;.",
+        "Does it?",
+        "all of it simulated",
+        "Where &amp; when",
+        "href=\"#where\"",
+        "id=\"where\"",
+        "<a href=\"24.csv\">24.csv</a>",
+        "<abbr title=\"The linear finger\">linear finger</abbr>",
+        "href=\"#maps\"",
+        "id=\"maps\"",
+        "the end",
+    ] {
+        assert!(html.contains(part), "{part}");
+    }
+}
+
+#[test]
+fn the_page_needs_nothing_but_itself() {
+    let html = render(&page()).unwrap();
+    for outside in ["http://", "https://", "src=", "@import", "url("] {
+        assert!(!html.contains(outside), "{outside}");
+    }
+    assert!(html.contains("<html lang=\"en\">") && html.contains("name=\"viewport\""));
+}
