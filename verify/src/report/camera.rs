@@ -52,7 +52,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     for (((title, axis, of), papers), asked) in drawings.into_iter().zip(papers).zip(asked) {
         if let Some(svg) = drawing(camera, (title, axis), of, papers, asked)? {
             let caption = format!("{title}, a row a condition of the camera.");
-            blocks.push(Block::Figure(Figure { svg, caption, csv: Some(CSV.to_owned()), wide: false }));
+            blocks.push(Block::Figure(Figure::narrow(svg, caption, CSV)));
         }
     }
     let columns = Columns::<&CameraRow>::new()

@@ -107,7 +107,7 @@ fn disagreements(study: &Study) -> Result<Option<Figure>, FigureError> {
     let svg = Chart::new(frame.with_plot_height(height), axes, series.collect()).svg()?;
     let caption = "A sign a check. Where the reference is 0, the difference is over the largest displacement or in radians; error terms are orders of \
                    convergence; at the left edge: equal to the last bit. The softer ends were fitted to Table I: their residuals check nothing.";
-    Ok(Some(Figure { svg, caption: caption.to_owned(), csv: Some(CSV.to_owned()), wide: true }))
+    Ok(Some(Figure::wide(svg, caption, CSV)))
 }
 
 /// The checks in short: a row for each reference, grouped by its kind, with how close its closest check comes to failing.

@@ -91,12 +91,11 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 fn figures(finger: &Finger, scene: &SceneStudy) -> Result<Vec<Figure>, FigureError> {
     let mut figures = Vec::new();
     if let Some(last) = scene.steps.last() {
-        figures.push(Figure {
-            svg: drawing(finger, scene, last)?,
-            caption: format!("Scene \"{}\" at its end: true forces.", scene.name),
-            csv: Some(CSV.to_owned()),
-            wide: false,
-        });
+        figures.push(Figure::narrow(
+            drawing(finger, scene, last)?,
+            format!("Scene \"{}\" at its end: true forces.", scene.name),
+            CSV,
+        ));
     }
     let series = force_over_travel(finger, scene);
     if !series.is_empty() {
@@ -106,12 +105,9 @@ fn figures(finger: &Finger, scene: &SceneStudy) -> Result<Vec<Figure>, FigureErr
         // Signs at the end stand clear of the frame.
         let axes = [Axis::linear("travel of the object, mm").within(0.0, 1.06 * end_mm), Axis::linear("force, N")];
         let svg = Chart::new(frame, axes, series).svg()?;
-        figures.push(Figure {
-            svg,
-            caption: "Force along each normal, and in all (length of the vector sum). Lines are true; signs sensed from one noise sample, with 95 % intervals.".to_owned(),
-            csv: Some(CSV.to_owned()),
-            wide: false,
-        });
+        let caption = "Force along each normal, and in all (length of the vector sum). Lines are true; signs sensed from one noise sample, with \
+                       95 % intervals.";
+        figures.push(Figure::narrow(svg, caption, CSV));
     }
     Ok(figures)
 }

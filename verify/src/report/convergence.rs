@@ -24,12 +24,11 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     )];
     let series = error_by_nodes(convergence);
     if !series.is_empty() {
-        blocks.push(Block::Figure(Figure {
-            svg: drawing(series)?,
-            caption: "Worst error by nodes of the mesh, for each force.".to_owned(),
-            csv: Some(CSV.to_owned()),
-            wide: true,
-        }));
+        blocks.push(Block::Figure(Figure::wide(
+            drawing(series)?,
+            "Worst error by nodes of the mesh, for each force.",
+            CSV,
+        )));
     }
     blocks.push(details("By mesh and force", vec![Block::Table(table(convergence))]));
     Ok(Some(Section::new("convergence", "How fine a mesh must be", blocks)))

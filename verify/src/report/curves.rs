@@ -100,7 +100,7 @@ fn figure(curves: &[Curve], x_label: &str, title: &str) -> Result<Figure, Report
     let chart = Chart::new(frame, [Axis::log(x_label), Axis::linear("mean error / bound")], series.collect());
     let svg = chart.compared([(1.0, "bound".to_owned())]).svg()?;
     let caption = "Mean over the seeds, bars from least to greatest.".to_owned();
-    Ok(Figure { svg, caption, csv: Some(CSV.to_owned()), wide: false })
+    Ok(Figure::narrow(svg, caption, CSV))
 }
 
 /// From how many cases on the error is that of the most.

@@ -94,12 +94,11 @@ impl Shown<'_> {
         let values = (0..angles.len()).map(row).collect();
         let cells = Cells::new(&places, &angles, values);
         let map = Map { missing_label: missing.to_owned(), ..plate_map(finger, frame, degree_classes(), cells) };
-        Ok(Figure {
-            svg: map.svg()?,
-            caption: format!("{force_n} N: {what}, by position and true direction; hatched: {missing}."),
-            csv: Some(CSV.to_owned()),
-            wide: false,
-        })
+        Ok(Figure::narrow(
+            map.svg()?,
+            format!("{force_n} N: {what}, by position and true direction; hatched: {missing}."),
+            CSV,
+        ))
     }
 }
 
@@ -204,12 +203,9 @@ fn frictionless_chart(directions: &DirectionStudy, force_n: f64) -> Result<Figur
     let alt = format!("{title}: error of the force by position, a line for each assumption.");
     let axes = [Axis::linear(ALONG_THE_PLATE), Axis::log("root mean square error of the force, %")];
     let chart = Chart::new(Frame::half(title, alt), axes, series.collect());
-    Ok(Figure {
-        svg: chart.compared([percent_line(100.0 * IDENTIFIED_FORCE)]).svg()?,
-        caption: format!(
-            "{force_n} N along the deformed normal: error of the force by what is assumed of its direction."
-        ),
-        csv: Some(FRICTIONLESS_CSV.to_owned()),
-        wide: false,
-    })
+    Ok(Figure::narrow(
+        chart.compared([percent_line(100.0 * IDENTIFIED_FORCE)]).svg()?,
+        format!("{force_n} N along the deformed normal: error of the force by what is assumed of its direction."),
+        FRICTIONLESS_CSV,
+    ))
 }

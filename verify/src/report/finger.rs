@@ -56,14 +56,11 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         );
     }
     let blocks = vec![
-        Block::Figure(Figure {
-            svg: drawings::finger(study)?,
-            caption:
-                "Key nodes from the back base over the tip to the front base; a positive force pushes along its arrow."
-                    .to_owned(),
-            csv: Some(CSV.to_owned()),
-            wide: true,
-        }),
+        Block::Figure(Figure::wide(
+            drawings::finger(study)?,
+            "Key nodes from the back base over the tip to the front base; a positive force pushes along its arrow.",
+            CSV,
+        )),
         Block::List { items: facts },
     ];
     Ok(Some(Section::new("finger", "The finger", blocks)))

@@ -86,12 +86,11 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     if lattice.settling.is_empty() {
         blocks.push(text("This quick report compares equilibria alone, under fewer loads."));
     }
-    blocks.push(Block::Figure(Figure {
-        svg: drawing(&lattice.rows)?,
-        caption: "Worst difference of the lattice's equilibrium from converged beams, by force.".to_owned(),
-        csv: Some(CSV.to_owned()),
-        wide: true,
-    }));
+    blocks.push(Block::Figure(Figure::wide(
+        drawing(&lattice.rows)?,
+        "Worst difference of the lattice's equilibrium from converged beams, by force.",
+        CSV,
+    )));
     blocks.push(Block::List { items: words::findings(lattice) });
     blocks.push(Block::Figures { figures: vec![map_figure(study, lattice)?, sensing_figure(lattice)?] });
     let mut folded = vec![text(words::SPRINGS), Block::Table(axial(lattice))];
@@ -126,12 +125,11 @@ pub fn axial(lattice: &LatticeStudy) -> Table {
 
 fn map_figure(study: &Study, lattice: &LatticeStudy) -> Result<Figure, ReportError> {
     let map = &lattice.sensing.least_squares;
-    Ok(Figure {
-        svg: drawings::map_figure_svg(&study.finger, map, Some(DRAWN_FORCE_N))?,
-        caption: format!("Least squares; {}.", map.summary(Some(DRAWN_FORCE_N)).counts()),
-        csv: Some(map_csv_name(map)),
-        wide: false,
-    })
+    Ok(Figure::narrow(
+        drawings::map_figure_svg(&study.finger, map, Some(DRAWN_FORCE_N))?,
+        format!("Least squares; {}.", map.summary(Some(DRAWN_FORCE_N)).counts()),
+        map_csv_name(map),
+    ))
 }
 
 /// What each estimator errs by on the lattice, by position.
@@ -148,15 +146,14 @@ pub fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
     let alt = format!("{title}: error of the sensed force by position, one line an estimator.");
     let axes = [Axis::linear(drawings::ALONG_THE_PLATE), Axis::log("error |sensed / true - 1|, %")];
     let series = series.filter(|series| !series.points.is_empty()).collect();
-    Ok(Figure {
-        svg: Chart::new(Frame::half(title, alt), axes, series).svg()?,
-        caption: format!(
+    Ok(Figure::narrow(
+        Chart::new(Frame::half(title, alt), axes, series).svg()?,
+        format!(
             "At the worst direction; nonlinear: {}.",
             lattice.sensing.nonlinear.summary(Some(DRAWN_FORCE_N)).counts()
         ),
-        csv: Some(map_csv_name(&lattice.sensing.nonlinear)),
-        wide: false,
-    })
+        map_csv_name(&lattice.sensing.nonlinear),
+    ))
 }
 
 /// A series a force.

@@ -57,17 +57,16 @@ fn overview(study: &Study, shown: Shown) -> Result<Figure, ReportError> {
         ),
         None => "Softer ends, lattice, MuJoCo and networks exist for the paper's finger alone.".to_owned(),
     };
-    Ok(Figure {
-        svg: drawings::overview(study, shown)?,
-        caption: format!(
+    Ok(Figure::wide(
+        drawings::overview(study, shown)?,
+        format!(
             "Largest of the mean errors under {} N, {}, contact known. Rows: the finger that bends; columns: what senses it, knowing the uniform \
              finger alone. Shares are of the cells with an equilibrium. {only}",
             list(MAP_FORCES_N, ", "),
             noise_in_words(study.noise_mm),
         ),
-        csv: Some(OVERVIEW_CSV.to_owned()),
-        wide: true,
-    })
+        OVERVIEW_CSV,
+    ))
 }
 
 fn noise_in_words(noise_mm: f64) -> String {
@@ -82,12 +81,11 @@ fn in_full(study: &Study) -> Result<Vec<Block>, ReportError> {
     let figure = |map: &AccuracyMap| -> Result<Figure, ReportError> {
         let samples =
             if noisy { format!(", {} noise samples a cell", map.request.noise_samples) } else { String::new() };
-        Ok(Figure {
-            svg: map_figure_svg(&study.finger, map, None)?,
-            caption: format!("Sensed by {}{samples}. {}", map.estimator.label(), words::kind_of_error(map)),
-            csv: Some(map_csv_name(map)),
-            wide: false,
-        })
+        Ok(Figure::narrow(
+            map_figure_svg(&study.finger, map, None)?,
+            format!("Sensed by {}{samples}. {}", map.estimator.label(), words::kind_of_error(map)),
+            map_csv_name(map),
+        ))
     };
     Ok(vec![Block::Figures { figures: maps.map(figure).collect::<Result<_, _>>()? }])
 }

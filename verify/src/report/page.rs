@@ -113,6 +113,18 @@ pub struct Figure {
     pub wide: bool,
 }
 
+impl Figure {
+    /// A drawing that is as wide as the page's column.
+    pub fn wide(svg: String, caption: impl Into<String>, csv: impl Into<String>) -> Figure {
+        Figure { svg, caption: caption.into(), csv: Some(csv.into()), wide: true }
+    }
+
+    /// A drawing that shares its row with another, or is read on a phone.
+    pub fn narrow(svg: String, caption: impl Into<String>, csv: impl Into<String>) -> Figure {
+        Figure { wide: false, ..Figure::wide(svg, caption, csv) }
+    }
+}
+
 /// Numbers in rows and columns.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Table {

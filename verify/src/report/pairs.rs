@@ -58,11 +58,12 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let each = |row: &ScatterRow| row.mean_error().map(|error| 100.0 * error);
     let sum = |row: &ScatterRow| row.sum.map(|sum| 100.0 * sum.mean_error);
     let figures = [(EACH, matrix(noise, EACH, each)?), (SUM, matrix(noise, SUM, sum)?)];
-    let figures = figures.map(|(what, svg)| Figure {
-        svg,
-        caption: format!("{what}, by the two contact nodes: nonlinear above, linear below the diagonal."),
-        csv: Some(CSV.to_owned()),
-        wide: false,
+    let figures = figures.map(|(what, svg)| {
+        Figure::narrow(
+            svg,
+            format!("{what}, by the two contact nodes: nonlinear above, linear below the diagonal."),
+            CSV,
+        )
     });
     blocks.push(Block::Figures { figures: figures.into() });
     Ok(Some(Section::new("pairs", "Two contacts at once", blocks)))

@@ -45,14 +45,11 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     if study.bent.is_empty() {
         blocks.push(text(format!("The finger cannot carry {DRAWN_FORCE_N} N at any of the nodes tried.")));
     } else {
-        blocks.push(Block::Figure(Figure {
-            svg: drawings::bent(study)?,
-            caption: format!(
-                "At rest and under {DRAWN_FORCE_N} N along the normal: linear (dotted) and co-rotational (solid)."
-            ),
-            csv: Some(CSV.to_owned()),
-            wide: true,
-        }));
+        blocks.push(Block::Figure(Figure::wide(
+            drawings::bent(study)?,
+            format!("At rest and under {DRAWN_FORCE_N} N along the normal: linear (dotted) and co-rotational (solid)."),
+            CSV,
+        )));
         blocks.extend(validity(study).map(text));
         let table = validity_columns().table("Of each co-rotational shape", VALIDITY_CSV, corotational(study));
         blocks.push(details("Strain and shear", vec![Block::Table(table)]));

@@ -43,12 +43,11 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         // An error of nothing has no place on a logarithmic axis.
         if points.iter().any(|point| point.error > 0.0) {
             let floor = if task == Task::Solve { floor } else { None };
-            blocks.push(Block::Figure(Figure {
-                svg: drawing(task, &points, title, floor)?,
-                caption: format!("Time and error of {title}."),
-                csv: Some(CSV.to_owned()),
-                wide: true,
-            }));
+            blocks.push(Block::Figure(Figure::wide(
+                drawing(task, &points, title, floor)?,
+                format!("Time and error of {title}."),
+                CSV,
+            )));
         }
     }
     blocks.push(details(format!("All {} points", points.len()), vec![Block::Table(table(points))]));

@@ -44,13 +44,11 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
              directions are assumed (10.9 deg: axis level).",
             factors.least, factors.greatest
         )),
-        Block::Figure(Figure {
-            svg: drawings::table_one(tables)?,
-            caption: "Mean error over six weights: measured in the paper, and by geometric nonlinearity alone."
-                .to_owned(),
-            csv: Some(CSV.to_owned()),
-            wide: true,
-        }),
+        Block::Figure(Figure::wide(
+            drawings::table_one(tables)?,
+            "Mean error over six weights: measured in the paper, and by geometric nonlinearity alone.",
+            CSV,
+        )),
         details(
             "Every direction",
             vec![Block::Table(columns.table("Mean error by loaded node", CSV, 0..first.rows.len()))],

@@ -38,12 +38,11 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         FORCES_N[0],
         FORCES_N[1],
     ))];
-    blocks.push(Block::Figure(Figure {
-        svg: drawing(two, records, study.noise_mm)?,
-        caption: format!("Measured in the paper, and in simulation with {} mm noise.", study.noise_mm),
-        csv: Some(CSV.to_owned()),
-        wide: true,
-    }));
+    blocks.push(Block::Figure(Figure::wide(
+        drawing(two, records, study.noise_mm)?,
+        format!("Measured in the paper, and in simulation with {} mm noise.", study.noise_mm),
+        CSV,
+    )));
     blocks.extend(words::linearisation(two, study.noise_mm).map(text));
     blocks.push(details("By estimator", vec![Block::Table(table(two, records, study.noise_mm))]));
     let says = words::papers(records, study.noise_mm).into_iter().chain(words::ours(two, study.noise_mm));

@@ -101,15 +101,14 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
              that soft ends err so was put in, not found. Which plate or ribs are soft the table does not say, and no other cause was fitted. At \
              18 to 22 no signs are published: zero is fitted. Weights are assumed to pull along the normal.",
         ),
-        Block::Figure(Figure {
-            svg: drawing(twin)?,
-            caption: format!(
+        Block::Figure(Figure::wide(
+            drawing(twin)?,
+            format!(
                 "Table I without noise (first three); random forces with {} mm noise, the zones in the model (last two).",
                 twin.noise_mm
             ),
-            csv: Some(CSV.to_owned()),
-            wide: true,
-        }),
+            CSV,
+        )),
         details(
             "The fits, and how zones are calibrated",
             vec![

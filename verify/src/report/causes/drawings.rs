@@ -58,12 +58,7 @@ pub(super) fn map_figure(map: &CauseMap) -> Result<Figure, ReportError> {
     let missing_label = "no equilibrium or no answer".to_owned();
     let drawn = Map::new(frame, [Axis::linear(ALONG_THE_PLATE), y], classes, cells);
     let svg = Map { missing_label, ..drawn }.svg()?;
-    Ok(Figure {
-        svg,
-        caption: "The cause whose absence lessens the error most.".to_owned(),
-        csv: Some(CSV.to_owned()),
-        wide: false,
-    })
+    Ok(Figure::narrow(svg, "The cause whose absence lessens the error most.", CSV))
 }
 
 /// Which cells are cleared as remedies are taken one after the other, on each finger; `None` where that was not asked.
@@ -77,15 +72,14 @@ pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
         format!("{title}: small maps by position and direction, a row for each finger, a column for each remedy.");
     let columns = std::iter::once("as it is").chain(REMEDIES.map(|(name, _)| name)).map(str::to_owned).collect();
     let map = small_maps(&study.finger, Frame::full(title, alt), columns, rows);
-    Ok(Some(Figure {
-        svg: map.svg()?,
-        caption: format!(
+    Ok(Some(Figure::wide(
+        map.svg()?,
+        format!(
             "Root mean square error of {DRAWN_FORCE_N} N: by least squares with an assumed contact; with zones and modulus known; with the contact \
              known too; by the nonlinear estimator."
         ),
-        csv: Some(CSV.to_owned()),
-        wide: true,
-    }))
+        CSV,
+    )))
 }
 
 /// Errors at the nodes as remedies are taken one after the other, as bars: each is what is left, so no bar is a part of another.
@@ -105,12 +99,11 @@ pub(super) fn remedies(study: &Study) -> Result<Option<Figure>, ReportError> {
     let title = format!("Error left of {DRAWN_FORCE_N} N along the normal, {}", OWN.label());
     let alt = "Root mean square error by contact node: as it is, and as remedies are taken one after the other.";
     let axes = [nodes, Axis::linear("root mean square error, %")];
-    Ok(Some(Figure {
-        svg: Chart::of_bars(Frame::full(title, alt), axes, all).svg()?,
-        caption: "What is left of the error, not parts of it: causes may have cancelled, so that a remedy can make it larger.".to_owned(),
-        csv: Some(CSV.to_owned()),
-        wide: true,
-    }))
+    Ok(Some(Figure::wide(
+        Chart::of_bars(Frame::full(title, alt), axes, all).svg()?,
+        "What is left of the error, not parts of it: causes may have cancelled, so that a remedy can make it larger.",
+        CSV,
+    )))
 }
 
 /// Whether it is of least squares with an assumed contact, over position and direction.

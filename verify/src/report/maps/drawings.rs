@@ -63,12 +63,7 @@ pub(super) fn explanations(study: &Study) -> Result<Vec<Figure>, ReportError> {
     let noise = format!("{} mm noise a coordinate", study.explanations.noise_mm);
     let kinds = kinds().into_iter().filter(|kind| study.noise_mm > 0.0 || !kind.title.contains("bound"));
     let figure = |kind: Kind| -> Result<Figure, ReportError> {
-        Ok(Figure {
-            svg: explanation(study, &kind)?,
-            caption: kind.caption.replace("NOISE", &noise),
-            csv: Some(EXPLANATIONS_CSV.to_owned()),
-            wide: false,
-        })
+        Ok(Figure::narrow(explanation(study, &kind)?, kind.caption.replace("NOISE", &noise), EXPLANATIONS_CSV))
     };
     kinds.map(figure).collect()
 }
