@@ -1,5 +1,6 @@
 //! The paper's sentences with their figures, one by one, against ours.
 //!
+//! What is said stands in `words.toml`; each file here computes the numbers and verdicts of a part of the paper.
 //! Every verdict follows from a computed figure through a named [criterion](criteria), or says that nothing was tested. All of ours
 //! are computed on models of the finger: a figure measured on the real one is reproduced or not, but never refuted by them.
 
@@ -11,13 +12,13 @@ pub mod gripper;
 pub mod limits;
 mod rate;
 mod single_finger;
-mod untested;
+mod words;
 
 use crate::problems::ProblemError;
 use crate::study::Study;
-use experiments::Range;
 use finray_model::sensing::SensingError;
 use serde::Serialize;
+pub use words::Words;
 
 /// Verdict on a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -86,41 +87,12 @@ pub enum ClaimError {
     /// A reference problem cannot be solved.
     #[error(transparent)]
     Problem(#[from] ProblemError),
-}
-
-fn claim(
-    claim: impl Into<String>,
-    paper: impl Into<String>,
-    ours: impl Into<String>,
-    how: impl Into<String>,
-    criterion: impl Into<String>,
-    verdict: ClaimVerdict,
-) -> Claim {
-    Claim {
-        claim: claim.into(),
-        paper: paper.into(),
-        ours: ours.into(),
-        how: how.into(),
-        criterion: criterion.into(),
-        verdict,
-    }
-}
-
-fn percent(share: f64) -> String {
-    match 100.0 * share.abs() {
-        0.0 => "0 %".to_owned(),
-        p if p < 0.01 => format!("{:.0e} %", 100.0 * share),
-        p if p < 1.0 => format!("{:.2} %", 100.0 * share),
-        _ => format!("{:.1} %", 100.0 * share),
-    }
-}
-
-fn newtons(force_n: f64) -> String {
-    format!("{force_n:.2} N")
-}
-
-fn between([low, high]: Range, unit: impl Fn(f64) -> String) -> String {
-    format!("{} to {}", unit(low), unit(high))
+    /// The words that ship are no table.
+    #[error("words of the claims: {0}")]
+    File(#[from] toml::de::Error),
+    /// They lack a number.
+    #[error("words of a claim: {0}")]
+    Words(#[from] minijinja::Error),
 }
 
 /// All claims, tested against a study of the paper's finger; none against one of another.
@@ -131,13 +103,14 @@ pub fn ledger(study: &Study) -> Result<Vec<Claim>, ClaimError> {
     if !study.is_paper {
         return Ok(Vec::new());
     }
-    let mut claims = deformation::claims(study)?;
-    claims.extend(single_finger::claims(study));
-    claims.extend(gripper::claims(study));
-    claims.extend(limits::claims(study)?);
-    claims.push(camera::position_error(study.camera.as_ref()));
+    let words = &Words::shipped()?;
+    let mut claims = deformation::claims(study, words)?;
+    claims.extend(single_finger::claims(study, words)?);
+    claims.extend(gripper::claims(study, words)?);
+    claims.extend(limits::claims(study, words)?);
+    claims.push(camera::position_error(study.camera.as_ref(), words)?);
     let times = study.camera.as_ref().and_then(|camera| camera.times);
-    claims.push(rate::sensing_rate(&study.speed_error, times));
-    claims.extend(untested::claims());
+    claims.push(rate::sensing_rate(&study.speed_error, times, words)?);
+    claims.extend(words.untested());
     Ok(claims)
 }

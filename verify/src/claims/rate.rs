@@ -1,53 +1,40 @@
 //! The paper's frame rate against the time of our estimates.
 
-use super::{Claim, ClaimVerdict, claim};
+use super::{Claim, ClaimError, ClaimVerdict, Words};
 use crate::experiments::camera::FrameTimes;
 use crate::experiments::speed_error::SpeedErrorPoint;
 use crate::experiments::speed_error::recommendation::recommended;
+use minijinja::context;
 
 /// Time of a frame at the paper's largest rate of 25 Hz, s (sec. IV-B and VI): that of its vision alone.
 const FRAME_S: f64 = 0.04;
 
 /// The paper's rate is that of its image processing, on its computer and in its images. Here images are rendered ones, on this computer: what can
 /// be compared is whether estimating the forces would leave the vision that time.
-pub fn sensing_rate(points: &[SpeedErrorPoint], images: Option<FrameTimes>) -> Claim {
-    let row = |ours: String, how: String, verdict| {
-        // What is not tested has no criterion.
-        let criterion = if verdict == ClaimVerdict::Refuted { "the forces alone take longer than a frame" } else { "" };
-        let words = "\"the maximum force sensing frequency herein cannot exceed 25 Hz\", as the vision takes \"about 40 ms\"; \"verified ... under a force \
-                     sensing rate of 15 Hz\" (sec. IV-B, VI)";
-        claim(words, "40 ms a frame", ours, how, criterion, verdict)
-    };
+pub(super) fn sensing_rate(
+    points: &[SpeedErrorPoint],
+    images: Option<FrameTimes>,
+    words: &Words,
+) -> Result<Claim, ClaimError> {
     let Some(way) = recommended(points) else {
-        return row(
-            "-".to_owned(),
-            "no setting that was timed has a model error within the noise".to_owned(),
-            ClaimVerdict::NotTested,
-        );
+        return words.claim("rate-untested", ClaimVerdict::NotTested, context! {});
     };
     let of_frame = |point: &SpeedErrorPoint| {
-        let tail =
-            point.seconds_95.map_or_else(String::new, |seconds| format!(", 95 % within {:.2} ms", 1e3 * seconds));
-        format!("{:.2} ms a frame ({:.2} % of 40 ms{tail})", 1e3 * point.seconds, 100.0 * point.seconds / FRAME_S)
+        let (ms, percent) = (1e3 * point.seconds, 100.0 * point.seconds / FRAME_S);
+        context! { ms, percent, within_ms => point.seconds_95.map(|seconds| 1e3 * seconds) }
     };
-    let cold = way.cold.map_or_else(String::new, |cold| format!("; from a cold start {}", of_frame(cold)));
-    let slowest = way.cold.map_or(way.one.seconds, |cold| cold.seconds.max(way.one.seconds));
-    let images = images.map_or_else(String::new, |FrameTimes { search_s, track_s }| {
-        let [search_ms, track_ms] = [search_s, track_s].map(|seconds| 1e3 * seconds);
-        format!("; markers in a rendered image: {track_ms:.1} ms following the one before, {search_ms:.1} ms without")
-    });
-    row(
-        format!("forces alone: {}{cold}{images}", of_frame(way.one)),
-        format!(
-            "{}, {}: median over the frames of one force moving over 0.3 to 3 N on the finest mesh, with camera noise, one core; preparing for a \
-             contact takes {:.2} ms more, once. Neither the paper's images nor its computer were at hand, so its rate is not tested",
-            way.one.model,
-            way.one.setting,
-            1e3 * way.one.preparation_seconds.unwrap_or(0.0)
-        ),
-        // Vision cannot be what bounds the rate if the forces alone take longer than a frame.
-        if slowest < FRAME_S { ClaimVerdict::NotTested } else { ClaimVerdict::Refuted },
-    )
+    // Vision cannot be what bounds the rate if the forces alone take longer than a frame.
+    let slower = way.cold.map_or(way.one.seconds, |cold| cold.seconds.max(way.one.seconds)) >= FRAME_S;
+    let numbers = context! {
+        one => of_frame(way.one),
+        cold => way.cold.map(of_frame),
+        images => images.map(|of| context! { search_ms => 1e3 * of.search_s, track_ms => 1e3 * of.track_s }),
+        model => way.one.model.as_str(),
+        setting => way.one.setting.as_str(),
+        preparation_ms => 1e3 * way.one.preparation_seconds.unwrap_or(0.0),
+        slower,
+    };
+    words.claim("rate", if slower { ClaimVerdict::Refuted } else { ClaimVerdict::NotTested }, numbers)
 }
 
 #[cfg(test)]
@@ -59,16 +46,18 @@ mod tests {
     /// A rate without vision is never better than one with it.
     #[test]
     fn a_rate_without_vision_is_not_better() {
-        let fast = sensing_rate(&[point(Task::SenseOne, 133, 1e-4, 0.01, 0.1)], None);
+        let words = Words::shipped().expect("words of the claims");
+        let sensing_rate = |points: &[SpeedErrorPoint]| super::sensing_rate(points, None, &words).expect("all numbers");
+        let fast = sensing_rate(&[point(Task::SenseOne, 133, 1e-4, 0.01, 0.1)]);
         assert_eq!(fast.verdict, ClaimVerdict::NotTested);
         assert!(
             fast.ours.contains("0.10 ms a frame (0.25 % of 40 ms, 95 % within 0.20 ms)")
                 && fast.how.contains("not tested"),
             "{fast:?}"
         );
-        let slow = sensing_rate(&[point(Task::SenseOne, 133, 0.05, 0.01, 0.1)], None);
+        let slow = sensing_rate(&[point(Task::SenseOne, 133, 0.05, 0.01, 0.1)]);
         assert_eq!(slow.verdict, ClaimVerdict::Refuted);
-        let biased = sensing_rate(&[point(Task::SenseOne, 25, 1e-4, 0.01, 3.0)], None);
+        let biased = sensing_rate(&[point(Task::SenseOne, 25, 1e-4, 0.01, 3.0)]);
         assert_eq!((biased.verdict, biased.ours.as_str()), (ClaimVerdict::NotTested, "-"));
     }
 }

@@ -3,7 +3,8 @@
 use super::criteria::{
     MUCH_SHARE, SAME_ERROR, TPU_MPA, accounts_for, all_simulated, figure, in_simulation, recalibration,
 };
-use super::{Claim, ClaimVerdict, between, claim, percent};
+use super::words::percent;
+use super::{Claim, ClaimError, ClaimVerdict, Words};
 use crate::check::worst;
 use crate::experiments::table_one::{
     PAPER_LARGEST_ERRORS, PAPER_MIDDLE_BOUNDS, PAPER_RANGE_AT_14, TableOne, TableOneRow,
@@ -11,29 +12,29 @@ use crate::experiments::table_one::{
 use crate::experiments::twin::moduli_mpa;
 use crate::experiments::twin::study::{TwinSensing, TwinStudy};
 use crate::study::Study;
+use minijinja::context;
 
-pub(super) fn claims(study: &Study) -> Vec<Claim> {
-    let Some(table) = study.tables_one.first() else { return Vec::new() };
+pub(super) fn claims(study: &Study, words: &Words) -> Result<Vec<Claim>, ClaimError> {
+    let Some(table) = study.tables_one.first() else { return Ok(Vec::new()) };
     let twin = study.twin.as_ref();
-    let mut claims = vec![modulus(table)];
-    claims.extend(middle(table));
-    claims.extend(ends(table, twin));
-    claims.extend(noise(study, table));
-    claims.extend(twin.into_iter().flat_map(|twin| on_the_twin(table, twin)));
-    claims
+    let modulus = context! { modulus_factor => table.modulus_factor };
+    let mut claims = vec![words.claim("modulus", ClaimVerdict::NotTested, modulus)?];
+    claims.extend(middle(table, words)?);
+    claims.extend(ends(table, twin, words)?);
+    claims.extend(noise(study, table, words)?);
+    if let Some(twin) = twin {
+        claims.extend(on_the_twin(table, twin, words)?);
+    }
+    Ok(claims)
 }
 
-/// Method of all figures of the uniform finger.
-fn how(table: &TableOne) -> String {
-    format!(
-        "simulated: the paper's linear model on the co-rotational finger, weights at {} deg (assumed), no noise; of all nonlinearity it \
-         has the geometric one alone",
-        table.angle_deg
-    )
+fn listed<'r>(rows: impl IntoIterator<Item = &'r TableOneRow>, of: impl Fn(&TableOneRow) -> f64) -> String {
+    rows.into_iter().map(|row| format!("{} at {}", percent(of(row)), row.node)).collect::<Vec<_>>().join(", ")
 }
 
-fn listed(rows: &[&TableOneRow], of: impl Fn(&TableOneRow) -> f64) -> String {
-    rows.iter().map(|row| format!("{} at {}", percent(of(row)), row.node)).collect::<Vec<_>>().join(", ")
+/// The paper's mean of a row.
+fn papers(row: &TableOneRow) -> f64 {
+    row.paper_mean_error
 }
 
 fn split(table: &TableOne) -> (Vec<&TableOneRow>, Vec<&TableOneRow>) {
@@ -48,132 +49,65 @@ fn largest(row: &TableOneRow) -> f64 {
     worst(row.range().map(f64::abs))
 }
 
-fn modulus(table: &TableOne) -> Claim {
-    claim(
-        "\"the calibrated Young's modulus of our finger is 4.7976 x 10^7 Pa\" (sec. V-A)",
-        "47.976 MPa",
-        format!("{:.4} of the true one", table.modulus_factor),
-        "the paper's measured shapes are not published; on shapes of the simulated co-rotational finger eq. (11) finds this share of the \
-         true modulus",
-        "",
-        ClaimVerdict::NotTested,
-    )
-}
-
-fn middle(table: &TableOne) -> [Claim; 2] {
+fn middle(table: &TableOne, words: &Words) -> Result<[Claim; 2], ClaimError> {
     let (middle, _) = split(table);
-    let [mean, single] = PAPER_MIDDLE_BOUNDS;
-    let row = |words: &str, paper: String, of: &dyn Fn(&TableOneRow) -> f64, bound: f64| {
-        claim(
-            words,
-            paper,
-            listed(&middle, of),
-            how(table),
-            format!("each less than {}", percent(bound)),
-            figure(!middle.is_empty() && middle.iter().all(|row| of(row) < bound)),
-        )
+    let row = |key: &str, of: fn(&TableOneRow) -> f64, bound: f64| {
+        let ours = listed(middle.iter().copied(), of);
+        let paper = listed(middle.iter().copied(), papers);
+        let holds = !middle.is_empty() && middle.iter().all(|row| of(row) < bound);
+        words.claim(key, figure(holds), context! { ours, paper, bound, angle_deg => table.angle_deg })
     };
-    [
-        row(
-            "\"the average sensing error at nodes 18, 20, and 22 is less than 3%\" (sec. V-B)",
-            listed(&middle, |row| row.paper_mean_error),
-            &|row| row.mean_error,
-            mean,
-        ),
-        row(
-            "\"even the maximum error at these three nodes is less than 5%\" (sec. V-B)",
-            percent(single),
-            &largest,
-            single,
-        ),
-    ]
+    let [mean, single] = PAPER_MIDDLE_BOUNDS;
+    Ok([row("middle-mean", |row| row.mean_error, mean)?, row("middle-largest", largest, single)?])
 }
 
-fn ends(table: &TableOne, twin: Option<&TwinStudy>) -> Vec<Claim> {
+fn ends(table: &TableOne, twin: Option<&TwinStudy>, words: &Words) -> Result<Vec<Claim>, ClaimError> {
     let (_, ends) = split(table);
+    let angle_deg = table.angle_deg;
     let pairs: Vec<(f64, f64)> = ends.iter().map(|row| (row.mean_error, row.paper_mean_error)).collect();
-    let mut claims = vec![claim(
-        "\"these errors are not random errors but systemic errors, which are caused by the nonlinearity of the compliant finger\" (sec. V-B, \
-         Table I)",
-        listed(&ends, |row| row.paper_mean_error),
-        listed(&ends, |row| row.mean_error),
-        how(table),
-        "at each more than half of the paper's error; a nonlinear material is not tested",
-        figure(accounts_for(&pairs)),
-    )];
     let positive = ends.iter().filter(|row| row.errors.iter().all(|error| *error > 0.0)).count();
-    claims.push(claim(
-        "\"the sensed forces at nodes 14, 16, and 24 are all larger than the ground truths\" (sec. V-B)",
-        "all",
-        format!("at {positive} of {} nodes", ends.len()),
-        how(table),
-        "under every weight at every one of them",
-        figure(!ends.is_empty() && positive == ends.len()),
-    ));
-    let on_twin = |node: usize, of: &dyn Fn(&TableOneRow) -> String| {
-        let row = twin.and_then(|twin| row_at(&twin.after, node));
-        row.map_or_else(String::new, |row| format!("; on the finger fitted to the means, {}", of(row)))
-    };
+    let too_large = figure(!ends.is_empty() && positive == ends.len());
+    let [paper, ours] = [papers, |row: &TableOneRow| row.mean_error].map(|of| listed(ends.iter().copied(), of));
+    let mut claims = vec![
+        words.claim("systematic", figure(accounts_for(&pairs)), context! { paper, ours, angle_deg })?,
+        words.claim("too-large", too_large, context! { positive, nodes => ends.len(), angle_deg })?,
+    ];
+    let on_twin = |node: usize| twin.and_then(|twin| row_at(&twin.after, node));
     if let Some(row) = row_at(table, 14) {
-        let in_words = |row: &TableOneRow| between(row.range(), percent);
         let off = worst(row.range().iter().zip(PAPER_RANGE_AT_14).map(|(ours, paper)| (ours - paper).abs()));
-        claims.push(claim(
-            "\"although nearly all errors at node 14 exceed 50%, their variation is small, which ranges from 49.6 to 63.7%\" (sec. V-B)",
-            between(PAPER_RANGE_AT_14, percent),
-            format!("{}{}", in_words(row), on_twin(14, &in_words)),
-            how(table),
-            format!("both ends within {} of the paper's, on the uniform finger", percent(SAME_ERROR)),
-            figure(off < SAME_ERROR),
-        ));
+        let numbers = context! {
+            paper => PAPER_RANGE_AT_14, ours => row.range(), twin => on_twin(14).map(TableOneRow::range),
+            same => SAME_ERROR, angle_deg,
+        };
+        claims.push(words.claim("range-at-14", figure(off < SAME_ERROR), numbers)?);
     }
     for (node, paper) in PAPER_LARGEST_ERRORS {
         let Some(row) = row_at(table, node.0) else { continue };
-        let in_words = |row: &TableOneRow| percent(largest(row));
-        claims.push(claim(
-            format!("\"the maximum sensing error at nodes 16 and 24 reaches 18% and 24.2%\" (sec. V-B): node {node}"),
-            percent(paper),
-            format!("{}{}", in_words(row), on_twin(node.0, &in_words)),
-            how(table),
-            format!("within {} of the paper's, on the uniform finger", percent(SAME_ERROR)),
-            figure((largest(row) - paper).abs() < SAME_ERROR),
-        ));
+        let (ours, twin) = (largest(row), on_twin(node.0).map(largest));
+        let numbers = context! { node => node.0, paper, ours, twin, same => SAME_ERROR, angle_deg };
+        claims.push(words.claim("largest-at", figure((ours - paper).abs() < SAME_ERROR), numbers)?);
     }
-    claims
+    Ok(claims)
 }
 
 /// Errors of sensing on a finger that equals its model.
-fn noise(study: &Study, table: &TableOne) -> Option<Claim> {
-    let noise = study.noise.as_ref()?;
+fn noise(study: &Study, table: &TableOne, words: &Words) -> Result<Option<Claim>, ClaimError> {
+    let Some(noise) = &study.noise else { return Ok(None) };
     let (_, ends) = split(table);
     let ours = |row: &&TableOneRow| {
         let sensed = noise.single.iter().find(|sensed| sensed.nodes == [row.node])?;
-        Some((row.node, sensed.mean_error()?, row.paper_mean_error, sensed.refused))
+        let error = sensed.mean_error()?;
+        Some((context! { node => row.node, error, refused => sensed.refused }, (error, row.paper_mean_error)))
     };
-    let found: Vec<_> = ends.iter().map(ours).collect::<Option<_>>()?;
-    let words: Vec<String> = found
-        .iter()
-        .map(|(node, error, _, refused)| format!("{} at {node} ({refused} cases refused)", percent(*error)))
-        .collect();
-    let pairs: Vec<(f64, f64)> = found.iter().map(|(_, ours, paper, _)| (*ours, *paper)).collect();
-    Some(claim(
-        "\"the compliant finger ... had poor accuracy (error more than 20%) near the finger tip or base, especially the tip\" (sec. VII)",
-        listed(&ends, |row| row.paper_mean_error),
-        words.join(", "),
-        format!(
-            "simulated: nonlinear estimator, {} mm noise, forces of 0.5 to 3 N along the normal, on a finger that is as its model has it",
-            noise.noise_mm
-        ),
-        "at each less than the paper measured",
-        all_simulated(&pairs),
-    ))
+    let Some(found) = ends.iter().map(ours).collect::<Option<Vec<_>>>() else { return Ok(None) };
+    let (ours, pairs): (Vec<_>, Vec<_>) = found.into_iter().unzip();
+    let numbers = context! { paper => listed(ends, papers), ours, noise_mm => noise.noise_mm };
+    words.claim("poor-ends", all_simulated(&pairs), numbers).map(Some)
 }
 
 /// Conclusions of the paper from its errors, on a finger fitted to them.
-fn on_the_twin(table: &TableOne, twin: &TwinStudy) -> Vec<Claim> {
-    let all: Vec<&TableOneRow> = table.rows.iter().collect();
-    let after: Vec<&TableOneRow> = twin.after.rows.iter().collect();
+fn on_the_twin(table: &TableOne, twin: &TwinStudy, words: &Words) -> Result<[Claim; 3], ClaimError> {
     let moduli = moduli_mpa(&twin.finger);
-    let under = moduli.iter().filter(|modulus| **modulus < TPU_MPA[0]).count();
     let mean = |rows: &[&TableOneRow], factor: f64| {
         let errors = rows.iter().flat_map(|row| &row.errors).map(|error| ((1.0 + error) * factor - 1.0).abs());
         errors.sum::<f64>() / rows.iter().map(|row| row.errors.len()).sum::<usize>() as f64
@@ -184,52 +118,20 @@ fn on_the_twin(table: &TableOne, twin: &TwinStudy) -> Vec<Claim> {
         table.rows.iter().any(|row| row.node == sensing.node && row.paper_mean_error > MUCH_SHARE)
     };
     let compensated: Option<Vec<f64>> = twin.sensing.iter().filter(at_ends).map(|of| of.linear.mean_error()).collect();
-    let compensated = compensated.unwrap_or_default();
-    let how = "simulated: a finger with softer zones at base and tip, fitted to these six means; one of several sets of zones that fit";
-    vec![
-        claim(
-            "\"the real equivalent Young's modulus at the tip and base should be lower than the above-calibrated value\" (sec. V-B, inferred)",
-            listed(&all, |row| row.paper_mean_error),
-            listed(&after, |row| row.mean_error),
-            format!(
-                "{how}. A fit to the figures that it is to explain tests nothing; it shows that the guess suffices: {under} of its {} softened parts have less than the {} MPa that \
-                 the paper quotes for TPU (least: {:.1} MPa)",
-                moduli.len(),
-                TPU_MPA[0],
-                moduli.iter().copied().fold(f64::INFINITY, f64::min)
-            ),
-            "",
-            ClaimVerdict::NotTested,
-        ),
-        claim(
-            "\"recalibration using more nodes is not recommended because this will decrease the sensing accuracy at the middle part, although \
-             it could improve the accuracy at the tip and base\" (sec. V-B)",
-            "no figure",
-            format!(
-                "mean error {} in the middle becomes {}, {} at nodes 14, 16 and 24 becomes {}",
-                percent(middle[0]),
-                percent(middle[1]),
-                percent(ends[0]),
-                percent(ends[1])
-            ),
-            format!(
-                "{how}; eq. (11) from weights at nine nodes from 14 to 24 instead of three: {:.2} of the modulus",
-                twin.recalibrated
-            ),
-            "larger in the middle, smaller at the ends: the direction of the change, for which the paper has no size",
-            recalibration(middle, ends),
-        ),
-        claim(
-            "\"the above errors are also possible to be well compensated by various methods, such as using nonconstant Young's modulus\" \
-             (sec. V-B)",
-            "no figure",
-            compensated.iter().map(|error| percent(*error)).collect::<Vec<_>>().join(", ") + " at 14, 16 and 24",
-            format!(
-                "{how}; linear least squares with zones calibrated from simulated weights, random forces, {} mm noise",
-                twin.noise_mm
-            ),
-            format!("each less than {}", percent(MUCH_SHARE)),
-            in_simulation(!compensated.is_empty() && compensated.iter().all(|error| *error < MUCH_SHARE)),
-        ),
-    ]
+    let errors = compensated.unwrap_or_default();
+    let softer = context! {
+        paper => listed(&table.rows, papers),
+        ours => listed(&twin.after.rows, |row| row.mean_error),
+        under => moduli.iter().filter(|modulus| **modulus < TPU_MPA[0]).count(),
+        parts => moduli.len(),
+        tpu_mpa => TPU_MPA[0],
+        least_mpa => moduli.iter().copied().fold(f64::INFINITY, f64::min),
+    };
+    let recalibrated = context! { middle, ends, recalibrated => twin.recalibrated };
+    let well = in_simulation(!errors.is_empty() && errors.iter().all(|error| *error < MUCH_SHARE));
+    Ok([
+        words.claim("softer-ends", ClaimVerdict::NotTested, softer)?,
+        words.claim("recalibration", recalibration(middle, ends), recalibrated)?,
+        words.claim("compensated", well, context! { errors, noise_mm => twin.noise_mm, much => MUCH_SHARE })?,
+    ])
 }

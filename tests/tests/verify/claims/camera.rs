@@ -1,8 +1,13 @@
 //! Verdicts on the camera's error of position.
 
-use finray_verify::claims::ClaimVerdict;
 use finray_verify::claims::camera::position_error;
+use finray_verify::claims::{ClaimVerdict, Words};
 use finray_verify::experiments::camera::{AS_IT_IS, CameraRow, CameraStudy};
+
+fn verdict(camera: Option<&CameraStudy>) -> ClaimVerdict {
+    let words = Words::shipped().expect("words of the claims");
+    position_error(camera, &words).expect("all numbers").verdict
+}
 
 fn with(largest_mm: f64, found: usize) -> ClaimVerdict {
     let row = CameraRow {
@@ -29,7 +34,7 @@ fn with(largest_mm: f64, found: usize) -> ClaimVerdict {
         px_a_mm: Some(8.0),
         times: None,
     };
-    position_error(Some(&study)).verdict
+    verdict(Some(&study))
 }
 
 #[test]
@@ -37,5 +42,5 @@ fn a_marker_that_is_lost_or_far_off_betters_nothing() {
     assert_eq!(with(0.004, 46), ClaimVerdict::LessInSimulation);
     assert_eq!(with(0.15, 46), ClaimVerdict::NotReproduced);
     assert_eq!(with(0.004, 45), ClaimVerdict::NotReproduced);
-    assert_eq!(position_error(None).verdict, ClaimVerdict::NotTested);
+    assert_eq!(verdict(None), ClaimVerdict::NotTested);
 }

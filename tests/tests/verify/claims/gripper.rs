@@ -1,7 +1,7 @@
 //! Verdicts on the gripper of Table II, from what is recorded of the paper's network.
 
-use finray_verify::claims::ClaimVerdict;
 use finray_verify::claims::gripper::{in_the_conclusion, of_the_papers_network};
+use finray_verify::claims::{ClaimVerdict, Words};
 use finray_verify::experiments::networks::paper::{Figure, OverSeeds, PAPER_RECIPES, figures};
 use finray_verify::experiments::networks::records::Records;
 use finray_verify::settings::CAMERA_NOISE_MM;
@@ -9,26 +9,30 @@ use finray_verify::settings::CAMERA_NOISE_MM;
 /// Recorded 7 to 11 % where the paper has 29.8 % is a miss; 29 % would be none.
 #[test]
 fn what_the_network_misses_is_not_reproduced() {
+    let words = &Words::shipped().expect("words of the claims");
     let records = Records::shipped().expect("records").recipes;
     let all = figures(&records, PAPER_RECIPES[0], CAMERA_NOISE_MM).expect("all five");
     let apart = all.iter().find(|figure| figure.paper == 0.298).expect("nodes apart");
-    let verdict = |ours: &Figure| of_the_papers_network(ours, None, &[&[18, 20]], CAMERA_NOISE_MM).verdict;
+    let verdict = |ours: &Figure| {
+        of_the_papers_network(ours, None, &[&[18, 20]], CAMERA_NOISE_MM, words).expect("all numbers").verdict
+    };
     assert_eq!(verdict(apart), ClaimVerdict::NotReproduced);
     let near = Figure { recorded: OverSeeds { mean: 0.29, ..apart.recorded }, ..apart.clone() };
     assert_eq!(verdict(&near), ClaimVerdict::Reproduced);
     // Of the two scalings that the paper may have taken, one gives its figure and the other does not.
-    let of_both =
-        |ours: &Figure, other: &Figure| of_the_papers_network(ours, Some(other), &[&[18, 20]], CAMERA_NOISE_MM).verdict;
+    let of_both = |ours: &Figure, other: &Figure| {
+        of_the_papers_network(ours, Some(other), &[&[18, 20]], CAMERA_NOISE_MM, words).expect("all numbers").verdict
+    };
     assert_eq!(of_both(apart, &near), ClaimVerdict::Depends);
     assert_eq!(of_both(&near, &near), ClaimVerdict::Reproduced);
-    let [sums, each] = in_the_conclusion(&all, &[], CAMERA_NOISE_MM);
+    let [sums, each] = in_the_conclusion(&all, &[], CAMERA_NOISE_MM, words).expect("all numbers");
     assert_eq!(each.verdict, ClaimVerdict::NotReproduced, "{each:?}");
     let over = |all: &[Figure]| -> Vec<Figure> {
         let raised = |figure: &Figure| OverSeeds { mean: figure.recorded.mean + 0.3, ..figure.recorded };
         all.iter().map(|figure| Figure { recorded: raised(figure), ..figure.clone() }).collect()
     };
-    let [raised_sums, raised_each] = in_the_conclusion(&over(&all), &[], CAMERA_NOISE_MM);
-    let [between, _] = in_the_conclusion(&all, &over(&all), CAMERA_NOISE_MM);
+    let [raised_sums, raised_each] = in_the_conclusion(&over(&all), &[], CAMERA_NOISE_MM, words).expect("all numbers");
+    let [between, _] = in_the_conclusion(&all, &over(&all), CAMERA_NOISE_MM, words).expect("all numbers");
     assert_eq!(between.verdict, ClaimVerdict::Depends, "{between:?}");
     assert!(between.ours.contains("scaled by spread"), "{between:?}");
     assert_eq!((raised_sums.verdict, raised_each.verdict), (ClaimVerdict::NotReproduced, ClaimVerdict::Reproduced));

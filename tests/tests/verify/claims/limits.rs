@@ -1,9 +1,13 @@
 //! Limits that the paper states, on its finger.
 
 use finray_model::{Finger, Scene};
-use finray_verify::claims::ClaimVerdict;
 use finray_verify::claims::experiments::Exchanged;
 use finray_verify::claims::limits::{all_at_once, grows, torque, unknown_direction, wrong_direction};
+use finray_verify::claims::{ClaimVerdict, Words};
+
+fn words() -> Words {
+    Words::shipped().expect("words of the claims")
+}
 
 fn paper() -> Finger {
     Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the paper's scene").finger
@@ -12,17 +16,17 @@ fn paper() -> Finger {
 /// At -12.5 deg the error is 2.6 to 4.0 %, above the paper's maximum at every node.
 #[test]
 fn a_wrong_direction_is_judged_on_both_sides() {
-    let row = wrong_direction(&paper()).expect("sensed");
+    let row = wrong_direction(&paper(), &words()).expect("sensed");
     assert_eq!(row.verdict, ClaimVerdict::Refuted);
     assert!(row.ours.contains("towards the base 2.6 % to 4.0 % (at 11 of 11)"), "{}", row.ours);
 }
 
 #[test]
 fn nodes_are_counted() {
-    for row in [unknown_direction(&paper()), torque(&paper())].map(|row| row.expect("sensed")) {
+    for row in [unknown_direction(&paper(), &words()), torque(&paper(), &words())].map(|row| row.expect("sensed")) {
         assert!(row.ours.contains("of 11 nodes"), "{}", row.ours);
     }
-    assert!(all_at_once(&paper()).expect("sensed").ours.contains("of 12 nodes"));
+    assert!(all_at_once(&paper(), &words()).expect("sensed").ours.contains("of 12 nodes"));
 }
 
 #[test]

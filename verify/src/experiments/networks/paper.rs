@@ -6,6 +6,7 @@
 use crate::experiments::networks::records::RecipeRow;
 use crate::experiments::table_two::{CONTACT_GROUPS, ContactGroup};
 use crate::truths::TruthId;
+use serde::Serialize;
 
 /// The recorded recipes that follow the paper, by their scaling of displacements: by the largest, or by their spread.
 pub const PAPER_RECIPES: [&str; 2] = ["a", "a, by spread"];
@@ -20,7 +21,7 @@ pub fn reproduces(paper: f64, ours: f64) -> bool {
 }
 
 /// A recorded mean error over the sets of a group.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct OverSeeds {
     /// Mean over the seeds.
     pub mean: f64,
