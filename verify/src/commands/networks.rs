@@ -5,7 +5,8 @@ use clap::ValueEnum;
 use finray_model::sensing::Contact;
 use finray_model::sensing::network::TestError;
 use finray_model::{Finger, Scene};
-use finray_verify::experiments::networks::recipes::{self, RecipesError};
+use finray_verify::experiments::ExperimentError;
+use finray_verify::experiments::networks::recipes;
 use finray_verify::experiments::networks::shipping::{Shipping, shipping};
 use finray_verify::files::{csv_text, require_folder, write_folder};
 use rayon::prelude::*;
@@ -95,7 +96,7 @@ fn shipped(finger: &Finger) -> Result<Files, Failure> {
     Ok(files)
 }
 
-fn failed(error: RecipesError) -> Failure {
+fn failed(error: ExperimentError) -> Failure {
     Failure::NotComputed(error.to_string())
 }
 

@@ -30,16 +30,9 @@ pub(super) const RIDGE: EstimatorRow = EstimatorRow {
     name: "ridge",
     label: "ridge",
     help: "Least squares with the paper's range of forces as a prior",
-    is_linear: true,
-    searches: false,
-    at_nodes: false,
-    needs: "position and direction of the contact",
-    refuses: "contacts that are not identifiable",
-    unseen_contacts: "any",
-    mesh: Mesh::key_nodes,
     on: |mesh, _| Box::new(BeamEstimator::ridge(mesh)),
-    admits: |finger, contacts, _| known_contacts(finger, contacts).map(drop),
     answer: |finger, question| answer(finger, question, Prior::PAPER),
+    ..LEAST_SQUARES
 };
 
 fn answer(finger: &Finger, question: &Question, prior: Prior) -> Result<Answer, EstimatorError> {

@@ -1,8 +1,8 @@
 //! The lattice: its error with the causes, its cost, and sensing of its shapes.
 
 use super::contact_scene::objects::Objects;
-use super::contact_scene::study::{SceneStudy, SceneStudyError};
-use super::{Context, Evidence};
+use super::contact_scene::study::SceneStudy;
+use super::{Context, Evidence, ExperimentError};
 use crate::check::{Check, Comparison, EXACT_COUNT, Kind, worst};
 use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorId};
 use crate::lattice::accuracy::{FinenessRow, LoadGrid, study};
@@ -148,7 +148,7 @@ impl Evidence for LatticeStudy {
 pub fn run_beside_objects(
     context: &Context,
     maps: &[AccuracyMap],
-) -> Result<(Option<LatticeStudy>, Vec<SceneStudy>), LatticeStudyError> {
+) -> Result<(Option<LatticeStudy>, Vec<SceneStudy>), ExperimentError> {
     let of_beams = |map: &&AccuracyMap| {
         map.truth == TruthId::Corotational && map.estimator == EstimatorId::LeastSquares && map.noise_mm == 0.0
     };
@@ -163,17 +163,6 @@ pub fn run_beside_objects(
     };
     let (lattice, scenes) = rayon::join(|| theirs.map(settled).transpose(), || objects.press(context.progress));
     Ok((lattice?, scenes?))
-}
-
-/// Why the lattice or an object could not be studied.
-#[derive(Debug, thiserror::Error)]
-pub enum LatticeStudyError {
-    /// The lattice.
-    #[error(transparent)]
-    Lattice(#[from] ProblemError),
-    /// An object.
-    #[error("contact scene: {0}")]
-    Object(#[from] SceneStudyError),
 }
 
 impl LatticeStudy {

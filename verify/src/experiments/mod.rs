@@ -26,11 +26,19 @@ pub mod table_two;
 pub mod twin;
 
 use crate::check::{Check, Comparison};
+use crate::estimators::EstimatorError;
 use crate::estimators::network::Networks;
+use crate::problems::ProblemError;
 use crate::settings::{Effort, Progress};
-use crate::truths::MeshTruth;
-use contact_scene::study::SceneWithOutline;
-use finray_model::{Finger, Mesh};
+use crate::truths::{MeshTruth, TwinError};
+use contact_scene::study::{SceneStudyError, SceneWithOutline};
+use finray_model::calibration::CalibrationError;
+use finray_model::finger::ImpossibleFinger;
+use finray_model::mesh::{LoadError, MeshSizeError};
+use finray_model::sensing::SensingError;
+use finray_model::sensing::network::NetworkError;
+use finray_model::statics::StaticsError;
+use finray_model::{Finger, Mesh, NodeId};
 
 /// Input of every experiment of a report.
 #[derive(Clone, Copy)]
@@ -60,6 +68,56 @@ impl Context<'_> {
     pub fn noise_levels_mm(&self) -> Vec<f64> {
         if self.noise_mm > 0.0 { vec![0.0, self.noise_mm] } else { vec![0.0] }
     }
+}
+
+/// Why an experiment could not be finished.
+#[derive(Debug, thiserror::Error)]
+pub enum ExperimentError {
+    /// A finger could not be meshed.
+    #[error(transparent)]
+    Mesh(#[from] MeshSizeError),
+    /// A finger could not be solved.
+    #[error(transparent)]
+    Statics(#[from] StaticsError),
+    /// A finger with other zones or modulus is impossible.
+    #[error(transparent)]
+    Finger(#[from] ImpossibleFinger),
+    /// A contact is not on the finger.
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    /// A modulus or zones could not be calibrated.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationError),
+    /// A contact cannot be sensed.
+    #[error(transparent)]
+    Sensing(#[from] SensingError),
+    /// An estimator refuses what it is made for.
+    #[error(transparent)]
+    Estimator(#[from] EstimatorError),
+    /// A network does not read.
+    #[error(transparent)]
+    Network(#[from] NetworkError),
+    /// A network could not be trained.
+    #[cfg(feature = "train")]
+    #[error(transparent)]
+    Train(#[from] finray_model::train::TrainError),
+    /// There is no twin.
+    #[error(transparent)]
+    Twin(#[from] TwinError),
+    /// A reference problem, or the lattice.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+    /// An object.
+    #[error("contact scene: {0}")]
+    Object(#[from] SceneStudyError),
+    /// A finger cannot carry a weight.
+    #[error("the finger cannot carry {weight_g} g at node {node}")]
+    NotCarried {
+        /// The loaded node.
+        node: NodeId,
+        /// The weight, g.
+        weight_g: f64,
+    },
 }
 
 /// Evidence from results: checks, and comparisons without a tolerance.

@@ -1,12 +1,12 @@
 //! The protocol of Table I of Xu et al. (2021): weights on a single finger, force sensed by the linear model.
 
-use super::{Context, Evidence};
+use super::{Context, Evidence, ExperimentError};
 use crate::settings::TABLE_ONE_ANGLES_DEG;
 use crate::truths::{Truth, TruthId};
-use finray_model::calibration::{self, CalibrationCase, CalibrationError};
+use finray_model::calibration::{self, CalibrationCase};
 use finray_model::measurement::Measurement;
 use finray_model::mesh::FingerShape;
-use finray_model::sensing::{Contact, ContactPosition, LinearEstimator, Prior, SensingError};
+use finray_model::sensing::{Contact, ContactPosition, LinearEstimator, Prior};
 use finray_model::{Finger, NodeId};
 use serde::Serialize;
 
@@ -73,35 +73,13 @@ pub struct TableOne {
     pub rows: Vec<TableOneRow>,
 }
 
-/// Why the protocol could not be run.
-#[derive(Debug, thiserror::Error)]
-pub enum TableOneError {
-    /// The modulus could not be calibrated.
-    #[error(transparent)]
-    Calibration(#[from] CalibrationError),
-    /// A force could not be sensed.
-    #[error(transparent)]
-    Sensing(#[from] SensingError),
-    /// The calibrated finger is impossible.
-    #[error(transparent)]
-    Finger(#[from] finray_model::finger::ImpossibleFinger),
-    /// The truth cannot carry a weight.
-    #[error("the finger cannot carry {weight_g} g at node {node}")]
-    NoEquilibrium {
-        /// The loaded node.
-        node: NodeId,
-        /// The weight, g.
-        weight_g: f64,
-    },
-}
-
 impl Evidence for TableOne {}
 
 /// Table I for each assumed direction, on the co-rotational finger; of the paper's finger alone.
 ///
 /// # Errors
-/// [`TableOneError`] if the finger cannot carry a weight.
-pub fn run(context: &Context) -> Result<Vec<TableOne>, TableOneError> {
+/// [`ExperimentError`] if the finger cannot carry a weight.
+pub fn run(context: &Context) -> Result<Vec<TableOne>, ExperimentError> {
     if !context.is_paper {
         return Ok(Vec::new());
     }
@@ -117,8 +95,8 @@ pub fn run(context: &Context) -> Result<Vec<TableOne>, TableOneError> {
 /// Runs the protocol: calibrates the modulus on the truth, then senses each weight at each node without noise.
 ///
 /// # Errors
-/// [`TableOneError`] if a weight cannot be carried or sensed.
-pub fn table_one(finger: &Finger, truth: &dyn Truth, angle_deg: f64) -> Result<TableOne, TableOneError> {
+/// [`ExperimentError`] if a weight cannot be carried or sensed.
+pub fn table_one(finger: &Finger, truth: &dyn Truth, angle_deg: f64) -> Result<TableOne, ExperimentError> {
     let forces_n = WEIGHTS_G.map(weight_n);
     let modulus_factor = modulus_factor(finger, truth, angle_deg, &CALIBRATION_NODES)?;
     let calibrated = finger.with_modulus_factor(modulus_factor)?;
@@ -144,13 +122,13 @@ pub fn table_one(finger: &Finger, truth: &dyn Truth, angle_deg: f64) -> Result<T
 /// Young's modulus by eq. (11) from the truth's shapes under the weights at some nodes, as a factor on the finger's.
 ///
 /// # Errors
-/// [`TableOneError`] if a weight cannot be carried.
+/// [`ExperimentError`] if a weight cannot be carried.
 pub fn modulus_factor(
     finger: &Finger,
     truth: &dyn Truth,
     angle_deg: f64,
     nodes: &[NodeId],
-) -> Result<f64, TableOneError> {
+) -> Result<f64, ExperimentError> {
     let mut cases = Vec::new();
     for &node in nodes {
         let (contact, shapes) = shapes(truth, node, angle_deg)?;
@@ -162,12 +140,26 @@ pub fn modulus_factor(
     Ok(calibration::youngs_modulus(finger, &cases)?.factor)
 }
 
+/// Shapes under the weights along the normal at some nodes, as far as the truth carries them.
+pub fn weighed(finger: &Finger, truth: &dyn Truth, nodes: &[NodeId]) -> Vec<CalibrationCase> {
+    let under = |&node: &NodeId| {
+        let contact = Contact::at_node(node);
+        let shapes = truth.shapes(&contact, &WEIGHTS_G.map(weight_n));
+        let case = move |(shape, weight_g)| CalibrationCase {
+            load: contact.load(finger, weight_n(weight_g)),
+            measurement: Measurement::of_shape(finger, &shape),
+        };
+        shapes.into_iter().zip(WEIGHTS_G).map(case).collect::<Vec<_>>()
+    };
+    nodes.iter().flat_map(under).collect()
+}
+
 /// The truth's shapes under the weights at a node.
-fn shapes(truth: &dyn Truth, node: NodeId, angle_deg: f64) -> Result<(Contact, Vec<FingerShape>), TableOneError> {
+fn shapes(truth: &dyn Truth, node: NodeId, angle_deg: f64) -> Result<(Contact, Vec<FingerShape>), ExperimentError> {
     let contact = Contact { position: ContactPosition::Node(node), angle_deg };
     let shapes = truth.shapes(&contact, &WEIGHTS_G.map(weight_n));
     match WEIGHTS_G.get(shapes.len()) {
-        Some(&weight_g) => Err(TableOneError::NoEquilibrium { node, weight_g }),
+        Some(&weight_g) => Err(ExperimentError::NotCarried { node, weight_g }),
         None => Ok((contact, shapes)),
     }
 }

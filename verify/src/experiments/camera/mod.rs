@@ -8,16 +8,16 @@
 mod conditions;
 
 use super::response::{ContactForce, RespondingFinger};
-use super::{Context, Evidence};
+use super::{Context, Evidence, ExperimentError};
 use crate::check::{Check, Kind};
 use conditions::{CONDITIONS, Change, Condition};
 use finray_imaging::locate::Locator;
 use finray_imaging::render::{RenderRequest, render};
 use finray_model::camera::Camera;
 use finray_model::measurement::{Marker, Measurement};
-use finray_model::mesh::{FingerShape, LoadError};
+use finray_model::mesh::FingerShape;
 use finray_model::scene::{MarkerLook, Markers};
-use finray_model::sensing::{Contact, NonlinearEstimator, SensingError};
+use finray_model::sensing::{Contact, NonlinearEstimator};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector, statics};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -101,23 +101,12 @@ pub struct FrameTimes {
     pub track_s: f64,
 }
 
-/// Why the study could not be done.
-#[derive(Debug, thiserror::Error)]
-pub enum CameraStudyError {
-    /// A contact is not on the finger.
-    #[error(transparent)]
-    Load(#[from] LoadError),
-    /// A contact cannot be sensed.
-    #[error(transparent)]
-    Sensing(#[from] SensingError),
-}
-
 /// For scenes with a camera and coloured markers, and for the paper's finger with a camera that is assumed. What rims of grey markers cost is not
 /// studied.
 ///
 /// # Errors
-/// [`CameraStudyError`] if a contact cannot be loaded or sensed. What no image shows is a row that is refused.
-pub fn run(context: &Context) -> Result<Option<CameraStudy>, CameraStudyError> {
+/// [`ExperimentError`] if a contact cannot be loaded or sensed. What no image shows is a row that is refused.
+pub fn run(context: &Context) -> Result<Option<CameraStudy>, ExperimentError> {
     let assumed = context.is_paper.then(|| Scene::from_toml(finray_fixtures::CAMERA_SCENE).ok()).flatten();
     let scene = &context.given.scene;
     let seen_by = |scene: &Scene| {
@@ -145,7 +134,7 @@ struct Seen {
 }
 
 impl CameraStudy {
-    fn run(context: &Context, camera: &Camera, markers: &Markers) -> Result<CameraStudy, CameraStudyError> {
+    fn run(context: &Context, camera: &Camera, markers: &Markers) -> Result<CameraStudy, ExperimentError> {
         let finger = context.finger;
         let mesh = Mesh::key_nodes(finger);
         let (most_nodes, most_conditions) = context.effort.camera();
@@ -175,7 +164,7 @@ impl CameraStudy {
             context.progress.step();
             row
         };
-        let rows: Result<Vec<CameraRow>, CameraStudyError> = conditions.par_iter().map(row).collect();
+        let rows: Result<Vec<CameraRow>, ExperimentError> = conditions.par_iter().map(row).collect();
         let rows = rows?;
         // One after the other, with nothing beside it.
         let times = asked.first().and_then(|bent| frame_times(finger, &bent.shape, camera, markers));
@@ -201,7 +190,7 @@ impl CameraStudy {
 }
 
 /// `None` where the finger does not carry the force.
-fn bent(responding: &mut RespondingFinger, mesh: &Mesh, node: NodeId) -> Result<Option<Bent>, CameraStudyError> {
+fn bent(responding: &mut RespondingFinger, mesh: &Mesh, node: NodeId) -> Result<Option<Bent>, ExperimentError> {
     let finger = mesh.finger();
     let contact = Contact::at_node(node);
     let force = ContactForce { contact, along_n: FORCE_N, across_n: 0.0, lever_mm: 0.0 };
@@ -219,7 +208,7 @@ fn condition_row(
     condition: &Condition,
     camera: &Camera,
     markers: &Markers,
-) -> Result<CameraRow, CameraStudyError> {
+) -> Result<CameraRow, ExperimentError> {
     let finger = mesh.finger();
     let free = finger.marked_nodes().count();
     let mut errors_mm: Vec<f64> = Vec::new();

@@ -4,6 +4,7 @@ use super::models::{Bending, Known, Models};
 use super::{Cause, CauseCell, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM, Practice, REMEDIES};
 use crate::settings::LEAST_STATED_MM;
 use crate::truths::Truth;
+use finray_model::Finger;
 use finray_model::finger::Plate;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, ContactPosition, LinearEstimator, NonlinearEstimator, Prior};
@@ -63,6 +64,23 @@ pub(super) fn cells(
     sensors.iter().map(of_sensor).collect()
 }
 
+/// Contacts off to both sides in position and in direction where asked for, as far as the plate reaches.
+pub(super) fn beside(finger: &Finger, s_mm: f64, angle_deg: f64, [position, direction]: [bool; 2]) -> Vec<Contact> {
+    let sides = |off: bool, by: f64| if off { vec![-by, by] } else { vec![0.0] };
+    let length_mm = finger.plate_length_mm(Plate::Front);
+    let mut contacts = Vec::new();
+    for off_mm in sides(position, POSITION_OFF_MM) {
+        for off_deg in sides(direction, DIRECTION_OFF_DEG) {
+            let position_mm = s_mm + off_mm;
+            if position_mm > 0.0 && position_mm <= length_mm {
+                let position = ContactPosition::At(position_mm);
+                contacts.push(Contact { position, angle_deg: angle_deg + off_deg });
+            }
+        }
+    }
+    contacts
+}
+
 /// Mean square of sensed / true - 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Squared {
@@ -118,7 +136,8 @@ impl Sensor<'_> {
             modulus: !on(Cause::Modulus),
             bending: self.bending(off),
         };
-        let assumed = self.assumed(s_mm, angle_deg, on(Cause::Position), on(Cause::Direction));
+        let off = [on(Cause::Position), on(Cause::Direction)];
+        let assumed = beside(self.models.finger(), s_mm, angle_deg, off);
         let mut sums = vec![Some(Squared { bias: 0.0, noise: 0.0 }); forces_n.len()];
         for contact in &assumed {
             let errors = self.sense(known, contact, seen, forces_n);
@@ -140,23 +159,6 @@ impl Sensor<'_> {
         } else {
             Bending::Coarse
         }
-    }
-
-    /// The assumed contacts: off to both sides, as far as the plate reaches.
-    fn assumed(&self, s_mm: f64, angle_deg: f64, position_off: bool, direction_off: bool) -> Vec<Contact> {
-        let sides = |off: bool, by: f64| if off { vec![-by, by] } else { vec![0.0] };
-        let length_mm = self.models.finger().plate_length_mm(Plate::Front);
-        let mut contacts = Vec::new();
-        for position_off_mm in sides(position_off, POSITION_OFF_MM) {
-            for direction_off_deg in sides(direction_off, DIRECTION_OFF_DEG) {
-                let assumed_mm = s_mm + position_off_mm;
-                if assumed_mm > 0.0 && assumed_mm <= length_mm {
-                    let position = ContactPosition::At(assumed_mm);
-                    contacts.push(Contact { position, angle_deg: angle_deg + direction_off_deg });
-                }
-            }
-        }
-        contacts
     }
 
     /// Squared errors of what one model senses, a value a shape.

@@ -13,14 +13,10 @@ mod run;
 
 pub use run::run;
 
+use super::ExperimentError;
 use crate::estimators::EstimatorId;
 use crate::truths::{MeshTruth, TruthId, fine_mesh};
 use cell::Sensor;
-use finray_model::calibration::CalibrationError;
-use finray_model::finger::ImpossibleFinger;
-use finray_model::mesh::MeshSizeError;
-use finray_model::sensing::SensingError;
-use finray_model::statics::StaticsError;
 use finray_model::{Finger, Kinematics};
 use models::{End, Models};
 use rayon::prelude::*;
@@ -179,12 +175,6 @@ impl CauseCell {
         let known = self.shares.iter().enumerate().filter_map(|(i, share)| Some((i, (*share)?)));
         known.filter(|(_, share)| *share > 0.0).max_by(|a, b| a.1.total_cmp(&b.1))
     }
-
-    /// The error that goes away with a cause, root mean square of sensed / true - 1; none for a cause that hides others.
-    pub fn error_of(&self, cause: usize) -> Option<f64> {
-        let share = (*self.shares.get(cause)?)?;
-        Some(self.rms_error? * share.max(0.0).sqrt())
-    }
 }
 
 /// What a user can do about errors, one after the other, with the causes that each takes away: knowing zones and modulus, then position
@@ -212,40 +202,17 @@ pub struct CauseMap {
     pub cells: Vec<CauseCell>,
 }
 
-/// Why causes could not be studied.
-#[derive(Debug, thiserror::Error)]
-pub enum CauseError {
-    /// The finger could not be meshed.
-    #[error(transparent)]
-    Mesh(#[from] MeshSizeError),
-    /// The finger at rest could not be solved.
-    #[error(transparent)]
-    Statics(#[from] StaticsError),
-    /// A finger with other zones or modulus is impossible.
-    #[error(transparent)]
-    Finger(#[from] ImpossibleFinger),
-    /// The modulus could not be calibrated.
-    #[error(transparent)]
-    Calibration(#[from] CalibrationError),
-    /// A contact cannot be sensed.
-    #[error(transparent)]
-    Sensing(#[from] SensingError),
-    /// A network does not read.
-    #[error(transparent)]
-    Network(#[from] finray_model::sensing::network::NetworkError),
-}
-
 /// The causes of every practice on a true finger. `progress` is called once for every position and direction.
 /// The result does not depend on the number of threads.
 ///
 /// # Errors
-/// [`CauseError`] if the finger at rest cannot be solved or its modulus not calibrated.
+/// [`ExperimentError`] if the finger at rest cannot be solved or its modulus not calibrated.
 pub fn causes(
     truth: TruthId,
     finger: &Finger,
     request: &CauseRequest,
     progress: &(dyn Fn() + Sync),
-) -> Result<Vec<CauseMap>, CauseError> {
+) -> Result<Vec<CauseMap>, ExperimentError> {
     let mesh = fine_mesh(finger)?;
     let pushed = MeshTruth::new(truth, &mesh, Kinematics::Corotational)?;
     let models = Models::of(finger, &pushed)?;

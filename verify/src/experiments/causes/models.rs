@@ -1,13 +1,10 @@
 //! What sensing takes the finger for: with zones known or not, its modulus calibrated or true.
 
-use super::CauseError;
 use crate::estimators::ELEMENTS;
-use crate::experiments::table_one::{WEIGHTS_G, weight_n};
+use crate::experiments::{ExperimentError, table_one};
 use crate::truths::Truth;
 use finray_model::calibration::{CalibrationCase, FactorModel, Unknown, factors};
 use finray_model::finger::{Part, Plate, Zone};
-use finray_model::measurement::Measurement;
-use finray_model::sensing::Contact;
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
 
 /// An end of the finger that may have zones of its own.
@@ -52,7 +49,7 @@ pub(super) struct Models {
 impl Models {
     /// All models of a true finger, calibrated on shapes of it under the paper's weights at nodes a third, half and two thirds
     /// of the way from the tip to the base: nodes 17, 19 and 21 of the paper's finger (sec. V-A).
-    pub fn of(finger: &Finger, truth: &dyn Truth) -> Result<Models, CauseError> {
+    pub fn of(finger: &Finger, truth: &dyn Truth) -> Result<Models, ExperimentError> {
         let cases = weighed(finger, truth);
         let mut meshes = Vec::new();
         for number in 0..Known::COUNT {
@@ -112,7 +109,7 @@ pub(super) fn has_zones(finger: &Finger, end: End) -> bool {
 }
 
 /// The finger with the zones that are known; what is not known is taken for uniform.
-pub(super) fn with_zones(finger: &Finger, base: bool, tip: bool) -> Result<Finger, CauseError> {
+pub(super) fn with_zones(finger: &Finger, base: bool, tip: bool) -> Result<Finger, ExperimentError> {
     let mut description = finger.description().clone();
     description.zones.retain(|zone| match end_of(finger, zone) {
         End::Base => base,
@@ -126,20 +123,15 @@ pub(super) fn weighed(finger: &Finger, truth: &dyn Truth) -> Vec<CalibrationCase
     let nodes: Vec<NodeId> = finger.contact_nodes().collect();
     let mut loaded = [nodes.len() / 3, nodes.len() / 2, 2 * nodes.len() / 3].map(|i| nodes[i]).to_vec();
     loaded.dedup();
-    let under = |node: NodeId| {
-        let contact = Contact::at_node(node);
-        let shapes = truth.shapes(&contact, &WEIGHTS_G.map(weight_n));
-        let case = move |(shape, weight_g)| CalibrationCase {
-            load: contact.load(finger, weight_n(weight_g)),
-            measurement: Measurement::of_shape(finger, &shape),
-        };
-        shapes.into_iter().zip(WEIGHTS_G).map(case).collect::<Vec<_>>()
-    };
-    loaded.into_iter().flat_map(under).collect()
+    table_one::weighed(finger, truth, &loaded)
 }
 
 /// The finger with the modulus that explains the shapes best; as it is where there are none.
-pub(super) fn calibrated(finger: &Finger, cases: &[CalibrationCase], bending: Bending) -> Result<Finger, CauseError> {
+pub(super) fn calibrated(
+    finger: &Finger,
+    cases: &[CalibrationCase],
+    bending: Bending,
+) -> Result<Finger, ExperimentError> {
     if cases.is_empty() {
         return Ok(finger.clone());
     }

@@ -3,20 +3,17 @@
 //! A network senses at the contact nodes and along the normal that it was made for, so here it is the true contact that is off, by as much as
 //! elsewhere the assumed one, and the true finger that is made uniform. The measurements are noisy.
 
-use super::cell::Squared;
+use super::cell::{Squared, beside};
 use super::models::{Bending, calibrated, weighed, with_zones};
-use super::{
-    Cause, CauseCell, CauseError, CauseMap, CauseRequest, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM,
-    Practice, present,
-};
+use super::{Cause, CauseCell, CauseMap, CauseRequest, ContactKnowledge, Practice, present};
 use crate::estimators::{ELEMENTS, Estimator};
+use crate::experiments::ExperimentError;
 use crate::sampling::noise::Noise;
 use crate::settings::LEAST_STATED_MM;
 use crate::truths::{MeshTruth, Truth, TruthId, fine_mesh};
-use finray_model::finger::Plate;
 use finray_model::frame::FrameMotion;
 use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, ContactPosition, NonlinearEstimator};
+use finray_model::sensing::{Contact, NonlinearEstimator};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
 use rayon::prelude::*;
 
@@ -28,7 +25,7 @@ const SEED: u64 = 1;
 /// the one that it was trained on; its modulus may be another, as forces are proportional to it.
 ///
 /// # Errors
-/// [`CauseError`] if a finger at rest cannot be solved or its modulus not calibrated.
+/// [`ExperimentError`] if a finger at rest cannot be solved or its modulus not calibrated.
 pub fn causes(
     truth: TruthId,
     finger: &Finger,
@@ -36,7 +33,7 @@ pub fn causes(
     network: &dyn Estimator,
     forces_n: &[f64],
     noise_mm: f64,
-) -> Result<CauseMap, CauseError> {
+) -> Result<CauseMap, ExperimentError> {
     let mut request = CauseRequest {
         practices: vec![(Practice::Network, ContactKnowledge::Assumed)],
         positions_mm: Vec::new(),
@@ -48,7 +45,7 @@ pub fn causes(
     let causes = present(Practice::Network, ContactKnowledge::Assumed, finger, &request);
     let worlds = causes.iter().map(|cause| Some(*cause)).chain([None]);
     let worlds: Vec<World> =
-        worlds.map(|off| World::without(off, truth, finger, believed)).collect::<Result<_, CauseError>>()?;
+        worlds.map(|off| World::without(off, truth, finger, believed)).collect::<Result<_, ExperimentError>>()?;
     let key_nodes = Mesh::key_nodes(finger);
     let at_rest = Measurement::of_shape(finger, &key_nodes.shape(&FrameMotion::at_rest(key_nodes.frame())));
     let nodes: Vec<NodeId> =
@@ -86,7 +83,12 @@ struct World {
 }
 
 impl World {
-    fn without(off: Option<Cause>, truth: TruthId, finger: &Finger, believed: &Finger) -> Result<World, CauseError> {
+    fn without(
+        off: Option<Cause>,
+        truth: TruthId,
+        finger: &Finger,
+        believed: &Finger,
+    ) -> Result<World, ExperimentError> {
         let finger = with_zones(finger, off != Some(Cause::BaseCompliance), off != Some(Cause::TipCompliance))?;
         let mesh = fine_mesh(&finger)?;
         let modulus = |finger: &Finger| finger.description().front.youngs_modulus_mpa;
@@ -110,7 +112,9 @@ impl World {
             return vec![None; forces_n.len()];
         };
         let finger = self.mesh.finger();
-        let contacts = true_contacts(finger, node, !off(Cause::Position), !off(Cause::Direction));
+        let Some(s_mm) = finger.front_position_mm(node) else { return Vec::new() };
+        // Where the force may act that is taken for one on the node along the normal.
+        let contacts = beside(finger, s_mm, 0.0, [!off(Cause::Position), !off(Cause::Direction)]);
         for contact in &contacts {
             let shapes = truth.shapes(contact, forces_n);
             let seen: Vec<_> = shapes.iter().map(|shape| Measurement::of_shape(finger, shape)).collect();
@@ -161,20 +165,4 @@ impl World {
         };
         seen.iter().zip(forces_n).map(squared).collect()
     }
-}
-
-/// Where the force may act that is taken for one on a node along the normal; as far as the plate reaches.
-fn true_contacts(finger: &Finger, node: NodeId, position_off: bool, direction_off: bool) -> Vec<Contact> {
-    let sides = |off: bool, by: f64| if off { vec![-by, by] } else { vec![0.0] };
-    let Some(s_mm) = finger.front_position_mm(node) else { return Vec::new() };
-    let mut contacts = Vec::new();
-    for position_off_mm in sides(position_off, POSITION_OFF_MM) {
-        for angle_deg in sides(direction_off, DIRECTION_OFF_DEG) {
-            let position_mm = s_mm + position_off_mm;
-            if position_mm <= finger.plate_length_mm(Plate::Front) {
-                contacts.push(Contact { position: ContactPosition::At(position_mm), angle_deg });
-            }
-        }
-    }
-    contacts
 }

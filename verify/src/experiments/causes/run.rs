@@ -2,9 +2,9 @@
 
 use super::ContactKnowledge::{Assumed, Known};
 use super::Practice::{LeastSquares, Nonlinear};
-use super::{CauseError, CauseMap, CauseRequest, causes, network};
+use super::{CauseMap, CauseRequest, causes, network};
 use crate::estimators::network::NetworkSensing;
-use crate::experiments::{Context, Evidence};
+use crate::experiments::{Context, Evidence, ExperimentError};
 use crate::sampling::sweep::Grid;
 use crate::settings::{DRAWN_FORCE_N, Effort, MAP_FORCES_N};
 use crate::truths::TruthId;
@@ -15,8 +15,8 @@ impl Evidence for CauseMap {}
 /// Maps for the finger, and for its twin where there is one; where networks ship for the finger, theirs too.
 ///
 /// # Errors
-/// [`CauseError`] if a finger at rest cannot be solved or its modulus not calibrated.
-pub fn run(context: &Context, twin: Option<&Finger>) -> Result<Vec<CauseMap>, CauseError> {
+/// [`ExperimentError`] if a finger at rest cannot be solved or its modulus not calibrated.
+pub fn run(context: &Context, twin: Option<&Finger>) -> Result<Vec<CauseMap>, ExperimentError> {
     let &Context { finger, noise_mm, effort, .. } = context;
     let (positions, step_deg, forces_n) = match effort {
         Effort::Quick => (12, 40.0, vec![DRAWN_FORCE_N]),

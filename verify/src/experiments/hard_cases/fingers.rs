@@ -1,14 +1,14 @@
 //! Fingers that are hard to solve.
 
 use super::soundness::{AGREEMENT, DIFFERENCE, Soundness, difference};
-use super::{Findings, Question, Unexpected};
+use super::{Findings, Question, Unexpected, middle};
 use crate::check::worst;
 use crate::settings::Effort;
 use crate::truths::FINE_MESH_NODES;
 use finray_model::finger::{FingerDescription, Part, Plate, RibPositions, Zone};
 use finray_model::frame::FrameMotion;
 use finray_model::statics::{Statics, StaticsError, solve};
-use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
+use finray_model::{Finger, Kinematics, Load, Mesh, Vector};
 
 pub(super) const QUESTIONS: &[Question] = &[
     Question {
@@ -92,11 +92,6 @@ fn with_thickness(finger: &Finger, thickness_mm: f64) -> Result<Finger, Unexpect
             strip.thickness_mm = thickness_mm;
         }
     })
-}
-
-fn middle(finger: &Finger) -> NodeId {
-    let nodes: Vec<NodeId> = finger.contact_nodes().collect();
-    nodes[nodes.len() / 2]
 }
 
 /// Force along the normal that bends a finger of another thickness about as the given one.

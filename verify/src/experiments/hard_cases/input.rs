@@ -1,14 +1,14 @@
 //! Numbers that are none, or hardly.
 
 use super::soundness::Soundness;
-use super::{Findings, Question, Unexpected};
+use super::{Findings, Question, Unexpected, middle};
 use crate::check::worst;
 use crate::settings::Effort;
 use finray_fixtures::PAPER_SCENE;
 use finray_model::measurement::{Marker, Measurement, MeasurementError};
 use finray_model::sensing::{Contact, LinearEstimator, NonlinearEstimator, Prior};
 use finray_model::statics::{Statics, StaticsError};
-use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector};
+use finray_model::{Finger, Kinematics, Load, Mesh, Scene, Vector};
 
 pub(super) const QUESTIONS: &[Question] = &[
     Question {
@@ -51,11 +51,6 @@ const ZONE: &str = "[[finger.zone]]\nplate = \"front\"\nfrom_mm = 60.0\nto_mm = 
 const EXTREME_VALUES: [&str; 6] = ["1e-100", "1e-30", "1e-10", "1e10", "1e30", "1e100"];
 /// A load that extreme fingers are asked to carry, N.
 const LOAD_N: f64 = 1e-3;
-
-fn middle(finger: &Finger) -> NodeId {
-    let nodes: Vec<NodeId> = finger.contact_nodes().collect();
-    nodes[nodes.len() / 2]
-}
 
 fn loads(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unexpected> {
     let mesh = Mesh::key_nodes(finger);

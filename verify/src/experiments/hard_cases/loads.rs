@@ -1,7 +1,7 @@
 //! Loads that are hard to follow.
 
 use super::soundness::{LIMIT, Soundness, difference};
-use super::{Findings, Question, Unexpected};
+use super::{Findings, Question, Unexpected, middle};
 use crate::check::worst;
 use crate::settings::Effort;
 use finray_model::frame::FrameMotion;
@@ -48,12 +48,11 @@ fn solve(mesh: &Mesh, node: NodeId, force: Vector, kinematics: Kinematics) -> Re
 
 fn tiny(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unexpected> {
     let mesh = Mesh::key_nodes(finger);
-    let nodes: Vec<NodeId> = finger.contact_nodes().collect();
     let mut per_newton = Vec::new();
     for force_n in TINY_N {
         let force = finger.direction(0.0) * force_n;
         let moved = |kinematics| -> Result<FrameMotion, Unexpected> {
-            Ok(solve(&mesh, nodes[nodes.len() / 2], force, kinematics)?.motion)
+            Ok(solve(&mesh, middle(finger), force, kinematics)?.motion)
         };
         per_newton.push(difference(&moved(Kinematics::Corotational)?, &moved(Kinematics::Linear)?) / force_n);
     }
@@ -101,11 +100,10 @@ fn buckling(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), U
 
 fn directions(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unexpected> {
     let mesh = Mesh::key_nodes(finger);
-    let nodes: Vec<NodeId> = finger.contact_nodes().collect();
-    let chosen = [finger.tip(), nodes[nodes.len() / 2], nodes[nodes.len() - 1]];
+    let chosen = [Some(finger.tip()), Some(middle(finger)), finger.contact_nodes().last()];
     let mut sound = Soundness::default();
     let mut refused = Vec::new();
-    for (node, angle_deg) in chosen.into_iter().flat_map(|node| ANGLES_DEG.map(|angle| (node, angle))) {
+    for (node, angle_deg) in chosen.into_iter().flatten().flat_map(|node| ANGLES_DEG.map(|angle| (node, angle))) {
         let share = sound.add_or_refused(&mesh, node, finger.direction(angle_deg) * FORCE_N)?;
         if share < 1.0 {
             refused.push(format!("{:.3} N at node {node}, {angle_deg} deg", FORCE_N * share));

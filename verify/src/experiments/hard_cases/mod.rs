@@ -12,7 +12,7 @@ mod soundness;
 use crate::check::{Check, EXACT_COUNT, Kind};
 use crate::experiments::{Context, Evidence};
 use crate::settings::Effort;
-use finray_model::Finger;
+use finray_model::{Finger, NodeId};
 use std::convert::Infallible;
 use std::time::Instant;
 
@@ -109,6 +109,12 @@ pub fn hard_cases(finger: &Finger, effort: Effort, progress: &dyn Fn()) -> Vec<H
 
 fn questions() -> impl Iterator<Item = &'static Question> {
     [fingers::QUESTIONS, loads::QUESTIONS, sensing::QUESTIONS, input::QUESTIONS].into_iter().flatten()
+}
+
+/// The contact node in the middle.
+fn middle(finger: &Finger) -> NodeId {
+    let nodes: Vec<NodeId> = finger.contact_nodes().collect();
+    nodes[nodes.len() / 2]
 }
 
 fn answered(question: &Question, finger: &Finger, effort: Effort) -> HardCase {

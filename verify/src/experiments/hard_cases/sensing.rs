@@ -1,6 +1,6 @@
 //! Measurements that are hard to sense from.
 
-use super::{Findings, Question, Unexpected};
+use super::{Findings, Question, Unexpected, middle};
 use crate::check::worst;
 use crate::sampling::noise::Noise;
 use crate::settings::{CAMERA_NOISE_MM, Effort};
@@ -78,11 +78,6 @@ impl Effort {
 
 fn at_node(node: NodeId, angle_deg: f64) -> Contact {
     Contact { position: ContactPosition::Node(node), angle_deg }
-}
-
-fn middle(finger: &Finger) -> NodeId {
-    let nodes: Vec<NodeId> = finger.contact_nodes().collect();
-    nodes[nodes.len() / 2]
 }
 
 /// Forces on a finger and what a camera without noise sees of them, by kinematics.

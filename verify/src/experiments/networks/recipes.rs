@@ -3,17 +3,17 @@
 //! Training takes minutes, so the report shows what was recorded: `fixtures/networks/recipes.csv` and `curves.csv`.
 
 use super::records::{CurveRow, RecipeRow};
+use crate::estimators::Estimator;
 use crate::estimators::network::{NetworkSensing, Networks};
-use crate::estimators::{Estimator, EstimatorError};
+use crate::experiments::ExperimentError;
 use crate::experiments::networks::paper::PAPER_RECIPES;
 use crate::experiments::table_two::{COMPARED_SETS, FORCES_N, contact_sets};
 use crate::sampling::scatter::{ScatterRequest, ScatterRow, scatter};
 use crate::settings::CAMERA_NOISE_MM;
 use crate::truths::{TruthId, fine_mesh};
-use finray_model::mesh::MeshSizeError;
 use finray_model::sensing::Contact;
 use finray_model::sensing::network::{Network, Scaling};
-use finray_model::train::{TrainError, TrainingRecipe, train};
+use finray_model::train::{TrainingRecipe, train};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
 use rayon::prelude::*;
 
@@ -35,20 +35,6 @@ const MOST_EPOCHS: usize = 7000;
 /// Hidden layers of the other curve; none is linear regression.
 const SIZES: [&[usize]; 8] = [&[], &[4], &[8], &[16], &[16, 16], &[32, 32], &[64, 64], &[150, 200, 150]];
 const SIZES_SEEDS: u64 = 2;
-
-/// Why a study of recipes could not be finished.
-#[derive(Debug, thiserror::Error)]
-pub enum RecipesError {
-    /// A network could not be trained.
-    #[error(transparent)]
-    Train(#[from] TrainError),
-    /// A network refuses what it was trained for, or a contact is wrong.
-    #[error(transparent)]
-    Estimator(#[from] EstimatorError),
-    /// The finger could not be meshed.
-    #[error(transparent)]
-    Mesh(#[from] MeshSizeError),
-}
 
 /// A network to train, and what it is called.
 struct Job {
@@ -72,8 +58,8 @@ pub fn curve_count() -> usize {
 /// its Table II, the others at one of each group. As the paper's, these networks answer whatever they are shown.
 ///
 /// # Errors
-/// [`RecipesError`].
-pub fn recipes(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<RecipeRow>, RecipesError> {
+/// [`ExperimentError`].
+pub fn recipes(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<RecipeRow>, ExperimentError> {
     let jobs = recipe_jobs();
     let mut groups: Vec<Group> = Vec::new();
     for (job, network) in jobs.iter().zip(train_all(finger, &jobs, progress)?) {
@@ -95,7 +81,7 @@ struct Group {
 }
 
 /// Errors of groups that are trained for the same sets of contacts.
-fn rows_of(finger: &Finger, groups: Vec<Group>) -> Result<Vec<RecipeRow>, RecipesError> {
+fn rows_of(finger: &Finger, groups: Vec<Group>) -> Result<Vec<RecipeRow>, ExperimentError> {
     let sets = groups.first().map_or(Vec::new(), |group| sets_of(group.recipe));
     let sets: Vec<Vec<usize>> = sets.into_iter().map(<[usize]>::to_vec).collect();
     let networks: Vec<Networks> = groups.iter().map(|group| Networks::of(group.networks.clone())).collect();
@@ -132,8 +118,8 @@ fn rows_of(finger: &Finger, groups: Vec<Group>) -> Result<Vec<RecipeRow>, Recipe
 /// Error by number of samples and by size of the network, on the co-rotational finger with noise.
 ///
 /// # Errors
-/// [`RecipesError`].
-pub fn curves(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<CurveRow>, RecipesError> {
+/// [`ExperimentError`].
+pub fn curves(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<CurveRow>, ExperimentError> {
     let jobs = curve_jobs();
     let trained = train_all(finger, &jobs, progress)?;
     let fine = fine_mesh(finger)?;
@@ -212,7 +198,7 @@ fn curve_jobs() -> Vec<Job> {
 }
 
 /// Networks in the order of the jobs.
-fn train_all(finger: &Finger, jobs: &[Job], progress: &(dyn Fn() + Sync)) -> Result<Vec<Network>, RecipesError> {
+fn train_all(finger: &Finger, jobs: &[Job], progress: &(dyn Fn() + Sync)) -> Result<Vec<Network>, ExperimentError> {
     let train_one = |job: &Job| {
         let network = train(finger, &job.recipe, &mut |_| {})?;
         progress();
@@ -227,7 +213,7 @@ fn errors(
     noise_levels_mm: &[f64],
     sensing: &[NetworkSensing],
     sets: &[Vec<usize>],
-) -> Result<Vec<ScatterRow>, RecipesError> {
+) -> Result<Vec<ScatterRow>, ExperimentError> {
     let key_nodes = Mesh::key_nodes(truth.finger());
     let request = ScatterRequest { truth, kinematics, model: &key_nodes, noise_levels_mm, cases: CASES, seed: SEED };
     let estimators: Vec<&dyn Estimator> = sensing.iter().map(|sensing| sensing as &dyn Estimator).collect();

@@ -2,10 +2,10 @@
 
 use super::{MEMBER_MM, ZoneSet};
 use crate::estimators::ELEMENTS;
-use crate::experiments::table_one::{TableOne, TableOneError, table_one};
+use crate::experiments::ExperimentError;
+use crate::experiments::table_one::{TableOne, table_one};
 use crate::truths::{MeshTruth, TruthId};
 use finray_model::finger::{FingerDescription, ImpossibleFinger, Zone};
-use finray_model::statics::StaticsError;
 use finray_model::{Finger, Kinematics, Mesh};
 use nalgebra::{DMatrix, DVector};
 
@@ -51,8 +51,8 @@ pub struct TwinFit {
 /// Fits a set of zones on the co-rotational finger, four elements a member: the protocol of Table I is run for each trial.
 ///
 /// # Errors
-/// [`TableOneError`] if the finger cannot carry the weights at the start.
-pub fn fit(paper: &Finger, set: &ZoneSet) -> Result<TwinFit, TableOneError> {
+/// [`ExperimentError`] if the finger cannot carry the weights at the start.
+pub fn fit(paper: &Finger, set: &ZoneSet) -> Result<TwinFit, ExperimentError> {
     let count = set.groups.len() + 1;
     let mut logs = DVector::from_iterator(count, set.groups.iter().map(|(_, start)| start.ln()).chain([0.0]));
     let mut residual = residual(paper, set, &logs)?;
@@ -120,22 +120,18 @@ pub fn with_factors(paper: &Finger, set: &ZoneSet, factors: &[f64], modulus: f64
     Finger::new(FingerDescription { zones, ..paper.description().clone() })?.with_modulus_factor(modulus)
 }
 
-fn run(paper: &Finger, set: &ZoneSet, logs: &DVector<f64>) -> Result<(Finger, TableOne), TableOneError> {
+fn run(paper: &Finger, set: &ZoneSet, logs: &DVector<f64>) -> Result<(Finger, TableOne), ExperimentError> {
     let numbers: Vec<f64> = logs.iter().map(|log| log.exp()).collect();
     let (factors, modulus) = numbers.split_at(set.groups.len());
     let finger = with_factors(paper, set, factors, modulus[0])?;
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
-    let truth = MeshTruth::new(TruthId::Twin, &mesh, Kinematics::Corotational).map_err(held)?;
+    let truth = MeshTruth::new(TruthId::Twin, &mesh, Kinematics::Corotational)?;
     let table = table_one(paper, &truth, ANGLE_DEG)?;
     Ok((finger, table))
 }
 
-fn held(error: StaticsError) -> TableOneError {
-    TableOneError::Calibration(error.into())
-}
-
 /// Differences to the targets over what they may be off, then that of the calibrated modulus.
-fn residual(paper: &Finger, set: &ZoneSet, logs: &DVector<f64>) -> Result<DVector<f64>, TableOneError> {
+fn residual(paper: &Finger, set: &ZoneSet, logs: &DVector<f64>) -> Result<DVector<f64>, ExperimentError> {
     let (_, table) = run(paper, set, logs)?;
     let errors = mean_errors(&table).into_iter().zip(TARGETS).map(|(error, (target, off))| (error - target) / off);
     let modulus = (table.modulus_factor - 1.0) / MODULUS_TOLERANCE;
@@ -147,7 +143,7 @@ fn differences(
     set: &ZoneSet,
     logs: &DVector<f64>,
     at: &DVector<f64>,
-) -> Result<DMatrix<f64>, TableOneError> {
+) -> Result<DMatrix<f64>, ExperimentError> {
     let mut jacobian = DMatrix::zeros(at.len(), logs.len());
     for k in 0..logs.len() {
         let mut moved = logs.clone();

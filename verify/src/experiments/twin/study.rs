@@ -4,19 +4,13 @@ use super::fit::{ANGLE_DEG, TwinFit, fit};
 use super::{OTHERS, TWIN};
 use crate::check::{Check, Comparison, Kind, worst};
 use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError};
-use crate::experiments::table_one::{
-    TableOne, TableOneError, TableOneRow, WEIGHTS_G, modulus_factor, table_one, weight_n,
-};
-use crate::experiments::{Context, Evidence};
+use crate::experiments::table_one::{TableOne, TableOneRow, modulus_factor, table_one, weighed};
+use crate::experiments::{Context, Evidence, ExperimentError};
 use crate::sampling::noise::Noise;
 use crate::sampling::scatter::{Counts, ScatterRequest, ScatterRow, scatter};
 use crate::settings::ONE_FORCE_N;
-use crate::truths::{MeshTruth, Truth, TruthId, TwinError, fine_mesh, twin_of};
+use crate::truths::{MeshTruth, TruthId, fine_mesh, twin_of};
 use finray_model::calibration::{CalibrationCase, CalibrationError, FactorEstimate, FactorModel, Unknown, factors};
-use finray_model::measurement::Measurement;
-use finray_model::mesh::MeshSizeError;
-use finray_model::sensing::Contact;
-use finray_model::statics::StaticsError;
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
 use rayon::prelude::*;
 
@@ -69,29 +63,6 @@ pub struct TwinSensing {
     pub nonlinear: ScatterRow,
 }
 
-/// Why the study could not be finished.
-#[derive(Debug, thiserror::Error)]
-pub enum TwinStudyError {
-    /// There is no twin.
-    #[error(transparent)]
-    Twin(#[from] TwinError),
-    /// Table I could not be run.
-    #[error(transparent)]
-    TableOne(#[from] TableOneError),
-    /// The twin could not be meshed.
-    #[error(transparent)]
-    Mesh(#[from] MeshSizeError),
-    /// The twin could not be solved.
-    #[error(transparent)]
-    Statics(#[from] StaticsError),
-    /// The zones could not be calibrated.
-    #[error(transparent)]
-    Calibration(#[from] CalibrationError),
-    /// A force could not be sensed.
-    #[error(transparent)]
-    Estimator(#[from] EstimatorError),
-}
-
 impl Evidence for TwinStudy {
     fn checks(&self, _: &Context) -> Vec<Check> {
         self.checks()
@@ -105,8 +76,8 @@ impl Evidence for TwinStudy {
 /// The twin of the paper's finger under noise; `before` is Table I of the uniform finger.
 ///
 /// # Errors
-/// [`TwinStudyError`] if a fit or a calibration fails.
-pub fn run(context: &Context, before: Option<&TableOne>) -> Result<Option<TwinStudy>, TwinStudyError> {
+/// [`ExperimentError`] if a fit or a calibration fails.
+pub fn run(context: &Context, before: Option<&TableOne>) -> Result<Option<TwinStudy>, ExperimentError> {
     let Some(before) = before.filter(|_| context.noise_mm > 0.0) else { return Ok(None) };
     context.progress.part("digital twin", TwinStudy::STEPS);
     let step = || context.progress.step();
@@ -121,14 +92,14 @@ impl TwinStudy {
     /// zones, the twin's first.
     ///
     /// # Errors
-    /// [`TwinStudyError`] for another finger.
+    /// [`ExperimentError`] for another finger.
     pub fn run(
         paper: &Finger,
         before: &TableOne,
         noise_mm: f64,
         [repeats, cases, sets]: [usize; 3],
         progress: &dyn Fn(),
-    ) -> Result<TwinStudy, TwinStudyError> {
+    ) -> Result<TwinStudy, ExperimentError> {
         let finger = twin_of(paper)?;
         let mesh = fine_mesh(&finger)?;
         let truth = MeshTruth::new(TruthId::Twin, &mesh, Kinematics::Corotational)?;
@@ -137,7 +108,7 @@ impl TwinStudy {
         let all: Vec<_> = std::iter::once(TWIN).chain(OTHERS).take(sets).collect();
         let fits = all.par_iter().map(|set| fit(paper, set)).collect::<Result<_, _>>()?;
         progress();
-        let clean = shapes(&finger, &truth);
+        let clean = weighed(&finger, &truth, &LOADED.map(NodeId));
         let calibrations = (0..repeats as u64)
             .into_par_iter()
             .map(|seed| calibrate(&finger, &clean, noise_mm, seed))
@@ -199,20 +170,6 @@ impl TwinStudy {
         );
         vec![sensed.with_refused(counts.refused, counts.drawn), covered]
     }
-}
-
-/// Noise-free measurements of the twin under the paper's weights.
-fn shapes(finger: &Finger, truth: &MeshTruth) -> Vec<CalibrationCase> {
-    let cases = LOADED.iter().flat_map(|&node| {
-        let contact = Contact::at_node(NodeId(node));
-        let shapes = truth.shapes(&contact, &WEIGHTS_G.map(weight_n));
-        let measured = shapes.into_iter().zip(WEIGHTS_G).map(move |(shape, weight_g)| CalibrationCase {
-            load: contact.load(finger, weight_n(weight_g)),
-            measurement: Measurement::of_shape(finger, &shape),
-        });
-        measured.collect::<Vec<_>>()
-    });
-    cases.collect()
 }
 
 /// The twin's modulus and zones from noisy shapes, front and back sharing a factor. Factors are over the true ones.
