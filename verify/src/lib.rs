@@ -20,4 +20,5 @@ pub mod report;
 pub mod sampling;
 pub mod settings;
 pub mod study;
+mod templates;
 pub mod truths;

@@ -1,7 +1,8 @@
 //! The words of all claims, apart from what is computed: templates for its numbers.
 
 use super::{Claim, ClaimError, ClaimVerdict};
-use minijinja::{Environment, UndefinedBehavior, Value};
+use crate::templates::templates;
+use minijinja::{Environment, Value};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -33,19 +34,14 @@ impl Words {
     /// [`ClaimError`] if they are no templates.
     pub fn shipped() -> Result<Words, ClaimError> {
         let File { fitted, untested, claims } = toml::from_str(include_str!("words.toml"))?;
-        let mut templates = Environment::new();
-        templates.set_undefined_behavior(UndefinedBehavior::Strict);
+        let unsaid = |(part, text): (&str, &str)| (part.to_owned(), text.to_owned());
+        let parts = claims.into_iter().flat_map(|(key, parts)| {
+            let all = [("paper", "no figure"), ("criterion", "")].map(unsaid).into_iter().chain(parts);
+            all.map(move |(part, text)| (format!("{key}.{part}"), text))
+        });
+        let mut templates = templates(parts.chain([("fitted".to_owned(), fitted)]))?;
         templates.add_filter("percent", percent);
         templates.add_filter("newtons", |force_n: f64| format!("{force_n:.2} N"));
-        templates.add_filter("fixed", |value: f64, decimals: usize| format!("{value:.decimals$}"));
-        templates.add_filter("plain", |value: f64| value.to_string());
-        templates.add_template_owned("fitted", fitted)?;
-        for (key, parts) in claims {
-            let unsaid = [("paper", "no figure"), ("criterion", "")].map(|(part, text)| (part.into(), text.into()));
-            for (part, text) in BTreeMap::from(unsaid).into_iter().chain(parts) {
-                templates.add_template_owned(format!("{key}.{part}"), text)?;
-            }
-        }
         Ok(Words { templates, untested })
     }
 

@@ -85,7 +85,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     }));
     blocks.push(Block::Table(words::by_scene(&study.contact_scenes)));
     let section = Section::new("contact-scenes", "Pressing objects", blocks);
-    Ok(Some(section.saying(words::verdict(&study.contact_scenes))))
+    Ok(Some(section.saying(words::verdict(&study.contact_scenes)?)))
 }
 
 fn figures(finger: &Finger, scene: &SceneStudy) -> Result<Vec<Figure>, FigureError> {

@@ -2,10 +2,12 @@
 
 use super::ReportError;
 use super::dataset::Dataset;
-use super::format::{Span, list, percent_with};
+use super::format::Span;
 use super::page::{Block, Figure, text};
+use super::words::say;
 use crate::experiments::networks::records::CurveRow;
 use crate::figures::{Axis, Chart, Frame, Series, Spread};
+use minijinja::context;
 
 const CSV: &str = "training_curves.csv";
 /// So many cases are enough if more of them lower the error by no more than this share.
@@ -43,11 +45,11 @@ pub fn blocks(rows: &[CurveRow]) -> Result<Vec<Block>, ReportError> {
     let mut blocks = Vec::new();
     let mut figures = Vec::new();
     if !samples.is_empty() {
-        blocks.extend(samples_in_words(&samples).map(text));
+        blocks.extend(samples_in_words(&samples)?.map(text));
         figures.push(figure(&samples, "training cases", "Recipe (c) by its training cases")?);
     }
     if !sizes.is_empty() {
-        blocks.extend(sizes_in_words(&sizes).map(text));
+        blocks.extend(sizes_in_words(&sizes)?.map(text));
         figures.push(figure(&sizes, "weights", "Recipe (c) by the size of the network")?);
     }
     if !figures.is_empty() {
@@ -104,61 +106,39 @@ fn figure(curves: &[Curve], x_label: &str, title: &str) -> Result<Figure, Report
 }
 
 /// From how many cases on the error is that of the most.
-pub fn samples_in_words(curves: &[Curve]) -> Option<String> {
+pub fn samples_in_words(curves: &[Curve]) -> Result<Option<String>, ReportError> {
     let enough = |curve: &Curve| {
         let last = curve.points.last()?;
         let worse = curve.points.iter().rposition(|point| point.error > (1.0 + ENOUGH) * last.error);
         Some((curve.points[worse.map_or(0, |i| i + 1)].x, last.x))
     };
-    let enough: Vec<(usize, usize)> = curves.iter().filter_map(enough).collect();
-    let (needed, most) = enough.into_iter().max()?;
-    Some(match needed < most {
-        true => format!(
-            "From {needed} training cases on, the error of (c) is within {} of that with {most}.",
-            percent_with(ENOUGH, 0)
-        ),
-        false => {
-            format!(
-                "The error of (c) still falls by more than {} towards {most} training cases.",
-                percent_with(ENOUGH, 0)
-            )
-        }
-    })
+    let most = curves.iter().filter_map(enough).max();
+    say("curves.samples", most.map(|(needed, most)| context! { needed, most, enough => ENOUGH }))
 }
 
 /// Whether the paper's size is needed, and the smallest that keeps its error.
-pub fn sizes_in_words(curves: &[Curve]) -> Option<String> {
+pub fn sizes_in_words(curves: &[Curve]) -> Result<Option<String>, ReportError> {
     let find = |curve: &Curve, layers: &str| curve.points.iter().position(|point| point.layers == layers);
-    // Layers in the order of their size, by the first contacts; others have an output more.
-    let order = &curves.first()?.points;
     let keeps = |layers: &str| {
         curves.iter().all(|curve| match (find(curve, layers), find(curve, PAPERS)) {
             (Some(of), Some(papers)) => curve.points[of].error <= (1.0 + KEEPS) * curve.points[papers].error,
             _ => false,
         })
     };
-    let smallest = order.iter().find(|point| keeps(&point.layers))?;
-    let papers = order.iter().find(|point| point.layers == PAPERS)?;
-    let keeps = percent_with(KEEPS, 0);
-    let weights = |curve: &Curve| {
-        let of = |layers: &str| find(curve, layers).map(|at| curve.points[at].x);
-        let (few, papers) = (of(&smallest.layers)?, of(PAPERS)?);
-        Some(format!("{} ({few} weights instead of {papers})", contacts_in_words(&curve.nodes)))
+    let numbers = || {
+        // Layers in the order of their size, by the first contacts; others have an output more.
+        let order = &curves.first()?.points;
+        let smallest = order.iter().find(|point| keeps(&point.layers))?;
+        let papers = order.iter().find(|point| point.layers == PAPERS)?;
+        let weights = |curve: &Curve| {
+            let of = |layers: &str| find(curve, layers).map(|at| curve.points[at].x);
+            let (few, papers) = (of(&smallest.layers)?, of(PAPERS)?);
+            Some(context! { contacts => contacts_in_words(&curve.nodes), few, papers })
+        };
+        Some(context! {
+            papers => PAPERS, keeps => KEEPS, needed => smallest.x >= papers.x, layers => smallest.layers.as_str(),
+            weights => curves.iter().filter_map(weights).collect::<Vec<_>>(),
+        })
     };
-    Some(match smallest.x < papers.x {
-        true => format!(
-            "{PAPERS} is not needed: {} keeps its error within {keeps} at {}, the only contacts that were tried.",
-            layers_in_words(&smallest.layers),
-            list(curves.iter().filter_map(weights), " and at "),
-        ),
-        false => format!("{PAPERS} is needed: every smaller network errs by more than {keeps} more."),
-    })
-}
-
-fn layers_in_words(layers: &str) -> String {
-    match layers {
-        "none" => "linear regression".to_owned(),
-        several if several.contains('-') => several.to_owned(),
-        one => format!("one layer of {one}"),
-    }
+    say("curves.sizes", numbers())
 }

@@ -4,6 +4,7 @@ use super::dataset::{Columns, Dataset};
 use super::drawings::{ALONG_THE_PLATE, percent_classes, percent_line, plate_map};
 use super::format::{Span, percent};
 use super::page::{Block, Figure, Section, text};
+use super::words::say;
 use super::{ReportError, Results};
 use crate::experiments::direction::{
     Assumption, DirectionCell, DirectionStudy, FORCES_N, FrictionlessPush, IDENTIFIED_ANSWERED, IDENTIFIED_DEG,
@@ -11,6 +12,7 @@ use crate::experiments::direction::{
 };
 use crate::figures::{Axis, Cells, Chart, Class, FigureError, Frame, Map, Series};
 use finray_model::Finger;
+use minijinja::{Value, context};
 
 const CSV: &str = "directions.csv";
 const FRICTIONLESS_CSV: &str = "directions_without_friction.csv";
@@ -57,26 +59,26 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         percent(IDENTIFIED_FORCE),
         percent(IDENTIFIED_ANSWERED)
     ))];
-    blocks.extend(where_identifiable(directions).map(text));
+    blocks.extend(say("directions.identifiable", where_identifiable(directions))?.map(text));
     let identified = |cell: &DirectionCell| cell.answers.angle_error_deg.filter(|_| cell.answers.is_identified());
     let all = |map: &Shown| -> Result<Block, FigureError> {
         let figures = FORCES_N.map(|force_n| map.figure(finger, directions, force_n));
         Ok(Block::Figures { figures: figures.into_iter().collect::<Result<_, _>>()? })
     };
     blocks.push(all(&Shown { what: "error of the direction, deg", missing: "not identifiable", value: &identified })?);
-    blocks.extend(without_friction(directions).map(text));
+    blocks.extend(say("directions.without_friction", without_friction(directions))?.map(text));
     blocks.push(Block::Figure(frictionless_chart(directions, FORCES_N[0])?));
     Ok(Some(Section::new("directions", "Unknown directions", blocks)))
 }
 
 /// A quantity of a cell.
-type Value<'v> = &'v dyn Fn(&DirectionCell) -> Option<f64>;
+type Quantity<'v> = &'v dyn Fn(&DirectionCell) -> Option<f64>;
 
 /// One quantity by position and direction.
 struct Shown<'v> {
     what: &'v str,
     missing: &'v str,
-    value: Value<'v>,
+    value: Quantity<'v>,
 }
 
 impl Shown<'_> {
@@ -109,29 +111,20 @@ fn degree_classes() -> Vec<Class> {
 }
 
 /// In which cells both are identifiable.
-fn where_identifiable(directions: &DirectionStudy) -> Option<String> {
-    let shares: Vec<String> = FORCES_N
-        .iter()
-        .filter_map(|&force_n| {
-            let [identified, all] = directions.identified(force_n);
-            (all > 0).then(|| format!("{} at {force_n} N", percent(identified as f64 / all as f64)))
-        })
-        .collect();
+fn where_identifiable(directions: &DirectionStudy) -> Option<Value> {
+    let share = |force_n: &f64| match directions.identified(*force_n) {
+        [_, 0] => None,
+        [identified, all] => Some(context! { share => identified as f64 / all as f64, force_n => *force_n }),
+    };
+    let shares: Vec<Value> = FORCES_N.iter().filter_map(share).collect();
     // Positions at which every direction is identifiable under the largest force, and those at which none is.
-    let largest = FORCES_N[FORCES_N.len() - 1];
-    let mut places: Vec<(f64, usize, usize)> = Vec::new();
-    let carried = |cell: &&DirectionCell| cell.force_n == largest && cell.answers.samples > 0;
-    for cell in directions.cells.iter().filter(carried) {
-        match places.last_mut().filter(|(s_mm, ..)| *s_mm == cell.s_mm) {
-            Some((_, identified, all)) => {
-                (*identified, *all) = (*identified + usize::from(cell.answers.is_identified()), *all + 1)
-            }
-            None => places.push((cell.s_mm, usize::from(cell.answers.is_identified()), 1)),
-        }
-    }
-    let of = |wanted: fn(usize, usize) -> bool| {
-        let list: Vec<f64> =
-            places.iter().filter(|(_, identified, all)| wanted(*identified, *all)).map(|place| place.0).collect();
+    let largest_n = FORCES_N[FORCES_N.len() - 1];
+    let carried = directions.cells.iter().filter(|cell| cell.force_n == largest_n && cell.answers.samples > 0);
+    let carried: Vec<&DirectionCell> = carried.collect();
+    let places: Vec<&[&DirectionCell]> = carried.chunk_by(|a, b| a.s_mm == b.s_mm).collect();
+    let of = |wanted: bool| {
+        let is_so = |place: &&&[&DirectionCell]| place.iter().all(|cell| cell.answers.is_identified() == wanted);
+        let list: Vec<f64> = places.iter().filter(is_so).map(|place| place[0].s_mm).collect();
         match &list[..] {
             [] => None,
             [one] => Some(format!("{one:.0} mm")),
@@ -140,51 +133,33 @@ fn where_identifiable(directions: &DirectionStudy) -> Option<String> {
             }
         }
     };
-    let everywhere = of(|identified, all| identified == all)
-        .map_or("at no position are all directions identifiable".to_owned(), |list| {
-            format!("all directions are identifiable at {list}")
-        });
-    let nowhere = of(|identified, _| identified == 0)
-        .map_or("at every position some are".to_owned(), |list| format!("none is at {list}"));
-    let [identified, all] = directions.identified(largest);
-    let verdict = match 2 * identified > all {
-        true => {
-            "So the paper's \"will not work\" (Fig. 13) holds for small forces and near the ends, not for the whole finger"
-        }
-        false => "So the paper's \"will not work\" (Fig. 13) holds for most pushes",
-    };
-    (!shares.is_empty()).then(|| {
-        format!(
-            "Both are identifiable in {} of the cells. Under {largest} N {everywhere}, {nowhere}. {verdict}.",
-            shares.join(", ")
-        )
-    })
+    let [identified, all] = directions.identified(largest_n);
+    let is_known = !shares.is_empty();
+    let numbers =
+        context! { shares, largest_n, everywhere => of(true), nowhere => of(false), most => 2 * identified > all };
+    is_known.then_some(numbers)
 }
 
 /// How much better it is to assume the deformed normal.
-fn without_friction(directions: &DirectionStudy) -> Option<String> {
-    let errors = |assumed: Assumption, force_n: f64| {
+fn without_friction(directions: &DirectionStudy) -> Option<Value> {
+    let [small_n, _, large_n] = FORCES_N;
+    let error = |assumed: Assumption, force_n: f64| {
         let rows =
             directions.without_friction.iter().filter(move |row| row.assumed == assumed && row.force_n == force_n);
         let errors = Span::of(rows.filter_map(|row| row.answers.force_error))?;
         Some(format!("{} (at worst {})", percent(errors.mean), percent(errors.greatest)))
     };
+    let errors = |assumed| Some([error(assumed, small_n)?, error(assumed, large_n)?]);
     let of_all = |count: fn(&FrictionlessPush) -> usize| -> usize {
         directions.without_friction.iter().filter(|row| row.assumed == Assumption::Unknown).map(count).sum()
     };
     let (samples, answered) = (of_all(|row| row.answers.samples), of_all(|row| row.answers.answered));
-    let [small, _, large] = FORCES_N;
-    Some(format!(
-        "Without friction a contact pushes along the deformed normal. Assuming so, the force errs by {} at {small} N and by {} at {large} N, mean over \
-         the nodes; with the direction unknown by {} and {} ({} of {samples} samples refused), with the undeformed normal by {} and {}.",
-        errors(Assumption::Normal, small)?,
-        errors(Assumption::Normal, large)?,
-        errors(Assumption::Unknown, small)?,
-        errors(Assumption::Unknown, large)?,
-        samples - answered,
-        errors(Assumption::Undeformed, small)?,
-        errors(Assumption::Undeformed, large)?,
-    ))
+    Some(context! {
+        small_n, large_n, samples, refused => samples - answered,
+        normal => errors(Assumption::Normal)?,
+        unknown => errors(Assumption::Unknown)?,
+        undeformed => errors(Assumption::Undeformed)?,
+    })
 }
 
 /// Error of the force by position, a line for each assumption.

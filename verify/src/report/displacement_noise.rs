@@ -3,10 +3,12 @@
 use super::dataset::{Columns, Dataset, Format};
 use super::format::Span;
 use super::page::{Block, Section, text};
+use super::words::say;
 use super::{ReportError, Results};
 use crate::experiments::displacement_noise::{
     DisplacementNoiseRow, DisplacementNoiseStudy, FORCE_N, FRAMES, ROTATION_SD_DEG, TRANSLATION_SD_MM,
 };
+use minijinja::{Value, context};
 
 const CSV: &str = "displacement_noise.csv";
 
@@ -47,18 +49,14 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         )),
     ];
     let section = Section::new("displacement-noise", "Where undeformed positions come from", blocks);
-    Ok(Some(section.saying(in_words(noise))))
+    Ok(Some(section.saying(say("displacement_noise.says", in_words(noise))?)))
 }
 
 /// How much larger the bounds become.
-fn in_words(study: &DisplacementNoiseStudy) -> Option<String> {
+fn in_words(study: &DisplacementNoiseStudy) -> Option<Value> {
     let of = |name: &'static str| study.rows.iter().filter(move |row| row.noise == name);
     let worse = of("motor angle").zip(of("independent")).map(|(motor, alone)| motor.bound_n / alone.bound_n);
     let ordinary = of("motor angle").map(|row| row.ordinary_rms_n / row.bound_n);
-    let (worse, ordinary) = (Span::of(worse)?, Span::of(ordinary)?);
-    Some(format!(
-        "If the same camera measures the undeformed finger, the Cramer-Rao bounds shown elsewhere are sqrt(2) times as large; with the motor angle \
-         ({TRANSLATION_SD_MM} mm, {ROTATION_SD_DEG} deg: a choice) {:.1} to {:.1} times, and ordinary least squares up to {:.1} times that bound.",
-        worse.least, worse.greatest, ordinary.greatest
-    ))
+    let (worse, ordinary) = (Span::of(worse)?.ends(), Span::of(ordinary)?.greatest);
+    Some(context! { translation_mm => TRANSLATION_SD_MM, rotation_deg => ROTATION_SD_DEG, worse, ordinary })
 }

@@ -4,6 +4,7 @@ use super::dataset::{Columns, Dataset, Format};
 use super::format::{percent, time};
 use super::maps::small;
 use super::page::{Block, Section, details, text};
+use super::words::say;
 use super::{ReportError, Results};
 use crate::estimators::EstimatorId;
 use crate::experiments::coverage::CoverageRow;
@@ -12,6 +13,7 @@ use crate::sampling::worst::TrustCounts;
 use crate::settings::CAMERA_FRAME_S;
 use crate::study::Study;
 use crate::truths::TruthId;
+use minijinja::{Value, context};
 
 const CSV: &str = "coverage.csv";
 const ESTIMATORS_CSV: &str = "estimators.csv";
@@ -74,24 +76,18 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
                    node 13 by the network of any contact";
     let mut blocks = vec![Block::Table(columns().table(caption, ESTIMATORS_CSV, rows(study)))];
     blocks.extend((!study.coverage.is_empty()).then(|| details("How often stated intervals hold", intervals(study))));
-    Ok(Some(Section::new("estimators", "Four estimators side by side", blocks).saying(says(study))))
+    Ok(Some(
+        Section::new("estimators", "Four estimators side by side", blocks).saying(say("estimators.says", says(study))?),
+    ))
 }
 
 /// What a camera's rate leaves of the differences in time.
-fn says(study: &Study) -> Option<String> {
+fn says(study: &Study) -> Option<Value> {
     let times: Vec<f64> = rows(study).filter_map(|row| row.seconds).collect();
     let [fastest, slowest] = [f64::min, f64::max].map(|of| times.iter().copied().reduce(of));
     let (fastest, slowest) = (fastest?, slowest?);
     let share = slowest / CAMERA_FRAME_S;
-    (share < 0.1).then(|| {
-        format!(
-            "Choose by error and interval, not by time: {} or {} are at most {} of the {:.0} ms between two frames at 25 Hz.",
-            time(fastest),
-            time(slowest),
-            percent(share),
-            1e3 * CAMERA_FRAME_S
-        )
-    })
+    (share < 0.1).then(|| context! { fastest, slowest, share, frame_ms => 1e3 * CAMERA_FRAME_S })
 }
 
 /// Intervals by finger and estimator.

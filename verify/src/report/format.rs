@@ -135,6 +135,11 @@ impl Span {
         }
     }
 
+    /// Least and greatest.
+    pub fn ends(self) -> [f64; 2] {
+        [self.least, self.greatest]
+    }
+
     /// `4.2 % to 6.0 %`.
     pub fn range(self) -> String {
         format!("{} to {}", percent(self.least), percent(self.greatest))

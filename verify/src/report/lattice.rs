@@ -91,7 +91,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         "Worst difference of the lattice's equilibrium from converged beams, by force.",
         CSV,
     )));
-    blocks.push(Block::List { items: words::findings(lattice) });
+    blocks.push(Block::List { items: words::findings(lattice)? });
     blocks.push(Block::Figures { figures: vec![map_figure(study, lattice)?, sensing_figure(lattice)?] });
     let mut folded = vec![text(words::SPRINGS), Block::Table(axial(lattice))];
     if !lattice.settling.is_empty() {
@@ -99,10 +99,10 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
             "The settled lattice against its equilibrium; single: positions and rotations rounded (the engine's own such build was not run)",
         )));
     }
-    folded.push(text(words::precision(lattice)));
+    folded.extend(words::precision(lattice)?.map(text));
     blocks.push(details("Which springs, and how they settle", folded));
     let section = Section::new("lattice", "Another discretisation: the spring lattice", blocks);
-    Ok(Some(section.saying(words::verdict(lattice))))
+    Ok(Some(section.saying(words::verdict(lattice)?)))
 }
 
 /// What the axial springs matter.

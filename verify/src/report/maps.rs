@@ -45,7 +45,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     blocks.push(details("Least squares and the nonlinear estimator in full", in_full(study)?));
     blocks.push(details("What limits any estimator", vec![Block::Figures { figures: drawings::explanations(study)? }]));
     blocks.push(details("Every map in figures, with its cells", vec![Block::Table(tables::figures(study))]));
-    Ok(Some(Section::new("maps", "Every finger by every estimator", blocks).saying(words::says(study))))
+    Ok(Some(Section::new("maps", "Every finger by every estimator", blocks).saying(words::says(study)?)))
 }
 
 fn overview(study: &Study, shown: Shown) -> Result<Figure, ReportError> {
@@ -83,7 +83,7 @@ fn in_full(study: &Study) -> Result<Vec<Block>, ReportError> {
             if noisy { format!(", {} noise samples a cell", map.request.noise_samples) } else { String::new() };
         Ok(Figure::narrow(
             map_figure_svg(&study.finger, map, None)?,
-            format!("Sensed by {}{samples}. {}", map.estimator.label(), words::kind_of_error(map)),
+            format!("Sensed by {}{samples}. {}", map.estimator.label(), words::kind_of_error(map)?),
             map_csv_name(map),
         ))
     };

@@ -34,6 +34,7 @@ pub mod table_two;
 mod times;
 mod trust;
 pub mod twin;
+mod words;
 
 pub use drawings::{map_figure_svg, standalone};
 
@@ -55,6 +56,9 @@ pub enum ReportError {
     /// The page could not be filled in.
     #[error("page: {0}")]
     Page(#[from] minijinja::Error),
+    /// The sentences of the page are no templates.
+    #[error("words of the page: {0}")]
+    Words(String),
     /// A table could not be written.
     #[error(transparent)]
     Csv(#[from] csv::Error),

@@ -1,13 +1,15 @@
 //! The networks that ship, then how they are trained and how large they must be.
 
 use super::dataset::{Columns, Dataset, Format};
-use super::format::{NOTHING, Span, error_as, list, nodes_in_words, percent_with, share_refused, verdict};
+use super::format::{NOTHING, Span, error_as, list, percent_with, share_refused, verdict};
 use super::page::{Block, Cell, Column, Section, Table, details, text};
+use super::words::say;
 use super::{ReportError, Results, curves, recipes};
 use crate::check::Check;
 use crate::experiments::networks::accuracy::{FORCES_N, NetworkStudy};
 use crate::sampling::scatter::{Counts, Scatter, ScatterRow};
 use crate::settings::ENOUGH_CASES;
+use minijinja::{Value, context};
 
 const CSV: &str = "networks.csv";
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
@@ -54,15 +56,15 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         blocks.push(details("By contact", vec![Block::Table(table(networks))]));
     }
     if study.table_two.is_some() {
-        blocks.extend(recipes::blocks(&study.records.recipes));
+        blocks.extend(recipes::blocks(&study.records.recipes)?);
     }
     blocks.extend(curves::blocks(&study.records.curves)?);
-    let says = study.networks.as_ref().and_then(in_words);
+    let says = say("networks.says", study.networks.as_ref().and_then(in_words))?;
     Ok((!blocks.is_empty()).then(|| Section::new("networks", "The sensing network", blocks).saying(says)))
 }
 
 /// How near the networks come to the bound, and how many tolerances hold.
-fn in_words(networks: &NetworkStudy) -> Option<String> {
+fn in_words(networks: &NetworkStudy) -> Option<Value> {
     // As many digits as distinguish an error from its bound.
     let percent = |share| percent_with(share, 2);
     let errors = |forces: usize| {
@@ -73,24 +75,18 @@ fn in_words(networks: &NetworkStudy) -> Option<String> {
     let over = networks.rows.iter().filter_map(|row| Some((row.mean_error()? / row.mean_error_bound()?, row)));
     let (most, worst) = over.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let sums = networks.rows.iter().filter_map(|row| Some((sum(row)?.mean_error / bound(sum(row)?)?, row)));
-    let sums = sums.max_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(String::new, |(most, row)| {
-        format!(", a sum up to {most:.2} times (nodes {})", nodes_in_words(&row.nodes))
-    });
+    let sum = sums.max_by(|a, b| a.0.total_cmp(&b.0));
     let checks = networks.checks();
-    let kept = checks.iter().filter(|check| check.passes()).count();
-    let tolerances = match checks.len() {
-        0 => String::new(),
-        all => format!(" {kept} of {all} tolerances hold."),
-    };
-    Some(format!(
-        "The networks that ship err by {} for one force and by {} for each of two ({}): each force at most {most:.2} times its Cramer-Rao bound (node{} \
-         {}){sums}.{tolerances}",
-        errors(1)?,
-        errors(2)?,
-        Counts::of(&networks.rows),
-        if worst.nodes.len() > 1 { "s" } else { "" },
-        nodes_in_words(&worst.nodes)
-    ))
+    Some(context! {
+        one => errors(1)?,
+        two => errors(2)?,
+        counts => Counts::of(&networks.rows).to_string(),
+        most,
+        nodes => worst.nodes.clone(),
+        sum => sum.map(|(most, row)| context! { most, nodes => row.nodes.clone() }),
+        kept => checks.iter().filter(|check| check.passes()).count(),
+        tolerances => checks.len(),
+    })
 }
 
 fn table(networks: &NetworkStudy) -> Table {

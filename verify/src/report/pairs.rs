@@ -4,11 +4,13 @@ use super::dataset::{Columns, Dataset};
 use super::drawings::percent_classes;
 use super::format::{Span, list, nodes_in_words};
 use super::page::{Block, Figure, Section, text};
+use super::words::say;
 use super::{ReportError, Results};
 use crate::experiments::noise::NoiseStudy;
 use crate::figures::{Axis, Cells, FigureError, Frame, Map};
 use crate::sampling::scatter::{Counts, Scatter, ScatterRow};
 use crate::settings::{TRUSTED_ERROR, TWO_FORCES_N};
+use minijinja::{Value, context};
 
 const CSV: &str = "pairs.csv";
 const EACH: &str = "Mean error of each force, %";
@@ -53,8 +55,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         "Forces of {} to {} N along the normal at both of two contact nodes, {cases} cases a pair, uniform finger, {} mm noise.",
         TWO_FORCES_N[0], TWO_FORCES_N[1], noise.noise_mm
     ))];
-    blocks.extend(trusted(noise).map(text));
-    blocks.extend(neighbours(noise).map(text));
+    blocks.extend(say("pairs.trusted", trusted(noise))?.map(text));
+    blocks.extend(say("pairs.neighbours", neighbours(noise))?.map(text));
     let each = |row: &ScatterRow| row.mean_error().map(|error| 100.0 * error);
     let sum = |row: &ScatterRow| row.sum.map(|sum| 100.0 * sum.mean_error);
     let figures = [(EACH, matrix(noise, EACH, each)?), (SUM, matrix(noise, SUM, sum)?)];
@@ -109,53 +111,37 @@ fn two_digits(value: f64) -> String {
 }
 
 /// Which pairs can be trusted.
-fn trusted(noise: &NoiseStudy) -> Option<String> {
-    let all = noise.pairs.len();
-    let within = |rows: &[ScatterRow], limit: f64| rows.iter().filter(|row| row.is_within(limit)).count();
+fn trusted(noise: &NoiseStudy) -> Option<Value> {
     let sums = |rows: &[ScatterRow]| Some(Span::of(rows.iter().filter_map(|row| Some(row.sum?.mean_error)))?.range());
-    let bad: Vec<String> =
-        noise.pairs.iter().filter(|row| !row.is_within(TRUSTED_ERROR)).map(|row| nodes_in_words(&row.nodes)).collect();
-    let except = match &bad[..] {
-        [] => "every pair can be trusted to 10 % with each of its forces".to_owned(),
-        bad => format!("all pairs but {} can be trusted to 10 % with each of their forces", bad.join(", ")),
-    };
-    Some(format!(
-        "By the nonlinear estimator {except} (sums err by {}; {}). Least squares keeps 10 % at {} of {all} pairs (sums: {}; {}). A refused \
-         case counts as an error of 100 %.",
-        sums(&noise.pairs)?,
-        Counts::of(&noise.pairs),
-        within(&noise.linear_pairs, TRUSTED_ERROR),
-        sums(&noise.linear_pairs)?,
-        Counts::of(&noise.linear_pairs),
-    ))
+    let bad = noise.pairs.iter().filter(|row| !row.is_within(TRUSTED_ERROR)).map(|row| nodes_in_words(&row.nodes));
+    Some(context! {
+        bad => bad.collect::<Vec<_>>(),
+        sums => sums(&noise.pairs)?,
+        counts => Counts::of(&noise.pairs).to_string(),
+        pairs => noise.pairs.len(),
+        linear_within => noise.linear_pairs.iter().filter(|row| row.is_within(TRUSTED_ERROR)).count(),
+        linear_sums => sums(&noise.linear_pairs)?,
+        linear_counts => Counts::of(&noise.linear_pairs).to_string(),
+    })
 }
 
 /// Why neighbours are hard.
-fn neighbours(noise: &NoiseStudy) -> Option<String> {
+fn neighbours(noise: &NoiseStudy) -> Option<Value> {
     let pairs = || noise.pairs.iter().zip(&noise.condition_numbers);
     // Errors and condition numbers of pairs by how many nodes apart they are.
     let apart = |wanted: fn(usize) -> bool| {
         let of = pairs().filter(move |(row, _)| wanted(row.nodes[1] - row.nodes[0]));
         let errors = Span::of(of.clone().filter_map(|(row, _)| row.mean_error()))?.range();
-        Some((errors, Span::of(of.map(|(_, condition)| *condition))?))
+        Some((errors, Span::of(of.map(|(_, condition)| *condition))?.ends()))
     };
     let (near_errors, near) = apart(|steps| steps == 1)?;
     let (far_errors, far) = apart(|steps| steps > 2)?;
-    let over = |rows: &[ScatterRow]| Span::of(rows.iter().filter_map(worse_over_bound));
+    let over = |rows: &[ScatterRow]| Some(Span::of(rows.iter().filter_map(worse_over_bound))?.ends());
     let cases = noise.pairs.iter().map(ScatterRow::drawn).min()?;
-    let (nonlinear, linear) = (over(&noise.pairs)?, over(&noise.linear_pairs)?);
-    Some(format!(
-        "Neighbours bend the finger nearly alike: what distinguishes them is {:.1} to {:.1} times smaller than what they share (three or more nodes \
-         apart: {:.1} to {:.1}), so each force errs by {near_errors} instead of {far_errors}. The nonlinear estimator errs by {:.2} to {:.2} of the \
-         Cramer-Rao bound (root mean square; {:.0} % is chance), least squares by {:.1} to {:.0}.",
-        near.least,
-        near.greatest,
-        far.least,
-        far.greatest,
-        nonlinear.least,
-        nonlinear.greatest,
-        100.0 / (2.0 * cases as f64).sqrt(),
-        linear.least,
-        linear.greatest
-    ))
+    Some(context! {
+        near, near_errors, far, far_errors,
+        nonlinear => over(&noise.pairs)?,
+        linear => over(&noise.linear_pairs)?,
+        chance => 100.0 / (2.0 * cases as f64).sqrt(),
+    })
 }

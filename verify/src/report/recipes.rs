@@ -1,12 +1,15 @@
 //! Three ways to train a network, recorded.
 
+use super::ReportError;
 use super::dataset::{Columns, Dataset, Format};
-use super::format::{NOTHING, Span, error_as, list, percent, share_of_counts};
+use super::format::{NOTHING, Span, error_as, list, share_of_counts};
 use super::page::{Block, Cell, Column, Table, details, text};
 use super::table_two::recorded_settings;
+use super::words::say;
 use crate::experiments::networks::records::RecipeRow;
 use crate::experiments::table_two::{COMPARED_SETS, ComparedSet};
 use crate::truths::TruthId;
+use minijinja::context;
 
 const CSV: &str = "training_recipes.csv";
 /// Name and how it is shown.
@@ -41,9 +44,9 @@ pub(super) fn dataset(rows: &[RecipeRow]) -> Dataset<'_> {
 }
 
 /// What was recorded, its sentences and its table; nothing where nothing was.
-pub fn blocks(recorded: &[RecipeRow]) -> Vec<Block> {
+pub fn blocks(recorded: &[RecipeRow]) -> Result<Vec<Block>, ReportError> {
     if recorded.is_empty() {
-        return Vec::new();
+        return Ok(Vec::new());
     }
     let [a, spread, b, c] = RECIPES.map(|(recipe, _)| {
         let seeds = recorded.iter().filter(|row| row.recipe == recipe).map(|row| row.seed);
@@ -53,13 +56,13 @@ pub fn blocks(recorded: &[RecipeRow]) -> Vec<Block> {
         "Three recipes, recorded with {a}, {spread}, {b} and {c} seeds: (a) the paper's, 150-200-150 units and 20 000 noise-free cases of the \
          linear finger, displacements divided by the largest or the spread; (b) with noise; (c) as ships, the uniform finger with noise."
     ))];
-    blocks.extend(sentences(recorded).map(text));
+    blocks.extend(sentences(recorded)?.into_iter().map(text));
     blocks.push(details("By recipe", vec![Block::Table(table(recorded))]));
-    blocks
+    Ok(blocks)
 }
 
 /// What training on another finger costs, and what ends it; a sentence that the numbers do not bear out is left away.
-pub fn sentences(recorded: &[RecipeRow]) -> impl Iterator<Item = String> {
+pub fn sentences(recorded: &[RecipeRow]) -> Result<Vec<String>, ReportError> {
     let noise_mm = recorded.iter().map(|row| row.noise_mm).fold(0.0, f64::max);
     let [_, neighbours, _] = COMPARED_SETS;
     let of =
@@ -68,24 +71,15 @@ pub fn sentences(recorded: &[RecipeRow]) -> impl Iterator<Item = String> {
     let another_finger = || {
         let (near, clean) = (noisy("a")?, of("a", TruthId::Corotational, 0.0)?);
         let learnt = of("a", TruthId::Linear, 0.0)?.mean;
-        let seeds = match clean.greatest < SEEDS_MATTER * clean.least {
-            true => String::new(),
-            false => format!("; without noise by {}, depending on the seed", clean.range()),
-        };
-        let words = format!(
-            "(a) has learnt the linear finger ({} for neighbours) and errs by {} on the uniform finger with noise, on which it was not \
-             trained{seeds}.",
-            percent(learnt),
-            near.in_words(),
-        );
-        (near.mean >= OTHER_FINGER * learnt).then_some(words)
+        let seeds = (clean.greatest >= SEEDS_MATTER * clean.least).then(|| clean.range());
+        (near.mean >= OTHER_FINGER * learnt).then(|| context! { learnt, near => near.in_words(), seeds })
     };
     let cure = || {
         let (b, c) = (noisy("b")?, noisy("c")?);
-        let words = format!("(c) errs by {}, on the finger that it was trained on.", c.in_words());
-        (c.mean <= 0.5 * b.mean).then_some(words)
+        (c.mean <= 0.5 * b.mean).then(|| context! { c => c.in_words() })
     };
-    [another_finger(), cure()].into_iter().flatten()
+    let said = [say("recipes.another_finger", another_finger())?, say("recipes.cure", cure())?];
+    Ok(said.into_iter().flatten().collect())
 }
 
 /// Recipes with and without noise on the uniform finger.

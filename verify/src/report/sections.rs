@@ -82,8 +82,8 @@ pub(super) fn page(results: Results) -> Result<Page, ReportError> {
     Ok(Page {
         title: format!("Where the finger \"{}\" can feel", study.scene),
         subtitle: "Contact forces sensed through the finger's own deformation, in simulation.".to_owned(),
-        answers: answers::answers(study),
-        caveat: answers::caveat(study),
+        answers: answers::answers(study)?,
+        caveat: answers::caveat(study)?,
         lead: trust::figures(results)?,
         lead_caption: trust::caption(),
         explore: Some(explore::data(results)),

@@ -1,14 +1,16 @@
 //! What an answer costs, and how far it is off.
 
 use super::dataset::{Columns, Dataset, Format};
-use super::format::{NOTHING, or_nothing, percent, percent_two_digits, time};
+use super::format::{NOTHING, or_nothing, time};
 use super::page::{Block, Cell, Column, Figure, Section, Shade, Table, details, text};
+use super::words::say;
 use super::{ReportError, Results};
 use crate::experiments::speed_error::recommendation::LARGEST_BIAS_SIGMAS;
 use crate::experiments::speed_error::sensing::{FRAMES_A_PERIOD, SENSED_N};
 use crate::experiments::speed_error::{SOLVED_N, SpeedErrorPoint, Task, TimedBy};
 use crate::figures::{Axis, Chart, Dash, FigureError, Frame, Series};
 use crate::study::Study;
+use minijinja::{Value, context};
 
 const CSV: &str = "speed_error.csv";
 
@@ -51,36 +53,27 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         }
     }
     blocks.push(details(format!("All {} points", points.len()), vec![Block::Table(table(points))]));
-    Ok(Some(Section::new("speed-error", "What an answer costs", blocks).saying(in_words(study))))
+    Ok(Some(
+        Section::new("speed-error", "What an answer costs", blocks).saying(say("speed_error.says", in_words(study))?),
+    ))
 }
 
 /// An error that a model of the finger may add: the tolerance of the paper's mesh of key nodes.
 const GOOD_SHAPE: f64 = 0.01;
 
 /// Which model of the finger to run at which cost: the fastest that is good enough, the nearest, and linear theory.
-fn in_words(study: &Study) -> Option<String> {
+fn in_words(study: &Study) -> Option<Value> {
     let points = study.speed_error.iter().filter(|point| point.task == Task::Solve && !is_peer(point));
     let points: Vec<&SpeedErrorPoint> = points.filter(|point| point.error.is_finite()).collect();
     let faster = |a: &&&SpeedErrorPoint, b: &&&SpeedErrorPoint| a.seconds.total_cmp(&b.seconds);
     let good = points.iter().filter(|point| point.error <= GOOD_SHAPE).min_by(faster)?;
     let nearest = points.iter().min_by(|a, b| a.error.total_cmp(&b.error))?;
     let fastest = points.iter().min_by(faster)?;
-    let described = |point: &SpeedErrorPoint| {
-        format!(
-            "{} ({}) in {}, error {}",
-            point.model,
-            point.setting,
-            time(point.seconds),
-            percent_two_digits(point.error)
-        )
-    };
-    Some(format!(
-        "The fastest model that gives the shape under {SOLVED_N} N within {}: {}. The nearest: {}. The fastest: {}.",
-        percent(GOOD_SHAPE),
-        described(good),
-        described(nearest),
-        described(fastest)
-    ))
+    let [good, nearest, fastest] = [good, nearest, fastest].map(|point| {
+        let (model, setting) = (point.model.as_str(), point.setting.as_str());
+        context! { model, setting, seconds => point.seconds, error => point.error }
+    });
+    Some(context! { force_n => SOLVED_N, good_shape => GOOD_SHAPE, good, nearest, fastest })
 }
 
 fn answer(task: Task) -> &'static str {

@@ -43,9 +43,9 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         format!("Measured in the paper, and in simulation with {} mm noise.", study.noise_mm),
         CSV,
     )));
-    blocks.extend(words::linearisation(two, study.noise_mm).map(text));
+    blocks.extend(words::linearisation(two, study.noise_mm)?.map(text));
     blocks.push(details("By estimator", vec![Block::Table(table(two, records, study.noise_mm))]));
-    let says = words::papers(records, study.noise_mm).into_iter().chain(words::ours(two, study.noise_mm));
+    let says = [words::papers(records, study.noise_mm)?, words::ours(two, study.noise_mm)?].into_iter().flatten();
     Ok(Some(Section::new("table-two", "The paper's Table II", blocks).saying(says)))
 }
 

@@ -117,13 +117,13 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
                     SETS_CSV,
                     &twin.fits,
                 )),
-                text(words::calibration(twin)),
+                text(words::calibration(twin)?.unwrap_or_default()),
                 Block::Table(calibrated().table("One of the calibrations", CALIBRATION_CSV, first)),
             ],
         ),
     ];
     let section = Section::new("twin", "One fit of Table I: the finger with softer ends", blocks);
-    Ok(Some(section.saying([words::verdict(twin)])))
+    Ok(Some(section.saying(words::verdict(twin)?)))
 }
 
 fn drawing(study: &TwinStudy) -> Result<String, FigureError> {

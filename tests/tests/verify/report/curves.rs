@@ -24,7 +24,7 @@ fn rows(curve: &str, networks: &[(usize, &str, usize, f64)]) -> Vec<CurveRow> {
 }
 
 fn sizes(rows: &[CurveRow]) -> String {
-    sizes_in_words(&curves(rows, "size", |row| row.weights)).expect("words")
+    sizes_in_words(&curves(rows, "size", |row| row.weights)).expect("words").expect("a sentence")
 }
 
 #[test]
@@ -48,7 +48,7 @@ fn the_smallest_network_that_keeps_the_error_is_named() {
 fn the_number_of_cases_that_is_enough_is_named() {
     let said = |networks: &[(usize, &str, usize, f64)]| {
         let all = rows("samples", networks);
-        samples_in_words(&curves(&all, "samples", |row| row.samples)).expect("words")
+        samples_in_words(&curves(&all, "samples", |row| row.samples)).expect("words").expect("a sentence")
     };
     let [few, some, many] = [(1000, "32-32", 1, 0.8), (5000, "32-32", 1, 0.12), (20_000, "32-32", 1, 0.1)];
     assert!(said(&[many, few, some]).contains("From 5000 training cases on"), "{}", said(&[many, few, some]));

@@ -42,7 +42,7 @@ const B: Errors = ("b", TruthId::Corotational, [[0.02; 2], [0.31, 0.33], [0.07; 
 const C: Errors = ("c", TruthId::Corotational, [[0.003; 2], [0.022, 0.024], [0.002; 2]]);
 
 fn said(errors: &[Errors]) -> String {
-    sentences(&recorded(errors)).collect::<Vec<_>>().join(" ")
+    sentences(&recorded(errors)).expect("words").join(" ")
 }
 
 #[test]
@@ -69,7 +69,7 @@ fn what_the_numbers_deny_is_not_said() {
 
 #[test]
 fn nothing_recorded_is_nothing_shown() {
-    assert!(blocks(&[]).is_empty());
+    assert!(blocks(&[]).expect("words").is_empty());
     // Recipes of one finger with and without noise.
     assert_eq!(table(&recorded(&[A, B, C])).rows.len(), 2 * RECIPES.len());
 }

@@ -4,66 +4,41 @@ use super::{CSV, name_of};
 use crate::check::worst;
 use crate::experiments::contact_scene::samples::NoiseSamples;
 use crate::experiments::contact_scene::study::{SceneStudy, StudiedStep};
+use crate::report::ReportError;
 use crate::report::dataset::{Columns, Format};
 use crate::report::format::{Span, percent};
 use crate::report::page::Table;
+use crate::report::words::say;
+use minijinja::{Value, context};
 
 /// Scenes without friction and with it, and the contact that is sensed worst.
-pub(super) fn verdict(scenes: &[SceneStudy]) -> Option<String> {
-    let of =
-        |friction: bool| worst_total(scenes.iter().filter(|scene| (scene.friction > 0.0) == friction)).map(percent);
-    let smooth = of(false)?;
-    let rough = of(true)
-        .map_or(String::new(), |rough| format!(", with friction (only its coefficient is known) by up to {rough}"));
-    let crowded = least_known(scenes).map_or(String::new(), |least| {
-        let [low, high] = [f64::min, f64::max].map(|of| least.rms_errors_n.iter().copied().reduce(of).unwrap_or(0.0));
-        format!(
-            " Several contacts are sensed less well than their sum: at the end of the scene \"{}\" {} contacts err with noise by {low:.2} to \
-             {high:.2} N each ({}, which carries {:.2} N, by {:.2} N), their total by {:.2} N.",
-            least.scene,
-            least.rms_errors_n.len(),
-            least.name,
-            least.true_n,
-            least.rms_error_n,
-            least.total_rms_error_n
-        )
-    });
-    Some(format!(
-        "In simulation, without noise, the sensed total of objects pressed onto the lattice errs by up to {smooth}{rough}.{crowded}"
-    ))
+pub(super) fn verdict(scenes: &[SceneStudy]) -> Result<Option<String>, ReportError> {
+    let of = |friction: bool| worst_total(scenes.iter().filter(|scene| (scene.friction > 0.0) == friction));
+    let numbers = of(false).map(|smooth| context! { smooth, rough => of(true), least => least_known(scenes) });
+    say("contact_scenes.verdict", numbers)
 }
 
-/// A contact of the last step of a scene under noise, beside the others.
-struct LeastKnown<'s> {
-    scene: &'s str,
-    name: String,
-    true_n: f64,
-    rms_error_n: f64,
-    /// Of all contacts of the step.
-    rms_errors_n: Vec<f64>,
-    total_rms_error_n: f64,
-}
-
-/// The contact, among the last steps of all scenes, whose error under noise is the largest share of its force.
-fn least_known(scenes: &[SceneStudy]) -> Option<LeastKnown<'_>> {
+/// The contact, among the last steps of all scenes, whose error under noise is the largest share of its force, beside the others of its
+/// step.
+fn least_known(scenes: &[SceneStudy]) -> Option<Value> {
     let ends = scenes.iter().filter_map(|scene| Some((scene, scene.steps.last()?)));
     let contacts = ends.flat_map(|(scene, last)| {
         let felt = last.step.contacts.iter().filter(|seen| !seen.clamped).enumerate();
         felt.filter_map(move |(which, seen)| {
             let samples = last.samples.as_ref().filter(|samples| samples.answered > 0)?;
-            let total = samples.sensed.len() - 1;
-            let rms_errors_n: Vec<f64> = (0..total).map(|which| samples.rms_error_n(which)).collect();
-            Some(LeastKnown {
-                scene: &scene.name,
-                name: name_of(seen),
-                true_n: seen.normal_n,
-                rms_error_n: samples.rms_error_n(which),
-                rms_errors_n,
-                total_rms_error_n: samples.rms_error_n(total),
-            })
+            Some((samples.rms_error_n(which) / seen.normal_n, which, scene, seen, samples))
         })
     });
-    contacts.max_by(|a, b| (a.rms_error_n / a.true_n).total_cmp(&(b.rms_error_n / b.true_n)))
+    let (_, which, scene, seen, samples) = contacts.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let contacts = samples.sensed.len() - 1;
+    let [low_n, high_n] = Span::of((0..contacts).map(|which| samples.rms_error_n(which)))?.ends();
+    Some(context! {
+        scene => scene.name.as_str(), contacts, low_n, high_n,
+        name => name_of(seen),
+        true_n => seen.normal_n,
+        error_n => samples.rms_error_n(which),
+        total_n => samples.rms_error_n(contacts),
+    })
 }
 
 /// Scene by scene: how near the total comes, whether forces balance, and what the intervals hold under noise.

@@ -5,6 +5,14 @@ use finray_verify::experiments::twin::fit::TwinFit;
 use finray_verify::experiments::twin::{OTHERS, TWIN, ZoneSet, moduli_mpa};
 use finray_verify::report::twin::words::{freedom_in_words, moduli_in_words};
 
+fn freedom(fits: &[TwinFit]) -> String {
+    freedom_in_words(fits).expect("words").expect("a fit")
+}
+
+fn moduli(moduli_mpa: &[f64]) -> String {
+    moduli_in_words(moduli_mpa).expect("words").expect("a sentence")
+}
+
 fn fit_of(set: ZoneSet, misfit: f64) -> TwinFit {
     TwinFit {
         set,
@@ -20,18 +28,18 @@ fn fit_of(set: ZoneSet, misfit: f64) -> TwinFit {
 #[test]
 fn the_twin_is_one_of_several_fits() {
     let words =
-        freedom_in_words(&[fit_of(TWIN, 0.5), fit_of(OTHERS[0], 0.4), fit_of(OTHERS[1], 0.9), fit_of(OTHERS[2], 3.0)]);
+        freedom(&[fit_of(TWIN, 0.5), fit_of(OTHERS[0], 0.4), fit_of(OTHERS[1], 0.9), fit_of(OTHERS[2], 3.0)]);
     assert!(words.starts_with("4 parameters are fitted"), "{words}");
     assert!(words.contains("of 3 other sets of zones 2 fit as well") && words.contains("1 better"), "{words}");
-    assert!(freedom_in_words(&[fit_of(TWIN, 0.3)]).contains("not fitted this time"));
+    assert!(freedom(&[fit_of(TWIN, 0.3)]).contains("not fitted this time"));
 }
 
 /// The shipped twin is softer than the softest TPU that the paper quotes; a finger within the range is not said to be.
 #[test]
 fn moduli_are_held_against_the_material() {
     let twin = Scene::from_toml(finray_fixtures::TWIN_SCENE).expect("the twin's scene").finger;
-    let words = moduli_in_words(&moduli_mpa(&twin));
+    let words = moduli(&moduli_mpa(&twin));
     assert!(words.contains("Zones of 7.6 and 3.2 MPa lie outside the 10 to 1000 MPa"), "{words}");
-    assert!(moduli_in_words(&[12.0, 40.0]).contains("within"));
-    assert!(moduli_in_words(&[12.0, 1200.0]).contains("Zones of 1200.0 MPa lie outside"));
+    assert!(moduli(&[12.0, 40.0]).contains("within"));
+    assert!(moduli(&[12.0, 1200.0]).contains("Zones of 1200.0 MPa lie outside"));
 }
