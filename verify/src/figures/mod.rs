@@ -37,7 +37,7 @@ pub use geometry::{Lines, Point};
 pub use map::Map;
 pub use marks::Marker;
 pub use panels::Frame;
-pub use patch::{Fill, Patch};
+pub use patch::Patch;
 pub use series::{Series, Spread};
 pub use shades::{Class, Paint};
 pub use sheet::Dash;

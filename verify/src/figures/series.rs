@@ -1,7 +1,5 @@
 //! Series: points that belong together, how they are drawn and what is written at them.
 
-use plotters::style::Color;
-
 use super::colour::Hue;
 use super::error::{FigureError, require, require_finite, require_len};
 use super::geometry::{Area, Lines, Point, direction, gap, segments};
@@ -40,8 +38,6 @@ pub enum Spread {
     None,
     /// An upright stroke at each point.
     Bars(Vec<[f64; 2]>),
-    /// A shaded band along the series.
-    Band(Vec<[f64; 2]>),
 }
 
 impl Series {
@@ -79,7 +75,7 @@ impl Series {
     pub(super) fn ends(&self) -> &[[f64; 2]] {
         match &self.spread {
             Spread::None => &[],
-            Spread::Bars(ends) | Spread::Band(ends) => ends,
+            Spread::Bars(ends) => ends,
         }
     }
 
@@ -101,18 +97,13 @@ impl Series {
         self.marker.map_or(Ok(()), |marker| signs.iter().try_for_each(|at| marker.draw(sheet, *at, self.hue.ink())))
     }
 
-    /// A band or error bars below, then line and signs.
+    /// Error bars below, then line and signs.
     pub(super) fn draw(&self, sheet: &Sheet, plot: &Plot) -> Result<(), FigureError> {
         let (points, ink) = (plot.line(&self.points), self.hue.ink());
         let spread = self.points.iter().zip(self.ends()).map(|([x, _], ends)| ends.map(|end| plot.at([*x, end])));
-        let (low, high): (Vec<Point>, Vec<Point>) = spread.map(|[low, high]| (low, high)).unzip();
-        if matches!(self.spread, Spread::Band(_)) {
-            sheet.polygon(&low.iter().chain(high.iter().rev()).copied().collect::<Vec<_>>(), ink.mix(0.2))?;
-        } else {
-            for (low, high) in low.into_iter().zip(high) {
-                sheet.line(&[low, high], pen(ink, 1.6))?;
-                [low, high].iter().try_for_each(|[x, y]| sheet.line(&[[x - 5.0, *y], [x + 5.0, *y]], pen(ink, 1.6)))?;
-            }
+        for ends in spread {
+            sheet.line(&ends, pen(ink, 1.6))?;
+            ends.iter().try_for_each(|[x, y]| sheet.line(&[[x - 5.0, *y], [x + 5.0, *y]], pen(ink, 1.6)))?;
         }
         self.stroke(sheet, &points, &points)
     }

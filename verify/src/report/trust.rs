@@ -7,7 +7,7 @@ use super::page::Figure;
 use super::{ReportError, Results};
 use crate::estimators::EstimatorId;
 use crate::experiments::causes::{ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM};
-use crate::figures::{Axis, Chart, Class, Dash, Fill, Frame, Hue, Paint, Patch, Series};
+use crate::figures::{Axis, Chart, Class, Frame, Hue, Patch, Series};
 use crate::sampling::map::{AccuracyMap, CellState, MapRequest};
 use crate::sampling::worst::{TrustCounts, WorstCell};
 use crate::settings::MAP_FORCES_N;
@@ -227,10 +227,5 @@ fn patches(finger: &Finger, situation: &Situation) -> Vec<Patch> {
 /// Rank of a cell, best first, and its area.
 fn patch(cell: &WorstCell, classes: &[Class], outline: Vec<[f64; 2]>) -> (usize, Patch) {
     let rank = rank_of(cell.state, cell.worst_error);
-    let fill = match classes[rank].fill {
-        Paint::Colour(colour) => Fill::Colour(colour),
-        // Areas that are no rectangles have outlines where maps are hatched.
-        Paint::Hatch { rising } => Fill::Hollow(if rising { Dash::Solid } else { Dash::Dotted }),
-    };
-    (rank, Patch { label: classes[rank].label.clone(), outline, fill })
+    (rank, Patch { class: classes[rank].clone(), outline })
 }

@@ -23,11 +23,9 @@ fn every_series_has_its_line_its_markers_and_its_words() {
 #[test]
 fn a_spread_reaching_zero_on_a_log_axis_is_cut_at_its_foot() {
     let mut chart = chart();
-    for spread in [Spread::Bars, Spread::Band] {
-        chart.series[0].spread = spread(vec![[0.0, 1.0], [2.0, 4.0], [30.0, 50.0]]);
-        let svg = chart.svg().unwrap();
-        assert!(!svg.contains("NaN") && !svg.contains("inf") && !svg.contains("-2147483648"), "{svg}");
-    }
+    chart.series[0].spread = Spread::Bars(vec![[0.0, 1.0], [2.0, 4.0], [30.0, 50.0]]);
+    let svg = chart.svg().unwrap();
+    assert!(!svg.contains("NaN") && !svg.contains("inf") && !svg.contains("-2147483648"), "{svg}");
 }
 
 #[test]
@@ -42,7 +40,7 @@ fn what_has_no_position_on_the_axes_is_refused() {
     assert!(matches!(broken(|chart| chart.series[0].points.clear()), FigureError::Empty(_)));
     assert!(matches!(broken(|chart| chart.series.clear()), FigureError::Empty(_)));
     assert!(matches!(broken(|chart| chart.series[0].labels.push(String::new())), FigureError::Mismatch(_, 3, 1)));
-    let short = |chart: &mut Chart| chart.series[0].spread = Spread::Band(vec![[0.4, 1.0]]);
+    let short = |chart: &mut Chart| chart.series[0].spread = Spread::Bars(vec![[0.4, 1.0]]);
     assert!(matches!(broken(short), FigureError::Mismatch(_, 3, 1)));
 }
 
