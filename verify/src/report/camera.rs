@@ -1,12 +1,14 @@
 //! From camera to force: what each property of the camera costs in millimetres, and these in the force.
 
 use super::dataset::{Columns, Dataset, Format};
-use super::format::{nodes_in_words, percent_two_digits};
-use super::page::{Block, Figure, Section, text};
+use super::format::percent_two_digits;
+use super::page::{Block, Figure, Section};
+use super::words::{paragraph, say};
 use super::{ReportError, Results};
 use crate::experiments::camera::{AS_IT_IS, ASKED_ERROR, CameraRow, CameraStudy, FORCE_N, FrameTimes, NeededNoise};
 use crate::figures::{Axis, Chart, Dash, FigureError, Frame, Point, Series};
 use crate::settings::CAMERA_NOISE_MM;
+use minijinja::{Value, context};
 
 const CSV: &str = "camera.csv";
 /// Height of a line of a drawing, px.
@@ -23,25 +25,13 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(camera) = &study.camera else { return Ok(None) };
     let [width, height] = camera.size_px;
-    let assumed = match study.is_paper {
-        true => " Its focal length, colours and light are assumed: the paper gives the image's size and the distance.",
-        false => "",
+    let numbers = context! {
+        force_n => FORCE_N, width, height, scale => camera.px_a_mm, is_assumed => study.is_paper,
+        nodes => camera.nodes.iter().map(|node| node.0).collect::<Vec<_>>(),
     };
-    let scale = camera.px_a_mm.map_or_else(String::new, |scale| format!(" ({scale:.1} px a mm)"));
-    let mut blocks = vec![text(format!(
-        "In simulation: {FORCE_N} N along the normal at {} in turn, seen in a rendered image of {width} x {height} px{scale}, found \
-         in it, and sensed by the nonlinear estimator with the beams that bent the finger.{assumed} What the camera is only taken for (lens, \
-         pose, height) is projected without an image; \"mesh\" is what the mesh of the key nodes makes of the exact displacements of a finer one.",
-        nodes_in_words(&camera.nodes.iter().map(|node| node.0).collect::<Vec<_>>()),
-    ))];
+    let mut blocks = vec![paragraph("camera.about", numbers)?];
     if let Some(FrameTimes { search_s, track_s }) = camera.times {
-        blocks.push(text(format!(
-            "From an image in memory to node positions: {:.1} ms where the whole image is searched, {:.1} ms where markers are sought near where \
-             they were in the image before (medians, one core of this computer, a finger that holds still). The paper's vision takes about 40 ms, on another one and in images \
-             of a real finger.",
-            1e3 * search_s,
-            1e3 * track_s
-        )));
+        blocks.push(paragraph("camera.times", context! { search_ms => 1e3 * search_s, track_ms => 1e3 * track_s })?);
     }
     let drawings: [(_, _, Of); 2] = [
         ("Errors of displacements", "rms error of a coordinate, mm", |row| row.displacement_rms_mm),
@@ -76,7 +66,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     );
     let caption = format!("Noise of a coordinate at which {FORCE_N} N errs by {}", percent_two_digits(ASKED_ERROR));
     blocks.push(Block::Table(needed.table(caption, NEEDED_CSV, &camera.needed)));
-    Ok(Some(Section::new("camera", "From camera to force", blocks).saying(in_words(camera))))
+    Ok(Some(Section::new("camera", "From camera to force", blocks).saying(say("camera.says", in_words(camera))?)))
 }
 
 fn setting(row: &CameraRow) -> String {
@@ -137,41 +127,26 @@ fn drawing(
 }
 
 /// What the camera reaches, what it needs, and what costs most.
-fn in_words(camera: &CameraStudy) -> Option<String> {
+fn in_words(camera: &CameraStudy) -> Option<Value> {
     let row = camera.as_it_is()?;
     let worst = camera.worst()?;
-    let found = format!(
-        "In rendered images node displacements err by {:.4} mm rms ({:.4} mm at most), and forces sensed from them by {} rms.",
-        row.displacement_rms_mm?,
-        row.displacement_largest_mm?,
-        percent_two_digits(row.force_rms_error?),
-    );
-    let needed = format!(
-        "An error of {} at the worst node ({}) needs {:.4} mm; the paper's camera (0.2 mm at worst, {CAMERA_NOISE_MM} mm as a standard deviation) gives {} at best.",
-        percent_two_digits(ASKED_ERROR),
-        worst.node,
-        worst.noise_mm,
-        percent_two_digits(ASKED_ERROR * CAMERA_NOISE_MM / worst.noise_mm),
-    );
     let costs = camera.rows.iter().filter(|row| row.force_rms_error.is_some());
     let most =
         costs.max_by(|a, b| a.force_rms_error.partial_cmp(&b.force_rms_error).unwrap_or(std::cmp::Ordering::Equal))?;
-    let most = format!(
-        "Of what was tried, {} ({}) costs most: {}.",
-        most.item,
-        setting(most),
-        percent_two_digits(most.force_rms_error?),
-    );
     let coarse =
         camera.rows.iter().filter(|row| row.item == "resolution" && row.found == row.markers && row.refused == 0);
     let enough =
         coarse.filter(|row| row.force_largest_error <= Some(ASKED_ERROR)).find(|row| row.force_largest_error.is_some());
-    let enough = enough.map_or_else(String::new, |row| {
-        format!(
-            " At a resolution of {} no sensed force errs by more than {}.",
-            row.setting,
-            percent_two_digits(ASKED_ERROR)
-        )
-    });
-    Some(format!("{found} {needed} {most}{enough}"))
+    Some(context! {
+        rms_mm => row.displacement_rms_mm?,
+        largest_mm => row.displacement_largest_mm?,
+        error => row.force_rms_error?,
+        asked => ASKED_ERROR,
+        node => worst.node.0,
+        needed_mm => worst.noise_mm,
+        paper_mm => CAMERA_NOISE_MM,
+        papers => ASKED_ERROR * CAMERA_NOISE_MM / worst.noise_mm,
+        most => context! { item => most.item, setting => setting(most), error => most.force_rms_error? },
+        enough => enough.map(|row| row.setting),
+    })
 }

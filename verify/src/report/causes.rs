@@ -8,7 +8,8 @@ use self::drawings::{clearing, map_figure};
 use self::shares::{Region, Shares};
 use super::dataset::{Columns, Dataset, Format};
 use super::format::{error, error_as, list, percent};
-use super::page::{Block, Cell, Column, Figure, Section, Table, details, text};
+use super::page::{Block, Cell, Column, Figure, Section, Table, details};
+use super::words::paragraph;
 use super::{ReportError, Results};
 use crate::experiments::causes::{
     Cause, CauseCell, CauseMap, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM, Practice, REMEDIES,
@@ -17,6 +18,7 @@ use crate::settings::{DRAWN_FORCE_N, TRUSTED_ERROR};
 use crate::study::Study;
 use crate::truths::TruthId;
 use finray_model::NodeId;
+use minijinja::context;
 
 const CSV: &str = "causes.csv";
 /// Maps of the largest cause that are drawn: least squares with a contact known and assumed.
@@ -59,12 +61,11 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         blocks.extend(drawings::remedies(study)?.map(Block::Figure));
         blocks.push(details("By node", vec![Block::Table(table)]));
     }
-    blocks.push(text(format!(
-        "Assumed contacts are {POSITION_OFF_MM} mm (the radius of the paper's rods) and {DIRECTION_OFF_DEG} deg (as far as the paper's deformed normal turns) off, \
-         to either side. A cause's worth is the error that goes away when it alone is switched off; errors that point opposite ways hide each \
-         other, so these do not add up.{}",
-        fitted_in_words(study)
-    )));
+    let numbers = context! {
+        off_mm => POSITION_OFF_MM, off_deg => DIRECTION_OFF_DEG,
+        is_fitted => study.causes.iter().any(|map| map.truth == FITTED),
+    };
+    blocks.push(paragraph("causes.about", numbers)?);
     blocks.push(Block::Table(by_region(study)));
     let figures: Vec<Figure> = drawn(study).take(DRAWN).map(map_figure).collect::<Result<_, _>>()?;
     blocks.push(Block::Figures { figures });
@@ -74,16 +75,6 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 fn find(study: &Study, truth: TruthId, practice: Practice, contact: ContactKnowledge) -> Option<&CauseMap> {
     let is = |map: &&CauseMap| map.truth == truth && map.practice == practice && map.contact == contact;
     study.causes.iter().find(is)
-}
-
-/// What the fitted finger is, where it was asked.
-fn fitted_in_words(study: &Study) -> &'static str {
-    match study.causes.iter().any(|map| map.truth == FITTED) {
-        true => {
-            " The softer ends were put into that finger and are not known to sensing: that they come out as causes is no finding."
-        }
-        false => "",
-    }
 }
 
 /// All maps, those of the finger at hand first.

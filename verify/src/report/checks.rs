@@ -2,11 +2,13 @@
 
 use super::dataset::{Columns, Dataset, Format};
 use super::format::verdict;
-use super::page::{Block, Cell, Column, Figure, Section, Table, details, text};
+use super::page::{Block, Cell, Column, Figure, Section, Table, details};
+use super::words::paragraph;
 use super::{ReportError, Results};
 use crate::check::{Check, Kind, Tally, tallies, worst};
 use crate::figures::{Axis, Chart, Dash, FigureError, Frame, Point, Series};
 use crate::study::Study;
+use minijinja::context;
 
 const CSV: &str = "checks.csv";
 const COMPARISONS_CSV: &str = "comparisons.csv";
@@ -18,16 +20,9 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let mut blocks = Vec::new();
     if !study.is_paper {
-        blocks.push(text(
-            "Reference values of other programs (OpenSees) and the paper's Table I exist for the paper's finger alone, and \
-             so do the spring lattice and the hard cases; they are left out for this scene.",
-        ));
+        blocks.push(paragraph("checks.of_another_finger", context! {})?);
     }
-    blocks.push(text(
-        "External: figures of another program (OpenSees, MuJoCo, rapier2d). Analytical: closed forms, theoretical orders, solutions of the literature. \
-         Internal: our own other formulation, balance or bound. All are given the EA and EI of the beams: they verify solvers and kinematics. That \
-         Euler-Bernoulli beams of these sections describe a real finger, its material and its joints, cannot be verified without hardware.",
-    ));
+    blocks.push(paragraph("checks.about", context! {})?);
     blocks.extend(disagreements(study)?.map(Block::Figure));
     blocks.push(details(
         "Checks by source",

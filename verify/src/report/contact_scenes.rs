@@ -5,6 +5,7 @@ mod words;
 use super::dataset::{Columns, Dataset};
 use super::drawings::{ACROSS_AXIS, ALONG_AXIS, point};
 use super::page::{Block, Figure, Section, text};
+use super::words::paragraph;
 use super::{ReportError, Results};
 use crate::check::worst;
 use crate::experiments::contact_scene::samples::NoiseSamples;
@@ -16,6 +17,7 @@ use finray_model::finger::{FingerPoint, Plate};
 use finray_model::mesh::FingerShape;
 use finray_model::sensing::ContactPosition;
 use finray_model::{Finger, Vector};
+use minijinja::context;
 use std::collections::BTreeMap;
 
 const CSV: &str = "contact_scenes.csv";
@@ -71,11 +73,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     if study.contact_scenes.is_empty() {
         return Ok(None);
     }
-    let mut blocks = vec![text(
-        "An object is pressed onto the finger, here a lattice of rigid bodies and springs in rapier, whose contact forces are the true ones: \
-         this is simulation. Sensing (nonlinear, on beams) is given the displacements of the key nodes and points on both outlines, with the \
-         camera's noise. Which parts touch is taken as known, and the coefficient of friction as a bound on the angle of the force.",
-    )];
+    let mut blocks = vec![paragraph("contact_scenes.about", context! {})?];
     for scene in &study.contact_scenes {
         blocks.push(Block::Figures { figures: figures(&study.finger, scene)? });
     }

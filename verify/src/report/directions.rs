@@ -4,7 +4,7 @@ use super::dataset::{Columns, Dataset};
 use super::drawings::{ALONG_THE_PLATE, percent_classes, percent_line, plate_map};
 use super::format::{Span, percent};
 use super::page::{Block, Figure, Section, text};
-use super::words::say;
+use super::words::{paragraph, say};
 use super::{ReportError, Results};
 use crate::experiments::direction::{
     Assumption, DirectionCell, DirectionStudy, FORCES_N, FrictionlessPush, IDENTIFIED_ANSWERED, IDENTIFIED_DEG,
@@ -51,14 +51,11 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(directions) = &study.directions else { return Ok(None) };
     let finger = &study.finger;
-    let mut blocks = vec![text(format!(
-        "The nonlinear estimator knows the position alone, under {} mm noise, {} samples a cell. Identifiable: the direction to {IDENTIFIED_DEG} deg and the \
-         force to {} (root mean squares), with at least {} of the samples answered.",
-        directions.noise_mm,
-        directions.samples,
-        percent(IDENTIFIED_FORCE),
-        percent(IDENTIFIED_ANSWERED)
-    ))];
+    let numbers = context! {
+        noise_mm => directions.noise_mm, samples => directions.samples, deg => IDENTIFIED_DEG, force => IDENTIFIED_FORCE,
+        answered => IDENTIFIED_ANSWERED,
+    };
+    let mut blocks = vec![paragraph("directions.about", numbers)?];
     blocks.extend(say("directions.identifiable", where_identifiable(directions))?.map(text));
     let identified = |cell: &DirectionCell| cell.answers.angle_error_deg.filter(|_| cell.answers.is_identified());
     let all = |map: &Shown| -> Result<Block, FigureError> {

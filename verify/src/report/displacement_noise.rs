@@ -2,8 +2,8 @@
 
 use super::dataset::{Columns, Dataset, Format};
 use super::format::Span;
-use super::page::{Block, Section, text};
-use super::words::say;
+use super::page::{Block, Section};
+use super::words::{paragraph, say};
 use super::{ReportError, Results};
 use crate::experiments::displacement_noise::{
     DisplacementNoiseRow, DisplacementNoiseStudy, FORCE_N, FRAMES, ROTATION_SD_DEG, TRANSLATION_SD_MM,
@@ -36,12 +36,10 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         })
         .page("refused", Format::Plain, |of_set| of_set.iter().map(|row| row.refused).sum::<usize>());
     let blocks = vec![
-        text(format!(
-            "Elsewhere on this page each displacement coordinate has an independent error of {} mm, as if undeformed positions were exact. From \
-             two images, averaging {FRAMES} frames does not remove the error of the image at rest; from the motor angle, all nodes share an \
-             error of the finger base. Ordinary least squares takes errors for independent ({cases} samples).",
-            noise.image_sd_mm
-        )),
+        paragraph(
+            "displacement_noise.about",
+            context! { noise_mm => noise.image_sd_mm, frames => FRAMES, cases },
+        )?,
         Block::Table(columns.table(
             format!("Cramer-Rao bound of {FORCE_N} N along the normal, N; for 25 frames of two images; ordinary with the motor angle"),
             CSV,

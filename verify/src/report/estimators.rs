@@ -3,8 +3,8 @@
 use super::dataset::{Columns, Dataset, Format};
 use super::format::{percent, time};
 use super::maps::small;
-use super::page::{Block, Section, details, text};
-use super::words::say;
+use super::page::{Block, Section, details};
+use super::words::{paragraph, say};
 use super::{ReportError, Results};
 use crate::estimators::EstimatorId;
 use crate::experiments::coverage::CoverageRow;
@@ -75,7 +75,9 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let caption = "Uniform finger, contact known, worst force of 0.5 to 3 N; networks: contact nodes along the normal alone, \
                    node 13 by the network of any contact";
     let mut blocks = vec![Block::Table(columns().table(caption, ESTIMATORS_CSV, rows(study)))];
-    blocks.extend((!study.coverage.is_empty()).then(|| details("How often stated intervals hold", intervals(study))));
+    if !study.coverage.is_empty() {
+        blocks.push(details("How often stated intervals hold", intervals(study)?));
+    }
     Ok(Some(
         Section::new("estimators", "Four estimators side by side", blocks).saying(say("estimators.says", says(study))?),
     ))
@@ -91,7 +93,7 @@ fn says(study: &Study) -> Option<Value> {
 }
 
 /// Intervals by finger and estimator.
-fn intervals(study: &Study) -> Vec<Block> {
+fn intervals(study: &Study) -> Result<Vec<Block>, ReportError> {
     let of_samples = |row: &CoverageRow, count: usize| count as f64 / row.samples.max(1) as f64;
     let columns = Columns::<&CoverageRow>::new()
         .page("finger", Format::Words, |row| row.truth.label())
@@ -107,8 +109,5 @@ fn intervals(study: &Study) -> Vec<Block> {
         CSV,
         &study.coverage,
     );
-    let words = "Sigma holds the noise and what is known of the model's own error: linearisation, mesh, training. An estimator warns where the \
-                 measurement contradicts its model (chi-squared test, one false alarm in a hundred) or its model errs by more than the noise. On softer \
-                 ends intervals do not hold, and often no warning says so: that shape is one that another force gives the finger as modelled.";
-    vec![Block::Table(table), text(words)]
+    Ok(vec![Block::Table(table), paragraph("estimators.intervals", context! {})?])
 }

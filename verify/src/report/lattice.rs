@@ -6,6 +6,7 @@ use super::dataset::{Columns, Dataset, Format};
 use super::format::{error_as, percent_two_digits};
 use super::maps::map_csv_name;
 use super::page::{Block, Cell, Column, Figure, Section, Table, details, text};
+use super::words::paragraph;
 use super::{ReportError, Results, drawings};
 use crate::check::worst;
 use crate::experiments::lattice::LatticeStudy;
@@ -16,6 +17,7 @@ use crate::lattice::settling::Precision;
 use crate::problems::lattice::FINENESS;
 use crate::settings::DRAWN_FORCE_N;
 use crate::study::Study;
+use minijinja::context;
 
 const CSV: &str = "lattice.csv";
 const AXIAL_CSV: &str = "lattice_axial_springs.csv";
@@ -78,11 +80,7 @@ pub fn settled<'s>(rows: impl Iterator<Item = &'s SettlingRow>) -> Dataset<'s> {
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(lattice) = &study.lattice else { return Ok(None) };
-    let mut blocks = vec![text(
-        "The finger as rigid bodies between springs of EA / l, 12 EI / l^3 and EI / l: no element or solver of the beams is used, nothing is \
-         fitted. This verifies solver and kinematics, not beam theory. rapier2d lets the bodies come to rest; Newton's method finds the least \
-         energy and separates the lattice's errors from those of settling.",
-    )];
+    let mut blocks = vec![paragraph("lattice.about", context! {})?];
     if lattice.settling.is_empty() {
         blocks.push(text("This quick report compares equilibria alone, under fewer loads."));
     }
@@ -93,7 +91,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     )));
     blocks.push(Block::List { items: words::findings(lattice)? });
     blocks.push(Block::Figures { figures: vec![map_figure(study, lattice)?, sensing_figure(lattice)?] });
-    let mut folded = vec![text(words::SPRINGS), Block::Table(axial(lattice))];
+    let mut folded = vec![paragraph("lattice.springs", context! {})?, Block::Table(axial(lattice))];
     if !lattice.settling.is_empty() {
         folded.push(Block::Table(settled(lattice.settling.iter()).table(
             "The settled lattice against its equilibrium; single: positions and rotations rounded (the engine's own such build was not run)",

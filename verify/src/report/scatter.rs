@@ -2,11 +2,13 @@
 
 use super::dataset::{Columns, Dataset, Format};
 use super::format::{Span, list, nodes_in_words};
-use super::page::{Block, Section, text};
+use super::page::{Block, Section};
+use super::words::{paragraph, say};
 use super::{ReportError, Results};
 use crate::experiments::noise::NoiseStudy;
 use crate::sampling::scatter::{Counts, Scatter, ScatterRow};
 use crate::settings::{ONE_FORCE_N, TWO_FORCES_N};
+use minijinja::{Value, context};
 
 const CSV: &str = "noise.csv";
 
@@ -36,11 +38,8 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(noise) = &study.noise else { return Ok(None) };
     let cases = noise.single.iter().map(ScatterRow::drawn).max().unwrap_or(1);
-    let mut blocks = vec![text(format!(
-        "Random forces ({} to {} N on one node, {} to {} N on each of two) on the uniform finger, {cases} times a node. The bound is Cramer \
-         and Rao's; 95 % within 1.96 sigma are meant. Means are over answered cases.",
-        ONE_FORCE_N[0], ONE_FORCE_N[1], TWO_FORCES_N[0], TWO_FORCES_N[1],
-    ))];
+    let numbers = context! { one_n => ONE_FORCE_N, two_n => TWO_FORCES_N, cases };
+    let mut blocks = vec![paragraph("noise.about", numbers)?];
     // No force of the range may be carried at a node.
     let first = |row: &ScatterRow| row.forces.first().copied();
     let single = Columns::<&ScatterRow>::new()
@@ -61,18 +60,14 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     if !noise.checked.is_empty() {
         blocks.push(Block::Table(pairs.table("Two contacts", CSV, &noise.checked)));
     }
-    Ok(Some(Section::new("noise", "Nonlinear sensing", blocks).saying(in_words(noise))))
+    Ok(Some(Section::new("noise", "Nonlinear sensing", blocks).saying(say("noise.says", in_words(noise))?)))
 }
 
 /// The range of the mean errors over the nodes.
-fn in_words(noise: &NoiseStudy) -> Option<String> {
-    let range = |rows: &[ScatterRow]| Some(Span::of(rows.iter().filter_map(ScatterRow::mean_error))?.range());
-    let pairs = range(&noise.pairs)
-        .map_or_else(String::new, |pairs| format!(", each of two with {pairs} ({})", Counts::of(&noise.pairs)));
-    Some(format!(
-        "With {} mm noise the nonlinear estimator senses a force along the normal with a mean error of {} ({}){pairs}, by position.",
-        noise.noise_mm,
-        range(&noise.single)?,
-        Counts::of(&noise.single)
-    ))
+fn in_words(noise: &NoiseStudy) -> Option<Value> {
+    let range = |rows: &[ScatterRow]| {
+        let errors = Span::of(rows.iter().filter_map(ScatterRow::mean_error))?.range();
+        Some(context! { errors, counts => Counts::of(rows).to_string() })
+    };
+    Some(context! { noise_mm => noise.noise_mm, one => range(&noise.single)?, two => range(&noise.pairs) })
 }

@@ -3,7 +3,7 @@
 use super::dataset::{Columns, Dataset, Format};
 use super::format::{NOTHING, or_nothing, time};
 use super::page::{Block, Cell, Column, Figure, Section, Shade, Table, details, text};
-use super::words::say;
+use super::words::{paragraph, say};
 use super::{ReportError, Results};
 use crate::experiments::speed_error::recommendation::LARGEST_BIAS_SIGMAS;
 use crate::experiments::speed_error::sensing::{FRAMES_A_PERIOD, SENSED_N};
@@ -23,12 +23,10 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     if points.is_empty() {
         return Ok(None);
     }
-    let mut blocks = vec![text(format!(
-        "Median time of one answer on one core against its error. Shapes: {SOLVED_N} N along the front plate in three directions, against beams \
-         of 32 elements a member. Forces: {} to {} N along the normal over {FRAMES_A_PERIOD} frames, {} mm noise. A warm start is the frame \
-         before, a cold one least squares; meshing, preparing for a contact and finding the model error are not counted.",
-        SENSED_N[0], SENSED_N[1], study.noise_mm
-    ))];
+    let numbers = context! {
+        solved_n => SOLVED_N, sensed_n => SENSED_N, frames => FRAMES_A_PERIOD, noise_mm => study.noise_mm,
+    };
+    let mut blocks = vec![paragraph("speed_error.about", numbers)?];
     blocks.extend(study.timing_notes.iter().map(text));
     if !points.iter().any(is_peer) {
         blocks.push(text(

@@ -2,11 +2,13 @@
 
 use super::dataset::{Columns, Dataset, Format};
 use super::format::{Span, list, percent};
-use super::page::{Block, Figure, Section, details, text};
+use super::page::{Block, Figure, Section, details};
+use super::words::{paragraph, say};
 use super::{ReportError, Results, drawings};
 use crate::claims::criteria::accounts_for;
 use crate::experiments::table_one::{TableOne, TableOneRow, WEIGHTS_G};
 use crate::settings::TRUSTED_ERROR;
+use minijinja::{Value, context};
 
 const CSV: &str = "table_one.csv";
 
@@ -38,12 +40,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
             columns.page(heading, Format::Error, |i| table.rows[*i].mean_error)
         });
     let blocks = vec![
-        text(format!(
-            "The paper hangs 50 to 300 g on single nodes and senses them with the linear model, calibrated on nodes 17, 19 and 21 (over the true \
-             modulus: {:.2} to {:.2}). Here the uniform finger is the true one, without noise. How the finger lies is not published: several \
-             directions are assumed (10.9 deg: axis level).",
-            factors.least, factors.greatest
-        )),
+        paragraph("table_one.about", context! { factors => factors.ends() })?,
         Block::Figure(Figure::wide(
             drawings::table_one(tables)?,
             "Mean error over six weights: measured in the paper, and by geometric nonlinearity alone.",
@@ -54,22 +51,18 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
             vec![Block::Table(columns.table("Mean error by loaded node", CSV, 0..first.rows.len()))],
         ),
     ];
-    Ok(Some(Section::new("table-one", "The paper's Table I", blocks).saying([in_words(first)])))
+    Ok(Some(
+        Section::new("table-one", "The paper's Table I", blocks).saying(say("table_one.says", Some(in_words(first)))?),
+    ))
 }
 
 /// How much of the paper's large errors geometric nonlinearity gives.
-fn in_words(table: &TableOne) -> String {
+fn in_words(table: &TableOne) -> Value {
     let large = table.rows.iter().filter(|row| row.paper_mean_error > TRUSTED_ERROR);
     let (most, less): (Vec<_>, Vec<_>) = large.partition(|row| accounts_for(&[(row.mean_error, row.paper_mean_error)]));
-    let in_words = |row: &&TableOneRow| {
-        format!("node {} (paper {}, ours {})", row.node, percent(row.paper_mean_error), percent(row.mean_error))
-    };
-    let [most, less] = [most, less].map(|rows| list(rows.iter().map(in_words), ", "));
-    let head = "In simulation, geometric nonlinearity alone gives";
-    let of = "of the paper's large errors in Table I";
-    match (most.as_str(), less.as_str()) {
-        ("", less) => format!("{head} less than half {of}: {less}. What else causes them is not found out here."),
-        (most, "") => format!("{head} most {of}: {most}."),
-        (most, less) => format!("{head} most {of} at {most}, less than half at {less}."),
-    }
+    let [most, less] = [most, less].map(|rows| {
+        let rows = rows.iter().map(|row| (row.node, percent(row.paper_mean_error), percent(row.mean_error)));
+        list(rows.map(|(node, paper, ours)| format!("node {node} (paper {paper}, ours {ours})")), ", ")
+    });
+    context! { most, less }
 }

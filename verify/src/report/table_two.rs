@@ -7,6 +7,7 @@ use super::dataset::{Columns, Dataset, Format};
 use super::drawings::bar_percent;
 use super::format::{NOTHING, Span, error, error_as, list, nodes_in_words, share_of_counts, share_refused};
 use super::page::{Block, Cell, Column, Figure, Section, Table, details, text};
+use super::words::paragraph;
 use super::{ReportError, Results};
 use crate::estimators::EstimatorId;
 use crate::experiments::networks::paper::{OverSeeds, PAPER_RECIPES, quantities, recorded};
@@ -14,6 +15,7 @@ use crate::experiments::networks::records::RecipeRow;
 use crate::experiments::table_two::{CONTACT_GROUPS, ContactGroup, FORCES_N, MOST_FITS, TableTwo};
 use crate::figures::{Axis, Bars, Chart, FigureError, Frame, Hue};
 use crate::truths::TruthId;
+use minijinja::context;
 
 const CSV: &str = "table_two.csv";
 /// Errors below this are shown as none: no reader asks for a millionth of a percent.
@@ -26,18 +28,10 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(two) = &study.table_two else { return Ok(None) };
     let records = &study.records.recipes;
-    let groups = CONTACT_GROUPS
-        .map(|group| format!("{} ({})", group.name, list(group.sets.iter().map(|set| nodes_in_words(set)), "; ")));
-    let mut blocks = vec![text(format!(
-        "The paper's network senses its gripper; here a simulated finger is sensed at the same nodes, {}: {} cases each ({} nonlinear), {} to {} \
-         N along the normal, nodes and directions known. \"Network of the paper\" is trained as in sec. IV-A on noise-free cases of the linear \
-         finger, and recorded with two scalings of displacements, as the paper publishes none.",
-        list(groups, ", "),
-        two.cases,
-        two.cases.min(MOST_FITS),
-        FORCES_N[0],
-        FORCES_N[1],
-    ))];
+    let of_group = |group: ContactGroup| (group.name, list(group.sets.iter().map(|set| nodes_in_words(set)), "; "));
+    let groups = CONTACT_GROUPS.map(of_group).map(|(name, sets)| format!("{name} ({sets})"));
+    let numbers = context! { groups, cases => two.cases, fits => two.cases.min(MOST_FITS), forces_n => FORCES_N };
+    let mut blocks = vec![paragraph("table_two.about", numbers)?];
     blocks.push(Block::Figure(Figure::wide(
         drawing(two, records, study.noise_mm)?,
         format!("Measured in the paper, and in simulation with {} mm noise.", study.noise_mm),

@@ -6,12 +6,14 @@ use super::dataset::{Columns, Dataset, Format};
 use super::drawings::{PAPER_SHADES_PERCENT, bar_percent, percent_line};
 use super::format::{figure, list};
 use super::page::{Block, Figure, Section, details, text};
+use super::words::paragraph;
 use super::{ReportError, Results};
 use crate::experiments::table_one::{TableOne, TableOneRow};
 use crate::experiments::twin::fit::TwinFit;
 use crate::experiments::twin::study::{TwinSensing, TwinStudy};
 use crate::figures::{Axis, Bars, Chart, FigureError, Frame, Hue};
 use finray_model::calibration::FactorEstimate;
+use minijinja::context;
 
 const CSV: &str = "twin.csv";
 const SETS_CSV: &str = "twin_zone_sets.csv";
@@ -96,11 +98,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         .page("misfit", Format::Fixed(2), |fit| fit.misfit);
     let first = factors(twin).filter(|(repetition, ..)| *repetition == 1);
     let blocks = vec![
-        text(
-            "The paper infers from its errors that the modulus \"at the tip and base should be lower\". Zones of both plates are softened here: \
-             that soft ends err so was put in, not found. Which plate or ribs are soft the table does not say, and no other cause was fitted. At \
-             18 to 22 no signs are published: zero is fitted. Weights are assumed to pull along the normal.",
-        ),
+        paragraph("twin.about", context! {})?,
         Block::Figure(Figure::wide(
             drawing(twin)?,
             format!(

@@ -2,6 +2,7 @@
 
 use super::ReportError;
 use super::format::{percent, percent_two_digits, percent_with, time};
+use super::page::{Block, text};
 use crate::templates::templates;
 use minijinja::{Environment, Value};
 use std::collections::BTreeMap;
@@ -22,6 +23,11 @@ static WORDS: LazyLock<Result<Environment<'static>, String>> = LazyLock::new(|| 
     words.add_filter("time", time);
     Ok(words)
 });
+
+/// A paragraph with its numbers.
+pub(super) fn paragraph(sentences: &str, numbers: Value) -> Result<Block, ReportError> {
+    Ok(text(say(sentences, Some(numbers))?.unwrap_or_default()))
+}
 
 /// A sentence with its numbers, nothing where there are none.
 pub(super) fn say(sentence: &str, numbers: Option<Value>) -> Result<Option<String>, ReportError> {

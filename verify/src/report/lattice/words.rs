@@ -11,10 +11,6 @@ use minijinja::{Value, context};
 /// A difference that falls at least with this power of the segments' length goes to nothing with it; one that does not would stay.
 const COARSENESS_ORDER: f64 = 2.0;
 
-/// Why axial springs are as they are.
-pub(super) const SPRINGS: &str = "A segment's ends come nearer when it bends: points a sixth of its length inside keep their distance, and \
-                                  springs fixed at the ends would resist bending too. Members must stretch: a V carries a force like a truss.";
-
 /// How near the lattice is to beams, and sensing on it to sensing on the uniform finger.
 pub fn verdict(lattice: &LatticeStudy) -> Result<Option<String>, ReportError> {
     let numbers = || {
