@@ -53,85 +53,63 @@ pub enum Effort {
 }
 
 impl Effort {
+    /// One of two, by how much is computed.
+    pub(crate) fn choose<T>(self, quick: T, full: T) -> T {
+        match self {
+            Effort::Quick => quick,
+            Effort::Full => full,
+        }
+    }
+
     /// Random cases for each set of contacts of Table II and of the networks.
     pub(crate) fn sensed_cases(self) -> [usize; 2] {
-        match self {
-            Effort::Quick => [40, 40],
-            Effort::Full => [ENOUGH_CASES; 2],
-        }
+        self.choose([40, 40], [ENOUGH_CASES; 2])
     }
 
     /// Noise samples for each set of contacts and model of the displacements' noise.
     pub(crate) fn displacement_noise_cases(self) -> usize {
-        match self {
-            Effort::Quick => 20,
-            Effort::Full => 200,
-        }
+        self.choose(20, 200)
     }
 
     /// Positions along the front plate, degrees between two directions and noise samples a cell, for which stated intervals are
     /// compared with the truth: 720 samples, or 12 960, of which a share of 95 % is known to 0.8 or 0.2 %.
     pub(crate) fn covered_cells(self) -> (usize, f64, usize) {
-        match self {
-            Effort::Quick => (17, 40.0, 3),
-            Effort::Full => (60, 20.0, 6),
-        }
+        self.choose((17, 40.0, 3), (60, 20.0, 6))
     }
 
     /// Noise samples a force at each contact node, for the networks.
     pub(crate) fn covered_at_nodes(self) -> usize {
-        match self {
-            Effort::Quick => 20,
-            Effort::Full => 100,
-        }
+        self.choose(20, 100)
     }
 
     /// Nodes at which forces are sensed from images, at most, and conditions of the camera.
     pub(crate) fn camera(self) -> (usize, usize) {
-        match self {
-            Effort::Quick => (2, 9),
-            Effort::Full => (6, usize::MAX),
-        }
+        self.choose((2, 9), (6, usize::MAX))
     }
 
     /// Calibrations of the digital twin, forces a node that are sensed on it, and sets of zones that are fitted.
     pub(crate) fn twin(self) -> [usize; 3] {
-        match self {
-            Effort::Quick => [3, 40, 1],
-            Effort::Full => [10, 400, usize::MAX],
-        }
+        self.choose([3, 40, 1], [10, 400, usize::MAX])
     }
 
     /// Positions along the front plate, degrees between two directions, and noise samples a cell.
     pub(crate) fn resolution(self) -> (usize, f64, usize) {
-        match self {
-            Effort::Quick => (24, 20.0, 100),
-            Effort::Full => (48, 5.0, 400),
-        }
+        self.choose((24, 20.0, 100), (48, 5.0, 400))
     }
 
     /// The same where an answer costs much, or maps differ by more than by their cells: every position and direction is also
     /// one of [`resolution`](Effort::resolution).
     pub(crate) fn coarse_resolution(self) -> (usize, f64, usize) {
-        match self {
-            Effort::Quick => (12, 40.0, 4),
-            Effort::Full => (24, 10.0, 12),
-        }
+        self.choose((12, 40.0, 4), (24, 10.0, 12))
     }
 
     /// Positions along the front plate and degrees between two directions where contacts are only assumed.
     pub(crate) fn assumed_contacts(self) -> (usize, f64) {
-        match self {
-            Effort::Quick => (6, 40.0),
-            Effort::Full => (24, 20.0),
-        }
+        self.choose((6, 40.0), (24, 20.0))
     }
 
     /// The same for maps of shapes that the nonlinear estimator's model cannot take.
     pub(crate) fn coarsest_resolution(self) -> (usize, f64, usize) {
-        match self {
-            Effort::Quick => (6, 40.0, 1),
-            Effort::Full => (24, 20.0, 4),
-        }
+        self.choose((6, 40.0, 1), (24, 20.0, 4))
     }
 }

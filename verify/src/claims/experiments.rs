@@ -95,7 +95,7 @@ pub struct AllForces {
 /// [`SensingError`] if that cannot be done.
 pub fn all_forces(finger: &Finger, noise_mm: f64) -> Result<AllForces, SensingError> {
     let contacts: Vec<Contact> = finger.contact_nodes().map(Contact::at_node).collect();
-    let estimator = LinearEstimator::new(finger, &contacts, &at_rest(finger)?)?;
+    let estimator = LinearEstimator::new(finger, &contacts, &Measurement::at_rest(finger))?;
     let values = estimator.singular_values();
     Ok(AllForces {
         span: values[0] / values[values.len() - 1],
@@ -108,16 +108,12 @@ pub fn all_forces(finger: &Finger, noise_mm: f64) -> Result<AllForces, SensingEr
 /// # Errors
 /// [`SensingError`] if a node cannot be sensed.
 pub fn unknown_direction(finger: &Finger, noise_mm: f64) -> Result<Vec<f64>, SensingError> {
-    let markers = at_rest(finger)?;
+    let markers = Measurement::at_rest(finger);
     by_node(finger, |node| {
         let component = |angle_deg| Contact { position: ContactPosition::Node(node), angle_deg };
         let estimator = LinearEstimator::new(finger, &[component(0.0), component(90.0)], &markers)?;
         Ok(estimator.inverse().sigmas_per_noise[1] * noise_mm)
     })
-}
-
-fn at_rest(finger: &Finger) -> Result<Measurement, SensingError> {
-    Ok(Measurement::of_shape(finger, &statics::solve(&Mesh::key_nodes(finger), &[], Kinematics::Linear)?))
 }
 
 /// Change of the co-rotational shape when the forces at two nodes are exchanged.

@@ -36,10 +36,7 @@ const REFERENCE_TOLERANCE: f64 = 0.1 * FINE_MESH_TOLERANCE;
 impl Effort {
     /// Forces, N, and nodes of the largest mesh.
     fn convergence(self) -> (&'static [f64], usize) {
-        match self {
-            Effort::Quick => (&FORCES_N[3..], 2500),
-            Effort::Full => (&FORCES_N, 5000),
-        }
+        self.choose((&FORCES_N[3..], 2500), (&FORCES_N, 5000))
     }
 }
 

@@ -8,6 +8,7 @@
 use super::{Context, Evidence};
 use crate::check::{Check, Kind, worst};
 use crate::experiments::response::{ContactForce, RespondingFinger, Response};
+use crate::experiments::table_two::contact_sets;
 use crate::sampling::noise::Noise;
 use crate::sampling::scatter::sampled_nodes;
 use finray_model::measurement::noise::base_motions;
@@ -28,8 +29,6 @@ pub const ROTATION_SD_DEG: f64 = 0.1;
 pub const FORCE_N: f64 = 1.5;
 /// Frames that are averaged in the second bound: a second of the paper's camera.
 pub const FRAMES: usize = 25;
-/// Pairs of contact nodes of the paper's Table II.
-const PAIRS: [[usize; 2]; 4] = [[19, 20], [16, 17], [18, 20], [16, 20]];
 /// Steps of an estimator, and the last one as a share of the force.
 const MAX_STEPS: usize = 20;
 const SETTLED: f64 = 1e-8;
@@ -205,9 +204,9 @@ impl DisplacementNoiseStudy {
         let mesh = Mesh::key_nodes(finger);
         let mut sets: Vec<Vec<NodeId>> = sampled_nodes(finger).into_iter().map(|node| vec![node]).collect();
         sets.retain(|set| set[0] != finger.tip());
-        let on_finger =
-            |pair: &[usize; 2]| pair.iter().all(|&node| finger.contact_nodes().any(|other| other.0 == node));
-        sets.extend(PAIRS.iter().filter(|pair| on_finger(pair)).map(|pair| pair.map(NodeId).to_vec()));
+        let on_finger = |set: &&[usize]| set.iter().all(|&node| finger.contact_nodes().any(|other| other.0 == node));
+        let pairs = contact_sets().into_iter().filter(|set| set.len() > 1).filter(on_finger);
+        sets.extend(pairs.map(|pair| pair.iter().copied().map(NodeId).collect()));
         let rows: Result<Vec<Vec<DisplacementNoiseRow>>, LoadError> =
             sets.par_iter().map(|nodes| rows_of(&mesh, nodes, image_sd_mm, cases)).collect();
         Ok(DisplacementNoiseStudy { image_sd_mm, rows: rows?.concat() })

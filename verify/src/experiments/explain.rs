@@ -5,6 +5,7 @@
 //! (along it, and across it), or when the force moves along the plate: columns j, c and m of the tangent compliance of the
 //! co-rotational finger in its loaded shape. The stiffness of the deformed finger counts, not that of the finger at rest.
 
+use super::response::coordinates;
 use super::{Context, Evidence};
 use crate::estimators::ELEMENTS;
 use crate::sampling::map::MapRequest;
@@ -12,7 +13,7 @@ use crate::settings::{DRAWN_FORCE_N, Effort};
 use finray_model::mesh::LoadError;
 use finray_model::sensing::{Contact, ContactPosition, LARGEST_SPAN};
 use finray_model::statics::{Ladder, Statics};
-use finray_model::{Finger, Kinematics, Mesh, Vector};
+use finray_model::{Kinematics, Mesh, Vector};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -152,11 +153,11 @@ impl Sensitivity {
         let ladder = statics.equations_mut();
         let mut rates = vec![Vector::zeros(); finger.key_node_count()];
         ladder.added_load(&motion, &along, &mut rates);
-        let along = seen(finger, &rates);
+        let along = coordinates(finger, &rates);
         ladder.added_load(&motion, &across, &mut rates);
-        let across = seen(finger, &rates);
+        let across = coordinates(finger, &rates);
         ladder.moved_load(&motion, &load, &mut rates);
-        let moved = seen(finger, &rates);
+        let moved = coordinates(finger, &rates);
         Ok(Some(Sensitivity { along, across, moved }))
     }
 
@@ -170,12 +171,6 @@ impl Sensitivity {
         let values = DMatrix::from_columns(&[self.along.clone(), self.across.clone()]).singular_values();
         values.max() / values.min()
     }
-}
-
-/// Coordinates of the markers.
-fn seen(finger: &Finger, rates: &[Vector]) -> DVector<f64> {
-    let markers = finger.marked_nodes();
-    DVector::from_iterator(2 * markers.len(), markers.flat_map(|node| [rates[node.0 - 1].x, rates[node.0 - 1].y]))
 }
 
 /// Residual of a vector after projection on another.

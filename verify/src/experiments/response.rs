@@ -105,7 +105,7 @@ impl<'m> RespondingFinger<'m> {
 }
 
 /// Coordinates of the markers, from vectors by key node.
-fn coordinates(finger: &Finger, of_nodes: &[Vector]) -> DVector<f64> {
+pub(super) fn coordinates(finger: &Finger, of_nodes: &[Vector]) -> DVector<f64> {
     let nodes = finger.marked_nodes();
     DVector::from_iterator(2 * nodes.len(), nodes.flat_map(|node| [of_nodes[node.0 - 1].x, of_nodes[node.0 - 1].y]))
 }

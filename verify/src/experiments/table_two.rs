@@ -11,8 +11,8 @@ use crate::sampling::scatter::{ScatterRequest, ScatterRow, scatter};
 use crate::settings::TWO_FORCES_N;
 use crate::truths::TruthId;
 use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, LinearEstimator, SensingError};
-use finray_model::{Finger, Kinematics, Mesh, NodeId, statics};
+use finray_model::sensing::{Contact, LinearEstimator};
+use finray_model::{Finger, Kinematics, Mesh, NodeId};
 
 /// A row of the paper's table: the contacts of its tests (sec. V-C), and the mean errors over these tests.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -235,8 +235,7 @@ pub fn table_two(
 /// Largest over smallest singular value of the displacements of all markers under unit forces along the normal.
 pub(crate) fn condition_number(finger: &Finger, nodes: &[NodeId]) -> Result<f64, EstimatorError> {
     let contacts: Vec<Contact> = nodes.iter().copied().map(Contact::at_node).collect();
-    let at_rest = statics::solve(&Mesh::key_nodes(finger), &[], Kinematics::Linear).map_err(SensingError::from)?;
-    let estimator = LinearEstimator::new(finger, &contacts, &Measurement::of_shape(finger, &at_rest))?;
+    let estimator = LinearEstimator::new(finger, &contacts, &Measurement::at_rest(finger))?;
     let values = estimator.singular_values();
     Ok(values.first().zip(values.last()).map_or(1.0, |(largest, smallest)| largest / smallest))
 }

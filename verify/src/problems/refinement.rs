@@ -5,6 +5,8 @@
 
 use super::{Problem, ProblemError, Solved};
 use crate::check::{Check, Comparison, Kind, worst};
+use crate::lattice::accuracy::difference;
+use crate::sampling::scatter::sampled_nodes;
 use crate::truths::fine_mesh;
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, statics};
 
@@ -24,24 +26,13 @@ const ANGLES_DEG: [f64; 3] = [-45.0, 0.0, 45.0];
 
 /// Largest difference between a mesh and a finer one at a key node, as a share of the largest displacement, under 3 N
 /// at a node, over three directions.
-fn difference(finger: &Finger, meshes: [&Mesh; 2], node: NodeId, kinematics: Kinematics) -> Result<f64, ProblemError> {
-    let mut differences = Vec::new();
-    for angle_deg in ANGLES_DEG {
+fn refined(finger: &Finger, meshes: [&Mesh; 2], node: NodeId, kinematics: Kinematics) -> Result<f64, ProblemError> {
+    let differences = ANGLES_DEG.map(|angle_deg| -> Result<f64, ProblemError> {
         let load = Load::at_node(node, finger.direction(angle_deg) * FORCE_N);
-        let coarse = statics::solve(meshes[0], &[load], kinematics)?;
-        let fine = statics::solve(meshes[1], &[load], kinematics)?;
-        let pairs = coarse.motions().iter().zip(fine.motions());
-        differences
-            .extend(pairs.map(|(a, b)| (a.displacement - b.displacement).norm() / fine.largest_displacement_mm()));
-    }
-    Ok(worst(differences))
-}
-
-/// Every contact node, or about a dozen of many, from the tip on.
-fn sampled_nodes(finger: &Finger) -> impl Iterator<Item = NodeId> + use<> {
-    let nodes = finger.contact_nodes();
-    let every = nodes.len().div_ceil(12);
-    nodes.step_by(every)
+        let [coarse, fine] = meshes.map(|mesh| statics::solve(mesh, &[load], kinematics));
+        Ok(difference(&fine?, &coarse?))
+    });
+    Ok(worst(differences.into_iter().collect::<Result<Vec<_>, _>>()?))
 }
 
 /// Largest difference between the linear finger's two meshes, over loads along the front plate, as a share of the largest displacement.
@@ -50,7 +41,8 @@ fn sampled_nodes(finger: &Finger) -> impl Iterator<Item = NodeId> + use<> {
 /// [`ProblemError`] if the finger cannot be solved.
 pub fn linear_difference(finger: &Finger) -> Result<f64, ProblemError> {
     let (coarse, fine) = (Mesh::key_nodes(finger), fine_mesh(finger)?);
-    let differences = sampled_nodes(finger).map(|node| difference(finger, [&coarse, &fine], node, Kinematics::Linear));
+    let differences =
+        sampled_nodes(finger).into_iter().map(|node| refined(finger, [&coarse, &fine], node, Kinematics::Linear));
     Ok(worst(differences.collect::<Result<Vec<_>, _>>()?))
 }
 
@@ -86,7 +78,7 @@ pub fn comparisons(finger: &Finger) -> Result<Vec<Comparison>, ProblemError> {
         [(Kinematics::CorotationalChord, "chord strain"), (Kinematics::Corotational, "shallow-arch strain")]
     {
         for node in sampled_nodes(finger) {
-            let Ok(ours) = difference(finger, [&coarse, &fine], node, kinematics) else { continue };
+            let Ok(ours) = refined(finger, [&coarse, &fine], node, kinematics) else { continue };
             comparisons.push(Comparison {
                 problem: format!(
                     "{} against {} nodes, co-rotational ({name}), {FORCE_N} N at node {node}",

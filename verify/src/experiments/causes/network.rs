@@ -11,7 +11,6 @@ use crate::experiments::ExperimentError;
 use crate::sampling::noise::Noise;
 use crate::settings::LEAST_STATED_MM;
 use crate::truths::{MeshTruth, Truth, TruthId, fine_mesh};
-use finray_model::frame::FrameMotion;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, NonlinearEstimator};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
@@ -46,8 +45,7 @@ pub fn causes(
     let worlds = causes.iter().map(|cause| Some(*cause)).chain([None]);
     let worlds: Vec<World> =
         worlds.map(|off| World::without(off, truth, finger, believed)).collect::<Result<_, ExperimentError>>()?;
-    let key_nodes = Mesh::key_nodes(finger);
-    let at_rest = Measurement::of_shape(finger, &key_nodes.shape(&FrameMotion::at_rest(key_nodes.frame())));
+    let at_rest = Measurement::at_rest(finger);
     let nodes: Vec<NodeId> =
         believed.contact_nodes().filter(|node| network.prepare(&[Contact::at_node(*node)], &at_rest).is_ok()).collect();
     let cells = |&node: &NodeId| -> Vec<CauseCell> {

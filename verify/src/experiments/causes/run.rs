@@ -18,10 +18,8 @@ impl Evidence for CauseMap {}
 /// [`ExperimentError`] if a finger at rest cannot be solved or its modulus not calibrated.
 pub fn run(context: &Context, twin: Option<&Finger>) -> Result<Vec<CauseMap>, ExperimentError> {
     let &Context { finger, noise_mm, effort, .. } = context;
-    let (positions, step_deg, forces_n) = match effort {
-        Effort::Quick => (12, 40.0, vec![DRAWN_FORCE_N]),
-        Effort::Full => (24, 20.0, vec![MAP_FORCES_N[0], DRAWN_FORCE_N]),
-    };
+    let (positions, step_deg) = effort.choose((12, 40.0), (24, 20.0));
+    let forces_n = effort.choose(vec![DRAWN_FORCE_N], vec![MAP_FORCES_N[0], DRAWN_FORCE_N]);
     let (positions_mm, angles_deg) = Grid::grid(finger, positions, step_deg);
     let of = |practices: &[_]| CauseRequest {
         practices: practices.to_vec(),

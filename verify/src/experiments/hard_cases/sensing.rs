@@ -69,10 +69,7 @@ const CONSPICUOUS: f64 = 10.0;
 impl Effort {
     /// Noise samples of a case.
     fn draws(self) -> usize {
-        match self {
-            Effort::Quick => 60,
-            Effort::Full => 300,
-        }
+        self.choose(60, 300)
     }
 }
 

@@ -1,13 +1,12 @@
 //! The recipes of the networks that ship.
 
+use crate::experiments::table_two::contact_sets;
 use crate::settings::CAMERA_NOISE_MM;
 use finray_model::Finger;
 use finray_model::finger::NodeId;
 use finray_model::sensing::Contact;
 use finray_model::train::TrainingRecipe;
 
-/// The paper's pairs (sec. V-C): two of neighbours and two further apart.
-const PAIRS: [[usize; 2]; 4] = [[19, 20], [16, 17], [18, 20], [16, 20]];
 /// The tip: the paper's single contacts are the nodes after it.
 const TIP: usize = 13;
 
@@ -30,7 +29,7 @@ pub fn shipping(finger: &Finger) -> Vec<Shipping> {
         ),
     };
     let singles = finger.contact_nodes().filter(|node| node.0 != TIP).map(|node| fixed(&[node.0]));
-    let pairs = PAIRS.iter().map(|pair| fixed(pair));
+    let pairs = contact_sets().into_iter().filter(|set| set.len() > 1).map(fixed);
     let any_of = Shipping {
         name: "any".to_owned(),
         recipe: TrainingRecipe::any_of(finger.contact_nodes().map(Contact::at_node).collect(), CAMERA_NOISE_MM),
