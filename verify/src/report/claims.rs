@@ -1,9 +1,11 @@
 //! The paper's claims and their verdicts.
 
 use super::dataset::{Columns, Dataset, Format};
-use super::page::{Block, Cell, Column, Section, Shade, details, text};
+use super::page::{Block, Cell, Column, Section, Shade, details};
+use super::words::paragraph;
 use super::{ReportError, Results};
 use crate::claims::{Claim, ClaimVerdict};
+use minijinja::context;
 
 const CSV: &str = "claims.csv";
 
@@ -22,12 +24,7 @@ pub(super) fn section(Results { claims, .. }: Results) -> Result<Option<Section>
         .page("criterion", Format::Words, |claim| claim.criterion.clone())
         .cells(Column::words("verdict"), |claim| verdict(claim.verdict));
     let blocks = vec![
-        text(
-            "Sentences of Xu et al. (IEEE T-RO 2021) against computations on models of the finger. Refuted: a statement about mechanics that the model \
-             contradicts. Not reproduced: a measured figure that the model does not give. Depends on assumption: turns with what the paper leaves open. In \
-             simulation, less error in simulation: holds on a simulated finger whose model is known, which says nothing against the measurement. How each is \
-             computed: claims.csv.",
-        ),
+        paragraph("claims.about", context! {})?,
         details("All of them", vec![Block::Table(columns.table("The paper's claims", CSV, claims))]),
     ];
     Ok(Some(Section::new("claims", "The paper's claims", blocks).saying([counted(claims)])))

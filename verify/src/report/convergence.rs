@@ -2,10 +2,12 @@
 
 use super::dataset::{Columns, Dataset, Format};
 use super::format::{or_nothing, percent_two_digits};
-use super::page::{Block, Figure, Section, Table, details, text};
+use super::page::{Block, Figure, Section, Table, details};
+use super::words::paragraph;
 use super::{ReportError, Results};
 use crate::experiments::convergence::{Convergence, MeshSize};
 use crate::figures::{Axis, Chart, FigureError, Frame, Series};
+use minijinja::context;
 
 const CSV: &str = "convergence.csv";
 /// Errors worth comparing with.
@@ -17,11 +19,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let convergence = &study.convergence;
-    let mut blocks = vec![text(
-        "Forces along the normal, one node after the other (tip left out). The error is the largest difference of a key node's \
-         displacement from Richardson's extrapolation, over the largest displacement, at the worst loaded node. Linear theory is exact at \
-         the nodes.",
-    )];
+    let mut blocks = vec![paragraph("convergence.about", context! {})?];
     let series = error_by_nodes(convergence);
     if !series.is_empty() {
         blocks.push(Block::Figure(Figure::wide(

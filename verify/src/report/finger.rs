@@ -2,9 +2,11 @@
 
 use super::dataset::{Columns, Dataset};
 use super::page::{Block, Figure, Section};
+use super::words::say;
 use super::{ReportError, Results, drawings};
 use finray_model::NodeId;
-use finray_model::finger::{Plate, RibPositions};
+use finray_model::finger::{Plate, RibPositions, Strip};
+use minijinja::context;
 
 const CSV: &str = "finger.csv";
 
@@ -23,37 +25,25 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let finger = &study.finger;
     let d = finger.description();
-    let ribs = match &d.ribs.positions {
-        RibPositions::Count(count) => format!("{count} ribs, evenly spaced"),
-        RibPositions::Positions(places) => format!("{} ribs at given positions", places.len()),
+    let (ribs, are_even) = match &d.ribs.positions {
+        RibPositions::Count(count) => (*count, true),
+        RibPositions::Positions(places) => (places.len(), false),
     };
-    let mut facts = vec![
-        format!(
-            "Base width {} mm, front plate {} mm, back plate {} mm, depth {} mm.",
-            d.base_width_mm,
-            finger.plate_length_mm(Plate::Front),
-            finger.plate_length_mm(Plate::Back),
-            d.depth_mm
-        ),
-        format!(
-            "Front plate {} mm thick, {} MPa; back plate {} mm, {} MPa; {ribs}{}.",
-            d.front.thickness_mm,
-            d.front.youngs_modulus_mpa,
-            d.back.thickness_mm,
-            d.back.youngs_modulus_mpa,
-            d.ribs.strip.map_or(", undeformable".to_owned(), |s| format!(
-                ", {} mm thick, {} MPa",
-                s.thickness_mm, s.youngs_modulus_mpa
-            ))
-        ),
-    ];
+    let of = |strip: Strip| context! { thickness_mm => strip.thickness_mm, modulus_mpa => strip.youngs_modulus_mpa };
+    let numbers = context! {
+        base_width_mm => d.base_width_mm,
+        depth_mm => d.depth_mm,
+        front_mm => finger.plate_length_mm(Plate::Front),
+        back_mm => finger.plate_length_mm(Plate::Back),
+        front => of(d.front),
+        back => of(d.back),
+        strip => d.ribs.strip.map(of),
+        ribs,
+        are_even,
+    };
+    let mut facts = vec![say("finger.sides", Some(numbers.clone()))?, say("finger.sections", Some(numbers))?];
     if study.is_paper {
-        facts.push(
-            "Assumed: base width and depth, given in a figure that was not at hand; 58 mm fits the paper's fine mesh of 684 nodes. \
-             Displacements are \
-             proportional to 1 / depth."
-                .to_owned(),
-        );
+        facts.push(say("finger.assumed", Some(context! {}))?);
     }
     let blocks = vec![
         Block::Figure(Figure::wide(
@@ -61,7 +51,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
             "Key nodes from the back base over the tip to the front base; a positive force pushes along its arrow.",
             CSV,
         )),
-        Block::List { items: facts },
+        Block::List { items: facts.into_iter().flatten().collect() },
     ];
     Ok(Some(Section::new("finger", "The finger", blocks)))
 }

@@ -3,9 +3,11 @@
 use super::dataset::{Columns, Dataset, Format};
 use super::format::{figure, verdict};
 use super::page::{Block, Column, Section, details, text};
+use super::words::paragraph;
 use super::{ReportError, Results};
 use crate::check::{Check, EXACT_COUNT};
 use crate::experiments::hard_cases::{HardCase, TIME_LIMIT_S};
+use minijinja::context;
 
 const CSV: &str = "hard_cases.csv";
 const VERDICTS: [&str; 2] = ["kept", "broken"];
@@ -33,10 +35,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     }
     let broken = study.hard_cases.iter().filter(|case| !case.passes()).map(|case| unbroken(&outcome(case)));
     let mut blocks = vec![
-        text(format!(
-            "Variants of the finger at the edge of what can be computed, each held against a scaling law, another method, a known limit or \
-             the true force, within {TIME_LIMIT_S} s. Near a broken case finray may answer wrongly or not at all. checks.csv has every figure.",
-        )),
+        paragraph("hard_cases.about", context! { limit_s => TIME_LIMIT_S })?,
         details("The cases", vec![Block::Table(columns().table("What is checked", CSV, &study.hard_cases))]),
     ];
     blocks.extend(broken.map(text));

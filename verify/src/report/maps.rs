@@ -6,8 +6,8 @@ pub mod words;
 
 use super::dataset::Dataset;
 use super::drawings::map_figure_svg;
-use super::format::list;
 use super::page::{Block, Figure, Section, details};
+use super::words::say;
 use super::{ReportError, Results};
 use crate::estimators::EstimatorId;
 use crate::experiments::explain::Explanation;
@@ -16,6 +16,7 @@ use crate::settings::MAP_FORCES_N;
 use crate::study::Study;
 use crate::truths::TruthId;
 use drawings::Shown;
+use minijinja::context;
 use tables::{EXPLANATIONS_CSV, OVERVIEW_CSV};
 
 pub(super) use tables::map_csv_name;
@@ -50,27 +51,11 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 
 fn overview(study: &Study, shown: Shown) -> Result<Figure, ReportError> {
     let exported = study.map_by(TruthId::Mujoco, EstimatorId::LeastSquares, study.noise_mm > 0.0);
-    let only = match exported {
-        Some(map) => format!(
-            "Networks are asked at contact nodes along the normal, MuJoCo's shapes were exported at the nodes, under {} N.",
-            list(&map.request.forces_n, " and ")
-        ),
-        None => "Softer ends, lattice, MuJoCo and networks exist for the paper's finger alone.".to_owned(),
+    let numbers = context! {
+        forces_n => MAP_FORCES_N, noise_mm => study.noise_mm, exported_n => exported.map(|map| map.request.forces_n.clone()),
     };
-    Ok(Figure::wide(
-        drawings::overview(study, shown)?,
-        format!(
-            "Largest of the mean errors under {} N, {}, contact known. Rows: the finger that bends; columns: what senses it, knowing the uniform \
-             finger alone. Shares are of the cells with an equilibrium. {only}",
-            list(MAP_FORCES_N, ", "),
-            noise_in_words(study.noise_mm),
-        ),
-        OVERVIEW_CSV,
-    ))
-}
-
-fn noise_in_words(noise_mm: f64) -> String {
-    if noise_mm == 0.0 { "no noise".to_owned() } else { format!("{noise_mm} mm noise") }
+    let caption = say("maps.overview", Some(numbers))?.unwrap_or_default();
+    Ok(Figure::wide(drawings::overview(study, shown)?, caption, OVERVIEW_CSV))
 }
 
 /// The finest maps of the co-rotational finger: with what bias, and with what scatter.

@@ -2,8 +2,8 @@
 
 use super::dataset::{Columns, Dataset, Format};
 use super::format::{NOTHING, Span, error_as, list, percent_with, share_refused, verdict};
-use super::page::{Block, Cell, Column, Section, Table, details, text};
-use super::words::say;
+use super::page::{Block, Cell, Column, Section, Table, details};
+use super::words::{paragraph, say};
 use super::{ReportError, Results, curves, recipes};
 use crate::check::Check;
 use crate::experiments::networks::accuracy::{FORCES_N, NetworkStudy};
@@ -48,11 +48,8 @@ fn coverage(row: &ScatterRow) -> Option<f64> {
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let mut blocks = Vec::new();
     if let Some(networks) = &study.networks {
-        blocks.push(text(format!(
-            "Eleven single nodes and four pairs of the paper's finger, {} to {} N along the normal, {} mm noise; trained on the uniform finger, \
-             which they sense here.",
-            FORCES_N[0], FORCES_N[1], networks.noise_mm
-        )));
+        let numbers = context! { forces_n => FORCES_N, noise_mm => networks.noise_mm };
+        blocks.push(paragraph("networks.about", numbers)?);
         blocks.push(details("By contact", vec![Block::Table(table(networks))]));
     }
     if study.table_two.is_some() {

@@ -4,7 +4,7 @@ use super::dataset::{Columns, Dataset};
 use super::drawings::percent_classes;
 use super::format::{Span, list, nodes_in_words};
 use super::page::{Block, Figure, Section, text};
-use super::words::say;
+use super::words::{paragraph, say};
 use super::{ReportError, Results};
 use crate::experiments::noise::NoiseStudy;
 use crate::figures::{Axis, Cells, FigureError, Frame, Map};
@@ -51,10 +51,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         [least, most] if least == most => least.to_string(),
         [least, most] => format!("{least} to {most}"),
     };
-    let mut blocks = vec![text(format!(
-        "Forces of {} to {} N along the normal at both of two contact nodes, {cases} cases a pair, uniform finger, {} mm noise.",
-        TWO_FORCES_N[0], TWO_FORCES_N[1], noise.noise_mm
-    ))];
+    let numbers = context! { forces_n => TWO_FORCES_N, cases, noise_mm => noise.noise_mm };
+    let mut blocks = vec![paragraph("pairs.about", numbers)?];
     blocks.extend(say("pairs.trusted", trusted(noise))?.map(text));
     blocks.extend(say("pairs.neighbours", neighbours(noise))?.map(text));
     let each = |row: &ScatterRow| row.mean_error().map(|error| 100.0 * error);

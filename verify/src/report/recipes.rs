@@ -5,7 +5,7 @@ use super::dataset::{Columns, Dataset, Format};
 use super::format::{NOTHING, Span, error_as, list, share_of_counts};
 use super::page::{Block, Cell, Column, Table, details, text};
 use super::table_two::recorded_settings;
-use super::words::say;
+use super::words::{paragraph, say};
 use crate::experiments::networks::records::RecipeRow;
 use crate::experiments::table_two::{COMPARED_SETS, ComparedSet};
 use crate::truths::TruthId;
@@ -52,10 +52,7 @@ pub fn blocks(recorded: &[RecipeRow]) -> Result<Vec<Block>, ReportError> {
         let seeds = recorded.iter().filter(|row| row.recipe == recipe).map(|row| row.seed);
         seeds.collect::<std::collections::BTreeSet<_>>().len()
     });
-    let mut blocks = vec![text(format!(
-        "Three recipes, recorded with {a}, {spread}, {b} and {c} seeds: (a) the paper's, 150-200-150 units and 20 000 noise-free cases of the \
-         linear finger, displacements divided by the largest or the spread; (b) with noise; (c) as ships, the uniform finger with noise."
-    ))];
+    let mut blocks = vec![paragraph("recipes.about", context! { a, spread, b, c })?];
     blocks.extend(sentences(recorded)?.into_iter().map(text));
     blocks.push(details("By recipe", vec![Block::Table(table(recorded))]));
     Ok(blocks)

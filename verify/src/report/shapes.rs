@@ -1,14 +1,15 @@
 //! How the finger bends under a few forces, and whether the beam model holds there.
 
 use super::dataset::{Columns, Dataset, Format};
-use super::format::percent;
 use super::page::{Block, Figure, Section, details, text};
+use super::words::say;
 use super::{ReportError, Results, drawings};
 use crate::experiments::shapes::{BentFinger, TouchedFinger};
 use crate::settings::DRAWN_FORCE_N;
 use crate::study::Study;
 use finray_model::validity::{FibreStrain, LARGEST_SHEAR_SHARE, LARGEST_STRAIN, StrainLimits};
 use finray_model::{Kinematics, Vector};
+use minijinja::{Value, context};
 
 const CSV: &str = "shapes.csv";
 const VALIDITY_CSV: &str = "validity.csv";
@@ -50,7 +51,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
             format!("At rest and under {DRAWN_FORCE_N} N along the normal: linear (dotted) and co-rotational (solid)."),
             CSV,
         )));
-        blocks.extend(validity(study).map(text));
+        blocks.extend(say("shapes.validity", validity(study))?.map(text));
         let table = validity_columns().table("Of each co-rotational shape", VALIDITY_CSV, corotational(study));
         blocks.push(details("Strain and shear", vec![Block::Table(table)]));
     }
@@ -81,16 +82,14 @@ fn validity_columns<'s>() -> Columns<'s, &'s BentFinger> {
 }
 
 /// What the drawn co-rotational shapes ask of the beam model.
-fn validity(study: &Study) -> Option<String> {
+fn validity(study: &Study) -> Option<Value> {
     let strains = corotational(study).filter_map(|bent| bent.validity.largest_strain(&StrainLimits::default()));
     let strain = strains.max_by(|a, b| a.strain.total_cmp(&b.strain))?;
     let sheared = corotational(study).max_by(|a, b| a.validity.shear_share.total_cmp(&b.validity.shear_share))?;
-    let member = sheared.validity.shear_at.map_or_else(String::new, |member| format!(", mostly in {member}"));
-    Some(format!(
-        "Largest fibre strain: {strain}. Shear, which the beams leave out, would let the loads move by up to {} more{member}. Limits: {} of \
-         strain, {} of shear.",
-        percent(sheared.validity.shear_share),
-        percent(LARGEST_STRAIN),
-        percent(LARGEST_SHEAR_SHARE),
-    ))
+    Some(context! {
+        strain => strain.to_string(),
+        shear => sheared.validity.shear_share,
+        member => sheared.validity.shear_at.map(|member| member.to_string()),
+        limits => [LARGEST_STRAIN, LARGEST_SHEAR_SHARE],
+    })
 }

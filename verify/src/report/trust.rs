@@ -2,8 +2,9 @@
 
 use super::dataset::{Columns, Dataset};
 use super::drawings::{ACROSS_AXIS, ALONG_AXIS, at_rest, error_classes, point, rank_of};
-use super::format::{capitalised, list, percent};
+use super::format::{capitalised, percent};
 use super::page::Figure;
+use super::words::say;
 use super::{ReportError, Results};
 use crate::estimators::EstimatorId;
 use crate::experiments::causes::{ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM};
@@ -15,6 +16,7 @@ use crate::study::Study;
 use crate::truths::TruthId;
 use finray_model::Finger;
 use finray_model::finger::Plate;
+use minijinja::context;
 
 const CSV: &str = "trust.csv";
 /// Cells of the contact that is only assumed.
@@ -129,12 +131,8 @@ pub(super) fn datasets<'s>(study: &'s Study) -> Vec<Dataset<'s>> {
 }
 
 /// What the drawings show.
-pub(super) fn caption() -> String {
-    format!(
-        "Colour: the worst of the mean errors under {} N, by the nonlinear estimator. Front plate: forces along its normal; fans: every direction, on the \
-         side that the force comes from. Green is trusted; what is refused is not; shares are of the cells with an equilibrium. Numbers are those of the rods along the plate.",
-        list(MAP_FORCES_N, ", ")
-    )
+pub(super) fn caption() -> Result<String, ReportError> {
+    Ok(say("trust.caption", Some(context! { forces_n => MAP_FORCES_N }))?.unwrap_or_default())
 }
 
 /// A finger for each situation.
@@ -147,16 +145,6 @@ fn figure(study: &Study, situation: &Situation, is_first: bool) -> Result<Figure
     let counts = situation.all();
     let share = counts.share().map_or_else(|| "nowhere".to_owned(), |share| format!("at {}", percent(share)));
     let title = format!("{}: within 10 % {share}", capitalised(situation.name));
-    let samples = match situation.refused_samples() {
-        [0, _] => String::new(),
-        [refused, all] => format!("; in the others {refused} of {all} noise samples refused"),
-    };
-    let common = match (situation.common.cells < counts.cells, situation.common.share()) {
-        (true, Some(share)) => {
-            format!(" On the {} cells of the other drawings: {}.", situation.common.cells, percent(share))
-        }
-        _ => String::new(),
-    };
     let [front, back, ribs] = at_rest(finger);
     let series = Series::lines("", [back, ribs, front].concat(), Hue::Faint, 2.2);
     let alt = format!(
@@ -170,18 +158,19 @@ fn figure(study: &Study, situation: &Situation, is_first: bool) -> Result<Figure
         series,
     );
     let chart = Chart { patches: patches(finger, situation), x: node_ticks(finger), ..drawn };
-    Ok(Figure {
-        svg: chart.svg()?,
-        caption: format!(
-            "{}. {} cells: {} without equilibrium, {} refused{samples}.{common}",
-            capitalised(&situation.about),
-            counts.cells,
-            counts.without_equilibrium,
-            counts.refused,
-        ),
-        csv: Some(situation.csv.to_owned()),
-        wide: is_first,
-    })
+    let [refused, samples] = situation.refused_samples();
+    let common = situation.common.share().filter(|_| situation.common.cells < counts.cells);
+    let numbers = context! {
+        about => capitalised(&situation.about),
+        cells => counts.cells,
+        without_equilibrium => counts.without_equilibrium,
+        refused => counts.refused,
+        refused_samples => refused,
+        samples,
+        common => common.map(|share| context! { share, cells => situation.common.cells }),
+    };
+    let caption = say("trust.cells", Some(numbers))?.unwrap_or_default();
+    Ok(Figure { wide: is_first, ..Figure::wide(chart.svg()?, caption, situation.csv) })
 }
 
 /// Contact nodes along the level axis.
