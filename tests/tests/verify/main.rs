@@ -66,6 +66,7 @@ mod report {
     mod twin {
         mod words;
     }
+    mod words;
 }
 mod rooms;
 mod sampling {
