@@ -213,24 +213,22 @@ pub(super) fn bent(study: &Study) -> Result<String, FigureError> {
     Chart::to_scale(Frame::full("At rest and under 3 N", alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
 }
 
-/// An error in percent as a bar's words have it.
-pub(super) fn bar_percent(error: f64) -> f64 {
-    if error < 0.00995 { (1e4 * error).round() / 100.0 } else { (1e3 * error).round() / 10.0 }
+/// Bars of errors, in percent as their words have it.
+pub(super) fn error_bars(label: impl Into<String>, hue: Hue, errors: impl IntoIterator<Item = Option<f64>>) -> Bars {
+    let percent = |error: f64| match error {
+        small if small < 0.00995 => (1e4 * small).round() / 100.0,
+        large => (1e3 * large).round() / 10.0,
+    };
+    Bars { label: label.into(), hue, values: errors.into_iter().map(|error| error.map(percent)).collect() }
 }
 
 /// Table I as bars: the paper's mean errors and ours.
 pub(super) fn table_one(tables: &[TableOne]) -> Result<String, FigureError> {
     let rows = tables.first().map_or(&[][..], |table| &table.rows[..]);
-    let percent = |error: f64| Some(bar_percent(error));
-    let paper = Bars {
-        label: "paper".to_owned(),
-        hue: Hue::Neutral,
-        values: rows.iter().map(|row| percent(row.paper_mean_error)).collect(),
-    };
-    let ours = tables.iter().take(2).enumerate().map(|(n, table)| Bars {
-        label: format!("uniform finger, weights at {} deg", table.angle_deg),
-        hue: Hue::nth(n),
-        values: table.rows.iter().map(|row| percent(row.mean_error)).collect(),
+    let paper = error_bars("paper", Hue::Neutral, rows.iter().map(|row| Some(row.paper_mean_error)));
+    let ours = tables.iter().take(2).enumerate().map(|(n, table)| {
+        let label = format!("uniform finger, weights at {} deg", table.angle_deg);
+        error_bars(label, Hue::nth(n), table.rows.iter().map(|row| Some(row.mean_error)))
     });
     let frame = Frame::full(
         "Table I and geometric nonlinearity",

@@ -4,7 +4,7 @@ mod rows;
 pub mod words;
 
 use super::dataset::{Columns, Dataset, Format};
-use super::drawings::bar_percent;
+use super::drawings::error_bars;
 use super::format::{NOTHING, Span, error, error_as, list, nodes_in_words, share_of_counts, share_refused};
 use super::page::{Block, Cell, Column, Figure, Section, Table, details, text};
 use super::words::paragraph;
@@ -13,7 +13,7 @@ use crate::estimators::EstimatorId;
 use crate::experiments::networks::paper::{OverSeeds, PAPER_RECIPES, quantities, recorded};
 use crate::experiments::networks::records::RecipeRow;
 use crate::experiments::table_two::{CONTACT_GROUPS, ContactGroup, FORCES_N, MOST_FITS, TableTwo};
-use crate::figures::{Axis, Bars, Chart, FigureError, Frame, Hue};
+use crate::figures::{Axis, Chart, FigureError, Frame, Hue};
 use crate::truths::TruthId;
 use minijinja::context;
 
@@ -46,10 +46,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 /// The paper's five figures and those on the co-rotational finger, as bars.
 fn drawing(two: &TableTwo, records: &[RecipeRow], noise_mm: f64) -> Result<String, FigureError> {
     let truth = TruthId::Corotational;
-    let bars = |label: String, hue, of: &dyn Fn(&ContactGroup, &'static str) -> Option<f64>| Bars {
-        label,
-        hue,
-        values: by_group(|group, quantity| of(group, quantity).map(bar_percent)),
+    let bars = |label: String, hue, of: &dyn Fn(&ContactGroup, &'static str) -> Option<f64>| {
+        error_bars(label, hue, by_group(|group, quantity| of(group, quantity)))
     };
     let estimated = |n: usize, estimator: EstimatorId| {
         let of = |group: &ContactGroup, quantity| estimated(two, (truth, noise_mm, estimator), group, quantity);

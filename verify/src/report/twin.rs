@@ -3,7 +3,7 @@
 pub mod words;
 
 use super::dataset::{Columns, Dataset, Format};
-use super::drawings::{PAPER_SHADES_PERCENT, bar_percent, percent_line};
+use super::drawings::{PAPER_SHADES_PERCENT, error_bars, percent_line};
 use super::format::{figure, list};
 use super::page::{Block, Figure, Section, details, text};
 use super::words::paragraph;
@@ -11,7 +11,7 @@ use super::{ReportError, Results};
 use crate::experiments::table_one::{TableOne, TableOneRow};
 use crate::experiments::twin::fit::TwinFit;
 use crate::experiments::twin::study::{TwinSensing, TwinStudy};
-use crate::figures::{Axis, Bars, Chart, FigureError, Frame, Hue};
+use crate::figures::{Axis, Chart, FigureError, Frame, Hue};
 use finray_model::calibration::FactorEstimate;
 use minijinja::context;
 
@@ -126,11 +126,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 
 fn drawing(study: &TwinStudy) -> Result<String, FigureError> {
     let rows: Vec<AtNode> = at_nodes(study).collect();
-    let group = |label: &str, hue, of: fn(&AtNode) -> Option<f64>| Bars {
-        label: label.to_owned(),
-        hue,
-        values: rows.iter().map(|row| of(row).map(bar_percent)).collect(),
-    };
+    let group =
+        |label: &str, hue, of: fn(&AtNode) -> Option<f64>| error_bars(label, hue, rows.iter().map(|row| of(row)));
     let alt =
         "Mean error by node: the paper's, the uniform finger, the finger with softer ends, and with its zones known.";
     let nodes = Axis::categories("loaded node", rows.iter().map(|row| row.sensing.node.to_string()).collect());

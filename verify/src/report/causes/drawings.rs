@@ -2,9 +2,9 @@
 
 use super::{CSV, OWN, at_nodes, own_first, practice_in_words};
 use crate::experiments::causes::{Cause, CauseCell, CauseMap, ContactKnowledge, Practice, REMEDIES};
-use crate::figures::{Axis, Bars, Cells, Chart, Class, Frame, Hue, Map, Paint};
+use crate::figures::{Axis, Cells, Chart, Class, Frame, Hue, Map, Paint};
 use crate::report::ReportError;
-use crate::report::drawings::{ALONG_THE_PLATE, DIRECTION_AXIS, bar_percent, rank_of, ranked, small_maps};
+use crate::report::drawings::{ALONG_THE_PLATE, DIRECTION_AXIS, error_bars, rank_of, ranked, small_maps};
 use crate::report::format::percent;
 use crate::report::page::Figure;
 use crate::sampling::map::{Cell, CellState};
@@ -86,10 +86,9 @@ pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
 pub(super) fn remedies(study: &Study) -> Result<Option<Figure>, ReportError> {
     let Some(map) = study.causes.iter().filter(assumed).find(|map| map.truth == OWN) else { return Ok(None) };
     let cells: Vec<(NodeId, &CauseCell)> = at_nodes(study, map).collect();
-    let bars = |nth: usize, label: String, error: &dyn Fn(&CauseCell) -> Option<f64>| Bars {
-        label,
-        hue: if nth == 0 { Hue::Neutral } else { Hue::nth(nth - 1) },
-        values: cells.iter().map(|(_, cell)| error(cell).map(bar_percent)).collect(),
+    let bars = |nth: usize, label: String, error: &dyn Fn(&CauseCell) -> Option<f64>| {
+        let hue = if nth == 0 { Hue::Neutral } else { Hue::nth(nth - 1) };
+        error_bars(label, hue, cells.iter().map(|(_, cell)| error(cell)))
     };
     let taken = REMEDIES.iter().enumerate().map(|(taken, (name, _))| {
         bars(taken + 1, format!("+ {name}"), &move |cell| cell.remedied.get(taken).copied().flatten())
