@@ -235,6 +235,15 @@ impl Mesh {
         Ok(sum / NORMALS as f64)
     }
 
+    /// A point of the deformed front plate's middle line, mm.
+    ///
+    /// # Errors
+    /// [`LoadError`] for a position that is not on the front plate.
+    pub(crate) fn front_point(&self, motion: &FrameMotion, s_mm: f64) -> Result<Vector, LoadError> {
+        let load = self.frame_load(&Load::at_position(s_mm, Vector::zeros()))?;
+        Ok(self.finger.plate_point(Plate::Front, s_mm) + self.frame.displacement_at(motion, &load))
+    }
+
     /// Places a load on the frame.
     ///
     /// # Errors

@@ -5,10 +5,12 @@ mod contact;
 mod gripper;
 mod object;
 mod reader;
+mod touched;
 
 pub use camera::{Base, CameraDescription, MarkerLook, Markers, Reference, Rgb, Shade};
 pub use contact::ContactDescription;
 pub use object::{ObjectDescription, ObjectMotion, Outline, ROD_RADIUS_MM, Until};
+pub use touched::{ObjectFrame, ObjectPlace, TouchedDescription};
 
 use crate::finger::{
     BracketLengths, Finger, FingerDescription, Joints, MarkerPoints, Part, RibDescription, RibPositions, RigidEnds,
@@ -40,6 +42,8 @@ pub struct Scene {
     pub base: Option<Base>,
     /// How objects meet the finger.
     pub contact: ContactDescription,
+    /// The object that touches the front plate where forces are sensed, where the scene has one.
+    pub touched: Option<TouchedDescription>,
     /// The object that is pressed onto the finger, where the scene has one.
     pub object: Option<ObjectDescription>,
     /// The linkage that moves two such fingers, where the scene has one.
@@ -85,9 +89,12 @@ impl Scene {
             None => None,
             Some(table) => Some(camera::read_base(&table)?),
         };
-        let contact = match top.optional_table("contact", &contact::KEYS)? {
-            None => ContactDescription::default(),
-            Some(table) => contact::read_contact(&table, &finger)?,
+        let (contact, touched) = match top.optional_table("contact", &contact::KEYS)? {
+            None => (ContactDescription::default(), None),
+            Some(table) => {
+                let touched = table.optional_table("object", &touched::KEYS)?;
+                (contact::read_contact(&table, &finger)?, touched.as_ref().map(touched::read_touched).transpose()?)
+            }
         };
         let object = match top.optional_table("object", &object::KEYS)? {
             None => None,
@@ -107,6 +114,7 @@ impl Scene {
             markers: markers.discs,
             base,
             contact,
+            touched,
             object,
             gripper,
         })

@@ -1,6 +1,6 @@
 //! Dead loads, and how the coordinates of the nodes that carry them see them.
 
-use super::members::{carry_over_arms, turned};
+use super::members::{carry_over_arms, swing, turned};
 use super::{BeamEnd, FrameMotion, NodeIndex, PlaneFrame};
 use crate::Vector;
 use crate::element::{Beam, ElementVector, EndMotion, Kinematics, Response};
@@ -140,6 +140,25 @@ impl PlaneFrame {
     ) -> ElementVector {
         let along = turned(along, motion.rotations[end.rotation], linear);
         ElementVector::new(0.0, 0.0, along.perp(&force), 0.0, 0.0, 0.0)
+    }
+
+    /// Displacement of the point that a load acts at, mm, co-rotational.
+    pub(crate) fn displacement_at(&self, motion: &FrameMotion, load: &FrameLoad) -> Vector {
+        match *load {
+            FrameLoad::Interior { member, xi, .. } => {
+                // What a unit force does as it moves.
+                let moved = |way: Vector| {
+                    self.inside(motion, member, Kinematics::Corotational, |beam, motions| {
+                        beam.interior_work(Kinematics::Corotational, xi, way, motions)
+                    })
+                };
+                Vector::new(moved(Vector::x()).energy, moved(Vector::y()).energy)
+            }
+            FrameLoad::Node { .. } | FrameLoad::Arm { .. } => {
+                let (end, ..) = load.at_end(self);
+                motion.displacements[end.node] + swing(end.arm, motion.rotations[end.rotation], false)
+            }
+        }
     }
 
     /// Rotation of what carries a load, rad.

@@ -7,7 +7,7 @@ use crate::finger::{Finger, Plate};
 use crate::sensing::{Lean, Normal, Pad};
 
 /// All keys of `[contact]`.
-pub(super) const KEYS: [&str; 10] = [
+pub(super) const KEYS: [&str; 11] = [
     "rod_radius_mm",
     PAD,
     PAD_LENGTH,
@@ -18,6 +18,7 @@ pub(super) const KEYS: [&str; 10] = [
     "normal",
     "normal_over_mm",
     FORCE_ERROR,
+    "object",
 ];
 const PAD: &str = "pad_mm";
 const PAD_LENGTH: &str = "pad_length_mm";

@@ -123,6 +123,26 @@ pub enum SensingError {
          which was not stated"
     )]
     NoiseNotStated,
+    /// A normal is that of an object, and there is none.
+    #[error("the direction of contact {contact} is that of an object's outline, and no object is known")]
+    NoObject {
+        /// Position of the contact in the list, from 1.
+        contact: usize,
+    },
+    /// The object is elsewhere.
+    #[error(
+        "the object cannot touch the plate at contact {contact}: where the markers have the plate, its outline with what lies between is \
+         {gap_mm:.2} mm {} (where it is, is known to {sd_mm:.2} mm, one standard deviation)",
+        if *gap_mm > 0.0 { "away from it" } else { "off, inside the finger" }
+    )]
+    NotTouching {
+        /// Position of the contact in the list, from 1.
+        contact: usize,
+        /// Gap between object and plate, mm; negative where the object reaches into the finger.
+        gap_mm: f64,
+        /// Standard deviation of the gap, mm.
+        sd_mm: f64,
+    },
     /// The finger itself could not be solved.
     #[error(transparent)]
     Statics(#[from] crate::statics::StaticsError),

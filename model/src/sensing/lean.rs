@@ -23,6 +23,8 @@ pub enum Normal {
     },
     /// Of the undeformed plate: the face of an object that stays where it is, against a finger that bends round it.
     Undeformed,
+    /// Of the outline of the object that touches the plate, at the contact.
+    Object,
 }
 
 impl Lean {

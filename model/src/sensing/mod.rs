@@ -8,6 +8,7 @@ mod linear;
 mod linearisation;
 pub mod network;
 mod nonlinear;
+mod object;
 mod pad;
 mod residual_test;
 
@@ -18,6 +19,7 @@ pub use lean::{Lean, Normal};
 pub use linear::{LinearEstimator, Prior};
 pub use linearisation::Linearisation;
 pub use nonlinear::{Discretisation, NonlinearEstimate, NonlinearEstimator, sense_refining};
+pub use object::{Meeting, NotConvex, ObjectShape, TouchedObject};
 pub use pad::Pad;
 pub use residual_test::{ResidualTest, SIGNIFICANCE};
 

@@ -17,6 +17,7 @@ mod sensing {
     mod hard_measurements;
     mod linear;
     mod nonlinear;
+    mod object;
     mod pad;
     mod priors;
     mod stated_sigma;

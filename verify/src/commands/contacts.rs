@@ -3,7 +3,8 @@
 use super::Failure;
 use super::parse::{AskedContact, AskedDirection, contact_at_node, contact_at_position};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
-use finray_model::sensing::{ContactQuestion, Direction, Lean};
+use finray_model::scene::TouchedDescription;
+use finray_model::sensing::{ContactQuestion, Direction, Lean, Normal};
 
 const AT_NODES: &str = "contact";
 const AT_POSITIONS: &str = "contact-at";
@@ -12,11 +13,15 @@ const AT_POSITIONS: &str = "contact-at";
 pub struct Contacts(Vec<AskedContact>);
 
 impl Contacts {
-    /// The contacts with the friction that is known of them.
+    /// The contacts with the friction that is known of them, and the object that they touch.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where a direction is that of friction and none is known.
-    pub fn with(&self, friction: Option<Lean>) -> Result<Vec<ContactQuestion>, Failure> {
+    /// [`Failure::BadInput`] where a direction is that of friction or of an object and none is known.
+    pub fn with(
+        &self,
+        friction: Option<Lean>,
+        object: Option<&TouchedDescription>,
+    ) -> Result<Vec<ContactQuestion>, Failure> {
         let question = |asked: &AskedContact| {
             let direction = match asked.direction {
                 AskedDirection::Itself(direction) => direction,
@@ -25,6 +30,18 @@ impl Contacts {
                         "a direction is `friction`: expected friction or friction_range in the scene's table contact";
                     Failure::BadInput(message.to_owned())
                 })?),
+                AskedDirection::Object => {
+                    let object = object.ok_or_else(|| {
+                        let message = "a direction is `object`: expected a table contact.object in the scene";
+                        Failure::BadInput(message.to_owned())
+                    })?;
+                    // Of an object that may be anywhere nothing is known but that the plate runs along it.
+                    let from = match object.place {
+                        Some(_) => Normal::Object,
+                        None => Normal::Deformed { over_mm: 0.0 },
+                    };
+                    Direction::Leaning(Lean { from, ..friction.unwrap_or(Lean::NONE) })
+                }
             };
             Ok(ContactQuestion { position: asked.position, direction })
         };
@@ -38,13 +55,13 @@ impl Args for Contacts {
         command
             .arg(
                 list(AT_NODES)
-                    .value_name("NODE[@ANGLE_DEG|normal|friction|auto]")
+                    .value_name("NODE[@ANGLE_DEG|normal|friction|object|auto]")
                     .value_parser(contact_at_node)
                     .help("Contact at a node of the front plate, tip included"),
             )
             .arg(
                 list(AT_POSITIONS)
-                    .value_name("S_MM|auto[@ANGLE_DEG|normal|friction|auto]")
+                    .value_name("S_MM|auto[@ANGLE_DEG|normal|friction|object|auto]")
                     .value_parser(contact_at_position)
                     .help("Contact at a position along the front plate, mm from its base, or at an unknown one"),
             )

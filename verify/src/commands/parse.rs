@@ -103,34 +103,36 @@ pub struct AskedContact {
     pub direction: AskedDirection,
 }
 
-/// A direction that says all, or one that the friction of the scene completes.
+/// A direction that says all, or one that the friction or the object of the scene completes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum AskedDirection {
     Itself(Direction),
     Friction,
+    Object,
 }
 
-/// Direction after an `@`: degrees, `normal`, `friction` or `auto`; 0 degrees without one.
+/// Direction after an `@`: degrees, `normal`, `friction`, `object` or `auto`; 0 degrees without one.
 fn direction(text: Option<&str>) -> Result<AskedDirection, String> {
     let direction = match text.map(str::trim) {
         None => Direction::Angle(0.0),
         Some("normal") => Direction::NORMAL,
         Some("auto") => Direction::Auto,
         Some("friction") => return Ok(AskedDirection::Friction),
-        Some(number) => finite(number)
-            .map(Direction::Angle)
-            .map_err(|_| format!("expected an angle in degrees, `normal`, `friction` or `auto`, found \"{number}\""))?,
+        Some("object") => return Ok(AskedDirection::Object),
+        Some(number) => finite(number).map(Direction::Angle).map_err(|_| {
+            format!("expected an angle in degrees, `normal`, `friction`, `object` or `auto`, found \"{number}\"")
+        })?,
     };
     Ok(AskedDirection::Itself(direction))
 }
 
-/// `NODE[@ANGLE_DEG|normal|friction|auto]`.
+/// `NODE[@ANGLE_DEG|normal|friction|object|auto]`.
 pub fn contact_at_node(text: &str) -> Result<AskedContact, String> {
     let (position, towards) = split_at_sign(text);
     Ok(AskedContact { position: Some(ContactPosition::Node(node(position)?)), direction: direction(towards)? })
 }
 
-/// `S_MM[@ANGLE_DEG|normal|friction|auto]`, or `auto` for the position.
+/// `S_MM[@ANGLE_DEG|normal|friction|object|auto]`, or `auto` for the position.
 pub fn contact_at_position(text: &str) -> Result<AskedContact, String> {
     let (position, towards) = split_at_sign(text);
     let position = match position.trim() {

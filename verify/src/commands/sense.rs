@@ -26,7 +26,8 @@ use std::path::PathBuf;
 /// sigma_n does not include errors that no measurement shows: a wrong modulus scales every force alike.
 ///
 /// The nonlinear estimator is co-rotational. It alone takes the directions `normal` (of the
-/// deformed plate), `friction` (leaning from the normal, as the scene's table contact has it) and
+/// deformed plate), `friction` (leaning from the normal, as the scene's table contact has it),
+/// `object` (the same, from the outline of the scene's contact.object, which the plate touches there) and
 /// `auto` (unknown), and the position `auto` (unknown); what is not identifiable is refused. Without a
 /// given mesh it refines until doubling the mesh changes no force by more than 0.2 %. Where a file of
 /// `finray locate` or the scene's table base says how well the base is known, it seeks the base too.
@@ -113,7 +114,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Some(path) => Networks::of(vec![load_network(path)?]),
         None => Networks::shipped()?,
     };
-    let contacts = &arguments.contacts.with(scene.contact.lean)?;
+    let contacts = &arguments.contacts.with(scene.contact.lean, scene.touched.as_ref())?;
     arguments.estimator.admits(finger, contacts, &networks)?;
     let reading = Reading {
         from_positions: false,
@@ -183,12 +184,14 @@ impl Task<'_> {
         let finger = &scene.finger;
         // A stated noise holds for all nodes alike, and networks are trained on nodes that are measured alike.
         let noise_mm = arguments.noise_mm.or(scene.noise_mm).map(|noise_mm| scene.marker_errors.sd_mm(noise_mm));
+        let object = scene.touched.as_ref().and_then(|touched| touched.seen_from(&found.frame));
         let is_alike = noise_mm.is_some() || arguments.estimator == EstimatorId::Network;
         let noise_mm = noise_mm.or(found.noise_mm);
         let measurement = if is_alike { found.of_equal_weight() } else { found.measurement };
         let question = Question {
             contacts,
             pad: scene.contact.pad,
+            object: object.as_ref(),
             measurement: &measurement,
             noise_mm,
             mesh_nodes: arguments.mesh_nodes,

@@ -87,7 +87,7 @@ fn own_beams(name: &str) -> Result<TruthId, String> {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = load_scene(&arguments.scene)?;
     let finger = &scene.finger;
-    let questions = &arguments.contacts.with(None)?;
+    let questions = &arguments.contacts.with(None, None)?;
     let contacts: Option<Vec<Contact>> = questions.iter().map(|question| question.known()).collect();
     let contacts = contacts.ok_or_else(|| {
         Failure::BadInput(

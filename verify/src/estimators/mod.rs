@@ -14,7 +14,7 @@ use crate::registry::registry;
 use finray_model::measurement::Measurement;
 use finray_model::mesh::MeshSizeError;
 use finray_model::sensing::network::NetworkError;
-use finray_model::sensing::{Contact, ContactQuestion, Estimate, Pad, SensingError, check_contacts};
+use finray_model::sensing::{Contact, ContactQuestion, Estimate, Pad, SensingError, TouchedObject, check_contacts};
 use finray_model::{Finger, Mesh};
 use network::{Networks, NoNetwork};
 
@@ -135,6 +135,8 @@ pub struct Question<'q> {
     pub contacts: &'q [ContactQuestion],
     /// What lies between objects and the plate; estimators that do not search refuse a pad.
     pub pad: Pad,
+    /// The object that contacts touch, where its shape and pose are known.
+    pub object: Option<&'q TouchedObject>,
     /// The measurement.
     pub measurement: &'q Measurement,
     /// Standard deviation of one coordinate, mm; `None` if unknown.
@@ -222,7 +224,7 @@ pub enum EstimatorError {
     #[error("--mesh-nodes: {0}")]
     Mesh(#[from] MeshSizeError),
     /// Positions and directions that are sought with the forces.
-    #[error("a position or direction that is `normal` or `auto` needs --estimator {name}", name = EstimatorId::Nonlinear)]
+    #[error("a position or direction that is `normal`, `friction`, `object` or `auto` needs --estimator {name}", name = EstimatorId::Nonlinear)]
     NotKnown,
     /// A pad between object and plate.
     #[error("a scene whose contacts have a pad (pad_mm, pad_length_mm) needs --estimator {name}", name = EstimatorId::Nonlinear)]

@@ -2,7 +2,7 @@
 
 use super::{Answer, BeamEstimator, ELEMENTS, EstimatorError, EstimatorRow, PreparedEstimator, Question, Sensed};
 use finray_model::measurement::Measurement;
-use finray_model::sensing::{Discretisation, NonlinearEstimator, sense_refining};
+use finray_model::sensing::{Discretisation, Meeting, NonlinearEstimator, sense_refining};
 use finray_model::{Finger, Mesh};
 
 pub(super) const ROW: EstimatorRow = EstimatorRow {
@@ -24,13 +24,13 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
 
 /// On a mesh of this many nodes, or refining until doubling the mesh changes little.
 fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
-    let &Question { contacts, pad, measurement, noise_mm, .. } = question;
+    let &Question { contacts, pad, object, measurement, noise_mm, .. } = question;
     let sensed = match question.mesh_nodes {
-        None => sense_refining(finger, contacts, pad, measurement, noise_mm)?,
+        None => sense_refining(finger, contacts, Meeting { pad, object }, measurement, noise_mm)?,
         Some(nodes) => {
             let mesh = Mesh::with_nodes(finger, nodes)?;
             let finer = Discretisation::finer(&mesh);
-            let mut estimator = NonlinearEstimator::new(&mesh, contacts)?.with_pad(pad);
+            let mut estimator = NonlinearEstimator::new(&mesh, contacts)?.with_pad(pad).with_object(object);
             let mut estimate = estimator.estimate(measurement, noise_mm)?;
             Discretisation::new(&mesh, &finer).widen(&mut estimator, measurement, &mut estimate)?;
             estimate

@@ -6,6 +6,7 @@ use finray_model::finger::MarkerPoints;
 use finray_model::measurement::{BaseUncertainty, Marker, MarkerErrors, Measurement};
 use finray_model::mesh::{FingerShape, NodeMotion};
 use finray_model::{Finger, NodeId, Vector};
+use nalgebra::Isometry2;
 use serde::Serialize;
 use std::path::Path;
 
@@ -91,6 +92,8 @@ pub struct Displacements {
     pub measurement: Measurement,
     /// Standard deviation of a coordinate of weight 1, mm, where the file has a column `sigma_mm`.
     pub noise_mm: Option<f64>,
+    /// Where the base is in the frame of the camera's pose; there, where the file does not say.
+    pub frame: Isometry2<f64>,
 }
 
 /// How displacements are read, and what is known of their errors beside what their file says.
@@ -106,6 +109,7 @@ pub struct Reading {
     pub base_is_sought: bool,
 }
 
+const POSE_COLUMNS: [&str; 3] = ["base_x_mm", "base_y_mm", "base_deg"];
 const BASE_COLUMNS: [&str; 3] = ["base_sigma_mm", "base_sigma_deg", "marker_sigma_mm"];
 
 impl Displacements {
@@ -156,6 +160,10 @@ pub fn of_text(
         false => None,
     };
     let is_chosen = |number: usize| images.as_ref().is_none_or(|chosen| chosen[number]);
+    let frame = match POSE_COLUMNS.iter().all(|column| has(column)) {
+        true => frame_of_image(path, text, is_chosen)?,
+        false => Isometry2::identity(),
+    };
     let mut measurement = Measurement::empty();
     let on_hinges = finger.description().markers_on == MarkerPoints::Hinges && has("hinge_ux_mm");
     let [ux_mm, uy_mm] = match on_hinges {
@@ -177,7 +185,7 @@ pub fn of_text(
             measurement.add(finger, marker).map_err(|error| table.wrong(row, error))?;
         }
         let measurement = with_base(measurement, reading, None);
-        return Ok(Displacements { measurement, noise_mm: None });
+        return Ok(Displacements { measurement, noise_mm: None, frame });
     }
     let base_apart = reading.base_is_sought && BASE_COLUMNS.iter().all(|column| has(column));
     let base = match base_apart {
@@ -205,7 +213,7 @@ pub fn of_text(
         let marker = Marker { node, displacement, weight: noise_mm / sigma_mm };
         measurement.add(finger, marker).map_err(|error| table.wrong(row, error))?;
     }
-    Ok(Displacements { measurement: with_base(measurement, reading, base), noise_mm: Some(noise_mm) })
+    Ok(Displacements { measurement: with_base(measurement, reading, base), noise_mm: Some(noise_mm), frame })
 }
 
 /// A measurement from a base that is known as a file and a scene have it, if it is to be sought.
@@ -237,6 +245,15 @@ fn base_of_image(
     }
     let base = BaseUncertainty { sd_mm, sd_rad: sd_deg.to_radians() };
     Ok(Some(base).filter(|base| base.sd_mm > 0.0 || base.sd_rad > 0.0))
+}
+
+/// Where an image's base is in the frame of the camera's pose: what the first of its rows says, as all do.
+fn frame_of_image(path: &Path, text: &str, is_chosen: impl Fn(usize) -> bool) -> Result<Isometry2<f64>, FileError> {
+    let table = Table::of_text(path, text, POSE_COLUMNS)?;
+    let mut rows = table.rows().iter().enumerate().filter(|(number, _)| is_chosen(*number));
+    let Some((_, row)) = rows.next() else { return Ok(Isometry2::identity()) };
+    let at = Vector::new(table.number(row, 0)?, table.number(row, 1)?);
+    Ok(Isometry2::new(at, table.number(row, 2)?.to_radians()))
 }
 
 /// The images of a file, in the order of their first rows.

@@ -91,7 +91,8 @@ impl FoundView {
         let angle_deg = finger.angle_deg(self.force);
         match from {
             Normal::Undeformed => angle_deg,
-            Normal::Deformed { .. } => angle_deg - self.normal_turn_rad.to_degrees(),
+            // An outline that touches the plate has the plate's normal.
+            Normal::Deformed { .. } | Normal::Object => angle_deg - self.normal_turn_rad.to_degrees(),
         }
     }
 }

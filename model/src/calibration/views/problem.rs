@@ -151,7 +151,7 @@ impl Problem<'_> {
         let finger = candidate.mesh.finger();
         let over_mm = match self.model.lean.from {
             Normal::Deformed { over_mm } => over_mm,
-            Normal::Undeformed => 0.0,
+            Normal::Undeformed | Normal::Object => 0.0,
         };
         let mut statics = Statics::ladder(&candidate.mesh, Kinematics::Corotational);
         let pad = self.model.pad;

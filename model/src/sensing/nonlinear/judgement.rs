@@ -1,6 +1,7 @@
 //! Covariance and identifiability tests of an estimate.
 
 use super::leaning::FoundLean;
+use super::touching::Touching;
 use super::unknowns::Unknown;
 use super::{NonlinearEstimate, NonlinearEstimator, State};
 use crate::finger::Plate;
@@ -144,7 +145,7 @@ impl NonlinearEstimator<'_> {
         steps: usize,
     ) -> Result<NonlinearEstimate, SensingError> {
         let (coordinates, count) = (measurement.coordinate_count(), self.unknowns.len());
-        let misfit = state.misfit(measurement);
+        let misfit = self.misfit(state, measurement);
         let residual_rms_mm = (misfit / coordinates as f64).sqrt();
         let moved: f64 = measurement.markers().iter().map(|marker| marker.displacement.norm_squared()).sum();
         let moved_rms_mm = (moved / coordinates as f64).sqrt();
@@ -154,7 +155,8 @@ impl NonlinearEstimator<'_> {
         if noise_mm.is_some_and(|noise_mm| !explained(noise_mm)) {
             return Err(SensingError::Unexplained { residual_rms_mm, moved_rms_mm });
         }
-        let degrees_of_freedom = coordinates + self.priors.count() - count;
+        let known = self.priors.count() + self.object.as_ref().map_or(0, Touching::row_count);
+        let degrees_of_freedom = coordinates + known - count;
         let test = ResidualTest::new(noise_mm, misfit, degrees_of_freedom);
         // What the stated noise does not explain is uncertainty too.
         let noise_mm = noise_of(test, noise_mm, misfit, degrees_of_freedom);
@@ -185,7 +187,7 @@ impl NonlinearEstimator<'_> {
         let sigma = |j: usize| linear(j, j).sqrt();
         for (j, unknown) in self.unknowns.iter().enumerate() {
             let (what, contact, sigma, limit, unit) = match *unknown {
-                Unknown::Force(_) | Unknown::Base(_) => continue,
+                Unknown::Force(_) | Unknown::Base(_) | Unknown::Object(_) => continue,
                 Unknown::Position(i) => {
                     let limit = LARGEST_POSITION_SIGMA * self.finger().plate_length_mm(Plate::Front);
                     ("the position", i + 1, sigma(j), limit, "mm")

@@ -83,7 +83,7 @@ impl NonlinearEstimator<'_> {
             *lean = Lean { angle_deg: found.lean_deg + more_deg, sd_deg: 0.0, build_up_n: 0.0, ..*lean };
             state.nuisances.further_leans_deg[found.contact] = 0.0;
         }
-        let mut estimator = NonlinearEstimator::new(self.mesh, &questions)?.with_pad(self.pad);
+        let mut estimator = self.asking(&questions)?;
         estimator.expect(measurement, noise_mm)?;
         let start = estimator.resumed(state, measurement, noise_mm)?;
         let mut end = start.clone();

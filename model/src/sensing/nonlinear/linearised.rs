@@ -2,6 +2,7 @@
 
 use super::least_squares::LeastSquares;
 use super::nuisances::{Nuisances, PriorRow, Priors};
+use super::touching::TouchRows;
 use super::unknowns::{BaseMotion, Unknown};
 use super::{NonlinearEstimator, State};
 use crate::Vector;
@@ -37,6 +38,8 @@ pub(super) struct Linearised {
     /// What is known beforehand, and its rows where the derivatives were taken.
     pub priors: Priors,
     prior_rows: Vec<PriorRow>,
+    /// What geometry asks of contacts with an object where the derivatives were taken.
+    touch_rows: TouchRows,
     /// Scale of each unknown.
     pub scales: Vec<f64>,
     /// The last step, in the unknowns' units.
@@ -74,12 +77,18 @@ pub(super) struct Posed<'s> {
 
 /// Distance of a marker from where a shape has it, times its own weight.
 fn distance(points: &[MarkerPoint], marker: &Marker, shape: Posed) -> Vector {
-    let MarkerPoint { node, rest } = points[marker.node.0 - 1];
-    let base = &shape.nuisances.base;
-    let displaced = shape.motion.displacements[node];
-    // What is left of the position by the base's turn; exactly zero for a base that is where it should be.
-    let by_base = base.translation.vector + (base.rotation * (rest + displaced) - (rest + displaced));
-    (marker.displacement - displaced - by_base) * marker.weight
+    (marker.displacement - points[marker.node.0 - 1].displacement(shape)) * marker.weight
+}
+
+impl MarkerPoint {
+    /// Its displacement as the measurement would have it.
+    fn displacement(&self, shape: Posed) -> Vector {
+        let base = &shape.nuisances.base;
+        let displaced = shape.motion.displacements[self.node];
+        // What is left of the position by the base's turn; exactly zero for a base that is where it should be.
+        let by_base = base.translation.vector + (base.rotation * (self.rest + displaced) - (self.rest + displaced));
+        displaced + by_base
+    }
 }
 
 impl Linearised {
@@ -96,6 +105,7 @@ impl Linearised {
             across: vec![Vector::zeros(); key_nodes],
             weights: vec![1.0; key_nodes],
             prior_rows: Vec::with_capacity(priors.count()),
+            touch_rows: TouchRows::default(),
             priors,
             scales: vec![1.0; unknowns],
             step: Vec::with_capacity(unknowns),
@@ -103,6 +113,26 @@ impl Linearised {
             problem: LeastSquares::default(),
             lengths_mm: Vec::with_capacity(unknowns),
         }
+    }
+
+    /// Takes over derivatives that are differences of two states an unknown: what geometry asks in them, and by how much the unknown is off.
+    pub(super) fn take_differences(&mut self, unknown: usize, [before, after]: [(Posed, &[f64]); 2], by: f64) {
+        let key_nodes = self.marker_points.len();
+        for (rate, point) in self.rates[unknown * key_nodes..].iter_mut().zip(&self.marker_points) {
+            *rate = (point.displacement(after.0) - point.displacement(before.0)) / by;
+        }
+        self.touch_rows.by_unknown_mut(unknown).zip(after.1.iter().zip(before.1)).for_each(
+            |(rate, (after, before))| {
+                *rate = (after - before) / by;
+            },
+        );
+    }
+
+    /// Takes over by how much a state misses what geometry asks of it, and how priors pull there.
+    pub(super) fn take_misses(&mut self, misses_mm: Vec<f64>, nuisances: &Nuisances, forces_n: &[f64]) {
+        self.touch_rows.reset(misses_mm, self.scales.len());
+        self.prior_rows.clear();
+        self.prior_rows.extend(self.priors.rows(nuisances, forces_n));
     }
 
     /// Displacement of a key node per unit of an unknown.
@@ -151,7 +181,7 @@ impl Linearised {
         damping: f64,
     ) -> Result<Prediction, SensingError> {
         let (unknowns, coordinates) = (self.scales.len(), measurement.coordinate_count());
-        let damped_from = coordinates + self.prior_rows.len();
+        let damped_from = coordinates + self.prior_rows.len() + self.touch_rows.count();
         self.pose(measurement, if damping > 0.0 { unknowns } else { 0 });
         self.lengths_mm.clear();
         for j in 0..unknowns {
@@ -169,6 +199,11 @@ impl Linearised {
         }
         for (value, row) in right[coordinates..].iter_mut().zip(&self.prior_rows) {
             *value = row.left_mm;
+        }
+        for (value, misses_mm) in
+            right[coordinates + self.prior_rows.len()..].iter_mut().zip(&self.touch_rows.misses_mm)
+        {
+            *value = -misses_mm;
         }
         let solution = self.problem.solve().ok_or(ALL_ALIKE)?;
         self.step.clear();
@@ -233,11 +268,12 @@ impl Linearised {
         Ok(DMatrix::from_column_slice(self.scales.len(), self.scales.len(), self.problem.triangle()))
     }
 
-    /// Sets up the columns of the derivatives, markers first, then priors, with zero rows below them.
+    /// Sets up the columns of the derivatives, markers first, then priors, then what an object asks, with zero rows below them.
     fn pose(&mut self, measurement: &Measurement, rows_below: usize) {
         let markers = measurement.markers();
         let coordinates = measurement.coordinate_count();
-        self.problem.reset(coordinates + self.prior_rows.len() + rows_below, self.scales.len());
+        let below_priors = coordinates + self.prior_rows.len();
+        self.problem.reset(below_priors + self.touch_rows.count() + rows_below, self.scales.len());
         for ((j, scale), rates) in self.scales.iter().enumerate().zip(self.rates.chunks_exact(self.weights.len())) {
             let column = self.problem.column_mut(j);
             for (marker, row) in markers.iter().zip(column.chunks_exact_mut(2)) {
@@ -248,6 +284,12 @@ impl Linearised {
         for (i, row) in self.prior_rows.iter().enumerate() {
             self.problem.column_mut(row.index)[coordinates + i] = row.by_unknown * self.scales[row.index];
         }
+        for (j, scale) in self.scales.iter().enumerate() {
+            let rows = &mut self.problem.column_mut(j)[below_priors..];
+            for (value, by_unknown) in rows.iter_mut().zip(self.touch_rows.by_unknown(j)) {
+                *value = by_unknown * scale;
+            }
+        }
     }
 }
 
@@ -256,6 +298,9 @@ impl NonlinearEstimator<'_> {
     pub(super) fn differentiate(&mut self, state: &mut State) -> Result<(), SensingError> {
         let finger = self.finger();
         self.rescale(state);
+        if self.object.is_some() {
+            return self.differentiate_by_differences(state);
+        }
         let count = self.pad.load_count();
         let State { forces_n, contacts, nuisances, plate_turns_rad, loads, motion, linearised } = state;
         linearised.prior_rows.clear();
@@ -275,6 +320,8 @@ impl NonlinearEstimator<'_> {
                     let of_contact = self.pad.loads(self.mesh, &along, 1.0, plate_turns_rad[i]);
                     add_up(of_contact, rates, across, |load, out| ladder.added_load(motion, load, out))?;
                 }
+                // Without an object there is none.
+                Unknown::Object(_) => continue,
                 Unknown::Base(way) => {
                     for (rate, point) in rates.iter_mut().zip(points) {
                         let position = base * Point2::from(point.rest + motion.displacements[point.node]);

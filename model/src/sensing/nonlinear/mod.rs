@@ -16,6 +16,7 @@ mod refine;
 mod search;
 mod simultaneous;
 mod start;
+mod touching;
 mod unknowns;
 
 pub use discretisation::Discretisation;
@@ -35,6 +36,7 @@ use linearised::{Linearised, Posed};
 use nalgebra::DMatrix;
 use nuisances::{Nuisances, Priors};
 use start::Start;
+use touching::Touching;
 use unknowns::Unknown;
 
 /// Turn of a deformed normal in one step, degrees, below which it counts as settled: worth 1e-6 of the force.
@@ -89,6 +91,7 @@ pub struct NonlinearEstimator<'m> {
     mesh: &'m Mesh,
     questions: Vec<ContactQuestion>,
     pad: Pad,
+    object: Option<Touching>,
     unknowns: Vec<Unknown>,
     priors: Priors,
     statics: Statics<Ladder<'m>>,
@@ -117,7 +120,7 @@ impl State {
         (Posed { motion: &self.motion, nuisances: &self.nuisances }, &mut self.linearised)
     }
 
-    /// Its misfit, mm^2.
+    /// Its misfit of what is measured and known beforehand, mm^2.
     fn misfit(&self, measurement: &Measurement) -> f64 {
         self.linearised.misfit(Posed { motion: &self.motion, nuisances: &self.nuisances }, measurement)
     }
@@ -155,7 +158,8 @@ impl<'m> NonlinearEstimator<'m> {
             mesh,
             questions: questions.to_vec(),
             pad: Pad::default(),
-            unknowns: Unknown::of(questions, false),
+            object: None,
+            unknowns: Unknown::of(questions, false, None),
             priors: Priors::default(),
             statics: Statics::ladder(mesh, Kinematics::Corotational),
             last: None,
@@ -163,7 +167,7 @@ impl<'m> NonlinearEstimator<'m> {
         })
     }
 
-    /// The same with a pad between objects and the plate.
+    /// The same with a pad between objects and the plate; before an object.
     pub fn with_pad(mut self, pad: Pad) -> NonlinearEstimator<'m> {
         self.pad = pad;
         self.forget();
@@ -202,7 +206,8 @@ impl<'m> NonlinearEstimator<'m> {
     ) -> Result<NonlinearEstimate, SensingError> {
         self.expect(measurement, noise_mm)?;
         // What is known beforehand is as good as measured.
-        let unknowns = self.unknowns.len() - self.priors.count();
+        let known = self.priors.count() + self.object.as_ref().map_or(0, Touching::row_count);
+        let unknowns = self.unknowns.len().saturating_sub(known);
         let coordinates = measurement.coordinate_count();
         if unknowns > coordinates {
             return Err(SensingError::TooFewMarkers { unknowns, coordinates });
@@ -212,10 +217,15 @@ impl<'m> NonlinearEstimator<'m> {
         let share = if self.priors.count() == 0 { POOR_FIT } else { 0.0 };
         let poor = (share * (moved / coordinates as f64).sqrt()).max(POOR_FIT_SIGMAS * noise_mm.unwrap_or(0.0));
         let largest_misfit = poor * poor * coordinates as f64;
-        let misfit = |state: &State| state.misfit(measurement);
         let mut best: Option<Found> = None;
         if let Some(mut state) = self.last.take() {
             best = self.correct(&mut state, measurement, noise_mm).map(|steps| Found { state, steps, near: true });
+        }
+        if best.is_none()
+            && self.object.is_some()
+            && let Some(start) = self.of_markers_alone(measurement, noise_mm)?
+        {
+            best = self.minimum_near(start, measurement, noise_mm).ok();
         }
         let mut failure = None;
         // Misfit and forces of all minima.
@@ -229,7 +239,7 @@ impl<'m> NonlinearEstimator<'m> {
         let held = follows.then_some(Start::Held);
         for start in STARTS.into_iter().chain(moved_base).chain(by_direction).chain(held) {
             if let Some(found) = &mut best
-                && misfit(&found.state) <= largest_misfit
+                && self.misfit(&found.state, measurement) <= largest_misfit
             {
                 if found.near || matches!(start, Start::Towards(_) | Start::FromMovedBase | Start::Held) {
                     break;
@@ -239,8 +249,9 @@ impl<'m> NonlinearEstimator<'m> {
             }
             match self.searched(measurement, noise_mm, start, &mut starts) {
                 Ok(found) => {
-                    minima.push((misfit(&found.state), found.state.forces_n.clone()));
-                    if best.as_ref().is_none_or(|best| misfit(&found.state) < misfit(&best.state)) {
+                    let misfit = |found: &Found| self.misfit(&found.state, measurement);
+                    minima.push((misfit(&found), found.state.forces_n.clone()));
+                    if best.as_ref().is_none_or(|best| misfit(&found) < misfit(best)) {
                         best = Some(found);
                     }
                 }
@@ -248,7 +259,7 @@ impl<'m> NonlinearEstimator<'m> {
             }
         }
         let Found { mut state, steps, near } = best.ok_or_else(|| failure.unwrap_or(SensingError::NoContact))?;
-        let least_misfit = misfit(&state);
+        let least_misfit = self.misfit(&state, measurement);
         let mut estimate = self.judged(&mut state, measurement, noise_mm, steps)?;
         estimate.check_against_nothing(least_misfit, state.linearised.misfit_at_rest(measurement))?;
         self.require_linear_range(&state, measurement, &estimate.forces.sigmas_n)?;
@@ -274,13 +285,14 @@ impl<'m> NonlinearEstimator<'m> {
     /// # Errors
     /// [`SensingError::NoiseNotStated`].
     fn expect(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<(), SensingError> {
+        self.require_object()?;
         let is_base_sought = measurement.base().is_some();
-        if is_base_sought != self.unknowns.iter().any(|unknown| unknown.contact().is_none()) {
-            self.unknowns = Unknown::of(&self.questions, is_base_sought);
-            self.forget();
+        if is_base_sought != self.unknowns.iter().any(|unknown| matches!(unknown, Unknown::Base(_))) {
+            self.list_unknowns(is_base_sought);
         }
-        self.priors = Priors::new(&self.unknowns, &self.questions, measurement, noise_mm);
-        if self.priors.count() > 0 && noise_mm.is_none() {
+        let object = self.object.as_ref().map(|touching| &touching.object);
+        self.priors = Priors::new(&self.unknowns, &self.questions, object, measurement, noise_mm);
+        if (self.priors.count() > 0 || object.is_some()) && noise_mm.is_none() {
             return Err(SensingError::NoiseNotStated);
         }
         for state in self.last.iter_mut().chain(&mut self.held) {
@@ -289,7 +301,14 @@ impl<'m> NonlinearEstimator<'m> {
         Ok(())
     }
 
-    /// The minimum nearest to a start, the careful way if it is not near. Adds the start's forces and shape to `starts`.
+    /// Lists the unknowns anew, and forgets what was estimated of others.
+    fn list_unknowns(&mut self, is_base_sought: bool) {
+        let object = self.object.as_ref().map(|touching| &touching.object);
+        self.unknowns = Unknown::of(&self.questions, is_base_sought, object);
+        self.forget();
+    }
+
+    /// The minimum nearest to a start. Adds the start's forces and shape to `starts`.
     fn searched(
         &mut self,
         measurement: &Measurement,
@@ -297,8 +316,21 @@ impl<'m> NonlinearEstimator<'m> {
         start: Start,
         starts: &mut Vec<(Vec<f64>, FrameMotion)>,
     ) -> Result<Found, SensingError> {
-        let start = self.start(measurement, noise_mm, start)?;
+        let start = match self.object {
+            None => self.start(measurement, noise_mm, start)?,
+            Some(_) => self.searched_without_object(measurement, noise_mm, start)?,
+        };
         starts.push((start.forces_n.clone(), start.motion.clone()));
+        self.minimum_near(start, measurement, noise_mm)
+    }
+
+    /// The minimum nearest to a state, the careful way if it is not near.
+    fn minimum_near(
+        &mut self,
+        start: State,
+        measurement: &Measurement,
+        noise_mm: Option<f64>,
+    ) -> Result<Found, SensingError> {
         let mut state = start.clone();
         if let Some(steps) = self.correct(&mut state, measurement, noise_mm) {
             return Ok(Found { state, steps, near: true });

@@ -1,11 +1,11 @@
-//! What is unknown beside forces and positions, but not quite: where the base is, and by how much friction turns a force.
+//! What is unknown beside forces and positions, but not quite: where the base is, by how much friction turns a force, and where an object is.
 //!
 //! Each has a Gaussian prior, which stands below the markers as one more row of the least squares problem: the deviation from
 //! what is expected, in its standard deviations, times the noise of a coordinate.
 
 use super::unknowns::{BaseMotion, Unknown};
 use crate::measurement::{BaseUncertainty, Measurement};
-use crate::sensing::{ContactQuestion, Direction};
+use crate::sensing::{ContactQuestion, Direction, TouchedObject};
 use nalgebra::Isometry2;
 
 /// Values of the nuisances.
@@ -15,21 +15,24 @@ pub(super) struct Nuisances {
     pub base: Isometry2<f64>,
     /// How much further than its mean each force leans, degrees.
     pub further_leans_deg: Vec<f64>,
+    /// By how much the object is off where it is thought to be: mm, mm and rad.
+    pub object: [f64; 3],
 }
 
 impl Nuisances {
     /// All as expected.
     pub fn expected(contacts: usize) -> Nuisances {
-        Nuisances { base: Isometry2::identity(), further_leans_deg: vec![0.0; contacts] }
+        Nuisances { base: Isometry2::identity(), further_leans_deg: vec![0.0; contacts], object: [0.0; 3] }
     }
 
-    /// What is expected to be zero: a motion of the base in mm and rad, or a lean in degrees.
+    /// What is expected to be zero: a motion of the base or an object in mm and rad, or a lean in degrees.
     fn value(&self, unknown: Unknown) -> f64 {
         match unknown {
             Unknown::Base(BaseMotion::X) => self.base.translation.x,
             Unknown::Base(BaseMotion::Y) => self.base.translation.y,
             Unknown::Base(BaseMotion::Turn) => self.base.rotation.angle(),
             Unknown::Across(i) => self.further_leans_deg[i],
+            Unknown::Object(way) => self.object[way as usize],
             Unknown::Force(_) | Unknown::Position(_) => 0.0,
         }
     }
@@ -64,10 +67,11 @@ pub(super) struct Priors {
 }
 
 impl Priors {
-    /// Those of some questions and of a measurement's base.
+    /// Those of some questions, of a measurement's base and of an object.
     pub fn new(
         unknowns: &[Unknown],
         questions: &[ContactQuestion],
+        object: Option<&TouchedObject>,
         measurement: &Measurement,
         noise_mm: Option<f64>,
     ) -> Priors {
@@ -78,6 +82,8 @@ impl Priors {
                 Direction::Leaning(lean) => Some(lean.sd_deg),
                 Direction::Auto | Direction::Angle(_) => None,
             },
+            (Unknown::Object(BaseMotion::Turn), _) => object.map(|object| object.sd_rad),
+            (Unknown::Object(_), _) => object.map(|object| object.sd_mm),
             _ => None,
         };
         let prior = |(index, unknown): (usize, &Unknown)| {
@@ -87,6 +93,11 @@ impl Priors {
             priors: unknowns.iter().enumerate().filter_map(prior).collect(),
             noise_mm: noise_mm.unwrap_or_default(),
         }
+    }
+
+    /// Standard deviation of a measured coordinate against which they are weighed, mm.
+    pub fn noise_mm(&self) -> f64 {
+        self.noise_mm
     }
 
     /// How many there are.

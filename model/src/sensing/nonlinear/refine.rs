@@ -4,7 +4,7 @@ use super::{NonlinearEstimate, NonlinearEstimator};
 use crate::Finger;
 use crate::measurement::Measurement;
 use crate::mesh::Mesh;
-use crate::sensing::{ContactQuestion, Pad, SensingError, Warning};
+use crate::sensing::{ContactQuestion, Meeting, SensingError, Warning};
 
 /// Change of a force between a mesh and one twice as fine at which refinement ends, as a share of the largest force.
 const REFINEMENT_TOLERANCE: f64 = 2e-3;
@@ -18,16 +18,17 @@ const ELEMENTS: std::ops::RangeInclusive<usize> = 4..=64;
 ///
 /// # Errors
 /// [`SensingError`] from the estimate on any of the meshes.
-pub fn sense_refining(
+pub fn sense_refining<'o>(
     finger: &Finger,
     questions: &[ContactQuestion],
-    pad: Pad,
+    meeting: impl Into<Meeting<'o>>,
     measurement: &Measurement,
     noise_mm: Option<f64>,
 ) -> Result<NonlinearEstimate, SensingError> {
+    let Meeting { pad, object } = meeting.into();
     let on = |elements| {
         let mesh = Mesh::with_elements_per_member(finger, elements);
-        NonlinearEstimator::new(&mesh, questions)?.with_pad(pad).estimate(measurement, noise_mm)
+        NonlinearEstimator::new(&mesh, questions)?.with_pad(pad).with_object(object).estimate(measurement, noise_mm)
     };
     let mut elements = *ELEMENTS.start();
     let mut coarse = on(elements)?;

@@ -67,7 +67,7 @@ impl NonlinearEstimator<'_> {
         let mut straight = true;
         while iterations < MAX_STEPS && longest_mm > shortest_mm {
             iterations += 1;
-            let before = state.misfit(measurement);
+            let before = self.misfit(state, measurement);
             let (shape, linearised) = state.split();
             let mut prediction = linearised.solve(shape, measurement, 0.0)?;
             let variance_mm2 =
@@ -93,8 +93,12 @@ impl NonlinearEstimator<'_> {
             let mut next = state.clone();
             settled = self.advance(&mut next)? <= SETTLED_ANGLE_DEG;
             // Compared under the same weights: reweighting is not progress.
-            let misfit =
-                |motion: &_| state.linearised.misfit(Posed { motion, nuisances: &next.nuisances }, measurement);
+            let (mesh, object, noise_of_rows_mm) = (self.mesh, &self.object, self.priors.noise_mm());
+            let misfit = |motion: &_| {
+                let shape = Posed { motion, nuisances: &next.nuisances };
+                let touched = object.as_ref().map(|it| it.misfit(mesh, &next.contacts, shape, noise_of_rows_mm));
+                state.linearised.misfit(shape, measurement) + touched.unwrap_or_default()
+            };
             let tried = self
                 .statics
                 .tried(&state.motion, [&state.loads, &next.loads], |on_the_way| misfit(on_the_way) <= WORSE * before);

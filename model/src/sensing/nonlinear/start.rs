@@ -110,7 +110,7 @@ impl NonlinearEstimator<'_> {
             Direction::Angle(_) | Direction::Auto => *question,
         };
         let questions: Vec<ContactQuestion> = self.questions.iter().map(held).collect();
-        let mut estimator = NonlinearEstimator::new(self.mesh, &questions)?.with_pad(self.pad);
+        let mut estimator = self.asking(&questions)?;
         estimator.expect(measurement, noise_mm)?;
         let found = estimator.searched(measurement, noise_mm, Start::Times(1.0), &mut Vec::new())?;
         self.resumed(found.state, measurement, noise_mm)
@@ -128,6 +128,9 @@ impl NonlinearEstimator<'_> {
     ) -> Result<State, SensingError> {
         let linearised = Linearised::new(self.mesh, self.unknowns.len(), self.priors.clone());
         let mut state = State { linearised, ..state };
+        if self.object.is_some() {
+            self.settle(&mut state)?;
+        }
         self.statics.linearise(&state.motion, &state.loads);
         self.differentiate(&mut state)?;
         let (shape, linearised) = state.split();

@@ -3,7 +3,7 @@
 use super::{NonlinearEstimator, State};
 use crate::finger::Plate;
 use crate::mesh::LoadError;
-use crate::sensing::{ContactPosition, ContactQuestion, Direction, Normal};
+use crate::sensing::{ContactPosition, ContactQuestion, Direction, Normal, TouchedObject};
 use nalgebra::{Translation2, UnitComplex};
 
 /// Share of the plate that a position moves in one step at most.
@@ -22,9 +22,11 @@ pub(super) enum Unknown {
     Across(usize),
     /// Where the base is, against where the measurement has it.
     Base(BaseMotion),
+    /// Where the object is, against where it is thought to be; it turns about its own origin.
+    Object(BaseMotion),
 }
 
-/// One of the ways in which a base moves, in the finger frame.
+/// One of the ways in which a base or an object moves, in the finger frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum BaseMotion {
     /// Along x, mm.
@@ -36,8 +38,12 @@ pub(super) enum BaseMotion {
 }
 
 impl Unknown {
-    /// All unknowns of some questions, and of a base that is not known exactly.
-    pub(super) fn of(questions: &[ContactQuestion], is_base_sought: bool) -> Vec<Unknown> {
+    /// All unknowns of some questions, of a base that is not known exactly, and of an object.
+    pub(super) fn of(
+        questions: &[ContactQuestion],
+        is_base_sought: bool,
+        object: Option<&TouchedObject>,
+    ) -> Vec<Unknown> {
         let is_sought = |question: &ContactQuestion| match question.direction {
             Direction::Auto => true,
             Direction::Leaning(lean) => lean.sd_deg > 0.0,
@@ -47,10 +53,14 @@ impl Unknown {
         let positions = questions.iter().enumerate().filter(|(_, q)| q.position.is_none());
         let angles = questions.iter().enumerate().filter(|(_, q)| is_sought(q));
         let base = [BaseMotion::X, BaseMotion::Y, BaseMotion::Turn].into_iter().filter(|_| is_base_sought);
+        let object = [BaseMotion::X, BaseMotion::Y, BaseMotion::Turn].into_iter().filter(|way| {
+            object.is_some_and(|object| if *way == BaseMotion::Turn { object.may_turn() } else { object.sd_mm > 0.0 })
+        });
         forces
             .chain(positions.map(|(i, _)| Unknown::Position(i)))
             .chain(angles.map(|(i, _)| Unknown::Across(i)))
             .chain(base.map(Unknown::Base))
+            .chain(object.map(Unknown::Object))
             .collect()
     }
 
@@ -58,7 +68,7 @@ impl Unknown {
     pub(super) fn contact(self) -> Option<usize> {
         match self {
             Unknown::Force(i) | Unknown::Position(i) | Unknown::Across(i) => Some(i),
-            Unknown::Base(_) => None,
+            Unknown::Base(_) | Unknown::Object(_) => None,
         }
     }
 }
@@ -69,8 +79,8 @@ impl NonlinearEstimator<'_> {
         let largest = state.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         for (scale, unknown) in state.linearised.scales.iter_mut().zip(&self.unknowns) {
             *scale = match *unknown {
-                Unknown::Force(_) | Unknown::Across(_) | Unknown::Base(BaseMotion::X | BaseMotion::Y) => 1.0,
-                Unknown::Base(BaseMotion::Turn) => TURN_UNIT,
+                Unknown::Base(BaseMotion::Turn) | Unknown::Object(BaseMotion::Turn) => TURN_UNIT,
+                Unknown::Force(_) | Unknown::Across(_) | Unknown::Base(_) | Unknown::Object(_) => 1.0,
                 Unknown::Position(i) => {
                     let force = state.forces_n[i].abs().max(1e-3 * largest).max(f64::MIN_POSITIVE);
                     0.1 * self.finger().plate_length_mm(Plate::Front) / force
@@ -85,8 +95,8 @@ impl NonlinearEstimator<'_> {
         let length = self.finger().plate_length_mm(Plate::Front);
         let change = |(unknown, x): (&Unknown, &f64)| match unknown {
             Unknown::Force(_) | Unknown::Across(_) => x.abs() / largest,
-            Unknown::Position(_) | Unknown::Base(BaseMotion::X | BaseMotion::Y) => x.abs() / length,
-            Unknown::Base(BaseMotion::Turn) => x.abs(),
+            Unknown::Base(BaseMotion::Turn) | Unknown::Object(BaseMotion::Turn) => x.abs(),
+            Unknown::Position(_) | Unknown::Base(_) | Unknown::Object(_) => x.abs() / length,
         };
         self.unknowns.iter().zip(&state.linearised.step).map(change).fold(0.0, f64::max)
     }
@@ -120,6 +130,7 @@ impl NonlinearEstimator<'_> {
                 Unknown::Base(BaseMotion::X) => nuisances.base.append_translation_mut(&Translation2::new(x, 0.0)),
                 Unknown::Base(BaseMotion::Y) => nuisances.base.append_translation_mut(&Translation2::new(0.0, x)),
                 Unknown::Base(BaseMotion::Turn) => nuisances.base.append_rotation_mut(&UnitComplex::new(x)),
+                Unknown::Object(way) => nuisances.object[way as usize] += x,
                 Unknown::Position(i) => {
                     if let ContactPosition::At(s_mm) = &mut contacts[i].position {
                         let length = finger.plate_length_mm(Plate::Front);
@@ -140,6 +151,8 @@ impl NonlinearEstimator<'_> {
                     Normal::Deformed { over_mm } => {
                         self.mesh.normal_turn(motion, &contact.unit_load(finger), over_mm)?
                     }
+                    // Where the plate touches an outline it runs along it.
+                    Normal::Object => self.mesh.normal_turn(motion, &contact.unit_load(finger), 0.0)?,
                     Normal::Undeformed => 0.0,
                 };
                 let angle_deg = turned.to_degrees() + lean.mean_deg(forces_n[i]) + nuisances.further_leans_deg[i];

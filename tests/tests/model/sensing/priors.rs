@@ -151,7 +151,7 @@ fn friction_that_builds_up_is_followed() {
         let lean_deg = 0.4_f64.atan().to_degrees() * (1.0 - (-force_n / 2.0_f64).exp());
         let seen = match from {
             Normal::Deformed { .. } => leaning(&mesh, 9, force_n, lean_deg).expect("carried").1,
-            Normal::Undeformed => {
+            Normal::Undeformed | Normal::Object => {
                 seen(&mesh, &[at_node(9, lean_deg)], &[force_n], Kinematics::Corotational).expect("carried")
             }
         };

@@ -29,6 +29,7 @@ fn every_estimator_finds_a_small_force() {
         let question = Question {
             contacts: &[contact.into()],
             pad: Pad::default(),
+            object: None,
             measurement: &measurement,
             noise_mm: Some(CAMERA_NOISE_MM),
             mesh_nodes: None,

@@ -3,6 +3,7 @@
 
 mod answers;
 mod measurements;
+mod object;
 mod refusals;
 
 use crate::kit::*;

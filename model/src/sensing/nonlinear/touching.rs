@@ -1,0 +1,301 @@
+//! Contacts with an object of known shape: the plate, with what lies between, touches its outline, and along it.
+//!
+//! For each, two rows stand below the markers and the priors: the point of the outline that faces the plate as the contact's does is there, neither off
+//! the plate nor along it. They fix position and direction as far as it is known where the object is.
+
+use super::{NonlinearEstimator, Posed, SETTLED_ANGLE_DEG, State};
+use crate::Vector;
+use crate::finger::Plate;
+use crate::measurement::Measurement;
+use crate::mesh::{Load, LoadError, Mesh};
+use crate::sensing::{Contact, ContactQuestion, Direction, Lean, Normal, SensingError, TouchedObject};
+use crate::statics::StaticsError;
+use nalgebra::Point2;
+
+/// How exactly a contact closes, off the plate and along it, mm: far better than outlines are known, no better than a mesh has the plate and its turn.
+const CLOSED_SD_MM: [f64; 2] = [0.01, 0.03];
+/// Steps of differences, as a share of each unknown's scale. What they are taken of is linear in the step but for turns.
+const STEP: f64 = 1e-5;
+/// Times that loads follow the shape which they bend: direction and lever of a load depend on it.
+const FOLLOWED: usize = 3;
+/// Times that a state may follow until it has settled: each takes away most of what is left.
+const SETTLINGS: usize = 12;
+/// A gap of so many standard deviations is no contact.
+const LARGEST_GAP_SIGMAS: f64 = 6.0;
+/// Markers leave the shape of the plate between them open by about so many times their noise.
+const OPEN_BETWEEN_MARKERS: f64 = 2.0;
+/// Points of the plate at which the gap is least, at first.
+const PLACES: usize = 400;
+
+/// What geometry asks of a state, as rows of the least squares problem.
+#[derive(Debug, Clone, Default)]
+pub(super) struct TouchRows {
+    /// By how much it is missed, mm of noise.
+    pub misses_mm: Vec<f64>,
+    /// By the unknowns, one after the other.
+    by_unknown: Vec<f64>,
+}
+
+impl TouchRows {
+    pub fn count(&self) -> usize {
+        self.misses_mm.len()
+    }
+
+    /// Takes over what is missed, and makes room for its derivatives.
+    pub fn reset(&mut self, misses_mm: Vec<f64>, unknowns: usize) {
+        self.by_unknown.clear();
+        self.by_unknown.resize(misses_mm.len() * unknowns, 0.0);
+        self.misses_mm = misses_mm;
+    }
+
+    /// Derivatives by an unknown.
+    pub fn by_unknown(&self, unknown: usize) -> &[f64] {
+        &self.by_unknown[unknown * self.count()..][..self.count()]
+    }
+
+    pub fn by_unknown_mut(&mut self, unknown: usize) -> impl Iterator<Item = &mut f64> {
+        let count = self.count();
+        self.by_unknown[unknown * count..][..count].iter_mut()
+    }
+}
+
+/// An object that contacts touch.
+#[derive(Debug, Clone)]
+pub(super) struct Touching {
+    pub object: TouchedObject,
+    /// From the plate's middle line to its outline, mm.
+    reach_mm: f64,
+    /// Which contacts touch it, from 0.
+    contacts: Vec<usize>,
+}
+
+impl Touching {
+    fn new(mesh: &Mesh, questions: &[ContactQuestion], object: &TouchedObject, pad_mm: f64) -> Touching {
+        let touches = |(_, question): &(usize, &ContactQuestion)| is_of_object(question);
+        Touching {
+            object: object.clone(),
+            reach_mm: 0.5 * mesh.finger().description().front.thickness_mm + pad_mm,
+            contacts: questions.iter().enumerate().filter(touches).map(|(i, _)| i).collect(),
+        }
+    }
+
+    /// Rows that the contacts add.
+    pub fn row_count(&self) -> usize {
+        2 * self.contacts.len()
+    }
+
+    /// By how much a shape misses what geometry asks of it, mm of noise.
+    fn misses_mm<'t>(
+        &'t self,
+        mesh: &'t Mesh,
+        contacts: &'t [Contact],
+        shape: Posed<'t>,
+        noise_mm: f64,
+    ) -> impl Iterator<Item = f64> + 't {
+        self.contacts.iter().flat_map(move |&i| {
+            // Contacts were checked: each is on the plate.
+            let s_mm = contacts[i].position_mm(mesh.finger()).unwrap_or(f64::NAN);
+            let missed = self.missed_mm(mesh, s_mm, shape).unwrap_or([f64::NAN; 2]);
+            [0, 1].map(|way| missed[way] / CLOSED_SD_MM[way] * noise_mm)
+        })
+    }
+
+    /// Sum of the squares of what a shape misses, mm^2.
+    pub fn misfit(&self, mesh: &Mesh, contacts: &[Contact], shape: Posed, noise_mm: f64) -> f64 {
+        self.misses_mm(mesh, contacts, shape, noise_mm).map(|missed_mm| missed_mm * missed_mm).sum()
+    }
+
+    /// How far the plate at a position is from the point of the outline that faces it: the gap, mm, and along the plate, mm.
+    fn missed_mm(&self, mesh: &Mesh, s_mm: f64, shape: Posed) -> Result<[f64; 2], LoadError> {
+        let Posed { motion, nuisances } = shape;
+        let turn_deg = mesh.normal_turn(motion, &Load::at_position(s_mm, Vector::zeros()), 0.0)?.to_degrees();
+        let [inward, tipward] =
+            [0.0, 90.0].map(|deg| nuisances.base.rotation * mesh.finger().direction(deg + turn_deg));
+        let point = nuisances.base * Point2::from(mesh.front_point(motion, s_mm)?);
+        let apart = point.coords - self.object.point_facing(inward, nuisances.object);
+        Ok([apart.dot(&inward) - self.reach_mm, apart.dot(&tipward)])
+    }
+}
+
+fn is_of_object(question: &ContactQuestion) -> bool {
+    matches!(question.direction, Direction::Leaning(Lean { from: Normal::Object, .. }))
+}
+
+impl<'m> NonlinearEstimator<'m> {
+    /// The same for contacts with an object of known shape: those whose direction leans from [`Normal::Object`].
+    pub fn with_object(mut self, object: Option<&TouchedObject>) -> NonlinearEstimator<'m> {
+        let touches = self.questions.iter().any(is_of_object);
+        let touching =
+            |object: &TouchedObject| Touching::new(self.mesh, &self.questions, object, self.pad.thickness_mm);
+        self.object = object.filter(|_| touches).map(touching);
+        self.list_unknowns(false);
+        self
+    }
+
+    /// An estimator with the same pad and object for other questions.
+    pub(super) fn asking(&self, questions: &[ContactQuestion]) -> Result<NonlinearEstimator<'m>, SensingError> {
+        let object = self.object.as_ref().map(|touching| &touching.object);
+        Ok(NonlinearEstimator::new(self.mesh, questions)?.with_pad(self.pad).with_object(object))
+    }
+
+    /// Refuses directions of an object where there is none.
+    ///
+    /// # Errors
+    /// [`SensingError::NoObject`].
+    pub(super) fn require_object(&self) -> Result<(), SensingError> {
+        match self.questions.iter().position(is_of_object).filter(|_| self.object.is_none()) {
+            Some(i) => Err(SensingError::NoObject { contact: i + 1 }),
+            None => Ok(()),
+        }
+    }
+
+    /// Sum of the squares of what is missed of what is measured, known beforehand and asked by geometry, mm^2.
+    pub(super) fn misfit(&self, state: &State, measurement: &Measurement) -> f64 {
+        let touched = match &self.object {
+            None => 0.0,
+            Some(touching) => {
+                let shape = Posed { motion: &state.motion, nuisances: &state.nuisances };
+                touching.misfit(self.mesh, &state.contacts, shape, self.priors.noise_mm())
+            }
+        };
+        state.misfit(measurement) + touched
+    }
+
+    /// As [`differentiate`](NonlinearEstimator::differentiate), by differences of states to first order: directions follow the object, and what they
+    /// do to the shape where they follow it is in it.
+    ///
+    /// # Errors
+    /// [`SensingError::Statics`] where the tangent is that of no equilibrium.
+    pub(super) fn differentiate_by_differences(&mut self, state: &mut State) -> Result<(), SensingError> {
+        let Some(touching) = self.object.clone() else { return Ok(()) };
+        let noise_mm = self.priors.noise_mm();
+        let misses = |state: &State| -> Vec<f64> {
+            let shape = Posed { motion: &state.motion, nuisances: &state.nuisances };
+            touching.misses_mm(self.mesh, &state.contacts, shape, noise_mm).collect()
+        };
+        let before = self.followed(state, None)?;
+        let before_misses = misses(&before);
+        let at_state = misses(state);
+        state.linearised.take_misses(at_state, &state.nuisances, &state.forces_n);
+        for unknown in 0..self.unknowns.len() {
+            let step = STEP * state.linearised.scales[unknown];
+            let after = self.followed(state, Some((unknown, step)))?;
+            let after_misses = misses(&after);
+            let states = [(&before, &before_misses), (&after, &after_misses)].map(|(state, misses)| {
+                (Posed { motion: &state.motion, nuisances: &state.nuisances }, misses.as_slice())
+            });
+            state.linearised.take_differences(unknown, states, step);
+        }
+        Ok(())
+    }
+
+    /// A state after a step of one unknown, with the shape that the tangent gives it and loads that follow it.
+    fn followed(&mut self, state: &State, step: Option<(usize, f64)>) -> Result<State, SensingError> {
+        let none = SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 1.0 });
+        let mut state = state.clone();
+        state.linearised.step.clear();
+        state.linearised.step.resize(self.unknowns.len(), 0.0);
+        if let Some((unknown, by)) = step {
+            state.linearised.step[unknown] = by;
+        }
+        for _ in 0..FOLLOWED {
+            self.advance(&mut state)?;
+            self.statics.corrected(&mut state.motion, &state.loads).ok_or(none.clone())?;
+            state.linearised.step.fill(0.0);
+        }
+        Ok(state)
+    }
+
+    /// Brings a state to the equilibrium under loads that follow its shape.
+    ///
+    /// # Errors
+    /// [`SensingError::Statics`] where there is none.
+    pub(super) fn settle(&mut self, state: &mut State) -> Result<(), SensingError> {
+        for _ in 0..SETTLINGS {
+            let loads = state.loads.clone();
+            state.linearised.step.clear();
+            state.linearised.step.resize(self.unknowns.len(), 0.0);
+            let turn_deg = self.advance(state)?;
+            state.motion = self.statics.shifted(&state.motion, &loads, &state.loads)?.motion;
+            if turn_deg <= SETTLED_ANGLE_DEG {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// The same questions without the object: normals are those of the plate.
+    fn without_object(&self) -> Result<NonlinearEstimator<'m>, SensingError> {
+        let plain = |question: &ContactQuestion| match question.direction {
+            Direction::Leaning(lean) if lean.from == Normal::Object => {
+                let from = Normal::Deformed { over_mm: 0.0 };
+                ContactQuestion { direction: Direction::Leaning(Lean { from, ..lean }), ..*question }
+            }
+            _ => *question,
+        };
+        let questions: Vec<ContactQuestion> = self.questions.iter().map(plain).collect();
+        Ok(NonlinearEstimator::new(self.mesh, &questions)?.with_pad(self.pad))
+    }
+
+    /// What markers alone make of the measurement, as a start; nothing where they do not identify it.
+    ///
+    /// # Errors
+    /// [`SensingError::NotTouching`] where the object is elsewhere.
+    pub(super) fn of_markers_alone(
+        &mut self,
+        measurement: &Measurement,
+        noise_mm: Option<f64>,
+    ) -> Result<Option<State>, SensingError> {
+        let mut estimator = self.without_object()?;
+        if estimator.estimate(measurement, noise_mm).is_err() {
+            return Ok(None);
+        }
+        let Some(state) = estimator.last.take() else { return Ok(None) };
+        self.require_touch(&state, measurement, noise_mm.unwrap_or_default())?;
+        self.resumed(state, measurement, noise_mm).map(Some)
+    }
+
+    /// The nearest minimum of the problem without the object, as a start.
+    pub(super) fn searched_without_object(
+        &mut self,
+        measurement: &Measurement,
+        noise_mm: Option<f64>,
+        start: super::Start,
+    ) -> Result<State, SensingError> {
+        let mut estimator = self.without_object()?;
+        estimator.expect(measurement, noise_mm)?;
+        let found = estimator.searched(measurement, noise_mm, start, &mut Vec::new())?;
+        self.resumed(found.state, measurement, noise_mm)
+    }
+
+    /// Refuses an object that is further from the plate, or further into it, than can be.
+    fn require_touch(&self, state: &State, measurement: &Measurement, noise_mm: f64) -> Result<(), SensingError> {
+        let Some(touching) = &self.object else { return Ok(()) };
+        let length_mm = self.finger().plate_length_mm(Plate::Front);
+        let shape = Posed { motion: &state.motion, nuisances: &state.nuisances };
+        let mut nearest_mm = [f64::INFINITY; 2];
+        for i in 1..=PLACES {
+            let missed_mm = touching.missed_mm(self.mesh, length_mm * i as f64 / PLACES as f64, shape)?;
+            if missed_mm[1].abs() < nearest_mm[1].abs() {
+                nearest_mm = missed_mm;
+            }
+        }
+        let [gap_mm, along_mm] = nearest_mm;
+        // What is left along the plate between two of the places is none.
+        let beyond_mm = (along_mm.abs() - length_mm / PLACES as f64).max(0.0);
+        let gap_mm = gap_mm.hypot(beyond_mm).copysign(gap_mm);
+        let object = &touching.object;
+        let parts_mm = [
+            object.sd_mm,
+            object.sd_rad * object.shape.largest_radius_mm(),
+            measurement.base().map_or(0.0, |base| base.sd_mm),
+            OPEN_BETWEEN_MARKERS * noise_mm,
+            CLOSED_SD_MM[0],
+        ];
+        let sd_mm = parts_mm.into_iter().fold(0.0, f64::hypot);
+        match gap_mm.abs() > LARGEST_GAP_SIGMAS * sd_mm {
+            true => Err(SensingError::NotTouching { contact: touching.contacts[0] + 1, gap_mm, sd_mm }),
+            false => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! An object of known shape that touches the front plate.
+
+use super::Pad;
+use crate::Vector;
+use nalgebra::{Isometry2, UnitComplex};
+
+/// A convex outline about an origin of its own, mm.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ObjectShape {
+    /// A disc about the origin.
+    Disc {
+        /// Radius, mm.
+        radius_mm: f64,
+    },
+    /// An ellipse about the origin, its axes along x and y.
+    Ellipse {
+        /// Half of each axis, along x and y, mm.
+        semi_axes_mm: [f64; 2],
+    },
+    /// A convex polygon.
+    Polygon {
+        /// Corners from x to y, mm.
+        corners: Vec<Vector>,
+    },
+}
+
+/// Corners that are no convex polygon.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("the corners of a convex polygon in order, three or more")]
+pub struct NotConvex;
+
+impl ObjectShape {
+    /// A polygon of corners in order, either way round.
+    ///
+    /// # Errors
+    /// [`NotConvex`] for fewer than three corners, repeated ones, and for a corner that turns the other way.
+    pub fn polygon(mut corners: Vec<Vector>) -> Result<ObjectShape, NotConvex> {
+        let count = corners.len();
+        let at = |i: usize| corners[i % count];
+        let turn = |i: usize| (at(i + 1) - at(i)).perp(&(at(i + 2) - at(i + 1)));
+        let area: f64 = (0..count).map(|i| at(i).perp(&at(i + 1))).sum();
+        let exterior = |i: usize| turn(i).atan2((at(i + 1) - at(i)).dot(&(at(i + 2) - at(i + 1)))).abs();
+        // A star turns the same way everywhere too, but more than once round.
+        let once_round = (0..count).map(exterior).sum::<f64>() < 1.5 * std::f64::consts::TAU;
+        if count < 3 || !(0..count).all(|i| turn(i) * area > 0.0) || !once_round {
+            return Err(NotConvex);
+        }
+        if area < 0.0 {
+            corners.reverse();
+        }
+        Ok(ObjectShape::Polygon { corners })
+    }
+
+    /// Whether it looks the same however it is turned.
+    pub fn is_round(&self) -> bool {
+        matches!(self, ObjectShape::Disc { .. })
+    }
+
+    /// Distance of the furthest point of the outline from the origin, mm.
+    pub(super) fn largest_radius_mm(&self) -> f64 {
+        match self {
+            ObjectShape::Disc { radius_mm } => *radius_mm,
+            ObjectShape::Ellipse { semi_axes_mm: [a, b] } => a.max(*b),
+            ObjectShape::Polygon { corners } => corners.iter().map(Vector::norm).fold(0.0, f64::max),
+        }
+    }
+
+    /// The point of the outline that reaches furthest along a unit vector, mm: there it is the outward normal.
+    fn furthest(&self, along: Vector) -> Vector {
+        match self {
+            ObjectShape::Disc { radius_mm } => along * *radius_mm,
+            ObjectShape::Ellipse { semi_axes_mm: [a, b] } => {
+                Vector::new(a * a * along.x, b * b * along.y) / (a * along.x).hypot(b * along.y)
+            }
+            ObjectShape::Polygon { corners } => {
+                let further = |p: &&Vector, q: &&Vector| p.dot(&along).total_cmp(&q.dot(&along));
+                corners.iter().max_by(further).copied().unwrap_or_default()
+            }
+        }
+    }
+}
+
+/// An object that touches the front plate, with what is known of where it is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TouchedObject {
+    /// Its outline.
+    pub shape: ObjectShape,
+    /// Where it is, in the finger frame of the measurement, mm: origin of the outline and turn from x to y.
+    pub pose: Isometry2<f64>,
+    /// Standard deviation of each coordinate of its origin, mm; zero where that is no unknown.
+    pub sd_mm: f64,
+    /// Standard deviation of its turn, rad; zero where that is no unknown.
+    pub sd_rad: f64,
+}
+
+impl TouchedObject {
+    /// Whether its turn is an unknown.
+    pub(super) fn may_turn(&self) -> bool {
+        self.sd_rad > 0.0 && !self.shape.is_round()
+    }
+
+    /// The point of its outline whose outward normal is a unit vector, where the object is shifted (mm) and turned about its origin (rad).
+    pub(super) fn point_facing(&self, normal: Vector, [x_mm, y_mm, turn_rad]: [f64; 3]) -> Vector {
+        let turn = UnitComplex::new(self.pose.rotation.angle() + turn_rad);
+        let origin = self.pose.translation.vector + Vector::new(x_mm, y_mm);
+        origin + turn * self.shape.furthest(turn.inverse() * normal)
+    }
+}
+
+/// What meets the front plate where forces are sensed.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Meeting<'o> {
+    /// What lies between an object and the plate.
+    pub pad: Pad,
+    /// The object, where its shape is known.
+    pub object: Option<&'o TouchedObject>,
+}
+
+impl From<Pad> for Meeting<'_> {
+    fn from(pad: Pad) -> Self {
+        Meeting { pad, object: None }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn polygon(corners: &[[f64; 2]]) -> Result<ObjectShape, NotConvex> {
+        ObjectShape::polygon(corners.iter().map(|c| Vector::new(c[0], c[1])).collect())
+    }
+
+    /// The point of an ellipse at a parameter has the normal that the gradient gives.
+    #[test]
+    fn points_of_an_outline_have_its_normal() {
+        let shape = ObjectShape::Ellipse { semi_axes_mm: [30.0, 12.0] };
+        let object =
+            TouchedObject { shape, pose: Isometry2::new(Vector::new(5.0, -3.0), 0.4), sd_mm: 0.0, sd_rad: 0.0 };
+        for step in 0..72 {
+            let (sin, cos) = (f64::from(step) * 5.0_f64.to_radians()).sin_cos();
+            let (on, normal) = (Vector::new(30.0 * cos, 12.0 * sin), Vector::new(cos / 30.0, sin / 12.0).normalize());
+            let turn = UnitComplex::new(0.5);
+            let found = object.point_facing(turn * normal, [1.0, 2.0, 0.1]);
+            assert!((found - (Vector::new(6.0, -1.0) + turn * on)).norm() < 1e-12, "{step}: {found}");
+        }
+    }
+
+    #[test]
+    fn polygons_are_convex() {
+        for wrong in [
+            &[[0.0, 0.0], [1.0, 0.0]][..],
+            &[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]],
+            &[[0.0, 0.0], [4.0, 0.0], [1.0, 1.0], [0.0, 4.0]],
+            &[[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
+            // A star of five points.
+            &[[0.0, 1.0], [-0.588, -0.809], [0.951, 0.309], [-0.951, 0.309], [0.588, -0.809]],
+        ] {
+            assert_eq!(polygon(wrong), Err(NotConvex), "{wrong:?}");
+        }
+        assert!(polygon(&[[0.0, 0.0], [0.0, 1.0], [1.0, 0.0]]).is_ok());
+    }
+}
