@@ -79,6 +79,7 @@ impl Problem<'_> {
         match quantity {
             Quantity::Bracket(plate) => ribs.bracket_mm.of(0)[usize::from(plate == Plate::Back)],
             Quantity::Clip => ribs.clip_mm[0],
+            Quantity::PlateClip(plate) => ribs.clip_mm[usize::from(plate == Plate::Back)],
             Quantity::RibPosition(plate, rib) => match &ribs.positions {
                 RibPositions::Positions(positions) => positions[rib][usize::from(plate == Plate::Back)],
                 RibPositions::Count(_) => f64::NAN,

@@ -16,6 +16,8 @@ pub enum Quantity {
     OwnBracket(Plate, usize),
     /// Length of the clips on both plates, mm.
     Clip,
+    /// Length of the clips on a plate, mm.
+    PlateClip(Plate),
     /// Where a rib, counted from 0, is along a plate, mm.
     RibPosition(Plate, usize),
     /// Height of the markers above the plane of the beams, mm.
@@ -38,6 +40,7 @@ impl fmt::Display for Quantity {
             Quantity::Bracket(plate) => write!(f, "{}_bracket_mm", name(plate)),
             Quantity::OwnBracket(plate, rib) => write!(f, "{}_rib_{}_bracket_more_mm", name(plate), rib + 1),
             Quantity::Clip => f.write_str("clip_mm"),
+            Quantity::PlateClip(plate) => write!(f, "{}_clip_mm", name(plate)),
             Quantity::RibPosition(plate, rib) => write!(f, "{}_rib_{}_mm", name(plate), rib + 1),
             Quantity::MarkerHeight => f.write_str("marker_height_mm"),
             Quantity::BaseX => f.write_str("base_x_mm"),
@@ -87,6 +90,7 @@ pub(super) fn changed(description: &mut FingerDescription, rib_count: usize, qua
             ribs.bracket_mm = BracketLengths::Each(each);
         }
         Quantity::Clip => description.ribs.clip_mm.iter_mut().for_each(|clip_mm| *clip_mm += change),
+        Quantity::PlateClip(plate) => description.ribs.clip_mm[plate_index(plate)] += change,
         Quantity::RibPosition(plate, rib) => {
             if let RibPositions::Positions(positions) = &mut description.ribs.positions
                 && let Some(position) = positions.get_mut(rib)

@@ -23,6 +23,8 @@ const PRESSES: [(f64, f64, f64); 5] =
 
 /// What the true finger and rig have in place of what the scene has.
 struct Truth {
+    /// What the scene has.
+    stated: Finger,
     finger: Finger,
     modulus_factor: f64,
     more_height_mm: f64,
@@ -44,12 +46,13 @@ fn truth() -> Truth {
         positions[2][1] -= 0.2;
     }
     let finger = Finger::new(description).expect("a possible finger");
-    Truth { finger, modulus_factor, more_height_mm: 1.5, base: Isometry2::new(Vector::new(0.8, -0.5), 0.01) }
+    let base = Isometry2::new(Vector::new(0.8, -0.5), 0.01);
+    Truth { stated: scene_finger(), finger, modulus_factor, more_height_mm: 1.5, base }
 }
 
 /// The truth as the scene's rig would have located it, each view with its own base.
 fn views_of(truth: &Truth, forces: bool, rng: &mut ChaCha8Rng) -> Vec<View> {
-    let stated = scene_finger();
+    let stated = truth.stated.clone();
     let mesh = finray_model::Mesh::with_elements_per_member(&truth.finger, ELEMENTS);
     let mut view = |(s_mm, force_n, angle_deg): (f64, f64, f64)| {
         let contact = at_position(s_mm, angle_deg);
@@ -104,6 +107,7 @@ fn true_value(truth: &Truth, quantity: Quantity) -> f64 {
     match quantity {
         Quantity::Modulus => truth.modulus_factor,
         Quantity::Bracket(plate) => brackets[index(plate)],
+        Quantity::PlateClip(plate) => truth.finger.description().ribs.clip_mm[index(plate)],
         Quantity::RibPosition(plate, rib) => positions[rib][index(plate)],
         Quantity::MarkerHeight => truth.more_height_mm,
         Quantity::BaseX => truth.base.translation.x,
@@ -185,6 +189,39 @@ fn a_finger_and_its_rig_are_found() {
     // Errors of one calibration are correlated: 45 of them are worth about half as many.
     let mean = sum.iter().sum::<f64>() / sum.len() as f64;
     assert!((0.4..1.9).contains(&mean), "mean square {mean}");
+}
+
+/// Clips of each plate, which stiffen it where ribs are: with measured forces they are found beside a modulus, to what is stated.
+#[test]
+fn clips_of_each_plate_are_found() {
+    let with_clips = |finger: &Finger, clip_mm: [f64; 2]| {
+        let mut description = finger.description().clone();
+        description.ribs.clip_mm = clip_mm;
+        Finger::new(description).expect("a possible finger")
+    };
+    let mut truth = truth();
+    (truth.stated, truth.finger) = (with_clips(&truth.stated, [5.0; 2]), with_clips(&truth.finger, [5.8, 4.3]));
+    (truth.more_height_mm, truth.base) = (0.0, Isometry2::identity());
+    let clips = [Quantity::PlateClip(Plate::Front), Quantity::PlateClip(Plate::Back)];
+    let brackets = [Quantity::Modulus, Quantity::Bracket(Plate::Front), Quantity::Bracket(Plate::Back)];
+    let all = [sought(&clips, Some(1.0)), sought(&brackets, None), sought(&ribs(), Some(0.2))].concat();
+    let mut sum = Vec::new();
+    for seed in 0..3 {
+        let mut rng = ChaCha8Rng::seed_from_u64(30 + seed);
+        let seen = views_of(&truth, true, &mut rng);
+        let estimate = views(&truth.stated, &seen, &all, &model(Lean::NONE)).expect("identifiable");
+        // The scene has them to 1 mm only; the back plate, which carries less, shows its own less well.
+        let [front, back] = [0, 1].map(|i| estimate.quantities[i].sigma);
+        assert!(front < 0.4 && back < 0.7, "{:?}", estimate.quantities);
+        assert_eq!(estimate.quantities[0].sought.quantity.to_string(), "front_clip_mm");
+        sum.extend(squares(&truth, &estimate)[..2].iter().copied());
+        // Both clips together are the same as both, one by one.
+        let twice = [sought(&clips, None), sought(&[Quantity::Clip], None)].concat();
+        let refused = views(&truth.stated, &seen, &twice, &model(Lean::NONE));
+        assert!(refused.as_ref().is_err_and(|error| error.to_string().contains("clip_mm")), "{refused:?}");
+    }
+    let mean = sum.iter().sum::<f64>() / sum.len() as f64;
+    assert!(sum.iter().all(|square| *square < 16.0) && mean < 3.5, "{sum:?}");
 }
 
 /// Without forces, geometry is found all the same, from forces that lean somewhere within a range.

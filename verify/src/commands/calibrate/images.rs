@@ -31,13 +31,15 @@ enum Named {
 }
 
 /// A name, the prior that it has where none is given (standard deviation), and what it stands for.
-const NAMES: [(&str, Option<f64>, Named); 12] = [
+const NAMES: [(&str, Option<f64>, Named); 14] = [
     ("modulus", None, Named::Quantities(|_| vec![Quantity::Modulus])),
     ("front-modulus", None, Named::Quantities(|_| vec![Quantity::PlateModulus(Plate::Front)])),
     ("back-modulus", None, Named::Quantities(|_| vec![Quantity::PlateModulus(Plate::Back)])),
     ("bracket", None, Named::Quantities(|_| [Plate::Front, Plate::Back].map(Quantity::Bracket).to_vec())),
     ("brackets", Some(0.2), Named::Quantities(own_brackets)),
     ("clip", Some(1.0), Named::Quantities(|_| vec![Quantity::Clip])),
+    ("front-clip", Some(1.0), Named::Quantities(|_| vec![Quantity::PlateClip(Plate::Front)])),
+    ("back-clip", Some(1.0), Named::Quantities(|_| vec![Quantity::PlateClip(Plate::Back)])),
     ("ribs", Some(0.2), Named::Quantities(ribs)),
     ("height", None, Named::Quantities(|_| vec![Quantity::MarkerHeight])),
     ("base", None, Named::Quantities(|_| vec![Quantity::BaseX, Quantity::BaseY, Quantity::BaseTurn])),
@@ -145,6 +147,11 @@ impl Fit {
             && self.seeks(|quantity| matches!(quantity, Quantity::PlateModulus(_)))
         {
             return Err("expected either modulus or those of the plates, found both".to_owned());
+        }
+        if self.seeks(|quantity| *quantity == Quantity::Clip)
+            && self.seeks(|quantity| matches!(quantity, Quantity::PlateClip(_)))
+        {
+            return Err("expected either clip or those of the plates, found both".to_owned());
         }
         Ok(())
     }
@@ -328,7 +335,7 @@ fn values(scene: &Scene, estimate: &ViewEstimate, friction: Option<&Lean>) -> Ve
         };
         put("finger.ribs.bracket_mm", each);
     }
-    if sought(|quantity| *quantity == Quantity::Clip) {
+    if sought(|quantity| matches!(quantity, Quantity::Clip | Quantity::PlateClip(_))) {
         put("finger.ribs.clip_mm", pair(description.ribs.clip_mm));
     }
     if let RibPositions::Positions(positions) = &description.ribs.positions
