@@ -5,7 +5,7 @@ use super::{Failure, not_both_from_standard_input};
 use finray_imaging::locate::{Located, Locator, LocatorError, Rest, RimLocator, SeenBase};
 use finray_model::scene::MarkerLook;
 use finray_model::{Finger, NodeId, Scene, Vector};
-use finray_verify::files::{FileError, csv_text, is_standard_stream, load_image, load_scene, write_text};
+use finray_verify::files::{FileError, csv_text, image_name, is_standard_stream, load_image, load_scene, write_text};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -142,7 +142,7 @@ fn by_colour(arguments: &Arguments, scene: &Scene) -> Result<Vec<Row>, Failure> 
     for path in &arguments.image {
         let image = load_image(path)?;
         let found = locator.track(&image).map_err(|error| refused(path, &error))?;
-        let name = name_of(path);
+        let name = image_name(path);
         rows.extend(found.iter().map(|seen| row(&name, seen, at_rest(finger, located_at_rest, seen.node))));
     }
     Ok(rows)
@@ -187,7 +187,7 @@ fn by_rims(arguments: &Arguments, scene: &Scene) -> Result<Vec<(Row, BaseRow)>, 
     let found = arguments.image.par_iter().map(|path| seen(path)).collect::<Result<Vec<_>, _>>()?;
     let mut rows = Vec::new();
     for (path, found) in arguments.image.iter().zip(found) {
-        let name = name_of(path);
+        let name = image_name(path);
         if !found.base.is_known {
             eprintln!(
                 "warning: {}: two references on the base were not found, so the finger frame is only about where the ribs have it: \
@@ -206,9 +206,4 @@ fn by_rims(arguments: &Arguments, scene: &Scene) -> Result<Vec<(Row, BaseRow)>, 
 
 fn cannot_locate(error: LocatorError) -> Failure {
     Failure::BadInput(error.to_string())
-}
-
-/// The name of an image's file, without its folder.
-fn name_of(path: &Path) -> String {
-    path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
 }

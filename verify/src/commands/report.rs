@@ -5,11 +5,11 @@ use finray_model::Scene;
 use finray_verify::claims::ledger;
 use finray_verify::experiments::contact_scene::file::load_scene_with_outline;
 use finray_verify::experiments::contact_scene::study::SceneWithOutline;
-use finray_verify::experiments::measured;
+use finray_verify::experiments::measured::{self, NamedImage};
 use finray_verify::experiments::speed_error::criterion::CriterionTimes;
 use finray_verify::experiments::speed_error::file as peers;
 use finray_verify::files::views;
-use finray_verify::files::{FileError, require_folder, write_folder, write_text};
+use finray_verify::files::{FileError, image_name, load_image, require_folder, write_folder, write_text};
 use finray_verify::report;
 use finray_verify::settings::{Effort, Progress};
 use finray_verify::study::Study;
@@ -26,7 +26,7 @@ use std::sync::Mutex;
 /// Examples:
 ///   finray report --open
 ///   finray report my-finger.toml --out my-report
-///   finray report calibrated.toml --measurements located.csv --forces forces.csv
+///   finray report calibrated.toml --measurements located.csv --forces forces.csv --image photo*.jpg
 ///   finray report --criterion target/criterion --peers peers.csv
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
@@ -53,6 +53,9 @@ pub struct Arguments {
     /// The contact forces that were measured in these images: image,fx_n,fy_n in the frame of the camera's pose (CSV)
     #[arg(long, value_name = "FILE", requires = "measurements")]
     forces: Option<PathBuf>,
+    /// Some of these images (PNG or JPEG): the section shows what is left of the markers over them
+    #[arg(long, value_name = "FILE", num_args = 1.., requires = "measurements")]
+    image: Vec<PathBuf>,
     /// Open the page in the browser when it is done; where nothing opens it, its path is all there is
     #[arg(long)]
     open: bool,
@@ -71,6 +74,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         None => None,
         Some(located) => Some(views::load(located, arguments.forces.as_deref(), &scene.scene)?),
     };
+    let images = arguments.image.iter().map(|path| named_image(path)).collect::<Result<Vec<_>, _>>()?;
     require_folder(&arguments.out)?;
     let criterion = criterion_times(arguments.criterion.as_deref())?;
     let peers = arguments.peers.as_deref().map(peers::load).transpose()?;
@@ -80,7 +84,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     bars.finish();
     if let Some(seen) = seen {
         study.measured =
-            Some(measured::run(&scene.scene, &seen).map_err(|error| Failure::BadInput(error.to_string()))?);
+            Some(measured::run(&scene.scene, &seen, &images).map_err(|error| Failure::BadInput(error.to_string()))?);
     }
     let claims = ledger(&study).map_err(|error| Failure::NotComputed(error.to_string()))?;
     if let Some((folder, times)) = &criterion {
@@ -107,6 +111,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// An opener's own message may go on for lines.
 fn first_line(error: &std::io::Error) -> String {
     error.to_string().lines().next().unwrap_or_default().to_owned()
+}
+
+/// An image with its name, as `locate` writes it.
+fn named_image(path: &Path) -> Result<NamedImage, FileError> {
+    Ok((image_name(path), load_image(path)?))
 }
 
 /// Criterion's results in the folder given, or where cargo leaves them.

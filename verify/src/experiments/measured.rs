@@ -2,93 +2,21 @@
 //!
 //! The scene is taken as it is: whether these images were used to calibrate it is for the reader to know.
 
+mod knowledge;
+mod lens;
+pub mod picture;
+
 use crate::estimators::ELEMENTS;
 use crate::files::views::LocatedView;
 use finray_model::calibration::{self, CalibrationError, View, ViewModel};
-use finray_model::finger::{BracketLengths, Finger, RigidEnds};
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::sensing::{ContactQuestion, Direction, Lean, sense_refining};
-use finray_model::{Scene, Vector};
+use finray_model::{Finger, Scene, Vector};
+use image::RgbImage;
+use knowledge::{KNOWLEDGE, Knowledge};
+use picture::Picture;
 use rayon::prelude::*;
 use serde::Serialize;
-
-/// What is known when a force is sensed: the scene, or the scene but for one thing.
-struct Knowledge {
-    name: &'static str,
-    /// The finger, where there is one that differs.
-    finger: fn(&Finger) -> Option<Finger>,
-    /// The direction of the force, which as measured is given; `None` where the scene does not say it.
-    direction: fn(measured: Direction, Option<Lean>) -> Option<Direction>,
-    /// Whether the base is sought.
-    base_is_sought: bool,
-}
-
-fn as_it_is(finger: &Finger) -> Option<Finger> {
-    Some(finger.clone())
-}
-
-fn without_clips(finger: &Finger) -> Option<Finger> {
-    let mut description = finger.description().clone();
-    description.ribs.clip_mm = [0.0; 2];
-    Finger::new(description).ok().filter(|other| other != finger)
-}
-
-fn without_rigid_ends(finger: &Finger) -> Option<Finger> {
-    let mut description = finger.description().clone();
-    description.rigid_ends = [RigidEnds::default(); 2];
-    Finger::new(description).ok().filter(|other| other != finger)
-}
-
-fn without_brackets(finger: &Finger) -> Option<Finger> {
-    let mut description = finger.description().clone();
-    description.ribs.bracket_mm = BracketLengths::NONE;
-    Finger::new(description).ok().filter(|other| other != finger)
-}
-
-fn as_measured(measured: Direction, _: Option<Lean>) -> Option<Direction> {
-    Some(measured)
-}
-
-/// From the most that is known to less.
-const KNOWLEDGE: [Knowledge; 7] = [
-    Knowledge { name: "direction measured", finger: as_it_is, direction: as_measured, base_is_sought: true },
-    Knowledge {
-        name: "friction of the scene",
-        finger: as_it_is,
-        direction: |_, lean| lean.map(Direction::Leaning),
-        base_is_sought: true,
-    },
-    Knowledge {
-        name: "no friction",
-        finger: as_it_is,
-        direction: |_, _| Some(Direction::NORMAL),
-        base_is_sought: true,
-    },
-    Knowledge {
-        name: "direction measured, base taken for exact",
-        finger: as_it_is,
-        direction: as_measured,
-        base_is_sought: false,
-    },
-    Knowledge {
-        name: "direction measured, no clips",
-        finger: without_clips,
-        direction: as_measured,
-        base_is_sought: true,
-    },
-    Knowledge {
-        name: "direction measured, no rigid ends",
-        finger: without_rigid_ends,
-        direction: as_measured,
-        base_is_sought: true,
-    },
-    Knowledge {
-        name: "direction measured, no brackets",
-        finger: without_brackets,
-        direction: as_measured,
-        base_is_sought: true,
-    },
-];
 
 /// A force that was sensed in an image, or why none was.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -139,6 +67,28 @@ pub struct MeasuredStudy {
     pub forces: Vec<MeasuredForce>,
     /// What is left of the markers.
     pub residuals: Vec<MarkerResidual>,
+    /// The same over some of the images, where these are there.
+    pub pictures: Vec<Picture>,
+}
+
+/// An image file that was located, by its name.
+pub type NamedImage = (String, RgbImage);
+
+/// Why images are not compared.
+#[derive(Debug, thiserror::Error)]
+pub enum MeasuredError {
+    /// An image has no explanation under its measured force.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationError),
+    /// An image that was not located, or has no measured force.
+    #[error("image {name:?} is not among those that were located and whose force was measured")]
+    NotLocated {
+        /// Its name.
+        name: String,
+    },
+    /// A picture that cannot be made.
+    #[error(transparent)]
+    Picture(#[from] image::ImageError),
 }
 
 impl MeasuredStudy {
@@ -148,11 +98,11 @@ impl MeasuredStudy {
     }
 }
 
-/// Senses the force in every image whose force was measured.
+/// Senses the force in every image whose force was measured. Of the images that are given, pictures show what is left of the markers.
 ///
 /// # Errors
-/// [`CalibrationError`] where an image has no explanation under its measured force.
-pub fn run(scene: &Scene, seen: &[LocatedView]) -> Result<MeasuredStudy, CalibrationError> {
+/// [`MeasuredError`] where an image has no explanation under its measured force, or one is given that was not located.
+pub fn run(scene: &Scene, seen: &[LocatedView], images: &[NamedImage]) -> Result<MeasuredStudy, MeasuredError> {
     let measured: Vec<(&LocatedView, Vector)> =
         seen.iter().filter_map(|seen| seen.view.force.map(|force| (seen, force))).collect();
     let mut forces = Vec::new();
@@ -161,15 +111,24 @@ pub fn run(scene: &Scene, seen: &[LocatedView]) -> Result<MeasuredStudy, Calibra
         if (knowledge.direction)(Direction::NORMAL, scene.contact.lean).is_none() {
             continue;
         }
-        let of = |(seen, force): &(&LocatedView, Vector)| sensed(scene, &finger, knowledge, seen, *force);
+        let of = |(seen, force): &(&LocatedView, Vector)| match knowledge.lens_is_known {
+            true => sensed(scene, &finger, knowledge, seen, *force),
+            false => {
+                let seen = lens::without_distortion(scene, seen)?;
+                sensed(scene, &finger, knowledge, &seen, seen.view.force?)
+            }
+        };
         forces.extend(measured.par_iter().filter_map(of).collect::<Vec<_>>());
     }
     let views: Vec<View> = measured.iter().map(|(seen, _)| seen.view.clone()).collect();
     let fitted = calibration::views(&scene.finger, &views, &[], &model(scene))?;
-    let mut residuals = Vec::new();
+    if let Some((name, _)) = images.iter().find(|(name, _)| measured.iter().all(|(seen, _)| seen.image != *name)) {
+        return Err(MeasuredError::NotLocated { name: name.clone() });
+    }
+    let (mut residuals, mut pictures) = (Vec::new(), Vec::new());
     for ((seen, _), found) in measured.iter().zip(&fitted.views) {
         let markers = seen.view.measurement.markers().iter().zip(&found.residuals_mm);
-        residuals.extend(markers.map(|(marker, residual)| {
+        let of_image = markers.map(|(marker, residual)| {
             let at = undeformed(&scene.finger, marker) + marker.displacement;
             MarkerResidual {
                 image: seen.image.clone(),
@@ -179,9 +138,14 @@ pub fn run(scene: &Scene, seen: &[LocatedView]) -> Result<MeasuredStudy, Calibra
                 residual_x_mm: residual.x,
                 residual_y_mm: residual.y,
             }
-        }));
+        });
+        let of_image: Vec<MarkerResidual> = of_image.collect();
+        if let Some((_, image)) = images.iter().find(|(name, _)| *name == seen.image) {
+            pictures.extend(picture::picture(scene, seen, &of_image, image)?);
+        }
+        residuals.extend(of_image);
     }
-    Ok(MeasuredStudy { images: measured.len(), forces, residuals })
+    Ok(MeasuredStudy { images: measured.len(), forces, residuals, pictures })
 }
 
 fn undeformed(finger: &Finger, marker: &Marker) -> Vector {

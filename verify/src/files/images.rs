@@ -33,6 +33,11 @@ pub fn load_image(path: &Path) -> Result<RgbImage, FileError> {
     Ok(image.into_rgb8())
 }
 
+/// The name of an image's file, without its folder: what tables call the image.
+pub fn image_name(path: &Path) -> String {
+    path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
+}
+
 /// An image as the bytes of a PNG file.
 ///
 /// # Errors

@@ -10,7 +10,7 @@ pub mod displacements;
 pub mod measurements;
 pub mod views;
 
-pub use images::{load_image, to_png};
+pub use images::{image_name, load_image, to_png};
 pub use networks::{load_network, load_network_and_digest};
 pub use output::{
     Reader, Stream, csv_text, is_stream, require_folder, write_all_or_nothing, write_bytes, write_folder, write_from,

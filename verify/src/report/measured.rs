@@ -1,9 +1,12 @@
 //! Forces sensed in images against those that were measured, and what is left of the markers.
 
+mod picture;
+
 use super::dataset::{Columns, Dataset, Format};
 use super::format::percent_two_digits;
 use super::page::{Block, Figure, Section, text};
 use super::{ReportError, Results};
+use crate::experiments::measured::picture::Picture;
 use crate::experiments::measured::{MarkerResidual, MeasuredForce, MeasuredStudy};
 use crate::figures::{Axis, Chart, Dash, FigureError, Frame, Hue, Point, Series, Spread};
 
@@ -38,13 +41,20 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     ];
     for (svg, (caption, csv)) in drawn.into_iter().zip(captions) {
         if let Some(svg) = svg {
-            blocks.push(Block::Figure(Figure {
-                svg,
-                caption: caption.to_owned(),
-                csv: Some(csv.to_owned()),
-                wide: false,
-            }));
+            blocks.push(Block::Figure(Figure::narrow(svg, caption, csv)));
         }
+    }
+    if !measured.pictures.is_empty() {
+        let magnified = picture::magnified(&measured.pictures);
+        let figure = |shown: &Picture| {
+            let caption = format!(
+                "{}: what is left of each marker, {magnified} times as long, from where it is seen (circle) to where the finger has it.",
+                shown.image
+            );
+            Figure::narrow(picture::svg(shown, magnified), caption, RESIDUALS_CSV)
+        };
+        let figures = measured.pictures.iter().map(figure).collect();
+        blocks.push(Block::Figures { figures });
     }
     let columns = Columns::<(&'static str, &[MeasuredForce])>::new()
         .page("what is known", Format::Words, |(known, _)| *known)

@@ -103,6 +103,20 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
             .all(|key| written.contains(key)),
         "{written}"
     );
+    // Clips of each plate, of which a finger without any shows what its prior leaves.
+    let clipped =
+        folder.put("clipped.toml", BRACKETED_SCENE.replace("bracket_mm = 3.0", "bracket_mm = 3.0\nclip_mm = 2.0"));
+    let clips = folder.path("clips.toml");
+    let fit = ["--forces", &forces, "--calibrated", &clips, "--fit", "modulus,bracket,front-clip,back-clip=0.5"];
+    let answer = finray(&[&["calibrate", &clipped, "--located", &located][..], &fit].concat());
+    assert_eq!(answer.code, Some(0), "{}", answer.err);
+    let (found, notes) = (Csv::of(&answer.out), answer.err);
+    assert_eq!(found.texts("parameter")[3..5], ["front_clip_mm", "back_clip_mm"]);
+    assert_says(&notes, &["note: front_clip_mm: prior of 1 (standard", "note: back_clip_mm: prior of 0.5 (standard"]);
+    let written = folder.read("clips.toml");
+    let pair = written.split("clip_mm = [").nth(1).and_then(|rest| rest.split(']').next()).expect("a pair");
+    let pair: Vec<f64> = pair.split(", ").map(|number| number.parse().expect("a number")).collect();
+    assert_close(&pair, &found.numbers("value")[3..5], 1e-12);
     // An image that was not calibrated on, with another force and base.
     let other = folder.path("other.csv");
     finray(&["locate", &calibrated, "--image", &images[3], "--out", &other]).done();
@@ -116,7 +130,7 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
         assert!(direction == "friction" || (found_n / force_n - 1.0).abs() < 0.02, "{found_n}");
         assert!((found_s - s).abs() < 1.5, "{direction}: {found_s}");
     }
-    compared_in_a_report(&folder, &calibrated, &located, &forces);
+    compared_in_a_report(&folder, &calibrated, &located, &forces, &images);
     // All images of one file: a row each, one for an image that shows no finger as well.
     let mut rows = folder.read("other.csv");
     let seen = Csv::of(&rows);
@@ -140,15 +154,17 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
 }
 
 /// The report compares what is sensed in the images with what was measured.
-fn compared_in_a_report(folder: &Folder, calibrated: &str, located: &str, forces: &str) {
+fn compared_in_a_report(folder: &Folder, calibrated: &str, located: &str, forces: &str, images: &[String]) {
     let out = folder.path("report");
     let report = ["report", calibrated, "--quick", "--out", &out, "--measurements", located, "--forces", forces];
-    let said = finray(&report).computed();
+    let other = finray(&[&report[..], &["--image", &images[3]]].concat()).refused();
+    assert_says(&other, &["\"press3.png\" is not among those that were located"]);
+    let said = finray(&[&report[..], &["--image", &images[0], &images[2]]].concat()).computed();
     assert_says(&said, &["but for the section on measured images"]);
     let page = folder.read("report/index.html");
     let section =
         page.split("id=\"measured\"").nth(1).expect("the section").split("</section>").next().unwrap_or_default();
-    assert_eq!(section.matches("<svg").count(), 2);
+    assert_eq!(section.matches("<svg").count(), 4);
     assert_says(section, &["3 images whose contact force was measured", "friction of the scene", "no brackets"]);
     let rows = Csv::of(&folder.read("report/measured_forces.csv"));
     let errors = |known: &str| -> Vec<[f64; 2]> {
@@ -166,10 +182,14 @@ fn compared_in_a_report(folder: &Folder, calibrated: &str, located: &str, forces
     let known = errors("direction measured");
     assert_eq!(known.len(), 3);
     assert!(known.iter().all(|[error, sigmas]| error.abs() < 0.02 && sigmas.abs() < 3.0), "{known:?}");
-    for worse in ["no friction", "direction measured, no brackets"] {
+    for worse in ["no friction", "direction measured, no brackets", "direction measured, no distortion of the lens"] {
         let all = errors(worse);
         assert!(all.len() == 3 && all.iter().all(|[error, _]| error.abs() > 0.02), "{worse}: {all:?}");
     }
+    // Two of the images, with the markers' residuals over them: an image, and a circle a marker twice, for its halo.
+    assert_eq!(section.matches("data:image/jpeg;base64,").count(), 2);
+    assert_eq!(section.matches("r=\"4\"/><path d=\"M").count(), 2 * 2 * 8);
+    assert!(section.contains("press2.png: what is left of each marker"));
     let residuals = Csv::of(&folder.read("report/measured_residuals.csv"));
     assert_eq!(residuals.rows.len(), 3 * 8);
     assert!(residuals.numbers("residual_x_mm").iter().all(|left| left.abs() < 0.06));
@@ -191,6 +211,8 @@ fn what_images_cannot_show_is_refused() {
     assert_says(&refused(&scene, &["--fit", "modulus,size"]), &["--fit", "modulus, front-modulus", "\"size\""]);
     assert_says(&refused(&scene, &["--fit", "ribs=-1"]), &["--fit", "ribs", "more than zero"]);
     assert_says(&refused(&scene, &["--fit", "bracket,bracket"]), &["front_bracket_mm is named twice"]);
+    let clips = refused(&scene, &["--fit", "clip,front-clip"]);
+    assert_says(&clips, &["expected either clip or those of the plates, found both"]);
     assert_says(&refused(&scene, &["--fit", "friction,friction-build-up"]), &["friction is named twice"]);
     assert_says(&refused(&scene, &["--fit", "modulus"]), &["not identifiable", "--forces"]);
     assert_says(&refused(&scene, &["--fit", "bracket"]), &["friction", "contact"]);
