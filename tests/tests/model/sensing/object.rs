@@ -3,14 +3,14 @@
 //! The truth is made the other way round: a force along the normal of the deformed plate bends the finger, then the object is put where it touches.
 
 use finray_model::finger::Plate;
-use finray_model::measurement::{BaseUncertainty, Measurement};
+use finray_model::measurement::{BaseUncertainty, Marker, Measurement};
 use finray_model::mesh::Load;
 use finray_model::sensing::{
     ContactQuestion, Direction, Lean, NonlinearEstimate, NonlinearEstimator, Normal, ObjectShape, Pad, SensingError,
     TouchedObject,
 };
 use finray_model::statics::Statics;
-use finray_model::{Finger, Kinematics, Mesh, Vector};
+use finray_model::{Finger, Kinematics, Mesh, NodeId, Vector};
 use finray_tests::{ELEMENTS, TWO_SIDED_95, finger_of, noisy, share_error};
 use nalgebra::{Isometry2, Rotation2};
 use rand::{RngExt, SeedableRng};
@@ -185,6 +185,42 @@ fn stated_sigmas_hold_what_the_objects_pose_leaves_open() {
         assert!((share - 0.95).abs() <= 3.0 * share_error(0.95, answered), "{shape:?}: {share} of {answered} within");
         assert!((mean - 1.0).abs() <= 4.0 * (2.0 / answered as f64).sqrt(), "{shape:?}: mean square {mean}");
     }
+}
+
+/// The stated standard deviation is what noise of each coordinate and errors of the pose do to the answer, one after the other.
+#[test]
+fn sigmas_are_responses_to_noise_and_pose() {
+    const NOISE_MM: f64 = 0.02;
+    const SD_MM: f64 = 0.1;
+    let finger = bracketed();
+    let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
+    let (shape, lean) = (ObjectShape::Disc { radius_mm: 30.0 }, Lean::of_friction(0.3, 0.0));
+    let truth = pressed(&mesh, 72.0, 7.0, lean.angle_deg, &shape, 0.0, 0.0);
+    let sensed = |moved: Option<(NodeId, Vector)>, off: Vector| {
+        let marker = |marker: &Marker| match moved {
+            Some((node, by)) if node == marker.node => Marker { displacement: marker.displacement + by, ..*marker },
+            _ => *marker,
+        };
+        let seen = Measurement::new(&finger, truth.seen.markers().iter().map(marker)).expect("the same nodes");
+        let pose = Isometry2::new(truth.pose.translation.vector + off, 0.0);
+        let object = TouchedObject { shape: shape.clone(), pose, sd_mm: SD_MM, sd_rad: 0.0 };
+        sense(&mesh, question(lean), &object, &seen, NOISE_MM).expect("identifiable").forces
+    };
+    let stated = sensed(None, Vector::zeros()).sigmas_n[0];
+    let response = |step_mm: f64, of: &dyn Fn(f64) -> f64| (of(step_mm) - of(-step_mm)) / (2.0 * step_mm);
+    let mut variance = 0.0;
+    for way in [Vector::x(), Vector::y()] {
+        let to_pose = response(0.1 * SD_MM, &|by| sensed(None, way * by).forces_n[0]);
+        variance += (to_pose * SD_MM).powi(2);
+        for marker in truth.seen.markers() {
+            let to_noise =
+                response(0.1 * NOISE_MM, &|by| sensed(Some((marker.node, way * by)), Vector::zeros()).forces_n[0]);
+            variance += (to_noise * NOISE_MM).powi(2);
+        }
+    }
+    let responses = variance.sqrt();
+    // Answers settle to a hundredth of their standard deviation; contacts close to 0.01 mm, which counts in what is stated.
+    assert!((stated / responses - 1.0).abs() < 0.02, "stated {stated} N, responses {responses} N");
 }
 
 /// A pad keeps the outline from the plate by its thickness.
