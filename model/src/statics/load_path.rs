@@ -19,12 +19,16 @@ const GROWTH: f64 = 3.0;
 const LEAST_SHARE: f64 = 0.01;
 /// Tolerance of equilibria on the way: the next step corrects what is left, which must not count beside a short step.
 const STATION_TOLERANCE: f64 = 1e-8;
+/// Tolerance of all equilibria on a way that is a trial: Newton's corrections shrink by so much at once that these are good to 1e-9.
+const TRIED_TOLERANCE: f64 = 1e-6;
 /// Where a step as short as this share of the way fails, it may be for too fine a mesh.
 const SHORT_STEP: f64 = 1e-3;
 /// Smallest step that is tried where no end of the branch can be told, as a share of the whole way.
 const LEAST_STEP: f64 = 1e-7;
 /// The same of a way that is a trial.
 const LEAST_TRIED_STEP: f64 = 0.02;
+/// A way that is a trial ends no earlier than after so many rejected steps where none was taken yet.
+const MOST_REJECTED_AT_START: usize = 4;
 /// A path that has taken so many steps is given up.
 const MOST_STEPS: usize = 2000;
 
@@ -33,9 +37,19 @@ pub(super) trait LoadPath {
     /// The loads at a share of the way, and their common multiple.
     fn at(&mut self, share: f64) -> (&[FrameLoad], f64);
 
-    /// Whether an equilibrium on the way is worth going on from.
-    fn goes_on(&mut self, _motion: &FrameMotion) -> bool {
+    /// Whether an equilibrium on the way, at this share of it, is worth going on from.
+    fn goes_on(&mut self, _share: f64, _motion: &FrameMotion) -> bool {
         true
+    }
+
+    /// Whether a step that was rejected is tried again, shorter; `rejected` counts those of the whole way.
+    fn tries_again(&self, _share: f64, _rejected: usize) -> bool {
+        true
+    }
+
+    /// Tolerance of the equilibrium at a share of it.
+    fn tolerance(&self, share: f64) -> f64 {
+        if share < 1.0 { STATION_TOLERANCE } else { CORRECTION_TOLERANCE }
     }
 
     /// Whether the caller shortens the way where it fails: where exactly does not matter then.
@@ -87,15 +101,25 @@ impl LoadPath for Shifting<'_> {
 pub(super) struct Tried<'l, W> {
     pub shifting: Shifting<'l>,
     pub goes_on: W,
+    /// The way ends at so many rejected steps.
+    pub most_rejected: usize,
 }
 
-impl<W: FnMut(&FrameMotion) -> bool> LoadPath for Tried<'_, W> {
+impl<W: FnMut(f64, &FrameMotion) -> bool> LoadPath for Tried<'_, W> {
     fn at(&mut self, share: f64) -> (&[FrameLoad], f64) {
         self.shifting.at(share)
     }
 
-    fn goes_on(&mut self, motion: &FrameMotion) -> bool {
-        (self.goes_on)(motion)
+    fn goes_on(&mut self, share: f64, motion: &FrameMotion) -> bool {
+        (self.goes_on)(share, motion)
+    }
+
+    fn tries_again(&self, share: f64, rejected: usize) -> bool {
+        rejected < if share > 0.0 { self.most_rejected } else { MOST_REJECTED_AT_START.max(self.most_rejected) }
+    }
+
+    fn tolerance(&self, _share: f64) -> f64 {
+        TRIED_TOLERANCE
     }
 
     fn is_trial(&self) -> bool {
@@ -115,7 +139,7 @@ impl<E: EquilibriumEquations> Statics<E> {
         let (mut iterations, mut load_steps) = (0, 0);
         // Where every step succeeds, nobody asks for the end.
         let mut approach: Option<Approach> = None;
-        let (mut failed_since, mut digits_checked) = (false, false);
+        let (mut failed_since, mut digits_checked, mut rejected) = (false, false, 0);
         while done < 1.0 {
             if load_steps == MOST_STEPS {
                 return Err(StaticsError::NoEquilibrium { converged_fraction: done });
@@ -142,13 +166,13 @@ impl<E: EquilibriumEquations> Statics<E> {
                 }
             }
             let taken = target - done;
+            let tolerance = path.tolerance(target);
             let (loads, multiple) = path.at(target);
-            let tolerance = if target < 1.0 { STATION_TOLERANCE } else { CORRECTION_TOLERANCE };
             match self.load_step(&mut motion, loads, multiple, tolerance) {
                 Ok(found) => {
                     done = target;
                     if done < 1.0 {
-                        if !path.goes_on(&motion) {
+                        if !path.goes_on(done, &motion) {
                             return Err(StaticsError::NoEquilibrium { converged_fraction: done - taken });
                         }
                         before.get_or_insert_with(|| start.clone()).clone_from(&motion);
@@ -167,7 +191,8 @@ impl<E: EquilibriumEquations> Statics<E> {
                         self.require_digits_at_rest(path.at(1.0).0)?;
                         digits_checked = true;
                     }
-                    if ends {
+                    rejected += 1;
+                    if ends || !path.tries_again(done, rejected) {
                         return Err(StaticsError::NoEquilibrium { converged_fraction: done });
                     }
                     motion.clone_from(before.as_ref().unwrap_or(start));

@@ -143,13 +143,14 @@ impl<E: EquilibriumEquations> Statics<E> {
         &mut self,
         start: &FrameMotion,
         [from, to]: [&[FrameLoad]; 2],
-        goes_on: impl FnMut(&FrameMotion) -> bool,
+        most_rejected: usize,
+        goes_on: impl FnMut(f64, &FrameMotion) -> bool,
     ) -> Result<Equilibrium, StaticsError> {
         if !from.iter().chain(to).all(FrameLoad::is_finite) {
             return Err(StaticsError::LoadNotFinite);
         }
         let shifting = Shifting { from, to, loads: Vec::with_capacity(from.len() + to.len()) };
-        self.follow(start, Tried { shifting, goes_on })
+        self.follow(start, Tried { shifting, goes_on, most_rejected })
     }
 
     /// Linearises the equations at a motion under loads; `false` if it is not a stable shape.

@@ -18,6 +18,7 @@ mod simultaneous;
 mod start;
 mod touching;
 mod unknowns;
+mod ways;
 
 pub use discretisation::Discretisation;
 pub use refine::sense_refining;
@@ -38,6 +39,7 @@ use nuisances::{Nuisances, Priors};
 use start::Start;
 use touching::Touching;
 use unknowns::Unknown;
+use ways::Ways;
 
 /// Turn of a deformed normal in one step, degrees, below which it counts as settled: worth 1e-6 of the force.
 const SETTLED_ANGLE_DEG: f64 = 1e-4;
@@ -185,6 +187,31 @@ impl<'m> NonlinearEstimator<'m> {
         self.held.clone_from(&self.last);
     }
 
+    /// Holds the equilibrium under forces that are known: after a [`reset`](NonlinearEstimator::reset) estimates start from it. For what is
+    /// asked at known forces, as a bound is. Nothing is held where positions or directions are sought, or the finger does not carry the forces.
+    pub fn hold_at(&mut self, forces_n: &[f64]) {
+        let before = self.held.take();
+        self.forget();
+        self.held = self.state_at(forces_n, before);
+    }
+
+    /// The state under known forces, followed from another one or else from rest.
+    fn state_at(&mut self, forces_n: &[f64], from: Option<State>) -> Option<State> {
+        self.object.is_none().then_some(())?;
+        let contacts: Vec<Contact> = self.questions.iter().map(ContactQuestion::known).collect::<Option<_>>()?;
+        let of_contacts = contacts.iter().zip(forces_n).flat_map(|(c, f)| self.pad.loads(self.mesh, c, *f, 0.0));
+        let loads = of_contacts.collect::<Result<Vec<_>, _>>().ok()?;
+        let near = from.and_then(|from| self.statics.shifted(&from.motion, &from.loads, &loads).ok());
+        let motion = near.or_else(|| self.statics.equilibrium(&loads).ok())?.motion;
+        let nuisances = Nuisances::expected(contacts.len());
+        let linearised = Linearised::new(self.mesh, self.unknowns.len(), self.priors.clone());
+        let (forces_n, plate_turns_rad) = (forces_n.to_vec(), vec![0.0; contacts.len()]);
+        let mut state = State { forces_n, contacts, nuisances, plate_turns_rad, loads, motion, linearised };
+        self.statics.linearise(&state.motion, &state.loads).then_some(())?;
+        self.differentiate(&mut state).ok()?;
+        Some(state)
+    }
+
     /// Forgets the last estimate and the one that is held.
     pub fn forget(&mut self) {
         (self.last, self.held) = (None, None);
@@ -225,13 +252,14 @@ impl<'m> NonlinearEstimator<'m> {
             && self.object.is_some()
             && let Some(start) = self.of_markers_alone(measurement, noise_mm)?
         {
-            best = self.minimum_near(start, measurement, noise_mm).ok();
+            best = self.minimum_near(start, measurement, noise_mm, &mut Ways::default()).ok().flatten();
         }
         let mut failure = None;
         // Misfit and forces of all minima.
         let mut minima: Vec<(f64, Vec<f64>)> = Vec::new();
         // Forces and shapes from which they were sought.
         let mut starts: Vec<(Vec<f64>, FrameMotion)> = Vec::new();
+        let mut ways = Ways::of(&self.unknowns, &self.questions);
         let by_direction = self.questions.iter().any(|question| question.direction == Direction::Auto);
         let follows = self.questions.iter().any(|question| matches!(question.direction, Direction::Leaning(_)));
         let by_direction = STARTS_BY_DIRECTION.into_iter().filter(|_| by_direction);
@@ -247,15 +275,20 @@ impl<'m> NonlinearEstimator<'m> {
                 // An explanation that leaves the unknowns open is reason enough to refuse.
                 self.judged(&mut found.state, measurement, noise_mm, found.steps)?;
             }
-            match self.searched(measurement, noise_mm, start, &mut starts) {
-                Ok(found) => {
+            ways.begin();
+            match self.searched(measurement, noise_mm, start, &mut starts, &mut ways) {
+                Ok(Some(found)) => {
                     let misfit = |found: &Found| self.misfit(&found.state, measurement);
-                    minima.push((misfit(&found), found.state.forces_n.clone()));
+                    minima.extend(ways.end(Some((misfit(&found), found.state.forces_n.clone()))));
                     if best.as_ref().is_none_or(|best| misfit(&found) < misfit(best)) {
                         best = Some(found);
                     }
                 }
-                Err(error) => failure = failure.or(Some(error)),
+                Ok(None) => minima.extend(ways.end(None)),
+                Err(error) => {
+                    ways.end(None);
+                    failure = failure.or(Some(error));
+                }
             }
         }
         let Found { mut state, steps, near } = best.ok_or_else(|| failure.unwrap_or(SensingError::NoContact))?;
@@ -308,35 +341,42 @@ impl<'m> NonlinearEstimator<'m> {
         self.forget();
     }
 
-    /// The minimum nearest to a start. Adds the start's forces and shape to `starts`.
+    /// The minimum nearest to a start, the careful way if it is not near; `None` if the search for it comes upon one of the `ways` before.
+    /// Adds the start's forces and shape to `starts`.
     fn searched(
         &mut self,
         measurement: &Measurement,
         noise_mm: Option<f64>,
         start: Start,
         starts: &mut Vec<(Vec<f64>, FrameMotion)>,
-    ) -> Result<Found, SensingError> {
+        ways: &mut Ways,
+    ) -> Result<Option<Found>, SensingError> {
         let start = match self.object {
             None => self.start(measurement, noise_mm, start)?,
             Some(_) => self.searched_without_object(measurement, noise_mm, start)?,
         };
         starts.push((start.forces_n.clone(), start.motion.clone()));
-        self.minimum_near(start, measurement, noise_mm)
+        self.minimum_near(start, measurement, noise_mm, ways)
     }
 
-    /// The minimum nearest to a state, the careful way if it is not near.
+    /// The minimum nearest to a state, the careful way if it is not near; `None` if the search for it comes upon one of the `ways` before.
     fn minimum_near(
         &mut self,
         start: State,
         measurement: &Measurement,
         noise_mm: Option<f64>,
-    ) -> Result<Found, SensingError> {
+        ways: &mut Ways,
+    ) -> Result<Option<Found>, SensingError> {
+        if ways.meets(&start) {
+            return Ok(None);
+        }
         let mut state = start.clone();
         if let Some(steps) = self.correct(&mut state, measurement, noise_mm) {
-            return Ok(Found { state, steps, near: true });
+            ways.reach(&state);
+            return Ok(Some(Found { state, steps, near: true }));
         }
         state = start;
-        let (steps, near) = self.search(&mut state, measurement, noise_mm)?;
-        Ok(Found { state, steps, near })
+        let found = self.search(&mut state, measurement, noise_mm, ways)?;
+        Ok(found.map(|(steps, near)| Found { state, steps, near }))
     }
 }

@@ -4,7 +4,9 @@
 //! finger may lead far away, or where no equilibrium is. So steps reach only as far as the last ones were right, and a
 //! step is given up on the way where an equilibrium is worse than its start.
 
+use super::ways::Ways;
 use super::{NonlinearEstimator, Posed, SETTLED_ANGLE_DEG, State};
+use crate::frame::FrameMotion;
 use crate::measurement::Measurement;
 use crate::sensing::SensingError;
 use crate::statics::StaticsError;
@@ -40,6 +42,8 @@ const FIRST_REACH: f64 = 0.5;
 /// Reach, as a share of what the markers moved, below which no step helps: the minimum is reached as far as rounding lets
 /// it be seen, or as the finger carries it.
 const SHORTEST: f64 = 1e-12;
+/// A step ends where the finger was seen to carry it so far when so many shorter ones were rejected on its way.
+const MOST_REJECTED: usize = 2;
 /// Damping with which the first is looked for.
 const FIRST_DAMPING: f64 = 1e-3;
 
@@ -54,7 +58,8 @@ impl NonlinearEstimator<'_> {
         state: &mut State,
         measurement: &Measurement,
         noise_mm: Option<f64>,
-    ) -> Result<(usize, bool), SensingError> {
+        ways: &mut Ways,
+    ) -> Result<Option<(usize, bool)>, SensingError> {
         self.linearise(state)?;
         let (shape, linearised) = state.split();
         linearised.weigh(shape, measurement, noise_mm);
@@ -77,12 +82,13 @@ impl NonlinearEstimator<'_> {
                 let mut corrected = state.clone();
                 if let Some(steps) = self.correct(&mut corrected, measurement, noise_mm) {
                     *state = corrected;
-                    return Ok((iterations + steps, straight));
+                    ways.reach(state);
+                    return Ok(Some((iterations + steps, straight)));
                 }
                 near = 0.1 * f64::min(near, last_change);
             }
             if is_there {
-                return Ok((iterations, straight));
+                return Ok(Some((iterations, straight)));
             }
             if prediction.reach_mm > longest_mm {
                 straight = false;
@@ -99,9 +105,16 @@ impl NonlinearEstimator<'_> {
                 let touched = object.as_ref().map(|it| it.misfit(mesh, &next.contacts, shape, noise_of_rows_mm));
                 state.linearised.misfit(shape, measurement) + touched.unwrap_or_default()
             };
-            let tried = self
-                .statics
-                .tried(&state.motion, [&state.loads, &next.loads], |on_the_way| misfit(on_the_way) <= WORSE * before);
+            // The best equilibrium on the way, and its share of the step.
+            let mut reached: Option<(f64, f64, FrameMotion)> = None;
+            let loads = [&state.loads[..], &next.loads];
+            let tried = self.statics.tried(&state.motion, loads, MOST_REJECTED, |share, on_the_way| {
+                let there = misfit(on_the_way);
+                if there <= reached.as_ref().map_or(before, |best| best.1) {
+                    reached = Some((share, there, on_the_way.clone()));
+                }
+                there <= WORSE * before
+            });
             let failed_at = match tried {
                 Ok(equilibrium) => {
                     let after = misfit(&equilibrium.motion);
@@ -114,7 +127,10 @@ impl NonlinearEstimator<'_> {
                         let (shape, linearised) = state.split();
                         linearised.weigh(shape, measurement, noise_mm);
                         if change <= STEP_TOLERANCE && settled {
-                            return Ok((iterations, straight));
+                            return Ok(Some((iterations, straight)));
+                        }
+                        if ways.meets(state) {
+                            return Ok(None);
                         }
                         last_change = if settled { change } else { f64::INFINITY };
                         let gain = (before - after) / prediction.decrease_mm2;
@@ -132,13 +148,38 @@ impl NonlinearEstimator<'_> {
                 Err(_) => 0.0,
             };
             straight = false;
+            if let Some((share, _, motion)) = reached
+                && let Some(part) = self.part_of_step(state, share, &motion)
+                && self.misfit(&part, measurement) <= before
+            {
+                *state = part;
+                self.linearise(state)?;
+                let (shape, linearised) = state.split();
+                linearised.weigh(shape, measurement, noise_mm);
+                if ways.meets(state) {
+                    return Ok(None);
+                }
+                (settled, last_change) = (false, f64::INFINITY);
+                longest_mm = share * prediction.reach_mm;
+                continue;
+            }
             longest_mm = prediction.reach_mm * failed_at.clamp(AFTER_FAILURE[0], AFTER_FAILURE[1]);
         }
         if longest_mm <= shortest_mm || last_change <= SMALL_ENOUGH {
-            return Ok((iterations, straight));
+            return Ok(Some((iterations, straight)));
         }
         let forces = state.linearised.step.iter().take(self.questions.len());
         Err(SensingError::NotConverged { iterations, change_n: forces.fold(0.0, |m: f64, x| m.max(x.abs())) })
+    }
+
+    /// The state after a share of its step, in the equilibrium that is near a motion; `None` if there is none.
+    fn part_of_step(&mut self, state: &State, share: f64, motion: &FrameMotion) -> Option<State> {
+        let mut part = state.clone();
+        part.linearised.step.iter_mut().for_each(|x| *x *= share);
+        self.advance(&mut part).ok()?;
+        let loads = [&part.loads[..], &part.loads];
+        part.motion = self.statics.tried(motion, loads, 1, |_, _| true).ok()?.motion;
+        Some(part)
     }
 
     /// Factors the tangent at a state and derives the shape by the unknowns.

@@ -2,6 +2,7 @@
 
 use super::linearised::Linearised;
 use super::nuisances::Nuisances;
+use super::ways::Ways;
 use super::{NonlinearEstimator, State};
 use crate::Vector;
 use crate::finger::{Finger, Plate};
@@ -83,7 +84,7 @@ impl NonlinearEstimator<'_> {
         for _ in 0..30 {
             let loads = contacts.iter().zip(&forces_n).flat_map(|(c, f)| self.pad.loads(self.mesh, c, *f, 0.0));
             let loads = loads.collect::<Result<Vec<_>, _>>()?;
-            match self.statics.tried(&rest, [&[], &loads], |_| true) {
+            match self.statics.tried(&rest, [&[], &loads], usize::MAX, |_, _| true) {
                 Ok(Equilibrium { motion, .. }) => {
                     let linearised = Linearised::new(self.mesh, self.unknowns.len(), self.priors.clone());
                     let plate_turns_rad = vec![0.0; contacts.len()];
@@ -112,8 +113,10 @@ impl NonlinearEstimator<'_> {
         let questions: Vec<ContactQuestion> = self.questions.iter().map(held).collect();
         let mut estimator = self.asking(&questions)?;
         estimator.expect(measurement, noise_mm)?;
-        let found = estimator.searched(measurement, noise_mm, Start::Times(1.0), &mut Vec::new())?;
-        self.resumed(found.state, measurement, noise_mm)
+        let (mut starts, mut ways) = (Vec::new(), Ways::default());
+        let found = estimator.searched(measurement, noise_mm, Start::Times(1.0), &mut starts, &mut ways)?;
+        // There is no way to meet.
+        self.resumed(found.ok_or(SensingError::NoContact)?.state, measurement, noise_mm)
     }
 
     /// A state of an estimator with other unknowns, linearised for these.

@@ -222,3 +222,29 @@ proptest! {
         }
     }
 }
+
+/// An estimate that starts from the forces that are known finds what it finds otherwise, in the few steps of a frame of a stream.
+#[test]
+fn an_estimate_starts_from_forces_that_are_known() -> Result<(), Box<dyn std::error::Error>> {
+    let finger = paper();
+    let mesh = Mesh::key_nodes(&finger);
+    let mut statics = Statics::ladder(&mesh, Kinematics::Corotational);
+    let contacts = [16, 21].map(|node| Contact::at_node(NodeId(node)));
+    let mut estimator = NonlinearEstimator::new(&mesh, &contacts.map(ContactQuestion::from))?;
+    for forces_n in [[0.8, 0.4], [2.0, 2.5], [0.3, 3.0]] {
+        let pairs = contacts.iter().zip(forces_n);
+        let loads: Vec<_> = pairs.map(|(c, f)| mesh.frame_load(&c.load(&finger, f))).collect::<Result<_, _>>()?;
+        let seen = Measurement::of_shape(&finger, &mesh.shape(&statics.equilibrium(&loads)?.motion));
+        estimator.forget();
+        let cold = estimator.estimate(&seen, Some(CAMERA_NOISE_MM))?;
+        estimator.hold_at(&forces_n);
+        estimator.reset();
+        let held = estimator.estimate(&seen, Some(CAMERA_NOISE_MM))?;
+        assert!(held.steps <= 3 && held.steps < cold.steps, "{} steps, {} from nothing", held.steps, cold.steps);
+        for i in 0..2 {
+            assert!((held.forces.forces_n[i] / cold.forces.forces_n[i] - 1.0).abs() < 1e-6, "{held:?}, {cold:?}");
+            assert!((held.forces.sigmas_n[i] / cold.forces.sigmas_n[i] - 1.0).abs() < 1e-6, "{held:?}, {cold:?}");
+        }
+    }
+    Ok(())
+}
