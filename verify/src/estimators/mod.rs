@@ -193,6 +193,10 @@ pub trait PreparedEstimator {
     /// Says what so many measurements to come are noise samples of: a search may start from what is sensed without the noise, where its
     /// answers stay the same.
     fn expect_samples_of(&mut self, _noise_free: &Measurement, _noise_mm: f64, _samples: usize) {}
+
+    /// Says near which forces those of the next measurements are, N: a search may start from there. For bounds, which belong to the true
+    /// forces; an estimator that is tested must find them itself.
+    fn expect_forces(&mut self, _forces_n: &[f64]) {}
 }
 
 /// Sensed forces, with as much as the estimator states of their errors.

@@ -72,4 +72,7 @@ impl PreparedEstimator for Nonlinear<'_> {
             self.estimator.hold();
         }
     }
+    fn expect_forces(&mut self, forces_n: &[f64]) {
+        self.estimator.hold_at(forces_n);
+    }
 }

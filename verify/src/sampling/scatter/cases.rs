@@ -1,14 +1,14 @@
 //! Random cases: forces that bend the true finger, noisy measurements of it, and the estimates of every estimator.
 
 use super::ScatterRequest;
-use super::scout::{Scout, Seen, loads};
+use super::scout::{Fan, Scout, Seen, loads};
 use crate::estimators::{BeamEstimator, Estimator, EstimatorError, PreparedEstimator, Sensed};
 use crate::sampling::noise::Noise;
 use crate::settings::LEAST_STATED_MM;
 use finray_model::frame::FrameMotion;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::Contact;
-use finray_model::statics::{EquilibriumEquations, Ladder, Statics};
+use finray_model::statics::{Ladder, Statics};
 use finray_model::{Finger, Kinematics, Mesh};
 use rayon::prelude::*;
 
@@ -81,8 +81,9 @@ pub(super) fn cases(
         _ => BeamEstimator::nonlinear(request.model),
     }
     .of_noise_alone();
+    let fan = Fan::new(request.model, request.kinematics, contacts, range_n);
     let run = |numbers: std::ops::Range<u64>| -> Result<Vec<Case>, EstimatorError> {
-        let mut bench = Bench::new(request, &bound, estimators, contacts)?;
+        let mut bench = Bench::new(request, &bound, estimators, (contacts, &fan))?;
         let draws = numbers.map(|number| Draw::new(request, contacts, range_n, stream, number)).collect();
         Ok(bench.bent(draws, range_n).iter().flatten().map(|bent| bench.case(request, bent, controlled)).collect())
     };
@@ -103,7 +104,7 @@ struct Bench<'a> {
     mesh: &'a Mesh,
     contacts: &'a [Contact],
     statics: Statics<Ladder<'a>>,
-    model: &'a Mesh,
+    fan: &'a Fan<'a>,
     /// Tells which draws are too large; there once one was.
     scout: Option<Scout<'a>>,
     bound: Box<dyn PreparedEstimator + 'a>,
@@ -115,7 +116,7 @@ impl<'a> Bench<'a> {
         request: &ScatterRequest<'a>,
         bound: &'a dyn Estimator,
         estimators: &[&'a dyn Estimator],
-        contacts: &'a [Contact],
+        (contacts, fan): (&'a [Contact], &'a Fan<'a>),
     ) -> Result<Bench<'a>, EstimatorError> {
         let mesh = request.truth;
         let finger = mesh.finger();
@@ -126,7 +127,7 @@ impl<'a> Bench<'a> {
             mesh,
             contacts,
             statics: Statics::ladder(mesh, request.kinematics),
-            model: request.model,
+            fan,
             scout: None,
             bound: bound.prepare(contacts, &markers)?,
             estimators: prepared.collect::<Result<_, _>>()?,
@@ -170,8 +171,7 @@ impl<'a> Bench<'a> {
                 if let Some(motion) = self.followed(&draw.forces_n, &starts[start], seen) {
                     return Some((motion, not_carried));
                 }
-                let kinematics = self.statics.equations().kinematics();
-                self.scout.get_or_insert_with(|| Scout::new(self.model, kinematics, self.contacts));
+                self.scout.get_or_insert_with(|| self.fan.scout());
             }
             draw.again(range_n);
             let distances = starts.iter().map(|start| start.distance_n(&draw.forces_n)).enumerate();
@@ -202,8 +202,8 @@ impl<'a> Bench<'a> {
                 estimator.estimate(&seen, Some(noise_mm.max(LEAST_STATED_MM))).ok()
             };
             let sensed = self.estimators.iter_mut().map(sense).collect();
-            if controlled && noise_mm > 0.0 {
-                self.bound.expect_samples_of(&bent.clean, noise_mm, 2);
+            if noise_mm > 0.0 {
+                self.bound.expect_forces(&bent.forces_n);
             }
             let bound = if noise_mm > 0.0 { self.bound.estimate(&bent.clean, Some(noise_mm)).ok() } else { None };
             let first_order = bound.as_ref().filter(|_| controlled).and_then(|at_rest| {
