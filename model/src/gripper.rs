@@ -3,6 +3,10 @@
 //! A screw moves a nut along the axis between two mirrored linkages. In each, a rocker turns about a joint that is fixed to the
 //! gripper, and a link goes from the rocker's end to the nut. The finger stands on the link.
 
+mod placement;
+
+pub use placement::Placement;
+
 use crate::{Finger, Vector};
 use nalgebra::Rotation2;
 use std::f64::consts::PI;
@@ -157,6 +161,15 @@ impl Gripper {
         let [rocker, link] = self.description.link_mm;
         let square = (rocker - link).powi(2) - self.description.fixed_joint_mm.powi(2);
         (square >= 0.0).then(|| square.sqrt())
+    }
+
+    /// Where the two fingers stand in the gripper's frame, the left one first: origin on the screw's axis at the height of the fixed joints, x
+    /// across to the right finger, y along the screw to the fingertips.
+    pub fn fingers(&self, pose: &LinkagePose) -> [Placement; 2] {
+        let across = Vector::new(self.description.fixed_joint_mm, 0.0);
+        let left = Placement { origin: pose.base - across, angle_rad: 0.5 * PI + pose.phi2_rad, mirrored: true };
+        let origin = Vector::new(-left.origin.x, left.origin.y);
+        [left, Placement { origin, angle_rad: 0.5 * PI - pose.phi2_rad, mirrored: false }]
     }
 
     /// Motor angles at both ends of the nut's reach, degrees, the smaller first.

@@ -2,6 +2,7 @@
 
 mod camera;
 mod contact;
+mod grasp;
 mod gripper;
 mod object;
 mod reader;
@@ -9,6 +10,7 @@ mod touched;
 
 pub use camera::{Base, CameraDescription, MarkerLook, Markers, Reference, Rgb, Shade};
 pub use contact::ContactDescription;
+pub use grasp::GraspDescription;
 pub use object::{ObjectDescription, ObjectMotion, Outline, ROD_RADIUS_MM, Until};
 pub use touched::{ObjectFrame, ObjectPlace, TouchedDescription};
 
@@ -48,6 +50,8 @@ pub struct Scene {
     pub object: Option<ObjectDescription>,
     /// The linkage that moves two such fingers, where the scene has one.
     pub gripper: Option<Gripper>,
+    /// What the gripper does to the object, where the scene says so.
+    pub grasp: Option<GraspDescription>,
 }
 
 /// A scene text that cannot be used.
@@ -68,7 +72,7 @@ impl Scene {
     /// [`SceneError`] with the line, the key and what was expected.
     pub fn from_toml(text: &str) -> Result<Scene, SceneError> {
         let document = Document::parse(text)?;
-        let top = document.top(&["name", "finger", "camera", "markers", "base", "contact", "object", "gripper"])?;
+        let top = document.top(&["name", "finger", "camera", "markers", "base", "contact", "object", "gripper", "grasp"])?;
         let name = top.text("name")?;
         let markers = match top.optional_table("markers", &camera::MARKER_KEYS)? {
             None => camera::MarkersRead::default(),
@@ -104,6 +108,10 @@ impl Scene {
             None => None,
             Some(table) => Some(gripper::read_gripper(&table)?),
         };
+        let grasp = match top.optional_table("grasp", &grasp::KEYS)? {
+            None => None,
+            Some(table) => Some(grasp::read_grasp(&table, gripper.as_ref())?),
+        };
         Ok(Scene {
             name,
             finger,
@@ -117,6 +125,7 @@ impl Scene {
             touched,
             object,
             gripper,
+            grasp,
         })
     }
 }

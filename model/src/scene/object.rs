@@ -38,9 +38,16 @@ pub enum Outline {
     },
 }
 
-/// How the object moves; it never turns.
+/// How the object moves. Where a hand moves it, it never turns.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ObjectMotion {
+    /// It is free, for a gripper to grasp.
+    Free {
+        /// Its mass, g.
+        mass_g: f64,
+        /// Where its point is at first, mm, in the frame of the gripper where it starts. Its centre of mass is the centre of its area.
+        centre_mm: Vector,
+    },
     /// Along a straight line, from where it touches the undeformed finger.
     Press {
         /// Position on the front plate that the line meets, mm from its base.
@@ -80,9 +87,11 @@ pub struct ObjectDescription {
 
 const OUTLINE_KEYS: [&str; 4] = ["radius_mm", "width_mm", "height_mm", "points_csv"];
 const PRESS_KEYS: [&str; 4] = ["at_mm", "direction_deg", "travel_mm", "force_n"];
+/// What a hand has to say, which no free object has.
+const HAND_KEYS: [&str; 6] = ["at_mm", "direction_deg", "travel_mm", "force_n", "path_mm", "steps"];
 
 /// All keys of `[object]`.
-pub(super) const KEYS: [&str; 13] = [
+pub(super) const KEYS: [&str; 15] = [
     "shape",
     "radius_mm",
     "width_mm",
@@ -96,6 +105,8 @@ pub(super) const KEYS: [&str; 13] = [
     "force_n",
     "path_mm",
     "steps",
+    "mass_g",
+    "centre_mm",
 ];
 
 pub(super) fn read_object(table: &TableReader, finger: &Finger) -> Result<ObjectDescription, SceneError> {
@@ -156,6 +167,15 @@ fn read_outline(table: &TableReader) -> Result<Outline, SceneError> {
 }
 
 fn read_motion(table: &TableReader, finger: &Finger) -> Result<ObjectMotion, SceneError> {
+    if table.has("mass_g") || table.has("centre_mm") {
+        refuse_others(table, &HAND_KEYS, &[], "an object with mass_g and centre_mm, which is free,")?;
+        let mass_g = positive(table, "mass_g", "mass in g")?;
+        let centre_mm: [f64; 2] = table.numbers("centre_mm", "[x, y] in mm in the gripper's frame")?;
+        if centre_mm.iter().any(|x| x.abs() > FARTHEST_MM) {
+            return Err(table.wrong("centre_mm", &format!("a point within {FARTHEST_MM} mm"), "one further away"));
+        }
+        return Ok(ObjectMotion::Free { mass_g, centre_mm: centre_mm.into() });
+    }
     if let Some(points) = table.optional_pairs("path_mm", "[x, y], points of the finger frame in mm")? {
         refuse_others(table, &PRESS_KEYS, &[], "an object with path_mm")?;
         let points: Vec<Vector> = points.into_iter().map(Vector::from).collect();

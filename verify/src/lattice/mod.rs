@@ -180,7 +180,8 @@ impl Lattice {
         if shares.iter().all(finite) { Ok(shares) } else { Err(LatticeError::LoadNotFinite) }
     }
 
-    fn shape(&self, motions: &[BodyMotion]) -> FingerShape {
+    /// Motion of the key nodes where the bodies move so.
+    pub(crate) fn shape(&self, motions: &[BodyMotion]) -> FingerShape {
         FingerShape::new(&self.finger, |node| {
             let anchor = self.assembly.key_nodes[node.0 - 1];
             let motion = motions[anchor.body];

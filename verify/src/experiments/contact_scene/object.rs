@@ -9,7 +9,7 @@ use nalgebra::Rotation2;
 use rapier2d::parry::transformation::hertel_mehlhorn;
 use rapier2d::prelude::{Pose, SharedShape, Vector as RapierVector};
 
-/// A polygon that no object can have.
+/// An object that cannot be pressed: a polygon that no object can have, or an object that is free.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum OutlineError {
     /// Fewer than three corners.
@@ -21,6 +21,9 @@ pub enum OutlineError {
     /// It encloses nothing, or crosses itself.
     #[error("expected the corners in order around the object: the outline crosses itself or encloses nothing")]
     Crossed,
+    /// No hand moves it.
+    #[error("the object is free (mass_g), for `finray grasp`: expected at_mm and travel_mm or force_n, or path_mm")]
+    Free,
     /// A corner beyond any use.
     #[error("corner {corner} is not within {FARTHEST_MM} mm of the origin")]
     TooFar {
@@ -172,6 +175,7 @@ impl PreparedObject {
         let rigid = RigidObject { shape: outline.shape()?, friction: object.friction };
         let share = |step: usize| step as f64 / object.steps as f64;
         let (start, along, steps) = match &object.motion {
+            ObjectMotion::Free { .. } => return Err(OutlineError::Free),
             ObjectMotion::Press { at_mm, direction_deg, until } => {
                 let along = finger.direction(*direction_deg);
                 let start = first_touch(finger, scene.contact.rod_radius_mm, &outline, *at_mm, along);

@@ -1,0 +1,393 @@
+//! Fingers on bases that move, an object and its support: from one settled step to the next.
+
+use super::contact::Touching;
+use super::equilibrium::{Near, Scene, Standing, State, Surroundings, touched};
+use super::surface::{Front, Shape};
+use crate::lattice::energy::{BodyMotion, Energy};
+use crate::lattice::skin::Touch;
+use crate::lattice::{Lattice, LatticeError};
+use finray_model::Vector;
+use finray_model::finger::Plate;
+use finray_model::gripper::Placement;
+use finray_model::mesh::{FingerShape, Load};
+use nalgebra::Rotation2;
+
+/// A step that is not solved is halved so often.
+const HALVINGS: u32 = 7;
+/// Resistance of an object against having moved, as a share of the fingers' stiffness: it holds one that nothing holds, and a millimetre costs
+/// a millionth of a newton.
+const DRAG: f64 = 1e-6;
+/// The same while bases move.
+const MOVING_DRAG: f64 = 1e-3;
+/// The resistance grows by this factor where the object would go far, and falls again when it does not.
+const DRAG_FACTOR: f64 = 10.0;
+/// Farthest that an object goes at once while it comes to rest, as a share of its size.
+const FARTHEST: f64 = 0.1;
+/// All rests when the resistance is this share of the forces.
+const AT_REST: f64 = 1e-5;
+/// Steps in which the object must have come to rest.
+const MOST_STEPS: usize = 400;
+/// A finger whose body turns further than this, rad, folds: no fin-ray finger is used like that.
+const FOLDED_RAD: f64 = 1.6;
+
+/// Why a grasp cannot begin.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum WorldError {
+    /// The object is inside a finger or the support.
+    #[error("the object overlaps {what} by {overlap_mm:.3} mm where it starts")]
+    Overlap {
+        /// What it overlaps.
+        what: Partner,
+        /// How deep, mm.
+        overlap_mm: f64,
+    },
+    /// The lattice.
+    #[error(transparent)]
+    Lattice(#[from] LatticeError),
+}
+
+/// Why a grasp ends before its time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum Halt {
+    /// The object falls or slides away and does not come to rest.
+    #[error("the object gets away: the fingers do not hold it")]
+    Dropped,
+    /// Forces grow until nothing fits.
+    #[error("jam: object and fingers find no equilibrium")]
+    Jammed,
+    /// A finger folds.
+    #[error("a finger folds")]
+    Folded,
+}
+
+/// What the object touches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Partner {
+    /// A finger, by its number: 0 is the left one.
+    Finger(usize),
+    /// The support.
+    Support,
+}
+
+impl std::fmt::Display for Partner {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(match self {
+            Partner::Finger(0) => "the left finger",
+            Partner::Finger(_) => "the right finger",
+            Partner::Support => "its support",
+        })
+    }
+}
+
+/// A contact that carries a force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Met {
+    /// What the object touches.
+    pub partner: Partner,
+    /// Where, world, mm.
+    pub point: Vector,
+    /// Force on the object, world, N.
+    pub force: Vector,
+    /// How far it has slipped in the step, mm.
+    pub slip_mm: f64,
+    /// The same as the finger sees it; none of the support.
+    pub touch: Option<Touch>,
+}
+
+/// Where the fingers stand and what acts on the object.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drive {
+    /// The fingers' frames in the world.
+    pub placements: Vec<Placement>,
+    /// Weight, N.
+    pub weight: Vector,
+}
+
+impl Drive {
+    /// A share of the way to another drive; both have the same fingers.
+    fn towards(&self, to: &Drive, share: f64) -> Drive {
+        let between = |(from, to): (&Placement, &Placement)| Placement {
+            origin: from.origin.lerp(&to.origin, share),
+            angle_rad: from.angle_rad + (to.angle_rad - from.angle_rad) * share,
+            mirrored: from.mirrored,
+        };
+        Drive {
+            placements: self.placements.iter().zip(&to.placements).map(between).collect(),
+            weight: self.weight.lerp(&to.weight, share),
+        }
+    }
+}
+
+/// Fingers, object and support at rest.
+#[derive(Debug, Clone)]
+pub struct World<'l> {
+    scene: Scene<'l>,
+    state: State,
+    /// The state before the last step that was solved: slips count from there.
+    before: State,
+    drive: Drive,
+    support: Option<(Vector, Vector)>,
+    /// Work of friction on the way, N mm.
+    dissipated_nmm: f64,
+}
+
+impl<'l> World<'l> {
+    /// Puts an object, `[x, y, angle]` in mm and rad, between fingers at rest. The support is a point and its upward unit normal.
+    ///
+    /// # Errors
+    /// [`WorldError`] for an object that overlaps a finger or the support.
+    pub fn new(
+        lattices: &[&'l Lattice],
+        rod_radius_mm: f64,
+        (shape, friction): (Shape, f64),
+        object: [f64; 3],
+        drive: Drive,
+        support: Option<(Vector, Vector)>,
+    ) -> Result<World<'l>, WorldError> {
+        let mut stiffness = f64::INFINITY;
+        let mut fingers = Vec::new();
+        for &lattice in lattices {
+            stiffness = stiffness.min(middle_stiffness(lattice)?);
+            let (energy, front) = (Energy::new(lattice.assembly()), Front::new(lattice, rod_radius_mm));
+            fingers.push(Standing { lattice, energy, front });
+        }
+        let motions = lattices.iter().map(|lattice| vec![BodyMotion::default(); lattice.assembly().bodies.len()]);
+        let placements = drive.placements.clone();
+        let state = State { placements, motions: motions.collect(), object, forces: Default::default() };
+        let (centre, size_mm) = (shape.centroid(), shape.size_mm());
+        let scene = Scene { fingers, shape, friction, centre, stiffness, size_mm };
+        let world = World { scene, before: state.clone(), state, drive, support, dissipated_nmm: 0.0 };
+        let overlaps = world.near().into_iter().map(|near| (-near.touching.gap_mm, near));
+        match overlaps.max_by(|a, b| a.0.total_cmp(&b.0)) {
+            Some((overlap_mm, near)) if overlap_mm > AT_REST * size_mm => {
+                Err(WorldError::Overlap { what: world.partner(&near), overlap_mm })
+            }
+            _ => Ok(world),
+        }
+    }
+
+    /// Moves the fingers' bases and the weight, and lets all come to rest.
+    ///
+    /// # Errors
+    /// [`Halt`]; fingers and object are then where they last were at rest.
+    pub fn advance(&mut self, to: &Drive) -> Result<(), Halt> {
+        let start = self.clone();
+        let outcome = self.move_to(to).and_then(|()| self.come_to_rest());
+        if outcome.is_err() {
+            *self = start;
+        }
+        outcome
+    }
+
+    fn move_to(&mut self, to: &Drive) -> Result<(), Halt> {
+        let from = self.drive.clone();
+        let (mut at, mut part) = (0.0, 1.0);
+        let mut drag = MOVING_DRAG;
+        while at < 1.0 {
+            let next = if at + part >= 1.0 { 1.0 } else { at + part };
+            if self.step(&from.towards(to, next), drag) {
+                at = next;
+                part *= 2.0;
+                drag = (drag / DRAG_FACTOR).max(MOVING_DRAG);
+            } else {
+                part *= 0.5;
+                if part < 0.5_f64.powi(HALVINGS as i32) {
+                    // An object that would go far is let go slowly.
+                    if drag > 1.0 {
+                        return Err(self.halt());
+                    }
+                    (part, drag) = (1.0, drag * DRAG_FACTOR);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Solves a step; whether it was.
+    fn step(&mut self, to: &Drive, drag: f64) -> bool {
+        let around =
+            Surroundings { weight: to.weight, support: self.support, drag: drag * self.scene.stiffness };
+        let Some(next) = self.scene.equilibrium(&self.state, &to.placements, &around) else { return false };
+        let way = self.way_mm(&next);
+        let limit_mm = FARTHEST * self.scene.size_mm + self.base_way_mm(to);
+        if way > limit_mm {
+            return false;
+        }
+        self.before = std::mem::replace(&mut self.state, next);
+        self.drive = to.clone();
+        self.dissipated_nmm += self.friction_work_nmm();
+        true
+    }
+
+    /// How far the object has gone from the state at hand to another, mm (a turn at its size).
+    fn way_mm(&self, next: &State) -> f64 {
+        let [x, y, angle] = [0, 1, 2].map(|i| next.object[i] - self.state.object[i]);
+        x.hypot(y).max(angle.abs() * self.scene.size_mm)
+    }
+
+    /// How far the bases move to another drive, mm, at the farthest tip.
+    fn base_way_mm(&self, to: &Drive) -> f64 {
+        let tip = |standing: &Standing, placement: &Placement| {
+            let finger = standing.lattice.finger();
+            placement.outwards(finger.position(finger.tip()))
+        };
+        let ways = self.scene.fingers.iter().zip(self.drive.placements.iter().zip(&to.placements));
+        ways.map(|(finger, (a, b))| (tip(finger, b) - tip(finger, a)).norm()).fold(0.0, f64::max)
+    }
+
+    /// Lets the object move until the resistance against it is nothing beside the forces.
+    fn come_to_rest(&mut self) -> Result<(), Halt> {
+        let drive = self.drive.clone();
+        let mut drag = MOVING_DRAG / DRAG_FACTOR;
+        for _ in 0..MOST_STEPS {
+            let held = self.state.object;
+            if !self.step(&drive, drag) {
+                if drag > 1.0 {
+                    return Err(self.halt());
+                }
+                drag *= DRAG_FACTOR;
+                continue;
+            }
+            let [x, y, angle] = [0, 1, 2].map(|i| self.state.object[i] - held[i]);
+            let moved_mm = x.hypot(y).max(angle.abs() * self.scene.size_mm);
+            let resistance_n = drag * self.scene.stiffness * moved_mm;
+            let forces = self.near().into_iter().filter_map(|near| self.state.forces.get(&near.key).copied());
+            let largest_n = forces.map(|[normal, _]| normal).fold(drive.weight.norm(), f64::max);
+            if resistance_n <= AT_REST * largest_n && (drag <= DRAG || moved_mm <= AT_REST * self.scene.size_mm) {
+                return Ok(());
+            }
+            drag = (drag / DRAG_FACTOR.sqrt()).max(DRAG);
+        }
+        Err(Halt::Dropped)
+    }
+
+    /// What keeps the last step from being solved.
+    fn halt(&self) -> Halt {
+        let folded = self.state.motions.iter().flatten().any(|motion| motion.rotation.abs() > FOLDED_RAD);
+        if folded {
+            Halt::Folded
+        } else if self.met().iter().any(|met| matches!(met.partner, Partner::Finger(_))) {
+            Halt::Jammed
+        } else {
+            Halt::Dropped
+        }
+    }
+
+    fn near(&self) -> Vec<Near> {
+        let around = Surroundings { weight: self.drive.weight, support: self.support, drag: 0.0 };
+        self.scene.near(&self.state, &self.before, &around)
+    }
+
+    fn partner(&self, near: &Near) -> Partner {
+        if near.part.is_some() { Partner::Finger(near.key.0) } else { Partner::Support }
+    }
+
+    /// Work of friction in the last step, N mm.
+    fn friction_work_nmm(&self) -> f64 {
+        let work = |near: &Near| {
+            let [_, friction_n] = self.state.forces.get(&near.key).copied().unwrap_or_default();
+            (friction_n * near.touching.slip_mm).abs()
+        };
+        self.near().iter().map(work).sum()
+    }
+
+    /// Work that friction has done so far, N mm.
+    pub fn dissipated_nmm(&self) -> f64 {
+        self.dissipated_nmm
+    }
+
+    /// Elastic energy of the fingers, N mm.
+    pub fn elastic_nmm(&self) -> f64 {
+        let fingers = self.scene.fingers.iter().zip(&self.state.motions);
+        fingers.map(|(standing, motions)| standing.energy.expand(motions, &[], 0.0).energy).sum()
+    }
+
+    /// Position of the object, mm, and its angle, rad.
+    pub fn object(&self) -> [f64; 3] {
+        self.state.object
+    }
+
+    /// The outline of the object.
+    pub fn shape(&self) -> &Shape {
+        &self.scene.shape
+    }
+
+    /// Where the fingers stand.
+    pub fn placements(&self) -> &[Placement] {
+        &self.drive.placements
+    }
+
+    /// Shape of a finger, in its own frame.
+    pub fn finger_shape(&self, finger: usize) -> FingerShape {
+        self.scene.fingers[finger].lattice.shape(&self.state.motions[finger])
+    }
+
+    /// Force, N, and moment, N mm, of a finger's springs and of what touches its clamped parts on its base, in its own frame.
+    pub fn on_base(&self, finger: usize) -> (Vector, f64) {
+        let (mut force, mut moment) = self.scene.fingers[finger].energy.on_clamps(&self.state.motions[finger]);
+        let met = self.met();
+        let touches = met.iter().filter(|met| met.partner == Partner::Finger(finger)).filter_map(|met| met.touch);
+        for touch in touches.filter(|touch| touch.clamped) {
+            force += touch.force;
+            moment += touch.point.perp(&touch.force);
+        }
+        (force, moment)
+    }
+
+    /// Contacts that carry a force, those of each finger from its base to its tip.
+    pub fn met(&self) -> Vec<Met> {
+        let mut met: Vec<Met> = self
+            .near()
+            .iter()
+            .filter_map(|near| {
+                let [normal_n, friction_n] = self.state.forces.get(&near.key).copied()?;
+                (normal_n > 0.0).then(|| self.met_at(near, normal_n, friction_n))
+            })
+            .collect();
+        let place = |met: &Met| match (met.partner, met.touch) {
+            (Partner::Finger(finger), Some(touch)) => {
+                (finger, touch.part.position_mm(self.scene.fingers[finger].lattice))
+            }
+            _ => (usize::MAX, 0.0),
+        };
+        met.sort_by(|a, b| place(a).partial_cmp(&place(b)).unwrap_or(std::cmp::Ordering::Equal));
+        met
+    }
+
+    fn met_at(&self, near: &Near, normal_n: f64, friction_n: f64) -> Met {
+        let Touching { normal, point, slip_mm, gap_mm, .. } = near.touching;
+        let on_finger = normal * normal_n + Vector::new(-normal.y, normal.x) * friction_n;
+        let touch = near.part.map(|part| {
+            let finger = near.key.0;
+            let placement = self.state.placements[finger];
+            let inwards = |vector: Vector| placement.axes().transpose() * vector;
+            let (body, motion) =
+                (self.scene.fingers[finger].lattice.assembly().bodies[part.body], self.state.motions[finger][part.body]);
+            let at = placement.inwards(point);
+            let arm = Rotation2::new(-motion.rotation) * (at - body.position - motion.displacement);
+            Touch {
+                body: part.body,
+                part: touched(&part, arm),
+                clamped: body.fixed,
+                point: at,
+                arm,
+                normal: inwards(normal),
+                force: inwards(on_finger),
+                overlap_mm: -gap_mm,
+            }
+        });
+        Met { partner: self.partner(near), point, force: -on_finger, slip_mm, touch }
+    }
+}
+
+/// Stiffness of a finger's middle at rest, N/mm.
+fn middle_stiffness(lattice: &Lattice) -> Result<f64, LatticeError> {
+    // A force under which every finger is linear.
+    const TINY_N: f64 = 1e-9;
+    let finger = lattice.finger();
+    let middle = finger.contact_nodes().nth(finger.contact_nodes().len() / 2).unwrap_or(finger.tip());
+    let load = Load::at_node(middle, finger.direction(0.0) * TINY_N);
+    let moved_mm = lattice.equilibrium(&[load])?.largest_displacement_mm();
+    debug_assert!(finger.plate_length_mm(Plate::Front) > 0.0);
+    Ok(TINY_N / moved_mm)
+}
