@@ -4,7 +4,7 @@
 mod commands;
 
 use clap::{CommandFactory, Parser, Subcommand};
-use commands::{calibrate, gripper, lens, locate, map, merge, press, render, report, sense, solve, sweep};
+use commands::{calibrate, grasp, gripper, lens, locate, map, merge, press, render, report, sense, solve, sweep};
 #[cfg(feature = "train")]
 use commands::{networks, train};
 use finray_verify::files::write_text;
@@ -40,6 +40,7 @@ enum Command {
     Locate(locate::Arguments),
     Lens(lens::Arguments),
     Gripper(gripper::Arguments),
+    Grasp(grasp::Arguments),
     #[cfg(feature = "train")]
     Train(train::Arguments),
     #[cfg(feature = "train")]
@@ -65,6 +66,7 @@ fn main() -> ExitCode {
         Command::Locate(arguments) => locate::run(&arguments),
         Command::Lens(arguments) => lens::run(&arguments),
         Command::Gripper(arguments) => gripper::run(&arguments),
+        Command::Grasp(arguments) => grasp::run(&arguments),
         #[cfg(feature = "train")]
         Command::Train(arguments) => train::run(&arguments),
         #[cfg(feature = "train")]

@@ -1,6 +1,7 @@
 //! The commands: what each takes, reads and writes.
 
 pub mod calibrate;
+pub mod grasp;
 pub mod gripper;
 pub mod lens;
 pub mod locate;

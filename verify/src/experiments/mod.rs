@@ -12,6 +12,7 @@ pub mod coverage;
 pub mod direction;
 pub mod displacement_noise;
 pub mod explain;
+pub mod grasp;
 pub mod hard_cases;
 pub mod lattice;
 pub mod maps;

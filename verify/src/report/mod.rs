@@ -17,6 +17,7 @@ mod estimators;
 pub mod explore;
 mod finger;
 pub mod format;
+mod grasp;
 mod hard_cases;
 pub mod lattice;
 pub mod maps;
@@ -37,6 +38,7 @@ pub mod twin;
 mod words;
 
 pub use drawings::{map_figure_svg, standalone};
+pub use grasp::grasp_svg;
 
 use crate::claims::Claim;
 use crate::figures::FigureError;

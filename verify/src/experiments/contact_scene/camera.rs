@@ -61,7 +61,7 @@ const ON_FACE_MM: f64 = 1e-2;
 /// Distance of the two outline points that show which way the surfaces face at a touch, mm: the ends of a flat face of the object; of
 /// a rod its centre and the centre of the disc or the corner that it lies against; and for the plate against a disc or a corner the
 /// ends of its segment.
-pub(super) fn baseline_mm(
+pub fn baseline_mm(
     finger: &Finger,
     rod_radius_mm: f64,
     outline: &TurnedOutline,

@@ -15,7 +15,7 @@ pub mod samples;
 mod sensing;
 pub mod study;
 
-pub use camera::{CameraContact, read_contact};
+pub use camera::{CameraContact, baseline_mm, read_contact};
 pub use contacts::{SeenContact, angle_deg, seen_contacts};
 pub use object::{HandStep, OutlineError, PreparedObject, TurnedOutline};
 pub use rows::{ForceRow, contacts_sensed, force_rows};
@@ -204,23 +204,63 @@ impl ContactScene {
         noise_mm: f64,
         mut standard_normal: impl FnMut() -> f64,
     ) -> Result<Option<SensedStep>, SensingError> {
-        let felt: Vec<&SeenContact> = step.contacts.iter().filter(|contact| !contact.clamped).collect();
+        let felt: Vec<SeenContact> = step.contacts.iter().filter(|contact| !contact.clamped).copied().collect();
         if felt.is_empty() {
             return Ok(None);
         }
         let mut seen = Measurement::of_shape(&self.finger, &step.pressed.shape);
         seen.add_noise(noise_mm, &mut standard_normal);
-        let read = |contact: &&SeenContact| read_contact(&self.finger, contact, noise_mm, &mut standard_normal);
-        let contacts: Vec<CameraContact> = felt.iter().map(read).collect();
-        let mesh = Mesh::with_elements_per_member(&self.finger, ELEMENTS);
-        let knowledge = Knowledge {
-            noise_mm: noise_mm.max(LEAST_STATED_MM),
+        let watcher = Watcher {
+            finger: &self.finger,
+            rod_radius_mm: self.rod_radius_mm,
             friction: self.assumed_friction,
+            marker_noise_mm: noise_mm,
+            outline_noise_mm: noise_mm,
+        };
+        watcher.sense(&felt, &seen, step.along, standard_normal).map(Some)
+    }
+}
+
+/// What is known to who senses the forces of contacts that a camera sees.
+#[derive(Debug, Clone, Copy)]
+pub struct Watcher<'f> {
+    /// The finger.
+    pub finger: &'f Finger,
+    /// Radius of its rods, mm.
+    pub rod_radius_mm: f64,
+    /// Bound of the coefficient of friction.
+    pub friction: f64,
+    /// Standard deviation of a marker's coordinate, mm.
+    pub marker_noise_mm: f64,
+    /// Standard deviation of a coordinate of a point of an outline, mm.
+    pub outline_noise_mm: f64,
+}
+
+impl Watcher<'_> {
+    /// Senses the forces of one or more contacts, none of them clamped, from measured displacements and from the contacts as the camera reads
+    /// them; and their sum along a unit vector.
+    ///
+    /// # Errors
+    /// [`SensingError`] if they are not identifiable.
+    pub fn sense(
+        &self,
+        felt: &[SeenContact],
+        seen: &Measurement,
+        along: Vector,
+        mut standard_normal: impl FnMut() -> f64,
+    ) -> Result<SensedStep, SensingError> {
+        let read =
+            |contact: &SeenContact| read_contact(self.finger, contact, self.outline_noise_mm, &mut standard_normal);
+        let contacts: Vec<CameraContact> = felt.iter().map(read).collect();
+        let mesh = Mesh::with_elements_per_member(self.finger, ELEMENTS);
+        let knowledge = Knowledge {
+            noise_mm: self.marker_noise_mm.max(LEAST_STATED_MM),
+            friction: self.friction,
             rod_radius_mm: self.rod_radius_mm,
         };
-        let solution = sensing::sense(&mesh, &contacts, &seen, knowledge)?;
+        let solution = sensing::sense(&mesh, &contacts, seen, knowledge)?;
         let count = felt.len();
-        let force = |(i, (seen, read)): (usize, (&&SeenContact, &CameraContact))| SensedContact {
+        let force = |(i, (seen, read)): (usize, (&SeenContact, &CameraContact))| SensedContact {
             read: *read,
             force: SensedForce {
                 true_n: seen.normal_n,
@@ -228,18 +268,18 @@ impl ContactScene {
                 sigma_n: solution.covariance_n2[(i, i)].sqrt(),
             },
         };
-        // The sum takes of every force, along and across its contact, what lies along the object's way.
+        // The sum takes of every force, along and across its contact, what lies along the direction asked for.
         let shares = (0..2 * count).map(|i| {
             let angle_deg = contacts[i % count].contact.angle_deg + if i < count { 0.0 } else { 90.0 };
-            self.finger.direction(angle_deg).dot(&step.along)
+            self.finger.direction(angle_deg).dot(&along)
         });
         let shares = DVector::from_iterator(2 * count, shares);
         let all_n = DVector::from_iterator(2 * count, solution.along_n.iter().chain(&solution.across_n).copied());
         let total = SensedForce {
-            true_n: step.total_n(),
+            true_n: felt.iter().map(|seen| seen.force.dot(&along)).sum(),
             sensed_n: shares.dot(&all_n),
             sigma_n: shares.dot(&(&solution.covariance_n2 * &shares)).sqrt(),
         };
-        Ok(Some(SensedStep { contacts: felt.iter().zip(&contacts).enumerate().map(force).collect(), total }))
+        Ok(SensedStep { contacts: felt.iter().zip(&contacts).enumerate().map(force).collect(), total })
     }
 }

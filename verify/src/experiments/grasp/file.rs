@@ -1,0 +1,122 @@
+//! Forces and motion of a grasp as rows.
+
+use super::{GraspScene, GraspStep, finger_name};
+use finray_model::sensing::ContactPosition;
+use serde::Serialize;
+
+/// A contact of a finger in a step, or the total of the finger.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ForceRow {
+    /// Number of the step, from 1.
+    pub step: usize,
+    /// The motor's angle, degrees.
+    pub motor_deg: f64,
+    /// What the gripper does.
+    pub phase: super::Phase,
+    /// `left` or `right`.
+    pub finger: &'static str,
+    /// A node, `at` for a position between nodes, `clamp` where a force is not felt, or `total`.
+    pub contact: String,
+    /// Position along the front plate, mm from its base; none for the total.
+    pub s_mm: Option<f64>,
+    /// The normal, degrees from the undeformed inward normal, positive towards the tip; none for the total.
+    pub angle_deg: Option<f64>,
+    /// True force along it, N; of the total, across the gripper.
+    pub force_n: f64,
+    /// True force across it, positive towards the tip, N; of the total, along the gripper.
+    pub friction_n: f64,
+    /// Sensed force, N; none where it is not identifiable.
+    pub sensed_n: Option<f64>,
+    /// Its stated standard deviation, N.
+    pub sigma_n: Option<f64>,
+}
+
+/// The object in a step.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ObjectRow {
+    /// Number of the step, from 1.
+    pub step: usize,
+    /// The motor's angle, degrees.
+    pub motor_deg: f64,
+    /// What the gripper does.
+    pub phase: super::Phase,
+    /// Position of the object's point in the frame of the gripper where it started, mm.
+    pub x_mm: f64,
+    /// The same.
+    pub y_mm: f64,
+    /// Its angle, rad.
+    pub rotation_rad: f64,
+    /// Force of both fingers on it, N.
+    pub force_x_n: f64,
+    /// The same.
+    pub force_y_n: f64,
+    /// Force of the support on it, N.
+    pub support_x_n: f64,
+    /// The same.
+    pub support_y_n: f64,
+}
+
+/// Rows of a step: of each finger its contacts from base to tip, then its total.
+pub fn force_rows(scene: &GraspScene, step: &GraspStep) -> Vec<ForceRow> {
+    let mut rows = Vec::new();
+    for (number, finger) in step.fingers.iter().enumerate() {
+        let row = |contact: String| ForceRow {
+            step: step.step,
+            motor_deg: step.motor_deg,
+            phase: step.phase,
+            finger: finger_name(number),
+            contact,
+            s_mm: None,
+            angle_deg: None,
+            force_n: 0.0,
+            friction_n: 0.0,
+            sensed_n: None,
+            sigma_n: None,
+        };
+        rows.extend(finger.contacts_sensed().map(|(seen, sensed)| {
+            let contact = match seen.contact.position {
+                _ if seen.clamped => "clamp".to_owned(),
+                ContactPosition::Node(node) => node.to_string(),
+                ContactPosition::At(_) => "at".to_owned(),
+            };
+            ForceRow {
+                s_mm: seen.contact.position_mm(scene.finger()),
+                angle_deg: Some(seen.contact.angle_deg),
+                force_n: seen.normal_n,
+                friction_n: seen.friction_n,
+                sensed_n: sensed.map(|sensed| sensed.force.sensed_n),
+                sigma_n: sensed.map(|sensed| sensed.force.sigma_n),
+                ..row(contact)
+            }
+        }));
+        let sensed = finger.sensed.as_ref().ok();
+        let total = sensed.and_then(Option::as_ref).map(|sensed| sensed.total);
+        // Where nothing touches nothing is sensed: a force of 0.
+        let nothing = sensed.filter(|sensed| sensed.is_none()).map(|_| 0.0);
+        rows.push(ForceRow {
+            force_n: finger.total_n,
+            friction_n: -finger.on_object.y,
+            sensed_n: total.map(|total| total.sensed_n).or(nothing),
+            sigma_n: total.map(|total| total.sigma_n).or(nothing),
+            ..row("total".to_owned())
+        });
+    }
+    rows
+}
+
+/// The object in a step.
+pub fn object_row(step: &GraspStep) -> ObjectRow {
+    let force = step.force_on_object();
+    ObjectRow {
+        step: step.step,
+        motor_deg: step.motor_deg,
+        phase: step.phase,
+        x_mm: step.object[0],
+        y_mm: step.object[1],
+        rotation_rad: step.object[2],
+        force_x_n: force.x,
+        force_y_n: force.y,
+        support_x_n: step.support_force.x,
+        support_y_n: step.support_force.y,
+    }
+}
