@@ -27,6 +27,10 @@ mod figures {
     mod chart;
     mod map;
 }
+mod grasp {
+    mod contact;
+    mod world;
+}
 mod imaging {
     mod chain;
     mod kit;

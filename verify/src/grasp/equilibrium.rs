@@ -22,7 +22,9 @@ use finray_model::gripper::Placement;
 use std::collections::BTreeMap;
 
 /// Newton's method is given up after so many steps; those that converge mostly take ten.
-const MOST_STEPS: usize = 40;
+const MOST_STEPS: usize = 50;
+/// From this step on friction lags behind the normal force by a step: where pairs stick and slip in turn, this mostly ends it.
+const LAGGING: usize = 15;
 /// Longest step of a body or the object, as a share of the object's size, and rad.
 const LONGEST: [f64; 2] = [0.3, 0.2];
 /// It has converged when a step moves nothing by more than this share of the object's size.
@@ -81,6 +83,8 @@ pub(super) struct Surroundings {
     pub support: Option<(Vector, Vector)>,
     /// Resistance of the object against having moved since the step began, N/mm; against turning it is this times the square of its size.
     pub drag: f64,
+    /// The same of each body of the fingers in their own frames, against moving alone: for snaps, which no equilibrium leads through.
+    pub finger_drag: f64,
 }
 
 /// A pair that is near, at some state.
@@ -118,18 +122,14 @@ impl Scene<'_> {
         let mut state = State { placements: placements.to_vec(), ..before.clone() };
         let mut looks: BTreeMap<Key, Look> = BTreeMap::new();
         let mut last = Vec::new();
-        for _ in 0..MOST_STEPS {
+        for step in 0..MOST_STEPS {
             let near = self.near(&state, before, around);
             state.forces = self.inherited(&state, &near);
             looks = near.iter().map(|near| (near.key, self.look(near, state.forces[&near.key], looks.get(&near.key)))).collect();
             let statuses: Vec<Status> = near.iter().map(|near| looks[&near.key].status).collect();
-            let correction = self.correction(&state, before, around, &near, &statuses)?;
-            let (share, largest) = self.share(&state, &correction);
+            let correction = self.correction(&state, before, around, &near, &statuses, step >= LAGGING)?;
+            let (share, largest) = self.share(&correction);
             self.apply(&mut state, &near, &correction, share);
-            if std::env::var("DBG").is_ok() {
-                let c: Vec<String> = near.iter().zip(&statuses).filter(|(n, s)| **s != Status::Open || n.touching.gap_mm < 0.0).map(|(n, s)| { let f = state.forces[&n.key]; format!("{}.{}{:?} {} g{:.1e} s{:.1e} f{:.2e},{:.2e}{}", n.key.0, n.key.1, n.key.2, match s { Status::Open => "O", Status::Sticks => "St", Status::Slips{forwards: true} => "Sf", _ => "Sb"}, n.touching.gap_mm, n.touching.slip_mm, f[0], f[1], if looks[&n.key].is_pulled {"!"} else {""}) }).collect();
-                println!("  sh {share:.2} lg {largest:.1e} dr {:.0e} {}", around.drag, c.join(" | "));
-            }
             let is_same = statuses == last && looks.values().all(|look| !look.is_pulled);
             if share == 1.0 && largest <= CONVERGED * self.size_mm && is_same {
                 state.forces.retain(|_, [normal_n, _]| normal_n.abs() > self.nothing_n());
@@ -233,7 +233,8 @@ impl Scene<'_> {
         self.fingers[..finger].iter().map(|standing| standing.energy.unknown_count()).sum()
     }
 
-    /// A step of Newton's method: motions of the fingers' bodies, of the object, then the two forces of each pair that is near.
+    /// A step of Newton's method: motions of the fingers' bodies, of the object, then the two forces of each pair that is near. Where friction
+    /// is lagging, its bound is that of the normal force before the step.
     fn correction(
         &self,
         state: &State,
@@ -241,6 +242,7 @@ impl Scene<'_> {
         around: &Surroundings,
         near: &[Near],
         statuses: &[Status],
+        is_lagging: bool,
     ) -> Option<Vec<f64>> {
         let object = self.first(self.fingers.len());
         let count = object + 3 + 2 * near.len();
@@ -251,6 +253,14 @@ impl Scene<'_> {
             let expansion = standing.energy.expand(&state.motions[finger], &[], 0.0);
             for (i, gradient) in expansion.gradient.iter().enumerate() {
                 residual[first + i] += gradient;
+            }
+            for (body, (now, then)) in state.motions[finger].iter().zip(&before.motions[finger]).enumerate() {
+                let Some(i) = standing.energy.first_unknown(body).map(|i| first + i) else { continue };
+                let resistance = (now.displacement - then.displacement) * around.finger_drag;
+                for axis in 0..2 {
+                    residual[i + axis] += resistance[axis];
+                    tangent.push(Triplet::new(i + axis, i + axis, around.finger_drag));
+                }
             }
             for Triplet { row, col, val } in expansion.curvature {
                 tangent.push(Triplet::new(first + row, first + col, val));
@@ -318,7 +328,9 @@ impl Scene<'_> {
                     let bound = if *forwards { -self.friction } else { self.friction };
                     residual[rows[1]] = forces[1] - bound * forces[0];
                     tangent.push(Triplet::new(rows[1], rows[1], 1.0));
-                    tangent.push(Triplet::new(rows[1], rows[0], -bound));
+                    if !is_lagging {
+                        tangent.push(Triplet::new(rows[1], rows[0], -bound));
+                    }
                 }
             }
         }
@@ -330,14 +342,13 @@ impl Scene<'_> {
     }
 
     /// The share of a correction that moves nothing too far, and its largest movement, mm (rotations at the object's size).
-    fn share(&self, state: &State, correction: &[f64]) -> (f64, f64) {
+    fn share(&self, correction: &[f64]) -> (f64, f64) {
         let object = self.first(self.fingers.len());
         let (mut moved_mm, mut turned_rad) = (0.0_f64, 0.0_f64);
         for motion in correction[..object + 3].chunks(3) {
             moved_mm = moved_mm.max(motion[0].hypot(motion[1]));
             turned_rad = turned_rad.max(motion[2].abs());
         }
-        debug_assert_eq!(state.motions.len(), self.fingers.len());
         let share = (LONGEST[0] * self.size_mm / moved_mm).min(LONGEST[1] / turned_rad).min(1.0);
         (share, moved_mm.max(turned_rad * self.size_mm))
     }

@@ -7,18 +7,19 @@ use crate::lattice::energy::{BodyMotion, Energy};
 use crate::lattice::skin::Touch;
 use crate::lattice::{Lattice, LatticeError};
 use finray_model::Vector;
-use finray_model::finger::Plate;
 use finray_model::gripper::Placement;
 use finray_model::mesh::{FingerShape, Load};
 use nalgebra::Rotation2;
 
-/// A step that is not solved is halved so often.
-const HALVINGS: u32 = 7;
+/// Least part of a step that is tried before a snap is passed.
+const LEAST_PART: f64 = 1.0 / 16.0;
 /// Resistance of an object against having moved, as a share of the fingers' stiffness: it holds one that nothing holds, and a millimetre costs
 /// a millionth of a newton.
 const DRAG: f64 = 1e-6;
 /// The same while bases move.
 const MOVING_DRAG: f64 = 1e-3;
+/// The most that is tried.
+const MOST_DRAG: f64 = 1e3;
 /// The resistance grows by this factor where the object would go far, and falls again when it does not.
 const DRAG_FACTOR: f64 = 10.0;
 /// Farthest that an object goes at once while it comes to rest, as a share of its size.
@@ -129,6 +130,8 @@ pub struct World<'l> {
     support: Option<(Vector, Vector)>,
     /// Work of friction on the way, N mm.
     dissipated_nmm: f64,
+    /// Work of what moves the bases, N mm.
+    driven_nmm: f64,
 }
 
 impl<'l> World<'l> {
@@ -156,7 +159,7 @@ impl<'l> World<'l> {
         let state = State { placements, motions: motions.collect(), object, forces: Default::default() };
         let (centre, size_mm) = (shape.centroid(), shape.size_mm());
         let scene = Scene { fingers, shape, friction, centre, stiffness, size_mm };
-        let world = World { scene, before: state.clone(), state, drive, support, dissipated_nmm: 0.0 };
+        let world = World { scene, before: state.clone(), state, drive, support, dissipated_nmm: 0.0, driven_nmm: 0.0 };
         let overlaps = world.near().into_iter().map(|near| (-near.touching.gap_mm, near));
         match overlaps.max_by(|a, b| a.0.total_cmp(&b.0)) {
             Some((overlap_mm, near)) if overlap_mm > AT_REST * size_mm => {
@@ -179,25 +182,25 @@ impl<'l> World<'l> {
         outcome
     }
 
+    /// Moves the bases in parts that Newton's method takes. Where none is short enough, a snap is passed: a short part against resistance, after which
+    /// all comes to rest before the bases move on.
     fn move_to(&mut self, to: &Drive) -> Result<(), Halt> {
         let from = self.drive.clone();
         let (mut at, mut part) = (0.0, 1.0);
-        let mut drag = MOVING_DRAG;
         while at < 1.0 {
             let next = if at + part >= 1.0 { 1.0 } else { at + part };
-            if self.step(&from.towards(to, next), drag) {
-                at = next;
-                part *= 2.0;
-                drag = (drag / DRAG_FACTOR).max(MOVING_DRAG);
-            } else {
+            if self.step(&from.towards(to, next), MOVING_DRAG) {
+                (at, part) = (next, part * 2.0);
+            } else if part > LEAST_PART {
                 part *= 0.5;
-                if part < 0.5_f64.powi(HALVINGS as i32) {
-                    // An object that would go far is let go slowly.
-                    if drag > 1.0 {
-                        return Err(self.halt());
-                    }
-                    (part, drag) = (1.0, drag * DRAG_FACTOR);
+            } else {
+                let there = from.towards(to, next);
+                let mut drags = std::iter::successors(Some(MOVING_DRAG), |drag| Some(drag * DRAG_FACTOR));
+                if !drags.by_ref().take_while(|drag| *drag <= MOST_DRAG).any(|drag| self.step(&there, drag)) {
+                    return Err(self.halt());
                 }
+                self.come_to_rest()?;
+                (at, part) = (next, 4.0 * LEAST_PART);
             }
         }
         Ok(())
@@ -205,24 +208,34 @@ impl<'l> World<'l> {
 
     /// Solves a step; whether it was.
     fn step(&mut self, to: &Drive, drag: f64) -> bool {
-        let around =
-            Surroundings { weight: to.weight, support: self.support, drag: drag * self.scene.stiffness };
+        let finger_drag = if drag > MOVING_DRAG { drag * self.scene.stiffness } else { 0.0 };
+        let drag = drag * self.scene.stiffness;
+        let around = Surroundings { weight: to.weight, support: self.support, drag, finger_drag };
         let Some(next) = self.scene.equilibrium(&self.state, &to.placements, &around) else { return false };
         let way = self.way_mm(&next);
         let limit_mm = FARTHEST * self.scene.size_mm + self.base_way_mm(to);
         if way > limit_mm {
             return false;
         }
+        let (bases, forces) = (self.drive.placements.clone(), self.on_bases());
         self.before = std::mem::replace(&mut self.state, next);
         self.drive = to.clone();
+        // By the trapezoidal rule.
+        for (finger, ((base, then), now)) in bases.iter().zip(forces).zip(self.on_bases()).enumerate() {
+            let to = &self.drive.placements[finger];
+            let (force, moment_nmm) = (0.5 * (then.0 + now.0), 0.5 * (then.1 + now.1));
+            self.driven_nmm -= force.dot(&(to.origin - base.origin)) + moment_nmm * (to.angle_rad - base.angle_rad);
+        }
         self.dissipated_nmm += self.friction_work_nmm();
         true
     }
 
-    /// How far the object has gone from the state at hand to another, mm (a turn at its size).
-    fn way_mm(&self, next: &State) -> f64 {
-        let [x, y, angle] = [0, 1, 2].map(|i| next.object[i] - self.state.object[i]);
-        x.hypot(y).max(angle.abs() * self.scene.size_mm)
+    /// How far object (a turn at its size) and fingers in their frames have gone from the state at hand to another, mm.
+    fn way_mm(&self, other: &State) -> f64 {
+        let [x, y, angle] = [0, 1, 2].map(|i| other.object[i] - self.state.object[i]);
+        let bodies = self.state.motions.iter().flatten().zip(other.motions.iter().flatten());
+        let bent = bodies.map(|(a, b)| (a.displacement - b.displacement).norm());
+        bent.fold(x.hypot(y).max(angle.abs() * self.scene.size_mm), f64::max)
     }
 
     /// How far the bases move to another drive, mm, at the farthest tip.
@@ -240,16 +253,15 @@ impl<'l> World<'l> {
         let drive = self.drive.clone();
         let mut drag = MOVING_DRAG / DRAG_FACTOR;
         for _ in 0..MOST_STEPS {
-            let held = self.state.object;
+            let held = self.state.clone();
             if !self.step(&drive, drag) {
-                if drag > 1.0 {
+                if drag > MOST_DRAG {
                     return Err(self.halt());
                 }
                 drag *= DRAG_FACTOR;
                 continue;
             }
-            let [x, y, angle] = [0, 1, 2].map(|i| self.state.object[i] - held[i]);
-            let moved_mm = x.hypot(y).max(angle.abs() * self.scene.size_mm);
+            let moved_mm = self.way_mm(&held);
             let resistance_n = drag * self.scene.stiffness * moved_mm;
             let forces = self.near().into_iter().filter_map(|near| self.state.forces.get(&near.key).copied());
             let largest_n = forces.map(|[normal, _]| normal).fold(drive.weight.norm(), f64::max);
@@ -274,7 +286,8 @@ impl<'l> World<'l> {
     }
 
     fn near(&self) -> Vec<Near> {
-        let around = Surroundings { weight: self.drive.weight, support: self.support, drag: 0.0 };
+        let around =
+            Surroundings { weight: self.drive.weight, support: self.support, drag: 0.0, finger_drag: 0.0 };
         self.scene.near(&self.state, &self.before, &around)
     }
 
@@ -289,6 +302,20 @@ impl<'l> World<'l> {
             (friction_n * near.touching.slip_mm).abs()
         };
         self.near().iter().map(work).sum()
+    }
+
+    /// Force and moment about its frame's origin on the base of each finger, world, N and N mm.
+    fn on_bases(&self) -> Vec<(Vector, f64)> {
+        let on_base = |(finger, placement): (usize, &Placement)| {
+            let (force, moment_nmm) = self.on_base(finger);
+            (placement.axes() * force, if placement.mirrored { -moment_nmm } else { moment_nmm })
+        };
+        self.state.placements.iter().enumerate().map(on_base).collect()
+    }
+
+    /// Work that what moves the bases has done so far, N mm: by the trapezoidal rule over the steps that were solved.
+    pub fn driven_nmm(&self) -> f64 {
+        self.driven_nmm
     }
 
     /// Work that friction has done so far, N mm.
@@ -388,6 +415,5 @@ fn middle_stiffness(lattice: &Lattice) -> Result<f64, LatticeError> {
     let middle = finger.contact_nodes().nth(finger.contact_nodes().len() / 2).unwrap_or(finger.tip());
     let load = Load::at_node(middle, finger.direction(0.0) * TINY_N);
     let moved_mm = lattice.equilibrium(&[load])?.largest_displacement_mm();
-    debug_assert!(finger.plate_length_mm(Plate::Front) > 0.0);
     Ok(TINY_N / moved_mm)
 }

@@ -90,19 +90,17 @@ pub(super) fn moment(scene: &GraspScene, step: &GraspStep) -> Result<String, Fig
         for (seen, sensed) in of.contacts_sensed() {
             let world = |vector: Vector| of.placement.axes() * vector;
             let foot = of.placement.outwards(seen.point);
-            // On the object, small forces keep an arrow that can be seen.
+            // An arrow that ends at the contact; small forces keep one that can be seen.
             let arrow = |force: Vector| {
                 let length_mm = longest_mm * (0.25 + 0.75 * force.norm() / largest_n);
-                foot + world(-force).normalize() * length_mm
+                [drawn(foot + world(force).normalize() * length_mm), drawn(foot)]
             };
             if seen.force.norm() > 0.0 {
-                let label = format!("{:.2} N", seen.force.norm());
-                let arrow = Series::arrow([drawn(foot), drawn(arrow(seen.force))], "", Hue::Vermilion);
-                series.push(Series { labels: vec![String::new(), label], ..arrow });
+                series.push(Series::arrow(arrow(seen.force), format!("{:.2} N", seen.force.norm()), Hue::Vermilion));
             }
             if let Some(sensed) = sensed.filter(|sensed| sensed.force.sensed_n > 0.0) {
                 let along = finger.direction(sensed.read.contact.angle_deg) * sensed.force.sensed_n;
-                let arrow = Series::arrow([drawn(foot), drawn(arrow(along))], "", Hue::Purple);
+                let arrow = Series::arrow(arrow(along), "", Hue::Purple);
                 series.push(Series { labels: Vec::new(), dash: Dash::Dashed, ..arrow });
             }
         }
@@ -154,9 +152,9 @@ fn side_by_side(drawings: &[String], columns: usize) -> String {
     let (mut top, mut width, mut inner) = (0.0_f64, 0.0_f64, String::new());
     for (drawings, sizes) in drawings.chunks(columns).zip(sizes.chunks(columns)) {
         let mut left = 0.0;
-        for (svg, [w, h]) in drawings.iter().zip(sizes) {
-            let body = svg.find('>').map_or("", |end| &svg[end + 1..]);
-            inner += &format!("<svg x=\"{left}\" y=\"{top}\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\">{body}");
+        for (svg, [w, _]) in drawings.iter().zip(sizes) {
+            let body = svg.split_once('>').map_or("", |(_, body)| body.trim_end().trim_end_matches("</svg>"));
+            inner += &format!("<g transform=\"translate({left} {top})\">{body}</g>");
             left += w;
         }
         width = width.max(left);

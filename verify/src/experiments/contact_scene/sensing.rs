@@ -61,6 +61,8 @@ struct Problem<'a> {
     tangent_sds: Vec<f64>,
     measured_mm: DVector<f64>,
     length_mm: f64,
+    /// Half the thickness of the front plate, mm.
+    half_thickness_mm: f64,
 }
 
 /// Senses forces on `mesh`.
@@ -87,6 +89,7 @@ pub(super) fn sense(
             measurement.markers().iter().flat_map(|marker| [marker.displacement.x, marker.displacement.y]),
         ),
         length_mm: mesh.finger().plate_length_mm(Plate::Front),
+        half_thickness_mm: 0.5 * mesh.finger().description().front.thickness_mm,
     };
     let mut finger = RespondingFinger::new(mesh);
     let count = contacts.len();
@@ -132,7 +135,11 @@ impl Problem<'_> {
                 *s_mm += state.shifts_mm[i];
             }
             let along_n = state.forces_n[i];
-            let lever_mm = self.knowledge.rod_radius_mm;
+            // Friction acts on the surface of the rod, or of the plate.
+            let lever_mm = match contact.position {
+                ContactPosition::Node(_) => self.knowledge.rod_radius_mm,
+                ContactPosition::At(_) => self.half_thickness_mm,
+            };
             ContactForce { contact, along_n, across_n: along_n * state.tangents[i], lever_mm }
         };
         let forces: Vec<ContactForce> = self.contacts.iter().enumerate().map(force).collect();

@@ -217,6 +217,7 @@ impl<'s, 'l> Course<'s, 'l> {
             imbalance: imbalance(&self.world, weight),
             elastic_nmm: self.world.elastic_nmm(),
             dissipated_nmm: self.world.dissipated_nmm(),
+            driven_nmm: self.world.driven_nmm(),
             fingers,
         }
     }

@@ -24,8 +24,8 @@ use finray_model::gripper::{Gripper, Placement};
 use finray_model::scene::{ContactDescription, GraspDescription, ObjectDescription, ObjectMotion, Outline};
 use finray_model::{Finger, Scene, Vector};
 
-/// Segments of plate between two rods: fingers are then within 0.4 % of converged beams under 5 N.
-pub const FINENESS: usize = 2;
+/// Segments of plate between two rods: fingers are then within 0.1 % of converged beams under 5 N.
+pub const FINENESS: usize = 3;
 /// A newton is this many g m/s^2.
 const GRAMS_M_S2_A_NEWTON: f64 = 1000.0;
 
@@ -102,6 +102,8 @@ pub struct GraspStep {
     pub elastic_nmm: f64,
     /// Work of friction so far, N mm.
     pub dissipated_nmm: f64,
+    /// Work of what moves the fingers' bases so far, N mm.
+    pub driven_nmm: f64,
 }
 
 impl GraspStep {

@@ -26,6 +26,8 @@ pub struct Summary {
     pub elastic_nmm: f64,
     /// Work of friction, N mm.
     pub dissipated_nmm: f64,
+    /// Work of what moves the fingers' bases, N mm.
+    pub driven_nmm: f64,
     /// Sensed contacts and totals.
     pub sensed: SensedSummary,
     /// The closed loop, where there is one.
@@ -83,6 +85,7 @@ impl Summary {
             left_right_difference: largest(&mut held.filter_map(difference)),
             elastic_nmm: steps.last().map_or(0.0, |step| step.elastic_nmm),
             dissipated_nmm: steps.last().map_or(0.0, |step| step.dissipated_nmm),
+            driven_nmm: steps.last().map_or(0.0, |step| step.driven_nmm),
             sensed: sensed(steps),
             closed_loop: held_n.and_then(|target_n| loop_figures(steps, target_n, grasp.frames_per_s)),
         }

@@ -1,0 +1,203 @@
+//! Equilibria of fingers and object: against rapier, which presses an object onto one finger, and against the laws that any equilibrium keeps.
+
+use finray_model::gripper::Placement;
+use finray_model::scene::ObjectMotion;
+use finray_model::{Scene, Vector};
+use finray_verify::experiments::contact_scene::PreparedObject;
+use finray_verify::experiments::grasp::{Ended, Eyes, GraspScene, GraspStep, Phase};
+use finray_verify::grasp::surface::Shape;
+use finray_verify::grasp::{Drive, Partner, World};
+use finray_verify::lattice::Lattice;
+use finray_verify::lattice::pressing::{Pressing, Push};
+use finray_verify::settings::CAMERA_NOISE_MM;
+
+/// Segments a plate member: the comparison is of two ways to the same equilibrium of the same lattice.
+const FINENESS: usize = 2;
+
+/// A disc pressed onto one finger with 5 N: what rapier settles to, and what is solved for with the force as weight and the guide of rapier's hand as a
+/// smooth support beside the disc.
+#[test]
+fn a_pressed_disc_is_held_as_rapier_has_it() {
+    const FORCE_N: f64 = 5.0;
+    let scene = Scene::from_toml(finray_fixtures::DISC_SCENE).unwrap();
+    let object = scene.object.clone().unwrap();
+    assert!(matches!(object.motion, ObjectMotion::Press { .. }));
+    let prepared = PreparedObject::new(&scene, &object, &[]).unwrap();
+    let lattice = Lattice::new(&scene.finger, FINENESS).unwrap();
+    let PreparedObject { rigid, start, along, .. } = &prepared;
+    let mut pressing = Pressing::new(&lattice, scene.contact.rod_radius_mm, rigid, *start, *along).unwrap();
+    let settled = pressing.push(Push::With(FORCE_N)).unwrap();
+
+    // On the side from which the hand guides.
+    let guided = settled.hand_force - along * settled.hand_force.dot(along);
+    let (radius_mm, away) = (20.0, guided.normalize());
+    let wall = Some((start - away * radius_mm, away));
+    let drive = |share: f64| Drive { placements: vec![Placement::IDENTITY], weight: along * (FORCE_N * share) };
+    let object = [start.x, start.y, 0.0];
+    let mut world = World::new(
+        &[&lattice],
+        scene.contact.rod_radius_mm,
+        (Shape::disc(radius_mm), 0.0),
+        object,
+        drive(0.0),
+        wall,
+    )
+    .unwrap();
+    for step in 1..=5 {
+        world.advance(&drive(f64::from(step) / 5.0)).unwrap();
+    }
+    let met = world.met();
+    let touches: Vec<_> = met.iter().filter_map(|met| met.touch).collect();
+    // Rapier's rest is known to 2e-5 of the largest displacement a look; friction-free forces follow from it.
+    assert_eq!(touches.len(), settled.touches.len());
+    for (ours, theirs) in touches.iter().zip(&settled.touches) {
+        assert_eq!(ours.part, theirs.part);
+        assert!((ours.force - theirs.force).norm() <= 2e-3 * FORCE_N, "{:?} and {:?}", ours.force, theirs.force);
+    }
+    let shape = world.finger_shape(0);
+    let largest_mm = settled.shape.largest_displacement_mm();
+    for (ours, theirs) in shape.motions().iter().zip(settled.shape.motions()) {
+        assert!((ours.displacement - theirs.displacement).norm() <= 1e-3 * largest_mm);
+    }
+    let support: Vector = met.iter().filter(|met| met.partner == Partner::Support).map(|met| met.force).sum();
+    assert!((support - guided).norm() <= 2e-3 * FORCE_N, "{support} and {guided}");
+}
+
+fn grasp(text: &str) -> GraspScene {
+    GraspScene::new(&Scene::from_toml(text).unwrap(), &[]).unwrap().with_fineness(FINENESS)
+}
+
+fn steps_of(scene: &GraspScene, noise_mm: f64) -> (Vec<GraspStep>, Ended) {
+    let mut steps = Vec::new();
+    let ended = scene.run(&Eyes::Noise(noise_mm), 1, |step| steps.push(step.clone())).unwrap();
+    (steps, ended)
+}
+
+/// The disc's scene with some of its lines changed.
+fn disc(changes: &[(&str, &str)]) -> String {
+    changes.iter().fold(finray_fixtures::GRASPED_DISC_SCENE.to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replace(from, to)
+    })
+}
+
+/// Forces on the object and on the bases balance; both fingers press alike, wherever the disc began; it is carried by half of its weight each.
+#[test]
+fn a_carried_disc_is_in_balance_between_equal_fingers() {
+    let (steps, ended) = steps_of(&grasp(finray_fixtures::GRASPED_DISC_SCENE), 0.0);
+    assert_eq!(ended, Ended::Done);
+    let phases = [Phase::Approach, Phase::Close, Phase::Lift, Phase::Carry, Phase::Place, Phase::Open];
+    let mut seen: Vec<Phase> = steps.iter().map(|step| step.phase).collect();
+    seen.dedup();
+    assert_eq!(seen, phases);
+    for step in &steps {
+        assert!(step.imbalance <= 1e-5, "step {}: {}", step.step, step.imbalance);
+        let [left, right] = step.fingers.each_ref().map(|finger| finger.on_object);
+        if step.support_force.norm() == 0.0 {
+            assert!((left.x + right.x).abs() <= 1e-6 * left.x, "step {}", step.step);
+            assert!((left.y - right.y).abs() <= 1e-6 * step.weight.norm() && (left.y + 0.5 * step.weight.y).abs() <= 1e-6);
+        }
+    }
+    let carried = steps.iter().find(|step| step.phase == Phase::Carry).unwrap();
+    assert!(carried.support_force.norm() == 0.0 && carried.fingers[0].total_n > 1.0);
+    // It is put down where the gripper took it, 60 mm on.
+    let end = steps.last().unwrap();
+    assert!((end.object[0] - 60.0).abs() < 1e-3 && (end.object[1] - 110.0).abs() < 1e-3, "{:?}", end.object);
+}
+
+/// Without friction there is no hysteresis: at each motor angle opening finds the forces of closing. Without gravity nothing else acts.
+#[test]
+fn without_friction_opening_retraces_closing() {
+    let smooth = disc(&[
+        ("friction = 0.4", "friction = 0.0"),
+        ("path_mm = [[0.0, -40.0], [60.0, -40.0], [60.0, 0.0]]\npath_steps = 12", "gravity_m_s2 = [0.0, 0.0]\nopen = true"),
+    ]);
+    let (steps, ended) = steps_of(&grasp(&smooth), 0.0);
+    assert_eq!(ended, Ended::Done);
+    let closing: Vec<&GraspStep> = steps.iter().filter(|step| step.phase == Phase::Close).collect();
+    assert!(closing.len() > 10);
+    for there in &closing[..closing.len() - 1] {
+        let back = steps.iter().find(|step| step.phase == Phase::Open && step.motor_deg == there.motor_deg).unwrap();
+        for finger in 0..2 {
+            let [a, b] = [there, back].map(|step| step.fingers[finger].total_n);
+            assert!((a - b).abs() <= 1e-4 * closing.last().unwrap().fingers[finger].total_n, "{a} and {b} N");
+        }
+    }
+    let end = steps.last().unwrap();
+    assert!(end.dissipated_nmm == 0.0 && end.elastic_nmm.abs() < 1e-9);
+}
+
+/// What the motor puts into closing and opening with friction is what friction takes: the elastic energy is back at nothing.
+#[test]
+fn the_work_of_a_cycle_is_that_of_friction() {
+    // Steps of a third: the work of the motor is by the trapezoidal rule.
+    let rough = disc(&[
+        ("motor_deg = [0.0, -495.0]", "motor_deg = [0.0, -495.0]\nstep_deg = 7.5"),
+        ("centre_mm = [3.0, 110.0]", "centre_mm = [0.0, 110.0]"),
+        ("path_mm = [[0.0, -40.0], [60.0, -40.0], [60.0, 0.0]]\npath_steps = 12", "open = true"),
+    ]);
+    let (steps, ended) = steps_of(&grasp(&rough), 0.0);
+    assert_eq!(ended, Ended::Done);
+    let end = steps.last().unwrap();
+    assert!(end.elastic_nmm.abs() < 1e-9 && end.dissipated_nmm > 1.0, "{}", end.dissipated_nmm);
+    let ratio = end.driven_nmm / end.dissipated_nmm;
+    assert!((ratio - 1.0).abs() < 0.05, "driven {}, dissipated {}", end.driven_nmm, end.dissipated_nmm);
+}
+
+/// Errors of sensed forces without noise and friction, and intervals under noise, over a whole grasp.
+#[test]
+fn forces_of_a_grasp_are_sensed() {
+    let smooth = disc(&[("friction = 0.4", "friction = 0.0")]);
+    let (steps, _) = steps_of(&grasp(&smooth).with_fineness(4), 0.0);
+    let largest_n = steps.iter().map(|step| step.fingers[0].total_n).fold(0.0, f64::max);
+    let (mut totals, mut contacts) = (0, 0);
+    for finger in steps.iter().flat_map(|step| &step.fingers) {
+        let Some(sensed) = finger.sensed.as_ref().unwrap() else { continue };
+        if sensed.total.true_n > 0.1 * largest_n {
+            totals += 1;
+            assert!(sensed.total.relative_error().abs() < 0.01, "{:?}", sensed.total);
+        }
+        for contact in sensed.contacts.iter().filter(|contact| contact.force.true_n > 0.1 * largest_n) {
+            contacts += 1;
+            assert!(contact.force.relative_error().abs() < 0.1, "{:?}", contact.force);
+        }
+    }
+    assert!(totals > 40 && contacts >= totals, "{totals} and {contacts}");
+
+    let (steps, _) = steps_of(&grasp(finray_fixtures::GRASPED_DISC_SCENE), CAMERA_NOISE_MM);
+    let asked: Vec<_> = steps.iter().flat_map(|step| &step.fingers).filter(|finger| !finger.contacts.is_empty()).collect();
+    // Steps after each other have noise of their own. 95 % of 80 less four standard deviations.
+    let within = asked.iter().filter(|finger| {
+        matches!(&finger.sensed, Ok(Some(sensed)) if sensed.total.standardised_error().abs() <= 1.96)
+    });
+    let share = within.count() as f64 / asked.len() as f64;
+    assert!(asked.len() > 60 && share > 0.85, "{share} of {}", asked.len());
+}
+
+/// Grasps that fail end with what went wrong.
+#[test]
+fn what_goes_wrong_is_named() {
+    let ended = |changes: &[(&str, &str)]| steps_of(&grasp(&disc(changes)), 0.0).1;
+    let wide = [("motor_deg = [0.0, -495.0]", "motor_deg = [450.0, 225.0]")];
+    assert_eq!(ended(&wide), Ended::OutOfReach { motor_deg: 225.0 });
+    let weak = [("motor_deg = [0.0, -495.0]", "motor_deg = [0.0, -270.0]\nuntil_force_n = 1.0")];
+    assert!(matches!(ended(&weak), Ended::TooWeak { sensed_n, .. } if sensed_n > 0.1 && sensed_n < 1.0));
+    // 2 kg at a friction of 0.05 between fingers that press with a newton.
+    let heavy = [("friction = 0.4", "friction = 0.05"), ("mass_g = 60.0", "mass_g = 2000.0")];
+    let lost = ended(&heavy);
+    assert!(matches!(lost, Ended::Dropped | Ended::Slipped { .. } | Ended::Halted(_)), "{lost:?}");
+}
+
+/// A force that is asked for is reached and held on the way, whatever the friction does to it.
+#[test]
+fn a_force_is_reached_and_held() {
+    let held = disc(&[(
+        "motor_deg = [0.0, -495.0]",
+        "motor_deg = [0.0, -800.0]\nuntil_force_n = 1.0\nhold = true\nframes_per_s = 25.0",
+    )]);
+    let (steps, ended) = steps_of(&grasp(&held), 0.01);
+    assert_eq!(ended, Ended::Done);
+    let figures = finray_verify::experiments::grasp::loop_figures(&steps, 1.0, Some(25.0)).unwrap();
+    assert!(figures.largest_error < 0.05 && figures.overshoot < 0.05, "{figures:?}");
+    assert!(figures.rise_s.unwrap() > 0.0);
+}
