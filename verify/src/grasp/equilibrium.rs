@@ -133,7 +133,8 @@ impl Scene<'_> {
             let is_same = statuses == last && looks.values().all(|look| !look.is_pulled);
             if share == 1.0 && largest <= CONVERGED * self.size_mm && is_same {
                 state.forces.retain(|_, [normal_n, _]| normal_n.abs() > self.nothing_n());
-                let overlaps = |near: &Near| near.touching.gap_mm < -OVERLAP * self.size_mm;
+                let given_mm = |near: &Near| self.yield_mm(state.forces.get(&near.key).map_or(0.0, |forces| forces[0]));
+                let overlaps = |near: &Near| near.touching.gap_mm + given_mm(near) < -OVERLAP * self.size_mm;
                 let pulls = state.forces.values().any(|[normal_n, _]| *normal_n < -self.nothing_n());
                 return (!pulls && !self.near(&state, before, around).iter().any(overlaps)).then_some(state);
             }
@@ -217,10 +218,19 @@ impl Scene<'_> {
             _ if is_pulled && before.is_pulled => Status::Open,
             closed if is_pulled => closed,
             Status::Sticks => sticks_or_slips(friction_n, normal_n),
-            Status::Slips { forwards } if (slip_mm > 0.0) == forwards || slip_mm == 0.0 => before.status,
+            Status::Slips { forwards }
+                if self.friction == 0.0 || slip_mm == 0.0 || (slip_mm > 0.0) == forwards =>
+            {
+                before.status
+            }
             Status::Slips { .. } => Status::Sticks,
         };
         Look { status, is_pulled: is_pulled && status != Status::Open }
+    }
+
+    /// How far a contact gives way under a force, mm.
+    fn yield_mm(&self, force_n: f64) -> f64 {
+        YIELD / self.stiffness * force_n
     }
 
     /// A force that is rounding, N.
@@ -298,7 +308,7 @@ impl Scene<'_> {
                     tangent.push(Triplet::new(row, column, -by(0) - by(1)));
                 }
             }
-            let given = YIELD / self.stiffness;
+            let given = self.yield_mm(1.0);
             let mut closed = |row: usize, value: f64, by: &[f64; 6], force_n: f64| {
                 residual[row] = value + given * force_n;
                 tangent.push(Triplet::new(row, row, given));

@@ -15,7 +15,7 @@ use finray_verify::settings::CAMERA_NOISE_MM;
 const FINENESS: usize = 2;
 
 /// A disc pressed onto one finger with 5 N: what rapier settles to, and what is solved for with the force as weight and the guide of rapier's hand as a
-/// smooth support beside the disc.
+/// smooth support beside the disc, which a newton presses against it.
 #[test]
 fn a_pressed_disc_is_held_as_rapier_has_it() {
     const FORCE_N: f64 = 5.0;
@@ -32,7 +32,8 @@ fn a_pressed_disc_is_held_as_rapier_has_it() {
     let guided = settled.hand_force - along * settled.hand_force.dot(along);
     let (radius_mm, away) = (20.0, guided.normalize());
     let wall = Some((start - away * radius_mm, away));
-    let drive = |share: f64| Drive { placements: vec![Placement::IDENTITY], weight: along * (FORCE_N * share) };
+    let drive =
+        |share: f64| Drive { placements: vec![Placement::IDENTITY], weight: along * (FORCE_N * share) - away };
     let object = [start.x, start.y, 0.0];
     let mut world = World::new(
         &[&lattice],
@@ -43,7 +44,7 @@ fn a_pressed_disc_is_held_as_rapier_has_it() {
         wall,
     )
     .unwrap();
-    for step in 1..=5 {
+    for step in 0..=5 {
         world.advance(&drive(f64::from(step) / 5.0)).unwrap();
     }
     let met = world.met();
@@ -60,7 +61,7 @@ fn a_pressed_disc_is_held_as_rapier_has_it() {
         assert!((ours.displacement - theirs.displacement).norm() <= 1e-3 * largest_mm);
     }
     let support: Vector = met.iter().filter(|met| met.partner == Partner::Support).map(|met| met.force).sum();
-    assert!((support - guided).norm() <= 2e-3 * FORCE_N, "{support} and {guided}");
+    assert!((support - away - guided).norm() <= 2e-3 * FORCE_N, "{support} and {guided}");
 }
 
 fn grasp(text: &str) -> GraspScene {
@@ -105,17 +106,18 @@ fn a_carried_disc_is_in_balance_between_equal_fingers() {
     assert!((end.object[0] - 60.0).abs() < 1e-3 && (end.object[1] - 110.0).abs() < 1e-3, "{:?}", end.object);
 }
 
-/// Without friction there is no hysteresis: at each motor angle opening finds the forces of closing. Without gravity nothing else acts.
+/// Without friction there is no hysteresis: at each motor angle opening finds the forces of closing, while the disc stays on its support.
 #[test]
 fn without_friction_opening_retraces_closing() {
     let smooth = disc(&[
         ("friction = 0.4", "friction = 0.0"),
-        ("path_mm = [[0.0, -40.0], [60.0, -40.0], [60.0, 0.0]]\npath_steps = 12", "gravity_m_s2 = [0.0, 0.0]\nopen = true"),
+        ("motor_deg = [0.0, -495.0]", "motor_deg = [0.0, -382.5]"),
+        ("path_mm = [[0.0, -40.0], [60.0, -40.0], [60.0, 0.0]]\npath_steps = 12", "open = true"),
     ]);
     let (steps, ended) = steps_of(&grasp(&smooth), 0.0);
     assert_eq!(ended, Ended::Done);
     let closing: Vec<&GraspStep> = steps.iter().filter(|step| step.phase == Phase::Close).collect();
-    assert!(closing.len() > 10);
+    assert!(closing.len() > 8);
     for there in &closing[..closing.len() - 1] {
         let back = steps.iter().find(|step| step.phase == Phase::Open && step.motor_deg == there.motor_deg).unwrap();
         for finger in 0..2 {
@@ -124,7 +126,7 @@ fn without_friction_opening_retraces_closing() {
         }
     }
     let end = steps.last().unwrap();
-    assert!(end.dissipated_nmm == 0.0 && end.elastic_nmm.abs() < 1e-9);
+    assert!(end.dissipated_nmm < 1e-9 && end.elastic_nmm.abs() < 1e-9, "{} {}", end.dissipated_nmm, end.elastic_nmm);
 }
 
 /// What the motor puts into closing and opening with friction is what friction takes: the elastic energy is back at nothing.
@@ -162,7 +164,7 @@ fn forces_of_a_grasp_are_sensed() {
             assert!(contact.force.relative_error().abs() < 0.1, "{:?}", contact.force);
         }
     }
-    assert!(totals > 40 && contacts >= totals, "{totals} and {contacts}");
+    assert!(totals > 20 && contacts >= totals, "{totals} and {contacts}");
 
     let (steps, _) = steps_of(&grasp(finray_fixtures::GRASPED_DISC_SCENE), CAMERA_NOISE_MM);
     let asked: Vec<_> = steps.iter().flat_map(|step| &step.fingers).filter(|finger| !finger.contacts.is_empty()).collect();
@@ -193,11 +195,11 @@ fn what_goes_wrong_is_named() {
 fn a_force_is_reached_and_held() {
     let held = disc(&[(
         "motor_deg = [0.0, -495.0]",
-        "motor_deg = [0.0, -800.0]\nuntil_force_n = 1.0\nhold = true\nframes_per_s = 25.0",
+        "motor_deg = [0.0, -800.0]\nuntil_force_n = 1.6\nhold = true\nframes_per_s = 25.0",
     )]);
     let (steps, ended) = steps_of(&grasp(&held), 0.01);
     assert_eq!(ended, Ended::Done);
-    let figures = finray_verify::experiments::grasp::loop_figures(&steps, 1.0, Some(25.0)).unwrap();
+    let figures = finray_verify::experiments::grasp::loop_figures(&steps, 1.6, Some(25.0)).unwrap();
     assert!(figures.largest_error < 0.05 && figures.overshoot < 0.05, "{figures:?}");
     assert!(figures.rise_s.unwrap() > 0.0);
 }
