@@ -72,7 +72,8 @@ impl Scene {
     /// [`SceneError`] with the line, the key and what was expected.
     pub fn from_toml(text: &str) -> Result<Scene, SceneError> {
         let document = Document::parse(text)?;
-        let top = document.top(&["name", "finger", "camera", "markers", "base", "contact", "object", "gripper", "grasp"])?;
+        let top =
+            document.top(&["name", "finger", "camera", "markers", "base", "contact", "object", "gripper", "grasp"])?;
         let name = top.text("name")?;
         let markers = match top.optional_table("markers", &camera::MARKER_KEYS)? {
             None => camera::MarkersRead::default(),

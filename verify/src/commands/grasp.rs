@@ -118,7 +118,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             let at = last.map_or("before its first step".to_owned(), |step| {
                 format!("after step {} ({}, motor at {:.1} degrees)", step.step, step.phase, step.motor_deg)
             });
-            Err(Failure::NotComputed(format!("{at}: {failed}; the steps until then are in {}", arguments.out.display())))
+            Err(Failure::NotComputed(format!(
+                "{at}: {failed}; the steps until then are in {}",
+                arguments.out.display()
+            )))
         }
     }
 }

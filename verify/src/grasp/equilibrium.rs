@@ -113,19 +113,17 @@ struct Look {
 
 impl Scene<'_> {
     /// Equilibrium with the fingers at `placements`, from a state of which slips are counted; `None` where Newton's method does not arrive.
-    pub(super) fn equilibrium(
-        &self,
-        before: &State,
-        placements: &[Placement],
-        around: &Surroundings,
-    ) -> Option<State> {
+    pub(super) fn equilibrium(&self, before: &State, placements: &[Placement], around: &Surroundings) -> Option<State> {
         let mut state = State { placements: placements.to_vec(), ..before.clone() };
         let mut looks: BTreeMap<Key, Look> = BTreeMap::new();
         let mut last = Vec::new();
         for step in 0..MOST_STEPS {
             let near = self.near(&state, before, around);
             state.forces = self.inherited(&state, &near);
-            looks = near.iter().map(|near| (near.key, self.look(near, state.forces[&near.key], looks.get(&near.key)))).collect();
+            looks = near
+                .iter()
+                .map(|near| (near.key, self.look(near, state.forces[&near.key], looks.get(&near.key))))
+                .collect();
             let statuses: Vec<Status> = near.iter().map(|near| looks[&near.key].status).collect();
             let correction = self.correction(&state, before, around, &near, &statuses, step >= LAGGING)?;
             let (share, largest) = self.share(&correction);
@@ -163,11 +161,8 @@ impl Scene<'_> {
             }
         }
         let Some((point, upward)) = around.support else { return pairs };
-        let fixed = |state: &State| Stand {
-            finger: Placement::IDENTITY,
-            body: BodyMotion::default(),
-            object: state.object,
-        };
+        let fixed =
+            |state: &State| Stand { finger: Placement::IDENTITY, body: BodyMotion::default(), object: state.object };
         let ground = Body { position: Vector::zeros(), fixed: true };
         let (corners, disc_mm) = self.shape.corners();
         for (i, corner) in corners.iter().enumerate() {
@@ -218,9 +213,7 @@ impl Scene<'_> {
             _ if is_pulled && before.is_pulled => Status::Open,
             closed if is_pulled => closed,
             Status::Sticks => sticks_or_slips(friction_n, normal_n),
-            Status::Slips { forwards }
-                if self.friction == 0.0 || slip_mm == 0.0 || (slip_mm > 0.0) == forwards =>
-            {
+            Status::Slips { forwards } if self.friction == 0.0 || slip_mm == 0.0 || (slip_mm > 0.0) == forwards => {
                 before.status
             }
             Status::Slips { .. } => Status::Sticks,
@@ -291,9 +284,8 @@ impl Scene<'_> {
         for (k, (near, status)) in near.iter().zip(statuses).enumerate() {
             let Near { key, part, touching } = near;
             let forces = state.forces[key];
-            let of_body = part.and_then(|part| {
-                Some(self.first(key.0) + self.fingers[key.0].energy.first_unknown(part.body)?)
-            });
+            let of_body =
+                part.and_then(|part| Some(self.first(key.0) + self.fingers[key.0].energy.first_unknown(part.body)?));
             let unknown = |i: usize| if i < 3 { of_body.map(|first| first + i) } else { Some(object + i - 3) };
             let rows = [object + 3 + 2 * k, object + 4 + 2 * k];
             for i in 0..6 {

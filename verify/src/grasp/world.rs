@@ -286,8 +286,7 @@ impl<'l> World<'l> {
     }
 
     fn near(&self) -> Vec<Near> {
-        let around =
-            Surroundings { weight: self.drive.weight, support: self.support, drag: 0.0, finger_drag: 0.0 };
+        let around = Surroundings { weight: self.drive.weight, support: self.support, drag: 0.0, finger_drag: 0.0 };
         self.scene.near(&self.state, &self.before, &around)
     }
 
@@ -388,8 +387,10 @@ impl<'l> World<'l> {
             let finger = near.key.0;
             let placement = self.state.placements[finger];
             let inwards = |vector: Vector| placement.axes().transpose() * vector;
-            let (body, motion) =
-                (self.scene.fingers[finger].lattice.assembly().bodies[part.body], self.state.motions[finger][part.body]);
+            let (body, motion) = (
+                self.scene.fingers[finger].lattice.assembly().bodies[part.body],
+                self.state.motions[finger][part.body],
+            );
             let at = placement.inwards(point);
             let arm = Rotation2::new(-motion.rotation) * (at - body.position - motion.displacement);
             Touch {

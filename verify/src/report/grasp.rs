@@ -62,7 +62,11 @@ pub(super) fn moment(scene: &GraspScene, step: &GraspStep) -> Result<String, Fig
     let title = format!("step {}, {}: motor at {:.1} deg", step.step, step.phase, step.motor_deg);
     let finger = scene.finger();
     let lines_of = |at: &dyn Fn(FingerPoint) -> Vector| -> Vec<Vec<[f64; 2]>> {
-        finger.outline().into_iter().map(|(_, points)| points.into_iter().map(|named| drawn(at(named))).collect()).collect()
+        finger
+            .outline()
+            .into_iter()
+            .map(|(_, points)| points.into_iter().map(|named| drawn(at(named))).collect())
+            .collect()
     };
     let each = |at: &dyn Fn(&FingerStep, FingerPoint) -> Vector| -> Vec<Vec<[f64; 2]>> {
         step.fingers.iter().flat_map(|of| lines_of(&|named| of.placement.outwards(at(of, named)))).collect()
@@ -168,7 +172,8 @@ fn side_by_side(drawings: &[String], columns: usize) -> String {
 
 /// Width and height of a drawing, from its view box.
 fn size(svg: &str) -> [f64; 2] {
-    let inside = svg.split_once("viewBox=\"").and_then(|(_, rest)| rest.split_once('"')).map_or("", |(inside, _)| inside);
+    let inside =
+        svg.split_once("viewBox=\"").and_then(|(_, rest)| rest.split_once('"')).map_or("", |(inside, _)| inside);
     let mut numbers = inside.split_whitespace().skip(2).filter_map(|number| number.parse().ok());
     [numbers.next().unwrap_or(0.0), numbers.next().unwrap_or(0.0)]
 }

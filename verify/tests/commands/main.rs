@@ -9,6 +9,7 @@ mod arguments;
 mod calibrate;
 mod camera;
 mod garbage;
+mod grasp;
 mod gripper;
 mod map;
 mod output;

@@ -32,18 +32,11 @@ fn a_pressed_disc_is_held_as_rapier_has_it() {
     let guided = settled.hand_force - along * settled.hand_force.dot(along);
     let (radius_mm, away) = (20.0, guided.normalize());
     let wall = Some((start - away * radius_mm, away));
-    let drive =
-        |share: f64| Drive { placements: vec![Placement::IDENTITY], weight: along * (FORCE_N * share) - away };
+    let drive = |share: f64| Drive { placements: vec![Placement::IDENTITY], weight: along * (FORCE_N * share) - away };
     let object = [start.x, start.y, 0.0];
-    let mut world = World::new(
-        &[&lattice],
-        scene.contact.rod_radius_mm,
-        (Shape::disc(radius_mm), 0.0),
-        object,
-        drive(0.0),
-        wall,
-    )
-    .unwrap();
+    let mut world =
+        World::new(&[&lattice], scene.contact.rod_radius_mm, (Shape::disc(radius_mm), 0.0), object, drive(0.0), wall)
+            .unwrap();
     for step in 0..=5 {
         world.advance(&drive(f64::from(step) / 5.0)).unwrap();
     }
@@ -96,7 +89,9 @@ fn a_carried_disc_is_in_balance_between_equal_fingers() {
         let [left, right] = step.fingers.each_ref().map(|finger| finger.on_object);
         if step.support_force.norm() == 0.0 {
             assert!((left.x + right.x).abs() <= 1e-6 * left.x, "step {}", step.step);
-            assert!((left.y - right.y).abs() <= 1e-6 * step.weight.norm() && (left.y + 0.5 * step.weight.y).abs() <= 1e-6);
+            assert!(
+                (left.y - right.y).abs() <= 1e-6 * step.weight.norm() && (left.y + 0.5 * step.weight.y).abs() <= 1e-6
+            );
         }
     }
     let carried = steps.iter().find(|step| step.phase == Phase::Carry).unwrap();
@@ -167,11 +162,12 @@ fn forces_of_a_grasp_are_sensed() {
     assert!(totals > 20 && contacts >= totals, "{totals} and {contacts}");
 
     let (steps, _) = steps_of(&grasp(finray_fixtures::GRASPED_DISC_SCENE), CAMERA_NOISE_MM);
-    let asked: Vec<_> = steps.iter().flat_map(|step| &step.fingers).filter(|finger| !finger.contacts.is_empty()).collect();
+    let asked: Vec<_> =
+        steps.iter().flat_map(|step| &step.fingers).filter(|finger| !finger.contacts.is_empty()).collect();
     // Steps after each other have noise of their own. 95 % of 80 less four standard deviations.
-    let within = asked.iter().filter(|finger| {
-        matches!(&finger.sensed, Ok(Some(sensed)) if sensed.total.standardised_error().abs() <= 1.96)
-    });
+    let within = asked
+        .iter()
+        .filter(|finger| matches!(&finger.sensed, Ok(Some(sensed)) if sensed.total.standardised_error().abs() <= 1.96));
     let share = within.count() as f64 / asked.len() as f64;
     assert!(asked.len() > 60 && share > 0.85, "{share} of {}", asked.len());
 }

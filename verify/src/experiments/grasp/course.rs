@@ -246,8 +246,7 @@ impl<'s, 'l> Course<'s, 'l> {
                     return Some(Ended::OutOfReach { motor_deg: to_deg });
                 }
                 let is_held = grasp.holds || self.weight_share < 1.0;
-                self.task =
-                    if is_held { Task::Hold { left: self.hold_steps() } } else { self.after_hold() };
+                self.task = if is_held { Task::Hold { left: self.hold_steps() } } else { self.after_hold() };
                 self.phase = if is_held { Phase::Hold } else { self.phase };
             }
             Task::Hold { left: 1 } => self.task = self.after_hold(),

@@ -12,8 +12,8 @@ mod summary;
 
 pub use course::{Ended, Phase};
 pub use outlook::{LoopFigures, loop_figures};
-pub use summary::{SensedSummary, Summary};
 pub use sensed::{Eyes, FingerStep, NotSensed, SeenFinger};
+pub use summary::{SensedSummary, Summary};
 
 use crate::experiments::contact_scene::{OutlineError, TurnedOutline};
 use crate::grasp::{Partner, World, WorldError, surface::Shape};

@@ -107,8 +107,7 @@ impl GraspScene {
             }
             let (measurement, [marker_noise_mm, outline_noise_mm]) = measured(&self.finger, &seen.shape, eyes, noise)?;
             let friction = self.object.friction;
-            let watcher =
-                Watcher { finger: &self.finger, rod_radius_mm, friction, marker_noise_mm, outline_noise_mm };
+            let watcher = Watcher { finger: &self.finger, rod_radius_mm, friction, marker_noise_mm, outline_noise_mm };
             Ok(Some(watcher.sense(&felt, &measurement, seen.along, || noise.standard_normal())?))
         };
         let sensed = sense();

@@ -1,0 +1,120 @@
+//! `finray grasp`: its files, what it does with images, and scenes that are no grasp.
+
+use crate::kit::*;
+use finray_fixtures::{GRASPED_DISC_SCENE as DISC, WATCHED_DISC_SCENE as CAMERA};
+use serde_json::Value;
+
+/// A text with some of its lines changed.
+fn with(text: &str, changes: &[(&str, &str)]) -> String {
+    changes.iter().fold(text.to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replace(from, to)
+    })
+}
+
+fn summary(folder: &Folder, out: &str) -> Value {
+    serde_json::from_str(&folder.read(&format!("{out}/summary.json"))).expect("JSON")
+}
+
+#[test]
+fn a_grasp_writes_forces_motion_figure_and_summary() {
+    let folder = Folder::new();
+    let scene = folder.put("disc.toml", DISC);
+    let run = |out: &str| {
+        finray(&["grasp", &scene, "--fineness", "1", "--noise-mm", "0.067", "--out", &folder.path(out)]).done()
+    };
+    run("one");
+    run("two");
+    for file in ["forces.csv", "object.csv", "grasp.svg", "summary.json"] {
+        assert_eq!(folder.read(&format!("one/{file}")), folder.read(&format!("two/{file}")), "{file}: same bits");
+    }
+    let forces = folder.read("one/forces.csv");
+    assert!(
+        forces.starts_with("step,motor_deg,phase,finger,contact,s_mm,angle_deg,force_n,friction_n,sensed_n,sigma_n\n")
+    );
+    let object = folder.read("one/object.csv");
+    assert!(object.starts_with("step,motor_deg,phase,x_mm,y_mm,rotation_rad,force_x_n,force_y_n,"));
+    let (forces, object) = (Csv::of(&forces), Csv::of(&object));
+    let steps = object.texts("step").len();
+    let totals: Vec<usize> =
+        (0..forces.texts("contact").len()).filter(|i| forces.texts("contact")[*i] == "total").collect();
+    assert_eq!(totals.len(), 2 * steps, "a total a finger and step");
+    // The two totals of a step that nothing supports are equal, and their friction carries the weight of 60 g.
+    let (force_n, friction_n) = (forces.numbers("force_n"), forces.numbers("friction_n"));
+    let carried = totals.iter().position(|i| forces.texts("phase")[*i] == "carry").expect("carried");
+    let [left, right] = [totals[carried], totals[carried + 1]];
+    assert_eq!([forces.texts("finger")[left], forces.texts("finger")[right]], ["left", "right"]);
+    assert!((force_n[left] / force_n[right] - 1.0).abs() < 2e-3);
+    assert!((friction_n[left] + friction_n[right] - 0.06 * 9.81).abs() < 1e-3);
+    let summary = summary(&folder, "one");
+    assert_eq!(summary["ended"], "done");
+    assert!(summary["worst_imbalance"].as_f64().expect("a number") < 1e-3);
+}
+
+#[test]
+fn forces_are_sensed_in_images_of_the_fingers() {
+    let folder = Folder::new();
+    let scene = folder.put(
+        "camera.toml",
+        with(CAMERA, &[("motor_deg = [-135.0, -405.0]", "motor_deg = [-135.0, -405.0]\nstep_deg = 45.0")]),
+    );
+    finray(&["grasp", &scene, "--images", "--out", &folder.path("out")]).done();
+    let sensed = &summary(&folder, "out")["sensed"];
+    let count = |key: &str| sensed[key].as_u64().expect("a count");
+    assert!(count("asked") > 8 && count("refused") == 0);
+    // Intervals of 95 %: of a dozen at most two may miss.
+    assert!(count("totals_within_95") + 2 >= count("asked"), "{sensed}");
+    assert!(sensed["mean_total_error"].as_f64().expect("a number") < 0.005, "{sensed}");
+}
+
+#[test]
+fn a_grasp_that_fails_says_how_and_keeps_what_was() {
+    let folder = Folder::new();
+    let slippery = [("friction = 0.4", "friction = 0.02"), ("mass_g = 60.0", "mass_g = 3000.0")];
+    let scene = folder.put("disc.toml", with(DISC, &slippery));
+    let message = finray(&["grasp", &scene, "--fineness", "1", "--out", &folder.path("out")]).failed();
+    assert!(["drop", "slip", "gets away"].iter().any(|word| message.contains(word)), "{message}");
+    assert!(Csv::of(&folder.read("out/object.csv")).texts("step").len() > 5);
+    assert_ne!(summary(&folder, "out")["ended"], "done");
+}
+
+#[test]
+fn bad_scenes_are_refused() {
+    let folder = Folder::new();
+    let cases: [(&[(&str, &str)], &str); 12] = [
+        (&[("mass_g = 60.0", "mass_g = 0.0")], "object.mass_g: expected a mass in g above zero"),
+        (&[("mass_g = 60.0", "mass_g = -5.0")], "object.mass_g: expected a mass in g above zero"),
+        (&[("friction = 0.4", "friction = nan")], "object.friction: expected a coefficient of friction"),
+        (&[("centre_mm = [3.0, 110.0]", "centre_mm = [30.0, 110.0]")], "the object overlaps the right finger by"),
+        (&[("[60.0, 0.0]]", "[60.0, 5.0]]")], "grasp.path_mm: point 3 leads through the support, 5.000 mm deep"),
+        (&[("link_mm = [25.0, 40.0]", "link_mm = [5.0, 10.0]")], "gripper.impossible linkage"),
+        (
+            &[("motor_deg = [0.0, -495.0]", "motor_deg = [0.0, 99999.0]")],
+            "grasp.motor_deg: expected motor angles in reach",
+        ),
+        (
+            &[("motor_deg = [0.0, -495.0]", "motor_deg = [0.0, 0.0]")],
+            "grasp.motor_deg: expected two different motor angles",
+        ),
+        (&[("path_steps = 12", "hold = true")], "grasp.hold: expected it together with until_force_n"),
+        (&[("path_steps = 12", "path_stepz = 12")], "unknown key `grasp.path_stepz`"),
+        (&[("mass_g = 60.0\n", "mass_g = 60.0\nat_mm = 70.0\n")], "object.at_mm: expected nothing"),
+        (&[("path_steps = 12", "support = true\ngravity_m_s2 = [0.0, 0.0]")], "grasp.support: expected a gravity"),
+    ];
+    for (changes, says) in cases {
+        let scene = folder.put("scene.toml", with(DISC, changes));
+        let message = finray(&["grasp", &scene, "--out", &folder.path("out")]).refused();
+        assert_says(&message, &[says]);
+    }
+    for table in ["[gripper]", "[grasp]", "[object]"] {
+        let (before, after) = DISC.split_once(table).expect("a table");
+        let rest = after.find("\n[").map_or("", |end| &after[end..]);
+        let scene = folder.put("scene.toml", format!("{before}{rest}"));
+        let message = finray(&["grasp", &scene, "--out", &folder.path("out")]).refused();
+        assert_says(&message, &[table.trim_matches(['[', ']'])]);
+    }
+    let message = finray(&["grasp", &folder.put("scene.toml", DISC), "--out", "-"]).refused();
+    assert_says(&message, &["--out: expected a folder"]);
+    assert_says(&finray(&["press", &folder.path("scene.toml")]).refused(), &["the object is free (mass_g)"]);
+    assert!(!folder.names().contains(&"out".to_owned()), "nothing is written");
+}
