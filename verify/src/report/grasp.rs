@@ -1,5 +1,10 @@
 //! Drawings of a grasp: fingers, object and forces at chosen steps, and the forces through all of them.
 
+use super::dataset::{Columns, Dataset};
+use super::page::{Figure, Section};
+use super::words::{paragraph, say};
+use super::{ReportError, Results};
+use crate::experiments::grasp::file::{ForceRow, force_rows};
 use crate::experiments::grasp::{FingerStep, GraspScene, GraspStep, Phase, finger_name};
 use crate::figures::{Axis, Chart, Dash, FigureError, Frame, Hue, Series, Spread};
 use crate::settings::TWO_SIDED_95;
@@ -11,6 +16,49 @@ use nalgebra::Rotation2;
 const LONGEST_ARROW: f64 = 0.2;
 /// Most moments that are drawn.
 const MOMENTS: usize = 4;
+
+const CSV: &str = "grasp.csv";
+
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    let rows = study.grasp.iter().flat_map(|grasp| grasp.steps.iter().flat_map(|step| force_rows(&grasp.scene, step)));
+    let columns = Columns::<ForceRow>::new()
+        .file("step", |row| row.step)
+        .file("motor_deg", |row| row.motor_deg)
+        .file("phase", |row| row.phase.to_string())
+        .file("finger", |row| row.finger)
+        .file("contact", |row| row.contact.clone())
+        .file("s_mm", |row| row.s_mm)
+        .file("angle_deg", |row| row.angle_deg)
+        .file("force_n", |row| row.force_n)
+        .file("friction_n", |row| row.friction_n)
+        .file("sensed_n", |row| row.sensed_n)
+        .file("sigma_n", |row| row.sigma_n);
+    vec![Dataset::new(CSV, &columns, rows).csv_alone()]
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
+    let Some(grasp) = &study.grasp else { return Ok(None) };
+    let mut figures = Vec::new();
+    for step in moments(&grasp.steps) {
+        let caption = format!("Step {}, {}. True forces, and those sensed along the normals.", step.step, step.phase);
+        figures.push(Figure::narrow(moment(&grasp.scene, step)?, caption, CSV));
+    }
+    let series = over(&grasp.steps, |step| step.step as f64);
+    let title = format!("{}: force of each finger, {} mm noise", grasp.name, grasp.noise_mm);
+    let caption = "Across the gripper. Lines are true (both fingers press alike), signs sensed, with 95 % intervals.";
+    figures.push(Figure::narrow(forces(title, "step", series)?, caption, CSV));
+    let numbers = minijinja::context! {
+        carried_n => grasp.clean.largest_total_n,
+        clean => grasp.clean.sensed.worst_total_error,
+        noisy => grasp.noisy.sensed.mean_total_error,
+        within => grasp.noisy.sensed.totals_within_95,
+        asked => grasp.noisy.sensed.asked,
+        noise_mm => grasp.noise_mm,
+    };
+    let blocks = vec![paragraph("grasp.about", numbers.clone())?, super::page::Block::Figures { figures }];
+    let section = Section::new("grasp", "Grasping an object", blocks);
+    Ok(Some(section.saying(say("grasp.verdict", Some(numbers))?)))
+}
 
 /// All drawings of a grasp on one sheet: moments, then forces over the steps and over the motor's angle.
 ///

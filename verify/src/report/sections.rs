@@ -4,8 +4,8 @@ use super::dataset::Dataset;
 use super::page::{Page, Question, Section};
 use super::{
     ReportError, Results, answers, camera, causes, checks, claims, contact_scenes, convergence, directions,
-    displacement_noise, estimators, explore, finger, hard_cases, lattice, maps, measured, networks, pairs, scatter,
-    shapes, speed_error, table_one, table_two, times, trust, twin,
+    displacement_noise, estimators, explore, finger, grasp, hard_cases, lattice, maps, measured, networks, pairs,
+    scatter, shapes, speed_error, table_one, table_two, times, trust, twin,
 };
 
 /// A section: the question that it answers, its part of the page (`None` where a scene has no such study), and its data.
@@ -42,6 +42,7 @@ const SECTIONS: &[Entry] = &[
     Entry(Asked::Where, pairs::section, pairs::datasets),
     Entry(Asked::Where, directions::section, directions::datasets),
     Entry(Asked::Where, contact_scenes::section, contact_scenes::datasets),
+    Entry(Asked::Where, grasp::section, grasp::datasets),
     Entry(Asked::Where, measured::section, measured::datasets),
     Entry(Asked::Fix, causes::section, causes::datasets),
     Entry(Asked::Fix, camera::section, camera::datasets),

@@ -8,6 +8,7 @@ mod course;
 pub mod file;
 mod outlook;
 mod sensed;
+pub mod study;
 mod summary;
 
 pub use course::{Ended, Phase};
@@ -63,7 +64,7 @@ pub enum GraspError {
 }
 
 /// A scene with a gripper and a free object.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct GraspScene {
     finger: Finger,
     gripper: Gripper,
@@ -78,7 +79,7 @@ pub struct GraspScene {
 }
 
 /// One step of a grasp, at rest.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct GraspStep {
     /// Its number, from 1.
     pub step: usize,

@@ -57,7 +57,7 @@ pub struct SeenFinger {
 }
 
 /// A finger in a step of a grasp.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct FingerStep {
     /// Its frame in the world.
     pub placement: Placement,
