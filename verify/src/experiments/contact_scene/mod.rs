@@ -260,12 +260,17 @@ impl Watcher<'_> {
         };
         let solution = sensing::sense(&mesh, &contacts, seen, knowledge)?;
         let count = felt.len();
+        // A force along the normal as it was read is off that along the true one by what friction adds where the normal is turned.
+        let variance_n2 = |i: usize| {
+            let across_n2 = solution.across_n[i].powi(2) + solution.covariance_n2[(count + i, count + i)];
+            solution.covariance_n2[(i, i)] + contacts[i].direction_sd_rad.powi(2) * across_n2
+        };
         let force = |(i, (seen, read)): (usize, (&SeenContact, &CameraContact))| SensedContact {
             read: *read,
             force: SensedForce {
                 true_n: seen.normal_n,
                 sensed_n: solution.along_n[i],
-                sigma_n: solution.covariance_n2[(i, i)].sqrt(),
+                sigma_n: variance_n2(i).sqrt(),
             },
         };
         // The sum takes of every force, along and across its contact, what lies along the direction asked for.
