@@ -28,8 +28,8 @@ const FARTHEST: f64 = 0.1;
 const AT_REST: f64 = 1e-5;
 /// Steps in which the object must have come to rest.
 const MOST_STEPS: usize = 400;
-/// A finger whose body turns further than this, rad, folds: no fin-ray finger is used like that.
-const FOLDED_RAD: f64 = 1.6;
+/// A finger of which a part turns further than this, rad, folds: one that wraps an object turns half as far, one of which a plate buckles more.
+const FOLDED_RAD: f64 = 1.0;
 
 /// Why a grasp cannot begin.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -275,14 +275,18 @@ impl<'l> World<'l> {
 
     /// What keeps the last step from being solved.
     fn halt(&self) -> Halt {
-        let folded = self.state.motions.iter().flatten().any(|motion| motion.rotation.abs() > FOLDED_RAD);
-        if folded {
+        if self.is_folded() {
             Halt::Folded
         } else if self.met().iter().any(|met| matches!(met.partner, Partner::Finger(_))) {
             Halt::Jammed
         } else {
             Halt::Dropped
         }
+    }
+
+    /// Whether a finger has folded.
+    pub fn is_folded(&self) -> bool {
+        self.state.motions.iter().flatten().any(|motion| motion.rotation.abs() > FOLDED_RAD)
     }
 
     fn near(&self) -> Vec<Near> {

@@ -224,6 +224,9 @@ impl<'s, 'l> Course<'s, 'l> {
 
     /// What follows from a step; how the grasp ended, if it did.
     pub(super) fn judge(&mut self, step: &GraspStep) -> Option<Ended> {
+        if self.world.is_folded() {
+            return Some(Halt::Folded.into());
+        }
         let grasp = &self.scene.grasp;
         let [from_deg, to_deg] = grasp.motor_deg;
         let touches = step.fingers.iter().any(|finger| !finger.contacts.is_empty());
