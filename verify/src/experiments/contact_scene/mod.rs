@@ -267,11 +267,7 @@ impl Watcher<'_> {
         };
         let force = |(i, (seen, read)): (usize, (&SeenContact, &CameraContact))| SensedContact {
             read: *read,
-            force: SensedForce {
-                true_n: seen.normal_n,
-                sensed_n: solution.along_n[i],
-                sigma_n: variance_n2(i).sqrt(),
-            },
+            force: SensedForce { true_n: seen.normal_n, sensed_n: solution.along_n[i], sigma_n: variance_n2(i).sqrt() },
         };
         // The sum takes of every force, along and across its contact, what lies along the direction asked for.
         let shares = (0..2 * count).map(|i| {
