@@ -199,3 +199,22 @@ fn a_force_is_reached_and_held() {
     assert!(figures.largest_error < 0.05 && figures.overshoot < 0.05, "{figures:?}");
     assert!(figures.rise_s.unwrap() > 0.0);
 }
+
+/// A triangle on its support, its point in a corner: the corners carry its weight as the lever from its centroid has it, two thirds and one.
+#[test]
+fn a_triangle_rests_on_its_corners_by_the_lever_rule() {
+    let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).unwrap().finger;
+    let lattice = Lattice::new(&finger, 1).unwrap();
+    let far = Placement { origin: Vector::new(1e3, 0.0), ..Placement::IDENTITY };
+    let drive = Drive { placements: vec![far], weight: Vector::new(0.0, -1.0) };
+    let triangle = Shape::polygon(&[Vector::zeros(), Vector::new(30.0, 0.0), Vector::new(0.0, 20.0)]);
+    let support = Some((Vector::zeros(), Vector::new(0.0, 1.0)));
+    let mut world = World::new(&[&lattice], 1.5, (triangle, 0.5), [0.0; 3], drive.clone(), support).unwrap();
+    world.advance(&drive).unwrap();
+    let met = world.met();
+    assert_eq!(met.len(), 2);
+    for met in met {
+        let share = if met.point.x < 15.0 { 2.0 / 3.0 } else { 1.0 / 3.0 };
+        assert!((met.force - Vector::new(0.0, share)).norm() < 1e-5, "{:?}", met.force);
+    }
+}
