@@ -3,8 +3,10 @@
 //! A screw moves a nut along the axis between two mirrored linkages. In each, a rocker turns about a joint that is fixed to the
 //! gripper, and a link goes from the rocker's end to the nut. The finger stands on the link.
 
+mod budget;
 mod placement;
 
+pub use budget::{LinkageErrors, NodeErrors};
 pub use placement::Placement;
 
 use crate::{Finger, Vector};

@@ -1,6 +1,6 @@
 //! The linkage against its equations, differences, its own inverse and its mirror image.
 
-use finray_model::gripper::{Assembly, Gripper, GripperDescription, LinkagePose};
+use finray_model::gripper::{Assembly, Gripper, GripperDescription, LinkageErrors, LinkagePose};
 use finray_model::{Finger, Scene, Vector};
 use proptest::prelude::*;
 use std::f64::consts::PI;
@@ -205,4 +205,48 @@ fn a_linkage_that_does_not_close_is_refused() {
     let impossible = Gripper::new(description).unwrap_err();
     assert_eq!((impossible.shortest_mm, impossible.longest_mm), (5.0, 15.0));
     assert!((impossible.apart_mm - 1300.0_f64.sqrt()).abs() < 1e-12);
+}
+
+/// Errors of the nodes against poses of linkages that are off: by the motor's angle, and by each length. The tip errs most where the finger turns.
+#[test]
+fn nodes_err_as_those_of_a_linkage_that_is_off() {
+    let description = GripperDescription {
+        screw_pitch_mm: 4.0,
+        slider_mm: 20.0,
+        link_mm: [25.0, 40.0],
+        fixed_joint_mm: 30.0,
+        assembly: Assembly::Outer,
+    };
+    const OFF: f64 = 1e-4;
+    let (gripper, finger, motor_deg) = (Gripper::new(description).unwrap(), finger(), -300.0);
+    let errors = LinkageErrors { motor_deg: 360.0 * OFF, backlash_mm: OFF * 12.0_f64.sqrt(), length_mm: OFF };
+    let found = gripper.node_errors(&finger, motor_deg, &errors).unwrap();
+    let nodes = |gripper: &Gripper, motor_deg: f64| -> Vec<Vector> {
+        let [left, _] = gripper.fingers(&gripper.pose(motor_deg).unwrap());
+        (1..=finger.key_node_count()).map(|node| left.outwards(finger.position(finray_model::NodeId(node)))).collect()
+    };
+    let there = nodes(&gripper, motor_deg);
+    let off = |gripper: &Gripper, motor_deg: f64| {
+        let moved = nodes(gripper, motor_deg).into_iter().zip(&there).map(|(now, then)| (now - then).norm());
+        moved.fold(0.0, f64::max)
+    };
+    let with = |change: &dyn Fn(&mut GripperDescription)| {
+        let mut changed = description;
+        change(&mut changed);
+        off(&Gripper::new(changed).unwrap(), motor_deg)
+    };
+    let pairs = [
+        (found.motor_mm, off(&gripper, motor_deg + 360.0 * OFF)),
+        (found.backlash_mm, off(&gripper, motor_deg + 360.0 * OFF / 4.0)),
+        (found.rocker_mm, with(&|description| description.link_mm[0] += OFF)),
+        (found.link_mm, with(&|description| description.link_mm[1] += OFF)),
+        (found.fixed_joint_mm, with(&|description| description.fixed_joint_mm += OFF)),
+    ];
+    // One-sided differences are off by their step over the lengths at hand.
+    for (found, direct) in pairs {
+        assert!((found / direct - 1.0).abs() < 1e-4, "{found} and {direct}");
+    }
+    // Half of what the opening changes is the tip's movement across.
+    let per_turn = gripper.opening_per_turn_mm(&finger, &gripper.pose(motor_deg).unwrap()).unwrap();
+    assert!(found.motor_mm >= 0.5 * per_turn.abs() * OFF * (1.0 - 1e-6));
 }

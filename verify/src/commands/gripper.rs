@@ -1,8 +1,8 @@
 //! `finray gripper`
 
 use super::Failure;
-use super::parse::{MotorAngles, motor_angles};
-use finray_model::gripper::Gripper;
+use super::parse::{MotorAngles, motor_angles, not_negative};
+use finray_model::gripper::{Gripper, LinkageErrors, NodeErrors};
 use finray_model::{Finger, Scene};
 use finray_verify::files::{csv_text, load_scene, write_text};
 use serde::Serialize;
@@ -26,6 +26,10 @@ const STEP_DEG: f64 = 22.5;
 /// state is `regular`, `singular` (rocker and link on one line: the end of the nut's reach, without a derivative) or
 /// `out of reach` (no pose).
 ///
+/// With --errors, further columns say by how much the undeformed key nodes err, one standard deviation of the worst
+/// node by each cause: motor_error_mm, backlash_error_mm, rocker_error_mm, link_error_mm, fixed_joint_error_mm. All nodes
+/// of a finger err together, as a rigid body.
+///
 /// Examples:
 ///   finray gripper fixtures/scenes/gripper.toml --motor-deg -1800:1800:360
 ///   finray gripper fixtures/scenes/gripper.toml --opening-mm 60
@@ -40,9 +44,42 @@ pub struct Arguments {
     /// The motor angle for this distance between the tips, mm; of several the one nearest to 0
     #[arg(long, value_name = "MM", allow_hyphen_values = true)]
     opening_mm: Option<f64>,
+    /// Standard deviation of the motor's angle (degrees), play of the screw (mm), standard deviation of each length (mm)
+    #[arg(long, value_name = "DEG,MM,MM", value_parser = linkage_errors)]
+    errors: Option<LinkageErrors>,
     /// Result file; - for standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
     out: PathBuf,
+}
+
+fn linkage_errors(text: &str) -> Result<LinkageErrors, String> {
+    let numbers: Vec<f64> = text.split(',').map(not_negative).collect::<Result<_, _>>()?;
+    match numbers[..] {
+        [motor_deg, backlash_mm, length_mm] => Ok(LinkageErrors { motor_deg, backlash_mm, length_mm }),
+        _ => Err(format!("expected three numbers, DEG,MM,MM, found {}", numbers.len())),
+    }
+}
+
+/// What is appended to a row with --errors.
+#[derive(Serialize)]
+struct ErrorColumns {
+    motor_error_mm: Option<f64>,
+    backlash_error_mm: Option<f64>,
+    rocker_error_mm: Option<f64>,
+    link_error_mm: Option<f64>,
+    fixed_joint_error_mm: Option<f64>,
+}
+
+impl From<Option<NodeErrors>> for ErrorColumns {
+    fn from(errors: Option<NodeErrors>) -> ErrorColumns {
+        ErrorColumns {
+            motor_error_mm: errors.map(|errors| errors.motor_mm),
+            backlash_error_mm: errors.map(|errors| errors.backlash_mm),
+            rocker_error_mm: errors.map(|errors| errors.rocker_mm),
+            link_error_mm: errors.map(|errors| errors.link_mm),
+            fixed_joint_error_mm: errors.map(|errors| errors.fixed_joint_mm),
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -108,7 +145,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             (first..=last).map(|step| step as f64 * STEP_DEG).collect()
         }
     };
-    let rows = motor_deg.into_iter().map(|motor_deg| row(&gripper, &finger, motor_deg));
-    write_text(&arguments.out, &csv_text(rows)?)?;
+    let rows = motor_deg.iter().map(|motor_deg| row(&gripper, &finger, *motor_deg));
+    let text = match arguments.errors {
+        Some(errors) => csv_text(rows.map(|row| {
+            let errors = gripper.node_errors(&finger, row.motor_deg, &errors);
+            (row, ErrorColumns::from(errors))
+        }))?,
+        None => csv_text(rows)?,
+    };
+    write_text(&arguments.out, &text)?;
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! Grasps: a gripper closes on a free object, carries it and puts it down, and senses the forces meanwhile.
 //!
 //! The motor's angle says where the undeformed fingers stand ([`Gripper`], eqs (6)-(9) of the paper); [`World`] finds fingers, object and contact
-//! forces at rest, step by step; what a camera sees of that goes to the estimator ([`sensing`](self::sensed)). The true forces are those of the lattice's
+//! forces at rest, step by step; what a camera sees of that goes to the estimator ([`Eyes`]). The true forces are those of the lattice's
 //! contacts, never given to the estimator.
 
 mod course;
