@@ -78,7 +78,7 @@ pub(super) fn read_grasp(table: &TableReader, gripper: Option<&Gripper>) -> Resu
         return Err(table.wrong("motor_deg", "two different motor angles", "the same twice"));
     }
     let [least_deg, most_deg] = gripper.reach_deg();
-    if let Some(beyond) = motor_deg.iter().find(|angle| !(least_deg..=most_deg).contains(*angle)) {
+    if let Some(beyond) = motor_deg.iter().find(|angle| gripper.pose(**angle).is_none()) {
         let expected = format!("motor angles in reach, {least_deg:.1} to {most_deg:.1} degrees");
         return Err(table.wrong("motor_deg", &expected, &format!("{beyond:?}")));
     }

@@ -8,7 +8,7 @@ use crate::lattice::skin::{Touch, TouchedPart};
 use crate::sampling::noise::Noise;
 use finray_model::finger::Plate;
 use finray_model::mesh::{FingerShape, Load};
-use finray_model::scene::SceneError;
+use finray_model::scene::{ObjectDescription, ObjectMotion, SceneError};
 use finray_model::sensing::SensingError;
 use finray_model::statics::{self, StaticsError};
 use finray_model::{Finger, Kinematics, Mesh, Scene, Vector};
@@ -87,7 +87,9 @@ pub fn run_all(
     done: &(dyn Fn() + Sync),
 ) -> Result<Vec<SceneStudy>, SceneStudyError> {
     let run = |(SceneWithOutline { scene, corners }, fineness): &(SceneWithOutline, usize)| {
-        let Some(object) = &scene.object else { return Ok(None) };
+        // A free object is for a gripper.
+        let is_pressed = |object: &&ObjectDescription| !matches!(object.motion, ObjectMotion::Free { .. });
+        let Some(object) = scene.object.as_ref().filter(is_pressed) else { return Ok(None) };
         let prepared = ContactScene::new(scene, object, corners)?.with_fineness(*fineness);
         let noise_mm = scene.noise_mm.unwrap_or(noise_mm);
         SceneStudy::run(&scene.name, &prepared, noise_mm, samples, done).map(Some)

@@ -47,3 +47,15 @@ fn an_object_must_start_outside_the_finger() {
         assert!(line.perp(&along).abs() < 1e-9, "the line meets the position");
     }
 }
+
+/// A free object is for a gripper: a report on its scene has no pressed object, and a press has none to press.
+#[test]
+fn a_free_object_is_not_pressed() {
+    let scene = finray_model::Scene::from_toml(finray_fixtures::GRASPED_DISC_SCENE).expect("a scene");
+    let object = scene.object.clone().expect("an object");
+    let refused = finray_verify::experiments::contact_scene::ContactScene::new(&scene, &object, &[]);
+    assert_eq!(refused.err(), Some(finray_verify::experiments::contact_scene::OutlineError::Free));
+    let given = finray_verify::experiments::contact_scene::study::SceneWithOutline { scene, corners: Vec::new() };
+    let studies = finray_verify::experiments::contact_scene::study::run_all(&[(given, 1)], 0.0, 0, &|| ());
+    assert!(studies.expect("nothing to study").is_empty());
+}
