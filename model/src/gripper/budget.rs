@@ -8,7 +8,7 @@ use crate::{Finger, NodeId, Vector};
 pub struct LinkageErrors {
     /// Of the motor's angle, degrees.
     pub motor_deg: f64,
-    /// Play of the nut on the screw, mm: anywhere in it is as likely, a standard deviation of a twelfth's root of it.
+    /// Play of the nut on the screw, mm. The nut is anywhere in it with equal probability: a standard deviation of the play over the root of 12.
     pub backlash_mm: f64,
     /// Of each length: rocker, link, and the fixed joint's distance from the screw's axis, mm.
     pub length_mm: f64,

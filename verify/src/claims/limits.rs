@@ -33,7 +33,7 @@ pub(super) fn claims(study: &Study, words: &Words) -> Result<Vec<Claim>, ClaimEr
     Ok(claims)
 }
 
-/// Whether forces of all nodes at once can be told apart.
+/// Whether forces of all nodes at once are identifiable.
 ///
 /// # Errors
 /// [`ClaimError`] if the finger cannot be sensed; likewise below.

@@ -70,7 +70,7 @@ fn bad_linkages_and_options_are_refused() {
     assert_says(&finray(&["gripper", &paper]).refused(), &["[gripper]", "screw_pitch_mm"]);
 }
 
-/// One degree of 360 moves the nut by a hundredth of the pitch, a play of its twelfth's root times as much.
+/// Each cause has a column; an angle and a play with the same standard deviation at the nut do the same. Three numbers are wanted.
 #[test]
 fn errors_of_the_linkage_are_appended() {
     let rows = finray(&["gripper", SCENE, "--motor-deg", "0", "--errors", "3.6,0.138564064605510,0.05"]).computed();
