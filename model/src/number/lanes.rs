@@ -2,10 +2,13 @@
 
 use super::Number;
 use pulp::Simd;
-use pulp::bytemuck::{cast_slice, cast_slice_mut};
+use pulp::bytemuck::{cast, cast_slice, cast_slice_mut};
 use std::fmt;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 use std::slice;
+
+/// The bit of a number's sign.
+const SIGN: u64 = 1 << 63;
 
 /// As many numbers as a register of the machine holds: 4 with AVX2, 1 where nothing is known of the machine.
 #[derive(Clone, Copy)]
@@ -90,7 +93,8 @@ impl<S: Simd> Neg for Lanes<S> {
 
     #[inline(always)]
     fn neg(self) -> Lanes<S> {
-        self.with(self.simd.neg_f64s(self.values))
+        // Not `neg_f64s`, `abs_f64s` and `select_f64s`: those are compiled apart, without the machine's instructions, and called.
+        self.with(self.simd.xor_f64s(self.values, self.simd.splat_f64s(-0.0)))
     }
 }
 
@@ -110,7 +114,7 @@ impl<S: Simd> Number for Lanes<S> {
 
     #[inline(always)]
     fn abs(self) -> Lanes<S> {
-        self.with(self.simd.abs_f64s(self.values))
+        self.with(self.simd.and_f64s(self.values, self.simd.splat_f64s(f64::from_bits(!SIGN))))
     }
 
     #[inline(always)]
@@ -135,7 +139,7 @@ impl<S: Simd> Number for Lanes<S> {
 
     #[inline(always)]
     fn select(mask: S::m64s, yes: Lanes<S>, no: Lanes<S>) -> Lanes<S> {
-        yes.with(yes.simd.select_f64s(mask, yes.values, no.values))
+        yes.with(cast(yes.simd.select_u64s(mask, cast(yes.values), cast(no.values))))
     }
 
     #[inline(always)]

@@ -15,6 +15,7 @@ mod block;
 mod brackets;
 mod cantilever;
 mod chain;
+mod dispatched;
 mod factor;
 mod ldl;
 mod lines;
@@ -96,7 +97,7 @@ impl<'m> Ladder<'m> {
     /// Factorises the tangent at a motion.
     fn factorise(&mut self, motion: &FrameMotion) {
         self.own.make_room(self.mesh, 0.0);
-        self.balance.factorise(&mut self.own, motion);
+        dispatched::factorise(&mut self.balance, &mut self.own, motion);
     }
 
     /// Whether the tangent is that of small displacements. Co-rotationally it is at rest, if loads neither stand on arms
@@ -130,7 +131,7 @@ impl EquilibriumEquations for Ladder<'_> {
             self.factorise(motion);
             self.factored = self.linear();
         }
-        self.balance.eliminate_gradient(Factor::chosen(self.mesh, &self.own, self.rests));
+        dispatched::eliminate_gradient(&mut self.balance, Factor::chosen(self.mesh, &self.own, self.rests));
         self.factor().positive
     }
 
@@ -151,7 +152,7 @@ impl EquilibriumEquations for Ladder<'_> {
     }
 
     fn correct(&mut self, motion: &mut FrameMotion) -> f64 {
-        self.balance.correct(Factor::chosen(self.mesh, &self.own, self.rests), motion)
+        dispatched::correct(&mut self.balance, Factor::chosen(self.mesh, &self.own, self.rests), motion)
     }
 
     fn largest_correction(&self) -> f64 {

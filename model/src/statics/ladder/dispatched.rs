@@ -1,0 +1,67 @@
+//! The elimination of one finger by the widest instructions that the machine has: the same operations, so the same bits.
+//!
+//! Structs, not closures: what is always inlined into [`WithSimd::with_simd`] is compiled for these instructions, and a closure is not.
+
+use super::balance::Balance;
+use super::factor::Factor;
+use crate::frame::FrameMotion;
+use pulp::{Arch, Simd, WithSimd};
+
+/// [`Balance::factorise`].
+pub(super) fn factorise(balance: &mut Balance, stiffness: &mut Factor, motion: &FrameMotion) {
+    Arch::new().dispatch(Factorisation { balance, stiffness, motion });
+}
+
+/// [`Balance::eliminate_gradient`].
+pub(super) fn eliminate_gradient(balance: &mut Balance, stiffness: &Factor) {
+    Arch::new().dispatch(Elimination { balance, stiffness });
+}
+
+/// [`Balance::correct`].
+pub(super) fn correct(balance: &mut Balance, stiffness: &Factor, motion: &mut FrameMotion) -> f64 {
+    Arch::new().dispatch(Correction { balance, stiffness, motion })
+}
+
+struct Factorisation<'a, 'm> {
+    balance: &'a mut Balance<'m>,
+    stiffness: &'a mut Factor,
+    motion: &'a FrameMotion,
+}
+
+impl WithSimd for Factorisation<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.balance.factorise(self.stiffness, self.motion);
+    }
+}
+
+struct Elimination<'a, 'm> {
+    balance: &'a mut Balance<'m>,
+    stiffness: &'a Factor,
+}
+
+impl WithSimd for Elimination<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.balance.eliminate_gradient(self.stiffness);
+    }
+}
+
+struct Correction<'a, 'm> {
+    balance: &'a mut Balance<'m>,
+    stiffness: &'a Factor,
+    motion: &'a mut FrameMotion,
+}
+
+impl WithSimd for Correction<'_, '_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
+        self.balance.correct(self.stiffness, self.motion)
+    }
+}
