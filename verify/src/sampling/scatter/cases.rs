@@ -8,7 +8,7 @@ use crate::settings::LEAST_STATED_MM;
 use finray_model::frame::FrameMotion;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::Contact;
-use finray_model::statics::{Ladder, Statics};
+use finray_model::statics::equilibria;
 use finray_model::{Finger, Kinematics, Mesh};
 use rayon::prelude::*;
 
@@ -103,7 +103,7 @@ struct Bench<'a> {
     finger: &'a Finger,
     mesh: &'a Mesh,
     contacts: &'a [Contact],
-    statics: Statics<Ladder<'a>>,
+    kinematics: Kinematics,
     fan: &'a Fan<'a>,
     /// Tells which draws are too large; there once one was.
     scout: Option<Scout<'a>>,
@@ -126,7 +126,7 @@ impl<'a> Bench<'a> {
             finger,
             mesh,
             contacts,
-            statics: Statics::ladder(mesh, request.kinematics),
+            kinematics: request.kinematics,
             fan,
             scout: None,
             bound: bound.prepare(contacts, &markers)?,
@@ -134,62 +134,61 @@ impl<'a> Bench<'a> {
         })
     }
 
-    /// Bends the finger by every draw; `None` for those that it does not carry, however often they are drawn again. Each shape
-    /// is followed from that of the nearest forces among those already found, rest included, which takes fewer iterations.
+    /// Bends the finger by every draw, many at once; `None` for those that it does not carry, however often they are drawn again.
     fn bent(&mut self, mut draws: Vec<Draw>, range_n: [f64; 2]) -> Vec<Option<Bent>> {
-        let mut starts = vec![Start::at_rest(self.mesh, self.contacts.len())];
         let mut bent: Vec<Option<Bent>> = draws.iter().map(|_| None).collect();
+        let size_n = |number: &usize| draws[*number].forces_n.iter().sum::<f64>();
         let mut open: Vec<usize> = (0..draws.len()).collect();
-        loop {
-            let pairs = (0..open.len()).flat_map(|position| (0..starts.len()).map(move |start| (position, start)));
-            let pairs = pairs
-                .map(|(position, start)| (starts[start].distance_n(&draws[open[position]].forces_n), position, start));
-            let Some((_, position, start)) = pairs.min_by(|a, b| a.0.total_cmp(&b.0)) else { return bent };
-            let number = open.remove(position);
-            let Some((motion, not_carried)) = self.carried(&mut draws[number], start, &starts, range_n) else {
-                continue;
-            };
-            let Draw { forces_n, noise, .. } = &draws[number];
-            let clean = Measurement::of_shape(self.finger, &self.mesh.shape(&motion));
-            bent[number] = Some(Bent { forces_n: forces_n.clone(), noise: noise.clone(), clean, not_carried });
-            starts.push(Start { forces_n: forces_n.clone(), motion });
+        open.sort_by(|a, b| size_n(b).total_cmp(&size_n(a)));
+        // The largest, alone, shows whether a scout has to look at the others.
+        let others = open.split_off(open.len().min(1));
+        let mut open = self.attempt(&mut draws, open, &mut bent, range_n);
+        open.extend(others);
+        while !open.is_empty() {
+            open = self.attempt(&mut draws, open, &mut bent, range_n);
         }
+        bent
     }
 
-    /// The motion under a draw, followed from the start of this number, and how many draws were not carried; they are drawn again.
-    /// `None` if none is carried.
-    fn carried(
+    /// Bends the finger by the draws of these numbers; those that it does not carry are returned, drawn again.
+    fn attempt(
         &mut self,
-        draw: &mut Draw,
-        mut start: usize,
-        starts: &[Start],
+        draws: &mut [Draw],
+        mut open: Vec<usize>,
+        bent: &mut [Option<Bent>],
         range_n: [f64; 2],
-    ) -> Option<(FrameMotion, usize)> {
-        for not_carried in 0..MOST_DRAWS {
-            let seen = self.scout.as_mut().map_or(Seen::Carried, |scout| scout.sees(&draw.forces_n));
-            if seen != Seen::TooLarge {
-                if let Some(motion) = self.followed(&draw.forces_n, &starts[start], seen) {
-                    return Some((motion, not_carried));
+    ) -> Vec<usize> {
+        if let Some(scout) = &mut self.scout {
+            open.retain(|&number| {
+                let draw = &mut draws[number];
+                while scout.sees(&draw.forces_n) == Seen::TooLarge {
+                    if !draw.again(range_n) {
+                        return false;
+                    }
                 }
+                true
+            });
+        }
+        let of_draw = |number: &usize| loads(self.mesh, self.contacts, &draws[*number].forces_n);
+        // Contacts that are not on the finger carry nothing.
+        let Some(loads) = open.iter().map(of_draw).collect::<Option<Vec<_>>>() else { return Vec::new() };
+        let found = equilibria(self.mesh, self.kinematics, &loads);
+        let mut again = Vec::new();
+        for (number, found) in open.into_iter().zip(found) {
+            let draw = &mut draws[number];
+            if let Ok(found) = found {
+                let Draw { forces_n, noise, not_carried, .. } = draw;
+                let clean = Measurement::of_shape(self.finger, &self.mesh.shape(&found.motion));
+                let (forces_n, noise, not_carried) = (forces_n.clone(), noise.clone(), *not_carried);
+                bent[number] = Some(Bent { forces_n, noise, clean, not_carried });
+            } else {
                 self.scout.get_or_insert_with(|| self.fan.scout());
+                if draw.again(range_n) {
+                    again.push(number);
+                }
             }
-            draw.again(range_n);
-            let distances = starts.iter().map(|start| start.distance_n(&draw.forces_n)).enumerate();
-            start = distances.min_by(|a, b| a.1.total_cmp(&b.1))?.0;
         }
-        None
-    }
-
-    /// The motion under forces, followed from a start or, where it decides whether they are carried, from rest.
-    fn followed(&mut self, forces_n: &[f64], start: &Start, seen: Seen) -> Option<FrameMotion> {
-        let loads_at = |forces_n: &[f64]| loads(self.mesh, self.contacts, forces_n);
-        let loads = loads_at(forces_n)?;
-        if seen == Seen::Carried
-            && let Ok(found) = self.statics.shifted(&start.motion, &loads_at(&start.forces_n)?, &loads)
-        {
-            return Some(found.motion);
-        }
-        self.statics.equilibrium(&loads).ok().map(|found| found.motion)
+        again
     }
 
     /// Estimates of every estimator from the noise samples of a bent finger.
@@ -226,6 +225,8 @@ struct Draw {
     forces_n: Vec<f64>,
     /// Of each coordinate, in standard deviations.
     noise: Vec<f64>,
+    /// Forces that were not carried before these.
+    not_carried: usize,
     /// For forces that must be drawn again.
     chance: Noise,
 }
@@ -236,13 +237,20 @@ impl Draw {
         let mut chance = Noise::of_stream(request.seed, stream);
         chance.go_to(number);
         let noise = chance.standard_normals(2 * request.truth.finger().marked_nodes().len()).collect();
-        let mut draw = Draw { forces_n: vec![0.0; contacts.len()], noise, chance };
-        draw.again(range_n);
+        let mut draw = Draw { forces_n: vec![0.0; contacts.len()], noise, not_carried: 0, chance };
+        draw.draw(range_n);
         draw
     }
 
-    fn again(&mut self, range_n: [f64; 2]) {
+    fn draw(&mut self, range_n: [f64; 2]) {
         self.forces_n.fill_with(|| self.chance.evenly(range_n));
+    }
+
+    /// Draws other forces after some that were not carried; `false` if that has been done too often.
+    fn again(&mut self, range_n: [f64; 2]) -> bool {
+        self.not_carried += 1;
+        self.draw(range_n);
+        self.not_carried < MOST_DRAWS
     }
 }
 
@@ -253,21 +261,4 @@ struct Bent {
     /// The measurement without noise.
     clean: Measurement,
     not_carried: usize,
-}
-
-/// An equilibrium from which others are followed.
-struct Start {
-    forces_n: Vec<f64>,
-    motion: FrameMotion,
-}
-
-impl Start {
-    fn at_rest(mesh: &Mesh, contacts: usize) -> Start {
-        Start { forces_n: vec![0.0; contacts], motion: FrameMotion::at_rest(mesh.frame()) }
-    }
-
-    /// Sum of the differences to other forces.
-    fn distance_n(&self, forces_n: &[f64]) -> f64 {
-        self.forces_n.iter().zip(forces_n).map(|(a, b)| (a - b).abs()).sum()
-    }
 }
