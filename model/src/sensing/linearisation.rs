@@ -78,6 +78,7 @@ struct Point {
 #[derive(Debug, Clone)]
 struct Solution {
     forces_n: DVector<f64>,
+    motion: FrameMotion,
     /// Derivative of the forces by those that are sensed.
     slope: DMatrix<f64>,
     /// Weighted displacements of the markers, mm, and their derivative by the forces, mm/N.
@@ -157,8 +158,7 @@ impl<'m> Linearisation<'m> {
         Ok(self.points[index].solution.as_ref().map(|solution| (grid_n, solution)))
     }
 
-    /// The forces that are sensed as `target_n`, found by Newton's method from rest, where its first step goes to forces of
-    /// that size; `None` if the finger carries none.
+    /// The forces that are sensed as `target_n`, found by Newton's method; `None` if the finger carries none.
     fn solve(
         &mut self,
         LinearModel { gain, compliance }: LinearModel,
@@ -166,8 +166,7 @@ impl<'m> Linearisation<'m> {
         target_n: &[f64],
     ) -> Result<Option<Solution>, SensingError> {
         let target = DVector::from_column_slice(target_n);
-        let mut forces_n = DVector::zeros(target.len());
-        let mut motion = FrameMotion::at_rest(self.mesh.frame());
+        let (mut forces_n, mut motion) = self.start(target_n);
         let most_refused = MOST_REFUSED[usize::from(target.len() > 1)];
         let (mut refused, mut astray, mut missing_before_n) = (0, 0, f64::INFINITY);
         for _ in 0..MAX_STEPS {
@@ -186,7 +185,7 @@ impl<'m> Linearisation<'m> {
                 return Ok(None);
             }
             if step.amax() <= STEP_TOLERANCE * target.amax() {
-                return Ok(Some(Solution { forces_n, slope, displacements, rates }));
+                return Ok(Some(Solution { forces_n, motion, slope, displacements, rates }));
             }
             let closer = missing.amax() <= CLOSER * missing_before_n;
             missing_before_n = missing.amax();
@@ -211,6 +210,20 @@ impl<'m> Linearisation<'m> {
             }
         }
         Ok(None)
+    }
+
+    /// Forces to begin with, and the shape under them: none, where Newton's first step goes to forces of the size that is sensed. All
+    /// sizes of a single force lie on one way, which may be entered at a known solution that is nearer.
+    fn start(&self, target_n: &[f64]) -> (DVector<f64>, FrameMotion) {
+        if let [target_n] = target_n {
+            let away = |solution: &&Solution| (solution.forces_n[0] - target_n).abs();
+            let known = self.points.iter().filter_map(|point| point.solution.as_ref());
+            let nearest = known.min_by(|a, b| away(a).total_cmp(&away(b)));
+            if let Some(nearest) = nearest.filter(|nearest| away(nearest) < target_n.abs()) {
+                return (nearest.forces_n.clone(), nearest.motion.clone());
+            }
+        }
+        (DVector::zeros(target_n.len()), FrameMotion::at_rest(self.mesh.frame()))
     }
 
     /// The shape under other forces, followed from the one under these, or the share of the way that the finger carries.
