@@ -5,7 +5,8 @@ use super::springs::{Deformation, Spring};
 use faer::Side;
 use faer::linalg::solvers::Solve;
 use faer::mat::MatMut;
-use faer::sparse::{SparseColMat, Triplet};
+use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
+use faer::sparse::{Argsort, Pair, SparseColMat, SymbolicSparseColMat, Triplet};
 use finray_model::Vector;
 use nalgebra::{Matrix2, Matrix2x6, Matrix6, Rotation2, Vector6};
 
@@ -129,6 +130,29 @@ const SMALLEST_PART: f64 = 1e-4;
 /// A part of the load that turns a body by more, rad, is halved: Newton's method might have jumped to another equilibrium.
 const MOST_TURN: f64 = 0.6;
 
+/// What all second derivatives under the same loads share: where their entries are, and in which order the unknowns are eliminated.
+struct Elimination {
+    pattern: SymbolicSparseColMat<usize>,
+    places: Argsort<usize>,
+    order: SymbolicLlt<usize>,
+}
+
+impl Elimination {
+    fn of(count: usize, curvature: &[Triplet<usize, usize, f64>]) -> Option<Elimination> {
+        let entries: Vec<_> = curvature.iter().map(|entry| Pair::new(entry.row, entry.col)).collect();
+        let (pattern, places) = SymbolicSparseColMat::try_new_from_indices(count, count, &entries).ok()?;
+        let order = SymbolicLlt::try_new(pattern.as_ref(), Side::Lower).ok()?;
+        Some(Elimination { pattern, places, order })
+    }
+
+    /// `None` if the second derivatives are not positive definite.
+    fn factorised(&self, curvature: &[Triplet<usize, usize, f64>]) -> Option<Llt<usize, f64>> {
+        let values: Vec<f64> = curvature.iter().map(|entry| entry.val).collect();
+        let matrix = SparseColMat::new_from_argsort(self.pattern.clone(), &self.places, &values).ok()?;
+        Llt::try_new_with_symbolic(self.order.clone(), matrix.as_ref(), Side::Lower).ok()
+    }
+}
+
 impl<'a> Energy<'a> {
     /// Numbers the unknowns.
     pub fn new(assembly: &'a Assembly) -> Energy<'a> {
@@ -215,10 +239,11 @@ impl<'a> Energy<'a> {
     /// [`Lost`] where no stable equilibrium follows; `motions` is then the last one found.
     pub fn follow(&self, motions: &mut Vec<BodyMotion>, loads: &[BodyLoad], from: f64, to: f64) -> Result<usize, Lost> {
         let (mut at, mut part, mut steps) = (from, to - from, 0);
+        let mut elimination = None;
         while at < to {
             let next = if at + part >= to { to } else { at + part };
             let mut trial = motions.clone();
-            let taken = self.converge(&mut trial, loads, next);
+            let taken = self.converge(&mut trial, loads, next, &mut elimination);
             let turn = |(a, b): (&BodyMotion, &BodyMotion)| (a.rotation - b.rotation).abs();
             match taken.filter(|_| trial.iter().zip(&*motions).map(turn).all(|turn| turn <= MOST_TURN)) {
                 Some(taken) => {
@@ -237,12 +262,20 @@ impl<'a> Energy<'a> {
     }
 
     /// Newton's method from a guess; the number of steps, or `None` if it does not converge to a stable equilibrium.
-    fn converge(&self, motions: &mut [BodyMotion], loads: &[BodyLoad], factor: f64) -> Option<usize> {
+    fn converge(
+        &self,
+        motions: &mut [BodyMotion],
+        loads: &[BodyLoad],
+        factor: f64,
+        elimination: &mut Option<Elimination>,
+    ) -> Option<usize> {
         let mut largest = 0.0_f64;
         for step in 1..=MOST_STEPS {
             let expansion = self.expand(motions, loads, factor);
-            let matrix = SparseColMat::try_new_from_triplets(self.count, self.count, &expansion.curvature).ok()?;
-            let factorised = matrix.sp_cholesky(Side::Lower).ok()?;
+            if elimination.is_none() {
+                *elimination = Elimination::of(self.count, &expansion.curvature);
+            }
+            let factorised = elimination.as_ref()?.factorised(&expansion.curvature)?;
             let mut correction: Vec<f64> = expansion.gradient.iter().map(|g| -g).collect();
             factorised.solve_in_place(MatMut::from_column_major_slice_mut(&mut correction, self.count, 1));
             let gain: f64 = correction.iter().zip(&expansion.gradient).map(|(c, g)| -c * g).sum();
