@@ -25,10 +25,12 @@ mod experiments {
 mod figures {
     mod bars;
     mod chart;
+    mod film;
     mod map;
 }
 mod grasp {
     mod contact;
+    mod loops;
     mod world;
 }
 mod imaging {

@@ -10,8 +10,9 @@ use finray_verify::experiments::grasp::file::{force_rows, object_row};
 use finray_verify::experiments::grasp::{
     Ended, Eyes, FINENESS, GraspError, GraspScene, GraspStep, Summary, finger_name,
 };
+use finray_verify::figures::FigureError;
 use finray_verify::files::{csv_text, is_stream, require_folder, write_folder};
-use finray_verify::report::{grasp_svg, standalone};
+use finray_verify::report::{grasp_animation_svg, grasp_svg, standalone};
 use std::path::PathBuf;
 
 /// Two fingers grasp a free object, carry it and put it down: true forces, and those that are sensed.
@@ -30,7 +31,9 @@ use std::path::PathBuf;
 ///                 gripper, friction_n along it
 ///   object.csv    step,motor_deg,phase,x_mm,y_mm,rotation_rad,force_x_n,force_y_n,support_x_n,support_y_n: the
 ///                 object's point, and the forces of both fingers and of the support on it
-///   grasp.svg     fingers and object at some steps, forces step by step
+///   grasp.svg     fingers and object at some steps, forces step by step and over the motor's angle
+///   grasp-animation.svg
+///                 the whole grasp in one drawing that moves (in print it stands still)
 ///   summary.json  how it ended, balance, errors of the sensed forces
 ///
 /// phase is approach, close, hold, lift, carry, place or open. A grasp that fails (the object drops, slips or is out
@@ -72,7 +75,7 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if is_stream(&arguments.out) {
-        return Err(Failure::BadInput("--out: expected a folder, for four files".to_owned()));
+        return Err(Failure::BadInput("--out: expected a folder, for five files".to_owned()));
     }
     let SceneWithOutline { scene, corners } = load_scene_with_outline(&arguments.scene)?;
     let name = &arguments.scene.display();
@@ -139,8 +142,11 @@ fn write(
         .map_err(|error| Failure::NotComputed(error.to_string()))?;
     let mut files = vec![("forces.csv", forces), ("object.csv", object), ("summary.json", summary + "\n")];
     if !steps.is_empty() {
-        let figure = grasp_svg(name, grasp, steps).map_err(|error| Failure::NotComputed(error.to_string()))?;
-        files.push(("grasp.svg", standalone(&figure)));
+        let drawn = |figure: Result<String, FigureError>| {
+            figure.map(|svg| standalone(&svg)).map_err(|error| Failure::NotComputed(error.to_string()))
+        };
+        files.push(("grasp.svg", drawn(grasp_svg(name, grasp, steps))?));
+        files.push(("grasp-animation.svg", drawn(grasp_animation_svg(name, grasp, steps))?));
     }
     let files: Vec<(PathBuf, String)> = files.into_iter().map(|(name, text)| (PathBuf::from(name), text)).collect();
     Ok(write_folder(&arguments.out, &files)?)

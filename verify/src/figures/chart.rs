@@ -38,7 +38,7 @@ pub struct Chart {
 /// Room around a drawing to scale for numbers and clamps, px.
 const MARGIN: f64 = 44.0;
 /// Room for its tick labels of four letters, and right of the plot, px.
-const SIDES: [f64; 2] = [58.0, 2.0 * SPACE];
+pub(super) const SIDES: [f64; 2] = [58.0, 2.0 * SPACE];
 
 impl Chart {
     /// A chart of series alone.
@@ -104,7 +104,7 @@ impl Chart {
     }
 
     /// Axes with one scale around the data, and the height of the plot.
-    fn scaled(&self, data: &[Vec<f64>; 2]) -> ([Axis; 2], Option<f64>) {
+    pub(super) fn scaled(&self, data: &[Vec<f64>; 2]) -> ([Axis; 2], Option<f64>) {
         let ends = |data: &Vec<f64>| [f64::min, f64::max].map(|of| data.iter().copied().reduce(of).unwrap_or(0.0));
         let [[left, right], [low, high]] = [ends(&data[0]), ends(&data[1])];
         let width = self.frame.width - SIDES[0] - SIDES[1];

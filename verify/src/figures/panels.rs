@@ -2,7 +2,6 @@
 
 use plotters::chart::{ChartBuilder, ChartContext, LabelAreaPosition};
 use plotters::coord::cartesian::Cartesian2d;
-use plotters::drawing::IntoDrawingArea;
 use plotters::style::Color;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -197,7 +196,7 @@ impl<'a> Panels<'a> {
 
         let svg = Svg { size: (units(frame.width) as u32, units(end) as u32), ..Svg::default() };
         svg.text.borrow_mut().push_str(&frame.opening(end));
-        let sheet = Sheet(svg.clone().into_drawing_area());
+        let sheet = Sheet::new(&svg);
         for (index, line) in heading.iter().enumerate() {
             let at = [SPACE, (index as f64 + 0.5) * HEADING_LINE];
             sheet.words(line, at, &bold(HEADING_TEXT))?;

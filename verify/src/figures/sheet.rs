@@ -1,7 +1,7 @@
 //! The sheet that a figure is drawn on: lines, areas and words, in pixels.
 
 use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
+use plotters::drawing::{DrawingArea, IntoDrawingArea};
 use plotters::element::{Circle, DashedPathElement, PathElement, Polygon, Rectangle};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontStyle, IntoFont, ShapeStyle, TextStyle};
@@ -68,10 +68,19 @@ fn path(points: &[Point]) -> Vec<(i32, i32)> {
     points.iter().map(|[x, y]| (units(*x), units(*y))).collect()
 }
 
-/// The whole drawing.
-pub(super) struct Sheet(pub(super) DrawingArea<Svg, Shift>);
+/// The whole drawing, and the text that it is written to.
+pub(super) struct Sheet(pub(super) DrawingArea<Svg, Shift>, pub(super) Svg);
 
 impl Sheet {
+    pub(super) fn new(svg: &Svg) -> Sheet {
+        Sheet(svg.clone().into_drawing_area(), svg.clone())
+    }
+
+    /// Writes markup as it is.
+    pub(super) fn markup(&self, text: &str) {
+        self.1.text.borrow_mut().push_str(text);
+    }
+
     pub(super) fn line(&self, points: &[Point], pen: ShapeStyle) -> Done {
         Ok(self.0.draw(&PathElement::new(path(points), pen))?)
     }

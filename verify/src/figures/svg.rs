@@ -44,7 +44,7 @@ impl Svg {
 }
 
 /// A `fill` or `stroke`, with its opacity.
-fn paint(name: &str, colour: BackendColor) -> String {
+pub(super) fn paint(name: &str, colour: BackendColor) -> String {
     let (r, g, b) = colour.rgb;
     let opacity = if colour.alpha < 1.0 { format!(" opacity=\"{}\"", colour.alpha) } else { String::new() };
     match RGBColor(r, g, b) {

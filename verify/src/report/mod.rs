@@ -38,7 +38,7 @@ pub mod twin;
 mod words;
 
 pub use drawings::{map_figure_svg, standalone};
-pub use grasp::grasp_svg;
+pub use grasp::{grasp_animation_svg, grasp_svg};
 
 use crate::claims::Claim;
 use crate::figures::FigureError;

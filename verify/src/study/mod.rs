@@ -14,6 +14,7 @@ use crate::experiments::coverage::{self, CoverageRow};
 use crate::experiments::direction::{self, DirectionStudy};
 use crate::experiments::displacement_noise::{self, DisplacementNoiseStudy};
 use crate::experiments::explain::{self, ExplanationMap};
+use crate::experiments::grasp::rates::{self, LoopStudy};
 use crate::experiments::grasp::study::{self as grasp_study, GraspStudy};
 use crate::experiments::hard_cases::{self, HardCase};
 use crate::experiments::lattice::{self, LatticeStudy};
@@ -183,8 +184,11 @@ study! { |context|
         /// Contact scenes: those that ship for the paper's finger, or the scene's own.
         contact_scenes: Vec<SceneStudy> = lattice::run_beside_objects(context, &maps);
     "grasp":
-        /// A disc that two fingers grasp, carry and place, for the paper's finger in a full study.
-        grasp: Option<GraspStudy> = grasp_study::run(context);
+        /// Objects that two fingers grasp, for the paper's finger in a full study.
+        grasps: Vec<GraspStudy> = grasp_study::run(context);
+    "closed loop":
+        /// The closed loop against the camera's rate, likewise.
+        closed_loop: Option<LoopStudy> = rates::run(context);
     "speed and error":
         /// Time and error of models and estimators.
         speed_error: Vec<SpeedErrorPoint> = speed_error::run(context);

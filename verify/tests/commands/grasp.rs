@@ -25,7 +25,7 @@ fn a_grasp_writes_forces_motion_figure_and_summary() {
     };
     run("one");
     run("two");
-    for file in ["forces.csv", "object.csv", "grasp.svg", "summary.json"] {
+    for file in ["forces.csv", "object.csv", "grasp.svg", "grasp-animation.svg", "summary.json"] {
         assert_eq!(folder.read(&format!("one/{file}")), folder.read(&format!("two/{file}")), "{file}: same bits");
     }
     let forces = folder.read("one/forces.csv");
@@ -46,6 +46,29 @@ fn a_grasp_writes_forces_motion_figure_and_summary() {
     assert_eq!([forces.texts("finger")[left], forces.texts("finger")[right]], ["left", "right"]);
     assert!((force_n[left] / force_n[right] - 1.0).abs() < 2e-3);
     assert!((friction_n[left] + friction_n[right] - 0.06 * 9.81).abs() < 1e-3);
+    // Every step is a shot that says what is in the files; one stands for all.
+    let animation = folder.read("one/grasp-animation.svg");
+    let shots: Vec<&str> = animation.split("<g class=\"shot-").skip(1).collect();
+    assert!(shots.len() == steps && steps < 60 && animation.len() < 500_000, "{} of {steps}", shots.len());
+    for (step, shot) in shots.iter().enumerate() {
+        let of_step = |key: &str| object.texts(key)[step].to_owned();
+        let motor_deg: f64 = of_step("motor_deg").parse().expect("an angle");
+        assert!(shot.contains(&format!(">{}, motor at {motor_deg:.1} deg<", of_step("phase"))), "step {step}");
+        for (finger, total) in ["left", "right"].iter().zip(&totals[2 * step..]) {
+            let sensed_n: f64 = forces.texts("sensed_n")[*total].parse().expect("sensed");
+            let says = format!(">{finger}: true {:.2} N, sensed {sensed_n:.2} N<", force_n[*total]);
+            assert!(shot.contains(&says), "step {step}: {says}");
+        }
+    }
+    let still: Vec<&&str> =
+        shots.iter().filter(|shot| shot.split_once('"').is_some_and(|(class, _)| class.contains("still"))).collect();
+    assert!(still.len() == 1 && still[0].contains(">carry, motor"), "{} stand still", still.len());
+    assert!(!animation.contains("<script"));
+    // Both pictures are drawn: moments, force over steps and over the motor's angle.
+    let figure = folder.read("one/grasp.svg");
+    assert!(
+        ["force of each finger, step by step", "force over the motor's angle"].iter().all(|it| figure.contains(it))
+    );
     let summary = summary(&folder, "one");
     assert_eq!(summary["ended"], "done");
     assert!(summary["worst_imbalance"].as_f64().expect("a number") < 1e-3);

@@ -195,7 +195,7 @@ fn a_force_is_reached_and_held() {
     )]);
     let (steps, ended) = steps_of(&grasp(&held), 0.01);
     assert_eq!(ended, Ended::Done);
-    let figures = finray_verify::experiments::grasp::loop_figures(&steps, 1.6, Some(25.0)).unwrap();
+    let figures = finray_verify::experiments::grasp::loop_figures(&steps, 1.6, Some(30.0)).unwrap();
     assert!(figures.largest_error < 0.05 && figures.overshoot < 0.05, "{figures:?}");
     assert!(figures.rise_s.unwrap() > 0.0);
 }

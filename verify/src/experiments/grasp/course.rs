@@ -96,6 +96,7 @@ enum Task {
 }
 
 /// A grasp on its way.
+#[derive(Clone)]
 pub(super) struct Course<'s, 'l> {
     scene: &'s GraspScene,
     world: World<'l>,
@@ -146,6 +147,11 @@ impl<'s, 'l> Course<'s, 'l> {
     fn step_deg(&self) -> f64 {
         let grasp = &self.scene.grasp;
         grasp.frames_per_s.map_or(grasp.step_deg, |rate| grasp.motor_deg_per_s / rate)
+    }
+
+    /// Closes on from where it is, as another scene of the same fingers and object has it.
+    pub(super) fn closing_on(&self, scene: &'s GraspScene) -> Course<'s, 'l> {
+        Course { scene, task: Task::Close, ..self.clone() }
     }
 
     /// Goes to the next step and lets all come to rest.

@@ -7,6 +7,7 @@
 mod course;
 pub mod file;
 mod outlook;
+pub mod rates;
 mod sensed;
 pub mod study;
 mod summary;
@@ -207,18 +208,29 @@ impl GraspScene {
     /// [`GraspError`] if it cannot begin.
     pub fn run(&self, eyes: &Eyes, seed: u64, mut each: impl FnMut(&GraspStep)) -> Result<Ended, GraspError> {
         let lattice = Lattice::new(&self.finger, self.fineness)?;
-        let mut noise = Noise::new(seed);
         let mut course = Course::new(self, &lattice)?;
+        Ok(self.go_on(&mut course, &lattice, eyes, &mut Noise::new(seed), &mut each))
+    }
+
+    /// Goes on to the end of a course.
+    fn go_on(
+        &self,
+        course: &mut Course,
+        lattice: &Lattice,
+        eyes: &Eyes,
+        noise: &mut Noise,
+        each: &mut dyn FnMut(&GraspStep),
+    ) -> Ended {
         loop {
             match course.advance() {
-                Err(ended) => return Ok(ended),
+                Err(ended) => return ended,
                 Ok(()) => {
                     let fingers = course.seen();
-                    let sensed = fingers.map(|seen| self.sense(&lattice, seen, eyes, &mut noise));
+                    let sensed = fingers.map(|seen| self.sense(lattice, seen, eyes, noise));
                     let step = course.step(sensed);
                     each(&step);
                     if let Some(ended) = course.judge(&step) {
-                        return Ok(ended);
+                        return ended;
                     }
                 }
             }

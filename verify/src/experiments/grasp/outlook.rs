@@ -8,7 +8,7 @@ use serde::Serialize;
 pub struct LoopFigures {
     /// Target, N.
     pub target_n: f64,
-    /// Time from the first touch to nine tenths of the target, s; none where steps have no time.
+    /// Time in which the force rises from a tenth to nine tenths of the target, s; none where steps have no time.
     pub rise_s: Option<f64>,
     /// By which share of the target the largest force is above it, until the gripper opens.
     pub overshoot: f64,
@@ -18,11 +18,22 @@ pub struct LoopFigures {
     pub largest_error: f64,
 }
 
-/// Figures of a loop from its steps; none where it never held.
-pub fn loop_figures(steps: &[GraspStep], target_n: f64, frames_per_s: Option<f64>) -> Option<LoopFigures> {
-    let force_n = |step: &GraspStep| 0.5 * step.fingers.iter().map(|finger| finger.total_n).sum::<f64>();
-    let touched = steps.iter().position(|step| force_n(step) > 0.0)?;
-    let reached = steps.iter().position(|step| force_n(step) >= 0.9 * target_n)?;
+/// True force of a finger across the gripper, the mean of both, N.
+fn force_n(step: &GraspStep) -> f64 {
+    0.5 * step.fingers.iter().map(|finger| finger.total_n).sum::<f64>()
+}
+
+/// Motor angle at which the force first reaches a level, degrees, between two steps in proportion.
+fn reached_deg(steps: &[GraspStep], level_n: f64) -> Option<f64> {
+    let end = steps.iter().position(|step| force_n(step) >= level_n)?;
+    let [from, to] = [&steps[end.checked_sub(1)?], &steps[end]];
+    let share = (level_n - force_n(from)) / (force_n(to) - force_n(from));
+    Some(from.motor_deg + share * (to.motor_deg - from.motor_deg))
+}
+
+/// Figures of a loop from its steps, with the motor's speed where steps have times; none where it never held.
+pub fn loop_figures(steps: &[GraspStep], target_n: f64, motor_deg_per_s: Option<f64>) -> Option<LoopFigures> {
+    let [tenth_deg, most_deg] = [reached_deg(steps, 0.1 * target_n)?, reached_deg(steps, 0.9 * target_n)?];
     let held: Vec<f64> = steps
         .iter()
         .filter(|step| matches!(step.phase, Phase::Hold | Phase::Lift | Phase::Carry | Phase::Place))
@@ -36,7 +47,7 @@ pub fn loop_figures(steps: &[GraspStep], target_n: f64, frames_per_s: Option<f64
     let share = |force_n: f64| force_n / target_n - 1.0;
     Some(LoopFigures {
         target_n,
-        rise_s: frames_per_s.map(|rate| (reached - touched) as f64 / rate),
+        rise_s: motor_deg_per_s.map(|speed| (most_deg - tenth_deg).abs() / speed),
         overshoot: closed.map(share).fold(0.0, f64::max),
         steady_error: share(late.iter().sum::<f64>() / late.len() as f64),
         largest_error: late.iter().map(|force_n| share(*force_n).abs()).fold(0.0, f64::max),

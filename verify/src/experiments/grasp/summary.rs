@@ -75,6 +75,7 @@ impl Summary {
         let largest = |values: &mut dyn Iterator<Item = f64>| values.reduce(f64::max);
         let grasp = scene.grasp();
         let held_n = grasp.until_force_n.filter(|_| grasp.holds);
+        let motor_deg_per_s = grasp.frames_per_s.map(|_| grasp.motor_deg_per_s);
         Summary {
             name: name.to_owned(),
             ended: ended.to_string(),
@@ -87,7 +88,7 @@ impl Summary {
             dissipated_nmm: steps.last().map_or(0.0, |step| step.dissipated_nmm),
             driven_nmm: steps.last().map_or(0.0, |step| step.driven_nmm),
             sensed: sensed(steps),
-            closed_loop: held_n.and_then(|target_n| loop_figures(steps, target_n, grasp.frames_per_s)),
+            closed_loop: held_n.and_then(|target_n| loop_figures(steps, target_n, motor_deg_per_s)),
         }
     }
 }

@@ -1,0 +1,56 @@
+//! The closed loop against the camera's rate.
+
+use finray_model::Scene;
+use finray_verify::check::Verdict;
+use finray_verify::experiments::grasp::rates::{LoopRun, LoopStudy, closed_loops};
+use finray_verify::experiments::grasp::{Ended, Eyes, GraspScene, LoopFigures, loop_figures};
+
+const MOTOR_DEG_PER_S: f64 = 30.0;
+
+/// Without noise: between two slow frames the motor goes on, and later still where sensing is late.
+#[test]
+fn slow_and_late_frames_overshoot() {
+    let study = closed_loops(&[(0.0, 0, 2.0), (0.0, 0, 10.0), (0.0, 2, 2.0), (0.0, 2, 10.0)]).unwrap();
+    let figures: Vec<LoopFigures> = study.runs.iter().map(|run| run.figures.expect("it holds")).collect();
+    for (run, figures) in study.runs.iter().zip(&figures) {
+        // What the motor adds in a frame, or in as many as sensing is late and one; the force grows faster at the end than on the whole.
+        let share_a_frame = 0.8 / (figures.rise_s.unwrap() * run.frames_per_s);
+        let [least, most] = [0.0, 1.0].map(|more| 1.3 * (run.delay_frames as f64 + more) * share_a_frame);
+        assert!(figures.overshoot <= most && figures.overshoot >= 0.5 * least, "{run:?}");
+        assert!(figures.largest_error < 0.01, "{run:?}");
+    }
+    assert!(figures[2].overshoot > 0.08 && figures[2].overshoot > 2.0 * figures[3].overshoot, "{figures:?}");
+}
+
+/// Loops that begin as one end as one does that looks at every frame; only where frames fall differs.
+#[test]
+fn frames_left_out_change_nothing() {
+    const RATE: f64 = 10.0;
+    let mut scene = Scene::from_toml(finray_fixtures::GRASP_LOOP_SCENE).unwrap();
+    let grasp = scene.grasp.as_mut().unwrap();
+    grasp.frames_per_s = Some(RATE);
+    grasp.path_mm.clear();
+    let grasp = GraspScene::new(&scene, &[]).unwrap().with_fineness(1);
+    let mut steps = Vec::new();
+    assert_eq!(grasp.run(&Eyes::Noise(0.0), 1, |step| steps.push(step.clone())).unwrap(), Ended::Done);
+    let every = loop_figures(&steps, 1.6, Some(MOTOR_DEG_PER_S)).unwrap();
+    let few = closed_loops(&[(0.0, 0, RATE)]).unwrap().runs[0].figures.unwrap();
+    // A frame is 3 degrees, 15 mN of 1.6 N; the force rises evenly, at the motor's speed.
+    assert!((every.overshoot - few.overshoot).abs() < 0.012, "{every:?} {few:?}");
+    assert!((every.steady_error - few.steady_error).abs() < 0.002, "{every:?} {few:?}");
+    assert!((every.rise_s.unwrap() / few.rise_s.unwrap() - 1.0).abs() < 0.01, "{every:?} {few:?}");
+}
+
+/// The check is of the paper's rate, of the worst loop there, and of loops that hold at all.
+#[test]
+fn a_loop_that_does_not_hold_fails_the_check() {
+    let figures =
+        |largest_error| LoopFigures { target_n: 1.6, rise_s: None, overshoot: 0.0, steady_error: 0.0, largest_error };
+    let run = |frames_per_s, figures| LoopRun { noise_mm: 0.01, delay_frames: 0, frames_per_s, figures };
+    let verdict = |at_25| {
+        let runs = vec![run(2.0, Some(figures(0.5))), run(25.0, Some(figures(0.01))), run(25.0, at_25)];
+        LoopStudy { target_n: 1.6, motor_deg_per_s: MOTOR_DEG_PER_S, runs }.held().verdict
+    };
+    assert_eq!(verdict(Some(figures(0.04))), Verdict::Pass);
+    assert_eq!([verdict(Some(figures(0.06))), verdict(None)], [Verdict::Fail; 2]);
+}

@@ -1,0 +1,130 @@
+//! The closed loop against the camera's rate: overshoot, error once held and time of rise, under two levels of noise and two delays.
+//!
+//! The scene is `loop.toml` without its way: close until a force is sensed, then hold it. Until nine tenths of the force are there, all loops
+//! are one, in steps of the motor angle and without noise: no frame decides anything yet. From there on a step is a frame.
+
+use super::course::Course;
+use super::study::GraspStudyError;
+use super::{Ended, Eyes, GraspError, GraspScene, GraspStep, LoopFigures, loop_figures};
+use crate::check::{Check, Kind, worst};
+use crate::experiments::{Context, Evidence};
+use crate::lattice::Lattice;
+use crate::sampling::noise::Noise;
+use crate::settings::{Effort, LEAST_STATED_MM};
+use finray_model::Scene;
+use finray_model::scene::GraspDescription;
+use rayon::prelude::*;
+
+/// Frames a second.
+const FRAMES_PER_S: [f64; 4] = [2.0, 5.0, 10.0, 25.0];
+/// The paper's camera, of which the check is.
+const CHECKED_PER_S: f64 = 25.0;
+/// Frames by which sensing is late.
+pub const DELAYS: [usize; 2] = [0, 2];
+/// Segments of the lattice in a member of a plate: the loop sees a finger that is some 1 % off its model, which the controller does not notice.
+const FINENESS: usize = 1;
+/// Share of the force from which on steps are frames.
+const FRAMES_FROM: f64 = 0.9;
+/// Seed of the noise.
+const SEED: u64 = 1;
+/// What is asked of the loop: within 5 % of the target once it holds.
+const HELD_TOLERANCE: f64 = 0.05;
+
+/// A loop at a rate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoopRun {
+    /// Standard deviation of one coordinate, mm.
+    pub noise_mm: f64,
+    /// Frames by which sensing is late.
+    pub delay_frames: usize,
+    /// Frames a second.
+    pub frames_per_s: f64,
+    /// Its figures; none where it never held.
+    pub figures: Option<LoopFigures>,
+}
+
+/// Loops at all rates.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoopStudy {
+    /// Force of a finger that is asked for, N.
+    pub target_n: f64,
+    /// Speed of the motor, degrees a second.
+    pub motor_deg_per_s: f64,
+    /// By noise, delay, then rate.
+    pub runs: Vec<LoopRun>,
+}
+
+/// Runs all loops, for the paper's finger under noise, in a full study.
+///
+/// # Errors
+/// [`GraspStudyError`] if the scene is no grasp.
+pub fn run(context: &Context) -> Result<Option<LoopStudy>, GraspStudyError> {
+    if !context.is_paper || context.effort == Effort::Quick || context.noise_mm == 0.0 {
+        return Ok(None);
+    }
+    context.progress.part("closed loop", 1);
+    let levels_mm = [LEAST_STATED_MM, context.noise_mm];
+    let all = levels_mm.iter().flat_map(|noise| DELAYS.iter().map(move |delay| (*noise, *delay)));
+    let all: Vec<_> = all.flat_map(|(noise, delay)| FRAMES_PER_S.map(|rate| (noise, delay, rate))).collect();
+    let study = closed_loops(&all)?;
+    context.progress.step();
+    Ok(Some(study))
+}
+
+/// The loop that ships under levels of noise (mm), delays (frames) and rates (frames a second).
+///
+/// # Errors
+/// [`GraspStudyError`] if the scene is no grasp.
+pub fn closed_loops(settings: &[(f64, usize, f64)]) -> Result<LoopStudy, GraspStudyError> {
+    let mut scene = Scene::from_toml(finray_fixtures::GRASP_LOOP_SCENE)?;
+    let of = |scene: &Scene| Ok::<_, GraspError>(GraspScene::new(scene, &[])?.with_fineness(FINENESS));
+    let grasp = of(&scene)?.grasp().clone();
+    let (target_n, motor_deg_per_s) = (grasp.until_force_n.unwrap_or_default(), grasp.motor_deg_per_s);
+    // All begin alike: until most of the force is reached no frame decides anything.
+    let mut closing = |changed: GraspDescription| {
+        scene.grasp = Some(GraspDescription { path_mm: Vec::new(), ..changed });
+        of(&scene)
+    };
+    let until_force_n = Some(FRAMES_FROM * target_n);
+    let coarse = closing(GraspDescription { until_force_n, holds: false, frames_per_s: None, ..grasp.clone() })?;
+    let at_rates = settings.iter().map(|(_, delay_frames, rate)| {
+        closing(GraspDescription { frames_per_s: Some(*rate), delay_frames: *delay_frames, ..grasp.clone() })
+    });
+    let at_rates = at_rates.collect::<Result<Vec<_>, _>>()?;
+    let lattice = Lattice::new(&coarse.finger, FINENESS).map_err(GraspError::from)?;
+    let mut begun: Vec<GraspStep> = Vec::new();
+    let mut course = Course::new(&coarse, &lattice)?;
+    coarse.go_on(&mut course, &lattice, &Eyes::Noise(0.0), &mut Noise::new(SEED), &mut |step| begun.push(step.clone()));
+    let run = |(&(noise_mm, delay_frames, frames_per_s), scene): (&(f64, usize, f64), &GraspScene)| {
+        let (mut steps, mut course) = (begun.clone(), course.closing_on(scene));
+        let mut each = |step: &GraspStep| steps.push(step.clone());
+        let ended = scene.go_on(&mut course, &lattice, &Eyes::Noise(noise_mm), &mut Noise::new(SEED), &mut each);
+        let figures = loop_figures(&steps, target_n, Some(motor_deg_per_s)).filter(|_| ended == Ended::Done);
+        LoopRun { noise_mm, delay_frames, frames_per_s, figures }
+    };
+    Ok(LoopStudy { target_n, motor_deg_per_s, runs: settings.par_iter().zip(&at_rates).map(run).collect() })
+}
+
+impl LoopStudy {
+    /// Whether the force is held as well as is asked, at the rate of the paper's camera.
+    pub fn held(&self) -> Check {
+        let held = self.runs.iter().filter(|run| run.frames_per_s == CHECKED_PER_S);
+        // A loop that never held is no number, which fails.
+        let largest = worst(held.map(|run| run.figures.map_or(f64::NAN, |figures| figures.largest_error)));
+        Check::new(
+            Kind::Internal,
+            format!("{} N held by the closed loop at {CHECKED_PER_S} frames a second", self.target_n),
+            "target",
+            "largest difference once held / target, over two levels of noise and two delays",
+            0.0,
+            largest,
+            HELD_TOLERANCE,
+        )
+    }
+}
+
+impl Evidence for LoopStudy {
+    fn checks(&self, _: &Context) -> Vec<Check> {
+        vec![self.held()]
+    }
+}

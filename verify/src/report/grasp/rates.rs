@@ -1,0 +1,83 @@
+//! The closed loop against the camera's rate: a chart, a table and a file.
+
+use crate::experiments::grasp::rates::{DELAYS, LoopRun, LoopStudy};
+use crate::figures::{Axis, Chart, FigureError, Frame, Series};
+use crate::report::ReportError;
+use crate::report::dataset::{Columns, Dataset, Format};
+use crate::report::page::{Block, Figure, details};
+use crate::report::words::paragraph;
+use crate::study::Study;
+
+const CSV: &str = "grasp_loop.csv";
+
+fn columns<'c>() -> Columns<'c, LoopRun> {
+    Columns::<LoopRun>::new()
+        .file("noise_mm", |run| run.noise_mm)
+        .shown("noise, mm", Format::Plain)
+        .file("delay_frames", |run| run.delay_frames)
+        .shown("frames late", Format::Plain)
+        .file("frames_per_s", |run| run.frames_per_s)
+        .shown("frames a second", Format::Plain)
+        .file("overshoot", |run| run.figures.map(|figures| figures.overshoot))
+        .shown("overshoot", Format::Percent)
+        .file("steady_error", |run| run.figures.map(|figures| figures.steady_error))
+        .shown("mean error once held", Format::Percent)
+        .file("largest_error", |run| run.figures.map(|figures| figures.largest_error))
+        .shown("largest", Format::Percent)
+        .file("rise_s", |run| run.figures.and_then(|figures| figures.rise_s))
+        .shown("10 to 90 %, s", Format::Fixed(1))
+}
+
+pub(super) fn dataset(study: &Study) -> Dataset<'static> {
+    Dataset::new(CSV, &columns(), study.closed_loop.iter().flat_map(|closed_loop| closed_loop.runs.clone()))
+}
+
+pub(super) fn blocks(closed_loop: &LoopStudy) -> Result<Vec<Block>, ReportError> {
+    let LoopStudy { target_n, motor_deg_per_s, runs } = closed_loop;
+    let worst = |of: fn(&LoopRun) -> Option<f64>| runs.iter().filter_map(of).fold(0.0, f64::max);
+    let numbers = minijinja::context! {
+        target_n, motor_deg_per_s,
+        steady => worst(|run| Some(run.figures?.steady_error.abs())),
+    };
+    let caption = "True force of both fingers, their mean, above the target at most; one loop a sign. Where the frames fall decides how much of the dotted lines it is.";
+    let figure = Figure::wide(chart(closed_loop)?, caption, CSV);
+    let table = columns().table("Every loop", CSV, runs.clone());
+    Ok(vec![
+        paragraph("grasp.loop", numbers)?,
+        Block::Figure(figure),
+        details("Overshoot, error once held and rise of every loop", vec![Block::Table(table)]),
+    ])
+}
+
+/// Overshoot over frame rate, a line a noise and delay.
+fn chart(LoopStudy { target_n, runs, .. }: &LoopStudy) -> Result<String, FigureError> {
+    let mut series = Vec::new();
+    for of_setting in runs.chunk_by(|a, b| (a.noise_mm, a.delay_frames) == (b.noise_mm, b.delay_frames)) {
+        let [LoopRun { noise_mm, delay_frames, .. }, ..] = of_setting else { continue };
+        let late = if *delay_frames == 0 { "at once".to_owned() } else { format!("{delay_frames} frames late") };
+        let points = of_setting.iter().filter_map(|run| Some([run.frames_per_s, 100.0 * run.figures?.overshoot]));
+        let points: Vec<_> = points.collect();
+        if !points.is_empty() {
+            series.push(Series::nth(series.len(), format!("{noise_mm} mm noise, sensed {late}"), points));
+        }
+    }
+    for run in runs.chunk_by(|a, b| a.delay_frames == b.delay_frames).take(DELAYS.len()).filter_map(<[_]>::first) {
+        let Some(rise_s) = run.figures.and_then(|figures| figures.rise_s) else { continue };
+        // The force rises by eight tenths of the target in that time.
+        let frames = 1.0 + run.delay_frames as f64;
+        let share = |rate: f64| 0.8 * frames / (rise_s * rate);
+        let points = runs.iter().take_while(|of| of.delay_frames == runs[0].delay_frames);
+        let points = points.map(|of| [of.frames_per_s, 100.0 * share(of.frames_per_s)]).collect();
+        series.push(Series::guide(
+            format!("what the motor adds in {frames} frame{}", if frames > 1.0 { "s" } else { "" }),
+            points,
+        ));
+    }
+    let rates = runs.iter().map(|run| run.frames_per_s);
+    let [least, most] = [f64::min, f64::max].map(|of| rates.clone().reduce(of).unwrap_or(1.0));
+    let ticks = runs.iter().take_while(|run| run.delay_frames == runs[0].delay_frames).map(|run| run.frames_per_s);
+    let x = Axis::log("frames a second").within(0.8 * least, 1.25 * most).with_ticks(ticks);
+    let title = format!("Overshoot of a closed loop of {target_n} N against the camera's rate");
+    let alt = format!("{title}, by noise and delay.");
+    Chart::new(Frame::full(title, alt), [x, Axis::linear("overshoot, %")], series).svg()
+}
