@@ -3,6 +3,7 @@
 mod camera;
 mod criteria;
 mod experiments;
+mod grasps;
 mod gripper;
 mod limits;
 

@@ -31,6 +31,8 @@ mod figures {
 mod grasp {
     mod contact;
     mod loops;
+    mod modules;
+    mod observations;
     mod world;
 }
 mod imaging {

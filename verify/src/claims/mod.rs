@@ -8,6 +8,7 @@ pub mod camera;
 pub mod criteria;
 mod deformation;
 pub mod experiments;
+pub mod grasps;
 pub mod gripper;
 pub mod limits;
 mod rate;
@@ -107,6 +108,7 @@ pub fn ledger(study: &Study) -> Result<Vec<Claim>, ClaimError> {
     let mut claims = deformation::claims(study, words)?;
     claims.extend(single_finger::claims(study, words)?);
     claims.extend(gripper::claims(study, words)?);
+    claims.extend(grasps::claims(study, words)?);
     claims.extend(limits::claims(study, words)?);
     claims.push(camera::position_error(study.camera.as_ref(), words)?);
     let times = study.camera.as_ref().and_then(|camera| camera.times);

@@ -1,5 +1,6 @@
 //! The paper's Table II, by finger, noise and estimator; the paper's own network beside them, as recorded.
 
+mod gripper;
 mod rows;
 pub mod words;
 
@@ -22,7 +23,7 @@ const CSV: &str = "table_two.csv";
 const ROUNDING: f64 = 1e-8;
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
-    vec![rows::dataset(study)]
+    vec![rows::dataset(study), gripper::dataset(study)]
 }
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
@@ -39,6 +40,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     )));
     blocks.extend(words::linearisation(two, study.noise_mm)?.map(text));
     blocks.push(details("By estimator", vec![Block::Table(table(two, records, study.noise_mm))]));
+    blocks.extend(study.modules.as_ref().map(gripper::blocks).transpose()?.into_iter().flatten());
     let says = [words::papers(records, study.noise_mm)?, words::ours(two, study.noise_mm)?].into_iter().flatten();
     Ok(Some(Section::new("table-two", "The paper's Table II", blocks).saying(says)))
 }

@@ -14,6 +14,8 @@ use crate::experiments::coverage::{self, CoverageRow};
 use crate::experiments::direction::{self, DirectionStudy};
 use crate::experiments::displacement_noise::{self, DisplacementNoiseStudy};
 use crate::experiments::explain::{self, ExplanationMap};
+use crate::experiments::grasp::modules::{self, ModuleStudy};
+use crate::experiments::grasp::observations::{self, Observations};
 use crate::experiments::grasp::rates::{self, LoopStudy};
 use crate::experiments::grasp::study::{self as grasp_study, GraspStudy};
 use crate::experiments::hard_cases::{self, HardCase};
@@ -189,6 +191,12 @@ study! { |context|
     "closed loop":
         /// The closed loop against the camera's rate, likewise.
         closed_loop: Option<LoopStudy> = rates::run(context);
+    "sensor modules":
+        /// Table II on the moving gripper, likewise.
+        modules: Option<ModuleStudy> = modules::run(context);
+    "observations":
+        /// What the paper observes of grasps, likewise.
+        observations: Option<Observations> = observations::run(context, &grasps, modules.as_ref());
     "speed and error":
         /// Time and error of models and estimators.
         speed_error: Vec<SpeedErrorPoint> = speed_error::run(context);

@@ -6,6 +6,8 @@
 
 mod course;
 pub mod file;
+pub mod modules;
+pub mod observations;
 mod outlook;
 pub mod rates;
 mod sensed;

@@ -1,0 +1,40 @@
+//! What is observed of grasps: totals of the two fingers, and opening against closing.
+
+use finray_model::Scene;
+use finray_verify::experiments::grasp::observations::{Totals, totals};
+use finray_verify::experiments::grasp::{Eyes, GraspScene, GraspStep};
+
+/// The disc pressed on its support and let go, with a friction and noise.
+fn observed(friction: &str, noise_mm: f64) -> Totals {
+    let changes = [
+        ("friction = 0.4", friction),
+        ("motor_deg = [0.0, -495.0]", "motor_deg = [0.0, -382.5]"),
+        ("path_mm = [[0.0, -40.0], [60.0, -40.0], [60.0, 0.0]]\npath_steps = 12", "open = true"),
+    ];
+    let text = changes.iter().fold(finray_fixtures::GRASPED_DISC_SCENE.to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replace(from, to)
+    });
+    let grasp = GraspScene::new(&Scene::from_toml(&text).unwrap(), &[]).unwrap().with_fineness(1);
+    let mut steps: Vec<GraspStep> = Vec::new();
+    grasp.run(&Eyes::Noise(noise_mm), 1, |step| steps.push(step.clone())).unwrap();
+    totals(&steps).expect("something is sensed")
+}
+
+/// Nothing but friction tells opening from closing, and nothing but noise tells the fingers apart.
+#[test]
+fn friction_and_noise_make_the_differences() {
+    let [smooth, rough, noisy] = [("friction = 0.0", 0.0), ("friction = 0.4", 0.0), ("friction = 0.0", 0.067)]
+        .map(|(friction, noise_mm)| observed(friction, noise_mm));
+    assert!(smooth.opening.unwrap() < 1e-3, "{smooth:?}");
+    assert!(rough.opening.unwrap() > 10.0 * smooth.opening.unwrap(), "{rough:?}");
+    assert!(smooth.opening_sensed.unwrap() < 0.01, "{smooth:?}");
+    // The disc slides to the middle of its own accord; sensed totals then differ by rounding without noise.
+    assert!(noisy.left_right[0] > 3.0 * smooth.left_right[0], "{noisy:?} {smooth:?}");
+    assert!(noisy.left_right[0] < noisy.left_right[1] && noisy.left_right[1] < 1.0, "{noisy:?}");
+}
+
+#[test]
+fn nothing_sensed_is_nothing_observed() {
+    assert_eq!(totals(&[]), None);
+}

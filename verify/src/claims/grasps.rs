@@ -1,0 +1,147 @@
+//! Sections V-C and V-D: Table II on the moving gripper, and grasps of objects (Figs. 11, 14 and 16).
+
+use super::criteria::{MUCH_SHARE, in_simulation, simulated};
+use super::{Claim, ClaimError, ClaimVerdict, Words};
+use crate::estimators::EstimatorId;
+use crate::experiments::grasp::modules::{ModuleStudy, ModuleTest};
+use crate::experiments::grasp::observations::{Observations, SMALL_N};
+use crate::experiments::table_two::{CONTACT_GROUPS, ContactGroup, GroupErrors};
+use crate::study::Study;
+use minijinja::{Value, context};
+
+/// The module of the paper's Fig. 11(a).
+const CROSSING: [usize; 2] = [18, 20];
+
+pub(super) fn claims(study: &Study, words: &Words) -> Result<Vec<Claim>, ClaimError> {
+    let mut claims = Vec::new();
+    for group in CONTACT_GROUPS {
+        claims.extend(on_the_gripper(study.modules.as_ref(), &group, words)?);
+    }
+    let test = study.modules.as_ref().and_then(|modules| modules.test(&CROSSING));
+    claims.push(crossing(test, words)?);
+    let observed = study.observations.as_ref();
+    claims.extend([left_right(observed, words)?, untouched(observed, words)?, pick_and_place(observed, words)?]);
+    Ok(claims)
+}
+
+/// A row of Table II while the gripper closes.
+fn on_the_gripper(
+    modules: Option<&ModuleStudy>,
+    group: &ContactGroup,
+    words: &Words,
+) -> Result<Vec<Claim>, ClaimError> {
+    let of = |estimator| modules.and_then(|modules| modules.group(group, estimator));
+    let Some(nonlinear) = of(EstimatorId::Nonlinear) else { return Ok(Vec::new()) };
+    let others = [EstimatorId::LeastSquares, EstimatorId::Network].map(|id| (id.label(), of(id)));
+    let against = |quantity: &str, paper: f64, error: &dyn Fn(&GroupErrors) -> Option<f64>| {
+        let Some(ours) = error(&nonlinear) else { return Ok(None) };
+        let other = |(name, found): &(&str, Option<GroupErrors>)| {
+            Some(context! { name => *name, error => error(found.as_ref()?)? })
+        };
+        let numbers = context! {
+            group => group.name, quantity, paper, ours, noise_mm => modules.map(|modules| modules.noise_mm),
+            others => others.iter().filter_map(other).collect::<Vec<_>>(),
+            refused => nonlinear.refused, answered => nonlinear.answered,
+        };
+        words.claim("closing-gripper", simulated(ours, paper), numbers).map(Some)
+    };
+    let each = against("each force", group.paper_force, &|errors| Some(errors.force))?;
+    let sum = match group.paper_sum {
+        Some(paper) => against("the sum", paper, &|errors| errors.sum)?,
+        None => None,
+    };
+    Ok(each.into_iter().chain(sum).collect())
+}
+
+/// Motor angles at which the second force begins, and at which it passes the first one: the order of Fig. 11(a).
+pub fn order(test: &ModuleTest) -> [Option<f64>; 2] {
+    let at =
+        |holds: &dyn Fn(&[f64]) -> bool| test.steps.iter().find(|step| holds(&step.true_n)).map(|step| step.turned_deg);
+    let begins = at(&|true_n| true_n[0] > 0.0 && true_n[1] > 0.0)
+        .filter(|_| test.steps.first().is_some_and(|first| first.true_n[0] == 0.0 && first.true_n[1] > 0.0));
+    [begins, at(&|true_n| true_n[0] > true_n[1]).filter(|_| begins.is_some())]
+}
+
+/// Whether one force begins alone and the other passes it.
+///
+/// # Errors
+/// [`ClaimError`] if the words lack a number; likewise below.
+pub fn crossing(test: Option<&ModuleTest>, words: &Words) -> Result<Claim, ClaimError> {
+    let found = test.map(order);
+    let verdict =
+        found.map_or(ClaimVerdict::NotTested, |[begins, crosses]| in_simulation(begins.is_some() && crosses.is_some()));
+    let [begins_deg, crosses_deg] = found.unwrap_or_default();
+    words.claim("crossing", verdict, context! { tested => found.is_some(), begins_deg, crosses_deg })
+}
+
+/// How alike both fingers' sensed totals are.
+///
+/// # Errors
+/// As [`crossing`].
+pub fn left_right(observed: Option<&Observations>, words: &Words) -> Result<Claim, ClaimError> {
+    let objects = objects(observed, |totals| Some(totals.left_right[0]));
+    let verdict = judged(&objects, |difference| difference <= MUCH_SHARE);
+    let largest =
+        observed.map(|observed| observed.objects.iter().map(|(_, totals)| totals.left_right[1]).fold(0.0, f64::max));
+    let numbers = context! {
+        tested => !objects.is_empty(), objects => named(&objects), largest, much => MUCH_SHARE,
+        noise_mm => observed.map(|observed| observed.noise_mm),
+    };
+    words.claim("left-right", verdict, numbers)
+}
+
+/// What is sensed where nothing touches.
+///
+/// # Errors
+/// As [`crossing`].
+pub fn untouched(observed: Option<&Observations>, words: &Words) -> Result<Claim, ClaimError> {
+    let of = |id| observed?.untouched.iter().find(|(estimator, _)| *estimator == id).map(|(_, found)| *found);
+    let (nonlinear, linear) = (of(EstimatorId::Nonlinear), of(EstimatorId::LeastSquares));
+    let beside = observed.map(|observed| observed.beside_sensor);
+    let asked = nonlinear.filter(|found| found.count > 0);
+    let verdict = asked.map_or(ClaimVerdict::NotTested, |found| in_simulation(found.within == found.count));
+    let counted = |found: Option<crate::experiments::grasp::modules::Untouched>| {
+        found.map(|found| context! { count => found.count, within => found.within, largest_n => found.largest_n })
+    };
+    let numbers = context! {
+        tested => asked.is_some(), nonlinear => counted(nonlinear), linear => counted(linear), beside => counted(beside),
+        small_n => SMALL_N, noise_mm => observed.map(|observed| observed.noise_mm),
+    };
+    words.claim("untouched", verdict, numbers)
+}
+
+/// Whether opening finds the forces of closing.
+///
+/// # Errors
+/// As [`crossing`].
+pub fn pick_and_place(observed: Option<&Observations>, words: &Words) -> Result<Claim, ClaimError> {
+    let objects = objects(observed, |totals| totals.opening);
+    let sensed = self::objects(observed, |totals| totals.opening_sensed);
+    let verdict = judged(&objects, |difference| difference <= MUCH_SHARE);
+    let numbers = context! {
+        tested => !objects.is_empty(), objects => named(&objects), sensed => named(&sensed), much => MUCH_SHARE,
+        noise_mm => observed.map(|observed| observed.noise_mm),
+    };
+    words.claim("pick-and-place", verdict, numbers)
+}
+
+/// A figure of each object.
+fn objects(
+    observed: Option<&Observations>,
+    figure: impl Fn(&crate::experiments::grasp::observations::Totals) -> Option<f64>,
+) -> Vec<(String, f64)> {
+    let all = observed.into_iter().flat_map(|observed| &observed.objects);
+    all.filter_map(|(name, totals)| Some((name.clone(), figure(totals)?))).collect()
+}
+
+fn named(objects: &[(String, f64)]) -> Vec<Value> {
+    objects.iter().map(|(name, share)| context! { name, share }).collect()
+}
+
+/// In simulation, if it holds for every object.
+fn judged(objects: &[(String, f64)], holds: impl Fn(f64) -> bool) -> ClaimVerdict {
+    match objects {
+        [] => ClaimVerdict::NotTested,
+        objects => in_simulation(objects.iter().all(|(_, figure)| holds(*figure))),
+    }
+}

@@ -1,0 +1,223 @@
+//! The paper's tests of grasping forces (sec. V-C, Figs. 9 to 11 and Table II): a finger on its moving base closes on force sensors that stand
+//! still.
+//!
+//! A module has a cap before each of its nodes, all caps in one plane along the gripper. The motor moves the finger's base by eqs (6) to (9); where
+//! the rod of a node meets its cap, the cap holds it back along the sensor's axis, across the gripper, without friction: the direction that
+//! the paper takes for known. The finger is the co-rotational frame. The other finger is its mirror image and bends alike, so one is solved. Forces are
+//! sensed from displacements against the undeformed finger at the motor's angle, with camera noise.
+
+mod closing;
+
+pub use closing::{ClosedStep, closing};
+
+use super::study::GraspStudyError;
+use crate::estimators::network::NetworkSensing;
+use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorId};
+use crate::experiments::table_two::{ContactGroup, FORCES_N, GroupErrors, contact_sets};
+use crate::experiments::{Context, Evidence};
+use crate::sampling::noise::Noise;
+use crate::settings::Effort;
+use finray_model::measurement::{Measurement, MeasurementError};
+use finray_model::mesh::LoadError;
+use finray_model::sensing::{Contact, ContactPosition};
+use finray_model::{Mesh, NodeId, Scene};
+use rayon::prelude::*;
+
+/// Noise samples a step.
+const SAMPLES: usize = 4;
+/// Seed of the noise.
+const SEED: u64 = 1;
+
+/// Why the tests could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum ModuleError {
+    /// The scene of the gripper.
+    #[error(transparent)]
+    Scene(#[from] GraspStudyError),
+    /// A node is not on the finger.
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    /// Markers.
+    #[error(transparent)]
+    Markers(#[from] MeasurementError),
+    /// An estimator is not made for the nodes.
+    #[error(transparent)]
+    Estimator(#[from] EstimatorError),
+}
+
+/// All tests.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModuleStudy {
+    /// Standard deviation of one coordinate, mm.
+    pub noise_mm: f64,
+    /// By [`contact_sets`].
+    pub tests: Vec<ModuleTest>,
+}
+
+/// A finger closing on one module.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModuleTest {
+    /// Its nodes.
+    pub nodes: &'static [usize],
+    /// Settled steps with a force on some node, up to the largest force of the paper's range.
+    pub steps: Vec<ModuleStep>,
+}
+
+/// A settled step.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModuleStep {
+    /// How far the motor has closed the gripper, degrees.
+    pub turned_deg: f64,
+    /// The sensors' axis, degrees from the plate's undeformed inward normal, positive towards the tip.
+    pub axis_deg: f64,
+    /// True force on each node along the axis, N.
+    pub true_n: Vec<f64>,
+    /// What each estimator senses of each noise sample, N; none where it refuses.
+    pub sensed_n: Vec<(EstimatorId, Vec<Option<Vec<f64>>>)>,
+}
+
+impl ModuleStep {
+    /// Samples of an estimator.
+    pub fn of(&self, estimator: EstimatorId) -> &[Option<Vec<f64>>] {
+        self.sensed_n.iter().find(|(id, _)| *id == estimator).map_or(&[], |(_, samples)| samples)
+    }
+}
+
+/// Forces sensed on nodes that touch nothing while another node of the module is pressed.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Untouched {
+    /// How many were sensed.
+    pub count: usize,
+    /// Of these, how many within a bound.
+    pub within: usize,
+    /// The largest, N.
+    pub largest_n: f64,
+}
+
+impl Untouched {
+    /// Adds a force that is sensed where nothing touches.
+    pub fn add(&mut self, sensed_n: f64, bound_n: f64) {
+        self.count += 1;
+        self.within += usize::from(sensed_n.abs() <= bound_n);
+        self.largest_n = self.largest_n.max(sensed_n.abs());
+    }
+}
+
+/// Whether a force belongs to the range over which the paper averages.
+fn counts(force_n: f64) -> bool {
+    (FORCES_N[0]..=FORCES_N[1]).contains(&force_n)
+}
+
+impl ModuleTest {
+    /// Mean error of each force, the same in N, mean error of the sum, and counts of answered and refused samples, of forces in the paper's range.
+    fn errors(&self, estimator: EstimatorId) -> Option<([f64; 3], [usize; 2])> {
+        let (mut each, mut each_n, mut sums, mut counted) = (Vec::new(), Vec::new(), Vec::new(), [0, 0]);
+        for step in &self.steps {
+            let sum_n: f64 = step.true_n.iter().sum();
+            if !step.true_n.iter().any(|force_n| counts(*force_n)) {
+                continue;
+            }
+            for sample in step.of(estimator) {
+                counted[usize::from(sample.is_none())] += 1;
+                let Some(sensed_n) = sample else { continue };
+                for (true_n, sensed_n) in step.true_n.iter().zip(sensed_n).filter(|(true_n, _)| counts(**true_n)) {
+                    each.push((sensed_n / true_n - 1.0).abs());
+                    each_n.push((sensed_n - true_n).abs());
+                }
+                sums.push((sensed_n.iter().sum::<f64>() / sum_n - 1.0).abs());
+            }
+        }
+        let mean = |errors: &[f64]| errors.iter().sum::<f64>() / errors.len() as f64;
+        (!each.is_empty()).then(|| ([mean(&each), mean(&each_n), mean(&sums)], counted))
+    }
+
+    /// Forces sensed on nodes without contact.
+    pub fn untouched(&self, estimator: EstimatorId, bound_n: f64, into: &mut Untouched) {
+        for step in &self.steps {
+            for sensed_n in step.of(estimator).iter().flatten() {
+                let free = step.true_n.iter().zip(sensed_n).filter(|(true_n, _)| **true_n == 0.0);
+                free.for_each(|(_, sensed_n)| into.add(*sensed_n, bound_n));
+            }
+        }
+    }
+}
+
+impl ModuleStudy {
+    /// Errors of an estimator over the tests of a row of Table II: the mean over them, as in the paper's table.
+    pub fn group(&self, group: &ContactGroup, estimator: EstimatorId) -> Option<GroupErrors> {
+        let of_set = |nodes: &&[usize]| self.tests.iter().find(|test| test.nodes == *nodes)?.errors(estimator);
+        let sets: Vec<_> = group.sets.iter().map(of_set).collect::<Option<_>>()?;
+        let mean = |i: usize| sets.iter().map(|(errors, _)| errors[i]).sum::<f64>() / sets.len() as f64;
+        let count = |i: usize| sets.iter().map(|(_, counted)| counted[i]).sum();
+        Some(GroupErrors {
+            force: mean(0),
+            force_n: mean(1),
+            sum: group.paper_sum.map(|_| mean(2)),
+            force_bound: None,
+            sum_bound: None,
+            answered: count(0),
+            refused: count(1),
+        })
+    }
+
+    /// The test at some nodes.
+    pub fn test(&self, nodes: &[usize]) -> Option<&ModuleTest> {
+        self.tests.iter().find(|test| test.nodes == nodes)
+    }
+}
+
+impl Evidence for ModuleStudy {}
+
+/// Makes all tests with the paper's finger under noise, in a full study.
+///
+/// # Errors
+/// [`ModuleError`].
+pub fn run(context: &Context) -> Result<Option<ModuleStudy>, ModuleError> {
+    if !context.is_paper || context.effort == Effort::Quick || context.noise_mm == 0.0 {
+        return Ok(None);
+    }
+    let scene = Scene::from_toml(finray_fixtures::GRASPED_DISC_SCENE).map_err(GraspStudyError::from)?;
+    let Some(gripper) = scene.gripper else { return Ok(None) };
+    let sets = contact_sets();
+    context.progress.part("sensor modules", sets.len());
+    let [key_nodes, model] = [1, ELEMENTS].map(|elements| Mesh::with_elements_per_member(context.finger, elements));
+    let [least_squares, nonlinear] =
+        [BeamEstimator::least_squares(&key_nodes), BeamEstimator::nonlinear(&model)].map(BeamEstimator::of_noise_alone);
+    let network = NetworkSensing { networks: context.networks, finger: context.finger, refuses: true };
+    let estimators: [&dyn Estimator; 3] = [&least_squares, &nonlinear, &network];
+    let test = |(i, nodes): (usize, &'static [usize])| {
+        let mut noise = Noise::of_stream(SEED, i as u64);
+        let steps = closing(context.fine, &gripper, nodes)?.into_iter().map(|step| {
+            let samples: Vec<Measurement> =
+                (0..SAMPLES).map(|_| noise.on(&step.displacements, context.noise_mm)).collect();
+            let sensed_n = estimators.map(|estimator| {
+                let sensed = sense(estimator, nodes, step.axis_deg, &samples, context.noise_mm)?;
+                Ok::<_, EstimatorError>((estimator.id(), sensed))
+            });
+            let sensed_n = sensed_n.into_iter().collect::<Result<_, _>>()?;
+            let ClosedStep { turned_deg, axis_deg, true_n, .. } = step;
+            Ok(ModuleStep { turned_deg, axis_deg, true_n, sensed_n })
+        });
+        let steps = steps.collect::<Result<_, ModuleError>>()?;
+        context.progress.step();
+        Ok(ModuleTest { nodes, steps })
+    };
+    let sets: Vec<_> = sets.into_iter().enumerate().collect();
+    let tests = sets.into_par_iter().map(test).collect::<Result<_, ModuleError>>()?;
+    Ok(Some(ModuleStudy { noise_mm: context.noise_mm, tests }))
+}
+
+/// Senses every sample along the sensors' axis; networks know the normal alone, whose direction they take for the axis as the paper's does.
+fn sense(
+    estimator: &dyn Estimator,
+    nodes: &[usize],
+    axis_deg: f64,
+    samples: &[Measurement],
+    noise_mm: f64,
+) -> Result<Vec<Option<Vec<f64>>>, EstimatorError> {
+    let angle_deg = if estimator.id().at_nodes() { 0.0 } else { axis_deg };
+    let at = |node: &usize| Contact { position: ContactPosition::Node(NodeId(*node)), angle_deg };
+    let contacts: Vec<Contact> = nodes.iter().map(at).collect();
+    let mut prepared = estimator.prepare(&contacts, &samples[0])?;
+    Ok(samples.iter().map(|seen| Some(prepared.estimate(seen, Some(noise_mm)).ok()?.forces_n)).collect())
+}

@@ -1,0 +1,149 @@
+//! How a finger closes on caps: the motor's steps, and the forces with which caps and rods fit.
+
+use super::ModuleError;
+use crate::experiments::contact_scene::angle_deg;
+use crate::experiments::response::{ContactForce, RespondingFinger};
+use crate::experiments::table_two::FORCES_N;
+use finray_model::gripper::{Gripper, Placement};
+use finray_model::measurement::{Marker, Measurement};
+use finray_model::mesh::LoadError;
+use finray_model::scene::ROD_RADIUS_MM;
+use finray_model::sensing::{Contact, ContactPosition};
+use finray_model::{Finger, Mesh, NodeId, Vector};
+use nalgebra::{DMatrix, DVector};
+
+/// Where the motor starts, degrees: with the chosen linkage the sensor's axis is then 12.4 degrees off the plate's normal, the most that the paper
+/// states is 12.5.
+const START_DEG: f64 = 360.0;
+/// Way of the motor between two settled steps, degrees (sec. V-C).
+const STEP_DEG: f64 = 22.5;
+/// Steps at most: 900 degrees, the end of the paper's figures.
+const MOST_STEPS: usize = 40;
+/// The first node meets its cap when the motor has turned by this, degrees.
+const TOUCH_DEG: f64 = 45.0;
+/// A rod is on its cap when it is this near, mm: rounding of the equilibrium.
+const ON_CAP_MM: f64 = 1e-9;
+/// Newton steps in which it must be found which caps are touched and how hard.
+const MOST_NEWTON_STEPS: usize = 60;
+
+/// A settled step before anything is sensed.
+#[derive(Debug, Clone)]
+pub struct ClosedStep {
+    /// As of [`ModuleStep`](super::ModuleStep).
+    pub turned_deg: f64,
+    /// The same.
+    pub axis_deg: f64,
+    /// The same.
+    pub true_n: Vec<f64>,
+    /// Displacements of the markers against the undeformed finger at the motor's angle.
+    pub displacements: Measurement,
+    /// How far each node's rod is from its cap, mm.
+    pub gaps_mm: Vec<f64>,
+}
+
+/// Closes a finger on caps before its nodes; steps with a force, until one is beyond the paper's range or the finger finds no equilibrium.
+///
+/// # Errors
+/// [`ModuleError`] for nodes that are not on the finger.
+pub fn closing(mesh: &Mesh, gripper: &Gripper, nodes: &[usize]) -> Result<Vec<ClosedStep>, ModuleError> {
+    let finger = mesh.finger();
+    let right = |turned_deg: f64| Some(gripper.fingers(&gripper.pose(START_DEG - turned_deg)?)[1]);
+    let nodes: Vec<NodeId> = nodes.iter().copied().map(NodeId).collect();
+    let Some(at_touch) = right(TOUCH_DEG) else { return Ok(Vec::new()) };
+    let reached_mm = |node: &NodeId| at_touch.outwards(finger.position(*node)).x - ROD_RADIUS_MM;
+    let plane_mm = nodes.iter().map(reached_mm).fold(f64::INFINITY, f64::min);
+    let mut caps =
+        Caps { bent: RespondingFinger::new(mesh), finger, plane_mm, forces_n: vec![0.0; nodes.len()], nodes };
+    let mut steps = Vec::new();
+    for turned_deg in (1..=MOST_STEPS).map(|step| STEP_DEG * step as f64) {
+        let Some(placement) = right(turned_deg) else { break };
+        let Some(Pressed { displacements_mm, gaps_mm }) = caps.press(&placement)? else { break };
+        let true_n = caps.forces_n.clone();
+        if true_n.iter().any(|force_n| *force_n > FORCES_N[1]) {
+            break;
+        }
+        if true_n.iter().any(|force_n| *force_n > 0.0) {
+            let markers = finger.marked_nodes().zip(displacements_mm.as_slice().chunks_exact(2));
+            let marker = |(node, moved): (NodeId, &[f64])| Marker {
+                node,
+                displacement: Vector::new(moved[0], moved[1]),
+                weight: 1.0,
+            };
+            let displacements = Measurement::new(finger, markers.map(marker))?;
+            let axis_deg = angle_deg(finger, across(&placement));
+            steps.push(ClosedStep { turned_deg, axis_deg, true_n, displacements, gaps_mm });
+        }
+    }
+    Ok(steps)
+}
+
+/// From the module to the right finger, in the finger's frame.
+fn across(placement: &Placement) -> Vector {
+    placement.axes().transpose() * Vector::x()
+}
+
+/// Where the markers and rods are once the forces are found.
+struct Pressed {
+    /// Two coordinates a marker.
+    displacements_mm: DVector<f64>,
+    /// Of each node.
+    gaps_mm: Vec<f64>,
+}
+
+/// A finger before its caps, at the forces of the last step.
+struct Caps<'m> {
+    bent: RespondingFinger<'m>,
+    finger: &'m Finger,
+    nodes: Vec<NodeId>,
+    /// Where the caps are, mm from the middle of the gripper.
+    plane_mm: f64,
+    forces_n: Vec<f64>,
+}
+
+impl Caps<'_> {
+    /// Finds the forces with which no rod is inside its cap and none is held that is off it: Newton's method on the gaps of those that press.
+    /// None without an equilibrium.
+    fn press(&mut self, placement: &Placement) -> Result<Option<Pressed>, LoadError> {
+        let across = across(placement);
+        let angle_deg = angle_deg(self.finger, across);
+        let rows: Vec<usize> = self
+            .nodes
+            .iter()
+            .filter_map(|node| self.finger.marked_nodes().position(|marked| marked == *node))
+            .collect();
+        for _ in 0..MOST_NEWTON_STEPS {
+            let force = |(node, along_n): (&NodeId, &f64)| ContactForce {
+                contact: Contact { position: ContactPosition::Node(*node), angle_deg },
+                along_n: *along_n,
+                across_n: 0.0,
+                lever_mm: 0.0,
+            };
+            let forces: Vec<ContactForce> = self.nodes.iter().zip(&self.forces_n).map(force).collect();
+            let Some(response) = self.bent.under(&forces)? else { return Ok(None) };
+            let of_node = |moved: &DVector<f64>, i: usize| Vector::new(moved[2 * rows[i]], moved[2 * rows[i] + 1]);
+            let gap_mm = |(i, node): (usize, &NodeId)| {
+                let at = self.finger.position(*node) + of_node(&response.displacements_mm, i);
+                placement.outwards(at).x - ROD_RADIUS_MM - self.plane_mm
+            };
+            let gaps_mm: Vec<f64> = self.nodes.iter().enumerate().map(gap_mm).collect();
+            let is_settled = |(gap_mm, force_n): (&f64, &f64)| match *force_n > 0.0 {
+                true => gap_mm.abs() <= ON_CAP_MM,
+                false => *gap_mm >= -ON_CAP_MM,
+            };
+            if gaps_mm.iter().zip(&self.forces_n).all(is_settled) {
+                return Ok(Some(Pressed { displacements_mm: response.displacements_mm, gaps_mm }));
+            }
+            let pressed: Vec<usize> =
+                (0..gaps_mm.len()).filter(|&i| self.forces_n[i] > 0.0 || gaps_mm[i] < 0.0).collect();
+            let compliance = DMatrix::from_fn(pressed.len(), pressed.len(), |row, column| {
+                of_node(&response.along[pressed[column]], pressed[row]).dot(&across)
+            });
+            let missing = DVector::from_iterator(pressed.len(), pressed.iter().map(|&i| -gaps_mm[i]));
+            let Some(change) = compliance.lu().solve(&missing) else { return Ok(None) };
+            pressed.iter().zip(change.iter()).for_each(|(&i, change)| {
+                self.forces_n[i] = (self.forces_n[i] + change).max(0.0);
+            });
+        }
+        Ok(None)
+    }
+}

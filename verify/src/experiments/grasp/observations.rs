@@ -1,0 +1,145 @@
+//! What the paper observes of grasps (sec. V-D, Figs. 14 and 16): both fingers alike, nothing where nothing touches, opening as closing.
+
+use super::modules::{ModuleStudy, Untouched};
+use super::study::GraspStudy;
+use super::{FingerStep, GraspStep, Phase};
+use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorId};
+use crate::experiments::{Context, Evidence};
+use crate::sampling::noise::Noise;
+use finray_model::measurement::Measurement;
+use finray_model::sensing::{Contact, ContactPosition};
+use finray_model::{Finger, Mesh, NodeId};
+
+/// Nodes whose forces the paper senses at once.
+const NODES: std::ops::RangeInclusive<usize> = 16..=20;
+/// What the paper calls a small error where nothing touches, N.
+pub const SMALL_N: f64 = 0.3;
+/// Totals below this share of the largest are left out of relative differences.
+const COUNTS: f64 = 0.1;
+/// Seed of the noise.
+const SEED: u64 = 1;
+
+/// What is seen of some grasps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Observations {
+    /// Standard deviation of one coordinate, mm.
+    pub noise_mm: f64,
+    /// Of each object that the paper's fingers grasp: its name, and how the totals compare.
+    pub objects: Vec<(String, Totals)>,
+    /// What is sensed at once at nodes 16 to 20 where no contact is nearer than the next node: by estimator.
+    pub untouched: Vec<(EstimatorId, Untouched)>,
+    /// What is sensed on the node of a sensor module that is not touched yet, while another is.
+    pub beside_sensor: Untouched,
+}
+
+/// Totals of a grasp, compared.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Totals {
+    /// Mean and largest difference of the two sensed totals of a step, as a share of the true one.
+    pub left_right: [f64; 2],
+    /// Largest difference of the true force at a motor angle while opening from that while closing, as a share of the largest force; none where
+    /// the gripper does not open.
+    pub opening: Option<f64>,
+    /// The same of the sensed force.
+    pub opening_sensed: Option<f64>,
+}
+
+impl Evidence for Observations {}
+
+/// Compares the totals of a grasp; none where nothing is sensed.
+pub fn totals(steps: &[GraspStep]) -> Option<Totals> {
+    let true_n = |step: &GraspStep| mean(step.fingers.each_ref().map(|finger| finger.total_n));
+    let sensed_n = |step: &GraspStep| match step.fingers.each_ref().map(FingerStep::sensed_total_n) {
+        [Some(left_n), Some(right_n)] => Some([left_n, right_n]),
+        _ => None,
+    };
+    let largest_n = steps.iter().map(true_n).fold(0.0, f64::max);
+    let counted = steps.iter().filter(|step| true_n(step) > COUNTS * largest_n);
+    let differences: Vec<f64> = counted
+        .filter_map(|step| sensed_n(step).map(|[left_n, right_n]| (left_n - right_n).abs() / true_n(step)))
+        .collect();
+    if differences.is_empty() {
+        return None;
+    }
+    let closing = |at_deg: f64| {
+        let there =
+            |step: &&GraspStep| matches!(step.phase, Phase::Approach | Phase::Close) && step.motor_deg == at_deg;
+        steps.iter().find(there)
+    };
+    let opening = steps.iter().filter(|step| step.phase == Phase::Open);
+    let pairs: Vec<_> = opening.filter_map(|open| Some((open, closing(open.motor_deg)?))).collect();
+    let of_pairs = |of: &dyn Fn(&GraspStep) -> Option<f64>| {
+        let shares = pairs.iter().filter_map(|(open, close)| Some((of(open)? - of(close)?).abs() / largest_n));
+        shares.reduce(f64::max)
+    };
+    Some(Totals {
+        left_right: [
+            differences.iter().sum::<f64>() / differences.len() as f64,
+            differences.iter().copied().fold(0.0, f64::max),
+        ],
+        opening: of_pairs(&|step| Some(true_n(step))),
+        opening_sensed: of_pairs(&|step| sensed_n(step).map(mean)),
+    })
+}
+
+fn mean([a, b]: [f64; 2]) -> f64 {
+    0.5 * (a + b)
+}
+
+/// Observes the grasps of the paper's fingers.
+///
+/// # Errors
+/// [`EstimatorError`] for a finger without the paper's nodes.
+pub fn run(
+    context: &Context,
+    grasps: &[GraspStudy],
+    modules: Option<&ModuleStudy>,
+) -> Result<Option<Observations>, EstimatorError> {
+    let Some(modules) = modules else { return Ok(None) };
+    context.progress.part("observations", 1);
+    let of_paper = || grasps.iter().filter(|grasp| grasp.is_paper());
+    let objects = of_paper().filter_map(|grasp| Some((grasp.name.clone(), totals(&grasp.steps)?))).collect();
+    let [key_nodes, model] = [1, ELEMENTS].map(|elements| Mesh::with_elements_per_member(context.finger, elements));
+    let estimators =
+        [BeamEstimator::least_squares(&key_nodes), BeamEstimator::nonlinear(&model)].map(BeamEstimator::of_noise_alone);
+    let mut untouched = estimators.each_ref().map(|estimator| (estimator.id(), Untouched::default()));
+    let mut noise = Noise::new(SEED);
+    for finger in of_paper().flat_map(|grasp| &grasp.steps).flat_map(|step| &step.fingers) {
+        let Some(free) = free_nodes(context.finger, finger) else { continue };
+        let exact = Measurement::of_shape(context.finger, &finger.shape);
+        let seen = noise.on(&exact, context.noise_mm);
+        let contacts: Vec<Contact> = NODES.map(|node| along_normal(finger, NodeId(node))).collect();
+        for (estimator, (_, found)) in estimators.iter().zip(&mut untouched) {
+            let Ok(sensed) = estimator.prepare(&contacts, &seen)?.estimate(&seen, Some(context.noise_mm)) else {
+                continue;
+            };
+            let at_free = NODES.zip(&sensed.forces_n).filter(|(node, _)| free.contains(node));
+            at_free.for_each(|(_, sensed_n)| found.add(*sensed_n, SMALL_N));
+        }
+    }
+    let mut beside_sensor = Untouched::default();
+    modules.tests.iter().for_each(|test| test.untouched(EstimatorId::Nonlinear, SMALL_N, &mut beside_sensor));
+    context.progress.step();
+    Ok(Some(Observations { noise_mm: context.noise_mm, objects, untouched: untouched.to_vec(), beside_sensor }))
+}
+
+/// The nodes without a contact nearer than the next node; none where nothing touches, or something beyond these nodes.
+fn free_nodes(finger: &Finger, step: &FingerStep) -> Option<Vec<usize>> {
+    let at_mm = |node: usize| finger.front_position_mm(NodeId(node)).unwrap_or(f64::NAN);
+    let pitch_mm = at_mm(*NODES.start()) - at_mm(NODES.start() + 1);
+    let touched: Vec<f64> = step.contacts.iter().filter_map(|seen| seen.contact.position_mm(finger)).collect();
+    let (least_mm, most_mm) = (at_mm(*NODES.end()) - 0.5 * pitch_mm, at_mm(*NODES.start()) + 0.5 * pitch_mm);
+    let is_among = |touched_mm: &f64| (least_mm..=most_mm).contains(touched_mm);
+    if touched.is_empty() || !touched.iter().all(is_among) {
+        return None;
+    }
+    let is_free = |node: &usize| touched.iter().all(|touched_mm| (touched_mm - at_mm(*node)).abs() >= pitch_mm);
+    Some(NODES.filter(is_free).collect())
+}
+
+/// A contact at a node along the normal of the plate as it is bent there: the surface as the camera sees it.
+fn along_normal(step: &FingerStep, node: NodeId) -> Contact {
+    // The inward normal turns with the plate, from x to y: towards the tip.
+    let angle_deg = step.shape.motion(node).rotation.to_degrees();
+    Contact { position: ContactPosition::Node(node), angle_deg }
+}
