@@ -56,7 +56,6 @@ mod problems {
 }
 mod report {
     mod claims;
-    mod curves;
     mod dataset;
     mod explore;
     mod format;
@@ -66,11 +65,11 @@ mod report {
         mod words;
     }
     mod page;
-    mod recipes;
     mod speed_error;
     mod table_two {
         mod words;
     }
+    mod trainings;
     mod twin {
         mod words;
     }

@@ -4,7 +4,7 @@ use super::dataset::{Columns, Dataset, Format};
 use super::format::{NOTHING, Span, error_as, list, percent_with, share_refused, verdict};
 use super::page::{Block, Cell, Column, Section, Table, details};
 use super::words::{paragraph, say};
-use super::{ReportError, Results, curves, recipes};
+use super::{ReportError, Results, trainings};
 use crate::check::Check;
 use crate::experiments::networks::accuracy::{FORCES_N, NetworkStudy};
 use crate::sampling::scatter::{Counts, Scatter, ScatterRow};
@@ -26,8 +26,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
         .file("mean_error", |(row, sum)| sum.map_or_else(|| row.mean_error(), |sum| Some(sum.mean_error)))
         .file("mean_error_bound", |(row, sum)| sum.map_or_else(|| row.mean_error_bound(), bound))
         .file("covered_by_1_96_sigma", |(row, sum)| if sum.is_some() { None } else { coverage(row) });
-    let networks = Dataset::new(CSV, &columns, rows);
-    vec![networks, recipes::dataset(&study.records.recipes), curves::dataset(&study.records.curves)]
+    std::iter::once(Dataset::new(CSV, &columns, rows)).chain(trainings::datasets(&study.records)).collect()
 }
 
 /// The sum of several forces.
@@ -52,10 +51,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         blocks.push(paragraph("networks.about", numbers)?);
         blocks.push(details("By contact", vec![Block::Table(table(networks))]));
     }
-    if study.table_two.is_some() {
-        blocks.extend(recipes::blocks(&study.records.recipes)?);
-    }
-    blocks.extend(curves::blocks(&study.records.curves)?);
+    blocks.extend(trainings::blocks(&study.records)?);
     let says = say("networks.says", study.networks.as_ref().and_then(in_words))?;
     Ok((!blocks.is_empty()).then(|| Section::new("networks", "The sensing network", blocks).saying(says)))
 }
