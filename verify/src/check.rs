@@ -132,6 +132,38 @@ impl Check {
     }
 }
 
+/// What is checked, and against whom; makes the checks of its quantities.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Subject {
+    kind: Kind,
+    problem: String,
+    source: String,
+}
+
+impl Kind {
+    /// A problem, and whose the reference of this kind is.
+    pub fn on(self, problem: impl Into<String>, source: impl Into<String>) -> Subject {
+        Subject { kind: self, problem: problem.into(), source: source.into() }
+    }
+}
+
+impl Subject {
+    /// Our figure is the reference's within a tolerance.
+    pub fn is(&self, quantity: impl Into<String>, reference: f64, ours: f64, tolerance: f64) -> Check {
+        Check::new(self.kind, self.problem.as_str(), self.source.as_str(), quantity, reference, ours, tolerance)
+    }
+
+    /// An error is nothing within a tolerance.
+    pub fn vanishes(&self, quantity: impl Into<String>, ours: f64, tolerance: f64) -> Check {
+        self.is(quantity, 0.0, ours, tolerance)
+    }
+
+    /// There are just so many of something.
+    pub fn counts(&self, quantity: impl Into<String>, reference: usize, ours: usize) -> Check {
+        self.is(quantity, reference as f64, ours as f64, EXACT_COUNT)
+    }
+}
+
 /// Tolerance of a count that must be met.
 pub const EXACT_COUNT: f64 = 0.5;
 

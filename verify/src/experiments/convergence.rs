@@ -250,39 +250,28 @@ impl Convergence {
     pub fn checks(&self) -> Vec<Check> {
         let mesh = |wanted: fn(&MeshSize) -> bool| self.meshes.iter().position(wanted);
         let error = |mesh: Option<usize>| mesh.and_then(|i| self.error(i, CHECKED_FORCE_N)).unwrap_or(f64::NAN);
+        let on = |name: &str, source: &str| {
+            Kind::Internal.on(format!("{name}, co-rotational, {CHECKED_FORCE_N} N along the normal"), source)
+        };
         let check = |name: &str, error: f64, tolerance: f64| {
-            Check::new(
-                Kind::Internal,
-                format!("{name}, co-rotational, {CHECKED_FORCE_N} N along the normal"),
-                "Richardson extrapolation",
-                "largest displacement difference / largest displacement",
-                0.0,
-                error,
-                tolerance,
-            )
+            let quantity = "largest displacement difference / largest displacement";
+            on(name, "Richardson extrapolation").vanishes(quantity, error, tolerance)
         };
         let finest = self.meshes.last().map_or(0, |mesh| mesh.nodes);
+        let left = self.left(CHECKED_FORCE_N).unwrap_or(f64::NAN);
         vec![
             check("key nodes alone", error(mesh(|m| m.elements_a_member == Some(1))), KEY_NODES_TOLERANCE),
             check("two elements a member", error(mesh(|m| m.elements_a_member == Some(2))), TWO_ELEMENTS_TOLERANCE),
             check("684 nodes", error(mesh(|m| m.elements_a_member.is_none())), FINE_MESH_TOLERANCE),
-            Check::new(
-                Kind::Internal,
-                format!("{finest} nodes, co-rotational, {CHECKED_FORCE_N} N along the normal"),
-                "grid convergence index",
+            on(&format!("{finest} nodes"), "grid convergence index").vanishes(
                 "what may be left / largest displacement",
-                0.0,
-                self.left(CHECKED_FORCE_N).unwrap_or(f64::NAN),
+                left,
                 REFERENCE_TOLERANCE,
             ),
-            Check::new(
-                Kind::Internal,
-                format!("all meshes, co-rotational, {CHECKED_FORCE_N} N along the normal"),
-                "the finger carries them",
+            on("all meshes", "the finger carries them").counts(
                 "loads without equilibrium",
-                0.0,
-                self.gaps(CHECKED_FORCE_N) as f64,
-                0.5,
+                0,
+                self.gaps(CHECKED_FORCE_N),
             ),
         ]
     }

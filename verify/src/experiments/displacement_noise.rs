@@ -238,15 +238,10 @@ impl DisplacementNoiseStudy {
             let over_bound = squares.sum::<f64>().sqrt();
             let refused: usize = rows.iter().map(|row| row.refused).sum();
             let drawn: usize = rows.iter().map(|row| row.cases).sum();
-            let check = Check::new(
-                Kind::Internal,
-                format!("generalised least squares under the noise \"{name}\""),
-                "Cramer-Rao bound",
-                format!("rms error / bound, {drawn} noise samples"),
-                1.0,
-                over_bound,
-                STANDARD_ERRORS / (2.0 * answered as f64).sqrt(),
-            );
+            let chance = STANDARD_ERRORS / (2.0 * answered as f64).sqrt();
+            let problem = format!("generalised least squares under the noise \"{name}\"");
+            let quantity = format!("rms error / bound, {drawn} noise samples");
+            let check = Kind::Internal.on(problem, "Cramer-Rao bound").is(quantity, 1.0, over_bound, chance);
             checks.push(check.with_refused(refused, drawn));
         }
         checks

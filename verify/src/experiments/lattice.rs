@@ -3,7 +3,7 @@
 use super::contact_scene::objects::Objects;
 use super::contact_scene::study::SceneStudy;
 use super::{Context, Evidence, ExperimentError};
-use crate::check::{Check, Comparison, EXACT_COUNT, Kind, worst};
+use crate::check::{Check, Comparison, Kind, worst};
 use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorId};
 use crate::lattice::accuracy::{FinenessRow, LoadGrid, study};
 use crate::lattice::causes::{self, AxialRow, SettlingRow};
@@ -291,28 +291,13 @@ impl LatticeSensing {
         // Maps without a common cell show nothing.
         let largest = if cells > 0 { largest } else { f64::NAN };
         let map = name("map of least squares on the lattice against that on the co-rotational finger", cells);
+        let map = Kind::Internal.on(map, NEWTON);
         let nonlinear = name("lattice sensed by the nonlinear estimator", self.nonlinear.cells.len());
-        let quantity = "largest difference of sensed / true";
+        let nonlinear = Kind::Internal.on(nonlinear, NEWTON);
         [
-            Check::new(Kind::Internal, map.clone(), NEWTON, quantity, 0.0, largest, MAP_TOLERANCE),
-            Check::new(
-                Kind::Internal,
-                map,
-                NEWTON,
-                "cells with an equilibrium in one alone",
-                0.0,
-                in_one_alone as f64,
-                EXACT_COUNT,
-            ),
-            Check::new(
-                Kind::Internal,
-                nonlinear,
-                NEWTON,
-                "largest |sensed / true - 1|",
-                0.0,
-                self.nonlinear_error(),
-                NONLINEAR_TOLERANCE,
-            ),
+            map.vanishes("largest difference of sensed / true", largest, MAP_TOLERANCE),
+            map.counts("cells with an equilibrium in one alone", 0, in_one_alone),
+            nonlinear.vanishes("largest |sensed / true - 1|", self.nonlinear_error(), NONLINEAR_TOLERANCE),
         ]
     }
 }

@@ -67,17 +67,9 @@ pub fn checks() -> Result<Vec<Check>, ProblemError> {
         let ours = solve(row.load_pl2_ei, row.angle_deg, ELEMENTS, Kinematics::Corotational)?;
         let problem = format!("cantilever, P L^2 / EI = {}, {} deg from the axis", row.load_pl2_ei, row.angle_deg);
         let theirs = [("w / L", row.w_over_l), ("u / L", row.u_over_l), ("tip rotation (rad)", row.theta_rad)];
-        for ((quantity, reference), ours) in theirs.into_iter().zip(ours) {
-            checks.push(Check::new(
-                Kind::Analytical,
-                problem.clone(),
-                "elastica",
-                quantity,
-                reference,
-                ours,
-                TOLERANCE,
-            ));
-        }
+        let row = Kind::Analytical.on(problem, "elastica");
+        let quantities = theirs.into_iter().zip(ours);
+        checks.extend(quantities.map(|((quantity, reference), ours)| row.is(quantity, reference, ours, TOLERANCE)));
     }
     Ok(checks)
 }

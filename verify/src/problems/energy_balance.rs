@@ -53,15 +53,9 @@ pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     let mut checks = Vec::new();
     for node in NODES.map(NodeId) {
         let [energy, work] = solve(&mesh, node)?;
-        checks.push(Check::new(
-            Kind::Internal,
-            format!("paper finger, {FORCE_N} N at node {node}"),
-            "work of the load along its path",
-            "elastic energy (N mm)",
-            work,
-            energy,
-            TOLERANCE * work,
-        ));
+        let problem = format!("paper finger, {FORCE_N} N at node {node}");
+        let subject = Kind::Internal.on(problem, "work of the load along its path");
+        checks.push(subject.is("elastic energy (N mm)", work, energy, TOLERANCE * work));
     }
     Ok(checks)
 }

@@ -123,15 +123,8 @@ pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
             ("paper finger, 3 N at node 19", on_finger, FINGER_TOLERANCE),
         ] {
             let problem = format!("{what}, {name}, 4, 8, 16 elements a member");
-            checks.push(Check::new(
-                Kind::Analytical,
-                problem,
-                "error terms",
-                "order of convergence",
-                order,
-                convergence.order,
-                tolerance,
-            ));
+            let subject = Kind::Analytical.on(problem, "error terms");
+            checks.push(subject.is("order of convergence", order, convergence.order, tolerance));
         }
     }
     let mut by_nodes = Vec::new();

@@ -4,7 +4,7 @@
 //! not Euler-Bernoulli theory. No other parameter is there, so no load is spent on fitting.
 
 use super::ProblemError;
-use crate::check::{Check, Comparison, EXACT_COUNT, Kind, worst};
+use crate::check::{Check, Comparison, Kind, worst};
 use crate::lattice::Lattice;
 use crate::lattice::accuracy::{LoadGrid, beam_shapes, lattice_shapes, settled_shapes, worst_by_force};
 use finray_model::mesh::{FingerShape, Load};
@@ -71,15 +71,7 @@ pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     let again = lattice.settle(&[Load::at_node(node, finger.direction(angle_deg) * force_n)])?.shape;
     let changed = bits(&settled[0][0]).zip(bits(&again)).filter(|(a, b)| a != b).count();
     let problem = name(&format!("lattice settled twice, {force_n} N at node {node}"));
-    checks.push(Check::new(
-        Kind::Internal,
-        problem,
-        "itself",
-        "nodes whose bits differ",
-        0.0,
-        changed as f64,
-        EXACT_COUNT,
-    ));
+    checks.push(Kind::Internal.on(problem, "itself").counts("nodes whose bits differ", 0, changed));
     Ok(checks)
 }
 

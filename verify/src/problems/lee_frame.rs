@@ -5,7 +5,7 @@
 
 use super::elastic_line::{self, Rigidity};
 use super::{Problem, ProblemError};
-use crate::check::{Check, EXACT_COUNT, Kind};
+use crate::check::{Check, Kind};
 use finray_model::frame::{FrameLoad, NodeIndex, PlaneFrame, Section};
 use finray_model::statics::{ArcLength, reaction};
 use finray_model::{Kinematics, Vector};
@@ -73,47 +73,26 @@ pub fn checks() -> Result<Vec<Check>, ProblemError> {
     let load = FrameLoad::Node { node: loaded, force: Vector::new(0.0, -1.0), moment_nmm: 0.0 };
     let path = ArcLength::new(&frame, Kinematics::Corotational)
         .follow(&[load], 1000, |point| point.is_stable() && point.multiple > 1.1 * LITERATURE)?;
-    let row = |kind, source, quantity, reference: f64, ours, tolerance| {
-        Check::new(kind, "Lee's frame, load 24 from the corner", source, quantity, reference, ours, tolerance)
-    };
+    let against = |kind: Kind, source| kind.on("Lee's frame, load 24 from the corner", source);
+    let literature = against(Kind::Analytical, "Lee, Manuel, Rossow 1968");
     let first = path.limits.first().map_or(f64::NAN, |limit| limit.multiple);
     let mut checks = vec![
-        row(
-            Kind::Analytical,
-            "Lee, Manuel, Rossow 1968",
-            "limit points of the path",
-            2.0,
-            path.limits.len() as f64,
-            EXACT_COUNT,
-        ),
-        row(
-            Kind::Analytical,
-            "Lee, Manuel, Rossow 1968",
-            "first limit load",
-            LITERATURE,
-            first,
-            LITERATURE_TOLERANCE * LITERATURE,
-        ),
+        literature.counts("limit points of the path", 2, path.limits.len()),
+        literature.is("first limit load", LITERATURE, first, LITERATURE_TOLERANCE * LITERATURE),
     ];
+    let shooting = against(Kind::Internal, "elastic line by shooting");
     for (quantity, limit) in ["first limit load", "second limit load"].into_iter().zip(&path.limits) {
         let held = reaction(&frame, &limit.motion, Kinematics::Corotational, &[], base).force;
         // The search on the elastic line starts from the frame's own state, with a fault of one per cent.
         let start = [limit.motion.rotations[frame.rotation_of(base)], -held.x, -held.y, limit.multiple];
         let reference = elastic_line::limit_load(miss, start.map(|x| x * 1.01), start.map(f64::abs))?;
         let tolerance = TOLERANCE * reference.abs();
-        checks.push(row(Kind::Internal, "elastic line by shooting", quantity, reference, limit.multiple, tolerance));
+        checks.push(shooting.is(quantity, reference, limit.multiple, tolerance));
     }
     // The first and the last branch are stable, the one between the limits is not.
     let limits: Vec<usize> = path.limits.iter().map(|limit| limit.after).collect();
     let between = |i: usize| limits.first().is_some_and(|&a| i > a) && limits.last().is_some_and(|&b| i <= b);
     let wrong = path.points.iter().enumerate().filter(|(i, point)| point.is_stable() == between(*i)).count();
-    checks.push(row(
-        Kind::Internal,
-        "Dirichlet's criterion",
-        "points of the wrong stability",
-        0.0,
-        wrong as f64,
-        EXACT_COUNT,
-    ));
+    checks.push(against(Kind::Internal, "Dirichlet's criterion").counts("points of the wrong stability", 0, wrong));
     Ok(checks)
 }

@@ -56,15 +56,10 @@ pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
         return Ok(Vec::new());
     }
     let [coarse, fine] = [finger.key_node_count(), fine_mesh(finger)?.node_count()];
-    Ok(vec![Check::new(
-        Kind::Internal,
-        format!("{coarse} against {fine} nodes, linear, loads along the front plate"),
-        "nodal exactness of linear frames",
-        "largest displacement difference / largest displacement",
-        0.0,
-        linear_difference(finger)?,
-        ROUNDING_TOLERANCE,
-    )])
+    let problem = format!("{coarse} against {fine} nodes, linear, loads along the front plate");
+    let quantity = "largest displacement difference / largest displacement";
+    let exact = Kind::Internal.on(problem, "nodal exactness of linear frames");
+    Ok(vec![exact.vanishes(quantity, linear_difference(finger)?, ROUNDING_TOLERANCE)])
 }
 
 /// Difference of coarse co-rotational meshes from the fine one, by loaded node.

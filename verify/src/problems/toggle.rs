@@ -7,7 +7,7 @@
 
 use super::elastic_line::{self, Rigidity};
 use super::{Problem, ProblemError};
-use crate::check::{Check, EXACT_COUNT, Kind};
+use crate::check::{Check, Kind};
 use finray_model::frame::{FrameLoad, NodeIndex, PlaneFrame, Section};
 use finray_model::statics::{ArcLength, reaction};
 use finray_model::{Kinematics, Vector};
@@ -63,30 +63,16 @@ pub fn checks() -> Result<Vec<Check>, ProblemError> {
     let load = FrameLoad::Node { node: apex, force: Vector::new(0.0, -1.0), moment_nmm: 0.0 };
     let path = ArcLength::new(&frame, Kinematics::Corotational)
         .follow(&[load], 1000, |point| point.is_stable() && point.motion.displacements[apex].y < -1.8 * HEIGHT)?;
-    let row = |kind, source, quantity, reference, ours, tolerance| {
-        Check::new(kind, "Williams' toggle", source, quantity, reference, ours, tolerance)
-    };
-    let mut checks = vec![row(
-        Kind::Analytical,
-        "Williams 1964",
-        "limit points of the path",
-        2.0,
-        path.limits.len() as f64,
-        EXACT_COUNT,
-    )];
+    let against = |kind: Kind, source| kind.on("Williams' toggle", source);
+    let literature = against(Kind::Analytical, "Williams 1964");
+    let shooting = against(Kind::Internal, "elastic line by shooting");
+    let mut checks = vec![literature.counts("limit points of the path", 2, path.limits.len())];
     for (quantity, limit) in ["limit load (lb)", "load where it stiffens again (lb)"].into_iter().zip(&path.limits) {
         let held = reaction(&frame, &limit.motion, Kinematics::Corotational, &[], clamp);
         // The search on the elastic line starts from the toggle's own state, with a fault of one per cent.
         let start = [-held.force.x, -held.moment_nmm, limit.multiple];
         let reference = elastic_line::limit_load(miss, start.map(|x| x * 1.01), start.map(f64::abs))?;
-        checks.push(row(
-            Kind::Internal,
-            "elastic line by shooting",
-            quantity,
-            reference,
-            limit.multiple,
-            TOLERANCE * reference,
-        ));
+        checks.push(shooting.is(quantity, reference, limit.multiple, TOLERANCE * reference));
     }
     Ok(checks)
 }

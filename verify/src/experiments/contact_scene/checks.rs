@@ -3,7 +3,7 @@
 use super::SceneStep;
 use super::samples::NoiseSamples;
 use super::study::SceneStudy;
-use crate::check::{Check, EXACT_COUNT, Kind, worst};
+use crate::check::{Check, Kind, Subject, worst};
 use crate::lattice::skin::Touch;
 use finray_model::Vector;
 
@@ -52,9 +52,6 @@ fn coverage_tolerance(samples: usize, standard_errors: f64) -> f64 {
     SHIFT + standard_errors * (MEANT * (1.0 - MEANT) / samples as f64).sqrt()
 }
 
-/// Makes a check of a scene: kind, problem, source, quantity, reference, ours, tolerance.
-type NewCheck<'c> = dyn Fn(Kind, &str, &str, &str, f64, f64, f64) -> Check + 'c;
-
 impl SceneStudy {
     /// Checks of any scene: balance, equilibrium, no overlap, Coulomb's cone.
     pub fn checks(&self) -> Vec<Check> {
@@ -62,7 +59,6 @@ impl SceneStudy {
     }
 
     fn settled_within(&self, settled: &Settled) -> Vec<Check> {
-        let scene = format!("{} pressed onto the lattice", self.name);
         let touching =
             || self.steps.iter().map(|studied| &studied.step).filter(|step| !step.pressed.touches.is_empty());
         if touching().next().is_none() {
@@ -70,127 +66,91 @@ impl SceneStudy {
         }
         let over = |figure: &dyn Fn(&SceneStep) -> f64| worst(touching().map(figure));
         let share = |difference: Vector, step: &SceneStep| difference.norm() / step.pressed.contact_force().norm();
-        let check = |kind: Kind, what: &str, source: &str, quantity: &str, ours: f64, tolerance: f64| {
-            Check::new(kind, format!("{scene}: {what}"), source, quantity, 0.0, ours, tolerance)
-        };
         let relative = "largest difference / force";
+        let by_hand = over(&|step| share(step.pressed.contact_force() - step.pressed.hand_force, step));
+        let at_clamps = over(&|step| share(step.pressed.contact_force() - step.pressed.base_force, step));
+        let moment = over(&|step| {
+            let off_nmm = step.pressed.base_moment_nmm - step.pressed.contact_moment_nmm();
+            off_nmm.abs() / (step.pressed.contact_force().norm() * self.length_mm)
+        });
+        let settling = over(&|step| step.equilibrium_difference.unwrap_or(f64::NAN));
+        let overlap_mm = over(&|step| worst(step.pressed.touches.iter().map(|touch| touch.overlap_mm.abs())));
+        let beyond_cone_n = over(&|step| worst(step.pressed.touches.iter().map(|touch| self.beyond_cone_n(touch))));
+        let balance = |what: &str| self.on(Kind::Internal, what, "force balance");
         vec![
-            check(
-                Kind::Internal,
-                "sum of contact forces against the force of the hand",
-                "force balance",
+            balance("sum of contact forces against the force of the hand").vanishes(
                 relative,
-                over(&|step| share(step.pressed.contact_force() - step.pressed.hand_force, step)),
+                by_hand,
                 BALANCE_TOLERANCE,
             ),
-            check(
-                Kind::Internal,
-                "sum of contact forces against the force on the clamps",
-                "force balance",
+            balance("sum of contact forces against the force on the clamps").vanishes(
                 relative,
-                over(&|step| share(step.pressed.contact_force() - step.pressed.base_force, step)),
+                at_clamps,
                 settled.clamps,
             ),
-            check(
-                Kind::Internal,
-                "moment of contact forces against that on the clamps",
-                "force balance",
+            balance("moment of contact forces against that on the clamps").vanishes(
                 "largest difference / (force x length of the front plate)",
-                over(&|step| {
-                    let off_nmm = step.pressed.base_moment_nmm - step.pressed.contact_moment_nmm();
-                    off_nmm.abs() / (step.pressed.contact_force().norm() * self.length_mm)
-                }),
+                moment,
                 settled.clamps,
             ),
-            check(
+            self.on(
                 Kind::External,
                 "settled shape against the lattice's equilibrium under the contact forces",
                 "rapier2d against Newton",
-                DISPLACEMENT,
-                over(&|step| step.equilibrium_difference.unwrap_or(f64::NAN)),
-                settled.equilibrium,
-            ),
-            check(
-                Kind::Internal,
-                "no overlap and no gap at a contact",
-                "geometry",
+            )
+            .vanishes(DISPLACEMENT, settling, settled.equilibrium),
+            self.on(Kind::Internal, "no overlap and no gap at a contact", "geometry").vanishes(
                 "largest overlap or gap, mm",
-                over(&|step| worst(step.pressed.touches.iter().map(|touch| touch.overlap_mm.abs()))),
+                overlap_mm,
                 OVERLAP_TOLERANCE_MM,
             ),
-            check(
-                Kind::Internal,
-                "forces within the cone of friction",
-                "Coulomb",
+            self.on(Kind::Internal, "forces within the cone of friction", "Coulomb").vanishes(
                 "largest |tangential| - friction x normal, N",
-                over(&|step| worst(step.pressed.touches.iter().map(|touch| self.beyond_cone_n(touch)))),
+                beyond_cone_n,
                 CONE_TOLERANCE_N,
             ),
         ]
     }
 
+    fn on(&self, kind: Kind, what: &str, source: &str) -> Subject {
+        kind.on(format!("{} pressed onto the lattice: {what}", self.name), source)
+    }
+
+    /// What is sensed, against the lattice.
+    fn sensed(&self, what: &str) -> Subject {
+        self.on(Kind::Internal, what, SOURCE)
+    }
+
     /// Checks of a scene that ships: those of any, more closely; it goes to its end; without friction its shapes are those of beams; every
     /// stated interval holds the true force as often as it says, whatever the force.
     pub fn shipped_checks(&self) -> Vec<Check> {
-        let scene = format!("{} pressed onto the lattice", self.name);
-        let check =
-            |kind: Kind, what: &str, source: &str, quantity: &str, reference: f64, ours: f64, tolerance: f64| {
-                Check::new(kind, format!("{scene}: {what}"), source, quantity, reference, ours, tolerance)
-            };
-        let stopped = f64::from(u8::from(self.stopped.is_some()));
         let mut checks = self.settled_within(&SHIPPED);
-        checks.push(check(
-            Kind::Internal,
-            "goes to its end",
-            SOURCE,
-            "scenes that ended early",
-            0.0,
-            stopped,
-            EXACT_COUNT,
-        ));
+        let stopped = usize::from(self.stopped.is_some());
+        checks.push(self.sensed("goes to its end").counts("scenes that ended early", 0, stopped));
         let beams_tolerance = BEAMS_TOLERANCE * (SEGMENTS / self.fineness as f64).powi(2);
         if self.friction == 0.0 {
             let beams = worst(self.beams_differences.iter().map(|difference| difference.unwrap_or(f64::NAN)));
-            checks.push(check(
-                Kind::External,
-                "settled shape against beams under the contact forces",
-                SOURCE,
-                DISPLACEMENT,
-                0.0,
-                beams,
-                beams_tolerance,
-            ));
+            let against_beams = "settled shape against beams under the contact forces";
+            let check = self.on(Kind::External, against_beams, SOURCE);
+            checks.push(check.vanishes(DISPLACEMENT, beams, beams_tolerance));
             let clean = self.steps.iter().filter_map(|studied| studied.clean.as_ref().ok()?.as_ref());
-            checks.push(check(
-                Kind::Internal,
-                "sensed total, without noise",
-                SOURCE,
-                "largest |sensed / true - 1|",
-                0.0,
-                worst(clean.map(|sensed| sensed.total.relative_error().abs())),
-                beams_tolerance,
-            ));
+            let total = worst(clean.map(|sensed| sensed.total.relative_error().abs()));
+            let check = self.sensed("sensed total, without noise");
+            checks.push(check.vanishes("largest |sensed / true - 1|", total, beams_tolerance));
         }
         let refused = self.steps.iter().filter(|studied| {
             let felt = studied.step.contacts.iter().any(|contact| !contact.clamped);
             felt && !matches!(studied.clean, Ok(Some(_)))
         });
-        checks.push(check(
-            Kind::Internal,
-            "steps that sensing refuses, without noise",
-            SOURCE,
-            "count",
-            0.0,
-            refused.count() as f64,
-            EXACT_COUNT,
-        ));
-        checks.extend(self.coverage_checks(&check));
+        let check = self.sensed("steps that sensing refuses, without noise");
+        checks.push(check.counts("count", 0, refused.count()));
+        checks.extend(self.coverage_checks());
         checks
     }
 
     /// Coverage over all samples, contacts and totals of a scene, and of the worst contact of a step. Refused samples are not covered. With
     /// friction the intervals allow for the worst in its cone, so that more may lie within.
-    fn coverage_checks(&self, check: &NewCheck) -> Vec<Check> {
+    fn coverage_checks(&self) -> Vec<Check> {
         let sampled: Vec<&NoiseSamples> = self.steps.iter().filter_map(|studied| studied.samples.as_ref()).collect();
         if sampled.is_empty() {
             return Vec::new();
@@ -216,20 +176,15 @@ impl SceneStudy {
             let quantity = format!("share over {taken} noise samples of contacts and steps, refused ones not within");
             checks.push(if self.friction > 0.0 {
                 let quantity = format!("0.95 less the {quantity}, if positive");
-                check(Kind::Internal, &problem, SOURCE, &quantity, 0.0, (MEANT - share).max(0.0), tolerance)
+                self.sensed(&problem).vanishes(quantity, (MEANT - share).max(0.0), tolerance)
             } else {
-                check(Kind::Internal, &problem, SOURCE, &quantity, MEANT, share, tolerance)
+                self.sensed(&problem).is(quantity, MEANT, share, tolerance)
             });
             let fewest = sampled.iter().map(|samples| samples.taken).min().unwrap_or(1);
-            checks.push(check(
-                Kind::Internal,
-                &format!("{problem}, where fewest are"),
-                SOURCE,
-                &format!("0.95 less the share of {fewest} noise samples, if positive"),
-                0.0,
-                (MEANT - least).max(0.0),
-                coverage_tolerance(fewest, WORST_STANDARD_ERRORS),
-            ));
+            let quantity = format!("0.95 less the share of {fewest} noise samples, if positive");
+            let tolerance = coverage_tolerance(fewest, WORST_STANDARD_ERRORS);
+            let check = self.sensed(&format!("{problem}, where fewest are"));
+            checks.push(check.vanishes(quantity, (MEANT - least).max(0.0), tolerance));
         }
         if self.friction > 0.0 {
             let shares = sampled.iter().flat_map(|samples| {
@@ -239,15 +194,8 @@ impl SceneStudy {
                     samples.rms_sigma_n(which) / true_n
                 })
             });
-            checks.push(check(
-                Kind::Internal,
-                &format!("every contact's force, {noise}: stated sigma"),
-                SOURCE,
-                "largest stated sigma / true force",
-                0.0,
-                worst(shares),
-                LARGEST_SIGMA,
-            ));
+            let check = self.sensed(&format!("every contact's force, {noise}: stated sigma"));
+            checks.push(check.vanishes("largest stated sigma / true force", worst(shares), LARGEST_SIGMA));
         }
         checks
     }

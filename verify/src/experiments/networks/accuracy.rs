@@ -137,17 +137,12 @@ impl NetworkStudy {
         let Some(set) = set.filter(|_| self.noise_mm == CAMERA_NOISE_MM) else { return Vec::new() };
         let cases = row.drawn();
         let nodes = row.nodes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and ");
+        let problem = format!("network that ships, node{} {nodes}", if row.nodes.len() > 1 { "s" } else { "" });
+        let subject = Kind::Internal.on(problem, "known forces");
         let check = |quantity: &str, error: Option<f64>, largest: f64| {
-            Check::new(
-                Kind::Internal,
-                format!("network that ships, node{} {nodes}", if row.nodes.len() > 1 { "s" } else { "" }),
-                "known forces",
-                format!("mean error of {quantity}, {} mm noise, {cases} cases", self.noise_mm),
-                0.0,
-                error.unwrap_or(f64::NAN),
-                largest * (1.0 + chance(cases)),
-            )
-            .with_refused(row.refused, cases)
+            let quantity = format!("mean error of {quantity}, {} mm noise, {cases} cases", self.noise_mm);
+            let tolerance = largest * (1.0 + chance(cases));
+            subject.vanishes(quantity, error.unwrap_or(f64::NAN), tolerance).with_refused(row.refused, cases)
         };
         // Without a bound there is nothing to hold the network against: not a number fails.
         let least = |aim: f64, bound: Option<f64>| bound.map_or(f64::NAN, |bound| aim.min(bound));

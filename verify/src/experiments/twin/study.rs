@@ -150,24 +150,10 @@ impl TwinStudy {
         let nonlinear = || self.sensing.iter().map(|sensing| &sensing.nonlinear);
         let worst = worst(nonlinear().map(|row| row.mean_error().unwrap_or(f64::NAN)));
         let counts = Counts::of(nonlinear());
-        let sensed = Check::new(
-            Kind::Internal,
-            problem,
-            "true forces",
-            "worst mean error of the nonlinear estimator with calibrated zones, nodes 14 to 24",
-            0.0,
-            worst,
-            SENSED,
-        );
-        let covered = Check::new(
-            Kind::Internal,
-            problem,
-            "true factors",
-            "error over stated sigma of calibrated zones, root mean square",
-            1.0,
-            self.rms_over_sigma(),
-            COVERED,
-        );
+        let quantity = "worst mean error of the nonlinear estimator with calibrated zones, nodes 14 to 24";
+        let sensed = Kind::Internal.on(problem, "true forces").vanishes(quantity, worst, SENSED);
+        let quantity = "error over stated sigma of calibrated zones, root mean square";
+        let covered = Kind::Internal.on(problem, "true factors").is(quantity, 1.0, self.rms_over_sigma(), COVERED);
         vec![sensed.with_refused(counts.refused, counts.drawn), covered]
     }
 }
