@@ -6,6 +6,7 @@ mod experiments;
 mod grasps;
 mod gripper;
 mod limits;
+mod rate;
 
 use finray_model::Scene;
 use finray_verify::claims::{Claim, ClaimVerdict, ledger};

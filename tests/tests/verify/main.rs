@@ -18,7 +18,10 @@ mod experiments {
     mod directions;
     mod displacement_noise;
     mod explanations;
+    mod hard_cases;
     mod networks;
+    mod noise;
+    pub mod speed_error;
     mod table_two;
     mod twin;
 }
@@ -26,6 +29,7 @@ mod figures {
     mod bars;
     mod chart;
     mod film;
+    mod layout;
     mod map;
 }
 mod grasp {
@@ -64,6 +68,7 @@ mod report {
         mod drawings;
         mod words;
     }
+    mod measured;
     mod page;
     mod speed_error;
     mod table_two {

@@ -11,7 +11,7 @@ pub mod experiments;
 pub mod grasps;
 pub mod gripper;
 pub mod limits;
-mod rate;
+pub mod rate;
 mod single_finger;
 mod words;
 

@@ -11,7 +11,10 @@ const FRAME_S: f64 = 0.04;
 
 /// The paper's rate is that of its image processing, on its computer and in its images. Here images are rendered ones, on this computer: what can
 /// be compared is whether estimating the forces would leave the vision that time.
-pub(super) fn sensing_rate(
+///
+/// # Errors
+/// [`ClaimError`] if its words lack a number.
+pub fn sensing_rate(
     points: &[SpeedErrorPoint],
     images: Option<FrameTimes>,
     words: &Words,
@@ -35,29 +38,4 @@ pub(super) fn sensing_rate(
         slower,
     };
     words.claim("rate", if slower { ClaimVerdict::Refuted } else { ClaimVerdict::NotTested }, numbers)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::experiments::speed_error::Task;
-    use crate::experiments::speed_error::recommendation::tests::point;
-
-    /// A rate without vision is never better than one with it.
-    #[test]
-    fn a_rate_without_vision_is_not_better() {
-        let words = Words::shipped().expect("words of the claims");
-        let sensing_rate = |points: &[SpeedErrorPoint]| super::sensing_rate(points, None, &words).expect("all numbers");
-        let fast = sensing_rate(&[point(Task::SenseOne, 133, 1e-4, 0.01, 0.1)]);
-        assert_eq!(fast.verdict, ClaimVerdict::NotTested);
-        assert!(
-            fast.ours.contains("0.10 ms a frame (0.25 % of 40 ms, 95 % within 0.20 ms)")
-                && fast.how.contains("not tested"),
-            "{fast:?}"
-        );
-        let slow = sensing_rate(&[point(Task::SenseOne, 133, 0.05, 0.01, 0.1)]);
-        assert_eq!(slow.verdict, ClaimVerdict::Refuted);
-        let biased = sensing_rate(&[point(Task::SenseOne, 25, 1e-4, 0.01, 3.0)]);
-        assert_eq!((biased.verdict, biased.ours.as_str()), (ClaimVerdict::NotTested, "-"));
-    }
 }

@@ -225,7 +225,8 @@ impl Solved {
     }
 }
 
-fn solved_point(model: &str, setting: String, mut seconds: Vec<f64>, error: f64, asked: usize) -> SpeedErrorPoint {
+/// The point of a way to solve that took these times for the loads that it carried of so many; without any it has no error.
+pub fn solved_point(model: &str, setting: String, mut seconds: Vec<f64>, error: f64, asked: usize) -> SpeedErrorPoint {
     SpeedErrorPoint {
         task: Task::Solve,
         model: model.to_owned(),
@@ -360,36 +361,4 @@ fn spread(finger: &Finger, nodes: usize) -> impl Iterator<Item = NodeId> {
     let contact: Vec<NodeId> = finger.contact_nodes().skip(1).collect();
     let every = contact.len().div_ceil(nodes.max(1)).max(1);
     contact.into_iter().step_by(every)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_front_is_what_nothing_beats() {
-        let of = |seconds: f64, error: f64| SpeedErrorPoint {
-            error,
-            ..solved_point("", String::new(), vec![seconds], error, 1)
-        };
-        let mut points = [of(1.0, 1.0), of(2.0, 0.5), of(3.0, 0.6), of(1.0, 2.0), of(f64::NAN, 0.1)];
-        // Faster than all, for another task.
-        points[3].task = Task::SenseOne;
-        mark_fronts(&mut points);
-        assert_eq!(points.map(|point| point.on_front), [true, true, false, true, false]);
-    }
-
-    #[test]
-    fn what_fails_is_counted_and_has_no_error() {
-        let failed = solved_point("", String::new(), Vec::new(), 0.0, 3);
-        assert!(failed.error.is_nan() && failed.seconds.is_nan() && failed.failed == 3);
-    }
-
-    /// Other programs are asked for the same: `bench/peers` writes these words.
-    #[test]
-    fn what_is_asked_is_said() {
-        let paper = finray_model::Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the paper's scene").finger;
-        let said = Task::ALL.map(|task| asked(&paper, task)).map(|asked| [asked.nodes, asked.forces_n].join(" at "));
-        assert_eq!(said, ["14-24 at 3", "14-24 at 0.3-3", "19-20 at 0.3-3"]);
-    }
 }

@@ -92,15 +92,3 @@ pub(super) fn edges(positions: &[f64], limits: Option<[f64; 2]>) -> Vec<f64> {
     edges.push(2.0 * last - edges[edges.len() - 1]);
     edges
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn cells_meet_halfway_and_reach_as_far_beyond_the_ends() {
-        assert_eq!(edges(&[10.0, 20.0, 35.0], None), [5.0, 15.0, 27.5, 42.5]);
-        assert_eq!(edges(&[35.0, 20.0, 10.0], None), [42.5, 27.5, 15.0, 5.0]);
-        assert_eq!((edges(&[3.0], None), edges(&[3.0], Some([-90.0, 90.0]))), (vec![2.5, 3.5], vec![-6.0, 12.0]));
-    }
-}

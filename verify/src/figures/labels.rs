@@ -60,35 +60,3 @@ impl Obstacles {
         100.0 * crossed as f64 + 200.0 * hidden as f64 + 1000.0 * outside + far + 18.0 * turned
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn obstacles(lines: Lines) -> Obstacles {
-        Obstacles { lines, areas: vec![], within: Area::between([0.0, 0.0], [400.0, 200.0]) }
-    }
-
-    fn label(anchor: Point) -> Label {
-        Label { text: "123".to_owned(), anchor, side: [0.0, -1.0] }
-    }
-
-    #[test]
-    fn crowded_labels_hide_neither_each_other_nor_the_line() {
-        let mut obstacles = obstacles(vec![vec![[20.0, 100.0], [380.0, 100.0]]]);
-        for i in 0..8 {
-            obstacles.position(&label([60.0 + 14.0 * f64::from(i), 100.0]));
-        }
-        for (index, area) in obstacles.areas.iter().enumerate() {
-            assert!(area.clip([20.0, 100.0], [380.0, 100.0]).is_none());
-            assert!(obstacles.areas[..index].iter().all(|other| !other.meets(area)));
-        }
-    }
-
-    #[test]
-    fn a_label_stands_on_its_side_where_there_is_room_and_stays_on_the_sheet() {
-        let [x, y] = obstacles(vec![]).position(&label([200.0, 100.0]));
-        assert!((x - 200.0).abs() < 1e-9 && y < 100.0);
-        assert!(obstacles(vec![]).position(&label([200.0, 4.0]))[1] >= 8.0);
-    }
-}

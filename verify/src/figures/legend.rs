@@ -73,21 +73,3 @@ impl<'a> Legend<'a> {
         Ok(())
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::figures::colour::TEXT;
-
-    fn rows(texts: &[&str], right: f64) -> Vec<(usize, usize)> {
-        let entries = texts.iter().map(|text| Entry::patch(*text, TEXT)).collect();
-        Legend::lay_out(entries, [0.0, right]).entries.iter().map(|entry| (entry.3, entry.1.len())).collect()
-    }
-
-    #[test]
-    fn entries_go_on_in_the_next_row_and_long_words_are_broken() {
-        assert_eq!(rows(&["one", "two", "three"], 200.0), [(0, 1), (0, 1), (1, 1)]);
-        let broken = rows(&["a co-rotational solution with every node free to turn", "", "next"], 260.0);
-        assert!(broken.len() == 2 && broken[0].1 > 1 && broken[1].0 == broken[0].1, "{broken:?}");
-    }
-}

@@ -236,36 +236,3 @@ impl<'a> Panels<'a> {
         Ok(drawn + "</svg>\n")
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::figures::colour::OVER_LINES;
-
-    fn sample() -> String {
-        let (frame, axis) = (Frame::full("a < b & \"c\"", "what it shows"), Axis::linear("x, mm").within(0.0, 1.0));
-        let paint = |sheet: &Sheet, plots: &[Plot]| {
-            let ([x, y], area) = (plots[0].at([0.0, 1.0]), plots[0].area);
-            assert!((x - area.left).abs() < 0.2 && (y - area.top).abs() < 0.2);
-            sheet.words("fill=\"#010203\" & <i>", [0.0, 0.0], &font(TICK_TEXT).color(&OVER_LINES))
-        };
-        Panels::new(&frame, [&axis, &axis]).draw(paint).unwrap()
-    }
-
-    #[test]
-    fn the_drawing_scales_and_has_a_name() {
-        let svg = sample();
-        assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n") && svg.matches("<svg").count() == 1);
-        assert!(svg.contains("viewBox=\"0 0 900 ") && svg.contains("width=\"100%\"") && svg.contains("role=\"img\""));
-        assert!(svg.contains("<title>a &lt; b &amp; \"c\"</title><desc>what it shows</desc>"));
-        assert!(svg.contains("aria-label=\"a &lt; b &amp; &quot;c&quot;\""));
-    }
-
-    #[test]
-    fn neutral_ink_is_the_page_s_and_words_are_escaped() {
-        let svg = sample();
-        assert!(svg.contains("stroke=\"currentColor\"") && svg.contains("var(--paper,Canvas)"));
-        assert!(!svg.contains("stroke=\"#01020") && !svg.contains("#000000"), "{svg}");
-        assert!(svg.contains(">fill=\"#010203\" &amp; &lt;i&gt;</text>"));
-    }
-}

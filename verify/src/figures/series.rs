@@ -149,16 +149,3 @@ fn outward(at: Point, lines: &Lines, middle: Point) -> Point {
         Some([x, y]) => [y, -x],
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn words_stand_outside_the_lines() {
-        let plate = |from: Point, to: Point| vec![from, [75.0, (from[1] + to[1]) / 2.0], to];
-        let lines = vec![plate([0.0, 0.0], [150.0, 20.0]), plate([0.0, 58.0], [150.0, 20.0])];
-        assert!(outward([75.0, 10.0], &lines, [75.0, 29.0])[1] < 0.0);
-        assert!(outward([75.0, 39.0], &lines, [75.0, 29.0])[1] > 0.0);
-    }
-}

@@ -54,22 +54,3 @@ pub(super) fn fixed(value: f64, decimals: usize) -> String {
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     if text == "-0" { "0".to_owned() } else { text.replace('-', "−") }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_keep_three_digits_and_lose_trailing_zeros() {
-        let numbers = [0.0, -2.5, 0.012_34, 1234.6, 100.0, 1e-6, 2.5e7, -0.0];
-        assert_eq!(numbers.map(number), ["0", "−2.5", "0.0123", "1235", "100", "10⁻⁶", "2.5×10⁷", "0"]);
-    }
-
-    #[test]
-    fn wrapped_lines_fit_and_lose_no_word() {
-        let text = "force found from the shape of the front plate against the force applied";
-        let lines = wrap(text, 16.0, 200.0);
-        assert!(lines.len() > 1 && lines.iter().all(|line| width_of(line, 16.0) <= 200.0));
-        assert_eq!(lines.join(" "), text);
-    }
-}

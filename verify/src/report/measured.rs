@@ -1,6 +1,6 @@
 //! Forces sensed in images against those that were measured, and what is left of the markers.
 
-mod picture;
+pub mod picture;
 
 use super::dataset::{Columns, Dataset, Format};
 use super::format::percent_two_digits;

@@ -20,7 +20,7 @@ mod grasp;
 mod hard_cases;
 pub mod lattice;
 pub mod maps;
-mod measured;
+pub mod measured;
 mod networks;
 pub mod page;
 mod pairs;

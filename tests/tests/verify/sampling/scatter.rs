@@ -3,8 +3,8 @@
 use crate::stand_ins::Constant;
 use finray_model::{Kinematics, Mesh, NodeId};
 use finray_tests::{CAMERA_NOISE_MM, paper};
-use finray_verify::estimators::{BeamEstimator, Estimator};
-use finray_verify::sampling::scatter::{ScatterRequest, ScatterRow, scatter};
+use finray_verify::estimators::{BeamEstimator, Estimator, EstimatorId};
+use finray_verify::sampling::scatter::{Counts, Scatter, ScatterRequest, ScatterRow, scatter};
 use finray_verify::settings::TWO_FORCES_N;
 
 /// Cases for each set of contacts.
@@ -107,4 +107,22 @@ fn samples_are_those_of_the_forces() {
         assert_eq!((row.cases, row.refused), (CASES, 0));
         assert!(row.mean_error().expect("sensed") < SAME_FINGER, "{row:?}");
     }
+}
+
+#[test]
+fn a_refused_case_counts_as_an_error_of_the_whole_force() {
+    let row = |cases: usize, refused: usize| ScatterRow {
+        estimator: EstimatorId::Nonlinear,
+        nodes: vec![19],
+        noise_mm: 0.067,
+        cases,
+        not_carried: 0,
+        refused,
+        forces: vec![Scatter { mean_error: 0.01, ..Scatter::default() }],
+        sum: None,
+    };
+    assert!(row(100, 0).is_within(0.10) && row(95, 5).is_within(0.10));
+    assert!(!row(90, 10).is_within(0.10) && !row(1, 99).is_within(0.10));
+    let counts = Counts::of(&[row(90, 10), row(100, 0)]);
+    assert_eq!(counts.to_string(), "200 cases drawn, 190 answered, 10 refused");
 }

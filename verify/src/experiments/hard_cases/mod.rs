@@ -7,7 +7,7 @@ mod fingers;
 mod input;
 mod loads;
 mod sensing;
-mod soundness;
+pub mod soundness;
 
 use crate::check::{Check, EXACT_COUNT, Kind};
 use crate::experiments::{Context, Evidence};
@@ -44,18 +44,22 @@ impl HardCase {
 }
 
 /// A case before it is computed.
-struct Question {
-    case: &'static str,
-    difficulty: &'static str,
-    expectation: &'static str,
-    answer: fn(&Finger, Effort, &mut Findings) -> Result<(), Unexpected>,
+pub struct Question {
+    /// Its name.
+    pub case: &'static str,
+    /// The difficulty.
+    pub difficulty: &'static str,
+    /// Expected outcome.
+    pub expectation: &'static str,
+    /// Computes it.
+    pub answer: fn(&Finger, Effort, &mut Findings) -> Result<(), Unexpected>,
 }
 
 /// Error that ends a case before its checks, where none was expected.
-type Unexpected = Box<dyn std::error::Error>;
+pub type Unexpected = Box<dyn std::error::Error>;
 
 /// Collects the results of a case.
-struct Findings {
+pub struct Findings {
     case: &'static str,
     notes: Vec<String>,
     checks: Vec<Check>,
@@ -117,7 +121,8 @@ fn middle(finger: &Finger) -> NodeId {
     nodes[nodes.len() / 2]
 }
 
-fn answered(question: &Question, finger: &Finger, effort: Effort) -> HardCase {
+/// Asks a question of a finger: an error that ends a case fails it, and so does a case that takes too long.
+pub fn answered(question: &Question, finger: &Finger, effort: Effort) -> HardCase {
     let mut findings = Findings { case: question.case, notes: Vec::new(), checks: Vec::new() };
     let begin = Instant::now();
     if let Err(error) = (question.answer)(finger, effort, &mut findings) {
@@ -131,49 +136,5 @@ fn answered(question: &Question, finger: &Finger, effort: Effort) -> HardCase {
         notes: findings.notes,
         checks: findings.checks,
         seconds: begin.elapsed().as_secs_f64(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use finray_fixtures::PAPER_SCENE;
-    use finray_model::Scene;
-
-    fn answered_by(answer: fn(&Finger, Effort, &mut Findings) -> Result<(), Unexpected>) -> HardCase {
-        let finger = Scene::from_toml(PAPER_SCENE).unwrap().finger;
-        let question = Question { case: "case", difficulty: "difficulty", expectation: "expectation", answer };
-        answered(&question, &finger, Effort::Quick)
-    }
-
-    fn with_error(ours: f64) -> HardCase {
-        let case = answered_by(|_, _, _| Ok(()));
-        HardCase { checks: vec![Check::new(Kind::Internal, "case", "law", "error", 0.0, ours, 1.0)], ..case }
-    }
-
-    #[test]
-    fn a_failed_check_fails_its_case() {
-        assert!(with_error(0.9).passes());
-        assert!(!with_error(1.1).passes() && !with_error(f64::NAN).passes());
-    }
-
-    #[test]
-    fn an_unexpected_error_fails_its_case() {
-        let case = answered_by(|_, _, _| Err("it fell over".into()));
-        assert!(!case.passes() && case.notes[0].contains("it fell over"), "{case:?}");
-    }
-
-    #[test]
-    fn laws_without_a_case_fail() {
-        let case = answered_by(|_, _, findings| {
-            soundness::Soundness::default().report(findings);
-            Ok(())
-        });
-        assert!(!case.passes());
-    }
-
-    #[test]
-    fn a_slow_case_fails() {
-        assert!(!HardCase { seconds: 1.1 * TIME_LIMIT_S, ..with_error(0.0) }.passes());
     }
 }

@@ -196,7 +196,11 @@ pub fn sensing(
     Ok(points)
 }
 
-fn sensed(
+/// An estimator on streams of frames: time, error, and what its model alone is off.
+///
+/// # Errors
+/// [`SpeedErrorError`] if it is not made for the contacts.
+pub fn sensed(
     task: Task,
     timed: &TimedEstimator<'_>,
     noise_mm: f64,
@@ -258,100 +262,8 @@ fn sensed(
 }
 
 /// Percentile by nearest rank; not a number without values.
-pub(super) fn percentile(values: &mut [f64], percent: f64) -> f64 {
+pub fn percentile(values: &mut [f64], percent: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     let rank = (percent / 100.0 * values.len() as f64).ceil() as usize;
     values.get(rank.saturating_sub(1)).copied().unwrap_or(f64::NAN)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::truths::fine_mesh;
-    use finray_model::Scene;
-
-    /// Noise of the paper's camera.
-    const NOISE_MM: f64 = 0.067;
-
-    fn stream_at(node: usize) -> (Mesh, Stream) {
-        let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the paper's scene").finger;
-        let truth = fine_mesh(&finger).expect("a mesh");
-        let stream = Stream::take(&truth, &[NodeId(node)], NOISE_MM, FRAMES_A_PERIOD, 0);
-        (truth, stream)
-    }
-
-    /// Frames are of the fine finger, noisy, and move by realistic steps over the whole range.
-    #[test]
-    fn frames_are_those_of_a_moving_force() {
-        let (truth, stream) = stream_at(19);
-        assert_eq!(truth.node_count(), 684);
-        assert_eq!(stream.frames.len(), FRAMES_A_PERIOD);
-        let forces: Vec<f64> = stream.frames.iter().map(|frame| frame.forces_n[0]).collect();
-        let largest_step = forces.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
-        // 2 x 1.35 N x sin(pi / 25): a sinusoid's step.
-        assert!((largest_step - 2.0 * 1.35 * (TAU / 50.0).sin()).abs() < 0.01, "{largest_step}");
-        let [low, high] = [f64::min, f64::max].map(|of| forces.iter().copied().reduce(of).expect("frames"));
-        assert!(low < 0.32 && high > 2.98 && low >= 0.3 && high <= 3.0, "{low} to {high}");
-        let noise: Vec<f64> = stream
-            .frames
-            .iter()
-            .flat_map(|frame| {
-                let pairs = frame.seen.markers().iter().zip(frame.exact.markers());
-                pairs.map(|(seen, exact)| (seen.displacement - exact.displacement).norm_squared()).collect::<Vec<_>>()
-            })
-            .collect();
-        let rms = (noise.iter().sum::<f64>() / (2 * noise.len()) as f64).sqrt();
-        // 2 x 23 x 25 draws: the standard deviation is known to 2 %.
-        assert!((rms / NOISE_MM - 1.0).abs() < 0.1, "{rms}");
-    }
-
-    /// Cold and warm see the same frames and answer alike: the start changes the time alone.
-    #[test]
-    fn cold_and_warm_starts_answer_alike() {
-        let (truth, stream) = stream_at(22);
-        let meshes = sensing_meshes(truth.finger());
-        let estimators = beam_estimators(&meshes);
-        let answers = |start| {
-            let timed = estimators.iter().find(|timed| timed.start == start).expect("a nonlinear estimator");
-            let mut prepared =
-                timed.estimator.prepare(&stream.contacts, &stream.frames[0].seen).expect("a contact node");
-            let answer = |frame: &Frame| prepared.estimate(&frame.seen, Some(NOISE_MM)).expect("an answer").forces_n[0];
-            stream.frames.iter().map(answer).collect::<Vec<f64>>()
-        };
-        for (cold, warm) in answers(Start::Cold).into_iter().zip(answers(Start::Warm)) {
-            // Both stop when a step would change a force by a millionth.
-            assert!((cold - warm).abs() < 1e-4, "{cold} and {warm}");
-        }
-    }
-
-    /// The mesh of key nodes is off by more than its stated standard deviation at nodes 19 and 20; eight elements a member are not.
-    #[test]
-    fn the_bias_of_a_coarse_mesh_is_seen() {
-        let (truth, stream) = stream_at(20);
-        let meshes = sensing_meshes(truth.finger());
-        let streams = [stream];
-        let biases: Vec<f64> = beam_estimators(&meshes)
-            .iter()
-            .filter(|timed| timed.start == Start::Cold)
-            .map(|timed| {
-                let point = sensed(Task::SenseOne, timed, NOISE_MM, &streams).expect("an answer");
-                assert_eq!((point.failed, point.asked), (0, FRAMES_A_PERIOD));
-                assert!(point.seconds_95 >= Some(point.seconds) && point.preparation_seconds > Some(0.0));
-                point.bias_sigmas.expect("stated standard deviations")
-            })
-            .collect();
-        assert!(biases[0] > 2.0 && biases[3] < 0.4, "{biases:?}");
-        // Least squares is 45 sigma off at 3 N; over what it states where its model is contradicted it was once 7.5.
-        let estimators = beam_estimators(&meshes);
-        let linear = estimators.iter().find(|timed| timed.start == Start::None).expect("least squares");
-        let point = sensed(Task::SenseOne, linear, NOISE_MM, &streams).expect("an answer");
-        assert!(point.bias_sigmas > Some(30.0), "{point:?}");
-    }
-
-    #[test]
-    fn percentiles_are_by_nearest_rank() {
-        let mut values: Vec<f64> = (1..=20).rev().map(f64::from).collect();
-        assert_eq!([50.0, 95.0, 100.0].map(|percent| percentile(&mut values, percent)), [10.0, 19.0, 20.0]);
-        assert!(percentile(&mut [], 95.0).is_nan());
-    }
 }

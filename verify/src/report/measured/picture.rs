@@ -11,7 +11,7 @@ const RESIDUAL: &str = "#d6004b";
 const HALO: &str = "#ffffff";
 
 /// By how much residuals are drawn longer than they are: the same in all pictures, a round number.
-pub(super) fn magnified(pictures: &[Picture]) -> f64 {
+pub fn magnified(pictures: &[Picture]) -> f64 {
     let length = |arrow: &Arrow| arrow.residual_px[0].hypot(arrow.residual_px[1]);
     let longest_px = pictures.iter().flat_map(|picture| &picture.arrows).map(length).fold(0.0, f64::max);
     if longest_px > 0.0 { round_below(LONGEST_PX / longest_px) } else { 1.0 }
@@ -24,7 +24,7 @@ fn round_below(number: f64) -> f64 {
 }
 
 /// The picture as a drawing; nothing depends on the colours of the page.
-pub(super) fn svg(picture: &Picture, magnified: f64) -> String {
+pub fn svg(picture: &Picture, magnified: f64) -> String {
     let [width, height] = picture.size_px;
     let strokes = [(HALO, 6.0), (RESIDUAL, 2.5)].map(|(colour, stroke)| {
         let arrows: String = picture.arrows.iter().map(|arrow| path(arrow, magnified)).collect();
@@ -80,38 +80,4 @@ fn base64(bytes: &[u8]) -> String {
         }
     }
     text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The test vectors of RFC 4648, sec. 10.
-    #[test]
-    fn bytes_are_encoded_as_the_standard_has_it() {
-        for (bytes, text) in
-            [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foob", "Zm9vYg=="), ("fooba", "Zm9vYmE=")]
-        {
-            assert_eq!(base64(bytes.as_bytes()), text);
-        }
-    }
-
-    /// One residual of half a pixel, two to a mm: drawn at 48 px or less, with a bar that fits.
-    #[test]
-    fn residuals_are_drawn_to_scale() {
-        let arrow = Arrow { seen: [100.0, 50.0], residual_px: [0.3, -0.4] };
-        let picture = Picture {
-            image: "a\"<b>.jpg".to_owned(),
-            size_px: [400, 200],
-            jpeg: vec![255],
-            px_a_mm: 2.0,
-            arrows: vec![arrow],
-        };
-        assert_eq!(magnified(std::slice::from_ref(&picture)), 50.0);
-        let svg = svg(&picture, 50.0);
-        for part in ["M100.0 50.0L115.0 30.0", ">1 mm</text>", "M20 180h100.0", "a&quot;&lt;b&gt;.jpg", "base64,/w==\""]
-        {
-            assert!(svg.contains(part), "{part} is not in {svg}");
-        }
-    }
 }
