@@ -1,7 +1,7 @@
 //! Effect of zones of other modulus on the elements.
 
-use super::{Mesh, Zone};
-use crate::finger::{Part, Plate};
+use super::Mesh;
+use crate::finger::{Part, Plate, Zone};
 
 /// Where the elements of a plate member begin and end, mm from the base.
 pub(super) struct ElementPositions {

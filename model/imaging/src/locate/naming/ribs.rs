@@ -2,7 +2,8 @@
 //!
 //! Where nothing tells the plates apart, one plate named alone may take markers of the other. Pairs are few, and no marker is in two of them.
 
-use super::{Candidate, Chain, HIDDEN, MOST_SKIPPED, Marked, Names, turn_cost};
+use super::chain::{Chain, HIDDEN, MOST_SKIPPED, turn_cost};
+use super::{Candidate, Marked, Names};
 use finray_model::Vector;
 use finray_model::finger::Plate;
 

@@ -1,0 +1,173 @@
+//! From a finger to its frame: plates, ribs and what links them, line by line.
+
+use super::prepared::Prepared;
+use super::zones::{self, ElementPositions, mean_compliance};
+use super::{FrontSpan, Line, Mesh};
+use crate::finger::{Finger, Joints, NodeId, Part, Plate, Zone};
+use crate::frame::{BeamEnd, NodeIndex, PlaneFrame, Section};
+
+impl Mesh {
+    pub(super) fn build(finger: &Finger, elements: &[usize]) -> Mesh {
+        let mut frame = PlaneFrame::new();
+        for node in (1..=finger.key_node_count()).map(NodeId) {
+            frame.add_node(finger.position(node));
+        }
+        for node in finger.clamped_nodes() {
+            frame.support(node.0 - 1, [true; 3]);
+        }
+        if finger.has_brackets() {
+            for node in (0..finger.rib_count()).flat_map(|rib| finger.rib_nodes(rib)) {
+                frame.add_node(finger.hinge(node));
+            }
+        }
+        // Links first: they decide which rotation the beams at a node are clamped to.
+        for rib in 0..finger.rib_count() {
+            link_rib(&mut frame, finger, rib);
+        }
+        let mut mesh = Mesh {
+            finger: finger.clone(),
+            frame,
+            lines: Vec::new(),
+            front: Vec::new(),
+            elements: elements.to_vec(),
+            node_count: finger.key_node_count() + elements.iter().map(|n| n - 1).sum::<usize>(),
+            prepared: Prepared::default(),
+        };
+        let mut elements = elements.iter().copied();
+        let mut next = || elements.next().unwrap_or(1);
+        for plate in [Plate::Back, Plate::Front] {
+            for member in 0..=finger.rib_count() {
+                mesh.add_plate_member(plate, member, next());
+            }
+        }
+        for rib in 0..finger.rib_count() {
+            mesh.add_rib(rib, next());
+        }
+        mesh
+    }
+
+    fn add_plate_member(&mut self, plate: Plate, member: usize, elements: usize) {
+        let arms_mm = self.finger.member_arms_mm(plate, member);
+        let (nodes, positions) = (self.finger.plate_nodes(plate), self.finger.plate_positions_mm(plate));
+        let (nodes, positions) = ([nodes[member], nodes[member + 1]], [positions[member], positions[member + 1]]);
+        let along = (self.finger.plate_point(plate, 1.0) - self.finger.base(plate)).normalize();
+        let [from, to] = nodes.map(|node| self.frame_node(node));
+        let ends = [
+            BeamEnd { arm: along * arms_mm[0], ..self.frame.clamped_end(from) },
+            BeamEnd { arm: along * -arms_mm[1], ..self.frame.clamped_end(to) },
+        ];
+        let elements_at = ElementPositions::new(positions, arms_mm, elements);
+        let free = elements_at.free();
+        // `section` is there for plates by construction.
+        let Some(section) = self.finger.section(plate.into()) else { return };
+        let zones: Vec<Zone> =
+            self.finger.description().zones.iter().filter(|zone| zone.part == Part::from(plate)).copied().collect();
+        let position = |i: usize| elements_at.start(i);
+        let sections: Vec<Section> = (0..elements)
+            .map(|i| section.scaled(1.0 / mean_compliance(&zones, position(i), position(i + 1))))
+            .collect();
+        let first_member = self.frame.members().len();
+        self.add_line(plate.into(), ends, &sections);
+        if plate == Plate::Front {
+            if arms_mm[0] > 0.0 {
+                self.front.push((free[0], FrontSpan::Arm { end: ends[0], node_mm: positions[0] }));
+            }
+            for i in 0..elements {
+                let member = first_member + i;
+                let piece = FrontSpan::Element { member, from_mm: position(i), to_mm: position(i + 1) };
+                self.front.push((position(i + 1), piece));
+            }
+            if arms_mm[1] > 0.0 {
+                self.front.push((positions[1], FrontSpan::Arm { end: ends[1], node_mm: positions[1] }));
+            }
+        }
+    }
+
+    fn add_rib(&mut self, rib: usize, elements: usize) {
+        let [front, back] = self.finger.rib_nodes(rib).map(|node| self.hinge_node(node));
+        let Some(section) = self.finger.section(Part::Ribs) else {
+            let at = self.frame.members().len();
+            self.lines.push(Line { part: Part::Ribs, nodes: vec![back, front], members: at..at });
+            return;
+        };
+        let along = (self.frame.position(front) - self.frame.position(back)).normalize();
+        let arm = along * self.finger.description().rod_arm_mm;
+        let hinged = self.finger.description().ribs.joints == Joints::Hinged;
+        let ends = [(back, arm), (front, -arm)].map(|(node, arm)| {
+            let rotation = if hinged { self.frame.add_rotation() } else { self.frame.rotation_of(node) };
+            BeamEnd { node, rotation, arm }
+        });
+        let position = self.finger.plate_positions_mm(Plate::Front)[rib + 1];
+        let zones = self.finger.description().zones.iter();
+        let factor: f64 =
+            zones.filter(|zone| zones::holds_rib(zone, position)).map(|zone| zone.modulus_factor).product();
+        self.add_line(Part::Ribs, ends, &vec![section.scaled(factor); elements]);
+    }
+
+    /// Adds a straight chain of equal elements between two ends, one section each.
+    fn add_line(&mut self, part: Part, ends: [BeamEnd; 2], sections: &[Section]) {
+        let [from, to] = ends.map(|end| self.frame.position(end.node) + end.arm);
+        let first_member = self.frame.members().len();
+        let mut nodes = vec![ends[0].node];
+        let mut before = ends[0];
+        for (i, section) in sections.iter().enumerate() {
+            let after = if i + 1 == sections.len() {
+                ends[1]
+            } else {
+                let node = self.frame.add_node(from + (to - from) * ((i + 1) as f64 / sections.len() as f64));
+                self.frame.clamped_end(node)
+            };
+            self.frame.add_member([before, after], *section);
+            nodes.push(after.node);
+            before = after;
+        }
+        self.lines.push(Line { part, nodes, members: first_member..self.frame.members().len() });
+    }
+}
+
+/// See [`Mesh::hinge_node`].
+pub(super) fn hinge_node(finger: &Finger, node: NodeId) -> NodeIndex {
+    let key_nodes = finger.key_node_count();
+    let has_rib = node.0 > 1 && node.0 < key_nodes && node != finger.tip();
+    match finger.has_brackets() && has_rib {
+        // As [`Mesh::build`] adds them: front then back, from base to tip.
+        true if node < finger.tip() => key_nodes + 2 * (node.0 - 2) + 1,
+        true => key_nodes + 2 * (key_nodes - 1 - node.0),
+        false => node.0 - 1,
+    }
+}
+
+/// Links what moves rigidly with the ends of a rib: the brackets, and a rib that does not deform.
+fn link_rib(frame: &mut PlaneFrame, finger: &Finger, rib: usize) {
+    let [front, back] = finger.rib_nodes(rib).map(|node| node.0 - 1);
+    let [front_hinge, back_hinge] = finger.rib_nodes(rib).map(|node| hinge_node(finger, node));
+    let hinged = finger.description().ribs.joints == Joints::Hinged;
+    let deforms = finger.description().ribs.strip.is_some();
+    match (finger.has_brackets(), deforms, hinged) {
+        (false, true, _) => {}
+        (false, false, _) => frame.link_rigidly(back, front, hinged),
+        (true, false, true) => {
+            frame.link_rigidly(back, back_hinge, false);
+            frame.link_rigidly(back_hinge, front_hinge, true);
+            frame.link_rigidly(front_hinge, front, false);
+        }
+        (true, _, _) => {
+            if !deforms {
+                frame.link_rigidly(back, front, false);
+            }
+            frame.link_rigidly(back, back_hinge, false);
+            frame.link_rigidly(front, front_hinge, false);
+        }
+    }
+}
+
+/// Lengths of the lines that share the elements: back plate and front plate from base to tip, ribs from base to tip,
+/// base line.
+pub(super) fn line_lengths(finger: &Finger) -> Vec<f64> {
+    let plates = [Plate::Back, Plate::Front].into_iter().flat_map(|plate| {
+        let positions = finger.plate_positions_mm(plate);
+        positions.windows(2).map(|w| w[1] - w[0]).collect::<Vec<_>>()
+    });
+    let ribs = (0..finger.rib_count()).map(|rib| finger.rib_length_mm(rib));
+    plates.chain(ribs).chain(std::iter::once(finger.description().base_width_mm)).collect()
+}
