@@ -230,6 +230,11 @@ impl Finger {
         }
     }
 
+    /// Undeformed position of a key node's marker, mm.
+    pub fn marker_position(&self, node: NodeId) -> Vector {
+        self.position(node) + self.marker_offset(node)
+    }
+
     /// Whether a node has a marker: where markers are on hinges, only the ends of ribs do.
     pub fn has_marker(&self, node: NodeId) -> bool {
         match self.description.markers_on {

@@ -66,7 +66,6 @@ mod report {
     mod lattice;
     mod maps {
         mod drawings;
-        mod words;
     }
     mod measured;
     mod page;
@@ -88,6 +87,7 @@ mod sampling {
     mod shared_start;
 }
 mod stand_ins;
+mod statistics;
 mod truths {
     mod all;
     mod lattice;

@@ -81,13 +81,15 @@ fn arrows_run_down() {
         let circles = circles(rooms);
         assert!(circles.is_empty(), "{name}: {circles:?}");
     }
+    // Grasps have a room of their own, that their experiments use.
+    assert!(rooms(&source("verify"))["experiments"].contains("grasp"));
 }
 
 /// What draws, and what everything rests on, uses nothing of the crate.
 #[test]
 fn floors_use_nothing() {
     let rooms = rooms(&source("verify"));
-    for floor in ["figures", "settings", "check", "files"] {
+    for floor in ["figures", "settings", "check", "files", "statistics"] {
         assert_eq!(rooms.get(floor), Some(&BTreeSet::new()), "{floor}");
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::check::worst;
 use crate::lattice::accuracy::difference;
+use crate::statistics::Span;
 use finray_model::finger::FingerDescription;
 use finray_model::measurement::Measurement;
 use finray_model::mesh::{FingerShape, Load};
@@ -15,10 +16,6 @@ const ELEMENTS: usize = 8;
 /// The smallest and the largest of some figures.
 pub type Range = [f64; 2];
 
-fn range(figures: impl IntoIterator<Item = f64>) -> Range {
-    figures.into_iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
-}
-
 /// Contact nodes but the tip, which the paper does not load.
 fn loaded(finger: &Finger) -> impl Iterator<Item = NodeId> {
     finger.contact_nodes().skip(1)
@@ -31,7 +28,7 @@ fn by_node(finger: &Finger, figure: impl Fn(NodeId) -> Result<f64, SensingError>
 
 /// The smallest and the largest of some figures.
 pub fn range_of(figures: &[f64]) -> Range {
-    range(figures.iter().copied())
+    Span::of(figures.iter().copied()).map_or([f64::NAN; 2], Span::ends)
 }
 
 /// Estimate of a load at a node by linear least squares along the normal, N.
@@ -177,7 +174,7 @@ pub fn stiffened(finger: &Finger, poissons_ratio: f64, rod_arm_mm: f64) -> Resul
         Ok(shape.motion(node).displacement.dot(&finger.direction(0.0)))
     };
     let factor = |node| Ok(gives_way(finger, node)? / gives_way(&stiff, node)?);
-    Ok(range(loaded(finger).map(factor).collect::<Result<Vec<_>, SensingError>>()?))
+    Ok(range_of(&loaded(finger).map(factor).collect::<Result<Vec<_>, SensingError>>()?))
 }
 
 /// The largest size of some figures.

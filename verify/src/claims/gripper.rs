@@ -92,9 +92,9 @@ pub fn in_the_conclusion(
             two.cloned().collect()
         };
         let scalings: Vec<_> = [largest, spread].iter().map(of_two).filter(|figures| !figures.is_empty()).collect();
-        let all_hold = |figures: &Vec<Figure>| figure(figures.iter().all(|figure| holds(figure.recorded.mean)));
+        let all_hold = |figures: &Vec<Figure>| figure(figures.iter().all(|figure| holds(figure.recorded.errors.mean)));
         let verdicts: Vec<_> = scalings.iter().map(all_hold).collect();
-        let named = |figure: &Figure| context! { group => figure.group.name, error => figure.recorded.mean };
+        let named = |figure: &Figure| context! { group => figure.group.name, error => figure.recorded.errors.mean };
         let scalings: Vec<Vec<_>> = scalings.iter().map(|figures| figures.iter().map(named).collect()).collect();
         words.claim(key, over_assumptions(&verdicts), context! { scalings, bound, noise_mm })
     };

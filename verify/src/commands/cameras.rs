@@ -1,12 +1,12 @@
 //! The camera and markers that a command needs of a scene.
 
-use super::Failure;
+use super::{Failure, bad_input};
 use finray_model::Scene;
 use finray_model::camera::{Camera, Lens, Pose};
 use finray_model::scene::Markers;
 
 fn missing(what: &str) -> Failure {
-    Failure::BadInput(format!("the scene has no {what}; fixtures/scenes/camera.toml has an example"))
+    bad_input(format!("the scene has no {what}; fixtures/scenes/camera.toml has an example"))
 }
 
 /// The lens, and the pose where the scene has it.

@@ -1,7 +1,7 @@
 //! The contacts of a command line, at nodes and at positions.
 
-use super::Failure;
 use super::parse::{AskedContact, AskedDirection, contact_at_node, contact_at_position};
+use super::{Failure, bad_input};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use finray_model::scene::TouchedDescription;
 use finray_model::sensing::{ContactQuestion, Direction, Lean, Normal};
@@ -26,14 +26,13 @@ impl Contacts {
             let direction = match asked.direction {
                 AskedDirection::Itself(direction) => direction,
                 AskedDirection::Friction => Direction::Leaning(friction.ok_or_else(|| {
-                    let message =
-                        "a direction is `friction`: expected friction or friction_range in the scene's table contact";
-                    Failure::BadInput(message.to_owned())
+                    bad_input(
+                        "a direction is `friction`: expected friction or friction_range in the scene's table contact",
+                    )
                 })?),
                 AskedDirection::Object => {
                     let object = object.ok_or_else(|| {
-                        let message = "a direction is `object`: expected a table contact.object in the scene";
-                        Failure::BadInput(message.to_owned())
+                        bad_input("a direction is `object`: expected a table contact.object in the scene")
                     })?;
                     // Of an object that may be anywhere nothing is known but that the plate runs along it.
                     let from = match object.place {

@@ -1,7 +1,7 @@
 //! Shared by `finray map`, `sweep` and `merge`: the grid, the truths and estimators on it, and the output of the table.
 
 use super::parse::{degrees_between, positive};
-use super::{Failure, progress};
+use super::{Failure, bad_input, not_computed, progress};
 use finray_model::measurement::Measurement;
 use finray_model::sensing::SensingError;
 use finray_model::{Finger, Mesh, Scene};
@@ -56,7 +56,7 @@ pub struct Candidates<'a> {
 /// Computes a table and writes it, row by row, with what belongs beside it.
 pub fn run(arguments: &GridArguments, table: Table, candidates: &Candidates) -> Result<(), Failure> {
     if arguments.network.is_some() && !candidates.estimators.contains(&EstimatorId::Network) {
-        return Err(Failure::BadInput("--network is for --estimator network".to_owned()));
+        return Err(bad_input("--network is for --estimator network"));
     }
     let (scene, text) = load_scene_and_text(&arguments.scene)?;
     let finger = &scene.finger;
@@ -204,8 +204,8 @@ pub fn beside(
     if request.table != Table::Map {
         return Ok(Vec::new());
     }
-    let map = AccuracyMap::from_csv(request, table).map_err(|error| Failure::BadInput(error.to_string()))?;
-    let figure = map_figure_svg(finger, &map, None).map_err(|error| Failure::NotComputed(error.to_string()))?;
+    let map = AccuracyMap::from_csv(request, table).map_err(bad_input)?;
+    let figure = map_figure_svg(finger, &map, None).map_err(not_computed)?;
     Ok(vec![(figure_path(out), standalone(&figure))])
 }
 

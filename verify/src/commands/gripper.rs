@@ -1,7 +1,7 @@
 //! `finray gripper`
 
-use super::Failure;
 use super::parse::{MotorAngles, motor_angles, not_negative};
+use super::{Failure, bad_input};
 use finray_model::gripper::{Gripper, LinkageErrors, NodeErrors};
 use finray_model::{Finger, Scene};
 use finray_verify::files::{csv_text, load_scene, write_text};
@@ -121,7 +121,7 @@ fn row(gripper: &Gripper, finger: &Finger, motor_deg: f64) -> Row {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Scene { finger, gripper, .. } = load_scene(&arguments.scene)?;
     let Some(gripper) = gripper else {
-        return Err(Failure::BadInput(format!(
+        return Err(bad_input(format!(
             "{}: line 1: gripper is missing: expected a table [gripper] with screw_pitch_mm, slider_mm, link_mm and \
              fixed_joint_mm",
             arguments.scene.display()
@@ -132,7 +132,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         (Some(angles), _) => angles.0.clone(),
         (None, Some(opening_mm)) => {
             let motor_deg = gripper.motor_deg_for_opening(&finger, opening_mm).ok_or_else(|| {
-                Failure::BadInput(format!(
+                bad_input(format!(
                     "--opening-mm: at no motor angle in reach ({from_deg:.1} to {to_deg:.1} degrees) are the tips \
                      {opening_mm} mm apart"
                 ))

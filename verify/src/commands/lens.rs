@@ -1,7 +1,7 @@
 //! `finray lens`
 
-use super::Failure;
 use super::parse::positive;
+use super::{Failure, bad_input};
 use finray_imaging::grid::{find_grid, lens_of_grids};
 use finray_model::camera::{LENS_PARAMETERS, LensFit, Pose};
 use finray_verify::files::{FileError, load_image, write_text};
@@ -62,12 +62,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let message = format!("expected {w} x {h} px as the first image has, found {x} x {y}");
         return Err(FileError::Content { path: arguments.image[other].clone(), message }.into());
     }
-    let (fit, left_out) =
-        lens_of_grids(size_px, arguments.grid_mm, &grids).map_err(|error| Failure::BadInput(error.to_string()))?;
+    let (fit, left_out) = lens_of_grids(size_px, arguments.grid_mm, &grids).map_err(bad_input)?;
     let dots = grids.iter().map(Vec::len).sum::<usize>() - left_out;
     let mut text = to_toml(&fit, arguments, dots);
     if arguments.plane {
-        let pose = pose_of_plane(&fit).map_err(Failure::BadInput)?;
+        let pose = pose_of_plane(&fit).map_err(bad_input)?;
         text += &format!(
             "rotation_vector_rad = {:?}\ntranslation_mm = {:?}\n",
             pose.rotation_vector_rad(),

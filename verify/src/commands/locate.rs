@@ -1,7 +1,7 @@
 //! `finray locate`
 
 use super::cameras::{camera_and_markers, camera_of, markers_of};
-use super::{Failure, not_both_from_standard_input};
+use super::{Failure, bad_input, not_both_from_standard_input};
 use finray_imaging::locate::{Located, Locator, LocatorError, Rest, RimLocator, SeenBase};
 use finray_model::scene::MarkerLook;
 use finray_model::{Finger, NodeId, Scene, Vector};
@@ -73,8 +73,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         not_both_from_standard_input(&arguments.scene, image, "an image")?;
     }
     if inputs().filter(|image| is_standard_stream(image)).count() > 1 {
-        let message = "two images cannot both be -: standard input can be read only once";
-        return Err(Failure::BadInput(message.to_owned()));
+        return Err(bad_input("two images cannot both be -: standard input can be read only once"));
     }
     let scene = load_scene(&arguments.scene)?;
     camera_of(&scene)?;
@@ -108,8 +107,7 @@ fn row(image: &str, seen: &Located, (from, from_sd_mm): (Vector, f64)) -> Row {
 /// Where a marker is without load, mm, with its standard deviation: where an image of the finger at rest has it, or the scene.
 fn at_rest(finger: &Finger, rest: Option<&[Located]>, node: NodeId) -> (Vector, f64) {
     let seen = rest.unwrap_or_default().iter().find(|marker| marker.node == node);
-    let undeformed = finger.position(node) + finger.marker_offset(node);
-    seen.map_or((undeformed, 0.0), |marker| (marker.position, marker.sd_mm))
+    seen.map_or((finger.marker_position(node), 0.0), |marker| (marker.position, marker.sd_mm))
 }
 
 fn by_colour(arguments: &Arguments, scene: &Scene) -> Result<Vec<Row>, Failure> {
@@ -205,5 +203,5 @@ fn by_rims(arguments: &Arguments, scene: &Scene) -> Result<Vec<(Row, BaseRow)>, 
 }
 
 fn cannot_locate(error: LocatorError) -> Failure {
-    Failure::BadInput(error.to_string())
+    bad_input(error)
 }

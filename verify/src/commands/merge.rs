@@ -1,7 +1,7 @@
 //! `finray merge`
 
-use super::Failure;
 use super::grid::{beside, table_path};
+use super::{Failure, bad_input, not_computed};
 use finray_model::Scene;
 use finray_verify::files::{Reader, Stream, is_stream, write_from};
 use finray_verify::sampling::sweep::{MergeError, Shards};
@@ -34,7 +34,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let request = shards.request();
     let out = table_path(request.table, &arguments.out);
-    let scene = Scene::from_toml(&request.scene).map_err(|error| Failure::BadInput(format!("the scene: {error}")))?;
+    let scene = Scene::from_toml(&request.scene).map_err(|error| bad_input(format!("the scene: {error}")))?;
     let beside = beside(request, &scene.finger, shards.table(), &out)?;
     let mut table = shards.table();
     let mut texts: Vec<&[u8]> = beside.iter().map(|(_, text)| text.as_bytes()).collect();
@@ -49,7 +49,7 @@ fn pour(mut table: impl Read, out: &Path) -> Result<(), Failure> {
     let mut stream = Stream::open(out)?;
     let mut bytes = vec![0; AT_ONCE];
     loop {
-        let read = table.read(&mut bytes).map_err(|error| Failure::NotComputed(format!("a shard: {error}")))?;
+        let read = table.read(&mut bytes).map_err(|error| not_computed(format!("a shard: {error}")))?;
         if read == 0 || stream.write(&bytes[..read])? == Reader::Left {
             return Ok(());
         }
@@ -60,7 +60,7 @@ impl From<MergeError> for Failure {
     fn from(error: MergeError) -> Failure {
         match error {
             MergeError::File(inner) => inner.into(),
-            MergeError::Missing { .. } | MergeError::Nothing => Failure::BadInput(error.to_string()),
+            MergeError::Missing { .. } | MergeError::Nothing => bad_input(error),
         }
     }
 }

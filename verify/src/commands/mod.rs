@@ -56,31 +56,37 @@ impl Failure {
     }
 }
 
+/// Bad input, by what is wrong with it.
+fn bad_input(reason: impl ToString) -> Failure {
+    Failure::BadInput(reason.to_string())
+}
+
+/// A result that is not there, by why it is not.
+fn not_computed(reason: impl ToString) -> Failure {
+    Failure::NotComputed(reason.to_string())
+}
+
 /// Refuses a scene and a further file that both come from standard input, which can be read only once.
 fn not_both_from_standard_input(scene: &Path, other: &Path, option: &str) -> Result<(), Failure> {
     if is_standard_stream(scene) && is_standard_stream(other) {
         let message = format!("the scene and {option} cannot both be -: standard input can be read only once");
-        return Err(Failure::BadInput(message));
+        return Err(bad_input(message));
     }
     Ok(())
 }
 
 impl From<FileError> for Failure {
     fn from(error: FileError) -> Failure {
-        if error.is_bad_input() {
-            Failure::BadInput(error.to_string())
-        } else {
-            Failure::NotComputed(error.to_string())
-        }
+        if error.is_bad_input() { bad_input(error) } else { not_computed(error) }
     }
 }
 
 impl From<StaticsError> for Failure {
     fn from(error: StaticsError) -> Failure {
         match error {
-            StaticsError::Load(_) | StaticsError::LoadNotFinite => Failure::BadInput(error.to_string()),
+            StaticsError::Load(_) | StaticsError::LoadNotFinite => bad_input(error),
             StaticsError::NotHeld | StaticsError::TooFewDigits { .. } | StaticsError::NoEquilibrium { .. } => {
-                Failure::NotComputed(error.to_string())
+                not_computed(error)
             }
         }
     }
@@ -90,7 +96,7 @@ impl From<SensingError> for Failure {
     fn from(error: SensingError) -> Failure {
         match error {
             SensingError::Statics(inner) => inner.into(),
-            other => Failure::BadInput(other.to_string()),
+            other => bad_input(other),
         }
     }
 }
@@ -99,7 +105,7 @@ impl From<NetworkError> for Failure {
     fn from(error: NetworkError) -> Failure {
         match error {
             NetworkError::Sensing(inner) => inner.into(),
-            other => Failure::BadInput(other.to_string()),
+            other => bad_input(other),
         }
     }
 }
@@ -111,17 +117,15 @@ impl From<finray_model::train::TrainError> for Failure {
         use finray_model::train::TrainError;
         match error {
             TrainError::Samples(SamplesError::Contacts(inner)) => inner.into(),
-            TrainError::Recipe { .. } => Failure::BadInput(error.to_string()),
-            TrainError::Samples(_) | TrainError::Network(_) | TrainError::Backend(_) => {
-                Failure::NotComputed(error.to_string())
-            }
+            TrainError::Recipe { .. } => bad_input(error),
+            TrainError::Samples(_) | TrainError::Network(_) | TrainError::Backend(_) => not_computed(error),
         }
     }
 }
 
 impl From<finray_model::mesh::MeshSizeError> for Failure {
     fn from(error: finray_model::mesh::MeshSizeError) -> Failure {
-        Failure::BadInput(format!("--mesh-nodes: {error}"))
+        bad_input(format!("--mesh-nodes: {error}"))
     }
 }
 
@@ -132,9 +136,9 @@ impl From<LatticeError> for Failure {
             | LatticeError::LoadNotFinite
             | LatticeError::Overlap { .. }
             | LatticeError::NoSegments
-            | LatticeError::TooFine { .. } => Failure::BadInput(error.to_string()),
+            | LatticeError::TooFine { .. } => bad_input(error),
             LatticeError::LetGo | LatticeError::NotSettled { .. } | LatticeError::NoEquilibrium { .. } => {
-                Failure::NotComputed(error.to_string())
+                not_computed(error)
             }
         }
     }
@@ -147,9 +151,9 @@ impl From<TruthError> for Failure {
             TruthError::Statics(inner) => inner.into(),
             TruthError::Lattice(inner) => inner.into(),
             TruthError::NotExported(NotExported::Table(_)) | TruthError::Twin(TwinError::Scene(_)) => {
-                Failure::NotComputed(error.to_string())
+                not_computed(error)
             }
-            TruthError::NotExported(_) | TruthError::Twin(_) => Failure::BadInput(error.to_string()),
+            TruthError::NotExported(_) | TruthError::Twin(_) => bad_input(error),
         }
     }
 }
@@ -162,7 +166,7 @@ impl From<EstimatorError> for Failure {
             EstimatorError::NoNetwork(_)
             | EstimatorError::Mesh(_)
             | EstimatorError::NotKnown
-            | EstimatorError::NoPad => Failure::BadInput(error.to_string()),
+            | EstimatorError::NoPad => bad_input(error),
         }
     }
 }
@@ -170,13 +174,13 @@ impl From<EstimatorError> for Failure {
 /// Requests are numbers, texts and lists, which TOML has room for.
 impl From<toml::ser::Error> for Failure {
     fn from(error: toml::ser::Error) -> Failure {
-        Failure::NotComputed(error.to_string())
+        not_computed(error)
     }
 }
 
 /// Results are made in memory, so a CSV writer has nothing to fail on but memory.
 impl From<csv::Error> for Failure {
     fn from(error: csv::Error) -> Failure {
-        Failure::NotComputed(error.to_string())
+        not_computed(error)
     }
 }

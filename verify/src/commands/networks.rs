@@ -1,6 +1,6 @@
 //! `finray networks`
 
-use super::{Failure, progress};
+use super::{Failure, not_computed, progress};
 use clap::ValueEnum;
 use finray_model::sensing::Contact;
 use finray_model::sensing::network::TestError;
@@ -59,8 +59,7 @@ struct Record {
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     require_folder(&arguments.out)?;
-    let finger =
-        Scene::from_toml(finray_fixtures::PAPER_SCENE).map_err(|error| Failure::NotComputed(error.to_string()))?.finger;
+    let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).map_err(not_computed)?.finger;
     let mut files = Vec::new();
     if arguments.parts.contains(&Part::Shipped) {
         files.extend(shipped(&finger)?);
@@ -97,7 +96,7 @@ fn shipped(finger: &Finger) -> Result<Files, Failure> {
 }
 
 fn failed(error: ExperimentError) -> Failure {
-    Failure::NotComputed(error.to_string())
+    not_computed(error)
 }
 
 /// Name, file and record of a network.

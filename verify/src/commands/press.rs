@@ -2,16 +2,16 @@
 
 use super::parse::not_negative;
 use super::validity::Pressing;
-use super::{Failure, progress};
+use super::{Failure, bad_input, not_computed, progress};
 use clap::value_parser;
 use finray_model::Finger;
 use finray_verify::experiments::contact_scene::checks::{BALANCE_TOLERANCE, SETTLING_TOLERANCE};
 use finray_verify::experiments::contact_scene::file::load_scene_with_outline;
 use finray_verify::experiments::contact_scene::study::SceneWithOutline;
 use finray_verify::experiments::contact_scene::{ContactScene, FINENESS, SceneStep, force_rows};
-use finray_verify::files::{csv_text, displacements, is_standard_stream, write_all_or_nothing, write_text};
+use finray_verify::files::{csv_text, displacements, is_standard_stream, write_all_or_nothing};
 use finray_verify::sampling::noise::Noise;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Press an object onto the finger, and sense the contact forces as it goes.
 ///
@@ -68,12 +68,10 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(shape) = &arguments.shape {
         if is_standard_stream(shape) {
-            return Err(Failure::BadInput(
-                "--shape: expected a file, found -: standard output takes the forces".to_owned(),
-            ));
+            return Err(bad_input("--shape: expected a file, found -: standard output takes the forces"));
         }
         if *shape == arguments.out {
-            return Err(Failure::BadInput("--shape and --out are the same file".to_owned()));
+            return Err(bad_input("--shape and --out are the same file"));
         }
     }
     let SceneWithOutline { scene, corners } = load_scene_with_outline(&arguments.scene)?;
@@ -82,11 +80,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             "{}: line 1: object is missing: expected a table [object] with shape, at_mm and travel_mm or force_n",
             arguments.scene.display()
         );
-        return Err(Failure::BadInput(message));
+        return Err(bad_input(message));
     };
-    let contact_scene = ContactScene::new(&scene, object, &corners)
-        .map_err(|error| Failure::BadInput(error.to_string()))?
-        .with_fineness(arguments.fineness.into());
+    let contact_scene =
+        ContactScene::new(&scene, object, &corners).map_err(bad_input)?.with_fineness(arguments.fineness.into());
     let noise_mm = arguments.noise_mm.or(scene.noise_mm).unwrap_or(0.0);
     let mut noise = Noise::new(arguments.seed);
     let (mut rows, mut steps, mut last) = (Vec::new(), 0, None);
@@ -114,15 +111,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             format!(" (step {steps} came to rest at a travel of {:.3} mm with {force_n:.3} N)", step.travel_mm)
         });
         return Err(match Failure::from(error) {
-            Failure::BadInput(message) => Failure::BadInput(format!("{}: {message}", arguments.scene.display())),
-            Failure::NotComputed(message) => Failure::NotComputed(format!(
-                "step {} of {}: {message}{reached}",
-                steps + 1,
-                contact_scene.step_count()
-            )),
+            Failure::BadInput(message) => bad_input(format!("{}: {message}", arguments.scene.display())),
+            Failure::NotComputed(message) => {
+                not_computed(format!("step {} of {}: {message}{reached}", steps + 1, contact_scene.step_count()))
+            }
         });
     }
-    write(arguments, &scene.finger, &csv_text(rows)?, last.as_ref())?;
+    write(arguments, &scene.finger, csv_text(rows)?, last.as_ref())?;
     validity.warn();
     Ok(())
 }
@@ -144,14 +139,11 @@ fn doubt(step: &SceneStep) -> Option<String> {
     }
 }
 
-fn write(arguments: &Arguments, finger: &Finger, forces: &str, last: Option<&SceneStep>) -> Result<(), Failure> {
-    let (Some(path), Some(step)) = (&arguments.shape, last) else {
-        return Ok(write_text(&arguments.out, forces)?);
-    };
-    let shape = displacements::to_csv(&step.pressed.shape, finger)?;
-    if arguments.out == Path::new("-") {
-        write_text(path, &shape)?;
-        return Ok(write_text(&arguments.out, forces)?);
+fn write(arguments: &Arguments, finger: &Finger, forces: String, last: Option<&SceneStep>) -> Result<(), Failure> {
+    let mut files = Vec::new();
+    if let (Some(path), Some(step)) = (&arguments.shape, last) {
+        files.push((path.clone(), displacements::to_csv(&step.pressed.shape, finger)?));
     }
-    Ok(write_all_or_nothing(&[(path.clone(), shape.as_str()), (arguments.out.clone(), forces)])?)
+    files.push((arguments.out.clone(), forces));
+    Ok(write_all_or_nothing(&files)?)
 }

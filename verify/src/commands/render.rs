@@ -3,7 +3,7 @@
 use super::cameras::camera_and_markers;
 use super::loads::Loads;
 use super::parse::{not_negative, share};
-use super::{Failure, not_both_from_standard_input};
+use super::{Failure, bad_input, not_both_from_standard_input, not_computed};
 use finray_imaging::render::{Disturbances, RenderRequest, render};
 use finray_model::camera::Camera;
 use finray_model::frame::FrameMotion;
@@ -71,7 +71,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     if arguments.blur_px > LARGEST_BLUR_PX {
         let found = arguments.blur_px;
-        return Err(Failure::BadInput(format!("--blur-px: expected at most {LARGEST_BLUR_PX} px, found {found}")));
+        return Err(bad_input(format!("--blur-px: expected at most {LARGEST_BLUR_PX} px, found {found}")));
     }
     let scene = load_scene(&arguments.scene)?;
     let finger = &scene.finger;
@@ -81,15 +81,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         (None, _) => camera,
         (Some(base), Some(_)) => Camera { pose: camera.pose.of_moved_base(base), ..camera },
         (Some(_), None) => {
-            return Err(Failure::BadInput(
-                "--base: expected a scene with a table [base], as a base that moves".to_owned(),
-            ));
+            return Err(bad_input("--base: expected a scene with a table [base], as a base that moves"));
         }
     };
     let hidden: Vec<NodeId> = arguments.hide.iter().copied().map(NodeId).collect();
     if let Some(unknown) = hidden.iter().find(|node| !(1..=finger.key_node_count()).contains(&node.0)) {
         let count = finger.key_node_count();
-        return Err(Failure::BadInput(format!(
+        return Err(bad_input(format!(
             "--hide: node {unknown} does not exist: the finger has the key nodes 1 to {count}"
         )));
     }
@@ -112,8 +110,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             seed: arguments.seed,
         },
     });
-    let image = image.map_err(|error| Failure::BadInput(error.to_string()))?;
-    let png = to_png(&image).map_err(|error| Failure::NotComputed(error.to_string()))?;
+    let image = image.map_err(bad_input)?;
+    let png = to_png(&image).map_err(not_computed)?;
     Ok(write_bytes(&arguments.out, &png)?)
 }
 

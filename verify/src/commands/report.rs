@@ -1,6 +1,6 @@
 //! `finray report`
 
-use super::{Failure, progress};
+use super::{Failure, bad_input, not_computed, progress};
 use finray_model::Scene;
 use finray_verify::claims::ledger;
 use finray_verify::experiments::contact_scene::file::load_scene_with_outline;
@@ -66,7 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Some(path) => load_scene_with_outline(path)?,
         None => {
             let scene = Scene::from_toml(finray_fixtures::PAPER_SCENE);
-            let scene = scene.map_err(|error| Failure::NotComputed(error.to_string()))?;
+            let scene = scene.map_err(not_computed)?;
             SceneWithOutline { scene, corners: Vec::new() }
         }
     };
@@ -80,20 +80,19 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let peers = arguments.peers.as_deref().map(peers::load).transpose()?;
     let effort = if arguments.quick { Effort::Quick } else { Effort::Full };
     let bars = Bars(Mutex::new(ProgressBar::hidden()));
-    let mut study = Study::run(&scene, effort, &bars).map_err(|error| Failure::NotComputed(error.to_string()))?;
+    let mut study = Study::run(&scene, effort, &bars).map_err(not_computed)?;
     bars.finish();
     if let Some(seen) = seen {
-        study.measured =
-            Some(measured::run(&scene.scene, &seen, &images).map_err(|error| Failure::BadInput(error.to_string()))?);
+        study.measured = Some(measured::run(&scene.scene, &seen, &images).map_err(bad_input)?);
     }
-    let claims = ledger(&study).map_err(|error| Failure::NotComputed(error.to_string()))?;
+    let claims = ledger(&study).map_err(not_computed)?;
     if let Some((folder, times)) = &criterion {
         study.take_criterion(folder, times);
     }
     if let Some(peers) = peers {
         study.take_peers(peers);
     }
-    let report = report::report(&study, &claims).map_err(|error| Failure::NotComputed(error.to_string()))?;
+    let report = report::report(&study, &claims).map_err(not_computed)?;
     write_folder(&arguments.out, &report.files)?;
     let page = arguments.out.join("index.html");
     let mut sentences = report.verdict;

@@ -2,7 +2,7 @@
 
 use super::contacts::Contacts;
 use super::parse::not_negative;
-use super::{Failure, not_both_from_standard_input, validity};
+use super::{Failure, bad_input, not_both_from_standard_input, validity};
 use finray_model::sensing::{Contact, ContactPosition, ContactQuestion, Estimate, Warning};
 use finray_model::{Finger, Scene};
 use finray_verify::estimators::network::Networks;
@@ -109,7 +109,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let finger = &scene.finger;
     let networks = match &arguments.network {
         Some(_) if arguments.estimator != EstimatorId::Network => {
-            return Err(Failure::BadInput("--network is for --estimator network".to_owned()));
+            return Err(bad_input("--network is for --estimator network"));
         }
         Some(path) => Networks::of(vec![load_network(path)?]),
         None => Networks::shipped()?,
@@ -200,7 +200,7 @@ impl Task<'_> {
         let (contacts, mut estimate) = arguments.estimator.answer(finger, &question)?;
         estimate.add_force_error(scene.contact.force_error);
         if let Some(i) = estimate.forces_n.iter().position(|force| !force.is_finite()) {
-            return Err(Failure::BadInput(format!(
+            return Err(bad_input(format!(
                 "not identifiable: a force at contact {} hardly moves the measured nodes, or the displacements are not \
              those of a finger in mm",
                 i + 1

@@ -1,7 +1,7 @@
 //! `finray solve`
 
 use super::loads::Loads;
-use super::{Failure, validity};
+use super::{Failure, bad_input, validity};
 use clap::ValueEnum;
 use finray_model::Kinematics;
 use finray_verify::files::{displacements, load_scene, write_text};
@@ -57,9 +57,7 @@ impl From<KinematicsArgument> for Kinematics {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = load_scene(&arguments.scene)?;
     if arguments.loads.is_empty() {
-        return Err(Failure::BadInput(
-            "expected at least one --load NODE:FX,FY or --load-at S_MM:FORCE,ANGLE_DEG".to_owned(),
-        ));
+        return Err(bad_input("expected at least one --load NODE:FX,FY or --load-at S_MM:FORCE,ANGLE_DEG"));
     }
     let kinematics = arguments.kinematics.into();
     let mesh = arguments.loads.mesh(&scene.finger)?;

@@ -1,9 +1,9 @@
 //! `finray train`
 
-use super::Failure;
 use super::contacts::Contacts;
 use super::parse::{not_negative, positive};
 use super::progress::TrainingBar;
+use super::{Failure, bad_input};
 use finray_model::NodeId;
 use finray_model::sensing::Contact;
 use finray_model::sensing::network::{Network, Scaling, TestError};
@@ -90,13 +90,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let questions = &arguments.contacts.with(None, None)?;
     let contacts: Option<Vec<Contact>> = questions.iter().map(|question| question.known()).collect();
     let contacts = contacts.ok_or_else(|| {
-        Failure::BadInput(
-            "a network learns the forces of known positions and directions, not of `normal` or `auto`".into(),
-        )
+        bad_input("a network learns the forces of known positions and directions, not of `normal` or `auto`")
     })?;
     if let Some(node) = arguments.hide.iter().find(|&&node| finger.marked_nodes().all(|free| free.0 != node)) {
         let [first, last] = [2, finger.key_node_count() - 1];
-        return Err(Failure::BadInput(format!("--hide: expected nodes that move, {first} to {last}, found {node}")));
+        return Err(bad_input(format!("--hide: expected nodes that move, {first} to {last}, found {node}")));
     }
     let noise_mm = arguments.noise_mm.or(scene.noise_mm).unwrap_or(CAMERA_NOISE_MM);
     let recipe = recipe(arguments, contacts, noise_mm);

@@ -8,6 +8,7 @@ pub mod picture;
 
 use crate::estimators::ELEMENTS;
 use crate::files::views::LocatedView;
+use crate::statistics::rms;
 use finray_model::calibration::{self, CalibrationError, View, ViewModel};
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::sensing::{ContactQuestion, Direction, Lean, sense_refining};
@@ -129,7 +130,7 @@ pub fn run(scene: &Scene, seen: &[LocatedView], images: &[NamedImage]) -> Result
     for ((seen, _), found) in measured.iter().zip(&fitted.views) {
         let markers = seen.view.measurement.markers().iter().zip(&found.residuals_mm);
         let of_image = markers.map(|(marker, residual)| {
-            let at = undeformed(&scene.finger, marker) + marker.displacement;
+            let at = scene.finger.marker_position(marker.node) + marker.displacement;
             MarkerResidual {
                 image: seen.image.clone(),
                 node: marker.node.0,
@@ -148,10 +149,6 @@ pub fn run(scene: &Scene, seen: &[LocatedView], images: &[NamedImage]) -> Result
     Ok(MeasuredStudy { images: measured.len(), forces, residuals, pictures })
 }
 
-fn undeformed(finger: &Finger, marker: &Marker) -> Vector {
-    finger.position(marker.node) + finger.marker_offset(marker.node)
-}
-
 /// One image; `None` where the direction is not known as it should be.
 fn sensed(
     scene: &Scene,
@@ -166,9 +163,10 @@ fn sensed(
     // Displacements count from the finger that is meant; what it misses its markers by is part of their noise.
     let sd_mm = |marker: &Marker| scene.marker_errors.sd_mm(view.noise_mm / marker.weight);
     let markers = view.measurement.markers();
-    let noise_mm = (markers.iter().map(|m| sd_mm(m).powi(2)).sum::<f64>() / markers.len() as f64).sqrt();
+    let noise_mm = rms(markers.iter().map(sd_mm)).unwrap_or(f64::NAN);
     let moved = |marker: &Marker| Marker {
-        displacement: undeformed(&scene.finger, marker) + marker.displacement - undeformed(finger, marker),
+        displacement: scene.finger.marker_position(marker.node) + marker.displacement
+            - finger.marker_position(marker.node),
         weight: noise_mm / sd_mm(marker),
         ..*marker
     };

@@ -2,6 +2,7 @@
 
 use super::{Context, Evidence, ExperimentError};
 use crate::settings::TABLE_ONE_ANGLES_DEG;
+use crate::statistics::{Span, mean};
 use crate::truths::{Truth, TruthId};
 use finray_model::calibration::{self, CalibrationCase};
 use finray_model::measurement::Measurement;
@@ -56,7 +57,7 @@ pub struct TableOneRow {
 impl TableOneRow {
     /// The smallest and the largest of sensed / true - 1 over the weights.
     pub fn range(&self) -> [f64; 2] {
-        self.errors.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &e| [low.min(e), high.max(e)])
+        Span::of(self.errors.iter().copied()).map_or([f64::NAN; 2], Span::ends)
     }
 }
 
@@ -113,7 +114,7 @@ pub fn table_one(finger: &Finger, truth: &dyn Truth, angle_deg: f64) -> Result<T
             );
             errors.push(estimate.forces_n[0] / force_n - 1.0);
         }
-        let mean_error = errors.iter().map(|e| e.abs()).sum::<f64>() / errors.len() as f64;
+        let mean_error = mean(errors.iter().map(|error| error.abs())).unwrap_or(f64::NAN);
         rows.push(TableOneRow { angle_deg, node: node.0, errors, mean_error, paper_mean_error });
     }
     Ok(TableOne { truth: truth.id(), angle_deg, modulus_factor, rows })

@@ -9,6 +9,7 @@ use crate::estimators::network::NetworkSensing;
 use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorId};
 use crate::sampling::scatter::{ScatterRequest, ScatterRow, scatter};
 use crate::settings::TWO_FORCES_N;
+use crate::statistics::{Span, mean};
 use crate::truths::TruthId;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, LinearEstimator};
@@ -132,9 +133,8 @@ impl GroupErrors {
         let rows: Vec<&ScatterRow> = rows.into_iter().collect();
         let of_set = |nodes: &&[usize]| rows.iter().find(|row| row.nodes == *nodes).copied();
         let rows: Vec<&ScatterRow> = group.sets.iter().map(of_set).collect::<Option<_>>()?;
-        let mean = |figure: &dyn Fn(&ScatterRow) -> Option<f64>| -> Option<f64> {
-            let figures: Vec<f64> = rows.iter().map(|row| figure(row)).collect::<Option<_>>()?;
-            Some(figures.iter().sum::<f64>() / figures.len() as f64)
+        let mean = |figure: &dyn Fn(&ScatterRow) -> Option<f64>| {
+            mean(rows.iter().map(|row| figure(row)).collect::<Option<Vec<f64>>>()?)
         };
         // The sum of one force is that force.
         let several = |figure: Option<f64>| figure.filter(|_| group.paper_sum.is_some());
@@ -165,10 +165,8 @@ impl TableTwo {
     /// The least and the greatest condition number of a group's sets.
     pub fn condition_range(&self, group: &ContactGroup) -> Option<[f64; 2]> {
         let of_sets = contact_sets().into_iter().zip(&self.condition_numbers);
-        let numbers: Vec<f64> =
-            of_sets.filter(|(set, _)| group.sets.contains(set)).map(|(_, number)| *number).collect();
-        let least = numbers.iter().copied().reduce(f64::min)?;
-        Some([least, numbers.into_iter().fold(least, f64::max)])
+        let numbers = of_sets.filter(|(set, _)| group.sets.contains(set)).map(|(_, number)| *number);
+        Span::of(numbers).map(Span::ends)
     }
 }
 

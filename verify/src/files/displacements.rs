@@ -173,7 +173,7 @@ pub fn of_text(
     };
     // Of a node that does not exist the measurement tells.
     let from = |node: NodeId| match reading.from_positions && (1..=finger.key_node_count()).contains(&node.0) {
-        true => finger.position(node) + finger.marker_offset(node),
+        true => finger.marker_position(node),
         false => Vector::zeros(),
     };
     if !has("sigma_mm") {

@@ -43,11 +43,15 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     write_all_or_nothing(&[(path.to_owned(), bytes)])
 }
 
-/// Writes several files: each first under a temporary name beside its place, then all are moved there.
+/// Writes several files: each first under a temporary name beside its place, then all are moved there. With standard output among them,
+/// one after the other.
 ///
 /// # Errors
 /// [`FileError::Unwritable`] for the first file that cannot be written; no file is left half-written.
 pub fn write_all_or_nothing<C: AsRef<[u8]>>(files: &[(PathBuf, C)]) -> Result<(), FileError> {
+    if files.iter().any(|(path, _)| is_standard_stream(path)) {
+        return files.iter().try_for_each(|(path, contents)| write_bytes(path, contents.as_ref()));
+    }
     let mut contents: Vec<&[u8]> = files.iter().map(|(_, contents)| contents.as_ref()).collect();
     let sources = files.iter().zip(&mut contents).map(|((path, _), bytes)| (path.as_path(), bytes as &mut dyn Read));
     write_from(sources.collect())

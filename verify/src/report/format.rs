@@ -1,5 +1,7 @@
 //! Numbers in words: each way of writing a number stands here once.
 
+pub use crate::statistics::Span;
+
 use super::page::{Cell, Shade};
 use crate::sampling::scatter::ScatterRow;
 use crate::settings::{GROSS_ERROR, TRUSTED_ERROR};
@@ -105,26 +107,7 @@ pub fn share_of_counts(counts: impl Iterator<Item = [usize; 2]>) -> String {
     if refused == 0 { "0".to_owned() } else { percent(refused as f64 / (refused + answered) as f64) }
 }
 
-/// Mean, least and greatest of some figures, as of networks that differ in their seed alone.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Span {
-    /// Mean.
-    pub mean: f64,
-    /// Least.
-    pub least: f64,
-    /// Greatest.
-    pub greatest: f64,
-}
-
 impl Span {
-    /// `None` of no figures.
-    pub fn of(figures: impl IntoIterator<Item = f64>) -> Option<Span> {
-        let figures: Vec<f64> = figures.into_iter().collect();
-        let least = figures.iter().copied().reduce(f64::min)?;
-        let greatest = figures.iter().copied().fold(least, f64::max);
-        Some(Span { mean: figures.iter().sum::<f64>() / figures.len() as f64, least, greatest })
-    }
-
     /// `5.1 % (4.2\u{2013}6.0)`: mean, least and greatest.
     pub fn in_words(self) -> String {
         let bare = |share: f64| percent(share).trim_end_matches(" %").to_owned();
@@ -133,11 +116,6 @@ impl Span {
             true => percent(self.mean),
             false => format!("{} ({least}\u{2013}{greatest})", percent(self.mean)),
         }
-    }
-
-    /// Least and greatest.
-    pub fn ends(self) -> [f64; 2] {
-        [self.least, self.greatest]
     }
 
     /// `4.2 % to 6.0 %`.

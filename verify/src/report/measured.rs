@@ -3,17 +3,18 @@
 pub mod picture;
 
 use super::dataset::{Columns, Dataset, Format};
-use super::format::percent_two_digits;
-use super::page::{Block, Figure, Section, text};
+use super::page::{Block, Figure, Section};
+use super::words::{paragraph, say};
 use super::{ReportError, Results};
 use crate::experiments::measured::picture::Picture;
 use crate::experiments::measured::{MarkerResidual, MeasuredForce, MeasuredStudy};
 use crate::figures::{Axis, Chart, Dash, FigureError, Frame, Hue, Point, Series, Spread};
+use crate::settings::TWO_SIDED_95;
+use crate::statistics::{mean, rms};
+use minijinja::{Value, context};
 
 const CSV: &str = "measured_forces.csv";
 const RESIDUALS_CSV: &str = "measured_residuals.csv";
-/// Standard deviations on either side of 95 % of a normal distribution.
-const TWO_SIDED_95: f64 = 1.96;
 /// Longest residual of the picture, mm on the page: the others to the same scale.
 const LONGEST_MM: f64 = 12.0;
 
@@ -26,11 +27,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(measured) = study.measured.as_ref().filter(|measured| measured.images > 0) else { return Ok(None) };
-    let mut blocks = vec![text(format!(
-        "{} images whose contact force was measured, each sensed by itself with the nonlinear estimator; the place of the contact is sought. Intervals \
-         are 95 %. Nothing is calibrated here: whether the scene was calibrated on these images is for the reader to know. Refused images are counted.",
-        measured.images
-    ))];
+    let mut blocks = vec![paragraph("measured.about", context! { images => measured.images })?];
     let drawn = [forces(measured)?, residuals(&measured.residuals)?];
     let captions = [
         ("Sensed against measured force, with 95 % intervals.", CSV),
@@ -62,11 +59,14 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         .page("refused", Format::Plain, |(_, forces)| forces.iter().filter(|force| force.error.is_none()).count())
         .page("mean error", Format::Percent, |(_, forces)| mean_error(forces))
         .page("largest", Format::Percent, |(_, forces)| errors(forces).reduce(f64::max))
-        .page("error / sigma, rms", Format::Fixed(2), |(_, forces)| rms_of_sigmas(forces))
+        .page("error / sigma, rms", Format::Fixed(2), |(_, forces)| {
+            rms(forces.iter().filter_map(|force| force.error_over_sigma))
+        })
         .page("within 95 %", Format::Plain, |(_, forces)| within(forces));
     let caption = "Error of the force as a share of the measured one, by what is known: all that the scene has, and all but one thing";
     blocks.push(Block::Table(columns.table(caption, CSV, measured.by_knowledge())));
-    Ok(Some(Section::new("measured", "Measured images", blocks).saying(in_words(measured))))
+    let says = say("measured.says", in_words(measured))?;
+    Ok(Some(Section::new("measured", "Measured images", blocks).saying(says)))
 }
 
 fn errors(forces: &[MeasuredForce]) -> impl Iterator<Item = f64> {
@@ -74,13 +74,7 @@ fn errors(forces: &[MeasuredForce]) -> impl Iterator<Item = f64> {
 }
 
 fn mean_error(forces: &[MeasuredForce]) -> Option<f64> {
-    let answered = errors(forces).count();
-    (answered > 0).then(|| errors(forces).sum::<f64>() / answered as f64)
-}
-
-fn rms_of_sigmas(forces: &[MeasuredForce]) -> Option<f64> {
-    let all: Vec<f64> = forces.iter().filter_map(|force| force.error_over_sigma).collect();
-    (!all.is_empty()).then(|| (all.iter().map(|x| x * x).sum::<f64>() / all.len() as f64).sqrt())
+    mean(errors(forces))
 }
 
 /// Images whose interval holds the measured force.
@@ -89,16 +83,11 @@ fn within(forces: &[MeasuredForce]) -> usize {
 }
 
 /// The friction of the scene where it has one, else the measured direction.
-fn in_words(measured: &MeasuredStudy) -> Option<String> {
+fn in_words(measured: &MeasuredStudy) -> Option<Value> {
     let all: Vec<_> = measured.by_knowledge().collect();
     let (known, forces) = all.iter().find(|(known, _)| known.starts_with("friction")).or(all.first())?;
-    Some(format!(
-        "In {} images of the finger itself ({known}), forces err by {} in the mean; 95 % intervals hold {} of {}.",
-        measured.images,
-        percent_two_digits(mean_error(forces)?),
-        within(forces),
-        forces.len(),
-    ))
+    let (error, within) = (mean_error(forces)?, within(forces));
+    Some(context! { images => measured.images, known => *known, error, within, forces => forces.len() })
 }
 
 fn forces(measured: &MeasuredStudy) -> Result<Option<String>, FigureError> {

@@ -9,6 +9,7 @@ use crate::check::Check;
 use crate::experiments::networks::accuracy::{FORCES_N, NetworkStudy};
 use crate::sampling::scatter::{Counts, Scatter, ScatterRow};
 use crate::settings::ENOUGH_CASES;
+use crate::statistics::mean;
 use minijinja::{Value, context};
 
 const CSV: &str = "networks.csv";
@@ -41,7 +42,7 @@ fn bound(scatter: &Scatter) -> Option<f64> {
 /// Share of all forces within 1.96 stated standard deviations.
 fn coverage(row: &ScatterRow) -> Option<f64> {
     let shares: Option<Vec<f64>> = row.forces.iter().map(|force| Some(force.coverage?.two_sigma)).collect();
-    shares.filter(|shares| !shares.is_empty()).map(|shares| shares.iter().sum::<f64>() / shares.len() as f64)
+    mean(shares?)
 }
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {

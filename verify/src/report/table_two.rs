@@ -6,12 +6,12 @@ pub mod words;
 
 use super::dataset::{Columns, Dataset, Format};
 use super::drawings::error_bars;
-use super::format::{NOTHING, Span, error, error_as, list, nodes_in_words, share_of_counts, share_refused};
+use super::format::{NOTHING, error, error_as, list, nodes_in_words, share_of_counts, share_refused};
 use super::page::{Block, Cell, Column, Figure, Section, Table, details, text};
 use super::words::paragraph;
 use super::{ReportError, Results};
 use crate::estimators::EstimatorId;
-use crate::experiments::networks::paper::{OverSeeds, PAPER_RECIPES, quantities, recorded};
+use crate::experiments::networks::paper::{PAPER_RECIPES, quantities, recorded};
 use crate::experiments::networks::records::RecipeRow;
 use crate::experiments::table_two::{CONTACT_GROUPS, ContactGroup, FORCES_N, MOST_FITS, TableTwo};
 use crate::figures::{Axis, Chart, FigureError, Frame, Hue};
@@ -57,7 +57,7 @@ fn drawing(two: &TableTwo, records: &[RecipeRow], noise_mm: f64) -> Result<Strin
     };
     let recorded = PAPER_RECIPES.iter().enumerate().map(|(n, recipe)| {
         bars(paper_network(recipe), Hue::nth(n), &|group, quantity| {
-            Some(recorded(records, recipe, truth, noise_mm, group, quantity)?.mean)
+            Some(recorded(records, recipe, truth, noise_mm, group, quantity)?.errors.mean)
         })
     });
     let paper = bars("paper, measured".to_owned(), Hue::Neutral, &of_paper);
@@ -124,10 +124,6 @@ fn settings(two: &TableTwo) -> Vec<(TruthId, f64, EstimatorId)> {
     all
 }
 
-fn span(over: &OverSeeds) -> Span {
-    Span { mean: over.mean, least: over.least, greatest: over.greatest }
-}
-
 /// By group and quantity, in the order of the columns.
 fn by_group<T>(of: impl Fn(&ContactGroup, &'static str) -> T) -> Vec<T> {
     let of_group =
@@ -151,7 +147,7 @@ fn table(two: &TableTwo, records: &[RecipeRow], noise_mm: f64) -> Table {
         let of = |group: &ContactGroup, quantity| recorded(records, recipe, truth, noise_mm, group, quantity);
         let cells = by_group(|group, quantity| match of(group, quantity) {
             None => Cell::plain("not recorded"),
-            Some(over) => error_as(span(&over).in_words(), over.mean),
+            Some(over) => error_as(over.errors.in_words(), over.errors.mean),
         });
         let counts = CONTACT_GROUPS.iter().filter_map(|group| of(group, "each force"));
         lines.push((paper_network(recipe), cells, share_of_counts(counts.map(|over| [over.refused, over.answered]))));

@@ -78,7 +78,7 @@ impl<'f> Marked<'f> {
     }
 
     fn position(&self, node: NodeId) -> Vector {
-        self.finger.position(node) + self.finger.marker_offset(node)
+        self.finger.marker_position(node)
     }
 }
 

@@ -162,7 +162,7 @@ impl<'f> RimLocator<'f> {
         let mut proposals = Vec::new();
         for rib in 0..self.finger.rib_count().min(PROPOSING) {
             let nodes = self.finger.rib_nodes(rib);
-            let ends = nodes.map(|node| self.finger.position(node) + self.finger.marker_offset(node));
+            let ends = nodes.map(|node| self.finger.marker_position(node));
             let plate_mm = self.finger.plate_positions_mm(finray_model::finger::Plate::Front)[rib + 1];
             for (seen, _) in pairs(rims, rims, (ends[0] - ends[1]).norm(), RIB_SHARE * (ends[0] - ends[1]).norm()) {
                 let base = aligned(&ends, &seen.map(|(_, centre)| centre));

@@ -196,11 +196,10 @@ impl Problem<'_> {
         let height_mm = self.model.camera_height_mm;
         // Markers that are higher than they were thought to be are nearer to where the camera stands.
         let nearer = (height_mm - candidate.marker_height_mm) / (height_mm - self.model.marker_height_mm);
-        let undeformed = |finger: &Finger, node| finger.position(node) + finger.marker_offset(node);
         view.measurement.markers().iter().map(move |marker| {
-            let seen = undeformed(stated, marker.node) + marker.displacement;
+            let seen = stated.marker_position(marker.node) + marker.displacement;
             let displaced = pressed.motion.displacements[candidate.mesh.marker_node(marker.node)];
-            let computed = placed * Point2::from(undeformed(finger, marker.node) + displaced);
+            let computed = placed * Point2::from(finger.marker_position(marker.node) + displaced);
             (marker, computed.coords - (view.eye + (seen - view.eye) * nearer))
         })
     }

@@ -34,9 +34,10 @@ impl Problem<'_> {
         };
         let misfit = |own: &Own| {
             let pressed = self.pressed(stated, view, own)?;
-            Some(misfit_of_shape(self.residuals(stated, view, own, &pressed).map(|(marker, left)| {
-                (self.finger.position(marker.node) + self.finger.marker_offset(marker.node) + marker.displacement, left)
-            })))
+            Some(misfit_of_shape(
+                self.residuals(stated, view, own, &pressed)
+                    .map(|(marker, left)| (self.finger.marker_position(marker.node) + marker.displacement, left)),
+            ))
         };
         let tried = (1..PLACES).map(at).filter_map(|own| misfit(&own).map(|misfit| (misfit, own)));
         let best = tried.min_by(|(a, _), (b, _)| a.total_cmp(b));

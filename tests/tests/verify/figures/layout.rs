@@ -125,7 +125,7 @@ fn the_span_holds_the_data_and_refuses_what_has_no_position() {
     };
     assert_eq!(ends(Axis::linear(""), &[0.3, 9.7]), ["0", "10"]);
     assert_eq!(ends(Axis::linear(""), &[3.0]), ["1.5", "4.5"]);
-    assert_eq!(ends(Axis::log(""), &[0.3, 70.0]), ["0.2", "100"]);
+    assert_eq!(ends(Axis::log(""), &[0.3, 40.0]), ["0.2", "50"]);
     let refused = |axis: Axis, data: Vec<Point>| {
         Chart::new(Frame::full("", "refused"), [Axis::linear("x"), axis], guide(data)).svg().unwrap_err()
     };

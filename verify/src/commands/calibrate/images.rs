@@ -1,17 +1,15 @@
 //! `finray calibrate --located`: a finger and its rig from several images.
 
-use super::{Arguments, Correlation, Row, failure};
+use super::{Arguments, Row, correlations, failure};
 use crate::commands::parse::positive;
-use crate::commands::{Failure, not_both_from_standard_input};
+use crate::commands::{Failure, bad_input, not_both_from_standard_input};
 use finray_model::calibration::{self, BaseCompliance, FoundView, Quantity, Sought, ViewEstimate, ViewModel};
 use finray_model::finger::{BracketLengths, Plate, RibPositions};
 use finray_model::sensing::{Lean, Normal};
 use finray_model::{Finger, Scene, Vector};
 use finray_verify::estimators::ELEMENTS;
 use finray_verify::files::views::{self, LocatedView};
-use finray_verify::files::{
-    csv_text, is_standard_stream, load_scene_and_text, with_values, write_all_or_nothing, write_text,
-};
+use finray_verify::files::{csv_text, load_scene_and_text, with_values, write_all_or_nothing};
 use nalgebra::Point2;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -88,7 +86,7 @@ impl Fit {
     }
 
     fn parse(text: &str, scene: &Scene) -> Result<Fit, Failure> {
-        let bad = |reason: String| Failure::BadInput(format!("--fit: {reason}"));
+        let bad = |reason: String| bad_input(format!("--fit: {reason}"));
         let mut fit = Fit { sought: Vec::new(), friction: None, base_compliance: false };
         for part in text.split(',').map(str::trim) {
             let (name, prior) = part.split_once('=').map_or((part, None), |(name, prior)| (name, Some(prior)));
@@ -181,16 +179,17 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failu
     let seen = views::load(located, arguments.forces.as_deref(), &scene)?;
     let measured = seen.iter().filter(|seen| seen.view.force.is_some()).count();
     if measured == 0 && (fit.friction.is_some() || fit.base_compliance || fit.seeks(is_modulus)) {
-        let message = "not identifiable: without a measured force (--forces) nothing tells a modulus, friction, or how a base gives way";
-        return Err(Failure::BadInput(message.to_owned()));
+        return Err(bad_input(
+            "not identifiable: without a measured force (--forces) nothing tells a modulus, friction, or how a base gives way",
+        ));
     }
     let lean = match scene.contact.lean {
         Some(lean) => lean,
         None if measured == seen.len() => Lean::NONE,
         None => {
-            let message =
-                "images without a measured force: expected friction or friction_range in the scene's table contact";
-            return Err(Failure::BadInput(message.to_owned()));
+            return Err(bad_input(
+                "images without a measured force: expected friction or friction_range in the scene's table contact",
+            ));
         }
     };
     let model = ViewModel {
@@ -222,22 +221,17 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failu
     let compliance = fit.base_compliance.then(|| calibration::compliance_of(&turns)).transpose().map_err(failure)?;
     let mut files: Vec<(PathBuf, String)> = Vec::new();
     if let Some(path) = &arguments.correlations {
-        files.push((path.clone(), csv_text(correlations(&estimate))?));
+        let names: Vec<String> = estimate.quantities.iter().map(|found| found.sought.quantity.to_string()).collect();
+        files.push((path.clone(), csv_text(correlations(&names, &estimate.correlation))?));
     }
     if let Some(path) = &arguments.images {
         files.push((path.clone(), csv_text(image_rows(&seen, &estimate, lean.from))?));
     }
     if let Some(path) = &arguments.calibrated {
         let values = values(&scene, &estimate, friction.as_ref());
-        files.push((path.clone(), with_values(&text, &values).map_err(Failure::BadInput)?));
+        files.push((path.clone(), with_values(&text, &values).map_err(bad_input)?));
     }
     files.push((arguments.out.clone(), csv_text(rows(&estimate, friction.as_ref(), compliance))?));
-    if files.iter().any(|(path, _)| is_standard_stream(path)) {
-        for (path, text) in &files {
-            write_text(path, text)?;
-        }
-        return Ok(());
-    }
     Ok(write_all_or_nothing(&files)?)
 }
 
@@ -288,15 +282,6 @@ fn rows(estimate: &ViewEstimate, friction: Option<&Lean>, compliance: Option<Bas
     rows.push(row("model_error_mm", estimate.marker_errors.model_mm, None));
     rows.extend(force_error(estimate).map(|share| row("force_error_share", share, None)));
     rows
-}
-
-fn correlations(estimate: &ViewEstimate) -> Vec<Correlation> {
-    let name = |k: usize| estimate.quantities[k].sought.quantity.to_string();
-    let count = estimate.quantities.len();
-    let pairs = (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j)));
-    pairs
-        .map(|(i, j)| Correlation { parameter: name(i), other: name(j), correlation: estimate.correlation[(i, j)] })
-        .collect()
 }
 
 fn image_rows(seen: &[LocatedView], estimate: &ViewEstimate, from: Normal) -> Vec<ImageRow> {

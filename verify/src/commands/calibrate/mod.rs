@@ -4,12 +4,14 @@ mod images;
 
 use super::parse::not_negative;
 use super::{Failure, not_both_from_standard_input};
+use crate::commands::{bad_input, not_computed};
 use clap::ValueEnum;
 use finray_model::calibration::{self, CalibrationCase, CalibrationError, FactorEstimate, FactorModel, Unknown};
 use finray_model::finger::FingerDescription;
 use finray_model::{Finger, Kinematics};
 use finray_verify::estimators::ELEMENTS;
-use finray_verify::files::{csv_text, is_standard_stream, load_scene, measurements, write_all_or_nothing, write_text};
+use finray_verify::files::{csv_text, load_scene, measurements, write_all_or_nothing, write_text};
+use nalgebra::DMatrix;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -117,7 +119,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return images::run(arguments, located, fit);
     }
     let Some(measured) = &arguments.measurements else {
-        return Err(Failure::BadInput("expected --measurements, or --located and --fit".to_owned()));
+        return Err(bad_input("expected --measurements, or --located and --fit"));
     };
     not_both_from_standard_input(&arguments.scene, measured, "--measurements")?;
     let scene = load_scene(&arguments.scene)?;
@@ -136,19 +138,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let [one, other] = [i, j].map(|k| &estimate.unknowns[k]);
         eprintln!("warning: {one} and {other} are hardly separable: correlation {correlation:.3}");
     }
-    let rows = csv_text(factor_rows(&finger, &estimate))?;
-    match &arguments.correlations {
-        None => write_text(&arguments.out, &rows)?,
-        Some(path) if is_standard_stream(path) || is_standard_stream(&arguments.out) => {
-            write_text(path, &csv_text(correlations(&estimate))?)?;
-            write_text(&arguments.out, &rows)?;
-        }
-        Some(path) => {
-            let correlations = csv_text(correlations(&estimate))?;
-            write_all_or_nothing(&[(arguments.out.clone(), &rows), (path.clone(), &correlations)])?;
-        }
+    let mut files = Vec::new();
+    if let Some(path) = &arguments.correlations {
+        let names: Vec<String> = estimate.unknowns.iter().map(ToString::to_string).collect();
+        files.push((path.clone(), csv_text(correlations(&names, &estimate.correlation))?));
     }
-    Ok(())
+    files.push((arguments.out.clone(), csv_text(factor_rows(&finger, &estimate))?));
+    Ok(write_all_or_nothing(&files)?)
 }
 
 /// Eq. (11) as it stands: one factor, by sums of distances.
@@ -169,14 +165,14 @@ fn one_modulus(arguments: &Arguments, finger: &Finger, cases: &[CalibrationCase]
 fn failure(error: CalibrationError) -> Failure {
     match error {
         CalibrationError::Statics(inner) => inner.into(),
-        CalibrationError::NoMinimum => Failure::NotComputed(error.to_string()),
-        other => Failure::BadInput(other.to_string()),
+        CalibrationError::NoMinimum => not_computed(error),
+        other => bad_input(other),
     }
 }
 
 /// The general modulus and the zones of `1+2,3`, counted from 1.
 fn unknowns(groups: &str, zone_count: usize) -> Result<Vec<Unknown>, Failure> {
-    let bad = |reason: String| Failure::BadInput(format!("--zones: {reason}"));
+    let bad = |reason: String| bad_input(format!("--zones: {reason}"));
     if zone_count == 0 {
         return Err(bad("the scene has no [[finger.zone]]".to_owned()));
     }
@@ -218,13 +214,15 @@ fn factor_rows(finger: &Finger, estimate: &FactorEstimate) -> Vec<Row> {
     rows
 }
 
-fn correlations(estimate: &FactorEstimate) -> Vec<Correlation> {
-    let count = estimate.unknowns.len();
-    let pairs = (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j)));
-    let name = |k: usize| estimate.unknowns[k].to_string();
-    pairs
-        .map(|(i, j)| Correlation { parameter: name(i), other: name(j), correlation: estimate.correlation[(i, j)] })
-        .collect()
+/// The correlation of each two values of these names.
+fn correlations(names: &[String], correlation: &DMatrix<f64>) -> Vec<Correlation> {
+    let pairs = (0..names.len()).flat_map(|i| (i + 1..names.len()).map(move |j| (i, j)));
+    let of_pair = |(i, j): (usize, usize)| Correlation {
+        parameter: names[i].clone(),
+        other: names[j].clone(),
+        correlation: correlation[(i, j)],
+    };
+    pairs.map(of_pair).collect()
 }
 
 fn modulus_rows(finger: &Finger, factor: f64, sigma: f64) -> Vec<Row> {

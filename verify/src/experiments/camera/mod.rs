@@ -10,6 +10,7 @@ mod conditions;
 use super::response::{ContactForce, RespondingFinger};
 use super::{Context, Evidence, ExperimentError};
 use crate::check::{Check, Kind};
+use crate::statistics::rms;
 use conditions::{CONDITIONS, Change, Condition};
 use finray_imaging::locate::Locator;
 use finray_imaging::render::{RenderRequest, render};
@@ -180,7 +181,7 @@ impl CameraStudy {
     /// Root mean square error of a force over the nodes of the rows, by the Cramer-Rao bound for independent noise of every coordinate.
     pub fn bound_rms(&self, noise_mm: f64) -> Option<f64> {
         let asked = self.needed.iter().filter(|needed| self.nodes.contains(&needed.node));
-        rms(&asked.map(|needed| ASKED_ERROR * noise_mm / needed.noise_mm).collect::<Vec<f64>>())
+        rms(asked.map(|needed| ASKED_ERROR * noise_mm / needed.noise_mm))
     }
 
     /// The node that needs the least noise.
@@ -273,21 +274,15 @@ fn condition_row(
         is_rest_seen: condition.is_rest_seen,
         markers: free * asked.len(),
         found,
-        displacement_rms_mm: rms(&errors_mm),
+        displacement_rms_mm: rms(errors_mm.iter().copied()),
         displacement_largest_mm: (!errors_mm.is_empty()).then(|| errors_mm.iter().fold(0.0, size)),
-        stated_mm: rms(&sds_mm),
+        stated_mm: rms(sds_mm),
         forces: asked.len(),
         refused: asked.len() - sensed.len(),
-        force_rms_error: rms(&sensed),
+        force_rms_error: rms(sensed.iter().copied()),
         force_largest_error: (!sensed.is_empty()).then(|| sensed.iter().fold(0.0, size)),
-        first_order_rms_error: rms(&first_order),
+        first_order_rms_error: rms(first_order),
     })
-}
-
-/// Root mean square; `None` of nothing.
-fn rms(numbers: &[f64]) -> Option<f64> {
-    let mean = numbers.iter().map(|x| x * x).sum::<f64>() / numbers.len() as f64;
-    (!numbers.is_empty()).then(|| mean.sqrt())
 }
 
 /// What is found in an image; `None` where it is refused, or the markers are too small or grey, or out of sight.
@@ -306,8 +301,7 @@ fn in_image(
     let clamped = finger.clamped_nodes();
     let free: Vec<_> = located.iter().filter(|marker| !clamped.contains(&marker.node)).collect();
     let displacements = free.iter().map(|marker| (marker.node, marker.position - finger.position(marker.node)));
-    let sds: Vec<f64> = free.iter().map(|marker| marker.sd_mm).collect();
-    Some(Seen { displacements: displacements.collect(), sd_mm: rms(&sds) })
+    Some(Seen { displacements: displacements.collect(), sd_mm: rms(free.iter().map(|marker| marker.sd_mm)) })
 }
 
 /// Times of two images in turn that differ in their noise; the first of each kind is not timed.

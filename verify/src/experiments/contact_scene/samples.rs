@@ -3,6 +3,7 @@
 use super::{ContactScene, SceneStep, SensedForce, SensedStep};
 use crate::sampling::noise::Noise;
 use crate::settings::TWO_SIDED_95;
+use crate::statistics::rms;
 use rayon::prelude::*;
 
 /// Many noise samples of one step, of markers and contacts.
@@ -62,7 +63,6 @@ impl NoiseSamples {
     }
 
     fn root_mean_square(&self, which: usize, of: impl Fn(&SensedForce) -> f64) -> f64 {
-        let forces = &self.sensed[which];
-        (forces.iter().map(|force| of(force).powi(2)).sum::<f64>() / forces.len() as f64).sqrt()
+        rms(self.sensed[which].iter().map(of)).unwrap_or(f64::NAN)
     }
 }

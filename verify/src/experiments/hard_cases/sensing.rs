@@ -4,6 +4,7 @@ use super::{Findings, Question, Unexpected, middle};
 use crate::check::worst;
 use crate::sampling::noise::Noise;
 use crate::settings::{CAMERA_NOISE_MM, Effort};
+use crate::statistics::rms;
 use finray_model::frame::FrameLoad;
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::sensing::{
@@ -147,7 +148,7 @@ impl<'m> Task<'m> {
                 off.extend(self.sigmas_off(&self.sense(*kinematics, &noisy, noise_mm)?).collect::<Vec<_>>());
             }
         }
-        let scatter = (off.iter().map(|z| z * z).sum::<f64>() / off.len() as f64).sqrt();
+        let scatter = rms(off.iter().copied()).unwrap_or(f64::NAN);
         let source = format!("{noise_mm} mm noise");
         findings.vanishes(&source, "largest error / sigma", worst(off), SIGMAS);
         findings.check(&source, "scatter / sigma", 1.0, scatter, SCATTER);

@@ -1,6 +1,6 @@
 //! The finger, the rig and friction as they are known, and but for one thing each.
 
-use finray_model::finger::{BracketLengths, Finger, RigidEnds};
+use finray_model::finger::{BracketLengths, Finger, FingerDescription, RigidEnds};
 use finray_model::sensing::{Direction, Lean};
 
 /// What is known when a force is sensed: the scene, or the scene but for one thing.
@@ -16,88 +16,46 @@ pub(super) struct Knowledge {
     pub lens_is_known: bool,
 }
 
-fn as_it_is(finger: &Finger) -> Option<Finger> {
-    Some(finger.clone())
-}
-
-fn without_clips(finger: &Finger) -> Option<Finger> {
+/// The finger with something of its description left out, where it has that.
+fn without(finger: &Finger, leave_out: fn(&mut FingerDescription)) -> Option<Finger> {
     let mut description = finger.description().clone();
-    description.ribs.clip_mm = [0.0; 2];
+    leave_out(&mut description);
     Finger::new(description).ok().filter(|other| other != finger)
 }
 
-fn without_rigid_ends(finger: &Finger) -> Option<Finger> {
-    let mut description = finger.description().clone();
-    description.rigid_ends = [RigidEnds::default(); 2];
-    Finger::new(description).ok().filter(|other| other != finger)
-}
-
-fn without_brackets(finger: &Finger) -> Option<Finger> {
-    let mut description = finger.description().clone();
-    description.ribs.bracket_mm = BracketLengths::NONE;
-    Finger::new(description).ok().filter(|other| other != finger)
-}
-
-fn as_measured(measured: Direction, _: Option<Lean>) -> Option<Direction> {
-    Some(measured)
-}
+/// All that the scene has, and the measured direction of the force.
+const DIRECTION_MEASURED: Knowledge = Knowledge {
+    name: "direction measured",
+    finger: |finger| Some(finger.clone()),
+    direction: |measured, _| Some(measured),
+    base_is_sought: true,
+    lens_is_known: true,
+};
 
 /// From the most that is known to less.
 pub(super) const KNOWLEDGE: [Knowledge; 8] = [
-    Knowledge {
-        name: "direction measured",
-        finger: as_it_is,
-        direction: as_measured,
-        base_is_sought: true,
-        lens_is_known: true,
-    },
+    DIRECTION_MEASURED,
     Knowledge {
         name: "friction of the scene",
-        finger: as_it_is,
         direction: |_, lean| lean.map(Direction::Leaning),
-        base_is_sought: true,
-        lens_is_known: true,
+        ..DIRECTION_MEASURED
     },
-    Knowledge {
-        name: "no friction",
-        finger: as_it_is,
-        direction: |_, _| Some(Direction::NORMAL),
-        base_is_sought: true,
-        lens_is_known: true,
-    },
-    Knowledge {
-        name: "direction measured, base taken for exact",
-        finger: as_it_is,
-        direction: as_measured,
-        base_is_sought: false,
-        lens_is_known: true,
-    },
-    Knowledge {
-        name: "direction measured, no distortion of the lens",
-        finger: as_it_is,
-        direction: as_measured,
-        base_is_sought: true,
-        lens_is_known: false,
-    },
+    Knowledge { name: "no friction", direction: |_, _| Some(Direction::NORMAL), ..DIRECTION_MEASURED },
+    Knowledge { name: "direction measured, base taken for exact", base_is_sought: false, ..DIRECTION_MEASURED },
+    Knowledge { name: "direction measured, no distortion of the lens", lens_is_known: false, ..DIRECTION_MEASURED },
     Knowledge {
         name: "direction measured, no clips",
-        finger: without_clips,
-        direction: as_measured,
-        base_is_sought: true,
-        lens_is_known: true,
+        finger: |finger| without(finger, |description| description.ribs.clip_mm = [0.0; 2]),
+        ..DIRECTION_MEASURED
     },
     Knowledge {
         name: "direction measured, no rigid ends",
-        finger: without_rigid_ends,
-        direction: as_measured,
-        base_is_sought: true,
-        lens_is_known: true,
+        finger: |finger| without(finger, |description| description.rigid_ends = [RigidEnds::default(); 2]),
+        ..DIRECTION_MEASURED
     },
     Knowledge {
         name: "direction measured, no brackets",
-        finger: without_brackets,
-        direction: as_measured,
-        base_is_sought: true,
-        lens_is_known: true,
+        finger: |finger| without(finger, |description| description.ribs.bracket_mm = BracketLengths::NONE),
+        ..DIRECTION_MEASURED
     },
 ];

@@ -4,7 +4,7 @@ use crate::files::views::LocatedView;
 use finray_model::calibration::View;
 use finray_model::camera::{Camera, Pixel};
 use finray_model::measurement::{Marker, Measurement};
-use finray_model::{Finger, Scene, Vector};
+use finray_model::{Scene, Vector};
 use nalgebra::{DMatrix, DVector, Isometry2, Point2, UnitComplex};
 
 /// Pixels across and down the image from which the camera without distortion is found, as from the holes of a board.
@@ -87,7 +87,7 @@ pub(super) fn without_distortion(scene: &Scene, seen: &LocatedView) -> Option<Lo
     let height_mm = scene.markers.map_or(0.0, |markers| markers.height_mm);
     let view = &seen.view;
     let markers = view.measurement.markers().iter().map(|marker| {
-        let rest = undeformed(&scene.finger, marker);
+        let rest = scene.finger.marker_position(marker.node);
         let at = moved((seen.base * Point2::from(rest + marker.displacement)).coords, height_mm)?;
         Some(Marker { displacement: (base.inverse() * Point2::from(at)).coords - rest, ..*marker })
     });
@@ -95,8 +95,4 @@ pub(super) fn without_distortion(scene: &Scene, seen: &LocatedView) -> Option<Lo
     let turned = base.rotation.inverse() * seen.base.rotation;
     let view = View { measurement, force: view.force.map(|force| turned * force), ..view.clone() };
     Some(LocatedView { image: seen.image.clone(), base, view })
-}
-
-fn undeformed(finger: &Finger, marker: &Marker) -> Vector {
-    finger.position(marker.node) + finger.marker_offset(marker.node)
 }

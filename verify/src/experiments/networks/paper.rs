@@ -5,6 +5,7 @@
 
 use crate::experiments::networks::records::RecipeRow;
 use crate::experiments::table_two::{CONTACT_GROUPS, ContactGroup};
+use crate::statistics::{Span, mean};
 use crate::truths::TruthId;
 use serde::Serialize;
 
@@ -23,12 +24,9 @@ pub fn reproduces(paper: f64, ours: f64) -> bool {
 /// A recorded mean error over the sets of a group.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct OverSeeds {
-    /// Mean over the seeds.
-    pub mean: f64,
-    /// Of the best seed.
-    pub least: f64,
-    /// Of the worst seed.
-    pub greatest: f64,
+    /// Over the seeds.
+    #[serde(flatten)]
+    pub errors: Span,
     /// Number of seeds.
     pub seeds: usize,
     /// Cases that were sensed, over sets and seeds.
@@ -53,7 +51,7 @@ pub struct Figure {
 impl Figure {
     /// Whether the mean over the seeds is the paper's, by [`SAME_FACTOR`].
     pub fn reproduced(&self) -> bool {
-        reproduces(self.paper, self.recorded.mean)
+        reproduces(self.paper, self.recorded.errors.mean)
     }
 }
 
@@ -99,14 +97,10 @@ pub fn recorded(
     let of_seed = |seed: &u64| {
         let of_set = |set: &Vec<&RecipeRow>| set.iter().find(|row| row.seed == *seed)?.mean_error;
         let errors: Vec<f64> = sets.iter().map(of_set).collect::<Option<_>>()?;
-        Some(errors.iter().sum::<f64>() / errors.len() as f64)
+        mean(errors)
     };
-    let errors: Vec<f64> = seeds.iter().map(of_seed).collect::<Option<_>>()?;
-    let least = errors.iter().copied().reduce(f64::min)?;
     Some(OverSeeds {
-        mean: errors.iter().sum::<f64>() / errors.len() as f64,
-        least,
-        greatest: errors.iter().copied().fold(least, f64::max),
+        errors: Span::of(seeds.iter().map(of_seed).collect::<Option<Vec<f64>>>()?)?,
         seeds: seeds.len(),
         answered: sets.iter().flatten().map(|row| row.cases).sum(),
         refused: sets.iter().flatten().map(|row| row.refused).sum(),

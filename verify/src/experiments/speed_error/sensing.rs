@@ -9,6 +9,7 @@
 use super::{SpeedErrorError, SpeedErrorPoint, Start, Task, TimedBy, mark_fronts, spread};
 use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorId, PreparedEstimator, Sensed};
 use crate::sampling::noise::Noise;
+use crate::statistics::{mean, percentile};
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, NonlinearEstimator};
 use finray_model::statics::Statics;
@@ -242,7 +243,6 @@ pub fn sensed(
             }
         }
     }
-    let error = if errors.is_empty() { f64::NAN } else { errors.iter().sum::<f64>() / errors.len() as f64 };
     Ok(SpeedErrorPoint {
         task,
         model: estimator.id().name().to_owned(),
@@ -252,18 +252,11 @@ pub fn sensed(
         seconds: percentile(&mut seconds, 50.0),
         seconds_95: Some(percentile(&mut seconds, 95.0)),
         preparation_seconds: Some(percentile(&mut preparations, 50.0)),
-        error,
+        error: mean(errors).unwrap_or(f64::NAN),
         bias_sigmas: largest_bias,
         failed: asked - seconds.len(),
         asked,
         on_front: false,
         timed_by: TimedBy::Report,
     })
-}
-
-/// Percentile by nearest rank; not a number without values.
-pub fn percentile(values: &mut [f64], percent: f64) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let rank = (percent / 100.0 * values.len() as f64).ceil() as usize;
-    values.get(rank.saturating_sub(1)).copied().unwrap_or(f64::NAN)
 }

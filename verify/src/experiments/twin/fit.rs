@@ -4,6 +4,7 @@ use super::{MEMBER_MM, ZoneSet};
 use crate::estimators::ELEMENTS;
 use crate::experiments::ExperimentError;
 use crate::experiments::table_one::{TableOne, table_one};
+use crate::statistics::mean;
 use crate::truths::{MeshTruth, TruthId};
 use finray_model::finger::{FingerDescription, ImpossibleFinger, Zone};
 use finray_model::{Finger, Kinematics, Mesh};
@@ -100,7 +101,7 @@ pub fn fit(paper: &Finger, set: &ZoneSet) -> Result<TwinFit, ExperimentError> {
 
 /// Mean of sensed / true - 1 over the weights, by node.
 pub fn mean_errors(table: &TableOne) -> Vec<f64> {
-    table.rows.iter().map(|row| row.errors.iter().sum::<f64>() / row.errors.len() as f64).collect()
+    table.rows.iter().map(|row| mean(row.errors.iter().copied()).unwrap_or(f64::NAN)).collect()
 }
 
 /// The paper's finger with the factors of a set's groups, and of all moduli, in its place.

@@ -9,6 +9,7 @@ use crate::experiments::{Context, Evidence, ExperimentError};
 use crate::sampling::noise::Noise;
 use crate::sampling::scatter::{Counts, ScatterRequest, ScatterRow, scatter};
 use crate::settings::ONE_FORCE_N;
+use crate::statistics::rms;
 use crate::truths::{MeshTruth, TruthId, fine_mesh, twin_of};
 use finray_model::calibration::{CalibrationCase, CalibrationError, FactorEstimate, FactorModel, Unknown, factors};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
@@ -134,13 +135,8 @@ impl TwinStudy {
 
     /// Root mean square of the errors of all calibrated factors over their stated sigmas.
     pub fn rms_over_sigma(&self) -> f64 {
-        let squares: Vec<f64> = self
-            .calibrations
-            .iter()
-            .flat_map(|found| found.factors.iter().zip(&found.relative_sigmas))
-            .map(|(factor, sigma)| (factor.ln() / sigma).powi(2))
-            .collect();
-        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+        let factors = self.calibrations.iter().flat_map(|found| found.factors.iter().zip(&found.relative_sigmas));
+        rms(factors.map(|(factor, sigma)| factor.ln() / sigma)).unwrap_or(f64::NAN)
     }
 
     /// Checks of what follows from the twin. Its nearness to Table I is none: three factors were fitted to these six numbers, so the

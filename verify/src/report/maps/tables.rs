@@ -1,12 +1,13 @@
 //! Files and tables of the maps: each map's cells and figures, the cells of the overview, and what explains them.
 
-use super::{Of, small, words};
+use super::{Of, small};
 use crate::estimators::EstimatorId;
 use crate::report::dataset::{Columns, Dataset, Format};
 use crate::report::page::{Cell as TableCell, Column, Table};
 use crate::sampling::map::{AccuracyMap, MapSummary};
 use crate::sampling::worst::WorstCell;
 use crate::settings::DRAWN_FORCE_N;
+use crate::statistics::median;
 use crate::study::Study;
 use crate::truths::TruthId;
 use serde::Serialize;
@@ -127,7 +128,7 @@ fn explained(study: &Study) -> Dataset<'_> {
         .file("quantity", |(quantity, _)| *quantity)
         .file("force_n", |_| map.force_n)
         .file("noise_mm", |_| map.noise_mm)
-        .file("median", |(_, values)| words::median(values.iter().copied()))
+        .file("median", |(_, values)| median(values.iter().copied()))
         .file("largest", |(_, values)| values.iter().copied().reduce(f64::max))
         .file("cells_without", |(_, values)| map.cells.len() - values.len())
         .file("csv", |_| EXPLANATIONS_CSV);

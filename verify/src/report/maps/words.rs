@@ -6,6 +6,7 @@ use crate::report::ReportError;
 use crate::report::words::say;
 use crate::sampling::map::{AccuracyMap, Cell};
 use crate::settings::TRUSTED_ERROR;
+use crate::statistics::median;
 use crate::study::Study;
 use finray_model::finger::Plate;
 use minijinja::{Value, context};
@@ -17,15 +18,6 @@ const TANGENTIAL_DEG: f64 = 60.0;
 const END: f64 = 1.0 / 6.0;
 /// A direction known to less than this, degrees, is not known: the nonlinear estimator refuses it.
 const LARGEST_ANGLE_SIGMA_DEG: f64 = 30.0;
-
-/// The middle one, or the mean of the two in the middle.
-pub fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut sorted: Vec<f64> = values.collect();
-    sorted.sort_by(f64::total_cmp);
-    let middle = sorted.len() / 2;
-    let upper = *sorted.get(middle)?;
-    Some(if sorted.len() % 2 == 1 { upper } else { (sorted[middle - 1] + upper) / 2.0 })
-}
 
 /// What every estimator meets: noise on the one hand, what is not known on the other.
 pub(super) fn says(study: &Study) -> Result<Vec<String>, ReportError> {

@@ -117,7 +117,7 @@ fn of_records(study: &Study, truth: TruthId, noise_mm: f64) -> Vec<Line> {
             paper: Some(paper),
             answered: found.answered,
             refused: found.refused,
-            errors: [Some(found.mean), None, None],
+            errors: [Some(found.errors.mean), None, None],
         })
     };
     let of_recipe = |recipe: &'static str| {

@@ -1,11 +1,12 @@
 //! The paper's network as recorded, against its five figures.
 
 use finray_verify::experiments::networks::paper::{
-    OverSeeds, PAPER_RECIPES, figures, nodes_in_records, recorded, recorded_sets, reproduces,
+    PAPER_RECIPES, figures, nodes_in_records, recorded, recorded_sets, reproduces,
 };
 use finray_verify::experiments::networks::records::{RecipeRow, Records};
 use finray_verify::experiments::table_two::CONTACT_GROUPS;
 use finray_verify::settings::CAMERA_NOISE_MM;
+use finray_verify::statistics::Span;
 use finray_verify::truths::TruthId;
 
 #[test]
@@ -40,7 +41,7 @@ fn seeds_scatter_by_no_more_than_the_factor() {
     let records = Records::shipped().expect("records").recipes;
     let all = figures(&records, "a", CAMERA_NOISE_MM).expect("all five figures");
     for figure in all.iter().filter(|figure| figure.group.paper_sum.is_some()) {
-        let OverSeeds { mean, least, greatest, .. } = figure.recorded;
+        let Span { mean, least, greatest } = figure.recorded.errors;
         assert!(reproduces(mean, least) && reproduces(mean, greatest), "{figure:?}");
     }
 }
@@ -66,7 +67,8 @@ fn sets_are_averaged_seed_by_seed() {
     .concat();
     let found = recorded(&records, "a", TruthId::Corotational, 0.067, &one, "each force").expect("recorded");
     let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
-    assert!(close(found.mean, 0.3) && close(found.least, 0.2) && close(found.greatest, 0.4), "{found:?}");
+    let Span { mean, least, greatest } = found.errors;
+    assert!(close(mean, 0.3) && close(least, 0.2) && close(greatest, 0.4), "{found:?}");
     assert_eq!((found.seeds, found.answered, found.refused), (2, 60, 6));
     assert!(recorded(&records[..5], "a", TruthId::Corotational, 0.067, &one, "each force").is_none());
 }

@@ -3,7 +3,7 @@
 use finray_model::{Mesh, NodeId};
 use finray_tests::{CAMERA_NOISE_MM, paper};
 use finray_verify::experiments::speed_error::sensing::{
-    FRAMES_A_PERIOD, Frame, Stream, beam_estimators, percentile, sensed, sensing_meshes,
+    FRAMES_A_PERIOD, Frame, Stream, beam_estimators, sensed, sensing_meshes,
 };
 use finray_verify::experiments::speed_error::{Start, Task};
 use finray_verify::truths::fine_mesh;
@@ -81,11 +81,4 @@ fn the_bias_of_a_coarse_mesh_is_seen() {
     let linear = estimators.iter().find(|timed| timed.start == Start::None).expect("least squares");
     let point = sensed(Task::SenseOne, linear, CAMERA_NOISE_MM, &streams).expect("an answer");
     assert!(point.bias_sigmas > Some(30.0), "{point:?}");
-}
-
-#[test]
-fn percentiles_are_by_nearest_rank() {
-    let mut values: Vec<f64> = (1..=20).rev().map(f64::from).collect();
-    assert_eq!([50.0, 95.0, 100.0].map(|percent| percentile(&mut values, percent)), [10.0, 19.0, 20.0]);
-    assert!(percentile(&mut [], 95.0).is_nan());
 }

@@ -1,0 +1,24 @@
+//! Means, medians and percentiles of few figures and of none.
+
+use finray_verify::statistics::{Span, mean, median, percentile, rms};
+
+#[test]
+fn the_median_is_the_middle_one() {
+    assert_eq!(median([3.0, 1.0, 2.0]), Some(2.0));
+    assert_eq!(median([4.0, 1.0, 2.0, 3.0]), Some(2.5));
+    assert_eq!(median([]), None);
+}
+
+#[test]
+fn percentiles_are_by_nearest_rank() {
+    let mut values: Vec<f64> = (1..=20).rev().map(f64::from).collect();
+    assert_eq!([50.0, 95.0, 100.0].map(|percent| percentile(&mut values, percent)), [10.0, 19.0, 20.0]);
+    assert!(percentile(&mut [], 95.0).is_nan());
+}
+
+#[test]
+fn of_nothing_there_is_no_mean() {
+    assert_eq!((mean([1.0, 2.0, 6.0]), rms([1.0, -7.0])), (Some(3.0), Some(5.0)));
+    assert_eq!((mean([]), rms([]), Span::of([])), (None, None, None));
+    assert_eq!(Span::of([1.0, -7.0]).map(Span::ends), Some([-7.0, 1.0]));
+}

@@ -1,0 +1,54 @@
+//! Some figures in one: means, spans, percentiles.
+
+/// Mean; `None` of nothing.
+pub fn mean(figures: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let figures: Vec<f64> = figures.into_iter().collect();
+    (!figures.is_empty()).then(|| figures.iter().sum::<f64>() / figures.len() as f64)
+}
+
+/// Root mean square; `None` of nothing.
+pub fn rms(figures: impl IntoIterator<Item = f64>) -> Option<f64> {
+    mean(figures.into_iter().map(|x| x * x)).map(f64::sqrt)
+}
+
+/// The middle one, or the mean of the two in the middle; `None` of nothing.
+pub fn median(figures: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let mut sorted: Vec<f64> = figures.into_iter().collect();
+    sorted.sort_by(f64::total_cmp);
+    let middle = sorted.len() / 2;
+    let upper = *sorted.get(middle)?;
+    Some(if sorted.len() % 2 == 1 { upper } else { (sorted[middle - 1] + upper) / 2.0 })
+}
+
+/// Percentile by nearest rank; not a number of nothing.
+pub fn percentile(figures: &mut [f64], percent: f64) -> f64 {
+    figures.sort_by(f64::total_cmp);
+    let rank = (percent / 100.0 * figures.len() as f64).ceil() as usize;
+    figures.get(rank.saturating_sub(1)).copied().unwrap_or(f64::NAN)
+}
+
+/// Mean, least and greatest of some figures, as of networks that differ in their seed alone.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Span {
+    /// Mean.
+    pub mean: f64,
+    /// Least.
+    pub least: f64,
+    /// Greatest.
+    pub greatest: f64,
+}
+
+impl Span {
+    /// `None` of no figures.
+    pub fn of(figures: impl IntoIterator<Item = f64>) -> Option<Span> {
+        let figures: Vec<f64> = figures.into_iter().collect();
+        let least = figures.iter().copied().reduce(f64::min)?;
+        let greatest = figures.iter().copied().fold(least, f64::max);
+        Some(Span { mean: mean(figures)?, least, greatest })
+    }
+
+    /// Least and greatest.
+    pub fn ends(self) -> [f64; 2] {
+        [self.least, self.greatest]
+    }
+}
