@@ -1,5 +1,5 @@
 //! Library tests of `verify`, a module for each of its rooms: the lattice and the shapes that MuJoCo found, the fingers that sensing is
-//! tested on (`truths`), `estimators`, `sampling`, images of the finger and what is found in them (`imaging`), the reference `problems`, the `experiments` and the paper's `claims`. `rooms` checks that no
+//! tested on (`truths`), `estimators`, `sampling`, images of the finger and what is found in them (`imaging`), the reference `problems`, the `experiments`, their `statistics` and the paper's `claims`. `rooms` checks that no
 //! rooms use each other in a circle, and `stand_ins` has the estimators that stand in for real ones. Tests that run the `finray` command
 //! stand in `verify/tests`.
 
