@@ -37,6 +37,7 @@ mod grasp {
     mod loops;
     mod modules;
     mod observations;
+    mod sensed;
     mod world;
 }
 mod imaging {

@@ -1,7 +1,8 @@
 //! A bent finger, and how its markers move, to first order, with the forces on it and where these act.
 
+use finray_model::finger::Plate;
 use finray_model::frame::{FrameLoad, FrameMotion};
-use finray_model::mesh::LoadError;
+use finray_model::mesh::{Load, LoadError};
 use finray_model::sensing::{Contact, ContactPosition};
 use finray_model::statics::{Ladder, Statics};
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Vector};
@@ -16,8 +17,40 @@ pub struct ContactForce {
     pub along_n: f64,
     /// Across it, towards the tip, N.
     pub across_n: f64,
-    /// At a node, how far before it the force across acts, mm: the radius of a rod, which friction turns.
+    /// How far before the plate's axis the force across acts, mm: the radius of a rod at a node, half the plate's thickness between. It turns the
+    /// plate.
     pub lever_mm: f64,
+}
+
+/// Half the distance of the two forces of a couple on the plate between nodes, mm.
+const COUPLE_REACH_MM: f64 = 0.5;
+
+impl ContactForce {
+    /// Loads of a force along the contact's direction.
+    fn along(&self, finger: &Finger, force_n: f64) -> Load {
+        self.contact.load(finger, force_n)
+    }
+
+    /// Loads of a force across it, with the couple of its lever: -lever n x across, n being the contact's direction.
+    fn across(&self, finger: &Finger, force_n: f64) -> impl Iterator<Item = Load> + use<> {
+        let turned = Contact { angle_deg: self.contact.angle_deg + 90.0, ..self.contact };
+        let moment_nmm = -self.lever_mm * force_n;
+        let loads = match turned.load(finger, force_n) {
+            Load::Node { node, force, .. } => [Some(Load::Node { node, force, moment_nmm }), None],
+            Load::Front { s_mm, force } => {
+                let length_mm = finger.plate_length_mm(Plate::Front);
+                // Positions on the plate are greater than 0.
+                let reach_mm = COUPLE_REACH_MM.min(length_mm - s_mm).min(0.5 * s_mm);
+                let turning = finger.direction(self.contact.angle_deg) * (-0.5 * moment_nmm / reach_mm);
+                let pair = [(-reach_mm, -turning), (reach_mm, turning)];
+                match reach_mm > 0.0 {
+                    true => pair.map(|(off_mm, turn)| Some(Load::at_position(s_mm + off_mm, 0.5 * force + turn))),
+                    false => [Some(Load::at_position(s_mm, force)), None],
+                }
+            }
+        };
+        loads.into_iter().flatten()
+    }
 }
 
 /// Shape and derivatives; vectors have two coordinates a free key node.
@@ -54,23 +87,14 @@ impl<'m> RespondingFinger<'m> {
     /// [`LoadError`] for a contact that is not on the finger.
     pub fn under(&mut self, forces: &[ContactForce]) -> Result<Option<Response>, LoadError> {
         let finger = self.mesh.finger();
-        let turned = |force: &ContactForce, turned_deg: f64, force_n: f64| {
-            let contact = Contact { angle_deg: force.contact.angle_deg + turned_deg, ..force.contact };
-            self.mesh.frame_load(&contact.load(finger, force_n))
-        };
-        let across_by = |force: &ContactForce, force_n: f64| -> Result<FrameLoad, LoadError> {
-            Ok(match turned(force, 90.0, force_n)? {
-                // (-lever n) x (across), with n and the direction across a right-handed pair.
-                FrameLoad::Node { node, force: vector, .. } => {
-                    FrameLoad::Node { node, force: vector, moment_nmm: -force.lever_mm * force_n }
-                }
-                load => load,
-            })
-        };
-        let mut loads = Vec::new();
+        let framed = |load: Load| self.mesh.frame_load(&load);
+        let (mut loads, mut ends) = (Vec::new(), Vec::new());
         for force in forces {
-            loads.push(turned(force, 0.0, force.along_n)?);
-            loads.push(across_by(force, force.across_n)?);
+            loads.push(framed(force.along(finger, force.along_n))?);
+            for load in force.across(finger, force.across_n) {
+                loads.push(framed(load)?);
+            }
+            ends.push(loads.len());
         }
         let (from, motion) = &self.last;
         let found = self.statics.shifted(motion, from, &loads).or_else(|_| self.statics.equilibrium(&loads));
@@ -82,14 +106,22 @@ impl<'m> RespondingFinger<'m> {
         let ladder = self.statics.equations_mut();
         let mut rates = vec![Vector::zeros(); finger.key_node_count()];
         let (mut along, mut across, mut moved) = (Vec::new(), Vec::new(), Vec::new());
-        for (force, loads) in forces.iter().zip(loads.chunks_exact(2)) {
-            for (columns, load) in [(&mut along, turned(force, 0.0, 1.0)?), (&mut across, across_by(force, 1.0)?)] {
-                ladder.added_load(&motion, &load, &mut rates);
-                columns.push(coordinates(finger, &rates));
-            }
+        let mut from = 0;
+        for (force, to) in forces.iter().zip(ends) {
+            let of_force = &loads[std::mem::replace(&mut from, to)..to];
+            let mut rates_under = |unit: &mut dyn Iterator<Item = Load>| -> Result<DVector<f64>, LoadError> {
+                let mut sum = DVector::zeros(2 * finger.marked_nodes().len());
+                for load in unit {
+                    ladder.added_load(&motion, &framed(load)?, &mut rates);
+                    sum += coordinates(finger, &rates);
+                }
+                Ok(sum)
+            };
+            along.push(rates_under(&mut std::iter::once(force.along(finger, 1.0)))?);
+            across.push(rates_under(&mut force.across(finger, 1.0))?);
             let mut shift = DVector::zeros(2 * finger.marked_nodes().len());
             if matches!(force.contact.position, ContactPosition::At(_)) {
-                for load in loads {
+                for load in of_force {
                     ladder.moved_load(&motion, load, &mut rates);
                     shift += coordinates(finger, &rates);
                 }

@@ -9,14 +9,12 @@
 //! Mech. Eng. 92, 1991).
 
 use super::contact::{Pair, Stand, Touching};
+use super::elimination::Elimination;
 use super::surface::{Feature, Front, Part, Shape};
 use crate::lattice::Lattice;
 use crate::lattice::bodies::Body;
 use crate::lattice::energy::{BodyMotion, Energy};
 use crate::lattice::skin::TouchedPart;
-use faer::linalg::solvers::Solve;
-use faer::mat::MatMut;
-use faer::sparse::{SparseColMat, Triplet};
 use finray_model::Vector;
 use finray_model::gripper::Placement;
 use std::collections::BTreeMap;
@@ -25,6 +23,10 @@ use std::collections::BTreeMap;
 const MOST_STEPS: usize = 50;
 /// From this step on friction lags behind the normal force by a step: where pairs stick and slip in turn, this mostly ends it.
 const LAGGING: usize = 15;
+/// Newton's method goes round where pairs look as they did before and its step differs from the one then by no more than this share...
+const ROUND: f64 = 1e-3;
+/// ...and is not small, as a share of the object's size: small ones may still end.
+const ROUND_MM: f64 = 1e-6;
 /// Longest step of a body or the object, as a share of the object's size, and rad.
 const LONGEST: [f64; 2] = [0.3, 0.2];
 /// It has converged when a step moves nothing by more than this share of the object's size.
@@ -81,10 +83,21 @@ pub(super) struct Surroundings {
     pub weight: Vector,
     /// A point of the support and its upward unit normal.
     pub support: Option<(Vector, Vector)>,
+    /// How far the object is carried in the step where it goes along with the gripper, mm: Newton's method begins there, and from there the
+    /// resistance counts.
+    pub carried: Vector,
     /// Resistance of the object against having moved since the step began, N/mm; against turning it is this times the square of its size.
     pub drag: f64,
     /// The same of each body of the fingers in their own frames, against moving alone: for snaps, which no equilibrium leads through.
     pub finger_drag: f64,
+}
+
+impl Surroundings {
+    /// Where an object would be that goes along with the gripper.
+    pub(super) fn carried_from(&self, object: [f64; 3]) -> [f64; 3] {
+        let [x, y, angle] = object;
+        [x + self.carried.x, y + self.carried.y, angle]
+    }
 }
 
 /// A pair that is near, at some state.
@@ -96,10 +109,9 @@ pub(super) struct Near {
     pub touching: Touching,
 }
 
-/// What a pair looks like.
+/// How a closed pair holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Status {
-    Open,
+pub(super) enum Grip {
     Sticks,
     Slips { forwards: bool },
 }
@@ -107,16 +119,26 @@ enum Status {
 /// What a pair looks like, and whether its force pulled in the last step.
 #[derive(Debug, Clone, Copy)]
 struct Look {
-    status: Status,
+    /// None of an open pair.
+    grip: Option<Grip>,
     is_pulled: bool,
 }
 
 impl Scene<'_> {
-    /// Equilibrium with the fingers at `placements`, from a state of which slips are counted; `None` where Newton's method does not arrive.
-    pub(super) fn equilibrium(&self, before: &State, placements: &[Placement], around: &Surroundings) -> Option<State> {
-        let mut state = State { placements: placements.to_vec(), ..before.clone() };
+    /// Equilibrium with the fingers at `placements`, from a state of which slips are counted, in which nothing has gone farther than `farthest_mm`;
+    /// `None` where Newton's method does not arrive there.
+    pub(super) fn equilibrium(
+        &self,
+        before: &State,
+        placements: &[Placement],
+        around: &Surroundings,
+        farthest_mm: f64,
+        elimination: &mut Elimination,
+    ) -> Option<State> {
+        let mut state =
+            State { placements: placements.to_vec(), object: around.carried_from(before.object), ..before.clone() };
         let mut looks: BTreeMap<Key, Look> = BTreeMap::new();
-        let mut last = Vec::new();
+        let mut passed: Vec<(Vec<Option<Grip>>, f64)> = Vec::new();
         for step in 0..MOST_STEPS {
             let near = self.near(&state, before, around);
             state.forces = self.inherited(&state, &near);
@@ -124,21 +146,49 @@ impl Scene<'_> {
                 .iter()
                 .map(|near| (near.key, self.look(near, state.forces[&near.key], looks.get(&near.key))))
                 .collect();
-            let statuses: Vec<Status> = near.iter().map(|near| looks[&near.key].status).collect();
-            let correction = self.correction(&state, before, around, &near, &statuses, step >= LAGGING)?;
-            let (share, largest) = self.share(&correction);
-            self.apply(&mut state, &near, &correction, share);
-            let is_same = statuses == last && looks.values().all(|look| !look.is_pulled);
-            if share == 1.0 && largest <= CONVERGED * self.size_mm && is_same {
-                state.forces.retain(|_, [normal_n, _]| normal_n.abs() > self.nothing_n());
-                let given_mm = |near: &Near| self.yield_mm(state.forces.get(&near.key).map_or(0.0, |forces| forces[0]));
-                let overlaps = |near: &Near| near.touching.gap_mm + given_mm(near) < -OVERLAP * self.size_mm;
-                let pulls = state.forces.values().any(|[normal_n, _]| *normal_n < -self.nothing_n());
-                return (!pulls && !self.near(&state, before, around).iter().any(overlaps)).then_some(state);
+            let grips: Vec<Option<Grip>> = near.iter().map(|near| looks[&near.key].grip).collect();
+            let mut closed = Vec::new();
+            for (near, grip) in near.into_iter().zip(&grips) {
+                match grip {
+                    Some(grip) => closed.push((near, *grip)),
+                    None => drop(state.forces.insert(near.key, [0.0; 2])),
+                }
             }
-            last = statuses;
+            let correction = self.correction(&state, before, around, &closed, step >= LAGGING, elimination)?;
+            let (share, largest_mm) = self.share(&correction);
+            self.apply(&mut state, &closed, &correction, share);
+            let way_mm = self.way_mm(before, &state);
+            let is_same = passed.last().is_some_and(|(last, _)| *last == grips);
+            let is_settled = is_same && looks.values().all(|look| !look.is_pulled);
+            if share == 1.0 && largest_mm <= CONVERGED * self.size_mm && is_settled {
+                return (way_mm <= farthest_mm && self.is_equilibrium(&mut state, before, around)).then_some(state);
+            }
+            let goes_round = |(grips_then, then_mm): &(Vec<Option<Grip>>, f64)| {
+                *grips_then == grips && (largest_mm - then_mm).abs() <= ROUND * largest_mm
+            };
+            if largest_mm > ROUND_MM * self.size_mm && passed.iter().skip(LAGGING).any(goes_round) {
+                return None;
+            }
+            passed.push((grips, largest_mm));
         }
         None
+    }
+
+    /// Whether nothing overlaps or pulls; forces that are rounding are dropped.
+    fn is_equilibrium(&self, state: &mut State, before: &State, around: &Surroundings) -> bool {
+        state.forces.retain(|_, [normal_n, _]| normal_n.abs() > self.nothing_n());
+        let given_mm = |near: &Near| self.yield_mm(state.forces.get(&near.key).map_or(0.0, |forces| forces[0]));
+        let overlaps = |near: &Near| near.touching.gap_mm + given_mm(near) < -OVERLAP * self.size_mm;
+        let pulls = state.forces.values().any(|[normal_n, _]| *normal_n < -self.nothing_n());
+        !pulls && !self.near(state, before, around).iter().any(overlaps)
+    }
+
+    /// How far object (a turn at its size) and fingers in their frames are from one state to another, mm.
+    pub(super) fn way_mm(&self, from: &State, to: &State) -> f64 {
+        let [x, y, angle] = [0, 1, 2].map(|i| to.object[i] - from.object[i]);
+        let bodies = from.motions.iter().flatten().zip(to.motions.iter().flatten());
+        let bent = bodies.map(|(a, b)| (b.displacement - a.displacement).norm());
+        bent.fold(x.hypot(y).max(angle.abs() * self.size_mm), f64::max)
     }
 
     /// All pairs that are near each other.
@@ -198,31 +248,31 @@ impl Scene<'_> {
     /// step forces are not yet what they will be.
     fn look(&self, near: &Near, [normal_n, friction_n]: [f64; 2], before: Option<&Look>) -> Look {
         let Touching { gap_mm, slip_mm, .. } = near.touching;
-        let sticks_or_slips = |held_n: f64, pressed_n: f64| match held_n.abs() < self.friction * pressed_n {
-            true => Status::Sticks,
-            false => Status::Slips { forwards: held_n < 0.0 },
+        let grip = |held_n: f64, pressed_n: f64| match held_n.abs() < self.friction * pressed_n {
+            true => Some(Grip::Sticks),
+            false => Some(Grip::Slips { forwards: held_n < 0.0 }),
         };
         let before = before.copied().unwrap_or(Look {
-            status: if normal_n > self.nothing_n() { sticks_or_slips(friction_n, normal_n) } else { Status::Open },
+            grip: if normal_n > self.nothing_n() { grip(friction_n, normal_n) } else { None },
             is_pulled: false,
         });
-        let is_pulled = normal_n < -self.nothing_n() && before.status != Status::Open;
-        let status = match before.status {
-            Status::Open if gap_mm >= 0.0 => Status::Open,
-            Status::Open => sticks_or_slips(-self.stiffness * slip_mm, -self.stiffness * gap_mm),
-            _ if is_pulled && before.is_pulled => Status::Open,
+        let is_pulled = normal_n < -self.nothing_n() && before.grip.is_some();
+        let grip = match before.grip {
+            None if gap_mm >= 0.0 => None,
+            None => grip(-self.stiffness * slip_mm, -self.stiffness * gap_mm),
+            _ if is_pulled && before.is_pulled => None,
             closed if is_pulled => closed,
-            Status::Sticks => sticks_or_slips(friction_n, normal_n),
-            Status::Slips { forwards } if self.friction == 0.0 || slip_mm == 0.0 || (slip_mm > 0.0) == forwards => {
-                before.status
+            Some(Grip::Sticks) => grip(friction_n, normal_n),
+            Some(Grip::Slips { forwards }) if self.friction == 0.0 || slip_mm == 0.0 || (slip_mm > 0.0) == forwards => {
+                before.grip
             }
-            Status::Slips { .. } => Status::Sticks,
+            Some(Grip::Slips { .. }) => Some(Grip::Sticks),
         };
-        Look { status, is_pulled: is_pulled && status != Status::Open }
+        Look { grip, is_pulled: is_pulled && grip.is_some() }
     }
 
     /// How far a contact gives way under a force, mm.
-    fn yield_mm(&self, force_n: f64) -> f64 {
+    pub(super) fn yield_mm(&self, force_n: f64) -> f64 {
         YIELD / self.stiffness * force_n
     }
 
@@ -232,115 +282,8 @@ impl Scene<'_> {
     }
 
     /// Number of the first unknown of a finger; of the object for the number after the last.
-    fn first(&self, finger: usize) -> usize {
+    pub(super) fn first(&self, finger: usize) -> usize {
         self.fingers[..finger].iter().map(|standing| standing.energy.unknown_count()).sum()
-    }
-
-    /// A step of Newton's method: motions of the fingers' bodies, of the object, then the two forces of each pair that is near. Where friction
-    /// is lagging, its bound is that of the normal force before the step.
-    fn correction(
-        &self,
-        state: &State,
-        before: &State,
-        around: &Surroundings,
-        near: &[Near],
-        statuses: &[Status],
-        is_lagging: bool,
-    ) -> Option<Vec<f64>> {
-        let object = self.first(self.fingers.len());
-        let count = object + 3 + 2 * near.len();
-        let mut residual = vec![0.0; count];
-        let mut tangent: Vec<Triplet<usize, usize, f64>> = Vec::new();
-        for (finger, standing) in self.fingers.iter().enumerate() {
-            let first = self.first(finger);
-            let expansion = standing.energy.expand(&state.motions[finger], &[], 0.0);
-            for (i, gradient) in expansion.gradient.iter().enumerate() {
-                residual[first + i] += gradient;
-            }
-            for (body, (now, then)) in state.motions[finger].iter().zip(&before.motions[finger]).enumerate() {
-                let Some(i) = standing.energy.first_unknown(body).map(|i| first + i) else { continue };
-                let resistance = (now.displacement - then.displacement) * around.finger_drag;
-                for axis in 0..2 {
-                    residual[i + axis] += resistance[axis];
-                    tangent.push(Triplet::new(i + axis, i + axis, around.finger_drag));
-                }
-            }
-            for Triplet { row, col, val } in expansion.curvature {
-                tangent.push(Triplet::new(first + row, first + col, val));
-                if row != col {
-                    tangent.push(Triplet::new(first + col, first + row, val));
-                }
-            }
-        }
-        let arm = nalgebra::Rotation2::new(state.object[2]) * self.centre;
-        let drags = [around.drag, around.drag, around.drag * self.size_mm * self.size_mm];
-        let loads = [around.weight.x, around.weight.y, arm.perp(&around.weight)];
-        for i in 0..3 {
-            residual[object + i] += drags[i] * (state.object[i] - before.object[i]) - loads[i];
-            tangent.push(Triplet::new(object + i, object + i, drags[i]));
-        }
-        tangent.push(Triplet::new(object + 2, object + 2, arm.dot(&around.weight)));
-
-        for (k, (near, status)) in near.iter().zip(statuses).enumerate() {
-            let Near { key, part, touching } = near;
-            let forces = state.forces[key];
-            let of_body =
-                part.and_then(|part| Some(self.first(key.0) + self.fingers[key.0].energy.first_unknown(part.body)?));
-            let unknown = |i: usize| if i < 3 { of_body.map(|first| first + i) } else { Some(object + i - 3) };
-            let rows = [object + 3 + 2 * k, object + 4 + 2 * k];
-            for i in 0..6 {
-                let Some(row) = unknown(i) else { continue };
-                for axis in 0..2 {
-                    residual[row] -= forces[axis] * touching.pull[axis][i];
-                    tangent.push(Triplet::new(row, rows[axis], -touching.pull[axis][i]));
-                }
-                for j in 0..6 {
-                    let Some(column) = unknown(j) else { continue };
-                    let by = |axis: usize| forces[axis] * touching.pull_by[j][axis][i];
-                    tangent.push(Triplet::new(row, column, -by(0) - by(1)));
-                }
-            }
-            let given = self.yield_mm(1.0);
-            let mut closed = |row: usize, value: f64, by: &[f64; 6], force_n: f64| {
-                residual[row] = value + given * force_n;
-                tangent.push(Triplet::new(row, row, given));
-                for j in 0..6 {
-                    if let Some(column) = unknown(j) {
-                        tangent.push(Triplet::new(row, column, by[j]));
-                    }
-                }
-            };
-            match status {
-                Status::Open => {}
-                Status::Sticks => {
-                    closed(rows[0], touching.gap_mm, &touching.pull[0], forces[0]);
-                    closed(rows[1], touching.slip_mm, &touching.slip_by, forces[1]);
-                }
-                Status::Slips { .. } => closed(rows[0], touching.gap_mm, &touching.pull[0], forces[0]),
-            }
-            match status {
-                Status::Open => {
-                    for axis in 0..2 {
-                        residual[rows[axis]] = forces[axis];
-                        tangent.push(Triplet::new(rows[axis], rows[axis], 1.0));
-                    }
-                }
-                Status::Sticks => {}
-                Status::Slips { forwards } => {
-                    let bound = if *forwards { -self.friction } else { self.friction };
-                    residual[rows[1]] = forces[1] - bound * forces[0];
-                    tangent.push(Triplet::new(rows[1], rows[1], 1.0));
-                    if !is_lagging {
-                        tangent.push(Triplet::new(rows[1], rows[0], -bound));
-                    }
-                }
-            }
-        }
-        let matrix = SparseColMat::try_new_from_triplets(count, count, &tangent).ok()?;
-        let factorised = matrix.sp_lu().ok()?;
-        let mut correction: Vec<f64> = residual.iter().map(|r| -r).collect();
-        factorised.solve_in_place(MatMut::from_column_major_slice_mut(&mut correction, count, 1));
-        correction.iter().all(|c| c.is_finite()).then_some(correction)
     }
 
     /// The share of a correction that moves nothing too far, and its largest movement, mm (rotations at the object's size).
@@ -355,7 +298,7 @@ impl Scene<'_> {
         (share, moved_mm.max(turned_rad * self.size_mm))
     }
 
-    fn apply(&self, state: &mut State, near: &[Near], correction: &[f64], share: f64) {
+    fn apply(&self, state: &mut State, closed: &[(Near, Grip)], correction: &[f64], share: f64) {
         for (finger, standing) in self.fingers.iter().enumerate() {
             let first = self.first(finger);
             for (body, motion) in state.motions[finger].iter_mut().enumerate() {
@@ -369,7 +312,7 @@ impl Scene<'_> {
         for i in 0..3 {
             state.object[i] += share * correction[object + i];
         }
-        for (k, near) in near.iter().enumerate() {
+        for (k, (near, _)) in closed.iter().enumerate() {
             if let Some(forces) = state.forces.get_mut(&near.key) {
                 forces[0] += share * correction[object + 3 + 2 * k];
                 forces[1] += share * correction[object + 4 + 2 * k];

@@ -6,7 +6,9 @@
 //! moves the bases and lets things come to rest. The way in which rapier presses an object onto one finger is the independent check.
 
 pub mod contact;
+mod elimination;
 mod equilibrium;
+mod linearised;
 pub mod surface;
 pub mod world;
 

@@ -1,6 +1,7 @@
 //! Fingers on bases that move, an object and its support: from one settled step to the next.
 
 use super::contact::Touching;
+use super::elimination::Elimination;
 use super::equilibrium::{Near, Scene, Standing, State, Surroundings, touched};
 use super::surface::{Front, Shape};
 use crate::lattice::energy::{BodyMotion, Energy};
@@ -22,6 +23,8 @@ const MOVING_DRAG: f64 = 1e-3;
 const MOST_DRAG: f64 = 1e3;
 /// The resistance grows by this factor where the object would go far, and falls again when it does not.
 const DRAG_FACTOR: f64 = 10.0;
+/// Steps that are to be solved after one that was not until a longer part, or less resistance, is tried.
+const BOLDER: usize = 2;
 /// Farthest that an object goes at once while it comes to rest, as a share of its size.
 const FARTHEST: f64 = 0.1;
 /// All rests when the resistance is this share of the forces.
@@ -102,6 +105,8 @@ pub struct Drive {
     pub placements: Vec<Placement>,
     /// Weight, N.
     pub weight: Vector,
+    /// Where the gripper is, mm: an object that it holds goes along.
+    pub gripper: Vector,
 }
 
 impl Drive {
@@ -115,6 +120,7 @@ impl Drive {
         Drive {
             placements: self.placements.iter().zip(&to.placements).map(between).collect(),
             weight: self.weight.lerp(&to.weight, share),
+            gripper: self.gripper.lerp(&to.gripper, share),
         }
     }
 }
@@ -128,6 +134,7 @@ pub struct World<'l> {
     before: State,
     drive: Drive,
     support: Option<(Vector, Vector)>,
+    elimination: Elimination,
     /// Work of friction on the way, N mm.
     dissipated_nmm: f64,
     /// Work of what moves the bases, N mm.
@@ -159,7 +166,16 @@ impl<'l> World<'l> {
         let state = State { placements, motions: motions.collect(), object, forces: Default::default() };
         let (centre, size_mm) = (shape.centroid(), shape.size_mm());
         let scene = Scene { fingers, shape, friction, centre, stiffness, size_mm };
-        let world = World { scene, before: state.clone(), state, drive, support, dissipated_nmm: 0.0, driven_nmm: 0.0 };
+        let world = World {
+            scene,
+            before: state.clone(),
+            state,
+            drive,
+            support,
+            elimination: Elimination::default(),
+            dissipated_nmm: 0.0,
+            driven_nmm: 0.0,
+        };
         let overlaps = world.near().into_iter().map(|near| (-near.touching.gap_mm, near));
         match overlaps.max_by(|a, b| a.0.total_cmp(&b.0)) {
             Some((overlap_mm, near)) if overlap_mm > AT_REST * size_mm => {
@@ -186,13 +202,14 @@ impl<'l> World<'l> {
     /// all comes to rest before the bases move on.
     fn move_to(&mut self, to: &Drive) -> Result<(), Halt> {
         let from = self.drive.clone();
-        let (mut at, mut part) = (0.0, 1.0);
+        let (mut at, mut part, mut solved) = (0.0, 1.0, 0);
         while at < 1.0 {
             let next = if at + part >= 1.0 { 1.0 } else { at + part };
             if self.step(&from.towards(to, next), MOVING_DRAG) {
-                (at, part) = (next, part * 2.0);
+                solved += 1;
+                (at, part) = (next, if solved >= BOLDER { part * 2.0 } else { part });
             } else if part > LEAST_PART {
-                part *= 0.5;
+                (part, solved) = (part * 0.5, 0);
             } else {
                 let there = from.towards(to, next);
                 let mut drags = std::iter::successors(Some(MOVING_DRAG), |drag| Some(drag * DRAG_FACTOR));
@@ -200,7 +217,7 @@ impl<'l> World<'l> {
                     return Err(self.halt());
                 }
                 self.come_to_rest()?;
-                (at, part) = (next, 4.0 * LEAST_PART);
+                (at, part, solved) = (next, 4.0 * LEAST_PART, 0);
             }
         }
         Ok(())
@@ -210,13 +227,13 @@ impl<'l> World<'l> {
     fn step(&mut self, to: &Drive, drag: f64) -> bool {
         let finger_drag = if drag > MOVING_DRAG { drag * self.scene.stiffness } else { 0.0 };
         let drag = drag * self.scene.stiffness;
-        let around = Surroundings { weight: to.weight, support: self.support, drag, finger_drag };
-        let Some(next) = self.scene.equilibrium(&self.state, &to.placements, &around) else { return false };
-        let way = self.way_mm(&next);
-        let limit_mm = FARTHEST * self.scene.size_mm + self.base_way_mm(to);
-        if way > limit_mm {
+        let carried = to.gripper - self.drive.gripper;
+        let around = Surroundings { weight: to.weight, support: self.support, carried, drag, finger_drag };
+        let farthest_mm = FARTHEST * self.scene.size_mm + self.base_way_mm(to);
+        let (scene, placements, elimination) = (&self.scene, &to.placements, &mut self.elimination);
+        let Some(next) = scene.equilibrium(&self.state, placements, &around, farthest_mm, elimination) else {
             return false;
-        }
+        };
         let (bases, forces) = (self.drive.placements.clone(), self.on_bases());
         self.before = std::mem::replace(&mut self.state, next);
         self.drive = to.clone();
@@ -228,14 +245,6 @@ impl<'l> World<'l> {
         }
         self.dissipated_nmm += self.friction_work_nmm();
         true
-    }
-
-    /// How far object (a turn at its size) and fingers in their frames have gone from the state at hand to another, mm.
-    fn way_mm(&self, other: &State) -> f64 {
-        let [x, y, angle] = [0, 1, 2].map(|i| other.object[i] - self.state.object[i]);
-        let bodies = self.state.motions.iter().flatten().zip(other.motions.iter().flatten());
-        let bent = bodies.map(|(a, b)| (a.displacement - b.displacement).norm());
-        bent.fold(x.hypot(y).max(angle.abs() * self.scene.size_mm), f64::max)
     }
 
     /// How far the bases move to another drive, mm, at the farthest tip.
@@ -251,24 +260,27 @@ impl<'l> World<'l> {
     /// Lets the object move until the resistance against it is nothing beside the forces.
     fn come_to_rest(&mut self) -> Result<(), Halt> {
         let drive = self.drive.clone();
-        let mut drag = MOVING_DRAG / DRAG_FACTOR;
+        let (mut drag, mut solved) = (MOVING_DRAG / DRAG_FACTOR, BOLDER);
         for _ in 0..MOST_STEPS {
             let held = self.state.clone();
             if !self.step(&drive, drag) {
                 if drag > MOST_DRAG {
                     return Err(self.halt());
                 }
-                drag *= DRAG_FACTOR;
+                (drag, solved) = (drag * DRAG_FACTOR, 0);
                 continue;
             }
-            let moved_mm = self.way_mm(&held);
+            solved += 1;
+            let moved_mm = self.scene.way_mm(&held, &self.state);
             let resistance_n = drag * self.scene.stiffness * moved_mm;
             let forces = self.near().into_iter().filter_map(|near| self.state.forces.get(&near.key).copied());
             let largest_n = forces.map(|[normal, _]| normal).fold(drive.weight.norm(), f64::max);
             if resistance_n <= AT_REST * largest_n && (drag <= DRAG || moved_mm <= AT_REST * self.scene.size_mm) {
                 return Ok(());
             }
-            drag = (drag / DRAG_FACTOR.sqrt()).max(DRAG);
+            if solved >= BOLDER {
+                drag = (drag / DRAG_FACTOR.sqrt()).max(DRAG);
+            }
         }
         Err(Halt::Dropped)
     }
@@ -290,7 +302,13 @@ impl<'l> World<'l> {
     }
 
     fn near(&self) -> Vec<Near> {
-        let around = Surroundings { weight: self.drive.weight, support: self.support, drag: 0.0, finger_drag: 0.0 };
+        let around = Surroundings {
+            weight: self.drive.weight,
+            support: self.support,
+            carried: Vector::zeros(),
+            drag: 0.0,
+            finger_drag: 0.0,
+        };
         self.scene.near(&self.state, &self.before, &around)
     }
 

@@ -3,9 +3,10 @@
 //! The camera sees the outlines of object and finger as points, each with an error of its own of the camera's standard deviation s a
 //! coordinate, and apart from the markers, which are other pixels. The direction of a contact is read from two such points at a distance b
 //! ([`baseline_mm`]), so that its standard deviation is sqrt(2) s / b; the position of a contact between rods from the distance of
-//! two points along the plate, sqrt(2) s. Which parts touch is taken as known, and a contact at a rod lies at its node.
+//! two points along the plate, sqrt(2) s. Which parts touch is taken as known, and a contact at a rod alone lies at its node. Where several
+//! parts touch as one contact, its force may be anywhere between them: the standard deviation of an even distribution is added.
 
-use super::contacts::member_mm;
+use super::contacts::{HalfSpan, member_mm};
 use super::{SeenContact, TurnedOutline};
 use crate::lattice::skin::{Touch, TouchedPart};
 use finray_model::finger::Plate;
@@ -25,6 +26,9 @@ pub struct CameraContact {
 
 /// Share of the segment at the base within which no position is sought: there a force bends nothing.
 const NEAREST_TO_BASE: f64 = 0.01;
+
+/// Standard deviation of an even distribution as a share of half its interval, 1 / sqrt(3).
+const EVENLY: f64 = 0.577_350_269_189_625_8;
 
 /// Reads a contact with the camera's noise; six standard normal numbers a contact.
 pub fn read_contact(
@@ -46,10 +50,14 @@ pub fn read_contact(
         }
     };
     let two_points_mm = std::f64::consts::SQRT_2 * noise_mm;
+    let HalfSpan { along_mm, turn_rad } = seen.half_span;
     CameraContact {
         contact: Contact { position, angle_deg: seen.contact.angle_deg + turn_deg },
-        direction_sd_rad: two_points_mm / seen.baseline_mm,
-        position_sd_mm: if matches!(position, ContactPosition::Node(_)) { 0.0 } else { two_points_mm },
+        direction_sd_rad: (two_points_mm / seen.baseline_mm).hypot(EVENLY * turn_rad),
+        position_sd_mm: match position {
+            ContactPosition::Node(_) => 0.0,
+            ContactPosition::At(_) => two_points_mm.hypot(EVENLY * along_mm),
+        },
     }
 }
 

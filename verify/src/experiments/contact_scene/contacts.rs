@@ -7,16 +7,18 @@ use finray_model::finger::Plate;
 use finray_model::sensing::{Contact, ContactPosition};
 use finray_model::{Finger, NodeId, Vector};
 
-/// Touches within this share of the segment of plate, from rod to rod, that they lie on are one contact to the camera; with a rod among them, it is
-/// the rod's. Two rods are never one contact.
+/// Touches within this share of the segment of plate, from rod to rod, that they lie on are one contact to the camera. Two rods are never one
+/// contact.
 const TOGETHER: f64 = 0.25;
 
 /// A contact as it lies in front of the camera, with the force that it truly carries.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeenContact {
     /// Position, and direction from the object into the finger, without noise: from the surfaces alone, not from the forces. Of
-    /// several touches of the plate the middle of the interval that they span; with a rod among them, the rod's.
+    /// several touches the middle of the interval that they span, and of their directions.
     pub contact: Contact,
+    /// Half the interval of its touches along the plate, mm, and of their directions, rad: nobody sees how the force is shared among them.
+    pub half_span: HalfSpan,
     /// Distance of the two outline points that the camera reads the direction from, mm.
     pub baseline_mm: f64,
     /// Whether it is on a clamped part, where a force does not bend the finger.
@@ -29,6 +31,15 @@ pub struct SeenContact {
     pub normal_n: f64,
     /// Sum of the friction of its touches, positive towards the tip, N.
     pub friction_n: f64,
+}
+
+/// Half the interval that touches span.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct HalfSpan {
+    /// Along the plate, mm.
+    pub along_mm: f64,
+    /// Of their directions, rad.
+    pub turn_rad: f64,
 }
 
 /// Puts touches together to contacts, from base to tip. `baseline_mm` is the distance of the outline points that the direction of a touch
@@ -67,25 +78,25 @@ pub(super) fn member_mm(finger: &Finger, position_mm: f64) -> f64 {
 fn seen(lattice: &Lattice, group: &[Touch], baseline_mm: &dyn Fn(&Touch) -> f64) -> SeenContact {
     let finger = lattice.finger();
     let (first, last) = (&group[0], &group[group.len() - 1]);
-    let at_rod = group.iter().find_map(|touch| match touch.part {
-        TouchedPart::Rod(node) => Some((node, touch)),
-        TouchedPart::Plate(_) => None,
-    });
-    let middle_mm = 0.5 * (first.part.position_mm(lattice) + last.part.position_mm(lattice));
-    let (position, normal, point) = match at_rod {
-        Some((node, touch)) => (ContactPosition::Node(node), touch.normal, touch.point),
-        None => {
-            (ContactPosition::At(middle_mm), (first.normal + last.normal).normalize(), 0.5 * (first.point + last.point))
-        }
+    let rod = group.iter().find(|touch| matches!(touch.part, TouchedPart::Rod(_)));
+    let [from_mm, to_mm] = [first, last].map(|touch| touch.part.position_mm(lattice));
+    let position = match (first.part, group.len()) {
+        (TouchedPart::Rod(node), 1) => ContactPosition::Node(node),
+        _ => ContactPosition::At(0.5 * (from_mm + to_mm)),
     };
+    let normal = (first.normal + last.normal).normalize();
+    let turn = |touch: &Touch| normal.perp(&touch.normal).asin().abs();
+    let half_span =
+        HalfSpan { along_mm: 0.5 * (to_mm - from_mm), turn_rad: group.iter().map(turn).fold(0.0, f64::max) };
     let normal_n = |touch: &Touch| touch.force.dot(&touch.normal);
     // Towards the tip, across each touch's own normal.
     let friction_n = |touch: &Touch| touch.force.dot(&Vector::new(-touch.normal.y, touch.normal.x));
     SeenContact {
         contact: Contact { position, angle_deg: angle_deg(finger, normal) },
-        baseline_mm: baseline_mm(at_rod.map_or(first, |(_, touch)| touch)),
+        half_span,
+        baseline_mm: baseline_mm(rod.unwrap_or(first)),
         clamped: first.clamped,
-        point,
+        point: 0.5 * (first.point + last.point),
         force: group.iter().map(|touch| touch.force).sum(),
         normal_n: group.iter().map(normal_n).sum(),
         friction_n: group.iter().map(friction_n).sum(),

@@ -16,7 +16,7 @@ mod sensing;
 pub mod study;
 
 pub use camera::{CameraContact, baseline_mm, read_contact};
-pub use contacts::{SeenContact, angle_deg, seen_contacts};
+pub use contacts::{HalfSpan, SeenContact, angle_deg, seen_contacts};
 pub use object::{HandStep, OutlineError, PreparedObject, TurnedOutline};
 pub use rows::{ForceRow, contacts_sensed, force_rows};
 

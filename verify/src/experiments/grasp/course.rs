@@ -119,7 +119,7 @@ impl<'s, 'l> Course<'s, 'l> {
         let weight_share = if scene.grasp.has_support { 1.0 } else { 0.0 };
         let object = [scene.centre_mm.x, scene.centre_mm.y, scene.object.rotation_deg.to_radians()];
         let placements = scene.placements(motor_deg, Vector::zeros()).unwrap_or_default();
-        let drive = Drive { placements, weight: scene.weight() * weight_share };
+        let drive = Drive { placements, weight: scene.weight() * weight_share, gripper: Vector::zeros() };
         let world = World::new(
             &[lattice, lattice],
             scene.contact.rod_radius_mm,
@@ -175,7 +175,8 @@ impl<'s, 'l> Course<'s, 'l> {
         }
         self.step += 1;
         let placements = self.scene.placements(self.motor_deg, self.gripper_mm).unwrap_or_default();
-        let drive = Drive { placements, weight: self.scene.weight() * self.weight_share };
+        let weight = self.scene.weight() * self.weight_share;
+        let drive = Drive { placements, weight, gripper: self.gripper_mm };
         self.world.advance(&drive)?;
         let touches = self.world.met().iter().any(|met| matches!(met.partner, Partner::Finger(_)));
         if self.task == Task::Close {

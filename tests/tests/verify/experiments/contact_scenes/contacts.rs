@@ -7,7 +7,7 @@ use finray_model::sensing::{Contact, ContactPosition};
 use finray_model::{NodeId, Scene, Vector};
 use finray_tests::CAMERA_NOISE_MM;
 use finray_verify::experiments::contact_scene::study::shipped;
-use finray_verify::experiments::contact_scene::{ContactScene, SeenContact, read_contact, seen_contacts};
+use finray_verify::experiments::contact_scene::{ContactScene, HalfSpan, SeenContact, read_contact, seen_contacts};
 use finray_verify::lattice::Lattice;
 use finray_verify::lattice::skin::{Touch, TouchedPart};
 use finray_verify::sampling::noise::Noise;
@@ -65,7 +65,7 @@ fn read_contacts_scatter_as_stated() {
     assert_eq!((exact.contact, exact.direction_sd_rad, exact.position_sd_mm), (plate.contact, 0.0, 0.0));
 }
 
-/// However near two rods are, each is a contact of its own; plate between them belongs to the one before it, which gives the direction.
+/// However near two rods are, each is a contact of its own; plate between them belongs to the one before it, and how it shares the force is not seen.
 #[test]
 fn two_rods_are_two_contacts() {
     let text =
@@ -94,9 +94,18 @@ fn two_rods_are_two_contacts() {
     ];
     let seen = seen_contacts(&lattice, &touches, |_| 10.0);
     let positions: Vec<ContactPosition> = seen.iter().map(|seen| seen.contact.position).collect();
-    let expected = [ContactPosition::Node(NodeId(9)), ContactPosition::Node(NodeId(8)), ContactPosition::At(100.0)];
+    let expected = [ContactPosition::At(75.1), ContactPosition::Node(NodeId(8)), ContactPosition::At(100.0)];
     assert_eq!(positions, expected);
-    assert!(seen[0].contact.angle_deg.abs() < 1e-9 && (seen[1].contact.angle_deg + 10.0).abs() < 1e-9);
+    assert!((seen[0].contact.angle_deg - 45.0).abs() < 1e-9 && (seen[1].contact.angle_deg + 10.0).abs() < 1e-9);
+    let half = seen[0].half_span;
+    assert!(
+        (half.along_mm - 0.1).abs() < 1e-9 && (half.turn_rad - std::f64::consts::FRAC_PI_4).abs() < 1e-9,
+        "{half:?}"
+    );
+    assert_eq!(seen[1].half_span, HalfSpan::default());
+    // An even distribution over the interval, where nothing else blurs it.
+    let read = read_contact(&finger, &seen[0], 0.0, || 0.0);
+    assert!((read.position_sd_mm - 0.1 / 3.0_f64.sqrt()).abs() < 1e-9 && read.direction_sd_rad > 0.4, "{read:?}");
     assert!((seen[0].normal_n - 7.0).abs() < 1e-12 && seen[0].friction_n.abs() < 1e-12);
 }
 
