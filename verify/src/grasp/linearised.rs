@@ -2,11 +2,12 @@
 
 use super::contact::Touching;
 use super::elimination::Elimination;
-use super::equilibrium::{Grip, Near, Scene, State, Surroundings};
+use super::equilibrium::{Scene, State, Surroundings};
+use super::near::{Grip, Near};
 use faer::sparse::Triplet;
 
 /// Residual and its derivatives. Unknowns are the motions of the fingers' bodies, the object's pose, then the two forces of each closed pair.
-/// Which entries there are depends on the pairs alone, so that elimination may keep its order.
+/// Which entries there are depends on the closed pairs alone, so that elimination may keep its order.
 struct Equations {
     residual: Vec<f64>,
     entries: Vec<Triplet<usize, usize, f64>>,

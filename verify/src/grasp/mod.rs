@@ -9,6 +9,7 @@ pub mod contact;
 mod elimination;
 mod equilibrium;
 mod linearised;
+mod near;
 pub mod surface;
 pub mod world;
 

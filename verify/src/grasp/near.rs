@@ -1,0 +1,133 @@
+//! Pairs of parts of finger, object and support that are near each other, and what they look like to Newton's method.
+
+use super::contact::{Pair, Stand, Touching};
+use super::equilibrium::{Scene, State, Surroundings};
+use super::surface::{Feature, Part};
+use crate::lattice::bodies::Body;
+use crate::lattice::energy::BodyMotion;
+use crate::lattice::skin::TouchedPart;
+use finray_model::Vector;
+use finray_model::gripper::Placement;
+use std::collections::BTreeMap;
+
+/// Distance, as a share of the object's size, from which on a pair is looked at.
+const NEAR: f64 = 0.2;
+
+/// Which pair of parts: the finger by its number (the support comes after the last), its part, and the object's feature.
+pub(super) type Key = (usize, usize, Feature);
+
+/// A pair that is near, at some state.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Near {
+    pub key: Key,
+    /// The part of the finger; none of the support.
+    pub part: Option<Part>,
+    pub touching: Touching,
+}
+
+/// How a closed pair holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Grip {
+    Sticks,
+    Slips { forwards: bool },
+}
+
+/// What a pair looks like, and whether its force pulled in the last step.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Look {
+    /// None of an open pair.
+    pub(super) grip: Option<Grip>,
+    pub(super) is_pulled: bool,
+}
+
+impl Scene<'_> {
+    /// All pairs that are near each other.
+    pub(super) fn near(&self, state: &State, before: &State, around: &Surroundings) -> Vec<Near> {
+        let mut pairs = Vec::new();
+        let within_mm = NEAR * self.size_mm;
+        for (finger, standing) in self.fingers.iter().enumerate() {
+            let bodies = &standing.lattice.assembly().bodies;
+            for (index, part) in standing.front.parts.iter().enumerate() {
+                let stand = |state: &State| Stand {
+                    finger: state.placements[finger],
+                    body: state.motions[finger][part.body],
+                    object: state.object,
+                };
+                let (body, now) = (&bodies[part.body], stand(state));
+                for (feature, pair) in self.shape.near(part, body, &now, within_mm) {
+                    let touching = pair.touching(body.position, &now, &stand(before));
+                    pairs.push(Near { key: (finger, index, feature), part: Some(*part), touching });
+                }
+            }
+        }
+        let Some((point, upward)) = around.support else { return pairs };
+        let fixed =
+            |state: &State| Stand { finger: Placement::IDENTITY, body: BodyMotion::default(), object: state.object };
+        let ground = Body { position: Vector::zeros(), fixed: true };
+        let (corners, disc_mm) = self.shape.corners();
+        for (i, corner) in corners.iter().enumerate() {
+            let radii_mm = [0.0, disc_mm];
+            let pair = Pair::PieceAndCorner { on_piece: point, outward: upward, corner: *corner, radii_mm };
+            let touching = pair.touching(ground.position, &fixed(state), &fixed(before));
+            if touching.gap_mm < within_mm {
+                pairs.push(Near { key: (self.fingers.len(), 0, Feature::Corner(i)), part: None, touching });
+            }
+        }
+        pairs
+    }
+
+    /// Forces of the pairs that are near now: their own, or for a new one those of a pair of the same part that is no longer near.
+    pub(super) fn inherited(&self, state: &State, near: &[Near]) -> BTreeMap<Key, [f64; 2]> {
+        let mut gone: BTreeMap<Key, [f64; 2]> = state.forces.clone();
+        near.iter().for_each(|near| {
+            gone.remove(&near.key);
+        });
+        let mut force = |key: Key| {
+            state.forces.get(&key).copied().unwrap_or_else(|| {
+                let of_same = gone.keys().find(|(finger, part, feature)| {
+                    *finger == key.0 && (*part == key.1 || matches!(feature, Feature::Corner(_)) && *feature == key.2)
+                });
+                let of_same = of_same.copied();
+                of_same.and_then(|key| gone.remove(&key)).unwrap_or_default()
+            })
+        };
+        near.iter().map(|near| (near.key, force(near.key))).collect()
+    }
+
+    /// What a pair looks like after a step in which it was taken for `before`. A closed one opens when its force pulls twice in a row: after a long
+    /// step forces are not yet what they will be.
+    pub(super) fn look(&self, near: &Near, [normal_n, friction_n]: [f64; 2], before: Option<&Look>) -> Look {
+        let Touching { gap_mm, slip_mm, .. } = near.touching;
+        let grip = |held_n: f64, pressed_n: f64| match held_n.abs() < self.friction * pressed_n {
+            true => Some(Grip::Sticks),
+            false => Some(Grip::Slips { forwards: held_n < 0.0 }),
+        };
+        let before = before.copied().unwrap_or(Look {
+            grip: if normal_n > self.nothing_n() { grip(friction_n, normal_n) } else { None },
+            is_pulled: false,
+        });
+        let is_pulled = normal_n < -self.nothing_n() && before.grip.is_some();
+        let grip = match before.grip {
+            None if gap_mm >= 0.0 => None,
+            None => grip(-self.stiffness * slip_mm, -self.stiffness * gap_mm),
+            _ if is_pulled && before.is_pulled => None,
+            closed if is_pulled => closed,
+            Some(Grip::Sticks) => grip(friction_n, normal_n),
+            Some(Grip::Slips { forwards }) if self.friction == 0.0 || slip_mm == 0.0 || (slip_mm > 0.0) == forwards => {
+                before.grip
+            }
+            Some(Grip::Slips { .. }) => Some(Grip::Sticks),
+        };
+        Look { grip, is_pulled: is_pulled && grip.is_some() }
+    }
+}
+
+/// Where on the plate a part is touched: a piece where it is met, from its first end.
+pub(super) fn touched(part: &Part, arm: Vector) -> TouchedPart {
+    match (part.touched, part.to) {
+        (TouchedPart::Plate(from_mm), Some(to)) => {
+            TouchedPart::Plate(from_mm + (arm - part.from).dot(&(to - part.from).normalize()))
+        }
+        (touched, _) => touched,
+    }
+}
