@@ -12,6 +12,7 @@ use finray_model::Mesh;
 use finray_model::finger::Plate;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{ContactPosition, NonlinearEstimator, SensingError};
+use finray_model::statics::StaticsError;
 use nalgebra::{DMatrix, DVector};
 
 /// Steps after which a search that has not settled is given up.
@@ -94,9 +95,12 @@ pub(super) fn sense(
     let mut finger = RespondingFinger::new(mesh);
     let count = contacts.len();
     let mut state = State { forces_n: start.forces.forces_n, tangents: vec![0.0; count], shifts_mm: vec![0.0; count] };
-    let mut response = problem.bent(&mut finger, &state)?.ok_or(not_converged(0, f64::NAN))?;
-    for steps in 1..=MAX_STEPS {
+    let none = SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 0.0 });
+    let mut response = problem.bent(&mut finger, &state)?.ok_or(none)?;
+    let mut change_n = 0.0;
+    for iterations in 1..=MAX_STEPS {
         let step = problem.step(&state, &response)?;
+        change_n = step.rows(0, count).amax();
         let before = problem.misfit(&state, &response);
         let mut taken = None;
         for halving in 0..=HALVINGS {
@@ -108,18 +112,14 @@ pub(super) fn sense(
                 break;
             }
         }
-        let Some((next, found)) = taken else { return Err(not_converged(steps, step.rows(0, count).amax())) };
+        let Some((next, found)) = taken else { return Err(SensingError::NotConverged { iterations, change_n }) };
         let largest = next.forces_n.iter().fold(f64::MIN_POSITIVE, |most, force| most.max(force.abs()));
         (state, response) = (next, found);
-        if step.rows(0, count).amax() <= SETTLED * largest {
+        if change_n <= SETTLED * largest {
             return problem.solution(&state, &response);
         }
     }
-    Err(not_converged(MAX_STEPS, f64::NAN))
-}
-
-fn not_converged(iterations: usize, change_n: f64) -> SensingError {
-    SensingError::NotConverged { iterations, change_n }
+    Err(SensingError::NotConverged { iterations: MAX_STEPS, change_n })
 }
 
 impl Problem<'_> {

@@ -14,8 +14,7 @@ use rayon::prelude::*;
 const BALANCE_TOLERANCE: f64 = 1e-4;
 /// Totals of the two fingers while nothing but them holds the object, as a share: balance across the gripper.
 const EQUAL_TOLERANCE: f64 = 1e-4;
-/// Sensed totals without noise: what a lattice of three segments between rods leaves against converged beams, some 0.1 % of the shape, and the friction of
-/// which sensing knows the coefficient alone.
+/// Sensed totals without noise: what the lattice leaves against converged beams, and the friction of which sensing knows the coefficient alone.
 const TOTAL_TOLERANCE: f64 = 0.01;
 /// Work of the bases against that of friction over the whole grasp, by the trapezoidal rule over steps of 22.5 degrees.
 const WORK_TOLERANCE: f64 = 0.1;
