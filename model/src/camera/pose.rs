@@ -1,6 +1,8 @@
 //! Where the finger stands before a camera.
 
+use crate::gripper::Placement;
 use nalgebra::{Isometry2, Rotation3, Vector3, Vector6};
+use std::f64::consts::PI;
 
 /// A rigid motion from the finger frame to the camera frame: X_camera = R X + t.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,6 +57,14 @@ impl Pose {
         let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), base.rotation.angle());
         let shift = base.translation.vector.push(0.0);
         Pose { rotation: self.rotation * turn, translation_mm: self.to_camera(&shift) }
+    }
+
+    /// The pose of a finger that stands somewhere in the frame whose pose this is: eqs (9) and (10) of Xu et al. 2021. A mirrored finger is one that was
+    /// turned about its x axis: its z axis points away from that of the frame.
+    pub fn of_placed_finger(&self, placement: &Placement) -> Pose {
+        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), placement.angle_rad);
+        let turn = if placement.mirrored { turn * Rotation3::from_axis_angle(&Vector3::x_axis(), PI) } else { turn };
+        Pose { rotation: self.rotation * turn, translation_mm: self.to_camera(&placement.origin.push(0.0)) }
     }
 
     /// The pose seen by a camera, and from a finger, that were both moved: by Q and q in the finger frame.

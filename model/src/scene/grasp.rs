@@ -6,7 +6,7 @@ use crate::Vector;
 use crate::gripper::Gripper;
 
 /// All keys of `[grasp]`.
-pub(super) const KEYS: [&str; 12] = [
+pub(super) const KEYS: [&str; 13] = [
     "motor_deg",
     "step_deg",
     "until_force_n",
@@ -19,6 +19,7 @@ pub(super) const KEYS: [&str; 12] = [
     "motor_deg_per_s",
     "frames_per_s",
     "delay_frames",
+    "camera_on_gripper",
 ];
 
 /// Motor angle between two settled steps, degrees (Xu et al. 2021, sec. V-C).
@@ -61,6 +62,8 @@ pub struct GraspDescription {
     pub frames_per_s: Option<f64>,
     /// By how many frames sensing is late.
     pub delay_frames: usize,
+    /// Whether the scene's camera stands on the gripper and sees its frame, instead of standing before each finger.
+    pub camera_on_gripper: bool,
 }
 
 pub(super) fn read_grasp(table: &TableReader, gripper: Option<&Gripper>) -> Result<GraspDescription, SceneError> {
@@ -131,5 +134,6 @@ pub(super) fn read_grasp(table: &TableReader, gripper: Option<&Gripper>) -> Resu
         motor_deg_per_s: positive("motor_deg_per_s", "speed in degrees a second")?.unwrap_or(MOTOR_DEG_PER_S),
         frames_per_s,
         delay_frames,
+        camera_on_gripper: table.optional_switch("camera_on_gripper")?.unwrap_or(false),
     })
 }

@@ -1,5 +1,6 @@
 //! The linkage against its equations, differences, its own inverse and its mirror image.
 
+use finray_model::camera::Pose;
 use finray_model::gripper::{Assembly, Gripper, GripperDescription, LinkageErrors, LinkagePose};
 use finray_model::{Finger, Scene, Vector};
 use proptest::prelude::*;
@@ -81,7 +82,8 @@ proptest! {
         }
     }
 
-    /// The derivative of the opening against central differences over a hundred-thousandth of the reach; away from its ends, where the curvature is infinite.
+    /// The derivative of the opening against central differences over a hundred-thousandth of the reach and half of it, whose errors of second order cancel
+    /// (Richardson); away from its ends, where the curvature is infinite.
     #[test]
     fn the_opening_has_the_derivative_of_differences(description in linkages(), share in 0.05..0.95) {
         let (gripper, finger) = (Gripper::new(description).unwrap(), finger());
@@ -89,10 +91,11 @@ proptest! {
         let [from_deg, to_deg] = gripper.reach_deg();
         let step_deg = 1e-5 * (to_deg - from_deg);
         let opening = |motor_deg: f64| gripper.opening_mm(&finger, &gripper.pose(motor_deg).unwrap());
-        let differences = (opening(motor_deg + step_deg) - opening(motor_deg - step_deg)) / (2.0 * step_deg) * 360.0;
+        let over = |step_deg: f64| (opening(motor_deg + step_deg) - opening(motor_deg - step_deg)) / (2.0 * step_deg) * 360.0;
+        let differences = (4.0 * over(0.5 * step_deg) - over(step_deg)) / 3.0;
         let derivative = gripper.opening_per_turn_mm(&finger, &gripper.pose(motor_deg).unwrap()).unwrap();
-        // Openings of some 100 mm lose 1e-14 of them by rounding, over 2e-5 of the reach.
-        let rounding = 1e-12 / (2.0 * step_deg) * 360.0;
+        // Openings of some 100 mm lose 1e-14 of them by rounding, over 1e-5 of the reach.
+        let rounding = 3e-12 / step_deg * 360.0;
         prop_assert!((differences - derivative).abs() <= 1e-6 * derivative.abs() + 1e-7 * description.screw_pitch_mm + rounding,
             "{differences} and {derivative}");
     }
@@ -249,4 +252,23 @@ fn nodes_err_as_those_of_a_linkage_that_is_off() {
     // Half of what the opening changes is the tip's movement across.
     let per_turn = gripper.opening_per_turn_mm(&finger, &gripper.pose(motor_deg).unwrap()).unwrap();
     assert!(found.motor_mm >= 0.5 * per_turn.abs() * OFF * (1.0 - 1e-6));
+}
+
+/// Eqs (9) and (10): a finger on the gripper before the gripper's camera. Its points are seen where the same points of the gripper's frame are; what stands
+/// up from a mirrored finger stands down there.
+#[test]
+fn a_finger_on_the_gripper_is_seen_by_its_camera() {
+    let gripper = Scene::from_toml(finray_fixtures::GRASPED_DISC_SCENE).unwrap().gripper.unwrap();
+    let camera = Pose::new([2.9, 0.2, -0.1], [3.0, 95.0, 200.0]);
+    for finger in gripper.fingers(&gripper.pose(-300.0).unwrap()) {
+        let before = camera.of_placed_finger(&finger);
+        for (point, up_mm) in
+            [(Vector::new(0.0, 0.0), 0.0), (Vector::new(12.0, -3.0), 2.0), (Vector::new(-4.0, 150.0), -1.5)]
+        {
+            let sign = if finger.mirrored { -1.0 } else { 1.0 };
+            let there = camera.to_camera(&finger.outwards(point).push(sign * up_mm));
+            assert!((before.to_camera(&point.push(up_mm)) - there).norm() < 1e-12 * there.norm());
+        }
+        assert!((before.rotation.matrix().determinant() - 1.0).abs() < 1e-12);
+    }
 }

@@ -51,7 +51,7 @@ pub struct Arguments {
     /// the scene's, or 0, if not given
     #[arg(long, value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
-    /// Sense from images that the scene's camera would take of each finger, standing before it as the scene has it;
+    /// Sense from images that the scene's camera would take of each finger, standing before it, or on the gripper, as the scene has it;
     /// the noise is then that of outline points alone
     #[arg(long)]
     images: bool,

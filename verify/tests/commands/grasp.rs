@@ -74,20 +74,26 @@ fn a_grasp_writes_forces_motion_figure_and_summary() {
     assert!(summary["worst_imbalance"].as_f64().expect("a number") < 1e-3);
 }
 
+/// Before each finger, and from the gripper, whose camera sees one of the fingers turned about its axis.
 #[test]
 fn forces_are_sensed_in_images_of_the_fingers() {
     let folder = Folder::new();
-    let scene = folder.put(
-        "camera.toml",
-        with(CAMERA, &[("motor_deg = [-135.0, -405.0]", "motor_deg = [-135.0, -405.0]\nstep_deg = 45.0")]),
-    );
-    finray(&["grasp", &scene, "--images", "--out", &folder.path("out")]).done();
-    let sensed = &summary(&folder, "out")["sensed"];
-    let count = |key: &str| sensed[key].as_u64().expect("a count");
-    assert!(count("asked") > 8 && count("refused") == 0);
-    // Intervals of 95 %: of a dozen at most two may miss.
-    assert!(count("totals_within_95") + 2 >= count("asked"), "{sensed}");
-    assert!(sensed["mean_total_error"].as_f64().expect("a number") < 0.005, "{sensed}");
+    let coarser = [("motor_deg = [-135.0, -405.0]", "motor_deg = [-135.0, -405.0]\nstep_deg = 45.0")];
+    let on_gripper = [
+        ("translation_mm = [-75.0, 0.0, 170.0]", "translation_mm = [0.0, 95.0, 200.0]"),
+        ("open = true", "open = true\ncamera_on_gripper = true"),
+        ("height_mm = 0.0", "height_mm = 1.0"),
+    ];
+    for (name, changes) in [("finger", &[][..]), ("gripper", &on_gripper[..])] {
+        let scene = folder.put(&format!("{name}.toml"), with(&with(CAMERA, &coarser), changes));
+        finray(&["grasp", &scene, "--images", "--out", &folder.path(name)]).done();
+        let sensed = &summary(&folder, name)["sensed"];
+        let count = |key: &str| sensed[key].as_u64().expect("a count");
+        assert!(count("asked") > 8 && count("refused") == 0);
+        // Intervals of 95 %: of a dozen at most two may miss.
+        assert!(count("totals_within_95") + 2 >= count("asked"), "{sensed}");
+        assert!(sensed["mean_total_error"].as_f64().expect("a number") < 0.005, "{sensed}");
+    }
 }
 
 #[test]

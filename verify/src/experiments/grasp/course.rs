@@ -5,6 +5,7 @@ use super::{GraspError, GraspScene, GraspStep, force_of};
 use crate::grasp::{Drive, Halt, Partner, World};
 use crate::lattice::Lattice;
 use finray_model::Vector;
+use finray_model::gripper::Placement;
 use serde::Serialize;
 use std::collections::VecDeque;
 
@@ -195,6 +196,7 @@ impl<'s, 'l> Course<'s, 'l> {
             let of_finger = met.iter().filter(|met| met.partner == Partner::Finger(finger));
             SeenFinger {
                 placement,
+                in_gripper: Placement { origin: placement.origin - self.gripper_mm, ..placement },
                 shape: self.world.finger_shape(finger),
                 touches: of_finger.filter_map(|met| met.touch).collect(),
                 object: self.world.object(),

@@ -17,14 +17,16 @@ use finray_model::scene::Markers;
 use finray_model::sensing::SensingError;
 use finray_model::{Finger, Vector};
 use nalgebra::Rotation2;
+use std::borrow::Cow;
 
 /// What sees the fingers.
 #[derive(Debug, Clone)]
 pub enum Eyes {
     /// Positions of the markers with noise of a standard deviation, mm, on each coordinate.
     Noise(f64),
-    /// Images: the camera stands before each finger as the scene has it, in the frame of the finger at its motor angle. Points of outlines have the
-    /// noise of a standard deviation, mm.
+    /// Images, one a finger. The camera stands before each finger as the scene has it, in the frame of the finger at its motor angle, or on the gripper,
+    /// in its frame ([`GraspDescription::camera_on_gripper`](finray_model::scene::GraspDescription)). Points of outlines have the noise of a standard
+    /// deviation, mm.
     Images {
         /// The camera.
         camera: Box<Camera>,
@@ -39,11 +41,28 @@ pub enum Eyes {
     },
 }
 
+impl Eyes {
+    /// The same before a finger that stands somewhere on the gripper, where the camera stands on it. Markers on a mirrored finger, which is one turned
+    /// about its axis, stand up to its other side.
+    fn before(&self, finger: Option<&Placement>) -> Cow<'_, Eyes> {
+        let mut eyes = Cow::Borrowed(self);
+        if let (Some(placement), Eyes::Images { .. }) = (finger, self)
+            && let Eyes::Images { camera, markers, .. } = eyes.to_mut()
+        {
+            camera.pose = camera.pose.of_placed_finger(placement);
+            markers.height_mm *= if placement.mirrored { -1.0 } else { 1.0 };
+        }
+        eyes
+    }
+}
+
 /// A finger at rest in a grasp, before anything is sensed.
 #[derive(Debug, Clone)]
 pub struct SeenFinger {
     /// Its frame in the world.
     pub placement: Placement,
+    /// The same in the frame of the gripper.
+    pub in_gripper: Placement,
     /// Its shape.
     pub shape: FingerShape,
     /// What the object does to it, in its own frame.
@@ -105,7 +124,10 @@ impl GraspScene {
             if felt.is_empty() {
                 return Ok(None);
             }
-            let (measurement, [marker_noise_mm, outline_noise_mm]) = measured(&self.finger, &seen.shape, eyes, noise)?;
+            let (measurement, [marker_noise_mm, outline_noise_mm]) = {
+                let on_gripper = self.grasp.camera_on_gripper.then_some(&seen.in_gripper);
+                measured(&self.finger, &seen.shape, &eyes.before(on_gripper), noise)?
+            };
             let friction = self.object.friction;
             let watcher = Watcher { finger: &self.finger, rod_radius_mm, friction, marker_noise_mm, outline_noise_mm };
             Ok(Some(watcher.sense(&felt, &measurement, seen.along, || noise.standard_normal())?))
