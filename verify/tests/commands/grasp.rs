@@ -82,7 +82,6 @@ fn forces_are_sensed_in_images_of_the_fingers() {
     let on_gripper = [
         ("translation_mm = [-75.0, 0.0, 170.0]", "translation_mm = [0.0, 95.0, 200.0]"),
         ("open = true", "open = true\ncamera_on_gripper = true"),
-        ("height_mm = 0.0", "height_mm = 1.0"),
     ];
     for (name, changes) in [("finger", &[][..]), ("gripper", &on_gripper[..])] {
         let scene = folder.put(&format!("{name}.toml"), with(&with(CAMERA, &coarser), changes));
