@@ -19,13 +19,15 @@ pub struct Marker {
     pub weight: f64,
 }
 
-/// How well the base is known from which displacements count: standard deviations of an error that all markers share.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// How well the base is known from which displacements count: standard deviations of an error that all markers share, and how it gives way.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BaseUncertainty {
     /// Of each coordinate of the origin, mm.
     pub sd_mm: f64,
     /// Of the turn about it, rad.
     pub sd_rad: f64,
+    /// The turn that is expected, from x to y, rad a newton of all forces together: zero of a base that is measured under them.
+    pub turn_rad_per_n: f64,
 }
 
 /// Measured displacements of some of a finger's free key nodes, each at most once.

@@ -12,6 +12,8 @@ const FARTHEST_MM: f64 = 1e5;
 const LARGEST_MARKER_MM: f64 = 1e3;
 /// Beyond it the turn of a base is anything.
 const LARGEST_SIGMA_DEG: f64 = 90.0;
+/// A base that turns by more under a newton is no base.
+const LARGEST_TURN_DEG_PER_N: f64 = 10.0;
 /// Keys that describe the camera's images.
 const LENS_KEYS: [&str; 4] = ["size_px", "focal_px", "principal_point_px", "distortion"];
 const POSE_KEYS: [&str; 2] = ["rotation_vector_rad", "translation_mm"];
@@ -176,8 +178,16 @@ pub struct Base {
     pub uncertainty: Option<BaseUncertainty>,
 }
 
+impl Base {
+    /// Whether it stands about where the camera's pose has it, no references showing where.
+    pub fn is_of_pose(&self) -> bool {
+        self.references.is_empty() && self.uncertainty.is_some()
+    }
+}
+
 /// All keys of `[base]`, and of each reference.
-pub(super) const BASE_KEYS: [&str; 3] = ["reference", "sigma_mm", "sigma_deg"];
+pub(super) const BASE_KEYS: [&str; 4] = ["reference", "sigma_mm", "sigma_deg", TURN_PER_N];
+const TURN_PER_N: &str = "turn_deg_per_n";
 const REFERENCE_KEYS: [&str; 5] = ["at_mm", "radius_mm", "height_mm", "shade", "inner_radius_mm"];
 
 pub(super) fn read_base(table: &TableReader) -> Result<Base, SceneError> {
@@ -196,14 +206,27 @@ pub(super) fn read_base(table: &TableReader) -> Result<Base, SceneError> {
         Ok(Reference { at: Vector::new(x, y), markers: read_discs(table)? })
     };
     let references = table.tables("reference", &REFERENCE_KEYS)?;
-    let uncertainty = match ["sigma_mm", "sigma_deg"].iter().any(|key| table.has(key)) {
+    let uncertainty = match ["sigma_mm", "sigma_deg", TURN_PER_N].iter().any(|key| table.has(key)) {
         false => None,
         true => Some(BaseUncertainty {
             sd_mm: not_negative_mm(table, "sigma_mm")?,
             sd_rad: read_sigma_deg(table)?.to_radians(),
+            turn_rad_per_n: read_turn_per_n(table)?.to_radians(),
         }),
     };
     Ok(Base { references: references.iter().map(reference).collect::<Result<_, _>>()?, uncertainty })
+}
+
+fn read_turn_per_n(table: &TableReader) -> Result<f64, SceneError> {
+    let deg_per_n = table.optional_number(TURN_PER_N, "angle in degrees a newton")?.unwrap_or(0.0);
+    match deg_per_n.abs() <= LARGEST_TURN_DEG_PER_N {
+        true => Ok(deg_per_n),
+        false => {
+            let limit = LARGEST_TURN_DEG_PER_N;
+            let expected = format!("an angle in degrees a newton, -{limit} to {limit}, positive from x to y");
+            Err(table.wrong(TURN_PER_N, &expected, &format!("{deg_per_n:?}")))
+        }
+    }
 }
 
 fn read_sigma_deg(table: &TableReader) -> Result<f64, SceneError> {

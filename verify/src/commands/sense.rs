@@ -3,6 +3,7 @@
 use super::contacts::Contacts;
 use super::parse::not_negative;
 use super::{Failure, bad_input, not_both_from_standard_input, validity};
+use finray_model::scene::Base;
 use finray_model::sensing::{Contact, ContactPosition, ContactQuestion, Estimate, Warning};
 use finray_model::{Finger, Scene};
 use finray_verify::estimators::network::Networks;
@@ -121,6 +122,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         errors: scene.marker_errors,
         base: scene.base.as_ref().and_then(|base| base.uncertainty),
         base_is_sought: arguments.estimator == EstimatorId::Nonlinear,
+        base_is_of_pose: scene.base.as_ref().is_some_and(Base::is_of_pose),
     };
     let task = Task { arguments, scene: &scene, contacts, networks: &networks, reading };
     let text = read_text(&arguments.displacements)?;

@@ -6,7 +6,7 @@ use finray_model::finger::MarkerPoints;
 use finray_model::measurement::{BaseUncertainty, Marker, MarkerErrors, Measurement};
 use finray_model::mesh::{FingerShape, NodeMotion};
 use finray_model::{Finger, NodeId, Vector};
-use nalgebra::Isometry2;
+use nalgebra::{Isometry2, Point2};
 use serde::Serialize;
 use std::path::Path;
 
@@ -107,6 +107,9 @@ pub struct Reading {
     pub base: Option<BaseUncertainty>,
     /// Whether the base is sought: its error, which all markers share, is then not part of theirs.
     pub base_is_sought: bool,
+    /// Whether the base is about where the camera's pose has it, no marks showing where: displacements count from there, whatever base `locate` took
+    /// the markers to be on.
+    pub base_is_of_pose: bool,
 }
 
 const POSE_COLUMNS: [&str; 3] = ["base_x_mm", "base_y_mm", "base_deg"];
@@ -165,6 +168,8 @@ pub fn of_text(
         false => Isometry2::identity(),
     };
     let mut measurement = Measurement::empty();
+    let of_file = frame;
+    let frame = if reading.base_is_of_pose { Isometry2::identity() } else { of_file };
     let on_hinges = finger.description().markers_on == MarkerPoints::Hinges && has("hinge_ux_mm");
     let [ux_mm, uy_mm] = match on_hinges {
         _ if reading.from_positions => ["x_mm", "y_mm"],
@@ -172,15 +177,23 @@ pub fn of_text(
         false => ["ux_mm", "uy_mm"],
     };
     // Of a node that does not exist the measurement tells.
-    let from = |node: NodeId| match reading.from_positions && (1..=finger.key_node_count()).contains(&node.0) {
+    let exists = |node: NodeId| (1..=finger.key_node_count()).contains(&node.0);
+    let from = |node: NodeId| match reading.from_positions && exists(node) {
         true => finger.marker_position(node),
         false => Vector::zeros(),
+    };
+    let placed = |node: NodeId, displacement: Vector| match reading.base_is_of_pose && exists(node) {
+        true => {
+            let rest = finger.marker_position(node);
+            (of_file * Point2::from(rest + displacement)).coords - rest
+        }
+        false => displacement,
     };
     if !has("sigma_mm") {
         let table = Table::of_text(path, text, ["node", ux_mm, uy_mm])?;
         for (_, row) in table.rows().iter().enumerate().filter(|(number, _)| is_chosen(*number)) {
             let node = table.node(row, 0)?;
-            let displacement = Vector::new(table.number(row, 1)?, table.number(row, 2)?) - from(node);
+            let displacement = placed(node, Vector::new(table.number(row, 1)?, table.number(row, 2)?) - from(node));
             let marker = Marker { node, displacement, weight: 1.0 };
             measurement.add(finger, marker).map_err(|error| table.wrong(row, error))?;
         }
@@ -188,7 +201,7 @@ pub fn of_text(
         return Ok(Displacements { measurement, noise_mm: None, frame });
     }
     let base_apart = reading.base_is_sought && BASE_COLUMNS.iter().all(|column| has(column));
-    let base = match base_apart {
+    let base = match base_apart && !reading.base_is_of_pose {
         true => base_of_image(path, text, is_chosen)?,
         false => None,
     };
@@ -201,7 +214,7 @@ pub fn of_text(
             return Err(table.wrong(row, format!("{sigma}: expected a length in mm above zero, found {sigma_mm}")));
         }
         let sigma_mm = reading.errors.sd_mm(sigma_mm);
-        let displacement = Vector::new(table.number(row, 1)?, table.number(row, 2)?) - from(node);
+        let displacement = placed(node, Vector::new(table.number(row, 1)?, table.number(row, 2)?) - from(node));
         let is_clamped = finger.clamped_nodes().contains(&node);
         if !(is_clamped && displacement.norm() <= CLAMPED_MM.max(CLAMPED_SIGMAS * sigma_mm)) {
             rows.push((row, node, displacement, sigma_mm));
@@ -219,9 +232,12 @@ pub fn of_text(
 /// A measurement from a base that is known as a file and a scene have it, if it is to be sought.
 fn with_base(measurement: Measurement, reading: Reading, of_file: Option<BaseUncertainty>) -> Measurement {
     let base = match (of_file, reading.base) {
-        (Some(one), Some(other)) => {
-            Some(BaseUncertainty { sd_mm: one.sd_mm.hypot(other.sd_mm), sd_rad: one.sd_rad.hypot(other.sd_rad) })
-        }
+        // Marks show by how much the base gave way.
+        (Some(one), Some(other)) => Some(BaseUncertainty {
+            sd_mm: one.sd_mm.hypot(other.sd_mm),
+            sd_rad: one.sd_rad.hypot(other.sd_rad),
+            turn_rad_per_n: 0.0,
+        }),
         (one, other) => one.or(other),
     };
     match base.filter(|_| reading.base_is_sought) {
@@ -243,7 +259,7 @@ fn base_of_image(
     if sd_mm < 0.0 || sd_deg < 0.0 {
         return Err(table.wrong(row, "base_sigma_mm, base_sigma_deg: expected zero or more".to_owned()));
     }
-    let base = BaseUncertainty { sd_mm, sd_rad: sd_deg.to_radians() };
+    let base = BaseUncertainty { sd_mm, sd_rad: sd_deg.to_radians(), turn_rad_per_n: 0.0 };
     Ok(Some(base).filter(|base| base.sd_mm > 0.0 || base.sd_rad > 0.0))
 }
 

@@ -5,6 +5,7 @@ use super::displacements::{self, Reading};
 use super::table::{Table, header};
 use finray_model::calibration::View;
 use finray_model::measurement::{BaseUncertainty, MarkerErrors};
+use finray_model::scene::Base;
 use finray_model::{Scene, Vector};
 use nalgebra::{Isometry2, Point2};
 use std::path::Path;
@@ -30,7 +31,8 @@ const EXACT: (f64, f64) = (1e-4, 1e-6);
 /// [`FileError`] for anything that does not fit the finger, or a force of an image that is not there.
 pub fn load(located: &Path, forces: Option<&Path>, scene: &Scene) -> Result<Vec<LocatedView>, FileError> {
     let text = super::read_text(located)?;
-    let has_base = header(&text).iter().any(|column| column == "base_deg");
+    let is_of_pose = scene.base.as_ref().is_some_and(Base::is_of_pose);
+    let has_base = !is_of_pose && header(&text).iter().any(|column| column == "base_deg");
     let mut images: Vec<(String, Isometry2<f64>)> = Vec::new();
     let mut note = |image: &str, base: Isometry2<f64>| {
         if images.iter().all(|(known, _)| known != image) {
@@ -58,6 +60,7 @@ pub fn load(located: &Path, forces: Option<&Path>, scene: &Scene) -> Result<Vec<
         errors: MarkerErrors::default(),
         base: scene.base.as_ref().and_then(|base| base.uncertainty),
         base_is_sought: true,
+        base_is_of_pose: is_of_pose,
     };
     let view = |(image, base): (String, Isometry2<f64>)| {
         let found = displacements::of_text(located, &text, &scene.finger, Some(&image), reading)?;
@@ -72,6 +75,7 @@ pub fn load(located: &Path, forces: Option<&Path>, scene: &Scene) -> Result<Vec<
         let uncertainty = BaseUncertainty {
             sd_mm: uncertainty.map_or(0.0, |base| base.sd_mm).max(EXACT.0),
             sd_rad: uncertainty.map_or(0.0, |base| base.sd_rad).max(EXACT.1),
+            turn_rad_per_n: uncertainty.map_or(0.0, |base| base.turn_rad_per_n),
         };
         let eye = (base.inverse() * Point2::from(eye)).coords;
         let view = View { measurement: found.measurement, noise_mm, base: uncertainty, eye, force };

@@ -424,6 +424,12 @@ fn shades_and_references_of_a_scene_are_checked() {
         ("[base]", "[base]\nsigma_mm = 0.1", "base.sigma_deg is missing"),
         ("[base]", "[base]\nsigma_mm = -0.1\nsigma_deg = 0.1", "base.sigma_mm: expected a length in mm, zero or more"),
         ("[base]", "[base]\nsigma_mm = 0.1\nsigma_deg = 100", "base.sigma_deg: expected an angle in degrees, 0 to 90"),
+        ("[base]", "[base]\nturn_deg_per_n = 0.1", "base.sigma_mm is missing"),
+        (
+            "[base]",
+            "[base]\nsigma_mm = 0.1\nsigma_deg = 0.1\nturn_deg_per_n = 11",
+            "base.turn_deg_per_n: expected an angle in degrees a newton, -10 to 10",
+        ),
         (
             "[markers]",
             "[markers]\nmodel_error_mm = nan",

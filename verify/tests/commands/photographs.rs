@@ -224,3 +224,34 @@ fn what_images_cannot_show_is_refused() {
     let few = refused(&scene, &["--fit", "modulus,bracket,ribs,friction", "--forces", &forces]);
     assert_says(&few, &["not identifiable"]);
 }
+
+/// A base without marks: it stands where the camera's pose has it, but for what is stated and for how it gives way, whatever base the ribs suggest to `locate`.
+#[test]
+fn a_base_without_marks_is_expected_to_give_way() {
+    const TURN_DEG_PER_N: f64 = -0.1;
+    let folder = Folder::new();
+    let [s_mm, force_n, angle_deg] = [72.0, 6.0, 15.0];
+    let marked = BRACKETED_SCENE.split("[base]").next().expect("a beginning");
+    let camera = &BRACKETED_SCENE[BRACKETED_SCENE.find("[camera]").expect("a camera")..];
+    let scene = |name: &str, turn: &str| {
+        let friction = "friction = 0.27\nfriction_sigma = 0.1\nnormal = \"undeformed\"\n";
+        folder.put(
+            name,
+            format!("{marked}[base]\nsigma_mm = 0.05\nsigma_deg = 0.05\n{turn}[contact]\n{friction}{camera}"),
+        )
+    };
+    let yields = scene("yields.toml", &format!("turn_deg_per_n = {TURN_DEG_PER_N:?}\n"));
+    let stands = scene("stands.toml", "");
+    let (image, located) = (folder.path("press.png"), folder.path("located.csv"));
+    let (load, base) = (format!("{s_mm}:{force_n},{angle_deg}"), format!("0.03,-0.04,{}", TURN_DEG_PER_N * force_n));
+    let of_image = ["--load-at", &load, "--base", &base, "--grey-noise", "2", "--blur-px", "0.8", "--out", &image];
+    finray(&[&["render", &yields][..], &of_image].concat()).done();
+    assert_eq!(finray(&["locate", &yields, "--image", &image, "--out", &located]).code, Some(0));
+    let [with, without] = [&yields, &stands].map(|scene| {
+        let sensed = finray(&["sense", scene, "--displacements", &located, "--contact-at", "auto@friction"]).computed();
+        let sensed = Csv::of(&sensed);
+        ["force_n", "sigma_n"].map(|column| sensed.numbers(column)[0])
+    });
+    assert!((with[0] - force_n).abs() < 3.0 * with[1] && with[1] < 0.1 * force_n, "{with:?}");
+    assert!(without[1] > 1.5 * with[1], "{without:?} where no turn is expected, {with:?} where it is");
+}

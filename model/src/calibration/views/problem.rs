@@ -109,7 +109,7 @@ impl Problem<'_> {
 
     /// Priors of a view's unknowns, in their order: standard deviations, `None` where nothing is known beforehand.
     fn own_priors(&self, view: &View) -> impl Iterator<Item = Option<f64>> {
-        let BaseUncertainty { sd_mm, sd_rad } = view.base;
+        let BaseUncertainty { sd_mm, sd_rad, .. } = view.base;
         let further = match (view.force, self.force_error) {
             (Some(force), Some(share)) => [Some(Some(force.norm() * share)), None],
             (Some(_), None) => [None, None],
@@ -212,9 +212,9 @@ impl Problem<'_> {
             let sd_mm = self.errors.sd_mm(view.noise_mm / marker.weight);
             rows.extend((residual / sd_mm).iter());
         }
-        let BaseUncertainty { sd_mm, sd_rad } = view.base;
+        let BaseUncertainty { sd_mm, sd_rad, turn_rad_per_n } = view.base;
         let at = own.base.translation.vector / sd_mm;
-        rows.extend([at.x, at.y, own.base.rotation.angle() / sd_rad]);
+        rows.extend([at.x, at.y, (own.base.rotation.angle() - turn_rad_per_n * own.force_n) / sd_rad]);
         if let (Some(force), Some(force_error)) = (view.force, self.force_error) {
             rows.push((own.force_n / force.norm() - 1.0) / force_error);
         }

@@ -42,6 +42,8 @@ pub(super) struct Linearised {
     touch_rows: TouchRows,
     /// Scale of each unknown.
     pub scales: Vec<f64>,
+    /// How many of the unknowns are forces, which come first.
+    forces: usize,
     /// The last step, in the unknowns' units.
     pub step: Vec<f64>,
     /// Room for the distances whose median is sought, and for the problem that a step solves.
@@ -68,10 +70,11 @@ struct MarkerPoint {
     rest: Vector,
 }
 
-/// A shape of the finger: its deformation, and where its base is.
+/// A shape of the finger: its deformation, the forces that go with it, and where its base is.
 #[derive(Clone, Copy)]
 pub(super) struct Posed<'s> {
     pub motion: &'s FrameMotion,
+    pub forces_n: &'s [f64],
     pub nuisances: &'s Nuisances,
 }
 
@@ -92,7 +95,9 @@ impl MarkerPoint {
 }
 
 impl Linearised {
-    pub(super) fn new(mesh: &Mesh, unknowns: usize, priors: Priors) -> Linearised {
+    pub(super) fn new(mesh: &Mesh, unknowns: &[Unknown], priors: Priors) -> Linearised {
+        let forces = unknowns.iter().filter(|unknown| matches!(unknown, Unknown::Force(_))).count();
+        let unknowns = unknowns.len();
         let finger = mesh.finger();
         let key_nodes = finger.key_node_count();
         let point = |node: NodeId| MarkerPoint {
@@ -108,6 +113,7 @@ impl Linearised {
             touch_rows: TouchRows::default(),
             priors,
             scales: vec![1.0; unknowns],
+            forces,
             step: Vec::with_capacity(unknowns),
             distances: Vec::with_capacity(key_nodes),
             problem: LeastSquares::default(),
@@ -161,7 +167,7 @@ impl Linearised {
     pub(super) fn misfit(&self, shape: Posed, measurement: &Measurement) -> f64 {
         let weighted = |marker: &Marker| distance(&self.marker_points, marker, shape) * self.weights[marker.node.0 - 1];
         let markers: f64 = measurement.markers().iter().map(|marker| weighted(marker).norm_squared()).sum();
-        markers + self.priors.misfit(shape.nuisances)
+        markers + self.priors.misfit(shape.nuisances, shape.forces_n)
     }
 
     /// The same without loads: the misfit of the finger at rest.
@@ -283,6 +289,11 @@ impl Linearised {
         }
         for (i, row) in self.prior_rows.iter().enumerate() {
             self.problem.column_mut(row.index)[coordinates + i] = row.by_unknown * self.scales[row.index];
+            if row.by_force != 0.0 {
+                for force in 0..self.forces {
+                    self.problem.column_mut(force)[coordinates + i] = row.by_force * self.scales[force];
+                }
+            }
         }
         for (j, scale) in self.scales.iter().enumerate() {
             let rows = &mut self.problem.column_mut(j)[below_priors..];

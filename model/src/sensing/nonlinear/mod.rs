@@ -117,14 +117,20 @@ struct State {
 }
 
 impl State {
+    /// Its shape.
+    fn posed(&self) -> Posed<'_> {
+        Posed { motion: &self.motion, forces_n: &self.forces_n, nuisances: &self.nuisances }
+    }
+
     /// Its shape, and the problem linearised there.
     fn split(&mut self) -> (Posed<'_>, &mut Linearised) {
-        (Posed { motion: &self.motion, nuisances: &self.nuisances }, &mut self.linearised)
+        let shape = Posed { motion: &self.motion, forces_n: &self.forces_n, nuisances: &self.nuisances };
+        (shape, &mut self.linearised)
     }
 
     /// Its misfit of what is measured and known beforehand, mm^2.
     fn misfit(&self, measurement: &Measurement) -> f64 {
-        self.linearised.misfit(Posed { motion: &self.motion, nuisances: &self.nuisances }, measurement)
+        self.linearised.misfit(self.posed(), measurement)
     }
 }
 
@@ -204,7 +210,7 @@ impl<'m> NonlinearEstimator<'m> {
         let near = from.and_then(|from| self.statics.shifted(&from.motion, &from.loads, &loads).ok());
         let motion = near.or_else(|| self.statics.equilibrium(&loads).ok())?.motion;
         let nuisances = Nuisances::expected(contacts.len());
-        let linearised = Linearised::new(self.mesh, self.unknowns.len(), self.priors.clone());
+        let linearised = Linearised::new(self.mesh, &self.unknowns, self.priors.clone());
         let (forces_n, plate_turns_rad) = (forces_n.to_vec(), vec![0.0; contacts.len()]);
         let mut state = State { forces_n, contacts, nuisances, plate_turns_rad, loads, motion, linearised };
         self.statics.linearise(&state.motion, &state.loads).then_some(())?;
@@ -302,9 +308,10 @@ impl<'m> NonlinearEstimator<'m> {
             // A start pushes along the undeformed normal where the deformed one is asked for: it is no answer then.
             if self.questions.iter().all(|question| !matches!(question.direction, Direction::Leaning(_))) {
                 let expected = Nuisances::expected(self.questions.len());
-                let misfit =
-                    |motion: &FrameMotion| state.linearised.misfit(Posed { motion, nuisances: &expected }, measurement);
-                let starts = starts.iter().map(|(forces_n, motion)| (misfit(motion), forces_n));
+                let starts = starts.iter().map(|(forces_n, motion)| {
+                    let shape = Posed { motion, forces_n, nuisances: &expected };
+                    (state.linearised.misfit(shape, measurement), forces_n)
+                });
                 estimate.check_starts(least_misfit, starts)?;
             }
         }

@@ -1,7 +1,7 @@
 //! What is unknown beside forces and positions, but not quite: where the base is, by how much friction turns a force, and where an object is.
 //!
 //! Each has a Gaussian prior, which stands below the markers as one more row of the least squares problem: the deviation from
-//! what is expected, in its standard deviations, times the noise of a coordinate.
+//! what is expected, in its standard deviations, times the noise of a coordinate. A base that gives way is expected to turn with the forces.
 
 use super::unknowns::{BaseMotion, Unknown};
 use crate::measurement::{BaseUncertainty, Measurement};
@@ -25,7 +25,7 @@ impl Nuisances {
         Nuisances { base: Isometry2::identity(), further_leans_deg: vec![0.0; contacts], object: [0.0; 3] }
     }
 
-    /// What is expected to be zero: a motion of the base or an object in mm and rad, or a lean in degrees.
+    /// What is expected to be zero, or to grow with the forces: a motion of the base or an object in mm and rad, or a lean in degrees.
     fn value(&self, unknown: Unknown) -> f64 {
         match unknown {
             Unknown::Base(BaseMotion::X) => self.base.translation.x,
@@ -55,6 +55,8 @@ pub(super) struct PriorRow {
     pub index: usize,
     /// By the unknown, mm to its unit.
     pub by_unknown: f64,
+    /// By each force, mm/N, where what is expected grows with the forces; otherwise zero.
+    pub by_force: f64,
     /// What is left, mm.
     pub left_mm: f64,
 }
@@ -64,6 +66,8 @@ pub(super) struct PriorRow {
 pub(super) struct Priors {
     priors: Vec<Prior>,
     noise_mm: f64,
+    /// By how much all forces together turn the base, rad a newton.
+    turn_rad_per_n: f64,
 }
 
 impl Priors {
@@ -92,6 +96,7 @@ impl Priors {
         Priors {
             priors: unknowns.iter().enumerate().filter_map(prior).collect(),
             noise_mm: noise_mm.unwrap_or_default(),
+            turn_rad_per_n: measurement.base().map_or(0.0, |base| base.turn_rad_per_n),
         }
     }
 
@@ -105,9 +110,20 @@ impl Priors {
         self.priors.len()
     }
 
+    /// Change of what is expected of an unknown with each force, a newton.
+    fn expected_per_n(&self, unknown: Unknown) -> f64 {
+        if unknown == Unknown::Base(BaseMotion::Turn) { self.turn_rad_per_n } else { 0.0 }
+    }
+
+    /// By how much an unknown is off what is expected of it under some forces.
+    fn deviation(&self, unknown: Unknown, nuisances: &Nuisances, forces_n: &[f64]) -> f64 {
+        nuisances.value(unknown) - self.expected_per_n(unknown) * forces_n.iter().sum::<f64>()
+    }
+
     /// Sum of the squared deviations, mm^2.
-    pub fn misfit(&self, nuisances: &Nuisances) -> f64 {
-        self.priors.iter().map(|prior| (self.noise_mm * nuisances.value(prior.unknown) / prior.sd).powi(2)).sum()
+    pub fn misfit(&self, nuisances: &Nuisances, forces_n: &[f64]) -> f64 {
+        let off = |prior: &Prior| self.noise_mm * self.deviation(prior.unknown, nuisances, forces_n) / prior.sd;
+        self.priors.iter().map(|prior| off(prior).powi(2)).sum()
     }
 
     /// The rows below those of the markers.
@@ -122,7 +138,8 @@ impl Priors {
             PriorRow {
                 index: prior.index,
                 by_unknown: per_sd_mm * by_unknown,
-                left_mm: -per_sd_mm * nuisances.value(prior.unknown),
+                by_force: -per_sd_mm * self.expected_per_n(prior.unknown),
+                left_mm: -per_sd_mm * self.deviation(prior.unknown, nuisances, forces_n),
             }
         })
     }

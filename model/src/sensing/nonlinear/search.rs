@@ -101,7 +101,7 @@ impl NonlinearEstimator<'_> {
             // Compared under the same weights: reweighting is not progress.
             let (mesh, object, noise_of_rows_mm) = (self.mesh, &self.object, self.priors.noise_mm());
             let misfit = |motion: &_| {
-                let shape = Posed { motion, nuisances: &next.nuisances };
+                let shape = Posed { motion, forces_n: &next.forces_n, nuisances: &next.nuisances };
                 let touched = object.as_ref().map(|it| it.misfit(mesh, &next.contacts, shape, noise_of_rows_mm));
                 state.linearised.misfit(shape, measurement) + touched.unwrap_or_default()
             };

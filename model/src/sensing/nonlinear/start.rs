@@ -86,7 +86,7 @@ impl NonlinearEstimator<'_> {
             let loads = loads.collect::<Result<Vec<_>, _>>()?;
             match self.statics.tried(&rest, [&[], &loads], usize::MAX, |_, _| true) {
                 Ok(Equilibrium { motion, .. }) => {
-                    let linearised = Linearised::new(self.mesh, self.unknowns.len(), self.priors.clone());
+                    let linearised = Linearised::new(self.mesh, &self.unknowns, self.priors.clone());
                     let plate_turns_rad = vec![0.0; contacts.len()];
                     let mut state = State { forces_n, contacts, nuisances, plate_turns_rad, loads, motion, linearised };
                     self.differentiate(&mut state)?;
@@ -129,7 +129,7 @@ impl NonlinearEstimator<'_> {
         measurement: &Measurement,
         noise_mm: Option<f64>,
     ) -> Result<State, SensingError> {
-        let linearised = Linearised::new(self.mesh, self.unknowns.len(), self.priors.clone());
+        let linearised = Linearised::new(self.mesh, &self.unknowns, self.priors.clone());
         let mut state = State { linearised, ..state };
         if self.object.is_some() {
             self.settle(&mut state)?;

@@ -108,7 +108,7 @@ impl Touching {
 
     /// How far the plate at a position is from the point of the outline that faces it: the gap, mm, and along the plate, mm.
     fn missed_mm(&self, mesh: &Mesh, s_mm: f64, shape: Posed) -> Result<[f64; 2], LoadError> {
-        let Posed { motion, nuisances } = shape;
+        let Posed { motion, nuisances, .. } = shape;
         let turn_deg = mesh.normal_turn(motion, &Load::at_position(s_mm, Vector::zeros()), 0.0)?.to_degrees();
         let [inward, tipward] =
             [0.0, 90.0].map(|deg| nuisances.base.rotation * mesh.finger().direction(deg + turn_deg));
@@ -155,7 +155,7 @@ impl<'m> NonlinearEstimator<'m> {
         let touched = match &self.object {
             None => 0.0,
             Some(touching) => {
-                let shape = Posed { motion: &state.motion, nuisances: &state.nuisances };
+                let shape = state.posed();
                 touching.misfit(self.mesh, &state.contacts, shape, self.priors.noise_mm())
             }
         };
@@ -171,7 +171,7 @@ impl<'m> NonlinearEstimator<'m> {
         let Some(touching) = self.object.clone() else { return Ok(()) };
         let noise_mm = self.priors.noise_mm();
         let misses = |state: &State| -> Vec<f64> {
-            let shape = Posed { motion: &state.motion, nuisances: &state.nuisances };
+            let shape = state.posed();
             touching.misses_mm(self.mesh, &state.contacts, shape, noise_mm).collect()
         };
         let before = self.followed(state, None)?;
@@ -182,9 +182,8 @@ impl<'m> NonlinearEstimator<'m> {
             let step = STEP * state.linearised.scales[unknown];
             let after = self.followed(state, Some((unknown, step)))?;
             let after_misses = misses(&after);
-            let states = [(&before, &before_misses), (&after, &after_misses)].map(|(state, misses)| {
-                (Posed { motion: &state.motion, nuisances: &state.nuisances }, misses.as_slice())
-            });
+            let states = [(&before, &before_misses), (&after, &after_misses)]
+                .map(|(state, misses)| (state.posed(), misses.as_slice()));
             state.linearised.take_differences(unknown, states, step);
         }
         Ok(())
@@ -275,7 +274,7 @@ impl<'m> NonlinearEstimator<'m> {
     fn require_touch(&self, state: &State, measurement: &Measurement, noise_mm: f64) -> Result<(), SensingError> {
         let Some(touching) = &self.object else { return Ok(()) };
         let length_mm = self.finger().plate_length_mm(Plate::Front);
-        let shape = Posed { motion: &state.motion, nuisances: &state.nuisances };
+        let shape = state.posed();
         let mut nearest_mm = [f64::INFINITY; 2];
         for i in 1..=PLACES {
             let missed_mm = touching.missed_mm(self.mesh, length_mm * i as f64 / PLACES as f64, shape)?;

@@ -14,7 +14,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 const NOISE_MM: f64 = 0.01;
-const BASE: BaseUncertainty = BaseUncertainty { sd_mm: 0.05, sd_rad: 0.001 };
+const BASE: BaseUncertainty = BaseUncertainty { sd_mm: 0.05, sd_rad: 0.001, turn_rad_per_n: 0.0 };
 const EYE: Vector = Vector::new(70.0, 10.0);
 const CAMERA_HEIGHT_MM: f64 = 250.0;
 /// Place along the plate, force and its angle from the undeformed normal.

@@ -12,6 +12,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 const NOISE_MM: f64 = 0.02;
+/// How a base of these tests gives way: a tenth of a degree a newton, towards the finger's back.
+const TURN_RAD_PER_N: f64 = -0.002;
 
 /// The finger with brackets and clips of 3 mm.
 fn bracketed() -> Finger {
@@ -52,7 +54,7 @@ fn a_base_that_is_elsewhere_is_found() {
     let finger = bracketed();
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
     let (contact, seen) = leaning(&mesh, 8, 6.0, 0.0).expect("carried");
-    let loose = BaseUncertainty { sd_mm: 10.0, sd_rad: 0.3 };
+    let loose = BaseUncertainty { sd_mm: 10.0, sd_rad: 0.3, turn_rad_per_n: 0.0 };
     // A direction is known where the measurement has the base.
     let estimate = |measurement: &Measurement, turned_rad: f64| {
         let contact = Contact { angle_deg: contact.angle_deg + turned_rad.to_degrees(), ..contact };
@@ -76,7 +78,7 @@ fn stated_sigmas_hold_what_base_and_friction_leave_open() {
     let finger = bracketed();
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
     let mut rng = ChaCha8Rng::seed_from_u64(19);
-    let base = BaseUncertainty { sd_mm: 0.1, sd_rad: 0.002 };
+    let base = BaseUncertainty { sd_mm: 0.1, sd_rad: 0.002, turn_rad_per_n: 0.0 };
     let lean = Lean::of_friction(0.3, 0.05);
     let question = ContactQuestion { position: None, direction: Direction::Leaning(lean) };
     let (mut within, mut squares, mut answered, mut largest) = (0, 0.0, 0, 0.0_f64);
@@ -162,13 +164,51 @@ fn friction_that_builds_up_is_followed() {
     }
 }
 
+/// A base that no marks show and that gives way: its turn is expected to be the force times its compliance, and tells of the force. Where it is
+/// expected to be none, that contradicts the markers: intervals widen, and forces err more.
+#[test]
+fn a_base_that_gives_way_is_expected_to_turn() {
+    let finger = bracketed();
+    let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
+    let yields = BaseUncertainty { sd_mm: 0.05, sd_rad: 0.001, turn_rad_per_n: TURN_RAD_PER_N };
+    let stands = BaseUncertainty { turn_rad_per_n: 0.0, ..yields };
+    let lean = Lean::of_friction(0.3, 0.1);
+    let question = ContactQuestion { position: None, direction: Direction::Leaning(lean) };
+    let mut rng = ChaCha8Rng::seed_from_u64(20);
+    let (mut within, mut squares, mut sigmas) = ([0; 2], [0.0; 2], [0.0; 2]);
+    const CASES: usize = 200;
+    for _ in 0..CASES {
+        let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+        let lean_deg = lean.angle_deg + lean.sd_deg * normal();
+        let moved = Vector::new(normal(), normal()) * yields.sd_mm;
+        let by_chance_rad = normal() * yields.sd_rad;
+        let force_n = rng.random_range(3.0..9.0);
+        let (_, seen) = leaning(&mesh, 8, force_n, lean_deg).expect("carried");
+        let turned_rad = TURN_RAD_PER_N * force_n + by_chance_rad;
+        let seen = noisy(&from_another_base(&finger, &seen, moved, turned_rad), NOISE_MM, &mut rng);
+        for (k, base) in [yields, stands].into_iter().enumerate() {
+            let mut estimator = NonlinearEstimator::new(&mesh, &[question]).expect("on the plate");
+            let Ok(found) = estimator.estimate(&seen.clone().with_uncertain_base(base), Some(NOISE_MM)) else {
+                continue;
+            };
+            let error_n = found.forces.forces_n[0] - force_n;
+            within[k] += usize::from(error_n.abs() <= TWO_SIDED_95 * found.forces.sigmas_n[0]);
+            squares[k] += (error_n / force_n).powi(2);
+            sigmas[k] += found.forces.sigmas_n[0] / force_n / CASES as f64;
+        }
+    }
+    let share = within[0] as f64 / CASES as f64;
+    assert!((share - 0.95).abs() <= 3.0 * share_error(0.95, CASES), "{share} within");
+    assert!(squares[1] > 1.5 * squares[0] && sigmas[1] > 2.0 * sigmas[0], "{squares:?}, {sigmas:?}");
+}
+
 /// A prior has no weight against a measurement of unknown noise.
 #[test]
 fn priors_need_a_noise() {
     let finger = bracketed();
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
     let contact = at_node(9, 0.0);
-    let base = BaseUncertainty { sd_mm: 0.1, sd_rad: 0.002 };
+    let base = BaseUncertainty { sd_mm: 0.1, sd_rad: 0.002, turn_rad_per_n: 0.0 };
     let measurement = Measurement::at_rest(&finger).with_uncertain_base(base);
     let mut estimator = NonlinearEstimator::new(&mesh, &[contact.into()]).expect("a contact node");
     assert_eq!(estimator.estimate(&measurement, None), Err(SensingError::NoiseNotStated));
@@ -179,7 +219,7 @@ fn priors_need_a_noise() {
 fn bases_far_off_are_found() {
     let finger = bracketed();
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
-    let base = BaseUncertainty { sd_mm: 3.0, sd_rad: 0.06 };
+    let base = BaseUncertainty { sd_mm: 3.0, sd_rad: 0.06, turn_rad_per_n: 0.0 };
     let mut rng = ChaCha8Rng::seed_from_u64(12);
     let mut within = |from: f64, to: f64| rng.random_range(from..to);
     for _ in 0..100 {
@@ -200,13 +240,21 @@ fn bases_far_off_are_found() {
 /// The stated standard deviation is what noise of each coordinate does to the answer, one after the other.
 #[test]
 fn sigmas_are_responses_to_noise() {
+    // So loose that it adds nothing to the sum.
+    responses_of(BaseUncertainty { sd_mm: 100.0, sd_rad: 1.0, turn_rad_per_n: 0.0 }, 0.0);
+    // A base whose turn is the force times its compliance is a second balance: it adds as little.
+    responses_of(BaseUncertainty { sd_mm: 100.0, sd_rad: 1e-7, turn_rad_per_n: TURN_RAD_PER_N }, TURN_RAD_PER_N * 8.0);
+}
+
+/// Senses 8 N from a base that is turned, and compares.
+fn responses_of(base: BaseUncertainty, turned_rad: f64) {
     let finger = bracketed();
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
-    // So loose that it adds nothing to the sum.
-    let base = BaseUncertainty { sd_mm: 100.0, sd_rad: 1.0 };
     let contact = Contact { position: ContactPosition::At(70.0), angle_deg: 15.0 };
     let clean = seen(&mesh, &[contact], &[8.0], Kinematics::Corotational).expect("carried");
-    let question = ContactQuestion { position: None, direction: Direction::Angle(contact.angle_deg) };
+    let clean = from_another_base(&finger, &clean, Vector::zeros(), turned_rad);
+    let direction = Direction::Angle(contact.angle_deg + turned_rad.to_degrees());
+    let question = ContactQuestion { position: None, direction };
     let mut estimator = NonlinearEstimator::new(&mesh, &[question]).expect("on the plate");
     let (noise_mm, step_mm) = (1e-3, 1e-4);
     let mut sensed = |moved: Option<(NodeId, Vector)>| {
@@ -218,7 +266,9 @@ fn sigmas_are_responses_to_noise() {
         let found = estimator.estimate(&measurement.with_uncertain_base(base), Some(noise_mm));
         found.expect("identifiable").forces
     };
-    let stated = sensed(None).sigmas_n[0];
+    let Estimate { forces_n, sigmas_n, .. } = sensed(None);
+    assert!((forces_n[0] / 8.0 - 1.0).abs() < 1e-5, "{forces_n:?}");
+    let stated = sigmas_n[0];
     let mut variance = 0.0;
     for marker in clean.markers() {
         for way in [Vector::x(), Vector::y()] {

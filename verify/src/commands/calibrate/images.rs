@@ -228,7 +228,7 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failu
         files.push((path.clone(), csv_text(image_rows(&seen, &estimate, lean.from))?));
     }
     if let Some(path) = &arguments.calibrated {
-        let values = values(&scene, &estimate, friction.as_ref());
+        let values = values(&scene, &estimate, friction.as_ref(), compliance);
         files.push((path.clone(), with_values(&text, &values).map_err(bad_input)?));
     }
     files.push((arguments.out.clone(), csv_text(rows(&estimate, friction.as_ref(), compliance))?));
@@ -300,7 +300,12 @@ fn image_rows(seen: &[LocatedView], estimate: &ViewEstimate, from: Normal) -> Ve
 }
 
 /// What the calibrated scene has in place of what the scene has.
-fn values(scene: &Scene, estimate: &ViewEstimate, friction: Option<&Lean>) -> Vec<(String, Value)> {
+fn values(
+    scene: &Scene,
+    estimate: &ViewEstimate,
+    friction: Option<&Lean>,
+    compliance: Option<BaseCompliance>,
+) -> Vec<(String, Value)> {
     let sought = |wanted: fn(&Quantity) -> bool| estimate.quantities.iter().any(|found| wanted(&found.sought.quantity));
     let pair = |[x, y]: [f64; 2]| Value::from(Array::from_iter([x, y]));
     let description = estimate.finger.description();
@@ -349,6 +354,11 @@ fn values(scene: &Scene, estimate: &ViewEstimate, friction: Option<&Lean>) -> Ve
             put("camera.rotation_vector_rad", Array::from_iter(moved.rotation_vector_rad()).into());
             put("camera.translation_mm", Array::from_iter(moved.translation_mm.iter().copied()).into());
         }
+    }
+    // A base that is taken for exact has no turn to expect.
+    let is_sought = scene.base.as_ref().is_some_and(|base| base.uncertainty.is_some());
+    if let Some(BaseCompliance { deg_per_n, .. }) = compliance.filter(|_| is_sought) {
+        put("base.turn_deg_per_n", deg_per_n.into());
     }
     if let Some(lean) = friction {
         let (coefficient, sigma) = coefficient(lean);
