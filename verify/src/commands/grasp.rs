@@ -23,7 +23,8 @@ use std::path::PathBuf;
 /// base; object and fingers touch with Coulomb friction; every step is solved for equilibrium. Sensing is given the
 /// motor's angle, the displacements of the key nodes and points of the outlines with the noise of --noise-mm, or with
 /// --images what is located in images that are rendered of each finger; which parts touch and the coefficient of
-/// friction are assumed known.
+/// friction are assumed known. The support carries the object alone: fingers pass through it; the two fingers do not
+/// touch each other.
 ///
 /// Writes into the folder --out:
 ///   forces.csv    step,motor_deg,phase,finger,contact,s_mm,angle_deg,force_n,friction_n,sensed_n,sigma_n: a row a
