@@ -12,8 +12,9 @@ use crate::sampling::noise::Noise;
 use crate::statistics::{mean, percentile};
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, NonlinearEstimator};
-use finray_model::statics::Statics;
+use finray_model::statics::{Ladder, Statics};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
+use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::time::Instant;
 
@@ -52,27 +53,29 @@ impl Stream {
     pub fn take(truth: &Mesh, nodes: &[NodeId], noise_mm: f64, frames: usize, stream: u64) -> Stream {
         let finger = truth.finger();
         let contacts: Vec<Contact> = nodes.iter().copied().map(Contact::at_node).collect();
-        let mut noise = Noise::of_stream(SEED, stream);
-        let mut statics = Statics::ladder(truth, Kinematics::Corotational);
         let model = Mesh::with_elements_per_member(finger, ELEMENTS);
         let bound = BeamEstimator::nonlinear(&model).of_noise_alone();
-        let mut taken = Vec::new();
-        for frame in 0..frames {
+        let bent = |statics: &mut Statics<Ladder<'_>>, frame: usize| {
             let forces_n: Vec<f64> = (0..contacts.len()).map(|contact| force_n(frame, contact)).collect();
             let loads = contacts
                 .iter()
                 .zip(&forces_n)
                 .map(|(contact, &force_n)| truth.frame_load(&contact.load(finger, force_n)));
-            let Ok(loads) = loads.collect::<Result<Vec<_>, _>>() else { continue };
+            let loads = loads.collect::<Result<Vec<_>, _>>().ok()?;
             // A finger that does not carry a frame's forces is not asked for it.
-            let Ok(equilibrium) = statics.equilibrium(&loads) else { continue };
+            let equilibrium = statics.equilibrium(&loads).ok()?;
             let exact = Measurement::of_shape(finger, &truth.shape(&equilibrium.motion));
-            let seen = noise.on(&exact, noise_mm);
             let at_truth = bound.prepare(&contacts, &exact).and_then(|mut it| it.estimate(&exact, Some(noise_mm)));
-            let bound_n = at_truth.ok().and_then(|sensed| sensed.sigmas_n);
-            taken.push(Frame { forces_n, seen, exact, bound_n });
-        }
-        Stream { contacts, frames: taken }
+            Some((forces_n, exact, at_truth.ok().and_then(|sensed| sensed.sigmas_n)))
+        };
+        let statics = || Statics::ladder(truth, Kinematics::Corotational);
+        let bent: Vec<_> = (0..frames).into_par_iter().map_init(statics, bent).collect();
+        let mut noise = Noise::of_stream(SEED, stream);
+        let taken = bent.into_iter().flatten().map(|(forces_n, exact, bound_n)| {
+            let seen = noise.on(&exact, noise_mm);
+            Frame { forces_n, seen, exact, bound_n }
+        });
+        Stream { contacts, frames: taken.collect() }
     }
 }
 
@@ -186,18 +189,26 @@ pub fn sensing(
     for (task, sets) in tasks {
         // As many answers for the one pair as for all single nodes.
         let frames = if task == Task::SenseNeighbours { frames * nodes } else { frames };
-        let streams = sets.iter().enumerate();
-        let streams: Vec<Stream> =
-            streams.map(|(stream, set)| Stream::take(truth, set, noise_mm, frames, stream as u64)).collect();
-        for timed in beams.iter().chain(&further) {
-            points.push(sensed(task, timed, noise_mm, &streams)?);
+        let streams: Vec<Stream> = sets
+            .par_iter()
+            .enumerate()
+            .map(|(stream, set)| Stream::take(truth, set, noise_mm, frames, stream as u64))
+            .collect();
+        let estimators: Vec<&TimedEstimator<'_>> = beams.iter().chain(&further).collect();
+        let of_task = estimators.iter().map(|timed| sensed(task, timed, noise_mm, &streams));
+        let mut of_task = of_task.collect::<Result<Vec<_>, _>>()?;
+        // Nothing is timed any more.
+        let biases = estimators.par_iter().map(|timed| largest_bias(timed, noise_mm, &streams));
+        for (point, bias_sigmas) in of_task.iter_mut().zip(biases.collect::<Result<Vec<_>, _>>()?) {
+            point.bias_sigmas = bias_sigmas;
         }
+        points.append(&mut of_task);
     }
     mark_fronts(&mut points);
     Ok(points)
 }
 
-/// An estimator on streams of frames: time, error, and what its model alone is off.
+/// An estimator on streams of frames: time and error, without what its model alone is off.
 ///
 /// # Errors
 /// [`SpeedErrorError`] if it is not made for the contacts.
@@ -209,7 +220,6 @@ pub fn sensed(
 ) -> Result<SpeedErrorPoint, SpeedErrorError> {
     let estimator = &*timed.estimator;
     let (mut seconds, mut preparations, mut errors, mut asked) = (Vec::new(), Vec::new(), Vec::new(), 0);
-    let mut largest_bias: Option<f64> = None;
     for stream in streams {
         let Some(first) = stream.frames.first() else { continue };
         let prepare = || estimator.prepare(&stream.contacts, &first.seen);
@@ -231,17 +241,6 @@ pub fn sensed(
                 errors.extend(pairs.map(|(sensed, force)| (sensed / force - 1.0).abs()));
             }
         }
-        // The same frames without noise show what the model alone is off. It is compared with the bound: what an estimator states rests on
-        // its residual, the larger the wronger its model is.
-        let mut prepared = prepare()?;
-        for frame in &stream.frames {
-            let Ok(answer) = prepared.estimate(&frame.exact, Some(noise_mm)) else { continue };
-            let Some(bound_n) = &frame.bound_n else { continue };
-            for ((sensed, force), bound_n) in answer.forces_n.iter().zip(&frame.forces_n).zip(bound_n) {
-                let bias = ((sensed - force) / bound_n).abs();
-                largest_bias = Some(largest_bias.map_or(bias, |largest| largest.max(bias)));
-            }
-        }
     }
     Ok(SpeedErrorPoint {
         task,
@@ -253,10 +252,34 @@ pub fn sensed(
         seconds_95: Some(percentile(&mut seconds, 95.0)),
         preparation_seconds: Some(percentile(&mut preparations, 50.0)),
         error: mean(errors).unwrap_or(f64::NAN),
-        bias_sigmas: largest_bias,
+        bias_sigmas: None,
         failed: asked - seconds.len(),
         asked,
         on_front: false,
         timed_by: TimedBy::Report,
     })
+}
+
+/// What the model of an estimator alone is off: its largest error where frames carry no noise, in standard deviations of the noise alone. It is
+/// compared with the bound: what an estimator states rests on its residual, the larger the wronger its model is.
+///
+/// # Errors
+/// [`SpeedErrorError`] if it is not made for the contacts.
+pub fn largest_bias(
+    timed: &TimedEstimator<'_>,
+    noise_mm: f64,
+    streams: &[Stream],
+) -> Result<Option<f64>, SpeedErrorError> {
+    let of_stream = |stream: &Stream| {
+        let Some(first) = stream.frames.first() else { return Ok(None) };
+        let mut prepared = timed.estimator.prepare(&stream.contacts, &first.seen)?;
+        let of_frame = |frame: &Frame| {
+            let answer = prepared.estimate(&frame.exact, Some(noise_mm)).ok()?;
+            let forces_n = answer.forces_n.iter().zip(&frame.forces_n).zip(frame.bound_n.as_ref()?);
+            forces_n.map(|((sensed, force), bound_n)| ((sensed - force) / bound_n).abs()).reduce(f64::max)
+        };
+        Ok(stream.frames.iter().filter_map(of_frame).reduce(f64::max))
+    };
+    let of_streams: Vec<Option<f64>> = streams.par_iter().map(of_stream).collect::<Result<_, SpeedErrorError>>()?;
+    Ok(of_streams.into_iter().flatten().reduce(f64::max))
 }
