@@ -229,7 +229,7 @@ fn rows(
         }
         Ok(rows)
     };
-    let rows: Result<Vec<_>, EstimatorError> = sets.par_iter().enumerate().map(of_set).collect();
+    let rows: Result<Vec<_>, EstimatorError> = sets.par_iter().enumerate().with_max_len(1).map(of_set).collect();
     Ok(rows?.into_iter().flatten().collect())
 }
 

@@ -165,7 +165,7 @@ impl CameraStudy {
             context.progress.step();
             row
         };
-        let rows: Result<Vec<CameraRow>, ExperimentError> = conditions.par_iter().map(row).collect();
+        let rows: Result<Vec<CameraRow>, ExperimentError> = conditions.par_iter().with_max_len(1).map(row).collect();
         let rows = rows?;
         // One after the other, with nothing beside it.
         let times = asked.first().and_then(|bent| frame_times(finger, &bent.shape, camera, markers));

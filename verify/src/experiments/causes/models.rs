@@ -6,6 +6,7 @@ use crate::truths::Truth;
 use finray_model::calibration::{CalibrationCase, FactorModel, Unknown, factors};
 use finray_model::finger::{Part, Plate, Zone};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
+use rayon::prelude::*;
 
 /// An end of the finger that may have zones of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,13 +52,13 @@ impl Models {
     /// of the way from the tip to the base: nodes 17, 19 and 21 of the paper's finger (sec. V-A).
     pub fn of(finger: &Finger, truth: &dyn Truth) -> Result<Models, ExperimentError> {
         let cases = weighed(finger, truth);
-        let mut meshes = Vec::new();
-        for number in 0..Known::COUNT {
+        let mesh = |number: usize| {
             let known = Known::numbered(number);
             let zoned = with_zones(finger, known.base, known.tip)?;
             let model = if known.modulus { zoned } else { calibrated(&zoned, &cases, known.bending)? };
-            meshes.push(Mesh::with_elements_per_member(&model, known.bending.elements()));
-        }
+            Ok(Mesh::with_elements_per_member(&model, known.bending.elements()))
+        };
+        let meshes = (0..Known::COUNT).into_par_iter().map(mesh).collect::<Result<_, ExperimentError>>()?;
         Ok(Models { finger: finger.clone(), meshes })
     }
 

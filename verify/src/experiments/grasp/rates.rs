@@ -102,7 +102,11 @@ pub fn closed_loops(settings: &[(f64, usize, f64)]) -> Result<LoopStudy, GraspSt
         let figures = loop_figures(&steps, target_n, Some(motor_deg_per_s)).filter(|_| ended == Ended::Done);
         LoopRun { noise_mm, delay_frames, frames_per_s, figures }
     };
-    Ok(LoopStudy { target_n, motor_deg_per_s, runs: settings.par_iter().zip(&at_rates).map(run).collect() })
+    Ok(LoopStudy {
+        target_n,
+        motor_deg_per_s,
+        runs: settings.par_iter().zip(&at_rates).with_max_len(1).map(run).collect(),
+    })
 }
 
 impl LoopStudy {

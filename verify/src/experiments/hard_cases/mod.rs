@@ -13,6 +13,7 @@ use crate::check::{Check, EXACT_COUNT, Kind};
 use crate::experiments::{Context, Evidence};
 use crate::settings::Effort;
 use finray_model::{Finger, NodeId};
+use rayon::prelude::*;
 use std::convert::Infallible;
 use std::time::Instant;
 
@@ -100,15 +101,15 @@ pub fn run(context: &Context) -> Result<Vec<HardCase>, Infallible> {
     Ok(hard_cases(context.finger, context.effort, &|| context.progress.step()))
 }
 
-/// Every case, one after the other; `progress` is called once for each.
-pub fn hard_cases(finger: &Finger, effort: Effort, progress: &dyn Fn()) -> Vec<HardCase> {
-    questions()
-        .map(|question| {
-            let case = answered(question, finger, effort);
-            progress();
-            case
-        })
-        .collect()
+/// Every case; `progress` is called once for each.
+pub fn hard_cases(finger: &Finger, effort: Effort, progress: &(dyn Fn() + Sync)) -> Vec<HardCase> {
+    let questions: Vec<&Question> = questions().collect();
+    let answer = |question: &&Question| {
+        let case = answered(question, finger, effort);
+        progress();
+        case
+    };
+    questions.par_iter().with_max_len(1).map(answer).collect()
 }
 
 fn questions() -> impl Iterator<Item = &'static Question> {
