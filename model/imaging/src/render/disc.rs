@@ -18,7 +18,8 @@ pub(super) fn paint_disc(
 ) {
     let Ok((pixel, by_point)) = camera.project_with_derivatives(&centre.push(height_mm)) else { return };
     // Perspective makes the nearer half larger: half as much again is room enough for a radius up to a third of the distance.
-    let reach = 1.5 * radius_mm * by_point.norm() + 2.0;
+    let px_a_mm = by_point.fixed_columns::<2>(0).singular_values().max();
+    let reach = 1.5 * radius_mm * px_a_mm + 2.0;
     let (width, height) = canvas.dimensions();
     let Some((columns, rows)) = window(&pixel, reach, [width, height]) else { return };
     for v in rows {

@@ -171,14 +171,15 @@ fn developed(mut canvas: Rgb32FImage, disturbances: &Disturbances) -> RgbImage {
         canvas = imageproc::filter::separable_filter_equal(&canvas, &gaussian(disturbances.blur_px));
     }
     let mut chance = chance(disturbances.seed, 0);
-    let mut grey = |part: f32| {
-        let noise: f64 = match disturbances.grey_noise > 0.0 {
-            true => disturbances.grey_noise * Distribution::<f64>::sample(&StandardNormal, &mut chance),
-            false => 0.0,
-        };
-        (f64::from(part) + noise).round().clamp(0.0, 255.0) as u8
+    let mut noise = || match disturbances.grey_noise > 0.0 {
+        true => disturbances.grey_noise * Distribution::<f64>::sample(&StandardNormal, &mut chance),
+        false => 0.0,
     };
-    ImageBuffer::from_fn(width, height, |u, v| canvas.get_pixel(u, v).0.map(&mut grey).into())
+    // To the nearest grey level; the conversion cuts off at both ends.
+    let grey = canvas.iter().map(|&part| (f64::from(part) + noise() + 0.5) as u8).collect::<Vec<_>>();
+    let mut image = RgbImage::new(width, height);
+    image.copy_from_slice(&grey);
+    image
 }
 
 /// A stream of random numbers of a seed.
