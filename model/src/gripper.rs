@@ -38,7 +38,7 @@ pub struct GripperDescription {
 /// Which of the two ways in which a linkage closes it is put together at motor angle 0; it keeps to it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Assembly {
-    /// The joint of rocker and link is the further of the two from the screw's axis.
+    /// The joint of rocker and link is the farther of the two from the screw's axis.
     #[default]
     Outer,
     /// It is the nearer one.
@@ -48,7 +48,8 @@ pub enum Assembly {
 /// A linkage that does not close at motor angle 0.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error(
-    "the links reach {shortest_mm} to {longest_mm} mm, but at motor angle 0 nut and fixed joint are {apart_mm} mm apart"
+    "expected rocker and link that reach from nut to fixed joint, {apart_mm:.2} mm at motor angle 0, found a reach of \
+     {shortest_mm:.2} to {longest_mm:.2} mm"
 )]
 pub struct ImpossibleLinkage {
     /// The least distance that the links bridge, mm.

@@ -92,8 +92,9 @@ pub(super) fn read_grasp(table: &TableReader, gripper: Option<&Gripper>) -> Resu
     };
     let path_mm = table.optional_pairs("path_mm", "[x, y], points in mm from where the gripper starts")?;
     let path_mm: Vec<Vector> = path_mm.unwrap_or_default().into_iter().map(Vector::from).collect();
-    if !path_mm.iter().all(|point| point.norm() <= LARGEST) {
-        return Err(table.wrong("path_mm", &format!("points within {LARGEST} mm"), "others"));
+    if let Some(far) = path_mm.iter().find(|point| point.norm().is_nan() || point.norm() > LARGEST) {
+        let found = format!("[{:?}, {:?}]", far.x, far.y);
+        return Err(table.wrong("path_mm", &format!("points within {LARGEST} mm"), &found));
     }
     let path_steps = table.optional_count("path_steps")?.unwrap_or(PATH_STEPS);
     if !(1..=MOST_STEPS).contains(&path_steps) {
@@ -107,13 +108,20 @@ pub(super) fn read_grasp(table: &TableReader, gripper: Option<&Gripper>) -> Resu
     }
     let gravity_m_s2 = table.optional_numbers("gravity_m_s2", "gravity in m/s^2")?.unwrap_or(GRAVITY_M_S2);
     if gravity_m_s2.iter().any(|g| g.abs() > LARGEST) {
-        return Err(table.wrong("gravity_m_s2", &format!("up to {LARGEST} m/s^2 either way"), "more"));
+        return Err(table.wrong(
+            "gravity_m_s2",
+            &format!("up to {LARGEST} m/s^2 either way"),
+            &format!("{gravity_m_s2:?}"),
+        ));
     }
     let has_support = table.optional_switch("support")?.unwrap_or(gravity_m_s2 != [0.0; 2]);
     if has_support && gravity_m_s2 == [0.0; 2] {
         return Err(table.wrong("support", "a gravity that puts the object on its support", "none"));
     }
     let frames_per_s = positive("frames_per_s", "rate in frames a second")?;
+    if frames_per_s.is_some() && table.has("step_deg") {
+        return Err(table.wrong("step_deg", "either it or frames_per_s", "both"));
+    }
     let delay_frames = table.optional_count("delay_frames")?.unwrap_or(0);
     if delay_frames > 0 && frames_per_s.is_none() {
         return Err(table.wrong("delay_frames", "it together with frames_per_s", "it alone"));

@@ -37,5 +37,5 @@ pub(super) fn read_gripper(table: &TableReader) -> Result<Gripper, SceneError> {
         fixed_joint_mm: length("fixed_joint_mm", table.number("fixed_joint_mm", "length in mm")?)?,
         assembly,
     };
-    Gripper::new(description).map_err(|impossible| table.at("link_mm", &format!("impossible linkage: {impossible}")))
+    Gripper::new(description).map_err(|impossible| table.at("link_mm", &format!("link_mm: {impossible}")))
 }

@@ -115,11 +115,12 @@ pub fn untouched(observed: Option<&Observations>, words: &Words) -> Result<Claim
 /// # Errors
 /// As [`crossing`].
 pub fn pick_and_place(observed: Option<&Observations>, words: &Words) -> Result<Claim, ClaimError> {
-    let objects = objects(observed, |totals| totals.opening);
+    let objects = objects(observed, |totals| totals.opening_at_nodes);
+    let totals = self::objects(observed, |totals| totals.opening);
     let sensed = self::objects(observed, |totals| totals.opening_sensed);
     let verdict = judged(&objects, |difference| difference <= MUCH_SHARE);
     let numbers = context! {
-        tested => !objects.is_empty(), objects => named(&objects), sensed => named(&sensed), much => MUCH_SHARE,
+        tested => !objects.is_empty(), objects => named(&objects), totals => named(&totals), sensed => named(&sensed), much => MUCH_SHARE,
         noise_mm => observed.map(|observed| observed.noise_mm),
     };
     words.claim("pick-and-place", verdict, numbers)

@@ -1,12 +1,13 @@
 //! The lattice's elastic energy, and its equilibrium by Newton's method: what settling must arrive at.
 
 use super::bodies::{Assembly, BodyLoad};
+use super::pattern::Pattern;
 use super::springs::{Deformation, Spring};
 use faer::Side;
 use faer::linalg::solvers::Solve;
 use faer::mat::MatMut;
+use faer::sparse::Triplet;
 use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
-use faer::sparse::{Argsort, Pair, SparseColMat, SymbolicSparseColMat, Triplet};
 use finray_model::Vector;
 use nalgebra::{Matrix2, Matrix2x6, Matrix6, Rotation2, Vector6};
 
@@ -132,23 +133,20 @@ const MOST_TURN: f64 = 0.6;
 
 /// What all second derivatives under the same loads share: where their entries are, and in which order the unknowns are eliminated.
 struct Elimination {
-    pattern: SymbolicSparseColMat<usize>,
-    places: Argsort<usize>,
+    pattern: Pattern,
     order: SymbolicLlt<usize>,
 }
 
 impl Elimination {
     fn of(count: usize, curvature: &[Triplet<usize, usize, f64>]) -> Option<Elimination> {
-        let entries: Vec<_> = curvature.iter().map(|entry| Pair::new(entry.row, entry.col)).collect();
-        let (pattern, places) = SymbolicSparseColMat::try_new_from_indices(count, count, &entries).ok()?;
-        let order = SymbolicLlt::try_new(pattern.as_ref(), Side::Lower).ok()?;
-        Some(Elimination { pattern, places, order })
+        let pattern = Pattern::of(count, curvature)?;
+        let order = SymbolicLlt::try_new(pattern.symbolic().as_ref(), Side::Lower).ok()?;
+        Some(Elimination { pattern, order })
     }
 
     /// `None` if the second derivatives are not positive definite.
     fn factorised(&self, curvature: &[Triplet<usize, usize, f64>]) -> Option<Llt<usize, f64>> {
-        let values: Vec<f64> = curvature.iter().map(|entry| entry.val).collect();
-        let matrix = SparseColMat::new_from_argsort(self.pattern.clone(), &self.places, &values).ok()?;
+        let matrix = self.pattern.matrix(curvature)?;
         Llt::try_new_with_symbolic(self.order.clone(), matrix.as_ref(), Side::Lower).ok()
     }
 }

@@ -18,6 +18,7 @@ pub mod accuracy;
 pub mod bodies;
 pub mod causes;
 pub mod energy;
+pub mod pattern;
 pub mod pressing;
 pub mod settling;
 pub mod skin;

@@ -56,6 +56,8 @@ fn scenes<'c>() -> Columns<'c, &'c GraspStudy> {
         .shown("mean error", Format::Percent)
         .file("worst_total_error", |grasp| grasp.noisy.sensed.worst_total_error)
         .shown("largest", Format::Percent)
+        .file("worst_contact_error", |grasp| grasp.noisy.sensed.worst_contact_error)
+        .shown("largest of a contact", Format::Percent)
         .file("totals_within_95", |grasp| grasp.noisy.sensed.totals_within_95)
         .file("asked", |grasp| grasp.noisy.sensed.asked)
         .page("totals within 95 %", Format::Plain, move |grasp| {

@@ -165,6 +165,11 @@ fn table(two: &TableTwo, records: &[RecipeRow], noise_mm: f64) -> Table {
     });
     lines.push(("Cramer-Rao bound".to_owned(), bounds, String::new()));
     lines.push(line(TruthId::Linear, EstimatorId::LeastSquares, "least squares, linear finger"));
+    by_estimator("Mean error of each force and of the sum", CSV, lines)
+}
+
+/// What each estimator makes of the groups, as the paper lists them.
+fn by_estimator(title: &str, csv: &'static str, lines: Vec<Line>) -> Table {
     let headings = by_group(|group, quantity| if quantity == "sum" { quantity } else { group.name });
     Columns::<Line>::new()
         .page("sensed by", Format::Words, |(name, ..)| name.clone())
@@ -172,7 +177,7 @@ fn table(two: &TableTwo, records: &[RecipeRow], noise_mm: f64) -> Table {
             columns.cells(Column::numbers(heading), move |(_, cells, _)| cells[i].clone())
         })
         .page("refused", Format::Plain, |(.., refused)| refused.clone())
-        .table("Mean error of each force and of the sum", CSV, lines)
+        .table(title, csv, lines)
 }
 
 /// An error that may be missing, or nothing but rounding.

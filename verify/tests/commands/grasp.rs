@@ -109,13 +109,22 @@ fn a_grasp_that_fails_says_how_and_keeps_what_was() {
 #[test]
 fn bad_scenes_are_refused() {
     let folder = Folder::new();
-    let cases: [(&[(&str, &str)], &str); 12] = [
+    let cases: [(&[(&str, &str)], &str); 15] = [
         (&[("mass_g = 60.0", "mass_g = 0.0")], "object.mass_g: expected a mass in g above zero"),
         (&[("mass_g = 60.0", "mass_g = -5.0")], "object.mass_g: expected a mass in g above zero"),
         (&[("friction = 0.4", "friction = nan")], "object.friction: expected a coefficient of friction"),
         (&[("centre_mm = [3.0, 110.0]", "centre_mm = [30.0, 110.0]")], "the object overlaps the right finger by"),
+        (&[("centre_mm = [3.0, 110.0]", "centre_mm = [50.0, 110.0]")], "the object lies across the right finger"),
+        (
+            &[("radius_mm = 15.0", "radius_mm = 5.0"), ("centre_mm = [3.0, 110.0]", "centre_mm = [-45.0, 110.0]")],
+            "the object lies across the left finger",
+        ),
+        (
+            &[("path_steps = 12", "step_deg = 9.0\nframes_per_s = 5.0")],
+            "grasp.step_deg: expected either it or frames_per_s, found both",
+        ),
         (&[("[60.0, 0.0]]", "[60.0, 5.0]]")], "grasp.path_mm: point 3 leads through the support, 5.000 mm deep"),
-        (&[("link_mm = [25.0, 40.0]", "link_mm = [5.0, 10.0]")], "gripper.impossible linkage"),
+        (&[("link_mm = [25.0, 40.0]", "link_mm = [5.0, 10.0]")], "gripper.link_mm: "),
         (
             &[("motor_deg = [0.0, -495.0]", "motor_deg = [0.0, 99999.0]")],
             "grasp.motor_deg: expected motor angles in reach",

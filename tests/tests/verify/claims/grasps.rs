@@ -7,8 +7,12 @@ use finray_verify::experiments::grasp::modules::{ModuleStep, ModuleTest, Untouch
 use finray_verify::experiments::grasp::observations::{Observations, Totals};
 
 fn observed(left_right: f64, opening: f64, within: usize) -> Observations {
-    let totals =
-        |share| Totals { left_right: [share, 2.0 * share], opening: Some(opening), opening_sensed: Some(opening) };
+    let totals = |share| Totals {
+        left_right: [share, 2.0 * share],
+        opening: Some(0.0),
+        opening_at_nodes: Some(opening),
+        opening_sensed: Some(opening),
+    };
     let found = |within| Untouched { count: 10, within, largest_n: 0.4 };
     Observations {
         noise_mm: 0.067,

@@ -49,7 +49,7 @@ fn a_force_is_way_over_compliance() {
         statics::solve(&Mesh::with_elements_per_member(&finger, 2), &[load], kinematics).unwrap()
     };
     let gives_mm = bends(Load::at_node(node, along), Kinematics::Linear).motion(node).displacement.dot(&along);
-    // Large rotation is worth some percent under a tenth of a newton.
+    // Geometric nonlinearity makes some percent under a tenth of a newton.
     assert!((step.true_n[0] * gives_mm / way_mm - 1.0).abs() < 0.05, "{} N, {way_mm} mm", step.true_n[0]);
     let shape = bends(Load::at_node(node, along * step.true_n[0]), Kinematics::Corotational);
     for marker in step.displacements.markers() {

@@ -18,7 +18,7 @@ fn observed(friction: &str, noise_mm: f64) -> Totals {
     let grasp = GraspScene::new(&Scene::from_toml(&text).unwrap(), &[]).unwrap().with_fineness(1);
     let mut steps: Vec<GraspStep> = Vec::new();
     grasp.run(&Eyes::Noise(noise_mm), 1, |step| steps.push(step.clone())).unwrap();
-    totals(&steps).expect("something is sensed")
+    totals(grasp.finger(), &steps).expect("something is sensed")
 }
 
 /// Nothing but friction tells opening from closing, and nothing but noise tells the fingers apart.
@@ -27,6 +27,8 @@ fn friction_and_noise_make_the_differences() {
     let [smooth, rough, noisy] = [("friction = 0.0", 0.0), ("friction = 0.4", 0.0), ("friction = 0.0", 0.067)]
         .map(|(friction, noise_mm)| observed(friction, noise_mm));
     assert!(smooth.opening.unwrap() < 1e-3, "{smooth:?}");
+    assert!(smooth.opening_at_nodes.unwrap() < 1e-3, "{smooth:?}");
+    assert!(rough.opening_at_nodes.unwrap() > rough.opening.unwrap(), "contacts slide, {rough:?}");
     assert!(rough.opening.unwrap() > 10.0 * smooth.opening.unwrap(), "{rough:?}");
     assert!(smooth.opening_sensed.unwrap() < 0.01, "{smooth:?}");
     // The disc slides to the middle of its own accord; sensed totals then differ by rounding without noise.
@@ -36,5 +38,6 @@ fn friction_and_noise_make_the_differences() {
 
 #[test]
 fn nothing_sensed_is_nothing_observed() {
-    assert_eq!(totals(&[]), None);
+    let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).unwrap().finger;
+    assert_eq!(totals(&finger, &[]), None);
 }

@@ -1,7 +1,8 @@
 //! The course of a grasp: what the motor and the gripper do, step by step, and how it ends.
 
 use super::sensed::{FingerStep, SeenFinger};
-use super::{GraspError, GraspScene, GraspStep, force_of};
+use super::way::{on_way, part_of_way};
+use super::{GraspError, GraspScene, GraspStep, finger_name, force_of};
 use crate::grasp::{Drive, Halt, Partner, World};
 use crate::lattice::Lattice;
 use finray_model::Vector;
@@ -50,7 +51,7 @@ pub enum Ended {
     #[error("done")]
     Done,
     /// The motor was at its end before the object was touched.
-    #[error("out of reach: the fingers close to a motor angle of {motor_deg} degrees and touch nothing")]
+    #[error("out of reach: the fingers touch nothing up to a motor angle of {motor_deg} degrees")]
     OutOfReach {
         /// The motor's angle, degrees.
         motor_deg: f64,
@@ -129,6 +130,9 @@ impl<'s, 'l> Course<'s, 'l> {
             drive,
             scene.support(),
         )?;
+        if let Some(finger) = scene.finger_across(world.placements()) {
+            return Err(GraspError::AcrossFinger { finger: finger_name(finger) });
+        }
         let sensed = VecDeque::new();
         Ok(Course {
             scene,
@@ -355,35 +359,6 @@ impl<'s, 'l> Course<'s, 'l> {
 
 fn towards(from: f64, to: f64, step: f64) -> f64 {
     if (to - from).abs() <= step * (1.0 + 1e-9) { to } else { from + step.copysign(to - from) }
-}
-
-/// Lengths of the parts of a way from the origin, mm.
-fn lengths(path: &[Vector]) -> Vec<f64> {
-    let from = std::iter::once(Vector::zeros()).chain(path.iter().copied());
-    from.zip(path).map(|(from, to)| (to - from).norm()).collect()
-}
-
-/// Which part of the way a share of its length lies on.
-fn part_of_way(path: &[Vector], share: f64) -> usize {
-    let lengths = lengths(path);
-    let mut left = share * lengths.iter().sum::<f64>() * (1.0 - 1e-12);
-    for (part, length) in lengths.iter().enumerate() {
-        if left <= *length {
-            return part;
-        }
-        left -= length;
-    }
-    path.len().saturating_sub(1)
-}
-
-/// The point at a share of a way's length, mm.
-fn on_way(path: &[Vector], share: f64) -> Vector {
-    let part = part_of_way(path, share);
-    let (lengths, end) = (lengths(path), path[part]);
-    let from = if part == 0 { Vector::zeros() } else { path[part - 1] };
-    let before: f64 = lengths[..part].iter().sum();
-    let left = share * lengths.iter().sum::<f64>() - before;
-    if lengths[part] > 0.0 { from.lerp(&end, (left / lengths[part]).min(1.0)) } else { end }
 }
 
 /// How far forces on the object, its moments (at its size), and forces on the fingers' bases are from balance, as a share of the largest force.

@@ -13,6 +13,7 @@ pub mod rates;
 mod sensed;
 pub mod study;
 mod summary;
+mod way;
 
 pub use course::{Ended, Phase};
 pub use outlook::{LoopFigures, loop_figures};
@@ -24,9 +25,13 @@ use crate::grasp::{Partner, World, WorldError, surface::Shape};
 use crate::lattice::{Lattice, LatticeError};
 use crate::sampling::noise::Noise;
 use course::Course;
+use finray_model::finger::Plate;
 use finray_model::gripper::{Gripper, Placement};
 use finray_model::scene::{ContactDescription, GraspDescription, ObjectDescription, ObjectMotion, Outline};
 use finray_model::{Finger, Scene, Vector};
+use rapier2d::parry::query::intersection_test;
+use rapier2d::parry::shape::Triangle;
+use rapier2d::prelude::{Pose, Vector as EngineVector};
 
 /// Segments of plate between two rods. Forces are sensed with converged beams: with three, a wedge that presses 5 N between two rods is sensed 0.5 %
 /// off, twice what noise of 0.067 mm does to it; with six, a quarter of that.
@@ -58,6 +63,12 @@ pub enum GraspError {
         corner: usize,
         /// How deep, mm.
         depth_mm: f64,
+    },
+    /// The object is inside a finger, or lies across it behind its front.
+    #[error("the object lies across the {finger} finger where it starts")]
+    AcrossFinger {
+        /// Left or right.
+        finger: &'static str,
     },
     /// The object overlaps something where it starts.
     #[error(transparent)]
@@ -192,6 +203,22 @@ impl GraspScene {
         let closing = ((to_deg - from_deg).abs() / step_deg).ceil() as usize;
         let way = if self.grasp.path_mm.is_empty() { 0 } else { self.grasp.path_steps };
         closing * if self.grasp.opens { 2 } else { 1 } + way
+    }
+
+    /// Which of two fingers at rest the object lies across where it starts, by the triangle of their plates' middle lines: what the front meets is
+    /// outside of it.
+    fn finger_across(&self, placements: &[Placement]) -> Option<usize> {
+        let object = self.outline.shape().ok()?;
+        let engine = |point: Vector| EngineVector::new(point.x, point.y);
+        let start = Pose::new(engine(self.centre_mm), self.object.rotation_deg.to_radians());
+        let length_mm = self.finger.plate_length_mm(Plate::Front);
+        let corners = [(Plate::Front, 0.0), (Plate::Front, length_mm), (Plate::Back, 0.0)];
+        let corners = corners.map(|(plate, s_mm)| self.finger.plate_point(plate, s_mm));
+        placements.iter().position(|placement| {
+            let [base, tip, back] = corners.map(|corner| engine(placement.outwards(corner)));
+            intersection_test(&Pose::IDENTITY, &Triangle::new(base, tip, back), &start, &*object.0)
+                .is_ok_and(|found| found.intersecting)
+        })
     }
 
     fn weight(&self) -> Vector {

@@ -6,9 +6,11 @@ use super::{FingerStep, GraspStep, Phase};
 use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorId};
 use crate::experiments::{Context, Evidence};
 use crate::sampling::noise::Noise;
+use finray_model::finger::Plate;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, ContactPosition};
 use finray_model::{Finger, Mesh, NodeId};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Nodes whose forces the paper senses at once.
 const NODES: std::ops::RangeInclusive<usize> = 16..=20;
@@ -37,17 +39,19 @@ pub struct Observations {
 pub struct Totals {
     /// Mean and largest difference of the two sensed totals of a step, as a share of the true one.
     pub left_right: [f64; 2],
-    /// Largest difference of the true force at a motor angle while opening from that while closing, as a share of the largest force; none where
+    /// Largest difference of the true total (mean of both fingers) at a motor angle while opening from that while closing, as a share of the largest force; none where
     /// the gripper does not open.
     pub opening: Option<f64>,
-    /// The same of the sensed force.
+    /// The same of the force at a node of either finger, as a share of the largest at a node; each contact counts at the nearest one.
+    pub opening_at_nodes: Option<f64>,
+    /// The same of the sensed total.
     pub opening_sensed: Option<f64>,
 }
 
 impl Evidence for Observations {}
 
 /// Compares the totals of a grasp; none where nothing is sensed.
-pub fn totals(steps: &[GraspStep]) -> Option<Totals> {
+pub fn totals(finger: &Finger, steps: &[GraspStep]) -> Option<Totals> {
     let true_n = |step: &GraspStep| mean(step.fingers.each_ref().map(|finger| finger.total_n));
     let sensed_n = |step: &GraspStep| match step.fingers.each_ref().map(FingerStep::sensed_total_n) {
         [Some(left_n), Some(right_n)] => Some([left_n, right_n]),
@@ -72,14 +76,41 @@ pub fn totals(steps: &[GraspStep]) -> Option<Totals> {
         let shares = pairs.iter().filter_map(|(open, close)| Some((of(open)? - of(close)?).abs() / largest_n));
         shares.reduce(f64::max)
     };
+    let at_nodes = |step: &GraspStep| step.fingers.each_ref().map(|of| node_forces(finger, of));
+    let largest_at_node_n = steps.iter().flat_map(at_nodes).flat_map(BTreeMap::into_values).fold(0.0, f64::max);
+    let of_nodes = pairs.iter().flat_map(|(open, close)| {
+        let both = at_nodes(open).into_iter().zip(at_nodes(close));
+        both.flat_map(|(open, close)| {
+            let at = |of: &BTreeMap<NodeId, f64>, node: &NodeId| of.get(node).copied().unwrap_or(0.0);
+            let nodes: BTreeSet<NodeId> = open.keys().chain(close.keys()).copied().collect();
+            nodes.into_iter().map(move |node| (at(&open, &node) - at(&close, &node)).abs()).collect::<Vec<f64>>()
+        })
+    });
+    let opening_at_nodes = of_nodes.reduce(f64::max).map(|largest_n| largest_n / largest_at_node_n);
     Some(Totals {
         left_right: [
             differences.iter().sum::<f64>() / differences.len() as f64,
             differences.iter().copied().fold(0.0, f64::max),
         ],
         opening: of_pairs(&|step| Some(true_n(step))),
+        opening_at_nodes,
         opening_sensed: of_pairs(&|step| sensed_n(step).map(mean)),
     })
+}
+
+/// True normal forces of the contacts at the nodes of the front plate that are nearest to them, N.
+fn node_forces(finger: &Finger, step: &FingerStep) -> BTreeMap<NodeId, f64> {
+    let nodes: Vec<(NodeId, f64)> =
+        finger.plate_nodes(Plate::Front).into_iter().zip(finger.plate_positions_mm(Plate::Front)).collect();
+    let mut forces = BTreeMap::new();
+    for contact in &step.contacts {
+        let Some(at_mm) = contact.contact.position_mm(finger) else { continue };
+        let off_mm = |(_, node_mm): &&(NodeId, f64)| (node_mm - at_mm).abs();
+        if let Some((node, _)) = nodes.iter().min_by(|a, b| off_mm(a).total_cmp(&off_mm(b))) {
+            *forces.entry(*node).or_insert(0.0) += contact.normal_n;
+        }
+    }
+    forces
 }
 
 fn mean([a, b]: [f64; 2]) -> f64 {
@@ -98,7 +129,8 @@ pub fn run(
     let Some(modules) = modules else { return Ok(None) };
     context.progress.part("observations", 1);
     let of_paper = || grasps.iter().filter(|grasp| grasp.is_paper());
-    let objects = of_paper().filter_map(|grasp| Some((grasp.name.clone(), totals(&grasp.steps)?))).collect();
+    let objects =
+        of_paper().filter_map(|grasp| Some((grasp.name.clone(), totals(context.finger, &grasp.steps)?))).collect();
     let [key_nodes, model] = [1, ELEMENTS].map(|elements| Mesh::with_elements_per_member(context.finger, elements));
     let estimators =
         [BeamEstimator::least_squares(&key_nodes), BeamEstimator::nonlinear(&model)].map(BeamEstimator::of_noise_alone);

@@ -1,13 +1,13 @@
 //! Table II on the moving gripper: a table, curves over the motor's angle as in the paper's Figs. 9 to 11, and a file.
 
-use super::{by_group, error_or_rounding, of_paper, of_quantity};
+use super::{Line as TableLine, by_estimator, by_group, error_or_rounding, of_paper, of_quantity};
 use crate::estimators::EstimatorId;
 use crate::experiments::grasp::modules::{ModuleStudy, ModuleTest};
 use crate::figures::{Axis, Chart, Dash, FigureError, Frame, Marker, Series};
 use crate::report::ReportError;
-use crate::report::dataset::{Columns, Dataset, Format};
+use crate::report::dataset::{Columns, Dataset};
 use crate::report::format::{nodes_in_words, share_of_counts};
-use crate::report::page::{Block, Cell, Column, Figure, Table};
+use crate::report::page::{Block, Figure, Table};
 use crate::report::words::paragraph;
 use crate::study::Study;
 use minijinja::context;
@@ -98,8 +98,7 @@ fn drawing(test: &ModuleTest) -> Result<String, FigureError> {
 
 /// Mean errors as the paper lists them.
 fn table(modules: &ModuleStudy) -> Table {
-    type Line = (String, Vec<Cell>, String);
-    let mut lines: Vec<Line> = vec![(
+    let mut lines: Vec<TableLine> = vec![(
         "the paper, measured".to_owned(),
         by_group(|group, of| error_or_rounding(of_paper(group, of))),
         String::new(),
@@ -114,12 +113,5 @@ fn table(modules: &ModuleStudy) -> Table {
         let refused = share_of_counts(counts.map(|errors| [errors.refused, errors.answered]));
         (estimator.label().to_owned(), cells, refused)
     }));
-    let headings = by_group(|group, quantity| if quantity == "sum" { quantity } else { group.name });
-    Columns::<Line>::new()
-        .page("sensed by", Format::Words, |(name, ..)| name.clone())
-        .each(headings.into_iter().enumerate(), |columns, (i, heading)| {
-            columns.cells(Column::numbers(heading), move |(_, cells, _)| cells[i].clone())
-        })
-        .page("refused", Format::Plain, |(.., refused)| refused.clone())
-        .table("On the closing gripper: mean error of each force and of the sum", CSV, lines)
+    by_estimator("On the closing gripper: mean error of each force and of the sum", CSV, lines)
 }

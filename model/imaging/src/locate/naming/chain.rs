@@ -231,7 +231,7 @@ impl<'a> Chain<'a> {
         self.ribs[position].map_or(0.0, |other| self.length_cost(position, (at - other).norm()).min(RIB_MOST))
     }
 
-    /// Cost of the length of the rib at a position, mm. At the tip it is the other plate's last segment, which does not stretch either.
+    /// Cost of the length of the rib at a position, mm. At the tip it is the other plate's last segment, whose length does not change either.
     pub(super) fn length_cost(&self, position: usize, found_mm: f64) -> f64 {
         let is_tip = position + 1 == self.nodes.len();
         let is_rigid = self.marked.finger.description().ribs.strip.is_none() && !is_tip;
