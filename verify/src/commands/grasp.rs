@@ -17,28 +17,31 @@ use std::path::PathBuf;
 
 /// Two fingers grasp a free object, carry it and put it down: true forces, and those that are sensed.
 ///
-/// Needs a scene with the tables gripper, object (a free one, with mass_g and centre_mm) and grasp. The frame is that
-/// of the gripper where it starts: origin on the screw's axis at the height of the fixed joints, x to the right
-/// finger, y along the screw to the fingertips. Each finger is a lattice of rigid bodies and springs on its moving
-/// base; object and fingers touch with Coulomb friction; every step is solved for equilibrium. Sensing is given the
-/// motor's angle, the displacements of the key nodes and points of the outlines with the noise of --noise-mm, or with
-/// --images what is located in images that are rendered of each finger; which parts touch and the coefficient of
-/// friction are assumed known. The support carries the object alone: fingers pass through it; the two fingers do not
-/// touch each other.
+/// Needs a scene with the tables gripper, object (a free one, with mass_g and centre_mm) and grasp.
+/// The frame is that of the gripper where it starts: origin on the screw's axis at the height of the
+/// fixed joints, x to the right finger, y along the screw to the fingertips. Each finger is a lattice
+/// of rigid bodies and springs on its moving base; object and fingers touch with Coulomb friction;
+/// every step is solved for equilibrium. Sensing is given the motor's angle, the displacements of the
+/// key nodes and points of the outlines with the noise of --noise-mm, or with --images what is
+/// located in images that are rendered of each finger; which parts touch and the coefficient of
+/// friction are assumed known. The support carries the object alone: fingers pass through it; the two
+/// fingers do not touch each other.
 ///
 /// Writes into the folder --out:
-///   forces.csv    step,motor_deg,phase,finger,contact,s_mm,angle_deg,force_n,friction_n,sensed_n,sigma_n: a row a
-///                 contact as `finray press` has it, and a row `total` a finger and step: force_n across the
-///                 gripper, friction_n along it
-///   object.csv    step,motor_deg,phase,x_mm,y_mm,rotation_rad,force_x_n,force_y_n,support_x_n,support_y_n: the
-///                 object's point, and the forces of both fingers and of the support on it
+///   forces.csv    step,motor_deg,phase,finger,contact,s_mm,angle_deg,force_n,friction_n,sensed_n,
+///                 sigma_n: a row a contact as `finray press` has it, and a row `total` a finger and
+///                 step: force_n across the gripper, friction_n along it
+///   object.csv    step,motor_deg,phase,x_mm,y_mm,rotation_rad,force_x_n,force_y_n,support_x_n,
+///                 support_y_n: the object's point, and the forces of both fingers and of the support
+///                 on it
 ///   grasp.svg     fingers and object at some steps, forces step by step and over the motor's angle
 ///   grasp-animation.svg
 ///                 the whole grasp in one drawing that moves (in print it stands still)
 ///   summary.json  how it ended, balance, errors of the sensed forces
 ///
-/// phase is approach, close, hold, lift, carry, place or open. A grasp that fails (the object drops, slips or is out
-/// of reach, the fingers fold or jam) writes what was until then and ends with exit code 1.
+/// phase is approach, close, hold, lift, carry, place or open. A grasp that fails (the object drops,
+/// slips or is out of reach, the fingers fold or jam) writes what was until then and ends with exit
+/// code 1.
 ///
 /// Examples:
 ///   finray grasp fixtures/scenes/grasp/disc.toml --out disc

@@ -13,22 +13,22 @@ const STEP_DEG: f64 = 22.5;
 
 /// Where a gripper's two fingers stand: from the angle of its motor, or from how far it is open.
 ///
-/// Needs a scene with a gripper table: a screw that moves a nut, and a rocker and a link for each of two mirrored
-/// fingers (Xu et al., IEEE T-RO 2021, eqs 6-9).
+/// Needs a scene with a gripper table: a screw that moves a nut, and a rocker and a link for each of
+/// two mirrored fingers (Xu et al., IEEE T-RO 2021, eqs 6-9).
 ///
 /// Writes motor_deg,slider_mm,phi1_rad,phi2_rad,base_x_mm,base_y_mm,angle_rad,opening_mm,
 /// opening_per_turn_mm,state, a row a motor angle. Base and angle place the finger in the mechanism
-/// frame: its origin is the rocker's fixed joint, y goes along the screw, whose axis is at x = fixed_joint_mm;
-/// the finger's base line is turned by the angle from x, its tip points along y, its front plate to the
-/// screw's axis. The other finger is the mirror image. opening_mm is the distance between the
-/// tips of the undeformed fingers, negative where they would have passed each other.
+/// frame: its origin is the rocker's fixed joint, y goes along the screw, whose axis is at x =
+/// fixed_joint_mm; the finger's base line is turned by the angle from x, its tip points along y, its
+/// front plate to the screw's axis. The other finger is the mirror image. opening_mm is the distance
+/// between the tips of the undeformed fingers, negative where they would have passed each other.
 ///
-/// state is `regular`, `singular` (rocker and link on one line: the end of the nut's reach, without a derivative) or
-/// `out of reach` (no pose).
+/// state is `regular`, `singular` (rocker and link on one line: the end of the nut's reach, without a
+/// derivative) or `out of reach` (no pose).
 ///
-/// With --errors, further columns say by how much the undeformed key nodes err, one standard deviation of the worst
-/// node by each cause: motor_error_mm, backlash_error_mm, rocker_error_mm, link_error_mm, fixed_joint_error_mm. All nodes
-/// of a finger err together, as a rigid body.
+/// With --errors, further columns say by how much the undeformed key nodes err, one standard
+/// deviation of the worst node by each cause: motor_error_mm, backlash_error_mm, rocker_error_mm,
+/// link_error_mm, fixed_joint_error_mm. All nodes of a finger err together, as a rigid body.
 ///
 /// Examples:
 ///   finray gripper fixtures/scenes/gripper.toml --motor-deg -1800:1800:360

@@ -21,9 +21,9 @@ use std::path::PathBuf;
 /// principal point) stays near what lenses are like, and a note says so. Such a lens still holds for
 /// positions in the plane of the grid, with a pose found in that plane (`finray locate --rest`).
 ///
-/// --plane also writes the pose of the grid's plane, for a finger that moves in a plane before it: origin
-/// in the middle of the image, x to its right, y up, z towards the camera. All images must show the
-/// grid in the same place.
+/// --plane also writes the pose of the grid's plane, for a finger that moves in a plane before it:
+/// origin in the middle of the image, x to its right, y up, z towards the camera. All images must
+/// show the grid in the same place.
 ///
 /// Example:
 ///   finray lens --grid-mm 5 --image grid1.png grid2.png grid3.png --out lens.toml

@@ -21,16 +21,17 @@ use std::path::PathBuf;
 /// node twice with two angles to ask for two components.
 ///
 /// sigma_n is one standard deviation: from the noise of --noise-mm, else of noise_mm in the scene's
-/// camera table, else of a column sigma_mm as `finray locate` writes it, else of the residual, and from
-/// the model's own error as far as it is known (linearisation, mesh, training). Where the measurement
-/// contradicts the stated noise (chi-squared test), or the model errs by more than noise does, a warning says so.
-/// sigma_n does not include errors that no measurement shows: a wrong modulus scales every force alike.
+/// camera table, else of a column sigma_mm as `finray locate` writes it, else of the residual, and
+/// from the model's own error as far as it is known (linearisation, mesh, training). Where the
+/// measurement contradicts the stated noise (chi-squared test), or the model errs by more than noise
+/// does, a warning says so. sigma_n does not include errors that no measurement shows: a wrong
+/// modulus scales every force alike.
 ///
-/// The nonlinear estimator is co-rotational. It alone takes the directions `normal` (of the
-/// deformed plate), `friction` (leaning from the normal, as the scene's table contact has it),
-/// `object` (the same, from the outline of the scene's contact.object, which the plate touches there) and
-/// `auto` (unknown), and the position `auto` (unknown); what is not identifiable is refused. Without a
-/// given mesh it refines until doubling the mesh changes no force by more than 0.2 %. Where a file of
+/// The nonlinear estimator is co-rotational. It alone takes the directions `normal` (of the deformed
+/// plate), `friction` (leaning from the normal, as the scene's table contact has it), `object` (the
+/// same, from the outline of the scene's contact.object, which the plate touches there) and `auto`
+/// (unknown), and the position `auto` (unknown); what is not identifiable is refused. Without a given
+/// mesh it refines until doubling the mesh changes no force by more than 0.2 %. Where a file of
 /// `finray locate` or the scene's table base says how well the base is known, it seeks the base too.
 ///
 /// The network estimator answers in microseconds what it was trained for, and refuses the rest.

@@ -29,6 +29,23 @@ fn every_command_explains_itself() {
     assert_says(&finray(&["--version"]).done(), &["finray 0."]);
 }
 
+/// Texts are broken by hand where a terminal of 100 columns would break them: a longer line leaves a single word on the next.
+#[test]
+fn lines_of_the_help_fit_a_terminal() {
+    let help = finray(&["--help"]).done();
+    let commands =
+        help.lines().skip_while(|line| !line.starts_with("Commands:")).skip(1).take_while(|line| !line.is_empty());
+    let names: Vec<&str> = commands.filter_map(|line| line.split_whitespace().next()).collect();
+    assert!(COMMANDS.iter().all(|command| names.contains(command)), "{names:?}");
+    for name in names {
+        let written = command(&[name, "--help"]).env("COLUMNS", "1000").output().expect("finray runs");
+        let text = String::from_utf8(written.stdout).expect("finray writes UTF-8");
+        let long: Vec<&str> =
+            text.lines().take_while(|line| !line.starts_with("Usage:")).filter(|line| line.len() > 100).collect();
+        assert!(long.is_empty(), "{name}: {long:#?}");
+    }
+}
+
 /// The loads and contacts in the help are ones that work.
 #[test]
 fn the_examples_in_the_help_run() {

@@ -41,6 +41,19 @@ fn frames_left_out_change_nothing() {
     assert!((every.rise_s.unwrap() / few.rise_s.unwrap() - 1.0).abs() < 0.01, "{every:?} {few:?}");
 }
 
+/// A slower camera sees every fourth frame of a faster one: it decides as if it had closed alone, in steps of its own.
+#[test]
+fn frames_of_a_faster_camera_serve_a_slower_one() {
+    const SLOW: (f64, usize, f64) = (0.02, 1, 10.0);
+    let alone = closed_loops(&[SLOW]).unwrap().runs[0].figures.unwrap();
+    let beside = closed_loops(&[SLOW, (0.02, 1, 40.0)]).unwrap().runs[0].figures.unwrap();
+    // Friction on the way is counted in finer steps.
+    assert!((alone.overshoot - beside.overshoot).abs() < 1e-4, "{alone:?} {beside:?}");
+    assert!((alone.largest_error - beside.largest_error).abs() < 1e-4, "{alone:?} {beside:?}");
+    let odd = closed_loops(&[SLOW, (0.02, 1, 25.0)]).unwrap().runs[0].figures.unwrap();
+    assert_eq!(alone, odd, "rates that do not divide share nothing");
+}
+
 /// The check is of the paper's rate, of the worst loop there, and of loops that hold at all.
 #[test]
 fn a_loop_that_does_not_hold_fails_the_check() {

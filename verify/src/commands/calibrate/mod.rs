@@ -27,18 +27,18 @@ use std::path::PathBuf;
 ///
 /// With --located a finger and its rig are calibrated from images of the pressed finger, all at once:
 /// --fit names what the scene has only nominally. modulus, front-modulus, back-modulus: factors on
-/// moduli; bracket, clip: their lengths; brackets: of each rib by itself; ribs: where each sits on each plate;
-/// height: of the markers above the beams, which is their scale; base: where the finger is in the frame of its references (or
-/// of the camera's pose). Where forces were measured (--forces, in the frame of the camera's pose),
-/// friction is the coefficient about the normal of the scene's table contact, friction-build-up also
-/// the force over which it builds up; friction=0.05 adds how much it differs from object to object,
-/// which images of one do not show. base-compliance is by how much a force turns the base, degrees a newton,
-/// where all images are of one mounting. Without forces geometry alone is identifiable. noise_factor is what
-/// markers err by as a share of what `finray locate` states: what is wrong alike in all images is then
-/// part of what was found. model_error_mm is by how much the calibrated finger still misses its markers,
-/// force_error_share by which share it misses
-/// forces: the scatter of those that were measured, and the standard deviation of the modulus. --calibrated writes the scene that
-/// `finray sense` takes.
+/// moduli; bracket, clip: their lengths; brackets: of each rib by itself; ribs: where each sits on
+/// each plate; height: of the markers above the beams, which is their scale; base: where the finger
+/// is in the frame of its references (or of the camera's pose). Where forces were measured (--forces,
+/// in the frame of the camera's pose), friction is the coefficient about the normal of the scene's
+/// table contact, friction-build-up also the force over which it builds up; friction=0.05 adds how
+/// much it differs from object to object, which images of one do not show. base-compliance is by how
+/// much a force turns the base, degrees a newton, where all images are of one mounting. Without
+/// forces geometry alone is identifiable. noise_factor is what markers err by as a share of what
+/// `finray locate` states: what is wrong alike in all images is then part of what was found.
+/// model_error_mm is by how much the calibrated finger still misses its markers, force_error_share by
+/// which share it misses forces: the scatter of those that were measured, and the standard deviation
+/// of the modulus. --calibrated writes the scene that `finray sense` takes.
 ///
 /// Examples:
 ///   finray calibrate fixtures/scenes/paper.toml --measurements weights.csv

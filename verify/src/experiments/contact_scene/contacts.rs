@@ -27,9 +27,10 @@ pub struct SeenContact {
     pub point: Vector,
     /// True force on the finger, N, finger frame.
     pub force: Vector,
-    /// Sum of the normal forces of its touches, N.
+    /// Its component along the direction of the contact, N.
     pub normal_n: f64,
-    /// Sum of the friction of its touches, positive towards the tip, N.
+    /// Its component across, positive towards the tip, N: friction, and where the touches of one contact face different ways the rest of their normal
+    /// forces.
     pub friction_n: f64,
 }
 
@@ -88,18 +89,16 @@ fn seen(lattice: &Lattice, group: &[Touch], baseline_mm: &dyn Fn(&Touch) -> f64)
     let turn = |touch: &Touch| normal.perp(&touch.normal).asin().abs();
     let half_span =
         HalfSpan { along_mm: 0.5 * (to_mm - from_mm), turn_rad: group.iter().map(turn).fold(0.0, f64::max) };
-    let normal_n = |touch: &Touch| touch.force.dot(&touch.normal);
-    // Towards the tip, across each touch's own normal.
-    let friction_n = |touch: &Touch| touch.force.dot(&Vector::new(-touch.normal.y, touch.normal.x));
+    let force: Vector = group.iter().map(|touch| touch.force).sum();
     SeenContact {
         contact: Contact { position, angle_deg: angle_deg(finger, normal) },
         half_span,
         baseline_mm: baseline_mm(rod.unwrap_or(first)),
         clamped: first.clamped,
         point: 0.5 * (first.point + last.point),
-        force: group.iter().map(|touch| touch.force).sum(),
-        normal_n: group.iter().map(normal_n).sum(),
-        friction_n: group.iter().map(friction_n).sum(),
+        force,
+        normal_n: force.dot(&normal),
+        friction_n: force.dot(&Vector::new(-normal.y, normal.x)),
     }
 }
 

@@ -260,10 +260,12 @@ impl Watcher<'_> {
         };
         let solution = sensing::sense(&mesh, &contacts, seen, knowledge)?;
         let count = felt.len();
-        // A force along the normal as it was read is off that along the true one by what friction adds where the normal is turned.
+        // A force along the normal as it was read is off that along the true one by what friction adds where the normal is turned. How much friction
+        // there is may be badly known: it counts with no less than its bound, as an estimate that noise has made small would make sigma small too.
         let variance_n2 = |i: usize| {
             let across_n2 = solution.across_n[i].powi(2) + solution.covariance_n2[(count + i, count + i)];
-            solution.covariance_n2[(i, i)] + contacts[i].direction_sd_rad.powi(2) * across_n2
+            let most_n = self.friction * solution.along_n[i];
+            solution.covariance_n2[(i, i)] + contacts[i].direction_sd_rad.powi(2) * across_n2.max(most_n.powi(2))
         };
         let force = |(i, (seen, read)): (usize, (&SeenContact, &CameraContact))| SensedContact {
             read: *read,

@@ -159,6 +159,28 @@ impl<'s, 'l> Course<'s, 'l> {
         Course { scene, task: Task::Close, ..self.clone() }
     }
 
+    /// Whether the motor is where closing ends.
+    pub(super) fn is_at_end(&self) -> bool {
+        self.motor_deg == self.scene.grasp.motor_deg[1]
+    }
+
+    /// Whether it still closes.
+    pub(super) fn closes(&self) -> bool {
+        self.task == Task::Close
+    }
+
+    /// Goes to the next step where a course that closes alike has come to rest.
+    pub(super) fn follow(&mut self, other: &Course<'_, 'l>) {
+        (self.world, self.motor_deg, self.phase) = (other.world.clone(), other.motor_deg, other.phase);
+        self.step += 1;
+    }
+
+    /// True force of a finger across the gripper, the mean of both, N.
+    pub(super) fn force_n(&self) -> f64 {
+        let on_object = [0, 1].map(|finger| force_of(&self.world, Partner::Finger(finger)).x.abs());
+        0.5 * on_object.iter().sum::<f64>()
+    }
+
     /// Goes to the next step and lets all come to rest.
     pub(super) fn advance(&mut self) -> Result<(), Ended> {
         let grasp = &self.scene.grasp;
@@ -246,7 +268,7 @@ impl<'s, 'l> Course<'s, 'l> {
         match self.task {
             Task::Close => {
                 let is_enough = |target_n: f64| self.late_n().is_some_and(|sensed_n| sensed_n >= target_n);
-                let at_end = self.motor_deg == to_deg;
+                let at_end = self.is_at_end();
                 match grasp.until_force_n {
                     Some(target_n) if !is_enough(target_n) => {
                         let sensed_n = self.late_n().unwrap_or(0.0);

@@ -252,19 +252,28 @@ impl GraspScene {
         each: &mut dyn FnMut(&GraspStep),
     ) -> Ended {
         loop {
-            match course.advance() {
-                Err(ended) => return ended,
-                Ok(()) => {
-                    let fingers = course.seen();
-                    let sensed = fingers.map(|seen| self.sense(lattice, seen, eyes, noise));
-                    let step = course.step(sensed);
-                    each(&step);
-                    if let Some(ended) = course.judge(&step) {
-                        return ended;
-                    }
-                }
+            if let Err(ended) = course.advance() {
+                return ended;
+            }
+            if let Some(ended) = self.look(course, lattice, eyes, noise, each) {
+                return ended;
             }
         }
+    }
+
+    /// Senses where a course has come to rest; how it ended, if it did.
+    fn look(
+        &self,
+        course: &mut Course,
+        lattice: &Lattice,
+        eyes: &Eyes,
+        noise: &mut Noise,
+        each: &mut dyn FnMut(&GraspStep),
+    ) -> Option<Ended> {
+        let sensed = course.seen().map(|seen| self.sense(lattice, seen, eyes, noise));
+        let step = course.step(sensed);
+        each(&step);
+        course.judge(&step)
     }
 }
 

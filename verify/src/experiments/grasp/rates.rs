@@ -1,7 +1,8 @@
 //! The closed loop against the camera's rate: overshoot, error once held and time of rise, under two levels of noise and two delays.
 //!
 //! The scene is `loop.toml` without its way: close until a force is sensed, then hold it. Until nine tenths of the force are there, all loops
-//! are one, in steps of the motor angle and without noise: no frame decides anything yet. From there on a step is a frame.
+//! are one, in steps of the motor angle and without noise: no frame decides anything yet. From there on a step is a frame. Until the target is there
+//! the motor turns whatever is sensed, so that a slower camera sees some of the frames of the fastest one.
 
 use super::course::Course;
 use super::study::GraspStudyError;
@@ -16,7 +17,7 @@ use finray_model::scene::GraspDescription;
 use rayon::prelude::*;
 
 /// Frames a second.
-const FRAMES_PER_S: [f64; 4] = [2.0, 5.0, 10.0, 25.0];
+const FRAMES_PER_S: [f64; 7] = [2.0, 5.0, 10.0, 25.0, 50.0, 100.0, 200.0];
 /// The paper's camera, of which the check is.
 const CHECKED_PER_S: f64 = 25.0;
 /// Frames by which sensing is late.
@@ -95,18 +96,43 @@ pub fn closed_loops(settings: &[(f64, usize, f64)]) -> Result<LoopStudy, GraspSt
     let mut begun: Vec<GraspStep> = Vec::new();
     let mut course = Course::new(&coarse, &lattice)?;
     coarse.go_on(&mut course, &lattice, &Eyes::Noise(0.0), &mut Noise::new(SEED), &mut |step| begun.push(step.clone()));
-    let run = |(&(noise_mm, delay_frames, frames_per_s), scene): (&(f64, usize, f64), &GraspScene)| {
-        let (mut steps, mut course) = (begun.clone(), course.closing_on(scene));
+    let fastest = at_rates.iter().max_by(|a, b| frames_per_s(a).total_cmp(&frames_per_s(b))).unwrap_or(&coarse);
+    let frames = closing_frames(course.closing_on(fastest), target_n);
+    let run = |(&(noise_mm, delay_frames, rate), scene): (&(f64, usize, f64), &GraspScene)| {
+        let (mut steps, mut noise, eyes) = (begun.clone(), Noise::new(SEED), Eyes::Noise(noise_mm));
+        let (mut course, mut ended) = (course.closing_on(scene), None);
         let mut each = |step: &GraspStep| steps.push(step.clone());
-        let ended = scene.go_on(&mut course, &lattice, &Eyes::Noise(noise_mm), &mut Noise::new(SEED), &mut each);
+        let every = frames_per_s(fastest) / rate;
+        let shared = if every.fract() == 0.0 { &frames[..] } else { &[] };
+        for frame in shared.iter().skip(every as usize - 1).step_by(every as usize) {
+            if ended.is_some() || !course.closes() {
+                break;
+            }
+            course.follow(frame);
+            ended = scene.look(&mut course, &lattice, &eyes, &mut noise, &mut each);
+        }
+        let ended = ended.unwrap_or_else(|| scene.go_on(&mut course, &lattice, &eyes, &mut noise, &mut each));
         let figures = loop_figures(&steps, target_n, Some(motor_deg_per_s)).filter(|_| ended == Ended::Done);
-        LoopRun { noise_mm, delay_frames, frames_per_s, figures }
+        LoopRun { noise_mm, delay_frames, frames_per_s: rate, figures }
     };
     Ok(LoopStudy {
         target_n,
         motor_deg_per_s,
         runs: settings.par_iter().zip(&at_rates).with_max_len(1).map(run).collect(),
     })
+}
+
+fn frames_per_s(scene: &GraspScene) -> f64 {
+    scene.grasp().frames_per_s.unwrap_or_default()
+}
+
+/// The frames of a camera until a force is there, or the fingers come no farther.
+fn closing_frames<'s, 'l>(mut course: Course<'s, 'l>, until_n: f64) -> Vec<Course<'s, 'l>> {
+    let mut frames = Vec::new();
+    while course.force_n() < until_n && !course.is_at_end() && course.advance().is_ok() {
+        frames.push(course.clone());
+    }
+    frames
 }
 
 impl LoopStudy {

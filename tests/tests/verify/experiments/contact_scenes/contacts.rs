@@ -106,7 +106,9 @@ fn two_rods_are_two_contacts() {
     // An even distribution over the interval, where nothing else blurs it.
     let read = read_contact(&finger, &seen[0], 0.0, || 0.0);
     assert!((read.position_sd_mm - 0.1 / 3.0_f64.sqrt()).abs() < 1e-9 && read.direction_sd_rad > 0.4, "{read:?}");
-    assert!((seen[0].normal_n - 7.0).abs() < 1e-12 && seen[0].friction_n.abs() < 1e-12);
+    // 3 N at 0 and 4 N at 90 degrees: along and across the direction of the contact, which lies between them, stands their resultant.
+    let [along_n, across_n] = [7.0, 1.0].map(|sum_n| sum_n / 2.0_f64.sqrt());
+    assert!((seen[0].normal_n - along_n).abs() < 1e-12 && (seen[0].friction_n - across_n).abs() < 1e-12, "{seen:?}");
 }
 
 /// Whatever touches there, rods and plate and tip: without friction none is reported, and sensing finds the force.
