@@ -20,7 +20,11 @@ pub(super) fn claims(study: &Study, words: &Words) -> Result<Vec<Claim>, ClaimEr
     let test = study.modules.as_ref().and_then(|modules| modules.test(&CROSSING));
     claims.push(crossing(test, words)?);
     let observed = study.observations.as_ref();
-    claims.extend([left_right(observed, words)?, untouched(observed, words)?, pick_and_place(observed, words)?]);
+    claims.push(left_right(observed, words)?);
+    if observed.is_some() {
+        claims.push(untouched(observed, words)?);
+    }
+    claims.push(pick_and_place(observed, words)?);
     Ok(claims)
 }
 

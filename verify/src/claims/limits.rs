@@ -28,7 +28,10 @@ pub(super) fn claims(study: &Study, words: &Words) -> Result<Vec<Claim>, ClaimEr
     let mut claims = vec![all_at_once(finger, words)?];
     claims.extend(exchanged(finger, words)?);
     claims.extend([unknown_direction(finger, words)?, wrong_direction(finger, words)?, torque(finger, words)?]);
-    claims.push(zero_force(finger, words)?);
+    // Grasps show it better, where there are any: one row judges the sentence.
+    if study.observations.is_none() {
+        claims.push(zero_force(finger, words)?);
+    }
     claims.extend(network_time(study, words)?);
     Ok(claims)
 }

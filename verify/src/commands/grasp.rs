@@ -4,6 +4,8 @@ use super::cameras::camera_and_markers;
 use super::parse::not_negative;
 use super::{Failure, progress};
 use clap::value_parser;
+use finray_verify::estimators::EstimatorId;
+use finray_verify::estimators::network::Networks;
 use finray_verify::experiments::contact_scene::file::load_scene_with_outline;
 use finray_verify::experiments::contact_scene::study::SceneWithOutline;
 use finray_verify::experiments::grasp::file::{force_rows, object_row};
@@ -65,6 +67,10 @@ pub struct Arguments {
     /// With --images: blur, px
     #[arg(long, value_name = "S", default_value_t = 0.8, value_parser = not_negative, requires = "images")]
     blur_px: f64,
+    /// Sense with an estimator of `finray sense` instead: contacts are then what they are read as, without friction, which sigma_n does
+    /// not allow for; the network takes forces for normal to the undeformed plate
+    #[arg(long, value_name = "E", value_enum)]
+    estimator: Option<EstimatorId>,
     /// Seed of the noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -87,7 +93,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Failure::BadInput(message) => Failure::BadInput(format!("{name}: {message}")),
         other => other,
     };
-    let grasp = GraspScene::new(&scene, &corners).map_err(bad)?.with_fineness(arguments.fineness.into());
+    let mut grasp = GraspScene::new(&scene, &corners).map_err(bad)?.with_fineness(arguments.fineness.into());
+    if let Some(estimator) = arguments.estimator {
+        grasp = grasp.with_estimator(estimator, Networks::shipped()?);
+    }
     let noise_mm = arguments.noise_mm.or(scene.noise_mm).unwrap_or(0.0);
     let eyes = if arguments.images {
         let (camera, markers) = camera_and_markers(&scene)?;

@@ -72,6 +72,31 @@ fn a_grasp_writes_forces_motion_figure_and_summary() {
     let summary = summary(&folder, "one");
     assert_eq!(summary["ended"], "done");
     assert!(summary["worst_imbalance"].as_f64().expect("a number") < 1e-3);
+    assert_eq!(summary["sensed"]["by"], "errors in all variables");
+    // A disc of 60 g between fingers with a friction of 0.4 stays where it is held.
+    let slid_mm = summary["slid_mm"].as_f64().expect("a number");
+    assert!(slid_mm > 0.0 && slid_mm < 1.0, "{slid_mm}");
+}
+
+#[test]
+fn a_grasp_is_sensed_by_the_estimator_that_is_asked_for() {
+    let folder = Folder::new();
+    let scene = folder.put("disc.toml", DISC);
+    for (name, refuses) in [("least-squares", false), ("network", true)] {
+        let out = folder.path(name);
+        let run =
+            finray(&["grasp", &scene, "--fineness", "1", "--estimator", name, "--noise-mm", "0.067", "--out", &out]);
+        assert_eq!(
+            (run.code, run.err.contains("no network ships for these contacts")),
+            (Some(0), refuses),
+            "{}",
+            run.err
+        );
+        let sensed = &summary(&folder, name)["sensed"];
+        assert_eq!((&sensed["by"], sensed["refused"].as_u64() > Some(0)), (&Value::from(name), refuses), "{sensed}");
+    }
+    let scene = [scene.as_str(), "--estimator", "guess"];
+    assert_says(&finray(&[&["grasp"], &scene[..]].concat()).refused(), &["guess", "least-squares"]);
 }
 
 /// Before each finger, and from the gripper, whose camera sees one of the fingers turned about its axis.
@@ -103,7 +128,9 @@ fn a_grasp_that_fails_says_how_and_keeps_what_was() {
     let message = finray(&["grasp", &scene, "--fineness", "1", "--out", &folder.path("out")]).failed();
     assert!(["drop", "slip", "gets away"].iter().any(|word| message.contains(word)), "{message}");
     assert!(Csv::of(&folder.read("out/object.csv")).texts("step").len() > 5);
-    assert_ne!(summary(&folder, "out")["ended"], "done");
+    let summary = summary(&folder, "out");
+    assert_ne!(summary["ended"], "done");
+    assert!(summary["slid_mm"].as_f64() > Some(7.5), "{summary}");
 }
 
 #[test]

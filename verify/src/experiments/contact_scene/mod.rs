@@ -14,28 +14,24 @@ mod rows;
 pub mod samples;
 mod sensing;
 pub mod study;
+mod watcher;
 
 pub use camera::{CameraContact, baseline_mm, read_contact};
 pub use contacts::{HalfSpan, SeenContact, angle_deg, seen_contacts};
 pub use object::{HandStep, OutlineError, PreparedObject, TurnedOutline};
 pub use rows::{ForceRow, contacts_sensed, force_rows};
+pub use watcher::Watcher;
 
 use crate::lattice::accuracy::difference;
 use crate::lattice::pressing::{Pressed, Pressing, Push};
 use crate::lattice::{Lattice, LatticeError};
-use crate::settings::LEAST_STATED_MM;
 use finray_model::measurement::Measurement;
 use finray_model::scene::ObjectDescription;
 use finray_model::sensing::SensingError;
-use finray_model::{Finger, Mesh, Scene, Vector};
-use nalgebra::DVector;
-use sensing::Knowledge;
+use finray_model::{Finger, Scene, Vector};
 
 /// Segments of plate between two rods: the paper's finger under 5 N is then within 0.1 % of converged beams.
 pub const FINENESS: usize = 3;
-/// Elements a member of the finger that senses: objects bend it farther than single forces of the same size, and with four, 0.1 %
-/// of the force would be left of the mesh.
-const ELEMENTS: usize = 8;
 
 /// What a scene needs to be run: finger, object, camera.
 #[derive(Debug, Clone)]
@@ -218,71 +214,5 @@ impl ContactScene {
             outline_noise_mm: noise_mm,
         };
         watcher.sense(&felt, &seen, step.along, standard_normal).map(Some)
-    }
-}
-
-/// What is known to who senses the forces of contacts that a camera sees.
-#[derive(Debug, Clone, Copy)]
-pub struct Watcher<'f> {
-    /// The finger.
-    pub finger: &'f Finger,
-    /// Radius of its rods, mm.
-    pub rod_radius_mm: f64,
-    /// Bound of the coefficient of friction.
-    pub friction: f64,
-    /// Standard deviation of a marker's coordinate, mm.
-    pub marker_noise_mm: f64,
-    /// Standard deviation of a coordinate of a point of an outline, mm.
-    pub outline_noise_mm: f64,
-}
-
-impl Watcher<'_> {
-    /// Senses the forces of one or more contacts, none of them clamped, from measured displacements and from the contacts as the camera reads
-    /// them; and their sum along a unit vector.
-    ///
-    /// # Errors
-    /// [`SensingError`] if they are not identifiable.
-    pub fn sense(
-        &self,
-        felt: &[SeenContact],
-        seen: &Measurement,
-        along: Vector,
-        mut standard_normal: impl FnMut() -> f64,
-    ) -> Result<SensedStep, SensingError> {
-        let read =
-            |contact: &SeenContact| read_contact(self.finger, contact, self.outline_noise_mm, &mut standard_normal);
-        let contacts: Vec<CameraContact> = felt.iter().map(read).collect();
-        let mesh = Mesh::with_elements_per_member(self.finger, ELEMENTS);
-        let knowledge = Knowledge {
-            noise_mm: self.marker_noise_mm.max(LEAST_STATED_MM),
-            friction: self.friction,
-            rod_radius_mm: self.rod_radius_mm,
-        };
-        let solution = sensing::sense(&mesh, &contacts, seen, knowledge)?;
-        let count = felt.len();
-        // A force along the normal as it was read is off that along the true one by what friction adds where the normal is turned. How much friction
-        // there is may be badly known: it counts with no less than its bound, as an estimate that noise has made small would make sigma small too.
-        let variance_n2 = |i: usize| {
-            let across_n2 = solution.across_n[i].powi(2) + solution.covariance_n2[(count + i, count + i)];
-            let most_n = self.friction * solution.along_n[i];
-            solution.covariance_n2[(i, i)] + contacts[i].direction_sd_rad.powi(2) * across_n2.max(most_n.powi(2))
-        };
-        let force = |(i, (seen, read)): (usize, (&SeenContact, &CameraContact))| SensedContact {
-            read: *read,
-            force: SensedForce { true_n: seen.normal_n, sensed_n: solution.along_n[i], sigma_n: variance_n2(i).sqrt() },
-        };
-        // The sum takes of every force, along and across its contact, what lies along the direction asked for.
-        let shares = (0..2 * count).map(|i| {
-            let angle_deg = contacts[i % count].contact.angle_deg + if i < count { 0.0 } else { 90.0 };
-            self.finger.direction(angle_deg).dot(&along)
-        });
-        let shares = DVector::from_iterator(2 * count, shares);
-        let all_n = DVector::from_iterator(2 * count, solution.along_n.iter().chain(&solution.across_n).copied());
-        let total = SensedForce {
-            true_n: felt.iter().map(|seen| seen.force.dot(&along)).sum(),
-            sensed_n: shares.dot(&all_n),
-            sigma_n: shares.dot(&(&solution.covariance_n2 * &shares)).sqrt(),
-        };
-        Ok(SensedStep { contacts: felt.iter().zip(&contacts).enumerate().map(force).collect(), total })
     }
 }

@@ -20,6 +20,8 @@ pub use outlook::{LoopFigures, loop_figures};
 pub use sensed::{Eyes, FingerStep, NotSensed, SeenFinger};
 pub use summary::{SensedSummary, Summary};
 
+use crate::estimators::EstimatorId;
+use crate::estimators::network::Networks;
 use crate::experiments::contact_scene::{OutlineError, TurnedOutline};
 use crate::grasp::{Partner, World, WorldError, surface::Shape};
 use crate::lattice::{Lattice, LatticeError};
@@ -91,6 +93,8 @@ pub struct GraspScene {
     mass_g: f64,
     centre_mm: Vector,
     fineness: usize,
+    /// What senses, if not the search with errors in all variables.
+    estimator: Option<(EstimatorId, Networks)>,
 }
 
 /// One step of a grasp, at rest.
@@ -166,12 +170,23 @@ impl GraspScene {
             mass_g,
             centre_mm,
             fineness: FINENESS,
+            estimator: None,
         })
     }
 
     /// The same with another number of segments a plate member.
     pub fn with_fineness(self, fineness: usize) -> GraspScene {
         GraspScene { fineness, ..self }
+    }
+
+    /// The same sensed by an estimator, with networks to choose from: see [`Watcher::sense_by`](crate::experiments::contact_scene::Watcher).
+    pub fn with_estimator(self, estimator: EstimatorId, networks: Networks) -> GraspScene {
+        GraspScene { estimator: Some((estimator, networks)), ..self }
+    }
+
+    /// Which estimator senses, if not the search with errors in all variables.
+    pub fn estimator(&self) -> Option<EstimatorId> {
+        self.estimator.as_ref().map(|(id, _)| *id)
     }
 
     /// The finger.

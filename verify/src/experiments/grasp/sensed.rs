@@ -1,6 +1,7 @@
 //! What a camera sees of a finger in a grasp, and the forces that are sensed from it.
 
 use super::GraspScene;
+use crate::estimators::EstimatorError;
 use crate::experiments::contact_scene::{
     SeenContact, SensedContact, SensedStep, TurnedOutline, Watcher, baseline_mm, seen_contacts,
 };
@@ -130,7 +131,13 @@ impl GraspScene {
             };
             let friction = self.object.friction;
             let watcher = Watcher { finger: &self.finger, rod_radius_mm, friction, marker_noise_mm, outline_noise_mm };
-            Ok(Some(watcher.sense(&felt, &measurement, seen.along, || noise.standard_normal())?))
+            let standard_normal = || noise.standard_normal();
+            Ok(Some(match &self.estimator {
+                None => watcher.sense(&felt, &measurement, seen.along, standard_normal)?,
+                Some((id, networks)) => {
+                    watcher.sense_by((*id, networks), &felt, &measurement, seen.along, standard_normal)?
+                }
+            }))
         };
         let sensed = sense();
         let SeenFinger { placement, shape, on_object, .. } = seen;
@@ -156,9 +163,12 @@ fn position(seen: &SeenFinger) -> Vector {
 /// Why no force was sensed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NotSensed {
-    /// The estimator refuses.
+    /// The search with errors in all variables refuses.
     #[error(transparent)]
     Refused(#[from] SensingError),
+    /// The estimator refuses.
+    #[error(transparent)]
+    RefusedBy(#[from] EstimatorError),
     /// The image does not show the finger.
     #[error("the image: {0}")]
     NotSeen(String),

@@ -2,7 +2,9 @@
 
 use super::outlook::{LoopFigures, loop_figures};
 use super::{Ended, GraspScene, GraspStep, Phase};
+use crate::estimators::EstimatorId;
 use crate::settings::TWO_SIDED_95;
+use finray_model::Vector;
 use serde::Serialize;
 
 /// How a grasp went.
@@ -22,6 +24,8 @@ pub struct Summary {
     pub worst_imbalance: f64,
     /// Largest difference of the two fingers' totals while they hold the object off its support, as a share of the larger.
     pub left_right_difference: Option<f64>,
+    /// How far the object has moved against the gripper at most while it was lifted and carried, mm; none without a way.
+    pub slid_mm: Option<f64>,
     /// Elastic energy at the last step, N mm.
     pub elastic_nmm: f64,
     /// Work of friction, N mm.
@@ -38,6 +42,8 @@ pub struct Summary {
 /// Sensed forces against the true ones.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct SensedSummary {
+    /// What senses: an estimator by its name, or `errors in all variables`.
+    pub by: &'static str,
     /// Finger-steps in which something that can be sensed touches.
     pub asked: usize,
     /// Of these, refused.
@@ -84,13 +90,26 @@ impl Summary {
             largest_total_n: largest_total_n(steps),
             worst_imbalance: steps.iter().map(|step| step.imbalance).fold(0.0, f64::max),
             left_right_difference: largest(&mut held.filter_map(difference)),
+            slid_mm: slid_mm(steps),
             elastic_nmm: steps.last().map_or(0.0, |step| step.elastic_nmm),
             dissipated_nmm: steps.last().map_or(0.0, |step| step.dissipated_nmm),
             driven_nmm: steps.last().map_or(0.0, |step| step.driven_nmm),
-            sensed: sensed(steps),
+            sensed: SensedSummary {
+                by: scene.estimator().map_or("errors in all variables", EstimatorId::name),
+                ..sensed(steps)
+            },
             closed_loop: held_n.and_then(|target_n| loop_figures(steps, target_n, motor_deg_per_s)),
         }
     }
+}
+
+/// From where the object was in the gripper when the way began.
+fn slid_mm(steps: &[GraspStep]) -> Option<f64> {
+    let begins = steps.iter().position(|step| step.phase == Phase::Lift)?;
+    let at = |step: &GraspStep| Vector::new(step.object[0], step.object[1]) - step.gripper_mm;
+    let from = at(&steps[begins.checked_sub(1)?]);
+    let carried = steps[begins..].iter().take_while(|step| matches!(step.phase, Phase::Lift | Phase::Carry));
+    carried.map(|step| (at(step) - from).norm()).reduce(f64::max)
 }
 
 fn largest_total_n(steps: &[GraspStep]) -> f64 {
