@@ -4,9 +4,9 @@
 mod commands;
 
 use clap::{CommandFactory, Parser, Subcommand};
-use commands::{calibrate, grasp, gripper, lens, locate, map, merge, press, render, report, sense, solve, sweep};
 #[cfg(feature = "train")]
-use commands::{networks, train};
+use commands::train;
+use commands::{calibrate, grasp, gripper, lens, locate, map, merge, press, render, report, sense, solve, sweep};
 use finray_verify::files::write_text;
 use std::path::Path;
 use std::process::ExitCode;
@@ -43,8 +43,6 @@ enum Command {
     Grasp(grasp::Arguments),
     #[cfg(feature = "train")]
     Train(train::Arguments),
-    #[cfg(feature = "train")]
-    Networks(networks::Arguments),
     /// Print a completion script for your shell, for instance: finray completions bash > ~/.finray.bash
     Completions {
         /// The shell.
@@ -69,8 +67,6 @@ fn main() -> ExitCode {
         Command::Grasp(arguments) => grasp::run(&arguments),
         #[cfg(feature = "train")]
         Command::Train(arguments) => train::run(&arguments),
-        #[cfg(feature = "train")]
-        Command::Networks(arguments) => networks::run(&arguments),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Arguments::command(), "finray", &mut script);

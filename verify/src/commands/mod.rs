@@ -7,8 +7,6 @@ pub mod lens;
 pub mod locate;
 pub mod map;
 pub mod merge;
-#[cfg(feature = "train")]
-pub mod networks;
 pub mod press;
 pub mod render;
 pub mod report;

@@ -102,7 +102,7 @@ fn the_network_for_any_nodes_beats_ridge() {
     }
 }
 
-/// The embedded networks are those that `finray networks shipped` makes.
+/// The embedded networks are those that the example `shipped_networks` makes.
 #[test]
 fn what_ships_was_trained_as_its_card_says() {
     let finger = paper();

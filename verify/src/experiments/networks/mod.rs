@@ -2,8 +2,6 @@
 
 pub mod accuracy;
 pub mod paper;
-#[cfg(feature = "train")]
-pub mod recipes;
 pub mod records;
 #[cfg(feature = "train")]
 pub mod shipping;

@@ -2,19 +2,19 @@
 //!
 //! Training takes minutes, so the report shows what was recorded: `fixtures/networks/recipes.csv` and `curves.csv`.
 
-use super::records::{CurveRow, RecipeRow};
-use crate::estimators::Estimator;
-use crate::estimators::network::{NetworkSensing, Networks};
-use crate::experiments::ExperimentError;
-use crate::experiments::networks::paper::PAPER_RECIPES;
-use crate::experiments::table_two::{COMPARED_SETS, FORCES_N, contact_sets};
-use crate::sampling::scatter::{ScatterRequest, ScatterRow, scatter};
-use crate::settings::CAMERA_NOISE_MM;
-use crate::truths::{TruthId, fine_mesh};
 use finray_model::sensing::Contact;
 use finray_model::sensing::network::{Network, Scaling};
 use finray_model::train::{TrainingRecipe, train};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
+use finray_verify::estimators::Estimator;
+use finray_verify::estimators::network::{NetworkSensing, Networks};
+use finray_verify::experiments::ExperimentError;
+use finray_verify::experiments::networks::paper::PAPER_RECIPES;
+use finray_verify::experiments::networks::records::{CurveRow, RecipeRow};
+use finray_verify::experiments::table_two::{COMPARED_SETS, FORCES_N, contact_sets};
+use finray_verify::sampling::scatter::{ScatterRequest, ScatterRow, scatter};
+use finray_verify::settings::CAMERA_NOISE_MM;
+use finray_verify::truths::{TruthId, fine_mesh};
 use rayon::prelude::*;
 
 /// Random cases for each set of contacts: a mean error is known to about 2 % of itself.

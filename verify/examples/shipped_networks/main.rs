@@ -1,30 +1,30 @@
-//! `finray networks`
+//! Trains anew the networks that ship with finray, and compares ways of training.
+//!
+//! `shipped` writes a safetensors file each, and `shipped.csv`: on what each was trained, and its errors on fresh cases. `recipes` writes `recipes.csv`,
+//! the paper's training beside ours, and `curves` `curves.csv`, the error by number of samples and by size of the network. Each takes
+//! about ten minutes on two cores. The same machine gives the same files again:
+//!
+//! `cargo run --release -p finray-verify --example shipped_networks -- shipped recipes curves --out fixtures/networks`
 
-use super::{Failure, not_computed, progress};
-use clap::ValueEnum;
+mod recipes;
+
+use clap::{Parser, ValueEnum};
 use finray_model::sensing::Contact;
 use finray_model::sensing::network::TestError;
 use finray_model::{Finger, Scene};
-use finray_verify::experiments::ExperimentError;
-use finray_verify::experiments::networks::recipes;
 use finray_verify::experiments::networks::shipping::{Shipping, shipping};
 use finray_verify::files::{csv_text, require_folder, write_folder};
+use indicatif::ProgressBar;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Train anew the networks that ship with finray, and compare training recipes.
-///
-/// `shipped` writes a safetensors file each, and shipped.csv: on what each was trained, and its
-/// errors on fresh cases. `recipes` writes recipes.csv, the paper's training recipe beside ours, and
-/// `curves` curves.csv, the error by number of samples and by size of the network. Each takes about
-/// ten minutes on two cores. The same machine gives the same files again.
-///
-/// Example:
-///   finray networks shipped recipes curves --out fixtures/networks
-#[derive(clap::Args)]
-#[command(verbatim_doc_comment)]
-pub struct Arguments {
+type Failure = Box<dyn std::error::Error + Send + Sync>;
+type Files = Vec<(PathBuf, Vec<u8>)>;
+
+/// Train anew the networks that ship with finray, and compare ways of training.
+#[derive(Parser)]
+struct Arguments {
     /// What to make
     #[arg(value_enum, required = true)]
     parts: Vec<Part>,
@@ -57,33 +57,32 @@ struct Record {
     clean_rms_n: f64,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+fn main() -> Result<(), Failure> {
+    let arguments = Arguments::parse();
     require_folder(&arguments.out)?;
-    let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).map_err(not_computed)?.finger;
+    let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE)?.finger;
     let mut files = Vec::new();
     if arguments.parts.contains(&Part::Shipped) {
         files.extend(shipped(&finger)?);
     }
     if arguments.parts.contains(&Part::Recipes) {
-        let bar = progress::bar(recipes::recipe_count() as u64, "recipes");
-        let rows = recipes::recipes(&finger, &|| bar.inc(1)).map_err(failed)?;
+        let bar = ProgressBar::new(recipes::recipe_count() as u64);
+        let rows = recipes::recipes(&finger, &|| bar.inc(1))?;
         files.push(("recipes.csv".into(), csv_text(rows)?.into_bytes()));
     }
     if arguments.parts.contains(&Part::Curves) {
-        let bar = progress::bar(recipes::curve_count() as u64, "curves");
-        let rows = recipes::curves(&finger, &|| bar.inc(1)).map_err(failed)?;
+        let bar = ProgressBar::new(recipes::curve_count() as u64);
+        let rows = recipes::curves(&finger, &|| bar.inc(1))?;
         files.push(("curves.csv".into(), csv_text(rows)?.into_bytes()));
     }
     write_folder(&arguments.out, &files)?;
     Ok(())
 }
 
-type Files = Vec<(PathBuf, Vec<u8>)>;
-
 fn shipped(finger: &Finger) -> Result<Files, Failure> {
     let networks = shipping(finger);
     let epochs = networks.iter().map(|shipping| shipping.recipe.epochs as u64).sum();
-    let bar = progress::bar(epochs, "networks that ship");
+    let bar = ProgressBar::new(epochs);
     let trained: Result<Vec<_>, Failure> = networks.par_iter().map(|network| trained(finger, network, &bar)).collect();
     bar.finish_and_clear();
     let (mut files, mut records) = (Files::new(), Vec::new());
@@ -95,15 +94,11 @@ fn shipped(finger: &Finger) -> Result<Files, Failure> {
     Ok(files)
 }
 
-fn failed(error: ExperimentError) -> Failure {
-    not_computed(error)
-}
-
 /// Name, file and record of a network.
 fn trained(
     finger: &Finger,
     Shipping { name, recipe }: &Shipping,
-    bar: &indicatif::ProgressBar,
+    bar: &ProgressBar,
 ) -> Result<(String, Vec<u8>, Vec<Record>), Failure> {
     let network = finray_model::train::train(finger, recipe, &mut |_| bar.inc(1))?;
     let widths: Vec<String> = recipe.hidden_layers.iter().map(ToString::to_string).collect();
