@@ -1,0 +1,85 @@
+//! Intrinsics and distortion from images of a grid.
+
+use super::*;
+use finray_fixtures::CAMERA_SCENE;
+
+/// An image of a grid of 10 mm before the camera of the scene, without its distortion, slanted by an angle (rad).
+fn grid(folder: &Folder, name: &str, slant: f64) -> String {
+    use finray_imaging::render::{Disturbances, GridPlate, render_grid};
+    use finray_model::camera::{Camera, Pose};
+    let lens = finray_model::Scene::from_toml(CAMERA_SCENE).expect("the fixture").camera.expect("a camera").lens;
+    let pose = Pose::new([std::f64::consts::PI, 0.0, slant], [5.0, -3.0, 200.0]);
+    let plate = GridPlate { pitch_mm: 10.0, radius_mm: 2.5, counts: [17, 15], greys: [210, 50] };
+    let disturbances = Disturbances { blur_px: 0.8, grey_noise: 2.0, ..Disturbances::default() };
+    let image = render_grid(&Camera { lens, pose }, &plate, |_| false, disturbances);
+    folder.put(name, encoded(&DynamicImage::ImageRgb8(image), ImageFormat::Png))
+}
+
+/// What `lens` writes is a scene's camera table.
+#[test]
+fn a_lens_from_grids_serves_a_scene() {
+    let folder = Folder::new();
+    let images = [("1.png", 0.6), ("2.png", -0.5), ("3.png", 0.3)].map(|(name, slant)| grid(&folder, name, slant));
+    let paths: Vec<&str> = images.iter().map(String::as_str).collect();
+    let lens = finray(&[&["lens", "--grid-mm", "10", "--image"], &paths[..]].concat());
+    assert_eq!(lens.code, Some(0), "{}", lens.err);
+    let (before, after) = CAMERA_SCENE.split_once("[camera]").expect("a camera");
+    let (_, after) = after.split_once("rotation_vector_rad").expect("a pose");
+    let scene = folder.put("scene.toml", format!("{before}{}rotation_vector_rad{after}", lens.out));
+    let (image, shape) = image_of(&folder, "image.png", "80:2", &[]);
+    let (rest, _) = image_of(&folder, "rest.png", "60:0", &[]);
+    let located = Csv::of(&finray(&["locate", &scene, "--image", &image, "--rest", &rest]).done());
+    assert_eq!(located.rows.len(), 25);
+    assert_located(&located, "image.png", &shape);
+}
+
+#[test]
+fn images_without_a_grid_give_no_lens() {
+    let folder = Folder::new();
+    let (finger, _) = image_of(&folder, "finger.png", "80:2", &[]);
+    let good = grid(&folder, "grid.png", 0.4);
+    let black = folder.put("black.png", encoded(&DynamicImage::ImageRgb8(RgbImage::new(160, 140)), ImageFormat::Png));
+    let out = folder.put("out.toml", "as before");
+    for (images, expected) in [
+        (vec![&black], "expected a plane grid"),
+        (vec![&finger], "expected a plane grid"),
+        (vec![&good, &black], "expected"),
+    ] {
+        let images: Vec<&str> = images.into_iter().map(String::as_str).collect();
+        let message = finray(&[&["lens", "--grid-mm", "10", "--out", &out, "--image"], &images[..]].concat()).refused();
+        assert_says(&message, &[expected]);
+        assert_eq!(folder.read("out.toml"), "as before");
+    }
+    for pitch in ["0", "-1", "nan", "ten"] {
+        assert_says(&finray(&["lens", "--grid-mm", pitch, "--image", &good]).refused(), &["--grid-mm"]);
+    }
+    // One image without slant does not show the focal length.
+    let answer = finray(&["lens", "--grid-mm", "10", "--image", &grid(&folder, "flat.png", 0.0)]);
+    assert!(answer.code == Some(0) && answer.err.starts_with("note: ") && answer.err.contains("fx"), "{}", answer.err);
+}
+
+/// `lens --plane` gives the pose of the grid's plane: origin in the middle of the image, z towards the camera. It takes images of one place alone.
+#[test]
+fn the_plane_of_a_grid_is_written() {
+    use finray_model::camera::Pose;
+    use nalgebra::Vector3;
+    let folder = Folder::new();
+    let images = [("1.png", 0.3), ("2.png", 0.3), ("3.png", -0.3)].map(|(name, slant)| grid(&folder, name, slant));
+    let lens = |images: &[&str]| finray(&[&["lens", "--grid-mm", "10", "--plane", "--image"], images].concat());
+    let written = lens(&[&images[0], &images[1]]);
+    assert_eq!(written.code, Some(0), "{}", written.err);
+    let (before, _) = CAMERA_SCENE.split_once("[camera]").expect("a camera");
+    let scene = finray_model::Scene::from_toml(&format!("{before}{}", written.out)).expect("a scene");
+    let found = scene.camera.expect("a camera").pose.expect("a pose");
+    let truth = Pose::new([std::f64::consts::PI, 0.0, 0.3], [5.0, -3.0, 200.0]);
+    let [z, true_z] = [found, truth].map(|pose| pose.rotation * Vector3::z());
+    // Two images in one place leave the focal length at its usual value, and with it slant and distance.
+    assert!(z.dot(&true_z).abs() > 0.03_f64.cos() && z.z < 0.0, "{z} {true_z}");
+    let along = true_z.dot(&truth.translation_mm) / true_z.dot(&found.translation_mm);
+    let focal = scene.camera.expect("a camera").lens.focal_px()[0] / 1360.0;
+    assert!((along * focal - 1.0).abs() < 0.005, "{along} {focal}");
+    assert_says(
+        &lens(&[&images[0], &images[2]]).refused(),
+        &["--plane: expected images of a grid in one place", "image"],
+    );
+}

@@ -1,0 +1,44 @@
+//! `finray render`, `finray locate` and `finray lens`: from shapes to images, and back to displacements, forces and the lens.
+
+mod files;
+mod lens;
+mod locate;
+mod render;
+mod scene;
+
+use crate::kit::*;
+use image::{DynamicImage, ImageFormat, RgbImage};
+use std::io::Cursor;
+
+/// The paper's finger, its markers and the camera that sees them.
+const CAMERA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/scenes/camera.toml");
+/// Largest error of a coordinate, mm, as asked of rendered images with grey noise 2 and a blur of 0.8 px.
+const LARGEST_MM: f64 = 0.015;
+
+/// An image of the paper's finger under a force, with the shape that `solve` gives it.
+fn image_of(folder: &Folder, name: &str, load_at: &str, options: &[&str]) -> (String, Csv) {
+    let shape = Csv::of(&finray(&["solve", CAMERA, "--load-at", load_at]).done());
+    let path = folder.path(name);
+    let disturbed = ["--grey-noise", "2", "--blur-px", "0.8"];
+    finray(&[&["render", CAMERA, "--load-at", load_at, "--out", &path], &disturbed[..], options].concat()).done();
+    (path, shape)
+}
+
+/// Checks every located node of an image against the shape.
+fn assert_located(located: &Csv, image: &str, shape: &Csv) {
+    let (nodes, all) = (located.texts("node"), shape.texts("node"));
+    for (i, node) in nodes.iter().enumerate().filter(|(i, _)| located.texts("image")[*i] == image) {
+        let of = all.iter().position(|other| other == node).expect("a key node");
+        for column in ["ux_mm", "uy_mm"] {
+            let error = located.numbers(column)[i] - shape.numbers(column)[of];
+            assert!(error.abs() < LARGEST_MM, "{image} node {node} {column}: {error}");
+        }
+    }
+}
+
+/// The bytes of an image's file.
+fn encoded(image: &DynamicImage, format: ImageFormat) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    image.write_to(&mut Cursor::new(&mut bytes), format).expect("an image in memory");
+    bytes
+}

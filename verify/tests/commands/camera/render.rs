@@ -1,0 +1,36 @@
+//! Images of the finger.
+
+use super::*;
+
+#[test]
+fn the_same_seed_gives_the_same_image() {
+    let folder = Folder::new();
+    let render = |name: &str, seed: &str| {
+        let path = folder.path(name);
+        let arguments = ["render", CAMERA, "--grey-noise", "3", "--clutter", "9", "--light-falloff", "0.2"];
+        finray(&[&arguments[..], &["--seed", seed, "--out", &path]].concat()).done();
+        std::fs::read(path).expect("the image")
+    };
+    let first = render("1.png", "1");
+    assert!(first == render("2.png", "1") && first != render("3.png", "2"));
+    assert_eq!(&first[..8], b"\x89PNG\r\n\x1a\n");
+}
+
+/// A shape from a file is the shape of the same load.
+#[test]
+fn shapes_are_rendered_from_files() {
+    let folder = Folder::new();
+    let (of_load, _) = image_of(&folder, "load.png", "90:2,10", &[]);
+    let shape = folder.path("shape.csv");
+    finray(&["solve", CAMERA, "--load-at", "90:2,10", "--out", &shape]).done();
+    let of_shape = folder.path("shape.png");
+    let arguments = ["render", CAMERA, "--shape", &shape, "--grey-noise", "2", "--blur-px", "0.8", "--out", &of_shape];
+    finray(&arguments).done();
+    assert!(std::fs::read(of_load).expect("an image") == std::fs::read(of_shape).expect("an image"));
+    let text = folder.read("shape.csv");
+    let short = folder.put("short.csv", text.rsplit_once("\n25,").expect("node 25").0);
+    assert_says(&finray(&["render", CAMERA, "--shape", &short]).refused(), &["node 25 is missing"]);
+    assert!(
+        finray(&["render", CAMERA, "--shape", &shape, "--load", "19:0,-1"]).refused().contains("cannot be used with")
+    );
+}
