@@ -36,7 +36,7 @@ impl Obstacles {
     fn position(&mut self, label: &Label) -> Point {
         let [width, height] = [width_of(&label.text, TICK_TEXT) + 4.0, TICK_TEXT + 2.0];
         let start = label.side[1].atan2(label.side[0]);
-        let candidates = [5.0, 9.0, 14.0, 20.0, 28.0].into_iter().flat_map(|gap| {
+        let candidates = [5.0, 9.0, 14.0, 20.0, 28.0, 40.0].into_iter().flat_map(|gap| {
             (0..24).map(move |turn| {
                 let (up, across) = (start + f64::from(turn) * std::f64::consts::TAU / 24.0).sin_cos();
                 // So far that the label's edge, not its middle, keeps the gap.
@@ -57,6 +57,7 @@ impl Obstacles {
         let (at, from) = (area.centre(), label.anchor);
         let far = distance(from, at);
         let turned = 1.0 - ((at[0] - from[0]) * label.side[0] + (at[1] - from[1]) * label.side[1]) / far.max(1e-9);
-        100.0 * crossed as f64 + 200.0 * hidden as f64 + 1000.0 * outside + far + 18.0 * turned
+        // Over a line a label can be read, over another label not.
+        100.0 * crossed as f64 + 1000.0 * hidden as f64 + 1000.0 * outside + far + 18.0 * turned
     }
 }

@@ -19,6 +19,8 @@ use nalgebra::{DMatrix, DVector};
 const MAX_STEPS: usize = 30;
 /// Last change of a force, as a share of the largest: far below any noise.
 const SETTLED: f64 = 1e-7;
+/// A slow search ends well, too, where its last change of a force is no more than this share of the force's standard deviation.
+const NEGLIGIBLE: f64 = 0.01;
 /// A step that leads to no equilibrium, or to a worse fit, is halved so often.
 const HALVINGS: usize = 12;
 /// Chi-squared beyond its mean by this many of its standard deviations is no chance: 1 in 10^4 for the degrees of freedom of a finger.
@@ -97,10 +99,11 @@ pub(super) fn sense(
     let mut state = State { forces_n: start.forces.forces_n, tangents: vec![0.0; count], shifts_mm: vec![0.0; count] };
     let none = SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 0.0 });
     let mut response = problem.bent(&mut finger, &state)?.ok_or(none)?;
-    let mut change_n = 0.0;
+    let mut changes_n = DVector::zeros(count);
     for iterations in 1..=MAX_STEPS {
         let step = problem.step(&state, &response)?;
-        change_n = step.rows(0, count).amax();
+        changes_n = step.rows(0, count).abs();
+        let change_n = changes_n.amax();
         let before = problem.misfit(&state, &response);
         let mut taken = None;
         for halving in 0..=HALVINGS {
@@ -119,7 +122,12 @@ pub(super) fn sense(
             return problem.solution(&state, &response);
         }
     }
-    Err(SensingError::NotConverged { iterations: MAX_STEPS, change_n })
+    let solution = problem.solution(&state, &response)?;
+    let is_negligible = |i: usize| changes_n[i] <= NEGLIGIBLE * solution.covariance_n2[(i, i)].sqrt();
+    if (0..count).all(is_negligible) {
+        return Ok(solution);
+    }
+    Err(SensingError::NotConverged { iterations: MAX_STEPS, change_n: changes_n.amax() })
 }
 
 impl Problem<'_> {
