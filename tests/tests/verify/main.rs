@@ -34,6 +34,7 @@ mod figures {
 }
 mod grasp {
     mod contact;
+    mod energy;
     mod loops;
     mod modules;
     mod observations;

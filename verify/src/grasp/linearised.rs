@@ -92,7 +92,7 @@ impl Scene<'_> {
         around: &Surroundings,
     ) {
         let arm = nalgebra::Rotation2::new(state.object[2]) * self.centre;
-        let drags = [around.drag, around.drag, around.drag * self.size_mm * self.size_mm];
+        let drags = self.drags(around);
         let loads = [around.weight.x, around.weight.y, arm.perp(&around.weight)];
         let from = around.carried_from(before.object);
         for i in 0..3 {

@@ -13,4 +13,4 @@ mod near;
 pub mod surface;
 pub mod world;
 
-pub use world::{Drive, Halt, Met, Partner, World, WorldError};
+pub use world::{Account, Drive, Halt, Met, Partner, World, WorldError};

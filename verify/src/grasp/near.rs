@@ -13,6 +13,9 @@ use std::collections::BTreeMap;
 /// Distance, as a share of the object's size, from which on a pair is looked at.
 const NEAR: f64 = 0.2;
 
+/// An object that is carried along has left its support where the gap would take this many times the force, by the fingers' stiffness across.
+const LIFTED: f64 = 10.0;
+
 /// Which pair of parts: the finger by its number (the support comes after the last), its part, and the object's feature.
 pub(super) type Key = (usize, usize, Feature);
 
@@ -94,16 +97,37 @@ impl Scene<'_> {
         near.iter().map(|near| (near.key, force(near.key))).collect()
     }
 
+    /// What all pairs look like after a step in which they were taken for `before`. Where the support has let go of the object, others hold it alone,
+    /// and are taken to stick until they cannot.
+    pub(super) fn looks(
+        &self,
+        near: &[Near],
+        forces: &BTreeMap<Key, [f64; 2]>,
+        before: &BTreeMap<Key, Look>,
+    ) -> BTreeMap<Key, Look> {
+        let look = |near: &Near| (near.key, self.look(near, forces[&near.key], before.get(&near.key)));
+        let mut looks: BTreeMap<Key, Look> = near.iter().map(look).collect();
+        let lets_go = |near: &Near| {
+            let was_closed = before.get(&near.key).is_some_and(|look| look.grip.is_some());
+            near.part.is_none() && was_closed && looks[&near.key].grip.is_none()
+        };
+        if near.iter().any(lets_go) {
+            looks.values_mut().filter_map(|look| look.grip.as_mut()).for_each(|grip| *grip = Grip::Sticks);
+        }
+        looks
+    }
+
     /// What a pair looks like after a step in which it was taken for `before`. A closed one opens when its force pulls twice in a row: after a long
     /// step forces are not yet what they will be.
-    pub(super) fn look(&self, near: &Near, [normal_n, friction_n]: [f64; 2], before: Option<&Look>) -> Look {
+    fn look(&self, near: &Near, [normal_n, friction_n]: [f64; 2], before: Option<&Look>) -> Look {
         let Touching { gap_mm, slip_mm, .. } = near.touching;
         let grip = |held_n: f64, pressed_n: f64| match held_n.abs() < self.friction * pressed_n {
             true => Some(Grip::Sticks),
             false => Some(Grip::Slips { forwards: held_n < 0.0 }),
         };
+        let is_lifted = near.part.is_none() && normal_n < LIFTED * self.stiffness * gap_mm;
         let before = before.copied().unwrap_or(Look {
-            grip: if normal_n > self.nothing_n() { grip(friction_n, normal_n) } else { None },
+            grip: if normal_n > self.nothing_n() && !is_lifted { grip(friction_n, normal_n) } else { None },
             is_pulled: false,
         });
         let is_pulled = normal_n < -self.nothing_n() && before.grip.is_some();

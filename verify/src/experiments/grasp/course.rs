@@ -250,9 +250,7 @@ impl<'s, 'l> Course<'s, 'l> {
             weight,
             support_force: force_of(&self.world, Partner::Support),
             imbalance: imbalance(&self.world, weight),
-            elastic_nmm: self.world.elastic_nmm(),
-            dissipated_nmm: self.world.dissipated_nmm(),
-            driven_nmm: self.world.driven_nmm(),
+            energy: *self.world.account(),
             fingers,
         }
     }

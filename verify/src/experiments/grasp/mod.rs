@@ -23,7 +23,7 @@ pub use summary::{SensedSummary, Summary};
 use crate::estimators::EstimatorId;
 use crate::estimators::network::Networks;
 use crate::experiments::contact_scene::{OutlineError, TurnedOutline};
-use crate::grasp::{Partner, World, WorldError, surface::Shape};
+use crate::grasp::{Account, Partner, World, WorldError, surface::Shape};
 use crate::lattice::{Lattice, LatticeError};
 use crate::sampling::noise::Noise;
 use course::Course;
@@ -118,12 +118,8 @@ pub struct GraspStep {
     pub support_force: Vector,
     /// How far forces and moments on the object, and on each finger's base, are from balance, as a share of the largest force.
     pub imbalance: f64,
-    /// Elastic energy of both fingers, N mm.
-    pub elastic_nmm: f64,
-    /// Work of friction so far, N mm.
-    pub dissipated_nmm: f64,
-    /// Work of what moves the fingers' bases so far, N mm.
-    pub driven_nmm: f64,
+    /// Where the work of the motor went so far.
+    pub energy: Account,
 }
 
 impl GraspStep {

@@ -3,6 +3,7 @@
 use super::outlook::{LoopFigures, loop_figures};
 use super::{Ended, GraspScene, GraspStep, Phase};
 use crate::estimators::EstimatorId;
+use crate::grasp::Account;
 use crate::settings::TWO_SIDED_95;
 use finray_model::Vector;
 use serde::Serialize;
@@ -26,12 +27,10 @@ pub struct Summary {
     pub left_right_difference: Option<f64>,
     /// How far the object has moved against the gripper at most while it was lifted and carried, mm; none without a way.
     pub slid_mm: Option<f64>,
-    /// Elastic energy at the last step, N mm.
-    pub elastic_nmm: f64,
-    /// Work of friction, N mm.
-    pub dissipated_nmm: f64,
-    /// Work of what moves the fingers' bases, N mm.
-    pub driven_nmm: f64,
+    /// Where the work of the motor went.
+    pub energy: Account,
+    /// Largest elastic energy of the fingers, N mm.
+    pub largest_elastic_nmm: f64,
     /// Sensed contacts and totals.
     pub sensed: SensedSummary,
     /// The closed loop, where there is one.
@@ -91,9 +90,8 @@ impl Summary {
             worst_imbalance: steps.iter().map(|step| step.imbalance).fold(0.0, f64::max),
             left_right_difference: largest(&mut held.filter_map(difference)),
             slid_mm: slid_mm(steps),
-            elastic_nmm: steps.last().map_or(0.0, |step| step.elastic_nmm),
-            dissipated_nmm: steps.last().map_or(0.0, |step| step.dissipated_nmm),
-            driven_nmm: steps.last().map_or(0.0, |step| step.driven_nmm),
+            energy: steps.last().map_or(Account::default(), |step| step.energy),
+            largest_elastic_nmm: steps.iter().map(|step| step.energy.elastic_nmm).fold(0.0, f64::max),
             sensed: SensedSummary {
                 by: scene.estimator().map_or("errors in all variables", EstimatorId::name),
                 ..sensed(steps)

@@ -1,6 +1,6 @@
 //! What can be read off fingers, object and contacts at rest.
 
-use super::{Met, Partner, World};
+use super::{Account, Met, Partner, World};
 use crate::grasp::contact::Touching;
 use crate::grasp::near::{Near, touched};
 use crate::grasp::surface::Shape;
@@ -11,14 +11,9 @@ use finray_model::mesh::FingerShape;
 use nalgebra::Rotation2;
 
 impl World<'_> {
-    /// Work that what moves the bases has done so far, N mm: by the trapezoidal rule over the steps that were solved.
-    pub fn driven_nmm(&self) -> f64 {
-        self.driven_nmm
-    }
-
-    /// Work that friction has done so far, N mm.
-    pub fn dissipated_nmm(&self) -> f64 {
-        self.dissipated_nmm
+    /// Where the work that moved the bases went.
+    pub fn account(&self) -> &Account {
+        &self.account
     }
 
     /// Elastic energy of the fingers, N mm.

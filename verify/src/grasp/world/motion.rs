@@ -1,0 +1,141 @@
+//! The way from one drive to the next: parts of a step that Newton's method takes, snaps, and coming to rest.
+
+use super::{Drive, Halt, World};
+use crate::grasp::equilibrium::{Standing, Surroundings};
+use finray_model::gripper::Placement;
+
+/// Least part of a step that is tried before a snap is passed.
+const LEAST_PART: f64 = 1.0 / 16.0;
+/// The same where energy is missing.
+const LEAST_LEAP: f64 = 1.0 / 256.0;
+/// Energy that may be missing in the account of a step, as a share of what bends a finger by the object's size.
+const MISSING: f64 = 1e-4;
+/// Resistance of an object against having moved, as a share of the fingers' stiffness: it holds one that nothing holds, and a millimetre costs
+/// a millionth of a newton.
+const DRAG: f64 = 1e-6;
+/// The same while bases move.
+const MOVING_DRAG: f64 = 1e-3;
+/// The most that is tried.
+const MOST_DRAG: f64 = 1e3;
+/// The resistance grows by this factor where the object would go far, and falls again when it does not.
+const DRAG_FACTOR: f64 = 10.0;
+/// Steps that are to be solved after one that was not until a longer part, or less resistance, is tried.
+const BOLDER: usize = 2;
+/// Farthest that an object goes at once while it comes to rest, as a share of its size.
+const FARTHEST: f64 = 0.1;
+/// All rests when the resistance is this share of the forces.
+pub(super) const AT_REST: f64 = 1e-5;
+/// Steps in which the object must have come to rest.
+const MOST_STEPS: usize = 400;
+
+/// Whether a step was taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Taken {
+    Solved,
+    /// Newton's method found an equilibrium to which no way leads on which energy is accounted for: a shorter one may.
+    Leaps,
+    /// It found none.
+    Unsolved,
+}
+
+impl World<'_> {
+    /// Moves the bases in parts that Newton's method takes and whose energy is accounted for. Where none is short enough, a snap is passed: a short
+    /// part against resistance, after which all comes to rest before the bases move on.
+    pub(super) fn move_to(&mut self, to: &Drive) -> Result<(), Halt> {
+        let from = self.drive.clone();
+        let (mut at, mut part, mut solved) = (0.0, 1.0, 0);
+        while at < 1.0 {
+            let next = if at + part >= 1.0 { 1.0 } else { at + part };
+            let there = from.towards(to, next);
+            let least = match self.step(&there, MOVING_DRAG, self.most_missing_nmm()) {
+                Taken::Solved => {
+                    solved += 1;
+                    (at, part) = (next, if solved >= BOLDER { part * 2.0 } else { part });
+                    continue;
+                }
+                Taken::Leaps => LEAST_LEAP,
+                Taken::Unsolved => LEAST_PART,
+            };
+            if part > least {
+                (part, solved) = (part * 0.5, 0);
+                continue;
+            }
+            let mut drags = std::iter::successors(Some(MOVING_DRAG * DRAG_FACTOR), |drag| Some(drag * DRAG_FACTOR));
+            let is_taken = |drag: f64| self.step(&there, drag, f64::INFINITY) == Taken::Solved;
+            if !drags.by_ref().take_while(|drag| *drag <= MOST_DRAG).any(is_taken) {
+                return Err(self.halt());
+            }
+            self.come_to_rest()?;
+            (at, part, solved) = (next, 4.0 * LEAST_PART, 0);
+        }
+        Ok(())
+    }
+
+    /// Solves a step, and takes it if no more than `most_missing_nmm` of energy is missing.
+    fn step(&mut self, to: &Drive, drag: f64, most_missing_nmm: f64) -> Taken {
+        let finger_drag = if drag > MOVING_DRAG { drag * self.scene.stiffness } else { 0.0 };
+        let drag = drag * self.scene.stiffness;
+        let carried = to.gripper - self.drive.gripper;
+        let around = Surroundings { weight: to.weight, support: self.support, carried, drag, finger_drag };
+        let farthest_mm = FARTHEST * self.scene.size_mm + self.base_way_mm(to);
+        let (scene, placements, elimination) = (&self.scene, &to.placements, &mut self.elimination);
+        let Some(next) = scene.equilibrium(&self.state, placements, &around, farthest_mm, elimination) else {
+            return Taken::Unsolved;
+        };
+        let drive = std::mem::replace(&mut self.drive, to.clone());
+        let before = std::mem::replace(&mut self.before, std::mem::replace(&mut self.state, next));
+        let now = self.acting(&around);
+        let then = std::mem::replace(&mut self.acting, now);
+        let step = self.booked(&drive, &then);
+        if step.missing_nmm().abs() > most_missing_nmm {
+            self.state = std::mem::replace(&mut self.before, before);
+            (self.drive, self.acting) = (drive, then);
+            return Taken::Leaps;
+        }
+        self.account.book(&step);
+        Taken::Solved
+    }
+
+    /// Energy that may be missing in the account of a step, N mm.
+    fn most_missing_nmm(&self) -> f64 {
+        MISSING * self.scene.stiffness * self.scene.size_mm * self.scene.size_mm
+    }
+
+    /// How far the bases move to another drive, mm, at the farthest tip.
+    fn base_way_mm(&self, to: &Drive) -> f64 {
+        let tip = |standing: &Standing, placement: &Placement| {
+            let finger = standing.lattice.finger();
+            placement.outwards(finger.position(finger.tip()))
+        };
+        let ways = self.scene.fingers.iter().zip(self.drive.placements.iter().zip(&to.placements));
+        ways.map(|(finger, (a, b))| (tip(finger, b) - tip(finger, a)).norm()).fold(0.0, f64::max)
+    }
+
+    /// Lets the object move until the resistance against it is nothing beside the forces.
+    pub(super) fn come_to_rest(&mut self) -> Result<(), Halt> {
+        let drive = self.drive.clone();
+        let (mut drag, mut solved) = (MOVING_DRAG / DRAG_FACTOR, BOLDER);
+        for _ in 0..MOST_STEPS {
+            let held = self.state.clone();
+            if self.step(&drive, drag, f64::INFINITY) != Taken::Solved {
+                if drag > MOST_DRAG {
+                    return Err(self.halt());
+                }
+                (drag, solved) = (drag * DRAG_FACTOR, 0);
+                continue;
+            }
+            solved += 1;
+            let moved_mm = self.scene.way_mm(&held, &self.state);
+            let resistance_n = drag * self.scene.stiffness * moved_mm;
+            let forces = self.near().into_iter().filter_map(|near| self.state.forces.get(&near.key).copied());
+            let largest_n = forces.map(|[normal, _]| normal).fold(drive.weight.norm(), f64::max);
+            if resistance_n <= AT_REST * largest_n && (drag <= DRAG || moved_mm <= AT_REST * self.scene.size_mm) {
+                return Ok(());
+            }
+            if solved >= BOLDER {
+                drag = (drag / DRAG_FACTOR.sqrt()).max(DRAG);
+            }
+        }
+        Err(Halt::Dropped)
+    }
+}
