@@ -15,7 +15,7 @@ mod members;
 pub use equations::Equations;
 pub(crate) use equations::MEMBER_COORDINATES;
 pub use loads::FrameLoad;
-pub(crate) use members::swing;
+pub(crate) use members::{end_motions, swing};
 
 use crate::Vector;
 use crate::element::Beam;
@@ -55,22 +55,22 @@ impl Section {
 
 /// Where a beam ends: at a node, at the end of a rigid arm that turns with `rotation`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BeamEnd {
+pub struct BeamEnd<R = f64> {
     /// The node.
     pub node: NodeIndex,
     /// The rotation the end is clamped to: the node's own, or a pin's.
     pub rotation: RotationSlot,
     /// From the node to the end of the beam, undeformed, mm; zero without an arm.
-    pub arm: Vector,
+    pub arm: Vector2<R>,
 }
 
 /// A beam with its two ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Member {
+pub struct Member<R = f64> {
     /// The elastic part.
-    pub beam: Beam,
+    pub beam: Beam<R>,
     /// First and second end.
-    pub ends: [BeamEnd; 2],
+    pub ends: [BeamEnd<R>; 2],
 }
 
 /// A node of the frame.
@@ -200,6 +200,11 @@ impl<R: Number> FrameMotion<R> {
             displacements: vec![Vector2::new(zero, zero); frame.nodes.len()],
             rotations: vec![zero; frame.rotation_fixed.len()],
         }
+    }
+
+    /// Without nodes.
+    pub(crate) fn empty() -> FrameMotion<R> {
+        FrameMotion { displacements: Vec::new(), rotations: Vec::new() }
     }
 
     /// Copies one lane.

@@ -61,6 +61,8 @@ pub struct Mesh {
     finger: Finger,
     frame: PlaneFrame,
     lines: Vec<Line>,
+    /// Lines that can be computed side by side; see [`Mesh::alike_lines`].
+    alike: Vec<Vec<usize>>,
     /// Pieces of the front plate from base to tip, each with the position where it ends.
     front: Vec<(f64, FrontSpan)>,
     /// Elements of each line, the base line last.
@@ -123,6 +125,11 @@ impl Mesh {
     /// The members of the finger, for drawing.
     pub fn lines(&self) -> &[Line] {
         &self.lines
+    }
+
+    /// The lines by their index, those together that have the same part and as many elements.
+    pub(crate) fn alike_lines(&self) -> &[Vec<usize>] {
+        &self.alike
     }
 
     /// Number of nodes, those of the base line and of undeformable ribs counted too.

@@ -23,26 +23,18 @@ pub struct Chord<R = f64> {
     pub rotation: R,
 }
 
-impl Chord {
+impl<R: Number> Chord<R> {
     /// The chord of the beam at rest.
     #[inline(always)]
-    pub fn undeformed(beam: &Beam) -> Chord {
-        Chord::at_rest(beam, 0.0)
-    }
-}
-
-impl<R: Number> Chord<R> {
-    /// The chord of the beam at rest, in numbers like the one given.
-    #[inline(always)]
-    pub(super) fn at_rest(beam: &Beam, like: R) -> Chord<R> {
-        let along = beam.direction.map(|x| like.constant(x));
+    pub fn at_rest(beam: &Beam<R>) -> Chord<R> {
+        let zero = beam.length_mm.zero();
         Chord {
-            along,
-            across: quarter_turn(along),
-            length_mm: like.constant(beam.length_mm),
-            per_length: like.constant(1.0 / beam.length_mm),
-            elongation_mm: like.zero(),
-            rotation: like.zero(),
+            along: beam.direction,
+            across: quarter_turn(beam.direction),
+            length_mm: beam.length_mm,
+            per_length: beam.per_length(),
+            elongation_mm: zero,
+            rotation: zero,
         }
     }
 
@@ -51,7 +43,7 @@ impl<R: Number> Chord<R> {
     /// Elongation and rotation are formed from the relative displacement of the ends rather than from differences of
     /// lengths and angles, so that displacements far smaller than the beam keep all their digits.
     #[inline(always)]
-    pub fn deformed(beam: &Beam, motion: &[EndMotion<R>; 2]) -> Chord<R> {
+    pub fn deformed(beam: &Beam<R>, motion: &[EndMotion<R>; 2]) -> Chord<R> {
         let relative = difference(motion);
         let (direction, across) = (beam.direction, quarter_turn(beam.direction));
         let forward = relative.x * direction.x + relative.y * direction.y;
@@ -60,9 +52,9 @@ impl<R: Number> Chord<R> {
         // Lengths of fingers are far from the ends of the number range: no need for hypot's care.
         let length_mm = (projected * projected + sideways * sideways).sqrt();
         let elongation_mm =
-            (forward * (forward + 2.0 * beam.length_mm) + sideways * sideways) / (length_mm + beam.length_mm);
+            (forward * (forward + beam.length_mm * 2.0) + sideways * sideways) / (length_mm + beam.length_mm);
         let per_length = length_mm.constant(1.0) / length_mm;
-        let rest = beam.direction * beam.length_mm;
+        let rest = beam.rest();
         let along = Vector2::new((relative.x + rest.x) * per_length, (relative.y + rest.y) * per_length);
         Chord {
             along,

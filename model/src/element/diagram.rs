@@ -39,7 +39,7 @@ impl Beam {
         loads: &[(f64, Vector)],
     ) -> Vec<Station> {
         let linear = kinematics == Kinematics::Linear;
-        let chord = if linear { Chord::undeformed(self) } else { Chord::deformed(self, motion) };
+        let chord = if linear { Chord::at_rest(self) } else { Chord::deformed(self, motion) };
         let deformation = if linear { chord.linear_deformation(motion) } else { chord.deformation(motion) };
         let mut loads: Vec<ChordLoad> = loads
             .iter()

@@ -61,7 +61,7 @@ impl Beam {
 
     fn work_on(&self, kinematics: Kinematics, shape: Shape, force: Vector, motion: &[EndMotion; 2]) -> Response {
         let linear = kinematics == Kinematics::Linear;
-        let chord = if linear { Chord::undeformed(self) } else { Chord::deformed(self, motion) };
+        let chord = if linear { Chord::at_rest(self) } else { Chord::deformed(self, motion) };
         let deformation = if linear { chord.linear_deformation(motion) } else { chord.deformation(motion) };
         let gradients = chord.gradients();
 

@@ -12,7 +12,6 @@ pub use chord::Chord;
 pub(crate) use chord::quarter_turn;
 pub use diagram::Station;
 
-use crate::Vector;
 use crate::number::Number;
 use nalgebra::{SMatrix, SVector, Vector2};
 use serde::{Deserialize, Serialize};
@@ -56,18 +55,18 @@ pub struct Response<R = f64> {
 
 /// A straight, slender (Euler-Bernoulli) beam with constant section.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Beam {
+pub struct Beam<R = f64> {
     /// Unit vector from the first to the second end, undeformed.
-    pub direction: Vector,
+    pub direction: Vector2<R>,
     /// Undeformed length, mm.
-    pub length_mm: f64,
+    pub length_mm: R,
     /// EA, N.
-    pub axial_rigidity_n: f64,
+    pub axial_rigidity_n: R,
     /// EI, N mm^2.
-    pub bending_rigidity_nmm2: f64,
+    pub bending_rigidity_nmm2: R,
 }
 
-impl Beam {
+impl<R: Number> Beam<R> {
     /// Energy, nodal forces and tangent stiffness at the given motion of the two ends.
     ///
     /// Every kinematics follows one pattern. The end motions give three natural deformations, the elongation of the
@@ -79,9 +78,9 @@ impl Beam {
     ///
     /// Source: Crisfield, Non-linear Finite Element Analysis of Solids and Structures, vol. 1, sec. 7.3.
     #[inline(always)]
-    pub fn response<R: Number>(&self, kinematics: Kinematics, motion: &[EndMotion<R>; 2]) -> Response<R> {
+    pub fn response(&self, kinematics: Kinematics, motion: &[EndMotion<R>; 2]) -> Response<R> {
         if kinematics == Kinematics::Linear {
-            let chord = Chord::at_rest(self, motion[0].rotation);
+            let chord = Chord::at_rest(self);
             return self.natural_response(false, &chord.linear_deformation(motion)).on_chord(&chord, false);
         }
         let chord = Chord::deformed(self, motion);

@@ -27,11 +27,17 @@ fn arch(bowing: bool) -> f64 {
     if bowing { 1.0 / 30.0 } else { 0.0 }
 }
 
-impl Beam {
+impl<R: Number> Beam<R> {
     /// Divisions are slow: one for all.
     #[inline(always)]
-    fn per_length(&self) -> f64 {
-        1.0 / self.length_mm
+    pub(super) fn per_length(&self) -> R {
+        self.length_mm.constant(1.0) / self.length_mm
+    }
+
+    /// From the first to the second end, undeformed, mm.
+    #[inline(always)]
+    pub(crate) fn rest(&self) -> Vector2<R> {
+        Vector2::new(self.direction.x * self.length_mm, self.direction.y * self.length_mm)
     }
 
     /// eps = e / L + (2 phi_a^2 - phi_a phi_b + 2 phi_b^2) / 30.
@@ -39,7 +45,7 @@ impl Beam {
     /// The second part is the mean of w'^2 / 2 over the cubic deflection w (the shallow arch); without `bowing` it is
     /// left out and the strain is the chord's.
     #[inline(always)]
-    fn axial_strain<R: Number>(&self, bowing: bool, deformation: &Deformation<R>) -> AxialStrain<R> {
+    fn axial_strain(&self, bowing: bool, deformation: &Deformation<R>) -> AxialStrain<R> {
         let (a, b) = (deformation[1], deformation[2]);
         let arch = arch(bowing);
         AxialStrain {
@@ -49,18 +55,18 @@ impl Beam {
     }
 
     /// The axial strain without its derivatives.
-    pub(super) fn mean_strain(&self, bowing: bool, deformation: &Deformation) -> f64 {
+    pub(super) fn mean_strain(&self, bowing: bool, deformation: &Deformation<R>) -> R {
         self.axial_strain(bowing, deformation).strain
     }
 
     /// U = EA L eps^2 / 2 + 2 EI / L (phi_a^2 + phi_a phi_b + phi_b^2) and its gradient: axial force (N) and end moments
     /// (N mm).
     #[inline(always)]
-    fn natural_forces<R: Number>(&self, axial: &AxialStrain<R>, deformation: &Deformation<R>) -> (R, Vector3<R>) {
+    fn natural_forces(&self, axial: &AxialStrain<R>, deformation: &Deformation<R>) -> (R, Vector3<R>) {
         let (a, b) = (deformation[1], deformation[2]);
         let flexural = self.bending_rigidity_nmm2 * self.per_length();
         let force = axial.strain * self.axial_rigidity_n;
-        let energy = force * 0.5 * axial.strain * self.length_mm + (a * a + a * b + b * b) * (2.0 * flexural);
+        let energy = force * 0.5 * axial.strain * self.length_mm + (a * a + a * b + b * b) * (flexural * 2.0);
         let [by_a, by_b] = axial.by_rotations;
         let gradient = Vector3::new(
             force,
@@ -72,7 +78,7 @@ impl Beam {
 
     /// Energy U, its gradient and its second derivatives.
     #[inline(always)]
-    pub(super) fn natural_response<R: Number>(&self, bowing: bool, deformation: &Deformation<R>) -> NaturalResponse<R> {
+    pub(super) fn natural_response(&self, bowing: bool, deformation: &Deformation<R>) -> NaturalResponse<R> {
         let axial = self.axial_strain(bowing, deformation);
         let (energy, gradient) = self.natural_forces(&axial, deformation);
         let [by_a, by_b] = axial.by_rotations;
@@ -80,11 +86,11 @@ impl Beam {
         let flexural = self.bending_rigidity_nmm2 * self.per_length();
         let curvature = gradient[0] * self.length_mm * arch(bowing);
         let (with_a, with_b) = (by_a * axial_stiffness, by_b * axial_stiffness);
-        let mixed = with_a * by_b + 2.0 * flexural - curvature;
+        let mixed = with_a * by_b + flexural * 2.0 - curvature;
         let bending = (curvature + flexural) * 4.0;
         #[rustfmt::skip]
         let stiffness = Matrix3::new(
-            curvature.constant(axial_stiffness), with_a, with_b,
+            axial_stiffness, with_a, with_b,
             with_a, with_a * by_a + bending, mixed,
             with_b, mixed, with_b * by_b + bending,
         );
@@ -94,8 +100,8 @@ impl Beam {
     /// Energy (N mm) and nodal forces of a beam with small displacements: what [`response`](Beam::response) gives beside
     /// the tangent, which never changes.
     #[inline(always)]
-    pub(crate) fn linear_forces<R: Number>(&self, motion: &[EndMotion<R>; 2]) -> (R, SVector<R, 6>) {
-        let chord = Chord::at_rest(self, motion[0].rotation);
+    pub(crate) fn linear_forces(&self, motion: &[EndMotion<R>; 2]) -> (R, SVector<R, 6>) {
+        let chord = Chord::at_rest(self);
         let deformation = chord.linear_deformation(motion);
         let (energy, gradient) = self.natural_forces(&self.axial_strain(false, &deformation), &deformation);
         (energy, chord.nodal_forces(&gradient))

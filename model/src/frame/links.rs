@@ -1,7 +1,7 @@
 //! Rigid links: nodes that follow others over levers that turn.
 
 use super::equations::MOST_LEVERS;
-use super::members::{swing, turned};
+use super::members::{swing, turned, vector_of};
 use super::{FrameMotion, NodeIndex, PlaneFrame, RotationSlot};
 use crate::Vector;
 use crate::number::Number;
@@ -65,7 +65,8 @@ impl PlaneFrame {
             if let Some(link) = &node.link {
                 let mut u = motion.displacements[link.master];
                 for Lever { rotation, along } in link.levers() {
-                    let swung = swing(along, motion.rotations[rotation], linear);
+                    let turn = motion.rotations[rotation];
+                    let swung = swing(vector_of(along, turn), turn, linear);
                     u = Vector2::new(u.x + swung.x, u.y + swung.y);
                 }
                 motion.displacements[n] = u;
@@ -82,7 +83,10 @@ impl PlaneFrame {
         linear: bool,
     ) -> impl Iterator<Item = (RotationSlot, Vector2<R>)> + 'a {
         let levers = self.nodes[node].link.iter().flat_map(RigidLink::levers);
-        levers.map(move |lever| (lever.rotation, turned(lever.along, motion.rotations[lever.rotation], linear)))
+        levers.map(move |lever| {
+            let turn = motion.rotations[lever.rotation];
+            (lever.rotation, turned(vector_of(lever.along, turn), turn, linear))
+        })
     }
 
     /// The slots of the levers that carry a linked node; none for other nodes.

@@ -123,7 +123,7 @@ impl PlaneFrame {
     ) -> Response {
         let linear = kinematics == Kinematics::Linear;
         let member = &self.members[member];
-        let motions = self.end_motions(motion, &member.ends, linear);
+        let motions = member.end_motions(motion, linear);
         let mut response = of(&member.beam, &motions);
         carry_over_arms(&member.ends, motions.map(|end| end.rotation), &mut response, linear);
         response
@@ -166,7 +166,7 @@ impl PlaneFrame {
         match *load {
             FrameLoad::Interior { member, xi, .. } => {
                 let member = &self.members[member];
-                member.beam.interior_rotation(xi, &self.end_motions(motion, &member.ends, false))
+                member.beam.interior_rotation(xi, &member.end_motions(motion, false))
             }
             FrameLoad::Node { .. } | FrameLoad::Arm { .. } => motion.rotations[load.at_end(self).0.rotation],
         }

@@ -3,30 +3,30 @@
 use super::equations::{MEMBER_COORDINATES, NODE_COORDINATES};
 use super::{BeamEnd, FrameMotion, Member, NodeIndex, PlaneFrame};
 use crate::Vector;
-use crate::element::{EndMotion, Kinematics, Response, Station, quarter_turn};
-use crate::number::Number;
+use crate::element::{Beam, EndMotion, Kinematics, Response, Station, quarter_turn};
+use crate::number::{Number, sine_and_versine};
 use nalgebra::{SMatrix, SVector, Vector2};
 
 /// Displacement of the end of a lever that turns by `rotation`: (R - 1) lever, without cancellation for small turns.
 #[inline(always)]
-pub(crate) fn swing<R: Number>(lever: Vector, rotation: R, linear: bool) -> Vector2<R> {
+pub(crate) fn swing<R: Number>(lever: Vector2<R>, rotation: R, linear: bool) -> Vector2<R> {
     let quarter = quarter_turn(lever);
     if linear {
         return Vector2::new(rotation * quarter.x, rotation * quarter.y);
     }
-    let half = (rotation * 0.5).each(f64::sin);
-    let (sine, versine) = (rotation.each(f64::sin), half * 2.0 * half);
+    let (sine, versine) = sine_and_versine(rotation);
     Vector2::new(sine * quarter.x - versine * lever.x, sine * quarter.y - versine * lever.y)
 }
 
-/// Whether a beam ends at an arm.
+/// Whether a beam ends at an arm, in any lane.
 #[inline(always)]
-fn has_arm(end: &BeamEnd) -> bool {
-    end.arm.x != 0.0 || end.arm.y != 0.0
+fn has_arm<R: Number>(end: &BeamEnd<R>) -> bool {
+    let zero = end.arm.x.zero();
+    zero.anywhere(zero.either(end.arm.x.abs().exceeds(zero), end.arm.y.abs().exceeds(zero)))
 }
 
 #[inline(always)]
-fn end_motion<R: Number>(motion: &FrameMotion<R>, end: &BeamEnd, linear: bool) -> EndMotion<R> {
+fn end_motion<R: Number>(motion: &FrameMotion<R>, end: &BeamEnd<R>, linear: bool) -> EndMotion<R> {
     let rotation = motion.rotations[end.rotation];
     let mut displacement = motion.displacements[end.node];
     if has_arm(end) {
@@ -37,72 +37,100 @@ fn end_motion<R: Number>(motion: &FrameMotion<R>, end: &BeamEnd, linear: bool) -
     EndMotion { displacement, rotation }
 }
 
+/// A vector in numbers like the one given.
+#[inline(always)]
+pub(super) fn vector_of<R: Number>(vector: Vector, like: R) -> Vector2<R> {
+    Vector2::new(like.constant(vector.x), like.constant(vector.y))
+}
+
 /// The lever turned by `rotation` (or left as it is), mm.
 #[inline(always)]
-pub(super) fn turned<R: Number>(lever: Vector, rotation: R, linear: bool) -> Vector2<R> {
+pub(super) fn turned<R: Number>(lever: Vector2<R>, rotation: R, linear: bool) -> Vector2<R> {
     if linear {
-        return lever.map(|x| rotation.constant(x));
+        return lever;
     }
     let swung = swing(lever, rotation, false);
     Vector2::new(swung.x + lever.x, swung.y + lever.y)
 }
 
-impl PlaneFrame {
+/// Motions of two ends of elastic parts.
+#[inline(always)]
+pub(crate) fn end_motions<R: Number>(
+    motion: &FrameMotion<R>,
+    ends: &[BeamEnd<R>; 2],
+    linear: bool,
+) -> [EndMotion<R>; 2] {
+    // Not by `map`, which goes through memory.
+    [end_motion(motion, &ends[0], linear), end_motion(motion, &ends[1], linear)]
+}
+
+impl BeamEnd {
+    /// The same in numbers like the one given.
+    #[inline(always)]
+    fn in_numbers<R: Number>(&self, like: R) -> BeamEnd<R> {
+        BeamEnd { node: self.node, rotation: self.rotation, arm: vector_of(self.arm, like) }
+    }
+}
+
+impl Member {
+    /// The same in numbers like the one given.
+    #[inline(always)]
+    pub(crate) fn in_numbers<R: Number>(&self, like: R) -> Member<R> {
+        let Member { beam, ends: [first, second] } = self;
+        Member {
+            beam: Beam {
+                direction: vector_of(beam.direction, like),
+                length_mm: like.constant(beam.length_mm),
+                axial_rigidity_n: like.constant(beam.axial_rigidity_n),
+                bending_rigidity_nmm2: like.constant(beam.bending_rigidity_nmm2),
+            },
+            ends: [first.in_numbers(like), second.in_numbers(like)],
+        }
+    }
+}
+
+impl<R: Number> Member<R> {
     /// Motion of the elastic part's two ends.
     #[inline(always)]
-    pub(crate) fn end_motions<R: Number>(
-        &self,
-        motion: &FrameMotion<R>,
-        ends: &[BeamEnd; 2],
-        linear: bool,
-    ) -> [EndMotion<R>; 2] {
-        // Not by `map`, which goes through memory.
-        [end_motion(motion, &ends[0], linear), end_motion(motion, &ends[1], linear)]
+    pub(crate) fn end_motions(&self, motion: &FrameMotion<R>, linear: bool) -> [EndMotion<R>; 2] {
+        end_motions(motion, &self.ends, linear)
     }
 
-    /// Energy, nodal forces and tangent of a member by the motions of its two nodes, arms included.
+    /// Energy, nodal forces and tangent by the motions of the two nodes, arms included.
     #[inline(always)]
-    pub(crate) fn member_response<R: Number>(
-        &self,
-        motion: &FrameMotion<R>,
-        member: &Member,
-        kinematics: Kinematics,
-    ) -> Response<R> {
+    pub(crate) fn response(&self, motion: &FrameMotion<R>, kinematics: Kinematics) -> Response<R> {
         let linear = kinematics == Kinematics::Linear;
-        let motions = self.end_motions(motion, &member.ends, linear);
-        let mut response = member.beam.response(kinematics, &motions);
-        carry_over_arms(&member.ends, motions.map(|end| end.rotation), &mut response, linear);
+        let motions = self.end_motions(motion, linear);
+        let mut response = self.beam.response(kinematics, &motions);
+        carry_over_arms(&self.ends, motions.map(|end| end.rotation), &mut response, linear);
         response
     }
 
-    /// From a member's first to its second node, mm: as it is in the motion, or undeformed.
+    /// From the first to the second node, mm: as it is in the motion, or undeformed.
     #[inline(always)]
-    pub(crate) fn lever<R: Number>(&self, motion: &FrameMotion<R>, member: &Member, linear: bool) -> Vector2<R> {
-        let [first, second] = &member.ends;
-        let undeformed = first.arm + member.beam.direction * member.beam.length_mm - second.arm;
-        let [from, to] = [first, second].map(|end| &motion.displacements[end.node]);
+    pub(crate) fn lever(&self, motion: &FrameMotion<R>, linear: bool) -> Vector2<R> {
+        let ([first, second], rest) = (&self.ends, self.beam.rest());
+        let undeformed = Vector2::new(first.arm.x + rest.x - second.arm.x, first.arm.y + rest.y - second.arm.y);
         if linear {
-            return undeformed.map(|x| from.x.constant(x));
+            return undeformed;
         }
+        let (from, to) = (&motion.displacements[first.node], &motion.displacements[second.node]);
         Vector2::new(to.x - from.x + undeformed.x, to.y - from.y + undeformed.y)
     }
 
-    /// Energy and nodal forces of a member with small displacements, arms included.
+    /// Energy and nodal forces with small displacements, arms included.
     #[inline(always)]
-    pub(crate) fn member_linear_forces<R: Number>(
-        &self,
-        motion: &FrameMotion<R>,
-        member: &Member,
-    ) -> (R, SVector<R, 6>) {
-        let motions = self.end_motions(motion, &member.ends, true);
-        let (energy, mut gradient) = member.beam.linear_forces(&motions);
-        for (i, end) in member.ends.iter().enumerate() {
+    pub(crate) fn linear_forces(&self, motion: &FrameMotion<R>) -> (R, SVector<R, 6>) {
+        let (energy, mut gradient) = self.beam.linear_forces(&self.end_motions(motion, true));
+        for (i, end) in self.ends.iter().enumerate() {
             let moment = gradient[3 * i + 1] * end.arm.x - gradient[3 * i] * end.arm.y;
             gradient[3 * i + 2] += moment;
         }
         (energy, gradient)
     }
+}
 
+impl PlaneFrame {
     /// Axial strain and curvature along a member's beam under forces (N) at fractions of its length; see
     /// [`Beam::stations`](crate::element::Beam).
     pub(crate) fn stations(
@@ -112,9 +140,9 @@ impl PlaneFrame {
         kinematics: Kinematics,
         loads: &[(f64, Vector)],
     ) -> Vec<Station> {
-        let Member { beam, ends } = &self.members[member];
-        let motions = self.end_motions(motion, ends, kinematics == Kinematics::Linear);
-        beam.stations(kinematics, &motions, loads)
+        let member = &self.members[member];
+        let motions = member.end_motions(motion, kinematics == Kinematics::Linear);
+        member.beam.stations(kinematics, &motions, loads)
     }
 
     /// Chain rule from two nodes to the coordinates of the frame, over the rigid links that may carry them; the second
@@ -153,7 +181,7 @@ impl PlaneFrame {
 /// rotation, f the gradient at the end.
 #[inline(always)]
 pub(crate) fn carry_over_arms<R: Number>(
-    ends: &[BeamEnd; 2],
+    ends: &[BeamEnd<R>; 2],
     rotations: [R; 2],
     response: &mut Response<R>,
     linear: bool,

@@ -28,6 +28,7 @@ impl Mesh {
             finger: finger.clone(),
             frame,
             lines: Vec::new(),
+            alike: Vec::new(),
             front: Vec::new(),
             elements: elements.to_vec(),
             node_count: finger.key_node_count() + elements.iter().map(|n| n - 1).sum::<usize>(),
@@ -43,6 +44,7 @@ impl Mesh {
         for rib in 0..finger.rib_count() {
             mesh.add_rib(rib, next());
         }
+        mesh.alike = alike(&mesh.lines);
         mesh
     }
 
@@ -123,6 +125,20 @@ impl Mesh {
         }
         self.lines.push(Line { part, nodes, members: first_member..self.frame.members().len() });
     }
+}
+
+/// See [`Mesh::alike_lines`].
+fn alike(lines: &[Line]) -> Vec<Vec<usize>> {
+    let mut alike: Vec<Vec<usize>> = Vec::new();
+    let is_rib = |line: &Line| line.part == Part::Ribs;
+    for (index, line) in lines.iter().enumerate() {
+        let same = |other: &Line| is_rib(other) == is_rib(line) && other.members.len() == line.members.len();
+        match alike.iter_mut().find(|found| same(&lines[found[0]])) {
+            Some(found) => found.push(index),
+            None => alike.push(vec![index]),
+        }
+    }
+    alike
 }
 
 /// See [`Mesh::hinge_node`].

@@ -125,6 +125,14 @@ impl<S: Simd> Number for Lanes<S> {
     }
 
     #[inline(always)]
+    fn of_lanes(mut self, number: impl Fn(usize) -> f64) -> Lanes<S> {
+        for (lane, value) in self.as_mut_slice().iter_mut().enumerate() {
+            *value = number(lane);
+        }
+        self
+    }
+
+    #[inline(always)]
     fn each(mut self, function: impl Fn(f64) -> f64) -> Lanes<S> {
         for value in self.as_mut_slice() {
             *value = function(*value);

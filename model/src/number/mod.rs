@@ -7,9 +7,11 @@
 
 mod arctangent;
 mod lanes;
+mod sine;
 
 pub(crate) use arctangent::arctangent;
 pub(crate) use lanes::Lanes;
+pub(crate) use sine::sine_and_versine;
 
 use nalgebra::Scalar;
 use std::fmt::Debug;
@@ -47,6 +49,9 @@ pub trait Number:
 
     /// The larger of two; the other one where one is not a number.
     fn larger(self, other: Self) -> Self;
+
+    /// Another number: in each lane what is given for it.
+    fn of_lanes(self, number: impl Fn(usize) -> f64) -> Self;
 
     /// A function of one number, lane by lane.
     fn each(self, function: impl Fn(f64) -> f64) -> Self;
@@ -113,6 +118,11 @@ impl Number for f64 {
     #[inline(always)]
     fn larger(self, other: f64) -> f64 {
         f64::max(self, other)
+    }
+
+    #[inline(always)]
+    fn of_lanes(self, number: impl Fn(usize) -> f64) -> f64 {
+        number(0)
     }
 
     #[inline(always)]

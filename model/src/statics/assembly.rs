@@ -101,7 +101,7 @@ impl<'f> Assembly<'f> {
         self.stiffness.data_mut().iter_mut().for_each(|value| *value *= factor);
         let frame = self.frame;
         for (index, member) in frame.members().iter().enumerate() {
-            let response = frame.member_response(motion, member, self.kinematics);
+            let response = member.response(motion, self.kinematics);
             self.energy += response.energy;
             self.scatter_member(motion, index, &response);
         }

@@ -7,7 +7,7 @@ use crate::frame::{BeamEnd, FrameMotion, NodeIndex, PlaneFrame};
 
 /// Elastic energy of a frame in a motion, N mm.
 pub fn elastic_energy(frame: &PlaneFrame, motion: &FrameMotion, kinematics: Kinematics) -> f64 {
-    frame.members().iter().map(|member| frame.member_response(motion, member, kinematics).energy).sum()
+    frame.members().iter().map(|member| member.response(motion, kinematics).energy).sum()
 }
 
 /// Force and moment that a support puts on the frame.
@@ -45,7 +45,7 @@ pub fn reaction(
     };
     for member in frame.members() {
         if member.ends.iter().any(|end| end.node == node) {
-            add(&member.ends, &frame.member_response(motion, member, kinematics).gradient);
+            add(&member.ends, &member.response(motion, kinematics).gradient);
         }
     }
     for load in loads {

@@ -1,6 +1,7 @@
 //! The forces on a finger, eliminated with a stiffness, and the correction that balances them.
 
 use super::chain::{Between, ChainForces, Ends, Solved, halves, joined, joints_of};
+use super::elements::OneLine;
 use super::factor::Factor;
 use super::loads::Applied;
 use super::retraction::Retraction;
@@ -29,7 +30,7 @@ pub(in crate::statics) struct Balance<'m, R: Number = f64> {
     corrections: Vec<Ends<R>>,
     tip_correction: [R; 3],
     /// Where rotations are large and lines have inner nodes.
-    retraction: Option<Retraction<R>>,
+    pub(super) retraction: Option<Retraction<R>>,
 }
 
 impl<'m, R: Number> Balance<'m, R> {
@@ -53,7 +54,7 @@ impl<'m, R: Number> Balance<'m, R> {
         }
     }
 
-    fn linear(&self) -> bool {
+    pub(super) fn linear(&self) -> bool {
         self.kinematics == Kinematics::Linear
     }
 
@@ -114,6 +115,12 @@ impl<'m, R: Number> Balance<'m, R> {
     #[inline(always)]
     pub(in crate::statics) fn factorise(&mut self, stiffness: &mut Factor<R>, motion: &FrameMotion<R>) {
         self.condense_lines(stiffness, motion);
+        self.eliminate_rungs(stiffness, motion);
+    }
+
+    /// Eliminates tip and rungs, once lines are condensed.
+    #[inline(always)]
+    pub(super) fn eliminate_rungs(&mut self, stiffness: &mut Factor<R>, motion: &FrameMotion<R>) {
         stiffness.eliminate_tip(self.applied.on_tip().curvature);
         for level in (0..self.rung_ys.len()).rev() {
             let rib = self.rigid_rib(stiffness, level, motion);
@@ -159,11 +166,18 @@ impl<'m, R: Number> Balance<'m, R> {
     /// Adds Newton's correction to the linearised motion; returns its squared energy norm, N mm.
     #[inline(always)]
     pub(in crate::statics) fn correct(&mut self, stiffness: &Factor<R>, motion: &mut FrameMotion<R>) -> R {
+        let work = self.correct_nodes(stiffness, motion);
+        self.mend_lines(stiffness, motion);
+        work
+    }
+
+    /// The same, but that nodes inside lines move straight.
+    #[inline(always)]
+    pub(super) fn correct_nodes(&mut self, stiffness: &Factor<R>, motion: &mut FrameMotion<R>) -> R {
         if let Some(retraction) = &mut self.retraction {
             retraction.remember(motion);
         }
         let (mesh, frame, finger, linear) = (self.mesh, self.mesh.frame(), self.mesh.finger(), self.linear());
-        let count = self.corrections.len();
         let zero = self.work.zero();
         let mut below = [zero; 6];
         for (level, rung) in stiffness.rungs.iter().enumerate() {
@@ -196,30 +210,51 @@ impl<'m, R: Number> Balance<'m, R> {
         motion.rotations[frame.rotation_of(tip_node)] += tip[2];
         frame.follow_links(motion, linear);
 
-        // Back along the chains, from the corrections of their ends (back, front).
+        // Back along the chains, from the corrections of their ends.
         for (index, line) in mesh.lines().iter().enumerate() {
             let joints = joints_of(line);
             if line.members.is_empty() || (joints.is_empty() && !stiffness.chains[index].is_pinned()) {
                 continue;
             }
-            let (level, sides) = match index {
-                back if back <= count => (back, [0, 0]),
-                front if front < 2 * (count + 1) => (front - (count + 1), [1, 1]),
-                rib => (rib - 2 * (count + 1) + 1, [0, 1]),
-            };
-            let upper = if sides[0] == sides[1] { level + 1 } else { level };
-            let chain = &stiffness.chains[index];
-            let ends =
-                chain.carried(&joined(&self.key_correction(level, sides[0]), &self.key_correction(upper, sides[1])));
+            let ends = self.line_ends(stiffness, index);
             let between = Between::of(frame, line);
             let inner = Solved { joints: &stiffness.joints[joints.clone()], ys: &self.ys[joints], between: &between };
-            chain.correct(inner, &self.forces[index], motion, &ends);
-            if let Some(retraction) = &mut self.retraction {
-                let end_nodes = [Vector2::new(ends[0], ends[1]), Vector2::new(ends[3], ends[4])];
-                retraction.mend(frame, line, motion, end_nodes);
-            }
+            stiffness.chains[index].correct(inner, &self.forces[index], motion, &ends);
         }
         self.work
+    }
+
+    /// Takes the nodes inside lines along with the last correction as they turn.
+    #[inline(always)]
+    pub(super) fn mend_lines(&mut self, stiffness: &Factor<R>, motion: &mut FrameMotion<R>) {
+        let Some(mut retraction) = self.retraction.take() else { return };
+        let (frame, like) = (self.mesh.frame(), self.work);
+        for (index, line) in self.mesh.lines().iter().enumerate().filter(|(_, line)| line.members.len() > 1) {
+            retraction.mend(OneLine { frame, line, like }, motion, self.end_nodes(stiffness, index));
+        }
+        self.retraction = Some(retraction);
+    }
+
+    /// Corrections of a line's two ends.
+    #[inline(always)]
+    fn line_ends(&self, stiffness: &Factor<R>, index: usize) -> Ends<R> {
+        let count = self.corrections.len();
+        // The levels and sides (back, front) of the two ends.
+        let (level, sides) = match index {
+            back if back <= count => (back, [0, 0]),
+            front if front < 2 * (count + 1) => (front - (count + 1), [1, 1]),
+            rib => (rib - 2 * (count + 1) + 1, [0, 1]),
+        };
+        let upper = if sides[0] == sides[1] { level + 1 } else { level };
+        stiffness.chains[index]
+            .carried(&joined(&self.key_correction(level, sides[0]), &self.key_correction(upper, sides[1])))
+    }
+
+    /// Displacements of a line's first and last node by the last correction, mm.
+    #[inline(always)]
+    pub(super) fn end_nodes(&self, stiffness: &Factor<R>, index: usize) -> [Vector2<R>; 2] {
+        let [x, y, _, end_x, end_y, _] = self.line_ends(stiffness, index);
+        [Vector2::new(x, y), Vector2::new(end_x, end_y)]
     }
 
     /// Correction of the back (0) or front (1) node of a level: the base, the rungs, the tip.

@@ -5,7 +5,7 @@
 //! x = -K^-1 (g + C neighbours), and leaves -C^T K^-1 C and -C^T K^-1 g on its neighbours. With K = L D L^T both need
 //! only W = L^-1 C and y = L^-1 g.
 
-use super::ldl::Ldl;
+use super::ldl::{Ldl, copy_lane};
 use crate::number::Number;
 
 /// The factored stiffness of a block and its coupling to its neighbours.
@@ -18,8 +18,18 @@ pub(super) struct Block<R: Number, const N: usize, const M: usize> {
 
 impl<R: Number, const N: usize, const M: usize> Block<R, N, M> {
     /// A block that is not factored yet, in numbers like the one given.
+    #[inline(always)]
     pub(super) fn empty(like: R) -> Block<R, N, M> {
         Block { factor: Ldl::empty(like), with: [[like.zero(); M]; N] }
+    }
+
+    /// Copies one lane.
+    #[inline(always)]
+    pub(super) fn copy_lane(&self, lane: usize, one: &mut Block<f64, N, M>) {
+        self.factor.copy_lane(lane, &mut one.factor);
+        for i in 0..N {
+            copy_lane(&self.with[i], lane, &mut one.with[i]);
+        }
     }
 
     /// Factorises; rows of `coupling` are the block's unknowns, columns the neighbours'.
@@ -51,7 +61,11 @@ impl<R: Number, const N: usize, const M: usize> Block<R, N, M> {
     #[inline(always)]
     pub(super) fn reduce_stiffness(&self, neighbours: &mut [[R; M]; M]) {
         for row in 0..M {
-            let weights: [R; N] = self.factor.divided(&std::array::from_fn(|i| self.with[i][row]));
+            let mut weights = [neighbours[0][0]; N];
+            for i in 0..N {
+                weights[i] = self.with[i][row];
+            }
+            let weights = self.factor.divided(&weights);
             // Of single numbers from an even column: pairs of them go through one instruction.
             let first = if R::LANES == 1 { row & !1 } else { row };
             for column in first..M {
@@ -101,6 +115,10 @@ impl<R: Number, const N: usize, const M: usize> Block<R, N, M> {
                 sum[i] += self.with[i][k] * neighbours[k];
             }
         }
-        self.factor.backward(&self.factor.divided(&sum)).map(|x| -x)
+        let mut motion = self.factor.backward(&self.factor.divided(&sum));
+        for x in &mut motion {
+            *x = -*x;
+        }
+        motion
     }
 }

@@ -30,6 +30,21 @@ impl<R: Number> Brackets<R> {
         Some(Brackets(ends.map(bracket)))
     }
 
+    /// In one lane.
+    #[inline(always)]
+    pub(super) fn lane(&self, lane: usize) -> Brackets<f64> {
+        Brackets(self.0.map(|v| v.map(|x| x.lane(lane))))
+    }
+
+    /// Of several lines, one a lane.
+    #[inline(always)]
+    pub(super) fn of_lanes(lanes: &[Brackets<f64>], like: R) -> Brackets<R> {
+        let of = |lane: usize| &lanes[lane.min(lanes.len() - 1)].0;
+        let bracket =
+            |end: usize| Vector2::new(like.of_lanes(|lane| of(lane)[end].x), like.of_lanes(|lane| of(lane)[end].y));
+        Brackets([bracket(0), bracket(1)])
+    }
+
     /// Gradients at the key nodes for gradients at the ends.
     #[inline(always)]
     pub(super) fn carry_gradient(&self, gradient: &mut Ends<R>) {

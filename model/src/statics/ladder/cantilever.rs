@@ -83,8 +83,16 @@ pub(super) struct Joint<R: Number = f64> {
 
 impl<R: Number> Joint<R> {
     /// To be overwritten, in numbers like the one given.
+    #[inline(always)]
     pub(super) fn empty(like: R) -> Joint<R> {
         Joint { block: Block::empty(like), lever: Vector2::new(like.zero(), like.zero()) }
+    }
+
+    /// Copies one lane.
+    #[inline(always)]
+    pub(super) fn copy_lane(&self, lane: usize, one: &mut Joint) {
+        self.block.copy_lane(lane, &mut one.block);
+        (one.lever.x, one.lever.y) = (self.lever.x.lane(lane), self.lever.y.lane(lane));
     }
 
     /// Where the node between, held on both sides, is stable.
@@ -212,8 +220,10 @@ impl<R: Number> Cantilever<R> {
         let arm = quarter_turn(self.lever);
         let upper = |i: usize, j: usize| s[i.min(j)][i.max(j)];
         // By the first end's rotation: the second end deflects by minus this.
-        let held: [R; 3] =
-            std::array::from_fn(|i| upper(i, 0) * arm.x + upper(i, 1) * arm.y + upper(i, 2) - s[i][TURN]);
+        let mut held = [arm.x; 3];
+        for i in 0..3 {
+            held[i] = upper(i, 0) * arm.x + upper(i, 1) * arm.y + upper(i, 2) - s[i][TURN];
+        }
         let mut ends = [[arm.x.zero(); 6]; 6];
         for i in 0..3 {
             for j in i..3 {
@@ -230,8 +240,8 @@ impl<R: Number> Cantilever<R> {
                 ends[i][3 + j] = -upper(i, j);
             }
         }
-        let by_turn = |by: [R; 3]| arm.x * by[0] + arm.y * by[1] + by[2];
-        ends[2][2] = by_turn(held) - by_turn([s[0][TURN], s[1][TURN], s[2][TURN]]) + s[TURN][TURN];
+        let turning = arm.x * s[0][TURN] + arm.y * s[1][TURN] + s[2][TURN];
+        ends[2][2] = arm.x * held[0] + arm.y * held[1] + held[2] - turning + s[TURN][TURN];
         ends
     }
 

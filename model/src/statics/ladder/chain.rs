@@ -7,6 +7,7 @@ use super::SMALL_PIVOT;
 use super::block::Block;
 use super::brackets::Brackets;
 use super::cantilever::{Cantilever, Deflection, Forces, Joint};
+use super::ldl::copy_lane;
 use crate::element::{Response, quarter_turn};
 use crate::frame::{FrameMotion, PlaneFrame};
 use crate::mesh::Line;
@@ -67,6 +68,7 @@ pub(super) struct Chain<R: Number = f64> {
 
 impl<R: Number> Chain<R> {
     /// A line's chain, in numbers like the one given.
+    #[inline(always)]
     pub(super) fn new(frame: &PlaneFrame, line: &Line, like: R) -> Chain<R> {
         let zero = like.zero();
         let members = &frame.members()[line.members.clone()];
@@ -81,6 +83,26 @@ impl<R: Number> Chain<R> {
             accurate: like.always(),
             diagonal: [zero; 6],
         }
+    }
+
+    /// Copies one lane to a chain of the same kind; of symmetric matrices the upper triangle.
+    #[inline(always)]
+    pub(super) fn copy_lane(&self, lane: usize, one: &mut Chain) {
+        let like = self.lever.x;
+        for (lanes, one) in [(&self.first_lever, &mut one.first_lever), (&self.lever, &mut one.lever)] {
+            (one.x, one.y) = (lanes.x.lane(lane), lanes.y.lane(lane));
+        }
+        if let (Some(lanes), Some(one)) = (&self.pins, &mut one.pins) {
+            lanes.copy_lane(lane, one);
+        }
+        one.brackets = self.brackets.as_ref().map(|brackets| brackets.lane(lane));
+        for i in 0..6 {
+            for k in i..6 {
+                one.stiffness[i][k] = self.stiffness[i][k].lane(lane);
+            }
+        }
+        copy_lane(&self.diagonal, lane, &mut one.diagonal);
+        (one.positive, one.accurate) = (like.holds(self.positive, lane), like.holds(self.accurate, lane));
     }
 
     /// Whether its ends have rotations of their own.
@@ -290,6 +312,8 @@ pub(super) struct ChainForces<R: Number> {
     pub raw: Ends<R>,
     /// Work of the residual on the correction of what was eliminated, N mm.
     pub work: R,
+    /// Elastic energy of the elements, N mm.
+    pub energy: R,
 }
 
 impl<R: Number> ChainForces<R> {
@@ -297,7 +321,16 @@ impl<R: Number> ChainForces<R> {
     #[inline(always)]
     pub(super) fn none(like: R) -> ChainForces<R> {
         let zero = like.zero();
-        ChainForces { pins_y: [zero; 2], gradient: [zero; 6], raw: [zero; 6], work: zero }
+        ChainForces { pins_y: [zero; 2], gradient: [zero; 6], raw: [zero; 6], work: zero, energy: zero }
+    }
+
+    /// Copies one lane.
+    #[inline(always)]
+    pub(super) fn copy_lane(&self, lane: usize, one: &mut ChainForces<f64>) {
+        copy_lane(&self.pins_y, lane, &mut one.pins_y);
+        copy_lane(&self.gradient, lane, &mut one.gradient);
+        copy_lane(&self.raw, lane, &mut one.raw);
+        (one.work, one.energy) = (self.work.lane(lane), self.energy.lane(lane));
     }
 }
 

@@ -1,10 +1,12 @@
-//! The elimination of one finger by the widest instructions that the machine has: the same operations, so the same bits.
+//! The elimination of one finger by the widest instructions that the machine has: the same operations, so the same bits. Lines go
+//! side by side, the rungs one after the other.
 //!
 //! Structs, not closures: what is always inlined into [`WithSimd::with_simd`] is compiled for these instructions, and a closure is not.
 
 use super::balance::Balance;
 use super::factor::Factor;
 use crate::frame::FrameMotion;
+use crate::number::Lanes;
 use pulp::{Arch, Simd, WithSimd};
 
 /// [`Balance::factorise`].
@@ -32,8 +34,10 @@ impl WithSimd for Factorisation<'_, '_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        self.balance.factorise(self.stiffness, self.motion);
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Factorisation { balance, stiffness, motion } = self;
+        balance.condense_abreast(stiffness, motion, Lanes::splat(simd, 0.0));
+        balance.eliminate_rungs(stiffness, motion);
     }
 }
 
@@ -61,7 +65,10 @@ impl WithSimd for Correction<'_, '_> {
     type Output = f64;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> f64 {
-        self.balance.correct(self.stiffness, self.motion)
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        let Correction { balance, stiffness, motion } = self;
+        let work = balance.correct_nodes(stiffness, motion);
+        balance.mend_abreast(stiffness, motion, Lanes::splat(simd, 0.0));
+        work
     }
 }

@@ -135,7 +135,10 @@ impl<R: Number> Factor<R> {
         self.tip.factorise(&tip, &coupling);
         self.positive = zero.both(self.positive, self.tip.positive());
         let [back, front] = members.map(|line| &self.chains[line].diagonal);
-        let limits = [3, 4, 5].map(|i| (back[i] + front[i]) * SMALL_PIVOT);
+        let mut limits = [zero; 3];
+        for i in 0..3 {
+            limits[i] = (back[3 + i] + front[3 + i]) * SMALL_PIVOT;
+        }
         self.accurate = zero.both(self.accurate, self.tip.pivots_exceed(&limits));
     }
 
@@ -153,7 +156,10 @@ impl<R: Number> Factor<R> {
         let [back, front] = self.plate_members(level).map(|line| &self.chains[line].stiffness);
         self.rungs[level].eliminate(rib, &stiffness, back, front);
         self.positive = zero.both(self.positive, self.rungs[level].positive());
-        let limits = self.rung_sum(level, |line| &self.chains[line].diagonal).map(|sum| sum * SMALL_PIVOT);
+        let mut limits = self.rung_sum(level, |line| &self.chains[line].diagonal);
+        for limit in &mut limits {
+            *limit *= zero.constant(SMALL_PIVOT);
+        }
         let exceed = self.rungs[level].pivots_exceed(&limits).unwrap_or(zero.exceeds(zero));
         self.accurate = zero.both(self.accurate, exceed);
     }

@@ -5,6 +5,14 @@
 
 use crate::number::Number;
 
+/// Copies one lane.
+#[inline(always)]
+pub(super) fn copy_lane<R: Number, const N: usize>(numbers: &[R; N], lane: usize, one: &mut [f64; N]) {
+    for i in 0..N {
+        one[i] = numbers[i].lane(lane);
+    }
+}
+
 /// Unit lower triangle and diagonal of K = L D L^T.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ldl<R: Number, const N: usize> {
@@ -17,8 +25,22 @@ pub(super) struct Ldl<R: Number, const N: usize> {
 
 impl<R: Number, const N: usize> Ldl<R, N> {
     /// No factor yet, in numbers like the one given.
+    #[inline(always)]
     pub(super) fn empty(like: R) -> Ldl<R, N> {
         Ldl { upper: [[like.zero(); N]; N], inverse_diagonal: [like.zero(); N], positive: like.always() }
+    }
+
+    /// Copies one lane.
+    #[inline(always)]
+    pub(super) fn copy_lane(&self, lane: usize, one: &mut Ldl<f64, N>) {
+        one.positive = true;
+        for i in 0..N {
+            for k in i + 1..N {
+                one.upper[i][k] = self.upper[i][k].lane(lane);
+            }
+            one.inverse_diagonal[i] = self.inverse_diagonal[i].lane(lane);
+            one.positive &= one.inverse_diagonal[i] > 0.0;
+        }
     }
 
     /// Factorises; only the upper triangle is read. In place, since moving a factor costs as much as making it.

@@ -2,50 +2,101 @@
 
 use super::balance::Balance;
 use super::brackets::Brackets;
-use super::chain::{ChainForces, Element, joints_of, numbers};
+use super::cantilever::Joint;
+use super::chain::{Chain, ChainForces, Element, joints_of, numbers};
+use super::elements::{Elements, OneLine};
 use super::factor::Factor;
 use crate::Kinematics;
+use crate::element::Response;
 use crate::frame::FrameMotion;
 use crate::number::Number;
+
+/// What is made of a line, or of several side by side: its stiffness and its forces, with one joint and its y for each element
+/// but the first.
+pub(super) struct Condensed<'a, R: Number> {
+    pub chain: &'a mut Chain<R>,
+    pub joints: &'a mut [Joint<R>],
+    pub forces: &'a mut ChainForces<R>,
+    pub ys: &'a mut [[R; 3]],
+}
+
+impl<R: Number> Condensed<'_, R> {
+    /// Condenses elements with the loads that stand on them; there is at least one.
+    #[inline(always)]
+    pub(super) fn condense<'l>(
+        self,
+        elements: impl Elements<R>,
+        motion: &FrameMotion<R>,
+        kinematics: Kinematics,
+        load_on: impl Fn(usize) -> Option<&'l Response<R>>,
+        brackets: Option<Brackets<R>>,
+    ) where
+        R: 'l,
+    {
+        let Condensed { chain, joints, forces, ys } = self;
+        let linear = kinematics == Kinematics::Linear;
+        let first = elements.member(0);
+        let mut elastic = first.response(motion, kinematics);
+        forces.energy = elastic.energy;
+        let load = load_on(0);
+        if joints.is_empty() {
+            if let Some(load) = load {
+                elastic.gradient += load.gradient;
+                elastic.tangent += load.tangent;
+            }
+            chain.take(forces, &elastic);
+        } else {
+            let element = Element { elastic, load, lever: first.lever(motion, linear) };
+            let mut growing = chain.begin(forces, &element);
+            for (i, joint) in joints.iter_mut().enumerate() {
+                let member = elements.member(i + 1);
+                let elastic = member.response(motion, kinematics);
+                forces.energy += elastic.energy;
+                let element = Element { elastic, load: load_on(i + 1), lever: member.lever(motion, linear) };
+                chain.extend(&mut growing, (joint, &mut ys[i]), forces, &element);
+            }
+            chain.end(&growing, forces);
+        }
+        chain.finish(forces, brackets, linear);
+    }
+}
 
 impl<R: Number> Balance<'_, R> {
     /// Condenses every line with the loads that stand on it.
     #[inline(always)]
     pub(super) fn condense_lines(&mut self, stiffness: &mut Factor<R>, motion: &FrameMotion<R>) {
-        let (frame, kinematics, applied) = (self.mesh.frame(), self.kinematics, &self.applied);
-        let linear = kinematics == Kinematics::Linear;
+        for index in 0..self.mesh.lines().len() {
+            self.condense_line(index, stiffness, motion);
+        }
+        self.sum_energy();
+    }
+
+    /// Condenses one line with the loads that stand on it.
+    #[inline(always)]
+    pub(super) fn condense_line(&mut self, index: usize, stiffness: &mut Factor<R>, motion: &FrameMotion<R>) {
+        let (frame, line, linear) = (self.mesh.frame(), &self.mesh.lines()[index], self.linear());
+        if line.members.is_empty() {
+            return;
+        }
+        let (joints, applied) = (joints_of(line), &self.applied);
+        let made = Condensed {
+            chain: &mut stiffness.chains[index],
+            joints: &mut stiffness.joints[joints.clone()],
+            forces: &mut self.forces[index],
+            ys: &mut self.ys[joints],
+        };
+        let elements = OneLine { frame, line, like: self.energy };
+        let load_on = |element: usize| applied.on_member(line.members.start + element);
+        let brackets = Brackets::of(frame, line, motion, linear);
+        made.condense(elements, motion, self.kinematics, load_on, brackets);
+    }
+
+    /// Sums the elastic energy, line by line.
+    #[inline(always)]
+    pub(super) fn sum_energy(&mut self) {
         self.energy = self.energy.zero();
-        for (index, line) in self.mesh.lines().iter().enumerate() {
-            let (chain, forces) = (&mut stiffness.chains[index], &mut self.forces[index]);
-            let count = line.members.len();
-            let mut growing = None;
-            for at in line.members.clone() {
-                let member = &frame.members()[at];
-                let mut elastic = frame.member_response(motion, member, kinematics);
-                self.energy += elastic.energy;
-                let load = applied.on_member(at);
-                if count == 1 {
-                    if let Some(load) = load {
-                        elastic.gradient += load.gradient;
-                        elastic.tangent += load.tangent;
-                    }
-                    chain.take(forces, &elastic);
-                    break;
-                }
-                let element = Element { elastic, load, lever: frame.lever(motion, member, linear) };
-                match &mut growing {
-                    None => growing = Some(chain.begin(forces, &element)),
-                    Some(growing) => {
-                        chain.extend(growing, (&mut stiffness.joints[at], &mut self.ys[at]), forces, &element);
-                    }
-                }
-            }
-            if let Some(growing) = &growing {
-                chain.end(growing, forces);
-            }
-            if count > 0 {
-                chain.finish(forces, Brackets::of(frame, line, motion, linear), linear);
-            }
+        for forces in &self.forces {
+            self.energy += forces.energy;
         }
     }
 }
@@ -66,7 +117,7 @@ impl Balance<'_> {
             }
             let sum = &mut self.energy;
             let gradients = line.members.clone().map(|at| {
-                let (energy, mut gradient) = frame.member_linear_forces(motion, &frame.members()[at]);
+                let (energy, mut gradient) = frame.members()[at].linear_forces(motion);
                 *sum += energy;
                 if let Some(load) = applied.on_member(at) {
                     gradient += load.gradient;

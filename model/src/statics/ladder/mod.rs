@@ -16,6 +16,7 @@ mod brackets;
 mod cantilever;
 mod chain;
 mod dispatched;
+mod elements;
 mod factor;
 mod ldl;
 mod lines;
@@ -23,6 +24,7 @@ mod loads;
 mod response;
 mod retraction;
 mod rung;
+mod side_by_side;
 
 use super::EquilibriumEquations;
 use crate::Kinematics;

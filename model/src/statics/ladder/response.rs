@@ -51,8 +51,7 @@ impl Ladder<'_> {
     /// How the markers move, by key node and to first order, in the finger in its last linearised `motion` when a member stiffens: mm per
     /// unit of ln(modulus). Its forces grow in proportion to its modulus, so they are the added load.
     pub fn stiffened_member(&mut self, motion: &FrameMotion, member: usize, out: &mut [Vector]) {
-        let frame = self.mesh.frame();
-        let response = frame.member_response(motion, &frame.members()[member], self.kinematics);
+        let response = self.mesh.frame().members()[member].response(motion, self.kinematics);
         let (line, element) = element_of(self.mesh, member);
         self.respond(motion, &OnElement { line, element, gradient: numbers(&response.gradient) }, out);
     }

@@ -14,10 +14,10 @@
 //!
 //! Reference: Absil, Mahony, Sepulchre, Optimization Algorithms on Matrix Manifolds (2008), sec. 4.1 and 6.3.
 
+use super::elements::{Abreast, Elements};
 use crate::element::quarter_turn;
-use crate::frame::{BeamEnd, FrameMotion, Member, PlaneFrame};
-use crate::mesh::Line;
-use crate::number::{Number, arctangent};
+use crate::frame::{BeamEnd, FrameMotion, Member, PlaneFrame, end_motions};
+use crate::number::{Number, arctangent, sine_and_versine};
 use nalgebra::Vector2;
 
 /// A correction that turns no node by more than this, rad, has second-order terms below rounding.
@@ -37,6 +37,17 @@ impl<R: Number> Retraction<R> {
         Retraction { before: FrameMotion::of_zeros(frame, like), chords: Vec::new() }
     }
 
+    /// Without room.
+    pub(super) fn empty() -> Retraction<R> {
+        Retraction { before: FrameMotion::empty(), chords: Vec::new() }
+    }
+
+    /// Takes what is kept of some lines out of what is kept of their frame.
+    #[inline(always)]
+    pub(super) fn take(&mut self, of_frame: &Retraction<f64>, lines: &Abreast<R>) {
+        lines.take_motion(&of_frame.before, &mut self.before);
+    }
+
     /// Keeps the motion that is about to be corrected.
     pub(super) fn remember(&mut self, motion: &FrameMotion<R>) {
         self.before.clone_from(motion);
@@ -45,68 +56,62 @@ impl<R: Number> Retraction<R> {
     /// Mends the nodes inside a line to which the correction was added, in the lanes in which any of them turns.
     /// `end_nodes` are the corrections of its first and last node, mm; a node at a rigid link has moved otherwise.
     #[inline(always)]
-    pub(super) fn mend(
-        &mut self,
-        frame: &PlaneFrame,
-        line: &Line,
-        motion: &mut FrameMotion<R>,
-        end_nodes: [Vector2<R>; 2],
-    ) {
-        let members = &frame.members()[line.members.clone()];
-        let [first, .., last] = members else { return };
+    pub(super) fn mend(&mut self, elements: impl Elements<R>, motion: &mut FrameMotion<R>, end_nodes: [Vector2<R>; 2]) {
+        let count = elements.count();
         let no_turn = end_nodes[0].x.constant(NO_TURN);
         let mut turns = no_turn.exceeds(no_turn);
-        for &node in &line.nodes {
-            let slot = frame.rotation_of(node);
+        for i in 0..=count {
+            let slot = elements.rotation(i);
             let turn = (motion.rotations[slot] - self.before.rotations[slot]).abs();
             turns = no_turn.either(turns, turn.exceeds(no_turn));
         }
         if !no_turn.anywhere(turns) {
             return;
         }
+        let (first, last) = (elements.member(0), elements.member(count - 1));
         let ends = [first.ends[0], last.ends[1]];
-        let off = self.measure(frame, line, motion, ends, end_nodes);
+        let off = self.measure(elements, motion, ends, end_nodes);
 
         // The inner nodes follow the ends in proportion.
-        let count = members.len();
-        for (i, &node) in line.nodes[1..count].iter().enumerate() {
-            let xi = (i + 1) as f64 / count as f64;
-            let u = &mut motion.displacements[node];
+        for i in 1..count {
+            let xi = i as f64 / count as f64;
+            let u = &mut motion.displacements[elements.node(i)];
             advance(&mut u.x, turns, off[0].x * (1.0 - xi) + off[1].x * xi);
             advance(&mut u.y, turns, off[0].y * (1.0 - xi) + off[1].y * xi);
         }
         // At the ends the chords must turn back to what Newton has for the key nodes; a cubic across the member does it.
-        let [from, to] = displacements(frame, motion, ends);
-        let whole = chord(first, count as f64, from, to);
+        let [from, to] = displacements(motion, ends);
+        let whole = chord(&first, count as f64, from, to);
         let no_slopes = [no_turn.zero(); 2];
         // Closures would not be inlined here, and lanes computed by calls of single instructions.
-        let (chord, surplus) = self.leaning(frame, motion, first, (0, count), whole, no_slopes);
+        let (chord, surplus) = self.leaning(motion, &first, (0, count), whole, no_slopes);
         let first_slope = slope(whole, count, chord, -surplus);
-        let (chord, surplus) = self.leaning(frame, motion, last, (count - 1, count), whole, no_slopes);
+        let (chord, surplus) = self.leaning(motion, &last, (count - 1, count), whole, no_slopes);
         let mut slopes = end_slopes([first_slope, slope(whole, count, chord, -surplus)], count);
         // That turns the end chords exactly, but it is at the end nodes that the turn is Newton's. Half an element off is a
         // shear force that grows as 1 / h, and with it what an axial force does to the tangent: it loses its sign.
         if count > 2 {
             let mut more = slopes;
             for (end, (at, next)) in [(0, 1), (count - 1, count - 2)].into_iter().enumerate() {
-                let (chord, surplus) = self.leaning(frame, motion, &members[at], (at, count), whole, slopes);
-                let (_, beside) = self.leaning(frame, motion, &members[next], (next, count), whole, slopes);
+                let (chord, surplus) = self.leaning(motion, &elements.member(at), (at, count), whole, slopes);
+                let (_, beside) = self.leaning(motion, &elements.member(next), (next, count), whole, slopes);
                 more[end] = slope(whole, count, chord, (beside - surplus * 3.0) * 0.5);
             }
             let more = end_slopes(more, count);
             slopes = [slopes[0] + more[0], slopes[1] + more[1]];
         }
         let across = quarter_turn(whole);
-        for (i, &node) in line.nodes[1..count].iter().enumerate() {
-            let lift = cubic(slopes, (i + 1) as f64 / count as f64);
-            let u = &mut motion.displacements[node];
+        for i in 1..count {
+            let lift = cubic(slopes, i as f64 / count as f64);
+            let u = &mut motion.displacements[elements.node(i)];
             advance(&mut u.x, turns, across.x * lift);
             advance(&mut u.y, turns, across.y * lift);
         }
         // A node between two chords turns as these have.
-        let (_, mut below) = self.turned(frame, motion, first, 0);
-        for (index, member) in members.iter().enumerate().skip(1) {
-            let (_, above) = self.turned(frame, motion, member, index);
+        let (_, mut below) = self.turned(motion, &first, 0);
+        for index in 1..count {
+            let member = elements.member(index);
+            let (_, above) = self.turned(motion, &member, index);
             advance(&mut motion.rotations[member.ends[0].rotation], turns, (below + above) * 0.5);
             below = above;
         }
@@ -117,14 +122,13 @@ impl<R: Number> Retraction<R> {
     #[inline(always)]
     fn leaning(
         &self,
-        frame: &PlaneFrame,
         motion: &FrameMotion<R>,
-        member: &Member,
+        member: &Member<R>,
         (index, count): (usize, usize),
         whole: Vector2<R>,
         slopes: [R; 2],
     ) -> (Vector2<R>, R) {
-        let (chord, surplus) = self.turned(frame, motion, member, index);
+        let (chord, surplus) = self.turned(motion, member, index);
         let before = cubic(slopes, index as f64 / count as f64);
         let after = cubic(slopes, (index + 1) as f64 / count as f64);
         let (across, lift) = (quarter_turn(whole), after - before);
@@ -137,14 +141,13 @@ impl<R: Number> Retraction<R> {
     #[inline(always)]
     fn measure(
         &mut self,
-        frame: &PlaneFrame,
-        line: &Line,
+        elements: impl Elements<R>,
         motion: &FrameMotion<R>,
-        ends: [BeamEnd; 2],
+        ends: [BeamEnd<R>; 2],
         end_nodes: [Vector2<R>; 2],
     ) -> [Vector2<R>; 2] {
         let Retraction { before, chords } = self;
-        let (old, new) = (displacements(frame, before, ends), displacements(frame, motion, ends));
+        let (old, new) = (displacements(before, ends), displacements(motion, ends));
         let mut corrections = end_nodes;
         for i in 0..2 {
             let BeamEnd { node, rotation, arm } = ends[i];
@@ -154,16 +157,16 @@ impl<R: Number> Retraction<R> {
             corrections[i].y += (swung.x + arm.x) * turn;
         }
         chords.clear();
-        let members = &frame.members()[line.members.clone()];
         let (mut position, mut correction) = (old[0], corrections[0]);
-        for (member, &node) in members.iter().zip(&line.nodes[1..]) {
-            let is_last = chords.len() + 1 == members.len();
+        for i in 0..elements.count() {
+            let (member, node) = (elements.member(i), elements.node(i + 1));
+            let is_last = i + 1 == elements.count();
             let (next, next_correction) = if is_last {
                 (old[1], corrections[1])
             } else {
                 (before.displacements[node], difference(motion.displacements[node], before.displacements[node]))
             };
-            let chord = chord(member, 1.0, position, next);
+            let chord = chord(&member, 1.0, position, next);
             chords.push((chord, cross(chord, difference(next_correction, correction)) / dot(chord, chord)));
             (position, correction) = (next, next_correction);
         }
@@ -172,9 +175,9 @@ impl<R: Number> Retraction<R> {
 
     /// An element's chord, mm, and how much further than by the correction it has turned, rad.
     #[inline(always)]
-    fn turned(&self, frame: &PlaneFrame, motion: &FrameMotion<R>, member: &Member, index: usize) -> (Vector2<R>, R) {
+    fn turned(&self, motion: &FrameMotion<R>, member: &Member<R>, index: usize) -> (Vector2<R>, R) {
         let (before, turn) = self.chords[index];
-        let [from, to] = displacements(frame, motion, member.ends);
+        let [from, to] = displacements(motion, member.ends);
         let chord = chord(member, 1.0, from, to);
         (chord, arctangent(cross(before, chord), dot(before, chord)) - turn)
     }
@@ -182,9 +185,9 @@ impl<R: Number> Retraction<R> {
 
 /// The chord of `count` members like this one in a row, between two displaced ends, mm.
 #[inline(always)]
-fn chord<R: Number>(member: &Member, count: f64, from: Vector2<R>, to: Vector2<R>) -> Vector2<R> {
-    let rest = member.beam.direction * (member.beam.length_mm * count);
-    Vector2::new(to.x - from.x + rest.x, to.y - from.y + rest.y)
+fn chord<R: Number>(member: &Member<R>, count: f64, from: Vector2<R>, to: Vector2<R>) -> Vector2<R> {
+    let (direction, length_mm) = (member.beam.direction, member.beam.length_mm * count);
+    Vector2::new(to.x - from.x + direction.x * length_mm, to.y - from.y + direction.y * length_mm)
 }
 
 #[inline(always)]
@@ -206,8 +209,9 @@ fn cross<R: Number>(a: Vector2<R>, b: Vector2<R>) -> R {
 /// The slope with which the [`cubic`] across `whole` turns a chord of `count` by so much.
 #[inline(always)]
 fn slope<R: Number>(whole: Vector2<R>, count: usize, chord: Vector2<R>, turn: R) -> R {
-    let (sine, cosine, across) = (turn.each(f64::sin), turn.each(f64::cos), quarter_turn(chord));
-    let turned = Vector2::new(chord.x * cosine + across.x * sine, chord.y * cosine + across.y * sine);
+    let ((sine, versine), across) = (sine_and_versine(turn), quarter_turn(chord));
+    let turned =
+        Vector2::new(chord.x + (across.x * sine - chord.x * versine), chord.y + (across.y * sine - chord.y * versine));
     let share = dot(whole, turned) / (dot(chord, chord) * count as f64);
     R::select(share.exceeds(share.constant(0.5)), sine / share, turn)
 }
@@ -241,7 +245,7 @@ fn advance<R: Number>(value: &mut R, mask: R::Mask, by: R) {
 
 /// Displacements of the two ends of an elastic part, mm.
 #[inline(always)]
-fn displacements<R: Number>(frame: &PlaneFrame, motion: &FrameMotion<R>, ends: [BeamEnd; 2]) -> [Vector2<R>; 2] {
-    let [first, second] = frame.end_motions(motion, &ends, false);
+fn displacements<R: Number>(motion: &FrameMotion<R>, ends: [BeamEnd<R>; 2]) -> [Vector2<R>; 2] {
+    let [first, second] = end_motions(motion, &ends, false);
     [first.displacement, second.displacement]
 }

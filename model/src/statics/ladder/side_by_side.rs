@@ -1,0 +1,135 @@
+//! Lines side by side: as many as there are lanes are condensed, and mended, at once.
+
+use super::balance::Balance;
+use super::brackets::Brackets;
+use super::cantilever::Joint;
+use super::chain::{Chain, ChainForces, joints_of};
+use super::elements::{Abreast, OneLine};
+use super::factor::Factor;
+use super::ldl::copy_lane;
+use super::lines::Condensed;
+use super::retraction::Retraction;
+use crate::element::Response;
+use crate::frame::FrameMotion;
+use crate::number::Number;
+use nalgebra::{SMatrix, Vector2};
+
+/// Whether lines are computed faster one by one: lanes cost what one and a half cost.
+fn are_few<L: Number>(lines: &[usize]) -> bool {
+    lines.len() == 1 || L::LANES == 1
+}
+
+/// Room for what lines side by side have between their ends.
+struct Room<L: Number> {
+    motion: FrameMotion<L>,
+    joints: Vec<Joint<L>>,
+    ys: Vec<[L; 3]>,
+}
+
+impl Balance<'_> {
+    /// As [`condense_lines`](Balance::condense_lines), several at once in numbers like the one given.
+    #[inline(always)]
+    pub(super) fn condense_abreast<L: Number>(&mut self, stiffness: &mut Factor, motion: &FrameMotion, like: L) {
+        let mut room = Room { motion: FrameMotion::empty(), joints: Vec::new(), ys: Vec::new() };
+        for alike in self.mesh.alike_lines() {
+            for lines in alike.chunks(L::LANES) {
+                if are_few::<L>(lines) {
+                    for &index in lines {
+                        self.condense_line(index, stiffness, motion);
+                    }
+                } else if !self.mesh.lines()[lines[0]].members.is_empty() {
+                    self.condense_some(lines, stiffness, motion, &mut room, like);
+                }
+            }
+        }
+        self.sum_energy();
+    }
+
+    #[inline(always)]
+    fn condense_some<L: Number>(
+        &mut self,
+        indices: &[usize],
+        stiffness: &mut Factor,
+        motion: &FrameMotion,
+        room: &mut Room<L>,
+        like: L,
+    ) {
+        let (frame, lines, linear) = (self.mesh.frame(), self.mesh.lines(), self.linear());
+        let elements = Abreast::new(frame, lines, indices, like);
+        elements.take_motion(motion, &mut room.motion);
+        let joints = lines[indices[0]].members.len() - 1;
+        room.joints.resize(joints, Joint::empty(like));
+        room.ys.resize(joints, [like; 3]);
+        let mut loads: Vec<(usize, Response<L>)> = Vec::new();
+        if indices.iter().any(|&line| self.applied.on_any_member(&lines[line].members)) {
+            loads.extend((0..=joints).map(|i| (i, self.loads_abreast(indices, i, like))));
+        }
+        let brackets: Vec<_> =
+            indices.iter().filter_map(|&line| Brackets::of(frame, &lines[line], motion, linear)).collect();
+        let brackets = (!brackets.is_empty()).then(|| Brackets::of_lanes(&brackets, like));
+        let (mut chain, mut forces) = (Chain::new(frame, &lines[indices[0]], like), ChainForces::none(like));
+        let made = Condensed { chain: &mut chain, joints: &mut room.joints, forces: &mut forces, ys: &mut room.ys };
+        let load_on = |element: usize| loads.iter().find(|(loaded, _)| *loaded == element).map(|(_, load)| load);
+        made.condense(elements, &room.motion, self.kinematics, load_on, brackets);
+        for (lane, &line) in indices.iter().enumerate() {
+            chain.copy_lane(lane, &mut stiffness.chains[line]);
+            forces.copy_lane(lane, &mut self.forces[line]);
+            let inner = joints_of(&lines[line]);
+            for (one, joint) in stiffness.joints[inner.clone()].iter_mut().zip(&room.joints) {
+                joint.copy_lane(lane, one);
+            }
+            for (one, y) in self.ys[inner].iter_mut().zip(&room.ys) {
+                copy_lane(y, lane, one);
+            }
+        }
+    }
+
+    /// The loads on an element of several lines; none counts as zero.
+    fn loads_abreast<L: Number>(&self, indices: &[usize], element: usize, like: L) -> Response<L> {
+        let load = |lane: usize| {
+            let line = &self.mesh.lines()[indices[lane.min(indices.len() - 1)]];
+            self.applied.on_member(line.members.start + element)
+        };
+        let number = |of: &dyn Fn(&Response) -> f64| like.of_lanes(|lane| load(lane).map_or(0.0, of));
+        Response {
+            energy: number(&|load| load.energy),
+            gradient: SMatrix::from_fn(|i, _| number(&|load| load.gradient[i])),
+            tangent: SMatrix::from_fn(|i, j| number(&|load| load.tangent[(i, j)])),
+        }
+    }
+
+    /// As [`mend_lines`](Balance::mend_lines), several at once in numbers like the one given.
+    #[inline(always)]
+    pub(super) fn mend_abreast<L: Number>(&mut self, stiffness: &Factor, motion: &mut FrameMotion, like: L) {
+        let (frame, all) = (self.mesh.frame(), self.mesh.lines());
+        let Some(mut retraction) = self.retraction.take() else { return };
+        let (mut several, mut of_lines) = (Retraction::empty(), FrameMotion::empty());
+        for alike in self.mesh.alike_lines().iter().filter(|alike| all[alike[0]].members.len() > 1) {
+            for lines in alike.chunks(L::LANES) {
+                if are_few::<L>(lines) {
+                    for &index in lines {
+                        let elements = OneLine { frame, line: &all[index], like: 0.0 };
+                        retraction.mend(elements, motion, self.end_nodes(stiffness, index));
+                    }
+                    continue;
+                }
+                let elements = Abreast::new(frame, all, lines, like);
+                several.take(&retraction, &elements);
+                elements.take_motion(motion, &mut of_lines);
+                let mut end_nodes = [Vector2::new(like, like); 2];
+                for lane in 0..L::LANES {
+                    let of_line = self.end_nodes(stiffness, lines[lane.min(lines.len() - 1)]);
+                    for (end, one) in end_nodes.iter_mut().zip(of_line) {
+                        end.x.set_lane(lane, one.x);
+                        end.y.set_lane(lane, one.y);
+                    }
+                }
+                several.mend(elements, &mut of_lines, end_nodes);
+                for lane in 0..lines.len() {
+                    elements.put_inner_motion(&of_lines, lane, motion);
+                }
+            }
+        }
+        self.retraction = Some(retraction);
+    }
+}
