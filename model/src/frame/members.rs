@@ -102,7 +102,7 @@ impl<R: Number> Member<R> {
         let linear = kinematics == Kinematics::Linear;
         let motions = self.end_motions(motion, linear);
         let mut response = self.beam.response(kinematics, &motions);
-        carry_over_arms(&self.ends, motions.map(|end| end.rotation), &mut response, linear);
+        carry_over_arms(&self.ends, [motions[0].rotation, motions[1].rotation], &mut response, linear);
         response
     }
 

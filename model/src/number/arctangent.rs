@@ -53,9 +53,11 @@ pub(crate) fn arctangent<R: Number>(y: R, x: R) -> R {
 
 #[inline(always)]
 fn of_slope<R: Number>(t: R) -> R {
+    // In pairs of powers (Estrin): half as many operations wait for each other.
     let z = t * t;
-    let p = (((z * P[0] + P[1]) * z + P[2]) * z + P[3]) * z + P[4];
-    let q = ((((z + Q[0]) * z + Q[1]) * z + Q[2]) * z + Q[3]) * z + Q[4];
+    let (z2, z4) = (z * z, z * z * (z * z));
+    let p = z4 * P[0] + (z * P[1] + P[2]) * z2 + (z * P[3] + P[4]);
+    let q = (z + Q[0]) * z4 + (z * Q[1] + Q[2]) * z2 + (z * Q[3] + Q[4]);
     t + t * (z * p / q)
 }
 

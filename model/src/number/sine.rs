@@ -26,9 +26,11 @@ const C: [f64; 6] = [
 /// sin(t) and 1 - cos(t) of an angle in rad, each with a relative error of at most 5e-16; up to pi / 4 without a call.
 #[inline(always)]
 pub(crate) fn sine_and_versine<R: Number>(t: R) -> (R, R) {
+    // In pairs of powers (Estrin): half as many operations wait for each other.
     let z = t * t;
-    let s = ((((z * S[0] + S[1]) * z + S[2]) * z + S[3]) * z + S[4]) * z + S[5];
-    let c = ((((z * C[0] + C[1]) * z + C[2]) * z + C[3]) * z + C[4]) * z + C[5];
+    let (z2, z4) = (z * z, z * z * (z * z));
+    let s = (z * S[0] + S[1]) * z4 + (z * S[2] + S[3]) * z2 + (z * S[4] + S[5]);
+    let c = (z * C[0] + C[1]) * z4 + (z * C[2] + C[3]) * z2 + (z * C[4] + C[5]);
     let (sine, versine) = (t + t * z * s, z * 0.5 - z * z * c);
     let is_small = t.constant(FRAC_PI_4).exceeds(t.abs());
     if t.everywhere(is_small) {

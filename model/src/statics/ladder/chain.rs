@@ -115,7 +115,7 @@ impl<R: Number> Chain<R> {
     pub(super) fn take(&mut self, forces: &mut ChainForces<R>, element: &Response<R>) {
         // Symmetric: columns are rows.
         self.stiffness = element.tangent.data.0;
-        self.positive = forces.work.always();
+        (self.positive, self.accurate) = (forces.work.always(), forces.work.always());
         forces.work = forces.work.zero();
         forces.gradient = numbers(&element.gradient);
         forces.raw = forces.gradient;

@@ -75,10 +75,23 @@ impl<'a, R: Number> Abreast<'a, R> {
     /// Some of a frame's lines.
     #[inline(always)]
     pub(super) fn new(frame: &'a PlaneFrame, all: &'a [Line], lines: &[usize], like: R) -> Abreast<'a, R> {
-        let lines: [&Line; MOST_LANES] = std::array::from_fn(|lane| &all[lines[lane.min(lines.len() - 1)]]);
-        let members = lines.map(|line| &frame.members()[line.members.clone()]);
-        let inner = members.map(|members| (members[0].ends[1].node, members[0].ends[1].rotation));
-        Abreast { frame, lines, members, inner, like }
+        let members_of = |line: &Line| &frame.members()[line.members.clone()];
+        let first = &all[lines[0]];
+        let mut abreast = Abreast {
+            frame,
+            lines: [first; MOST_LANES],
+            members: [members_of(first); MOST_LANES],
+            inner: [(0, 0); MOST_LANES],
+            like,
+        };
+        for lane in 0..R::LANES {
+            let line = &all[lines[lane.min(lines.len() - 1)]];
+            let members = members_of(line);
+            let inner = members[0].ends[1];
+            (abreast.lines[lane], abreast.members[lane]) = (line, members);
+            abreast.inner[lane] = (inner.node, inner.rotation);
+        }
+        abreast
     }
 
     /// Takes their motion out of the frame's.

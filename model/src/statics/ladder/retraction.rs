@@ -82,12 +82,12 @@ impl<R: Number> Retraction<R> {
         // At the ends the chords must turn back to what Newton has for the key nodes; a cubic across the member does it.
         let [from, to] = displacements(motion, ends);
         let whole = chord(&first, count as f64, from, to);
-        let no_slopes = [no_turn.zero(); 2];
         // Closures would not be inlined here, and lanes computed by calls of single instructions.
-        let (chord, surplus) = self.leaning(motion, &first, (0, count), whole, no_slopes);
-        let first_slope = slope(whole, count, chord, -surplus);
-        let (chord, surplus) = self.leaning(motion, &last, (count - 1, count), whole, no_slopes);
-        let mut slopes = end_slopes([first_slope, slope(whole, count, chord, -surplus)], count);
+        let end_chord = chord_in(motion, &first);
+        let first_slope = slope(whole, count, end_chord, -self.surplus(0, end_chord));
+        let end_chord = chord_in(motion, &last);
+        let last_slope = slope(whole, count, end_chord, -self.surplus(count - 1, end_chord));
+        let mut slopes = end_slopes([first_slope, last_slope], count);
         // That turns the end chords exactly, but it is at the end nodes that the turn is Newton's. Half an element off is a
         // shear force that grows as 1 / h, and with it what an axial force does to the tangent: it loses its sign.
         if count > 2 {
@@ -108,10 +108,10 @@ impl<R: Number> Retraction<R> {
             advance(&mut u.y, turns, across.y * lift);
         }
         // A node between two chords turns as these have.
-        let (_, mut below) = self.turned(motion, &first, 0);
+        let mut below = self.surplus(0, chord_in(motion, &first));
         for index in 1..count {
             let member = elements.member(index);
-            let (_, above) = self.turned(motion, &member, index);
+            let above = self.surplus(index, chord_in(motion, &member));
             advance(&mut motion.rotations[member.ends[0].rotation], turns, (below + above) * 0.5);
             below = above;
         }
@@ -128,12 +128,12 @@ impl<R: Number> Retraction<R> {
         whole: Vector2<R>,
         slopes: [R; 2],
     ) -> (Vector2<R>, R) {
-        let (chord, surplus) = self.turned(motion, member, index);
+        let chord = chord_in(motion, member);
         let before = cubic(slopes, index as f64 / count as f64);
         let after = cubic(slopes, (index + 1) as f64 / count as f64);
         let (across, lift) = (quarter_turn(whole), after - before);
         let lifted = Vector2::new(chord.x + across.x * lift, chord.y + across.y * lift);
-        (lifted, surplus + arctangent(cross(chord, lifted), dot(chord, lifted)))
+        (lifted, self.surplus(index, lifted))
     }
 
     /// Notes each chord before the correction and its turn by it; returns how far the two ends of the elastic part are
@@ -173,14 +173,19 @@ impl<R: Number> Retraction<R> {
         [difference(difference(new[0], old[0]), corrections[0]), difference(difference(new[1], old[1]), corrections[1])]
     }
 
-    /// An element's chord, mm, and how much further than by the correction it has turned, rad.
+    /// How much further than by the correction an element has turned that has this chord now, rad.
     #[inline(always)]
-    fn turned(&self, motion: &FrameMotion<R>, member: &Member<R>, index: usize) -> (Vector2<R>, R) {
+    fn surplus(&self, index: usize, chord: Vector2<R>) -> R {
         let (before, turn) = self.chords[index];
-        let [from, to] = displacements(motion, member.ends);
-        let chord = chord(member, 1.0, from, to);
-        (chord, arctangent(cross(before, chord), dot(before, chord)) - turn)
+        arctangent(cross(before, chord), dot(before, chord)) - turn
     }
+}
+
+/// An element's chord, mm.
+#[inline(always)]
+fn chord_in<R: Number>(motion: &FrameMotion<R>, member: &Member<R>) -> Vector2<R> {
+    let [from, to] = displacements(motion, member.ends);
+    chord(member, 1.0, from, to)
 }
 
 /// The chord of `count` members like this one in a row, between two displaced ends, mm.

@@ -22,6 +22,7 @@ fn are_few<L: Number>(lines: &[usize]) -> bool {
 /// Room for what lines side by side have between their ends.
 struct Room<L: Number> {
     motion: FrameMotion<L>,
+    chain: Option<Chain<L>>,
     joints: Vec<Joint<L>>,
     ys: Vec<[L; 3]>,
 }
@@ -30,8 +31,9 @@ impl Balance<'_> {
     /// As [`condense_lines`](Balance::condense_lines), several at once in numbers like the one given.
     #[inline(always)]
     pub(super) fn condense_abreast<L: Number>(&mut self, stiffness: &mut Factor, motion: &FrameMotion, like: L) {
-        let mut room = Room { motion: FrameMotion::empty(), joints: Vec::new(), ys: Vec::new() };
+        let mut room = Room { motion: FrameMotion::empty(), chain: None, joints: Vec::new(), ys: Vec::new() };
         for alike in self.mesh.alike_lines() {
+            room.chain = None;
             for lines in alike.chunks(L::LANES) {
                 if are_few::<L>(lines) {
                     for &index in lines {
@@ -67,8 +69,9 @@ impl Balance<'_> {
         let brackets: Vec<_> =
             indices.iter().filter_map(|&line| Brackets::of(frame, &lines[line], motion, linear)).collect();
         let brackets = (!brackets.is_empty()).then(|| Brackets::of_lanes(&brackets, like));
-        let (mut chain, mut forces) = (Chain::new(frame, &lines[indices[0]], like), ChainForces::none(like));
-        let made = Condensed { chain: &mut chain, joints: &mut room.joints, forces: &mut forces, ys: &mut room.ys };
+        let chain = room.chain.get_or_insert_with(|| Chain::new(frame, &lines[indices[0]], like));
+        let mut forces = ChainForces::none(like);
+        let made = Condensed { chain, joints: &mut room.joints, forces: &mut forces, ys: &mut room.ys };
         let load_on = |element: usize| loads.iter().find(|(loaded, _)| *loaded == element).map(|(_, load)| load);
         made.condense(elements, &room.motion, self.kinematics, load_on, brackets);
         for (lane, &line) in indices.iter().enumerate() {
