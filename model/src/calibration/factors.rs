@@ -219,13 +219,10 @@ impl Sensitivities {
                 (residual[row + 2 * i], residual[row + 2 * i + 1]) = (away.x, away.y);
             }
             for (column, shares) in shares.iter().enumerate() {
-                for &(member, share) in shares {
-                    statics.equations_mut().stiffened_member(&motion, member, &mut response);
-                    for (i, marker) in case.measurement.markers().iter().enumerate() {
-                        let change = response[mesh.frame_node(marker.node)] * (share * marker.weight);
-                        jacobian[(row + 2 * i, column)] += change.x;
-                        jacobian[(row + 2 * i + 1, column)] += change.y;
-                    }
+                statics.equations_mut().stiffened(&motion, shares, &mut response);
+                for (i, marker) in case.measurement.markers().iter().enumerate() {
+                    let change = response[mesh.frame_node(marker.node)] * marker.weight;
+                    (jacobian[(row + 2 * i, column)], jacobian[(row + 2 * i + 1, column)]) = (change.x, change.y);
                 }
             }
             row += case.measurement.coordinate_count();

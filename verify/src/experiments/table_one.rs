@@ -9,6 +9,7 @@ use finray_model::measurement::Measurement;
 use finray_model::mesh::FingerShape;
 use finray_model::sensing::{Contact, ContactPosition, LinearEstimator, Prior};
 use finray_model::{Finger, NodeId};
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// Standard gravity, m/s^2 (CGPM 1901).
@@ -101,8 +102,7 @@ pub fn table_one(finger: &Finger, truth: &dyn Truth, angle_deg: f64) -> Result<T
     let forces_n = WEIGHTS_G.map(weight_n);
     let modulus_factor = modulus_factor(finger, truth, angle_deg, &CALIBRATION_NODES)?;
     let calibrated = finger.with_modulus_factor(modulus_factor)?;
-    let mut rows = Vec::new();
-    for (node, paper_mean_error) in PAPER_MEAN_ERRORS {
+    let row = |&(node, paper_mean_error): &(NodeId, f64)| -> Result<TableOneRow, ExperimentError> {
         let (contact, shapes) = shapes(truth, node, angle_deg)?;
         let mut errors = Vec::new();
         for (shape, force_n) in shapes.iter().zip(forces_n) {
@@ -115,8 +115,9 @@ pub fn table_one(finger: &Finger, truth: &dyn Truth, angle_deg: f64) -> Result<T
             errors.push(estimate.forces_n[0] / force_n - 1.0);
         }
         let mean_error = mean(errors.iter().map(|error| error.abs())).unwrap_or(f64::NAN);
-        rows.push(TableOneRow { angle_deg, node: node.0, errors, mean_error, paper_mean_error });
-    }
+        Ok(TableOneRow { angle_deg, node: node.0, errors, mean_error, paper_mean_error })
+    };
+    let rows = PAPER_MEAN_ERRORS.par_iter().map(row).collect::<Result<_, _>>()?;
     Ok(TableOne { truth: truth.id(), angle_deg, modulus_factor, rows })
 }
 

@@ -220,15 +220,13 @@ impl<R: Number> Chain<R> {
         }
     }
 
-    /// Gradients at the two ends that stand for gradients at the two nodes of one element.
-    pub(super) fn condensed_gradient(&self, joints: &[Joint<R>], element: usize, on_element: Ends<R>) -> Ends<R> {
-        let nothing = [on_element[0].zero(); 6];
-        let mut gradient = on_element;
+    /// Gradients at the two ends that stand for gradients at the two nodes of each element.
+    pub(super) fn condensed_gradient(&self, joints: &[Joint<R>], on_element: impl Fn(usize) -> Ends<R>) -> Ends<R> {
+        let mut gradient = on_element(0);
         if !joints.is_empty() {
-            let on = |at: usize| if at == element { on_element } else { nothing };
-            let mut carried = Forces::on(&on(0), self.first_lever);
+            let mut carried = Forces::on(&gradient, self.first_lever);
             for (i, joint) in joints.iter().enumerate() {
-                carried.extend(joint, &Forces::on(&on(i + 1), joint.lever()));
+                carried.extend(joint, &Forces::on(&on_element(i + 1), joint.lever()));
             }
             gradient = carried.on_ends();
         }

@@ -2,7 +2,7 @@
 
 use super::chain::{Ends, joined, joints_of, numbers};
 use super::factor::Factor;
-use super::loads::{element_of, place};
+use super::loads::place;
 use super::{Ladder, Location};
 use crate::Vector;
 use crate::element::quarter_turn;
@@ -29,7 +29,7 @@ impl Ladder<'_> {
                 frame.end_load(motion, end, force, moment_nmm, self.linear()).gradient
             }
         };
-        self.respond(motion, &self.placed(load, numbers(&gradient)), out);
+        self.respond_to(motion, &self.placed(load, numbers(&gradient)), out);
     }
 
     /// How the markers move, by key node and to first order, per mm that a load moves along the front plate towards the tip.
@@ -45,15 +45,31 @@ impl Ladder<'_> {
                 frame.arm_load_slope(motion, end, self.mesh.finger().front_tangent(), force, self.linear())
             }
         };
-        self.respond(motion, &self.placed(load, numbers(&-slope)), out);
+        self.respond_to(motion, &self.placed(load, numbers(&-slope)), out);
     }
 
-    /// How the markers move, by key node and to first order, in the finger in its last linearised `motion` when a member stiffens: mm per
-    /// unit of ln(modulus). Its forces grow in proportion to its modulus, so they are the added load.
-    pub fn stiffened_member(&mut self, motion: &FrameMotion, member: usize, out: &mut [Vector]) {
-        let response = self.mesh.frame().members()[member].response(motion, self.kinematics);
-        let (line, element) = element_of(self.mesh, member);
-        self.respond(motion, &OnElement { line, element, gradient: numbers(&response.gradient) }, out);
+    /// How the markers move, by key node and to first order, in the finger in its last linearised `motion` when members stiffen: mm per
+    /// unit of ln(modulus), of which each member takes its share. A member's forces grow in proportion to its modulus, so they are the
+    /// added load.
+    pub fn stiffened(&mut self, motion: &FrameMotion, shares: &[(usize, f64)], out: &mut [Vector]) {
+        let members = self.mesh.frame().members();
+        let mut share_of = vec![0.0; members.len()];
+        for &(member, share) in shares {
+            share_of[member] += share;
+        }
+        let tip = self.take_off();
+        let tip = self.mesh.lines().iter().enumerate().fold(tip, |tip, (index, line)| {
+            if line.members.clone().all(|member| share_of[member] == 0.0) {
+                return tip;
+            }
+            let forces = |element: usize| {
+                let member = line.members.start + element;
+                numbers(&(members[member].response(motion, self.kinematics).gradient * share_of[member]))
+            };
+            let on_ends = self.condensed(index, forces);
+            self.put_on(index, &on_ends, tip)
+        });
+        self.respond(motion, &tip, out);
     }
 
     /// The element that takes the gradient of a load: its own, or one that ends or begins at its node.
@@ -70,36 +86,65 @@ impl Ladder<'_> {
         OnElement { line, element, gradient: joined(&[0.0; 3], &[x, y, moment]) }
     }
 
-    /// One forward and one backward pass along the rungs with the factors that are there; nodes between the key nodes
-    /// are not computed.
-    fn respond(&mut self, motion: &FrameMotion, on: &OnElement, out: &mut [Vector]) {
+    /// The response to a gradient on one element.
+    fn respond_to(&mut self, motion: &FrameMotion, on: &OnElement, out: &mut [Vector]) {
         let OnElement { line, element, gradient } = *on;
-        let count = self.waiting.len();
-        let stiffness = Factor::chosen(self.mesh, &self.own, self.rests);
+        let on_element = |at: usize| if at == element { gradient } else { [0.0; 6] };
+        let on_ends = self.condensed(line, on_element);
+        let tip = self.take_off();
+        let tip = self.put_on(line, &on_ends, tip);
+        self.respond(motion, &tip, out);
+    }
+
+    /// Gradients on the elements of a line, condensed onto its ends.
+    fn condensed(&self, line: usize, on_element: impl Fn(usize) -> Ends) -> Ends {
+        let stiffness = self.factor();
         let joints = &stiffness.joints[joints_of(&self.mesh.lines()[line])];
-        let on_ends = stiffness.chains[line].condensed_gradient(joints, element, gradient);
+        stiffness.chains[line].condensed_gradient(joints, on_element)
+    }
+
+    /// Takes all that was put on off the rungs, and off the tip.
+    fn take_off(&mut self) -> [f64; 3] {
+        self.waiting.fill([0.0; 6]);
+        [0.0; 3]
+    }
+
+    /// Puts gradients at the ends of a line on the rungs; what is on the tip then.
+    fn put_on(&mut self, line: usize, on_ends: &Ends, mut tip: [f64; 3]) -> [f64; 3] {
+        let per_plate = self.waiting.len() + 1;
         // Level (0 is the base, rung r is level r + 1) and row in it of the line's two ends.
-        let per_plate = count + 1;
         let ends = match line {
             back if back < per_plate => [(back, 0), (back + 1, 0)],
             front if front < 2 * per_plate => [(front - per_plate, 3), (front - per_plate + 1, 3)],
             rib => [(rib - 2 * per_plate + 1, 0), (rib - 2 * per_plate + 1, 3)],
         };
-        let at_tip = ends[1].0 == per_plate;
-        let tip = if at_tip { [on_ends[3], on_ends[4], on_ends[5]] } else { [0.0; 3] };
-        let tip_y = stiffness.tip.forward(&tip);
+        for ((level, row), end) in ends.into_iter().zip([0, 3]) {
+            let sum = match level {
+                0 => continue,
+                level if level == per_plate => &mut tip[..],
+                level => &mut self.waiting[level - 1][row..row + 3],
+            };
+            for i in 0..3 {
+                sum[i] += on_ends[end + i];
+            }
+        }
+        tip
+    }
+
+    /// One forward and one backward pass along the rungs with the factors that are there, for what is on rungs and tip; nodes between the
+    /// key nodes are not computed.
+    fn respond(&mut self, motion: &FrameMotion, tip: &[f64; 3], out: &mut [Vector]) {
+        let count = self.waiting.len();
+        let stiffness = Factor::chosen(self.mesh, &self.own, self.rests);
+        let tip_y = stiffness.tip.forward(tip);
         for at in (0..count).rev() {
             let mut gradient = [0.0; 6];
             match stiffness.rungs.get(at + 1) {
                 Some(above) => above.reduce_gradient(&self.waiting[at + 1], &mut gradient),
                 None => stiffness.tip.reduce_gradient(&tip_y, &mut gradient),
             }
-            for ((level, row), end) in ends.into_iter().zip([0, 3]) {
-                if level == at + 1 {
-                    for i in 0..3 {
-                        gradient[row + i] += on_ends[end + i];
-                    }
-                }
+            for (sum, on_rung) in gradient.iter_mut().zip(&self.waiting[at]) {
+                *sum += on_rung;
             }
             self.waiting[at] = stiffness.rungs[at].forward(&gradient);
         }

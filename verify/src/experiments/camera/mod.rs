@@ -210,62 +210,13 @@ fn condition_row(
     camera: &Camera,
     markers: &Markers,
 ) -> Result<CameraRow, ExperimentError> {
-    let finger = mesh.finger();
-    let free = finger.marked_nodes().count();
-    let mut errors_mm: Vec<f64> = Vec::new();
-    let mut sds_mm: Vec<f64> = Vec::new();
-    let (mut sensed, mut first_order) = (Vec::new(), Vec::new());
-    let mut found = 0;
-    for (number, bent) in asked.iter().enumerate() {
-        let mut shape = &bent.shape;
-        let finer;
-        let seen = match &condition.change {
-            Change::Image(change) => change
-                .applied(camera, markers)
-                .and_then(|(camera, markers)| in_image(finger, shape, &camera, &markers, change, number as u64)),
-            Change::Assumed(change) => {
-                let seen_by = (camera, markers.height_mm);
-                let read = change.applied(camera, markers);
-                read.and_then(|read| projected(finger, shape, seen_by, read, condition.is_rest_seen))
-            }
-            Change::FinerFinger(times) => {
-                let Ok(bent) = statics::solve(&mesh.refined(*times), &[bent.load], Kinematics::Corotational) else {
-                    continue;
-                };
-                finer = bent;
-                shape = &finer;
-                let displacements = finger.marked_nodes().map(|node| (node, shape.motion(node).displacement));
-                Some(Seen { displacements: displacements.collect(), sd_mm: None })
-            }
-        };
-        let Some(seen) = seen else { continue };
-        let of_node = |node: NodeId| shape.motion(node).displacement;
-        let error = |(node, displacement): &(NodeId, Vector)| displacement - of_node(*node);
-        let is_seen = !matches!(condition.change, Change::FinerFinger(_));
-        if is_seen {
-            errors_mm.extend(seen.displacements.iter().flat_map(|one| [error(one).x, error(one).y]));
-        }
-        sds_mm.extend(seen.sd_mm);
-        found += seen.displacements.len();
-        // Least squares to first order: the errors along the response, over its square.
-        let (mut product, mut squares) = (0.0, 0.0);
-        for one in &seen.displacements {
-            let along =
-                bent.along.iter().find(|(node, _)| *node == one.0).map_or_else(Vector::zeros, |(_, along)| *along);
-            product += along.dot(&error(one));
-            squares += along.norm_squared();
-        }
-        let marker = |&(node, displacement): &(NodeId, Vector)| Marker { node, displacement, weight: 1.0 };
-        let Ok(measurement) = Measurement::new(finger, seen.displacements.iter().map(marker)) else { continue };
-        let mut estimator = NonlinearEstimator::new(mesh, &[Contact::at_node(bent.node).into()])?;
-        // Where no noise is stated, it is estimated from the residual.
-        if let Ok(estimate) = estimator.estimate(&measurement, seen.sd_mm) {
-            sensed.push(estimate.forces.forces_n[0] / FORCE_N - 1.0);
-            if is_seen {
-                first_order.push(product / squares / FORCE_N);
-            }
-        }
-    }
+    let asked_of = |(number, bent): (usize, &&Bent)| tried(mesh, (number, bent), condition, camera, markers);
+    let tried: Vec<Option<Tried>> =
+        asked.par_iter().enumerate().with_max_len(1).map(asked_of).collect::<Result<_, _>>()?;
+    let tried = || tried.iter().flatten();
+    let errors_mm: Vec<f64> = tried().flat_map(|one| one.errors_mm.iter().copied()).collect();
+    let sensed: Vec<f64> = tried().filter_map(|one| one.sensed).collect();
+    let free = mesh.finger().marked_nodes().count();
     let size = |largest: f64, error: &f64| largest.max(error.abs());
     Ok(CameraRow {
         item: condition.item,
@@ -273,16 +224,90 @@ fn condition_row(
         in_images: matches!(condition.change, Change::Image(_)),
         is_rest_seen: condition.is_rest_seen,
         markers: free * asked.len(),
-        found,
+        found: tried().map(|one| one.found).sum(),
         displacement_rms_mm: rms(errors_mm.iter().copied()),
         displacement_largest_mm: (!errors_mm.is_empty()).then(|| errors_mm.iter().fold(0.0, size)),
-        stated_mm: rms(sds_mm),
+        stated_mm: rms(tried().filter_map(|one| one.sd_mm)),
         forces: asked.len(),
         refused: asked.len() - sensed.len(),
         force_rms_error: rms(sensed.iter().copied()),
         force_largest_error: (!sensed.is_empty()).then(|| sensed.iter().fold(0.0, size)),
-        first_order_rms_error: rms(first_order),
+        first_order_rms_error: rms(tried().filter_map(|one| one.first_order)),
     })
+}
+
+/// One bent finger under a condition.
+struct Tried {
+    /// Errors of the coordinates that were seen, mm.
+    errors_mm: Vec<f64>,
+    sd_mm: Option<f64>,
+    /// Markers that were found.
+    found: usize,
+    /// sensed / true - 1, and to first order.
+    sensed: Option<f64>,
+    first_order: Option<f64>,
+}
+
+/// `None` where nothing is seen of it.
+fn tried(
+    mesh: &Mesh,
+    (number, bent): (usize, &Bent),
+    condition: &Condition,
+    camera: &Camera,
+    markers: &Markers,
+) -> Result<Option<Tried>, ExperimentError> {
+    let finger = mesh.finger();
+    let mut shape = &bent.shape;
+    let finer;
+    let seen = match &condition.change {
+        Change::Image(change) => change
+            .applied(camera, markers)
+            .and_then(|(camera, markers)| in_image(finger, shape, &camera, &markers, change, number as u64)),
+        Change::Assumed(change) => {
+            let seen_by = (camera, markers.height_mm);
+            let read = change.applied(camera, markers);
+            read.and_then(|read| projected(finger, shape, seen_by, read, condition.is_rest_seen))
+        }
+        Change::FinerFinger(times) => {
+            let Ok(bent) = statics::solve(&mesh.refined(*times), &[bent.load], Kinematics::Corotational) else {
+                return Ok(None);
+            };
+            finer = bent;
+            shape = &finer;
+            let displacements = finger.marked_nodes().map(|node| (node, shape.motion(node).displacement));
+            Some(Seen { displacements: displacements.collect(), sd_mm: None })
+        }
+    };
+    let Some(seen) = seen else { return Ok(None) };
+    let of_node = |node: NodeId| shape.motion(node).displacement;
+    let error = |(node, displacement): &(NodeId, Vector)| displacement - of_node(*node);
+    let is_seen = !matches!(condition.change, Change::FinerFinger(_));
+    let coordinates = seen.displacements.iter().filter(|_| is_seen).flat_map(|one| [error(one).x, error(one).y]);
+    // Least squares to first order: the errors along the response, over its square.
+    let (mut product, mut squares) = (0.0, 0.0);
+    for one in &seen.displacements {
+        let along = bent.along.iter().find(|(node, _)| *node == one.0).map_or_else(Vector::zeros, |(_, along)| *along);
+        product += along.dot(&error(one));
+        squares += along.norm_squared();
+    }
+    let mut tried = Tried {
+        errors_mm: coordinates.collect(),
+        sd_mm: seen.sd_mm,
+        found: seen.displacements.len(),
+        sensed: None,
+        first_order: None,
+    };
+    let marker = |&(node, displacement): &(NodeId, Vector)| Marker { node, displacement, weight: 1.0 };
+    let Ok(measurement) = Measurement::new(finger, seen.displacements.iter().map(marker)) else {
+        return Ok(Some(tried));
+    };
+    let mut estimator = NonlinearEstimator::new(mesh, &[Contact::at_node(bent.node).into()])?;
+    // Where no noise is stated, it is estimated from the residual.
+    if let Ok(estimate) = estimator.estimate(&measurement, seen.sd_mm) {
+        tried.sensed = Some(estimate.forces.forces_n[0] / FORCE_N - 1.0);
+        tried.first_order = is_seen.then_some(product / squares / FORCE_N);
+    }
+    Ok(Some(tried))
 }
 
 /// What is found in an image; `None` where it is refused, or the markers are too small or grey, or out of sight.
@@ -311,7 +336,8 @@ fn frame_times(finger: &Finger, shape: &FingerShape, camera: &Camera, markers: &
         let disturbances = conditions::ORDINARY.disturbances(seed);
         render(&RenderRequest { camera, finger, shape, markers, references: &[], hidden: &[], disturbances }).ok()
     };
-    let images = [image(1)?, image(2)?];
+    let (first, second) = rayon::join(|| image(1), || image(2));
+    let images = [first?, second?];
     let mut locator = Locator::new(finger, camera, markers).ok()?;
     let mut median = |is_tracked: bool| {
         let mut seconds = Vec::with_capacity(TIMED);

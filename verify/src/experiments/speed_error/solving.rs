@@ -8,6 +8,7 @@ use crate::statistics::percentile;
 use finray_model::mesh::{FingerShape, Load};
 use finray_model::statics::{Statics, StaticsError, solve};
 use finray_model::{Finger, Kinematics, Mesh};
+use rayon::prelude::*;
 use std::time::Instant;
 
 /// Force of the loads that shapes are solved for, N.
@@ -73,7 +74,7 @@ pub fn solving(finger: &Finger, nodes: usize) -> Result<Vec<SpeedErrorPoint>, Sp
         return Ok(Vec::new());
     }
     let fine = Mesh::with_elements_per_member(finger, CONVERGED_ELEMENTS);
-    let reference = loads.iter().map(|load| solve(&fine, &[*load], Kinematics::Corotational));
+    let reference = loads.par_iter().map(|load| solve(&fine, &[*load], Kinematics::Corotational));
     let reference = reference.collect::<Result<_, StaticsError>>()?;
     let solved = Solved { loads, reference };
     let mut points = Vec::new();

@@ -104,8 +104,12 @@ impl TwinStudy {
         let finger = twin_of(paper)?;
         let mesh = fine_mesh(&finger)?;
         let truth = MeshTruth::new(TruthId::Twin, &mesh, Kinematics::Corotational)?;
-        let after = table_one(paper, &truth, ANGLE_DEG)?;
-        let recalibrated = modulus_factor(paper, &truth, ANGLE_DEG, &LOADED.map(NodeId))? / after.modulus_factor;
+        let (after, recalibrated) = rayon::join(
+            || table_one(paper, &truth, ANGLE_DEG),
+            || modulus_factor(paper, &truth, ANGLE_DEG, &LOADED.map(NodeId)),
+        );
+        let after = after?;
+        let recalibrated = recalibrated? / after.modulus_factor;
         let all: Vec<_> = std::iter::once(TWIN).chain(OTHERS).take(sets).collect();
         let fits = all.par_iter().map(|set| fit(paper, set)).collect::<Result<_, _>>()?;
         progress();
