@@ -5,8 +5,8 @@ mod views;
 
 pub use factors::{FactorEstimate, FactorModel, Unknown, factors};
 pub use views::{
-    BaseCompliance, FoundQuantity, FoundView, Quantity, Sought, View, ViewEstimate, ViewModel, compliance_of,
-    friction_of, views,
+    BaseCompliance, ForceError, FoundQuantity, FoundView, Quantity, Sought, View, ViewEstimate, ViewModel,
+    compliance_of, friction_of, views,
 };
 
 use crate::Kinematics;

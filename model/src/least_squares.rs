@@ -14,6 +14,9 @@ pub(crate) struct Fit<P> {
     pub parameters: P,
     /// Sum of squared residuals.
     pub squares: f64,
+    /// The residuals, and their derivatives by a step.
+    pub residual: DVector<f64>,
+    pub derivatives: DMatrix<f64>,
     /// (J^T J)^-1: times the variance of a residual, the covariance of the parameters. `None` where it has no inverse.
     pub inverse: Option<DMatrix<f64>>,
 }
@@ -70,5 +73,5 @@ pub(crate) fn fit<P>(
         }
     }
     let inverse = by.tr_mul(&by).cholesky().map(|factor| factor.inverse());
-    Some(Fit { parameters, squares, inverse })
+    Some(Fit { parameters, squares, residual: at, derivatives: by, inverse })
 }

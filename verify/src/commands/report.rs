@@ -26,7 +26,7 @@ use std::sync::Mutex;
 /// Examples:
 ///   finray report --open
 ///   finray report my-finger.toml --out my-report
-///   finray report calibrated.toml --measurements located.csv --forces forces.csv --image photo*.jpg
+///   finray report calibrated.toml --measurements new.csv --forces forces.csv --image photo*.jpg
 ///   finray report --criterion target/criterion --peers peers.csv
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
@@ -61,6 +61,9 @@ pub struct Arguments {
     open: bool,
 }
 
+/// Markers that a scene places alike, mm: far below any noise, far above rounding.
+const SAME_MM: f64 = 1e-3;
+
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = match &arguments.scene {
         Some(path) => load_scene_with_outline(path)?,
@@ -72,7 +75,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let seen = match &arguments.measurements {
         None => None,
-        Some(located) => Some(views::load(located, arguments.forces.as_deref(), &scene.scene)?),
+        Some(located) => {
+            let seen = views::load(located, arguments.forces.as_deref(), &scene.scene)?;
+            if seen.misplaced_mm > SAME_MM {
+                eprintln!(
+                    "warning: {}: located with another scene, or with --rest: markers without load or as this scene's camera has them are up to \
+                     {:.2} mm elsewhere; locate the images with this scene",
+                    located.display(),
+                    seen.misplaced_mm
+                );
+            }
+            Some(seen.views)
+        }
     };
     let images = arguments.image.iter().map(|path| named_image(path)).collect::<Result<Vec<_>, _>>()?;
     require_folder(&arguments.out)?;

@@ -2,6 +2,7 @@
 
 mod images;
 mod networks;
+mod origin;
 mod output;
 mod scene;
 pub(crate) mod table;

@@ -21,6 +21,16 @@ pub struct LocatedView {
     pub view: View,
 }
 
+/// Images that were located.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LocatedViews {
+    /// Each image.
+    pub views: Vec<LocatedView>,
+    /// By how much the file differs, at worst, from what this scene would have made of the same markers, mm: zero but for rounding where they were
+    /// located with it.
+    pub misplaced_mm: f64,
+}
+
 /// Standard deviations of a base, mm and rad, that is known exactly: far below what an image shows.
 const EXACT: (f64, f64) = (1e-4, 1e-6);
 
@@ -29,8 +39,9 @@ const EXACT: (f64, f64) = (1e-4, 1e-6);
 ///
 /// # Errors
 /// [`FileError`] for anything that does not fit the finger, or a force of an image that is not there.
-pub fn load(located: &Path, forces: Option<&Path>, scene: &Scene) -> Result<Vec<LocatedView>, FileError> {
+pub fn load(located: &Path, forces: Option<&Path>, scene: &Scene) -> Result<LocatedViews, FileError> {
     let text = super::read_text(located)?;
+    let misplaced_mm = super::origin::misplaced_mm(located, &text, scene)?;
     let is_of_pose = scene.base.as_ref().is_some_and(Base::is_of_pose);
     let has_base = !is_of_pose && header(&text).iter().any(|column| column == "base_deg");
     let mut images: Vec<(String, Isometry2<f64>)> = Vec::new();
@@ -81,7 +92,7 @@ pub fn load(located: &Path, forces: Option<&Path>, scene: &Scene) -> Result<Vec<
         let view = View { measurement: found.measurement, noise_mm, base: uncertainty, eye, force };
         Ok(LocatedView { image, base, view })
     };
-    images.into_iter().map(view).collect()
+    Ok(LocatedViews { views: images.into_iter().map(view).collect::<Result<_, _>>()?, misplaced_mm })
 }
 
 fn load_forces(path: &Path, images: &[(String, Isometry2<f64>)]) -> Result<Vec<(String, Vector)>, FileError> {

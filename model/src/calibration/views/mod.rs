@@ -5,9 +5,12 @@
 //! force, geometry alone is identifiable; moduli and forces scale alike.
 
 mod compliance;
+mod errors;
+mod forces;
 mod friction;
 mod problem;
 mod quantity;
+mod scatter;
 mod start;
 
 pub use compliance::{BaseCompliance, compliance_of};
@@ -22,6 +25,7 @@ use crate::measurement::{BaseUncertainty, MarkerErrors, Measurement};
 use crate::sensing::{Lean, Normal, Pad};
 use nalgebra::{DMatrix, Isometry2};
 use problem::Problem;
+use scatter::Scatter;
 
 /// One image of the finger, as it was located with the scene's rig.
 #[derive(Debug, Clone, PartialEq)]
@@ -114,19 +118,37 @@ pub struct ViewEstimate {
     pub views: Vec<FoundView>,
     /// Errors of markers as the residuals have them, against the noise of the views.
     pub marker_errors: MarkerErrors,
-    /// By which share the finger misses measured forces beyond what noise, place and base explain: standard deviation of one force.
-    /// `None` where no modulus is sought, or no force was measured.
-    pub force_error: Option<f64>,
+    /// By which share it misses forces. `None` where no modulus is sought, or no force was measured.
+    pub force_error: Option<ForceError>,
+}
+
+/// By which share a calibrated finger misses forces beyond what noise, position and base explain: standard deviations of one force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ForceError {
+    /// Of those that were measured, as they scatter: 1 % is assumed where there are too few to compare.
+    pub scatter: f64,
+    /// Of a force in a new image: with what is open of the scatter and of all that was found.
+    pub of_new: f64,
 }
 
 /// Standard deviation of the residual, mm, with which the fit begins; then that of the last fit.
 const FIRST_MODEL_ERROR_MM: f64 = 0.05;
-const ROUNDS: usize = 6;
-/// The same for the error of a force, as a share of it, and the least that counts.
-const FIRST_FORCE_ERROR: f64 = 0.01;
-const LEAST_FORCE_ERROR: f64 = 1e-5;
+/// The same for the scatter of forces, as a share of them, which stays where nothing shows it; and the least that counts.
+const FIRST_SCATTER: f64 = 0.01;
+const LEAST_SCATTER: f64 = 1e-5;
+/// Both have settled where a round changes them by no more than this share of what they are.
+const SETTLED: f64 = 1e-2;
+const ROUNDS: usize = 50;
 /// A factor whose logarithm is known to no better, or a length, mm, or an angle, degrees, is not identifiable.
 const LARGEST_SIGMAS: [f64; 2] = [1.0, 20.0];
+
+/// Whether a round has changed neither errors of markers nor the scatter of forces.
+fn have_settled(before: (MarkerErrors, Option<f64>), after: (MarkerErrors, Option<f64>)) -> bool {
+    let close = |before: f64, after: f64| (before - after).abs() <= SETTLED * after;
+    let scatters_close =
+        before.1.zip(after.1).is_none_or(|(before, after)| (before - after).abs() <= SETTLED * after + LEAST_SCATTER);
+    close(before.0.noise_factor, after.0.noise_factor) && close(before.0.model_mm, after.0.model_mm) && scatters_close
+}
 
 /// Finds what several views show of a finger and its rig.
 ///
@@ -146,9 +168,9 @@ pub fn views(
     model: &ViewModel,
 ) -> Result<ViewEstimate, CalibrationError> {
     let is_scaled = sought.iter().any(|sought| sought.quantity.is_factor()) && views.iter().any(|v| v.force.is_some());
-    let force_error = is_scaled.then_some(FIRST_FORCE_ERROR);
+    let scatter = is_scaled.then_some(FIRST_SCATTER);
     let errors = MarkerErrors { noise_factor: 1.0, model_mm: FIRST_MODEL_ERROR_MM };
-    let mut problem = Problem { finger, views, sought, model, errors, force_error };
+    let mut problem = Problem { finger, views, sought, model, errors, scatter };
     let names = |quantities: &mut dyn Iterator<Item = usize>| {
         quantities.map(|k| sought[k].quantity.to_string()).collect::<Vec<_>>().join(", ")
     };
@@ -167,13 +189,18 @@ pub fn views(
         point.clone_from(&fitted.parameters);
         let covariance = fitted.inverse.as_ref();
         let covariance = covariance.ok_or_else(|| CalibrationError::NotSeparable { parameters: all() })?;
-        problem.errors = problem.marker_errors(&point, covariance).ok_or(CalibrationError::NoMinimum)?;
-        if let Some(before) = problem.force_error {
-            problem.force_error = Some(problem.force_error_of(&point, covariance, before).max(LEAST_FORCE_ERROR));
+        let before = (problem.errors, problem.scatter);
+        problem.errors = problem.marker_errors(&fitted, covariance);
+        let scatter = problem.scatter.and_then(|_| problem.scatter_of(&fitted));
+        problem.scatter = problem.scatter.map(|_| {
+            scatter.as_ref().and_then(Scatter::most_likely).map_or(FIRST_SCATTER, |share| share.max(LEAST_SCATTER))
+        });
+        found = Some((fitted, scatter));
+        if have_settled(before, (problem.errors, problem.scatter)) {
+            break;
         }
-        found = Some(fitted);
     }
-    let Fit { parameters: point, inverse, .. } = found.ok_or(CalibrationError::NoMinimum)?;
+    let (Fit { parameters: point, inverse, .. }, scatter) = found.ok_or(CalibrationError::NoMinimum)?;
     let covariance = inverse.ok_or_else(|| CalibrationError::NotSeparable { parameters: all() })?;
     let sigma = |k: usize| covariance[(k, k)].sqrt();
     let open = |k: &usize| {
@@ -211,7 +238,10 @@ pub fn views(
         correlation: DMatrix::from_fn(sought.len(), sought.len(), |i, j| covariance[(i, j)] / (sigma(i) * sigma(j))),
         views: found_views,
         marker_errors: problem.errors,
-        force_error: problem.force_error,
+        force_error: problem.scatter.map(|of_single| ForceError {
+            scatter: of_single,
+            of_new: scatter.as_ref().map_or(of_single, |scatter| scatter.of_new(of_single)),
+        }),
         marker_height_mm: candidate.marker_height_mm,
         base: candidate.base,
         finger: candidate.mesh.finger().clone(),

@@ -13,7 +13,9 @@ use nalgebra::{DMatrix, DVector, Isometry2, Point2, UnitComplex};
 
 /// Of the unknowns of one view: position, base x, y and turn; then the force, where it was not measured exactly, and its lean, where it was not
 /// measured.
-const OWN: usize = 4;
+pub(super) const OWN: usize = 4;
+/// Of a view's base that is not quite known.
+const BASE_ROWS: usize = 3;
 /// Steps for derivatives: of lengths, mm, of factors, forces, as shares, and angles in rad, and of angles in degrees. Equilibria are good to
 /// ten digits.
 const LENGTH_STEP: f64 = 1e-3;
@@ -21,8 +23,6 @@ const SHARE_STEP: f64 = 1e-4;
 const ANGLE_STEP_DEG: f64 = 1e-2;
 /// Share of the plate that is left free at both ends of where a contact is sought.
 const MARGIN: f64 = 0.02;
-/// Errors of markers without any noise, as shares of the stated ones.
-const LEAST_NOISE_FACTOR: f64 = 1e-3;
 /// Standard deviation of a lean, degrees, that counts as none.
 const SETTLED_DEG: f64 = 1e-3;
 /// The turn of the normal has settled, rad, after so many steps at most.
@@ -61,8 +61,8 @@ pub(super) struct Problem<'p> {
     pub sought: &'p [Sought],
     pub model: &'p ViewModel,
     pub errors: MarkerErrors,
-    /// `None` where measured forces are exact.
-    pub force_error: Option<f64>,
+    /// Standard deviation of the share by which measured forces are missed; `None` where they are exact.
+    pub scatter: Option<f64>,
 }
 
 /// A finger under a force.
@@ -110,7 +110,7 @@ impl Problem<'_> {
     /// Priors of a view's unknowns, in their order: standard deviations, `None` where nothing is known beforehand.
     fn own_priors(&self, view: &View) -> impl Iterator<Item = Option<f64>> {
         let BaseUncertainty { sd_mm, sd_rad, .. } = view.base;
-        let further = match (view.force, self.force_error) {
+        let further = match (view.force, self.scatter) {
             (Some(force), Some(share)) => [Some(Some(force.norm() * share)), None],
             (Some(_), None) => [None, None],
             (None, _) => [Some(None), Some(Some(self.model.lean.sd_deg.max(SETTLED_DEG)))],
@@ -119,32 +119,14 @@ impl Problem<'_> {
     }
 
     /// Number of unknowns of a view.
-    fn own_count(&self, view: &View) -> usize {
+    pub(super) fn own_count(&self, view: &View) -> usize {
         self.own_priors(view).count()
     }
 
-    /// How many unknowns the images tell, each by as much of it as its prior left open (Schall's effective number of parameters).
-    fn told(&self, covariance: &DMatrix<f64>) -> f64 {
-        let priors = self.sought.iter().map(|sought| sought.prior_sd);
-        let priors = priors.chain(self.views.iter().flat_map(|view| self.own_priors(view)));
-        let open =
-            |(k, prior_sd): (usize, Option<f64>)| prior_sd.map_or(1.0, |sd| 1.0 - covariance[(k, k)] / (sd * sd));
-        priors.enumerate().map(open).sum()
-    }
-
-    /// Standard deviation of the share by which measured forces are missed, given that of the last fit: what was found, by as many forces as the
-    /// images tell.
-    pub(super) fn force_error_of(&self, point: &Point, covariance: &DMatrix<f64>, before: f64) -> f64 {
-        let (mut column, mut squares, mut told) = (self.sought.len(), 0.0, 0.0);
-        for (view, own) in self.views.iter().zip(&point.own) {
-            if let Some(force) = view.force {
-                let (force_n, at) = (force.norm(), column + OWN);
-                squares += (own.force_n / force_n - 1.0).powi(2);
-                told += 1.0 - covariance[(at, at)] / (force_n * before).powi(2);
-            }
-            column += self.own_count(view);
-        }
-        (squares / told.max(f64::MIN_POSITIVE)).sqrt()
+    /// Number of residuals of a view: its markers, its base, and its force or the lean of it.
+    pub(super) fn row_count(&self, view: &View) -> usize {
+        let further = usize::from(view.force.is_none() || self.scatter.is_some());
+        view.measurement.coordinate_count() + BASE_ROWS + further
     }
 
     /// The force of a view in the finger frame, and how the finger bends under it; `None` where there is no equilibrium.
@@ -215,38 +197,13 @@ impl Problem<'_> {
         let BaseUncertainty { sd_mm, sd_rad, turn_rad_per_n } = view.base;
         let at = own.base.translation.vector / sd_mm;
         rows.extend([at.x, at.y, (own.base.rotation.angle() - turn_rad_per_n * own.force_n) / sd_rad]);
-        if let (Some(force), Some(force_error)) = (view.force, self.force_error) {
-            rows.push((own.force_n / force.norm() - 1.0) / force_error);
+        if let (Some(force), Some(scatter)) = (view.force, self.scatter) {
+            rows.push((own.force_n / force.norm() - 1.0) / scatter);
         }
         if view.force.is_none() {
             rows.push(own.further_lean_deg / self.model.lean.sd_deg.max(SETTLED_DEG));
         }
         Some(rows)
-    }
-
-    /// Errors of the markers as the residuals have them, given the covariance of what was fitted: what they leave beyond the noise is the finger's;
-    /// where they are less than that, so is the noise.
-    pub(super) fn marker_errors(&self, point: &Point, covariance: &DMatrix<f64>) -> Option<MarkerErrors> {
-        let candidate = self.candidate(&point.shared)?;
-        let (mut squares_mm2, mut noise_mm2, mut coordinates) = (0.0, 0.0, 0.0);
-        for (view, own) in self.views.iter().zip(&point.own) {
-            let pressed = self.pressed(&candidate, view, own)?;
-            for (marker, left) in self.residuals(&candidate, view, own, &pressed) {
-                squares_mm2 += left.norm_squared();
-                noise_mm2 += 2.0 * (view.noise_mm / marker.weight).powi(2);
-                coordinates += 2.0;
-            }
-        }
-        // What was fitted is missing in the residual.
-        let free = coordinates - self.told(covariance);
-        let excess_mm2 = squares_mm2 * coordinates / free - noise_mm2;
-        if excess_mm2 > 0.0 {
-            return Some(MarkerErrors { noise_factor: 1.0, model_mm: (excess_mm2 / coordinates).sqrt() });
-        }
-        // The mean of a variance of which the residual says so much: few degrees of freedom leave it large.
-        let mean = squares_mm2 * coordinates / ((free - 2.0) * noise_mm2);
-        let noise_factor = if free > 2.0 { mean.sqrt().clamp(LEAST_NOISE_FACTOR, 1.0) } else { 1.0 };
-        Some(MarkerErrors { noise_factor, model_mm: 0.0 })
     }
 
     /// All residuals and their derivatives by a step; `None` where there is no equilibrium.

@@ -315,7 +315,7 @@ fn forces_that_are_missed_are_noticed() {
                 view.force = view.force.map(|force| force * (1.0 + missed_by * normal));
             }
             let estimate = views(&scene_finger(), &seen, &all, &model(Lean::NONE)).expect("identifiable");
-            variance += estimate.force_error.expect("forces were measured").powi(2) / seeds as f64;
+            variance += estimate.force_error.expect("forces were measured").scatter.powi(2) / seeds as f64;
             let modulus = estimate.quantities[0];
             squares += ((modulus.value - truth.modulus_factor) / modulus.sigma).powi(2) / seeds as f64;
         }

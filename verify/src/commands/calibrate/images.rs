@@ -176,7 +176,7 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failu
     }
     let (scene, text) = load_scene_and_text(&arguments.scene)?;
     let fit = Fit::parse(fit, &scene)?;
-    let seen = views::load(located, arguments.forces.as_deref(), &scene)?;
+    let seen = views::load(located, arguments.forces.as_deref(), &scene)?.views;
     let measured = seen.iter().filter(|seen| seen.view.force.is_some()).count();
     if measured == 0 && (fit.friction.is_some() || fit.base_compliance || fit.seeks(is_modulus)) {
         return Err(bad_input(
@@ -249,13 +249,6 @@ fn print_priors(estimate: &ViewEstimate) {
     }
 }
 
-/// By which share forces err that the calibrated finger senses: what single forces are missed by, and what all are by a modulus.
-fn force_error(estimate: &ViewEstimate) -> Option<f64> {
-    let moduli = || estimate.quantities.iter().filter(|found| is_modulus(&found.sought.quantity));
-    let of_moduli = moduli().map(|found| found.sigma / found.value).fold(0.0, f64::max);
-    estimate.force_error.map(|of_single| of_single.hypot(of_moduli))
-}
-
 /// Coefficient of friction, and the standard deviation of single forces about it.
 fn coefficient(lean: &Lean) -> (f64, f64) {
     let coefficient = lean.angle_deg.to_radians().tan();
@@ -280,7 +273,7 @@ fn rows(estimate: &ViewEstimate, friction: Option<&Lean>, compliance: Option<Bas
     }
     rows.push(row("noise_factor", estimate.marker_errors.noise_factor, None));
     rows.push(row("model_error_mm", estimate.marker_errors.model_mm, None));
-    rows.extend(force_error(estimate).map(|share| row("force_error_share", share, None)));
+    rows.extend(estimate.force_error.map(|error| row("force_error_share", error.of_new, None)));
     rows
 }
 
@@ -339,8 +332,8 @@ fn values(
     }
     put("markers.noise_factor", estimate.marker_errors.noise_factor.into());
     put("markers.model_error_mm", estimate.marker_errors.model_mm.into());
-    if let Some(share) = force_error(estimate) {
-        put("contact.force_error_share", share.into());
+    if let Some(error) = estimate.force_error {
+        put("contact.force_error_share", error.of_new.into());
     }
     if sought(|quantity| *quantity == Quantity::BaseX) {
         // The references, or the pose, belong to a frame that is not quite the finger's.

@@ -1,0 +1,134 @@
+//! What markers err by, as the residuals of a fit have it.
+
+use super::problem::{Point, Problem};
+use crate::least_squares::Fit;
+use crate::measurement::MarkerErrors;
+use nalgebra::DMatrix;
+
+/// Errors of markers without any noise, as shares of the stated ones, and steps from there to as stated, alike as ratios.
+const LEAST_NOISE_FACTOR: f64 = 1e-3;
+const STEPS: usize = 60;
+/// How well stated errors are known before: standard deviation of the logarithm of the factor on them. Where all are stated alike, residuals show only
+/// the sum of the finger's part and theirs.
+const FACTOR_SD: f64 = 1.0;
+/// Errors that are less likely by no more than this, twice the logarithm, are as likely: far below what counts.
+const ALIKE: f64 = 1e-6;
+/// Steps of either search.
+const SECTIONS: usize = 50;
+
+/// What is left of one coordinate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Left {
+    square_mm2: f64,
+    /// Which part of its error is in the residual: the rest was fitted.
+    free: f64,
+    stated_mm: f64,
+}
+
+impl Problem<'_> {
+    /// Errors of the markers as the residuals of a fit have them, given its covariance: what is theirs, as a share of what is stated, and what is
+    /// the finger's.
+    pub(super) fn marker_errors(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> MarkerErrors {
+        let mut row = 0;
+        let mut left = Vec::new();
+        for view in self.views {
+            let markers = view.measurement.markers().iter().flat_map(|marker| [marker; 2]);
+            for (i, marker) in markers.enumerate() {
+                let stated_mm = view.noise_mm / marker.weight;
+                let by = fitted.derivatives.row(row + i);
+                let fitted_share = (by * covariance).dot(&by);
+                left.push(Left {
+                    square_mm2: (fitted.residual[row + i] * self.errors.sd_mm(stated_mm)).powi(2),
+                    free: (1.0 - fitted_share).max(0.0),
+                    stated_mm,
+                });
+            }
+            row += self.row_count(view);
+        }
+        likeliest(left)
+    }
+}
+
+/// The errors for which residuals are likeliest.
+///
+/// # Reference
+/// The equations of restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971) for variances of independent rows, with the residuals
+/// and their free parts as they are. Variances are then by as much larger as their mean is than their mode: few degrees of freedom leave
+/// them large.
+fn likeliest(mut left: Vec<Left>) -> MarkerErrors {
+    let free: f64 = left.iter().map(|it| it.free).sum();
+    if free <= 2.0 {
+        return MarkerErrors::default();
+    }
+    left.iter_mut().for_each(|it| it.square_mm2 *= free / (free - 2.0));
+    let unlikely = |errors: &MarkerErrors| {
+        let of = |it: &Left| {
+            let variance_mm2 = errors.sd_mm(it.stated_mm).powi(2);
+            it.free * variance_mm2.ln() + it.square_mm2 / variance_mm2
+        };
+        left.iter().map(of).sum::<f64>() + (errors.noise_factor.ln() / FACTOR_SD).powi(2)
+    };
+    let most_mm = left.iter().map(|it| it.square_mm2).sum::<f64>().sqrt();
+    let with = |logarithm: f64| {
+        let noise_factor = logarithm.exp();
+        let of = |model_mm: f64| MarkerErrors { noise_factor, model_mm };
+        let best = of(least(0.0, most_mm, |model_mm| unlikely(&of(model_mm))));
+        if unlikely(&of(0.0)) <= unlikely(&best) + ALIKE { of(0.0) } else { best }
+    };
+    let lowest = LEAST_NOISE_FACTOR.ln();
+    let tried = (0..=STEPS).map(|i| lowest * i as f64 / STEPS as f64);
+    let unlikely_with = |logarithm: &f64| unlikely(&with(*logarithm));
+    let best = tried.min_by(|a, b| unlikely_with(a).total_cmp(&unlikely_with(b))).unwrap_or_default();
+    let step = -lowest / STEPS as f64;
+    let found = with(least((best - step).max(lowest), (best + step).min(0.0), |logarithm| unlikely_with(&logarithm)));
+    let as_stated = with(0.0);
+    if unlikely(&as_stated) <= unlikely(&found) + ALIKE { as_stated } else { found }
+}
+
+/// Where a function is least between two ends, by golden sections.
+fn least(mut low: f64, mut high: f64, of: impl Fn(f64) -> f64) -> f64 {
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    for _ in 0..SECTIONS {
+        let [lower, upper] = [high - golden * (high - low), low + golden * (high - low)];
+        if of(lower) <= of(upper) { high = upper } else { low = lower }
+    }
+    0.5 * (low + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Residuals of some standard deviation, of which a quarter was fitted.
+    fn of(sd_mm: f64, stated_mm: f64, rows: usize) -> Vec<Left> {
+        vec![Left { square_mm2: 0.75 * sd_mm * sd_mm, free: 0.75, stated_mm }; rows]
+    }
+
+    /// By hand, where all are stated alike: the mean square over the free part, times its mean over its mode, 75 / 73; with the finger's
+    /// part beyond what is stated.
+    #[test]
+    fn errors_stated_alike_are_those_of_the_residual() {
+        let wider = 75.0 / 73.0;
+        let more = likeliest(of(0.05, 0.03, 100));
+        assert_eq!(more.noise_factor, 1.0);
+        assert!((more.model_mm.powi(2) - (wider * 0.0025 - 0.0009)).abs() < 1e-8, "{more:?}");
+        // The prior of the factor holds it by two degrees of freedom's worth of a hundred and fifty.
+        let less = likeliest(of(0.05, 0.1, 100));
+        assert_eq!(less.model_mm, 0.0);
+        assert!((less.noise_factor.powi(2) / (wider * 0.25) - 1.0).abs() < 0.02, "{less:?}");
+    }
+
+    /// Markers of which much and of which little is stated show both parts.
+    #[test]
+    fn the_fingers_part_is_told_from_the_markers() {
+        let both = |stated_mm: f64| (0.5 * stated_mm).hypot(0.02);
+        let found = likeliest([0.01, 0.1].map(|stated_mm| of(both(stated_mm), stated_mm, 1000)).concat());
+        assert!(
+            (found.noise_factor / 0.5 - 1.0).abs() < 0.01 && (found.model_mm / 0.02 - 1.0).abs() < 0.01,
+            "{found:?}"
+        );
+        // Alike whatever is stated: the markers' own is nearly nothing, as its prior has it.
+        let found = likeliest([0.01, 0.1].map(|stated_mm| of(0.02, stated_mm, 1000)).concat());
+        assert!((found.model_mm / 0.02 - 1.0).abs() < 0.03 && found.noise_factor < 0.1, "{found:?}");
+    }
+}
