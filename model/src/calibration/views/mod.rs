@@ -157,7 +157,8 @@ fn have_settled(before: (MarkerErrors, Option<f64>), after: (MarkerErrors, Optio
 /// finger in place of points), by the method of Levenberg and Marquardt; derivatives are differences of equilibria. What the finger leaves
 /// unexplained beyond the noise is a variance that is estimated with it, so that priors weigh as much as they should; where it leaves less than
 /// that, the noise is less. Where a modulus is sought, so is the variance of the share by which measured forces are missed: it
-/// holds what is wrong with the sensor, and with the model where markers do not show it. All by Schall's iteration (Biometrika 78, 1991).
+/// holds what is wrong with the sensor, and with the model where markers do not show it. All by restricted
+/// maximum likelihood (Patterson and Thompson, Biometrika 58, 1971), from fit to fit until they settle.
 ///
 /// # Errors
 /// [`CalibrationError`] where a view has no explanation at the start, or a quantity is not identifiable.
