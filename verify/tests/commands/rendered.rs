@@ -24,7 +24,7 @@ const FINGERS: usize = 2;
 /// Standard deviations of what is built otherwise than drawn: moduli, as a share, brackets and positions of ribs, mm.
 const MODULUS_OFF: f64 = 0.05;
 const BRACKETS_OFF_MM: f64 = 0.3;
-const RIBS_OFF_MM: f64 = 0.15;
+const RIBS_OFF_MM: f64 = 0.1;
 /// Standard deviations of where the base is mounted, mm and degrees.
 const REMOUNTED: [f64; 2] = [0.5, 0.5];
 const LARGEST_FRICTION: f64 = 0.5;
@@ -253,7 +253,10 @@ fn sensed_with(built: &Built, finger: usize, count: usize, pad: Pad, stated: Pad
     let exact = folder.put("exact.toml", exact);
     let answers = unknown.into_par_iter().map(|press| {
         let located = folder.path(&format!("{}.csv", press.name));
-        finray(&["locate", &calibrated, "--image", &folder.path(&press.name), "--out", &located]).done();
+        let seen = finray(&["locate", &calibrated, "--image", &folder.path(&press.name), "--out", &located]);
+        if seen.code != Some(0) {
+            return (press, Known::ALL.map(|_| seen.clone()));
+        }
         let found_base_deg = Csv::of(&folder.read(&format!("{}.csv", press.name))).numbers("base_deg")[0];
         let answers = Known::ALL.map(|known| {
             let scene = if matches!(known, Known::DirectionOfExactBase) { &exact } else { &calibrated };
