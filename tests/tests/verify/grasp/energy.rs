@@ -25,7 +25,8 @@ const MISSING: f64 = 0.01;
 /// Resistance without a snap: it holds an object that nothing else holds, and slows it while it comes to rest.
 const RESISTANCE: f64 = 1e-3;
 
-fn object(name: &str, change: impl Fn(&mut Scene)) -> GraspScene {
+/// The scene of an object, with something changed in it.
+pub(super) fn object(name: &str, change: impl Fn(&mut Scene)) -> GraspScene {
     let folder: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures/scenes/grasp");
     let mut given = load_scene_with_outline(&folder.join(format!("{name}.toml"))).unwrap();
     change(&mut given.scene);
@@ -75,7 +76,8 @@ fn the_work_of_a_cycle_is_that_of_friction() {
 fn forces_do_not_depend_on_the_step_of_the_motor() {
     /// Of the largest total: friction is by the slip of a part of a step, in one go.
     const TOLERANCE: f64 = 0.01;
-    for (name, _) in OBJECTS {
+    // Those that turn or slip on their way.
+    for name in ["disc", "egg", "hollow", "wedge"] {
         let closing = |step_deg: f64| {
             let scene = object(name, |scene| {
                 let grasp = scene.grasp.as_mut().unwrap();

@@ -1,12 +1,13 @@
 //! Equilibria of fingers and object: against rapier, which presses an object onto one finger, and against the laws that any equilibrium keeps.
 
+use super::energy::object;
 use finray_model::gripper::Placement;
 use finray_model::scene::ObjectMotion;
 use finray_model::{Scene, Vector};
 use finray_verify::experiments::contact_scene::PreparedObject;
 use finray_verify::experiments::grasp::{Ended, Eyes, GraspScene, GraspStep, Phase};
 use finray_verify::grasp::surface::Shape;
-use finray_verify::grasp::{Drive, Partner, World};
+use finray_verify::grasp::{Drive, Halt, Partner, World};
 use finray_verify::lattice::Lattice;
 use finray_verify::lattice::pressing::{Pressing, Push};
 
@@ -140,6 +141,23 @@ fn what_goes_wrong_is_named() {
     let lost = ended(&heavy);
     // Half of the radius of 15 mm is slip.
     assert!(matches!(lost, Ended::Slipped { slid_mm } if slid_mm > 7.5), "{lost:?}");
+}
+
+/// A slippery disc of 500 g that nothing but the fingers holds falls out between them, and a wedge that is squeezed on and on folds a finger.
+#[test]
+fn drops_and_folds_are_named() {
+    let ended = |scene: &GraspScene| steps_of(scene, 0.0, 1).1;
+    let slippery = disc(&[
+        ("friction = 0.4", "friction = 0.02"),
+        ("mass_g = 60.0", "mass_g = 500.0"),
+        ("path_mm = [[0.0, -40.0], [60.0, -40.0], [60.0, 0.0]]\npath_steps = 12", "support = false"),
+    ]);
+    assert_eq!(ended(&grasp(&slippery)), Ended::Halted(Halt::Dropped));
+    let squeezed = object("wedge", |scene| {
+        let grasp = scene.grasp.as_mut().unwrap();
+        (grasp.motor_deg[1], grasp.path_mm, grasp.opens) = (-900.0, Vec::new(), false);
+    });
+    assert_eq!(ended(&squeezed), Ended::Halted(Halt::Folded));
 }
 
 /// A force that is asked for is reached and held on the way, whatever the friction does to it.

@@ -381,7 +381,7 @@ fn towards(from: f64, to: f64, step: f64) -> f64 {
     if (to - from).abs() <= step * (1.0 + 1e-9) { to } else { from + step.copysign(to - from) }
 }
 
-/// How far forces on the object, its moments (at its size), and forces on the fingers' bases are from balance, as a share of the largest force.
+/// How far forces and moments (at the object's size) on the object, and on the fingers' bases, are from balance, as a share of the largest force.
 fn imbalance(world: &World, weight: Vector) -> f64 {
     let met = world.met();
     let largest_n = met.iter().map(|met| met.force.norm()).fold(weight.norm(), f64::max);
@@ -392,10 +392,15 @@ fn imbalance(world: &World, weight: Vector) -> f64 {
     let centre = Vector::new(x, y) + nalgebra::Rotation2::new(angle) * world.shape().centroid();
     let force: Vector = weight + met.iter().map(|met| met.force).sum::<Vector>();
     let moment_nmm: f64 = met.iter().map(|met| (met.point - centre).perp(&met.force)).sum();
+    let size_mm = world.shape().size_mm();
     let on_bases = (0..world.placements().len()).map(|finger| {
-        let on_base = world.placements()[finger].axes() * world.on_base(finger).0;
-        (on_base + force_of(world, Partner::Finger(finger))).norm()
+        let of_finger = met.iter().filter(|met| met.partner == Partner::Finger(finger));
+        let touches = of_finger.filter_map(|met| met.touch);
+        let (force, moment_nmm) = touches.fold(world.on_base(finger), |(force, moment_nmm), touch| {
+            (force - touch.force, moment_nmm - touch.point.perp(&touch.force))
+        });
+        force.norm().max(moment_nmm.abs() / size_mm)
     });
-    let worst = on_bases.fold(force.norm().max(moment_nmm.abs() / world.shape().size_mm()), f64::max);
+    let worst = on_bases.fold(force.norm().max(moment_nmm.abs() / size_mm), f64::max);
     worst / largest_n
 }

@@ -18,7 +18,7 @@ use account::Acting;
 use finray_model::Vector;
 use finray_model::gripper::Placement;
 use finray_model::mesh::Load;
-use motion::AT_REST;
+use motion::{AT_REST, BOLDER, FIRST_DRAG};
 
 /// A finger of which a part turns further than this, rad, folds: one that wraps an object turns half as far, one of which a plate buckles more.
 const FOLDED_RAD: f64 = 1.0;
@@ -115,7 +115,7 @@ impl<'l> World<'l> {
     /// [`Halt`]; fingers and object are then where they last were at rest.
     pub fn advance(&mut self, to: &Drive) -> Result<(), Halt> {
         let start = self.clone();
-        let outcome = self.move_to(to).and_then(|()| self.come_to_rest());
+        let outcome = self.move_to(to).and_then(|()| self.come_to_rest(FIRST_DRAG, BOLDER));
         if outcome.is_err() {
             *self = start;
         }

@@ -15,12 +15,16 @@ const MISSING: f64 = 1e-4;
 const DRAG: f64 = 1e-6;
 /// The same while bases move.
 const MOVING_DRAG: f64 = 1e-3;
+/// The first with which the object is let come to rest.
+pub(super) const FIRST_DRAG: f64 = 1e-4;
 /// The most that is tried.
 const MOST_DRAG: f64 = 1e3;
 /// The resistance grows by this factor where the object would go far, and falls again when it does not.
 const DRAG_FACTOR: f64 = 10.0;
+/// It falls by this factor.
+const LESS: f64 = 3.0;
 /// Steps that are to be solved after one that was not until a longer part, or less resistance, is tried.
-const BOLDER: usize = 2;
+pub(super) const BOLDER: usize = 2;
 /// Farthest that an object goes at once while it comes to rest, as a share of its size.
 const FARTHEST: f64 = 0.1;
 /// All rests when the resistance is this share of the forces.
@@ -61,11 +65,11 @@ impl World<'_> {
                 continue;
             }
             let mut drags = std::iter::successors(Some(MOVING_DRAG * DRAG_FACTOR), |drag| Some(drag * DRAG_FACTOR));
-            let is_taken = |drag: f64| self.step(&there, drag, f64::INFINITY) == Taken::Solved;
-            if !drags.by_ref().take_while(|drag| *drag <= MOST_DRAG).any(is_taken) {
+            let is_taken = |drag: &f64| self.step(&there, *drag, f64::INFINITY) == Taken::Solved;
+            let Some(held) = drags.by_ref().take_while(|drag| *drag <= MOST_DRAG).find(is_taken) else {
                 return Err(self.halt());
-            }
-            self.come_to_rest()?;
+            };
+            self.come_to_rest(held, 0)?;
             (at, part, solved) = (next, 4.0 * LEAST_PART, 0);
         }
         Ok(())
@@ -111,20 +115,27 @@ impl World<'_> {
         ways.map(|(finger, (a, b))| (tip(finger, b) - tip(finger, a)).norm()).fold(0.0, f64::max)
     }
 
-    /// Lets the object move until the resistance against it is nothing beside the forces.
-    pub(super) fn come_to_rest(&mut self) -> Result<(), Halt> {
+    /// Lets the object move until the resistance against it is nothing beside the forces, beginning with a resistance with
+    /// which so many parts were solved.
+    pub(super) fn come_to_rest(&mut self, mut drag: f64, mut solved: usize) -> Result<(), Halt> {
         let drive = self.drive.clone();
-        let (mut drag, mut solved) = (MOVING_DRAG / DRAG_FACTOR, BOLDER);
+        // Less resistance is tried after so many parts that were solved; after twice as many where that was in vain.
+        let (mut patience, mut has_held) = (BOLDER, false);
         for _ in 0..MOST_STEPS {
             let held = self.state.clone();
             if self.step(&drive, drag, f64::INFINITY) != Taken::Solved {
                 if drag > MOST_DRAG {
                     return Err(self.halt());
                 }
-                (drag, solved) = (drag * DRAG_FACTOR, 0);
+                if has_held {
+                    (drag, patience) = (drag * LESS, patience * 2);
+                } else {
+                    drag *= DRAG_FACTOR;
+                }
+                (solved, has_held) = (0, false);
                 continue;
             }
-            solved += 1;
+            (solved, has_held) = (solved + 1, true);
             let moved_mm = self.scene.way_mm(&held, &self.state);
             let resistance_n = drag * self.scene.stiffness * moved_mm;
             let forces = self.near().into_iter().filter_map(|near| self.state.forces.get(&near.key).copied());
@@ -132,8 +143,8 @@ impl World<'_> {
             if resistance_n <= AT_REST * largest_n && (drag <= DRAG || moved_mm <= AT_REST * self.scene.size_mm) {
                 return Ok(());
             }
-            if solved >= BOLDER {
-                drag = (drag / DRAG_FACTOR.sqrt()).max(DRAG);
+            if solved >= patience {
+                drag = (drag / LESS).max(DRAG);
             }
         }
         Err(Halt::Dropped)
