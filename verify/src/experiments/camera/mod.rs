@@ -6,6 +6,7 @@
 //! no image: points are projected by the true camera and read with another one.
 
 mod conditions;
+mod tried;
 
 use super::response::{ContactForce, RespondingFinger};
 use super::{Context, Evidence, ExperimentError};
@@ -15,14 +16,14 @@ use conditions::{CONDITIONS, Change, Condition};
 use finray_imaging::locate::Locator;
 use finray_imaging::render::{RenderRequest, render};
 use finray_model::camera::Camera;
-use finray_model::measurement::{Marker, Measurement};
 use finray_model::mesh::FingerShape;
 use finray_model::scene::{MarkerLook, Markers};
-use finray_model::sensing::{Contact, NonlinearEstimator};
+use finray_model::sensing::Contact;
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector, statics};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::time::Instant;
+use tried::{Tried, tried};
 
 /// Force at every node, N, along the normal: the middle of the paper's 0.3 to 3 N.
 pub const FORCE_N: f64 = 1.5;
@@ -128,12 +129,6 @@ struct Bent {
     along: Vec<(NodeId, Vector)>,
 }
 
-/// Displacements as a camera has them, and their standard deviation.
-struct Seen {
-    displacements: Vec<(NodeId, Vector)>,
-    sd_mm: Option<f64>,
-}
-
 impl CameraStudy {
     fn run(context: &Context, camera: &Camera, markers: &Markers) -> Result<CameraStudy, ExperimentError> {
         let finger = context.finger;
@@ -210,9 +205,9 @@ fn condition_row(
     camera: &Camera,
     markers: &Markers,
 ) -> Result<CameraRow, ExperimentError> {
-    let asked_of = |(number, bent): (usize, &&Bent)| tried(mesh, (number, bent), condition, camera, markers);
+    let on_node = |(number, bent): (usize, &&Bent)| tried(mesh, (number, bent), condition, camera, markers);
     let tried: Vec<Option<Tried>> =
-        asked.par_iter().enumerate().with_max_len(1).map(asked_of).collect::<Result<_, _>>()?;
+        asked.par_iter().enumerate().with_max_len(1).map(on_node).collect::<Result<_, _>>()?;
     let tried = || tried.iter().flatten();
     let errors_mm: Vec<f64> = tried().flat_map(|one| one.errors_mm.iter().copied()).collect();
     let sensed: Vec<f64> = tried().filter_map(|one| one.sensed).collect();
@@ -234,99 +229,6 @@ fn condition_row(
         force_largest_error: (!sensed.is_empty()).then(|| sensed.iter().fold(0.0, size)),
         first_order_rms_error: rms(tried().filter_map(|one| one.first_order)),
     })
-}
-
-/// One bent finger under a condition.
-struct Tried {
-    /// Errors of the coordinates that were seen, mm.
-    errors_mm: Vec<f64>,
-    sd_mm: Option<f64>,
-    /// Markers that were found.
-    found: usize,
-    /// sensed / true - 1, and to first order.
-    sensed: Option<f64>,
-    first_order: Option<f64>,
-}
-
-/// `None` where nothing is seen of it.
-fn tried(
-    mesh: &Mesh,
-    (number, bent): (usize, &Bent),
-    condition: &Condition,
-    camera: &Camera,
-    markers: &Markers,
-) -> Result<Option<Tried>, ExperimentError> {
-    let finger = mesh.finger();
-    let mut shape = &bent.shape;
-    let finer;
-    let seen = match &condition.change {
-        Change::Image(change) => change
-            .applied(camera, markers)
-            .and_then(|(camera, markers)| in_image(finger, shape, &camera, &markers, change, number as u64)),
-        Change::Assumed(change) => {
-            let seen_by = (camera, markers.height_mm);
-            let read = change.applied(camera, markers);
-            read.and_then(|read| projected(finger, shape, seen_by, read, condition.is_rest_seen))
-        }
-        Change::FinerFinger(times) => {
-            let Ok(bent) = statics::solve(&mesh.refined(*times), &[bent.load], Kinematics::Corotational) else {
-                return Ok(None);
-            };
-            finer = bent;
-            shape = &finer;
-            let displacements = finger.marked_nodes().map(|node| (node, shape.motion(node).displacement));
-            Some(Seen { displacements: displacements.collect(), sd_mm: None })
-        }
-    };
-    let Some(seen) = seen else { return Ok(None) };
-    let of_node = |node: NodeId| shape.motion(node).displacement;
-    let error = |(node, displacement): &(NodeId, Vector)| displacement - of_node(*node);
-    let is_seen = !matches!(condition.change, Change::FinerFinger(_));
-    let coordinates = seen.displacements.iter().filter(|_| is_seen).flat_map(|one| [error(one).x, error(one).y]);
-    // Least squares to first order: the errors along the response, over its square.
-    let (mut product, mut squares) = (0.0, 0.0);
-    for one in &seen.displacements {
-        let along = bent.along.iter().find(|(node, _)| *node == one.0).map_or_else(Vector::zeros, |(_, along)| *along);
-        product += along.dot(&error(one));
-        squares += along.norm_squared();
-    }
-    let mut tried = Tried {
-        errors_mm: coordinates.collect(),
-        sd_mm: seen.sd_mm,
-        found: seen.displacements.len(),
-        sensed: None,
-        first_order: None,
-    };
-    let marker = |&(node, displacement): &(NodeId, Vector)| Marker { node, displacement, weight: 1.0 };
-    let Ok(measurement) = Measurement::new(finger, seen.displacements.iter().map(marker)) else {
-        return Ok(Some(tried));
-    };
-    let mut estimator = NonlinearEstimator::new(mesh, &[Contact::at_node(bent.node).into()])?;
-    // Where no noise is stated, it is estimated from the residual.
-    if let Ok(estimate) = estimator.estimate(&measurement, seen.sd_mm) {
-        tried.sensed = Some(estimate.forces.forces_n[0] / FORCE_N - 1.0);
-        tried.first_order = is_seen.then_some(product / squares / FORCE_N);
-    }
-    Ok(Some(tried))
-}
-
-/// What is found in an image; `None` where it is refused, or the markers are too small or grey, or out of sight.
-fn in_image(
-    finger: &Finger,
-    shape: &FingerShape,
-    camera: &Camera,
-    markers: &Markers,
-    change: &conditions::ImageChange,
-    seed: u64,
-) -> Option<Seen> {
-    let disturbances = change.disturbances(seed);
-    let image =
-        render(&RenderRequest { camera, finger, shape, markers, references: &[], hidden: &[], disturbances }).ok()?;
-    let located = Locator::new(finger, camera, markers).ok()?.locate(&change.compressed(image)?).ok()?;
-    let clamped = finger.clamped_nodes();
-    let free: Vec<_> = located.iter().filter(|marker| !clamped.contains(&marker.node)).collect();
-    let displacements = free.iter().map(|marker| (marker.node, marker.position - finger.position(marker.node)));
-    Some(Seen { displacements: displacements.collect(), sd_mm: rms(free.iter().map(|marker| marker.sd_mm)) })
 }
 
 /// Times of two images in turn that differ in their noise; the first of each kind is not timed.
@@ -353,24 +255,6 @@ fn frame_times(finger: &Finger, shape: &FingerShape, camera: &Camera, markers: &
         Some(*seconds.select_nth_unstable_by(TIMED / 2, f64::total_cmp).1)
     };
     Some(FrameTimes { search_s: median(false)?, track_s: median(true)? })
-}
-
-/// Points that one camera projects and another one reads; `None` where one of them does not see the finger.
-fn projected(
-    finger: &Finger,
-    shape: &FingerShape,
-    (camera, height_mm): (&Camera, f64),
-    (read, read_height_mm): (Camera, f64),
-    is_rest_seen: bool,
-) -> Option<Seen> {
-    let seen = |at: Vector| read.on_plane(&camera.project(&at.push(height_mm)).ok()?, read_height_mm).ok();
-    let displacement = |node: NodeId| {
-        let rest = finger.position(node);
-        let from = if is_rest_seen { seen(rest)? } else { rest };
-        Some((node, seen(rest + shape.motion(node).displacement)? - from))
-    };
-    let displacements = finger.marked_nodes().map(displacement).collect::<Option<Vec<_>>>()?;
-    Some(Seen { displacements, sd_mm: None })
 }
 
 impl Evidence for CameraStudy {

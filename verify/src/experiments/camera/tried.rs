@@ -1,0 +1,131 @@
+//! A force at one node under one condition: what is seen of the bent finger, and what is sensed from it.
+
+use super::conditions::{Change, Condition, ImageChange};
+use super::{Bent, ExperimentError, FORCE_N};
+use crate::statistics::rms;
+use finray_imaging::locate::Locator;
+use finray_imaging::render::{RenderRequest, render};
+use finray_model::camera::Camera;
+use finray_model::measurement::{Marker, Measurement};
+use finray_model::mesh::FingerShape;
+use finray_model::scene::Markers;
+use finray_model::sensing::{Contact, NonlinearEstimator};
+use finray_model::{Finger, Kinematics, Mesh, NodeId, Vector, statics};
+
+/// Displacements as a camera has them, and their standard deviation.
+struct Seen {
+    displacements: Vec<(NodeId, Vector)>,
+    sd_mm: Option<f64>,
+}
+
+/// One bent finger under a condition.
+pub(super) struct Tried {
+    /// Errors of the coordinates that were seen, mm.
+    pub errors_mm: Vec<f64>,
+    /// Standard deviation of a coordinate as it is stated, mm; `None` if none is.
+    pub sd_mm: Option<f64>,
+    /// Markers that were found.
+    pub found: usize,
+    /// sensed / true - 1, and to first order.
+    pub sensed: Option<f64>,
+    pub first_order: Option<f64>,
+}
+
+/// `None` where nothing is seen of it.
+pub(super) fn tried(
+    mesh: &Mesh,
+    (number, bent): (usize, &Bent),
+    condition: &Condition,
+    camera: &Camera,
+    markers: &Markers,
+) -> Result<Option<Tried>, ExperimentError> {
+    let finger = mesh.finger();
+    let mut shape = &bent.shape;
+    let finer;
+    let seen = match &condition.change {
+        Change::Image(change) => change
+            .applied(camera, markers)
+            .and_then(|(camera, markers)| in_image(finger, shape, &camera, &markers, change, number as u64)),
+        Change::Assumed(change) => {
+            let seen_by = (camera, markers.height_mm);
+            let read = change.applied(camera, markers);
+            read.and_then(|read| projected(finger, shape, seen_by, read, condition.is_rest_seen))
+        }
+        Change::FinerFinger(times) => {
+            let Ok(bent) = statics::solve(&mesh.refined(*times), &[bent.load], Kinematics::Corotational) else {
+                return Ok(None);
+            };
+            finer = bent;
+            shape = &finer;
+            let displacements = finger.marked_nodes().map(|node| (node, shape.motion(node).displacement));
+            Some(Seen { displacements: displacements.collect(), sd_mm: None })
+        }
+    };
+    let Some(seen) = seen else { return Ok(None) };
+    let of_node = |node: NodeId| shape.motion(node).displacement;
+    let error = |(node, displacement): &(NodeId, Vector)| displacement - of_node(*node);
+    let is_seen = !matches!(condition.change, Change::FinerFinger(_));
+    let coordinates = seen.displacements.iter().filter(|_| is_seen).flat_map(|one| [error(one).x, error(one).y]);
+    // Least squares to first order: the errors along the response, over its square.
+    let (mut product, mut squares) = (0.0, 0.0);
+    for one in &seen.displacements {
+        let along = bent.along.iter().find(|(node, _)| *node == one.0).map_or_else(Vector::zeros, |(_, along)| *along);
+        product += along.dot(&error(one));
+        squares += along.norm_squared();
+    }
+    let mut tried = Tried {
+        errors_mm: coordinates.collect(),
+        sd_mm: seen.sd_mm,
+        found: seen.displacements.len(),
+        sensed: None,
+        first_order: None,
+    };
+    let marker = |&(node, displacement): &(NodeId, Vector)| Marker { node, displacement, weight: 1.0 };
+    let Ok(measurement) = Measurement::new(finger, seen.displacements.iter().map(marker)) else {
+        return Ok(Some(tried));
+    };
+    let mut estimator = NonlinearEstimator::new(mesh, &[Contact::at_node(bent.node).into()])?;
+    // Where no noise is stated, it is estimated from the residual.
+    if let Ok(estimate) = estimator.estimate(&measurement, seen.sd_mm) {
+        tried.sensed = Some(estimate.forces.forces_n[0] / FORCE_N - 1.0);
+        tried.first_order = is_seen.then_some(product / squares / FORCE_N);
+    }
+    Ok(Some(tried))
+}
+
+/// What is found in an image; `None` where it is refused, or the markers are too small or grey, or out of sight.
+fn in_image(
+    finger: &Finger,
+    shape: &FingerShape,
+    camera: &Camera,
+    markers: &Markers,
+    change: &ImageChange,
+    seed: u64,
+) -> Option<Seen> {
+    let disturbances = change.disturbances(seed);
+    let image =
+        render(&RenderRequest { camera, finger, shape, markers, references: &[], hidden: &[], disturbances }).ok()?;
+    let located = Locator::new(finger, camera, markers).ok()?.locate(&change.compressed(image)?).ok()?;
+    let clamped = finger.clamped_nodes();
+    let free: Vec<_> = located.iter().filter(|marker| !clamped.contains(&marker.node)).collect();
+    let displacements = free.iter().map(|marker| (marker.node, marker.position - finger.position(marker.node)));
+    Some(Seen { displacements: displacements.collect(), sd_mm: rms(free.iter().map(|marker| marker.sd_mm)) })
+}
+
+/// Points that one camera projects and another one reads; `None` where one of them does not see the finger.
+fn projected(
+    finger: &Finger,
+    shape: &FingerShape,
+    (camera, height_mm): (&Camera, f64),
+    (read, read_height_mm): (Camera, f64),
+    is_rest_seen: bool,
+) -> Option<Seen> {
+    let seen = |at: Vector| read.on_plane(&camera.project(&at.push(height_mm)).ok()?, read_height_mm).ok();
+    let displacement = |node: NodeId| {
+        let rest = finger.position(node);
+        let from = if is_rest_seen { seen(rest)? } else { rest };
+        Some((node, seen(rest + shape.motion(node).displacement)? - from))
+    };
+    let displacements = finger.marked_nodes().map(displacement).collect::<Option<Vec<_>>>()?;
+    Some(Seen { displacements, sd_mm: None })
+}
