@@ -39,9 +39,10 @@ use std::path::PathBuf;
 ///   grasp.svg     fingers and object at some steps, forces step by step and over the motor's angle
 ///   grasp-animation.svg
 ///                 the whole grasp in one drawing that moves (in print it stands still)
-///   summary.json  how it ended, balance, errors of the sensed forces, and in `energy` where the motor's work went, N mm:
-///                 stored in the fingers and in the weight, lost to friction and to the resistance where the
-///                 equilibrium jumps; what was created, and the error of the account
+///   summary.json  how it ended, balance, errors of the sensed forces, and in `energy` where the
+///                 motor's work went, N mm: stored in the fingers and in the weight, lost to friction
+///                 and to the resistance where the equilibrium jumps, what was created, and the error
+///                 of the account
 ///
 /// phase is approach, close, hold, lift, carry, place or open. A grasp that fails (the object drops,
 /// slips or is out of reach, the fingers fold or jam) writes what was until then and ends with exit
