@@ -3,13 +3,12 @@
 use super::leaning::FoundLean;
 use super::touching::Touching;
 use super::unknowns::Unknown;
-use super::{NonlinearEstimate, NonlinearEstimator, State};
+use super::{NonlinearEstimate, NonlinearEstimator, State, largest_explained_rms_mm};
 use crate::finger::Plate;
 use crate::measurement::Measurement;
 use crate::sensing::residual_test::noise_of;
 use crate::sensing::{
-    Contact, ContactQuestion, Direction, Estimate, LARGEST_SPAN, ResidualTest, SensingError, UNEXPLAINED_SHARE,
-    UNEXPLAINED_SIGMAS, Warning,
+    Contact, ContactQuestion, Direction, Estimate, LARGEST_SPAN, ResidualTest, SensingError, Warning,
 };
 use nalgebra::DMatrix;
 
@@ -149,10 +148,7 @@ impl NonlinearEstimator<'_> {
         let residual_rms_mm = (misfit / coordinates as f64).sqrt();
         let moved: f64 = measurement.markers().iter().map(|marker| marker.displacement.norm_squared()).sum();
         let moved_rms_mm = (moved / coordinates as f64).sqrt();
-        let explained = |noise_mm: f64| {
-            residual_rms_mm <= f64::max(UNEXPLAINED_SIGMAS * noise_mm, UNEXPLAINED_SHARE * moved_rms_mm)
-        };
-        if noise_mm.is_some_and(|noise_mm| !explained(noise_mm)) {
+        if noise_mm.is_some_and(|noise_mm| residual_rms_mm > largest_explained_rms_mm(noise_mm, moved_rms_mm)) {
             return Err(SensingError::Unexplained { residual_rms_mm, moved_rms_mm });
         }
         let known = self.priors.count() + self.object.as_ref().map_or(0, Touching::row_count);

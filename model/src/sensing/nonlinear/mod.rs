@@ -24,8 +24,8 @@ pub use discretisation::Discretisation;
 pub use refine::sense_refining;
 
 use super::{
-    Contact, ContactPosition, ContactQuestion, Direction, Estimate, ModelError, Pad, SensingError, Warning,
-    check_contacts,
+    Contact, ContactPosition, ContactQuestion, Direction, Estimate, ModelError, Pad, SensingError, UNEXPLAINED_SHARE,
+    UNEXPLAINED_SIGMAS, Warning, check_contacts,
 };
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::measurement::Measurement;
@@ -51,6 +51,11 @@ const STARTS: [Start; 4] = [Start::Times(1.0), Start::Times(-1.0), Start::Times(
 /// Unknown directions from which the search starts as well where none of these explains the measurement: forces nearly along
 /// a plate that has buckled.
 const STARTS_BY_DIRECTION: [Start; 3] = [Start::Towards(0.0), Start::Towards(-60.0), Start::Towards(60.0)];
+
+/// Residual, root mean square over the coordinates, up to which a measurement counts as explained under some noise.
+fn largest_explained_rms_mm(noise_mm: f64, moved_rms_mm: f64) -> f64 {
+    f64::max(UNEXPLAINED_SIGMAS * noise_mm, UNEXPLAINED_SHARE * moved_rms_mm)
+}
 
 /// Sensed forces with the positions and directions that go with them.
 #[derive(Debug, Clone, PartialEq)]
@@ -265,7 +270,11 @@ impl<'m> NonlinearEstimator<'m> {
         let mut minima: Vec<(f64, Vec<f64>)> = Vec::new();
         // Forces and shapes from which they were sought.
         let mut starts: Vec<(Vec<f64>, FrameMotion)> = Vec::new();
-        let mut ways = Ways::of(&self.unknowns, &self.questions);
+        let explained_mm2 = noise_mm.map(|noise_mm| {
+            let residual_rms_mm = largest_explained_rms_mm(noise_mm, (moved / coordinates as f64).sqrt());
+            residual_rms_mm * residual_rms_mm * coordinates as f64
+        });
+        let mut ways = Ways::of(&self.unknowns, &self.questions).explaining_up_to(explained_mm2);
         let by_direction = self.questions.iter().any(|question| question.direction == Direction::Auto);
         let follows = self.questions.iter().any(|question| matches!(question.direction, Direction::Leaning(_)));
         let by_direction = STARTS_BY_DIRECTION.into_iter().filter(|_| by_direction);
@@ -280,6 +289,10 @@ impl<'m> NonlinearEstimator<'m> {
                 }
                 // An explanation that leaves the unknowns open is reason enough to refuse.
                 self.judged(&mut found.state, measurement, noise_mm, found.steps)?;
+            }
+            // The linear forces lead nowhere else; other directions and another base may.
+            if matches!(start, Start::Times(_)) && ways.agree_on_none() {
+                continue;
             }
             ways.begin();
             match self.searched(measurement, noise_mm, start, &mut starts, &mut ways) {

@@ -77,6 +77,10 @@ impl NonlinearEstimator<'_> {
             let mut prediction = linearised.solve(shape, measurement, 0.0)?;
             let variance_mm2 =
                 f64::max(noise_mm.unwrap_or(0.0).powi(2), before / measurement.coordinate_count() as f64);
+            if settled && ways.ends_far(before, prediction.decrease_mm2) {
+                ways.reach(state);
+                return Ok(Some((iterations, false)));
+            }
             let is_there = settled && prediction.decrease_mm2 <= OFFSET_TOLERANCE * OFFSET_TOLERANCE * variance_mm2;
             if is_there || last_change <= near {
                 let mut corrected = state.clone();

@@ -2,6 +2,9 @@
 //!
 //! Where contacts and directions are known, forces alone say where a search is. Where they are sought as well, two searches may pass each other
 //! and end elsewhere: those go on.
+//!
+//! A minimum that is far from explaining the measurement need not be found to the last digit, and where two searches agree on it the others
+//! that start from multiples of the linear forces are left out.
 
 use super::State;
 use super::unknowns::Unknown;
@@ -9,6 +12,13 @@ use crate::sensing::{ContactQuestion, Direction};
 
 /// A way is met where no force is further from it than this share of the largest.
 const MET: f64 = 0.01;
+
+/// A minimum is far from explaining a measurement where its residual is so many times as large as what is still explained ...
+const FAR: f64 = 1.25;
+/// ... and is as good as found where no step is predicted to decrease its misfit by more than this share.
+const NEARLY: f64 = 0.01;
+/// Two searches agree where their misfits differ by no more than this share, and their forces by no more than this share of the largest.
+const AGREE: f64 = 0.05;
 
 /// A way that a search has taken, by the forces of each step, and where it ended: misfit and forces of the minimum, or `None` without one.
 #[derive(Debug, Clone)]
@@ -26,6 +36,8 @@ pub(super) struct Ways {
     current: Vec<Vec<f64>>,
     /// Which of those that ended the current one has met.
     met: Option<usize>,
+    /// Misfit above which a minimum is far from explaining the measurement, mm^2; `None` if any may explain it.
+    far_mm2: Option<f64>,
 }
 
 impl Ways {
@@ -34,6 +46,27 @@ impl Ways {
         let forces_alone = unknowns.iter().all(|unknown| matches!(unknown, Unknown::Force(_)));
         let follows = |question: &ContactQuestion| matches!(question.direction, Direction::Leaning(_));
         Ways { are_kept: forces_alone && !questions.iter().any(follows), ..Ways::default() }
+    }
+
+    /// The same, towards minima that explain a measurement up to a misfit, mm^2.
+    pub(super) fn explaining_up_to(self, misfit_mm2: Option<f64>) -> Ways {
+        Ways { far_mm2: misfit_mm2.map(|misfit_mm2| FAR * FAR * misfit_mm2), ..self }
+    }
+
+    /// Whether a misfit that can be decreased by so much is as good as a minimum far from explaining the measurement.
+    pub(super) fn ends_far(&self, misfit_mm2: f64, decrease_mm2: f64) -> bool {
+        self.is_far(misfit_mm2) && decrease_mm2 <= NEARLY * misfit_mm2
+    }
+
+    fn is_far(&self, misfit_mm2: f64) -> bool {
+        self.far_mm2.is_some_and(|far_mm2| misfit_mm2 > far_mm2)
+    }
+
+    /// Whether two searches agree on the best minimum so far, and it is far from explaining the measurement.
+    pub(super) fn agree_on_none(&self) -> bool {
+        let ends = || self.ended.iter().filter_map(|way| way.end.as_ref());
+        let Some(best) = ends().min_by(|a, b| a.0.total_cmp(&b.0)) else { return false };
+        self.is_far(best.0) && ends().filter(|end| agree(end, best)).count() > 1
     }
 
     /// Begins another way.
@@ -68,6 +101,13 @@ impl Ways {
         self.ended.push(Way { points: std::mem::take(&mut self.current), end: end.clone() });
         end
     }
+}
+
+/// Whether a minimum, by misfit and forces, is another one.
+fn agree(one: &(f64, Vec<f64>), other: &(f64, Vec<f64>)) -> bool {
+    let largest = other.1.iter().fold(0.0_f64, |m, n| m.max(n.abs()));
+    let mut forces = one.1.iter().zip(&other.1);
+    (one.0 - other.0).abs() <= AGREE * other.0 && forces.all(|(a, b)| (a - b).abs() <= AGREE * largest)
 }
 
 /// Whether forces are on the straight line between two others.
