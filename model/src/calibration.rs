@@ -5,8 +5,8 @@ mod views;
 
 pub use factors::{FactorEstimate, FactorModel, Unknown, factors};
 pub use views::{
-    BaseCompliance, ForceError, FoundQuantity, FoundView, Quantity, Sought, View, ViewEstimate, ViewModel,
-    compliance_of, friction_of, views,
+    BaseCompliance, ForceError, FoundQuantity, FoundView, Outlier, OutlierKind, Quantity, Sought, View, ViewError,
+    ViewEstimate, ViewModel, compliance_of, friction_of, views,
 };
 
 use crate::Kinematics;
@@ -90,14 +90,22 @@ pub enum CalibrationError {
         "no factors were found for which measured and computed nodes are closest: do loads and units fit the finger?"
     )]
     NoMinimum,
-    /// The scene's finger cannot explain a view, from where a search could begin.
-    #[error("the finger of the scene does not explain a view, so that there is nowhere to begin: {0}")]
-    Start(#[from] crate::sensing::SensingError),
-    /// The scene's finger carries a measured force nowhere.
-    #[error("the finger of the scene carries {force_n:.3} N nowhere along its plate: are units and modulus right?")]
-    NotCarried {
-        /// The force, N.
-        force_n: f64,
+    /// A view cannot be used, or contradicts the others.
+    #[error("{name}: {error}")]
+    View {
+        /// Its name.
+        name: String,
+        /// What is wrong with it.
+        error: ViewError,
+    },
+    /// Measured forces are of another size than those under which the scene's finger bends as the views show.
+    #[error(
+        "measured forces are {times:.3} times (median) those under which the finger of the scene bends as the images show: check their unit (N), sign \
+         and frame; if these are right, begin from a scene whose moduli are nearer to the finger's"
+    )]
+    ForceScale {
+        /// Measured forces over those that are shown.
+        times: f64,
     },
     /// A factor is beyond what a finger may have.
     #[error(transparent)]

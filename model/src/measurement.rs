@@ -28,6 +28,15 @@ pub struct BaseUncertainty {
     pub sd_rad: f64,
     /// The turn that is expected, from x to y, rad a newton of all forces together: zero of a base that is measured under them.
     pub turn_rad_per_n: f64,
+    /// Standard deviation of that turn, rad a newton: it counts the more the larger the forces are.
+    pub turn_sd_rad_per_n: f64,
+}
+
+impl BaseUncertainty {
+    /// Standard deviation of the turn under forces of a sum, rad.
+    pub fn sd_rad_under(&self, force_n: f64) -> f64 {
+        self.sd_rad.hypot(self.turn_sd_rad_per_n * force_n)
+    }
 }
 
 /// Measured displacements of some of a finger's free key nodes, each at most once.

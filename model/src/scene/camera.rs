@@ -186,8 +186,9 @@ impl Base {
 }
 
 /// All keys of `[base]`, and of each reference.
-pub(super) const BASE_KEYS: [&str; 4] = ["reference", "sigma_mm", "sigma_deg", TURN_PER_N];
+pub(super) const BASE_KEYS: [&str; 5] = ["reference", "sigma_mm", "sigma_deg", TURN_PER_N, TURN_SIGMA_PER_N];
 const TURN_PER_N: &str = "turn_deg_per_n";
+const TURN_SIGMA_PER_N: &str = "turn_sigma_deg_per_n";
 const REFERENCE_KEYS: [&str; 5] = ["at_mm", "radius_mm", "height_mm", "shade", "inner_radius_mm"];
 
 pub(super) fn read_base(table: &TableReader) -> Result<Base, SceneError> {
@@ -206,25 +207,25 @@ pub(super) fn read_base(table: &TableReader) -> Result<Base, SceneError> {
         Ok(Reference { at: Vector::new(x, y), markers: read_discs(table)? })
     };
     let references = table.tables("reference", &REFERENCE_KEYS)?;
-    let uncertainty = match ["sigma_mm", "sigma_deg", TURN_PER_N].iter().any(|key| table.has(key)) {
+    let uncertainty = match ["sigma_mm", "sigma_deg", TURN_PER_N, TURN_SIGMA_PER_N].iter().any(|key| table.has(key)) {
         false => None,
         true => Some(BaseUncertainty {
             sd_mm: not_negative_mm(table, "sigma_mm")?,
             sd_rad: read_sigma_deg(table)?.to_radians(),
-            turn_rad_per_n: read_turn_per_n(table)?.to_radians(),
+            turn_rad_per_n: read_turn_per_n(table, TURN_PER_N, -LARGEST_TURN_DEG_PER_N)?.to_radians(),
+            turn_sd_rad_per_n: read_turn_per_n(table, TURN_SIGMA_PER_N, 0.0)?.to_radians(),
         }),
     };
     Ok(Base { references: references.iter().map(reference).collect::<Result<_, _>>()?, uncertainty })
 }
 
-fn read_turn_per_n(table: &TableReader) -> Result<f64, SceneError> {
-    let deg_per_n = table.optional_number(TURN_PER_N, "angle in degrees a newton")?.unwrap_or(0.0);
-    match deg_per_n.abs() <= LARGEST_TURN_DEG_PER_N {
+fn read_turn_per_n(table: &TableReader, key: &str, least: f64) -> Result<f64, SceneError> {
+    let deg_per_n = table.optional_number(key, "angle in degrees a newton")?.unwrap_or(0.0);
+    match (least..=LARGEST_TURN_DEG_PER_N).contains(&deg_per_n) {
         true => Ok(deg_per_n),
         false => {
-            let limit = LARGEST_TURN_DEG_PER_N;
-            let expected = format!("an angle in degrees a newton, -{limit} to {limit}, positive from x to y");
-            Err(table.wrong(TURN_PER_N, &expected, &format!("{deg_per_n:?}")))
+            let expected = format!("an angle in degrees a newton, {least} to {LARGEST_TURN_DEG_PER_N}");
+            Err(table.wrong(key, &expected, &format!("{deg_per_n:?}")))
         }
     }
 }

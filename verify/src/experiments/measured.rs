@@ -123,7 +123,7 @@ pub fn run(scene: &Scene, seen: &[LocatedView], images: &[NamedImage]) -> Result
     }
     let views: Vec<View> = measured.iter().map(|(seen, _)| seen.view.clone()).collect();
     let fitted = calibration::views(&scene.finger, &views, &[], &model(scene))?;
-    if let Some((name, _)) = images.iter().find(|(name, _)| measured.iter().all(|(seen, _)| seen.image != *name)) {
+    if let Some((name, _)) = images.iter().find(|(name, _)| measured.iter().all(|(seen, _)| seen.view.name != *name)) {
         return Err(MeasuredError::NotLocated { name: name.clone() });
     }
     let (mut residuals, mut pictures) = (Vec::new(), Vec::new());
@@ -132,7 +132,7 @@ pub fn run(scene: &Scene, seen: &[LocatedView], images: &[NamedImage]) -> Result
         let of_image = markers.map(|(marker, residual)| {
             let at = scene.finger.marker_position(marker.node) + marker.displacement;
             MarkerResidual {
-                image: seen.image.clone(),
+                image: seen.view.name.clone(),
                 node: marker.node.0,
                 x_mm: at.x,
                 y_mm: at.y,
@@ -141,7 +141,7 @@ pub fn run(scene: &Scene, seen: &[LocatedView], images: &[NamedImage]) -> Result
             }
         });
         let of_image: Vec<MarkerResidual> = of_image.collect();
-        if let Some((_, image)) = images.iter().find(|(name, _)| *name == seen.image) {
+        if let Some((_, image)) = images.iter().find(|(name, _)| *name == seen.view.name) {
             pictures.extend(picture::picture(scene, seen, &of_image, image)?);
         }
         residuals.extend(of_image);
@@ -193,7 +193,7 @@ fn sensed(
     };
     let off_n = sensed_n.map(|sensed_n| sensed_n - measured_n);
     Some(MeasuredForce {
-        image: seen.image.clone(),
+        image: seen.view.name.clone(),
         known: knowledge.name,
         measured_n,
         sensed_n,

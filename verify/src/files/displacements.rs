@@ -236,7 +236,7 @@ fn with_base(measurement: Measurement, reading: Reading, of_file: Option<BaseUnc
         (Some(one), Some(other)) => Some(BaseUncertainty {
             sd_mm: one.sd_mm.hypot(other.sd_mm),
             sd_rad: one.sd_rad.hypot(other.sd_rad),
-            turn_rad_per_n: 0.0,
+            ..BaseUncertainty::default()
         }),
         (one, other) => one.or(other),
     };
@@ -259,7 +259,7 @@ fn base_of_image(
     if sd_mm < 0.0 || sd_deg < 0.0 {
         return Err(table.wrong(row, "base_sigma_mm, base_sigma_deg: expected zero or more".to_owned()));
     }
-    let base = BaseUncertainty { sd_mm, sd_rad: sd_deg.to_radians(), turn_rad_per_n: 0.0 };
+    let base = BaseUncertainty { sd_mm, sd_rad: sd_deg.to_radians(), ..BaseUncertainty::default() };
     Ok(Some(base).filter(|base| base.sd_mm > 0.0 || base.sd_rad > 0.0))
 }
 

@@ -27,7 +27,7 @@ pub fn load_scene_and_text(path: &Path) -> Result<(Scene, String), FileError> {
 ///
 /// # Errors
 /// What is wrong with the text: none where it was read as a scene before.
-pub fn with_values(text: &str, values: &[(String, toml_edit::Value)]) -> Result<String, String> {
+pub fn with_values(text: &str, values: &[(String, Option<toml_edit::Value>)]) -> Result<String, String> {
     let mut document: toml_edit::DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| error.to_string())?;
     for (path, value) in values {
         let (tables, key) = path.rsplit_once('.').unwrap_or(("", path));
@@ -45,6 +45,10 @@ pub fn with_values(text: &str, values: &[(String, toml_edit::Value)]) -> Result<
             .ok_or_else(|| format!("expected a table {name} for {path}"))?;
         }
         let table = item.as_table_like_mut().ok_or_else(|| format!("expected a table for {path}"))?;
+        let Some(value) = value else {
+            table.remove(key);
+            continue;
+        };
         match table.get_mut(key).and_then(toml_edit::Item::as_value_mut) {
             // What stands behind a value, as a comment, stays there.
             Some(old) => {

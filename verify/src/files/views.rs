@@ -13,8 +13,6 @@ use std::path::Path;
 /// An image that was located.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LocatedView {
-    /// Its name.
-    pub image: String,
     /// Where the base is, in the frame of the camera's pose.
     pub base: Isometry2<f64>,
     /// What was measured.
@@ -82,15 +80,12 @@ pub fn load(located: &Path, forces: Option<&Path>, scene: &Scene) -> Result<Loca
             )
         })?;
         let force = forces.iter().find(|(name, _)| *name == image).map(|(_, force)| base.rotation.inverse() * force);
-        let uncertainty = found.measurement.base();
-        let uncertainty = BaseUncertainty {
-            sd_mm: uncertainty.map_or(0.0, |base| base.sd_mm).max(EXACT.0),
-            sd_rad: uncertainty.map_or(0.0, |base| base.sd_rad).max(EXACT.1),
-            turn_rad_per_n: uncertainty.map_or(0.0, |base| base.turn_rad_per_n),
-        };
+        let known = found.measurement.base().unwrap_or_default();
+        let uncertainty =
+            BaseUncertainty { sd_mm: known.sd_mm.max(EXACT.0), sd_rad: known.sd_rad.max(EXACT.1), ..known };
         let eye = (base.inverse() * Point2::from(eye)).coords;
-        let view = View { measurement: found.measurement, noise_mm, base: uncertainty, eye, force };
-        Ok(LocatedView { image, base, view })
+        let view = View { name: image, measurement: found.measurement, noise_mm, base: uncertainty, eye, force };
+        Ok(LocatedView { base, view })
     };
     Ok(LocatedViews { views: images.into_iter().map(view).collect::<Result<_, _>>()?, misplaced_mm })
 }

@@ -8,6 +8,7 @@ mod kit;
 mod arguments;
 mod calibrate;
 mod camera;
+mod contradictions;
 mod garbage;
 mod grasp;
 mod gripper;

@@ -5,42 +5,32 @@
 //! force, geometry alone is identifiable; moduli and forces scale alike.
 
 mod compliance;
+mod contradiction;
 mod errors;
 mod forces;
 mod friction;
+mod outliers;
 mod problem;
 mod quantity;
 mod scatter;
 mod start;
+mod view;
 
 pub use compliance::{BaseCompliance, compliance_of};
 pub use friction::friction_of;
+pub use outliers::{Outlier, OutlierKind};
 pub use quantity::{Quantity, Sought};
+pub use view::{View, ViewError};
 
 use super::CalibrationError;
 use crate::Vector;
 use crate::finger::Finger;
-use crate::least_squares::{Fit, fit};
-use crate::measurement::{BaseUncertainty, MarkerErrors, Measurement};
+use crate::least_squares::fit;
+use crate::measurement::MarkerErrors;
 use crate::sensing::{Lean, Normal, Pad};
 use nalgebra::{DMatrix, Isometry2};
 use problem::Problem;
 use scatter::Scatter;
-
-/// One image of the finger, as it was located with the scene's rig.
-#[derive(Debug, Clone, PartialEq)]
-pub struct View {
-    /// Displacements of markers from the scene's undeformed finger, mm, in the frame that the image has of its base.
-    pub measurement: Measurement,
-    /// Standard deviation of a coordinate of weight 1, mm.
-    pub noise_mm: f64,
-    /// How far the base may be from there.
-    pub base: BaseUncertainty,
-    /// Where the camera stands above that frame, mm.
-    pub eye: Vector,
-    /// The contact force in that frame, N, where it was measured.
-    pub force: Option<Vector>,
-}
 
 /// What is held beside the views.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -120,6 +110,8 @@ pub struct ViewEstimate {
     pub marker_errors: MarkerErrors,
     /// By which share it misses forces. `None` where no modulus is sought, or no force was measured.
     pub force_error: Option<ForceError>,
+    /// Measured forces and markers that are further off than the others let expect.
+    pub outliers: Vec<Outlier>,
 }
 
 /// By which share a calibrated finger misses forces beyond what noise, position and base explain: standard deviations of one force.
@@ -161,7 +153,8 @@ fn have_settled(before: (MarkerErrors, Option<f64>), after: (MarkerErrors, Optio
 /// maximum likelihood (Patterson and Thompson, Biometrika 58, 1971), from fit to fit until they settle.
 ///
 /// # Errors
-/// [`CalibrationError`] where a view has no explanation at the start, or a quantity is not identifiable.
+/// [`CalibrationError`] where a view has no explanation at the start or contradicts the others, a quantity is not identifiable, or the finger that is found
+/// would be of no use.
 pub fn views(
     finger: &Finger,
     views: &[View],
@@ -201,8 +194,8 @@ pub fn views(
             break;
         }
     }
-    let (Fit { parameters: point, inverse, .. }, scatter) = found.ok_or(CalibrationError::NoMinimum)?;
-    let covariance = inverse.ok_or_else(|| CalibrationError::NotSeparable { parameters: all() })?;
+    let (fitted, scatter) = found.ok_or(CalibrationError::NoMinimum)?;
+    let covariance = fitted.inverse.as_ref().ok_or_else(|| CalibrationError::NotSeparable { parameters: all() })?;
     let sigma = |k: usize| covariance[(k, k)].sqrt();
     let open = |k: &usize| {
         let limit = LARGEST_SIGMAS[usize::from(!sought[*k].quantity.is_factor())];
@@ -211,6 +204,14 @@ pub fn views(
     if (0..sought.len()).any(|k| open(&k)) {
         return Err(CalibrationError::NotIdentifiable { parameters: names(&mut (0..sought.len()).filter(open)) });
     }
+    let force_error = problem.scatter.map(|of_single| ForceError {
+        scatter: of_single,
+        of_new: scatter.as_ref().map_or(of_single, |scatter| scatter.of_new(of_single)),
+    });
+    if !sought.is_empty() {
+        problem.check_use(&fitted, covariance, force_error)?;
+    }
+    let point = &fitted.parameters;
     let candidate = problem.candidate(&point.shared).ok_or(CalibrationError::NoMinimum)?;
     let quantities = sought.iter().zip(&point.shared).enumerate().map(|(k, (sought, change))| {
         let value = match sought.quantity.is_factor() {
@@ -239,10 +240,8 @@ pub fn views(
         correlation: DMatrix::from_fn(sought.len(), sought.len(), |i, j| covariance[(i, j)] / (sigma(i) * sigma(j))),
         views: found_views,
         marker_errors: problem.errors,
-        force_error: problem.scatter.map(|of_single| ForceError {
-            scatter: of_single,
-            of_new: scatter.as_ref().map_or(of_single, |scatter| scatter.of_new(of_single)),
-        }),
+        force_error,
+        outliers: problem.outliers(&fitted, covariance),
         marker_height_mm: candidate.marker_height_mm,
         base: candidate.base,
         finger: candidate.mesh.finger().clone(),

@@ -4,7 +4,7 @@ use super::quantity::changed;
 use super::{Quantity, Sought, View, ViewModel};
 use crate::finger::{Finger, Plate, RibPositions};
 use crate::frame::FrameMotion;
-use crate::measurement::{BaseUncertainty, Marker, MarkerErrors};
+use crate::measurement::{Marker, MarkerErrors};
 use crate::mesh::Mesh;
 use crate::sensing::{Contact, ContactPosition, Normal};
 use crate::statics::Statics;
@@ -107,20 +107,14 @@ impl Problem<'_> {
         Some(Candidate { mesh: Mesh::with_elements_per_member(&finger, self.model.elements), marker_height_mm, base })
     }
 
-    /// Priors of a view's unknowns, in their order: standard deviations, `None` where nothing is known beforehand.
-    fn own_priors(&self, view: &View) -> impl Iterator<Item = Option<f64>> {
-        let BaseUncertainty { sd_mm, sd_rad, .. } = view.base;
-        let further = match (view.force, self.scatter) {
-            (Some(force), Some(share)) => [Some(Some(force.norm() * share)), None],
-            (Some(_), None) => [None, None],
-            (None, _) => [Some(None), Some(Some(self.model.lean.sd_deg.max(SETTLED_DEG)))],
-        };
-        [None, Some(sd_mm), Some(sd_mm), Some(sd_rad)].into_iter().chain(further.into_iter().flatten())
-    }
-
     /// Number of unknowns of a view.
     pub(super) fn own_count(&self, view: &View) -> usize {
-        self.own_priors(view).count()
+        let of_force = match (view.force, self.scatter) {
+            (Some(_), Some(_)) => 1,
+            (Some(_), None) => 0,
+            (None, _) => 2,
+        };
+        OWN + of_force
     }
 
     /// Number of residuals of a view: its markers, its base, and its force or the lean of it.
@@ -194,9 +188,9 @@ impl Problem<'_> {
             let sd_mm = self.errors.sd_mm(view.noise_mm / marker.weight);
             rows.extend((residual / sd_mm).iter());
         }
-        let BaseUncertainty { sd_mm, sd_rad, turn_rad_per_n } = view.base;
-        let at = own.base.translation.vector / sd_mm;
-        rows.extend([at.x, at.y, (own.base.rotation.angle() - turn_rad_per_n * own.force_n) / sd_rad]);
+        let at = own.base.translation.vector / view.base.sd_mm;
+        let turn_rad = own.base.rotation.angle() - view.base.turn_rad_per_n * own.force_n;
+        rows.extend([at.x, at.y, turn_rad / view.base.sd_rad_under(own.force_n)]);
         if let (Some(force), Some(scatter)) = (view.force, self.scatter) {
             rows.push((own.force_n / force.norm() - 1.0) / scatter);
         }

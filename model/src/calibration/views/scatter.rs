@@ -127,8 +127,7 @@ impl Scatter {
         // Where nothing was compared, the scatter is no estimate.
         let wider = StudentsT::new(0.0, 1.0, self.differences() as f64)
             .map_or(1.0, |student| student.inverse_cdf(UPPER) / Normal::standard().inverse_cdf(UPPER));
-        // Of a force that may be missed altogether no less is known.
-        (wider * scatter).hypot(of_finger.sqrt()).min(LARGEST)
+        (wider * scatter).hypot(of_finger.sqrt())
     }
 }
 

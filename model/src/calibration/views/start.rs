@@ -1,7 +1,8 @@
 //! Where the search begins.
 
+use super::contradiction::Shown;
 use super::problem::{Candidate, Own, Point, Problem};
-use super::{FIRST_MODEL_ERROR_MM, View};
+use super::{FIRST_MODEL_ERROR_MM, View, ViewError};
 use crate::Vector;
 use crate::calibration::CalibrationError;
 use crate::finger::Plate;
@@ -11,20 +12,54 @@ use nalgebra::Isometry2;
 /// Parts of the plate at whose ends a contact is sought at first.
 const PLACES: usize = 50;
 
+/// Where the search begins in a view.
+struct Beginning {
+    /// As the measured force has it, or what the markers show where none was measured: `None` where the finger does not carry that force.
+    own: Option<Own>,
+    /// What the markers show beside a measured force.
+    shown: Option<Shown>,
+}
+
 impl Problem<'_> {
     /// Where the search begins: every view as the scene's finger explains it best.
+    ///
+    /// # Errors
+    /// [`CalibrationError`] for a view that the scene's finger does not explain, or that contradicts it or the others.
     pub(super) fn start(&self) -> Result<Point, CalibrationError> {
         let shared = vec![0.0; self.sought.len()];
         let stated = self.candidate(&shared).ok_or(CalibrationError::NoMinimum)?;
-        let own = self.views.iter().map(|view| match view.force {
-            Some(force) => self.start_of_known(&stated, view, force.norm()),
-            None => self.start_of_unknown(&stated, view),
+        let of_view = |view: &View| self.beginning(&stated, view).map_err(|error| view.wrong(error));
+        let begins: Vec<Beginning> = self.views.iter().map(of_view).collect::<Result<_, _>>()?;
+        let shown: Vec<Option<Shown>> = begins.iter().map(|beginning| beginning.shown).collect();
+        // A finger that is not sought is compared with its forces as it is.
+        if !self.sought.is_empty() {
+            self.check_forces(&shown)?;
+        }
+        let own = begins.iter().zip(self.views).map(|(beginning, view)| {
+            let force_n = view.force.map_or(0.0, |force| force.norm());
+            beginning.own.ok_or_else(|| view.wrong(ViewError::NotCarried { force_n }))
         });
         Ok(Point { shared, own: own.collect::<Result<_, _>>()? })
     }
 
-    /// The place along the plate where a measured force bends the finger most like what is seen, wherever the base is.
-    fn start_of_known(&self, stated: &Candidate, view: &View, force_n: f64) -> Result<Own, CalibrationError> {
+    fn beginning(&self, stated: &Candidate, view: &View) -> Result<Beginning, ViewError> {
+        let Some(force) = view.force else {
+            let own = self.start_of_unknown(stated, view)?;
+            return self.wrong_name(stated, view, &own).map_or(Ok(Beginning { own: Some(own), shown: None }), Err);
+        };
+        let (own, shown) = (self.start_of_known(stated, view, force.norm()), self.shown(stated, view));
+        // With the force as it was measured and as the markers show it: either may be wrong.
+        let explained = own.into_iter().chain(shown.map(|shown| shown.own));
+        let names: Vec<Option<ViewError>> = explained.map(|own| self.wrong_name(stated, view, &own)).collect();
+        match names.into_iter().reduce(|first, second| first.filter(|_| second.is_some())).flatten() {
+            Some(error) => Err(error),
+            None => Ok(Beginning { own, shown }),
+        }
+    }
+
+    /// The place along the plate where a measured force bends the finger most like what is seen, wherever the base is; `None` where the finger
+    /// does not carry it.
+    fn start_of_known(&self, stated: &Candidate, view: &View, force_n: f64) -> Option<Own> {
         let length_mm = self.finger.plate_length_mm(Plate::Front);
         let at = |i: usize| Own {
             s_mm: length_mm * i as f64 / PLACES as f64,
@@ -35,17 +70,18 @@ impl Problem<'_> {
         let misfit = |own: &Own| {
             let pressed = self.pressed(stated, view, own)?;
             Some(misfit_of_shape(
-                self.residuals(stated, view, own, &pressed)
-                    .map(|(marker, left)| (self.finger.marker_position(marker.node) + marker.displacement, left)),
+                &self
+                    .residuals(stated, view, own, &pressed)
+                    .map(|(marker, left)| (self.finger.marker_position(marker.node) + marker.displacement, left))
+                    .collect::<Vec<_>>(),
             ))
         };
         let tried = (1..PLACES).map(at).filter_map(|own| misfit(&own).map(|misfit| (misfit, own)));
-        let best = tried.min_by(|(a, _), (b, _)| a.total_cmp(b));
-        best.map(|(_, own)| own).ok_or(CalibrationError::NotCarried { force_n })
+        tried.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, own)| own)
     }
 
     /// Force and place as they are sensed.
-    fn start_of_unknown(&self, stated: &Candidate, view: &View) -> Result<Own, CalibrationError> {
+    fn start_of_unknown(&self, stated: &Candidate, view: &View) -> Result<Own, ViewError> {
         let direction = Direction::Leaning(Lean { sd_deg: 0.0, ..self.model.lean });
         let questions = [ContactQuestion { position: None, direction }];
         let mut estimator = NonlinearEstimator::new(&stated.mesh, &questions)?.with_pad(self.model.pad);
@@ -60,18 +96,23 @@ impl Problem<'_> {
     }
 }
 
-/// What is left of residuals at points, mm^2, once the whole shape has moved to where they are least.
-fn misfit_of_shape(residuals: impl Iterator<Item = (Vector, Vector)>) -> f64 {
-    let all: Vec<(Vector, Vector)> = residuals.collect();
+/// The motion of a whole shape, as small as a turn may be, that is closest to what each of its points is to move by: points, and their motions.
+pub(super) fn motion_of_shape(all: &[(Vector, Vector)]) -> impl Fn(&Vector) -> Vector + use<> {
     let count = all.len().max(1) as f64;
     let [middle, shift] =
-        all.iter().fold([Vector::zeros(); 2], |[p, r], (point, left)| [p + point / count, r + left / count]);
-    let (mut squares, mut turned, mut arms) = (0.0, 0.0, 0.0);
-    for (point, left) in &all {
-        let (arm, left) = (point - middle, left - shift);
-        squares += left.norm_squared();
-        turned += arm.perp(&left);
+        all.iter().fold([Vector::zeros(); 2], |[p, r], (point, moved)| [p + point / count, r + moved / count]);
+    let (mut turned, mut arms) = (0.0, 0.0);
+    for (point, moved) in all {
+        let arm = point - middle;
+        turned += arm.perp(&(moved - shift));
         arms += arm.norm_squared();
     }
-    squares - turned * turned / arms.max(f64::MIN_POSITIVE)
+    let turn = turned / arms.max(f64::MIN_POSITIVE);
+    move |point| shift + Vector::new(middle.y - point.y, point.x - middle.x) * turn
+}
+
+/// What is left of residuals at points, mm^2, once the whole shape has moved to where they are least.
+fn misfit_of_shape(all: &[(Vector, Vector)]) -> f64 {
+    let moved = motion_of_shape(all);
+    all.iter().map(|(point, left)| (left - moved(point)).norm_squared()).sum()
 }

@@ -1,10 +1,11 @@
 //! What is unknown beside forces and positions, but not quite: where the base is, by how much friction turns a force, and where an object is.
 //!
 //! Each has a Gaussian prior, which stands below the markers as one more row of the least squares problem: the deviation from
-//! what is expected, in its standard deviations, times the noise of a coordinate. A base that gives way is expected to turn with the forces.
+//! what is expected, in its standard deviations, times the noise of a coordinate. A base that gives way is expected to turn with the forces, and
+//! as much less surely.
 
 use super::unknowns::{BaseMotion, Unknown};
-use crate::measurement::{BaseUncertainty, Measurement};
+use crate::measurement::Measurement;
 use crate::sensing::{ContactQuestion, Direction, TouchedObject};
 use nalgebra::Isometry2;
 
@@ -44,8 +45,33 @@ struct Prior {
     /// Place among the unknowns.
     index: usize,
     unknown: Unknown,
-    /// Standard deviation of [`Nuisances::value`].
+    /// Standard deviation of [`Nuisances::value`], without forces.
     sd: f64,
+    /// What is expected of it, and a standard deviation of its own, for each newton of all forces together.
+    per_n: f64,
+    sd_per_n: f64,
+}
+
+impl Prior {
+    /// Its standard deviation under forces of a sum.
+    fn sd_under(&self, sum_n: f64) -> f64 {
+        self.sd.hypot(self.sd_per_n * sum_n)
+    }
+
+    /// By how much a value is off what is expected under them, in standard deviations.
+    fn deviation(&self, value: f64, sum_n: f64) -> f64 {
+        (value - self.per_n * sum_n) / self.sd_under(sum_n)
+    }
+
+    /// Change of that deviation with each force, 1/N.
+    fn deviation_by_force(&self, value: f64, sum_n: f64) -> f64 {
+        if self.per_n == 0.0 && self.sd_per_n == 0.0 {
+            return 0.0;
+        }
+        let sd = self.sd_under(sum_n);
+        let widens = self.sd_per_n * (self.sd_per_n * sum_n / sd);
+        -(self.per_n + self.deviation(value, sum_n) * widens) / sd
+    }
 }
 
 /// A prior as a row of the least squares problem.
@@ -55,7 +81,7 @@ pub(super) struct PriorRow {
     pub index: usize,
     /// By the unknown, mm to its unit.
     pub by_unknown: f64,
-    /// By each force, mm/N, where what is expected grows with the forces; otherwise zero.
+    /// By each force, mm/N, where what is expected, or its standard deviation, grows with the forces; otherwise zero.
     pub by_force: f64,
     /// What is left, mm.
     pub left_mm: f64,
@@ -66,8 +92,6 @@ pub(super) struct PriorRow {
 pub(super) struct Priors {
     priors: Vec<Prior>,
     noise_mm: f64,
-    /// By how much all forces together turn the base, rad a newton.
-    turn_rad_per_n: f64,
 }
 
 impl Priors {
@@ -79,24 +103,27 @@ impl Priors {
         measurement: &Measurement,
         noise_mm: Option<f64>,
     ) -> Priors {
-        let sd = |unknown: &Unknown| match (*unknown, measurement.base()) {
-            (Unknown::Base(BaseMotion::Turn), Some(BaseUncertainty { sd_rad, .. })) => Some(sd_rad),
-            (Unknown::Base(_), Some(BaseUncertainty { sd_mm, .. })) => Some(sd_mm),
-            (Unknown::Across(i), _) => match questions[i].direction {
+        let base = measurement.base();
+        let sd = |unknown: &Unknown| match *unknown {
+            Unknown::Base(BaseMotion::Turn) => base.map(|base| base.sd_rad),
+            Unknown::Base(_) => base.map(|base| base.sd_mm),
+            Unknown::Across(i) => match questions[i].direction {
                 Direction::Leaning(lean) => Some(lean.sd_deg),
                 Direction::Auto | Direction::Angle(_) => None,
             },
-            (Unknown::Object(BaseMotion::Turn), _) => object.map(|object| object.sd_rad),
-            (Unknown::Object(_), _) => object.map(|object| object.sd_mm),
-            _ => None,
+            Unknown::Object(BaseMotion::Turn) => object.map(|object| object.sd_rad),
+            Unknown::Object(_) => object.map(|object| object.sd_mm),
+            Unknown::Force(_) | Unknown::Position(_) => None,
         };
         let prior = |(index, unknown): (usize, &Unknown)| {
-            sd(unknown).map(|sd| Prior { index, unknown: *unknown, sd: sd.max(f64::MIN_POSITIVE) })
+            let turning = base.filter(|_| *unknown == Unknown::Base(BaseMotion::Turn));
+            let (per_n, sd_per_n) = turning.map_or((0.0, 0.0), |base| (base.turn_rad_per_n, base.turn_sd_rad_per_n));
+            let sd = sd(unknown)?.max(f64::MIN_POSITIVE);
+            Some(Prior { index, unknown: *unknown, sd, per_n, sd_per_n })
         };
         Priors {
             priors: unknowns.iter().enumerate().filter_map(prior).collect(),
             noise_mm: noise_mm.unwrap_or_default(),
-            turn_rad_per_n: measurement.base().map_or(0.0, |base| base.turn_rad_per_n),
         }
     }
 
@@ -110,26 +137,18 @@ impl Priors {
         self.priors.len()
     }
 
-    /// Change of what is expected of an unknown with each force, a newton.
-    fn expected_per_n(&self, unknown: Unknown) -> f64 {
-        if unknown == Unknown::Base(BaseMotion::Turn) { self.turn_rad_per_n } else { 0.0 }
-    }
-
-    /// By how much an unknown is off what is expected of it under some forces.
-    fn deviation(&self, unknown: Unknown, nuisances: &Nuisances, forces_n: &[f64]) -> f64 {
-        nuisances.value(unknown) - self.expected_per_n(unknown) * forces_n.iter().sum::<f64>()
-    }
-
     /// Sum of the squared deviations, mm^2.
     pub fn misfit(&self, nuisances: &Nuisances, forces_n: &[f64]) -> f64 {
-        let off = |prior: &Prior| self.noise_mm * self.deviation(prior.unknown, nuisances, forces_n) / prior.sd;
+        let sum_n = forces_n.iter().sum();
+        let off = |prior: &Prior| self.noise_mm * prior.deviation(nuisances.value(prior.unknown), sum_n);
         self.priors.iter().map(|prior| off(prior).powi(2)).sum()
     }
 
     /// The rows below those of the markers.
     pub fn rows<'p>(&'p self, nuisances: &'p Nuisances, forces_n: &'p [f64]) -> impl Iterator<Item = PriorRow> + 'p {
+        let sum_n = forces_n.iter().sum();
         self.priors.iter().map(move |prior| {
-            let per_sd_mm = self.noise_mm / prior.sd;
+            let value = nuisances.value(prior.unknown);
             let by_unknown = match prior.unknown {
                 // A lean is an angle, its unknown a force across another.
                 Unknown::Across(i) => (1.0 / forces_n[i]).to_degrees(),
@@ -137,9 +156,9 @@ impl Priors {
             };
             PriorRow {
                 index: prior.index,
-                by_unknown: per_sd_mm * by_unknown,
-                by_force: -per_sd_mm * self.expected_per_n(prior.unknown),
-                left_mm: -per_sd_mm * self.deviation(prior.unknown, nuisances, forces_n),
+                by_unknown: self.noise_mm * by_unknown / prior.sd_under(sum_n),
+                by_force: self.noise_mm * prior.deviation_by_force(value, sum_n),
+                left_mm: -self.noise_mm * prior.deviation(value, sum_n),
             }
         })
     }

@@ -1,7 +1,7 @@
 //! A finger and its rig from several views of it: what was changed is found, to what is stated.
 
 use finray_model::calibration::{
-    CalibrationError, Quantity, Sought, View, ViewEstimate, ViewModel, compliance_of, friction_of, views,
+    CalibrationError, Quantity, Sought, View, ViewError, ViewEstimate, ViewModel, compliance_of, friction_of, views,
 };
 use finray_model::finger::{BracketLengths, Plate, RibPositions};
 use finray_model::measurement::{BaseUncertainty, Marker, Measurement};
@@ -14,7 +14,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 const NOISE_MM: f64 = 0.01;
-const BASE: BaseUncertainty = BaseUncertainty { sd_mm: 0.05, sd_rad: 0.001, turn_rad_per_n: 0.0 };
+const BASE: BaseUncertainty =
+    BaseUncertainty { sd_mm: 0.05, sd_rad: 0.001, turn_rad_per_n: 0.0, turn_sd_rad_per_n: 0.0 };
 const EYE: Vector = Vector::new(70.0, 10.0);
 const CAMERA_HEIGHT_MM: f64 = 250.0;
 /// Place along the plate, force and its angle from the undeformed normal.
@@ -71,6 +72,7 @@ fn views_of(truth: &Truth, forces: bool, rng: &mut ChaCha8Rng) -> Vec<View> {
         let measurement = Measurement::new(&stated, bent.markers().iter().map(marker)).expect("the same nodes");
         let force = placed.rotation * (truth.finger.direction(angle_deg) * force_n);
         View {
+            name: format!("press at {s_mm} mm"),
             measurement: noisy(&measurement, NOISE_MM, rng),
             noise_mm: NOISE_MM,
             base: BASE,
@@ -267,6 +269,27 @@ fn what_is_not_identifiable_is_refused() {
         .collect();
     let refused = views(&scene_finger(), &seen[..1], &sought(&all, None), &model(lean));
     assert!(matches!(refused, Err(CalibrationError::TooFewMarkers { .. })), "{refused:?}");
+}
+
+/// Forces that scatter by half of themselves leave a finger that senses nothing: refused, by the view that is furthest off.
+#[test]
+fn a_finger_of_no_use_is_refused() {
+    let truth = truth();
+    let mut seen = views_of(&truth, true, &mut ChaCha8Rng::seed_from_u64(1));
+    let quantities = [Quantity::Modulus, Quantity::Bracket(Plate::Front), Quantity::Bracket(Plate::Back)];
+    let all = [
+        sought(&quantities, None),
+        sought(&[Quantity::BaseX, Quantity::BaseY, Quantity::BaseTurn, Quantity::MarkerHeight], None),
+    ]
+    .concat();
+    let found = views(&scene_finger(), &seen, &all, &model(Lean::NONE)).expect("identifiable");
+    assert_eq!(found.outliers, []);
+    for (view, times) in seen.iter_mut().zip([1.7, 0.6, 1.7, 0.6, 1.0]) {
+        view.force = view.force.map(|force| force * times);
+    }
+    let refused = views(&scene_finger(), &seen, &all, &model(Lean::NONE));
+    let is_of_forces = |error: &CalibrationError| matches!(error, CalibrationError::View { error: ViewError::ForceErrors { share, .. }, .. } if *share > 0.5);
+    assert!(refused.as_ref().is_err_and(is_of_forces), "{refused:?}");
 }
 
 /// Friction that builds up, from leans that follow the law, and from leans that scatter about a constant.

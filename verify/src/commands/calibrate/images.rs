@@ -202,6 +202,9 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failu
     let all: Vec<_> = seen.iter().map(|seen| seen.view.clone()).collect();
     let estimate = calibration::views(&scene.finger, &all, &fit.sought, &model).map_err(failure)?;
     print_priors(&estimate);
+    for outlier in &estimate.outliers {
+        eprintln!("warning: {outlier}");
+    }
     let leaning: Vec<(f64, f64)> = (all.iter().zip(&estimate.views))
         .filter(|(view, _)| view.force.is_some())
         .map(|(_, found)| (found.force.norm(), found.lean_deg(&estimate.finger, lean.from)))
@@ -219,6 +222,11 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failu
         .map(|(seen, found)| (found.force.norm(), (seen.base.rotation * found.base.rotation).angle().to_degrees()))
         .collect();
     let compliance = fit.base_compliance.then(|| calibration::compliance_of(&turns)).transpose().map_err(failure)?;
+    if compliance.is_some_and(|compliance| compliance.sigma_deg_per_n.is_infinite()) {
+        eprintln!(
+            "note: base_deg_per_n: two images do not show its standard deviation, and `finray sense` takes it for exact"
+        );
+    }
     let mut files: Vec<(PathBuf, String)> = Vec::new();
     if let Some(path) = &arguments.correlations {
         let names: Vec<String> = estimate.quantities.iter().map(|found| found.sought.quantity.to_string()).collect();
@@ -279,7 +287,7 @@ fn rows(estimate: &ViewEstimate, friction: Option<&Lean>, compliance: Option<Bas
 
 fn image_rows(seen: &[LocatedView], estimate: &ViewEstimate, from: Normal) -> Vec<ImageRow> {
     let row = |(seen, found): (&LocatedView, &FoundView)| ImageRow {
-        image: seen.image.clone(),
+        image: seen.view.name.clone(),
         s_mm: found.s_mm,
         force_n: found.force.norm(),
         angle_deg: found.lean_deg(&estimate.finger, Normal::Undeformed),
@@ -292,18 +300,18 @@ fn image_rows(seen: &[LocatedView], estimate: &ViewEstimate, from: Normal) -> Ve
     seen.iter().zip(&estimate.views).map(row).collect()
 }
 
-/// What the calibrated scene has in place of what the scene has.
+/// What the calibrated scene has in place of what the scene has: nothing where there is no value.
 fn values(
     scene: &Scene,
     estimate: &ViewEstimate,
     friction: Option<&Lean>,
     compliance: Option<BaseCompliance>,
-) -> Vec<(String, Value)> {
+) -> Vec<(String, Option<Value>)> {
     let sought = |wanted: fn(&Quantity) -> bool| estimate.quantities.iter().any(|found| wanted(&found.sought.quantity));
     let pair = |[x, y]: [f64; 2]| Value::from(Array::from_iter([x, y]));
     let description = estimate.finger.description();
-    let mut values: Vec<(String, Value)> = Vec::new();
-    let mut put = |key: &str, value: Value| values.push((key.to_owned(), value));
+    let mut values: Vec<(String, Option<Value>)> = Vec::new();
+    let mut put = |key: &str, value: Value| values.push((key.to_owned(), Some(value)));
     if sought(is_modulus) {
         put("finger.front.youngs_modulus_mpa", description.front.youngs_modulus_mpa.into());
         put("finger.back.youngs_modulus_mpa", description.back.youngs_modulus_mpa.into());
@@ -350,8 +358,11 @@ fn values(
     }
     // A base that is taken for exact has no turn to expect.
     let is_sought = scene.base.as_ref().is_some_and(|base| base.uncertainty.is_some());
-    if let Some(BaseCompliance { deg_per_n, .. }) = compliance.filter(|_| is_sought) {
+    if let Some(BaseCompliance { deg_per_n, sigma_deg_per_n }) = compliance.filter(|_| is_sought) {
         put("base.turn_deg_per_n", deg_per_n.into());
+        if sigma_deg_per_n.is_finite() {
+            put("base.turn_sigma_deg_per_n", sigma_deg_per_n.into());
+        }
     }
     if let Some(lean) = friction {
         let (coefficient, sigma) = coefficient(lean);
@@ -360,6 +371,8 @@ fn values(
         if lean.build_up_n > 0.0 {
             put("contact.friction_build_up_n", lean.build_up_n.into());
         }
+        // Either a coefficient or a range of them.
+        values.push(("contact.friction_range".to_owned(), None));
     }
     values
 }

@@ -94,5 +94,5 @@ pub(super) fn without_distortion(scene: &Scene, seen: &LocatedView) -> Option<Lo
     let measurement = Measurement::new(&scene.finger, markers.collect::<Option<Vec<_>>>()?).ok()?;
     let turned = base.rotation.inverse() * seen.base.rotation;
     let view = View { measurement, force: view.force.map(|force| turned * force), ..view.clone() };
-    Some(LocatedView { image: seen.image.clone(), base, view })
+    Some(LocatedView { base, view })
 }

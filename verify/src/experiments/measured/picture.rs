@@ -92,5 +92,11 @@ pub(super) fn picture(
         (px + (computed - seen).norm(), mm + left.residual_x_mm.hypot(left.residual_y_mm))
     });
     let px_a_mm = if mm > 0.0 { scale * px / mm } else { 0.0 };
-    Ok(Some(Picture { image: seen.image.clone(), size_px, jpeg, px_a_mm, arrows: ends.iter().map(arrow).collect() }))
+    Ok(Some(Picture {
+        image: seen.view.name.clone(),
+        size_px,
+        jpeg,
+        px_a_mm,
+        arrows: ends.iter().map(arrow).collect(),
+    }))
 }

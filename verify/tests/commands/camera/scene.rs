@@ -77,6 +77,11 @@ fn shades_and_references_of_a_scene_are_checked() {
             "base.turn_deg_per_n: expected an angle in degrees a newton, -10 to 10",
         ),
         (
+            "[base]",
+            "[base]\nsigma_mm = 0.1\nsigma_deg = 0.1\nturn_sigma_deg_per_n = -1",
+            "base.turn_sigma_deg_per_n: expected an angle in degrees a newton, 0 to 10",
+        ),
+        (
             "[markers]",
             "[markers]\nmodel_error_mm = nan",
             "markers.model_error_mm: expected a length in mm, zero or more",

@@ -1,0 +1,192 @@
+//! What stands out of a fit: measured forces and markers that are further off than all others let expect; and a fit that is of no use.
+
+use super::contradiction::median;
+use super::problem::{OWN, Point, Problem};
+use super::{ForceError, ViewError};
+use crate::NodeId;
+use crate::calibration::CalibrationError;
+use crate::least_squares::Fit;
+use nalgebra::DMatrix;
+use std::fmt;
+
+/// A measured force is expected within this factor of what the others have it: no sensor errs by as much.
+const EXPECTED_TIMES: f64 = 1.1;
+/// And by no more than so many standard deviations, as the half of all that agrees best has them.
+const MOST_SIGMAS: f64 = 6.0;
+/// Median of the distances from the median, as a standard deviation of normal errors.
+const SD_OF_MEDIAN: f64 = 1.4826;
+/// Chance of the largest of all residuals, if errors were normal, below which its marker stands out.
+const CHANCE: f64 = 1e-4;
+/// A standard deviation of this share of the thing itself leaves a 95 % interval that holds zero.
+const OF_NO_USE: f64 = 0.5;
+
+/// Something of a view that the others do not let expect.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outlier {
+    /// Name of the view.
+    pub view: String,
+    /// What it is.
+    pub what: OutlierKind,
+}
+
+/// What stands out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum OutlierKind {
+    /// The measured force.
+    Force {
+        /// Measured over what the markers show, against the other views.
+        times: f64,
+    },
+    /// A marker.
+    Marker {
+        /// Its node.
+        node: NodeId,
+        /// How far it is from where the calibrated finger has it, mm.
+        away_mm: f64,
+        /// The root mean square of all, mm.
+        rms_mm: f64,
+    },
+}
+
+impl fmt::Display for Outlier {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let view = &self.view;
+        match self.what {
+            OutlierKind::Force { times } => write!(
+                f,
+                "{view}: the measured force is {times:.3} times what its markers show, against the other images: check its unit, frame and row"
+            ),
+            OutlierKind::Marker { node, away_mm, rms_mm } => write!(
+                f,
+                "{view}: the marker of node {node} is {away_mm:.2} mm from where the calibrated finger has it, markers in general {rms_mm:.2} mm: check \
+                 whether it is that node's, and well seen"
+            ),
+        }
+    }
+}
+
+/// A marker of a view, against the fit.
+struct OffMarker<'p> {
+    view: &'p str,
+    node: NodeId,
+    away_mm: f64,
+    moved_mm: f64,
+    /// Sum of its squared residuals in their standard deviations, and as they are in units of what noise leaves of them.
+    squares: f64,
+    standardised: f64,
+    free: f64,
+}
+
+impl Problem<'_> {
+    /// What stands out of a fit, given its covariance; of markers the furthest off alone, which pulls others along.
+    pub(super) fn outliers(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> Vec<Outlier> {
+        let times = self.times(fitted, covariance);
+        let logarithms: Vec<f64> = times.iter().map(|(_, times)| times.ln()).collect();
+        let usual = median(logarithms.iter().copied()).unwrap_or_default();
+        let off: Vec<f64> = logarithms.iter().map(|logarithm| (logarithm - usual).abs()).collect();
+        let mut sorted = off.clone();
+        sorted.sort_by(f64::total_cmp);
+        let half = sorted.get(sorted.len().saturating_sub(1) / 2).copied().unwrap_or_default();
+        let most = EXPECTED_TIMES.ln().max(MOST_SIGMAS * SD_OF_MEDIAN * half);
+        let forces =
+            times.iter().zip(&off).filter(|(_, off)| off.is_nan() || **off > most).map(|((view, times), _)| Outlier {
+                view: (*view).to_owned(),
+                what: OutlierKind::Force { times: times / usual.exp() },
+            });
+        forces.chain(marker_outlier(&self.off_markers(fitted, covariance))).collect()
+    }
+
+    /// Each measured force over what all else shows of it.
+    fn times(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> Vec<(&str, f64)> {
+        let Some(scatter) = self.scatter else { return Vec::new() };
+        let mut column = self.sought.len();
+        let mut all = Vec::new();
+        for (view, own) in self.views.iter().zip(&fitted.parameters.own) {
+            if let Some(measured_n) = view.force.map(|force| force.norm()) {
+                // Part of its error is in the residual, the rest was fitted to it.
+                let fitted_share = covariance[(column + OWN, column + OWN)] / (measured_n * scatter).powi(2);
+                let off = (own.force_n / measured_n - 1.0) / (1.0 - fitted_share).max(f64::MIN_POSITIVE);
+                all.push((view.name.as_str(), 1.0 / (1.0 + off)));
+            }
+            column += self.own_count(view);
+        }
+        all
+    }
+
+    fn off_markers(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> Vec<OffMarker<'_>> {
+        let mut all = Vec::new();
+        let mut first = 0;
+        for view in self.views {
+            for (i, marker) in view.measurement.markers().iter().enumerate() {
+                let rows = [first + 2 * i, first + 2 * i + 1];
+                let free = rows.map(|row| {
+                    let by = fitted.derivatives.row(row);
+                    (1.0 - (by * covariance).dot(&by)).max(f64::EPSILON)
+                });
+                let squares = rows.map(|row| fitted.residual[row].powi(2));
+                all.push(OffMarker {
+                    view: &view.name,
+                    node: marker.node,
+                    away_mm: (squares[0] + squares[1]).sqrt() * self.errors.sd_mm(view.noise_mm / marker.weight),
+                    moved_mm: marker.displacement.norm(),
+                    squares: squares[0] + squares[1],
+                    standardised: squares[0] / free[0] + squares[1] / free[1],
+                    free: free[0] + free[1],
+                });
+            }
+            first += self.row_count(view);
+        }
+        all
+    }
+
+    /// Whether what was found is of any use.
+    ///
+    /// # Errors
+    /// [`ViewError::ForceErrors`] or [`ViewError::MarkerErrors`] for the view that is furthest off, where forces would be sensed, or markers are met,
+    /// no better than by taking all for zero.
+    pub(super) fn check_use(
+        &self,
+        fitted: &Fit<Point>,
+        covariance: &DMatrix<f64>,
+        error: Option<ForceError>,
+    ) -> Result<(), CalibrationError> {
+        let refused = |view: &str, error| Err(CalibrationError::View { name: view.to_owned(), error });
+        let markers = self.off_markers(fitted, covariance);
+        let rms = |of: fn(&OffMarker) -> f64| rms_mm(markers.iter().map(of));
+        let (missed_mm, moved_mm) = (rms(|marker| marker.away_mm), rms(|marker| marker.moved_mm));
+        let worst = markers.iter().max_by(|a, b| a.away_mm.total_cmp(&b.away_mm));
+        if let Some(worst) = worst.filter(|_| missed_mm >= OF_NO_USE * moved_mm) {
+            let (node, away_mm) = (worst.node, worst.away_mm);
+            return refused(worst.view, ViewError::MarkerErrors { node, away_mm, missed_mm, moved_mm });
+        }
+        let times = self.times(fitted, covariance);
+        let off = |times: f64| if times > 0.0 { times.ln().abs() } else { f64::INFINITY };
+        let worst = times.iter().max_by(|a, b| off(a.1).total_cmp(&off(b.1)));
+        match (error, worst) {
+            (Some(ForceError { of_new, .. }), Some(&(view, times))) if of_new >= OF_NO_USE => {
+                refused(view, ViewError::ForceErrors { share: of_new, times })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The marker that is furthest off, if that is not to be expected of the others.
+///
+/// # Reference
+/// Two of n squares of independent normal residuals are more than a share q of their sum with the chance (1 - q)^(n / 2 - 1): a beta
+/// distribution, as of internally studentised residuals (Cook and Weisberg, Residuals and Influence in Regression, 1982, sec. 2.2).
+fn marker_outlier(all: &[OffMarker]) -> Option<Outlier> {
+    let worst = all.iter().max_by(|a, b| a.standardised.total_cmp(&b.standardised))?;
+    let sum: f64 = all.iter().map(|marker| marker.squares).sum();
+    let free: f64 = all.iter().map(|marker| marker.free).sum();
+    let chance = all.len() as f64 * (1.0 - (worst.standardised / sum).min(1.0)).powf(0.5 * free - 1.0);
+    let rms_mm = rms_mm(all.iter().map(|marker| marker.away_mm));
+    let what = OutlierKind::Marker { node: worst.node, away_mm: worst.away_mm, rms_mm };
+    (free > 2.0 && chance < CHANCE).then(|| Outlier { view: worst.view.to_owned(), what })
+}
+
+fn rms_mm(lengths_mm: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let count = lengths_mm.len() as f64;
+    (lengths_mm.map(|length_mm| length_mm * length_mm).sum::<f64>() / count).sqrt()
+}

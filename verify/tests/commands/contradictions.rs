@@ -1,0 +1,142 @@
+//! Measurements that cannot be those of the images are refused by `calibrate`, or said, before anything is written: a name, a sign, a unit, a row.
+
+use crate::kit::*;
+use crate::photographs::{PRESSES, force, images, scene};
+use rayon::prelude::*;
+use std::fmt::Write;
+
+/// Grams that weigh a newton.
+const GRAMS_A_NEWTON: f64 = 101.97;
+
+/// Images that were located, once for all.
+struct Located {
+    folder: Folder,
+    scene: String,
+    rows: String,
+    forces: Vec<[f64; 2]>,
+}
+
+impl Located {
+    fn new() -> Located {
+        let folder = Folder::new();
+        let (scene, images) = (scene(&folder), images(&folder));
+        let images: Vec<&str> = images.iter().map(String::as_str).collect();
+        let rows = finray(&[&["locate", &scene, "--image"], &images[..]].concat()).done();
+        let forces = PRESSES.map(|([_, force_n, angle], [.., deg])| force([force_n, angle], deg)).to_vec();
+        Located { folder, scene, rows, forces }
+    }
+
+    /// The same rows with two names of an image exchanged.
+    fn renamed(&self, image: &str, [one, other]: [&str; 2]) -> String {
+        let renamed = |line: &str| {
+            let mut cells: Vec<&str> = line.split(',').collect();
+            if cells[0] == image {
+                let name = cells[1];
+                cells[1] = if name == one { other } else { name };
+                cells[1] = if name == other { one } else { cells[1] };
+            }
+            cells.join(",") + "\n"
+        };
+        // Displacements belong to names, positions to markers: what was located elsewhere is taken from its position.
+        self.rows.lines().map(renamed).collect()
+    }
+
+    /// Calibrates in files of a name, all that is written beside.
+    fn calibrated(&self, name: &str, rows: &str, forces: &[[f64; 2]]) -> Answer {
+        let mut text = "image,fx_n,fy_n\n".to_owned();
+        for (i, [fx, fy]) in forces.iter().enumerate() {
+            writeln!(text, "press{i}.png,{fx},{fy}").expect("memory");
+        }
+        let rows = self.folder.put(&format!("{name}-located.csv"), rows);
+        let forces = self.folder.put(&format!("{name}-forces.csv"), text);
+        let (out, calibrated) = (self.folder.path(&format!("{name}.csv")), self.folder.path(&format!("{name}.toml")));
+        let of_images =
+            ["calibrate", &self.scene, "--located", &rows, "--forces", &forces, "--calibrated", &calibrated];
+        let answer = finray(&[&of_images[..], &["--fit", "modulus,bracket", "--out", &out]].concat());
+        let written = [&out, &calibrated].map(|path| std::path::Path::new(path).exists());
+        assert_eq!(written, [answer.code == Some(0); 2], "{name}: {}", answer.err);
+        answer
+    }
+}
+
+#[test]
+fn measurements_that_contradict_their_images_are_refused_by_name() {
+    let located = Located::new();
+    let with = |change: &dyn Fn(&mut Vec<[f64; 2]>)| {
+        let mut forces = located.forces.clone();
+        change(&mut forces);
+        forces
+    };
+    let rows = |image: &str, names: [&str; 2]| located.renamed(image, names);
+    let scaled = |times: f64| move |force: &mut [f64; 2]| *force = force.map(|part| times * part);
+    let as_measured = located.forces.clone();
+    let names = ["press1.png: the marker of node", "near to node", "check the names"];
+    let force = ["the measured force is", "times what its markers show", "check its sign, unit, frame and row"];
+    // What is changed, and what is said of it.
+    let cases = vec![
+        ("front", rows("press1.png", ["7", "8"]), as_measured.clone(), names.to_vec()),
+        ("back", rows("press1.png", ["3", "4"]), as_measured.clone(), names.to_vec()),
+        ("across", rows("press1.png", ["5", "7"]), as_measured.clone(), names.to_vec()),
+        (
+            "sign",
+            located.rows.clone(),
+            with(&|forces| scaled(-1.0)(&mut forces[2])),
+            [&["press2.png: ", "force is -"], &force[..]].concat(),
+        ),
+        (
+            "grams",
+            located.rows.clone(),
+            with(&|forces| scaled(GRAMS_A_NEWTON)(&mut forces[1])),
+            [&["press1.png: "], &force[..]].concat(),
+        ),
+        (
+            "all-grams",
+            located.rows.clone(),
+            with(&|forces| forces.iter_mut().for_each(scaled(GRAMS_A_NEWTON))),
+            vec!["measured forces are", "times (median) those under which the finger", "unit (N)"],
+        ),
+        (
+            "all-signs",
+            located.rows.clone(),
+            with(&|forces| forces.iter_mut().for_each(scaled(-1.0))),
+            vec!["measured forces are -", "sign"],
+        ),
+        ("exchanged", located.rows.clone(), with(&|forces| forces.swap(0, 2)), [&["press"], &force[..]].concat()),
+    ];
+    cases.into_par_iter().for_each(|(name, rows, forces, said)| {
+        let message = located.calibrated(name, &rows, &forces).refused();
+        println!("{name}: {message}");
+        assert_says(&message, &said);
+    });
+}
+
+/// Rows exchanged between forces that are nearly alike, and a marker that is off by a millimetre, are said; the rest is silent.
+#[test]
+fn what_stands_out_is_said() {
+    let located = Located::new();
+    let silent = located.calibrated("silent", &located.rows, &located.forces);
+    assert!(!silent.err.contains("warning"), "{}", silent.err);
+    let mut forces = located.forces.clone();
+    forces.swap(1, 3);
+    let (_, warnings) = located.calibrated("alike", &located.rows, &forces).warned();
+    println!("{warnings:?}");
+    for image in ["press1.png", "press3.png"] {
+        let of_image = warnings.iter().find(|warning| warning.contains(image)).expect("a warning");
+        assert_says(of_image, &["the measured force is", "check its unit, frame and row"]);
+    }
+    // The row of a node, a millimetre on.
+    let moved = |line: &str| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        if cells[0] == "press2.png" && cells[1] == "8" {
+            for cell in [4, 6] {
+                cells[cell] = (cells[cell].parse::<f64>().expect("a number") + 1.0).to_string();
+            }
+        }
+        cells.join(",") + "\n"
+    };
+    let rows: String = located.rows.lines().map(moved).collect();
+    let (_, warnings) = located.calibrated("moved", &rows, &located.forces).warned();
+    println!("{warnings:?}");
+    let of_marker = warnings.iter().find(|warning| warning.contains("marker")).expect("a warning");
+    assert_says(of_marker, &["press2.png", "node 8"]);
+}
