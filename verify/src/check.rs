@@ -65,23 +65,58 @@ impl Kind {
     }
 }
 
-/// Checks of one kind: how many there are, and how many pass.
+/// Source of the rows whose reference is a shape of our spring lattice that rapier2d steps until it rests. The program is another's, the
+/// springs are ours. Forces that are sensed on the lattice are compared with the true ones and have another source.
+pub const SETTLED_LATTICE: &str = "rapier2d lattice";
+
+/// Whose figures checks are counted against.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Against {
+    /// Other programs with models of their own: [`Kind::External`] but for the lattice.
+    OtherPrograms,
+    /// Our lattice, settled by a physics engine: [`SETTLED_LATTICE`].
+    SettledLattice,
+    /// [`Kind::Analytical`].
+    Literature,
+    /// [`Kind::Internal`].
+    Ourselves,
+}
+
+impl Against {
+    /// All, those with the most distance from us first.
+    pub const ALL: [Against; 4] =
+        [Against::OtherPrograms, Against::SettledLattice, Against::Literature, Against::Ourselves];
+
+    /// Within a sentence, after the number of checks.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Against::OtherPrograms => "against other programs",
+            Against::SettledLattice => "against our lattice settled by a physics engine",
+            Against::Literature => "against closed forms and literature",
+            Against::Ourselves => "of our own",
+        }
+    }
+}
+
+/// Checks against one reference: how many there are, and how many pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tally {
-    /// Their kind.
-    pub kind: Kind,
+    /// The reference.
+    pub against: Against,
     /// How many pass.
     pub passed: usize,
     /// How many there are.
     pub all: usize,
 }
 
-/// The checks counted by kind: never together, as 50 comparisons of ours with ourselves weigh less than one with another program.
-pub fn tallies<'c>(checks: impl Iterator<Item = &'c Check> + Clone) -> [Tally; 3] {
-    Kind::ALL.map(|kind| {
-        let of_kind = checks.clone().filter(move |check| check.kind == kind);
-        Tally { kind, passed: of_kind.clone().filter(|check| check.passes()).count(), all: of_kind.count() }
-    })
+/// The checks counted by reference, without those that nothing is checked against: never together, as 50 comparisons of ours with ourselves weigh
+/// less than one with another program.
+pub fn tallies<'c>(checks: impl Iterator<Item = &'c Check> + Clone) -> Vec<Tally> {
+    let tally = |against| {
+        let counted = checks.clone().filter(move |check| check.against() == against);
+        Tally { against, passed: counted.clone().filter(|check| check.passes()).count(), all: counted.count() }
+    };
+    Against::ALL.into_iter().map(tally).filter(|tally| tally.all > 0).collect()
 }
 
 impl Check {
@@ -124,6 +159,16 @@ impl Check {
             self.quantity = format!("{}; {refused} of {drawn} refused", self.quantity);
         }
         self
+    }
+
+    /// Whose figures it is counted against.
+    pub fn against(&self) -> Against {
+        match self.kind {
+            Kind::External if self.source == SETTLED_LATTICE => Against::SettledLattice,
+            Kind::External => Against::OtherPrograms,
+            Kind::Analytical => Against::Literature,
+            Kind::Internal => Against::Ourselves,
+        }
     }
 
     /// Whether the check passes.

@@ -3,10 +3,12 @@
 
 mod commands;
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 #[cfg(feature = "train")]
 use commands::train;
-use commands::{calibrate, grasp, gripper, lens, locate, map, merge, press, render, report, sense, solve, sweep};
+use commands::{
+    calibrate, grasp, gripper, lens, locate, map, merge, press, render, report, sense, solve, sweep, words,
+};
 use finray_verify::files::write_text;
 use std::path::Path;
 use std::process::ExitCode;
@@ -51,7 +53,10 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let outcome = match Arguments::parse().command {
+    let command = words::taking_negative_numbers(Arguments::command());
+    let matches = command.get_matches_from(words::readable(std::env::args_os()));
+    let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    let outcome = match arguments.command {
         Command::Report(arguments) => report::run(&arguments),
         Command::Solve(arguments) => solve::run(&arguments),
         Command::Sense(arguments) => sense::run(&arguments),

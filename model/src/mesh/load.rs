@@ -48,7 +48,7 @@ pub enum LoadError {
         key_nodes: usize,
     },
     /// The node is held.
-    #[error("node {node} is clamped: a load there moves nothing and cannot be felt")]
+    #[error("node {node} is clamped: a load there moves nothing and is not identifiable")]
     NodeClamped {
         /// The node asked for.
         node: NodeId,

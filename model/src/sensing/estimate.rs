@@ -12,9 +12,8 @@ const NEGLIGIBLE: f64 = 1e-3;
 pub enum Warning {
     /// The residual is larger than the stated noise leaves.
     #[error(
-        "the measurement contradicts the model: a residual standard deviation of {:.3} mm, where noise of {:.3} mm was \
-         stated (chi-squared test, {} degrees of freedom, {})",
-        .0.residual_sd_mm, .0.noise_mm, .0.degrees_of_freedom, .0.p_in_words()
+        "the measurement contradicts the model: {} (chi-squared test, {} degrees of freedom, {})",
+        .0.sizes_in_words(), .0.degrees_of_freedom, .0.p_in_words()
     )]
     Residual(ResidualTest),
     /// The linear finger's own error is larger than the noise's.

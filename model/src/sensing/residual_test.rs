@@ -38,7 +38,16 @@ impl ResidualTest {
         ChiSquared::new(self.degrees_of_freedom as f64).map_or(f64::NAN, |chi_squared| chi_squared.sf(squares))
     }
 
-    /// The same in words: below what rounding leaves of it, as such.
+    /// Residual and noise in words, with as many decimals as give their difference two digits, three at least.
+    pub(super) fn sizes_in_words(&self) -> String {
+        let [residual_mm, noise_mm] = [self.residual_sd_mm, self.noise_mm];
+        let digits = (1.0 - (residual_mm - noise_mm).abs().log10().floor()).clamp(3.0, 17.0) as usize;
+        format!(
+            "a residual standard deviation of {residual_mm:.digits$} mm, where noise of {noise_mm:.digits$} mm was stated"
+        )
+    }
+
+    /// The p-value in words: below what rounding leaves of it, as such.
     pub(super) fn p_in_words(&self) -> String {
         match self.p_value() {
             p if p < f64::EPSILON => format!("p < {:.0e}", f64::EPSILON),

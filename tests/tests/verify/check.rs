@@ -1,6 +1,6 @@
 //! Checks that fail as they must.
 
-use finray_verify::check::{Check, Kind, tallies, worst};
+use finray_verify::check::{Against, Check, Kind, SETTLED_LATTICE, tallies, worst};
 
 fn check(kind: Kind, ours: f64) -> Check {
     Check::new(kind, "problem", "source", "error", 0.0, ours, 1.0)
@@ -31,9 +31,13 @@ fn the_worst_of_nothing_is_no_number() {
     assert!(worst([1.0, f64::NAN, 2.0]).is_nan());
 }
 
+/// Other programs, our lattice that one of them settles, and ourselves are counted apart; what nothing is checked against is not counted.
 #[test]
-fn kinds_are_counted_apart() {
-    let checks = [check(Kind::Internal, 0.0), check(Kind::External, 2.0), check(Kind::Internal, f64::NAN)];
-    let counted = tallies(checks.iter()).map(|tally| (tally.kind, tally.passed, tally.all));
-    assert_eq!(counted, [(Kind::External, 0, 1), (Kind::Analytical, 0, 0), (Kind::Internal, 1, 2)]);
+fn references_are_counted_apart() {
+    let settled = Check::new(Kind::External, "problem", SETTLED_LATTICE, "error", 0.0, 0.5, 1.0);
+    let checks = [check(Kind::Internal, 0.0), check(Kind::External, 2.0), check(Kind::Internal, f64::NAN), settled];
+    let counted: Vec<_> =
+        tallies(checks.iter()).into_iter().map(|tally| (tally.against, tally.passed, tally.all)).collect();
+    let expected = [(Against::OtherPrograms, 0, 1), (Against::SettledLattice, 1, 1), (Against::Ourselves, 1, 2)];
+    assert_eq!(counted, expected);
 }

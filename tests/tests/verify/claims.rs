@@ -9,10 +9,15 @@ mod limits;
 mod rate;
 
 use finray_model::Scene;
+use finray_model::validity::StrainLimits;
 use finray_verify::claims::{Claim, ClaimVerdict, ledger};
+use finray_verify::estimators::EstimatorId;
 use finray_verify::experiments::contact_scene::study::SceneWithOutline;
+use finray_verify::sampling::map::{AccuracyMap, Cell};
+use finray_verify::study::Study;
 use finray_verify::truths::TruthId;
-use finray_verify::{report, settings, study};
+use finray_verify::{report, settings};
+use std::sync::LazyLock;
 
 /// Every verdict is that of its own row's figures; a simulation betters no experiment.
 fn claims_say_what_was_shown(claims: &[Claim]) {
@@ -28,6 +33,10 @@ fn claims_say_what_was_shown(claims: &[Claim]) {
         ("decreasing element size is not necessary", Depends),
         ("SOLID45", NotTested),
         ("caused by the nonlinearity", NotReproduced),
+        // Each holds for some of the directions that the weights may have had.
+        ("the average sensing error at nodes 18, 20, and 22 is less than 3%", Depends),
+        ("even the maximum error at these three nodes is less than 5%", Depends),
+        ("are all larger than the ground truths", Depends),
         ("which ranges from 49.6 to 63.7%", NotReproduced),
         ("reaches 18% and 24.2%\" (sec. V-B): node 16", NotReproduced),
         ("reaches 18% and 24.2%\" (sec. V-B): node 24", NotReproduced),
@@ -57,16 +66,22 @@ fn claims_say_what_was_shown(claims: &[Claim]) {
     for claim in claims {
         assert_eq!(claim.criterion.is_empty(), claim.verdict == NotTested, "{claim:?}");
     }
+    // Every assumed direction is named with what it gives.
+    for words in ["less than 3%", "less than 5%", "are all larger", "which ranges from 49.6"] {
+        for angle in settings::TABLE_ONE_ANGLES_DEG {
+            let claim = row(words);
+            assert!(claim.ours.contains(&format!("{angle} deg: ")), "{angle}: {claim:?}");
+            assert!(claim.how.contains(&format!("{angle}")) && claim.criterion.contains("whatever the direction"));
+        }
+    }
     // A simulated finger is called so.
     for claim in claims.iter().filter(|claim| [InSimulation, LessInSimulation].contains(&claim.verdict)) {
         assert!(claim.how.contains("simulated"), "{claim:?}");
     }
 }
 
-/// The figures of the accuracy map that other programs found: along the normal at 3 N up to about 9 % (node 24), over
-/// 30 % at -80 deg; and Table I is not explained by geometric nonlinearity.
-#[test]
-fn map_and_table_one_show_what_is_known() {
+/// A quick study of the paper's finger, which the tests share.
+static STUDY: LazyLock<Study> = LazyLock::new(|| {
     struct Silent;
     impl settings::Progress for Silent {
         fn part(&self, _: &str, _: usize) {}
@@ -74,7 +89,45 @@ fn map_and_table_one_show_what_is_known() {
     }
     let scene = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("paper scene");
     let scene = SceneWithOutline { scene, corners: Vec::new() };
-    let study = study::Study::run(&scene, settings::Effort::Quick, &Silent).expect("the paper's finger is solved");
+    Study::run(&scene, settings::Effort::Quick, &Silent).expect("the paper's finger is solved")
+});
+
+/// A finger that does not carry the forces everywhere, of a material that bears little strain: the first screen has shares of the cells that carry
+/// them, and the limits of the beam model.
+#[test]
+fn the_first_screen_says_where_finger_and_model_end() {
+    let mut study = STUDY.clone();
+    let known = |map: &&mut AccuracyMap| {
+        let [truth, estimator] = [map.truth == TruthId::Corotational, map.estimator == EstimatorId::Nonlinear];
+        truth && estimator && map.noise_mm > 0.0
+    };
+    let map = study.maps.iter_mut().find(known).expect("the map of the first answer");
+    let forces = map.request.forces_n.len();
+    let [cells, lost] = [map.cells.len() / forces, 7];
+    // The largest force of the first cells has no equilibrium.
+    for cell in map.cells.iter_mut().skip(forces - 1).step_by(forces).take(lost) {
+        *cell = Cell { mean_error: None, bias: None, spread: None, samples: 0, answered: 0, ..*cell };
+    }
+    let trusted = map.worst().iter().filter(|cell| cell.is_trusted).count();
+    study.strain_limits = StrainLimits { front: Some(0.01), back: Some(0.01), ribs: Some(0.01) };
+    let answers = report::report(&study, &[]).expect("the report is drawn").verdict;
+    let carried = cells - lost;
+    for said in [
+        format!("in {trusted} of the {carried} positions and directions in which the finger carries these forces ("),
+        format!("; in {lost} others it has no equilibrium under at least one of them;"),
+    ] {
+        assert!(answers[0].contains(&said), "{said}: {}", answers[0]);
+    }
+    let physics = answers.iter().find(|answer| answer.starts_with("Is the physics right?")).expect("an answer");
+    assert!(physics.contains("At 3 N along the normal the beam model is beyond its limits: a strain of "), "{physics}");
+    assert!(physics.contains("(limit 1.0 %)"), "{physics}");
+}
+
+/// The figures of the accuracy map that other programs found: along the normal at 3 N up to about 9 % (node 24), over
+/// 30 % at -80 deg; and Table I is not explained by geometric nonlinearity.
+#[test]
+fn map_and_table_one_show_what_is_known() {
+    let study = &*STUDY;
     let map = study.map(TruthId::Corotational, false).expect("the map without noise");
     let at_3_n = |angle: f64| map.cells.iter().filter(move |c| c.force_n == 3.0 && c.angle_deg == angle);
     let largest = at_3_n(0.0).filter_map(|c| c.mean_error).fold(0.0, f64::max);
@@ -82,9 +135,9 @@ fn map_and_table_one_show_what_is_known() {
     let middle: Vec<f64> =
         at_3_n(-80.0).filter(|c| (30.0..140.0).contains(&c.s_mm)).filter_map(|c| c.mean_error).collect();
     assert!(middle.iter().all(|e| *e > 0.30), "at -80 deg: {middle:?}");
-    let claims = ledger(&study).expect("small experiments");
+    let claims = ledger(study).expect("small experiments");
     claims_say_what_was_shown(&claims);
-    let drawn = report::report(&study, &claims).expect("the report is drawn");
+    let drawn = report::report(study, &claims).expect("the report is drawn");
     // Soft ends that were put into another finger are that finger's, and no cause of this one's errors.
     let head: Vec<String> = drawn.verdict.iter().take(5).cloned().collect();
     let why = head.iter().find(|answer| answer.starts_with("Why not elsewhere?")).expect("an answer");

@@ -13,7 +13,7 @@ use finray_verify::experiments::grasp::{
     Ended, Eyes, FINENESS, GraspError, GraspScene, GraspStep, Summary, finger_name,
 };
 use finray_verify::figures::FigureError;
-use finray_verify::files::{csv_text, is_stream, require_folder, write_folder};
+use finray_verify::files::{csv_text, is_stream, name_of, require_folder, write_folder};
 use finray_verify::report::{grasp_animation_svg, grasp_svg, standalone};
 use std::path::PathBuf;
 
@@ -91,10 +91,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::BadInput("--out: expected a folder, for five files".to_owned()));
     }
     let SceneWithOutline { scene, corners } = load_scene_with_outline(&arguments.scene)?;
-    let name = &arguments.scene.display();
-    let bad = |error: GraspError| match Failure::from(error) {
-        Failure::BadInput(message) => Failure::BadInput(format!("{name}: {message}")),
-        other => other,
+    let name = name_of(&arguments.scene);
+    let bad = |error: GraspError| {
+        // What is missing stands on no line: the first is named, as for any other key.
+        let at = if matches!(error, GraspError::Missing { .. } | GraspError::NotFree) { "line 1: " } else { "" };
+        match Failure::from(error) {
+            Failure::BadInput(message) => Failure::BadInput(format!("{name}: {at}{message}")),
+            other => other,
+        }
     };
     let mut grasp = GraspScene::new(&scene, &corners).map_err(bad)?.with_fineness(arguments.fineness.into());
     if let Some(estimator) = arguments.estimator {
@@ -102,7 +106,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let noise_mm = arguments.noise_mm.or(scene.noise_mm).unwrap_or(0.0);
     let eyes = if arguments.images {
-        let (camera, markers) = camera_and_markers(&scene)?;
+        let (camera, markers) = camera_and_markers(&arguments.scene, &scene)?;
         Eyes::Images {
             camera: Box::new(camera),
             markers,

@@ -1,7 +1,7 @@
 //! Shared by `finray map`, `sweep` and `merge`: the grid, the truths and estimators on it, and the output of the table.
 
 use super::parse::{degrees_between, positive};
-use super::{Failure, bad_input, not_computed, progress};
+use super::{Failure, bad_input, hints, not_computed, progress};
 use finray_model::measurement::Measurement;
 use finray_model::sensing::SensingError;
 use finray_model::{Finger, Mesh, Scene};
@@ -60,6 +60,7 @@ pub fn run(arguments: &GridArguments, table: Table, candidates: &Candidates) -> 
     }
     let (scene, text) = load_scene_and_text(&arguments.scene)?;
     let finger = &scene.finger;
+    hints::of_moduli(&arguments.scene, finger);
     let (networks, digest) = match &arguments.network {
         Some(path) => {
             load_network_and_digest(path).map(|(network, digest)| (Networks::of(vec![network]), Some(digest)))?

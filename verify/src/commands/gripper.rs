@@ -4,7 +4,7 @@ use super::parse::{MotorAngles, motor_angles, not_negative};
 use super::{Failure, bad_input};
 use finray_model::gripper::{Gripper, LinkageErrors, NodeErrors};
 use finray_model::{Finger, Scene};
-use finray_verify::files::{csv_text, load_scene, write_text};
+use finray_verify::files::{csv_text, load_scene, name_of, write_text};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -124,7 +124,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(bad_input(format!(
             "{}: line 1: gripper is missing: expected a table [gripper] with screw_pitch_mm, slider_mm, link_mm and \
              fixed_joint_mm",
-            arguments.scene.display()
+            name_of(&arguments.scene)
         )));
     };
     let [from_deg, to_deg] = gripper.reach_deg();

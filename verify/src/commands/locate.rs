@@ -76,8 +76,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(bad_input("two images cannot both be -: standard input can be read only once"));
     }
     let scene = load_scene(&arguments.scene)?;
-    camera_of(&scene)?;
-    let table = match markers_of(&scene)?.look {
+    camera_of(&arguments.scene, &scene)?;
+    let table = match markers_of(&arguments.scene, &scene)?.look {
         MarkerLook::Coloured { .. } => csv_text(by_colour(arguments, &scene)?)?,
         MarkerLook::Grey { .. } if scene.base.is_some() => csv_text(by_rims(arguments, &scene)?)?,
         MarkerLook::Grey { .. } => csv_text(by_rims(arguments, &scene)?.into_iter().map(|(row, _)| row))?,
@@ -115,9 +115,9 @@ fn by_colour(arguments: &Arguments, scene: &Scene) -> Result<Vec<Row>, Failure> 
     let rest = match &arguments.rest {
         None => None,
         Some(path) => {
-            let markers = markers_of(scene)?;
+            let markers = markers_of(&arguments.scene, scene)?;
             let image = load_image(path)?;
-            let (lens, pose) = camera_of(scene)?;
+            let (lens, pose) = camera_of(&arguments.scene, scene)?;
             let rest = Rest::of(finger, &lens, pose, &markers, &image).map_err(|error| refused(path, &error))?;
             if rest.residual_sd_px > SURE_REST_PX {
                 eprintln!(
@@ -131,8 +131,8 @@ fn by_colour(arguments: &Arguments, scene: &Scene) -> Result<Vec<Row>, Failure> 
         }
     };
     let (camera, markers) = match &rest {
-        Some(rest) => (rest.camera, markers_of(scene)?),
-        None => camera_and_markers(scene)?,
+        Some(rest) => (rest.camera, markers_of(&arguments.scene, scene)?),
+        None => camera_and_markers(&arguments.scene, scene)?,
     };
     let located_at_rest = rest.as_ref().map(|rest| rest.located.as_slice());
     let mut locator = Locator::new(finger, &camera, &markers).map_err(cannot_locate)?;
@@ -176,7 +176,7 @@ impl BaseRow {
 
 fn by_rims(arguments: &Arguments, scene: &Scene) -> Result<Vec<(Row, BaseRow)>, Failure> {
     let finger = &scene.finger;
-    let (camera, markers) = camera_and_markers(scene)?;
+    let (camera, markers) = camera_and_markers(&arguments.scene, scene)?;
     let locator = RimLocator::new(finger, &camera, &markers, scene.base.as_ref()).map_err(cannot_locate)?;
     let seen = |path: &Path| locator.locate(&load_image(path)?).map_err(|error| refused(path, &error));
     let rest = arguments.rest.as_deref().map(seen).transpose()?;

@@ -11,11 +11,12 @@ use finray_verify::truths::TruthId;
 ///
 /// A force of known position and direction is put on the true finger, its size is sensed from the
 /// displacements of the key nodes, and the error |sensed / true - 1| is averaged over the camera
-/// noise. Writes s_mm,angle_deg,force_n,mean_error,bias,spread,samples,answered, and the figure
-/// beside it as SVG (of several forces, the worst). A cell is empty where the finger has no
-/// equilibrium (then no sample is drawn), and where the estimator refuses more than half of the
-/// noise samples: such a cell is not trusted. The errors are those of the answered samples;
-/// `finray sweep` says why the others are refused.
+/// noise. Writes s_mm,angle_deg,force_n,mean_error,bias,spread,samples,answered,warned,covered,
+/// covered_warned, and the figure beside it as SVG (of several forces, the worst). A cell is empty
+/// where the finger has no equilibrium (then no sample is drawn), and where the estimator refuses
+/// more than half of the noise samples: such a cell is not trusted. The errors are those of the
+/// answered samples; `finray sweep` says why the others are refused. Of the answered samples, warned
+/// came with a warning, covered have the true force within 1.96 sigma_n, covered_warned both.
 ///
 /// The nonlinear estimator takes about a millisecond a noise sample: minutes for a map. The networks
 /// that ship answer at the contact nodes along the normal: --places 12 --step-deg 90.

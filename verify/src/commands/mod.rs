@@ -15,10 +15,12 @@ pub mod solve;
 pub mod sweep;
 #[cfg(feature = "train")]
 pub mod train;
+pub mod words;
 
 mod cameras;
 mod contacts;
 mod grid;
+mod hints;
 mod loads;
 mod parse;
 mod progress;

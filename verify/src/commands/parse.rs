@@ -111,6 +111,9 @@ pub enum AskedDirection {
     Object,
 }
 
+/// Beyond it an angle says the same as a smaller one, and is more likely no angle in degrees.
+const HALF_TURN_DEG: f64 = 180.0;
+
 /// Direction after an `@`: degrees, `normal`, `friction`, `object` or `auto`; 0 degrees without one.
 fn direction(text: Option<&str>) -> Result<AskedDirection, String> {
     let direction = match text.map(str::trim) {
@@ -119,9 +122,18 @@ fn direction(text: Option<&str>) -> Result<AskedDirection, String> {
         Some("auto") => Direction::Auto,
         Some("friction") => return Ok(AskedDirection::Friction),
         Some("object") => return Ok(AskedDirection::Object),
-        Some(number) => finite(number).map(Direction::Angle).map_err(|_| {
-            format!("expected an angle in degrees, `normal`, `friction`, `object` or `auto`, found \"{number}\"")
-        })?,
+        Some(number) => match finite(number) {
+            Ok(angle_deg) if angle_deg.abs() <= HALF_TURN_DEG => Direction::Angle(angle_deg),
+            Ok(angle_deg) => {
+                return Err(format!(
+                    "expected an angle from -{HALF_TURN_DEG} to {HALF_TURN_DEG} degrees, found {angle_deg}"
+                ));
+            }
+            Err(_) => {
+                let expected = "an angle in degrees, `normal`, `friction`, `object` or `auto`";
+                return Err(format!("expected {expected}, found \"{number}\""));
+            }
+        },
     };
     Ok(AskedDirection::Itself(direction))
 }

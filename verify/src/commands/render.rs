@@ -75,7 +75,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let scene = load_scene(&arguments.scene)?;
     let finger = &scene.finger;
-    let (camera, markers) = camera_and_markers(&scene)?;
+    let (camera, markers) = camera_and_markers(&arguments.scene, &scene)?;
     let references = scene.base.as_ref().map_or(&[][..], |base| &base.references);
     let camera = match (&arguments.base, &scene.base) {
         (None, _) => camera,

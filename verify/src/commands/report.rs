@@ -1,6 +1,6 @@
 //! `finray report`
 
-use super::{Failure, bad_input, not_computed, progress};
+use super::{Failure, bad_input, hints, not_computed, progress};
 use finray_model::Scene;
 use finray_verify::claims::ledger;
 use finray_verify::experiments::contact_scene::file::load_scene_with_outline;
@@ -36,7 +36,7 @@ pub struct Arguments {
     /// Folder for the report; made if it does not exist
     #[arg(long, value_name = "DIR", default_value = "finray-report")]
     out: PathBuf,
-    /// Coarse maps and fewer cases: half a minute instead of four
+    /// Coarse maps and fewer cases: a fraction of the time
     #[arg(long)]
     quick: bool,
     /// Folder of criterion's results of the bench `speed_error`, whose times take the place of those taken here, for
@@ -53,7 +53,7 @@ pub struct Arguments {
     /// The contact forces that were measured in these images: image,fx_n,fy_n in the frame of the camera's pose (CSV)
     #[arg(long, value_name = "FILE", requires = "measurements")]
     forces: Option<PathBuf>,
-    /// Some of these images (PNG or JPEG): the section shows what is left of the markers over them
+    /// Some of these images (PNG or JPEG): the section shows the residuals of the markers over them
     #[arg(long, value_name = "FILE", num_args = 1.., requires = "measurements")]
     image: Vec<PathBuf>,
     /// Open the page in the browser when it is done; where nothing opens it, its path is all there is
@@ -73,6 +73,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             SceneWithOutline { scene, corners: Vec::new() }
         }
     };
+    if let Some(path) = &arguments.scene {
+        hints::of_moduli(path, &scene.scene.finger);
+    }
     let seen = match &arguments.measurements {
         None => None,
         Some(located) => {

@@ -2,7 +2,7 @@
 
 use super::contacts::Contacts;
 use super::parse::not_negative;
-use super::{Failure, bad_input, not_both_from_standard_input, validity};
+use super::{Failure, bad_input, hints, not_both_from_standard_input, validity};
 use finray_model::scene::Base;
 use finray_model::sensing::{Contact, ContactPosition, ContactQuestion, Estimate, Warning};
 use finray_model::{Finger, Scene};
@@ -16,7 +16,9 @@ use std::path::PathBuf;
 /// Sense contact forces from measured displacements, with their uncertainty.
 ///
 /// Reads node,ux_mm,uy_mm (further columns are ignored, nodes may be missing) and writes
-/// contact,s_mm,angle_deg,force_n,sigma_n, a row a contact. The direction of each force is an angle
+/// contact,s_mm,angle_deg,force_n,sigma_n, a row a contact. Where the scene has its markers on hinges,
+/// hinge_ux_mm,hinge_uy_mm of `finray solve` are read instead. Markers on clamped nodes are ignored;
+/// one that moved by more than noise explains is refused. The direction of each force is an angle
 /// from the front plate's undeformed inward normal, positive towards the tip; 0 if left out. Give a
 /// node twice with two angles to ask for two components.
 ///
@@ -109,6 +111,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     not_both_from_standard_input(&arguments.scene, &arguments.displacements, "--displacements")?;
     let scene = load_scene(&arguments.scene)?;
     let finger = &scene.finger;
+    hints::of_moduli(&arguments.scene, finger);
     let networks = match &arguments.network {
         Some(_) if arguments.estimator != EstimatorId::Network => {
             return Err(bad_input("--network is for --estimator network"));
@@ -124,6 +127,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         base: scene.base.as_ref().and_then(|base| base.uncertainty),
         base_is_sought: arguments.estimator == EstimatorId::Nonlinear,
         base_is_of_pose: scene.base.as_ref().is_some_and(Base::is_of_pose),
+        noise_mm: arguments.noise_mm.or(scene.noise_mm),
     };
     let task = Task { arguments, scene: &scene, contacts, networks: &networks, reading };
     let text = read_text(&arguments.displacements)?;

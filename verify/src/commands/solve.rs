@@ -1,7 +1,7 @@
 //! `finray solve`
 
 use super::loads::Loads;
-use super::{Failure, bad_input, validity};
+use super::{Failure, bad_input, hints, validity};
 use clap::ValueEnum;
 use finray_model::Kinematics;
 use finray_verify::files::{displacements, load_scene, write_text};
@@ -10,7 +10,9 @@ use std::path::PathBuf;
 /// Deform a finger under loads: displacements of its key nodes.
 ///
 /// Writes node,x_mm,y_mm,ux_mm,uy_mm,theta_rad, a row a key node: undeformed position, displacement
-/// and rotation. Loads keep their direction while the finger bends; several on one node add up.
+/// and rotation. Of ribs on brackets hinge_x_mm,hinge_y_mm,hinge_ux_mm,hinge_uy_mm follow: the same of
+/// the joint that is held off the plate. Loads keep their direction while the finger bends; several on
+/// one node add up.
 ///
 /// A warning on standard error says where the beam model does not hold: a strain above 5 % (or
 /// largest_strain of the scene's material), shear that would add more than 5 % to the
@@ -56,6 +58,7 @@ impl From<KinematicsArgument> for Kinematics {
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = load_scene(&arguments.scene)?;
+    hints::of_moduli(&arguments.scene, &scene.finger);
     if arguments.loads.is_empty() {
         return Err(bad_input("expected at least one --load NODE:FX,FY or --load-at S_MM:FORCE,ANGLE_DEG"));
     }

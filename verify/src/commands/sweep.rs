@@ -9,9 +9,10 @@ use finray_verify::truths::TruthId;
 
 /// Map several true fingers, estimators and levels of noise, as `finray map`, in one table.
 ///
-/// Writes truth,estimator,noise_mm,s_mm,angle_deg,force_n,pictures,answered,mean_error,bias,spread,
-/// sigma_n,refusal, a row for each combination: the errors of sensed / true over the noise samples,
-/// the standard deviation that the estimator states (N), and why samples were refused, if any were.
+/// Writes truth,estimator,noise_mm,s_mm,angle_deg,force_n,samples,answered,mean_error,bias,spread,
+/// sigma_n,refusal,warned,covered,covered_warned, a row for each combination: the errors of
+/// sensed / true over the noise samples, the standard deviation that the estimator states (N), why
+/// samples were refused, if any were, and as in `finray map` how many were warned of and covered.
 /// Every cell sees the same noise. Rows go by truth, position, direction, estimator, noise and force.
 ///
 /// Rows are written as they come, whatever their number. The same command resumes a run that was

@@ -90,7 +90,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let questions = &arguments.contacts.with(None, None)?;
     let contacts: Option<Vec<Contact>> = questions.iter().map(|question| question.known()).collect();
     let contacts = contacts.ok_or_else(|| {
-        bad_input("a network learns the forces of known positions and directions, not of `normal` or `auto`")
+        bad_input("a network learns the forces of known positions and directions, not of `auto`, `normal`, `friction` or `object`")
     })?;
     if let Some(node) = arguments.hide.iter().find(|&&node| finger.marked_nodes().all(|free| free.0 != node)) {
         let [first, last] = [2, finger.key_node_count() - 1];

@@ -1,6 +1,7 @@
 //! Displacements of the key nodes: what `solve` writes and `sense` reads.
 
 use super::FileError;
+use super::clamped::Clamped;
 use super::table::Table;
 use finray_model::finger::MarkerPoints;
 use finray_model::measurement::{BaseUncertainty, Marker, MarkerErrors, Measurement};
@@ -110,6 +111,8 @@ pub struct Reading {
     /// Whether the base is about where the camera's pose has it, no marks showing where: displacements count from there, whatever base `locate` took
     /// the markers to be on.
     pub base_is_of_pose: bool,
+    /// Standard deviation of one coordinate, mm, where it is stated elsewhere than in the file.
+    pub noise_mm: Option<f64>,
 }
 
 const POSE_COLUMNS: [&str; 3] = ["base_x_mm", "base_y_mm", "base_deg"];
@@ -122,13 +125,9 @@ impl Displacements {
     }
 }
 
-/// A clamped node may seem to have moved by so many standard deviations, and by as much, mm, before rows and nodes must be mixed up.
-const CLAMPED_SIGMAS: f64 = 6.0;
-const CLAMPED_MM: f64 = 0.05;
-
 /// Reads `node,ux_mm,uy_mm`, found by name, in any order; nodes may be missing. Where the scene has its markers on hinges, a file of
-/// `solve` gives `hinge_ux_mm,hinge_uy_mm` instead. With a column `sigma_mm`, as `locate` writes it, rows of
-/// clamped nodes carry noise and are ignored. Of a file of several images (a column `image`) the rows of `image_name` are read. Where
+/// `solve` gives `hinge_ux_mm,hinge_uy_mm` instead. Rows of clamped nodes carry noise and are ignored, if noise explains them: that of a
+/// column `sigma_mm`, as `locate` writes it, or that of the reading. Of a file of several images (a column `image`) the rows of `image_name` are read. Where
 /// the base is sought, `marker_sigma_mm,base_sigma_mm,base_sigma_deg` stand for `sigma_mm`, which holds them all.
 ///
 /// # Errors
@@ -191,11 +190,18 @@ pub fn of_text(
     };
     if !has("sigma_mm") {
         let table = Table::of_text(path, text, ["node", ux_mm, uy_mm])?;
+        let mut rows = Vec::new();
         for (_, row) in table.rows().iter().enumerate().filter(|(number, _)| is_chosen(*number)) {
             let node = table.node(row, 0)?;
             let displacement = placed(node, Vector::new(table.number(row, 1)?, table.number(row, 2)?) - from(node));
-            let marker = Marker { node, displacement, weight: 1.0 };
-            measurement.add(finger, marker).map_err(|error| table.wrong(row, error))?;
+            rows.push((row, node, displacement));
+        }
+        let clamped = Clamped::new(finger, reading.noise_mm, rows.iter().map(|(.., displacement)| *displacement));
+        for (row, node, displacement) in rows {
+            if !clamped.holds(node, displacement, &table, row)? {
+                let marker = Marker { node, displacement, weight: 1.0 };
+                measurement.add(finger, marker).map_err(|error| table.wrong(row, error))?;
+            }
         }
         let measurement = with_base(measurement, reading, None);
         return Ok(Displacements { measurement, noise_mm: None, frame });
@@ -215,8 +221,7 @@ pub fn of_text(
         }
         let sigma_mm = reading.errors.sd_mm(sigma_mm);
         let displacement = placed(node, Vector::new(table.number(row, 1)?, table.number(row, 2)?) - from(node));
-        let is_clamped = finger.clamped_nodes().contains(&node);
-        if !(is_clamped && displacement.norm() <= CLAMPED_MM.max(CLAMPED_SIGMAS * sigma_mm)) {
+        if !Clamped::new(finger, Some(sigma_mm), []).holds(node, displacement, &table, row)? {
             rows.push((row, node, displacement, sigma_mm));
         }
     }

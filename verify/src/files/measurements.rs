@@ -1,22 +1,27 @@
 //! Measured shapes under known loads: what `calibrate` reads.
 
 use super::FileError;
+use super::clamped::Clamped;
 use super::table::Table;
 use finray_model::calibration::CalibrationCase;
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::{Finger, Load, Mesh, Vector};
 use std::path::Path;
 
-/// Reads `case,load_node,fx_n,fy_n,node,ux_mm,uy_mm`; the rows of a case repeat its load.
+/// Reads `case,load_node,fx_n,fy_n,node,ux_mm,uy_mm`; the rows of a case repeat its load. Rows of clamped nodes carry noise, whose standard
+/// deviation of one coordinate may be known, mm; they are ignored if noise explains them.
 ///
 /// # Errors
 /// [`FileError`] naming the line for anything that does not fit the finger, or a case whose load changes.
-pub fn load(path: &Path, finger: &Finger) -> Result<Vec<CalibrationCase>, FileError> {
+pub fn load(path: &Path, finger: &Finger, noise_mm: Option<f64>) -> Result<Vec<CalibrationCase>, FileError> {
     let mesh = Mesh::key_nodes(finger);
     let table = Table::read(path, ["case", "load_node", "fx_n", "fy_n", "node", "ux_mm", "uy_mm"])?;
     let mut names: Vec<&str> = Vec::new();
     let mut cases: Vec<CalibrationCase> = Vec::new();
-    for row in table.rows() {
+    let moved = |row| Ok(Vector::new(table.number(row, 5)?, table.number(row, 6)?));
+    let all = table.rows().iter().map(moved).collect::<Result<Vec<_>, FileError>>()?;
+    let clamped = Clamped::new(finger, noise_mm, all.iter().copied());
+    for (row, displacement) in table.rows().iter().zip(all) {
         let force = Vector::new(table.number(row, 2)?, table.number(row, 3)?);
         let load = Load::at_node(table.node(row, 1)?, force);
         mesh.frame_load(&load).map_err(|error| table.wrong(row, error))?;
@@ -30,9 +35,11 @@ pub fn load(path: &Path, finger: &Finger) -> Result<Vec<CalibrationCase>, FileEr
         if case.load != load {
             return Err(table.wrong(row, format!("case {name}: expected the load of the case's first row again")));
         }
-        let displacement = Vector::new(table.number(row, 5)?, table.number(row, 6)?);
-        let marker = Marker { node: table.node(row, 4)?, displacement, weight: 1.0 };
-        case.measurement.add(finger, marker).map_err(|error| table.wrong(row, error))?;
+        let node = table.node(row, 4)?;
+        if !clamped.holds(node, displacement, &table, row)? {
+            let marker = Marker { node, displacement, weight: 1.0 };
+            case.measurement.add(finger, marker).map_err(|error| table.wrong(row, error))?;
+        }
     }
     Ok(cases)
 }

@@ -1,5 +1,6 @@
 //! Input and output: scenes, displacements and measurements as text, results as whole files.
 
+mod clamped;
 mod images;
 mod networks;
 mod origin;
@@ -26,7 +27,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum FileError {
     /// It cannot be read.
-    #[error("{}: cannot be read: {reason}", shown(path))]
+    #[error("{}: cannot be read: {reason}", name_of(path))]
     Unreadable {
         /// The file.
         path: PathBuf,
@@ -34,7 +35,7 @@ pub enum FileError {
         reason: std::io::Error,
     },
     /// Its content is not what it should be.
-    #[error("{}: {message}", shown(path))]
+    #[error("{}: {message}", name_of(path))]
     Content {
         /// The file.
         path: PathBuf,
@@ -42,7 +43,7 @@ pub enum FileError {
         message: String,
     },
     /// It cannot be written.
-    #[error("{}: cannot be written: {reason}", shown(path))]
+    #[error("{}: cannot be written: {reason}", name_of(path))]
     Unwritable {
         /// The file.
         path: PathBuf,
@@ -67,7 +68,8 @@ pub fn is_standard_stream(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-fn shown(path: &Path) -> String {
+/// A path as messages have it: `standard input` for `-`.
+pub fn name_of(path: &Path) -> String {
     if is_standard_stream(path) { "standard input".to_owned() } else { path.display().to_string() }
 }
 

@@ -72,8 +72,10 @@ pub fn write_from(sources: Vec<(&Path, &mut dyn Read)>) -> Result<(), FileError>
             continue;
         }
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let mut file = tempfile::Builder::new().prefix(".finray-").tempfile_in(folder).map_err(unwritable)?;
-        std::io::copy(source, &mut file).map_err(unwritable)?;
+        // Made and written without tempfile's own errors, which name the temporary file.
+        let made = tempfile::Builder::new().prefix(".finray-").make_in(folder, |at| std::fs::File::create_new(at));
+        let mut file = made.map_err(unwritable)?;
+        std::io::copy(source, file.as_file_mut()).map_err(unwritable)?;
         ready.push((file, path));
     }
     for (file, path) in ready {

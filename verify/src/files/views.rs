@@ -70,6 +70,7 @@ pub fn load(located: &Path, forces: Option<&Path>, scene: &Scene) -> Result<Loca
         base: scene.base.as_ref().and_then(|base| base.uncertainty),
         base_is_sought: true,
         base_is_of_pose: is_of_pose,
+        noise_mm: scene.noise_mm,
     };
     let view = |(image, base): (String, Isometry2<f64>)| {
         let found = displacements::of_text(located, &text, &scene.finger, Some(&image), reading)?;

@@ -4,14 +4,12 @@
 //! not Euler-Bernoulli theory. No other parameter is there, so no load is spent on fitting.
 
 use super::ProblemError;
-use crate::check::{Check, Comparison, Kind, worst};
+use crate::check::{Check, Comparison, Kind, SETTLED_LATTICE, worst};
 use crate::lattice::Lattice;
 use crate::lattice::accuracy::{LoadGrid, beam_shapes, lattice_shapes, settled_shapes, worst_by_force};
 use finray_model::mesh::{FingerShape, Load};
 use finray_model::{Finger, Kinematics};
 
-/// Source of the rows whose shapes rapier steps until they rest.
-pub const SETTLED: &str = "rapier2d lattice";
 /// Source of the rows whose shapes are the least energy of our own springs, found by our own Newton's method: rapier has no part in them.
 pub const NEWTON: &str = "spring lattice, Newton";
 /// Quantity of all rows.
@@ -58,12 +56,12 @@ pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     let equilibria = lattice_shapes(&lattice, &few)?;
     let error = worst(worst_by_force(&equilibria, &settled, few.forces_n.len()));
     let problem = name("settled lattice against its own equilibrium, up to 5 N");
-    checks.push(Check::new(Kind::External, problem, SETTLED, QUANTITY, 0.0, error, SETTLING_TOLERANCE));
+    checks.push(Check::new(Kind::External, problem, SETTLED_LATTICE, QUANTITY, 0.0, error, SETTLING_TOLERANCE));
 
     let beams = beam_shapes(finger, &few, Kinematics::Corotational)?;
     for (&force_n, error) in few.forces_n.iter().zip(worst_by_force(&beams, &settled, few.forces_n.len())) {
         let problem = name(&format!("settled lattice against beams, {force_n} N, some nodes and directions"));
-        checks.push(Check::new(Kind::External, problem, SETTLED, QUANTITY, 0.0, error, tolerance(force_n)));
+        checks.push(Check::new(Kind::External, problem, SETTLED_LATTICE, QUANTITY, 0.0, error, tolerance(force_n)));
     }
 
     let (node, angle_deg) = few.directions()[0];

@@ -1,18 +1,17 @@
 //! The first screen: what a gripper builder asks, each answered in a line from the numbers.
 
-use super::format::{capitalised, percent};
+use super::format::capitalised;
 use super::maps::small;
 use super::page::Answer;
 use super::trust::{Situation, situations};
 use super::words::say;
-use super::{ReportError, causes, checks};
-use crate::check::Kind;
+use super::{ReportError, causes, checks, shapes};
 use crate::estimators::EstimatorId;
 use crate::experiments::speed_error::recommendation::{LARGEST_BIAS_SIGMAS, recommended, ways};
 use crate::experiments::speed_error::sensing::SENSED_N;
 use crate::sampling::map::{Cell, CellState};
 use crate::sampling::worst::TrustCounts;
-use crate::settings::{CAMERA_FRAME_S, TRUSTED_ERROR};
+use crate::settings::{CAMERA_FRAME_S, DRAWN_FORCE_N, TRUSTED_ERROR};
 use crate::study::Study;
 use crate::truths::TruthId;
 use minijinja::value::Serde;
@@ -46,16 +45,19 @@ pub(super) fn caveat(study: &Study) -> Result<String, ReportError> {
     Ok(say("answers.caveat", Some(numbers))?.unwrap_or_default())
 }
 
-/// Shares of the cells in each situation, and the weakest regions of the first.
+/// Trusted cells of those that carry the forces in each situation, and the weakest regions of the first.
 fn trusted(study: &Study, situations: &[Situation]) -> Option<Value> {
     let [first, others @ ..] = situations else { return None };
-    let share = |situation: &Situation| situation.all().share().map_or_else(|| "no part".to_owned(), percent);
-    let other = |other: &Situation| context! { share => share(other), in_words => other.in_words.as_str() };
+    let counts = |situation: &Situation| {
+        let counts = situation.all();
+        context! { trusted => counts.trusted, carried => counts.carried(), share => counts.share() }
+    };
+    let other = |other: &Situation| context! { in_words => other.in_words.as_str(), ..counts(other) };
     Some(context! {
-        trusted => TRUSTED_ERROR,
+        within => TRUSTED_ERROR,
         forces_n => first.map.request.forces_n.clone(),
-        share => share(first),
-        cells => first.all().cells,
+        not_carried => first.all().without_equilibrium,
+        known => counts(first),
         others => others.iter().map(other).collect::<Vec<_>>(),
         weak => weak_regions(study, first),
     })
@@ -112,14 +114,16 @@ fn use_what(study: &Study) -> Result<Option<String>, ReportError> {
         let numbers = context! { forces_n => SENSED_N, sigmas => LARGEST_BIAS_SIGMAS };
         return say("answers.no_setting", (!ways(&study.speed_error).is_empty()).then_some(numbers));
     };
-    let slowest =
-        [Some(way.one), way.cold].into_iter().flatten().map(|point| point.seconds_95.unwrap_or(point.seconds));
+    // Without a previous answer, where that makes a difference.
+    let slowest = way.cold.unwrap_or(way.one);
     let numbers = context! {
         estimator => way.one.estimator.map_or(way.one.model.as_str(), |estimator| estimator.label()),
         mesh => way.one.mesh(),
         error => way.one.error,
         seconds => way.one.seconds,
-        share => slowest.fold(0.0, f64::max) / CAMERA_FRAME_S,
+        is_warm => way.cold.is_some(),
+        within_seconds => slowest.seconds_95,
+        is_fast => slowest.seconds_95.unwrap_or(slowest.seconds) < CAMERA_FRAME_S,
         frame_ms => 1e3 * CAMERA_FRAME_S,
         trusted => TRUSTED_ERROR,
         linear => linear(study),
@@ -144,15 +148,11 @@ fn how_sure(study: &Study) -> Option<Value> {
     Some(context! { known => of(TruthId::Corotational)?, softer => of(TruthId::Twin) })
 }
 
-/// What was verified, and what was not.
+/// What was verified, what was not, and where the beam model is beyond its limits.
 fn physics(study: &Study) -> Value {
-    let counts = checks::counted(study).map(|tally| {
-        let against = match tally.kind {
-            Kind::External => "against other programs",
-            Kind::Analytical => "against closed forms and literature",
-            Kind::Internal => "of our own",
-        };
-        context! { passed => tally.passed, all => tally.all, against }
-    });
-    context! { kinds => counts }
+    let counts = checks::counted(study).into_iter();
+    let counts =
+        counts.map(|tally| context! { passed => tally.passed, all => tally.all, against => tally.against.in_words() });
+    let limits = shapes::beyond_limits(study);
+    context! { kinds => counts.collect::<Vec<_>>(), limits, force_n => DRAWN_FORCE_N }
 }

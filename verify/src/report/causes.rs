@@ -41,11 +41,26 @@ pub(super) fn largest_by_region(study: &Study, truth: TruthId, contact: ContactK
             None => by_cause.push((largest.cause, vec![place])),
         }
     }
-    let parts = by_cause.iter().map(|(cause, places)| format!("{} {}", cause.name(), list(places, " and ")));
+    let part = |(cause, places): &(Cause, Vec<&str>)| format!("{}, mostly {}", list(places, " and "), because(*cause));
     Some(match by_cause.is_empty() {
-        true => format!("errors of {DRAWN_FORCE_N} N along it stay within {}", percent(TRUSTED_ERROR)),
-        false => format!("{DRAWN_FORCE_N} N along it fails mostly by {}", list(parts, ", ")),
+        true => format!("errors of {DRAWN_FORCE_N} N along the normal stay within {}", percent(TRUSTED_ERROR)),
+        false => format!("{DRAWN_FORCE_N} N along the normal fails {}", list(by_cause.iter().map(part), "; ")),
     })
+}
+
+/// A cause within a sentence.
+fn because(cause: Cause) -> &'static str {
+    match cause {
+        Cause::Noise => "because of noise",
+        Cause::Linearisation => "because of linearisation",
+        Cause::Discretisation => "because of discretisation",
+        Cause::Modulus => "because the modulus is wrong",
+        Cause::Direction => "because the direction is wrong",
+        Cause::Position => "because the position is wrong",
+        Cause::BaseCompliance => "because the base gives way",
+        Cause::TipCompliance => "because the tip gives way",
+        Cause::NetworkFit => "because the network fits badly",
+    }
 }
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {

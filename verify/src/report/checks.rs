@@ -5,7 +5,7 @@ use super::format::verdict;
 use super::page::{Block, Cell, Column, Figure, Section, Table, details};
 use super::words::paragraph;
 use super::{ReportError, Results};
-use crate::check::{Check, Kind, Tally, tallies, worst};
+use crate::check::{Against, Check, Kind, Tally, tallies, worst};
 use crate::figures::{Axis, Chart, Dash, FigureError, Frame, Point, Series};
 use crate::study::Study;
 use minijinja::context;
@@ -46,18 +46,21 @@ fn files() -> Table {
         )
 }
 
-/// How many checks pass, those against other programs first and each kind apart.
+/// How many checks pass, those against other programs first and each reference apart.
 fn in_words(study: &Study) -> String {
-    let of_kind = |Tally { kind, passed, all }: Tally| match kind {
-        Kind::External => format!("{passed} of {all} external checks (figures of another program) pass"),
-        Kind::Analytical => format!("{passed} of {all} analytical ones (closed forms, literature)"),
-        Kind::Internal => format!("{passed} of {all} internal ones (own other formulation, balance or bound)"),
+    let about = |against: Against| match against {
+        Against::OtherPrograms => "external checks (figures of another program)",
+        Against::SettledLattice => "external checks of our lattice settled by rapier2d",
+        Against::Literature => "analytical ones (closed forms, literature)",
+        Against::Ourselves => "internal ones (own other formulation, balance or bound)",
     };
-    format!("{}.", counted(study).map(of_kind).join(", "))
+    let counted = counted(study);
+    let parts = counted.iter().map(|Tally { against, passed, all }| format!("{passed} of {all} {}", about(*against)));
+    format!("Checks that pass: {}.", parts.collect::<Vec<_>>().join(", "))
 }
 
-/// The checks by kind.
-pub(super) fn counted(study: &Study) -> [Tally; 3] {
+/// The checks by whose figures they are against.
+pub(super) fn counted(study: &Study) -> Vec<Tally> {
     tallies(study.all_checks().collect::<Vec<_>>().into_iter())
 }
 

@@ -1,4 +1,4 @@
-//! Forces sensed in images against those that were measured, and what is left of the markers.
+//! Forces sensed in images against those that were measured, and the residuals of the markers.
 
 pub mod picture;
 
@@ -32,7 +32,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let captions = [
         ("Sensed against measured force, with 95 % intervals.", CSV),
         (
-            "What is left of each marker under the measured force, all images: from where it is seen to where the finger has it.",
+            "Residual of each marker under the measured force, all images: from where it is seen to where the finger has it.",
             RESIDUALS_CSV,
         ),
     ];
@@ -45,7 +45,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         let magnified = picture::magnified(&measured.pictures);
         let figure = |shown: &Picture| {
             let caption = format!(
-                "{}: what is left of each marker, {magnified} times as long, from where it is seen (circle) to where the finger has it.",
+                "{}: residual of each marker, {magnified} times as long, from where it is seen (circle) to where the finger has it.",
                 shown.image
             );
             Figure::narrow(picture::svg(shown, magnified), caption, RESIDUALS_CSV)
@@ -125,9 +125,9 @@ fn residuals(residuals: &[MarkerResidual]) -> Result<Option<String>, FigureError
         vec![[left.x_mm, left.y_mm], [left.x_mm + scale * left.residual_x_mm, left.y_mm + scale * left.residual_y_mm]]
     };
     let seen: Vec<Point> = residuals.iter().map(|left| [left.x_mm, left.y_mm]).collect();
-    let mut series = Series::lines("what is left", residuals.iter().map(line).collect(), Hue::nth(1), 2.0);
+    let mut series = Series::lines("residual", residuals.iter().map(line).collect(), Hue::nth(1), 2.0);
     series.push(Series { dash: Dash::None, hue: Hue::Neutral, ..Series::nth(0, "markers seen", seen) });
     let title = format!("Residuals, {scale:.0} times as long ({longest_mm:.3} mm at most)");
-    let alt = "Markers of all images in the finger frame with what is left of each";
+    let alt = "Markers of all images in the finger frame with the residual of each";
     Chart::to_scale(Frame::half(title, alt), ["x, mm", "y, mm"], series).svg().map(Some)
 }

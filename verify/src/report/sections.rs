@@ -78,7 +78,11 @@ pub(super) fn page(results: Results) -> Result<Page, ReportError> {
         let [id, heading] = asked.names().map(str::to_owned);
         let of_question = SECTIONS.iter().filter(|Entry(of, ..)| *of == asked);
         let sections = of_question.filter_map(|Entry(_, section, _)| section(results).transpose());
-        questions.push(Question { id, heading, sections: sections.collect::<Result<_, _>>()? });
+        let sections = sections.collect::<Result<Vec<_>, _>>()?;
+        // Of another finger than the paper's some questions have no answer.
+        if !sections.is_empty() {
+            questions.push(Question { id, heading, sections });
+        }
     }
     Ok(Page {
         title: format!("Where the finger \"{}\" can feel", study.scene),

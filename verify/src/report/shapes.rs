@@ -1,13 +1,14 @@
 //! How the finger bends under a few forces, and whether the beam model holds there.
 
 use super::dataset::{Columns, Dataset, Format};
+use super::format::percent;
 use super::page::{Block, Figure, Section, details, text};
 use super::words::say;
 use super::{ReportError, Results, drawings};
 use crate::experiments::shapes::{BentFinger, TouchedFinger};
 use crate::settings::DRAWN_FORCE_N;
 use crate::study::Study;
-use finray_model::validity::{FibreStrain, LARGEST_SHEAR_SHARE, LARGEST_STRAIN, StrainLimits};
+use finray_model::validity::{FibreStrain, LARGEST_SHEAR_SHARE, StrainLimits, Validity};
 use finray_model::{Kinematics, Vector};
 use minijinja::{Value, context};
 
@@ -37,7 +38,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
     vec![
         Dataset::new(CSV, &columns, points).csv_alone(),
         Dataset::new(TOUCHED_CSV, &of_touched, touched).csv_alone(),
-        Dataset::new(VALIDITY_CSV, &validity_columns(), corotational(study)).csv_alone(),
+        Dataset::new(VALIDITY_CSV, &validity_columns(study.strain_limits), corotational(study)).csv_alone(),
     ]
 }
 
@@ -52,7 +53,11 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
             CSV,
         )));
         blocks.extend(say("shapes.validity", validity(study))?.map(text));
-        let table = validity_columns().table("Of each co-rotational shape", VALIDITY_CSV, corotational(study));
+        let table = validity_columns(study.strain_limits).table(
+            "Of each co-rotational shape",
+            VALIDITY_CSV,
+            corotational(study),
+        );
         blocks.push(details("Strain and shear", vec![Block::Table(table)]));
     }
     Ok(Some(Section::new("shapes", "How the finger bends", blocks)))
@@ -62,18 +67,16 @@ fn corotational(study: &Study) -> impl Iterator<Item = &BentFinger> {
     study.bent.iter().filter(|bent| bent.kinematics == Kinematics::Corotational)
 }
 
-fn validity_columns<'s>() -> Columns<'s, &'s BentFinger> {
-    fn largest<'b>(bent: &&'b BentFinger) -> Option<&'b FibreStrain> {
-        bent.validity.largest_strain(&StrainLimits::default())
-    }
+fn validity_columns<'s>(limits: StrainLimits) -> Columns<'s, &'s BentFinger> {
+    let largest = move |bent: &&'s BentFinger| -> Option<&'s FibreStrain> { bent.validity.largest_strain(&limits) };
     Columns::<&BentFinger>::new()
         .file("shape", |bent| bent.label.clone())
         .shown("shape", Format::Words)
-        .file("largest_strain", |bent| largest(bent).map(|at| at.strain))
+        .file("largest_strain", move |bent| largest(bent).map(|at| at.strain))
         .shown("largest strain", Format::Percent)
-        .file("strain_in", |bent| largest(bent).map(|at| at.member.to_string()))
+        .file("strain_in", move |bent| largest(bent).map(|at| at.member.to_string()))
         .shown("strain in", Format::Words)
-        .file("strain_at_mm", |bent| largest(bent).map(|at| at.at_mm))
+        .file("strain_at_mm", move |bent| largest(bent).map(|at| at.at_mm))
         .shown("strain at, mm", Format::Fixed(1))
         .file("shear_share", |bent| bent.validity.shear_share)
         .shown("shear share", Format::Percent)
@@ -81,15 +84,39 @@ fn validity_columns<'s>() -> Columns<'s, &'s BentFinger> {
         .shown("shear in", Format::Words)
 }
 
+/// The drawn co-rotational shape whose strain is the largest share of its material's limit, with that strain.
+fn most_strained(study: &Study) -> Option<&FibreStrain> {
+    let limits = &study.strain_limits;
+    let share = |at: &FibreStrain| at.strain / limits.of(at.member.part);
+    let strains = corotational(study).filter_map(|bent| bent.validity.largest_strain(limits));
+    strains.max_by(|a, b| share(a).total_cmp(&share(b)))
+}
+
+fn most_sheared(study: &Study) -> Option<&Validity> {
+    corotational(study).map(|bent| &bent.validity).max_by(|a, b| a.shear_share.total_cmp(&b.shear_share))
+}
+
 /// What the drawn co-rotational shapes ask of the beam model.
 fn validity(study: &Study) -> Option<Value> {
-    let strains = corotational(study).filter_map(|bent| bent.validity.largest_strain(&StrainLimits::default()));
-    let strain = strains.max_by(|a, b| a.strain.total_cmp(&b.strain))?;
-    let sheared = corotational(study).max_by(|a, b| a.validity.shear_share.total_cmp(&b.validity.shear_share))?;
+    let (strain, sheared) = (most_strained(study)?, most_sheared(study)?);
     Some(context! {
         strain => strain.to_string(),
-        shear => sheared.validity.shear_share,
-        member => sheared.validity.shear_at.map(|member| member.to_string()),
-        limits => [LARGEST_STRAIN, LARGEST_SHEAR_SHARE],
+        shear => sheared.shear_share,
+        member => sheared.shear_at.map(|member| member.to_string()),
+        limits => [study.strain_limits.of(strain.member.part), LARGEST_SHEAR_SHARE],
     })
+}
+
+/// Which limits of the beam model the drawn shapes exceed, in short.
+pub(super) fn beyond_limits(study: &Study) -> Vec<String> {
+    let strain = most_strained(study).map(|at| (at.strain, study.strain_limits.of(at.member.part)));
+    let strain = strain.filter(|(strain, limit)| strain > limit);
+    let strain = strain.map(|(strain, limit)| format!("a strain of {} (limit {})", percent(strain), percent(limit)));
+    let shear = most_sheared(study).map(|validity| validity.shear_share).filter(|share| *share > LARGEST_SHEAR_SHARE);
+    let shear = shear.map(|share| {
+        format!("shear that adds up to {} to displacements (limit {})", percent(share), percent(LARGEST_SHEAR_SHARE))
+    });
+    let depth = most_sheared(study).map(|validity| validity.depth_ratio).filter(|ratio| *ratio < 1.0);
+    let depth = depth.map(|_| "members that are less deep than thick, which may buckle out of the plane".to_owned());
+    [strain, shear, depth].into_iter().flatten().collect()
 }

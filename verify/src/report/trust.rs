@@ -11,7 +11,7 @@ use crate::experiments::causes::{ContactKnowledge, DIRECTION_OFF_DEG, POSITION_O
 use crate::figures::{Axis, Chart, Class, Frame, Hue, Patch, Series};
 use crate::sampling::map::{AccuracyMap, CellState, MapRequest};
 use crate::sampling::worst::{TrustCounts, WorstCell};
-use crate::settings::MAP_FORCES_N;
+use crate::settings::{MAP_FORCES_N, TRUSTED_ERROR};
 use crate::study::Study;
 use crate::truths::TruthId;
 use finray_model::Finger;
@@ -143,8 +143,8 @@ pub(super) fn figures(Results { study, .. }: Results) -> Result<Vec<Figure>, Rep
 fn figure(study: &Study, situation: &Situation, is_first: bool) -> Result<Figure, ReportError> {
     let finger = &study.finger;
     let counts = situation.all();
-    let share = counts.share().map_or_else(|| "nowhere".to_owned(), |share| format!("at {}", percent(share)));
-    let title = format!("{}: within 10 % {share}", capitalised(situation.name));
+    let (trusted, carried) = (counts.trusted, counts.carried());
+    let title = format!("{}: within {} at {trusted} of {carried}", capitalised(situation.name), percent(TRUSTED_ERROR));
     let [front, back, ribs] = at_rest(finger);
     let series = Series::lines("", [back, ribs, front].concat(), Hue::Faint, 2.2);
     let alt = format!(

@@ -63,9 +63,14 @@ impl TrustCounts {
         })
     }
 
-    /// Share of the cells with an equilibrium that are trusted; `None` of none.
+    /// Cells in which the finger carries every force.
+    pub fn carried(&self) -> usize {
+        self.cells - self.without_equilibrium
+    }
+
+    /// Share of these that are trusted; `None` of none.
     pub fn share(&self) -> Option<f64> {
-        let bent = self.cells - self.without_equilibrium;
-        (bent > 0).then(|| self.trusted as f64 / bent as f64)
+        let carried = self.carried();
+        (carried > 0).then(|| self.trusted as f64 / carried as f64)
     }
 }

@@ -35,6 +35,7 @@ use crate::problems;
 use crate::sampling::map::AccuracyMap;
 use crate::settings::{CAMERA_NOISE_MM, Effort, Progress, is_papers_finger};
 use crate::truths::{MeshTruth, TruthId, fine_mesh};
+use finray_model::validity::StrainLimits;
 use finray_model::{Finger, Kinematics};
 use serde::Serialize;
 use std::time::Instant;
@@ -78,6 +79,8 @@ macro_rules! study {
             pub scene: String,
             /// Its finger.
             pub finger: Finger,
+            /// Largest strains of its materials.
+            pub strain_limits: StrainLimits,
             /// Whether it is the paper's finger: only then there are reference values.
             pub is_paper: bool,
             /// Standard deviation of one coordinate of the camera, mm.
@@ -117,6 +120,7 @@ macro_rules! study {
                 Ok(Study {
                     scene: $context.given.scene.name.clone(),
                     finger: $context.finger.clone(),
+                    strain_limits: $context.given.scene.strain_limits,
                     is_paper: $context.is_paper,
                     noise_mm: $context.noise_mm,
                     checks,

@@ -10,7 +10,7 @@ pub(super) const ROW: TruthRow = TruthRow {
     name: "mujoco",
     label: "MuJoCo",
     help: "The finger as MuJoCo solved it: exported shapes of three fingers, at their contact nodes, in the exported directions, under the \
-           exported forces; no other positions and directions (of --places, --step-deg) are had",
+           exported forces; other positions and directions (--places, --step-deg) are not available",
     kinematics: None,
     is_far_from_corotational: false,
     has_study: false,

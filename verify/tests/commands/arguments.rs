@@ -2,6 +2,7 @@
 
 use crate::kit::*;
 
+const GRIPPER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/scenes/gripper.toml");
 const COMMANDS: [&str; 6] = ["report", "solve", "sense", "calibrate", "map", "sweep"];
 
 #[test]
@@ -90,4 +91,77 @@ fn unknown_words_are_refused() {
     let nothing = finray(&[]);
     assert_eq!(nothing.code, Some(2));
     assert_says(&nothing.err, &["Usage: finray"]);
+}
+
+/// A number below zero is the value of its option: what is wrong with it is said, not that it is no option.
+#[test]
+fn numbers_below_zero_are_values() {
+    let sense = ["sense", PAPER, "--displacements", "missing.csv", "--contact", "19"];
+    for (words, expected) in [
+        (&[&sense[..], &["--noise-mm", "-1"]].concat()[..], vec!["--noise-mm", "expected zero or more, found -1"]),
+        (&["map", PAPER, "--force-n", "-1"], vec!["--force-n", "expected more than zero, found -1"]),
+        (&["map", PAPER, "--force-n", "-1,2"], vec!["--force-n", "expected more than zero, found -1"]),
+        (&["map", PAPER, "--seeds", "-1"], vec!["--seeds", "-1"]),
+        (&["solve", PAPER, "--load-at", "-5:1,0"], vec!["reaches from 0 (clamped) to 153 mm (tip)"]),
+        (&["solve", PAPER, "--load-at", "80:1,0", "-5:1,0"], vec!["reaches from 0 (clamped) to 153 mm (tip)"]),
+        (&["solve", PAPER, "--load", "-1:0,1"], vec!["--load", "expected the number of a node"]),
+        (&["solve", PAPER, "--load", "19:0,-1", "--mesh-nodes", "-3"], vec!["--mesh-nodes", "-3"]),
+        (
+            &["sense", PAPER, "--displacements", "missing.csv", "--contact", "-1@auto"],
+            vec!["expected the number of a node"],
+        ),
+        (&["gripper", GRIPPER, "--errors", "-1,0,0"], vec!["--errors", "expected zero or more, found -1"]),
+    ] {
+        let message = finray(words).refused();
+        assert_says(&message, &expected);
+        assert!(!message.contains("unexpected argument") && !message.contains("use '-- "), "{message}");
+    }
+    // Options stay options.
+    assert_says(&finray(&["solve", PAPER, "--load", "19:0,-1", "-x"]).refused(), &["unexpected argument"]);
+}
+
+#[test]
+fn help_of_help_is_help() {
+    assert_eq!(finray(&["help", "--help"]).done(), finray(&["--help"]).done());
+}
+
+/// The help of a table names every column that is written.
+#[test]
+fn help_names_all_columns() {
+    for command in ["map", "sweep"] {
+        let table = finray(&[command, PAPER, "--truth", "linear", "--places", "12", "--step-deg", "90"]).done();
+        let header = table.lines().next().expect("a header");
+        let help: String = finray(&[command, "--help"]).done().split_whitespace().collect();
+        assert!(help.contains(header), "{command}: {header}");
+    }
+    for (command, columns) in
+        [("solve", "hinge_x_mm,hinge_y_mm,hinge_ux_mm,hinge_uy_mm"), ("sense", "hinge_ux_mm,hinge_uy_mm")]
+    {
+        assert_says(&finray(&[command, "--help"]).done(), &[columns]);
+    }
+}
+
+/// No direction is more than half a turn from the normal.
+#[test]
+fn angles_beyond_half_a_turn_are_refused() {
+    for angle in ["181", "-181", "1e6"] {
+        let contact = format!("19@{angle}");
+        let message = finray(&["sense", PAPER, "--displacements", "missing.csv", "--contact", &contact]).refused();
+        assert_says(&message, &["expected an angle from -180 to 180 degrees"]);
+    }
+}
+
+/// What a scene lacks is said with the file and a line, as for any other key.
+#[test]
+fn what_a_scene_lacks_is_said_with_file_and_line() {
+    let folder = Folder::new();
+    let out = folder.path("out.png");
+    for words in [
+        vec!["render", PAPER, "--out", &out],
+        vec!["locate", PAPER, "--image", "missing.png"],
+        vec!["grasp", PAPER, "--out", &out],
+        vec!["gripper", PAPER],
+    ] {
+        assert_says(&finray(&words).refused(), &[&format!("{PAPER}: line 1: ")]);
+    }
 }

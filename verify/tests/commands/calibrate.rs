@@ -126,6 +126,50 @@ fn measurements_that_do_not_fit_are_refused_by_file_and_line() {
     }
 }
 
+/// Markers on clamped nodes are seen with noise, as all others are.
+#[test]
+fn clamped_nodes_may_carry_noise() {
+    let exact = measured(PAPER);
+    let noisy: String = exact
+        .lines()
+        .map(|line| match line.strip_suffix(",0.0,0.0") {
+            Some(clamped) => format!("{clamped},0.05,-0.04\n"),
+            None => format!("{line}\n"),
+        })
+        .collect();
+    assert_ne!(noisy, exact);
+    assert_eq!(calibrate(PAPER, &noisy).done(), calibrate(PAPER, &exact).done());
+    let shifted = noisy.replace(",0.05,-0.04", ",0.5,-4");
+    assert_says(&calibrate(PAPER, &shifted).refused(), &["is clamped, so its displacement must be zero"]);
+}
+
+/// Options of images have no meaning for shapes under known loads, and are not ignored in silence.
+#[test]
+fn options_of_images_are_refused_beside_measurements() {
+    let folder = Folder::new();
+    let weights = folder.put("weights.csv", measured(PAPER));
+    for option in ["--fit", "--forces", "--calibrated", "--images"] {
+        let message = finray(&["calibrate", PAPER, "--measurements", &weights, option, "modulus"]).refused();
+        assert_says(&message, &["--measurements", option, "cannot be used with"]);
+    }
+    // Without either, both ways are named.
+    assert_says(&finray(&["calibrate", PAPER]).refused(), &["--measurements", "--located", "--fit"]);
+}
+
+/// A modulus that is a hundred times the scene's is more likely a unit.
+#[test]
+fn a_modulus_far_from_the_scene_gives_a_warning() {
+    let folder = Folder::new();
+    let stiff = folder.put("stiff.toml", paper_with(&[("47.976", "4797.6")]));
+    let (answer, warnings) = calibrate(PAPER, &measured(&stiff)).warned();
+    assert_close(&Csv::of(&answer).numbers("value")[1..], &[100.0], RECOVERED);
+    assert!(warnings.len() == 1 && warnings[0].contains("modulus_factor is 1.000e2"), "{warnings:?}");
+    let in_pa = folder.put("pa.toml", paper_with(&[("47.976", "47.976e6")]));
+    let (_, warnings) = finray(&["solve", &in_pa, "--load", "19:0,-1"]).warned();
+    assert_eq!(warnings.len(), 3, "{warnings:?}");
+    assert_says(&warnings[0], &[&in_pa, "finger.front.youngs_modulus_mpa", "did you mean 47.976 MPa?"]);
+}
+
 #[test]
 fn measurements_that_tell_no_modulus_are_refused() {
     for (rows, expected) in [

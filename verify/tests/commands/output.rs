@@ -142,3 +142,13 @@ fn standard_input_is_read_once() {
         assert_says(&finray_reading(&scene, arguments).refused(), &["cannot both be -"]);
     }
 }
+
+/// The file that cannot be written is named, not the temporary one beside it.
+#[test]
+fn a_folder_that_is_not_there_is_named_alone() {
+    let folder = Folder::new();
+    let out = folder.path("missing/out.csv");
+    let message = finray(&["solve", PAPER, "--load", "19:0,-1", "--out", &out]).failed();
+    assert_says(&message, &[&out, "cannot be written"]);
+    assert!(!message.contains(".finray-") && !message.contains("at path"), "{message}");
+}

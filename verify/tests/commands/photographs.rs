@@ -201,7 +201,7 @@ fn compared_in_a_report(
     // Two of the images, with the markers' residuals over them: an image, and a circle a marker twice, for its halo.
     assert_eq!(section.matches("data:image/jpeg;base64,").count(), 2);
     assert_eq!(section.matches("r=\"4\"/><path d=\"M").count(), 2 * 2 * 8);
-    assert!(section.contains("press2.png: what is left of each marker"));
+    assert!(section.contains("press2.png: residual of each marker"));
     let residuals = Csv::of(&folder.read("report/measured_residuals.csv"));
     assert_eq!(residuals.rows.len(), 3 * 8);
     assert!(residuals.numbers("residual_x_mm").iter().all(|left| left.abs() < 0.06));

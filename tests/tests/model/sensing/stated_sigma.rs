@@ -2,8 +2,8 @@
 
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{
-    Contact, Discretisation, Estimate, LinearEstimator, Linearisation, NonlinearEstimator, Prior, SIGNIFICANCE,
-    SensingError, Warning,
+    Contact, Discretisation, Estimate, LinearEstimator, Linearisation, NonlinearEstimator, Prior, ResidualTest,
+    SIGNIFICANCE, SensingError, Warning,
 };
 use finray_model::{Finger, Kinematics, Mesh};
 use finray_tests::{CAMERA_NOISE_MM, ELEMENTS, TWO_SIDED_95, at_node, fine_mesh, noisy, paper, seen};
@@ -113,4 +113,20 @@ fn the_residual_test_keeps_its_significance() {
     // Poisson: four standard deviations; markers beyond 4.5 sigma are weighted down, which hardly ever happens.
     assert!((warned as f64 - expected).abs() <= 4.0 * expected.sqrt(), "{warned} of {SAMPLES}");
     assert_eq!(of_twice, SAMPLES, "twice the stated noise never passes");
+}
+
+/// Residual and noise are written with as many digits as make a difference.
+#[test]
+fn a_residual_is_told_apart_from_the_noise() {
+    let said = |residual_sd_mm, noise_mm| {
+        Warning::Residual(ResidualTest { noise_mm, residual_sd_mm, degrees_of_freedom: 45 }).to_string()
+    };
+    for (residual_mm, noise_mm, expected) in [
+        (0.00138, 0.001, "standard deviation of 0.00138 mm, where noise of 0.00100 mm"),
+        (0.2, 0.067, "standard deviation of 0.200 mm, where noise of 0.067 mm"),
+        (12.5, 0.067, "standard deviation of 12.500 mm, where noise of 0.067 mm"),
+        (1.4e-7, 1e-7, "standard deviation of 0.00000014 mm, where noise of 0.00000010 mm"),
+    ] {
+        assert!(said(residual_mm, noise_mm).contains(expected), "{}", said(residual_mm, noise_mm));
+    }
 }

@@ -180,7 +180,7 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failu
     let measured = seen.iter().filter(|seen| seen.view.force.is_some()).count();
     if measured == 0 && (fit.friction.is_some() || fit.base_compliance || fit.seeks(is_modulus)) {
         return Err(bad_input(
-            "not identifiable: without a measured force (--forces) nothing tells a modulus, friction, or how a base gives way",
+            "moduli, friction and the compliance of the base are not identifiable without measured forces (--forces)",
         ));
     }
     let lean = match scene.contact.lean {

@@ -3,7 +3,7 @@
 mod images;
 
 use super::parse::not_negative;
-use super::{Failure, not_both_from_standard_input};
+use super::{Failure, hints, not_both_from_standard_input};
 use crate::commands::{bad_input, not_computed};
 use clap::ValueEnum;
 use finray_model::calibration::{self, CalibrationCase, CalibrationError, FactorEstimate, FactorModel, Unknown};
@@ -54,7 +54,7 @@ pub struct Arguments {
     /// Scene file (TOML); - for standard input
     scene: PathBuf,
     /// Measured shapes under known loads (CSV); - for standard input
-    #[arg(long, value_name = "FILE", required_unless_present = "located")]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["fit", "forces", "calibrated", "images"])]
     measurements: Option<PathBuf>,
     /// Images of the pressed finger as `finray locate` has located them (CSV); - for standard input
     #[arg(long, value_name = "FILE", conflicts_with = "measurements", requires = "fit")]
@@ -120,21 +120,28 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return images::run(arguments, located, fit);
     }
     let Some(measured) = &arguments.measurements else {
-        return Err(bad_input("expected --measurements, or --located and --fit"));
+        return Err(bad_input(
+            "expected --measurements FILE, shapes under known loads, or --located FILE with --fit NAMES, images of the pressed finger",
+        ));
     };
     not_both_from_standard_input(&arguments.scene, measured, "--measurements")?;
     let scene = load_scene(&arguments.scene)?;
     let finger = scene.finger;
-    let cases = measurements::load(measured, &finger)?;
+    hints::of_moduli(&arguments.scene, &finger);
+    let noise_mm = arguments.noise_mm.or(scene.noise_mm);
+    let cases = measurements::load(measured, &finger, noise_mm)?;
     let Some(groups) = &arguments.zones else { return one_modulus(arguments, &finger, &cases) };
     let unknowns = unknowns(groups, finger.description().zones.len())?;
     let (kinematics, elements) = match arguments.kinematics {
         KinematicsArgument::Linear => (Kinematics::Linear, 1),
         KinematicsArgument::Corotational => (Kinematics::Corotational, ELEMENTS),
     };
-    let noise_mm = arguments.noise_mm.or(scene.noise_mm);
     let model = FactorModel { kinematics, elements, noise_mm };
     let estimate = calibration::factors(&finger, &cases, &unknowns, &model).map_err(failure)?;
+    // The factor on all moduli is the first unknown.
+    if let Some(factor) = estimate.factors.first() {
+        warn_of_modulus(*factor);
+    }
     for (i, j, correlation) in estimate.entangled() {
         let [one, other] = [i, j].map(|k| &estimate.unknowns[k]);
         eprintln!("warning: {one} and {other} are hardly separable: correlation {correlation:.3}");
@@ -158,9 +165,23 @@ fn one_modulus(arguments: &Arguments, finger: &Finger, cases: &[CalibrationCase]
                 .to_owned(),
         ));
     }
+    warn_of_modulus(estimate.factor);
     let rows = modulus_rows(finger, estimate.factor, estimate.sigma);
     write_text(&arguments.out, &csv_text(rows)?)?;
     Ok(())
+}
+
+/// Largest factor, and one over the smallest, that says something of a material and not of a wrong unit.
+const LARGEST_FACTOR: f64 = 10.0;
+
+/// Names a factor on all moduli that a unit or another numbering explains more likely than the material.
+fn warn_of_modulus(factor: f64) {
+    if !(1.0 / LARGEST_FACTOR..=LARGEST_FACTOR).contains(&factor) {
+        eprintln!(
+            "warning: modulus_factor is {factor:.3e}: the finger is hardly the scene's; check units (N, mm, MPa), thicknesses and the numbers of the \
+             nodes"
+        );
+    }
 }
 
 fn failure(error: CalibrationError) -> Failure {

@@ -3,12 +3,12 @@
 use super::SceneStep;
 use super::samples::NoiseSamples;
 use super::study::SceneStudy;
-use crate::check::{Check, Kind, Subject, worst};
+use crate::check::{Check, Kind, SETTLED_LATTICE, Subject, worst};
 use crate::lattice::skin::Touch;
 use finray_model::Vector;
 
-/// The other party of the rows about sensing.
-const SOURCE: &str = "rapier2d lattice";
+/// Source of the rows about sensing.
+const TRUE_FORCES: &str = "true forces";
 const DISPLACEMENT: &str = "largest displacement difference / largest displacement";
 /// Contact forces against the hand's, as a share of their sum: what rapier's sweeps leave over (6.4e-4 for the box).
 pub const BALANCE_TOLERANCE: f64 = 1e-3;
@@ -96,7 +96,7 @@ impl SceneStudy {
             self.on(
                 Kind::External,
                 "settled shape against the lattice's equilibrium under the contact forces",
-                "rapier2d against Newton",
+                SETTLED_LATTICE,
             )
             .vanishes(DISPLACEMENT, settling, settled.equilibrium),
             self.on(Kind::Internal, "no overlap and no gap at a contact", "geometry").vanishes(
@@ -116,9 +116,9 @@ impl SceneStudy {
         kind.on(format!("{} pressed onto the lattice: {what}", self.name), source)
     }
 
-    /// What is sensed, against the lattice.
+    /// What is sensed, against the forces that bend the lattice.
     fn sensed(&self, what: &str) -> Subject {
-        self.on(Kind::Internal, what, SOURCE)
+        self.on(Kind::Internal, what, TRUE_FORCES)
     }
 
     /// Checks of a scene that ships: those of any, more closely; it goes to its end; without friction its shapes are those of beams; every
@@ -126,12 +126,12 @@ impl SceneStudy {
     pub fn shipped_checks(&self) -> Vec<Check> {
         let mut checks = self.settled_within(&SHIPPED);
         let stopped = usize::from(self.stopped.is_some());
-        checks.push(self.sensed("goes to its end").counts("scenes that ended early", 0, stopped));
+        checks.push(self.on(Kind::Internal, "goes to its end", "itself").counts("scenes that ended early", 0, stopped));
         let beams_tolerance = BEAMS_TOLERANCE * (SEGMENTS / self.fineness as f64).powi(2);
         if self.friction == 0.0 {
             let beams = worst(self.beams_differences.iter().map(|difference| difference.unwrap_or(f64::NAN)));
             let against_beams = "settled shape against beams under the contact forces";
-            let check = self.on(Kind::External, against_beams, SOURCE);
+            let check = self.on(Kind::External, against_beams, SETTLED_LATTICE);
             checks.push(check.vanishes(DISPLACEMENT, beams, beams_tolerance));
             let clean = self.steps.iter().filter_map(|studied| studied.clean.as_ref().ok()?.as_ref());
             let total = worst(clean.map(|sensed| sensed.total.relative_error().abs()));

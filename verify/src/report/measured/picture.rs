@@ -41,7 +41,7 @@ pub fn svg(picture: &Picture, magnified: f64) -> String {
         )
     });
     format!(
-        "<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"The image {} with what is left of each marker\">\
+        "<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"The image {} with the residual of each marker\">\
          <image width=\"{width}\" height=\"{height}\" href=\"data:image/jpeg;base64,{}\"/>{}{words}</svg>",
         escaped(&picture.image),
         base64(&picture.jpeg),

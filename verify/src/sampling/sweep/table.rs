@@ -26,7 +26,7 @@ struct Row {
     s_mm: f64,
     angle_deg: f64,
     force_n: f64,
-    pictures: usize,
+    samples: usize,
     answered: usize,
     mean_error: Option<f64>,
     bias: Option<f64>,
@@ -46,7 +46,7 @@ impl Table {
                 "s_mm,angle_deg,force_n,mean_error,bias,spread,samples,answered,warned,covered,covered_warned\n"
             }
             Table::Sweep => {
-                "truth,estimator,noise_mm,s_mm,angle_deg,force_n,pictures,answered,mean_error,bias,spread,sigma_n,refusal,\
+                "truth,estimator,noise_mm,s_mm,angle_deg,force_n,samples,answered,mean_error,bias,spread,sigma_n,refusal,\
                  warned,covered,covered_warned\n"
             }
         }
@@ -76,7 +76,7 @@ impl Row {
             s_mm: cell.s_mm,
             angle_deg: cell.angle_deg,
             force_n: cell.force_n,
-            pictures: outcome.samples,
+            samples: outcome.samples,
             answered: outcome.answered,
             mean_error: outcome.errors.map(|errors| errors.mean_error),
             bias: outcome.errors.map(|errors| errors.bias),

@@ -188,12 +188,60 @@ fn the_first_answer_counts_the_cells_of_its_maps() {
         let bent = groups().filter(|(_, samples)| samples.iter().all(|count| *count > 0.0));
         let within = |error: &&str| error.parse::<f64>().is_ok_and(|error| error <= 0.1);
         let kept = bent.clone().filter(|(errors, _)| errors.iter().all(within)).count();
-        let share = kept as f64 / bent.count() as f64;
+        let carried = bent.count();
+        let share = kept as f64 / carried as f64;
         let entry = array(&summary, "trust").iter().find(|entry| entry["case"] == case).expect("the case");
         assert_close(&[entry["share_trusted"].as_f64().expect("a share")], &[share], LINEAR_ROUNDING);
-        let said = format!("{:.0} %", 100.0 * share);
-        assert!(share > 0.1 && share < 0.995 && first.contains(&format!("in {said}")), "{case}, {said}: {first}");
-        assert!(page.contains(&format!("{title}: within 10 % at {said}")), "{title}: {said}");
+        let the = if case == "contact known" { "the " } else { "" };
+        let said = format!("in {kept} of {the}{carried}");
+        assert!(share > 0.1 && share < 0.995 && first.contains(&said), "{case}, {said}: {first}");
+        assert!(first.contains(&format!("({:.0} %)", 100.0 * share)), "{case}: {first}");
+        assert!(page.contains(&format!("{title}: within 10 % at {kept} of {carried}")), "{title}: {said}");
+    }
+}
+
+/// Cells without an equilibrium are no part of a share, and are counted beside it: a share of fewer cells must not read as one of all.
+#[test]
+fn cells_without_an_equilibrium_are_said() {
+    for report in [&*PAPERS, &*SPRING_STEELS] {
+        let summary = report.summary();
+        let known = &array(&summary, "trust")[0];
+        let count = |key: &str| known[key].as_u64().expect("a count");
+        let [cells, without, trusted] = ["cells", "without_equilibrium", "trusted"].map(count);
+        let first = array(&summary, "verdict")[0].as_str().expect("words");
+        let said = format!("in {trusted} of the {} positions and directions", cells - without);
+        assert!(first.contains(&said), "{said}: {first}");
+        let others = format!("in {without} others it has no equilibrium");
+        assert_eq!(first.contains(&others), without > 0, "{others}: {first}");
+        assert_eq!(first.contains("in which the finger carries these forces"), without > 0, "{first}");
+    }
+}
+
+/// A question without sections is neither a chapter nor in the navigation; one with sections is both.
+#[test]
+fn questions_without_an_answer_are_no_chapter() {
+    for (report, expected) in [(&*PAPERS, true), (&*SPRING_STEELS, false)] {
+        let page = report.read("index.html");
+        assert_eq!(page.contains("<h2 id=\"paper\""), expected);
+        assert_eq!(page.contains("href=\"#paper\""), expected);
+        let chapters = page.split("<h2 id=\"").skip(1).filter(|chapter| !chapter.starts_with("explore"));
+        for chapter in chapters {
+            assert!(chapter.contains("<h3 id="), "{}", &chapter[..chapter.len().min(60)]);
+        }
+    }
+}
+
+/// Where the beam model is beyond its limits at the drawn forces, the first screen says so, and nowhere else.
+#[test]
+fn limits_of_the_beam_model_are_said_first() {
+    for report in [&*PAPERS, &*SPRING_STEELS] {
+        let shapes = Csv::of(&report.read("validity.csv"));
+        let largest = |column: &str| shapes.numbers(column).into_iter().fold(0.0, f64::max);
+        let is_beyond = largest("largest_strain") > 0.05 || largest("shear_share") > 0.05;
+        let summary = report.summary();
+        let answers = array(&summary, "verdict").iter().filter_map(serde_json::Value::as_str);
+        let physics = answers.filter(|answer| answer.starts_with("Is the physics right?")).collect::<String>();
+        assert_eq!(physics.contains("beyond its limits"), is_beyond, "{physics}");
     }
 }
 

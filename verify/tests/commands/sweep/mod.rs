@@ -8,7 +8,7 @@ mod stopped;
 use crate::kit::*;
 use std::sync::LazyLock;
 
-const HEADER: &str = "truth,estimator,noise_mm,s_mm,angle_deg,force_n,pictures,answered,mean_error,bias,spread,sigma_n,refusal,warned,covered,covered_warned";
+const HEADER: &str = "truth,estimator,noise_mm,s_mm,angle_deg,force_n,samples,answered,mean_error,bias,spread,sigma_n,refusal,warned,covered,covered_warned";
 
 /// A sweep of a moment with several of everything.
 const SWEEP: [&str; 16] = [

@@ -19,11 +19,11 @@ fn a_row_says_all_that_is_known_of_a_cell() {
     keys.dedup();
     assert_eq!(keys.len(), table.rows.len(), "every combination once");
     let numbers = |column| table.numbers(column);
-    let (noise, pictures, answered) = (numbers("noise_mm"), numbers("pictures"), numbers("answered"));
+    let (noise, samples, answered) = (numbers("noise_mm"), numbers("samples"), numbers("answered"));
     let (mean, bias, spread, sigma) = (numbers("mean_error"), numbers("bias"), numbers("spread"), numbers("sigma_n"));
     for i in 0..table.rows.len() {
-        assert_eq!(pictures[i], if noise[i] > 0.0 { 5.0 } else { 1.0 });
-        assert_eq!(answered[i], pictures[i]);
+        assert_eq!(samples[i], if noise[i] > 0.0 { 5.0 } else { 1.0 });
+        assert_eq!(answered[i], samples[i]);
         assert!(mean[i] >= bias[i].abs());
         assert_eq!(spread[i] > 0.0, noise[i] > 0.0);
         // Without noise, what the model itself gets wrong remains.
@@ -38,9 +38,7 @@ fn a_map_is_a_sweep_with_fewer_columns() {
     let map = Csv::of(&finray(&MAP).done());
     let sweep = Csv::of(&finray(&with(&["sweep"], &MAP[1..])).done());
     for column in &map.header {
-        // Noise samples go by another name there.
-        let of_sweep = if column == "samples" { "pictures" } else { column };
-        assert_eq!(map.texts(column), sweep.texts(of_sweep), "{column}");
+        assert_eq!(map.texts(column), sweep.texts(column), "{column}");
     }
     // Several forces: those of one cell stand together.
     assert_eq!(map.texts("force_n")[..4], ["1.0", "2.0", "1.0", "2.0"]);
