@@ -10,7 +10,7 @@ mod touched;
 
 pub use camera::{Base, CameraDescription, MarkerLook, Markers, Reference, Rgb, Shade};
 pub use contact::ContactDescription;
-pub use grasp::GraspDescription;
+pub use grasp::{GraspDescription, Support};
 pub use object::{ObjectDescription, ObjectMotion, Outline, ROD_RADIUS_MM, Until};
 pub use touched::{ObjectFrame, ObjectPlace, TouchedDescription};
 

@@ -35,6 +35,15 @@ const MOST_STEPS: usize = 10_000;
 /// Largest length of a path, in mm, and largest gravity, force and rate, in their units.
 const LARGEST: f64 = 1e4;
 
+/// What an object lies on before it is grasped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Support {
+    /// Rails before and behind the fingers, which pass between them.
+    Rails,
+    /// A table, which fingers must not touch.
+    Table,
+}
+
 /// What a gripper does to a free object.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GraspDescription {
@@ -52,8 +61,8 @@ pub struct GraspDescription {
     pub path_steps: usize,
     /// Whether it opens at the end.
     pub opens: bool,
-    /// Whether the object lies on a support at first.
-    pub has_support: bool,
+    /// What the object lies on at first; nothing for one in mid-air.
+    pub support: Option<Support>,
     /// Gravity, m/s^2, in the frame of the gripper where it starts.
     pub gravity_m_s2: Vector,
     /// Speed of the motor, degrees a second.
@@ -114,8 +123,10 @@ pub(super) fn read_grasp(table: &TableReader, gripper: Option<&Gripper>) -> Resu
             &format!("{gravity_m_s2:?}"),
         ));
     }
-    let has_support = table.optional_switch("support")?.unwrap_or(gravity_m_s2 != [0.0; 2]);
-    if has_support && gravity_m_s2 == [0.0; 2] {
+    let kinds = [("true", Some(Support::Rails)), ("false", None), ("\"table\"", Some(Support::Table))];
+    let by_gravity = if gravity_m_s2 == [0.0; 2] { None } else { Some(Support::Rails) };
+    let support = table.optional_value("support", &kinds)?.unwrap_or(by_gravity);
+    if support.is_some() && gravity_m_s2 == [0.0; 2] {
         return Err(table.wrong("support", "a gravity that puts the object on its support", "none"));
     }
     let frames_per_s = positive("frames_per_s", "rate in frames a second")?;
@@ -137,7 +148,7 @@ pub(super) fn read_grasp(table: &TableReader, gripper: Option<&Gripper>) -> Resu
         opens: table.optional_switch("open")?.unwrap_or(!path_mm.is_empty()),
         path_mm,
         path_steps,
-        has_support,
+        support,
         gravity_m_s2: gravity_m_s2.into(),
         motor_deg_per_s: positive("motor_deg_per_s", "speed in degrees a second")?.unwrap_or(MOTOR_DEG_PER_S),
         frames_per_s,

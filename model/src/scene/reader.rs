@@ -216,6 +216,18 @@ impl<'d, 't> TableReader<'d, 't> {
             .transpose()
     }
 
+    /// One of several values, each as it is written: a text in its quotes.
+    pub(super) fn optional_value<T: Copy>(&self, key: &str, values: &[(&str, T)]) -> Result<Option<T>, SceneError> {
+        let Some(value) = self.value(key) else { return Ok(None) };
+        let written = match value {
+            DeValue::String(text) => format!("{text:?}"),
+            other => described(other),
+        };
+        let expected = || values.iter().map(|(known, _)| *known).collect::<Vec<_>>().join(" or ");
+        let found = values.iter().find(|(known, _)| *known == written).map(|(_, value)| *value);
+        found.map(Some).ok_or_else(|| self.wrong(key, &expected(), &described(value)))
+    }
+
     /// A list of `N` numbers; `what` names them and their unit.
     pub(super) fn optional_numbers<const N: usize>(
         &self,

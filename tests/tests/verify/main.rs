@@ -38,6 +38,7 @@ mod grasp {
     mod loops;
     mod modules;
     mod observations;
+    mod obstacles;
     mod sensed;
     mod world;
 }

@@ -26,8 +26,8 @@ use std::path::PathBuf;
 /// every step is solved for equilibrium. Sensing is given the motor's angle, the displacements of the
 /// key nodes and points of the outlines with the noise of --noise-mm, or with --images what is
 /// located in images that are rendered of each finger; which parts touch and the coefficient of
-/// friction are assumed known. The support carries the object alone: fingers pass through it; the two
-/// fingers do not touch each other.
+/// friction are assumed known. The support (grasp.support) is rails between which the fingers pass, or
+/// a table; a grasp ends where a finger touches the table or the other finger.
 ///
 /// Writes into the folder --out:
 ///   forces.csv    step,motor_deg,phase,finger,contact,s_mm,angle_deg,force_n,friction_n,sensed_n,
@@ -45,8 +45,8 @@ use std::path::PathBuf;
 ///                 of the account
 ///
 /// phase is approach, close, hold, lift, carry, place or open. A grasp that fails (the object drops,
-/// slips or is out of reach, the fingers fold or jam) writes what was until then and ends with exit
-/// code 1.
+/// slips or is out of reach, the fingers fold, jam or touch each other or the table) writes what was
+/// until then and ends with exit code 1.
 ///
 /// Examples:
 ///   finray grasp fixtures/scenes/grasp/disc.toml --out disc

@@ -10,6 +10,7 @@ pub mod full_circle;
 pub mod grid_convergence;
 pub mod lattice;
 pub mod lee_frame;
+pub mod linkage;
 pub mod mujoco;
 pub mod opensees;
 pub mod refinement;
@@ -37,6 +38,7 @@ pub const ALL: &[Problem] = &[
     energy_balance::PROBLEM,
     grid_convergence::PROBLEM,
     mujoco::PROBLEM,
+    linkage::PROBLEM,
 ];
 
 /// A problem with a known answer.

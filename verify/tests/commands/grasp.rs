@@ -133,10 +133,22 @@ fn a_grasp_that_fails_says_how_and_keeps_what_was() {
     assert!(summary["slid_mm"].as_f64() > Some(7.5), "{summary}");
 }
 
+/// An object thinner than the gap between the tips that meet beside it: what was until then is written.
+#[test]
+fn fingers_that_touch_each_other_are_named() {
+    let folder = Folder::new();
+    let thin = [("radius_mm = 15.0", "radius_mm = 1.0"), ("motor_deg = [0.0, -495.0]", "motor_deg = [0.0, -900.0]")];
+    let scene = folder.put("disc.toml", with(DISC, &thin));
+    let message = finray(&["grasp", &scene, "--fineness", "1", "--out", &folder.path("out")]).failed();
+    assert_says(&message, &["the fingers touch each other; the steps until then are in"]);
+    assert!(Csv::of(&folder.read("out/object.csv")).texts("step").len() > 5);
+    assert_eq!(summary(&folder, "out")["ended"], "the fingers touch each other");
+}
+
 #[test]
 fn bad_scenes_are_refused() {
     let folder = Folder::new();
-    let cases: [(&[(&str, &str)], &str); 15] = [
+    let cases: [(&[(&str, &str)], &str); 18] = [
         (&[("mass_g = 60.0", "mass_g = 0.0")], "object.mass_g: expected a mass in g above zero"),
         (&[("mass_g = 60.0", "mass_g = -5.0")], "object.mass_g: expected a mass in g above zero"),
         (&[("friction = 0.4", "friction = nan")], "object.friction: expected a coefficient of friction"),
@@ -164,6 +176,22 @@ fn bad_scenes_are_refused() {
         (&[("path_steps = 12", "path_stepz = 12")], "unknown key `grasp.path_stepz`"),
         (&[("mass_g = 60.0\n", "mass_g = 60.0\nat_mm = 70.0\n")], "object.at_mm: expected nothing"),
         (&[("path_steps = 12", "support = true\ngravity_m_s2 = [0.0, 0.0]")], "grasp.support: expected a gravity"),
+        (
+            &[("path_steps = 12", "support = \"rails\"")],
+            "grasp.support: expected true or false or \"table\", found the text",
+        ),
+        (
+            &[("path_steps = 12", "support = \"table\"")],
+            "grasp.motor_deg: the left finger touches the table where the gripper starts, at a motor angle of 0.0 degrees",
+        ),
+        (
+            &[
+                ("radius_mm = 15.0", "radius_mm = 0.5"),
+                ("centre_mm = [3.0, 110.0]", "centre_mm = [0.0, 40.0]"),
+                ("motor_deg = [0.0, -495.0]", "motor_deg = [-900.0, -990.0]"),
+            ],
+            "grasp.motor_deg: the fingers touch each other where the gripper starts",
+        ),
     ];
     for (changes, says) in cases {
         let scene = folder.put("scene.toml", with(DISC, changes));

@@ -18,20 +18,23 @@ fn close_on(nodes: &[usize]) -> Vec<ClosedStep> {
     closing(&Mesh::with_elements_per_member(&finger, 2), &gripper, nodes).unwrap()
 }
 
-/// No rod is inside its cap, and none is pushed that is off it.
+/// No rod is inside its cap, none is pushed that is off it, and none is pulled: of two neighbours the one that is pressed takes the plate off the other's
+/// cap again in a step of Newton's method.
 #[test]
 fn sensors_push_what_they_touch_and_nothing_else() {
-    let steps = close_on(&[16, 20]);
-    assert!(steps.len() > 10, "{}", steps.len());
-    let mut alone = 0;
-    for step in &steps {
-        for (force_n, gap_mm) in step.true_n.iter().zip(&step.gaps_mm) {
-            assert!(*force_n >= 0.0 && *gap_mm >= -1e-8, "{step:?}");
-            assert!(*force_n == 0.0 || gap_mm.abs() <= 1e-8, "{step:?}");
+    for nodes in [[16, 20], [16, 17]] {
+        let steps = close_on(&nodes);
+        assert!(steps.len() > 10, "{nodes:?}: {}", steps.len());
+        let mut untouched = 0;
+        for step in &steps {
+            for (force_n, gap_mm) in step.true_n.iter().zip(&step.gaps_mm) {
+                assert!(*force_n >= 0.0 && *gap_mm >= -1e-8, "{step:?}");
+                assert!(*force_n == 0.0 || gap_mm.abs() <= 1e-8, "{step:?}");
+            }
+            untouched += usize::from(step.true_n[0] == 0.0);
         }
-        alone += usize::from(step.true_n[0] == 0.0);
+        assert!(untouched > 0 && untouched < steps.len(), "{nodes:?}: {untouched} of {}", steps.len());
     }
-    assert!(alone > 2 && alone < steps.len(), "{alone} of {}", steps.len());
 }
 
 /// The first force is what the base has moved against the node's compliance, and a finger under the forces has the displacements.

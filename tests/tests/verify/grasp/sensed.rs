@@ -27,7 +27,7 @@ fn wedge(friction: f64) -> GraspScene {
         ("fixed_joint_mm = 30.0", "fixed_joint_mm = 34.0"),
         ("friction = 0.4", &format!("friction = {friction:?}")),
         ("centre_mm = [3.0, 110.0]", "centre_mm = [0.0, 108.0]"),
-        ("motor_deg = [0.0, -495.0]", "motor_deg = [225.0, -585.0]"),
+        ("motor_deg = [0.0, -495.0]", "motor_deg = [225.0, -540.0]"),
         ("path_mm = [[0.0, -40.0], [60.0, -40.0], [60.0, 0.0]]\npath_steps = 12\n", ""),
     ]);
     let corners = [[-8.0, -25.0], [8.0, -25.0], [20.0, 25.0], [-20.0, 25.0]].map(|[x, y]| Vector::new(x, y));
@@ -89,7 +89,7 @@ fn friction_between_rods_turns_the_plate() {
         contacts.len() == 1
             && contacts[0].half_span == HalfSpan::default()
             && contacts[0].friction_n.abs() > 0.1 * contacts[0].normal_n
-            && contacts[0].normal_n > 2.0
+            && contacts[0].normal_n > 1.5
     };
     let mut count = 0;
     for step in steps.iter().filter(dragged) {
@@ -105,7 +105,7 @@ fn friction_between_rods_turns_the_plate() {
 #[test]
 fn intervals_of_a_grasp_hold_the_true_forces() {
     let grasped = GraspScene::new(&Scene::from_toml(finray_fixtures::GRASPED_DISC_SCENE).unwrap(), &[]).unwrap();
-    for (scene, seeds) in [(grasped, 1..=4), (wedge(0.3), 1..=2)] {
+    for (scene, seeds) in [(grasped, 1..=4), (wedge(0.3), 1..=3)] {
         let (mut totals, mut contacts) = ([0, 0], [0, 0]);
         for seed in seeds {
             let (steps, _) = steps_of(&scene, CAMERA_NOISE_MM, seed);

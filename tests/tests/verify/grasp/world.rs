@@ -2,7 +2,7 @@
 
 use super::energy::object;
 use finray_model::gripper::Placement;
-use finray_model::scene::ObjectMotion;
+use finray_model::scene::{ObjectMotion, Outline};
 use finray_model::{Scene, Vector};
 use finray_verify::experiments::contact_scene::PreparedObject;
 use finray_verify::experiments::grasp::{Ended, Eyes, GraspScene, GraspStep, Phase};
@@ -143,9 +143,10 @@ fn what_goes_wrong_is_named() {
     assert!(matches!(lost, Ended::Slipped { slid_mm } if slid_mm > 7.5), "{lost:?}");
 }
 
-/// A slippery disc of 500 g that nothing but the fingers holds falls out between them, and a wedge that is squeezed on and on folds a finger.
+/// A slippery disc of 500 g that nothing but the fingers holds falls out between them; of two objects near the fingertips a wide box folds a finger, and a wedge
+/// is squeezed until no equilibrium is found any more.
 #[test]
-fn drops_and_folds_are_named() {
+fn drops_folds_and_jams_are_named() {
     let ended = |scene: &GraspScene| steps_of(scene, 0.0, 1).1;
     let slippery = disc(&[
         ("friction = 0.4", "friction = 0.02"),
@@ -153,11 +154,39 @@ fn drops_and_folds_are_named() {
         ("path_mm = [[0.0, -40.0], [60.0, -40.0], [60.0, 0.0]]\npath_steps = 12", "support = false"),
     ]);
     assert_eq!(ended(&grasp(&slippery)), Ended::Halted(Halt::Dropped));
-    let squeezed = object("wedge", |scene| {
-        let grasp = scene.grasp.as_mut().unwrap();
-        (grasp.motor_deg[1], grasp.path_mm, grasp.opens) = (-900.0, Vec::new(), false);
-    });
-    assert_eq!(ended(&squeezed), Ended::Halted(Halt::Folded));
+    let squeezed = |name: &str, at_mm: f64, from_deg: f64, change: &dyn Fn(&mut Outline)| {
+        object(name, |scene| {
+            let (grasp, object) = (scene.grasp.as_mut().unwrap(), scene.object.as_mut().unwrap());
+            (grasp.motor_deg, grasp.path_mm, grasp.opens) = ([from_deg, -900.0], Vec::new(), false);
+            let ObjectMotion::Free { centre_mm, .. } = &mut object.motion else { unreachable!() };
+            *centre_mm = Vector::new(0.0, at_mm);
+            change(&mut object.outline);
+        })
+    };
+    let wide = squeezed("box", 140.0, 500.0, &|outline| *outline = Outline::Box { width_mm: 44.0, height_mm: 30.0 });
+    assert_eq!(ended(&wide.with_fineness(3)), Ended::Halted(Halt::Folded));
+    assert_eq!(ended(&squeezed("wedge", 135.0, 225.0, &|_| ())), Ended::Halted(Halt::Jammed));
+}
+
+/// A disc that one finger pushes rolls away on its support, and slides without friction: nothing but the support touches it, whatever rounding leaves of
+/// a force; once both fingers have it, they press.
+#[test]
+fn what_moves_freely_is_not_touched() {
+    for friction in ["friction = 0.4", "friction = 0.0"] {
+        let (steps, _) = steps_of(&grasp(&disc(&[("friction = 0.4", friction)])), 0.0, 1);
+        let pushed = steps.iter().filter(|step| (step.object[0] - 3.0).abs() > 1e-3 && step.fingers[0].total_n < 1e-3);
+        let mut count = 0;
+        for step in pushed.filter(|step| matches!(step.phase, Phase::Approach | Phase::Close)) {
+            assert!(step.fingers.iter().all(|finger| finger.contacts.is_empty()), "{friction}, step {}", step.step);
+            count += 1;
+        }
+        assert!(count > 0, "{friction}");
+        for force_n in steps.iter().flat_map(|step| &step.fingers).flat_map(|of| &of.contacts).map(|of| of.force.norm())
+        {
+            // The weight is 0.6 N.
+            assert!(force_n > 1e-6, "{friction}: {force_n}");
+        }
+    }
 }
 
 /// A force that is asked for is reached and held on the way, whatever the friction does to it.

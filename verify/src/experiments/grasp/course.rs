@@ -1,5 +1,7 @@
 //! The course of a grasp: what the motor and the gripper do, step by step, and how it ends.
 
+use super::balance::imbalance;
+use super::obstacles::Obstacle;
 use super::sensed::{FingerStep, SeenFinger};
 use super::way::{on_way, part_of_way};
 use super::{GraspError, GraspScene, GraspStep, finger_name, force_of};
@@ -73,6 +75,9 @@ pub enum Ended {
         /// How far, mm.
         slid_mm: f64,
     },
+    /// A finger meets more than the object.
+    #[error("{0}")]
+    Obstructed(#[from] Obstacle),
     /// Newton's method.
     #[error("{0}")]
     Halted(#[from] Halt),
@@ -118,7 +123,7 @@ pub(super) struct Course<'s, 'l> {
 impl<'s, 'l> Course<'s, 'l> {
     pub(super) fn new(scene: &'s GraspScene, lattice: &'l Lattice) -> Result<Course<'s, 'l>, GraspError> {
         let motor_deg = scene.grasp.motor_deg[0];
-        let weight_share = if scene.grasp.has_support { 1.0 } else { 0.0 };
+        let weight_share = if scene.grasp.support.is_some() { 1.0 } else { 0.0 };
         let object = [scene.centre_mm.x, scene.centre_mm.y, scene.object.rotation_deg.to_radians()];
         let placements = scene.placements(motor_deg, Vector::zeros()).unwrap_or_default();
         let drive = Drive { placements, weight: scene.weight() * weight_share, gripper: Vector::zeros() };
@@ -132,6 +137,9 @@ impl<'s, 'l> Course<'s, 'l> {
         )?;
         if let Some(finger) = scene.finger_across(world.placements()) {
             return Err(GraspError::AcrossFinger { finger: finger_name(finger) });
+        }
+        if let Err(obstacle) = scene.require_clear(&world) {
+            return Err(GraspError::Obstructed { obstacle, motor_deg });
         }
         let sensed = VecDeque::new();
         Ok(Course {
@@ -205,6 +213,7 @@ impl<'s, 'l> Course<'s, 'l> {
         let weight = self.scene.weight() * self.weight_share;
         let drive = Drive { placements, weight, gripper: self.gripper_mm };
         self.world.advance(&drive)?;
+        self.scene.require_clear(&self.world)?;
         let touches = self.world.met().iter().any(|met| matches!(met.partner, Partner::Finger(_)));
         if self.task == Task::Close {
             self.phase = if touches { Phase::Close } else { Phase::Approach };
@@ -368,7 +377,7 @@ impl<'s, 'l> Course<'s, 'l> {
         let part = part_of_way(&grasp.path_mm, at);
         let height = |point: &Vector| -point.dot(&grasp.gravity_m_s2);
         let last = grasp.path_mm.len() - 1;
-        let comes_down = grasp.path_mm.last().is_some_and(|end| height(end) <= 1e-9) && grasp.has_support;
+        let comes_down = grasp.path_mm.last().is_some_and(|end| height(end) <= 1e-9) && grasp.support.is_some();
         match part {
             0 => Phase::Lift,
             part if part == last && comes_down => Phase::Place,
@@ -379,28 +388,4 @@ impl<'s, 'l> Course<'s, 'l> {
 
 fn towards(from: f64, to: f64, step: f64) -> f64 {
     if (to - from).abs() <= step * (1.0 + 1e-9) { to } else { from + step.copysign(to - from) }
-}
-
-/// How far forces and moments (at the object's size) on the object, and on the fingers' bases, are from balance, as a share of the largest force.
-fn imbalance(world: &World, weight: Vector) -> f64 {
-    let met = world.met();
-    let largest_n = met.iter().map(|met| met.force.norm()).fold(weight.norm(), f64::max);
-    if largest_n == 0.0 {
-        return 0.0;
-    }
-    let [x, y, angle] = world.object();
-    let centre = Vector::new(x, y) + nalgebra::Rotation2::new(angle) * world.shape().centroid();
-    let force: Vector = weight + met.iter().map(|met| met.force).sum::<Vector>();
-    let moment_nmm: f64 = met.iter().map(|met| (met.point - centre).perp(&met.force)).sum();
-    let size_mm = world.shape().size_mm();
-    let on_bases = (0..world.placements().len()).map(|finger| {
-        let of_finger = met.iter().filter(|met| met.partner == Partner::Finger(finger));
-        let touches = of_finger.filter_map(|met| met.touch);
-        let (force, moment_nmm) = touches.fold(world.on_base(finger), |(force, moment_nmm), touch| {
-            (force - touch.force, moment_nmm - touch.point.perp(&touch.force))
-        });
-        force.norm().max(moment_nmm.abs() / size_mm)
-    });
-    let worst = on_bases.fold(force.norm().max(moment_nmm.abs() / size_mm), f64::max);
-    worst / largest_n
 }

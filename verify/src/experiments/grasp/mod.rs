@@ -4,10 +4,12 @@
 //! forces at rest, step by step; what a camera sees of that goes to the estimator ([`Eyes`]). The true forces are those of the lattice's
 //! contacts, never given to the estimator.
 
+mod balance;
 mod course;
 pub mod file;
 pub mod modules;
 pub mod observations;
+mod obstacles;
 mod outlook;
 pub mod rates;
 mod sensed;
@@ -16,6 +18,7 @@ mod summary;
 mod way;
 
 pub use course::{Ended, Phase};
+pub use obstacles::Obstacle;
 pub use outlook::{LoopFigures, loop_figures};
 pub use sensed::{Eyes, FingerStep, NotSensed, SeenFinger};
 pub use summary::{SensedSummary, Summary};
@@ -71,6 +74,14 @@ pub enum GraspError {
     AcrossFinger {
         /// Left or right.
         finger: &'static str,
+    },
+    /// A finger is in the way of the other one, or of the table.
+    #[error("grasp.motor_deg: {obstacle} where the gripper starts, at a motor angle of {motor_deg:?} degrees")]
+    Obstructed {
+        /// What it is.
+        obstacle: Obstacle,
+        /// The motor's angle, degrees.
+        motor_deg: f64,
     },
     /// The object overlaps something where it starts.
     #[error(transparent)]
@@ -148,7 +159,7 @@ impl GraspScene {
             (_, TurnedOutline::Disc(radius_mm)) => Shape::disc(*radius_mm),
         };
         let down = grasp.gravity_m_s2.try_normalize(0.0);
-        if let Some(down) = down.filter(|_| grasp.has_support) {
+        if let Some(down) = down.filter(|_| grasp.support.is_some()) {
             let depth = |point: &Vector| point.dot(&down);
             if let Some((i, deep)) = grasp.path_mm.iter().enumerate().find(|(_, point)| depth(point) > 1e-9) {
                 return Err(GraspError::ThroughSupport { corner: i + 1, depth_mm: depth(deep) });
@@ -202,7 +213,7 @@ impl GraspScene {
 
     /// Height of the support along gravity, as a point of it and the upward normal, in the frame of the gripper where it started.
     pub fn support(&self) -> Option<(Vector, Vector)> {
-        let down = self.grasp.gravity_m_s2.try_normalize(0.0).filter(|_| self.grasp.has_support)?;
+        let down = self.grasp.gravity_m_s2.try_normalize(0.0).filter(|_| self.grasp.support.is_some())?;
         let lowest_mm = self.shape.reach_mm(down, self.object.rotation_deg.to_radians());
         Some((self.centre_mm + down * lowest_mm, -down))
     }

@@ -26,8 +26,8 @@ pub enum Halt {
     /// The object falls or slides away and does not come to rest.
     #[error("the object gets away: the fingers do not hold it")]
     Dropped,
-    /// Forces grow until nothing fits.
-    #[error("jam: object and fingers find no equilibrium")]
+    /// Fingers hold the object, and no equilibrium is found: where plates snap far, on coarse lattices the earlier.
+    #[error("jam: no equilibrium of object and fingers is found")]
     Jammed,
     /// A finger folds.
     #[error("a finger folds")]

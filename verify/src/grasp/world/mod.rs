@@ -1,6 +1,7 @@
 //! Fingers on bases that move, an object and its support: from one settled step to the next.
 
 mod account;
+mod clearance;
 mod ends;
 mod motion;
 mod observed;

@@ -1,5 +1,6 @@
 //! What can be read off fingers, object and contacts at rest.
 
+use super::motion::AT_REST;
 use super::{Account, Met, Partner, World};
 use crate::grasp::contact::Touching;
 use crate::grasp::near::{Near, touched};
@@ -54,14 +55,17 @@ impl World<'_> {
         (force, moment)
     }
 
-    /// Contacts that carry a force, those of each finger from its base to its tip.
+    /// Contacts that carry a force, those of each finger from its base to its tip. A force that is less beside the largest one, or the weight, than the
+    /// resistance with which all counts as at rest is none: an object that rolls away freely is not held by it.
     pub fn met(&self) -> Vec<Met> {
+        let normals_n = self.state.forces.values().map(|[normal_n, _]| *normal_n);
+        let nothing_n = AT_REST * normals_n.fold(self.drive.weight.norm(), f64::max);
         let mut met: Vec<Met> = self
             .near()
             .iter()
             .filter_map(|near| {
                 let [normal_n, friction_n] = self.state.forces.get(&near.key).copied()?;
-                (normal_n > 0.0).then(|| self.met_at(near, normal_n, friction_n))
+                (normal_n > nothing_n).then(|| self.met_at(near, normal_n, friction_n))
             })
             .collect();
         let place = |met: &Met| match (met.partner, met.touch) {

@@ -5,6 +5,7 @@ use crate::figures::{Axis, Chart, Dash, FigureError, Frame, Hue, Lines, Point, S
 use crate::settings::TWO_SIDED_95;
 use finray_model::Vector;
 use finray_model::finger::{FingerPoint, Plate};
+use finray_model::scene::Support;
 use nalgebra::Rotation2;
 
 /// Length of the largest force's arrow, as a share of the front plate's.
@@ -135,7 +136,12 @@ pub(super) fn support(scene: &GraspScene, steps: &[GraspStep]) -> Vec<Series> {
     let ways = steps.iter().map(|step| step.gripper_mm.dot(&along));
     let [least, most] = [f64::min, f64::max].map(|of| ways.clone().fold(0.0, of));
     let ends = [least - half_mm, most + half_mm].map(|way_mm| drawn(on_it + along * way_mm));
-    Series::lines("support", vec![ends.to_vec()], Hue::Neutral, 3.0)
+    let (label, dash) = match scene.grasp().support {
+        Some(Support::Table) => ("table", Dash::Solid),
+        _ => ("rails before and behind the fingers", Dash::Dashed),
+    };
+    let lines = Series::lines(label, vec![ends.to_vec()], Hue::Neutral, 3.0).into_iter();
+    lines.map(|line| Series { dash, ..line }).collect()
 }
 
 /// True and sensed force of every contact, as arrows that end there; the largest force has the longest.

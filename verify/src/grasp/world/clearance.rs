@@ -1,0 +1,65 @@
+//! What fingers must not meet: each other, and a table.
+
+use super::World;
+use crate::grasp::surface::Part;
+use finray_model::Vector;
+use finray_model::finger::{FingerPoint, Plate};
+
+/// A part of a front as it is bent: all that is within a radius of a straight line, world, mm.
+struct Round {
+    ends: [Vector; 2],
+    radius_mm: f64,
+}
+
+impl World<'_> {
+    /// Least distance of the fronts of the first two fingers, mm: 0 or less where they touch. Infinite for a single finger.
+    pub fn between_fingers_mm(&self) -> f64 {
+        if self.scene.fingers.len() < 2 {
+            return f64::INFINITY;
+        }
+        let [left, right] = [0, 1].map(|finger| self.front(finger));
+        let of_pair = |a: &Round, b: &Round| distance_mm(a.ends, b.ends) - a.radius_mm - b.radius_mm;
+        left.iter().flat_map(|a| right.iter().map(move |b| of_pair(a, b))).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Height of a finger's lowest part above a plane (a point of it and its upward unit normal), mm: 0 or less where it touches.
+    pub fn height_mm(&self, finger: usize, (point, upward): (Vector, Vector)) -> f64 {
+        let above = |at: Vector| (at - point).dot(&upward);
+        let front = self.front(finger);
+        let of_front = front.iter().flat_map(|part| part.ends.map(|end| above(end) - part.radius_mm));
+        // What is behind the front is as thick as the back plate.
+        let (shape, of) = (self.finger_shape(finger), self.scene.fingers[finger].lattice.finger());
+        let half_mm = 0.5 * of.description().back.thickness_mm;
+        let placement = &self.state.placements[finger];
+        let back = of.plate_nodes(Plate::Back).into_iter().map(|node| shape.point(FingerPoint::Node(node)));
+        let of_back = back.map(|at| above(placement.outwards(at)) - half_mm);
+        of_front.chain(of_back).fold(f64::INFINITY, f64::min)
+    }
+
+    fn front(&self, finger: usize) -> Vec<Round> {
+        let (standing, placement) = (&self.scene.fingers[finger], &self.state.placements[finger]);
+        let round = |part: &Part| {
+            let (body, motion) = (standing.lattice.assembly().bodies[part.body], self.state.motions[finger][part.body]);
+            let at = |arm: Vector| placement.outwards(body.position + motion.displacement + motion.carried(arm));
+            Round { ends: [at(part.from), at(part.to.unwrap_or(part.from))], radius_mm: part.radius_mm }
+        };
+        standing.front.parts.iter().map(round).collect()
+    }
+}
+
+/// Distance of two straight lines between their ends, mm: nothing where they cross.
+fn distance_mm(a: [Vector; 2], b: [Vector; 2]) -> f64 {
+    let sides = |[from, to]: [Vector; 2], others: [Vector; 2]| others.map(|other| (to - from).perp(&(other - from)));
+    let parts = |[first, second]: [f64; 2]| first * second < 0.0;
+    if parts(sides(a, b)) && parts(sides(b, a)) {
+        return 0.0;
+    }
+    let to_line = |[from, to]: [Vector; 2], point: Vector| {
+        let along = to - from;
+        let share = (point - from).dot(&along) / along.norm_squared();
+        // A line without length is a point.
+        let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 };
+        (point - from - along * share).norm()
+    };
+    [to_line(a, b[0]), to_line(a, b[1]), to_line(b, a[0]), to_line(b, a[1])].into_iter().fold(f64::INFINITY, f64::min)
+}

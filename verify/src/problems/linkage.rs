@@ -1,0 +1,123 @@
+//! The gripper's linkage over its whole reach: closed forms against the equations that they solve.
+//!
+//! Source: Xu et al. (IEEE T-RO 2021), eqs (6) to (9). The lengths are those of the scenes that ship: chosen.
+
+use super::{Problem, ProblemError};
+use crate::check::{Check, Kind, worst};
+use crate::settings::is_papers_finger;
+use finray_model::gripper::{Gripper, LinkagePose};
+use finray_model::{Finger, Scene, Vector};
+use nalgebra::{Matrix3, Vector3};
+
+/// This problem.
+pub(super) const PROBLEM: Problem =
+    Problem { name: "linkage", applies_to: is_papers_finger, solve: |finger| Ok(checks(finger, &shipped()?).into()) };
+
+/// Motor angles over the reach.
+const ANGLES: usize = 200;
+/// Share of the reach that is left out at both ends, where the derivative is infinite.
+const END: f64 = 0.01;
+/// Rounding of lengths, as a share of both links, and of the opening by way of the inverse, whose cosine loses half of the digits next to its ends.
+pub const TOLERANCE: f64 = 1e-12;
+/// The same of the opening by way of the inverse.
+pub const INVERSE_TOLERANCE: f64 = 1e-9;
+/// Step of the differences, degrees of the motor.
+const STEP_DEG: f64 = 0.1;
+/// Derivative against differences, next to the ends of the reach, where it grows without bound.
+pub const SLOPE_TOLERANCE: f64 = 1e-6;
+
+/// The linkage of the scenes that ship.
+fn shipped() -> Result<Gripper, ProblemError> {
+    let reference = |what: String| ProblemError::Reference(what);
+    let scene = Scene::from_toml(finray_fixtures::GRASPED_DISC_SCENE).map_err(|error| reference(error.to_string()))?;
+    scene.gripper.ok_or_else(|| reference("the scene has no gripper".to_owned()))
+}
+
+/// Rows for the equations of the linkage, the frames of both fingers, the opening's derivative and its inverse.
+pub fn checks(finger: &Finger, gripper: &Gripper) -> Vec<Check> {
+    let [from_deg, to_deg] = gripper.reach_deg();
+    let angle = |i: usize| from_deg + (END + (1.0 - 2.0 * END) * i as f64 / ANGLES as f64) * (to_deg - from_deg);
+    let angles: Vec<f64> = (0..=ANGLES).map(angle).collect();
+    let pose = |motor_deg: &f64| gripper.pose(*motor_deg);
+    let opening = |motor_deg: f64| gripper.pose(motor_deg).map_or(f64::NAN, |pose| gripper.opening_mm(finger, &pose));
+    let [rocker_mm, link_mm] = gripper.description().link_mm;
+    let size_mm = rocker_mm + link_mm;
+    let of_equations = angles.iter().map(|motor_deg| residual_mm(gripper, *motor_deg) / size_mm);
+    let of_frames =
+        angles.iter().map(|angle| pose(angle).map_or(f64::NAN, |pose| frames_mm(finger, gripper, &pose) / size_mm));
+    let of_slope = angles.iter().map(|motor_deg| {
+        let over =
+            |step_deg: f64| (opening(motor_deg + step_deg) - opening(motor_deg - step_deg)) / (2.0 * step_deg) * 360.0;
+        // Their errors of second order cancel (Richardson).
+        let differences = (4.0 * over(0.5 * STEP_DEG) - over(STEP_DEG)) / 3.0;
+        let slope = pose(motor_deg).and_then(|pose| gripper.opening_per_turn_mm(finger, &pose)).unwrap_or(f64::NAN);
+        (slope - differences).abs() / gripper.description().screw_pitch_mm
+    });
+    let of_inverse = angles.iter().map(|motor_deg| {
+        let there = gripper.motor_deg_for_opening(finger, opening(*motor_deg)).unwrap_or(f64::NAN);
+        (opening(there) - opening(*motor_deg)).abs() / size_mm
+    });
+    let row = |what: &str, source: &str, quantity: &str, ours: f64, tolerance: f64| {
+        let problem = format!("gripper linkage over its reach: {what}");
+        Kind::Analytical.on(problem, source).vanishes(quantity, ours, tolerance)
+    };
+    vec![
+        row(
+            "rocker and link close",
+            "eqs (6) to (8)",
+            "largest residual / (rocker + link)",
+            worst(of_equations),
+            TOLERANCE,
+        ),
+        row(
+            "key nodes of both fingers",
+            "eq. (9)",
+            "largest difference / (rocker + link)",
+            worst(of_frames),
+            TOLERANCE,
+        ),
+        row(
+            "opening by the motor's angle",
+            "differences",
+            "largest difference of the slopes / pitch",
+            worst(of_slope),
+            SLOPE_TOLERANCE,
+        ),
+        row(
+            "motor angle for an opening",
+            "its inverse",
+            "largest difference of openings / (rocker + link)",
+            worst(of_inverse),
+            INVERSE_TOLERANCE,
+        ),
+    ]
+}
+
+/// What is left of eqs (6) to (8) at a motor angle, mm.
+fn residual_mm(gripper: &Gripper, motor_deg: f64) -> f64 {
+    let description = gripper.description();
+    let [l1, l2] = description.link_mm;
+    let Some(LinkagePose { phi1_rad, phi2_rad, .. }) = gripper.pose(motor_deg) else { return f64::NAN };
+    let l3 = description.slider_mm + motor_deg / 360.0 * description.screw_pitch_mm;
+    let of_7 = l2 * phi2_rad.cos() - l1 * phi1_rad.cos() - description.fixed_joint_mm;
+    let of_8 = l1 * phi1_rad.sin() + l2 * phi2_rad.sin() - l3;
+    of_7.hypot(of_8)
+}
+
+/// How far the key nodes of both fingers are from where the matrix of eq. (9) has them, and its mirror image, mm. The paper's finger frame has its
+/// first axis along the finger's base, the second towards the tip.
+fn frames_mm(finger: &Finger, gripper: &Gripper, pose: &LinkagePose) -> f64 {
+    let ([l1, _], l4) = (gripper.description().link_mm, gripper.description().fixed_joint_mm);
+    let (sin, cos) = pose.phi2_rad.sin_cos();
+    let (sin1, cos1) = pose.phi1_rad.sin_cos();
+    let matrix = Matrix3::new(cos, -sin, -l1 * cos1, sin, cos, l1 * sin1, 0.0, 0.0, 1.0);
+    let [left, right] = gripper.fingers(pose);
+    let of_node = |node: usize| {
+        let at = finger.position(finray_model::NodeId(node));
+        let there = matrix * Vector3::new(at.y, at.x, 1.0);
+        let in_gripper = Vector::new(there.x - l4, there.y);
+        let mirrored = Vector::new(-in_gripper.x, in_gripper.y);
+        (left.outwards(at) - in_gripper).norm().max((right.outwards(at) - mirrored).norm())
+    };
+    worst((1..=finger.key_node_count()).map(of_node))
+}
