@@ -112,7 +112,7 @@ pub enum AskedDirection {
 }
 
 /// Beyond it an angle says the same as a smaller one, and is more likely no angle in degrees.
-const HALF_TURN_DEG: f64 = 180.0;
+const FULL_TURN_DEG: f64 = 360.0;
 
 /// Direction after an `@`: degrees, `normal`, `friction`, `object` or `auto`; 0 degrees without one.
 fn direction(text: Option<&str>) -> Result<AskedDirection, String> {
@@ -123,10 +123,10 @@ fn direction(text: Option<&str>) -> Result<AskedDirection, String> {
         Some("friction") => return Ok(AskedDirection::Friction),
         Some("object") => return Ok(AskedDirection::Object),
         Some(number) => match finite(number) {
-            Ok(angle_deg) if angle_deg.abs() <= HALF_TURN_DEG => Direction::Angle(angle_deg),
+            Ok(angle_deg) if angle_deg.abs() <= FULL_TURN_DEG => Direction::Angle(angle_deg),
             Ok(angle_deg) => {
                 return Err(format!(
-                    "expected an angle from -{HALF_TURN_DEG} to {HALF_TURN_DEG} degrees, found {angle_deg}"
+                    "expected an angle from -{FULL_TURN_DEG} to {FULL_TURN_DEG} degrees, found {angle_deg}"
                 ));
             }
             Err(_) => {
