@@ -5,9 +5,8 @@ use super::loads::Loads;
 use super::parse::{not_negative, share};
 use super::{Failure, bad_input, not_both_from_standard_input, not_computed};
 use finray_imaging::render::{Disturbances, RenderRequest, render};
+use finray_model::NodeId;
 use finray_model::camera::Camera;
-use finray_model::frame::FrameMotion;
-use finray_model::{Finger, Kinematics, NodeId};
 use finray_verify::files::{displacements, load_scene, to_png, write_bytes};
 use nalgebra::Isometry2;
 use std::path::PathBuf;
@@ -18,9 +17,10 @@ const LARGEST_BLUR_PX: f64 = 100.0;
 /// Render the image that the scene's camera takes of the (deformed) finger.
 ///
 /// Writes a PNG file. The scene needs the tables camera, with lens and pose, and markers. Without loads
-/// and --shape the finger is undeformed. With loads it has the same shape as `finray solve` with the
-/// same arguments. Edge pixels of a marker hold the share that its disc covers, so its true centre is
-/// known to a thousandth of a pixel.
+/// and --shape the finger is undeformed. Under loads its mesh is refined until the image no longer
+/// shows it; with --mesh-nodes it has the shape that `finray solve` gives with the same arguments. Edge
+/// pixels of a marker hold the share that its disc covers, so its true centre is known to a thousandth
+/// of a pixel.
 ///
 /// --base moves a finger whose base moves from image to image (table base) in its plane.
 ///
@@ -93,7 +93,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let shape = match &arguments.shape {
         Some(path) => displacements::load_shape(path, finger)?,
-        None => shape_under(&arguments.loads, finger)?,
+        None => arguments.loads.drawn_shape(finger)?,
     };
     let image = render(&RenderRequest {
         camera: &camera,
@@ -123,13 +123,4 @@ fn moved_base(text: &str) -> Result<Isometry2<f64>, String> {
         Some(&[x, y, turn_deg]) => Ok(Isometry2::new([x, y].into(), turn_deg.to_radians())),
         _ => Err("expected X_MM,Y_MM,DEG, three numbers".to_owned()),
     }
-}
-
-fn shape_under(loads: &Loads, finger: &Finger) -> Result<finray_model::mesh::FingerShape, Failure> {
-    let mesh = loads.mesh(finger)?;
-    let motion = match loads.is_empty() {
-        true => FrameMotion::at_rest(mesh.frame()),
-        false => loads.equilibrium(&mesh, Kinematics::Corotational)?.0,
-    };
-    Ok(mesh.shape(&motion))
 }

@@ -233,7 +233,8 @@ impl<'f> Locator<'f> {
     }
 
     fn view<'a>(&'a self, image: &'a RgbImage, weights: [f64; 2], colour_shift_px: Vector) -> View<'a> {
-        View { image, camera: &self.camera, height_mm: self.markers.height_mm, weights, colour_shift_px }
+        let height_mm = self.markers.height_mm;
+        View { image, camera: &self.camera, height_mm, grey_inner_mm: None, weights, colour_shift_px }
     }
 }
 

@@ -5,6 +5,7 @@
 
 use super::naming::{Candidate, Marked, Names, NamingError, name, name_at_cost};
 use super::rim::{GreyView, Rim, RimShape, rims};
+use super::together::wider;
 use super::{LocateError, Located, LocatorError, radius_at, radius_px, require_size};
 use finray_model::camera::Camera;
 use finray_model::scene::{Base, MarkerLook, Markers, Reference};
@@ -20,9 +21,9 @@ const RIB_SHARE: f64 = 0.08;
 /// Ribs from the base that propose a place, and standard deviation of the place, as a share of the length of the plate up to the rib: it bends.
 const PROPOSING: usize = 2;
 const BEND_SHARE: f64 = 0.2;
-/// Standard deviation of a rim's centre, as a share of its radius, that costs 1: what is not round is hardly a marker.
+/// Standard deviation of a rim's centre by rays, as a share of its radius, that costs 1: what is not round is hardly a marker.
 const ROUND: f64 = 0.02;
-/// A named rim whose centre is less well known than the middle one of all by this factor is no marker: markers are alike.
+/// A named rim whose centre is less well known by rays than the middle one of all by this factor is no marker: markers are alike.
 const LEAST_ROUND: f64 = 4.0;
 /// Another place whose names cost no more than this beyond the best fits alike.
 const ALIKE: f64 = 4.0;
@@ -202,7 +203,7 @@ impl<'f> RimLocator<'f> {
             sides: [true; 2],
             at: base.inverse_transform_point(&rim.centre.into()).coords,
             node: None,
-            cost: (rim.sd_mm / (ROUND * self.shape.radius_mm)).powi(2),
+            cost: (rim.rays_sd_mm / (ROUND * self.shape.radius_mm)).powi(2),
         };
         rims.iter().map(candidate).collect()
     }
@@ -210,11 +211,14 @@ impl<'f> RimLocator<'f> {
     fn located(&self, rims: &[Rim], names: &Names, base: &SeenBase) -> Vec<Located> {
         let mut named: Vec<(NodeId, Rim)> =
             names.iter().enumerate().filter_map(|(i, name)| Some((NodeId(i + 1), rims[(*name)?]))).collect();
-        let mut sds: Vec<f64> = named.iter().map(|(_, rim)| rim.sd_mm).collect();
+        let mut sds: Vec<f64> = named.iter().map(|(_, rim)| rim.rays_sd_mm).collect();
         sds.sort_by(f64::total_cmp);
         let most_mm = sds.get(sds.len() / 2).map_or(0.0, |middle| LEAST_ROUND * middle);
-        named.retain(|(_, rim)| rim.sd_mm <= most_mm);
-        let located = |(node, Rim { centre, pixel, sd_mm }): (NodeId, Rim)| {
+        named.retain(|(_, rim)| rim.rays_sd_mm <= most_mm);
+        // Background that the model of an edge leaves out makes neighbouring pixels err alike: the markers of an image show by how much.
+        let wider = wider(named.iter().filter_map(|(_, rim)| rim.excess_variances));
+        let located = |(node, Rim { centre, pixel, sd_mm, excess_variances, .. }): (NodeId, Rim)| {
+            let sd_mm = if excess_variances.is_some() { sd_mm * wider } else { sd_mm };
             let position = base.pose.inverse_transform_point(&centre.into()).coords;
             Located { node, pixel, position, sd_mm: sd_mm.hypot(base.sd_at(&position)) }
         };

@@ -110,8 +110,8 @@ pub(super) fn located(named: &[(NodeId, Disc)], on_front: &[NodeId]) -> Vec<Loca
 /// By how much standard deviations are wider than for pixels that err independently. Of one marker it is hardly known, of all of a colour well.
 ///
 /// Centres take up what residuals have of one period around the edge, and the longer the period the more there is of it: from two and three
-/// periods along a Gaussian, S(n) = a exp(-c n^2).
-fn wider(excess_variances: impl Iterator<Item = [f64; 2]>) -> f64 {
+/// periods along a Gaussian, S(n) = a exp(-c n^2). Of none it is 1.
+pub(super) fn wider(excess_variances: impl Iterator<Item = [f64; 2]>) -> f64 {
     let (count, [two, three]) =
         excess_variances.fold((0.0, [0.0; 2]), |(count, sums), of| (count + 1.0, [sums[0] + of[0], sums[1] + of[1]]));
     let of_one_period = two / count * (two / three).max(1.0).powf(3.0 / 5.0);

@@ -14,10 +14,9 @@ use nalgebra::{Isometry2, Point2, Rotation3};
 
 /// Images; every marker of each is found.
 const IMAGES: u64 = 16;
-/// Root mean square and largest error of a marker's coordinate in the plane, mm, at 4 px a mm, noise of two grey levels and a blur of 0.8 px. No edge is
-/// modelled, so it is a tenth of a pixel at worst, where a plate passes beneath the rim.
-const RMS_MM: f64 = 0.012;
-const LARGEST_MM: f64 = 0.05;
+/// Root mean square and largest error of a marker's coordinate in the plane, mm, at 4 px a mm, noise of two grey levels and a blur of 0.8 px.
+const RMS_MM: f64 = 0.003;
+const LARGEST_MM: f64 = 0.01;
 /// Error over stated standard deviation, root mean square, in the finger frame: the base's share with it.
 const OVER_SIGMA: f64 = 1.2;
 

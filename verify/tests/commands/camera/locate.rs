@@ -2,6 +2,8 @@
 
 use super::*;
 use finray_fixtures::CAMERA_SCENE;
+use finray_tests::{TWO_SIDED_95, share_error};
+use rayon::prelude::*;
 
 #[test]
 fn an_image_leads_back_to_the_force() {
@@ -15,11 +17,9 @@ fn an_image_leads_back_to_the_force() {
     assert!(!located.texts("node").contains(&"7") && !located.texts("node").contains(&"18"));
     assert_located(&located, "image.png", &shape);
     for estimator in ["nonlinear", "least-squares", "ridge"] {
-        // The mesh of the image, so that it is the noise alone that is tested.
-        let mesh: &[&str] = if estimator == "nonlinear" { &["--mesh-nodes", "25"] } else { &[] };
         let arguments =
             ["sense", CAMERA, "--displacements", &nodes, "--contact-at", "80@-20", "--estimator", estimator];
-        let sensed = Csv::of(&finray(&[&arguments, mesh].concat()).computed());
+        let sensed = Csv::of(&finray(&arguments).computed());
         let (force, sigma) = (sensed.numbers("force_n")[0], sensed.numbers("sigma_n")[0]);
         assert!((force - 2.0).abs() < 4.0 * sigma, "{estimator}: {force} +- {sigma}");
         // 0.067 mm would leave 1.2 % at the worst node; a camera leaves a tenth.
@@ -42,7 +42,7 @@ fn a_stream_is_sensed_image_by_image() {
         let name = path.rsplit(['/', '\\']).next().expect("a name");
         assert_located(&located, name, shape);
     }
-    let sense = ["sense", CAMERA, "--displacements", &nodes, "--contact-at", "60", "--mesh-nodes", "25"];
+    let sense = ["sense", CAMERA, "--displacements", &nodes, "--contact-at", "60"];
     assert_says(&finray(&sense).refused(), &["--image-name", "1.png, 1.2.png, 3.5.png"]);
     assert_says(&finray(&[&sense[..], &["--image-name", "2.png"]].concat()).refused(), &["--image-name", "1.png"]);
     let sensed = Csv::of(&finray(&[&sense[..], &["--image-name", "3.5.png"]].concat()).computed());
@@ -71,10 +71,15 @@ fn the_pose_may_come_from_an_image_at_rest() {
     assert_says(&warnings.join(" "), &["bent.png", "px rms from those of the scene's unloaded finger"]);
 }
 
+/// What is off by chance is so by at most this many standard errors.
+const STANDARD_ERRORS: f64 = 3.0;
+
+/// A finger on brackets with grey markers.
+const BRACKETED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/scenes/bracketed.toml");
+
 /// A finger with grey markers whose base is anywhere: from an image to displacements and the force.
 #[test]
 fn grey_markers_lead_back_to_the_force() {
-    const BRACKETED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/scenes/bracketed.toml");
     let folder = Folder::new();
     let image = folder.path("image.png");
     let render =
@@ -89,7 +94,7 @@ fn grey_markers_lead_back_to_the_force() {
     for (column, truth, tolerance) in [("base_x_mm", 40.0, 0.03), ("base_y_mm", -70.0, 0.03), ("base_deg", 95.0, 0.1)] {
         assert_close(&[located.numbers(column)[0]], &[truth], tolerance / truth.abs());
     }
-    let shape = Csv::of(&finray(&["solve", BRACKETED, "--load-at", "75:3,10"]).done());
+    let shape = Csv::of(&finray(&["solve", BRACKETED, "--load-at", "75:3,10", FINE[0], FINE[1]]).done());
     for (i, node) in located.texts("node").iter().enumerate() {
         let of = shape.texts("node").iter().position(|other| other == node).expect("a key node");
         for (found, truth) in [("ux_mm", "hinge_ux_mm"), ("uy_mm", "hinge_uy_mm")] {
@@ -97,7 +102,7 @@ fn grey_markers_lead_back_to_the_force() {
             assert!(error.abs() < 5.0 * sigma && sigma < 0.1, "node {node} {found}: {error} {sigma}");
         }
     }
-    let sense = ["sense", BRACKETED, "--displacements", &nodes, "--contact-at", "75@10", "--mesh-nodes", "11"];
+    let sense = ["sense", BRACKETED, "--displacements", &nodes, "--contact-at", "75@10"];
     let sensed = Csv::of(&finray(&sense).computed());
     let (force, sigma) = (sensed.numbers("force_n")[0], sensed.numbers("sigma_n")[0]);
     assert!((force - 3.0).abs() < 4.0 * sigma && sigma < 0.05, "{force} +- {sigma}");
@@ -115,8 +120,41 @@ fn grey_markers_lead_back_to_the_force() {
     );
     let located = Csv::of(&folder.read("found.csv"));
     assert_eq!((located.numbers("base_sigma_mm")[0] > 5.0, located.numbers("marker_sigma_mm")[0] < 0.1), (true, true));
-    let sense = ["sense", &without, "--displacements", &found, "--contact-at", "75@friction", "--mesh-nodes", "11"];
+    let sense = ["sense", &without, "--displacements", &found, "--contact-at", "75@friction"];
     let sensed = Csv::of(&finray(&sense).computed());
     let (force, sigma) = (sensed.numbers("force_n")[0], sensed.numbers("sigma_n")[0]);
     assert!((force - 3.0).abs() < 4.0 * sigma && sigma < 0.06, "{force} +- {sigma}");
+}
+
+/// Images of a finger that is its scene exactly, wherever its base: as many 95 % intervals hold the force as chance allows, and forces are not
+/// off to one side.
+#[test]
+fn intervals_of_forces_hold_on_images_of_an_exact_finger() {
+    const BASES: [&str; 3] = ["40,-70,95", "60,-75,90", "0,-60,80"];
+    const LOADS: [[f64; 3]; 4] = [[75.0, 3.0, 10.0], [60.0, 6.0, 0.0], [90.0, 2.0, 15.0], [50.0, 4.0, -10.0]];
+    const SEEDS: usize = 3;
+    const COUNT: usize = BASES.len() * LOADS.len() * SEEDS;
+    let folder = Folder::new();
+    let off_in_sigmas = |number: usize| {
+        let [at_mm, force_n, angle_deg] = LOADS[number % LOADS.len()];
+        let base = BASES[number / LOADS.len() % BASES.len()];
+        let (load, seed) = (format!("{at_mm}:{force_n},{angle_deg}"), number.to_string());
+        let [image, nodes] = ["png", "csv"].map(|kind| folder.path(&format!("{number}.{kind}")));
+        let render = ["render", BRACKETED, "--base", base, "--load-at", &load, "--seed", &seed, "--out", &image];
+        finray(&[&render[..], &["--blur-px", "0.8", "--grey-noise", "2", "--clutter", "10"]].concat()).done();
+        finray(&["locate", BRACKETED, "--image", &image, "--out", &nodes]).done();
+        let contact = format!("{at_mm}@{angle_deg}");
+        let sensed = finray(&["sense", BRACKETED, "--displacements", &nodes, "--contact-at", &contact]).computed();
+        let [found_n, sigma_n] = ["force_n", "sigma_n"].map(|column| Csv::of(&sensed).numbers(column)[0]);
+        println!("{base} {load} {seed}: {found_n} +- {sigma_n}");
+        (found_n - force_n) / sigma_n
+    };
+    let off: Vec<f64> = (0..COUNT).into_par_iter().map(off_in_sigmas).collect();
+    let share = off.iter().filter(|off| off.abs() <= TWO_SIDED_95).count() as f64 / COUNT as f64;
+    let mean = off.iter().sum::<f64>() / COUNT as f64;
+    println!("{share} within, {mean} standard deviations off in the mean");
+    assert!((share - 0.95).abs() <= STANDARD_ERRORS * share_error(0.95, COUNT), "{share} {off:?}");
+    // Seeds of a base and a load share what the model of an edge leaves out, so that their mean counts for one.
+    let independent = (BASES.len() * LOADS.len()) as f64;
+    assert!(mean.abs() <= STANDARD_ERRORS / independent.sqrt(), "{mean} {off:?}");
 }

@@ -15,9 +15,12 @@ const CAMERA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/scenes/ca
 /// Largest error of a coordinate, mm, as asked of rendered images with grey noise 2 and a blur of 0.8 px.
 const LARGEST_MM: f64 = 0.015;
 
+/// Nodes with which `solve` gives the shape that `render` draws.
+const FINE: [&str; 2] = ["--mesh-nodes", "1000"];
+
 /// An image of the paper's finger under a force, with the shape that `solve` gives it.
 fn image_of(folder: &Folder, name: &str, load_at: &str, options: &[&str]) -> (String, Csv) {
-    let shape = Csv::of(&finray(&["solve", CAMERA, "--load-at", load_at]).done());
+    let shape = Csv::of(&finray(&["solve", CAMERA, "--load-at", load_at, FINE[0], FINE[1]]).done());
     let path = folder.path(name);
     let disturbed = ["--grey-noise", "2", "--blur-px", "0.8"];
     finray(&[&["render", CAMERA, "--load-at", load_at, "--out", &path], &disturbed[..], options].concat()).done();

@@ -16,13 +16,29 @@ fn the_same_seed_gives_the_same_image() {
     assert_eq!(&first[..8], b"\x89PNG\r\n\x1a\n");
 }
 
+/// Without --mesh-nodes the converged finger is drawn: its image is that of a much finer mesh, but for single pixels in which the share of a plate,
+/// of few steps, tips over; that of the key nodes alone is another one.
+#[test]
+fn the_converged_finger_is_drawn() {
+    let folder = Folder::new();
+    let pixels = |options: &[&str]| {
+        let path = folder.path("image.png");
+        finray(&[&["render", CAMERA, "--load-at", "90:4,10", "--out", &path], options].concat()).done();
+        image::open(path).expect("the image").to_rgb8().into_raw()
+    };
+    let drawn = pixels(&[]);
+    let others = |other: Vec<u8>| drawn.iter().zip(&other).filter(|(a, b)| a.abs_diff(**b) > 2).count();
+    let [fine, coarse] = ["4000", "25"].map(|nodes| others(pixels(&["--mesh-nodes", nodes])));
+    assert!(fine <= 30 && coarse > 10_000, "{fine} {coarse}");
+}
+
 /// A shape from a file is the shape of the same load.
 #[test]
 fn shapes_are_rendered_from_files() {
     let folder = Folder::new();
-    let (of_load, _) = image_of(&folder, "load.png", "90:2,10", &[]);
+    let (of_load, _) = image_of(&folder, "load.png", "90:2,10", &FINE);
     let shape = folder.path("shape.csv");
-    finray(&["solve", CAMERA, "--load-at", "90:2,10", "--out", &shape]).done();
+    finray(&["solve", CAMERA, "--load-at", "90:2,10", FINE[0], FINE[1], "--out", &shape]).done();
     let of_shape = folder.path("shape.png");
     let arguments = ["render", CAMERA, "--shape", &shape, "--grey-noise", "2", "--blur-px", "0.8", "--out", &of_shape];
     finray(&arguments).done();

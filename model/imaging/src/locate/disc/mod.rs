@@ -18,7 +18,7 @@ use image::RgbImage;
 use nalgebra::{Complex, Matrix2, SMatrix, SVector, Vector2};
 use plane_map::{Pixels, PlaneMap};
 use shades::{BACKGROUND_PX, KEPT_SECTORS, Shades};
-use sums::{Band, OfSector, Sums};
+use sums::{Band, OfSector, Sums, normal_distribution};
 
 /// Unknowns of an edge: centre (two), radius, blur of brightness and of colour.
 const UNKNOWNS: usize = 5;
@@ -36,8 +36,11 @@ const LEAST_BLUR_PX: f64 = 0.25;
 pub(super) const LARGEST_BLUR: f64 = 0.33;
 /// Largest deviation of the radius from the expected one, as a share.
 const RADIUS_TOLERANCE: f64 = 0.25;
-/// Largest residual standard deviation, as a share of the contrast.
+/// Largest residual standard deviation, as a share of the contrast; and that of grey discs, for which there is another way (`rim`): rendered
+/// ones stay below 0.065, dark marks of low contrast under noise of four grey levels too; photographed screws, whose heads shine and whose rims
+/// the camera has sharpened, are above 0.09.
 const LARGEST_RESIDUAL: f64 = 0.2;
+const LARGEST_GREY_RESIDUAL: f64 = 0.07;
 /// Room for a centre that is not where the search begins, px.
 const ROOM_PX: f64 = 1.0;
 /// Rounds in which pixels are gathered where the edge is by then, and steps in a round, at most; a step that moves the centre by less, px,
@@ -56,7 +59,8 @@ const LEAST_SD_PX: f64 = 0.005;
 /// The same of small or blurred discs, px, times (blur / radius)^2: of what lies about them less is seen beside their edge. Both are from
 /// rendered images, of discs of 3 to 12 px with blurs of 0.8 to 3.2 px.
 const SMALL_SD_PX: f64 = 0.45;
-
+/// The same of rings, px, times the share of the light in the middle of the ring that comes from beside it: its own light is nowhere seen.
+const RING_SD_PX: f64 = 0.4;
 /// A disc that was found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Disc {
@@ -115,7 +119,10 @@ pub(super) struct View<'a> {
     pub camera: &'a Camera,
     /// Height of the discs above the finger's plane, mm.
     pub height_mm: f64,
-    /// What squared differences of brightness and of colour count: inverse to their noise, 1 for the less noisy.
+    /// Of grey discs and rings, the radius inside which anything may be seen, mm; 0 for a whole disc. What lies about them has as much contrast as
+    /// they have themselves: their edge is measured only where the background is even.
+    pub grey_inner_mm: Option<f64>,
+    /// What squared differences of brightness and of colour count: inverse to their noise, 1 for the less noisy; colour may be left out (0).
     pub weights: [f64; PARTS],
     /// How far colour is displaced against brightness along the finger's axes, px: by encoders that take every other pixel's, and by lenses.
     pub colour_shift_px: Vector,
@@ -162,6 +169,8 @@ struct Search<'a> {
     expected: Edge,
     /// Whether radius and blur are sought too.
     is_outline_open: bool,
+    /// See [`View::grey_inner_mm`], in the map's units.
+    grey_inner: Option<f64>,
     /// Largest blur whose band leaves room for the background among the gathered pixels, px.
     largest_blur_px: f64,
     buffers: &'a mut Buffers,
@@ -196,7 +205,8 @@ impl<'a> Search<'a> {
         let reach = radius_px * wider + band + BACKGROUND_PX + ROOM_PX;
         map.gather(view.image, reach, &mut buffers.pixels);
         let largest_blur_px = (reach - radius_px - BACKGROUND_PX) / BAND;
-        Some(Search { view, map, edge, expected: edge, is_outline_open, largest_blur_px, buffers })
+        let grey_inner = view.grey_inner_mm.map(|inner_mm| inner_mm / map.unit_mm);
+        Some(Search { view, map, edge, expected: edge, is_outline_open, grey_inner, largest_blur_px, buffers })
     }
 
     fn found(&mut self) -> Option<Disc> {
@@ -209,7 +219,7 @@ impl<'a> Search<'a> {
             let from = self.edge;
             let Buffers { pixels, shades, band, .. } = &mut *self.buffers;
             self.map.measure_from(&from, pixels);
-            shades.gather(pixels, &self.map, &from)?;
+            shades.gather(pixels, &self.map, &from, self.grey_inner)?;
             band.gather(pixels, &self.map, &from, shades);
             let mut kept = 0.0;
             let mut last = None;
@@ -289,18 +299,28 @@ impl<'a> Search<'a> {
         Some(ColourShift { normal: normal / variance, gradient: sums.gradient.fixed_rows::<2>(0) / variance })
     }
 
+    /// See [`RING_SD_PX`].
+    fn ring_sd_px(&self) -> f64 {
+        let Some(inner) = self.grey_inner.filter(|inner| *inner > 0.0) else { return 0.0 };
+        let half_width = 0.5 * (self.edge.radius - inner);
+        let (beyond_an_edge, _) = normal_distribution(-(half_width / self.edge.blurs[0]) as f32);
+        RING_SD_PX * 2.0 * f64::from(beyond_an_edge)
+    }
+
     fn disc(&self, last: &Step) -> Option<Disc> {
         let (sums, inverse) = (&self.buffers.sums, &last.inverse);
         let residual_sd = sums.residual_variance().sqrt();
         let contrast = (sums.weight / sums.count).sqrt();
         let off = (self.edge.radius / self.expected.radius - 1.0).abs();
-        if off > RADIUS_TOLERANCE || residual_sd > LARGEST_RESIDUAL * contrast {
+        let largest_residual = if self.grey_inner.is_some() { LARGEST_GREY_RESIDUAL } else { LARGEST_RESIDUAL };
+        if off > RADIUS_TOLERANCE || residual_sd > largest_residual * contrast {
             return None;
         }
         let variance_px2 = (inverse[(0, 0)] + inverse[(1, 1)]) / 2.0 * residual_sd * residual_sd;
         let centre = self.map.origin + self.edge.centre * self.map.unit_mm;
         let small = (self.edge.blurs[0] / self.edge.radius).powi(2);
-        let sd_px = variance_px2.sqrt().hypot(LEAST_SD_PX).hypot(SMALL_SD_PX * small).hypot(last.change_px);
+        let of_model_px = LEAST_SD_PX.hypot(SMALL_SD_PX * small).hypot(self.ring_sd_px());
+        let sd_px = variance_px2.sqrt().hypot(of_model_px).hypot(last.change_px);
         Some(Disc {
             centre,
             pixel: self.view.camera.project(&centre.push(self.view.height_mm)).ok()?,

@@ -16,6 +16,12 @@ const EVEN_SECTORS: f64 = 0.3;
 const SHADING: f32 = 2.0;
 /// Pixels inside belong to the disc if no part of their light differs by more than this from the median, grey levels.
 const ALIKE: f32 = 40.0;
+/// Largest step of a grey disc's background from a sector to the next, and its largest scatter in one, as a share of the contrast, and in
+/// standard deviations of the noise.
+const UNEVEN_SHARE: f32 = 0.1;
+const UNEVEN_NOISE: f32 = 3.0;
+/// How far from both its edges the light of a ring is looked at, at most, as a share of its width.
+const RING_MARGIN: f64 = 0.4;
 /// Pixels of the inside that are looked at, about, and those of them that the median is taken of: more do not say more.
 const INSIDE_PIXELS: usize = 400;
 const MEDIAN_PIXELS: usize = 48;
@@ -65,12 +71,16 @@ impl Background {
 }
 
 impl Shades {
-    /// Looks at the pixels inside and outside an edge; `None` if there is no disc.
-    pub fn gather(&mut self, pixels: &Pixels, map: &PlaneMap, edge: &Edge) -> Option<()> {
+    /// Looks at the pixels inside and outside an edge; `None` if there is no disc. `grey_inner`: of a grey disc or ring, see [`super::View`],
+    /// in the map's units.
+    pub fn gather(&mut self, pixels: &Pixels, map: &PlaneMap, edge: &Edge, grey_inner: Option<f64>) -> Option<()> {
         let band = edge.band();
         let sectors = ((std::f64::consts::TAU * edge.radius / SECTOR_PX) as usize).clamp(SECTORS[0], SECTORS[1]);
         // Small discs have no inside that the blur spares: their middle stands for it.
-        let depth = -band.min(0.5 * edge.radius) as f32;
+        let deepest = |inner: f64| if inner > 0.0 { RING_MARGIN * (edge.radius - inner) } else { 0.5 * edge.radius };
+        let inner = grey_inner.unwrap_or(0.0);
+        let depth = -band.min(deepest(inner)) as f32;
+        let nearest = if inner > 0.0 { inner as f32 - depth } else { 0.0 };
         let background = [band as f32, (band + BACKGROUND_PX) as f32];
         let polar = map.about_edge(edge);
         self.sectors.clear();
@@ -78,7 +88,9 @@ impl Shades {
         self.inner.clear();
         for (i, &d) in pixels.outside.iter().enumerate() {
             if d < depth {
-                self.inner.push(i as u32);
+                if nearest == 0.0 || polar.of(pixels.at[0][i], pixels.at[1][i]).far >= nearest {
+                    self.inner.push(i as u32);
+                }
             } else if d > background[0] && d < background[1] {
                 let Polar { step, .. } = polar.of(pixels.at[0][i], pixels.at[1][i]);
                 let light = Vector3::new(pixels.light[0][i], pixels.light[1][i], pixels.light[2][i]);
@@ -93,7 +105,10 @@ impl Shades {
         }
         self.find_inside(pixels, edge)?;
         self.find_outside()?;
-        self.find_trust();
+        match grey_inner {
+            Some(_) => self.trust_even(),
+            None => self.find_trust(),
+        }
         Some(())
     }
 
@@ -115,17 +130,42 @@ impl Shades {
         Some(())
     }
 
+    /// Variance of the background in even sectors: noise.
+    fn noise(&mut self) -> f32 {
+        self.sorted.clear();
+        self.sorted.extend(self.sectors.iter().map(Background::variance));
+        let at = ((self.sorted.len() - 1) as f64 * EVEN_SECTORS) as usize;
+        *self.sorted.select_nth_unstable_by(at, f32::total_cmp).1
+    }
+
     /// How much each sector counts, from the variances of their backgrounds: an edge that crosses one may come to lie in its neighbours on
     /// the way to the disc.
     fn find_trust(&mut self) {
-        let count = self.sectors.len();
-        self.sorted.clear();
-        self.sorted.extend(self.sectors.iter().map(Background::variance));
-        let at = ((count - 1) as f64 * EVEN_SECTORS) as usize;
-        let noise = *self.sorted.select_nth_unstable_by(at, f32::total_cmp).1 + SHADING * SHADING;
-        let even = |i: usize| noise / (noise + (self.sectors[i % count].variance() - 2.0 * noise).max(0.0));
+        let noise = self.noise() + SHADING * SHADING;
+        let even = |sector: &Background| noise / (noise + (sector.variance() - 2.0 * noise).max(0.0));
         self.trust.clear();
-        self.trust.extend((0..count).map(|i| even(i).powi(2)));
+        self.trust.extend(self.sectors.iter().map(|sector| even(sector).powi(2)));
+    }
+
+    /// Grey discs are trusted only where their background is even, within sectors and from each to the next: a strip that crosses the edge at a
+    /// slant, or ends beyond it, has another light at the edge than farther out. Its own blurred edge is in the next sectors too.
+    fn trust_even(&mut self) {
+        let (count, noise) = (self.sectors.len(), self.noise());
+        self.sorted.clear();
+        self.sorted.extend(self.outside.iter().map(|light| (light - self.inside[0]).norm()));
+        let contrast = *self.sorted.select_nth_unstable_by(count / 2, f32::total_cmp).1;
+        let limit = (UNEVEN_SHARE * contrast).powi(2) + UNEVEN_NOISE * UNEVEN_NOISE * noise;
+        self.trust.clear();
+        self.trust.resize(count, 1.0);
+        for i in 0..count {
+            let next = (i + 1) % count;
+            let is_step = (self.outside[next] - self.outside[i]).norm_squared() > limit;
+            let scatters = self.sectors[i].variance() > limit;
+            if is_step || scatters {
+                let last = if is_step { next + 1 } else { next };
+                [i + count - 1, i, next, last].into_iter().for_each(|k| self.trust[k % count] = 0.0);
+            }
+        }
     }
 
     /// The light of the disc's inside: a plane through its brightness, whose slope its colours share; pixels of something else (an occluder)
@@ -203,7 +243,8 @@ impl Shades {
 
     /// Takes the trust from sectors whose residual is above that of even ones, or that have no contrast. Returns the share of those left.
     pub fn distrust_unlikely(&mut self, sums: &Sums) -> f64 {
-        let mean = |of: &OfSector| of.squares / (3.0 * of.count).max(1.0);
+        let channels = sums.channels as f32;
+        let mean = |of: &OfSector| of.squares / (channels * of.count).max(1.0);
         self.sorted.clear();
         self.sorted.extend(sums.by_sector.iter().filter(|of| of.count > 0.0).map(mean));
         let at = (self.sorted.len() as f64 * EVEN_SECTORS) as usize;
@@ -215,7 +256,11 @@ impl Shades {
         let excess = |of: &OfSector| {
             let (count, contrast2) = (of.count.max(1.0), of.contrast2 / of.count.max(1.0));
             let has_edge = of.count > 0.0 && contrast2 > LEAST_CONTRAST * LEAST_CONTRAST;
-            if has_edge { mean(of) / (even * (1.0 + UNLIKELY * (2.0 / (3.0 * count)).sqrt())) } else { f32::INFINITY }
+            if has_edge {
+                mean(of) / (even * (1.0 + UNLIKELY * (2.0 / (channels * count)).sqrt()))
+            } else {
+                f32::INFINITY
+            }
         };
         self.sorted.clear();
         self.sorted.extend(sums.by_sector.iter().map(excess));

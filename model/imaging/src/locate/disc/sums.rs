@@ -6,12 +6,17 @@ use super::{BAND, Edge, PARTS, UNKNOWNS};
 use finray_model::Vector;
 use nalgebra::{SMatrix, SVector, Vector2};
 
+/// Channels of brightness and of colour.
+const CHANNELS: [f64; PARTS] = [1.0, 2.0];
+
 /// Sums over the pixels of the band. Centre and radius are in the map's units.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Sums {
     pub normal: SMatrix<f64, UNKNOWNS, UNKNOWNS>,
     pub gradient: SVector<f64, UNKNOWNS>,
     pub count: f64,
+    /// How much of its light counts: brightness is one channel, colour two.
+    pub channels: f64,
     /// Of the weighted squared residuals, grey levels^2.
     pub squares: f64,
     /// Of the weighted squared contrasts.
@@ -24,7 +29,7 @@ pub(super) struct Sums {
 impl Sums {
     /// Of the weighted residuals, grey levels^2.
     pub fn residual_variance(&self) -> f64 {
-        self.squares / (3.0 * self.count - UNKNOWNS as f64).max(1.0)
+        self.squares / (self.channels * self.count - UNKNOWNS as f64).max(1.0)
     }
 }
 
@@ -105,6 +110,7 @@ impl Band {
         }
         sums.by_sector.clear();
         sums.by_sector.resize(trust.len(), OfSector::default());
+        sums.channels = weights.iter().zip(CHANNELS).filter(|(weight, _)| **weight > 0.0).map(|(_, of)| of).sum();
         let weights = weights.map(|weight| weight as f32);
         let count = self.outside.len();
         let [light_y, light_c] = self.light.each_ref().map(|lists| lists.each_ref().map(|list| &list[..count]));
@@ -207,7 +213,7 @@ impl Band {
 /// # Reference
 /// Abramowitz and Stegun, Handbook of Mathematical Functions, 26.2.17.
 #[inline]
-fn normal_distribution(x: f32) -> (f32, f32) {
+pub(super) fn normal_distribution(x: f32) -> (f32, f32) {
     let far = x.abs();
     let t = 1.0 / (1.0 + 0.231_641_9 * far);
     let polynomial = t * (0.319_381_53 + t * (-0.356_563_78 + t * (1.781_477_9 + t * (-1.821_256 + t * 1.330_274_4))));

@@ -2,9 +2,14 @@
 //!
 //! What is inside a ring (a screw's head, a hole) and what lies about it may look like anything; the rim is where the light changes most along a
 //! ray from the centre. Rays are cast in the plane of the markers, where the rim is a circle, whatever perspective and lens do to its image.
+//!
+//! Rays show where a rim is, but strips that cross it at a slant (a rib, a bracket) pull the edges that they find towards their own, by some
+//! hundredths of a pixel and always to the same side. The centre is therefore that of the model of a blurred edge (`disc`), fitted where the
+//! background is even; where it does not fit, as on a screw that light falls on from one side, it is that of the rays.
 
 mod votes;
 
+use super::disc::{Buffers, Disc, View};
 use finray_model::Vector;
 use finray_model::camera::{Camera, Pixel};
 use finray_model::scene::Shade;
@@ -34,8 +39,11 @@ const LARGEST_SPREAD: f64 = 0.1;
 const APART: f64 = 1.8;
 /// Rounds of casting rays from the centre that is known by then, and of leaving out rays.
 const ROUNDS: usize = 4;
-/// Smallest standard deviation of a centre, px: as that of coloured discs, twice over, since no edge is modelled.
+/// Smallest standard deviation of a centre by rays, px: twice that by the model of an edge.
 const LEAST_SD_PX: f64 = 0.01;
+
+/// Rims are seen in grey light.
+const BRIGHTNESS_ALONE: [f64; 2] = [1.0, 0.0];
 
 /// A rim that was found.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,6 +54,10 @@ pub(super) struct Rim {
     pub pixel: Pixel,
     /// Standard deviation of one coordinate of the centre, mm.
     pub sd_mm: f64,
+    /// The same of the centre by rays: how round the rim is.
+    pub rays_sd_mm: f64,
+    /// Of a centre by the model of an edge: see [`Disc::excess_variances`].
+    pub excess_variances: Option<[f64; 2]>,
 }
 
 /// What rims are sought.
@@ -62,22 +74,24 @@ pub(super) struct RimShape {
 /// An image in which rims are sought.
 pub(super) struct GreyView<'a> {
     camera: &'a Camera,
+    image: &'a RgbImage,
     grey: GrayImage,
     slopes: Slopes,
 }
 
 impl<'a> GreyView<'a> {
-    pub fn new(camera: &'a Camera, image: &RgbImage) -> GreyView<'a> {
+    pub fn new(camera: &'a Camera, image: &'a RgbImage) -> GreyView<'a> {
         let grey = image::imageops::grayscale(image);
-        GreyView { camera, slopes: Slopes::of(&grey), grey }
+        GreyView { camera, image, slopes: Slopes::of(&grey), grey }
     }
 }
 
 /// Rims of a shape that do not overlap, those with most votes first. `radius_px` is about what they have in the image.
-pub(super) fn rims(GreyView { camera, grey, slopes }: &GreyView, shape: &RimShape, radius_px: f64) -> Vec<Rim> {
-    let centres = votes::centres(slopes, radius_px, shape.shade);
+pub(super) fn rims(view: &GreyView, shape: &RimShape, radius_px: f64) -> Vec<Rim> {
+    let centres = votes::centres(&view.slopes, radius_px, shape.shade);
+    let mut buffers = Buffers::default();
     let mut found: Vec<Rim> = Vec::new();
-    for rim in centres.iter().filter_map(|centre| measured(grey, camera, shape, centre)) {
+    for rim in centres.iter().filter_map(|centre| measured(view, shape, centre, &mut buffers)) {
         if found.iter().all(|other| (other.centre - rim.centre).norm() > APART * shape.radius_mm) {
             found.push(rim);
         }
@@ -94,7 +108,8 @@ fn direction(ray: usize) -> Vector {
 }
 
 /// The rim about a pixel.
-fn measured(grey: &GrayImage, camera: &Camera, shape: &RimShape, about: &Pixel) -> Option<Rim> {
+fn measured(view: &GreyView, shape: &RimShape, about: &Pixel, buffers: &mut Buffers) -> Option<Rim> {
+    let GreyView { camera, grey, .. } = view;
     let mut centre = camera.on_plane(about, shape.height_mm).ok()?;
     let mut last = None;
     for _ in 0..ROUNDS {
@@ -115,7 +130,23 @@ fn measured(grey: &GrayImage, camera: &Camera, shape: &RimShape, about: &Pixel) 
     let is_rim =
         circle.share >= LEAST_SHARE && off <= RADIUS_TOLERANCE && circle.spread_mm <= LARGEST_SPREAD * shape.radius_mm;
     let pixel = camera.project(&centre.push(shape.height_mm)).ok()?;
-    is_rim.then(|| Rim { centre, pixel, sd_mm: circle.sd_mm.max(LEAST_SD_PX * mm_a_px) })
+    let sd_mm = circle.sd_mm.max(LEAST_SD_PX * mm_a_px);
+    let by_rays = Rim { centre, pixel, sd_mm, rays_sd_mm: sd_mm, excess_variances: None };
+    is_rim.then(|| by_edge(view, shape, &by_rays, circle.radius_mm, buffers).unwrap_or(by_rays))
+}
+
+/// The rim by the model of a blurred edge; `None` where it does not look like one.
+fn by_edge(view: &GreyView, shape: &RimShape, by_rays: &Rim, radius_mm: f64, buffers: &mut Buffers) -> Option<Rim> {
+    let view = View {
+        image: view.image,
+        camera: view.camera,
+        height_mm: shape.height_mm,
+        grey_inner_mm: Some(shape.inner_radius_mm),
+        weights: BRIGHTNESS_ALONE,
+        colour_shift_px: Vector::zeros(),
+    };
+    let Disc { centre, pixel, sd_mm, excess_variances, .. } = view.measure(radius_mm, &by_rays.pixel, buffers)?;
+    Some(Rim { centre, pixel, sd_mm, excess_variances: Some(excess_variances), ..*by_rays })
 }
 
 /// Where the light changes most along each ray.
