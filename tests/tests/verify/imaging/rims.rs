@@ -17,6 +17,8 @@ const IMAGES: u64 = 16;
 /// Root mean square and largest error of a marker's coordinate in the plane, mm, at 4 px a mm, noise of two grey levels and a blur of 0.8 px.
 const RMS_MM: f64 = 0.003;
 const LARGEST_MM: f64 = 0.01;
+/// Largest error of a marker beside a plate, mm: the bracket between them is hardly wider than the blur.
+const NEXT_TO_PLATE_MM: f64 = 0.1;
 /// Error over stated standard deviation, root mean square, in the finger frame: the base's share with it.
 const OVER_SIGMA: f64 = 1.2;
 
@@ -87,6 +89,24 @@ fn markers_and_base_are_found_wherever_they_are() {
     let largest = errors_mm.iter().fold(0.0_f64, |largest, off| largest.max(off.abs()));
     assert!(largest < LARGEST_MM && rms(&errors_mm) < RMS_MM, "{largest} {}", rms(&errors_mm));
     assert!(rms(&over_sigma) < OVER_SIGMA, "{}", rms(&over_sigma));
+}
+
+/// A quarter of a rim's rays meet the edge of a plate 0.4 mm beside it: they do not draw the circle to themselves.
+#[test]
+fn markers_next_to_a_plate_are_found() {
+    let scene = BRACKETED_SCENE.replace("bracket_mm = 3.0", "bracket_mm = [2.43, 3.0]");
+    let scene = Scene::from_toml(&scene).expect("the fixture with other brackets");
+    let base = scene.base.clone().expect("a base");
+    for seed in 0..IMAGES {
+        let seen = image(&scene, seed, &[]);
+        let found = located(&scene, &seen, &base).unwrap_or_else(|error| panic!("image {seed}: {error}"));
+        assert_eq!(found.located.len(), 2 * scene.finger.rib_count(), "image {seed}: {:?}", found.located);
+        for marker in &found.located {
+            let truth = seen.base * Point2::from(true_position(&scene, &seen.shape, marker.node));
+            let off = (found.base.pose * Point2::from(marker.position) - truth).norm();
+            assert!(off < NEXT_TO_PLATE_MM, "image {seed}, node {}: {off}", marker.node);
+        }
+    }
 }
 
 /// Without references the markers have the same names; only where the base is, is not known.
