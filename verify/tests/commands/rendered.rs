@@ -274,7 +274,7 @@ fn assert_intervals_hold([place, direction, exact_base, friction, none]: &[Tally
     for tally in [place, direction, friction] {
         assert!(tally.holds(), "{} within, +- {}", tally.coverage(), tally.standard_error());
     }
-    assert!(place.mean() < 0.003 && direction.mean() < 0.006 && friction.mean() < 0.08);
+    assert!(place.mean() < 0.001 && direction.mean() < 0.003 && friction.mean() < 0.06);
     assert!(place.mean() < direction.mean() && direction.mean() < friction.mean() && friction.mean() < none.mean());
     assert!(exact_base.mean() > 3.0 * direction.mean() && exact_base.misses());
     assert!(none.coverage() < 0.5, "{}", none.coverage());
