@@ -26,13 +26,13 @@ pub const DELAYS: [usize; 2] = [0, 2];
 const FINENESS: usize = 1;
 /// Share of the force from which on steps are frames.
 const FRAMES_FROM: f64 = 0.9;
-/// Seed of the noise.
-const SEED: u64 = 1;
+/// Realisations of the noise: each loop is run with every one of them.
+const REALISATIONS: u64 = 10;
 /// What is asked of the loop: within 5 % of the target once it holds.
 const HELD_TOLERANCE: f64 = 0.05;
 
-/// A loop at a rate.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A loop at a rate, with several realisations of the noise.
+#[derive(Debug, Clone, PartialEq)]
 pub struct LoopRun {
     /// Standard deviation of one coordinate, mm.
     pub noise_mm: f64,
@@ -40,8 +40,32 @@ pub struct LoopRun {
     pub delay_frames: usize,
     /// Frames a second.
     pub frames_per_s: f64,
-    /// Its figures; none where it never held.
-    pub figures: Option<LoopFigures>,
+    /// Its figures, a realisation each; none where it never held.
+    pub figures: Vec<Option<LoopFigures>>,
+}
+
+/// A figure over the realisations of a loop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spread {
+    /// Its mean.
+    pub mean: f64,
+    /// The least.
+    pub least: f64,
+    /// The largest.
+    pub most: f64,
+}
+
+impl LoopRun {
+    /// A figure over all realisations; none where one of them never held.
+    pub fn over(&self, figure: impl Fn(&LoopFigures) -> f64) -> Option<Spread> {
+        let values: Vec<f64> = self.figures.iter().map(|of| of.as_ref().map(&figure)).collect::<Option<_>>()?;
+        let of = |fold: fn(f64, f64) -> f64| values.iter().copied().reduce(fold);
+        Some(Spread {
+            mean: values.iter().sum::<f64>() / values.len() as f64,
+            least: of(f64::min)?,
+            most: of(f64::max)?,
+        })
+    }
 }
 
 /// Loops at all rates.
@@ -67,16 +91,16 @@ pub fn run(context: &Context) -> Result<Option<LoopStudy>, GraspStudyError> {
     let levels_mm = [LEAST_STATED_MM, context.noise_mm];
     let all = levels_mm.iter().flat_map(|noise| DELAYS.iter().map(move |delay| (*noise, *delay)));
     let all: Vec<_> = all.flat_map(|(noise, delay)| FRAMES_PER_S.map(|rate| (noise, delay, rate))).collect();
-    let study = closed_loops(&all)?;
+    let study = closed_loops(&all, REALISATIONS)?;
     context.progress.step();
     Ok(Some(study))
 }
 
-/// The loop that ships under levels of noise (mm), delays (frames) and rates (frames a second).
+/// The loop that ships under levels of noise (mm), delays (frames) and rates (frames a second), each with some realisations of the noise.
 ///
 /// # Errors
 /// [`GraspStudyError`] if the scene is no grasp.
-pub fn closed_loops(settings: &[(f64, usize, f64)]) -> Result<LoopStudy, GraspStudyError> {
+pub fn closed_loops(settings: &[(f64, usize, f64)], realisations: u64) -> Result<LoopStudy, GraspStudyError> {
     let mut scene = Scene::from_toml(finray_fixtures::GRASP_LOOP_SCENE)?;
     let of = |scene: &Scene| Ok::<_, GraspError>(GraspScene::new(scene, &[])?.with_fineness(FINENESS));
     let grasp = of(&scene)?.grasp().clone();
@@ -95,11 +119,12 @@ pub fn closed_loops(settings: &[(f64, usize, f64)]) -> Result<LoopStudy, GraspSt
     let lattice = Lattice::new(&coarse.finger, FINENESS).map_err(GraspError::from)?;
     let mut begun: Vec<GraspStep> = Vec::new();
     let mut course = Course::new(&coarse, &lattice)?;
-    coarse.go_on(&mut course, &lattice, &Eyes::Noise(0.0), &mut Noise::new(SEED), &mut |step| begun.push(step.clone()));
+    coarse.go_on(&mut course, &lattice, &Eyes::Noise(0.0), &mut Noise::new(0), &mut |step| begun.push(step.clone()));
     let fastest = at_rates.iter().max_by(|a, b| frames_per_s(a).total_cmp(&frames_per_s(b))).unwrap_or(&coarse);
     let frames = closing_frames(course.closing_on(fastest), target_n);
-    let run = |(&(noise_mm, delay_frames, rate), scene): (&(f64, usize, f64), &GraspScene)| {
-        let (mut steps, mut noise, eyes) = (begun.clone(), Noise::new(SEED), Eyes::Noise(noise_mm));
+    let run = |(setting, seed): (usize, u64)| {
+        let ((noise_mm, _, rate), scene) = (settings[setting], &at_rates[setting]);
+        let (mut steps, mut noise, eyes) = (begun.clone(), Noise::new(seed), Eyes::Noise(noise_mm));
         let (mut course, mut ended) = (course.closing_on(scene), None);
         let mut each = |step: &GraspStep| steps.push(step.clone());
         let every = frames_per_s(fastest) / rate;
@@ -112,14 +137,16 @@ pub fn closed_loops(settings: &[(f64, usize, f64)]) -> Result<LoopStudy, GraspSt
             ended = scene.look(&mut course, &lattice, &eyes, &mut noise, &mut each);
         }
         let ended = ended.unwrap_or_else(|| scene.go_on(&mut course, &lattice, &eyes, &mut noise, &mut each));
-        let figures = loop_figures(&steps, target_n, Some(motor_deg_per_s)).filter(|_| ended == Ended::Done);
-        LoopRun { noise_mm, delay_frames, frames_per_s: rate, figures }
+        loop_figures(&steps, target_n, Some(motor_deg_per_s)).filter(|_| ended == Ended::Done)
     };
-    Ok(LoopStudy {
-        target_n,
-        motor_deg_per_s,
-        runs: settings.par_iter().zip(&at_rates).with_max_len(1).map(run).collect(),
-    })
+    let all: Vec<_> =
+        (0..settings.len()).flat_map(|setting| (1..=realisations).map(move |seed| (setting, seed))).collect();
+    let figures: Vec<Option<LoopFigures>> = all.into_par_iter().with_max_len(1).map(run).collect();
+    let runs = settings.iter().zip(figures.chunks(realisations as usize));
+    let run = |(&(noise_mm, delay_frames, frames_per_s), figures): (&(f64, usize, f64), &[Option<LoopFigures>])| {
+        LoopRun { noise_mm, delay_frames, frames_per_s, figures: figures.to_vec() }
+    };
+    Ok(LoopStudy { target_n, motor_deg_per_s, runs: runs.map(run).collect() })
 }
 
 fn frames_per_s(scene: &GraspScene) -> f64 {
@@ -140,12 +167,12 @@ impl LoopStudy {
     pub fn held(&self) -> Check {
         let held = self.runs.iter().filter(|run| run.frames_per_s == CHECKED_PER_S);
         // A loop that never held is no number, which fails.
-        let largest = worst(held.map(|run| run.figures.map_or(f64::NAN, |figures| figures.largest_error)));
+        let largest = worst(held.map(|run| run.over(|of| of.largest_error).map_or(f64::NAN, |errors| errors.most)));
         Check::new(
             Kind::Internal,
             format!("{} N held by the closed loop at {CHECKED_PER_S} frames a second", self.target_n),
             "target",
-            "largest difference once held / target, over two levels of noise and two delays",
+            "largest difference once held / target, over levels of noise, delays and realisations",
             0.0,
             largest,
             HELD_TOLERANCE,

@@ -1,7 +1,7 @@
 //! The closed loop against the camera's rate: a chart, a table and a file.
 
-use crate::experiments::grasp::rates::{DELAYS, LoopRun, LoopStudy};
-use crate::figures::{Axis, Chart, FigureError, Frame, Series};
+use crate::experiments::grasp::rates::{DELAYS, LoopRun, LoopStudy, Spread};
+use crate::figures::{self, Axis, Chart, FigureError, Frame, Series};
 use crate::report::ReportError;
 use crate::report::dataset::{Columns, Dataset, Format};
 use crate::report::page::{Block, Figure, details};
@@ -18,14 +18,28 @@ fn columns<'c>() -> Columns<'c, LoopRun> {
         .shown("frames late", Format::Plain)
         .file("frames_per_s", |run| run.frames_per_s)
         .shown("frames a second", Format::Plain)
-        .file("overshoot", |run| run.figures.map(|figures| figures.overshoot))
-        .shown("overshoot", Format::Percent)
-        .file("steady_error", |run| run.figures.map(|figures| figures.steady_error))
-        .shown("mean error once held", Format::Percent)
-        .file("largest_error", |run| run.figures.map(|figures| figures.largest_error))
+        .file("realisations", |run| run.figures.len())
+        .file("overshoot", |run| overshoot(run).map(|overshoot| overshoot.mean))
+        .shown("mean overshoot", Format::Percent)
+        .file("overshoot_least", |run| overshoot(run).map(|overshoot| overshoot.least))
+        .shown("least", Format::Percent)
+        .file("overshoot_most", |run| overshoot(run).map(|overshoot| overshoot.most))
         .shown("largest", Format::Percent)
-        .file("rise_s", |run| run.figures.and_then(|figures| figures.rise_s))
+        .file("steady_error", |run| run.over(|of| of.steady_error.abs()).map(|errors| errors.most))
+        .shown("largest mean error once held", Format::Percent)
+        .file("largest_error", |run| run.over(|of| of.largest_error).map(|errors| errors.most))
+        .shown("largest error once held", Format::Percent)
+        .file("rise_s", rise_s)
         .shown("10 to 90 %, s", Format::Fixed(1))
+}
+
+fn overshoot(run: &LoopRun) -> Option<Spread> {
+    run.over(|of| of.overshoot)
+}
+
+/// Mean time of rise, s.
+fn rise_s(run: &LoopRun) -> Option<f64> {
+    run.over(|of| of.rise_s.unwrap_or(f64::NAN)).map(|rise_s| rise_s.mean).filter(|rise_s| rise_s.is_finite())
 }
 
 pub(super) fn dataset(study: &Study) -> Dataset<'static> {
@@ -34,12 +48,13 @@ pub(super) fn dataset(study: &Study) -> Dataset<'static> {
 
 pub(super) fn blocks(closed_loop: &LoopStudy) -> Result<Vec<Block>, ReportError> {
     let LoopStudy { target_n, motor_deg_per_s, runs } = closed_loop;
-    let worst = |of: fn(&LoopRun) -> Option<f64>| runs.iter().filter_map(of).fold(0.0, f64::max);
+    let steady = runs.iter().filter_map(|run| run.over(|of| of.steady_error.abs())).map(|errors| errors.most);
     let numbers = minijinja::context! {
         target_n, motor_deg_per_s,
-        steady => worst(|run| Some(run.figures?.steady_error.abs())),
+        realisations => runs.first().map(|run| run.figures.len()),
+        steady => steady.fold(0.0, f64::max),
     };
-    let caption = "True force of both fingers, their mean, above the target at most; one loop a sign. Where the frames fall decides how much of the dotted lines it is.";
+    let caption = "True force of both fingers, their mean, above the target at most: mean, least and largest over the realisations of the noise. Where the frames fall decides how much of the dotted lines it is.";
     let figure = Figure::wide(chart(closed_loop)?, caption, CSV);
     let table = columns().table("Every loop", CSV, runs.clone());
     Ok(vec![
@@ -55,14 +70,16 @@ fn chart(LoopStudy { target_n, runs, .. }: &LoopStudy) -> Result<String, FigureE
     for of_setting in runs.chunk_by(|a, b| (a.noise_mm, a.delay_frames) == (b.noise_mm, b.delay_frames)) {
         let [LoopRun { noise_mm, delay_frames, .. }, ..] = of_setting else { continue };
         let late = if *delay_frames == 0 { "at once".to_owned() } else { format!("{delay_frames} frames late") };
-        let points = of_setting.iter().filter_map(|run| Some([run.frames_per_s, 100.0 * run.figures?.overshoot]));
-        let points: Vec<_> = points.collect();
+        let held = of_setting.iter().filter_map(|run| Some((run.frames_per_s, overshoot(run)?)));
+        let points: Vec<_> = held.clone().map(|(rate, overshoot)| [rate, 100.0 * overshoot.mean]).collect();
         if !points.is_empty() {
-            series.push(Series::nth(series.len(), format!("{noise_mm} mm noise, sensed {late}"), points));
+            let bars = held.map(|(_, overshoot)| [overshoot.least, overshoot.most].map(|end| 100.0 * end)).collect();
+            let of = Series::nth(series.len(), format!("{noise_mm} mm noise, sensed {late}"), points);
+            series.push(Series { spread: figures::Spread::Bars(bars), ..of });
         }
     }
     for run in runs.chunk_by(|a, b| a.delay_frames == b.delay_frames).take(DELAYS.len()).filter_map(<[_]>::first) {
-        let Some(rise_s) = run.figures.and_then(|figures| figures.rise_s) else { continue };
+        let Some(rise_s) = rise_s(run) else { continue };
         // The force rises by eight tenths of the target in that time.
         let frames = 1.0 + run.delay_frames as f64;
         let share = |rate: f64| 0.8 * frames / (rise_s * rate);
