@@ -27,17 +27,22 @@ const STEP_DEG: f64 = 0.1;
 pub const SLOPE_TOLERANCE: f64 = 1e-6;
 
 /// The linkage of the scenes that ship.
-fn shipped() -> Result<Gripper, ProblemError> {
+pub(super) fn shipped() -> Result<Gripper, ProblemError> {
     let reference = |what: String| ProblemError::Reference(what);
     let scene = Scene::from_toml(finray_fixtures::GRASPED_DISC_SCENE).map_err(|error| reference(error.to_string()))?;
     scene.gripper.ok_or_else(|| reference("the scene has no gripper".to_owned()))
 }
 
-/// Rows for the equations of the linkage, the frames of both fingers, the opening's derivative and its inverse.
-pub fn checks(finger: &Finger, gripper: &Gripper) -> Vec<Check> {
+/// Motor angles over the reach of a gripper, rising.
+pub(super) fn over_reach(gripper: &Gripper) -> Vec<f64> {
     let [from_deg, to_deg] = gripper.reach_deg();
     let angle = |i: usize| from_deg + (END + (1.0 - 2.0 * END) * i as f64 / ANGLES as f64) * (to_deg - from_deg);
-    let angles: Vec<f64> = (0..=ANGLES).map(angle).collect();
+    (0..=ANGLES).map(angle).collect()
+}
+
+/// Rows for the equations of the linkage, the frames of both fingers, the opening's derivative and its inverse.
+pub fn checks(finger: &Finger, gripper: &Gripper) -> Vec<Check> {
+    let angles = over_reach(gripper);
     let pose = |motor_deg: &f64| gripper.pose(*motor_deg);
     let opening = |motor_deg: f64| gripper.pose(motor_deg).map_or(f64::NAN, |pose| gripper.opening_mm(finger, &pose));
     let [rocker_mm, link_mm] = gripper.description().link_mm;

@@ -8,6 +8,7 @@ pub mod elastica;
 pub mod energy_balance;
 pub mod full_circle;
 pub mod grid_convergence;
+pub mod gripper_camera;
 pub mod lattice;
 pub mod lee_frame;
 pub mod linkage;
@@ -39,6 +40,7 @@ pub const ALL: &[Problem] = &[
     grid_convergence::PROBLEM,
     mujoco::PROBLEM,
     linkage::PROBLEM,
+    gripper_camera::PROBLEM,
 ];
 
 /// A problem with a known answer.

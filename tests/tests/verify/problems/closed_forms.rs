@@ -1,9 +1,10 @@
 //! Reference problems of the report: every one holds its tolerance.
 
+use finray_model::Scene;
 use finray_tests::{assert_all_pass, finger_of, paper};
 use finray_verify::check::{Check, Kind};
 use finray_verify::problems::grid_convergence::GridConvergence;
-use finray_verify::problems::{self, elastica, lee_frame, rigid_rotation, toggle};
+use finray_verify::problems::{self, elastica, gripper_camera, lee_frame, linkage, rigid_rotation, toggle};
 
 /// Every problem that applies to the paper's finger answers, and its checks pass.
 #[test]
@@ -40,6 +41,20 @@ fn toggle_limit_loads() {
     let checks = toggle::checks().expect("the path is followed");
     assert_eq!(checks.len(), 3);
     assert_all_pass(&checks);
+}
+
+/// Of another linkage than the one of the report's rows: that of the wedge, whose fixed joint is farther from the screw's axis.
+#[test]
+fn gripper_rows() {
+    let wedge = include_str!("../../../../fixtures/scenes/grasp/wedge.toml");
+    let Scene { finger, gripper, .. } = Scene::from_toml(wedge).expect("the scene reads");
+    let gripper = gripper.expect("it has a gripper");
+    let (of_linkage, of_camera) = (linkage::checks(&finger, &gripper), gripper_camera::checks(&finger, &gripper));
+    let of_camera = of_camera.expect("the lens is one");
+    // The loop, both frames, the opening's derivative and inverse; both frames in the camera's, and nodes in its images.
+    assert_eq!([of_linkage.len(), of_camera.len()], [4, 2]);
+    assert_all_pass(&of_linkage);
+    assert_all_pass(&of_camera);
 }
 
 #[test]
