@@ -2,20 +2,27 @@
 
 use finray_model::Scene;
 use finray_verify::check::Verdict;
-use finray_verify::experiments::grasp::rates::{LoopRun, LoopStudy, closed_loops};
+use finray_verify::experiments::grasp::rates::{LoopRun, LoopSetting, LoopStudy, closed_loops};
 use finray_verify::experiments::grasp::{Ended, Eyes, GraspScene, LoopFigures, loop_figures};
 
 const MOTOR_DEG_PER_S: f64 = 30.0;
 
+/// With one realisation of the noise.
+fn setting(noise_mm: f64, delay_frames: usize, frames_per_s: f64) -> LoopSetting {
+    LoopSetting { noise_mm, delay_frames, frames_per_s, realisations: 1 }
+}
+
 /// Without noise: between two slow frames the motor goes on, and later still where sensing is late.
 #[test]
 fn slow_and_late_frames_overshoot() {
-    let study = closed_loops(&[(0.0, 0, 2.0), (0.0, 0, 10.0), (0.0, 2, 2.0), (0.0, 2, 10.0)], 1).unwrap();
+    let study =
+        closed_loops(&[setting(0.0, 0, 2.0), setting(0.0, 0, 10.0), setting(0.0, 2, 2.0), setting(0.0, 2, 10.0)])
+            .unwrap();
     let figures: Vec<LoopFigures> = study.runs.iter().map(|run| run.figures[0].expect("it holds")).collect();
     for (run, figures) in study.runs.iter().zip(&figures) {
         // What the motor adds in a frame, or in as many as sensing is late and one; the force grows faster at the end than on the whole.
-        let share_a_frame = 0.8 / (figures.rise_s.unwrap() * run.frames_per_s);
-        let [least, most] = [0.0, 1.0].map(|more| 1.3 * (run.delay_frames as f64 + more) * share_a_frame);
+        let share_a_frame = 0.8 / (figures.rise_s.unwrap() * run.setting.frames_per_s);
+        let [least, most] = [0.0, 1.0].map(|more| 1.3 * (run.setting.delay_frames as f64 + more) * share_a_frame);
         assert!(figures.overshoot <= most && figures.overshoot >= 0.5 * least, "{run:?}");
         assert!(figures.largest_error < 0.01, "{run:?}");
     }
@@ -34,7 +41,7 @@ fn frames_left_out_change_nothing() {
     let mut steps = Vec::new();
     assert_eq!(grasp.run(&Eyes::Noise(0.0), 1, |step| steps.push(step.clone())).unwrap(), Ended::Done);
     let every = loop_figures(&steps, 1.6, Some(MOTOR_DEG_PER_S)).unwrap();
-    let few = closed_loops(&[(0.0, 0, RATE)], 1).unwrap().runs[0].figures[0].unwrap();
+    let few = closed_loops(&[setting(0.0, 0, RATE)]).unwrap().runs[0].figures[0].unwrap();
     // A frame is 3 degrees, 15 mN of 1.6 N; the force rises evenly, at the motor's speed.
     assert!((every.overshoot - few.overshoot).abs() < 0.012, "{every:?} {few:?}");
     assert!((every.steady_error - few.steady_error).abs() < 0.002, "{every:?} {few:?}");
@@ -44,21 +51,21 @@ fn frames_left_out_change_nothing() {
 /// A slower camera sees every fourth frame of a faster one: it decides as if it had closed alone, in steps of its own.
 #[test]
 fn frames_of_a_faster_camera_serve_a_slower_one() {
-    const SLOW: (f64, usize, f64) = (0.02, 1, 10.0);
-    let alone = closed_loops(&[SLOW], 1).unwrap().runs[0].figures[0].unwrap();
-    let beside = closed_loops(&[SLOW, (0.02, 1, 40.0)], 1).unwrap().runs[0].figures[0].unwrap();
+    let slow = setting(0.02, 1, 10.0);
+    let alone = closed_loops(&[slow]).unwrap().runs[0].figures[0].unwrap();
+    let beside = closed_loops(&[slow, setting(0.02, 1, 40.0)]).unwrap().runs[0].figures[0].unwrap();
     // Friction on the way is counted in finer steps.
     assert!((alone.overshoot - beside.overshoot).abs() < 1e-4, "{alone:?} {beside:?}");
     assert!((alone.largest_error - beside.largest_error).abs() < 1e-4, "{alone:?} {beside:?}");
-    let odd = closed_loops(&[SLOW, (0.02, 1, 25.0)], 1).unwrap().runs[0].figures[0].unwrap();
+    let odd = closed_loops(&[slow, setting(0.02, 1, 25.0)]).unwrap().runs[0].figures[0].unwrap();
     assert_eq!(alone, odd, "rates that do not divide share nothing");
 }
 
 /// Each loop runs with every realisation; what is said of them is their mean, the least and the largest, and nothing where one never held.
 #[test]
 fn realisations_of_the_noise_spread() {
-    let settings = [(0.067, 0, 10.0), (0.067, 0, 5.0)];
-    let [few, many] = [1, 3].map(|realisations| closed_loops(&settings, realisations).unwrap());
+    let settings = |realisations| [10.0, 5.0].map(|rate| LoopSetting { realisations, ..setting(0.067, 0, rate) });
+    let [few, many] = [1, 3].map(|realisations| closed_loops(&settings(realisations)).unwrap());
     for (one, all) in few.runs.iter().zip(&many.runs) {
         assert_eq!((one.figures.len(), all.figures.len()), (1, 3));
         assert_eq!(one.figures[0], all.figures[0], "the same first realisation");
@@ -79,7 +86,7 @@ fn realisations_of_the_noise_spread() {
 fn a_loop_that_does_not_hold_fails_the_check() {
     let figures =
         |largest_error| LoopFigures { target_n: 1.6, rise_s: None, overshoot: 0.0, steady_error: 0.0, largest_error };
-    let run = |frames_per_s, figures| LoopRun { noise_mm: 0.01, delay_frames: 0, frames_per_s, figures };
+    let run = |frames_per_s, figures| LoopRun { setting: setting(0.01, 0, frames_per_s), figures };
     let verdict = |at_25| {
         let held = Some(figures(0.01));
         let runs = vec![run(2.0, vec![Some(figures(0.5))]), run(25.0, vec![held]), run(25.0, vec![held, at_25])];

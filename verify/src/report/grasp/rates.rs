@@ -1,6 +1,6 @@
 //! The closed loop against the camera's rate: a chart, a table and a file.
 
-use crate::experiments::grasp::rates::{DELAYS, LoopRun, LoopStudy, Spread};
+use crate::experiments::grasp::rates::{DELAYS, LoopRun, LoopSetting, LoopStudy, Spread};
 use crate::figures::{self, Axis, Chart, FigureError, Frame, Series};
 use crate::report::ReportError;
 use crate::report::dataset::{Columns, Dataset, Format};
@@ -12,11 +12,11 @@ const CSV: &str = "grasp_loop.csv";
 
 fn columns<'c>() -> Columns<'c, LoopRun> {
     Columns::<LoopRun>::new()
-        .file("noise_mm", |run| run.noise_mm)
+        .file("noise_mm", |run| run.setting.noise_mm)
         .shown("noise, mm", Format::Plain)
-        .file("delay_frames", |run| run.delay_frames)
+        .file("delay_frames", |run| run.setting.delay_frames)
         .shown("frames late", Format::Plain)
-        .file("frames_per_s", |run| run.frames_per_s)
+        .file("frames_per_s", |run| run.setting.frames_per_s)
         .shown("frames a second", Format::Plain)
         .file("realisations", |run| run.figures.len())
         .file("overshoot", |run| overshoot(run).map(|overshoot| overshoot.mean))
@@ -51,7 +51,8 @@ pub(super) fn blocks(closed_loop: &LoopStudy) -> Result<Vec<Block>, ReportError>
     let steady = runs.iter().filter_map(|run| run.over(|of| of.steady_error.abs())).map(|errors| errors.most);
     let numbers = minijinja::context! {
         target_n, motor_deg_per_s,
-        realisations => runs.first().map(|run| run.figures.len()),
+        noise_mm => runs.last().map(|run| run.setting.noise_mm),
+        realisations => runs.last().map(|run| run.figures.len()),
         steady => steady.fold(0.0, f64::max),
     };
     let caption = "True force of both fingers, their mean, above the target at most: mean, least and largest over the realisations of the noise. Where the frames fall decides how much of the dotted lines it is.";
@@ -67,33 +68,35 @@ pub(super) fn blocks(closed_loop: &LoopStudy) -> Result<Vec<Block>, ReportError>
 /// Overshoot over frame rate, a line a noise and delay.
 fn chart(LoopStudy { target_n, runs, .. }: &LoopStudy) -> Result<String, FigureError> {
     let mut series = Vec::new();
-    for of_setting in runs.chunk_by(|a, b| (a.noise_mm, a.delay_frames) == (b.noise_mm, b.delay_frames)) {
-        let [LoopRun { noise_mm, delay_frames, .. }, ..] = of_setting else { continue };
-        let late = if *delay_frames == 0 { "at once".to_owned() } else { format!("{delay_frames} frames late") };
-        let held = of_setting.iter().filter_map(|run| Some((run.frames_per_s, overshoot(run)?)));
+    let line = |run: &LoopRun| (run.setting.noise_mm, run.setting.delay_frames);
+    for of_setting in runs.chunk_by(|a, b| line(a) == line(b)) {
+        let LoopSetting { noise_mm, delay_frames, realisations, .. } = of_setting[0].setting;
+        let late = if delay_frames == 0 { "at once".to_owned() } else { format!("{delay_frames} frames late") };
+        let held = of_setting.iter().filter_map(|run| Some((run.setting.frames_per_s, overshoot(run)?)));
         let points: Vec<_> = held.clone().map(|(rate, overshoot)| [rate, 100.0 * overshoot.mean]).collect();
         if !points.is_empty() {
             let bars = held.map(|(_, overshoot)| [overshoot.least, overshoot.most].map(|end| 100.0 * end)).collect();
             let of = Series::nth(series.len(), format!("{noise_mm} mm noise, sensed {late}"), points);
-            series.push(Series { spread: figures::Spread::Bars(bars), ..of });
+            let spread = if realisations > 1 { figures::Spread::Bars(bars) } else { figures::Spread::None };
+            series.push(Series { spread, ..of });
         }
     }
-    for run in runs.chunk_by(|a, b| a.delay_frames == b.delay_frames).take(DELAYS.len()).filter_map(<[_]>::first) {
+    let delay = |run: &LoopRun| run.setting.delay_frames;
+    let rates: Vec<f64> =
+        runs.iter().take_while(|run| delay(run) == delay(&runs[0])).map(|run| run.setting.frames_per_s).collect();
+    for run in runs.chunk_by(|a, b| delay(a) == delay(b)).take(DELAYS.len()).filter_map(<[_]>::first) {
         let Some(rise_s) = rise_s(run) else { continue };
         // The force rises by eight tenths of the target in that time.
-        let frames = 1.0 + run.delay_frames as f64;
+        let frames = 1.0 + delay(run) as f64;
         let share = |rate: f64| 0.8 * frames / (rise_s * rate);
-        let points = runs.iter().take_while(|of| of.delay_frames == runs[0].delay_frames);
-        let points = points.map(|of| [of.frames_per_s, 100.0 * share(of.frames_per_s)]).collect();
+        let points = rates.iter().map(|rate| [*rate, 100.0 * share(*rate)]).collect();
         series.push(Series::guide(
             format!("what the motor adds in {frames} frame{}", if frames > 1.0 { "s" } else { "" }),
             points,
         ));
     }
-    let rates = runs.iter().map(|run| run.frames_per_s);
-    let [least, most] = [f64::min, f64::max].map(|of| rates.clone().reduce(of).unwrap_or(1.0));
-    let ticks = runs.iter().take_while(|run| run.delay_frames == runs[0].delay_frames).map(|run| run.frames_per_s);
-    let x = Axis::log("frames a second").within(0.8 * least, 1.25 * most).with_ticks(ticks);
+    let [least, most] = [f64::min, f64::max].map(|of| rates.iter().copied().reduce(of).unwrap_or(1.0));
+    let x = Axis::log("frames a second").within(0.8 * least, 1.25 * most).with_ticks(rates);
     let title = format!("Overshoot of a closed loop of {target_n} N against the camera's rate");
     let alt = format!("{title}, by noise and delay.");
     Chart::new(Frame::full(title, alt), [x, Axis::linear("overshoot, %")], series).svg()
