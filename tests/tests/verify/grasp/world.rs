@@ -10,6 +10,7 @@ use finray_verify::grasp::surface::Shape;
 use finray_verify::grasp::{Drive, Halt, Partner, World};
 use finray_verify::lattice::Lattice;
 use finray_verify::lattice::pressing::{Pressing, Push};
+use std::f64::consts::FRAC_PI_2;
 
 /// Segments a plate member: the comparison is of two ways to the same equilibrium of the same lattice.
 const FINENESS: usize = 2;
@@ -186,6 +187,48 @@ fn what_moves_freely_is_not_touched() {
             // The weight is 0.6 N.
             assert!(force_n > 1e-6, "{friction}: {force_n}");
         }
+    }
+}
+
+/// What is less than a hundred thousandth of the weight is no contact; what is ten times as much is one. A finger pushes a box, which does not roll, by
+/// as little: its base feels the force either way.
+#[test]
+fn a_force_that_is_nothing_beside_the_weight_is_no_contact() {
+    const WEIGHT_N: f64 = 1.0;
+    const LEAST_N: f64 = 1e-5 * WEIGHT_N;
+    const STEP_MM: f64 = 0.01;
+    let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).unwrap().finger;
+    let lattice = Lattice::new(&finger, 1).unwrap();
+    // It hangs on the left of the box, its front towards it.
+    let drive = |x_mm: f64| Drive {
+        placements: vec![Placement { origin: Vector::new(x_mm, 60.0), angle_rad: -FRAC_PI_2, mirrored: false }],
+        weight: Vector::new(0.0, -WEIGHT_N),
+        gripper: Vector::zeros(),
+    };
+    let corners = [[0.0, 0.0], [30.0, 0.0], [30.0, 20.0], [0.0, 20.0]].map(|[x, y]| Vector::new(x, y));
+    let support = Some((Vector::zeros(), Vector::y()));
+    let mut x_mm = -25.0;
+    let object = (Shape::polygon(&corners), 0.5);
+    let mut world = World::new(&[&lattice], 1.5, object, [0.0; 3], drive(x_mm), support).unwrap();
+    let pushed_n = |world: &World| world.on_base(0).0.norm();
+    while pushed_n(&world) < 10.0 * LEAST_N {
+        x_mm += STEP_MM;
+        world.advance(&drive(x_mm)).unwrap();
+    }
+    let before_n = pushed_n(&world);
+    x_mm += STEP_MM;
+    world.advance(&drive(x_mm)).unwrap();
+    let stiffness = (pushed_n(&world) - before_n) / STEP_MM;
+    for (force_n, touching) in [(10.0 * LEAST_N, 1), (0.1 * LEAST_N, 0)] {
+        // The rod slides at first and sticks on the way back: by the one stiffness the other is not met at once.
+        for _ in 0..12 {
+            x_mm += (force_n - pushed_n(&world)) / stiffness;
+            world.advance(&drive(x_mm)).unwrap();
+        }
+        assert!((pushed_n(&world) / force_n - 1.0).abs() < 0.1, "{} and {force_n} N", pushed_n(&world));
+        let met = world.met();
+        let of_finger = met.iter().filter(|met| met.partner == Partner::Finger(0));
+        assert_eq!(of_finger.count(), touching, "{force_n} N: {met:?}");
     }
 }
 
