@@ -30,6 +30,11 @@ pub fn case_count() -> usize {
     from_environment("FINRAY_TEST_CASES", 200)
 }
 
+/// Whether `FINRAY_TEST_CASES` asks for the full study, of tests that run over a few objects otherwise.
+pub fn is_full_study() -> bool {
+    std::env::var_os("FINRAY_TEST_CASES").is_some()
+}
+
 /// Standard error of a share among `cases` cases.
 pub fn share_error(share: f64, cases: usize) -> f64 {
     (share * (1.0 - share) / cases as f64).sqrt()

@@ -2,6 +2,7 @@
 
 use super::world::steps_of;
 use finray_model::Scene;
+use finray_tests::is_full_study;
 use finray_verify::experiments::contact_scene::file::load_scene_with_outline;
 use finray_verify::experiments::grasp::{Ended, GraspScene, GraspStep, Phase};
 use std::path::{Path, PathBuf};
@@ -13,15 +14,19 @@ const OBJECTS: [(&str, bool); 8] = [
     ("bottle", false),
     ("box", true),
     ("egg", true),
-    ("mouse", true),
     ("hollow", true),
+    ("mouse", true),
     ("wedge", true),
 ];
-/// Segments a plate member: the account is that of the lattice, whatever its segments.
+/// Those of the full study alone, each of which takes as long as several others. (The wedge closes in any case, see below.)
+const LONG: [&str; 2] = ["mouse", "wedge"];
+/// Segments a plate member: the account is that of the lattice, whatever its segments. With one a wedge jams.
 const FINENESS: usize = 2;
 /// Of the largest elastic energy. The works are by the trapezoidal rule; a part of a step of which more than a ten thousandth of what bends a finger by
 /// the object's size is missing is halved, and what is missing in all parts adds up.
 const MISSING: f64 = 0.01;
+/// Sums of works that cancel each other.
+const ROUNDING: f64 = 1e-12;
 /// Resistance without a snap: it holds an object that nothing else holds, and slows it while it comes to rest.
 const RESISTANCE: f64 = 1e-3;
 
@@ -37,26 +42,34 @@ fn most_elastic_nmm(steps: &[GraspStep]) -> f64 {
     steps.iter().map(|step| step.energy.elastic_nmm).fold(0.0, f64::max)
 }
 
-/// At every step of every object; what is lost never comes back, and is friction's alone where nothing snaps.
+/// At every step what is missing is within the error that the account states, and what is lost never comes back.
+fn assert_accounted_for(name: &str, steps: &[GraspStep]) {
+    let stored_nmm = most_elastic_nmm(steps);
+    let mut lost_nmm = 0.0;
+    for step in steps {
+        let energy = &step.energy;
+        let most_nmm = energy.error_nmm + ROUNDING * stored_nmm;
+        assert!(energy.missing_nmm().abs() <= most_nmm, "{name}, step {}: {energy:?}", step.step);
+        assert!(energy.lost_nmm() >= lost_nmm - energy.error_nmm, "{name}, step {}: {energy:?}", step.step);
+        lost_nmm = f64::max(lost_nmm, energy.lost_nmm());
+    }
+    let end = &steps.last().unwrap().energy;
+    assert!(end.error_nmm <= MISSING * stored_nmm, "{name}: {end:?} of {stored_nmm}");
+    assert!(end.created_nmm <= end.error_nmm, "{name}: {end:?}");
+    assert!(end.resistance_nmm >= 0.0, "{name}: {end:?}");
+}
+
+/// At every step of every object; what is lost is friction's alone where nothing snaps. In the full study with two segments a member, and all.
 #[test]
 fn energy_is_never_created() {
-    for (name, snaps) in OBJECTS {
-        let (steps, ended) = steps_of(&object(name, |_| ()), 0.0, 1);
+    let is_full = is_full_study();
+    for (name, snaps) in OBJECTS.into_iter().filter(|(name, _)| is_full || !LONG.contains(name)) {
+        let scene = object(name, |_| ()).with_fineness(if is_full { FINENESS } else { 1 });
+        let (steps, ended) = steps_of(&scene, 0.0, 1);
         assert_eq!(ended, Ended::Done, "{name}");
-        let stored_nmm = most_elastic_nmm(&steps);
-        let mut lost_nmm = 0.0;
-        for step in &steps {
-            let energy = &step.energy;
-            assert!(energy.missing_nmm().abs() <= energy.error_nmm, "{name}, step {}", step.step);
-            // What was lost up to here does not come back.
-            assert!(energy.lost_nmm() >= lost_nmm - energy.error_nmm, "{name}, step {}: {energy:?}", step.step);
-            lost_nmm = f64::max(lost_nmm, energy.lost_nmm());
-        }
-        let end = &steps.last().unwrap().energy;
-        assert!(end.error_nmm <= MISSING * stored_nmm, "{name}: {end:?} of {stored_nmm}");
-        assert!(end.created_nmm <= end.error_nmm, "{name}: {end:?}");
-        assert!(end.resistance_nmm >= 0.0, "{name}: {end:?}");
-        assert!(snaps || end.resistance_nmm <= RESISTANCE * stored_nmm, "{name}: {end:?} of {stored_nmm}");
+        assert_accounted_for(name, &steps);
+        let lost_nmm = steps.last().unwrap().energy.resistance_nmm;
+        assert!(snaps || lost_nmm <= RESISTANCE * most_elastic_nmm(&steps), "{name}: {lost_nmm}");
     }
 }
 
@@ -71,13 +84,13 @@ fn the_work_of_a_cycle_is_that_of_friction() {
 }
 
 /// Forces at equal motor angles while the gripper closes are those of steps a third as long: once a wedge got 5.9 N for 5.3 N, since a long step ended in
-/// another equilibrium, to which no way leads without energy from nowhere.
+/// another equilibrium, to which no way leads without energy from nowhere. In the full study of other objects too that turn or slip on their way.
 #[test]
 fn forces_do_not_depend_on_the_step_of_the_motor() {
     /// Of the largest total: friction is by the slip of a part of a step, in one go.
     const TOLERANCE: f64 = 0.01;
-    // Those that turn or slip on their way.
-    for name in ["disc", "egg", "hollow", "wedge"] {
+    let names = if is_full_study() { &["wedge", "disc", "egg", "hollow"][..] } else { &["wedge"] };
+    for &name in names {
         let closing = |step_deg: f64| {
             let scene = object(name, |scene| {
                 let grasp = scene.grasp.as_mut().unwrap();
@@ -87,6 +100,8 @@ fn forces_do_not_depend_on_the_step_of_the_motor() {
             steps_of(&scene, 0.0, 1).0
         };
         let (long, short) = (closing(22.5), closing(7.5));
+        assert_accounted_for(name, &long);
+        assert_accounted_for(name, &short);
         let largest_n = long.iter().map(|step| step.fingers[0].total_n).fold(0.0, f64::max);
         let mut compared = 0;
         for step in long.iter().filter(|step| step.phase == Phase::Close) {
