@@ -1,7 +1,7 @@
-//! What a scene says that is possible, and hardly meant.
+//! What a scene or a file says that is possible, and hardly meant.
 
 use finray_model::Finger;
-use finray_verify::files::name_of;
+use finray_verify::files::{Elsewhere, name_of, of_another_finger};
 use std::path::Path;
 
 /// Young's modulus of diamond, MPa, rounded down: what is stiffer is in another unit.
@@ -18,6 +18,21 @@ pub fn of_moduli(path: &Path, finger: &Finger) {
             "warning: {}: finger.{part}.youngs_modulus_mpa is {found:e} MPa, stiffer than diamond; did you mean {} MPa?",
             name_of(path),
             found / PA_A_MPA
+        );
+    }
+}
+
+/// Warns of displacements that are another finger's.
+pub fn of_displacements(path: &Path, text: &str, finger: &Finger) {
+    if let Some(Elsewhere { node, stated, own }) = of_another_finger(path, text, finger) {
+        eprintln!(
+            "warning: {}: node {node} is at ({:.2}, {:.2}) mm without load, and at ({:.2}, {:.2}) mm in the scene: are these displacements of another \
+             finger?",
+            name_of(path),
+            stated.x,
+            stated.y,
+            own.x,
+            own.y
         );
     }
 }

@@ -15,8 +15,8 @@ use std::path::PathBuf;
 
 /// Sense contact forces from measured displacements, with their uncertainty.
 ///
-/// Reads node,ux_mm,uy_mm (further columns are ignored, nodes may be missing) and writes
-/// contact,s_mm,angle_deg,force_n,sigma_n, a row a contact. Where the scene has its markers on hinges,
+/// Reads node,ux_mm,uy_mm (nodes may be missing; of further columns x_mm,y_mm only serve to warn of
+/// a file of another finger) and writes contact,s_mm,angle_deg,force_n,sigma_n, a row a contact. Where the scene has its markers on hinges,
 /// hinge_ux_mm,hinge_uy_mm of `finray solve` are read instead. Markers on clamped nodes are ignored;
 /// one that moved by more than noise explains is refused. The direction of each force is an angle
 /// from the front plate's undeformed inward normal, positive towards the tip; 0 if left out. Give a
@@ -131,10 +131,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let task = Task { arguments, scene: &scene, contacts, networks: &networks, reading };
     let text = read_text(&arguments.displacements)?;
+    let warn_of_another_finger = || hints::of_displacements(&arguments.displacements, &text, finger);
     if arguments.all_images {
+        warn_of_another_finger();
         return Ok(write_text(&arguments.out, &csv_text(task.all_images(&text)?)?)?);
     }
-    let (contacts, estimate) = task.sensed(task.displacements(&text, arguments.image_name.as_deref())?, "")?;
+    let found = task.displacements(&text, arguments.image_name.as_deref())?;
+    warn_of_another_finger();
+    let (contacts, estimate) = task.sensed(found, "")?;
     write_text(&arguments.out, &csv_text(rows(finger, &contacts, &estimate))?)?;
     validity::warn_of_forces(&scene, &contacts, &estimate.forces_n);
     Ok(())

@@ -17,7 +17,7 @@ use finray_model::finger::{Part, Plate};
 use finray_model::mesh::{FingerShape, Load};
 use rapier2d::prelude::{
     CoefficientCombineRule, ColliderBuilder, ColliderHandle, GenericJointBuilder, ImpulseJointHandle, JointAxesMask,
-    JointAxis, MotorModel, Pose, RigidBodyBuilder, RigidBodyHandle, SharedShape,
+    JointAxis, MotorModel, Pose, RigidBodyBuilder, RigidBodyHandle, SharedShape, SolverContact,
 };
 
 /// Drive of the object along the line that it is pressed on.
@@ -203,16 +203,30 @@ impl<'l> Pressing<'l> {
         })
     }
 
-    /// Moves the hand slowly, without waiting for rest.
-    pub fn pass(&mut self, push: Push) -> usize {
+    /// Moves the hand slowly, without waiting for rest; the steps that it took.
+    ///
+    /// # Errors
+    /// [`LatticeError::LetGo`] if the finger, on the way, no longer holds against a force.
+    pub fn pass(&mut self, push: Push) -> Result<usize, LatticeError> {
         let from = self.last;
         let steps = self.steps_on_the_way(from, push);
+        // Looks at a pulled object that the finger held before.
+        let mut looks_without_touch = None;
         for step in 1..=steps {
             self.drive(between(from, push, step as f64 / steps as f64));
             self.dynamics.damped_step(&[]);
+            if matches!(push, Push::With(_)) && step % self.watch == 0 {
+                looks_without_touch = match self.touches_anything() {
+                    true => Some(0),
+                    false => looks_without_touch.map(|looks| looks + 1),
+                };
+                if looks_without_touch.is_some_and(|looks| looks >= LOOKS) {
+                    return Err(LatticeError::LetGo);
+                }
+            }
         }
         self.last = push;
-        steps
+        Ok(steps)
     }
 
     /// Moves the hand slowly and lets everything come to rest.
@@ -220,7 +234,7 @@ impl<'l> Pressing<'l> {
     /// # Errors
     /// [`LatticeError::LetGo`] if the finger no longer holds against a force, [`LatticeError::NotSettled`] if it does not rest.
     pub fn push(&mut self, push: Push) -> Result<Pressed, LatticeError> {
-        let steps = self.pass(push);
+        let steps = self.pass(push)?;
         let stiffness = self.drive(push);
         let pull_n = if let Push::With(force_n) = push { force_n } else { 0.0 };
         let steps = self.settle(push, steps)?;
@@ -248,9 +262,7 @@ impl<'l> Pressing<'l> {
             match self.dynamics.watch(&[], self.watch, steps, until) {
                 Ok(rest) => return Ok(rest.steps),
                 // Pulled by a force, an object that nothing holds never rests.
-                Err(_) if matches!(push, Push::With(_)) && self.touches(&self.dynamics.motions()).is_empty() => {
-                    return Err(LatticeError::LetGo);
-                }
+                Err(_) if matches!(push, Push::With(_)) && !self.touches_anything() => return Err(LatticeError::LetGo),
                 Err(error) if until + self.watch > most_steps => return Err(error),
                 Err(_) => steps = until,
             }
@@ -289,6 +301,15 @@ impl<'l> Pressing<'l> {
         stiffness
     }
 
+    /// Whether the object pushes on the finger.
+    fn touches_anything(&self) -> bool {
+        let pairs = self.dynamics.world.narrow_phase.contact_pairs_with(self.collider);
+        pairs.flat_map(|pair| pair.manifolds()).any(|manifold| {
+            let of = |contact: &SolverContact| &manifold.points[point_of(contact)].data;
+            manifold.data.solver_contacts.iter().any(|contact| of(contact).impulse > 0.0)
+        })
+    }
+
     /// Contact forces of the engine.
     fn touches(&self, motions: &[BodyMotion]) -> Vec<Touch> {
         let world = &self.dynamics.world;
@@ -303,7 +324,7 @@ impl<'l> Pressing<'l> {
                 // The engine's normal points from its first body to its second.
                 let normal = own(manifold.data.normal) * if object_first { 1.0 } else { -1.0 };
                 for contact in &manifold.data.solver_contacts {
-                    let data = &manifold.points[(contact.contact_id[0] & 0x7fff_ffff) as usize];
+                    let data = &manifold.points[point_of(contact)];
                     let (first, second) = manifold.data.solver_contact_world_points(contact, &world.bodies);
                     let (on_object, on_finger) = if object_first { (first, second) } else { (second, first) };
                     let (on_object, on_finger) = (own(on_object), own(on_finger));
@@ -337,6 +358,11 @@ impl<'l> Pressing<'l> {
         touches.sort_by(|a, b| a.part.position_mm(self.lattice).total_cmp(&b.part.position_mm(self.lattice)));
         touches
     }
+}
+
+/// Which point of its manifold a contact of the solver is.
+fn point_of(contact: &SolverContact) -> usize {
+    (contact.contact_id[0] & 0x7fff_ffff) as usize
 }
 
 /// Steps that the slowest motion of the finger takes, as [`Dynamics::settle`] finds it, and the stiffness of the finger's middle, N/mm.

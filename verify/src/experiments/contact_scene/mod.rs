@@ -167,7 +167,7 @@ impl ContactScene {
         let (mut travel_mm, mut last) = (0.0, *start);
         for step in steps {
             for &corner in &step.corners {
-                pressing.pass(Push::To(corner));
+                pressing.pass(Push::To(corner))?;
                 travel_mm += (corner - last).norm();
                 last = corner;
             }

@@ -70,6 +70,29 @@ fn markers_on_hinges_are_compared_with_hinges() {
     assert!((force(&on_plates, &seen(hinges)) - truth).abs() > 1e-4 * truth);
 }
 
+/// `solve` says where its nodes are without load, rounded or not; what else stands in a column of that name says nothing.
+#[test]
+fn displacements_of_another_finger_are_warned_of() {
+    let shape = linear_shape(&TRUTH);
+    let with_x = |new: &dyn Fn(usize, f64) -> String| -> String {
+        let row = |(i, line): (usize, &str)| {
+            let cells: Vec<&str> = line.splitn(3, ',').collect();
+            let x = cells[1].parse().map_or(cells[1].to_owned(), |x| new(i, x));
+            format!("{},{x},{}\n", cells[0], cells[2])
+        };
+        shape.lines().enumerate().map(row).collect()
+    };
+    let of_paper = |text: &str| sense_text(text, &CONTACTS);
+    for own in [with_x(&|_, x| x.to_string()), with_x(&|_, x| format!("{x:.2}")), with_x(&|_, _| "aside".to_owned())] {
+        of_paper(&own).done();
+    }
+    let off_mm = |node: usize| if node == 24 { 0.02 } else { 0.0 };
+    let (out, warnings) = of_paper(&with_x(&|node, x| (x + off_mm(node)).to_string())).warned();
+    assert_eq!(Csv::of(&out).texts("contact"), ["16", "20", "23"]);
+    assert_says(&warnings[0], &["node 24 is at (12.54, ", "another finger?"]);
+    assert_eq!(warnings.len(), 1);
+}
+
 #[test]
 fn rows_of_clamped_nodes_carry_noise_and_are_refused_beyond_it() {
     let shape = linear_shape(&TRUTH);

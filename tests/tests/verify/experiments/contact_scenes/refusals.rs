@@ -29,6 +29,14 @@ fn an_object_that_the_finger_lets_go_is_said_so() {
     assert_eq!(outcome, Err(LatticeError::LetGo));
 }
 
+/// The way to a force a million times too large would take days: it ends where the finger lets go.
+#[test]
+fn an_object_is_let_go_on_the_way_to_a_force() {
+    let through = scene("shape = \"disc\"\nradius_mm = 20\nat_mm = 74\nforce_n = 1e6\nsteps = 1");
+    let outcome = prepared(&through).with_fineness(COARSE).run(|_| ());
+    assert_eq!(outcome, Err(LatticeError::LetGo));
+}
+
 #[test]
 fn an_object_must_start_outside_the_finger() {
     let inside = scene("shape = \"disc\"\nradius_mm = 10\npath_mm = [[50, 20], [50, 10]]");
