@@ -36,9 +36,8 @@ const LEAST_BLUR_PX: f64 = 0.25;
 pub(super) const LARGEST_BLUR: f64 = 0.33;
 /// Largest deviation of the radius from the expected one, as a share.
 const RADIUS_TOLERANCE: f64 = 0.25;
-/// Largest residual standard deviation, as a share of the contrast; and that of grey discs, for which there is another way (`rim`): rendered
-/// ones stay below 0.065, dark marks of low contrast under noise of four grey levels too; photographed screws, whose heads shine and whose rims
-/// the camera has sharpened, are above 0.09.
+/// Largest residual standard deviation, as a share of the contrast; and that of grey discs, for which there is another way (`rim`). Photographed
+/// screws, whose heads shine and whose rims the camera has sharpened, are above it.
 const LARGEST_RESIDUAL: f64 = 0.2;
 const LARGEST_GREY_RESIDUAL: f64 = 0.07;
 /// Room for a centre that is not where the search begins, px.

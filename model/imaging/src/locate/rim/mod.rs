@@ -37,7 +37,8 @@ const RADIUS_TOLERANCE: f64 = 0.2;
 const LARGEST_SPREAD: f64 = 0.1;
 /// Rims whose centres are nearer to each other than this, in radii, overlap: markers do not.
 const APART: f64 = 1.8;
-/// Rounds of casting rays from the centre that is known by then, and of leaving out rays.
+/// Rounds of casting rays from the centre that is known by then, and of leaving out rays; in the first so many of the latter, only those that must
+/// meet a rim count.
 const ROUNDS: usize = 4;
 const TRIMMED_ROUNDS: usize = 2;
 /// Smallest standard deviation of a centre by rays, px: twice that by the model of an edge.
