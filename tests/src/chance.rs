@@ -30,9 +30,12 @@ pub fn case_count() -> usize {
     from_environment("FINRAY_TEST_CASES", 200)
 }
 
+/// From so many noise samples on a study is a full one.
+const FULL_STUDY: usize = 1000;
+
 /// Whether `FINRAY_TEST_CASES` asks for the full study, of tests that run over a few objects otherwise.
 pub fn is_full_study() -> bool {
-    std::env::var_os("FINRAY_TEST_CASES").is_some()
+    case_count() >= FULL_STUDY
 }
 
 /// Standard error of a share among `cases` cases.

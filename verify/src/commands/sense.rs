@@ -16,11 +16,11 @@ use std::path::PathBuf;
 /// Sense contact forces from measured displacements, with their uncertainty.
 ///
 /// Reads node,ux_mm,uy_mm (nodes may be missing; of further columns x_mm,y_mm only serve to warn of
-/// a file of another finger) and writes contact,s_mm,angle_deg,force_n,sigma_n, a row a contact. Where the scene has its markers on hinges,
-/// hinge_ux_mm,hinge_uy_mm of `finray solve` are read instead. Markers on clamped nodes are ignored;
-/// one that moved by more than noise explains is refused. The direction of each force is an angle
-/// from the front plate's undeformed inward normal, positive towards the tip; 0 if left out. Give a
-/// node twice with two angles to ask for two components.
+/// a file of another finger) and writes contact,s_mm,angle_deg,force_n,sigma_n, a row a contact. Where
+/// the scene has its markers on hinges, hinge_ux_mm,hinge_uy_mm of `finray solve` are read instead.
+/// Markers on clamped nodes are ignored; one that moved by more than noise explains is refused. The
+/// direction of each force is an angle from the front plate's undeformed inward normal, positive
+/// towards the tip; 0 if left out. Give a node twice with two angles to ask for two components.
 ///
 /// sigma_n is one standard deviation: from the noise of --noise-mm, else of noise_mm in the scene's
 /// camera table, else of a column sigma_mm as `finray locate` writes it, else of the residual, and

@@ -9,9 +9,8 @@ use nalgebra::{Isometry2, Point2};
 use std::path::Path;
 
 const AT_REST: [&str; 5] = ["node", "x_mm", "y_mm", "ux_mm", "uy_mm"];
-/// How far from a finger's own undeformed nodes, mm, `solve` states them: positions may have been rounded to two decimals.
-const ROUNDED_MM: f64 = 0.01;
-/// The same of located markers, as a share of the front plate's length: the real finger is not quite its scene, and `--rest` shows it as it is.
+/// How far from where a finger has them a file may have its undeformed nodes, as a share of the front plate's length: a real finger is not quite
+/// its scene.
 const UNLIKE_SHARE: f64 = 0.05;
 const SEEN: [&str; 7] = ["u_px", "v_px", "x_mm", "y_mm", "base_x_mm", "base_y_mm", "base_deg"];
 
@@ -27,29 +26,25 @@ pub struct Elsewhere {
 }
 
 /// The node that is farthest from where a finger has it without load, of a file of another finger. `None` where the nodes are this finger's, or
-/// the file does not say where its nodes are: `solve` writes the undeformed position beside the displacement, `locate` the deformed one.
+/// the file does not say where its nodes are: `solve` writes the undeformed position beside the displacement, `locate` the deformed one, of the
+/// node or its marker.
 pub fn of_another_finger(path: &Path, text: &str, finger: &Finger) -> Option<Elsewhere> {
-    let is_located = header(text).iter().any(|name| name == SEEN[0]);
     let table = Table::of_text(path, text, AT_REST).ok()?;
-    let largest_mm = if is_located { UNLIKE_SHARE * finger.plate_length_mm(Plate::Front) } else { ROUNDED_MM };
+    let off_mm = |found: &Elsewhere| (found.stated - found.own).norm();
     let elsewhere = |row| {
         let number = |column| table.number(row, column).ok();
-        let (node, stated) = (table.node(row, 0).ok()?, Vector::new(number(1)?, number(2)?));
+        let (node, written) = (table.node(row, 0).ok()?, Vector::new(number(1)?, number(2)?));
         if !(1..=finger.key_node_count()).contains(&node.0) {
             return None;
         }
-        Some(match is_located {
-            true => Elsewhere {
-                node,
-                stated: stated - Vector::new(number(3)?, number(4)?),
-                own: finger.marker_position(node),
-            },
-            false => Elsewhere { node, stated, own: finger.position(node) },
-        })
+        let displacement = Vector::new(number(3)?, number(4)?);
+        [finger.position(node), finger.marker_position(node)]
+            .into_iter()
+            .flat_map(|own| [written, written - displacement].map(|stated| Elsewhere { node, stated, own }))
+            .min_by(|a, b| off_mm(a).total_cmp(&off_mm(b)))
     };
-    let off_mm = |found: &Elsewhere| (found.stated - found.own).norm();
     let farthest = table.rows().iter().filter_map(elsewhere).max_by(|a, b| off_mm(a).total_cmp(&off_mm(b)))?;
-    (off_mm(&farthest) > largest_mm).then_some(farthest)
+    (off_mm(&farthest) > UNLIKE_SHARE * finger.plate_length_mm(Plate::Front)).then_some(farthest)
 }
 
 /// By how much a file of `locate` differs, at worst, from what a scene would have made of the same markers, mm: in where they are without load,

@@ -97,7 +97,7 @@ pub fn run(context: &Context) -> Result<Option<LoopStudy>, GraspStudyError> {
         return Ok(None);
     }
     context.progress.part("closed loop", 1);
-    // Up to 25 frames a second realisations of the least noise overshoot all alike, and by less than 0.2 % of the target otherwise above that.
+    // Under the least noise all realisations overshoot alike up to 25 frames a second; above that they differ by less than 0.2 % of the target.
     let levels = [(LEAST_STATED_MM, 1), (context.noise_mm, REALISATIONS)];
     let all = levels.iter().flat_map(|level| DELAYS.iter().map(move |delay_frames| (*level, *delay_frames)));
     let all = all.flat_map(|((noise_mm, realisations), delay_frames)| {

@@ -70,27 +70,31 @@ fn markers_on_hinges_are_compared_with_hinges() {
     assert!((force(&on_plates, &seen(hinges)) - truth).abs() > 1e-4 * truth);
 }
 
-/// `solve` says where its nodes are without load, rounded or not; what else stands in a column of that name says nothing.
+/// `solve` says where its nodes are without load, `locate` where they are under it, rounded or not; words say nothing.
 #[test]
 fn displacements_of_another_finger_are_warned_of() {
     let shape = linear_shape(&TRUTH);
-    let with_x = |new: &dyn Fn(usize, f64) -> String| -> String {
-        let row = |(i, line): (usize, &str)| {
-            let cells: Vec<&str> = line.splitn(3, ',').collect();
-            let x = cells[1].parse().map_or(cells[1].to_owned(), |x| new(i, x));
-            format!("{},{x},{}\n", cells[0], cells[2])
+    // Each row with another x and y, from those that it has and its displacement.
+    let with = |text: &str, new: &dyn Fn(f64, f64) -> String| -> String {
+        let row = |line: &str| {
+            let cells: Vec<&str> = line.split(',').collect();
+            let [x, y, ux, uy] = [1, 2, 3, 4].map(|i| cells[i].parse::<f64>().unwrap_or(f64::NAN));
+            let [x, y] = if x.is_nan() { [1, 2].map(|i| cells[i].to_owned()) } else { [new(x, ux), new(y, uy)] };
+            format!("{},{x},{y},{},{}\n", cells[0], cells[3], cells[4])
         };
-        shape.lines().enumerate().map(row).collect()
+        text.lines().map(row).collect()
     };
     let of_paper = |text: &str| sense_text(text, &CONTACTS);
-    for own in [with_x(&|_, x| x.to_string()), with_x(&|_, x| format!("{x:.2}")), with_x(&|_, _| "aside".to_owned())] {
+    let undeformed = |x: f64, _| format!("{x:.1}");
+    let deformed = |x: f64, u: f64| format!("{:.2}", x + u);
+    for own in [with(&shape, &undeformed), with(&shape, &deformed), with(&shape, &|_, _| "aside".to_owned())] {
         of_paper(&own).done();
     }
-    let off_mm = |node: usize| if node == 24 { 0.02 } else { 0.0 };
-    let (out, warnings) = of_paper(&with_x(&|node, x| (x + off_mm(node)).to_string())).warned();
-    assert_eq!(Csv::of(&out).texts("contact"), ["16", "20", "23"]);
-    assert_says(&warnings[0], &["node 24 is at (12.54, ", "another finger?"]);
-    assert_eq!(warnings.len(), 1);
+    const SOFT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/scenes/soft.toml");
+    let soft = finray(&["solve", SOFT, "--load", "10:0,-0.001"]).done();
+    for other in [soft.clone(), with(&soft, &deformed)] {
+        assert_says(&of_paper(&other).err, &["warning: ", ": node ", " mm without load, and at (", "another finger?"]);
+    }
 }
 
 #[test]

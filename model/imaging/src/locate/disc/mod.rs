@@ -60,6 +60,7 @@ const LEAST_SD_PX: f64 = 0.005;
 const SMALL_SD_PX: f64 = 0.45;
 /// The same of rings, px, times the share of the light in the middle of the ring that comes from beside it: its own light is nowhere seen.
 const RING_SD_PX: f64 = 0.4;
+
 /// A disc that was found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Disc {
