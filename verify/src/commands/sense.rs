@@ -131,16 +131,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let task = Task { arguments, scene: &scene, contacts, networks: &networks, reading };
     let text = read_text(&arguments.displacements)?;
-    let warn_of_another_finger = || hints::of_displacements(&arguments.displacements, &text, finger);
     if arguments.all_images {
-        warn_of_another_finger();
-        return Ok(write_text(&arguments.out, &csv_text(task.all_images(&text)?)?)?);
+        write_text(&arguments.out, &csv_text(task.all_images(&text)?)?)?;
+    } else {
+        let found = task.displacements(&text, arguments.image_name.as_deref())?;
+        let (contacts, estimate) = task.sensed(found, "")?;
+        write_text(&arguments.out, &csv_text(rows(finger, &contacts, &estimate))?)?;
+        validity::warn_of_forces(&scene, &contacts, &estimate.forces_n);
     }
-    let found = task.displacements(&text, arguments.image_name.as_deref())?;
-    warn_of_another_finger();
-    let (contacts, estimate) = task.sensed(found, "")?;
-    write_text(&arguments.out, &csv_text(rows(finger, &contacts, &estimate))?)?;
-    validity::warn_of_forces(&scene, &contacts, &estimate.forces_n);
+    hints::of_displacements(&arguments.displacements, &text, finger);
     Ok(())
 }
 

@@ -31,22 +31,17 @@ pub(super) struct Shown {
 
 /// A measured force over what its markers show.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Compared<'v> {
-    pub view: &'v View,
-    pub times: f64,
+struct Compared<'v> {
+    view: &'v View,
+    times: f64,
     /// Standard deviation of 1 / `times`.
-    pub inverse_sd: f64,
+    inverse_sd: f64,
 }
 
 impl Compared<'_> {
     fn of(view: &View, shown: Shown) -> Option<Compared<'_>> {
         let measured_n = view.force?.norm();
         Some(Compared { view, times: measured_n / shown.own.force_n, inverse_sd: shown.sigma_n / measured_n })
-    }
-
-    /// Whether the markers show enough of the force to tell it from one that is `usual` times what they show.
-    pub fn is_surely_off(&self, usual: f64) -> bool {
-        (1.0 / self.times - 1.0 / usual).abs() > SURE * self.inverse_sd
     }
 }
 
@@ -90,7 +85,8 @@ impl Problem<'_> {
             return Err(CalibrationError::ForceScale { times: usual });
         }
         let off = |it: &Compared| if it.times > 0.0 { (it.times / usual).ln().abs() } else { f64::INFINITY };
-        match all.iter().filter(|it| it.is_surely_off(usual)).max_by(|a, b| off(a).total_cmp(&off(b))) {
+        let is_sure = |it: &&Compared| (1.0 / it.times - 1.0 / usual).abs() > SURE * it.inverse_sd;
+        match all.iter().filter(is_sure).max_by(|a, b| off(a).total_cmp(&off(b))) {
             Some(worst) if off(worst) > LARGEST_TIMES.ln() => {
                 Err(worst.view.wrong(ViewError::Force { times: worst.times, usual }))
             }

@@ -1,6 +1,6 @@
 //! What stands out of a fit: measured forces and markers that are further off than all others let expect; and a fit that is of no use.
 
-use super::contradiction::{Compared, median};
+use super::contradiction::median;
 use super::problem::{OWN, Point, Problem};
 use super::{ForceError, ViewError};
 use crate::NodeId;
@@ -70,6 +70,7 @@ struct OffMarker<'p> {
     view: &'p str,
     node: NodeId,
     away_mm: f64,
+    moved_mm: f64,
     /// Sum of its squared residuals in their standard deviations, and as they are in units of what noise leaves of them.
     squares: f64,
     standardised: f64,
@@ -80,35 +81,32 @@ impl Problem<'_> {
     /// What stands out of a fit, given its covariance; of markers the furthest off alone, which pulls others along.
     pub(super) fn outliers(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> Vec<Outlier> {
         let times = self.times(fitted, covariance);
-        let logarithms: Vec<f64> = times.iter().map(|compared| compared.times.ln()).collect();
+        let logarithms: Vec<f64> = times.iter().map(|(_, times)| times.ln()).collect();
         let usual = median(logarithms.iter().copied()).unwrap_or_default();
         let off: Vec<f64> = logarithms.iter().map(|logarithm| (logarithm - usual).abs()).collect();
         let mut sorted = off.clone();
         sorted.sort_by(f64::total_cmp);
         let half = sorted.get(sorted.len().saturating_sub(1) / 2).copied().unwrap_or_default();
         let most = EXPECTED_TIMES.ln().max(MOST_SIGMAS * SD_OF_MEDIAN * half);
-        let usual = usual.exp();
-        let is_off = |compared: &Compared, off: f64| compared.is_surely_off(usual) && (off.is_nan() || off > most);
-        let forces = times.iter().zip(&off).filter(|(compared, off)| is_off(compared, **off)).map(|(compared, _)| {
-            Outlier { view: compared.view.name.clone(), what: OutlierKind::Force { times: compared.times / usual } }
-        });
+        let forces =
+            times.iter().zip(&off).filter(|(_, off)| off.is_nan() || **off > most).map(|((view, times), _)| Outlier {
+                view: (*view).to_owned(),
+                what: OutlierKind::Force { times: times / usual.exp() },
+            });
         forces.chain(marker_outlier(&self.off_markers(fitted, covariance))).collect()
     }
 
     /// Each measured force over what all else shows of it.
-    fn times(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> Vec<Compared<'_>> {
+    fn times(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> Vec<(&str, f64)> {
         let Some(scatter) = self.scatter else { return Vec::new() };
         let mut column = self.sought.len();
         let mut all = Vec::new();
         for (view, own) in self.views.iter().zip(&fitted.parameters.own) {
             if let Some(measured_n) = view.force.map(|force| force.norm()) {
-                // Part of its error is in the residual, the rest was fitted to it: of two independent estimates, the measured force and what all else
-                // shows, the fit is the mean by weight.
-                let variance = covariance[(column + OWN, column + OWN)] / measured_n.powi(2);
-                let left_share = (1.0 - variance / scatter.powi(2)).max(f64::MIN_POSITIVE);
-                let off = (own.force_n / measured_n - 1.0) / left_share;
-                let inverse_sd = (variance / left_share).sqrt();
-                all.push(Compared { view, times: 1.0 / (1.0 + off), inverse_sd });
+                // Part of its error is in the residual, the rest was fitted to it.
+                let fitted_share = covariance[(column + OWN, column + OWN)] / (measured_n * scatter).powi(2);
+                let off = (own.force_n / measured_n - 1.0) / (1.0 - fitted_share).max(f64::MIN_POSITIVE);
+                all.push((view.name.as_str(), 1.0 / (1.0 + off)));
             }
             column += self.own_count(view);
         }
@@ -130,6 +128,7 @@ impl Problem<'_> {
                     view: &view.name,
                     node: marker.node,
                     away_mm: (squares[0] + squares[1]).sqrt() * self.errors.sd_mm(view.noise_mm / marker.weight),
+                    moved_mm: marker.displacement.norm(),
                     squares: squares[0] + squares[1],
                     standardised: squares[0] / free[0] + squares[1] / free[1],
                     free: free[0] + free[1],
@@ -143,19 +142,29 @@ impl Problem<'_> {
     /// Whether what was found is of any use.
     ///
     /// # Errors
-    /// [`ViewError::ForceErrors`] for the view that is furthest off, where forces would be sensed no better than by taking all for zero.
+    /// [`ViewError::ForceErrors`] or [`ViewError::MarkerErrors`] for the view that is furthest off, where forces would be sensed, or markers are met,
+    /// no better than by taking all for zero.
     pub(super) fn check_use(
         &self,
         fitted: &Fit<Point>,
         covariance: &DMatrix<f64>,
         error: Option<ForceError>,
     ) -> Result<(), CalibrationError> {
+        let refused = |view: &str, error| Err(CalibrationError::View { name: view.to_owned(), error });
+        let markers = self.off_markers(fitted, covariance);
+        let rms = |of: fn(&OffMarker) -> f64| rms_mm(markers.iter().map(of));
+        let (missed_mm, moved_mm) = (rms(|marker| marker.away_mm), rms(|marker| marker.moved_mm));
+        let worst = markers.iter().max_by(|a, b| a.away_mm.total_cmp(&b.away_mm));
+        if let Some(worst) = worst.filter(|_| missed_mm >= OF_NO_USE * moved_mm) {
+            let (node, away_mm) = (worst.node, worst.away_mm);
+            return refused(worst.view, ViewError::MarkerErrors { node, away_mm, missed_mm, moved_mm });
+        }
         let times = self.times(fitted, covariance);
         let off = |times: f64| if times > 0.0 { times.ln().abs() } else { f64::INFINITY };
-        let worst = times.iter().max_by(|a, b| off(a.times).total_cmp(&off(b.times)));
+        let worst = times.iter().max_by(|a, b| off(a.1).total_cmp(&off(b.1)));
         match (error, worst) {
-            (Some(ForceError { of_new, .. }), Some(worst)) if of_new >= OF_NO_USE => {
-                Err(worst.view.wrong(ViewError::ForceErrors { share: of_new, times: worst.times }))
+            (Some(ForceError { of_new, .. }), Some(&(view, times))) if of_new >= OF_NO_USE => {
+                refused(view, ViewError::ForceErrors { share: of_new, times })
             }
             _ => Ok(()),
         }

@@ -65,12 +65,27 @@ pub enum ViewError {
     /// Forces that the calibrated finger senses would be of no use, and this view's is furthest off.
     #[error(
         "forces in new images would err by {share:.2} of themselves (standard deviation), so that a 95 % interval would hold zero, and this image's measured \
-         force is furthest off, {times:.3} times what its markers show: check its sign, unit, frame and row, and the markers' names; or leave it out, if its force is small; or measure more forces"
+         force is furthest off, {times:.3} times what its markers show: check its sign, unit, frame and row, and the markers' names; or measure more forces"
     )]
     ForceErrors {
         /// Standard deviation of a force in a new image, as a share of it.
         share: f64,
         /// Measured force over what markers show.
         times: f64,
+    },
+    /// The calibrated finger does not meet markers, and one of this view is furthest off.
+    #[error(
+        "the calibrated finger misses markers by {missed_mm:.2} mm rms, which move by {moved_mm:.2} mm: it is another finger, or they have wrong names; furthest off, \
+         by {away_mm:.1} mm, is that of node {node} in this image"
+    )]
+    MarkerErrors {
+        /// Its node.
+        node: NodeId,
+        /// How far it is from where the finger has it, mm.
+        away_mm: f64,
+        /// Root mean square of all, mm.
+        missed_mm: f64,
+        /// Root mean square of all displacements, mm.
+        moved_mm: f64,
     },
 }
