@@ -27,7 +27,7 @@ const FINENESS: usize = 1;
 /// Share of the force from which on steps are frames.
 const FRAMES_FROM: f64 = 0.9;
 /// Realisations of the camera's noise: each loop is run with every one of them.
-const REALISATIONS: u64 = 5;
+const REALISATIONS: u64 = 3;
 /// What is asked of the loop: within 5 % of the target once it holds.
 const HELD_TOLERANCE: f64 = 0.05;
 
