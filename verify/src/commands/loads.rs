@@ -21,7 +21,7 @@ pub struct Loads {
     /// Force in N at a position along the front plate (mm from its base), at an angle from the inward normal
     #[arg(long, value_name = "S_MM:FORCE,ANGLE_DEG", value_parser = position_load, num_args = 1..)]
     load_at: Vec<PositionLoad>,
-    /// Nodes of the mesh; if not given, `solve` takes the key nodes alone, and `render` refines until the image no longer changes
+    /// Nodes of the mesh; if not given, `solve` takes the key nodes alone, and `render` refines until the image hardly changes
     #[arg(long, value_name = "N")]
     mesh_nodes: Option<usize>,
 }

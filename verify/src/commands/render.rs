@@ -17,8 +17,8 @@ const LARGEST_BLUR_PX: f64 = 100.0;
 /// Render the image that the scene's camera takes of the (deformed) finger.
 ///
 /// Writes a PNG file. The scene needs the tables camera, with lens and pose, and markers. Without loads
-/// and --shape the finger is undeformed. Under loads its mesh is refined until the image no longer
-/// shows it; with --mesh-nodes it has the shape that `finray solve` gives with the same arguments. Edge
+/// and --shape the finger is undeformed. Under loads its mesh is refined until the image hardly
+/// changes; with --mesh-nodes it has the shape that `finray solve` gives with the same arguments. Edge
 /// pixels of a marker hold the share that its disc covers, so its true centre is known to a thousandth
 /// of a pixel.
 ///

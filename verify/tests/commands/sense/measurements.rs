@@ -87,9 +87,13 @@ fn displacements_of_another_finger_are_warned_of() {
     let of_paper = |text: &str| sense_text(text, &CONTACTS);
     let undeformed = |x: f64, _| format!("{x:.1}");
     let deformed = |x: f64, u: f64| format!("{:.2}", x + u);
-    for own in [with(&shape, &undeformed), with(&shape, &deformed), with(&shape, &|_, _| "aside".to_owned())] {
+    for own in [with(&shape, &undeformed), with(&shape, &|_, _| "aside".to_owned())] {
         of_paper(&own).done();
     }
+    // Positions farther from the undeformed ones than those of another finger may be.
+    let bent = paper_shape(&[(19, 3.0, 0.0)], &[]).computed();
+    let own = sense_text(&with(&bent, &deformed), &["--contact", "19", "--estimator", "nonlinear"]);
+    assert_eq!((own.code, own.err.contains("another finger?")), (Some(0), false), "{}", own.err);
     const SOFT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/scenes/soft.toml");
     let soft = finray(&["solve", SOFT, "--load", "10:0,-0.001"]).done();
     for other in [soft.clone(), with(&soft, &deformed)] {
