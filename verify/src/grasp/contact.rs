@@ -1,12 +1,12 @@
 //! Kinematics of one contact: its gap, how far it slipped, and what its forces do to finger and object.
 //!
 //! Unknowns are the displacement and rotation of a body of the finger, in the finger's frame, and the pose of the object in the world. All is
-//! written once, in dual numbers: their derivatives are the tangent of Newton's method.
+//! written once, for plain and for dual numbers: the derivatives of the latter are the tangent of Newton's method.
 
 use crate::lattice::energy::BodyMotion;
 use finray_model::Vector;
 use finray_model::gripper::Placement;
-use nalgebra::Vector2;
+use nalgebra::{Matrix2, Vector2};
 use num_dual::{Dual64, DualNum};
 
 /// Displacement x, y and rotation of the finger's body, then x, y and angle of the object.
@@ -59,13 +59,30 @@ pub struct Stand {
     pub object: [f64; 3],
 }
 
-/// A contact with its derivatives by the six unknowns.
+impl Stand {
+    fn unknowns(&self) -> Unknowns {
+        let BodyMotion { displacement, rotation } = self.body;
+        let [x, y, angle] = self.object;
+        [displacement.x, displacement.y, rotation, x, y, angle]
+    }
+}
+
+/// A contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Touching {
     /// Distance, mm; negative for an overlap.
     pub gap_mm: f64,
     /// How far the finger has slipped over the object since it stood as before, mm, along the normal turned by a quarter.
     pub slip_mm: f64,
+    /// From the object into the finger, world; a unit vector.
+    pub normal: Vector,
+    /// Where, world, mm.
+    pub point: Vector,
+}
+
+/// What the forces of a contact do, and its derivatives by the six unknowns.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tangent {
     /// Derivatives of the slip.
     pub slip_by: Unknowns,
     /// Generalised forces of 1 N along the normal, and of 1 N across it: on the finger's body and on the object. The first are the gap's
@@ -73,78 +90,81 @@ pub struct Touching {
     pub pull: [Unknowns; 2],
     /// Derivatives of both, a row an unknown.
     pub pull_by: [[Unknowns; 2]; 6],
-    /// From the object into the finger, world; a unit vector.
-    pub normal: Vector,
-    /// Where, world, mm.
-    pub point: Vector,
 }
 
-type Point = Vector2<Dual64>;
+/// A plain number, or one with a derivative.
+trait Number: DualNum<Primitive = f64> + Copy {}
 
-fn constant(vector: Vector) -> Point {
-    vector.map(Dual64::from)
+impl<D: DualNum<Primitive = f64> + Copy> Number for D {}
+
+fn constant<D: Number>(vector: Vector) -> Vector2<D> {
+    vector.map(D::from)
 }
 
-fn turned(by: Dual64, vector: Point) -> Point {
+fn times<D: Number>(matrix: Matrix2<f64>, vector: Vector2<D>) -> Vector2<D> {
+    let row = |i: usize| vector.x * matrix[(i, 0)] + vector.y * matrix[(i, 1)];
+    Vector2::new(row(0), row(1))
+}
+
+fn turned<D: Number>(by: D, vector: Vector2<D>) -> Vector2<D> {
     let (sin, cos) = by.sin_cos();
     Vector2::new(vector.x * cos - vector.y * sin, vector.x * sin + vector.y * cos)
 }
 
-fn across(vector: Point) -> Point {
+fn across<D: Number>(vector: Vector2<D>) -> Vector2<D> {
     Vector2::new(-vector.y, vector.x)
 }
 
-fn inner(a: Point, b: Point) -> Dual64 {
+fn inner<D: Number>(a: Vector2<D>, b: Vector2<D>) -> D {
     a.x * b.x + a.y * b.y
 }
 
-fn value(vector: Point) -> Vector {
-    vector.map(|x| x.re)
-}
-
-/// Gap, slip and generalised forces, as dual numbers.
-struct Evaluated {
-    gap: Dual64,
-    slip: Dual64,
-    pull: [[Dual64; 6]; 2],
-    normal: Vector,
-    point: Vector,
+/// Gap, slip and where the contact is.
+struct Evaluated<D> {
+    gap: D,
+    slip: D,
+    normal: Vector2<D>,
+    point: Vector2<D>,
+    /// From the centre of the finger's body to the contact, finger's frame; from the object's point to it, world.
+    arms: [Vector2<D>; 2],
 }
 
 impl Pair {
     /// The contact between a body of the finger that rests at `rest` in the finger's frame, and the object. `before` is where both stood when
     /// the step began: a slip is measured from there.
     pub fn touching(&self, rest: Vector, now: &Stand, before: &Stand) -> Touching {
-        let evaluate = |seed: usize| {
-            let motion = now.body;
-            let values = [motion.displacement.x, motion.displacement.y, motion.rotation]
-                .into_iter()
-                .chain(now.object)
-                .enumerate()
-                .map(|(i, value)| Dual64::new(value, if i == seed { 1.0 } else { 0.0 }));
-            let mut unknowns = [Dual64::from(0.0); 6];
-            unknowns.iter_mut().zip(values).for_each(|(unknown, value)| *unknown = value);
-            self.evaluate(rest, &now.finger, unknowns, before)
+        let Evaluated { gap, slip, normal, point, .. } = self.evaluate(rest, &now.finger, now.unknowns(), before);
+        Touching { gap_mm: gap, slip_mm: slip, normal, point }
+    }
+
+    /// The tangent of [`touching`](Self::touching).
+    pub fn tangent(&self, rest: Vector, now: &Stand, before: &Stand) -> Tangent {
+        let axes = now.finger.axes();
+        let by = |seed: usize| {
+            let mut unknowns = now.unknowns().map(Dual64::from);
+            unknowns[seed].eps = 1.0;
+            let Evaluated { slip, normal, arms, .. } = self.evaluate(rest, &now.finger, unknowns, before);
+            let pull = [normal, across(normal)].map(|force| {
+                let on_finger = times(axes.transpose(), force);
+                let turning = arms.map(across);
+                [on_finger.x, on_finger.y, inner(turning[0], on_finger), -force.x, -force.y, -inner(turning[1], force)]
+            });
+            (slip, pull)
         };
-        let all = [0, 1, 2, 3, 4, 5].map(evaluate);
-        let first = &all[0];
-        Touching {
-            gap_mm: first.gap.re,
-            slip_mm: first.slip.re,
-            slip_by: all.each_ref().map(|at| at.slip.eps),
-            pull: first.pull.map(|pull| pull.map(|x| x.re)),
-            pull_by: all.each_ref().map(|at| at.pull.map(|pull| pull.map(|x| x.eps))),
-            normal: first.normal,
-            point: first.point,
+        let all = [0, 1, 2, 3, 4, 5].map(by);
+        Tangent {
+            slip_by: all.map(|(slip, _)| slip.eps),
+            pull: all[0].1.map(|pull| pull.map(|x| x.re)),
+            pull_by: all.map(|(_, pull)| pull.map(|pull| pull.map(|x| x.eps))),
         }
     }
 
-    fn evaluate(&self, rest: Vector, finger: &Placement, unknowns: [Dual64; 6], before: &Stand) -> Evaluated {
-        let axes = finger.axes().map(Dual64::from);
+    fn evaluate<D: Number>(&self, rest: Vector, finger: &Placement, unknowns: [D; 6], before: &Stand) -> Evaluated<D> {
+        let axes = finger.axes();
         let [ux, uy, rotation, x, y, angle] = unknowns;
-        let body = constant(rest) + Vector2::new(ux, uy);
-        let (body_world, object) = (constant(finger.origin) + axes * body, Vector2::new(x, y));
-        let on_body = |arm: Vector| body_world + axes * turned(rotation, constant(arm));
+        let body = constant::<D>(rest) + Vector2::new(ux, uy);
+        let (body_world, object) = (constant::<D>(finger.origin) + times(axes, body), Vector2::new(x, y));
+        let on_body = |arm: Vector| body_world + times(axes, turned(rotation, constant(arm)));
         let on_object = |point: Vector| object + turned(angle, constant(point));
         // The contact point is on the surface of the object.
         let (gap, normal, point) = match *self {
@@ -160,28 +180,19 @@ impl Pair {
                 (height - radius_mm, normal, on_body(centre) - normal.map(|x| x * height))
             }
             Pair::PieceAndCorner { on_piece, outward, corner, radii_mm: [half_mm, disc_mm] } => {
-                let outward = axes * turned(rotation, constant(outward));
+                let outward = times(axes, turned(rotation, constant(outward)));
                 let height = inner(on_object(corner) - on_body(on_piece), outward);
                 (height - half_mm - disc_mm, -outward, on_object(corner) - outward.map(|x| x * disc_mm))
             }
         };
-        let tangent = across(normal);
         // Where the two material points that meet now were before.
-        let arm_of_body = axes.transpose() * (point - body_world);
-        let in_body = turned(-rotation, arm_of_body);
-        let in_object = turned(-angle, point - object);
-        let body_before = constant(before.finger.origin)
-            + before.finger.axes().map(Dual64::from)
-                * (constant(rest + before.body.displacement) + turned(before.body.rotation.into(), in_body));
-        let [x_before, y_before, angle_before] = before.object.map(Dual64::from);
+        let arms = [times(axes.transpose(), point - body_world), point - object];
+        let (in_body, in_object) = (turned(-rotation, arms[0]), turned(-angle, arms[1]));
+        let then = constant::<D>(rest + before.body.displacement) + turned(before.body.rotation.into(), in_body);
+        let body_before = constant::<D>(before.finger.origin) + times(before.finger.axes(), then);
+        let [x_before, y_before, angle_before] = before.object.map(D::from);
         let object_before = Vector2::new(x_before, y_before) + turned(angle_before, in_object);
-        let slip = inner(tangent, object_before - body_before);
-        let pull = [normal, tangent].map(|force| {
-            let on_finger = axes.transpose() * force;
-            let turning = inner(across(arm_of_body), on_finger);
-            let turning_object = inner(across(point - object), force);
-            [on_finger.x, on_finger.y, turning, -force.x, -force.y, -turning_object]
-        });
-        Evaluated { gap, slip, pull, normal: value(normal), point: value(point) }
+        let slip = inner(across(normal), object_before - body_before);
+        Evaluated { gap, slip, normal, point, arms }
     }
 }

@@ -1,36 +1,168 @@
-//! Sparse linear equations whose pattern mostly stays from one step of Newton's method to the next: it is sorted and ordered once.
+//! Elimination of a finger's bodies in blocks of their three unknowns, in an order that is found once: contacts change no block between bodies.
 
-use crate::lattice::pattern::Pattern;
-use faer::linalg::solvers::Solve;
-use faer::mat::MatMut;
-use faer::sparse::Triplet;
-use faer::sparse::linalg::solvers::{Lu, SymbolicLu};
+use nalgebra::Matrix3;
+use std::collections::{BTreeMap, BTreeSet};
 
-/// LU elimination that keeps pattern and order of the last matrix.
-#[derive(Clone, Default)]
-pub(super) struct Elimination {
-    kept: Option<(Pattern, SymbolicLu<usize>)>,
+/// What is eliminated with a body.
+#[derive(Debug, Clone)]
+struct Pivot {
+    body: usize,
+    /// The bodies that are eliminated later and share blocks with it.
+    later: Vec<Later>,
+    /// The blocks that change: between each two of these bodies, row by row.
+    changed: Vec<usize>,
 }
 
-impl std::fmt::Debug for Elimination {
-    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        f.debug_struct("Elimination").field("is_kept", &self.kept.is_some()).finish()
+/// A body that shares blocks with a pivot.
+#[derive(Debug, Clone, Copy)]
+struct Later {
+    body: usize,
+    /// The block in the pivot's row.
+    right: usize,
+    /// The block in the pivot's column.
+    below: usize,
+}
+
+/// Order in which free bodies are eliminated, and where the blocks are: first those on the diagonal, body by body.
+#[derive(Debug, Clone)]
+pub(super) struct Order {
+    pivots: Vec<Pivot>,
+    /// Blocks of each link in the row of its first body and in that of its second; none where a link's end is clamped.
+    links: Vec<Option<[usize; 2]>>,
+    block_count: usize,
+}
+
+impl Order {
+    /// The order for free bodies with links, each between two of them; the body with the fewest links goes first.
+    pub fn of(body_count: usize, links: &[Option<[usize; 2]>]) -> Order {
+        let mut linked = vec![BTreeSet::new(); body_count];
+        let mut places: BTreeMap<[usize; 2], usize> = (0..body_count).map(|body| ([body, body], body)).collect();
+        let mut place = |row: usize, column: usize| {
+            let next = places.len();
+            *places.entry([row, column]).or_insert(next)
+        };
+        let mut of_link = |[a, b]: [usize; 2]| {
+            linked[a].insert(b);
+            linked[b].insert(a);
+            [place(a, b), place(b, a)]
+        };
+        let links = links.iter().map(|link| link.map(&mut of_link)).collect();
+        let mut left: BTreeSet<usize> = (0..body_count).collect();
+        let mut pivots = Vec::with_capacity(body_count);
+        while let Some(body) = left.iter().copied().min_by_key(|body| linked[*body].len()) {
+            left.remove(&body);
+            let others: Vec<usize> = std::mem::take(&mut linked[body]).into_iter().collect();
+            for &other in &others {
+                linked[other].remove(&body);
+                linked[other].extend(others.iter().filter(|another| **another != other));
+            }
+            let later = |&other: &usize| Later { body: other, right: place(body, other), below: place(other, body) };
+            let later = others.iter().map(later).collect();
+            let pairs = others.iter().flat_map(|&row| others.iter().map(move |&column| (row, column)));
+            let changed = pairs.map(|(row, column)| place(row, column)).collect();
+            pivots.push(Pivot { body, later, changed });
+        }
+        Order { pivots, links, block_count: places.len() }
+    }
+
+    /// Number of free bodies.
+    pub fn body_count(&self) -> usize {
+        self.pivots.len()
+    }
+
+    /// All blocks, empty.
+    pub fn blocks(&self) -> Vec<Matrix3<f64>> {
+        vec![Matrix3::zeros(); self.block_count]
+    }
+
+    /// Where the blocks of each link are: in the row of its first body, and in that of its second; none where one is clamped.
+    pub fn links(&self) -> &[Option<[usize; 2]>] {
+        &self.links
+    }
+
+    /// Eliminates all bodies. `None` for a singular block.
+    ///
+    /// The order stays whatever the elements are. A finger's own stiffness is positive definite but where it snaps, so that this is stable; what rounding
+    /// leaves there Newton's next step takes away.
+    pub fn factorise(&self, blocks: &mut [Matrix3<f64>]) -> Option<()> {
+        for Pivot { body, later, changed } in &self.pivots {
+            let inverse = blocks[*body].try_inverse()?;
+            blocks[*body] = inverse;
+            for (row, changed) in later.iter().zip(changed.chunks(later.len().max(1))) {
+                let factor = blocks[row.below] * inverse;
+                blocks[row.below] = factor;
+                for (column, place) in later.iter().zip(changed) {
+                    let change = factor * blocks[column.right];
+                    blocks[*place] -= change;
+                }
+            }
+        }
+        Some(())
+    }
+
+    /// Solves for several right sides in place, with factorised blocks: three rows a body, each with so many columns.
+    pub fn solve(&self, blocks: &[Matrix3<f64>], right: &mut [f64], columns: usize) {
+        let mut own = vec![0.0; 3 * columns];
+        for Pivot { body, later, .. } in &self.pivots {
+            own.copy_from_slice(rows_of(right, *body, columns));
+            later.iter().for_each(|row| subtract(rows_of(right, row.body, columns), &blocks[row.below], &own, columns));
+        }
+        for Pivot { body, later, .. } in self.pivots.iter().rev() {
+            let mut left = rows_of(right, *body, columns).to_vec();
+            for column in later {
+                own.copy_from_slice(rows_of(right, column.body, columns));
+                subtract(&mut left, &blocks[column.right], &own, columns);
+            }
+            let solved = rows_of(right, *body, columns);
+            solved.fill(0.0);
+            subtract(solved, &-blocks[*body], &left, columns);
+        }
     }
 }
 
-impl Elimination {
-    /// Solves for `right`, in place; entries of the matrix at the same place add up. `None` for a singular matrix.
-    pub fn solve(&mut self, entries: &[Triplet<usize, usize, f64>], right: &mut [f64]) -> Option<()> {
-        let count = right.len();
-        if !self.kept.as_ref().is_some_and(|(pattern, _)| pattern.fits(count, entries)) {
-            let pattern = Pattern::of(count, entries)?;
-            let order = SymbolicLu::try_new(pattern.symbolic().as_ref()).ok()?;
-            self.kept = Some((pattern, order));
+/// The three rows of a body.
+fn rows_of(right: &mut [f64], body: usize, columns: usize) -> &mut [f64] {
+    &mut right[3 * body * columns..3 * (body + 1) * columns]
+}
+
+/// Subtracts a block times three rows from three rows.
+fn subtract(from: &mut [f64], block: &Matrix3<f64>, rows: &[f64], columns: usize) {
+    for (i, from) in from.chunks_exact_mut(columns).enumerate() {
+        for (j, row) in rows.chunks_exact(columns).enumerate() {
+            let factor = block[(i, j)];
+            from.iter_mut().zip(row).for_each(|(from, x)| *from -= factor * x);
         }
-        let (pattern, order) = self.kept.as_ref()?;
-        let matrix = pattern.matrix(entries)?;
-        let factorised = Lu::try_new_with_symbolic(order.clone(), matrix.as_ref()).ok()?;
-        factorised.solve_in_place(MatMut::from_column_major_slice_mut(right, count, 1));
-        right.iter().all(|x| x.is_finite()).then_some(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::DMatrix;
+
+    /// Against dense elimination with pivots: a ring of bodies with links across, and blocks without symmetry.
+    #[test]
+    fn blocks_are_eliminated_as_a_dense_matrix_is() {
+        const BODIES: usize = 9;
+        const COLUMNS: usize = 2;
+        let mut links: Vec<Option<[usize; 2]>> = (0..BODIES).map(|body| Some([body, (body + 1) % BODIES])).collect();
+        links.extend([Some([0, 4]), None, Some([2, 7])]);
+        let order = Order::of(BODIES, &links);
+        let mut blocks = order.blocks();
+        let mut dense = DMatrix::zeros(3 * BODIES, 3 * BODIES);
+        let places = links.iter().zip(order.links()).filter_map(|(link, place)| Some(((*link)?, (*place)?)));
+        let off_diagonal = places.flat_map(|([a, b], [ab, ba])| [(a, b, ab), (b, a, ba)]);
+        for (row, column, place) in (0..BODIES).map(|body| (body, body, body)).chain(off_diagonal) {
+            let weight = if row == column { 12.0 } else { 1.0 };
+            let element = |i: usize, j: usize| (1.0 + place as f64 + 3.7 * i as f64 + 1.3 * j as f64).sin();
+            blocks[place] = Matrix3::from_fn(|i, j| element(i, j) + if i == j { weight } else { 0.0 });
+            dense.view_mut((3 * row, 3 * column), (3, 3)).copy_from(&blocks[place]);
+        }
+        let mut right: Vec<f64> = (0..3 * BODIES * COLUMNS).map(|i| (i as f64).cos()).collect();
+        let expected = dense.lu().solve(&DMatrix::from_row_slice(3 * BODIES, COLUMNS, &right)).expect("not singular");
+        order.factorise(&mut blocks).expect("not singular");
+        order.solve(&blocks, &mut right, COLUMNS);
+        let off = (DMatrix::from_row_slice(3 * BODIES, COLUMNS, &right) - expected).amax();
+        assert!(off < 1e-13, "{off}");
     }
 }

@@ -8,10 +8,11 @@
 //! Reference: Alart, Curnier, "A mixed formulation for frictional contact problems prone to Newton like solution methods" (Comput. Methods Appl.
 //! Mech. Eng. 92, 1991).
 
-use super::elimination::Elimination;
+use super::elimination::Order;
 use super::near::{Grip, Key, Look, Near};
 use super::surface::{Front, Shape};
 use crate::lattice::Lattice;
+use crate::lattice::bodies::BodyIndex;
 use crate::lattice::energy::{BodyMotion, Energy};
 use finray_model::Vector;
 use finray_model::gripper::Placement;
@@ -45,6 +46,21 @@ pub(super) struct Standing<'l> {
     pub lattice: &'l Lattice,
     pub energy: Energy<'l>,
     pub front: Front,
+    /// How its bodies are eliminated.
+    pub order: Order,
+}
+
+impl<'l> Standing<'l> {
+    /// A finger with rods of a radius, mm.
+    pub fn new(lattice: &'l Lattice, rod_radius_mm: f64) -> Standing<'l> {
+        let energy = Energy::new(lattice.assembly());
+        let free = |body: BodyIndex| Some(energy.first_unknown(body)? / 3);
+        let springs = lattice.assembly().springs.iter();
+        let links: Vec<_> =
+            springs.map(|spring| Some([free(spring.ends[0].body)?, free(spring.ends[1].body)?])).collect();
+        let order = Order::of(energy.unknown_count() / 3, &links);
+        Standing { lattice, energy, front: Front::new(lattice, rod_radius_mm), order }
+    }
 }
 
 /// All that is there.
@@ -104,7 +120,6 @@ impl Scene<'_> {
         placements: &[Placement],
         around: &Surroundings,
         farthest_mm: f64,
-        elimination: &mut Elimination,
     ) -> Option<State> {
         let mut state =
             State { placements: placements.to_vec(), object: around.carried_from(before.object), ..before.clone() };
@@ -122,7 +137,7 @@ impl Scene<'_> {
                     None => drop(state.forces.insert(near.key, [0.0; 2])),
                 }
             }
-            let correction = self.correction(&state, before, around, &closed, step >= LAGGING, elimination)?;
+            let correction = self.correction(&state, before, around, &closed, step >= LAGGING)?;
             let (share, largest_mm) = self.share(&correction);
             self.apply(&mut state, &closed, &correction, share);
             let way_mm = self.way_mm(before, &state);

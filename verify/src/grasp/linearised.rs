@@ -1,22 +1,15 @@
 //! The linear equations of one step of Newton's method: balance of the fingers' bodies and of the object, and two laws a contact.
 
-use super::contact::Touching;
-use super::elimination::Elimination;
+use super::bordered::Bordered;
+use super::contact::{Tangent, Touching};
 use super::equilibrium::{Scene, State, Surroundings};
 use super::near::{Grip, Near};
-use faer::sparse::Triplet;
+use crate::lattice::energy::SpringEnergy;
 
-/// Residual and its derivatives. Unknowns are the motions of the fingers' bodies, the object's pose, then the two forces of each closed pair.
-/// Which entries there are depends on the closed pairs alone, so that elimination may keep its order.
-struct Equations {
+/// Residual and its derivatives. Unknowns are the motions of the fingers' bodies, then the object's pose and the two forces of each closed pair.
+struct Equations<'s> {
     residual: Vec<f64>,
-    entries: Vec<Triplet<usize, usize, f64>>,
-}
-
-impl Equations {
-    fn derivative(&mut self, row: usize, column: usize, value: f64) {
-        self.entries.push(Triplet::new(row, column, value));
-    }
+    derivatives: Bordered<'s>,
 }
 
 /// One law of a contact: value and derivatives by the six unknowns of its bodies, and by its normal and friction force.
@@ -35,22 +28,24 @@ impl Scene<'_> {
         around: &Surroundings,
         closed: &[(Near, Grip)],
         is_lagging: bool,
-        elimination: &mut Elimination,
     ) -> Option<Vec<f64>> {
         let object = self.first(self.fingers.len());
         let count = object + 3 + 2 * closed.len();
-        let mut equations = Equations { residual: vec![0.0; count], entries: Vec::new() };
+        let orders = self.fingers.iter().map(|standing| &standing.order);
+        let derivatives = Bordered::new(orders, count - object);
+        let mut equations = Equations { residual: vec![0.0; count], derivatives };
         for finger in 0..self.fingers.len() {
             self.balance_finger(&mut equations, finger, state, before, around);
         }
         self.balance_object(&mut equations, object, state, before, around);
         for (k, (near, grip)) in closed.iter().enumerate() {
-            self.add_contact(&mut equations, object, object + 3 + 2 * k, near, state.forces[&near.key]);
-            let laws = self.laws(*grip, &near.touching, state.forces[&near.key], is_lagging);
+            let (tangent, forces) = (self.tangent(near, state, before), state.forces[&near.key]);
+            self.add_contact(&mut equations, object, object + 3 + 2 * k, near, &tangent, forces);
+            let laws = self.laws(*grip, &near.touching, &tangent, forces, is_lagging);
             self.add_laws(&mut equations, object, object + 3 + 2 * k, near, &laws);
         }
         let mut correction: Vec<f64> = equations.residual.iter().map(|r| -r).collect();
-        elimination.solve(&equations.entries, &mut correction)?;
+        equations.derivatives.solve(&mut correction)?;
         Some(correction)
     }
 
@@ -63,14 +58,18 @@ impl Scene<'_> {
         around: &Surroundings,
     ) {
         let (standing, first) = (&self.fingers[finger], self.first(finger));
-        let expansion = standing.energy.expand(&state.motions[finger], &[], 0.0);
-        for (i, gradient) in expansion.gradient.iter().enumerate() {
-            equations.residual[first + i] += gradient;
-        }
-        for Triplet { row, col, val } in expansion.curvature {
-            equations.derivative(first + row, first + col, val);
-            if row != col {
-                equations.derivative(first + col, first + row, val);
+        let (order, blocks) = equations.derivatives.blocks(finger);
+        let springs = standing.energy.springs(&state.motions[finger]);
+        for (SpringEnergy { bodies, gradient, curvature, .. }, link) in springs.zip(order.links()) {
+            let part = |i: usize, j: usize| curvature.fixed_view::<3, 3>(3 * i, 3 * j);
+            for (i, body) in bodies.into_iter().enumerate() {
+                let Some(own) = standing.energy.first_unknown(body) else { continue };
+                (0..3).for_each(|axis| equations.residual[first + own + axis] += gradient[3 * i + axis]);
+                blocks[own / 3] += part(i, i);
+            }
+            if let Some([right, below]) = *link {
+                blocks[right] += part(0, 1);
+                blocks[below] += part(1, 0);
             }
         }
         for (body, (now, then)) in state.motions[finger].iter().zip(&before.motions[finger]).enumerate() {
@@ -78,7 +77,7 @@ impl Scene<'_> {
             let resistance = (now.displacement - then.displacement) * around.finger_drag;
             for axis in 0..2 {
                 equations.residual[i + axis] += resistance[axis];
-                equations.derivative(i + axis, i + axis, around.finger_drag);
+                equations.derivatives.add(i + axis, i + axis, around.finger_drag);
             }
         }
     }
@@ -97,9 +96,9 @@ impl Scene<'_> {
         let from = around.carried_from(before.object);
         for i in 0..3 {
             equations.residual[object + i] += drags[i] * (state.object[i] - from[i]) - loads[i];
-            equations.derivative(object + i, object + i, drags[i]);
+            equations.derivatives.add(object + i, object + i, drags[i]);
         }
-        equations.derivative(object + 2, object + 2, arm.dot(&around.weight));
+        equations.derivatives.add(object + 2, object + 2, arm.dot(&around.weight));
     }
 
     /// The first unknown of the finger's body in a pair; none where it is clamped, or the support.
@@ -109,34 +108,41 @@ impl Scene<'_> {
     }
 
     /// What the forces of a pair do to the balance of its bodies.
-    fn add_contact(&self, equations: &mut Equations, object: usize, first_row: usize, near: &Near, forces: [f64; 2]) {
+    fn add_contact(
+        &self,
+        equations: &mut Equations,
+        object: usize,
+        first_row: usize,
+        near: &Near,
+        Tangent { pull, pull_by, .. }: &Tangent,
+        forces: [f64; 2],
+    ) {
         let of_body = self.first_of_body(near);
         let unknown = |i: usize| if i < 3 { of_body.map(|first| first + i) } else { Some(object + i - 3) };
-        let Touching { pull, pull_by, .. } = &near.touching;
         for i in 0..6 {
             let Some(row) = unknown(i) else { continue };
             for axis in 0..2 {
                 equations.residual[row] -= forces[axis] * pull[axis][i];
-                equations.derivative(row, first_row + axis, -pull[axis][i]);
+                equations.derivatives.add(row, first_row + axis, -pull[axis][i]);
             }
             for (j, by) in pull_by.iter().enumerate() {
                 let Some(column) = unknown(j) else { continue };
-                equations.derivative(row, column, -forces[0] * by[0][i] - forces[1] * by[1][i]);
+                equations.derivatives.add(row, column, -forces[0] * by[0][i] - forces[1] * by[1][i]);
             }
         }
     }
 
     /// The laws of a pair for what it looks like: of its normal force, and of its friction.
-    fn laws(&self, grip: Grip, touching: &Touching, forces: [f64; 2], is_lagging: bool) -> [Law; 2] {
+    fn laws(&self, grip: Grip, touching: &Touching, tangent: &Tangent, forces: [f64; 2], is_lagging: bool) -> [Law; 2] {
         let given = self.yield_mm(1.0);
         let [normal_n, friction_n] = forces;
         let no_motion = [0.0; 6];
         let closed =
-            Law { value: touching.gap_mm + given * normal_n, by_motion: touching.pull[0], by_forces: [given, 0.0] };
+            Law { value: touching.gap_mm + given * normal_n, by_motion: tangent.pull[0], by_forces: [given, 0.0] };
         match grip {
             Grip::Sticks => {
                 let value = touching.slip_mm + given * friction_n;
-                [closed, Law { value, by_motion: touching.slip_by, by_forces: [0.0, given] }]
+                [closed, Law { value, by_motion: tangent.slip_by, by_forces: [0.0, given] }]
             }
             Grip::Slips { forwards } => {
                 let bound = if forwards { -self.friction } else { self.friction };
@@ -153,12 +159,12 @@ impl Scene<'_> {
             let row = first_row + axis;
             equations.residual[row] = law.value;
             for (other, by) in law.by_forces.into_iter().enumerate() {
-                equations.derivative(row, first_row + other, by);
+                equations.derivatives.add(row, first_row + other, by);
             }
             for (i, by) in law.by_motion.into_iter().enumerate() {
                 let column = if i < 3 { of_body.map(|first| first + i) } else { Some(object + i - 3) };
                 if let Some(column) = column {
-                    equations.derivative(row, column, by);
+                    equations.derivatives.add(row, column, by);
                 }
             }
         }

@@ -5,6 +5,7 @@
 //! Coulomb's law. [`contact`] is the kinematics of a contact, [`surface`] says which parts of finger, object and support can meet, [`world`]
 //! moves the bases and lets things come to rest. The way in which rapier presses an object onto one finger is the independent check.
 
+mod bordered;
 pub mod contact;
 mod elimination;
 mod equilibrium;

@@ -1,9 +1,8 @@
 //! Pairs of parts of finger, object and support that are near each other, and what they look like to Newton's method.
 
-use super::contact::{Pair, Stand, Touching};
+use super::contact::{Pair, Stand, Tangent, Touching};
 use super::equilibrium::{Scene, State, Surroundings};
 use super::surface::{Feature, Part};
-use crate::lattice::bodies::Body;
 use crate::lattice::energy::BodyMotion;
 use crate::lattice::skin::TouchedPart;
 use finray_model::Vector;
@@ -16,6 +15,9 @@ const NEAR: f64 = 0.2;
 /// An object that is carried along has left its support where the gap would take this many times the force, by the fingers' stiffness across.
 const LIFTED: f64 = 10.0;
 
+/// Share of the largest friction that rounding takes from a pair that slips.
+const AT_BOUND: f64 = 1e-9;
+
 /// Which pair of parts: the finger by its number (the support comes after the last), its part, and the object's feature.
 pub(super) type Key = (usize, usize, Feature);
 
@@ -25,6 +27,7 @@ pub(super) struct Near {
     pub key: Key,
     /// The part of the finger; none of the support.
     pub part: Option<Part>,
+    pair: Pair,
     pub touching: Touching,
 }
 
@@ -43,40 +46,53 @@ pub(super) struct Look {
     pub(super) is_pulled: bool,
 }
 
+impl State {
+    /// Where a part of a finger and the object are; without a part, of the support.
+    fn stand(&self, finger: usize, part: Option<&Part>) -> Stand {
+        let (finger, body) = match part {
+            Some(part) => (self.placements[finger], self.motions[finger][part.body]),
+            None => (Placement::IDENTITY, BodyMotion::default()),
+        };
+        Stand { finger, body, object: self.object }
+    }
+}
+
 impl Scene<'_> {
     /// All pairs that are near each other.
     pub(super) fn near(&self, state: &State, before: &State, around: &Surroundings) -> Vec<Near> {
         let mut pairs = Vec::new();
         let within_mm = NEAR * self.size_mm;
         for (finger, standing) in self.fingers.iter().enumerate() {
-            let bodies = &standing.lattice.assembly().bodies;
             for (index, part) in standing.front.parts.iter().enumerate() {
-                let stand = |state: &State| Stand {
-                    finger: state.placements[finger],
-                    body: state.motions[finger][part.body],
-                    object: state.object,
-                };
-                let (body, now) = (&bodies[part.body], stand(state));
-                for (feature, pair) in self.shape.near(part, body, &now, within_mm) {
-                    let touching = pair.touching(body.position, &now, &stand(before));
-                    pairs.push(Near { key: (finger, index, feature), part: Some(*part), touching });
+                let body = standing.lattice.assembly().bodies[part.body];
+                let [now, then] = [state, before].map(|state| state.stand(finger, Some(part)));
+                for (feature, pair) in self.shape.near(part, &body, &now, within_mm) {
+                    let touching = pair.touching(body.position, &now, &then);
+                    pairs.push(Near { key: (finger, index, feature), part: Some(*part), pair, touching });
                 }
             }
         }
         let Some((point, upward)) = around.support else { return pairs };
-        let fixed =
-            |state: &State| Stand { finger: Placement::IDENTITY, body: BodyMotion::default(), object: state.object };
-        let ground = Body { position: Vector::zeros(), fixed: true };
+        let support = self.fingers.len();
+        let [now, then] = [state, before].map(|state| state.stand(support, None));
         let (corners, disc_mm) = self.shape.corners();
         for (i, corner) in corners.iter().enumerate() {
             let radii_mm = [0.0, disc_mm];
             let pair = Pair::PieceAndCorner { on_piece: point, outward: upward, corner: *corner, radii_mm };
-            let touching = pair.touching(ground.position, &fixed(state), &fixed(before));
+            let touching = pair.touching(Vector::zeros(), &now, &then);
             if touching.gap_mm < within_mm {
-                pairs.push(Near { key: (self.fingers.len(), 0, Feature::Corner(i)), part: None, touching });
+                pairs.push(Near { key: (support, 0, Feature::Corner(i)), part: None, pair, touching });
             }
         }
         pairs
+    }
+
+    /// The tangent of a pair that was found to be near.
+    pub(super) fn tangent(&self, near: &Near, state: &State, before: &State) -> Tangent {
+        let Near { key: (finger, ..), part, pair, .. } = near;
+        let rest = |part: Part| self.fingers[*finger].lattice.assembly().bodies[part.body].position;
+        let [now, then] = [state, before].map(|state| state.stand(*finger, part.as_ref()));
+        pair.tangent(part.map_or(Vector::zeros(), rest), &now, &then)
     }
 
     /// Forces of the pairs that are near now: their own, or for a new one those of a pair of the same part that is no longer near.
@@ -127,7 +143,12 @@ impl Scene<'_> {
         };
         let is_lifted = near.part.is_none() && normal_n < LIFTED * self.stiffness * gap_mm;
         let before = before.copied().unwrap_or(Look {
-            grip: if normal_n > self.nothing_n() && !is_lifted { grip(friction_n, normal_n) } else { None },
+            grip: if normal_n > self.nothing_n() && !is_lifted {
+                // A pair that slipped slips on, until it turns out to stick.
+                grip(friction_n, (1.0 - AT_BOUND) * normal_n)
+            } else {
+                None
+            },
             is_pulled: false,
         });
         let is_pulled = normal_n < -self.nothing_n() && before.grip.is_some();

@@ -61,17 +61,21 @@ pub struct Shape {
     corners: Vec<Vector>,
     /// Radius of a disc, mm; 0 for corners.
     disc_mm: f64,
+    /// Farthest point from its own point, mm.
+    size_mm: f64,
 }
 
 /// Height under a side, mm, from which on a ball is on another side of a thin object.
 const BEHIND_MM: f64 = 0.5;
+/// A part is far where it is farther than near by this, mm: more than rounding.
+const FAR_MM: f64 = 1e-3;
 /// Share of a piece's length by which a corner may be beyond its ends: where two pieces meet in a hollow, both can hold it.
 const BEYOND: f64 = 1e-9;
 
 impl Shape {
     /// A disc.
     pub fn disc(radius_mm: f64) -> Shape {
-        Shape { corners: vec![Vector::zeros()], disc_mm: radius_mm }
+        Shape { corners: vec![Vector::zeros()], disc_mm: radius_mm, size_mm: radius_mm }
     }
 
     /// A polygon, by its corners in order either way round.
@@ -80,7 +84,8 @@ impl Shape {
         if doubled_area(&corners) < 0.0 {
             corners.reverse();
         }
-        Shape { corners, disc_mm: 0.0 }
+        let size_mm = corners.iter().map(Vector::norm).fold(0.0, f64::max);
+        Shape { corners, disc_mm: 0.0, size_mm }
     }
 
     /// Centre of its area, mm.
@@ -94,7 +99,7 @@ impl Shape {
 
     /// Farthest point from its own point, mm.
     pub fn size_mm(&self) -> f64 {
-        self.disc_mm + self.corners.iter().map(Vector::norm).fold(0.0, f64::max)
+        self.size_mm
     }
 
     /// How far it reaches along a unit vector from its own point, turned by an angle, mm.
@@ -122,12 +127,15 @@ impl Shape {
         let [x, y, angle] = stand.object;
         let turn = Rotation2::new(angle);
         let in_object = |point: Vector| turn.inverse() * (point - Vector::new(x, y));
+        let ends = [in_object(world(part.from)), in_object(world(part.to.unwrap_or(part.from)))];
+        // No point of the piece's middle line is farther from its first end than its length.
+        let away_mm = ends[0].norm() - (ends[1] - ends[0]).norm() - self.size_mm;
+        if away_mm > part.radius_mm + within_mm + FAR_MM {
+            return Vec::new();
+        }
         match part.to {
-            None => self.near_ball(part, in_object(world(part.from)), within_mm),
-            Some(to) => {
-                let ends = [in_object(world(part.from)), in_object(world(to))];
-                self.near_piece(part, to, ends, within_mm)
-            }
+            None => self.near_ball(part, ends[0], within_mm),
+            Some(to) => self.near_piece(part, to, ends, within_mm),
         }
     }
 

@@ -1,6 +1,6 @@
 //! The lattice's elastic energy, and its equilibrium by Newton's method: what settling must arrive at.
 
-use super::bodies::{Assembly, BodyLoad};
+use super::bodies::{Assembly, BodyIndex, BodyLoad};
 use super::pattern::Pattern;
 use super::springs::{Deformation, Spring};
 use faer::Side;
@@ -9,7 +9,7 @@ use faer::mat::MatMut;
 use faer::sparse::Triplet;
 use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
 use finray_model::Vector;
-use nalgebra::{Matrix2, Matrix2x6, Matrix6, Rotation2, Vector6};
+use nalgebra::{Matrix6, Rotation2, Vector6};
 
 /// Motion of a body from rest: displacement of its centre (mm) and rotation (rad).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -28,8 +28,30 @@ impl BodyMotion {
 
     /// Displacement of a point at `arm` from the centre, mm, without cancellation for small rotations.
     pub fn displacement_at(&self, arm: Vector) -> Vector {
-        let half = (0.5 * self.rotation).sin();
-        self.displacement + Vector::new(-arm.y, arm.x) * self.rotation.sin() - arm * (2.0 * half * half)
+        Moved::by(self).displacement_at(arm)
+    }
+}
+
+/// A motion with its rotation's sine and cosine, which many springs share.
+#[derive(Debug, Clone, Copy)]
+struct Moved {
+    displacement: Vector,
+    rotation: f64,
+    turn: Rotation2<f64>,
+    /// 1 less the cosine, without cancellation.
+    versine: f64,
+}
+
+impl Moved {
+    fn by(motion: &BodyMotion) -> Moved {
+        let BodyMotion { displacement, rotation } = *motion;
+        let half = (0.5 * rotation).sin();
+        Moved { displacement, rotation, turn: Rotation2::new(rotation), versine: 2.0 * half * half }
+    }
+
+    /// As [`BodyMotion::displacement_at`].
+    fn displacement_at(&self, arm: Vector) -> Vector {
+        self.displacement + Vector::new(-arm.y, arm.x) * self.turn[(1, 0)] - arm * self.versine
     }
 }
 
@@ -41,18 +63,22 @@ struct Deformed {
     curvature: Matrix6<f64>,
 }
 
+/// A vector times a transposed one.
+fn outer(a: &Vector6<f64>, b: &Vector6<f64>) -> Matrix6<f64> {
+    Matrix6::from_fn(|i, j| a[i] * b[j])
+}
+
 impl Spring {
     /// The deformation s. With the difference of the two points d = x2 + R2 a2 - x1 - R1 a1 it is |d| - |rest|, or n . d
     /// with the normal n = R1 n0 that the first body carries, or the difference of the rotations.
-    fn deformed(&self, motions: [BodyMotion; 2]) -> Deformed {
+    fn deformed(&self, bodies: [Moved; 2]) -> Deformed {
         let [first, second] = self.ends;
-        let arms = [motions[0].carried(first.arm), motions[1].carried(second.arm)];
-        let moved = motions[1].displacement_at(second.arm) - motions[0].displacement_at(first.arm);
-        #[rustfmt::skip]
-        let d_by = Matrix2x6::new(
-            -1.0, 0.0, arms[0].y, 1.0, 0.0, -arms[1].y,
-            0.0, -1.0, -arms[0].x, 0.0, 1.0, arms[1].x,
-        );
+        let arms = [bodies[0].turn * first.arm, bodies[1].turn * second.arm];
+        let moved = bodies[1].displacement_at(second.arm) - bodies[0].displacement_at(first.arm);
+        // Derivative of a vector's product with d.
+        let d_by = |along: Vector| {
+            Vector6::new(-along.x, -along.y, along.perp(&arms[0]), along.x, along.y, -along.perp(&arms[1]))
+        };
         // A carried arm turns on: its second derivative by the rotation is minus itself.
         let turned = |along: Vector, curvature: &mut Matrix6<f64>| {
             curvature[(2, 2)] += along.dot(&arms[0]);
@@ -63,19 +89,19 @@ impl Spring {
                 let d = rest + moved;
                 let distance = d.norm();
                 let along = d / distance;
-                let across = (Matrix2::identity() - along * along.transpose()) / distance;
-                let mut curvature = d_by.transpose() * across * d_by;
+                let across = d_by(Vector::new(-along.y, along.x));
+                let mut curvature = outer(&across, &(across / distance));
                 turned(along, &mut curvature);
                 // |d| - |rest|, without the cancellation of two nearly equal lengths.
                 let value = moved.dot(&(rest + d)) / (distance + rest.norm());
-                Deformed { value, gradient: d_by.transpose() * along, curvature }
+                Deformed { value, gradient: d_by(along), curvature }
             }
             Deformation::Across { direction } => {
-                let along = motions[0].carried(direction);
+                let along = bodies[0].turn * direction;
                 let normal = Vector::new(-along.y, along.x);
-                let mut gradient = d_by.transpose() * normal;
+                let mut gradient = d_by(normal);
                 gradient[2] -= along.dot(&moved);
-                let mixed = d_by.transpose() * -along;
+                let mixed = d_by(-along);
                 let mut curvature = Matrix6::zeros();
                 for i in 0..6 {
                     curvature[(i, 2)] += mixed[i];
@@ -86,7 +112,7 @@ impl Spring {
                 Deformed { value: normal.dot(&moved), gradient, curvature }
             }
             Deformation::Turn => Deformed {
-                value: motions[1].rotation - motions[0].rotation,
+                value: bodies[1].rotation - bodies[0].rotation,
                 gradient: Vector6::new(0.0, 0.0, -1.0, 0.0, 0.0, 1.0),
                 curvature: Matrix6::zeros(),
             },
@@ -108,6 +134,19 @@ pub struct Energy<'a> {
     /// First of the three unknowns of each body; none for a clamped one.
     unknowns: Vec<Option<usize>>,
     count: usize,
+}
+
+/// Energy of a spring, N mm, with its derivatives by x, y and rotation of its first body, then of its second.
+#[derive(Debug, Clone, Copy)]
+pub struct SpringEnergy {
+    /// Its bodies.
+    pub bodies: [BodyIndex; 2],
+    /// Value, N mm.
+    pub energy: f64,
+    /// First derivatives, N and N mm.
+    pub gradient: Vector6<f64>,
+    /// Second derivatives.
+    pub curvature: Matrix6<f64>,
 }
 
 /// Value, gradient and second derivatives of the energy.
@@ -173,17 +212,27 @@ impl<'a> Energy<'a> {
         self.unknowns[body]
     }
 
+    /// Energy of every spring about a motion, in the order of the assembly.
+    pub fn springs(&self, motions: &[BodyMotion]) -> impl Iterator<Item = SpringEnergy> + use<'a> {
+        let moved: Vec<Moved> = motions.iter().map(Moved::by).collect();
+        self.assembly.springs.iter().map(move |spring| {
+            let bodies = spring.ends.map(|end| end.body);
+            let Deformed { value, gradient, curvature } = spring.deformed(bodies.map(|body| moved[body]));
+            let force = spring.stiffness * value;
+            SpringEnergy {
+                bodies,
+                energy: 0.5 * force * value,
+                gradient: gradient * force,
+                curvature: outer(&gradient, &(gradient * spring.stiffness)) + curvature * force,
+            }
+        })
+    }
+
     /// Expands the energy about a motion under `factor` times the loads.
     pub fn expand(&self, motions: &[BodyMotion], loads: &[BodyLoad], factor: f64) -> Expansion {
         let mut expansion = Expansion { energy: 0.0, gradient: vec![0.0; self.count], curvature: Vec::new() };
-        for spring in &self.assembly.springs {
-            let bodies = spring.ends.map(|end| end.body);
-            let deformed = spring.deformed(bodies.map(|body| motions[body]));
-            let force = spring.stiffness * deformed.value;
-            expansion.energy += 0.5 * force * deformed.value;
-            let gradient = deformed.gradient * force;
-            let curvature =
-                deformed.gradient * deformed.gradient.transpose() * spring.stiffness + deformed.curvature * force;
+        for SpringEnergy { bodies, energy, gradient, curvature } in self.springs(motions) {
+            expansion.energy += energy;
             let unknown = |i: usize| self.unknowns[bodies[i / 3]].map(|first| first + i % 3);
             for i in 0..6 {
                 let Some(row) = unknown(i) else { continue };
@@ -219,7 +268,7 @@ impl<'a> Energy<'a> {
             if bodies.iter().all(|&body| self.unknowns[body].is_some()) {
                 continue;
             }
-            let deformed = spring.deformed(bodies.map(|body| motions[body]));
+            let deformed = spring.deformed(bodies.map(|body| Moved::by(&motions[body])));
             let pull = deformed.gradient * -(spring.stiffness * deformed.value);
             for (end, body) in bodies.into_iter().enumerate().filter(|&(_, body)| self.unknowns[body].is_none()) {
                 let on_body = Vector::new(pull[3 * end], pull[3 * end + 1]);

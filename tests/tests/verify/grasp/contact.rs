@@ -2,7 +2,7 @@
 
 use finray_model::Vector;
 use finray_model::gripper::Placement;
-use finray_verify::grasp::contact::{Pair, Stand, Touching, Unknowns};
+use finray_verify::grasp::contact::{Pair, Stand, Unknowns};
 use finray_verify::lattice::energy::BodyMotion;
 use proptest::prelude::*;
 
@@ -64,16 +64,18 @@ proptest! {
     fn derivatives_are_those_of_differences(pair in pairs(), now in stands(), before in stands()) {
         const STEP: f64 = 1e-5;
         const TOLERANCE: f64 = 1e-5;
-        let at = pair.touching(REST, &now, &before);
+        let at = pair.tangent(REST, &now, &before);
         for unknown in 0..6 {
-            let [back, ahead] = [-STEP, STEP].map(|by| pair.touching(REST, &moved(&now, unknown, by), &before));
-            let slope = |of: &dyn Fn(&Touching) -> f64| (of(&ahead) - of(&back)) / (2.0 * STEP);
+            let stands = [-STEP, STEP].map(|by| moved(&now, unknown, by));
+            let slope = |of: &dyn Fn(&Stand) -> f64| (of(&stands[1]) - of(&stands[0])) / (2.0 * STEP);
             let near = |a: f64, b: f64| (a - b).abs() <= TOLERANCE * (1.0 + a.abs().max(b.abs()));
-            prop_assert!(near(slope(&|t| t.gap_mm), at.pull[0][unknown]), "the gap's are the pull along the normal");
-            prop_assert!(near(slope(&|t| t.slip_mm), at.slip_by[unknown]), "slip");
+            let touching = |stand: &Stand| pair.touching(REST, stand, &before);
+            prop_assert!(near(slope(&|s| touching(s).gap_mm), at.pull[0][unknown]), "the gap's are the pull along the normal");
+            prop_assert!(near(slope(&|s| touching(s).slip_mm), at.slip_by[unknown]), "slip");
             for axis in 0..2 {
                 for i in 0..6 {
-                    prop_assert!(near(slope(&|t| t.pull[axis][i]), at.pull_by[unknown][axis][i]), "pull {axis} {i}");
+                    let pull = slope(&|s| pair.tangent(REST, s, &before).pull[axis][i]);
+                    prop_assert!(near(pull, at.pull_by[unknown][axis][i]), "pull {axis} {i}");
                 }
             }
         }
@@ -83,8 +85,8 @@ proptest! {
     #[test]
     fn forces_on_finger_and_object_are_opposite(pair in pairs(), now in stands()) {
         let at = pair.touching(REST, &now, &now);
-        let tangent = Vector::new(-at.normal.y, at.normal.x);
-        for (pull, direction) in at.pull.iter().zip([at.normal, tangent]) {
+        let across = Vector::new(-at.normal.y, at.normal.x);
+        for (pull, direction) in pair.tangent(REST, &now, &now).pull.iter().zip([at.normal, across]) {
             let pull: &Unknowns = pull;
             let on_finger = now.finger.axes() * Vector::new(pull[0], pull[1]);
             let on_object = Vector::new(pull[3], pull[4]);

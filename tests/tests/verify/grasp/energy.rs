@@ -89,6 +89,8 @@ fn the_work_of_a_cycle_is_that_of_friction() {
 fn forces_do_not_depend_on_the_step_of_the_motor() {
     /// Of the largest total: friction is by the slip of a part of a step, in one go.
     const TOLERANCE: f64 = 0.01;
+    /// With two segments a member the wedge snaps, and how friction is shared afterwards depends on how far bases are in the step in which it does.
+    const FINENESS: usize = 3;
     let names = if is_full_study() { &["wedge", "disc", "egg", "hollow"][..] } else { &["wedge"] };
     for &name in names {
         let closing = |step_deg: f64| {
@@ -96,7 +98,8 @@ fn forces_do_not_depend_on_the_step_of_the_motor() {
                 let grasp = scene.grasp.as_mut().unwrap();
                 (grasp.step_deg, grasp.until_force_n, grasp.holds) = (step_deg, None, false);
                 (grasp.path_mm, grasp.opens) = (Vec::new(), false);
-            });
+            })
+            .with_fineness(FINENESS);
             steps_of(&scene, 0.0, 1).0
         };
         let (long, short) = (closing(22.5), closing(7.5));

@@ -9,11 +9,10 @@ mod observed;
 pub use account::Account;
 pub use ends::{Halt, Met, Partner, WorldError};
 
-use super::elimination::Elimination;
 use super::equilibrium::{Scene, Standing, State, Surroundings};
 use super::near::Near;
-use super::surface::{Front, Shape};
-use crate::lattice::energy::{BodyMotion, Energy};
+use super::surface::Shape;
+use crate::lattice::energy::BodyMotion;
 use crate::lattice::{Lattice, LatticeError};
 use account::Acting;
 use finray_model::Vector;
@@ -60,7 +59,6 @@ pub struct World<'l> {
     before: State,
     drive: Drive,
     support: Option<(Vector, Vector)>,
-    elimination: Elimination,
     acting: Acting,
     account: Account,
 }
@@ -82,8 +80,7 @@ impl<'l> World<'l> {
         let mut fingers = Vec::new();
         for &lattice in lattices {
             stiffness = stiffness.min(middle_stiffness(lattice)?);
-            let (energy, front) = (Energy::new(lattice.assembly()), Front::new(lattice, rod_radius_mm));
-            fingers.push(Standing { lattice, energy, front });
+            fingers.push(Standing::new(lattice, rod_radius_mm));
         }
         let motions = lattices.iter().map(|lattice| vec![BodyMotion::default(); lattice.assembly().bodies.len()]);
         let placements = drive.placements.clone();
@@ -96,7 +93,6 @@ impl<'l> World<'l> {
             state,
             drive,
             support,
-            elimination: Elimination::default(),
             acting: Acting::default(),
             account: Account::default(),
         };

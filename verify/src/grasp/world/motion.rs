@@ -82,8 +82,7 @@ impl World<'_> {
         let carried = to.gripper - self.drive.gripper;
         let around = Surroundings { weight: to.weight, support: self.support, carried, drag, finger_drag };
         let farthest_mm = FARTHEST * self.scene.size_mm + self.base_way_mm(to);
-        let (scene, placements, elimination) = (&self.scene, &to.placements, &mut self.elimination);
-        let Some(next) = scene.equilibrium(&self.state, placements, &around, farthest_mm, elimination) else {
+        let Some(next) = self.scene.equilibrium(&self.state, &to.placements, &around, farthest_mm) else {
             return Taken::Unsolved;
         };
         let drive = std::mem::replace(&mut self.drive, to.clone());

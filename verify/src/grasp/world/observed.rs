@@ -20,7 +20,9 @@ impl World<'_> {
     /// Elastic energy of the fingers, N mm.
     pub fn elastic_nmm(&self) -> f64 {
         let fingers = self.scene.fingers.iter().zip(&self.state.motions);
-        fingers.map(|(standing, motions)| standing.energy.expand(motions, &[], 0.0).energy).sum()
+        fingers
+            .map(|(standing, motions)| standing.energy.springs(motions).map(|spring| spring.energy).sum::<f64>())
+            .sum()
     }
 
     /// Position of the object, mm, and its angle, rad.
