@@ -137,7 +137,7 @@ impl From<LatticeError> for Failure {
             | LatticeError::Overlap { .. }
             | LatticeError::NoSegments
             | LatticeError::TooFine { .. } => bad_input(error),
-            LatticeError::LetGo | LatticeError::NotSettled { .. } | LatticeError::NoEquilibrium { .. } => {
+            LatticeError::LetGo { .. } | LatticeError::NotSettled { .. } | LatticeError::NoEquilibrium { .. } => {
                 not_computed(error)
             }
         }

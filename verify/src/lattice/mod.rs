@@ -66,8 +66,13 @@ pub enum LatticeError {
         overlap_mm: f64,
     },
     /// An object pressed with a force goes free.
-    #[error("the finger does not hold the object against the force: nothing touches any more")]
-    LetGo,
+    #[error(
+        "the finger does not hold the object against the force: on the way to it, they last touched at {touched_n:.3} N"
+    )]
+    LetGo {
+        /// Force under which the object last touched the finger, N.
+        touched_n: f64,
+    },
     /// Newton's method found no stable equilibrium on the way to the full load.
     #[error("no stable equilibrium of the lattice was found beyond {:.4} % of the load", 100.0 * converged_fraction)]
     NoEquilibrium {

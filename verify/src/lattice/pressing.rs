@@ -97,6 +97,8 @@ pub struct Pressing<'l> {
     pace: (f64, f64),
     /// Where the hand is, or how it pulls.
     last: Push,
+    /// Pull under which the object last touched the finger, N.
+    touched_n: f64,
 }
 
 /// A share of the way from one push to another.
@@ -200,6 +202,7 @@ impl<'l> Pressing<'l> {
             watch,
             pace,
             last,
+            touched_n: 0.0,
         })
     }
 
@@ -210,19 +213,22 @@ impl<'l> Pressing<'l> {
     pub fn pass(&mut self, push: Push) -> Result<usize, LatticeError> {
         let from = self.last;
         let steps = self.steps_on_the_way(from, push);
-        // Looks at a pulled object that the finger held before.
-        let mut looks_without_touch = None;
+        // Steps without touch of a pulled object that the finger held before.
+        let mut untouched = None;
         for step in 1..=steps {
-            self.drive(between(from, push, step as f64 / steps as f64));
+            let at = between(from, push, step as f64 / steps as f64);
+            self.drive(at);
             self.dynamics.damped_step(&[]);
-            if matches!(push, Push::With(_)) && step % self.watch == 0 {
-                looks_without_touch = match self.touches_anything() {
-                    true => Some(0),
-                    false => looks_without_touch.map(|looks| looks + 1),
-                };
-                if looks_without_touch.is_some_and(|looks| looks >= LOOKS) {
-                    return Err(LatticeError::LetGo);
+            let Push::With(force_n) = at else { continue };
+            untouched = match self.touches_anything() {
+                true => {
+                    self.touched_n = force_n;
+                    Some(0)
                 }
+                false => untouched.map(|steps| steps + 1),
+            };
+            if untouched.is_some_and(|steps| steps >= LOOKS * self.watch) {
+                return Err(self.lets_go());
             }
         }
         self.last = push;
@@ -254,6 +260,10 @@ impl<'l> Pressing<'l> {
         Ok(Pressed { shape, object, touches, hand_force, base_force, base_moment_nmm, steps })
     }
 
+    fn lets_go(&self) -> LatticeError {
+        LatticeError::LetGo { touched_n: self.touched_n }
+    }
+
     /// Lets everything come to rest; the steps that it took, with those before.
     fn settle(&mut self, push: Push, mut steps: usize) -> Result<usize, LatticeError> {
         let most_steps = steps + MOST_STEPS;
@@ -262,7 +272,7 @@ impl<'l> Pressing<'l> {
             match self.dynamics.watch(&[], self.watch, steps, until) {
                 Ok(rest) => return Ok(rest.steps),
                 // Pulled by a force, an object that nothing holds never rests.
-                Err(_) if matches!(push, Push::With(_)) && !self.touches_anything() => return Err(LatticeError::LetGo),
+                Err(_) if matches!(push, Push::With(_)) && !self.touches_anything() => return Err(self.lets_go()),
                 Err(error) if until + self.watch > most_steps => return Err(error),
                 Err(_) => steps = until,
             }
