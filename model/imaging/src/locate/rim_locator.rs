@@ -129,7 +129,8 @@ impl<'f> RimLocator<'f> {
         let Some(base) = &self.base else {
             let names = name(Marked::at_base(self.finger), &self.candidates(&rims, &Isometry2::identity()))?;
             let base = SeenBase::fixed();
-            return Ok(SeenFinger { located: self.located(&rims, &names, &base), base });
+            let named = named(&rims, &names);
+            return Ok(SeenFinger { located: located(&named, &base, widening(&named)), base });
         };
         let marks: Vec<Vec<Rim>> = self.marks(&view, base);
         let proposals = match base.references.len() {
@@ -139,8 +140,10 @@ impl<'f> RimLocator<'f> {
         let best = self.best(&rims, &proposals)?;
         let marked = Marked { finger: self.finger, base_sd_mm: best.sd_mm };
         let names = name(marked, &self.candidates(&rims, &best.base))?;
-        let base = seen_base(base, &marks, best);
-        Ok(SeenFinger { located: self.located(&rims, &names, &base), base })
+        let named = named(&rims, &names);
+        let wider = widening(&named);
+        let base = seen_base(base, &marks, best, wider);
+        Ok(SeenFinger { located: located(&named, &base, wider), base })
     }
 
     /// Rims that may be each reference; those that look alike are sought once.
@@ -207,23 +210,32 @@ impl<'f> RimLocator<'f> {
         };
         rims.iter().map(candidate).collect()
     }
+}
 
-    fn located(&self, rims: &[Rim], names: &Names, base: &SeenBase) -> Vec<Located> {
-        let mut named: Vec<(NodeId, Rim)> =
-            names.iter().enumerate().filter_map(|(i, name)| Some((NodeId(i + 1), rims[(*name)?]))).collect();
-        let mut sds: Vec<f64> = named.iter().map(|(_, rim)| rim.rays_sd_mm).collect();
-        sds.sort_by(f64::total_cmp);
-        let most_mm = sds.get(sds.len() / 2).map_or(0.0, |middle| LEAST_ROUND * middle);
-        named.retain(|(_, rim)| rim.rays_sd_mm <= most_mm);
-        // Background that the model of an edge leaves out makes neighbouring pixels err alike: the markers of an image show by how much.
-        let wider = wider(named.iter().filter_map(|(_, rim)| rim.excess_variances));
-        let located = |(node, Rim { centre, pixel, sd_mm, excess_variances, .. }): (NodeId, Rim)| {
-            let sd_mm = if excess_variances.is_some() { sd_mm * wider } else { sd_mm };
-            let position = base.pose.inverse_transform_point(&centre.into()).coords;
-            Located { node, pixel, position, sd_mm: sd_mm.hypot(base.sd_at(&position)) }
-        };
-        named.into_iter().map(located).collect()
-    }
+/// The rims that have a name, less those that are far less round than the others.
+fn named(rims: &[Rim], names: &Names) -> Vec<(NodeId, Rim)> {
+    let mut named: Vec<(NodeId, Rim)> =
+        names.iter().enumerate().filter_map(|(i, name)| Some((NodeId(i + 1), rims[(*name)?]))).collect();
+    let mut sds: Vec<f64> = named.iter().map(|(_, rim)| rim.rays_sd_mm).collect();
+    sds.sort_by(f64::total_cmp);
+    let most_mm = sds.get(sds.len() / 2).map_or(0.0, |middle| LEAST_ROUND * middle);
+    named.retain(|(_, rim)| rim.rays_sd_mm <= most_mm);
+    named
+}
+
+/// Background that the model of an edge leaves out makes neighbouring pixels err alike: the markers of an image show by how much standard
+/// deviations are wider for it, those of the marks on the base as well.
+fn widening(named: &[(NodeId, Rim)]) -> f64 {
+    wider(named.iter().filter_map(|(_, rim)| rim.excess_variances))
+}
+
+fn located(named: &[(NodeId, Rim)], base: &SeenBase, wider: f64) -> Vec<Located> {
+    let located = |(node, rim): &(NodeId, Rim)| {
+        let position = base.pose.inverse_transform_point(&rim.centre.into()).coords;
+        let sd_mm = rim.widened_sd_mm(wider).hypot(base.sd_at(&position));
+        Located { node: *node, pixel: rim.pixel, position, sd_mm }
+    };
+    named.iter().map(located).collect()
 }
 
 fn shape_of(markers: &Markers) -> Result<RimShape, LocatorError> {
@@ -231,8 +243,8 @@ fn shape_of(markers: &Markers) -> Result<RimShape, LocatorError> {
     Ok(RimShape { radius_mm: markers.radius_mm, inner_radius_mm, shade, height_mm: markers.height_mm })
 }
 
-/// The base as a proposal has it.
-fn seen_base(base: &Base, marks: &[Vec<Rim>], proposal: &Proposal) -> SeenBase {
+/// The base as a proposal has it; standard deviations of its marks are so much wider than for pixels that err independently.
+fn seen_base(base: &Base, marks: &[Vec<Rim>], proposal: &Proposal, wider: f64) -> SeenBase {
     let found = |i: usize| Some(marks[i][proposal.references.get(i).copied().flatten()?]);
     let seen: Vec<(Vector, Rim)> =
         base.references.iter().enumerate().filter_map(|(i, reference)| Some((reference.at, found(i)?))).collect();
@@ -241,7 +253,7 @@ fn seen_base(base: &Base, marks: &[Vec<Rim>], proposal: &Proposal) -> SeenBase {
     };
     let count = seen.len() as f64;
     let middle = seen.iter().map(|(at, _)| at).sum::<Vector>() / count.max(1.0);
-    let variance = seen.iter().map(|(_, rim)| rim.sd_mm.powi(2)).sum::<f64>() / count.max(1.0);
+    let variance = seen.iter().map(|(_, rim)| rim.widened_sd_mm(wider).powi(2)).sum::<f64>() / count.max(1.0);
     let spread: f64 = seen.iter().map(|(at, _)| (at - middle).norm_squared()).sum();
     let is_known = seen.len() > 1;
     SeenBase {

@@ -147,9 +147,16 @@ fn intervals_of_forces_hold_on_images_of_an_exact_finger() {
         let sensed = finray(&["sense", BRACKETED, "--displacements", &nodes, "--contact-at", &contact]).computed();
         let [found_n, sigma_n] = ["force_n", "sigma_n"].map(|column| Csv::of(&sensed).numbers(column)[0]);
         println!("{base} {load} {seed}: {found_n} +- {sigma_n}");
-        (found_n - force_n) / sigma_n
+        let nodes = Csv::of(&folder.read(&format!("{number}.csv")));
+        let truth: Vec<f64> = base.split(',').map(|number| number.parse().expect("a number")).collect();
+        let number = |column: &str| nodes.numbers(column)[0];
+        let coordinates =
+            [("base_x_mm", "base_sigma_mm"), ("base_y_mm", "base_sigma_mm"), ("base_deg", "base_sigma_deg")];
+        let of_base = [0, 1, 2].map(|i| (number(coordinates[i].0) - truth[i]) / number(coordinates[i].1));
+        println!("base {of_base:?}");
+        ((found_n - force_n) / sigma_n, of_base)
     };
-    let off: Vec<f64> = (0..COUNT).into_par_iter().map(off_in_sigmas).collect();
+    let (off, of_base): (Vec<f64>, Vec<[f64; 3]>) = (0..COUNT).into_par_iter().map(off_in_sigmas).unzip();
     let share = off.iter().filter(|off| off.abs() <= TWO_SIDED_95).count() as f64 / COUNT as f64;
     let mean = off.iter().sum::<f64>() / COUNT as f64;
     println!("{share} within, {mean} standard deviations off in the mean");
@@ -157,4 +164,8 @@ fn intervals_of_forces_hold_on_images_of_an_exact_finger() {
     // Seeds of a base and a load share what the model of an edge leaves out, so that their mean counts for one.
     let independent = (BASES.len() * LOADS.len()) as f64;
     assert!(mean.abs() <= STANDARD_ERRORS / independent.sqrt(), "{mean} {off:?}");
+    let within = of_base.iter().flatten().filter(|off| off.abs() <= TWO_SIDED_95).count() as f64;
+    let share = within / (3 * COUNT) as f64;
+    println!("{share} of the base's coordinates within");
+    assert!((share - 0.95).abs() <= STANDARD_ERRORS * share_error(0.95, 3 * COUNT), "{share} {of_base:?}");
 }

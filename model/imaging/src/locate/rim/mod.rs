@@ -62,6 +62,13 @@ pub(super) struct Rim {
     pub excess_variances: Option<[f64; 2]>,
 }
 
+impl Rim {
+    /// Standard deviation of one coordinate of the centre, mm, where that of a centre by the model of an edge is so much wider.
+    pub fn widened_sd_mm(&self, wider: f64) -> f64 {
+        if self.excess_variances.is_some() { self.sd_mm * wider } else { self.sd_mm }
+    }
+}
+
 /// What rims are sought.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RimShape {
