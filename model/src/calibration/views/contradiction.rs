@@ -18,7 +18,7 @@ const LARGEST_TIMES: f64 = 2.0;
 /// The same for all views together, against the scene's finger, whose modulus may be a guess: beyond, a search has nowhere to begin.
 const LARGEST_FACTOR: f64 = 5.0;
 /// By how many of its standard deviations a force that the markers show must be off.
-const SURE: f64 = 3.0;
+pub(super) const SURE: f64 = 3.0;
 /// A marker has another node's name if it is nearer to where the finger has that node than to its own place by this factor.
 const NEARER: f64 = 0.5;
 

@@ -1,8 +1,9 @@
 //! What markers err by, as the residuals of a fit have it.
 
+use super::View;
 use super::problem::{Point, Problem};
 use crate::least_squares::Fit;
-use crate::measurement::MarkerErrors;
+use crate::measurement::{Marker, MarkerErrors};
 use nalgebra::DMatrix;
 
 /// Errors of markers without any noise, as shares of the stated ones, and steps from there to as stated, alike as ratios.
@@ -46,6 +47,14 @@ impl Problem<'_> {
             row += self.row_count(view);
         }
         likeliest(left)
+    }
+
+    /// Errors of the markers of a new view, whose variances are larger than those of a fit by a share: what is open of the geometry is the finger's.
+    pub(super) fn new_marker_errors(&self, share: f64) -> MarkerErrors {
+        let markers = || self.views.iter().flat_map(|view| view.measurement.markers().iter().map(move |it| (view, it)));
+        let variance_mm2 = |(view, marker): (&View, &Marker)| self.errors.sd_mm(view.noise_mm / marker.weight).powi(2);
+        let mean_mm2 = markers().map(variance_mm2).sum::<f64>() / markers().count() as f64;
+        MarkerErrors { model_mm: self.errors.model_mm.hypot((share * mean_mm2).sqrt()), ..self.errors }
     }
 }
 

@@ -30,7 +30,7 @@ use crate::measurement::MarkerErrors;
 use crate::sensing::{Lean, Normal, Pad};
 use nalgebra::{DMatrix, Isometry2};
 use problem::Problem;
-use scatter::Scatter;
+use scatter::{OfNew, Scatter};
 
 /// What is held beside the views.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -108,6 +108,8 @@ pub struct ViewEstimate {
     pub views: Vec<FoundView>,
     /// Errors of markers as the residuals have them, against the noise of the views.
     pub marker_errors: MarkerErrors,
+    /// The same in a new view: what is open of the geometry adds to what is the finger's.
+    pub new_marker_errors: MarkerErrors,
     /// By which share it misses forces. `None` where no modulus is sought, or no force was measured.
     pub force_error: Option<ForceError>,
     /// Measured forces and markers that are further off than the others let expect.
@@ -119,7 +121,7 @@ pub struct ViewEstimate {
 pub struct ForceError {
     /// Of those that were measured, as they scatter: 1 % is assumed where there are too few to compare.
     pub scatter: f64,
-    /// Of a force in a new image: with what is open of the scatter and of all that was found.
+    /// Of a force in a new image: with what is open of the scatter, and of all that was found as far as `new_marker_errors` do not hold it.
     pub of_new: f64,
 }
 
@@ -204,10 +206,11 @@ pub fn views(
     if (0..sought.len()).any(|k| open(&k)) {
         return Err(CalibrationError::NotIdentifiable { parameters: names(&mut (0..sought.len()).filter(open)) });
     }
-    let force_error = problem.scatter.map(|of_single| ForceError {
-        scatter: of_single,
-        of_new: scatter.as_ref().map_or(of_single, |scatter| scatter.of_new(of_single)),
+    let of_new = problem.scatter.map(|of_single| match &scatter {
+        Some(scatter) => scatter.of_new(of_single),
+        None => OfNew { share: of_single, of_noise: 0.0 },
     });
+    let force_error = problem.scatter.zip(of_new).map(|(scatter, of_new)| ForceError { scatter, of_new: of_new.share });
     if !sought.is_empty() {
         problem.check_use(&fitted, covariance, force_error)?;
     }
@@ -240,6 +243,7 @@ pub fn views(
         correlation: DMatrix::from_fn(sought.len(), sought.len(), |i, j| covariance[(i, j)] / (sigma(i) * sigma(j))),
         views: found_views,
         marker_errors: problem.errors,
+        new_marker_errors: problem.new_marker_errors(of_new.map_or(0.0, |of_new| of_new.of_noise)),
         force_error,
         outliers: problem.outliers(&fitted, covariance),
         marker_height_mm: candidate.marker_height_mm,

@@ -1,7 +1,7 @@
 //! What stands out of a fit: measured forces and markers that are further off than all others let expect; and a fit that is of no use.
 
-use super::contradiction::median;
-use super::problem::{OWN, Point, Problem};
+use super::contradiction::{SURE, median};
+use super::problem::{Point, Problem};
 use super::{ForceError, ViewError};
 use crate::NodeId;
 use crate::calibration::CalibrationError;
@@ -65,6 +65,21 @@ impl fmt::Display for Outlier {
     }
 }
 
+/// A measured force over what all else shows of it.
+struct Times<'p> {
+    view: &'p str,
+    times: f64,
+    /// Standard deviation of 1 / `times` as noise and base of the view leave it.
+    inverse_sd: f64,
+}
+
+impl Times<'_> {
+    /// Whether noise does not explain that it is another one.
+    fn is_surely_not(&self, other: f64) -> bool {
+        (1.0 / self.times - 1.0 / other).abs() > SURE * self.inverse_sd
+    }
+}
+
 /// A marker of a view, against the fit.
 struct OffMarker<'p> {
     view: &'p str,
@@ -80,34 +95,43 @@ struct OffMarker<'p> {
 impl Problem<'_> {
     /// What stands out of a fit, given its covariance; of markers the furthest off alone, which pulls others along.
     pub(super) fn outliers(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> Vec<Outlier> {
-        let times = self.times(fitted, covariance);
-        let logarithms: Vec<f64> = times.iter().map(|(_, times)| times.ln()).collect();
+        let mut all = self.times(fitted, covariance);
+        // Markers that hardly show a force have nothing to say of it.
+        all.retain(|it| it.inverse_sd < OF_NO_USE);
+        let logarithms: Vec<f64> = all.iter().map(|it| it.times.ln()).collect();
         let usual = median(logarithms.iter().copied()).unwrap_or_default();
         let off: Vec<f64> = logarithms.iter().map(|logarithm| (logarithm - usual).abs()).collect();
         let mut sorted = off.clone();
         sorted.sort_by(f64::total_cmp);
         let half = sorted.get(sorted.len().saturating_sub(1) / 2).copied().unwrap_or_default();
         let most = EXPECTED_TIMES.ln().max(MOST_SIGMAS * SD_OF_MEDIAN * half);
-        let forces =
-            times.iter().zip(&off).filter(|(_, off)| off.is_nan() || **off > most).map(|((view, times), _)| Outlier {
-                view: (*view).to_owned(),
-                what: OutlierKind::Force { times: times / usual.exp() },
-            });
+        let is_off = |it: &Times, off: f64| (off.is_nan() || off > most) && it.is_surely_not(usual.exp());
+        let forces = all.iter().zip(&off).filter(|(it, off)| is_off(it, **off)).map(|(it, _)| Outlier {
+            view: it.view.to_owned(),
+            what: OutlierKind::Force { times: it.times / usual.exp() },
+        });
         forces.chain(marker_outlier(&self.off_markers(fitted, covariance))).collect()
     }
 
     /// Each measured force over what all else shows of it.
-    fn times(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> Vec<(&str, f64)> {
+    fn times(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> Vec<Times<'_>> {
         let Some(scatter) = self.scatter else { return Vec::new() };
-        let mut column = self.sought.len();
+        let shared = covariance.view((0, 0), (self.sought.len(), self.sought.len()));
+        let (mut row, mut column) = (0, self.sought.len());
         let mut all = Vec::new();
         for (view, own) in self.views.iter().zip(&fitted.parameters.own) {
-            if let Some(measured_n) = view.force.map(|force| force.norm()) {
-                // Part of its error is in the residual, the rest was fitted to it.
-                let fitted_share = covariance[(column + OWN, column + OWN)] / (measured_n * scatter).powi(2);
-                let off = (own.force_n / measured_n - 1.0) / (1.0 - fitted_share).max(f64::MIN_POSITIVE);
-                all.push((view.name.as_str(), 1.0 / (1.0 + off)));
+            let measured_n = view.force.map(|force| force.norm());
+            let alone =
+                measured_n.and_then(|n| Some((n, self.new_image(&fitted.derivatives, [row, column], view, n)?)));
+            if let Some((measured_n, alone)) = alone {
+                // Part of its error is in the residual, the rest was fitted to it: by the markers' own error, and by the finger.
+                let of_both = alone.of_noise + scatter * scatter;
+                let of_finger = (alone.by_shared.transpose() * shared * &alone.by_shared)[0];
+                let free = scatter * scatter / of_both * (1.0 - of_finger / of_both).max(f64::MIN_POSITIVE);
+                let off = (own.force_n / measured_n - 1.0) / free;
+                all.push(Times { view: &view.name, times: 1.0 / (1.0 + off), inverse_sd: alone.of_noise.sqrt() });
             }
+            row += self.row_count(view);
             column += self.own_count(view);
         }
         all
@@ -161,9 +185,9 @@ impl Problem<'_> {
         }
         let times = self.times(fitted, covariance);
         let off = |times: f64| if times > 0.0 { times.ln().abs() } else { f64::INFINITY };
-        let worst = times.iter().max_by(|a, b| off(a.1).total_cmp(&off(b.1)));
+        let worst = times.iter().max_by(|a, b| off(a.times).total_cmp(&off(b.times)));
         match (error, worst) {
-            (Some(ForceError { of_new, .. }), Some(&(view, times))) if of_new >= OF_NO_USE => {
+            (Some(ForceError { of_new, .. }), Some(&Times { view, times, .. })) if of_new >= OF_NO_USE => {
                 refused(view, ViewError::ForceErrors { share: of_new, times })
             }
             _ => Ok(()),

@@ -53,9 +53,13 @@ fn truth() -> Truth {
 
 /// The truth as the scene's rig would have located it, each view with its own base.
 fn views_of(truth: &Truth, forces: bool, rng: &mut ChaCha8Rng) -> Vec<View> {
+    views_at(&PRESSES, truth, forces, rng)
+}
+
+fn views_at(presses: &[(f64, f64, f64)], truth: &Truth, forces: bool, rng: &mut ChaCha8Rng) -> Vec<View> {
     let stated = truth.stated.clone();
     let mesh = finray_model::Mesh::with_elements_per_member(&truth.finger, ELEMENTS);
-    let mut view = |(s_mm, force_n, angle_deg): (f64, f64, f64)| {
+    let mut view = |&(s_mm, force_n, angle_deg): &(f64, f64, f64)| {
         let contact = at_position(s_mm, angle_deg);
         let bent = seen(&mesh, &[contact], &[force_n], Kinematics::Corotational).expect("carried");
         let mut normal = || -> f64 { StandardNormal.sample(rng) };
@@ -80,7 +84,7 @@ fn views_of(truth: &Truth, forces: bool, rng: &mut ChaCha8Rng) -> Vec<View> {
             force: forces.then_some(force),
         }
     };
-    PRESSES.map(&mut view).to_vec()
+    presses.iter().map(&mut view).collect()
 }
 
 fn sought(quantities: &[Quantity], prior_sd: Option<f64>) -> Vec<Sought> {
@@ -269,6 +273,27 @@ fn what_is_not_identifiable_is_refused() {
         .collect();
     let refused = views(&scene_finger(), &seen[..1], &sought(&all, None), &model(lean));
     assert!(matches!(refused, Err(CalibrationError::TooFewMarkers { .. })), "{refused:?}");
+}
+
+/// A small force near the base moves markers by less than they err, and markers that hardly show a force have nothing to say against its
+/// measurement; they do against one that they show.
+#[test]
+fn a_force_that_markers_hardly_show_is_no_outlier() {
+    let truth = truth();
+    let presses = [&PRESSES[..], &[(14.0, 0.3, 0.0)]].concat();
+    let quantities = [Quantity::Modulus, Quantity::Bracket(Plate::Front), Quantity::Bracket(Plate::Back)];
+    let base = [Quantity::BaseX, Quantity::BaseY, Quantity::BaseTurn, Quantity::MarkerHeight];
+    let all = [sought(&quantities, None), sought(&base, None)].concat();
+    for seed in 0..4 {
+        let mut seen = views_at(&presses, &truth, true, &mut ChaCha8Rng::seed_from_u64(seed));
+        let outliers = |seen: &[View]| {
+            views(&scene_finger(), seen, &all, &model(Lean::NONE)).map(|found| found.outliers).expect("identifiable")
+        };
+        assert_eq!(outliers(&seen), [], "seed {seed}");
+        seen[1].force = seen[1].force.map(|force| force * 1.4);
+        let found = outliers(&seen);
+        assert!(found.len() == 1 && found[0].view == "press at 70 mm", "{found:?}");
+    }
 }
 
 /// Forces that scatter by half of themselves leave a finger that senses nothing: refused, by the view that is furthest off.

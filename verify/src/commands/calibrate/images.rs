@@ -279,8 +279,8 @@ fn rows(estimate: &ViewEstimate, friction: Option<&Lean>, compliance: Option<Bas
             rows.push(row("friction_build_up_n", lean.build_up_n, None));
         }
     }
-    rows.push(row("noise_factor", estimate.marker_errors.noise_factor, None));
-    rows.push(row("model_error_mm", estimate.marker_errors.model_mm, None));
+    rows.push(row("noise_factor", estimate.new_marker_errors.noise_factor, None));
+    rows.push(row("model_error_mm", estimate.new_marker_errors.model_mm, None));
     rows.extend(estimate.force_error.map(|error| row("force_error_share", error.of_new, None)));
     rows
 }
@@ -338,8 +338,8 @@ fn values(
     if sought(|quantity| *quantity == Quantity::MarkerHeight) {
         put("markers.height_mm", estimate.marker_height_mm.into());
     }
-    put("markers.noise_factor", estimate.marker_errors.noise_factor.into());
-    put("markers.model_error_mm", estimate.marker_errors.model_mm.into());
+    put("markers.noise_factor", estimate.new_marker_errors.noise_factor.into());
+    put("markers.model_error_mm", estimate.new_marker_errors.model_mm.into());
     if let Some(error) = estimate.force_error {
         put("contact.force_error_share", error.of_new.into());
     }
