@@ -6,12 +6,12 @@ use nalgebra::{DMatrix, DVectorViewMut, Matrix3};
 /// Equations of a finger's bodies.
 struct Inner<'o> {
     order: &'o Order,
-    /// Its first unknown.
+    /// Number of its first unknown.
     first: usize,
     blocks: Vec<Matrix3<f64>>,
-    /// Its unknown, column of the border, and derivative.
+    /// Derivatives by the border: unknown of the finger, column of the border, value.
     by_border: Vec<(usize, usize, f64)>,
-    /// Row of the border, its unknown, and derivative.
+    /// Derivatives of the border: row of the border, unknown of the finger, value.
     of_border: Vec<(usize, usize, f64)>,
 }
 
@@ -20,7 +20,7 @@ impl Inner<'_> {
         3 * self.order.body_count()
     }
 
-    /// What all unknowns are where those of the border are nothing, and minus how they change with each of those: a row an unknown.
+    /// Of the finger's matrix A, a right side r and derivatives B by the border: A⁻¹ r, then A⁻¹ B; a row an unknown.
     fn solved(&mut self, right: &[f64], border_count: usize) -> Option<Vec<f64>> {
         let columns = 1 + border_count;
         let mut solved = vec![0.0; self.unknown_count() * columns];
@@ -76,12 +76,12 @@ impl<'o> Bordered<'o> {
             finger.of_border.push((row - first, column - finger.first, derivative));
         } else {
             let [row, column] = [row - finger.first, column - finger.first];
-            debug_assert_eq!(row / 3, column / 3, "two unknowns of a body");
+            assert_eq!(row / 3, column / 3, "two unknowns of a body");
             finger.blocks[row / 3][(row % 3, column % 3)] += derivative;
         }
     }
 
-    /// Solves for `right`, in place. `None` for a singular matrix.
+    /// Solves for `right`, in place. `None` where a block of a finger, or what is left for the border, is singular.
     pub fn solve(mut self, right: &mut [f64]) -> Option<()> {
         let count = self.border.nrows();
         let columns = 1 + count;

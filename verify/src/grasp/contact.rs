@@ -67,7 +67,7 @@ impl Stand {
     }
 }
 
-/// A contact.
+/// Gap, slip and place of a contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Touching {
     /// Distance, mm; negative for an overlap.
@@ -76,19 +76,19 @@ pub struct Touching {
     pub slip_mm: f64,
     /// From the object into the finger, world; a unit vector.
     pub normal: Vector,
-    /// Where, world, mm.
+    /// Where they touch, or would, on the object; world, mm.
     pub point: Vector,
 }
 
 /// What the forces of a contact do, and its derivatives by the six unknowns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tangent {
-    /// Derivatives of the slip.
+    /// Derivatives of the slip, mm by mm and rad.
     pub slip_by: Unknowns,
-    /// Generalised forces of 1 N along the normal, and of 1 N across it: on the finger's body and on the object. The first are the gap's
-    /// derivatives.
+    /// Generalised forces of 1 N along the normal, and of 1 N across it: N and N mm on the finger's body, in the finger's frame, and on the object, in
+    /// the world. The first are the gap's derivatives.
     pub pull: [Unknowns; 2],
-    /// Derivatives of both, a row an unknown.
+    /// Derivatives of both by mm and rad, a row an unknown.
     pub pull_by: [[Unknowns; 2]; 6],
 }
 

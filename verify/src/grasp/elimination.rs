@@ -80,10 +80,10 @@ impl Order {
         &self.links
     }
 
-    /// Eliminates all bodies. `None` for a singular block.
+    /// Eliminates all bodies, in the same order whatever the blocks are. `None` where a block is exactly singular.
     ///
-    /// The order stays whatever the elements are. A finger's own stiffness is positive definite but where it snaps, so that this is stable; what rounding
-    /// leaves there Newton's next step takes away.
+    /// That is stable where the stiffness of a finger, with what its contacts add, is positive definite. Where it snaps it may not be: the correction is
+    /// then less exact, and Newton's method repeats it or gives up.
     pub fn factorise(&self, blocks: &mut [Matrix3<f64>]) -> Option<()> {
         for Pivot { body, later, changed } in &self.pivots {
             let inverse = blocks[*body].try_inverse()?;

@@ -15,7 +15,7 @@ const NEAR: f64 = 0.2;
 /// An object that is carried along has left its support where the gap would take this many times the force, by the fingers' stiffness across.
 const LIFTED: f64 = 10.0;
 
-/// Share of the largest friction that rounding takes from a pair that slips.
+/// Friction that is as near to its bound, as a share of it, is at the bound: rounding leaves a pair that slips a little below.
 const AT_BOUND: f64 = 1e-9;
 
 /// Which pair of parts: the finger by its number (the support comes after the last), its part, and the object's feature.

@@ -67,7 +67,7 @@ pub struct Shape {
 
 /// Height under a side, mm, from which on a ball is on another side of a thin object.
 const BEHIND_MM: f64 = 0.5;
-/// A part is far where it is farther than near by this, mm: more than rounding.
+/// Margin beyond which a part is not looked at, mm: more than rounding.
 const FAR_MM: f64 = 1e-3;
 /// Share of a piece's length by which a corner may be beyond its ends: where two pieces meet in a hollow, both can hold it.
 const BEYOND: f64 = 1e-9;

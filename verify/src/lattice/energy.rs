@@ -145,7 +145,7 @@ pub struct SpringEnergy {
     pub energy: f64,
     /// First derivatives, N and N mm.
     pub gradient: Vector6<f64>,
-    /// Second derivatives.
+    /// Second derivatives, N/mm, N and N mm.
     pub curvature: Matrix6<f64>,
 }
 

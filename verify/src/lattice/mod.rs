@@ -67,11 +67,11 @@ pub enum LatticeError {
     },
     /// An object pressed with a force goes free.
     #[error(
-        "the finger does not hold the object against the force: on the way to it, they last touched at {touched_n:.3} N"
+        "the finger does not hold the object against the force{}", touched_n.map_or(String::new(), |n| format!(": they last touched at {n:.3} N"))
     )]
     LetGo {
-        /// Force under which the object last touched the finger, N.
-        touched_n: f64,
+        /// Force under which the object last touched the finger, N; `None` if it never did.
+        touched_n: Option<f64>,
     },
     /// Newton's method found no stable equilibrium on the way to the full load.
     #[error("no stable equilibrium of the lattice was found beyond {:.4} % of the load", 100.0 * converged_fraction)]

@@ -98,7 +98,7 @@ pub struct Pressing<'l> {
     /// Where the hand is, or how it pulls.
     last: Push,
     /// Pull under which the object last touched the finger, N.
-    touched_n: f64,
+    touched_n: Option<f64>,
 }
 
 /// A share of the way from one push to another.
@@ -202,7 +202,7 @@ impl<'l> Pressing<'l> {
             watch,
             pace,
             last,
-            touched_n: 0.0,
+            touched_n: None,
         })
     }
 
@@ -222,7 +222,7 @@ impl<'l> Pressing<'l> {
             let Push::With(force_n) = at else { continue };
             untouched = match self.touches_anything() {
                 true => {
-                    self.touched_n = force_n;
+                    self.touched_n = Some(force_n);
                     Some(0)
                 }
                 false => untouched.map(|steps| steps + 1),
@@ -274,7 +274,12 @@ impl<'l> Pressing<'l> {
                 // Pulled by a force, an object that nothing holds never rests.
                 Err(_) if matches!(push, Push::With(_)) && !self.touches_anything() => return Err(self.lets_go()),
                 Err(error) if until + self.watch > most_steps => return Err(error),
-                Err(_) => steps = until,
+                Err(_) => {
+                    if let Push::With(force_n) = push {
+                        self.touched_n = Some(force_n);
+                    }
+                    steps = until;
+                }
             }
         }
     }

@@ -49,7 +49,7 @@ impl Problem<'_> {
         likeliest(left)
     }
 
-    /// Errors of the markers of a new view, whose variances are larger than those of a fit by a share: what is open of the geometry is the finger's.
+    /// Errors of the markers of a new view: what is open of the finger's geometry adds the same to the variance of each, a share of their mean variance.
     pub(super) fn new_marker_errors(&self, share: f64) -> MarkerErrors {
         let markers = || self.views.iter().flat_map(|view| view.measurement.markers().iter().map(move |it| (view, it)));
         let variance_mm2 = |(view, marker): (&View, &Marker)| self.errors.sd_mm(view.noise_mm / marker.weight).powi(2);

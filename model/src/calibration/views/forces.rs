@@ -1,14 +1,14 @@
 //! Measured forces against those that the images of a fit show.
 
 use super::View;
-use super::problem::{OWN, Point, Problem};
+use super::problem::{BASE_ROWS, OWN, Point, Problem};
 use super::scatter::{NewImage, Scatter};
 use crate::least_squares::Fit;
 use nalgebra::{DMatrix, DVector};
 
 impl Problem<'_> {
-    /// The force that the markers of a view alone show, by derivatives of which it has so many rows and columns before it; `None` where they do not
-    /// show it.
+    /// The force that markers and base of a view show without what was measured of it. `by` are the derivatives of a fit, in which the view begins at a
+    /// row and a column. `None` where they do not show it.
     pub(super) fn new_image(
         &self,
         by: &DMatrix<f64>,
@@ -23,7 +23,9 @@ impl Problem<'_> {
         let covariance = alone.tr_mul(&alone).cholesky()?.inverse();
         // Without what was measured of it, the force follows the finger.
         let by_shared = -alone.tr_mul(&by.view((row, 0), (rows, self.sought.len()))).tr_mul(&covariance.column(OWN));
-        Some(NewImage { by_shared, of_noise: covariance[(OWN, OWN)] })
+        let by_base = alone.rows(rows - BASE_ROWS, BASE_ROWS) * covariance.column(OWN);
+        let variance = covariance[(OWN, OWN)];
+        Some(NewImage { by_shared, variance, of_markers: variance - by_base.norm_squared() })
     }
 
     /// How measured forces scatter about those that the images show, linearised at a fit; `None` where the images do not show all unknowns.

@@ -108,7 +108,7 @@ pub struct ViewEstimate {
     pub views: Vec<FoundView>,
     /// Errors of markers as the residuals have them, against the noise of the views.
     pub marker_errors: MarkerErrors,
-    /// The same in a new view: what is open of the geometry adds to what is the finger's.
+    /// The same in a new view: what is open of the calibrated geometry adds to `model_mm`.
     pub new_marker_errors: MarkerErrors,
     /// By which share it misses forces. `None` where no modulus is sought, or no force was measured.
     pub force_error: Option<ForceError>,
@@ -206,9 +206,9 @@ pub fn views(
     if (0..sought.len()).any(|k| open(&k)) {
         return Err(CalibrationError::NotIdentifiable { parameters: names(&mut (0..sought.len()).filter(open)) });
     }
-    let of_new = problem.scatter.map(|of_single| match &scatter {
-        Some(scatter) => scatter.of_new(of_single),
-        None => OfNew { share: of_single, of_noise: 0.0 },
+    let of_new = problem.scatter.map(|most_likely| match &scatter {
+        Some(scatter) => scatter.of_new(most_likely),
+        None => OfNew { share: most_likely, of_markers: 0.0 },
     });
     let force_error = problem.scatter.zip(of_new).map(|(scatter, of_new)| ForceError { scatter, of_new: of_new.share });
     if !sought.is_empty() {
@@ -243,7 +243,7 @@ pub fn views(
         correlation: DMatrix::from_fn(sought.len(), sought.len(), |i, j| covariance[(i, j)] / (sigma(i) * sigma(j))),
         views: found_views,
         marker_errors: problem.errors,
-        new_marker_errors: problem.new_marker_errors(of_new.map_or(0.0, |of_new| of_new.of_noise)),
+        new_marker_errors: problem.new_marker_errors(of_new.map_or(0.0, |of_new| of_new.of_markers)),
         force_error,
         outliers: problem.outliers(&fitted, covariance),
         marker_height_mm: candidate.marker_height_mm,

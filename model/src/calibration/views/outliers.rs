@@ -113,7 +113,7 @@ impl Problem<'_> {
         forces.chain(marker_outlier(&self.off_markers(fitted, covariance))).collect()
     }
 
-    /// Each measured force over what all else shows of it.
+    /// Each measured force over what all else shows of it; views that show nothing of it are left out.
     fn times(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> Vec<Times<'_>> {
         let Some(scatter) = self.scatter else { return Vec::new() };
         let shared = covariance.view((0, 0), (self.sought.len(), self.sought.len()));
@@ -125,11 +125,11 @@ impl Problem<'_> {
                 measured_n.and_then(|n| Some((n, self.new_image(&fitted.derivatives, [row, column], view, n)?)));
             if let Some((measured_n, alone)) = alone {
                 // Part of its error is in the residual, the rest was fitted to it: by the markers' own error, and by the finger.
-                let of_both = alone.of_noise + scatter * scatter;
+                let of_both = alone.variance + scatter * scatter;
                 let of_finger = (alone.by_shared.transpose() * shared * &alone.by_shared)[0];
-                let free = scatter * scatter / of_both * (1.0 - of_finger / of_both).max(f64::MIN_POSITIVE);
+                let free = (scatter * scatter / of_both * (1.0 - of_finger / of_both)).max(f64::MIN_POSITIVE);
                 let off = (own.force_n / measured_n - 1.0) / free;
-                all.push(Times { view: &view.name, times: 1.0 / (1.0 + off), inverse_sd: alone.of_noise.sqrt() });
+                all.push(Times { view: &view.name, times: 1.0 / (1.0 + off), inverse_sd: alone.variance.sqrt() });
             }
             row += self.row_count(view);
             column += self.own_count(view);
@@ -185,7 +185,9 @@ impl Problem<'_> {
         }
         let times = self.times(fitted, covariance);
         let off = |times: f64| if times > 0.0 { times.ln().abs() } else { f64::INFINITY };
-        let worst = times.iter().max_by(|a, b| off(a.times).total_cmp(&off(b.times)));
+        let further = |a: &&Times, b: &&Times| off(a.times).total_cmp(&off(b.times));
+        let shown = times.iter().filter(|it| it.inverse_sd < OF_NO_USE).max_by(further);
+        let worst = shown.or_else(|| times.iter().max_by(further));
         match (error, worst) {
             (Some(ForceError { of_new, .. }), Some(&Times { view, times, .. })) if of_new >= OF_NO_USE => {
                 refused(view, ViewError::ForceErrors { share: of_new, times })

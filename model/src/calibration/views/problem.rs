@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector, Isometry2, Point2, UnitComplex};
 /// measured.
 pub(super) const OWN: usize = 4;
 /// Of a view's base that is not quite known.
-const BASE_ROWS: usize = 3;
+pub(super) const BASE_ROWS: usize = 3;
 /// Steps for derivatives: of lengths, mm, of factors, forces, as shares, and angles in rad, and of angles in degrees. Equilibria are good to
 /// ten digits.
 const LENGTH_STEP: f64 = 1e-3;

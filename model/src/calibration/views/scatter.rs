@@ -9,11 +9,13 @@ const LARGEST: f64 = 1.0;
 const STEPS: usize = 400;
 /// Halvings of a step for the scatter that is most likely.
 const HALVINGS: usize = 50;
-/// Half of a 95 % interval, in standard deviations, the chance outside, and by how much more than all of a force it may be.
+/// Half of a 95 % interval, in standard deviations.
 const TWO_SIDED_95: f64 = 1.959_964;
+/// The chance outside it.
 const OUTSIDE: f64 = 0.05;
+/// A new force may be off by so many times [`LARGEST`].
 const FARTHEST: f64 = 10.0;
-/// Rounds of the search for two variances, each of which changes them by less than the one before: enough for three digits.
+/// Rounds of the search for two variances: enough for three digits where both count; one that is nothing falls only as 1 / rounds.
 const ROUNDS: usize = 1000;
 
 /// An independent combination of the shares by which images show forces off the measured ones.
@@ -33,7 +35,9 @@ pub(super) struct NewImage {
     /// Its change with each of the unknowns that all images share.
     pub by_shared: DVector<f64>,
     /// Variance that the image's own noise and base leave of it.
-    pub of_noise: f64,
+    pub variance: f64,
+    /// The part of it that is of the markers' noise.
+    pub of_markers: f64,
 }
 
 /// What a calibrated finger adds to the error of a force that is sensed in a new image.
@@ -42,7 +46,7 @@ pub(super) struct OfNew {
     /// A share of the force: standard deviation, of which 1.96 are half of a 95 % interval.
     pub share: f64,
     /// A share of the variances of the image's markers.
-    pub of_noise: f64,
+    pub of_markers: f64,
 }
 
 /// Images and measured forces, against each other.
@@ -51,8 +55,8 @@ pub(super) struct Scatter {
     combinations: Vec<Combination>,
     /// Variances that the finger's parameters leave of the force in each new image if measured forces were exact.
     of_parameters: Vec<f64>,
-    /// And those that its own noise and base leave.
-    of_noise: Vec<f64>,
+    /// And those that the noise of its own markers leaves.
+    of_markers: Vec<f64>,
 }
 
 impl Scatter {
@@ -87,7 +91,7 @@ impl Scatter {
         Some(Scatter {
             combinations: (0..forces).map(combination).collect(),
             of_parameters: new.iter().map(|new| new.by_shared.dot(&(&left * &new.by_shared))).collect(),
-            of_noise: new.iter().map(|new| new.of_noise).collect(),
+            of_markers: new.iter().map(|new| new.of_markers).collect(),
         })
     }
 
@@ -138,13 +142,13 @@ impl Scatter {
     }
 
     /// The scatter of a new force: a standard deviation, of which 1.96 are half of a 95 % interval. Few differences, or noise as large as they are, leave
-    /// it open; it is taken for anything from [`LEAST`] on, each ratio as likely as another before, and the interval is that of all of them.
+    /// it open; it is taken for anything from [`LEAST`] to [`LARGEST`], each ratio as likely as another before, and the interval is that of all of them.
     /// `None` where there is nothing to compare.
     ///
     /// # Reference
     /// Posterior predictive distribution of a normal value with an unknown variance (Gelman et al., Bayesian Data Analysis, 3rd ed., sec. 3.2); where
     /// noise is small it is Student's.
-    fn of_single(&self) -> Option<f64> {
+    fn of_new_force(&self) -> Option<f64> {
         if self.differences() == 0 {
             return None;
         }
@@ -152,6 +156,9 @@ impl Scatter {
         let largest = likelihoods.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let likely: Vec<f64> = likelihoods.iter().map(|of| (of - largest).exp()).collect();
         let all: f64 = likely.iter().sum();
+        if !all.is_finite() {
+            return None;
+        }
         let (mut low, mut high) = (LEAST, FARTHEST * LARGEST);
         for _ in 0..HALVINGS {
             let middle = (low * high).sqrt();
@@ -173,12 +180,13 @@ impl Scatter {
     /// is open of the finger, and a scatter of measured forces, which is `assumed` where nothing shows it.
     ///
     /// What is open of a modulus is a share of every force. What is open of the geometry moves markers, as noise does, and counts where
-    /// noise does: of a small force, or one whose place is hardly seen, it is a larger share. Both are told apart by the images.
+    /// noise does: of a small force, or one whose place is hardly seen, it is a larger share. Images in which noise counts differently show which is
+    /// which; where it counts alike, each has half.
     pub fn of_new(&self, assumed: f64) -> OfNew {
-        let scatter = self.of_single().unwrap_or(assumed);
-        let of_finger: Vec<f64> = (0..self.of_noise.len()).map(|image| self.of_finger(image, scatter)).collect();
-        let [of_all, of_noise] = shares(&of_finger, &self.of_noise);
-        OfNew { share: scatter.hypot(of_all.sqrt()), of_noise }
+        let scatter = self.of_new_force().unwrap_or(assumed);
+        let of_finger: Vec<f64> = (0..self.of_markers.len()).map(|image| self.of_finger(image, scatter)).collect();
+        let [of_all, of_markers] = shares(&of_finger, &self.of_markers);
+        OfNew { share: scatter.hypot(of_all.sqrt()), of_markers }
     }
 }
 
@@ -191,7 +199,7 @@ fn shares(variances: &[f64], growing_with: &[f64]) -> [f64; 2] {
     let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
     let mut found = [0.5 * mean(variances), 0.5 * mean(variances) / mean(growing_with)];
     if !found.iter().all(|part| *part > 0.0 && part.is_finite()) {
-        return [mean(variances).max(0.0), 0.0];
+        return [mean(variances), 0.0];
     }
     for _ in 0..ROUNDS {
         let (mut given, mut expected) = ([0.0; 2], [0.0; 2]);
@@ -226,7 +234,7 @@ mod tests {
         Scatter {
             combinations: values.iter().map(combination).collect(),
             of_parameters: vec![0.0],
-            of_noise: vec![noise * noise],
+            of_markers: vec![noise * noise],
         }
     }
 
@@ -251,7 +259,8 @@ mod tests {
         let forces = off.len();
         // Rows (factor + force) / noise: what images show is off by nothing at a factor of 0.
         let by = DMatrix::from_fn(forces, 1 + forces, |i, j| if j == 0 || j == 1 + i { 1.0 / noise } else { 0.0 });
-        let new = NewImage { by_shared: DVector::from_element(1, -1.0), of_noise: noise * noise };
+        let new =
+            NewImage { by_shared: DVector::from_element(1, -1.0), variance: noise * noise, of_markers: noise * noise };
         let (off, none) = (DVector::from_row_slice(&off), DVector::zeros(1 + forces));
         let found = Scatter::new(&by.tr_mul(&by), &none, 1, &off, &[new]).unwrap();
         // Variance of four about their mean.
@@ -275,7 +284,7 @@ mod tests {
     }
 
     /// Ten forces, of which images show some ten times as well as others, over many draws: 95 % intervals of a new one hold it in 91 to 98.5 %, whether
-    /// forces scatter by nothing, by as much as noise, or by far more. With the scatter that is most likely it is less than 90 % between.
+    /// forces scatter by nothing, by as much as noise, or by far more.
     #[test]
     fn intervals_hold_whatever_the_scatter() {
         const DRAWS: usize = 200;
@@ -290,7 +299,7 @@ mod tests {
                     Combination { precision, seen: precision * noise.hypot(true_scatter) * normal, carried: vec![0.0] }
                 });
                 let combinations = combinations.collect();
-                let found = Scatter { combinations, of_parameters: vec![0.0], of_noise: vec![1.0] }.of_single();
+                let found = Scatter { combinations, of_parameters: vec![0.0], of_markers: vec![1.0] }.of_new_force();
                 let noise = 2.5e-4 * 4.0_f64.powf(chance.random());
                 let stated = found.expect("nine differences").hypot(noise);
                 within +=
@@ -303,7 +312,7 @@ mod tests {
     #[test]
     fn one_force_has_nothing_to_be_compared_with() {
         let one = scatter(1e3, &[1.0]);
-        assert_eq!((one.most_likely(), one.of_new(0.01)), (None, OfNew { share: 0.01, of_noise: 0.0 }));
+        assert_eq!((one.most_likely(), one.of_new(0.01)), (None, OfNew { share: 0.01, of_markers: 0.0 }));
     }
 
     /// Variances that are made of both parts lead back to both; where all are alike, or fall with noise, none of it grows.
@@ -318,6 +327,9 @@ mod tests {
             let mean = alike.iter().sum::<f64>() / 4.0;
             assert!((of_all / mean - 1.0).abs() < 0.05 && of_noise * noise[3] < 0.05 * of_all, "{of_all} {of_noise}");
         }
+        // Where noise counts alike in all, nothing tells them apart.
+        let [of_all, of_noise] = shares(&[3e-6; 4], &[1e-4; 4]);
+        assert!((of_all / 1.5e-6 - 1.0).abs() < 1e-9 && (of_noise / 1.5e-2 - 1.0).abs() < 1e-9, "{of_all} {of_noise}");
         assert_eq!(shares(&[0.0; 4], &noise), [0.0; 2]);
     }
 }

@@ -89,7 +89,7 @@ fn the_work_of_a_cycle_is_that_of_friction() {
 fn forces_do_not_depend_on_the_step_of_the_motor() {
     /// Of the largest total: friction is by the slip of a part of a step, in one go.
     const TOLERANCE: f64 = 0.01;
-    /// With two segments a member the wedge snaps, and how friction is shared afterwards depends on how far bases are in the step in which it does.
+    /// With two segments a member the wedge snaps, and friction after the snap depends on where in the motor's step it happens.
     const FINENESS: usize = 3;
     let names = if is_full_study() { &["wedge", "disc", "egg", "hollow"][..] } else { &["wedge"] };
     for &name in names {

@@ -144,8 +144,8 @@ fn what_goes_wrong_is_named() {
     assert!(matches!(lost, Ended::Slipped { slid_mm } if slid_mm > 7.5), "{lost:?}");
 }
 
-/// A slippery disc of 500 g that nothing but the fingers holds falls out between them; of two objects near the fingertips a wide box folds a finger, and so
-/// does a wedge that is squeezed, but on the coarsest lattice, where no equilibrium is found any more before.
+/// A slippery disc of 500 g that nothing but the fingers holds falls out between them; near the fingertips a wide box folds a finger, and so does a
+/// squeezed wedge. On the coarsest lattice no equilibrium is found for the wedge before that.
 #[test]
 fn drops_folds_and_jams_are_named() {
     let ended = |scene: &GraspScene| steps_of(scene, 0.0, 1).1;

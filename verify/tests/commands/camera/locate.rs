@@ -126,10 +126,10 @@ fn grey_markers_lead_back_to_the_force() {
     assert!((force - 3.0).abs() < 4.0 * sigma && sigma < 0.06, "{force} +- {sigma}");
 }
 
-/// Images of a finger that is its scene exactly, wherever its base: as many 95 % intervals hold the force as chance allows, and forces are not
-/// off to one side.
+/// Images of a finger that is its scene exactly, wherever its base: as many 95 % intervals hold the force, and the base's pose, as chance allows, and
+/// forces are not off to one side.
 #[test]
-fn intervals_of_forces_hold_on_images_of_an_exact_finger() {
+fn intervals_of_forces_and_bases_hold_on_images_of_an_exact_finger() {
     const BASES: [&str; 3] = ["40,-70,95", "60,-75,90", "0,-60,80"];
     const LOADS: [[f64; 3]; 4] = [[75.0, 3.0, 10.0], [60.0, 6.0, 0.0], [90.0, 2.0, 15.0], [50.0, 4.0, -10.0]];
     const SEEDS: usize = 3;
@@ -166,6 +166,9 @@ fn intervals_of_forces_hold_on_images_of_an_exact_finger() {
     assert!(mean.abs() <= STANDARD_ERRORS / independent.sqrt(), "{mean} {off:?}");
     let within = of_base.iter().flatten().filter(|off| off.abs() <= TWO_SIDED_95).count() as f64;
     let share = within / (3 * COUNT) as f64;
-    println!("{share} of the base's coordinates within");
+    let square = of_base.iter().flatten().map(|off| off * off).sum::<f64>() / (3 * COUNT) as f64;
+    println!("{share} of the base's coordinates within, mean square {square}");
+    // The coordinates of one base are correlated: it counts as one.
+    assert!((square - 1.0).abs() <= STANDARD_ERRORS * (2.0 / COUNT as f64).sqrt(), "{square} {of_base:?}");
     assert!((share - 0.95).abs() <= STANDARD_ERRORS * share_error(0.95, 3 * COUNT), "{share} {of_base:?}");
 }

@@ -37,7 +37,7 @@ fn an_object_that_the_finger_lets_go_is_said_so() {
             prepared(&scene).with_fineness(COARSE).run(|_| ())
         };
         let outcome = pressed(too_much_n);
-        let Err(LatticeError::LetGo { touched_n }) = outcome else { panic!("{object}: {outcome:?}") };
+        let Err(LatticeError::LetGo { touched_n: Some(touched_n) }) = outcome else { panic!("{object}: {outcome:?}") };
         assert_eq!(pressed(HELD * touched_n), Ok(()), "{object}, {touched_n} N");
         let lost = pressed(touched_n);
         assert!(matches!(lost, Err(LatticeError::LetGo { .. })), "{object}, {touched_n} N: {lost:?}");
