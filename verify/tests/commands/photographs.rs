@@ -194,9 +194,11 @@ fn compared_in_a_report(
     let known = errors("direction measured");
     assert_eq!(known.len(), 3);
     assert!(known.iter().all(|[error, sigmas]| error.abs() < 0.01 && sigmas.abs() < 3.0), "{known:?}");
+    // A single image may be right by chance.
+    let mean = |all: &[[f64; 2]]| all.iter().map(|[error, _]| error.abs()).sum::<f64>() / all.len() as f64;
     for worse in ["no friction", "direction measured, no brackets", "direction measured, no distortion of the lens"] {
         let all = errors(worse);
-        assert!(all.len() == 3 && all.iter().all(|[error, _]| error.abs() > 0.01), "{worse}: {all:?}");
+        assert!(all.len() == 3 && mean(&all) > (5.0 * mean(&known)).max(0.01), "{worse}: {all:?} for {known:?}");
     }
     // Two of the images, with the markers' residuals over them: an image, and a circle a marker twice, for its halo.
     assert_eq!(section.matches("data:image/jpeg;base64,").count(), 2);

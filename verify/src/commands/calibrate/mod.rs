@@ -38,8 +38,9 @@ use std::path::PathBuf;
 /// `finray locate` states: what is wrong alike in all images is then part of what was found.
 /// model_error_mm is by how much the calibrated finger still misses its markers, with what is open of
 /// its geometry; force_error_share by which share it misses forces: the scatter of those that were
-/// measured, and what is open alike for all forces, as a modulus is. --calibrated writes the scene that `finray sense` takes. Markers and forces that
-/// contradict the other images are refused, or said where they stand out: a name, a sign, a unit.
+/// measured, and what is open alike for all forces, as a modulus is. --calibrated writes the scene that
+/// `finray sense` takes. Markers and forces that contradict the other images are refused, or said
+/// where they stand out: a name, a sign, a unit.
 ///
 /// Examples:
 ///   finray calibrate fixtures/scenes/paper.toml --measurements weights.csv
