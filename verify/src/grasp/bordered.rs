@@ -61,7 +61,7 @@ impl<'o> Bordered<'o> {
         (order, blocks)
     }
 
-    /// Adds a derivative; one by another body's motion belongs into the [`blocks`](Self::blocks).
+    /// Adds a derivative. Panics for one by another body's motion, which belongs into the [`blocks`](Self::blocks): it would be lost in silence.
     pub fn add(&mut self, row: usize, column: usize, derivative: f64) {
         let first = self.first;
         if row.min(column) >= first {

@@ -102,13 +102,13 @@ impl Order {
 
     /// Solves for several right sides in place, with factorised blocks: three rows a body, each with so many columns.
     pub fn solve(&self, blocks: &[Matrix3<f64>], right: &mut [f64], columns: usize) {
-        let mut own = vec![0.0; 3 * columns];
+        let [mut own, mut left] = [0, 1].map(|_| vec![0.0; 3 * columns]);
         for Pivot { body, later, .. } in &self.pivots {
             own.copy_from_slice(rows_of(right, *body, columns));
             later.iter().for_each(|row| subtract(rows_of(right, row.body, columns), &blocks[row.below], &own, columns));
         }
         for Pivot { body, later, .. } in self.pivots.iter().rev() {
-            let mut left = rows_of(right, *body, columns).to_vec();
+            left.copy_from_slice(rows_of(right, *body, columns));
             for column in later {
                 own.copy_from_slice(rows_of(right, column.body, columns));
                 subtract(&mut left, &blocks[column.right], &own, columns);

@@ -19,6 +19,11 @@ struct Law {
     by_forces: [f64; 2],
 }
 
+/// Number of the i-th of a contact's six unknowns: of a body, none where that is clamped or the support, then of the object.
+fn unknown(of_body: Option<usize>, object: usize, i: usize) -> Option<usize> {
+    if i < 3 { of_body.map(|first| first + i) } else { Some(object + i - 3) }
+}
+
 impl Scene<'_> {
     /// A step of Newton's method. Where friction is lagging, its bound is that of the normal force before the step.
     pub(super) fn correction(
@@ -118,15 +123,14 @@ impl Scene<'_> {
         forces: [f64; 2],
     ) {
         let of_body = self.first_of_body(near);
-        let unknown = |i: usize| if i < 3 { of_body.map(|first| first + i) } else { Some(object + i - 3) };
         for i in 0..6 {
-            let Some(row) = unknown(i) else { continue };
+            let Some(row) = unknown(of_body, object, i) else { continue };
             for axis in 0..2 {
                 equations.residual[row] -= forces[axis] * pull[axis][i];
                 equations.derivatives.add(row, first_row + axis, -pull[axis][i]);
             }
             for (j, by) in pull_by.iter().enumerate() {
-                let Some(column) = unknown(j) else { continue };
+                let Some(column) = unknown(of_body, object, j) else { continue };
                 equations.derivatives.add(row, column, -forces[0] * by[0][i] - forces[1] * by[1][i]);
             }
         }
@@ -162,8 +166,7 @@ impl Scene<'_> {
                 equations.derivatives.add(row, first_row + other, by);
             }
             for (i, by) in law.by_motion.into_iter().enumerate() {
-                let column = if i < 3 { of_body.map(|first| first + i) } else { Some(object + i - 3) };
-                if let Some(column) = column {
+                if let Some(column) = unknown(of_body, object, i) {
                     equations.derivatives.add(row, column, by);
                 }
             }

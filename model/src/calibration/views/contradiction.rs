@@ -18,7 +18,7 @@ const LARGEST_TIMES: f64 = 2.0;
 /// The same for all views together, against the scene's finger, whose modulus may be a guess: beyond, a search has nowhere to begin.
 const LARGEST_FACTOR: f64 = 5.0;
 /// By how many of its standard deviations a force that the markers show must be off.
-pub(super) const SURE: f64 = 3.0;
+const SURE: f64 = 3.0;
 /// A marker has another node's name if it is nearer to where the finger has that node than to its own place by this factor.
 const NEARER: f64 = 0.5;
 
@@ -29,19 +29,24 @@ pub(super) struct Shown {
     pub sigma_n: f64,
 }
 
-/// A measured force over what its markers show.
+/// A measured force over what is shown of it otherwise.
 #[derive(Debug, Clone, Copy)]
-struct Compared<'v> {
-    view: &'v View,
-    times: f64,
-    /// Standard deviation of 1 / `times`.
-    inverse_sd: f64,
+pub(super) struct Compared<'v> {
+    pub view: &'v View,
+    pub times: f64,
+    /// Standard deviation of 1 / `times` as noise and base of the view leave it.
+    pub inverse_sd: f64,
 }
 
 impl Compared<'_> {
     fn of(view: &View, shown: Shown) -> Option<Compared<'_>> {
         let measured_n = view.force?.norm();
         Some(Compared { view, times: measured_n / shown.own.force_n, inverse_sd: shown.sigma_n / measured_n })
+    }
+
+    /// Whether noise does not explain that `times` is not another one.
+    pub fn is_surely_not(&self, other: f64) -> bool {
+        (1.0 / self.times - 1.0 / other).abs() > SURE * self.inverse_sd
     }
 }
 
@@ -85,8 +90,7 @@ impl Problem<'_> {
             return Err(CalibrationError::ForceScale { times: usual });
         }
         let off = |it: &Compared| if it.times > 0.0 { (it.times / usual).ln().abs() } else { f64::INFINITY };
-        let is_sure = |it: &&Compared| (1.0 / it.times - 1.0 / usual).abs() > SURE * it.inverse_sd;
-        match all.iter().filter(is_sure).max_by(|a, b| off(a).total_cmp(&off(b))) {
+        match all.iter().filter(|it| it.is_surely_not(usual)).max_by(|a, b| off(a).total_cmp(&off(b))) {
             Some(worst) if off(worst) > LARGEST_TIMES.ln() => {
                 Err(worst.view.wrong(ViewError::Force { times: worst.times, usual }))
             }

@@ -1,6 +1,6 @@
 //! What stands out of a fit: measured forces and markers that are further off than all others let expect; and a fit that is of no use.
 
-use super::contradiction::{SURE, median};
+use super::contradiction::{Compared, median};
 use super::problem::{Point, Problem};
 use super::{ForceError, ViewError};
 use crate::NodeId;
@@ -65,21 +65,6 @@ impl fmt::Display for Outlier {
     }
 }
 
-/// A measured force over what all else shows of it.
-struct Times<'p> {
-    view: &'p str,
-    times: f64,
-    /// Standard deviation of 1 / `times` as noise and base of the view leave it.
-    inverse_sd: f64,
-}
-
-impl Times<'_> {
-    /// Whether noise does not explain that it is another one.
-    fn is_surely_not(&self, other: f64) -> bool {
-        (1.0 / self.times - 1.0 / other).abs() > SURE * self.inverse_sd
-    }
-}
-
 /// A marker of a view, against the fit.
 struct OffMarker<'p> {
     view: &'p str,
@@ -105,16 +90,16 @@ impl Problem<'_> {
         sorted.sort_by(f64::total_cmp);
         let half = sorted.get(sorted.len().saturating_sub(1) / 2).copied().unwrap_or_default();
         let most = EXPECTED_TIMES.ln().max(MOST_SIGMAS * SD_OF_MEDIAN * half);
-        let is_off = |it: &Times, off: f64| (off.is_nan() || off > most) && it.is_surely_not(usual.exp());
+        let is_off = |it: &Compared, off: f64| (off.is_nan() || off > most) && it.is_surely_not(usual.exp());
         let forces = all.iter().zip(&off).filter(|(it, off)| is_off(it, **off)).map(|(it, _)| Outlier {
-            view: it.view.to_owned(),
+            view: it.view.name.clone(),
             what: OutlierKind::Force { times: it.times / usual.exp() },
         });
         forces.chain(marker_outlier(&self.off_markers(fitted, covariance))).collect()
     }
 
     /// Each measured force over what all else shows of it; views that show nothing of it are left out.
-    fn times(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> Vec<Times<'_>> {
+    fn times(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> Vec<Compared<'_>> {
         let Some(scatter) = self.scatter else { return Vec::new() };
         let shared = covariance.view((0, 0), (self.sought.len(), self.sought.len()));
         let (mut row, mut column) = (0, self.sought.len());
@@ -129,7 +114,7 @@ impl Problem<'_> {
                 let of_finger = (alone.by_shared.transpose() * shared * &alone.by_shared)[0];
                 let free = (scatter * scatter / of_both * (1.0 - of_finger / of_both)).max(f64::MIN_POSITIVE);
                 let off = (own.force_n / measured_n - 1.0) / free;
-                all.push(Times { view: &view.name, times: 1.0 / (1.0 + off), inverse_sd: alone.variance.sqrt() });
+                all.push(Compared { view, times: 1.0 / (1.0 + off), inverse_sd: alone.variance.sqrt() });
             }
             row += self.row_count(view);
             column += self.own_count(view);
@@ -185,12 +170,12 @@ impl Problem<'_> {
         }
         let times = self.times(fitted, covariance);
         let off = |times: f64| if times > 0.0 { times.ln().abs() } else { f64::INFINITY };
-        let further = |a: &&Times, b: &&Times| off(a.times).total_cmp(&off(b.times));
+        let further = |a: &&Compared, b: &&Compared| off(a.times).total_cmp(&off(b.times));
         let shown = times.iter().filter(|it| it.inverse_sd < OF_NO_USE).max_by(further);
         let worst = shown.or_else(|| times.iter().max_by(further));
         match (error, worst) {
-            (Some(ForceError { of_new, .. }), Some(&Times { view, times, .. })) if of_new >= OF_NO_USE => {
-                refused(view, ViewError::ForceErrors { share: of_new, times })
+            (Some(ForceError { of_new, .. }), Some(&Compared { view, times, .. })) if of_new >= OF_NO_USE => {
+                refused(&view.name, ViewError::ForceErrors { share: of_new, times })
             }
             _ => Ok(()),
         }

@@ -275,6 +275,25 @@ fn what_is_not_identifiable_is_refused() {
     assert!(matches!(refused, Err(CalibrationError::TooFewMarkers { .. })), "{refused:?}");
 }
 
+/// What is open of brackets and ribs moves markers of a new view; a modulus does not.
+#[test]
+fn what_is_open_of_the_geometry_counts_as_errors_of_markers() {
+    let mut truth = truth();
+    (truth.more_height_mm, truth.base) = (0.0, Isometry2::identity());
+    let seen = views_of(&truth, true, &mut ChaCha8Rng::seed_from_u64(5));
+    let modulus = sought(&[Quantity::Modulus], None);
+    let brackets = sought(&[Quantity::Bracket(Plate::Front), Quantity::Bracket(Plate::Back)], None);
+    let geometry = [&modulus[..], &brackets, &sought(&ribs(), Some(0.2))].concat();
+    let more = |stated: &Finger, all: &[Sought]| {
+        let found = views(stated, &seen, all, &model(Lean::NONE)).expect("identifiable");
+        assert_eq!(found.new_marker_errors.noise_factor, found.marker_errors.noise_factor);
+        let [new, old] = [found.new_marker_errors, found.marker_errors].map(|errors| errors.sd_mm(NOISE_MM).powi(2));
+        new / old - 1.0
+    };
+    let [alone, together] = [more(&truth.finger, &modulus), more(&truth.stated, &geometry)];
+    assert!(alone < 0.01 && together > 0.05, "{alone} {together}");
+}
+
 /// A small force near the base moves markers by less than they err, and markers that hardly show a force have nothing to say against its
 /// measurement; they do against one that they show.
 #[test]
