@@ -8,14 +8,14 @@
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use finray_bench::paper;
 use finray_model::statics::Statics;
-use finray_verify::estimators::network::{NetworkSensing, Networks};
-use finray_verify::experiments::speed_error::criterion::group;
-use finray_verify::experiments::speed_error::sensing::{
+use finray_studies::estimators::network::{NetworkSensing, Networks};
+use finray_studies::experiments::speed_error::criterion::group;
+use finray_studies::experiments::speed_error::sensing::{
     FRAMES_A_PERIOD, Stream, TimedEstimator, beam_estimators, neighbours, sensing_meshes, singles,
 };
-use finray_verify::experiments::speed_error::{self, ASKED_NODES, Beams, Start, Task};
-use finray_verify::settings::CAMERA_NOISE_MM;
-use finray_verify::truths::fine_mesh;
+use finray_studies::experiments::speed_error::{self, ASKED_NODES, Beams, Start, Task};
+use finray_studies::settings::CAMERA_NOISE_MM;
+use finray_studies::truths::fine_mesh;
 use std::hint::black_box;
 
 /// As many as the full report's.

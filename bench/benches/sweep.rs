@@ -4,10 +4,10 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use finray_bench::paper;
 use finray_model::{Kinematics, Mesh};
-use finray_verify::estimators::{BeamEstimator, ELEMENTS, Estimator};
-use finray_verify::sampling::sweep::{Grid, Sweep, Table};
-use finray_verify::truths::TruthId;
-use finray_verify::truths::{MeshTruth, Truth, fine_mesh};
+use finray_studies::estimators::{BeamEstimator, ELEMENTS, Estimator};
+use finray_studies::sampling::sweep::{Grid, Sweep, Table};
+use finray_studies::truths::TruthId;
+use finray_studies::truths::{MeshTruth, Truth, fine_mesh};
 use std::hint::black_box;
 
 /// Name, truth, estimator, forces (N), degrees between directions and noise samples.

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
-pub use finray_verify::settings::{CAMERA_NOISE_MM, TWO_SIDED_95};
+pub use finray_studies::settings::{CAMERA_NOISE_MM, TWO_SIDED_95};
 
 /// Random deviations allowed, in standard errors: among some hundred figures one beyond them is met once in a hundred runs.
 pub const STANDARD_ERRORS: f64 = 4.0;

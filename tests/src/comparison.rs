@@ -3,7 +3,7 @@
 use finray_model::Kinematics;
 use finray_model::frame::FrameMotion;
 use finray_model::mesh::FingerShape;
-use finray_verify::check::Check;
+use finray_studies::check::Check;
 
 /// All kinematics, where one property holds for each.
 pub const KINEMATICS: [Kinematics; 3] = [Kinematics::Linear, Kinematics::Corotational, Kinematics::CorotationalChord];

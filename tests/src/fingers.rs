@@ -2,8 +2,8 @@
 
 use finray_model::{Finger, Scene};
 
-pub use finray_verify::estimators::ELEMENTS;
-pub use finray_verify::truths::fine_mesh;
+pub use finray_studies::estimators::ELEMENTS;
+pub use finray_studies::truths::fine_mesh;
 
 /// The paper's finger.
 pub fn paper() -> Finger {

@@ -3,12 +3,12 @@
 //! `cargo run --release -p finray-verify --example accuracy_map` writes `accuracy_map.svg`.
 
 use finray_model::{Kinematics, Mesh, Scene};
-use finray_verify::estimators::BeamEstimator;
-use finray_verify::report::{map_figure_svg, standalone};
-use finray_verify::sampling::map::{MapRequest, accuracy_maps};
-use finray_verify::sampling::sweep::Grid;
-use finray_verify::truths::TruthId;
-use finray_verify::truths::{MeshTruth, fine_mesh};
+use finray_report::{map_figure_svg, standalone};
+use finray_studies::estimators::BeamEstimator;
+use finray_studies::sampling::map::{MapRequest, accuracy_maps};
+use finray_studies::sampling::sweep::Grid;
+use finray_studies::truths::TruthId;
+use finray_studies::truths::{MeshTruth, fine_mesh};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // The problem: forces of 3 N all along the front plate, from -80 to 80 degrees, seen without noise.

@@ -9,7 +9,7 @@ use commands::train;
 use commands::{
     calibrate, grasp, gripper, lens, locate, map, merge, press, render, report, sense, solve, sweep, words,
 };
-use finray_verify::files::write_text;
+use finray_files::write_text;
 use std::path::Path;
 use std::process::ExitCode;
 

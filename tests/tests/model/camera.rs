@@ -4,8 +4,8 @@ use finray_model::Vector;
 use finray_model::camera::{
     Camera, Distortion, ImpossibleLens, Lens, Pixel, PlanePoseError, Pose, ViewError, plane_pose,
 };
+use finray_studies::sampling::noise::Noise;
 use finray_tests::cases;
-use finray_verify::sampling::noise::Noise;
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 

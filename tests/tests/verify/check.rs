@@ -1,6 +1,6 @@
 //! Checks that fail as they must.
 
-use finray_verify::check::{Against, Check, Kind, SETTLED_LATTICE, tallies, worst};
+use finray_studies::check::{Against, Check, Kind, SETTLED_LATTICE, tallies, worst};
 
 fn check(kind: Kind, ours: f64) -> Check {
     Check::new(kind, "problem", "source", "error", 0.0, ours, 1.0)

@@ -10,13 +10,13 @@ mod rate;
 
 use finray_model::Scene;
 use finray_model::validity::StrainLimits;
-use finray_verify::claims::{Claim, ClaimVerdict, ledger};
-use finray_verify::estimators::EstimatorId;
-use finray_verify::experiments::contact_scene::study::SceneWithOutline;
-use finray_verify::sampling::map::{AccuracyMap, Cell};
-use finray_verify::study::Study;
-use finray_verify::truths::TruthId;
-use finray_verify::{report, settings};
+use finray_studies::claims::{Claim, ClaimVerdict, ledger};
+use finray_studies::estimators::EstimatorId;
+use finray_studies::experiments::contact_scene::study::SceneWithOutline;
+use finray_studies::sampling::map::{AccuracyMap, Cell};
+use finray_studies::settings;
+use finray_studies::study::Study;
+use finray_studies::truths::TruthId;
 use std::sync::LazyLock;
 
 /// Every verdict is that of its own row's figures; a simulation betters no experiment.
@@ -110,7 +110,7 @@ fn the_first_screen_says_where_finger_and_model_end() {
     }
     let trusted = map.worst().iter().filter(|cell| cell.is_trusted).count();
     study.strain_limits = StrainLimits { front: Some(0.01), back: Some(0.01), ribs: Some(0.01) };
-    let answers = report::report(&study, &[]).expect("the report is drawn").verdict;
+    let answers = finray_report::report(&study, &[]).expect("the report is drawn").verdict;
     let carried = cells - lost;
     for said in [
         format!("in {trusted} of the {carried} positions and directions in which the finger carries these forces ("),
@@ -137,7 +137,7 @@ fn map_and_table_one_show_what_is_known() {
     assert!(middle.iter().all(|e| *e > 0.30), "at -80 deg: {middle:?}");
     let claims = ledger(study).expect("small experiments");
     claims_say_what_was_shown(&claims);
-    let drawn = report::report(study, &claims).expect("the report is drawn");
+    let drawn = finray_report::report(study, &claims).expect("the report is drawn");
     // Soft ends that were put into another finger are that finger's, and no cause of this one's errors.
     let head: Vec<String> = drawn.verdict.iter().take(5).cloned().collect();
     let why = head.iter().find(|answer| answer.starts_with("Why not elsewhere?")).expect("an answer");

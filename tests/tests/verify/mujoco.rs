@@ -5,8 +5,8 @@
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, ContactPosition, Pad, sense_refining};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, statics};
+use finray_studies::mujoco::{ContactStep, ExportedFinger, FINGERS, TouchedRod, contact_steps};
 use finray_tests::{CAMERA_NOISE_MM, paper};
-use finray_verify::mujoco::{ContactStep, ExportedFinger, FINGERS, TouchedRod, contact_steps};
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeSet;

@@ -1,6 +1,6 @@
 //! Means, medians and percentiles of few figures and of none.
 
-use finray_verify::statistics::{Span, mean, median, percentile, rms};
+use finray_studies::statistics::{Span, mean, median, percentile, rms};
 
 #[test]
 fn the_median_is_the_middle_one() {

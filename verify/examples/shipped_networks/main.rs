@@ -9,11 +9,11 @@
 mod recipes;
 
 use clap::{Parser, ValueEnum};
+use finray_files::{csv_text, require_folder, write_folder};
 use finray_model::sensing::Contact;
 use finray_model::sensing::network::TestError;
 use finray_model::{Finger, Scene};
-use finray_verify::experiments::networks::shipping::{Shipping, shipping};
-use finray_verify::files::{csv_text, require_folder, write_folder};
+use finray_studies::experiments::networks::shipping::{Shipping, shipping};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use serde::Serialize;

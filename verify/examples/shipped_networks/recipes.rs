@@ -6,15 +6,15 @@ use finray_model::sensing::Contact;
 use finray_model::sensing::network::{Network, Scaling};
 use finray_model::train::{TrainingRecipe, train};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
-use finray_verify::estimators::Estimator;
-use finray_verify::estimators::network::{NetworkSensing, Networks};
-use finray_verify::experiments::ExperimentError;
-use finray_verify::experiments::networks::paper::PAPER_RECIPES;
-use finray_verify::experiments::networks::records::{CurveRow, RecipeRow};
-use finray_verify::experiments::table_two::{COMPARED_SETS, FORCES_N, contact_sets};
-use finray_verify::sampling::scatter::{ScatterRequest, ScatterRow, scatter};
-use finray_verify::settings::CAMERA_NOISE_MM;
-use finray_verify::truths::{TruthId, fine_mesh};
+use finray_studies::estimators::Estimator;
+use finray_studies::estimators::network::{NetworkSensing, Networks};
+use finray_studies::experiments::ExperimentError;
+use finray_studies::experiments::networks::paper::PAPER_RECIPES;
+use finray_studies::experiments::networks::records::{CurveRow, RecipeRow};
+use finray_studies::experiments::table_two::{COMPARED_SETS, FORCES_N, contact_sets};
+use finray_studies::sampling::scatter::{ScatterRequest, ScatterRow, scatter};
+use finray_studies::settings::CAMERA_NOISE_MM;
+use finray_studies::truths::{TruthId, fine_mesh};
 use rayon::prelude::*;
 
 /// Random cases for each set of contacts: a mean error is known to about 2 % of itself.

@@ -1,10 +1,10 @@
 //! The camera and markers that a command needs of a scene, which is read from a path.
 
 use super::{Failure, bad_input};
+use finray_files::name_of;
 use finray_model::Scene;
 use finray_model::camera::{Camera, Lens, Pose};
 use finray_model::scene::Markers;
-use finray_verify::files::name_of;
 use std::path::Path;
 
 /// What a scene lacks: nothing in it is wrong, so its first line is named, as for a key that is missing.

@@ -4,17 +4,17 @@ use super::cameras::camera_and_markers;
 use super::parse::not_negative;
 use super::{Failure, progress};
 use clap::value_parser;
-use finray_verify::estimators::EstimatorId;
-use finray_verify::estimators::network::Networks;
-use finray_verify::experiments::contact_scene::file::load_scene_with_outline;
-use finray_verify::experiments::contact_scene::study::SceneWithOutline;
-use finray_verify::experiments::grasp::file::{force_rows, object_row};
-use finray_verify::experiments::grasp::{
+use finray_figures::FigureError;
+use finray_files::{csv_text, is_stream, name_of, require_folder, write_folder};
+use finray_report::{grasp_animation_svg, grasp_svg, standalone};
+use finray_studies::estimators::EstimatorId;
+use finray_studies::estimators::network::Networks;
+use finray_studies::experiments::contact_scene::file::load_scene_with_outline;
+use finray_studies::experiments::contact_scene::study::SceneWithOutline;
+use finray_studies::experiments::grasp::file::{force_rows, object_row};
+use finray_studies::experiments::grasp::{
     Ended, Eyes, FINENESS, GraspError, GraspScene, GraspStep, Summary, finger_name,
 };
-use finray_verify::figures::FigureError;
-use finray_verify::files::{csv_text, is_stream, name_of, require_folder, write_folder};
-use finray_verify::report::{grasp_animation_svg, grasp_svg, standalone};
 use std::path::PathBuf;
 
 /// Two fingers grasp a free object, carry it and put it down: true forces, and those that are sensed.
@@ -176,7 +176,7 @@ impl From<GraspError> for Failure {
     fn from(error: GraspError) -> Failure {
         match error {
             GraspError::Lattice(inner) => inner.into(),
-            GraspError::World(finray_verify::grasp::WorldError::Lattice(inner)) => inner.into(),
+            GraspError::World(finray_lattice::grasp::WorldError::Lattice(inner)) => inner.into(),
             other => Failure::BadInput(other.to_string()),
         }
     }

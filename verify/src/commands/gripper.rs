@@ -2,9 +2,9 @@
 
 use super::parse::{MotorAngles, motor_angles, not_negative};
 use super::{Failure, bad_input};
+use finray_files::{csv_text, load_scene, name_of, write_text};
 use finray_model::gripper::{Gripper, LinkageErrors, NodeErrors};
 use finray_model::{Finger, Scene};
-use finray_verify::files::{csv_text, load_scene, name_of, write_text};
 use serde::Serialize;
 use std::path::PathBuf;
 

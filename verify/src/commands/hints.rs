@@ -1,7 +1,7 @@
 //! What a scene or a file says that is possible, and hardly meant.
 
+use finray_files::{Elsewhere, name_of, of_another_finger};
 use finray_model::Finger;
-use finray_verify::files::{Elsewhere, name_of, of_another_finger};
 use std::path::Path;
 
 /// Young's modulus of diamond, MPa, rounded down: what is stiffer is in another unit.

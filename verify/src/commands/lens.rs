@@ -2,9 +2,9 @@
 
 use super::parse::positive;
 use super::{Failure, bad_input};
+use finray_files::{FileError, load_image, write_text};
 use finray_imaging::grid::{find_grid, lens_of_grids};
 use finray_model::camera::{LENS_PARAMETERS, LensFit, Pose};
-use finray_verify::files::{FileError, load_image, write_text};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::fmt::Write;

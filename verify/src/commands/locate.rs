@@ -2,10 +2,10 @@
 
 use super::cameras::{camera_and_markers, camera_of, markers_of};
 use super::{Failure, bad_input, not_both_from_standard_input};
+use finray_files::{FileError, csv_text, image_name, is_standard_stream, load_image, load_scene, write_text};
 use finray_imaging::locate::{Located, Locator, LocatorError, Rest, RimLocator, SeenBase};
 use finray_model::scene::MarkerLook;
 use finray_model::{Finger, NodeId, Scene, Vector};
-use finray_verify::files::{FileError, csv_text, image_name, is_standard_stream, load_image, load_scene, write_text};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};

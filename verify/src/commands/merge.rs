@@ -2,9 +2,9 @@
 
 use super::grid::{beside, table_path};
 use super::{Failure, bad_input, not_computed};
+use finray_files::{Reader, Stream, is_stream, write_from};
 use finray_model::Scene;
-use finray_verify::files::{Reader, Stream, is_stream, write_from};
-use finray_verify::sampling::sweep::{MergeError, Shards};
+use finray_studies::sampling::sweep::{MergeError, Shards};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 

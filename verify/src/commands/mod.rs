@@ -26,13 +26,13 @@ mod parse;
 mod progress;
 mod validity;
 
+use finray_files::{FileError, is_standard_stream};
+use finray_lattice::LatticeError;
 use finray_model::sensing::SensingError;
 use finray_model::sensing::network::NetworkError;
 use finray_model::statics::StaticsError;
-use finray_verify::estimators::EstimatorError;
-use finray_verify::files::{FileError, is_standard_stream};
-use finray_verify::lattice::LatticeError;
-use finray_verify::truths::{NotExported, TruthError, TwinError};
+use finray_studies::estimators::EstimatorError;
+use finray_studies::truths::{NotExported, TruthError, TwinError};
 use std::path::Path;
 use std::process::ExitCode;
 

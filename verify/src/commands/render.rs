@@ -4,10 +4,10 @@ use super::cameras::camera_and_markers;
 use super::loads::Loads;
 use super::parse::{not_negative, share};
 use super::{Failure, bad_input, not_both_from_standard_input, not_computed};
+use finray_files::{displacements, load_scene, to_png, write_bytes};
 use finray_imaging::render::{Disturbances, RenderRequest, render};
 use finray_model::NodeId;
 use finray_model::camera::Camera;
-use finray_verify::files::{displacements, load_scene, to_png, write_bytes};
 use nalgebra::Isometry2;
 use std::path::PathBuf;
 

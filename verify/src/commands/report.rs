@@ -1,18 +1,17 @@
 //! `finray report`
 
 use super::{Failure, bad_input, hints, not_computed, progress};
+use finray_files::views;
+use finray_files::{FileError, image_name, load_image, require_folder, write_folder, write_text};
 use finray_model::Scene;
-use finray_verify::claims::ledger;
-use finray_verify::experiments::contact_scene::file::load_scene_with_outline;
-use finray_verify::experiments::contact_scene::study::SceneWithOutline;
-use finray_verify::experiments::measured::{self, NamedImage};
-use finray_verify::experiments::speed_error::criterion::CriterionTimes;
-use finray_verify::experiments::speed_error::file as peers;
-use finray_verify::files::views;
-use finray_verify::files::{FileError, image_name, load_image, require_folder, write_folder, write_text};
-use finray_verify::report;
-use finray_verify::settings::{Effort, Progress};
-use finray_verify::study::Study;
+use finray_studies::claims::ledger;
+use finray_studies::experiments::contact_scene::file::load_scene_with_outline;
+use finray_studies::experiments::contact_scene::study::SceneWithOutline;
+use finray_studies::experiments::measured::{self, NamedImage};
+use finray_studies::experiments::speed_error::criterion::CriterionTimes;
+use finray_studies::experiments::speed_error::file as peers;
+use finray_studies::settings::{Effort, Progress};
+use finray_studies::study::Study;
 use indicatif::ProgressBar;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -109,7 +108,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(peers) = peers {
         study.take_peers(peers);
     }
-    let report = report::report(&study, &claims).map_err(not_computed)?;
+    let report = finray_report::report(&study, &claims).map_err(not_computed)?;
     write_folder(&arguments.out, &report.files)?;
     let page = arguments.out.join("index.html");
     let mut sentences = report.verdict;

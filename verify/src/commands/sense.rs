@@ -3,13 +3,13 @@
 use super::contacts::Contacts;
 use super::parse::not_negative;
 use super::{Failure, bad_input, hints, not_both_from_standard_input, validity};
+use finray_files::displacements::{self, Displacements, Reading};
+use finray_files::{csv_text, load_network, load_scene, read_text, write_text};
 use finray_model::scene::Base;
 use finray_model::sensing::{Contact, ContactPosition, ContactQuestion, Estimate, Warning};
 use finray_model::{Finger, Scene};
-use finray_verify::estimators::network::Networks;
-use finray_verify::estimators::{Answer, EstimatorId, Question};
-use finray_verify::files::displacements::{self, Displacements, Reading};
-use finray_verify::files::{csv_text, load_network, load_scene, read_text, write_text};
+use finray_studies::estimators::network::Networks;
+use finray_studies::estimators::{Answer, EstimatorId, Question};
 use serde::Serialize;
 use std::path::PathBuf;
 

@@ -3,8 +3,8 @@
 use super::loads::Loads;
 use super::{Failure, bad_input, hints, validity};
 use clap::ValueEnum;
+use finray_files::{displacements, load_scene, write_text};
 use finray_model::Kinematics;
-use finray_verify::files::{displacements, load_scene, write_text};
 use std::path::PathBuf;
 
 /// Deform a finger under loads: displacements of its key nodes.

@@ -3,9 +3,9 @@
 use super::Failure;
 use super::grid::{Candidates, GridArguments, run as run_grid};
 use super::parse::not_negative;
-use finray_verify::estimators::EstimatorId;
-use finray_verify::sampling::sweep::Table;
-use finray_verify::truths::TruthId;
+use finray_studies::estimators::EstimatorId;
+use finray_studies::sampling::sweep::Table;
+use finray_studies::truths::TruthId;
 
 /// Map several true fingers, estimators and levels of noise, as `finray map`, in one table.
 ///

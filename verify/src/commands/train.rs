@@ -4,13 +4,13 @@ use super::contacts::Contacts;
 use super::parse::{not_negative, positive};
 use super::progress::TrainingBar;
 use super::{Failure, bad_input};
+use finray_files::{load_scene, write_bytes};
 use finray_model::NodeId;
 use finray_model::sensing::Contact;
 use finray_model::sensing::network::{Network, Scaling, TestError};
 use finray_model::train::{TrainingRecipe, train};
-use finray_verify::files::{load_scene, write_bytes};
-use finray_verify::settings::CAMERA_NOISE_MM;
-use finray_verify::truths::TruthId;
+use finray_studies::settings::CAMERA_NOISE_MM;
+use finray_studies::truths::TruthId;
 use std::path::PathBuf;
 
 /// Train a sensing network for a finger and its contacts.

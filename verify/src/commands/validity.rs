@@ -6,7 +6,7 @@ use finray_model::sensing::{Contact, ContactPosition};
 use finray_model::statics::{Statics, StaticsError};
 use finray_model::validity::{Doubt, StrainLimits, Validity};
 use finray_model::{Finger, Kinematics, Load, Mesh, Scene};
-use finray_verify::experiments::contact_scene::SceneStep;
+use finray_studies::experiments::contact_scene::SceneStep;
 
 /// Elements a member for equilibria that are solved to be examined: shapes are within 0.04 % under 3 N.
 const ELEMENTS: usize = 4;

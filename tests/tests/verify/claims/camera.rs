@@ -1,8 +1,8 @@
 //! Verdicts on the camera's error of position.
 
-use finray_verify::claims::camera::position_error;
-use finray_verify::claims::{ClaimVerdict, Words};
-use finray_verify::experiments::camera::{AS_IT_IS, CameraRow, CameraStudy};
+use finray_studies::claims::camera::position_error;
+use finray_studies::claims::{ClaimVerdict, Words};
+use finray_studies::experiments::camera::{AS_IT_IS, CameraRow, CameraStudy};
 
 fn verdict(camera: Option<&CameraStudy>) -> ClaimVerdict {
     let words = Words::shipped().expect("words of the claims");

@@ -1,9 +1,9 @@
 //! Every criterion can go either way.
 
-use finray_verify::claims::ClaimVerdict::{
+use finray_studies::claims::ClaimVerdict::{
     Depends, InSimulation, LessInSimulation, NotReproduced, NotTested, Refuted, Reproduced,
 };
-use finray_verify::claims::criteria::{
+use finray_studies::claims::criteria::{
     accounts_for, all_simulated, at_most_nodes, figure, in_simulation, over_assumptions, recalibration, simulated,
     statement,
 };

@@ -2,7 +2,7 @@
 
 use finray_model::mesh::Load;
 use finray_model::{Finger, NodeId, Scene};
-use finray_verify::claims::experiments::{
+use finray_studies::claims::experiments::{
     all_forces, largest, linearisation, neglected_torque, range_of, redistributed, sensed_n, stiffened,
     wrong_direction, zero_force,
 };

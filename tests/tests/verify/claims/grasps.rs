@@ -1,10 +1,10 @@
 //! Verdicts on grasps, each way, from what is observed.
 
-use finray_verify::claims::grasps::{crossing, left_right, order, pick_and_place, untouched};
-use finray_verify::claims::{Claim, ClaimError, ClaimVerdict, Words};
-use finray_verify::estimators::EstimatorId;
-use finray_verify::experiments::grasp::modules::{ModuleStep, ModuleTest, Untouched};
-use finray_verify::experiments::grasp::observations::{Observations, Totals};
+use finray_studies::claims::grasps::{crossing, left_right, order, pick_and_place, untouched};
+use finray_studies::claims::{Claim, ClaimError, ClaimVerdict, Words};
+use finray_studies::estimators::EstimatorId;
+use finray_studies::experiments::grasp::modules::{ModuleStep, ModuleTest, Untouched};
+use finray_studies::experiments::grasp::observations::{Observations, Totals};
 
 fn observed(left_right: f64, opening: f64, within: usize) -> Observations {
     let totals = |share| Totals {

@@ -1,11 +1,11 @@
 //! Verdicts on the gripper of Table II, from what is recorded of the paper's network.
 
-use finray_verify::claims::gripper::{in_the_conclusion, of_the_papers_network};
-use finray_verify::claims::{ClaimVerdict, Words};
-use finray_verify::experiments::networks::paper::{Figure, OverSeeds, PAPER_RECIPES, figures};
-use finray_verify::experiments::networks::records::Records;
-use finray_verify::settings::CAMERA_NOISE_MM;
-use finray_verify::statistics::Span;
+use finray_studies::claims::gripper::{in_the_conclusion, of_the_papers_network};
+use finray_studies::claims::{ClaimVerdict, Words};
+use finray_studies::experiments::networks::paper::{Figure, OverSeeds, PAPER_RECIPES, figures};
+use finray_studies::experiments::networks::records::Records;
+use finray_studies::settings::CAMERA_NOISE_MM;
+use finray_studies::statistics::Span;
 
 fn with_mean(figure: &Figure, mean: f64) -> Figure {
     let errors = Span { mean, ..figure.recorded.errors };

@@ -1,9 +1,9 @@
 //! Limits that the paper states, on its finger.
 
 use finray_model::{Finger, Scene};
-use finray_verify::claims::experiments::Exchanged;
-use finray_verify::claims::limits::{all_at_once, grows, torque, unknown_direction, wrong_direction};
-use finray_verify::claims::{ClaimVerdict, Words};
+use finray_studies::claims::experiments::Exchanged;
+use finray_studies::claims::limits::{all_at_once, grows, torque, unknown_direction, wrong_direction};
+use finray_studies::claims::{ClaimVerdict, Words};
 
 fn words() -> Words {
     Words::shipped().expect("words of the claims")

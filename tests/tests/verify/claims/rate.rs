@@ -1,8 +1,8 @@
 //! The paper's frame rate.
 
 use crate::experiments::speed_error::point;
-use finray_verify::claims::{ClaimVerdict, Words, rate};
-use finray_verify::experiments::speed_error::{SpeedErrorPoint, Task};
+use finray_studies::claims::{ClaimVerdict, Words, rate};
+use finray_studies::experiments::speed_error::{SpeedErrorPoint, Task};
 
 /// A rate without vision is never better than one with it.
 #[test]

@@ -2,10 +2,10 @@
 
 use finray_model::measurement::Measurement;
 use finray_model::sensing::Pad;
+use finray_studies::estimators::network::Networks;
+use finray_studies::estimators::{EstimatorError, EstimatorId, Question};
+use finray_studies::truths::TruthId;
 use finray_tests::{CAMERA_NOISE_MM, at_node, paper};
-use finray_verify::estimators::network::Networks;
-use finray_verify::estimators::{EstimatorError, EstimatorId, Question};
-use finray_verify::truths::TruthId;
 
 /// Linear estimators err by 1 % for a small force in the middle, networks by less.
 const TOLERANCE: f64 = 0.02;

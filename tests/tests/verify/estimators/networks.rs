@@ -4,15 +4,15 @@
 use finray_model::measurement::Measurement;
 use finray_model::sensing::network::NetworkEstimator;
 use finray_model::{Kinematics, Mesh, NodeId, statics};
+use finray_studies::estimators::network::{NetworkSensing, Networks, NoNetwork};
+use finray_studies::estimators::{BeamEstimator, ELEMENTS, Estimator};
+use finray_studies::experiments::networks::shipping::{Shipping, shipping};
+use finray_studies::sampling::scatter::{ScatterRequest, ScatterRow, scatter, singles};
+use finray_studies::settings::TWO_FORCES_N;
+use finray_studies::truths::fine_mesh;
 use finray_tests::{
     CAMERA_NOISE_MM, STANDARD_ERRORS, at_node, at_nodes, case_count, paper, paper_scene_with, share_error,
 };
-use finray_verify::estimators::network::{NetworkSensing, Networks, NoNetwork};
-use finray_verify::estimators::{BeamEstimator, ELEMENTS, Estimator};
-use finray_verify::experiments::networks::shipping::{Shipping, shipping};
-use finray_verify::sampling::scatter::{ScatterRequest, ScatterRow, scatter, singles};
-use finray_verify::settings::TWO_FORCES_N;
-use finray_verify::truths::fine_mesh;
 
 /// A mean of relative errors of forces from 0.3 to 3 N scatters by 1.4 of itself from case to case.
 const SPREAD: f64 = 1.4;

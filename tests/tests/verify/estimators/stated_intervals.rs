@@ -2,11 +2,11 @@
 
 use finray_model::measurement::Measurement;
 use finray_model::{Kinematics, Mesh, NodeId};
+use finray_studies::estimators::{BeamEstimator, ELEMENTS, Estimator};
+use finray_studies::settings::TWO_SIDED_95;
+use finray_studies::truths::TruthId;
+use finray_studies::truths::{MeshTruth, Truth, fine_mesh};
 use finray_tests::{CAMERA_NOISE_MM, at_node, at_position, noisy, paper, seen};
-use finray_verify::estimators::{BeamEstimator, ELEMENTS, Estimator};
-use finray_verify::settings::TWO_SIDED_95;
-use finray_verify::truths::TruthId;
-use finray_verify::truths::{MeshTruth, Truth, fine_mesh};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 

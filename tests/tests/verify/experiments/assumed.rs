@@ -4,9 +4,9 @@ use finray_model::finger::Plate;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, ContactPosition, LinearEstimator, Prior};
 use finray_model::{Kinematics, Mesh, Scene, statics};
-use finray_verify::estimators::{BeamEstimator, Estimator};
-use finray_verify::experiments::assumed::AssumedContact;
-use finray_verify::experiments::causes::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
+use finray_studies::estimators::{BeamEstimator, Estimator};
+use finray_studies::experiments::assumed::AssumedContact;
+use finray_studies::experiments::causes::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
 
 /// Each side in turn, as far as the plate reaches, is what least squares gives for that contact.
 #[test]

@@ -7,17 +7,17 @@ use finray_model::measurement::Measurement;
 use finray_model::mesh::FingerShape;
 use finray_model::sensing::{Contact, LinearEstimator};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
-use finray_tests::{at_position, finger_of, paper};
-use finray_verify::estimators::{BeamEstimator, ELEMENTS, Estimator};
-use finray_verify::experiments::causes::ContactKnowledge::{Assumed, Known};
-use finray_verify::experiments::causes::Practice::{LeastSquares, Nonlinear};
-use finray_verify::experiments::causes::{
+use finray_studies::estimators::{BeamEstimator, ELEMENTS, Estimator};
+use finray_studies::experiments::causes::ContactKnowledge::{Assumed, Known};
+use finray_studies::experiments::causes::Practice::{LeastSquares, Nonlinear};
+use finray_studies::experiments::causes::{
     Cause, CauseCell, CauseMap, CauseRequest, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM, Practice, causes,
     network,
 };
-use finray_verify::experiments::table_one::{CALIBRATION_NODES, WEIGHTS_G, weight_n};
-use finray_verify::truths::TruthId;
-use finray_verify::truths::{MeshTruth, Truth, fine_mesh};
+use finray_studies::experiments::table_one::{CALIBRATION_NODES, WEIGHTS_G, weight_n};
+use finray_studies::truths::TruthId;
+use finray_studies::truths::{MeshTruth, Truth, fine_mesh};
+use finray_tests::{at_position, finger_of, paper};
 use std::sync::LazyLock;
 
 /// Forces this small leave the finger linear: geometric nonlinearity changes shapes of 0.02 mm by a thousandth.

@@ -1,9 +1,9 @@
 //! Intervals that are too narrow, too wide or refused fail their checks.
 
-use finray_verify::check::Check;
-use finray_verify::estimators::EstimatorId;
-use finray_verify::experiments::coverage::{CoverageRow, TRUTH};
-use finray_verify::truths::TruthId;
+use finray_studies::check::Check;
+use finray_studies::estimators::EstimatorId;
+use finray_studies::experiments::coverage::{CoverageRow, TRUTH};
+use finray_studies::truths::TruthId;
 
 fn row(covered_without_warning: f64, covered_with_warning: f64) -> CoverageRow {
     CoverageRow {

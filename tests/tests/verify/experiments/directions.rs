@@ -2,12 +2,12 @@
 //! assuming the deformed normal gains.
 
 use finray_model::{Kinematics, Mesh};
-use finray_tests::{CAMERA_NOISE_MM, STANDARD_ERRORS, paper};
-use finray_verify::experiments::direction::{
+use finray_studies::experiments::direction::{
     Assumption, DirectionCell, DirectionRequest, DirectionStudy, FORCES_N, IDENTIFIED_DEG, IDENTIFIED_FORCE,
 };
-use finray_verify::truths::MeshTruth;
-use finray_verify::truths::TruthId;
+use finray_studies::truths::MeshTruth;
+use finray_studies::truths::TruthId;
+use finray_tests::{CAMERA_NOISE_MM, STANDARD_ERRORS, paper};
 use std::sync::LazyLock;
 
 /// Noise samples a cell.

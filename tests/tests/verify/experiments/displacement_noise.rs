@@ -3,8 +3,8 @@
 use finray_model::Vector;
 use finray_model::measurement::DisplacementNoise;
 use finray_model::measurement::noise::base_motions;
+use finray_studies::experiments::displacement_noise::{DisplacementNoiseStudy, bound_n2};
 use finray_tests::{CAMERA_NOISE_MM, paper};
-use finray_verify::experiments::displacement_noise::{DisplacementNoiseStudy, bound_n2};
 use nalgebra::DMatrix;
 
 /// Where the undeformed positions come from: bounds by two ways each, and an estimator that knows the covariance at the bound.

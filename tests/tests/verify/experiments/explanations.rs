@@ -4,12 +4,12 @@
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::sensing::{ContactPosition, ContactQuestion, Direction, NonlinearEstimator};
 use finray_model::{Kinematics, Load, Mesh, Vector, statics};
+use finray_studies::estimators::{BeamEstimator, ELEMENTS};
+use finray_studies::experiments::explain::{Explanation, ExplanationMap};
+use finray_studies::sampling::map::{MapRequest, accuracy_maps};
+use finray_studies::truths::MeshTruth;
+use finray_studies::truths::TruthId;
 use finray_tests::{at_position, noisy, paper};
-use finray_verify::estimators::{BeamEstimator, ELEMENTS};
-use finray_verify::experiments::explain::{Explanation, ExplanationMap};
-use finray_verify::sampling::map::{MapRequest, accuracy_maps};
-use finray_verify::truths::MeshTruth;
-use finray_verify::truths::TruthId;
 use nalgebra::DMatrix;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

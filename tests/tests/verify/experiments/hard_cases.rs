@@ -1,11 +1,11 @@
 //! A case fails by a failed check, an error that nobody expected, laws without a case, or its time.
 
 use finray_model::Finger;
+use finray_studies::check::{Check, Kind};
+use finray_studies::experiments::hard_cases::soundness::Soundness;
+use finray_studies::experiments::hard_cases::{Findings, HardCase, Question, TIME_LIMIT_S, Unexpected, answered};
+use finray_studies::settings::Effort;
 use finray_tests::paper;
-use finray_verify::check::{Check, Kind};
-use finray_verify::experiments::hard_cases::soundness::Soundness;
-use finray_verify::experiments::hard_cases::{Findings, HardCase, Question, TIME_LIMIT_S, Unexpected, answered};
-use finray_verify::settings::Effort;
 
 fn answered_by(answer: fn(&Finger, Effort, &mut Findings) -> Result<(), Unexpected>) -> HardCase {
     let question = Question { case: "case", difficulty: "difficulty", expectation: "expectation", answer };

@@ -4,12 +4,12 @@ mod paper;
 
 use crate::sampling::scatter::{CASES, rows_on};
 use finray_model::{Kinematics, Mesh};
+use finray_studies::check::Check;
+use finray_studies::estimators::network::{NetworkSensing, Networks};
+use finray_studies::experiments::networks::accuracy::{CHECKED_SETS, NetworkStudy};
+use finray_studies::sampling::scatter::{AgainstBound, Scatter, ScatterRow};
+use finray_studies::settings::ENOUGH_CASES;
 use finray_tests::{CAMERA_NOISE_MM, paper};
-use finray_verify::check::Check;
-use finray_verify::estimators::network::{NetworkSensing, Networks};
-use finray_verify::experiments::networks::accuracy::{CHECKED_SETS, NetworkStudy};
-use finray_verify::sampling::scatter::{AgainstBound, Scatter, ScatterRow};
-use finray_verify::settings::ENOUGH_CASES;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Checks are for the camera's noise alone, and can fail.

@@ -1,10 +1,10 @@
 //! Checks of sensing under noise stand or fall with every case that was drawn.
 
-use finray_verify::check::Check;
-use finray_verify::estimators::EstimatorId;
-use finray_verify::experiments::noise::{CHECKED_NODES, CHECKED_PAIRS, NoiseStudy};
-use finray_verify::sampling::scatter::{AgainstBound, Controlled, Scatter, ScatterRow};
-use finray_verify::settings::CAMERA_NOISE_MM;
+use finray_studies::check::Check;
+use finray_studies::estimators::EstimatorId;
+use finray_studies::experiments::noise::{CHECKED_NODES, CHECKED_PAIRS, NoiseStudy};
+use finray_studies::sampling::scatter::{AgainstBound, Controlled, Scatter, ScatterRow};
+use finray_studies::settings::CAMERA_NOISE_MM;
 
 fn row(nodes: &[usize], mean_error: f64, [cases, refused]: [usize; 2]) -> ScatterRow {
     let bound = AgainstBound {

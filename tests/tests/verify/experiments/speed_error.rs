@@ -2,11 +2,11 @@
 
 mod sensing;
 
+use finray_studies::estimators::EstimatorId;
+use finray_studies::experiments::speed_error::criterion::{CriterionTimes, take_times};
+use finray_studies::experiments::speed_error::recommendation::recommended;
+use finray_studies::experiments::speed_error::{SpeedErrorPoint, Start, Task, TimedBy, asked, solved_point};
 use finray_tests::paper;
-use finray_verify::estimators::EstimatorId;
-use finray_verify::experiments::speed_error::criterion::{CriterionTimes, take_times};
-use finray_verify::experiments::speed_error::recommendation::recommended;
-use finray_verify::experiments::speed_error::{SpeedErrorPoint, Start, Task, TimedBy, asked, solved_point};
 
 /// A warm nonlinear point on a mesh of `nodes` nodes.
 pub fn point(task: Task, nodes: usize, seconds: f64, error: f64, bias_sigmas: f64) -> SpeedErrorPoint {

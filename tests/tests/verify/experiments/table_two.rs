@@ -2,12 +2,12 @@
 
 use crate::sampling::scatter::{CASES, CHANCE};
 use crate::stand_ins::Constant;
+use finray_studies::estimators::EstimatorId;
+use finray_studies::experiments::table_two::{CONTACT_GROUPS, GroupErrors, STEPS, TableTwo, contact_sets, table_two};
+use finray_studies::sampling::scatter::{Scatter, ScatterRow};
+use finray_studies::truths::TruthId;
+use finray_studies::truths::fine_mesh;
 use finray_tests::{CAMERA_NOISE_MM, paper};
-use finray_verify::estimators::EstimatorId;
-use finray_verify::experiments::table_two::{CONTACT_GROUPS, GroupErrors, STEPS, TableTwo, contact_sets, table_two};
-use finray_verify::sampling::scatter::{Scatter, ScatterRow};
-use finray_verify::truths::TruthId;
-use finray_verify::truths::fine_mesh;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Linear sensing of the linear finger without noise: what rounding leaves, times the condition number of neighbours.

@@ -2,13 +2,13 @@
 
 use finray_fixtures::TWIN_SCENE;
 use finray_model::Kinematics;
+use finray_studies::experiments::table_one::table_one;
+use finray_studies::experiments::twin::TWIN;
+use finray_studies::experiments::twin::fit::{ANGLE_DEG, fit};
+use finray_studies::truths::TruthId;
+use finray_studies::truths::{MeshTruth, fine_mesh};
+use finray_studies::truths::{TwinError, twin_of};
 use finray_tests::{finger_of, paper};
-use finray_verify::experiments::table_one::table_one;
-use finray_verify::experiments::twin::TWIN;
-use finray_verify::experiments::twin::fit::{ANGLE_DEG, fit};
-use finray_verify::truths::TruthId;
-use finray_verify::truths::{MeshTruth, fine_mesh};
-use finray_verify::truths::{TwinError, twin_of};
 
 /// The scene's numbers are rounded to four digits (0.0641: three), and the fit ends within 1e-7.
 const ROUNDED: f64 = 1e-3;

@@ -1,6 +1,6 @@
 //! Bars are as tall as their values, and what makes no bar is refused.
 
-use finray_verify::figures::{Axis, Bars, Chart, FigureError, Frame, Hue};
+use finray_figures::{Axis, Bars, Chart, FigureError, Frame, Hue};
 
 fn chart() -> Chart {
     let bars =

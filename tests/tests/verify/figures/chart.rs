@@ -1,6 +1,6 @@
 //! Charts and drawings to scale: series, signs and words are all there, and what has no position is refused.
 
-use finray_verify::figures::{Axis, Chart, FigureError, Frame, Hue, Marker, Series, Spread};
+use finray_figures::{Axis, Chart, FigureError, Frame, Hue, Marker, Series, Spread};
 
 fn chart() -> Chart {
     let points = vec![[1.0, 0.5], [2.0, 3.0], [3.0, 40.0]];

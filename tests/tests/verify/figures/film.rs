@@ -1,6 +1,6 @@
 //! Drawings that move.
 
-use finray_verify::figures::{Film, Frame, Hue, Series, Shot};
+use finray_figures::{Film, Frame, Hue, Series, Shot};
 
 fn film(count: usize, still: usize) -> Film {
     let shot = |i: usize| {

@@ -1,6 +1,6 @@
 //! What every figure shares, read from the drawing: its name, ticks and their names, words that are broken, legends and labels.
 
-use finray_verify::figures::{Axis, Cells, Chart, Class, FigureError, Frame, Hue, Map, Marker, Paint, Point, Series};
+use finray_figures::{Axis, Cells, Chart, Class, FigureError, Frame, Hue, Map, Marker, Paint, Point, Series};
 
 /// Words of a drawing with their anchors, in the order in which they are drawn.
 fn words(svg: &str) -> Vec<(String, Point)> {

@@ -1,6 +1,6 @@
 //! Maps: every cell is drawn, hatched or listed, and what does not fit together is refused.
 
-use finray_verify::figures::{Axis, Cells, Class, FigureError, Frame, Map, Paint};
+use finray_figures::{Axis, Cells, Class, FigureError, Frame, Map, Paint};
 
 fn axes() -> [Axis; 2] {
     [Axis::linear("position, mm"), Axis::linear("direction, deg")]

@@ -1,9 +1,9 @@
 //! The kinematics of a contact against differences, and its forces against the laws of levers.
 
+use finray_lattice::energy::BodyMotion;
+use finray_lattice::grasp::contact::{Pair, Stand, Unknowns};
 use finray_model::Vector;
 use finray_model::gripper::Placement;
-use finray_verify::grasp::contact::{Pair, Stand, Unknowns};
-use finray_verify::lattice::energy::BodyMotion;
 use proptest::prelude::*;
 
 prop_compose! {

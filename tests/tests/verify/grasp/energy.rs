@@ -2,9 +2,9 @@
 
 use super::world::steps_of;
 use finray_model::Scene;
+use finray_studies::experiments::contact_scene::file::load_scene_with_outline;
+use finray_studies::experiments::grasp::{Ended, GraspScene, GraspStep, Phase};
 use finray_tests::is_full_study;
-use finray_verify::experiments::contact_scene::file::load_scene_with_outline;
-use finray_verify::experiments::grasp::{Ended, GraspScene, GraspStep, Phase};
 use std::path::{Path, PathBuf};
 
 /// The objects, each with whether its equilibrium jumps somewhere.

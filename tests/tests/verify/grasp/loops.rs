@@ -1,9 +1,9 @@
 //! The closed loop against the camera's rate.
 
 use finray_model::Scene;
-use finray_verify::check::Verdict;
-use finray_verify::experiments::grasp::rates::{LoopRun, LoopSetting, LoopStudy, closed_loops};
-use finray_verify::experiments::grasp::{Ended, Eyes, GraspScene, LoopFigures, loop_figures};
+use finray_studies::check::Verdict;
+use finray_studies::experiments::grasp::rates::{LoopRun, LoopSetting, LoopStudy, closed_loops};
+use finray_studies::experiments::grasp::{Ended, Eyes, GraspScene, LoopFigures, loop_figures};
 
 const MOTOR_DEG_PER_S: f64 = 30.0;
 

@@ -4,9 +4,11 @@ use finray_model::finger::Plate;
 use finray_model::gripper::Gripper;
 use finray_model::mesh::Load;
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Scene, statics};
-use finray_verify::estimators::EstimatorId;
-use finray_verify::experiments::grasp::modules::{ClosedStep, ModuleStep, ModuleStudy, ModuleTest, Untouched, closing};
-use finray_verify::experiments::table_two::CONTACT_GROUPS;
+use finray_studies::estimators::EstimatorId;
+use finray_studies::experiments::grasp::modules::{
+    ClosedStep, ModuleStep, ModuleStudy, ModuleTest, Untouched, closing,
+};
+use finray_studies::experiments::table_two::CONTACT_GROUPS;
 
 fn gripper() -> (Finger, Gripper) {
     let scene = Scene::from_toml(finray_fixtures::GRASPED_DISC_SCENE).unwrap();

@@ -1,8 +1,8 @@
 //! What is observed of grasps: totals of the two fingers, and opening against closing.
 
 use finray_model::Scene;
-use finray_verify::experiments::grasp::observations::{Totals, totals};
-use finray_verify::experiments::grasp::{Eyes, GraspScene, GraspStep};
+use finray_studies::experiments::grasp::observations::{Totals, totals};
+use finray_studies::experiments::grasp::{Eyes, GraspScene, GraspStep};
 
 /// The disc pressed on its support and let go, with a friction and noise.
 fn observed(friction: &str, noise_mm: f64) -> Totals {

@@ -1,12 +1,12 @@
 //! Fingers that meet each other, or a table, end a grasp.
 
 use super::world::{disc, steps_of};
+use finray_lattice::Lattice;
+use finray_lattice::grasp::surface::Shape;
+use finray_lattice::grasp::{Drive, World};
 use finray_model::gripper::Placement;
 use finray_model::{Scene, Vector};
-use finray_verify::experiments::grasp::{Ended, Eyes, GraspError, GraspScene, GraspStep, Obstacle};
-use finray_verify::grasp::surface::Shape;
-use finray_verify::grasp::{Drive, World};
-use finray_verify::lattice::Lattice;
+use finray_studies::experiments::grasp::{Ended, Eyes, GraspError, GraspScene, GraspStep, Obstacle};
 
 /// Radius of a rod, of which one is at the tip, mm.
 const ROD_MM: f64 = 1.5;

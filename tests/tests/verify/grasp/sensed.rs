@@ -2,11 +2,11 @@
 
 use super::world::{disc, steps_of};
 use finray_model::{Scene, Vector};
-use finray_verify::estimators::EstimatorId;
-use finray_verify::estimators::network::Networks;
-use finray_verify::experiments::contact_scene::{HalfSpan, SensedStep};
-use finray_verify::experiments::grasp::{GraspScene, GraspStep, NotSensed};
-use finray_verify::settings::{CAMERA_NOISE_MM, TWO_SIDED_95};
+use finray_studies::estimators::EstimatorId;
+use finray_studies::estimators::network::Networks;
+use finray_studies::experiments::contact_scene::{HalfSpan, SensedStep};
+use finray_studies::experiments::grasp::{GraspScene, GraspStep, NotSensed};
+use finray_studies::settings::{CAMERA_NOISE_MM, TWO_SIDED_95};
 
 /// A finger in a step in which something touches it, with what was sensed.
 fn sensed(steps: &[GraspStep]) -> impl Iterator<Item = &SensedStep> {

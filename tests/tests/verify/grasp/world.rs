@@ -1,15 +1,15 @@
 //! Equilibria of fingers and object: against rapier, which presses an object onto one finger, and against the laws that any equilibrium keeps.
 
 use super::energy::object;
+use finray_lattice::Lattice;
+use finray_lattice::grasp::surface::Shape;
+use finray_lattice::grasp::{Drive, Halt, Partner, World};
+use finray_lattice::pressing::{Pressing, Push};
 use finray_model::gripper::Placement;
 use finray_model::scene::{ObjectMotion, Outline};
 use finray_model::{Scene, Vector};
-use finray_verify::experiments::contact_scene::PreparedObject;
-use finray_verify::experiments::grasp::{Ended, Eyes, GraspScene, GraspStep, Phase};
-use finray_verify::grasp::surface::Shape;
-use finray_verify::grasp::{Drive, Halt, Partner, World};
-use finray_verify::lattice::Lattice;
-use finray_verify::lattice::pressing::{Pressing, Push};
+use finray_studies::experiments::contact_scene::PreparedObject;
+use finray_studies::experiments::grasp::{Ended, Eyes, GraspScene, GraspStep, Phase};
 use std::f64::consts::FRAC_PI_2;
 
 /// Segments a plate member: the comparison is of two ways to the same equilibrium of the same lattice.
@@ -243,7 +243,7 @@ fn a_force_is_reached_and_held() {
     )]);
     let (steps, ended) = steps_of(&grasp(&held), 0.01, 1);
     assert_eq!(ended, Ended::Done);
-    let figures = finray_verify::experiments::grasp::loop_figures(&steps, 1.6, Some(30.0)).unwrap();
+    let figures = finray_studies::experiments::grasp::loop_figures(&steps, 1.6, Some(30.0)).unwrap();
     assert!(figures.largest_error < 0.05 && figures.overshoot < 0.05, "{figures:?}");
     assert!(figures.rise_s.unwrap() > 0.0);
 }

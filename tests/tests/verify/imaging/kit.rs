@@ -4,7 +4,7 @@ use finray_fixtures::CAMERA_SCENE;
 use finray_imaging::render::Disturbances;
 use finray_model::Scene;
 use finray_model::camera::{Camera, Distortion, Lens, Pose};
-use finray_verify::sampling::noise::Noise;
+use finray_studies::sampling::noise::Noise;
 use nalgebra::{Rotation3, Vector3};
 
 /// Uneven light, and what else is in an ordinary image.

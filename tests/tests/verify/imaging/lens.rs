@@ -4,7 +4,7 @@ use finray_imaging::grid::{GridDot, LensOfGridsError, NoGrid, find_grid, lens_of
 use finray_imaging::render::{Disturbances, GridPlate, render_grid};
 use finray_model::Vector;
 use finray_model::camera::{Camera, Distortion, LENS_PARAMETERS, Lens, Pose};
-use finray_verify::sampling::noise::Noise;
+use finray_studies::sampling::noise::Noise;
 use nalgebra::{Rotation3, Vector3};
 use rayon::prelude::*;
 

@@ -6,7 +6,7 @@ use finray_imaging::render::{Disturbances, RenderRequest, render};
 use finray_model::mesh::FingerShape;
 use finray_model::scene::MarkerLook;
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, statics};
-use finray_verify::sampling::noise::Noise;
+use finray_studies::sampling::noise::Noise;
 use image::RgbImage;
 use jpeg_encoder::{ChromaSubsamplingMethod, ColorType, Encoder, SamplingFactor};
 use nalgebra::{Rotation3, Vector3};

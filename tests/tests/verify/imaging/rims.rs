@@ -8,7 +8,7 @@ use finray_model::camera::{Camera, Pose};
 use finray_model::mesh::FingerShape;
 use finray_model::scene::Base;
 use finray_model::{Kinematics, Load, Mesh, NodeId, Scene, Vector, statics};
-use finray_verify::sampling::noise::Noise;
+use finray_studies::sampling::noise::Noise;
 use image::RgbImage;
 use nalgebra::{Isometry2, Point2, Rotation3};
 

@@ -1,9 +1,9 @@
 //! How near the lattice comes to beams, and what that rests on.
 
 use finray_model::NodeId;
+use finray_studies::lattice::accuracy::{LoadGrid, study};
+use finray_studies::lattice::causes;
 use finray_tests::paper;
-use finray_verify::lattice::accuracy::{LoadGrid, study};
-use finray_verify::lattice::causes;
 
 /// The error falls with the fourth power of the segments' length: by more than ten when they are halved.
 #[test]

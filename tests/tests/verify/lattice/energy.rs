@@ -1,15 +1,15 @@
 //! The energy of the lattice and where it is least.
 
+use finray_lattice::bodies::{Anchor, Assembly, Body, BodyLoad};
+use finray_lattice::energy::{BodyMotion, Energy};
+use finray_lattice::springs::{AxialSprings, Segment};
+use finray_lattice::{Lattice, LatticeError};
 use finray_model::finger::{Joints, Plate};
 use finray_model::frame::Section;
 use finray_model::mesh::{Load, LoadError};
 use finray_model::{Kinematics, Mesh, NodeId, Vector, statics};
+use finray_studies::lattice::accuracy::difference;
 use finray_tests::{built_finger, cases, contact_node, finger_of, paper};
-use finray_verify::lattice::accuracy::difference;
-use finray_verify::lattice::bodies::{Anchor, Assembly, Body, BodyLoad};
-use finray_verify::lattice::energy::{BodyMotion, Energy};
-use finray_verify::lattice::springs::{AxialSprings, Segment};
-use finray_verify::lattice::{Lattice, LatticeError};
 use proptest::prelude::*;
 
 /// Central differences over a step of 1e-5 err by its square times the third derivative, and by rounding over the step.

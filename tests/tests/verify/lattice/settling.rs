@@ -1,11 +1,12 @@
 //! Settling: the lattice rests where its energy is least, and where beams do.
 
+use finray_lattice::settling::{Precision, Settling};
+use finray_lattice::{Lattice, LatticeError, settling};
 use finray_model::mesh::Load;
 use finray_model::{Kinematics, Mesh, NodeId, Vector, statics};
+use finray_studies::lattice::accuracy::{LoadGrid, difference};
+use finray_studies::lattice::causes;
 use finray_tests::{contact_node, finger_of, paper};
-use finray_verify::lattice::accuracy::{LoadGrid, difference};
-use finray_verify::lattice::settling::{Precision, Settling};
-use finray_verify::lattice::{Lattice, LatticeError, causes, settling};
 
 /// Settling against the lattice's own equilibrium, as a share of the largest displacement.
 const SETTLING_TOLERANCE: f64 = 5e-4;

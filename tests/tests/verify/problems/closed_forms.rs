@@ -1,10 +1,10 @@
 //! Reference problems of the report: every one holds its tolerance.
 
 use finray_model::Scene;
+use finray_studies::check::{Check, Kind};
+use finray_studies::problems::grid_convergence::GridConvergence;
+use finray_studies::problems::{self, elastica, gripper_camera, lee_frame, linkage, rigid_rotation, toggle};
 use finray_tests::{assert_all_pass, finger_of, paper};
-use finray_verify::check::{Check, Kind};
-use finray_verify::problems::grid_convergence::GridConvergence;
-use finray_verify::problems::{self, elastica, gripper_camera, lee_frame, linkage, rigid_rotation, toggle};
 
 /// Every problem that applies to the paper's finger answers, and its checks pass.
 #[test]

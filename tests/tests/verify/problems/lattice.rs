@@ -1,7 +1,7 @@
 //! The lattice against beams, as in the report.
 
+use finray_studies::problems::lattice;
 use finray_tests::{assert_all_pass, paper};
-use finray_verify::problems::lattice;
 
 /// Beams, linear theory, settling and repetition, as in the report.
 #[test]

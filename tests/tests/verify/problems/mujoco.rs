@@ -1,8 +1,8 @@
 //! Beams against the shapes that MuJoCo found.
 
 use crate::mujoco::exported;
+use finray_studies::problems::mujoco;
 use finray_tests::assert_all_pass;
-use finray_verify::problems::mujoco;
 
 #[test]
 fn the_papers_finger_is_as_beams_have_it() {

@@ -3,8 +3,8 @@
 //! The files say how they were made and how far they can be trusted: `fixtures/opensees/README.md`.
 
 use finray_model::Kinematics;
+use finray_studies::problems::opensees::{COROTATIONAL_TOLERANCE, CaseDeviation, LINEAR_TOLERANCE, deviations};
 use finray_tests::finger_of;
-use finray_verify::problems::opensees::{COROTATIONAL_TOLERANCE, CaseDeviation, LINEAR_TOLERANCE, deviations};
 
 /// Linear fine meshes carry rounding that grows with the fourth power of the node count; a finger whose plates are
 /// thousands of times stiffer in tension than in bending (spring steel) carries more of it.

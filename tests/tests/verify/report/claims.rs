@@ -1,8 +1,8 @@
 //! Claims are counted by verdict.
 
-use finray_verify::claims::{Claim, ClaimVerdict};
-use finray_verify::report::claims::counted;
-use finray_verify::report::page::{Cell, Shade};
+use finray_report::claims::counted;
+use finray_report::page::{Cell, Shade};
+use finray_studies::claims::{Claim, ClaimVerdict};
 
 #[test]
 fn claims_are_counted_by_verdict() {
@@ -21,6 +21,6 @@ fn claims_are_counted_by_verdict() {
         "{words}"
     );
     assert!(words.contains("0 reproduced"), "{words}");
-    assert_eq!(finray_verify::report::claims::verdict(ClaimVerdict::InSimulation), Cell::plain("in simulation"));
-    assert_eq!(finray_verify::report::claims::verdict(ClaimVerdict::Refuted), Cell::shaded("refuted", Shade::Fail));
+    assert_eq!(finray_report::claims::verdict(ClaimVerdict::InSimulation), Cell::plain("in simulation"));
+    assert_eq!(finray_report::claims::verdict(ClaimVerdict::Refuted), Cell::shaded("refuted", Shade::Fail));
 }

@@ -1,7 +1,7 @@
 //! One dataset as CSV, as an array of the summary and as a table of the page.
 
-use finray_verify::report::dataset::{Columns, Dataset, Format};
-use finray_verify::report::page::{Cell, Shade};
+use finray_report::dataset::{Columns, Dataset, Format};
+use finray_report::page::{Cell, Shade};
 
 /// A node with an error that may be missing, and its contacts.
 type Sample = (usize, Option<f64>, Vec<usize>);

@@ -1,9 +1,9 @@
 //! The script and style of the questions that a reader asks have the palette and limits of the drawings.
 
-use finray_verify::figures::Paint;
-use finray_verify::report::drawings::percent_classes;
-use finray_verify::report::explore::{SCRIPT, STYLE};
-use finray_verify::settings::TRUSTED_ERROR;
+use finray_figures::Paint;
+use finray_report::drawings::percent_classes;
+use finray_report::explore::{SCRIPT, STYLE};
+use finray_studies::settings::TRUSTED_ERROR;
 
 /// Script and style have the palette and the limits of the drawings.
 #[test]

@@ -1,6 +1,8 @@
 //! Numbers in words.
 
-use finray_verify::report::format::{Span, capitalised, figure, percent, percent_two_digits, share_of_counts, time};
+use finray_report::format::{
+    Span, capitalised, figure, percent, percent_two_digits, share_of_counts, span_in_words, time,
+};
 
 #[test]
 fn shares_keep_two_digits_where_it_matters() {
@@ -18,8 +20,8 @@ fn sentences_begin_with_a_capital() {
 
 #[test]
 fn seeds_that_agree_have_no_range() {
-    assert_eq!(Span::of([0.3, 0.5]).map(Span::in_words).as_deref(), Some("40 % (30\u{2013}50)"));
-    assert_eq!(Span::of([0.02, 0.02]).map(Span::in_words).as_deref(), Some("2.0 %"));
+    assert_eq!(Span::of([0.3, 0.5]).map(span_in_words).as_deref(), Some("40 % (30\u{2013}50)"));
+    assert_eq!(Span::of([0.02, 0.02]).map(span_in_words).as_deref(), Some("2.0 %"));
     assert_eq!(Span::of([]), None);
 }
 

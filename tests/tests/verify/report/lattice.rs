@@ -3,8 +3,8 @@
 mod samples;
 mod words;
 
-use finray_verify::lattice::accuracy::FinenessRow;
-use finray_verify::report::lattice::{axial, data, drawing, sensing_figure, settled};
+use finray_report::lattice::{axial, data, drawing, sensing_figure, settled};
+use finray_studies::lattice::accuracy::FinenessRow;
 use samples::sample;
 
 #[test]

@@ -1,7 +1,7 @@
 //! Residuals over the image that they belong to.
 
-use finray_verify::experiments::measured::picture::{Arrow, Picture};
-use finray_verify::report::measured::picture::{magnified, svg};
+use finray_report::measured::picture::{magnified, svg};
+use finray_studies::experiments::measured::picture::{Arrow, Picture};
 
 /// One residual of half a pixel, two to a mm.
 fn picture(jpeg: &[u8]) -> Picture {

@@ -1,6 +1,6 @@
 //! The page: words are escaped, every block is shown, nothing is fetched.
 
-use finray_verify::report::page::{Answer, Block, Cell, Column, Figure, Page, Question, Section, Shade, Table, render};
+use finray_report::page::{Answer, Block, Cell, Column, Figure, Page, Question, Section, Shade, Table, render};
 
 fn page() -> Page {
     Page {

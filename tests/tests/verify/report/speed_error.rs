@@ -1,8 +1,8 @@
 //! The drawing of error over time: every point is named, failures are marked.
 
-use finray_verify::experiments::speed_error::{SpeedErrorPoint, Start, Task, TimedBy};
-use finray_verify::report::page::{Cell, Shade};
-use finray_verify::report::speed_error::{drawing, table};
+use finray_report::page::{Cell, Shade};
+use finray_report::speed_error::{drawing, table};
+use finray_studies::experiments::speed_error::{SpeedErrorPoint, Start, Task, TimedBy};
 
 fn point(model: &str, seconds: f64, error: f64, failed: usize) -> SpeedErrorPoint {
     SpeedErrorPoint {

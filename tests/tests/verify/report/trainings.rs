@@ -1,9 +1,9 @@
 //! Recorded trainings are gathered over their seeds.
 
-use finray_verify::experiments::networks::records::{CurveRow, RecipeRow, Records};
-use finray_verify::report::page::Table;
-use finray_verify::report::trainings::{RECIPES, blocks, by_recipe, by_size};
-use finray_verify::truths::TruthId;
+use finray_report::page::Table;
+use finray_report::trainings::{RECIPES, blocks, by_recipe, by_size};
+use finray_studies::experiments::networks::records::{CurveRow, RecipeRow, Records};
+use finray_studies::truths::TruthId;
 
 /// Two seeds at node 19, at the noise of a camera and without.
 fn recipe(truth: TruthId, errors: [f64; 2]) -> Vec<RecipeRow> {

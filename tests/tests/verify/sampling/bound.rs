@@ -4,13 +4,13 @@
 use crate::stand_ins::Worse;
 use finray_model::measurement::Measurement;
 use finray_model::{Kinematics, Mesh, NodeId};
-use finray_tests::{CAMERA_NOISE_MM, STANDARD_ERRORS, case_count, finger_of, noisy, paper, share_error};
-use finray_verify::estimators::{BeamEstimator, ELEMENTS};
-use finray_verify::sampling::scatter::{
+use finray_studies::estimators::{BeamEstimator, ELEMENTS};
+use finray_studies::sampling::scatter::{
     AgainstBound, Coverage, Scatter, ScatterRequest, ScatterRow, pairs, sampled_nodes, scatter, scatter_controlled,
     singles,
 };
-use finray_verify::settings::{ONE_FORCE_N, TWO_FORCES_N};
+use finray_studies::settings::{ONE_FORCE_N, TWO_FORCES_N};
+use finray_tests::{CAMERA_NOISE_MM, STANDARD_ERRORS, case_count, finger_of, noisy, paper, share_error};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 

@@ -1,8 +1,8 @@
 //! Summaries of maps: refused cells and cells without equilibrium.
 
-use finray_verify::estimators::EstimatorId;
-use finray_verify::sampling::map::{AccuracyMap, Cell, MapRequest};
-use finray_verify::truths::TruthId;
+use finray_studies::estimators::EstimatorId;
+use finray_studies::sampling::map::{AccuracyMap, Cell, MapRequest};
+use finray_studies::truths::TruthId;
 
 /// A map of one force, a direction a cell: (error, samples, answered).
 fn map(cells: &[(Option<f64>, usize, usize)]) -> AccuracyMap {

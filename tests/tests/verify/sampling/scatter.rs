@@ -2,10 +2,10 @@
 
 use crate::stand_ins::Constant;
 use finray_model::{Kinematics, Mesh, NodeId};
+use finray_studies::estimators::{BeamEstimator, Estimator, EstimatorId};
+use finray_studies::sampling::scatter::{Counts, Scatter, ScatterRequest, ScatterRow, scatter};
+use finray_studies::settings::TWO_FORCES_N;
 use finray_tests::{CAMERA_NOISE_MM, paper};
-use finray_verify::estimators::{BeamEstimator, Estimator, EstimatorId};
-use finray_verify::sampling::scatter::{Counts, Scatter, ScatterRequest, ScatterRow, scatter};
-use finray_verify::settings::TWO_FORCES_N;
 
 /// Cases for each set of contacts.
 pub const CASES: usize = 100;

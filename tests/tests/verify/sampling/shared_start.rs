@@ -3,10 +3,10 @@
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, ContactPosition};
 use finray_model::{Kinematics, Scene};
+use finray_studies::estimators::{BeamEstimator, Estimator, PreparedEstimator};
+use finray_studies::sampling::noise::Noise;
+use finray_studies::truths::{MeshTruth, Truth, TruthId, fine_mesh};
 use finray_tests::{ELEMENTS, paper};
-use finray_verify::estimators::{BeamEstimator, Estimator, PreparedEstimator};
-use finray_verify::sampling::noise::Noise;
-use finray_verify::truths::{MeshTruth, Truth, TruthId, fine_mesh};
 
 const NOISE_MM: f64 = 0.067;
 const SAMPLES: usize = 4;

@@ -1,7 +1,7 @@
 //! What holds for every true finger of the list.
 
+use finray_studies::truths::TruthId;
 use finray_tests::{at_node, paper};
-use finray_verify::truths::TruthId;
 
 /// A finger that is softer at its ends, or of another discretisation, still bends as beams do: within this factor of the linear finger.
 const SOFTER: f64 = 2.0;

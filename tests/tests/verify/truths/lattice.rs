@@ -1,10 +1,10 @@
 //! The lattice as the true finger.
 
 use finray_model::Kinematics;
+use finray_studies::lattice::accuracy::difference;
+use finray_studies::truths::TruthId;
+use finray_studies::truths::{LatticeTruth, MeshTruth, Truth, fine_mesh};
 use finray_tests::{at_position, paper};
-use finray_verify::lattice::accuracy::difference;
-use finray_verify::truths::TruthId;
-use finray_verify::truths::{LatticeTruth, MeshTruth, Truth, fine_mesh};
 
 /// The third finger of the maps, at positions between nodes as well, is that of beams.
 #[test]

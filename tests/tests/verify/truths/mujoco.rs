@@ -3,8 +3,8 @@
 use crate::mujoco::exported;
 use finray_model::NodeId;
 use finray_model::sensing::Contact;
+use finray_studies::truths::{MujocoTruth, NotExported, Truth, TruthError};
 use finray_tests::{finger_of, paper};
-use finray_verify::truths::{MujocoTruth, NotExported, Truth, TruthError};
 
 #[test]
 fn mujoco_as_truth_answers_for_what_was_exported_alone() {

@@ -3,13 +3,13 @@
 use super::{Arguments, Row, correlations, failure};
 use crate::commands::parse::positive;
 use crate::commands::{Failure, bad_input, not_both_from_standard_input};
+use finray_files::views::{self, LocatedView};
+use finray_files::{csv_text, load_scene_and_text, with_values, write_all_or_nothing};
 use finray_model::calibration::{self, BaseCompliance, FoundView, Quantity, Sought, ViewEstimate, ViewModel};
 use finray_model::finger::{BracketLengths, Plate, RibPositions};
 use finray_model::sensing::{Lean, Normal};
 use finray_model::{Finger, Scene, Vector};
-use finray_verify::estimators::ELEMENTS;
-use finray_verify::files::views::{self, LocatedView};
-use finray_verify::files::{csv_text, load_scene_and_text, with_values, write_all_or_nothing};
+use finray_studies::estimators::ELEMENTS;
 use nalgebra::Point2;
 use serde::Serialize;
 use std::path::{Path, PathBuf};

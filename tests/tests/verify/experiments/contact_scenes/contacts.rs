@@ -1,16 +1,16 @@
 //! Contacts as the camera sees them, and the forces sensed at them.
 
 use super::{COARSE, last, prepared, scene, steps};
+use finray_lattice::Lattice;
+use finray_lattice::skin::{Touch, TouchedPart};
 use finray_model::finger::Plate;
 use finray_model::scene::ObjectDescription;
 use finray_model::sensing::{Contact, ContactPosition};
 use finray_model::{NodeId, Scene, Vector};
+use finray_studies::experiments::contact_scene::study::shipped;
+use finray_studies::experiments::contact_scene::{ContactScene, HalfSpan, SeenContact, read_contact, seen_contacts};
+use finray_studies::sampling::noise::Noise;
 use finray_tests::CAMERA_NOISE_MM;
-use finray_verify::experiments::contact_scene::study::shipped;
-use finray_verify::experiments::contact_scene::{ContactScene, HalfSpan, SeenContact, read_contact, seen_contacts};
-use finray_verify::lattice::Lattice;
-use finray_verify::lattice::skin::{Touch, TouchedPart};
-use finray_verify::sampling::noise::Noise;
 
 /// The camera does not see how hard an object pushes where: other forces at the same touches are the same contacts.
 #[test]

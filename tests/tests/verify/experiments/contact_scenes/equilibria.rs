@@ -1,11 +1,11 @@
 //! Equilibria of finger and object, against closed forms, beams and each other.
 
 use super::{COARSE, last, prepared, scene, steps};
+use finray_lattice::skin::TouchedPart;
 use finray_model::mesh::Load;
 use finray_model::sensing::ContactPosition;
 use finray_model::{Kinematics, Mesh, NodeId, Scene, Vector, statics};
-use finray_verify::experiments::contact_scene::{ContactScene, SceneStep};
-use finray_verify::lattice::skin::TouchedPart;
+use finray_studies::experiments::contact_scene::{ContactScene, SceneStep};
 
 /// A travel (mm) so small that the finger is linear: rotations are near 1e-3, and so is their effect.
 const TINY_TRAVEL_MM: f64 = 0.05;

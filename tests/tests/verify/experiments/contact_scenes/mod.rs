@@ -3,7 +3,7 @@
 
 use finray_model::Scene;
 use finray_model::scene::ObjectDescription;
-use finray_verify::experiments::contact_scene::{ContactScene, SceneStep};
+use finray_studies::experiments::contact_scene::{ContactScene, SceneStep};
 
 mod contacts;
 mod equilibria;

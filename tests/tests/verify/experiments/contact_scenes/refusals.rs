@@ -1,10 +1,10 @@
 //! What is no scene, and what has no equilibrium.
 
 use super::{COARSE, prepared, scene, steps};
+use finray_lattice::LatticeError;
 use finray_model::Vector;
 use finray_model::finger::Plate;
-use finray_verify::experiments::contact_scene::{OutlineError, TurnedOutline};
-use finray_verify::lattice::LatticeError;
+use finray_studies::experiments::contact_scene::{OutlineError, TurnedOutline};
 
 #[test]
 fn what_is_no_outline_is_refused() {
@@ -68,9 +68,9 @@ fn an_object_must_start_outside_the_finger() {
 fn a_free_object_is_not_pressed() {
     let scene = finray_model::Scene::from_toml(finray_fixtures::GRASPED_DISC_SCENE).expect("a scene");
     let object = scene.object.clone().expect("an object");
-    let refused = finray_verify::experiments::contact_scene::ContactScene::new(&scene, &object, &[]);
-    assert_eq!(refused.err(), Some(finray_verify::experiments::contact_scene::OutlineError::Free));
-    let given = finray_verify::experiments::contact_scene::study::SceneWithOutline { scene, corners: Vec::new() };
-    let studies = finray_verify::experiments::contact_scene::study::run_all(&[(given, 1)], 0.0, 0, &|| ());
+    let refused = finray_studies::experiments::contact_scene::ContactScene::new(&scene, &object, &[]);
+    assert_eq!(refused.err(), Some(finray_studies::experiments::contact_scene::OutlineError::Free));
+    let given = finray_studies::experiments::contact_scene::study::SceneWithOutline { scene, corners: Vec::new() };
+    let studies = finray_studies::experiments::contact_scene::study::run_all(&[(given, 1)], 0.0, 0, &|| ());
     assert!(studies.expect("nothing to study").is_empty());
 }

@@ -4,10 +4,10 @@ use super::{COARSE, prepared, scene};
 use finray_model::NodeId;
 use finray_model::scene::{ObjectMotion, Until};
 use finray_model::sensing::ContactPosition;
+use finray_studies::experiments::contact_scene::samples::NoiseSamples;
+use finray_studies::experiments::contact_scene::study::{SAMPLES, SceneStudy, shipped};
+use finray_studies::experiments::contact_scene::{ContactScene, SensedForce};
 use finray_tests::{CAMERA_NOISE_MM, assert_all_pass};
-use finray_verify::experiments::contact_scene::samples::NoiseSamples;
-use finray_verify::experiments::contact_scene::study::{SAMPLES, SceneStudy, shipped};
-use finray_verify::experiments::contact_scene::{ContactScene, SensedForce};
 
 /// All that the report checks of its first scene, in fewer steps.
 #[test]

@@ -1,13 +1,13 @@
 //! The paper's network as recorded, against its five figures.
 
-use finray_verify::experiments::networks::paper::{
+use finray_studies::experiments::networks::paper::{
     PAPER_RECIPES, figures, nodes_in_records, recorded, recorded_sets, reproduces,
 };
-use finray_verify::experiments::networks::records::{RecipeRow, Records};
-use finray_verify::experiments::table_two::CONTACT_GROUPS;
-use finray_verify::settings::CAMERA_NOISE_MM;
-use finray_verify::statistics::Span;
-use finray_verify::truths::TruthId;
+use finray_studies::experiments::networks::records::{RecipeRow, Records};
+use finray_studies::experiments::table_two::CONTACT_GROUPS;
+use finray_studies::settings::CAMERA_NOISE_MM;
+use finray_studies::statistics::Span;
+use finray_studies::truths::TruthId;
 
 #[test]
 fn a_figure_is_reproduced_within_the_factor_on_both_sides() {

@@ -1,12 +1,12 @@
 //! Streams of frames, and what a mesh adds to the noise.
 
 use finray_model::{Mesh, NodeId};
-use finray_tests::{CAMERA_NOISE_MM, paper};
-use finray_verify::experiments::speed_error::sensing::{
+use finray_studies::experiments::speed_error::sensing::{
     FRAMES_A_PERIOD, Frame, Stream, beam_estimators, largest_bias, sensed, sensing_meshes,
 };
-use finray_verify::experiments::speed_error::{Start, Task};
-use finray_verify::truths::fine_mesh;
+use finray_studies::experiments::speed_error::{Start, Task};
+use finray_studies::truths::fine_mesh;
+use finray_tests::{CAMERA_NOISE_MM, paper};
 use std::f64::consts::TAU;
 
 fn stream_at(node: usize) -> (Mesh, Stream) {

@@ -1,12 +1,12 @@
 //! A small study of the lattice for tests.
 
 use finray_model::NodeId;
-use finray_verify::estimators::EstimatorId;
-use finray_verify::experiments::lattice::{LatticeSensing, LatticeStudy, MapDifference};
-use finray_verify::lattice::accuracy::{FinenessRow, LoadGrid, SettlingCost};
-use finray_verify::lattice::causes::{AXIAL_SPRINGS, AxialRow, SETTLINGS, SettlingRow};
-use finray_verify::sampling::map::{AccuracyMap, Cell, MapRequest};
-use finray_verify::truths::TruthId;
+use finray_studies::estimators::EstimatorId;
+use finray_studies::experiments::lattice::{LatticeSensing, LatticeStudy, MapDifference};
+use finray_studies::lattice::accuracy::{FinenessRow, LoadGrid, SettlingCost};
+use finray_studies::lattice::causes::{AXIAL_SPRINGS, AxialRow, SETTLINGS, SettlingRow};
+use finray_studies::sampling::map::{AccuracyMap, Cell, MapRequest};
+use finray_studies::truths::TruthId;
 
 /// Least squares or the nonlinear estimator, off by `error` in its one cell.
 fn map(estimator: EstimatorId, error: f64) -> AccuracyMap {

@@ -1,7 +1,7 @@
 //! What is said of the lattice follows from its study.
 
 use super::samples::sample;
-use finray_verify::report::lattice::words::{findings, precision, verdict};
+use finray_report::lattice::words::{findings, precision, verdict};
 
 #[test]
 fn findings_are_made_from_the_numbers() {

@@ -1,7 +1,7 @@
 //! Notes of the overview: refused cells are not trusted.
 
-use finray_verify::report::maps::drawings::note;
-use finray_verify::sampling::worst::TrustCounts;
+use finray_report::maps::drawings::note;
+use finray_studies::sampling::worst::TrustCounts;
 
 #[test]
 fn refused_cells_are_said_and_count_as_not_trusted() {

@@ -1,10 +1,10 @@
 //! What is said of Table II follows from what is recorded.
 
-use finray_verify::experiments::networks::records::{RecipeRow, Records};
-use finray_verify::experiments::table_two::{CONTACT_GROUPS, ContactGroup};
-use finray_verify::report::format::list;
-use finray_verify::report::table_two::words::papers;
-use finray_verify::settings::CAMERA_NOISE_MM;
+use finray_report::format::list;
+use finray_report::table_two::words::papers;
+use finray_studies::experiments::networks::records::{RecipeRow, Records};
+use finray_studies::experiments::table_two::{CONTACT_GROUPS, ContactGroup};
+use finray_studies::settings::CAMERA_NOISE_MM;
 
 fn with(records: &[RecipeRow], error: impl Fn(&RecipeRow) -> f64) -> Vec<RecipeRow> {
     records.iter().map(|row| RecipeRow { mean_error: Some(error(row)), ..row.clone() }).collect()

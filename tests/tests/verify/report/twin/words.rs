@@ -1,9 +1,9 @@
 //! What is said of the twin follows from its fits.
 
 use finray_model::Scene;
-use finray_verify::experiments::twin::fit::TwinFit;
-use finray_verify::experiments::twin::{OTHERS, TWIN, ZoneSet, moduli_mpa};
-use finray_verify::report::twin::words::{freedom_in_words, moduli_in_words};
+use finray_report::twin::words::{freedom_in_words, moduli_in_words};
+use finray_studies::experiments::twin::fit::TwinFit;
+use finray_studies::experiments::twin::{OTHERS, TWIN, ZoneSet, moduli_mpa};
 
 fn freedom(fits: &[TwinFit]) -> String {
     freedom_in_words(fits).expect("words").expect("a fit")

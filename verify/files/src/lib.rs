@@ -1,0 +1,99 @@
+//! Input and output: scenes, displacements and measurements as text, results as whole files.
+#![forbid(unsafe_code)]
+
+mod clamped;
+mod images;
+mod networks;
+mod origin;
+mod output;
+mod scene;
+pub mod table;
+
+pub mod displacements;
+pub mod measurements;
+pub mod views;
+
+pub use images::{image_name, load_image, to_png};
+pub use networks::{load_network, load_network_and_digest};
+pub use origin::{Elsewhere, of_another_finger};
+pub use output::{
+    Reader, Stream, csv_text, is_stream, require_folder, write_all_or_nothing, write_bytes, write_folder, write_from,
+    write_text,
+};
+pub use scene::{load_scene, load_scene_and_text, with_values};
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// A file that cannot be read, understood or written.
+#[derive(Debug, thiserror::Error)]
+pub enum FileError {
+    /// It cannot be read.
+    #[error("{}: cannot be read: {reason}", name_of(path))]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Error of the system.
+        reason: std::io::Error,
+    },
+    /// Its content is not what it should be.
+    #[error("{}: {message}", name_of(path))]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// Line, key or column, and what was expected.
+        message: String,
+    },
+    /// It cannot be written.
+    #[error("{}: cannot be written: {reason}", name_of(path))]
+    Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// Error of the system.
+        reason: std::io::Error,
+    },
+}
+
+impl FileError {
+    /// The error for content of a file, with line, key or column and what was expected.
+    pub fn content(path: &Path, message: impl ToString) -> FileError {
+        FileError::Content { path: path.to_owned(), message: message.to_string() }
+    }
+
+    /// Whether the user's input is at fault (and not the writing of results).
+    pub fn is_bad_input(&self) -> bool {
+        !matches!(self, FileError::Unwritable { .. })
+    }
+}
+
+/// Whether a path stands for standard input or output.
+pub fn is_standard_stream(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// A path as messages have it: `standard input` for `-`.
+pub fn name_of(path: &Path) -> String {
+    if is_standard_stream(path) { "standard input".to_owned() } else { path.display().to_string() }
+}
+
+/// Bytes of a file, or of standard input for `-`.
+///
+/// # Errors
+/// [`FileError::Unreadable`].
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
+    let unreadable = |reason| FileError::Unreadable { path: path.to_owned(), reason };
+    if !is_standard_stream(path) {
+        return std::fs::read(path).map_err(unreadable);
+    }
+    let mut bytes = Vec::new();
+    std::io::stdin().lock().read_to_end(&mut bytes).map_err(unreadable)?;
+    Ok(bytes)
+}
+
+/// Text of a file, or of standard input for `-`.
+pub fn read_text(path: &Path) -> Result<String, FileError> {
+    String::from_utf8(read_bytes(path)?).map_err(|error| {
+        let line = 1 + error.as_bytes()[..error.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n').count();
+        FileError::content(path, format!("line {line}: expected text in UTF-8"))
+    })
+}

@@ -1,0 +1,198 @@
+//! Kinematics of one contact: its gap, how far it slipped, and what its forces do to finger and object.
+//!
+//! Unknowns are the displacement and rotation of a body of the finger, in the finger's frame, and the pose of the object in the world. All is
+//! written once, for plain and for dual numbers: the derivatives of the latter are the tangent of Newton's method.
+
+use crate::energy::BodyMotion;
+use finray_model::Vector;
+use finray_model::gripper::Placement;
+use nalgebra::{Matrix2, Vector2};
+use num_dual::{Dual64, DualNum};
+
+/// Displacement x, y and rotation of the finger's body, then x, y and angle of the object.
+pub type Unknowns = [f64; 6];
+
+/// What meets what. Points of the finger's body are from its centre, undeformed; points of the object in its own frame; mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Pair {
+    /// A ball of the finger and a corner of the object, or a disc about its axis.
+    BallAndCorner {
+        /// Centre of the ball.
+        centre: Vector,
+        /// The corner.
+        corner: Vector,
+        /// Radii of the ball and of the disc; that of a corner is nothing.
+        radii_mm: [f64; 2],
+    },
+    /// A ball of the finger and a straight side of the object.
+    BallAndSide {
+        /// Centre of the ball.
+        centre: Vector,
+        /// A point of the side.
+        on_side: Vector,
+        /// Outward unit normal of the side.
+        outward: Vector,
+        /// Radius of the ball.
+        radius_mm: f64,
+    },
+    /// A flat piece of the finger and a corner of the object, or a disc about its axis.
+    PieceAndCorner {
+        /// A point of the piece's middle line.
+        on_piece: Vector,
+        /// Unit normal of the piece, towards the object.
+        outward: Vector,
+        /// The corner.
+        corner: Vector,
+        /// Half the piece's thickness, and the radius of the disc.
+        radii_mm: [f64; 2],
+    },
+}
+
+/// Where finger and object were, or are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stand {
+    /// The finger's frame in the world.
+    pub finger: Placement,
+    /// Its body's motion in that frame.
+    pub body: BodyMotion,
+    /// Position of the object, mm, and its angle, rad.
+    pub object: [f64; 3],
+}
+
+impl Stand {
+    fn unknowns(&self) -> Unknowns {
+        let BodyMotion { displacement, rotation } = self.body;
+        let [x, y, angle] = self.object;
+        [displacement.x, displacement.y, rotation, x, y, angle]
+    }
+}
+
+/// Gap, slip and place of a contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Touching {
+    /// Distance, mm; negative for an overlap.
+    pub gap_mm: f64,
+    /// How far the finger has slipped over the object since it stood as before, mm, along the normal turned by a quarter.
+    pub slip_mm: f64,
+    /// From the object into the finger, world; a unit vector.
+    pub normal: Vector,
+    /// Where they touch, or would, on the object; world, mm.
+    pub point: Vector,
+}
+
+/// What the forces of a contact do, and its derivatives by the six unknowns.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tangent {
+    /// Derivatives of the slip, mm by mm and rad.
+    pub slip_by: Unknowns,
+    /// Generalised forces of 1 N along the normal, and of 1 N across it: N and N mm on the finger's body, in the finger's frame, and on the object, in
+    /// the world. The first are the gap's derivatives.
+    pub pull: [Unknowns; 2],
+    /// Derivatives of both by mm and rad, a row an unknown.
+    pub pull_by: [[Unknowns; 2]; 6],
+}
+
+/// A plain number, or one with a derivative.
+trait Number: DualNum<Primitive = f64> + Copy {}
+
+impl<D: DualNum<Primitive = f64> + Copy> Number for D {}
+
+fn constant<D: Number>(vector: Vector) -> Vector2<D> {
+    vector.map(D::from)
+}
+
+fn times<D: Number>(matrix: Matrix2<f64>, vector: Vector2<D>) -> Vector2<D> {
+    let row = |i: usize| vector.x * matrix[(i, 0)] + vector.y * matrix[(i, 1)];
+    Vector2::new(row(0), row(1))
+}
+
+fn turned<D: Number>(by: D, vector: Vector2<D>) -> Vector2<D> {
+    let (sin, cos) = by.sin_cos();
+    Vector2::new(vector.x * cos - vector.y * sin, vector.x * sin + vector.y * cos)
+}
+
+fn across<D: Number>(vector: Vector2<D>) -> Vector2<D> {
+    Vector2::new(-vector.y, vector.x)
+}
+
+fn inner<D: Number>(a: Vector2<D>, b: Vector2<D>) -> D {
+    a.x * b.x + a.y * b.y
+}
+
+/// Gap, slip and where the contact is.
+struct Evaluated<D> {
+    gap: D,
+    slip: D,
+    normal: Vector2<D>,
+    point: Vector2<D>,
+    /// From the centre of the finger's body to the contact, finger's frame; from the object's point to it, world.
+    arms: [Vector2<D>; 2],
+}
+
+impl Pair {
+    /// The contact between a body of the finger that rests at `rest` in the finger's frame, and the object. `before` is where both stood when
+    /// the step began: a slip is measured from there.
+    pub fn touching(&self, rest: Vector, now: &Stand, before: &Stand) -> Touching {
+        let Evaluated { gap, slip, normal, point, .. } = self.evaluate(rest, &now.finger, now.unknowns(), before);
+        Touching { gap_mm: gap, slip_mm: slip, normal, point }
+    }
+
+    /// The tangent of [`touching`](Self::touching).
+    pub fn tangent(&self, rest: Vector, now: &Stand, before: &Stand) -> Tangent {
+        let axes = now.finger.axes();
+        let by = |seed: usize| {
+            let mut unknowns = now.unknowns().map(Dual64::from);
+            unknowns[seed].eps = 1.0;
+            let Evaluated { slip, normal, arms, .. } = self.evaluate(rest, &now.finger, unknowns, before);
+            let pull = [normal, across(normal)].map(|force| {
+                let on_finger = times(axes.transpose(), force);
+                let turning = arms.map(across);
+                [on_finger.x, on_finger.y, inner(turning[0], on_finger), -force.x, -force.y, -inner(turning[1], force)]
+            });
+            (slip, pull)
+        };
+        let all = [0, 1, 2, 3, 4, 5].map(by);
+        Tangent {
+            slip_by: all.map(|(slip, _)| slip.eps),
+            pull: all[0].1.map(|pull| pull.map(|x| x.re)),
+            pull_by: all.map(|(_, pull)| pull.map(|pull| pull.map(|x| x.eps))),
+        }
+    }
+
+    fn evaluate<D: Number>(&self, rest: Vector, finger: &Placement, unknowns: [D; 6], before: &Stand) -> Evaluated<D> {
+        let axes = finger.axes();
+        let [ux, uy, rotation, x, y, angle] = unknowns;
+        let body = constant::<D>(rest) + Vector2::new(ux, uy);
+        let (body_world, object) = (constant::<D>(finger.origin) + times(axes, body), Vector2::new(x, y));
+        let on_body = |arm: Vector| body_world + times(axes, turned(rotation, constant(arm)));
+        let on_object = |point: Vector| object + turned(angle, constant(point));
+        // The contact point is on the surface of the object.
+        let (gap, normal, point) = match *self {
+            Pair::BallAndCorner { centre, corner, radii_mm: [ball_mm, disc_mm] } => {
+                let between = on_body(centre) - on_object(corner);
+                let distance = inner(between, between).sqrt();
+                let normal = between.map(|x| x / distance);
+                (distance - ball_mm - disc_mm, normal, on_object(corner) + normal.map(|x| x * disc_mm))
+            }
+            Pair::BallAndSide { centre, on_side, outward, radius_mm } => {
+                let normal = turned(angle, constant(outward));
+                let height = inner(on_body(centre) - on_object(on_side), normal);
+                (height - radius_mm, normal, on_body(centre) - normal.map(|x| x * height))
+            }
+            Pair::PieceAndCorner { on_piece, outward, corner, radii_mm: [half_mm, disc_mm] } => {
+                let outward = times(axes, turned(rotation, constant(outward)));
+                let height = inner(on_object(corner) - on_body(on_piece), outward);
+                (height - half_mm - disc_mm, -outward, on_object(corner) - outward.map(|x| x * disc_mm))
+            }
+        };
+        // Where the two material points that meet now were before.
+        let arms = [times(axes.transpose(), point - body_world), point - object];
+        let (in_body, in_object) = (turned(-rotation, arms[0]), turned(-angle, arms[1]));
+        let then = constant::<D>(rest + before.body.displacement) + turned(before.body.rotation.into(), in_body);
+        let body_before = constant::<D>(before.finger.origin) + times(before.finger.axes(), then);
+        let [x_before, y_before, angle_before] = before.object.map(D::from);
+        let object_before = Vector2::new(x_before, y_before) + turned(angle_before, in_object);
+        let slip = inner(across(normal), object_before - body_before);
+        Evaluated { gap, slip, normal, point, arms }
+    }
+}

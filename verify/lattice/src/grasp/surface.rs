@@ -1,0 +1,200 @@
+//! Which parts of finger and object can meet: balls and flat pieces of a finger's front, corners and sides of an object.
+
+use super::contact::{Pair, Stand};
+use crate::Lattice;
+use crate::bodies::{Body, BodyIndex};
+use crate::energy::BodyMotion;
+use crate::skin::TouchedPart;
+use finray_model::Vector;
+use finray_model::finger::Plate;
+use nalgebra::Rotation2;
+
+/// A part of a finger's front.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Part {
+    /// The body that carries it.
+    pub body: BodyIndex,
+    /// Centre of a ball, or first end of a piece's middle line, from the centre of the body, mm.
+    pub from: Vector,
+    /// The other end of a piece; none for a ball.
+    pub to: Option<Vector>,
+    /// Radius, or half the thickness, mm.
+    pub radius_mm: f64,
+    /// The rod, or where the part begins along the plate.
+    pub touched: TouchedPart,
+}
+
+/// The front of a finger: a ball for every rod, flat pieces between, and a ball where two pieces meet.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Front {
+    /// Its parts.
+    pub parts: Vec<Part>,
+}
+
+impl Front {
+    /// The front of a lattice with rods of a radius (mm; none if 0).
+    pub fn new(lattice: &Lattice, rod_radius_mm: f64) -> Front {
+        let (finger, assembly) = (lattice.finger(), lattice.assembly());
+        let half_mm = 0.5 * finger.description().front.thickness_mm;
+        let mut parts = Vec::new();
+        if rod_radius_mm > half_mm {
+            for node in finger.plate_nodes(Plate::Front) {
+                let anchor = assembly.key_nodes[node.0 - 1];
+                let touched = TouchedPart::Rod(node);
+                parts.push(Part { body: anchor.body, from: anchor.arm, to: None, radius_mm: rod_radius_mm, touched });
+            }
+        }
+        for piece in assembly.front_pieces() {
+            let [from, to] = piece.ends;
+            let touched = TouchedPart::Plate(piece.from_mm);
+            let flat = Part { body: piece.body, from, to: Some(to), radius_mm: half_mm, touched };
+            parts.extend([flat, Part { to: None, ..flat }]);
+        }
+        Front { parts }
+    }
+}
+
+/// Outline of an object in its own frame, mm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shape {
+    /// Corners counter-clockwise; of a disc its axis alone.
+    corners: Vec<Vector>,
+    /// Radius of a disc, mm; 0 for corners.
+    disc_mm: f64,
+    /// Farthest point from its own point, mm.
+    size_mm: f64,
+}
+
+/// Height under a side, mm, from which on a ball is on another side of a thin object.
+const BEHIND_MM: f64 = 0.5;
+/// Margin beyond which a part is not looked at, mm: more than rounding.
+const FAR_MM: f64 = 1e-3;
+/// Share of a piece's length by which a corner may be beyond its ends: where two pieces meet in a hollow, both can hold it.
+const BEYOND: f64 = 1e-9;
+
+impl Shape {
+    /// A disc.
+    pub fn disc(radius_mm: f64) -> Shape {
+        Shape { corners: vec![Vector::zeros()], disc_mm: radius_mm, size_mm: radius_mm }
+    }
+
+    /// A polygon, by its corners in order either way round.
+    pub fn polygon(corners: &[Vector]) -> Shape {
+        let mut corners = corners.to_vec();
+        if doubled_area(&corners) < 0.0 {
+            corners.reverse();
+        }
+        let size_mm = corners.iter().map(Vector::norm).fold(0.0, f64::max);
+        Shape { corners, disc_mm: 0.0, size_mm }
+    }
+
+    /// Centre of its area, mm.
+    pub fn centroid(&self) -> Vector {
+        if self.corners.len() < 3 {
+            return self.corners[0];
+        }
+        let moments = self.sides().map(|[a, b]| (a + b) * a.perp(&b)).sum::<Vector>();
+        moments / (3.0 * doubled_area(&self.corners))
+    }
+
+    /// Farthest point from its own point, mm.
+    pub fn size_mm(&self) -> f64 {
+        self.size_mm
+    }
+
+    /// How far it reaches along a unit vector from its own point, turned by an angle, mm.
+    pub fn reach_mm(&self, along: Vector, angle_rad: f64) -> f64 {
+        let turn = Rotation2::new(angle_rad);
+        self.disc_mm + self.corners.iter().map(|corner| (turn * corner).dot(&along)).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Corners, and the radius about each, mm.
+    pub fn corners(&self) -> (&[Vector], f64) {
+        (&self.corners, self.disc_mm)
+    }
+
+    fn sides(&self) -> impl Iterator<Item = [Vector; 2]> + '_ {
+        let ends = self.corners.iter().cycle().skip(1);
+        self.corners.iter().zip(ends).map(|(a, b)| [*a, *b]).filter(|_| self.corners.len() > 1)
+    }
+
+    /// Pairs of a part of the front and the object's features that are less than `within_mm` apart, each with which of the features it is.
+    pub fn near(&self, part: &Part, body: &Body, stand: &Stand, within_mm: f64) -> Vec<(Feature, Pair)> {
+        let world = |arm: Vector| {
+            let BodyMotion { displacement, .. } = stand.body;
+            stand.finger.outwards(body.position + displacement + stand.body.carried(arm))
+        };
+        let [x, y, angle] = stand.object;
+        let turn = Rotation2::new(angle);
+        let in_object = |point: Vector| turn.inverse() * (point - Vector::new(x, y));
+        let ends = [in_object(world(part.from)), in_object(world(part.to.unwrap_or(part.from)))];
+        // No point of the piece's middle line is farther from its first end than its length.
+        let away_mm = ends[0].norm() - (ends[1] - ends[0]).norm() - self.size_mm;
+        if away_mm > part.radius_mm + within_mm + FAR_MM {
+            return Vec::new();
+        }
+        match part.to {
+            None => self.near_ball(part, ends[0], within_mm),
+            Some(to) => self.near_piece(part, to, ends, within_mm),
+        }
+    }
+
+    /// `at` is the centre of the ball in the frame of the object.
+    fn near_ball(&self, part: &Part, at: Vector, within_mm: f64) -> Vec<(Feature, Pair)> {
+        let Part { from: centre, radius_mm, .. } = *part;
+        let mut pairs = Vec::new();
+        let count = self.corners.len();
+        // Whether the ball is beyond the end of the side before a corner, and beyond the start of the side after it.
+        let mut beyond = vec![[count == 1; 2]; count];
+        for (i, [a, b]) in self.sides().enumerate() {
+            let along = (b - a).normalize();
+            let outward = Vector::new(along.y, -along.x);
+            let (way, length) = ((at - a).dot(&along), (b - a).norm());
+            beyond[i][1] = way < 0.0;
+            beyond[(i + 1) % count][0] = way > length;
+            let height = (at - a).dot(&outward);
+            if (0.0..=length).contains(&way) && height > -BEHIND_MM && height - radius_mm < within_mm {
+                pairs.push((Feature::Side(i), Pair::BallAndSide { centre, on_side: a, outward, radius_mm }));
+            }
+        }
+        for (i, corner) in self.corners.iter().enumerate() {
+            let radii_mm = [radius_mm, self.disc_mm];
+            if beyond[i] == [true; 2] && (at - corner).norm() - radius_mm - self.disc_mm < within_mm {
+                pairs.push((Feature::Corner(i), Pair::BallAndCorner { centre, corner: *corner, radii_mm }));
+            }
+        }
+        pairs
+    }
+
+    /// `ends` are those of the piece in the frame of the object.
+    fn near_piece(&self, part: &Part, to: Vector, ends: [Vector; 2], within_mm: f64) -> Vec<(Feature, Pair)> {
+        let Part { from: on_piece, radius_mm: half_mm, .. } = *part;
+        let along = (to - on_piece).normalize();
+        let outward = Vector::new(-along.y, along.x);
+        let (line, length) = ((ends[1] - ends[0]).normalize(), (ends[1] - ends[0]).norm());
+        let mut pairs = Vec::new();
+        for (i, corner) in self.corners.iter().enumerate() {
+            let (way, off) = ((corner - ends[0]).dot(&line), (corner - ends[0]).perp(&line).abs());
+            let is_beside = (-BEYOND * length..=(1.0 + BEYOND) * length).contains(&way);
+            if is_beside && off - half_mm - self.disc_mm < within_mm {
+                let radii_mm = [half_mm, self.disc_mm];
+                pairs.push((Feature::Corner(i), Pair::PieceAndCorner { on_piece, outward, corner: *corner, radii_mm }));
+            }
+        }
+        pairs
+    }
+}
+
+/// Twice the area of a polygon, mm^2, positive counter-clockwise.
+fn doubled_area(corners: &[Vector]) -> f64 {
+    corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| a.perp(b)).sum()
+}
+
+/// A feature of an object, by its number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Feature {
+    /// A corner, or the axis of a disc.
+    Corner(usize),
+    /// The side from the corner of this number to the next.
+    Side(usize),
+}

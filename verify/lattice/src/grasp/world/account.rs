@@ -1,0 +1,129 @@
+//! Where the work goes that moves the fingers' bases: into their springs, up with the object, into friction and into the resistance of snaps.
+
+use super::{Drive, World};
+use crate::energy::BodyMotion;
+use crate::grasp::equilibrium::{State, Surroundings};
+use crate::grasp::near::Near;
+use finray_model::Vector;
+use nalgebra::Rotation2;
+use serde::Serialize;
+
+/// Work and energy since the beginning, N mm.
+///
+/// Each work is by the trapezoidal rule over the parts in which the bases were moved, from forces of contacts, bases and resistance; the elastic
+/// energy is that of the springs. None is computed from another: what the account lacks is the error of the rule, or of the forces.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Account {
+    /// Work of what moves the bases, and of a medium that goes along with the gripper while the object follows.
+    pub driven_nmm: f64,
+    /// Elastic energy of the fingers.
+    pub elastic_nmm: f64,
+    /// Work against the weight.
+    pub lifted_nmm: f64,
+    /// Work of friction.
+    pub friction_nmm: f64,
+    /// Work of the resistance in snaps and while the object comes to rest.
+    pub resistance_nmm: f64,
+    /// The furthest that what was driven less what is stored has ever fallen: energy that came from nowhere.
+    pub created_nmm: f64,
+    /// What is missing in the account of each part, added up without its sign: the error of the works.
+    pub error_nmm: f64,
+    #[serde(skip)]
+    most_lost_nmm: f64,
+}
+
+impl Account {
+    /// What was driven and is not stored, N mm.
+    pub fn lost_nmm(&self) -> f64 {
+        self.driven_nmm - self.elastic_nmm - self.lifted_nmm
+    }
+
+    /// What was lost to neither friction nor resistance, N mm.
+    pub fn missing_nmm(&self) -> f64 {
+        self.lost_nmm() - self.friction_nmm - self.resistance_nmm
+    }
+
+    /// Adds a part.
+    pub(super) fn book(&mut self, part: &Account) {
+        self.driven_nmm += part.driven_nmm;
+        self.elastic_nmm += part.elastic_nmm;
+        self.lifted_nmm += part.lifted_nmm;
+        self.friction_nmm += part.friction_nmm;
+        self.resistance_nmm += part.resistance_nmm;
+        self.error_nmm += part.missing_nmm().abs();
+        self.most_lost_nmm = self.most_lost_nmm.max(self.lost_nmm());
+        self.created_nmm = self.created_nmm.max(self.most_lost_nmm - self.lost_nmm());
+    }
+}
+
+/// What acts at a state beside the contacts, and the elastic energy.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Acting {
+    elastic_nmm: f64,
+    /// Force and moment about its frame's origin on the base of each finger, world, N and N mm.
+    on_bases: Vec<(Vector, f64)>,
+    weight: Vector,
+    /// Resistance against the motion of the object, N and N mm, and of each body of the fingers in their frames, N.
+    on_object: [f64; 3],
+    on_bodies: Vec<Vec<Vector>>,
+}
+
+impl World<'_> {
+    /// What acts at the state, with the resistance of the step that led to it.
+    pub(super) fn acting(&self, around: &Surroundings) -> Acting {
+        let [from, drags] = [around.carried_from(self.before.object), self.scene.drags(around)];
+        let resisting =
+            |(now, then): (&BodyMotion, &BodyMotion)| (now.displacement - then.displacement) * around.finger_drag;
+        let fingers = self.state.motions.iter().zip(&self.before.motions);
+        Acting {
+            elastic_nmm: self.elastic_nmm(),
+            on_bases: self.on_bases(),
+            weight: around.weight,
+            on_object: [0, 1, 2].map(|i| drags[i] * (self.state.object[i] - from[i])),
+            on_bodies: fingers.map(|(now, then)| now.iter().zip(then).map(resisting).collect()).collect(),
+        }
+    }
+
+    /// The account of the last part that was solved, from what acted before it and the drive that it began with.
+    pub(super) fn booked(&self, drive: &Drive, start: &Acting) -> Account {
+        let (end, [from, to]) = (&self.acting, [&self.before, &self.state]);
+        let mean = |of: &dyn Fn(&Acting) -> f64| 0.5 * (of(start) + of(end));
+        let of_bases = |acting: &Acting| -> f64 {
+            let of_base = |(finger, (force, moment_nmm)): (usize, &(Vector, f64))| {
+                let [a, b] = [drive, &self.drive].map(|drive| drive.placements[finger]);
+                -force.dot(&(b.origin - a.origin)) - moment_nmm * (b.angle_rad - a.angle_rad)
+            };
+            acting.on_bases.iter().enumerate().map(of_base).sum()
+        };
+        let carried = self.drive.gripper - drive.gripper;
+        let of_medium = |acting: &Acting| -Vector::new(acting.on_object[0], acting.on_object[1]).dot(&carried);
+        let raised = self.centre_mm(to) - self.centre_mm(from);
+        let against_weight = |acting: &Acting| -acting.weight.dot(&raised);
+        let [x, y, angle] = [0, 1, 2].map(|i| to.object[i] - from.object[i]);
+        let way = [x - carried.x, y - carried.y, angle];
+        let against_resistance = |acting: &Acting| -> f64 {
+            let of_object: f64 = acting.on_object.iter().zip(way).map(|(force, way)| force * way).sum();
+            let ways = from.motions.iter().flatten().zip(to.motions.iter().flatten());
+            let of_body =
+                |(force, (a, b)): (&Vector, (&BodyMotion, &BodyMotion))| force.dot(&(b.displacement - a.displacement));
+            of_object + acting.on_bodies.iter().flatten().zip(ways).map(of_body).sum::<f64>()
+        };
+        let of_friction = |near: &Near| {
+            let [then, now] = [from, to].map(|state| state.forces.get(&near.key).map_or(0.0, |forces| forces[1]));
+            -0.5 * (then + now) * near.touching.slip_mm
+        };
+        Account {
+            driven_nmm: mean(&|acting| of_bases(acting) + of_medium(acting)),
+            elastic_nmm: end.elastic_nmm - start.elastic_nmm,
+            lifted_nmm: mean(&against_weight),
+            friction_nmm: self.near().iter().map(of_friction).sum(),
+            resistance_nmm: mean(&against_resistance),
+            ..Account::default()
+        }
+    }
+
+    fn centre_mm(&self, state: &State) -> Vector {
+        let [x, y, angle] = state.object;
+        Vector::new(x, y) + Rotation2::new(angle) * self.scene.centre
+    }
+}

@@ -1,0 +1,109 @@
+//! What can be read off fingers, object and contacts at rest.
+
+use super::motion::AT_REST;
+use super::{Account, Met, Partner, World};
+use crate::grasp::contact::Touching;
+use crate::grasp::near::{Near, touched};
+use crate::grasp::surface::Shape;
+use crate::skin::Touch;
+use finray_model::Vector;
+use finray_model::gripper::Placement;
+use finray_model::mesh::FingerShape;
+use nalgebra::Rotation2;
+
+impl World<'_> {
+    /// Where the work that moved the bases went.
+    pub fn account(&self) -> &Account {
+        &self.account
+    }
+
+    /// Elastic energy of the fingers, N mm.
+    pub fn elastic_nmm(&self) -> f64 {
+        let fingers = self.scene.fingers.iter().zip(&self.state.motions);
+        fingers
+            .map(|(standing, motions)| standing.energy.springs(motions).map(|spring| spring.energy).sum::<f64>())
+            .sum()
+    }
+
+    /// Position of the object, mm, and its angle, rad.
+    pub fn object(&self) -> [f64; 3] {
+        self.state.object
+    }
+
+    /// The outline of the object.
+    pub fn shape(&self) -> &Shape {
+        &self.scene.shape
+    }
+
+    /// Where the fingers stand.
+    pub fn placements(&self) -> &[Placement] {
+        &self.drive.placements
+    }
+
+    /// Shape of a finger, in its own frame.
+    pub fn finger_shape(&self, finger: usize) -> FingerShape {
+        self.scene.fingers[finger].lattice.shape(&self.state.motions[finger])
+    }
+
+    /// Force, N, and moment, N mm, of a finger's springs and of what touches its clamped parts on its base, in its own frame.
+    pub fn on_base(&self, finger: usize) -> (Vector, f64) {
+        let (mut force, mut moment) = self.scene.fingers[finger].energy.on_clamps(&self.state.motions[finger]);
+        let met = self.met();
+        let touches = met.iter().filter(|met| met.partner == Partner::Finger(finger)).filter_map(|met| met.touch);
+        for touch in touches.filter(|touch| touch.clamped) {
+            force += touch.force;
+            moment += touch.point.perp(&touch.force);
+        }
+        (force, moment)
+    }
+
+    /// Contacts that carry a force, those of each finger from its base to its tip. A force that is less beside the largest one, or the weight, than the
+    /// resistance with which all counts as at rest is none: an object that rolls away freely is not held by it.
+    pub fn met(&self) -> Vec<Met> {
+        let normals_n = self.state.forces.values().map(|[normal_n, _]| *normal_n);
+        let nothing_n = AT_REST * normals_n.fold(self.drive.weight.norm(), f64::max);
+        let mut met: Vec<Met> = self
+            .near()
+            .iter()
+            .filter_map(|near| {
+                let [normal_n, friction_n] = self.state.forces.get(&near.key).copied()?;
+                (normal_n > nothing_n).then(|| self.met_at(near, normal_n, friction_n))
+            })
+            .collect();
+        let place = |met: &Met| match (met.partner, met.touch) {
+            (Partner::Finger(finger), Some(touch)) => {
+                (finger, touch.part.position_mm(self.scene.fingers[finger].lattice))
+            }
+            _ => (usize::MAX, 0.0),
+        };
+        met.sort_by(|a, b| place(a).partial_cmp(&place(b)).unwrap_or(std::cmp::Ordering::Equal));
+        met
+    }
+
+    fn met_at(&self, near: &Near, normal_n: f64, friction_n: f64) -> Met {
+        let Touching { normal, point, slip_mm, gap_mm, .. } = near.touching;
+        let on_finger = normal * normal_n + Vector::new(-normal.y, normal.x) * friction_n;
+        let touch = near.part.map(|part| {
+            let finger = near.key.0;
+            let placement = self.state.placements[finger];
+            let inwards = |vector: Vector| placement.axes().transpose() * vector;
+            let (body, motion) = (
+                self.scene.fingers[finger].lattice.assembly().bodies[part.body],
+                self.state.motions[finger][part.body],
+            );
+            let at = placement.inwards(point);
+            let arm = Rotation2::new(-motion.rotation) * (at - body.position - motion.displacement);
+            Touch {
+                body: part.body,
+                part: touched(&part, arm),
+                clamped: body.fixed,
+                point: at,
+                arm,
+                normal: inwards(normal),
+                force: inwards(on_finger),
+                overlap_mm: -gap_mm,
+            }
+        });
+        Met { partner: self.partner(near), point, force: -on_finger, slip_mm, touch }
+    }
+}

@@ -1,0 +1,158 @@
+//! The first screen: what a gripper builder asks, each answered in a line from the numbers.
+
+use super::format::capitalised;
+use super::maps::small;
+use super::page::Answer;
+use super::trust::{Situation, situations};
+use super::words::say;
+use super::{ReportError, causes, checks, shapes};
+use finray_studies::estimators::EstimatorId;
+use finray_studies::experiments::speed_error::recommendation::{LARGEST_BIAS_SIGMAS, recommended, ways};
+use finray_studies::experiments::speed_error::sensing::SENSED_N;
+use finray_studies::sampling::map::{Cell, CellState};
+use finray_studies::sampling::worst::TrustCounts;
+use finray_studies::settings::{CAMERA_FRAME_S, DRAWN_FORCE_N, TRUSTED_ERROR};
+use finray_studies::study::Study;
+use finray_studies::truths::TruthId;
+use minijinja::value::Serde;
+use minijinja::{Value, context};
+
+/// Regions of a finger of which less than this share is trusted are named.
+const MOSTLY: f64 = 0.9;
+
+/// The five answers; those that a scene gives no numbers for are left out.
+pub(super) fn answers(study: &Study) -> Result<Vec<Answer>, ReportError> {
+    let situations = situations(study);
+    let all = [
+        ("Where can a force be trusted?", say("answers.trusted", trusted(study, &situations))?),
+        ("Why not elsewhere?", say("answers.why_not", why_not(study, &situations))?),
+        ("What should sense it?", use_what(study)?),
+        ("How sure is an answer?", say("answers.how_sure", how_sure(study))?),
+        ("Is the physics right?", say("answers.physics", Some(physics(study)))?),
+    ];
+    let said =
+        |(question, answer): (&str, Option<String>)| Some(Answer { question: question.to_owned(), answer: answer? });
+    Ok(all.into_iter().filter_map(said).collect())
+}
+
+/// What all of the page rests on.
+pub(super) fn caveat(study: &Study) -> Result<String, ReportError> {
+    let finger = study.finger.description();
+    let numbers = context! {
+        noise_mm => study.noise_mm, is_measured => study.measured.is_some(), is_paper => study.is_paper,
+        base_width_mm => finger.base_width_mm, depth_mm => finger.depth_mm,
+    };
+    Ok(say("answers.caveat", Some(numbers))?.unwrap_or_default())
+}
+
+/// Trusted cells of those that carry the forces in each situation, and the weakest regions of the first.
+fn trusted(study: &Study, situations: &[Situation]) -> Option<Value> {
+    let [first, others @ ..] = situations else { return None };
+    let counts = |situation: &Situation| {
+        let counts = situation.all();
+        context! { trusted => counts.trusted, carried => counts.carried(), share => counts.share() }
+    };
+    let other = |other: &Situation| context! { in_words => other.in_words.as_str(), ..counts(other) };
+    Some(context! {
+        within => TRUSTED_ERROR,
+        forces_n => first.map.request.forces_n.clone(),
+        not_carried => first.all().without_equilibrium,
+        known => counts(first),
+        others => others.iter().map(other).collect::<Vec<_>>(),
+        weak => weak_regions(study, first),
+    })
+}
+
+/// A part of the finger: its name, and what belongs to it, by position over the plate's length and direction in degrees.
+type Region = (&'static str, fn(f64, f64) -> bool);
+
+/// The two regions in which most fails, worst first.
+fn weak_regions(study: &Study, situation: &Situation) -> Vec<Value> {
+    const REGIONS: [Region; 5] = [
+        ("the tenth of the plate next to the base", |s, _| s < 0.1),
+        ("the tenth next to the tip", |s, _| s > 0.9),
+        ("forces turned more than 45 deg to the base", |_, angle| angle < -45.0),
+        ("forces turned more than 45 deg to the tip", |_, angle| angle > 45.0),
+        ("the rest", |s, angle| (0.1..=0.9).contains(&s) && angle.abs() <= 45.0),
+    ];
+    let share = |(name, holds): &Region| Some((situation.counts(&study.finger, holds).share()?, *name));
+    let mut weak: Vec<(f64, &str)> = REGIONS.iter().filter_map(share).filter(|(share, _)| *share < MOSTLY).collect();
+    weak.sort_by(|a, b| a.0.total_cmp(&b.0));
+    weak.into_iter().take(2).map(|(share, name)| context! { share, name }).collect()
+}
+
+/// The main reason in each situation.
+fn why_not(study: &Study, situations: &[Situation]) -> Option<Value> {
+    let [known, others @ ..] = situations else { return None };
+    let is_wrong = |cell: &&Cell| cell.state() == CellState::Answered && cell.is_above(TRUSTED_ERROR) == Some(true);
+    let failed: Vec<&Cell> = known.map.cells.iter().filter(is_wrong).collect();
+    let by_noise = failed.iter().filter(|cell| cell.spread > cell.bias.map(f64::abs)).count();
+    let least_n = known.map.request.forces_n.first().copied().unwrap_or_default();
+    let other = |situation: &Situation| {
+        let failed =
+            || situation.cells.iter().filter(|cell| !cell.is_trusted && cell.state != CellState::WithoutEquilibrium);
+        context! {
+            name => capitalised(situation.name),
+            failed => failed().count(),
+            turned => failed().filter(|cell| cell.angle_deg != 0.0).count(),
+            along => causes::largest_by_region(study, situation.map.truth, situation.contact),
+        }
+    };
+    Some(context! {
+        failed => failed.len(),
+        by_noise => 2 * by_noise >= failed.len(),
+        most => by_noise.max(failed.len() - by_noise),
+        small => failed.iter().filter(|cell| cell.force_n == least_n).count(),
+        least_n,
+        situations => others.iter().map(other).collect::<Vec<_>>(),
+    })
+}
+
+/// Which estimator to run.
+fn use_what(study: &Study) -> Result<Option<String>, ReportError> {
+    let Some(way) = recommended(&study.speed_error) else {
+        let numbers = context! { forces_n => SENSED_N, sigmas => LARGEST_BIAS_SIGMAS };
+        return say("answers.no_setting", (!ways(&study.speed_error).is_empty()).then_some(numbers));
+    };
+    // Without a previous answer, where that makes a difference.
+    let slowest = way.cold.unwrap_or(way.one);
+    let numbers = context! {
+        estimator => way.one.estimator.map_or(way.one.model.as_str(), |estimator| estimator.label()),
+        mesh => way.one.mesh(),
+        error => way.one.error,
+        seconds => way.one.seconds,
+        is_warm => way.cold.is_some(),
+        within_seconds => slowest.seconds_95,
+        is_fast => slowest.seconds_95.unwrap_or(slowest.seconds) < CAMERA_FRAME_S,
+        frame_ms => 1e3 * CAMERA_FRAME_S,
+        trusted => TRUSTED_ERROR,
+        linear => linear(study),
+    };
+    say("answers.setting", Some(numbers))
+}
+
+/// Share of the cells in which linear sensing is trusted.
+fn linear(study: &Study) -> Option<f64> {
+    let map = small(study, TruthId::Corotational, EstimatorId::LeastSquares, study.noise_mm > 0.0)?;
+    TrustCounts::of(&map.worst()).share()
+}
+
+/// How often stated intervals hold, and where they do not.
+fn how_sure(study: &Study) -> Option<Value> {
+    let of = |truth| {
+        let row = study.coverage.iter().find(|row| row.truth == truth && row.estimator == EstimatorId::Nonlinear)?;
+        let share = |part: usize| part as f64 / row.samples.max(1) as f64;
+        let shares = context! { share_without => share(row.without_warning), share_warned => share(row.warned) };
+        Some(context! { ..shares, ..Value::from(Serde(row)) })
+    };
+    Some(context! { known => of(TruthId::Corotational)?, softer => of(TruthId::Twin) })
+}
+
+/// What was verified, what was not, and where the beam model is beyond its limits.
+fn physics(study: &Study) -> Value {
+    let counts = checks::counted(study).into_iter();
+    let counts =
+        counts.map(|tally| context! { passed => tally.passed, all => tally.all, against => tally.against.in_words() });
+    let limits = shapes::beyond_limits(study);
+    context! { kinds => counts.collect::<Vec<_>>(), limits, force_n => DRAWN_FORCE_N }
+}

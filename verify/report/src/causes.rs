@@ -1,0 +1,177 @@
+//! Why sensing fails: maps of the largest cause, what each costs along the finger, and what clears it.
+
+mod drawings;
+mod rows;
+mod shares;
+
+use self::drawings::{clearing, map_figure};
+use self::shares::{Region, Shares};
+use super::dataset::{Columns, Dataset, Format};
+use super::format::{error, error_as, list, percent};
+use super::page::{Block, Cell, Column, Figure, Section, Table, details};
+use super::words::paragraph;
+use super::{ReportError, Results};
+use finray_model::NodeId;
+use finray_studies::experiments::causes::{
+    Cause, CauseCell, CauseMap, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM, Practice, REMEDIES,
+};
+use finray_studies::settings::{DRAWN_FORCE_N, TRUSTED_ERROR};
+use finray_studies::study::Study;
+use finray_studies::truths::TruthId;
+use minijinja::context;
+
+const CSV: &str = "causes.csv";
+/// Maps of the largest cause that are drawn: least squares with a contact known and assumed.
+const DRAWN: usize = 2;
+/// The finger at hand among the true fingers.
+const OWN: TruthId = TruthId::Corotational;
+/// The finger that is fitted to the paper's Table I.
+const FITTED: TruthId = TruthId::Twin;
+
+/// Where the nonlinear estimator fails along the normal, and the largest cause there.
+pub(super) fn largest_by_region(study: &Study, truth: TruthId, contact: ContactKnowledge) -> Option<String> {
+    let map = find(study, truth, Practice::Nonlinear, contact)?;
+    let mut by_cause: Vec<(Cause, Vec<&str>)> = Vec::new();
+    for region in Region::ENDS_AND_MIDDLE {
+        let Some(shares) = Shares::of(&study.finger, map, DRAWN_FORCE_N, region) else { continue };
+        let Some(largest) = shares.largest().filter(|_| shares.rms_error > TRUSTED_ERROR) else { continue };
+        let place = region.in_words();
+        match by_cause.iter_mut().find(|(cause, _)| *cause == largest.cause) {
+            Some((_, places)) => places.push(place),
+            None => by_cause.push((largest.cause, vec![place])),
+        }
+    }
+    let part = |(cause, places): &(Cause, Vec<&str>)| format!("{}, mostly {}", list(places, " and "), because(*cause));
+    Some(match by_cause.is_empty() {
+        true => format!("errors of {DRAWN_FORCE_N} N along the normal stay within {}", percent(TRUSTED_ERROR)),
+        false => format!("{DRAWN_FORCE_N} N along the normal fails {}", list(by_cause.iter().map(part), "; ")),
+    })
+}
+
+/// A cause within a sentence.
+fn because(cause: Cause) -> &'static str {
+    match cause {
+        Cause::Noise => "because of noise",
+        Cause::Linearisation => "because of linearisation",
+        Cause::Discretisation => "because of discretisation",
+        Cause::Modulus => "because the modulus is wrong",
+        Cause::Direction => "because the direction is wrong",
+        Cause::Position => "because the position is wrong",
+        Cause::BaseCompliance => "because the base gives way",
+        Cause::TipCompliance => "because the tip gives way",
+        Cause::NetworkFit => "because the network fits badly",
+    }
+}
+
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    vec![rows::by_cell(study), rows::by_region(study)]
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
+    if study.causes.is_empty() {
+        return Ok(None);
+    }
+    let mut blocks: Vec<Block> = clearing(study)?.map(Block::Figure).into_iter().collect();
+    if let Some(table) = remedies(study).filter(|table| !table.rows.is_empty()) {
+        blocks.extend(drawings::remedies(study)?.map(Block::Figure));
+        blocks.push(details("By node", vec![Block::Table(table)]));
+    }
+    let numbers = context! {
+        off_mm => POSITION_OFF_MM, off_deg => DIRECTION_OFF_DEG,
+        is_fitted => study.causes.iter().any(|map| map.truth == FITTED),
+    };
+    blocks.push(paragraph("causes.about", numbers)?);
+    blocks.push(Block::Table(by_region(study)));
+    let figures: Vec<Figure> = drawn(study).take(DRAWN).map(map_figure).collect::<Result<_, _>>()?;
+    blocks.push(Block::Figures { figures });
+    Ok(Some(Section::new("causes", "What clears an error, and what causes it", blocks)))
+}
+
+fn find(study: &Study, truth: TruthId, practice: Practice, contact: ContactKnowledge) -> Option<&CauseMap> {
+    let is = |map: &&CauseMap| map.truth == truth && map.practice == practice && map.contact == contact;
+    study.causes.iter().find(is)
+}
+
+/// All maps, those of the finger at hand first.
+fn own_first(study: &Study) -> impl Iterator<Item = &CauseMap> {
+    let (own, others): (Vec<_>, Vec<_>) = study.causes.iter().partition(|map| map.truth == OWN);
+    own.into_iter().chain(others)
+}
+
+/// The maps over position and direction, those of the finger at hand first.
+fn drawn(study: &Study) -> impl Iterator<Item = &CauseMap> {
+    own_first(study).filter(|map| map.request.angles_deg.len() > 1)
+}
+
+pub(super) fn estimator_in_words(map: &CauseMap) -> &'static str {
+    match map.practice {
+        Practice::LeastSquares => "least squares",
+        Practice::Nonlinear => "nonlinear, an element a member",
+        Practice::Network => "network",
+    }
+}
+
+fn practice_in_words(map: &CauseMap) -> String {
+    format!("{}, contact {}", estimator_in_words(map), map.contact.name())
+}
+
+/// The largest causes region by region.
+fn by_region(study: &Study) -> Table {
+    let cell = |map: &CauseMap, region: Region| {
+        let Some(shares) = Shares::of(&study.finger, map, DRAWN_FORCE_N, region) else {
+            return Cell::plain("refused");
+        };
+        let why = match shares.largest() {
+            Some(largest) => format!("{}, {}", largest.cause.name(), shares.without(&largest)),
+            None => "each hides others".to_owned(),
+        };
+        let refused = match shares.cells - shares.answered {
+            0 => String::new(),
+            refused => format!("; refused at {refused} of {} positions", shares.cells),
+        };
+        error_as(format!("{}: {why}{refused}", percent(shares.rms_error)), shares.rms_error)
+    };
+    Columns::<&CauseMap>::new()
+        .page("finger, contact", Format::Words, |map| format!("{}, {}", map.truth.label(), map.contact.name()))
+        .page("sensed by", Format::Words, |map| estimator_in_words(map))
+        .each(Region::ENDS_AND_MIDDLE, |columns, region| {
+            columns.cells(Column::words(region.name()), move |map| cell(map, region))
+        })
+        .table(
+            format!(
+                "Root mean square error at {DRAWN_FORCE_N} N along the normal, its largest cause, and the error without it. Near an end: within a \
+                 sixth of the plate"
+            ),
+            CSV,
+            own_first(study),
+        )
+}
+
+/// Nodes, each with its cells under several forces along the normal.
+fn at_nodes<'s>(study: &'s Study, map: &'s CauseMap) -> impl Iterator<Item = (NodeId, &'s CauseCell)> {
+    let finger = &study.finger;
+    let nodes = finger.contact_nodes().filter_map(|node| Some((node, finger.front_position_mm(node)?)));
+    nodes.flat_map(|(node, s_mm)| {
+        let at = map.cells.iter().filter(move |cell| cell.angle_deg == 0.0 && (cell.s_mm - s_mm).abs() < 1e-9 * s_mm);
+        at.filter(|cell| cell.force_n == DRAWN_FORCE_N).map(move |cell| (node, cell))
+    })
+}
+
+/// Error at the nodes as remedies are taken one after the other.
+fn remedies(study: &Study) -> Option<Table> {
+    let map = find(study, OWN, Practice::LeastSquares, ContactKnowledge::Assumed)?;
+    let rows = at_nodes(study, map);
+    let shaded = |share: Option<f64>| share.map_or_else(|| Cell::plain("refused"), error);
+    let columns = Columns::<(NodeId, &CauseCell)>::new()
+        .page("node", Format::Plain, |(node, _)| node.to_string())
+        .cells(Column::numbers("as it is"), move |(_, cell)| shaded(cell.rms_error))
+        .each(REMEDIES.iter().enumerate(), |columns, (taken, (name, _))| {
+            let remedied = move |(_, cell): &(NodeId, &CauseCell)| shaded(cell.remedied.get(taken).copied().flatten());
+            columns.cells(Column::numbers(format!("+ {name}")), remedied)
+        });
+    let caption = format!(
+        "Root mean square error of {DRAWN_FORCE_N} N along the normal, uniform finger: by least squares with an assumed contact, then with remedies \
+         taken one after the other. Causes may have cancelled before, so that a remedy can make an error larger"
+    );
+    Some(columns.table(caption, CSV, rows))
+}

@@ -1,0 +1,137 @@
+//! Drawings of causes: the largest one over position and direction, and what each costs along the finger.
+
+use super::{CSV, OWN, at_nodes, own_first, practice_in_words};
+use crate::ReportError;
+use crate::drawings::{ALONG_THE_PLATE, DIRECTION_AXIS, error_bars, rank_of, ranked, small_maps};
+use crate::format::percent;
+use crate::page::Figure;
+use finray_figures::{Axis, Cells, Chart, Class, Frame, Hue, Map, Paint};
+use finray_model::NodeId;
+use finray_studies::experiments::causes::{Cause, CauseCell, CauseMap, ContactKnowledge, Practice, REMEDIES};
+use finray_studies::sampling::map::{Cell, CellState};
+use finray_studies::settings::{DRAWN_FORCE_N, TRUSTED_ERROR};
+use finray_studies::study::Study;
+
+/// Below this an error needs no explanation: root mean square of sensed / true - 1.
+const SMALL_ERROR: f64 = 0.02;
+
+/// The n-th class of a map is that of the n-th cause.
+fn class(n: usize, label: &str, sign: &str, colour: [u8; 3]) -> Class {
+    Class { up_to: n as f64, label: label.to_owned(), sign: sign.to_owned(), fill: Paint::Colour(colour) }
+}
+
+fn class_of(n: usize, cause: Cause) -> Class {
+    // Okabe and Ito's colours, and two greys.
+    let (sign, colour) = match cause {
+        Cause::Noise => ("N", [0x56, 0xb4, 0xe9]),
+        Cause::Linearisation => ("L", [0xe6, 0x9f, 0x00]),
+        Cause::Discretisation => ("E", [0x8a, 0x8f, 0x98]),
+        Cause::Modulus => ("M", [0xcc, 0x79, 0xa7]),
+        Cause::Direction => ("D", [0x00, 0x9e, 0x73]),
+        Cause::Position => ("P", [0xf0, 0xe4, 0x42]),
+        Cause::BaseCompliance => ("B", [0x00, 0x72, 0xb2]),
+        Cause::TipCompliance => ("T", [0xd5, 0x5e, 0x00]),
+        Cause::NetworkFit => ("F", [0x5c, 0x60, 0x66]),
+    };
+    class(n, cause.name(), sign, colour)
+}
+
+pub(super) fn map_figure(map: &CauseMap) -> Result<Figure, ReportError> {
+    let (angles, places) = (map.request.angles_deg.len(), map.request.positions_mm.len());
+    let (small, hidden) = (map.causes.len(), map.causes.len() + 1);
+    let mut classes: Vec<Class> = map.causes.iter().enumerate().map(|(n, cause)| class_of(n, *cause)).collect();
+    classes.push(class(small, &format!("error below {}", percent(SMALL_ERROR)), "", [0xd9, 0xdd, 0xe2]));
+    classes.push(class(hidden, "each hides others", "-", [0xa9, 0xae, 0xb5]));
+    let of_cell = |place: usize, angle: usize| {
+        let mut at = map.cells.iter().filter(|cell| cell.force_n == DRAWN_FORCE_N);
+        let cell = at.nth(place * angles + angle)?;
+        Some(match cell.rms_error? {
+            rms if rms < SMALL_ERROR => small as f64,
+            _ => cell.largest().map_or(hidden, |(cause, _)| cause) as f64,
+        })
+    };
+    let title = format!("Largest cause at {DRAWN_FORCE_N} N, {}; {}", map.truth.label(), practice_in_words(map));
+    let frame = Frame::half(&title, format!("{title}: by position along the front plate and direction."));
+    let y = Axis::linear(DIRECTION_AXIS).with_ticks((-2..=2).map(|i| f64::from(i) * 40.0));
+    let values = (0..angles).map(|angle| (0..places).map(|place| of_cell(place, angle)).collect()).collect();
+    let cells = Cells::new(&map.request.positions_mm, &map.request.angles_deg, values);
+    let missing_label = "no equilibrium or no answer".to_owned();
+    let drawn = Map::new(frame, [Axis::linear(ALONG_THE_PLATE), y], classes, cells);
+    let svg = Map { missing_label, ..drawn }.svg()?;
+    Ok(Figure::narrow(svg, "The cause whose absence lessens the error most.", CSV))
+}
+
+/// Which cells are cleared as remedies are taken one after the other, on each finger; `None` where that was not asked.
+pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
+    let rows: Vec<_> = own_first(study).filter(assumed).map(|map| clearing_row(study, map)).collect();
+    if rows.is_empty() {
+        return Ok(None);
+    }
+    let title = format!("Error of {DRAWN_FORCE_N} N as remedies are taken, from left to right");
+    let alt =
+        format!("{title}: small maps by position and direction, a row for each finger, a column for each remedy.");
+    let columns = std::iter::once("as it is").chain(REMEDIES.map(|(name, _)| name)).map(str::to_owned).collect();
+    let map = small_maps(&study.finger, Frame::full(title, alt), columns, rows);
+    Ok(Some(Figure::wide(
+        map.svg()?,
+        format!(
+            "Root mean square error of {DRAWN_FORCE_N} N: by least squares with an assumed contact; with zones and modulus known; with the contact \
+             known too; by the nonlinear estimator."
+        ),
+        CSV,
+    )))
+}
+
+/// Errors at the nodes as remedies are taken one after the other, as bars: each is what is left, so no bar is a part of another.
+pub(super) fn remedies(study: &Study) -> Result<Option<Figure>, ReportError> {
+    let Some(map) = study.causes.iter().filter(assumed).find(|map| map.truth == OWN) else { return Ok(None) };
+    let cells: Vec<(NodeId, &CauseCell)> = at_nodes(study, map).collect();
+    let bars = |nth: usize, label: String, error: &dyn Fn(&CauseCell) -> Option<f64>| {
+        let hue = if nth == 0 { Hue::Neutral } else { Hue::nth(nth - 1) };
+        error_bars(label, hue, cells.iter().map(|(_, cell)| error(cell)))
+    };
+    let taken = REMEDIES.iter().enumerate().map(|(taken, (name, _))| {
+        bars(taken + 1, format!("+ {name}"), &move |cell| cell.remedied.get(taken).copied().flatten())
+    });
+    let all = std::iter::once(bars(0, "as it is".to_owned(), &|cell| cell.rms_error)).chain(taken).collect();
+    let nodes = Axis::categories("contact node", cells.iter().map(|(node, _)| node.to_string()).collect());
+    let title = format!("Error left of {DRAWN_FORCE_N} N along the normal, {}", OWN.label());
+    let alt = "Root mean square error by contact node: as it is, and as remedies are taken one after the other.";
+    let axes = [nodes, Axis::linear("root mean square error, %")];
+    Ok(Some(Figure::wide(
+        Chart::of_bars(Frame::full(title, alt), axes, all).svg()?,
+        "What is left of the error, not parts of it: causes may have cancelled, so that a remedy can make it larger.",
+        CSV,
+    )))
+}
+
+/// Whether it is of least squares with an assumed contact, over position and direction.
+fn assumed(map: &&CauseMap) -> bool {
+    map.practice == Practice::LeastSquares
+        && map.contact == ContactKnowledge::Assumed
+        && map.request.forces_n.contains(&DRAWN_FORCE_N)
+}
+
+fn clearing_row(study: &Study, map: &CauseMap) -> (String, Vec<Option<Cells>>) {
+    let of_truth: Vec<_> = study.maps.iter().filter(|of| of.truth == map.truth).collect();
+    let state = |cell: &CauseCell| {
+        let same = |of: &&Cell| (of.s_mm, of.angle_deg, of.force_n) == (cell.s_mm, cell.angle_deg, cell.force_n);
+        match of_truth.iter().find_map(|of| of.cells.iter().find(same)).map(Cell::state) {
+            Some(CellState::WithoutEquilibrium) => CellState::WithoutEquilibrium,
+            _ => CellState::Answered,
+        }
+    };
+    let cells: Vec<&CauseCell> = map.cells.iter().filter(|cell| cell.force_n == DRAWN_FORCE_N).collect();
+    let states: Vec<CellState> = cells.iter().map(|cell| state(cell)).collect();
+    let bent = states.iter().filter(|state| **state != CellState::WithoutEquilibrium).count();
+    let small = |error: &dyn Fn(&CauseCell) -> Option<f64>| {
+        let errors: Vec<Option<f64>> = cells.iter().map(|cell| error(cell)).collect();
+        let trusted = errors.iter().filter(|error| error.is_some_and(|error| error <= TRUSTED_ERROR)).count();
+        let ranks: Vec<usize> = states.iter().zip(&errors).map(|(state, error)| rank_of(*state, *error)).collect();
+        let note = format!("{:.0} % within {}", 100.0 * trusted as f64 / bent.max(1) as f64, percent(TRUSTED_ERROR));
+        Cells { note, ..ranked(&map.request.positions_mm, &map.request.angles_deg, &ranks) }
+    };
+    let remedied = (0..REMEDIES.len()).map(|taken| small(&|cell| cell.remedied.get(taken).copied().flatten()));
+    let maps = std::iter::once(small(&|cell| cell.rms_error)).chain(remedied).map(Some).collect();
+    (map.truth.label().to_owned(), maps)
+}

@@ -1,0 +1,133 @@
+//! Checks against other programs, closed forms and ourselves, and comparisons where a difference is expected.
+
+use super::dataset::{Columns, Dataset, Format};
+use super::format::verdict;
+use super::page::{Block, Cell, Column, Figure, Section, Table, details};
+use super::words::paragraph;
+use super::{ReportError, Results};
+use finray_figures::{Axis, Chart, Dash, FigureError, Frame, Point, Series};
+use finray_studies::check::{Against, Check, Kind, Tally, tallies, worst};
+use finray_studies::study::Study;
+use minijinja::context;
+
+const CSV: &str = "checks.csv";
+const COMPARISONS_CSV: &str = "comparisons.csv";
+
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    vec![Dataset::records(CSV, study.all_checks()), Dataset::records(COMPARISONS_CSV, &study.comparisons)]
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
+    let mut blocks = Vec::new();
+    if !study.is_paper {
+        blocks.push(paragraph("checks.of_another_finger", context! {})?);
+    }
+    blocks.push(paragraph("checks.about", context! {})?);
+    blocks.extend(disagreements(study)?.map(Block::Figure));
+    blocks.push(details(
+        "Checks by source",
+        vec![Block::Table(by_source(&study.all_checks().collect::<Vec<_>>())), Block::Table(files())],
+    ));
+    Ok(Some(Section::new("checks", "Cross-checks", blocks).saying([in_words(study)])))
+}
+
+/// Where each check stands with its figures.
+fn files() -> Table {
+    Columns::<[&str; 2]>::new()
+        .cells(Column::words("file"), |[file, _]| Cell::file(*file))
+        .page("holds", Format::Words, |[_, holds]| *holds)
+        .table(
+            "One by one",
+            CSV,
+            [
+                [CSV, "every check: reference, our figure, tolerance"],
+                [COMPARISONS_CSV, "where a difference is expected"],
+            ],
+        )
+}
+
+/// How many checks pass, those against other programs first and each reference apart.
+fn in_words(study: &Study) -> String {
+    let about = |against: Against| match against {
+        Against::OtherPrograms => "external checks (figures of another program)",
+        Against::SettledLattice => "external checks of our lattice settled by rapier2d",
+        Against::Literature => "analytical ones (closed forms, literature)",
+        Against::Ourselves => "internal ones (own other formulation, balance or bound)",
+    };
+    let counted = counted(study);
+    let parts = counted.iter().map(|Tally { against, passed, all }| format!("{passed} of {all} {}", about(*against)));
+    format!("Checks that pass: {}.", parts.collect::<Vec<_>>().join(", "))
+}
+
+/// The checks by whose figures they are against.
+pub(super) fn counted(study: &Study) -> Vec<Tally> {
+    tallies(study.all_checks().collect::<Vec<_>>().into_iter())
+}
+
+/// Drawn for what agrees to the last bit, which has no place on a logarithmic axis.
+const LAST_BIT: f64 = f64::EPSILON;
+/// Where the fit's residuals are drawn.
+const FITTED: &str = "the paper's Table I";
+
+/// How far each independent reference is off, check by check, and what was fitted apart.
+fn disagreements(study: &Study) -> Result<Option<Figure>, FigureError> {
+    let mut found: Vec<(Kind, &str, f64)> =
+        study.all_checks().filter_map(|check| Some((check.kind, &*check.source, check.disagreement?))).collect();
+    found.sort_by_key(|(kind, source, _)| (*kind, *source));
+    let fitted = study.twin.iter().flat_map(|twin| &twin.after.rows);
+    let residuals: Vec<f64> = fitted.map(|row| (row.mean_error / row.paper_mean_error - 1.0).abs()).collect();
+    let mut sources: Vec<&str> = found.iter().map(|(_, source, _)| *source).collect();
+    sources.dedup();
+    sources.extend((!residuals.is_empty()).then_some(FITTED));
+    if sources.is_empty() {
+        return Ok(None);
+    }
+    // Rows run downwards.
+    sources.reverse();
+    let row = |of: &str| sources.iter().position(|source| *source == of).unwrap_or(0) as f64;
+    let of_kind = |kind: Kind| {
+        let at = found.iter().filter(move |(of, ..)| *of == kind);
+        (kind.name(), at.map(|(_, source, off)| [off.max(LAST_BIT), row(source)]).collect::<Vec<Point>>())
+    };
+    let fitted = residuals.iter().map(|off| [off.max(LAST_BIT), row(FITTED)]).collect();
+    let groups = [of_kind(Kind::External), of_kind(Kind::Analytical), ("fitted: no check", fitted)];
+    let series = groups.into_iter().filter(|(_, points)| !points.is_empty()).enumerate();
+    let series = series.map(|(n, (name, points))| Series { dash: Dash::None, ..Series::nth(n, name, points) });
+    let axes = [
+        Axis::log("difference / reference").within(LAST_BIT / 2.0, 1.0),
+        Axis::categories("reference", sources.iter().map(|source| (*source).to_owned()).collect()),
+    ];
+    let frame = Frame::full(
+        "Disagreement with each independent reference",
+        "Relative disagreement of every external and analytical check, a row a reference, on a logarithmic axis.",
+    );
+    let height = 30.0 * sources.len() as f64;
+    let svg = Chart::new(frame.with_plot_height(height), axes, series.collect()).svg()?;
+    let caption = "A sign a check. Where the reference is 0, the difference is over the largest displacement or in radians; error terms are orders of \
+                   convergence; at the left edge: equal to the last bit. The softer ends were fitted to Table I: their residuals check nothing.";
+    Ok(Some(Figure::wide(svg, caption, CSV)))
+}
+
+/// The checks in short: a row for each reference, grouped by its kind, with how close its closest check comes to failing.
+fn by_source(checks: &[&Check]) -> Table {
+    type Source<'c> = (Kind, &'c str);
+    let mut sources: Vec<Source> = Vec::new();
+    for check in checks {
+        if !sources.contains(&(check.kind, &check.source)) {
+            sources.push((check.kind, &check.source));
+        }
+    }
+    sources.sort_by_key(|(kind, _)| *kind);
+    let of = |source: &Source| {
+        let found = checks.iter().copied().filter(|check| (check.kind, check.source.as_str()) == *source);
+        found.collect::<Vec<_>>()
+    };
+    let share = |check: &Check| (check.ours - check.reference).abs() / check.tolerance;
+    Columns::new()
+        .page("kind", Format::Words, |(kind, _): &Source| kind.name())
+        .page("source", Format::Words, |(_, source)| *source)
+        .page("checks", Format::Plain, |source| of(source).len())
+        .page("largest difference / tolerance", Format::Percent, |source| worst(of(source).into_iter().map(share)))
+        .cells(Column::words("verdict"), |source| verdict(of(source).into_iter().all(Check::passes), ["pass", "fail"]))
+        .table("Checks by kind and source of their reference", CSV, sources)
+}

@@ -1,0 +1,54 @@
+//! The paper's claims and their verdicts.
+
+use super::dataset::{Columns, Dataset, Format};
+use super::page::{Block, Cell, Column, Section, Shade, details};
+use super::words::paragraph;
+use super::{ReportError, Results};
+use finray_studies::claims::{Claim, ClaimVerdict};
+use minijinja::context;
+
+const CSV: &str = "claims.csv";
+
+pub(super) fn datasets<'s>(Results { claims, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    vec![Dataset::records(CSV, claims)]
+}
+
+pub(super) fn section(Results { claims, .. }: Results) -> Result<Option<Section>, ReportError> {
+    if claims.is_empty() {
+        return Ok(None);
+    }
+    let columns = Columns::<&Claim>::new()
+        .page("claim", Format::Words, |claim| claim.claim.clone())
+        .page("paper", Format::Words, |claim| claim.paper.clone())
+        .page("ours", Format::Words, |claim| claim.ours.clone())
+        .page("criterion", Format::Words, |claim| claim.criterion.clone())
+        .cells(Column::words("verdict"), |claim| verdict(claim.verdict));
+    let blocks = vec![
+        paragraph("claims.about", context! {})?,
+        details("All of them", vec![Block::Table(columns.table("The paper's claims", CSV, claims))]),
+    ];
+    Ok(Some(Section::new("claims", "The paper's claims", blocks).saying([counted(claims)])))
+}
+
+/// A verdict in its colour.
+pub fn verdict(verdict: ClaimVerdict) -> Cell {
+    let words = verdict.in_words();
+    match verdict {
+        ClaimVerdict::Reproduced => Cell::shaded(words, Shade::Pass),
+        ClaimVerdict::Refuted | ClaimVerdict::NotReproduced => Cell::shaded(words, Shade::Fail),
+        // What a simulation betters is no success against a measurement.
+        ClaimVerdict::InSimulation
+        | ClaimVerdict::LessInSimulation
+        | ClaimVerdict::Depends
+        | ClaimVerdict::NotTested => Cell::plain(words),
+    }
+}
+
+/// How many claims have which verdict.
+pub fn counted(claims: &[Claim]) -> String {
+    let counts = ClaimVerdict::ALL.map(|verdict| {
+        let count = claims.iter().filter(|claim| claim.verdict == verdict).count();
+        format!("{count} {}", verdict.in_words())
+    });
+    format!("Of {} claims: {}.", claims.len(), counts.join(", "))
+}

@@ -1,0 +1,192 @@
+//! Objects pressed onto the finger: drawings, force over travel, and sensed forces.
+
+mod words;
+
+use super::dataset::{Columns, Dataset};
+use super::drawings::{ACROSS_AXIS, ALONG_AXIS, point};
+use super::page::{Block, Figure, Section, text};
+use super::words::paragraph;
+use super::{ReportError, Results};
+use finray_figures::{Axis, Chart, Dash, FigureError, Frame, Hue, Series, Spread};
+use finray_model::finger::{FingerPoint, Plate};
+use finray_model::mesh::FingerShape;
+use finray_model::sensing::ContactPosition;
+use finray_model::{Finger, Vector};
+use finray_studies::check::worst;
+use finray_studies::experiments::contact_scene::samples::NoiseSamples;
+use finray_studies::experiments::contact_scene::study::{SceneStudy, StudiedStep};
+use finray_studies::experiments::contact_scene::{ForceRow, SeenContact};
+use finray_studies::settings::TWO_SIDED_95;
+use minijinja::context;
+use std::collections::BTreeMap;
+
+const CSV: &str = "contact_scenes.csv";
+/// Length of the largest force's arrow, as a share of the front plate's.
+const LONGEST_ARROW: f64 = 0.2;
+
+/// A row of a scene, with the noise samples of its step and which of their forces it is.
+type StepRow<'s> = (&'s SceneStudy, &'s ForceRow, Option<(&'s NoiseSamples, usize)>);
+
+fn rows(scene: &SceneStudy) -> impl Iterator<Item = StepRow<'_>> {
+    let mut sensed = 0;
+    scene.rows.iter().map(move |row| {
+        let samples = scene.steps.get(row.step - 1).and_then(|studied| studied.samples.as_ref());
+        // Rows of a step are its contacts, those on the clamp not sensed, then the total: the order of the samples.
+        let which = sensed;
+        sensed = match row.contact.as_str() {
+            "total" => 0,
+            "clamp" => sensed,
+            _ => sensed + 1,
+        };
+        (scene, row, samples.filter(|_| row.contact != "clamp").map(|samples| (samples, which)))
+    })
+}
+
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    let answered = |samples: &Option<(&'s NoiseSamples, usize)>| samples.filter(|(samples, _)| samples.answered > 0);
+    let columns = Columns::<StepRow>::new()
+        .file("scene", |(scene, ..)| scene.name.clone())
+        .file("step", |(_, row, _)| row.step)
+        .file("travel_mm", |(_, row, _)| row.travel_mm)
+        .file("contact", |(_, row, _)| row.contact.clone())
+        .file("s_mm", |(_, row, _)| row.s_mm)
+        .file("angle_deg", |(_, row, _)| row.angle_deg)
+        .file("force_n", |(_, row, _)| row.force_n)
+        .file("friction_n", |(_, row, _)| row.friction_n)
+        .file("sensed_n", |(_, row, _)| row.sensed_n)
+        .file("sigma_n", |(_, row, _)| row.sigma_n)
+        .file("read_s_mm", |(_, row, _)| row.read_s_mm)
+        .file("error_without_noise", |(scene, row, _)| match row.contact.as_str() {
+            "total" => words::error_without_noise(scene.steps.get(row.step - 1)?),
+            _ => None,
+        })
+        .file("read_angle_deg", |(_, row, _)| row.read_angle_deg)
+        .file("samples", |(.., samples)| samples.map(|(samples, _)| samples.taken))
+        .file("answered", |(.., samples)| samples.map(|(samples, _)| samples.answered))
+        .file("covered", |(.., samples)| samples.map(|(samples, which)| samples.coverage(which)))
+        .file("rms_error_n", move |(.., samples)| answered(samples).map(|(samples, which)| samples.rms_error_n(which)))
+        .file("rms_sigma_n", move |(.., samples)| answered(samples).map(|(samples, which)| samples.rms_sigma_n(which)));
+    vec![Dataset::new(CSV, &columns, study.contact_scenes.iter().flat_map(rows)).csv_alone()]
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
+    if study.contact_scenes.is_empty() {
+        return Ok(None);
+    }
+    let mut blocks = vec![paragraph("contact_scenes.about", context! {})?];
+    for scene in &study.contact_scenes {
+        blocks.push(Block::Figures { figures: figures(&study.finger, scene)? });
+    }
+    let stopped = study.contact_scenes.iter().filter_map(|scene| Some((scene, scene.stopped.as_ref()?)));
+    blocks.extend(stopped.map(|(scene, error)| {
+        text(format!("The scene \"{}\" ended after {} steps: {error}.", scene.name, scene.steps.len()))
+    }));
+    blocks.push(Block::Table(words::by_scene(&study.contact_scenes)));
+    let section = Section::new("contact-scenes", "Pressing objects", blocks);
+    Ok(Some(section.saying(words::verdict(&study.contact_scenes)?)))
+}
+
+fn figures(finger: &Finger, scene: &SceneStudy) -> Result<Vec<Figure>, FigureError> {
+    let mut figures = Vec::new();
+    if let Some(last) = scene.steps.last() {
+        figures.push(Figure::narrow(
+            drawing(finger, scene, last)?,
+            format!("Scene \"{}\" at its end: true forces.", scene.name),
+            CSV,
+        ));
+    }
+    let series = force_over_travel(finger, scene);
+    if !series.is_empty() {
+        let title = format!("{}: true and sensed, {} mm noise", scene.name, scene.noise_mm);
+        let frame = Frame::half(title, format!("True and sensed forces of the scene {} over the travel.", scene.name));
+        let end_mm = scene.rows.iter().map(|row| row.travel_mm).fold(0.0, f64::max);
+        // Signs at the end stand clear of the frame.
+        let axes = [Axis::linear("travel of the object, mm").within(0.0, 1.06 * end_mm), Axis::linear("force, N")];
+        let svg = Chart::new(frame, axes, series).svg()?;
+        let caption = "Force along each normal, and in all (length of the vector sum). Lines are true; signs sensed from one noise sample, with \
+                       95 % intervals.";
+        figures.push(Figure::narrow(svg, caption, CSV));
+    }
+    Ok(figures)
+}
+
+fn lines_of(finger: &Finger, at: impl Fn(FingerPoint) -> Vector) -> Vec<Vec<[f64; 2]>> {
+    let drawn = |points: Vec<FingerPoint>| points.into_iter().map(|named| point(&at(named))).collect();
+    finger.outline().into_iter().map(|(_, points)| drawn(points)).collect()
+}
+
+fn drawing(finger: &Finger, scene: &SceneStudy, last: &StudiedStep) -> Result<String, FigureError> {
+    let pressed = &last.step.pressed;
+    let deformed = |shape: &FingerShape| lines_of(finger, |at| shape.point(at));
+    let outline = scene.outline.iter().map(|corner| point(&(corner + pressed.object))).collect();
+    let longest_mm = LONGEST_ARROW * finger.plate_length_mm(Plate::Front);
+    let largest_n = worst(last.step.contacts.iter().map(|seen| seen.force.norm()));
+    // Small forces keep an arrow that can be seen.
+    let length_mm = |force_n: f64| longest_mm * (0.3 + 0.7 * force_n / largest_n);
+    let arrows = last.step.contacts.iter().map(|seen| {
+        let foot = seen.point - seen.force.normalize() * length_mm(seen.force.norm());
+        Series::arrow([point(&foot), point(&seen.point)], format!("{:.2} N", seen.force.norm()), Hue::Vermilion)
+    });
+    let alt = format!("The finger bent by the object of the scene {}, with the contact forces.", scene.name);
+    let at_rest = lines_of(finger, |at| finger.point(at));
+    let lines = [
+        Series::lines("at rest", at_rest, Hue::Faint, 3.0),
+        Series::lines("pressed", deformed(&pressed.shape), Hue::Blue, 2.4),
+        Series::lines("object", vec![outline], Hue::Green, 2.4),
+    ];
+    let series = lines.into_iter().flatten().chain(arrows).collect();
+    Chart::to_scale(Frame::half(&scene.name, alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
+}
+
+/// One contact through the steps in which it is there.
+#[derive(Default)]
+struct Course {
+    truth: Vec<[f64; 2]>,
+    sensed: Vec<[f64; 2]>,
+    intervals: Vec<[f64; 2]>,
+}
+
+/// The rods that a position on the front plate lies between.
+fn between(finger: &Finger, s_mm: f64) -> String {
+    let (nodes, places) = (finger.plate_nodes(Plate::Front), finger.plate_positions_mm(Plate::Front));
+    let after = places.iter().position(|place| *place > s_mm).filter(|after| *after > 0);
+    after.map_or(String::new(), |after| format!(", nodes {} to {}", nodes[after - 1], nodes[after]))
+}
+
+/// For each contact, and the total, the true forces as a line and the sensed ones as signs.
+fn force_over_travel(finger: &Finger, scene: &SceneStudy) -> Vec<Series> {
+    let mut courses: BTreeMap<(usize, String), Course> = BTreeMap::new();
+    for row in &scene.rows {
+        let name = match row.contact.as_str() {
+            "total" => (0, "in all".to_owned()),
+            "at" => (2, format!("plate{}", between(finger, row.s_mm.unwrap_or_default()))),
+            "clamp" => (3, "clamp (not felt)".to_owned()),
+            node => (1, format!("node {node}")),
+        };
+        let course = courses.entry(name).or_default();
+        course.truth.push([row.travel_mm, row.force_n]);
+        if let (Some(sensed_n), Some(sigma_n)) = (row.sensed_n, row.sigma_n) {
+            course.sensed.push([row.travel_mm, sensed_n]);
+            course.intervals.push([sensed_n - TWO_SIDED_95 * sigma_n, sensed_n + TWO_SIDED_95 * sigma_n]);
+        }
+    }
+    let mut series = Vec::new();
+    for (n, ((_, name), course)) in courses.into_iter().enumerate() {
+        let truth = Series::nth(n, name, course.truth);
+        let marker = truth.marker;
+        series.push(Series { marker: None, ..truth });
+        if !course.sensed.is_empty() {
+            let sensed = Series::nth(n, "", course.sensed);
+            series.push(Series { marker, dash: Dash::None, spread: Spread::Bars(course.intervals), ..sensed });
+        }
+    }
+    series
+}
+
+fn name_of(seen: &SeenContact) -> String {
+    match seen.contact.position {
+        _ if seen.clamped => "clamp (not felt)".to_owned(),
+        ContactPosition::Node(node) => format!("node {node}"),
+        ContactPosition::At(s_mm) => format!("plate at {s_mm:.1} mm"),
+    }
+}

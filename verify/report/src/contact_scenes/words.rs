@@ -1,0 +1,84 @@
+//! What pressing objects says of sensing: a sentence, and a row a scene.
+
+use super::{CSV, name_of};
+use crate::ReportError;
+use crate::dataset::{Columns, Format};
+use crate::format::{Span, percent};
+use crate::page::Table;
+use crate::words::say;
+use finray_studies::check::worst;
+use finray_studies::experiments::contact_scene::samples::NoiseSamples;
+use finray_studies::experiments::contact_scene::study::{SceneStudy, StudiedStep};
+use minijinja::{Value, context};
+
+/// Scenes without friction and with it, and the contact that is sensed worst.
+pub(super) fn verdict(scenes: &[SceneStudy]) -> Result<Option<String>, ReportError> {
+    let of = |friction: bool| worst_total(scenes.iter().filter(|scene| (scene.friction > 0.0) == friction));
+    let numbers = of(false).map(|smooth| context! { smooth, rough => of(true), least => least_known(scenes) });
+    say("contact_scenes.verdict", numbers)
+}
+
+/// The contact, among the last steps of all scenes, whose error under noise is the largest share of its force, beside the others of its
+/// step.
+fn least_known(scenes: &[SceneStudy]) -> Option<Value> {
+    let ends = scenes.iter().filter_map(|scene| Some((scene, scene.steps.last()?)));
+    let contacts = ends.flat_map(|(scene, last)| {
+        let felt = last.step.contacts.iter().filter(|seen| !seen.clamped).enumerate();
+        felt.filter_map(move |(which, seen)| {
+            let samples = last.samples.as_ref().filter(|samples| samples.answered > 0)?;
+            Some((samples.rms_error_n(which) / seen.normal_n, which, scene, seen, samples))
+        })
+    });
+    let (_, which, scene, seen, samples) = contacts.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let contacts = samples.sensed.len() - 1;
+    let [low_n, high_n] = Span::of((0..contacts).map(|which| samples.rms_error_n(which)))?.ends();
+    Some(context! {
+        scene => scene.name.as_str(), contacts, low_n, high_n,
+        name => name_of(seen),
+        true_n => seen.normal_n,
+        error_n => samples.rms_error_n(which),
+        total_n => samples.rms_error_n(contacts),
+    })
+}
+
+/// Scene by scene: how near the total comes, whether forces balance, and what the intervals hold under noise.
+pub(super) fn by_scene(scenes: &[SceneStudy]) -> Table {
+    type Which = fn(&NoiseSamples) -> std::ops::Range<usize>;
+    let covered = move |scene: &&SceneStudy, which: Which| {
+        let of_step = |step: &NoiseSamples| which(step).map(|which| step.coverage(which)).collect::<Vec<_>>();
+        let span = Span::of(samples(scene).flat_map(of_step))?;
+        Some(format!("{} ({})", percent(span.mean), percent(span.least)))
+    };
+    let contacts: Which = |step| 0..step.sensed.len() - 1;
+    let total: Which = |step| step.sensed.len() - 1..step.sensed.len();
+    Columns::<&SceneStudy>::new()
+        .page("scene", Format::Words, |scene| scene.name.clone())
+        .page("friction", Format::Plain, |scene| scene.friction)
+        .page("error of total", Format::Percent, |scene| worst_total([*scene]))
+        .page("imbalance", Format::Percent, |scene| {
+            worst(scene.steps.iter().filter_map(|studied| studied.step.pressed.imbalance()))
+        })
+        .page("answered", Format::Plain, |scene| {
+            let sum = |of: fn(&NoiseSamples) -> usize| samples(scene).map(of).sum::<usize>();
+            format!("{} of {}", sum(|step| step.answered), sum(|step| step.taken))
+        })
+        .page("contact covered", Format::Plain, move |scene| covered(scene, contacts))
+        .page("total covered", Format::Plain, move |scene| covered(scene, total))
+        .table("Over all steps: largest error of the total and imbalance of forces without noise; noise samples answered, and held by the \
+                stated 95 % intervals (least; refused count as not)", CSV, scenes)
+}
+
+fn samples(scene: &SceneStudy) -> impl Iterator<Item = &NoiseSamples> {
+    scene.steps.iter().filter_map(|studied| studied.samples.as_ref())
+}
+
+/// Largest error of the sensed total over all steps without noise; `None` where nothing was sensed.
+fn worst_total<'s>(scenes: impl IntoIterator<Item = &'s SceneStudy>) -> Option<f64> {
+    let steps = scenes.into_iter().flat_map(|scene| &scene.steps);
+    steps.filter_map(error_without_noise).map(f64::abs).reduce(f64::max)
+}
+
+/// Error of a step's total without noise, as a share of it; `None` where nothing was sensed.
+pub(super) fn error_without_noise(step: &StudiedStep) -> Option<f64> {
+    Some(step.clean.as_ref().ok()?.as_ref()?.total.relative_error())
+}

@@ -1,0 +1,85 @@
+//! How fine a mesh must be: table and figure.
+
+use super::dataset::{Columns, Dataset, Format};
+use super::format::{or_nothing, percent_two_digits};
+use super::page::{Block, Figure, Section, Table, details};
+use super::words::paragraph;
+use super::{ReportError, Results};
+use finray_figures::{Axis, Chart, FigureError, Frame, Series};
+use finray_studies::experiments::convergence::{Convergence, MeshSize};
+use minijinja::context;
+
+const CSV: &str = "convergence.csv";
+/// Errors worth comparing with.
+const REFERENCES: [(f64, &str); 2] = [(0.01, "1 %"), (1e-4, "0.01 %")];
+
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    vec![Dataset::records(CSV, study.convergence.rows()).csv_alone()]
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
+    let convergence = &study.convergence;
+    let mut blocks = vec![paragraph("convergence.about", context! {})?];
+    let series = error_by_nodes(convergence);
+    if !series.is_empty() {
+        blocks.push(Block::Figure(Figure::wide(
+            drawing(series)?,
+            "Worst error by nodes of the mesh, for each force.",
+            CSV,
+        )));
+    }
+    blocks.push(details("By mesh and force", vec![Block::Table(table(convergence))]));
+    Ok(Some(Section::new("convergence", "How fine a mesh must be", blocks)))
+}
+
+/// A series a force: nodes and error.
+fn error_by_nodes(convergence: &Convergence) -> Vec<Series> {
+    let series = |(n, force_n): (usize, f64)| {
+        let points = convergence.meshes.iter().enumerate().filter_map(|(mesh, size)| {
+            // An error of nothing has no place on a logarithmic axis.
+            let error = convergence.error(mesh, force_n).filter(|error| *error > 0.0)?;
+            Some([size.nodes as f64, error])
+        });
+        Series::nth(n, format!("{force_n} N"), points.collect())
+    };
+    convergence.forces_n().into_iter().enumerate().map(series).filter(|series| !series.points.is_empty()).collect()
+}
+
+fn drawing(series: Vec<Series>) -> Result<String, FigureError> {
+    let alt = "Worst error of the displacements by number of mesh nodes, a line a force, both axes logarithmic";
+    let frame = Frame::full("Error of the shape by mesh", alt).with_plot_height(300.0);
+    let axes = [Axis::log("nodes of the mesh"), Axis::log("error / largest displacement").within(1e-9, 0.03)];
+    Chart::new(frame, axes, series).compared(REFERENCES.map(|(value, label)| (value, label.to_owned()))).svg()
+}
+
+fn mesh_name(mesh: &MeshSize) -> String {
+    match mesh.elements_a_member {
+        None => format!("{} nodes, equal elements", mesh.nodes),
+        Some(1) => format!("{} nodes, one a member", mesh.nodes),
+        Some(elements) => format!("{} nodes, {elements} a member", mesh.nodes),
+    }
+}
+
+fn table(convergence: &Convergence) -> Table {
+    type Line<'c> = (String, Box<dyn Fn(f64) -> Option<String> + 'c>);
+    let percent = |share: Option<f64>| share.map(percent_two_digits);
+    let mut lines: Vec<Line> = Vec::new();
+    for (mesh, size) in convergence.meshes.iter().enumerate() {
+        lines.push((mesh_name(size), Box::new(move |force_n| percent(convergence.error(mesh, force_n)))));
+    }
+    let left = "may be left".to_owned();
+    lines.push((left, Box::new(move |force_n| percent(convergence.left(force_n)))));
+    let orders = |force_n| convergence.orders(force_n).map(|[low, high]| format!("{low:.1} to {high:.1}"));
+    lines.push(("observed order".to_owned(), Box::new(orders)));
+    let forces_n = convergence.forces_n();
+    if forces_n.iter().any(|&force_n| convergence.gaps(force_n) > 0) {
+        let gaps = |force_n| Some(convergence.gaps(force_n).to_string());
+        lines.push(("loads without equilibrium".to_owned(), Box::new(gaps)));
+    }
+    Columns::<Line>::new()
+        .page("mesh", Format::Words, |(name, _)| name.clone())
+        .each(forces_n, |columns, force_n| {
+            columns.page(format!("{force_n} N"), Format::Plain, move |(_, of)| or_nothing(of(force_n)))
+        })
+        .table("Worst error; what may be left by Roache's grid convergence index", CSV, lines)
+}

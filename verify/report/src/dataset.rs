@@ -1,0 +1,204 @@
+//! What is a table of the page, a CSV file beside it and an array of `summary.json` at once: its columns are written once.
+//!
+//! [`Columns`] say of a row what stands where: a key for the files, a heading and a [`Format`] for the page. A [`Dataset`] is rows
+//! under such columns, and a name.
+
+mod value;
+
+pub use value::{Format, Value};
+
+use super::page::{self, Cell, Table};
+use finray_files::csv_text;
+use serde::{Serialize, Serializer};
+
+/// The columns of a table over rows of type `R`.
+pub struct Columns<'c, R>(Vec<Column<'c, R>>);
+
+struct Column<'c, R> {
+    in_files: Option<(&'static str, Accessor<'c, R, Value>)>,
+    on_page: Option<(page::Column, Accessor<'c, R, Cell>)>,
+}
+
+type Accessor<'c, R, T> = std::rc::Rc<dyn Fn(&R) -> T + 'c>;
+
+impl<R> Default for Columns<'_, R> {
+    fn default() -> Self {
+        Columns(Vec::new())
+    }
+}
+
+impl<'c, R: 'c> Columns<'c, R> {
+    /// No columns yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// A column of the files: its key, with the unit, and its values.
+    pub fn file<V: Into<Value>>(mut self, key: &'static str, of: impl Fn(&R) -> V + 'c) -> Self {
+        let value = move |row: &R| of(row).into();
+        self.0.push(Column { in_files: Some((key, std::rc::Rc::new(value))), on_page: None });
+        self
+    }
+
+    /// Shows the last column on the page as well.
+    pub fn shown(mut self, heading: impl Into<String>, format: Format) -> Self {
+        if let Some(Column { in_files: Some((_, of)), on_page }) = self.0.last_mut() {
+            let of = of.clone();
+            *on_page = Some((heading_of(heading, format), std::rc::Rc::new(move |row: &R| format.cell(&of(row)))));
+        }
+        self
+    }
+
+    /// A column of the page alone.
+    pub fn page<V: Into<Value>>(self, heading: impl Into<String>, format: Format, of: impl Fn(&R) -> V + 'c) -> Self {
+        self.cells(heading_of(heading, format), move |row| format.cell(&of(row).into()))
+    }
+
+    /// A column of the page alone whose cells need more than a format.
+    pub fn cells(mut self, heading: page::Column, of: impl Fn(&R) -> Cell + 'c) -> Self {
+        self.0.push(Column { in_files: None, on_page: Some((heading, std::rc::Rc::new(of))) });
+        self
+    }
+
+    /// A column for each of several things, all made the same way.
+    pub fn each<T>(self, things: impl IntoIterator<Item = T>, add: impl Fn(Self, T) -> Self) -> Self {
+        things.into_iter().fold(self, add)
+    }
+
+    /// The page's table of some rows; `csv` names the file with the same numbers.
+    pub fn table(&self, caption: impl Into<String>, csv: &str, rows: impl IntoIterator<Item = R>) -> Table {
+        let shown = || self.0.iter().filter_map(|column| column.on_page.as_ref());
+        let rows = rows.into_iter().map(|row| shown().map(|(_, of)| of(&row)).collect());
+        Table {
+            caption: caption.into(),
+            columns: shown().map(|(heading, _)| heading.clone()).collect(),
+            rows: rows.collect(),
+            csv: Some(csv.to_owned()),
+        }
+    }
+}
+
+fn heading_of(heading: impl Into<String>, format: Format) -> page::Column {
+    page::Column { name: heading.into(), numeric: format != Format::Words }
+}
+
+/// Rows under a name.
+pub struct Dataset<'s> {
+    csv: String,
+    rows: Box<dyn Rows + 's>,
+    is_empty: bool,
+    table: Table,
+    goes_to: GoesTo,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum GoesTo {
+    Both,
+    CsvAlone,
+    SummaryAlone,
+}
+
+/// Rows that know their own texts.
+trait Rows {
+    fn csv(&self) -> Result<String, csv::Error>;
+    fn json(&self) -> Result<String, serde_json::Error>;
+}
+
+/// Rows that are written as they are.
+struct Records<T>(Vec<T>);
+
+impl<T: Serialize> Rows for Records<T> {
+    fn csv(&self) -> Result<String, csv::Error> {
+        csv_text(&self.0)
+    }
+
+    fn json(&self) -> Result<String, serde_json::Error> {
+        serde_json::to_string_pretty(&self.0)
+    }
+}
+
+/// Values by row, under keys.
+struct Values {
+    keys: Vec<&'static str>,
+    rows: Vec<Vec<Value>>,
+}
+
+impl Rows for Values {
+    fn csv(&self) -> Result<String, csv::Error> {
+        // A list is one field.
+        let flat = |value: &Value| match value {
+            Value::List(_) => Value::Text(value.in_words()),
+            other => other.clone(),
+        };
+        let header = self.keys.iter().map(|key| Value::from(*key)).collect();
+        let rows = self.rows.iter().map(|row| row.iter().map(flat).collect());
+        csv_text(std::iter::once(header).chain(rows).collect::<Vec<Vec<Value>>>())
+    }
+
+    fn json(&self) -> Result<String, serde_json::Error> {
+        let rows: Vec<Fields> = self.rows.iter().map(|row| Fields(&self.keys, row)).collect();
+        serde_json::to_string_pretty(&rows)
+    }
+}
+
+/// A row as an object, in the order of its keys.
+struct Fields<'v>(&'v [&'static str], &'v [Value]);
+
+impl Serialize for Fields<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().zip(self.1))
+    }
+}
+
+impl<'s> Dataset<'s> {
+    /// Rows under columns, for a CSV file of this name and the array of the summary that is called as the file is.
+    pub fn new<R: 's>(csv: &str, columns: &Columns<'s, R>, rows: impl IntoIterator<Item = R>) -> Self {
+        let rows: Vec<R> = rows.into_iter().collect();
+        let in_files = || columns.0.iter().filter_map(|column| column.in_files.as_ref());
+        let values = Values {
+            keys: in_files().map(|(key, _)| *key).collect(),
+            rows: rows.iter().map(|row| in_files().map(|(_, of)| of(row)).collect()).collect(),
+        };
+        let is_empty = rows.is_empty();
+        let table = columns.table("", csv, rows);
+        Dataset { csv: csv.to_owned(), rows: Box::new(values), is_empty, table, goes_to: GoesTo::Both }
+    }
+
+    /// The same of rows that are written as an experiment has them.
+    pub fn records<T: Serialize + 's>(csv: &str, rows: impl IntoIterator<Item = T>) -> Self {
+        let rows = Records(rows.into_iter().collect());
+        let (csv, is_empty) = (csv.to_owned(), rows.0.is_empty());
+        Dataset { csv, rows: Box::new(rows), is_empty, table: Table::default(), goes_to: GoesTo::Both }
+    }
+
+    /// Only as a CSV file.
+    pub fn csv_alone(self) -> Self {
+        Dataset { goes_to: GoesTo::CsvAlone, ..self }
+    }
+
+    /// Only as an array of the summary.
+    pub fn summary_alone(self) -> Self {
+        Dataset { goes_to: GoesTo::SummaryAlone, ..self }
+    }
+
+    /// The page's table of the columns that are shown.
+    pub fn table(self, caption: impl Into<String>) -> Table {
+        Table { caption: caption.into(), ..self.table }
+    }
+
+    /// Name and text of the CSV file; `None` without rows.
+    pub fn csv(&self) -> Result<Option<(String, String)>, csv::Error> {
+        if self.is_empty || self.goes_to == GoesTo::SummaryAlone {
+            return Ok(None);
+        }
+        Ok(Some((self.csv.clone(), self.rows.csv()?)))
+    }
+
+    /// Key and text of the summary's array, empty without rows.
+    pub fn json(&self) -> Result<Option<(&str, String)>, serde_json::Error> {
+        if self.goes_to == GoesTo::CsvAlone {
+            return Ok(None);
+        }
+        Ok(Some((self.csv.trim_end_matches(".csv"), self.rows.json()?)))
+    }
+}

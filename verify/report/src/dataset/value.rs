@@ -1,0 +1,113 @@
+//! A value of a table: as files have it, and as the page shows it.
+
+use crate::format::{NOTHING, error, percent, percent_two_digits, percent_with};
+use crate::page::Cell;
+use finray_studies::estimators::EstimatorId;
+use finray_studies::truths::TruthId;
+use serde::Serialize;
+
+/// A value of a file: CSV has it in its shortest form that reads back the same, nothing as an empty field and a list by spaces.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Value {
+    /// Words.
+    Text(String),
+    /// A count.
+    Integer(usize),
+    /// A figure.
+    Number(f64),
+    /// Whether it holds.
+    Bool(bool),
+    /// Several, in one field.
+    List(Vec<Value>),
+    /// Nothing.
+    None,
+}
+
+macro_rules! value_from {
+    ($($from:ty => $to:expr),*) => {
+        $(impl From<$from> for Value {
+            fn from(value: $from) -> Value {
+                $to(value)
+            }
+        })*
+    };
+}
+value_from!(String => Value::Text, usize => Value::Integer, f64 => Value::Number, bool => Value::Bool);
+
+impl From<TruthId> for Value {
+    fn from(truth: TruthId) -> Value {
+        truth.name().into()
+    }
+}
+
+impl From<EstimatorId> for Value {
+    fn from(estimator: EstimatorId) -> Value {
+        estimator.name().into()
+    }
+}
+
+impl From<&str> for Value {
+    fn from(text: &str) -> Value {
+        Value::Text(text.to_owned())
+    }
+}
+
+impl<V: Into<Value>> From<Option<V>> for Value {
+    fn from(value: Option<V>) -> Value {
+        value.map_or(Value::None, V::into)
+    }
+}
+
+impl<V: Into<Value>> From<Vec<V>> for Value {
+    fn from(values: Vec<V>) -> Value {
+        Value::List(values.into_iter().map(V::into).collect())
+    }
+}
+
+impl Value {
+    /// As a reader of plain text has it.
+    pub(super) fn in_words(&self) -> String {
+        match self {
+            Value::Text(text) => text.clone(),
+            Value::Integer(integer) => integer.to_string(),
+            Value::Number(number) => number.to_string(),
+            Value::Bool(holds) => holds.to_string(),
+            Value::List(values) => values.iter().map(Value::in_words).collect::<Vec<_>>().join(" "),
+            Value::None => NOTHING.to_owned(),
+        }
+    }
+}
+
+/// How a value is shown on the page.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Format {
+    /// Flush left, as it is.
+    Words,
+    /// Flush right, as it is.
+    Plain,
+    /// So many decimals.
+    Fixed(usize),
+    /// A share in percent.
+    Percent,
+    /// A share in percent with so many decimals.
+    PercentFixed(usize),
+    /// A share in percent with two significant digits, however small.
+    PercentTwoDigits,
+    /// An error: a share in percent, amber above 10 % and red above 25 %.
+    Error,
+}
+
+impl Format {
+    pub(super) fn cell(self, value: &Value) -> Cell {
+        let Value::Number(number) = *value else { return Cell::plain(value.in_words()) };
+        match self {
+            Format::Words | Format::Plain => Cell::plain(value.in_words()),
+            Format::Fixed(decimals) => Cell::plain(format!("{number:.decimals$}")),
+            Format::Percent => Cell::plain(percent(number)),
+            Format::PercentFixed(decimals) => Cell::plain(percent_with(number, decimals)),
+            Format::PercentTwoDigits => Cell::plain(percent_two_digits(number)),
+            Format::Error => error(number),
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! Forces of unknown direction: where they are identifiable.
+
+use super::dataset::{Columns, Dataset};
+use super::drawings::{ALONG_THE_PLATE, percent_classes, percent_line, plate_map};
+use super::format::{Span, percent};
+use super::page::{Block, Figure, Section, text};
+use super::words::{paragraph, say};
+use super::{ReportError, Results};
+use finray_figures::{Axis, Cells, Chart, Class, FigureError, Frame, Map, Series};
+use finray_model::Finger;
+use finray_studies::experiments::direction::{
+    Assumption, DirectionCell, DirectionStudy, FORCES_N, FrictionlessPush, IDENTIFIED_ANSWERED, IDENTIFIED_DEG,
+    IDENTIFIED_FORCE,
+};
+use minijinja::{Value, context};
+
+const CSV: &str = "directions.csv";
+const FRICTIONLESS_CSV: &str = "directions_without_friction.csv";
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    // Errors are root mean squares; without samples the finger carries no such force.
+    let by_cell = Columns::<&DirectionCell>::new()
+        .file("s_mm", |cell| cell.s_mm)
+        .file("angle_deg", |cell| cell.angle_deg)
+        .file("force_n", |cell| cell.force_n)
+        .file("samples", |cell| cell.answers.samples)
+        .file("answered", |cell| cell.answers.answered)
+        .file("told", |cell| cell.answers.is_identified())
+        .file("angle_error_deg", |cell| cell.answers.angle_error_deg)
+        .file("angle_bound_deg", |cell| cell.angle_bound_deg)
+        .file("force_error", |cell| cell.answers.force_error)
+        .file("force_bound", |cell| cell.force_bound)
+        .file("force_sigma", |cell| cell.answers.force_sigma);
+    let without_friction = Columns::<&FrictionlessPush>::new()
+        .file("node", |push| push.node)
+        .file("s_mm", |push| push.s_mm)
+        .file("force_n", |push| push.force_n)
+        .file("angle_deg", |push| push.angle_deg)
+        .file("assumed", |push| push.assumed.name())
+        .file("samples", |push| push.answers.samples)
+        .file("answered", |push| push.answers.answered)
+        .file("angle_error_deg", |push| push.answers.angle_error_deg)
+        .file("force_error", |push| push.answers.force_error)
+        .file("force_sigma", |push| push.answers.force_sigma);
+    let directions = || study.directions.iter();
+    vec![
+        Dataset::new(CSV, &by_cell, directions().flat_map(|of| &of.cells)),
+        Dataset::new(FRICTIONLESS_CSV, &without_friction, directions().flat_map(|of| &of.without_friction)),
+    ]
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
+    let Some(directions) = &study.directions else { return Ok(None) };
+    let finger = &study.finger;
+    let numbers = context! {
+        noise_mm => directions.noise_mm, samples => directions.samples, deg => IDENTIFIED_DEG, force => IDENTIFIED_FORCE,
+        answered => IDENTIFIED_ANSWERED,
+    };
+    let mut blocks = vec![paragraph("directions.about", numbers)?];
+    blocks.extend(say("directions.identifiable", where_identifiable(directions))?.map(text));
+    let identified = |cell: &DirectionCell| cell.answers.angle_error_deg.filter(|_| cell.answers.is_identified());
+    let all = |map: &Shown| -> Result<Block, FigureError> {
+        let figures = FORCES_N.map(|force_n| map.figure(finger, directions, force_n));
+        Ok(Block::Figures { figures: figures.into_iter().collect::<Result<_, _>>()? })
+    };
+    blocks.push(all(&Shown { what: "error of the direction, deg", missing: "not identifiable", value: &identified })?);
+    blocks.extend(say("directions.without_friction", without_friction(directions))?.map(text));
+    blocks.push(Block::Figure(frictionless_chart(directions, FORCES_N[0])?));
+    Ok(Some(Section::new("directions", "Unknown directions", blocks)))
+}
+
+/// A quantity of a cell.
+type Quantity<'v> = &'v dyn Fn(&DirectionCell) -> Option<f64>;
+
+/// One quantity by position and direction.
+struct Shown<'v> {
+    what: &'v str,
+    missing: &'v str,
+    value: Quantity<'v>,
+}
+
+impl Shown<'_> {
+    fn figure(&self, finger: &Finger, directions: &DirectionStudy, force_n: f64) -> Result<Figure, FigureError> {
+        let Shown { what, missing, value } = *self;
+        let cells: Vec<&DirectionCell> = directions.cells.iter().filter(|cell| cell.force_n == force_n).collect();
+        let mut places: Vec<f64> = cells.iter().map(|cell| cell.s_mm).collect();
+        places.dedup();
+        let angles: Vec<f64> =
+            cells.iter().take_while(|cell| Some(&cell.s_mm) == places.first()).map(|cell| cell.angle_deg).collect();
+        // Cells go by position, then direction; rows of the map by direction, then position.
+        let row = |angle| cells.iter().skip(angle).step_by(angles.len().max(1)).map(|cell| value(cell)).collect();
+        let title = format!("{force_n} N");
+        let frame = Frame::third(&title, format!("{title}: {what}, by position and true direction of the force."));
+        let values = (0..angles.len()).map(row).collect();
+        let cells = Cells::new(&places, &angles, values);
+        let map = Map { missing_label: missing.to_owned(), ..plate_map(finger, frame, degree_classes(), cells) };
+        Ok(Figure::narrow(
+            map.svg()?,
+            format!("{force_n} N: {what}, by position and true direction; hatched: {missing}."),
+            CSV,
+        ))
+    }
+}
+
+/// Classes of the error of an identifiable direction, deg.
+fn degree_classes() -> Vec<Class> {
+    let green = percent_classes().into_iter().take(3).zip([1.0, 3.0, IDENTIFIED_DEG]);
+    green.map(|(class, up_to)| Class { up_to, label: format!("up to {up_to} deg"), ..class }).collect()
+}
+
+/// In which cells both are identifiable.
+fn where_identifiable(directions: &DirectionStudy) -> Option<Value> {
+    let share = |force_n: &f64| match directions.identified(*force_n) {
+        [_, 0] => None,
+        [identified, all] => Some(context! { share => identified as f64 / all as f64, force_n => *force_n }),
+    };
+    let shares: Vec<Value> = FORCES_N.iter().filter_map(share).collect();
+    // Positions at which every direction is identifiable under the largest force, and those at which none is.
+    let largest_n = FORCES_N[FORCES_N.len() - 1];
+    let carried = directions.cells.iter().filter(|cell| cell.force_n == largest_n && cell.answers.samples > 0);
+    let carried: Vec<&DirectionCell> = carried.collect();
+    let places: Vec<&[&DirectionCell]> = carried.chunk_by(|a, b| a.s_mm == b.s_mm).collect();
+    let of = |wanted: bool| {
+        let is_so = |place: &&&[&DirectionCell]| place.iter().all(|cell| cell.answers.is_identified() == wanted);
+        let list: Vec<f64> = places.iter().filter(is_so).map(|place| place[0].s_mm).collect();
+        match &list[..] {
+            [] => None,
+            [one] => Some(format!("{one:.0} mm")),
+            [first, .., last] => {
+                Some(format!("{first:.0} to {last:.0} mm from the base ({} of {} positions)", list.len(), places.len()))
+            }
+        }
+    };
+    let [identified, all] = directions.identified(largest_n);
+    let is_known = !shares.is_empty();
+    let numbers =
+        context! { shares, largest_n, everywhere => of(true), nowhere => of(false), most => 2 * identified > all };
+    is_known.then_some(numbers)
+}
+
+/// How much better it is to assume the deformed normal.
+fn without_friction(directions: &DirectionStudy) -> Option<Value> {
+    let [small_n, _, large_n] = FORCES_N;
+    let error = |assumed: Assumption, force_n: f64| {
+        let rows =
+            directions.without_friction.iter().filter(move |row| row.assumed == assumed && row.force_n == force_n);
+        let errors = Span::of(rows.filter_map(|row| row.answers.force_error))?;
+        Some(format!("{} (at worst {})", percent(errors.mean), percent(errors.greatest)))
+    };
+    let errors = |assumed| Some([error(assumed, small_n)?, error(assumed, large_n)?]);
+    let of_all = |count: fn(&FrictionlessPush) -> usize| -> usize {
+        directions.without_friction.iter().filter(|row| row.assumed == Assumption::Unknown).map(count).sum()
+    };
+    let (samples, answered) = (of_all(|row| row.answers.samples), of_all(|row| row.answers.answered));
+    Some(context! {
+        small_n, large_n, samples, refused => samples - answered,
+        normal => errors(Assumption::Normal)?,
+        unknown => errors(Assumption::Unknown)?,
+        undeformed => errors(Assumption::Undeformed)?,
+    })
+}
+
+/// Error of the force by position, a line for each assumption.
+fn frictionless_chart(directions: &DirectionStudy, force_n: f64) -> Result<Figure, FigureError> {
+    let series = Assumption::ALL.iter().enumerate().map(|(n, &assumed)| {
+        let rows = directions.without_friction.iter().filter(|row| row.assumed == assumed && row.force_n == force_n);
+        let points = rows.filter_map(|row| Some([row.s_mm, 100.0 * row.answers.force_error?])).collect();
+        let label = match assumed {
+            Assumption::Undeformed => "undeformed normal assumed",
+            Assumption::Normal => "deformed normal assumed",
+            Assumption::Unknown => "direction unknown",
+        };
+        Series::nth(n, label, points)
+    });
+    let title = format!("Pushed without friction, {force_n} N");
+    let alt = format!("{title}: error of the force by position, a line for each assumption.");
+    let axes = [Axis::linear(ALONG_THE_PLATE), Axis::log("root mean square error of the force, %")];
+    let chart = Chart::new(Frame::half(title, alt), axes, series.collect());
+    Ok(Figure::narrow(
+        chart.compared([percent_line(100.0 * IDENTIFIED_FORCE)]).svg()?,
+        format!("{force_n} N along the deformed normal: error of the force by what is assumed of its direction."),
+        FRICTIONLESS_CSV,
+    ))
+}

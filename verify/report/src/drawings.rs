@@ -1,0 +1,241 @@
+//! Drawings of a study: its numbers arranged for [`figures`](finray_figures).
+
+use super::format::list;
+use finray_figures::{
+    Axis, Bars, Cells, Chart, Class, Dash, FigureError, Frame, Hue, Lines, Map, Marker, Paint, Point, Series,
+};
+use finray_model::finger::{Part, Plate};
+use finray_model::{Finger, Kinematics, NodeId, Vector};
+use finray_studies::experiments::table_one::TableOne;
+use finray_studies::sampling::map::{AccuracyMap, CellState};
+use finray_studies::study::Study;
+
+/// Limits of the two shades of the paper's Table I, %.
+pub(super) const PAPER_SHADES_PERCENT: [f64; 2] = [10.0, 25.0];
+/// The one palette of errors: the largest error of each class, %, and its colour. Two shades of green are trusted, amber and red are not;
+/// lightness falls on either side of the threshold, so that the order survives colour blindness and grey print.
+const ERROR_CLASSES: [(f64, [u8; 3]); 5] = [
+    (2.0, [0x1f, 0x8a, 0x57]),
+    (5.0, [0x6c, 0xbf, 0x8b]),
+    (10.0, [0xc4, 0xe6, 0xca]),
+    (25.0, [0xf2, 0xb1, 0x34]),
+    (f64::INFINITY, [0xb0, 0x35, 0x2b]),
+];
+pub(super) const ALONG_THE_PLATE: &str = "position along the front plate from the base, mm";
+/// The same where there is little room.
+const ALONG_IN_SHORT: &str = "position from the base, mm";
+pub(super) const DIRECTION_AXIS: &str = "force direction, deg from normal (+ to tip)";
+pub(super) const ALONG_AXIS: &str = "base to tip, mm";
+pub(super) const ACROSS_AXIS: &str = "back to front, mm";
+
+/// Ranks of cells without an error, after those of the classes.
+const REFUSED: usize = ERROR_CLASSES.len();
+const NO_EQUILIBRIUM: usize = REFUSED + 1;
+
+/// Rank of an error among the classes.
+pub(super) fn error_rank(error: f64) -> usize {
+    let finite = &ERROR_CLASSES[..ERROR_CLASSES.len() - 1];
+    finite.iter().take_while(|(up_to, _)| 100.0 * error > *up_to).count()
+}
+
+/// Rank of an outcome, with its error where there is one.
+pub(super) fn rank_of(state: CellState, error: Option<f64>) -> usize {
+    match (state, error) {
+        (CellState::WithoutEquilibrium, _) => NO_EQUILIBRIUM,
+        (CellState::Answered, Some(error)) => error_rank(error),
+        _ => REFUSED,
+    }
+}
+
+/// Words and filling of each class of errors, by its largest error in percent.
+pub fn percent_classes() -> Vec<Class> {
+    let last = ERROR_CLASSES.len() - 1;
+    let words = |rank: usize| match rank {
+        0 => format!("up to {} %", ERROR_CLASSES[0].0),
+        rank if rank == last => format!("above {} %", ERROR_CLASSES[rank - 1].0),
+        rank => format!("{} to {} %", ERROR_CLASSES[rank - 1].0, ERROR_CLASSES[rank].0),
+    };
+    let class = |(rank, (up_to, colour)): (usize, &(f64, [u8; 3]))| Class {
+        up_to: *up_to,
+        label: words(rank),
+        sign: String::new(),
+        fill: Paint::Colour(*colour),
+    };
+    ERROR_CLASSES.iter().enumerate().map(class).collect()
+}
+
+/// The same by rank, then what has no error.
+pub(super) fn error_classes() -> Vec<Class> {
+    let hatched = |label: &str, rising| Class {
+        up_to: 0.0,
+        label: label.to_owned(),
+        sign: String::new(),
+        fill: Paint::Hatch { rising },
+    };
+    let all = percent_classes().into_iter().chain([hatched("refused", true), hatched("no equilibrium", false)]);
+    all.enumerate().map(|(rank, class)| Class { up_to: rank as f64, ..class }).collect()
+}
+
+/// Cells of ranks by direction, then position, from ranks by position, then direction.
+pub(super) fn ranked(positions_mm: &[f64], angles_deg: &[f64], ranks: &[usize]) -> Cells {
+    let of_angle =
+        |angle: usize| ranks.iter().skip(angle).step_by(angles_deg.len()).map(|rank| Some(*rank as f64)).collect();
+    Cells::new(positions_mm, angles_deg, (0..angles_deg.len()).map(of_angle).collect())
+}
+
+/// Errors of a map under one force, or under the worst of all.
+pub(super) fn error_cells(map: &AccuracyMap, force_n: Option<f64>) -> Cells {
+    let ranks: Vec<usize> = map.worst_of(force_n).iter().map(|cell| rank_of(cell.state, cell.worst_error)).collect();
+    ranked(&map.request.positions_mm, &map.request.angles_deg, &ranks)
+}
+
+/// The same drawing as a file of its own: dark ink on white, where a page would lend its colours.
+pub fn standalone(svg: &str) -> String {
+    let head = svg.find('>').map_or(0, |end| end + 1);
+    let (open, rest) = svg.split_at(head);
+    let open = open.replacen("<svg ", "<svg color=\"#1b1f24\" ", 1);
+    format!("{open}<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>{rest}")
+}
+
+pub(super) fn point(v: &Vector) -> [f64; 2] {
+    [v.x, v.y]
+}
+
+/// Accuracy map of one force, or of the worst of all.
+///
+/// # Errors
+/// [`FigureError`] if the map has no cells.
+pub fn map_figure_svg(finger: &Finger, map: &AccuracyMap, force_n: Option<f64>) -> Result<String, FigureError> {
+    let force = match (force_n, &map.request.forces_n[..]) {
+        (Some(force_n), _) | (None, &[force_n]) => format!("{force_n} N"),
+        (None, forces_n) => format!("worst of {} N", list(forces_n, ", ")),
+    };
+    let noise = if map.noise_mm > 0.0 { format!("{} mm noise", map.noise_mm) } else { "no noise".to_owned() };
+    let title = format!("{}, {}: {force}, {noise}", map.truth.label(), map.estimator.label());
+    let alt = format!("Error of the sensed force by position along the front plate and direction: {title}.");
+    plate_map(finger, Frame::half(title, alt), error_classes(), error_cells(map, force_n)).svg()
+}
+
+/// A map over position along the plate and direction, with node numbers along its top.
+pub(super) fn plate_map(finger: &Finger, frame: Frame, classes: Vec<Class>, cells: Cells) -> Map {
+    let y = Axis::linear(DIRECTION_AXIS).with_ticks((-4..=4).map(|i| f64::from(i) * 20.0));
+    Map { top: Some(node_axis(finger)), ..Map::new(frame, [Axis::linear(ALONG_IN_SHORT), y], classes, cells) }
+}
+
+/// Small maps of ranked errors over the whole plate and all directions: names of the columns, and rows with theirs.
+pub(super) fn small_maps(
+    finger: &Finger,
+    frame: Frame,
+    columns: Vec<String>,
+    rows: Vec<(String, Vec<Option<Cells>>)>,
+) -> Map {
+    let (rows, plots): (Vec<String>, Vec<Vec<Option<Cells>>>) = rows.into_iter().unzip();
+    // The last tick would touch the first of the next plot.
+    let length_mm = finger.plate_length_mm(Plate::Front);
+    let step_mm =
+        [500.0, 200.0, 100.0, 50.0, 20.0, 10.0].into_iter().find(|step| 1.5 * step <= length_mm).unwrap_or(5.0);
+    let ticks = (0..).map(|n| f64::from(n) * step_mm).take_while(|tick| *tick < 0.85 * length_mm);
+    let x = Axis::linear(ALONG_THE_PLATE).within(0.0, length_mm).with_ticks(ticks);
+    let y = Axis::linear(DIRECTION_AXIS).within(-90.0, 90.0).with_ticks([-60.0, 0.0, 60.0]);
+    Map { columns, ..Map::grid(frame, [x, y], error_classes(), rows, plots.concat()) }
+}
+
+/// Node numbers along the front plate.
+fn node_axis(finger: &Finger) -> Axis {
+    // Thinned evenly, so that they do not run into each other.
+    let every = finger.contact_nodes().len().div_ceil(13);
+    let marks = finger.contact_nodes().rev().step_by(every);
+    Axis::linear("node")
+        .named(marks.filter_map(|node| Some((finger.front_position_mm(node)?, node.to_string()))).collect())
+}
+
+/// A line to compare percentages with.
+pub(super) fn percent_line(value: f64) -> (f64, String) {
+    (value, format!("{value} %"))
+}
+
+/// Front plate, back plate and ribs, at rest.
+pub(super) fn at_rest(finger: &Finger) -> [Lines; 3] {
+    [Part::Front, Part::Back, Part::Ribs].map(|part| {
+        let lines = finger.outline().into_iter().filter(|(of, _)| *of == part);
+        lines.map(|(_, points)| points.into_iter().map(|at| point(&finger.point(at))).collect()).collect()
+    })
+}
+
+/// The finger with its node numbers.
+pub(super) fn finger(study: &Study) -> Result<String, FigureError> {
+    let finger = &study.finger;
+    let [front, back, ribs] = at_rest(finger);
+    let clamps = finger.clamped_nodes();
+    let numbered = |nodes: Vec<NodeId>| -> (Vec<Point>, Vec<String>) {
+        nodes.into_iter().map(|node| (point(&finger.position(node)), node.to_string())).unzip()
+    };
+    let free = (1..=finger.key_node_count()).map(NodeId).filter(|node| !clamps.contains(node)).collect();
+    // An arrow on the middle of the front plate shows what an angle of zero means.
+    let length = finger.plate_length_mm(Plate::Front);
+    let middle = finger.plate_point(Plate::Front, 0.54 * length);
+    let arrow = |angle_deg: f64, label: &str, hue| {
+        let foot = middle - finger.direction(angle_deg) * (0.14 * length);
+        Series::arrow([point(&foot), point(&middle)], label, hue)
+    };
+    let plates = Series::lines("front plate", front, Hue::Blue, 4.0).into_iter().chain(Series::lines(
+        "back plate",
+        back,
+        Hue::Vermilion,
+        4.0,
+    ));
+    let marks = [
+        Series::marks("node", Marker::Node, numbered(free)),
+        Series::marks("clamped node", Marker::Clamp, numbered(clamps.to_vec())),
+        arrow(0.0, "0 deg", Hue::Blue),
+        arrow(40.0, "+40 deg", Hue::Vermilion),
+    ];
+    let alt = "The finger with its numbered key nodes; the base is on the left, the tip on the right.";
+    let series = plates.chain(Series::lines("ribs", ribs, Hue::Green, 2.6)).chain(marks).collect();
+    Chart::to_scale(Frame::full("Numbers of the key nodes", alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
+}
+
+/// The finger at rest and bent.
+pub(super) fn bent(study: &Study) -> Result<String, FigureError> {
+    let finger = &study.finger;
+    let mut series = Series::lines("at rest", at_rest(finger).concat(), Hue::Faint, 3.0);
+    for (n, bent) in study.bent.iter().enumerate() {
+        let lines = bent.lines.iter().map(|line| line.iter().map(point).collect()).collect();
+        let dash = if bent.kinematics == Kinematics::Linear { Dash::Dotted } else { Dash::Solid };
+        let lines = Series::lines(&bent.label, lines, Hue::nth(n / 2), 2.4);
+        series.extend(lines.into_iter().map(|line| Series { dash, ..line }));
+    }
+    for (n, bent) in study.bent.iter().enumerate().filter(|(_, bent)| bent.kinematics != Kinematics::Linear) {
+        let reach = bent.force.normalize() * (0.1 * finger.plate_length_mm(Plate::Front));
+        series.push(Series::arrow([point(&(bent.at - reach)), point(&bent.at)], "", Hue::nth(n / 2)));
+    }
+    let alt = "The finger at rest and bent by a force at three nodes, linear and co-rotational.";
+    Chart::to_scale(Frame::full("At rest and under 3 N", alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
+}
+
+/// Bars of errors, in percent as their words have it.
+pub(super) fn error_bars(label: impl Into<String>, hue: Hue, errors: impl IntoIterator<Item = Option<f64>>) -> Bars {
+    let percent = |error: f64| match error {
+        small if small < 0.00995 => (1e4 * small).round() / 100.0,
+        large => (1e3 * large).round() / 10.0,
+    };
+    Bars { label: label.into(), hue, values: errors.into_iter().map(|error| error.map(percent)).collect() }
+}
+
+/// Table I as bars: the paper's mean errors and ours.
+pub(super) fn table_one(tables: &[TableOne]) -> Result<String, FigureError> {
+    let rows = tables.first().map_or(&[][..], |table| &table.rows[..]);
+    let paper = error_bars("paper", Hue::Neutral, rows.iter().map(|row| Some(row.paper_mean_error)));
+    let ours = tables.iter().take(2).enumerate().map(|(n, table)| {
+        let label = format!("uniform finger, weights at {} deg", table.angle_deg);
+        error_bars(label, Hue::nth(n), table.rows.iter().map(|row| Some(row.mean_error)))
+    });
+    let frame = Frame::full(
+        "Table I and geometric nonlinearity",
+        "Mean error of the sensed force at six nodes: the paper's Table I and ours.",
+    );
+    let nodes = Axis::categories("loaded node", rows.iter().map(|row| row.node.to_string()).collect());
+    let bars = std::iter::once(paper).chain(ours).collect();
+    let chart = Chart::of_bars(frame, [nodes, Axis::linear("mean error, %")], bars);
+    chart.compared(PAPER_SHADES_PERCENT.map(percent_line)).svg()
+}

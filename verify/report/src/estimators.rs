@@ -1,0 +1,113 @@
+//! Which estimator: what each keeps, states, needs and costs, in one table; and how often stated intervals hold.
+
+use super::dataset::{Columns, Dataset, Format};
+use super::format::{percent, time};
+use super::maps::small;
+use super::page::{Block, Section, details};
+use super::words::{paragraph, say};
+use super::{ReportError, Results};
+use finray_studies::estimators::EstimatorId;
+use finray_studies::experiments::coverage::CoverageRow;
+use finray_studies::experiments::speed_error::recommendation::{recommended, ways};
+use finray_studies::sampling::worst::TrustCounts;
+use finray_studies::settings::CAMERA_FRAME_S;
+use finray_studies::study::Study;
+use finray_studies::truths::TruthId;
+use minijinja::{Value, context};
+
+const CSV: &str = "coverage.csv";
+const ESTIMATORS_CSV: &str = "estimators.csv";
+
+/// An estimator on the uniform finger.
+struct Row<'s> {
+    estimator: EstimatorId,
+    /// Cells of its map with the contact known.
+    cells: Option<TrustCounts>,
+    /// How often its intervals hold.
+    coverage: Option<&'s CoverageRow>,
+    /// Time of one force from a frame.
+    seconds: Option<f64>,
+}
+
+fn rows(study: &Study) -> impl Iterator<Item = Row<'_>> {
+    let fastest = |estimator: EstimatorId| {
+        let of = ways(&study.speed_error).into_iter().filter(|way| way.one.estimator == Some(estimator));
+        let best = recommended(&study.speed_error).filter(|way| way.one.estimator == Some(estimator));
+        best.or_else(|| of.min_by(|a, b| a.one.seconds.total_cmp(&b.one.seconds))).map(|way| way.one.seconds)
+    };
+    EstimatorId::ALL.iter().map(move |&estimator| {
+        // The cells that the overview draws, so that no two shares differ by their grid.
+        let map = small(study, TruthId::Corotational, estimator, study.noise_mm > 0.0);
+        let of = |row: &&CoverageRow| row.truth == TruthId::Corotational && row.estimator == estimator;
+        Row {
+            estimator,
+            cells: map.map(|map| TrustCounts::of(&map.worst())),
+            coverage: study.coverage.iter().find(of),
+            seconds: fastest(estimator),
+        }
+    })
+}
+
+fn columns<'s>() -> Columns<'s, Row<'s>> {
+    let cells = |row: &Row| row.cells.and_then(|cells| Some(format!("{} of {}", percent(cells.share()?), cells.cells)));
+    Columns::<Row>::new()
+        .file("estimator", |row| row.estimator)
+        .file("cells", |row| row.cells.map(|cells| cells.cells))
+        .file("trusted", |row| row.cells.map(|cells| cells.trusted))
+        .file("share_without_warning", |row| Some(row.coverage?.share_without_warning()))
+        .file("covered_without_warning", |row| row.coverage?.covered_without_warning)
+        .file("seconds", |row| row.seconds)
+        .page("estimator", Format::Words, |row| row.estimator.label())
+        .page("within 10 %, share of cells", Format::Plain, cells)
+        .page("answers without a warning", Format::Percent, |row| Some(row.coverage?.share_without_warning()))
+        .page("of these, 95 % interval holds in", Format::Percent, |row| row.coverage?.covered_without_warning)
+        .page("time a frame", Format::Plain, |row| row.seconds.map(time))
+        .page("needs", Format::Words, |row| row.estimator.needs())
+        .page("refuses", Format::Words, |row| row.estimator.refuses())
+        .page("contacts never seen", Format::Words, |row| row.estimator.unseen_contacts())
+}
+
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    vec![Dataset::new(ESTIMATORS_CSV, &columns(), rows(study)), Dataset::records(CSV, &study.coverage)]
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
+    let caption = "Uniform finger, contact known, worst force of 0.5 to 3 N; networks: contact nodes along the normal alone, \
+                   node 13 by the network of any contact";
+    let mut blocks = vec![Block::Table(columns().table(caption, ESTIMATORS_CSV, rows(study)))];
+    if !study.coverage.is_empty() {
+        blocks.push(details("How often stated intervals hold", intervals(study)?));
+    }
+    Ok(Some(
+        Section::new("estimators", "Four estimators side by side", blocks).saying(say("estimators.says", says(study))?),
+    ))
+}
+
+/// What a camera's rate leaves of the differences in time.
+fn says(study: &Study) -> Option<Value> {
+    let times: Vec<f64> = rows(study).filter_map(|row| row.seconds).collect();
+    let [fastest, slowest] = [f64::min, f64::max].map(|of| times.iter().copied().reduce(of));
+    let (fastest, slowest) = (fastest?, slowest?);
+    let share = slowest / CAMERA_FRAME_S;
+    (share < 0.1).then(|| context! { fastest, slowest, share, frame_ms => 1e3 * CAMERA_FRAME_S })
+}
+
+/// Intervals by finger and estimator.
+fn intervals(study: &Study) -> Result<Vec<Block>, ReportError> {
+    let of_samples = |row: &CoverageRow, count: usize| count as f64 / row.samples.max(1) as f64;
+    let columns = Columns::<&CoverageRow>::new()
+        .page("finger", Format::Words, |row| row.truth.label())
+        .page("estimator", Format::Words, |row| row.estimator.label())
+        .page("no warning", Format::Percent, |row| of_samples(row, row.without_warning))
+        .page("covered", Format::Percent, |row| row.covered_without_warning)
+        .page("warned", Format::Percent, |row| of_samples(row, row.warned))
+        .page("covered", Format::Percent, |row| row.covered_with_warning)
+        .page("refused", Format::Percent, |row| of_samples(row, row.refused))
+        .page("samples", Format::Plain, |row| row.samples);
+    let table = columns.table(
+        "Share of noise samples answered without and with a warning, and of these the share with the true force within 1.96 sigma",
+        CSV,
+        &study.coverage,
+    );
+    Ok(vec![Block::Table(table), paragraph("estimators.intervals", context! {})?])
+}

@@ -1,0 +1,142 @@
+//! What the reader can ask the page: the numbers of the report, as its script takes them.
+
+use super::Results;
+use super::maps::small;
+use finray_model::finger::{FingerPoint, Plate};
+use finray_model::{Finger, NodeId, Vector};
+use finray_studies::estimators::EstimatorId;
+use finray_studies::experiments::causes::{CauseMap, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM};
+use finray_studies::experiments::contact_scene::contacts_sensed;
+use finray_studies::experiments::contact_scene::study::{SceneStudy, StudiedStep};
+use finray_studies::sampling::map::{AccuracyMap, Cell};
+use finray_studies::sampling::scatter::ScatterRow;
+use finray_studies::settings::DRAWN_FORCE_N;
+use finray_studies::truths::TruthId;
+use serde_json::{Value, json};
+
+/// Script and style of the section.
+pub const SCRIPT: &str = include_str!("explore/explore.js");
+/// Its style.
+pub const STYLE: &str = include_str!("explore/explore.css");
+
+/// The numbers as JSON without any `<`, so that they can stand in the page.
+pub(super) fn data(Results { study, .. }: Results) -> String {
+    let finger = &study.finger;
+    let noisy = study.noise_mm > 0.0;
+    // What is asked first stands first: the estimator that is recommended.
+    let mut estimators = EstimatorId::ALL.to_vec();
+    estimators.sort_by_key(|estimator| !estimator.searches());
+    let all = TruthId::ALL.iter().flat_map(|truth| estimators.iter().map(|estimator| (*truth, *estimator)));
+    let known = all.filter_map(|(truth, estimator)| small(study, truth, estimator, noisy));
+    let known: Vec<Value> = known.map(|map| of_map(&map, "known", &super::maps::map_csv_name(&map))).collect();
+    let off = format!("{POSITION_OFF_MM} mm and {DIRECTION_OFF_DEG} deg off");
+    let assumed = study.assumed.iter().map(|map| of_map(map, &off, super::trust::ASSUMED_CSV));
+    let pairs = study.noise.iter().flat_map(|noise| noise.pairs.iter().zip(&noise.linear_pairs).map(of_pair));
+    let points = drawn_points(&study.finger);
+    let shape = |touched: &finray_studies::experiments::shapes::TouchedFinger| {
+        let xy: Vec<Value> = points.iter().map(|at| point(&touched.shape.point(*at))).collect();
+        json!({"node": touched.node, "angle_deg": touched.angle_deg, "force_n": touched.force_n, "xy": xy})
+    };
+    let data = json!({
+        "finger": of_finger(finger, study.noise_mm),
+        "about": super::page::about(),
+        "maps": known.into_iter().chain(assumed).collect::<Vec<Value>>(),
+        "causes": study.causes.iter().map(|map| of_causes(map, &off)).collect::<Vec<Value>>(),
+        "shapes": study.touched.iter().map(shape).collect::<Vec<Value>>(),
+        "pairs": pairs.collect::<Vec<Value>>(),
+        "scenes": study.contact_scenes.iter().map(|scene| of_scene(finger, scene)).collect::<Vec<Value>>(),
+    });
+    data.to_string().replace('<', "\\u003c")
+}
+
+/// Four significant digits.
+fn number(value: f64) -> Value {
+    format!("{value:.3e}").parse::<f64>().ok().filter(|rounded| rounded.is_finite()).into()
+}
+
+fn point(at: &Vector) -> Value {
+    json!([number(at.x), number(at.y)])
+}
+
+/// The key nodes in their order, then the joints of ribs on brackets.
+fn drawn_points(finger: &Finger) -> Vec<FingerPoint> {
+    let mut points: Vec<FingerPoint> =
+        (1..=finger.key_node_count()).map(|node| FingerPoint::Node(NodeId(node))).collect();
+    let lines = finger.outline();
+    let hinges = lines.iter().flat_map(|(_, line)| line).filter(|at| matches!(at, FingerPoint::Hinge(_)));
+    points.extend(hinges);
+    points
+}
+
+fn of_finger(finger: &Finger, noise_mm: f64) -> Value {
+    let points = drawn_points(finger);
+    let nodes: Vec<Value> = points.iter().map(|at| point(&finger.point(*at))).collect();
+    let number_of = |named: FingerPoint| points.iter().position(|at| *at == named).map(|index| index + 1);
+    let lines = finger.outline();
+    let pairs = lines.iter().flat_map(|(_, line)| line.windows(2));
+    let members: Vec<[usize; 2]> = pairs.filter_map(|ends| Some([number_of(ends[0])?, number_of(ends[1])?])).collect();
+    let contacts = finger.contact_nodes().rev().filter_map(|node| Some((node, finger.front_position_mm(node)?)));
+    let contacts: Vec<Value> = contacts.map(|(node, s_mm)| json!({"node": node.0, "s_mm": number(s_mm)})).collect();
+    json!({
+        "nodes": nodes, "members": members, "contacts": contacts,
+        "front_mm": number(finger.plate_length_mm(Plate::Front)), "noise_mm": noise_mm,
+    })
+}
+
+fn of_map(map: &AccuracyMap, contact: &str, csv: &str) -> Value {
+    let values = |of: fn(&Cell) -> Option<f64>| map.cells.iter().map(|cell| of(cell).map(number)).collect::<Vec<_>>();
+    let counts = |of: fn(&Cell) -> usize| map.cells.iter().map(of).collect::<Vec<usize>>();
+    let request = &map.request;
+    json!({
+        "truth": map.truth.label(), "estimator": map.estimator.label(), "contact": contact, "csv": csv,
+        "s_mm": request.positions_mm, "angle_deg": request.angles_deg, "force_n": request.forces_n,
+        "error": values(|cell| cell.mean_error), "bias": values(|cell| cell.bias), "spread": values(|cell| cell.spread),
+        "samples": counts(|cell| cell.samples), "answered": counts(|cell| cell.answered),
+    })
+}
+
+fn of_causes(map: &CauseMap, off: &str) -> Value {
+    let cells = || map.cells.iter().filter(|cell| cell.force_n == DRAWN_FORCE_N).map(|cell| cell.largest());
+    let cause = |(nth, _): (usize, f64)| map.causes[nth].name();
+    json!({
+        "truth": map.truth.label(), "estimator": map.practice.estimator().label(),
+        "practice": super::causes::estimator_in_words(map), "contact": if map.contact == ContactKnowledge::Known { "known" } else { off },
+        "s_mm": map.request.positions_mm, "angle_deg": map.request.angles_deg, "force_n": DRAWN_FORCE_N,
+        "cause": cells().map(|largest| largest.map(cause)).collect::<Vec<_>>(),
+        "share": cells().map(|largest| largest.map(|(_, share)| number(share))).collect::<Vec<_>>(),
+    })
+}
+
+/// Errors of each force and of their sum.
+fn of_pair((nonlinear, linear): (&ScatterRow, &ScatterRow)) -> Value {
+    let errors = |row: &ScatterRow| json!([row.mean_error().map(number), row.sum.map(|sum| number(sum.mean_error))]);
+    let of = |row: &ScatterRow| (row.estimator.label().to_owned(), errors(row));
+    let mut pair = serde_json::Map::from_iter([nonlinear, linear].map(of));
+    pair.insert("nodes".to_owned(), json!(nonlinear.nodes));
+    Value::Object(pair)
+}
+
+/// The steps of a scene: true forces, and those sensed from one noise sample, along the normal that was read.
+fn of_scene(finger: &Finger, scene: &SceneStudy) -> Value {
+    let step = |studied: &StudiedStep| {
+        let pressed = &studied.step.pressed;
+        let bent = drawn_points(finger).into_iter().map(|at| point(&pressed.shape.point(at)));
+        let sensed = studied.noisy.as_ref().ok().and_then(Option::as_ref);
+        let contacts = contacts_sensed(&studied.step, sensed).map(|(seen, sensed)| {
+            let along = |of: &finray_studies::experiments::contact_scene::SensedContact| {
+                point(&(finger.direction(of.read.contact.angle_deg) * of.force.sensed_n))
+            };
+            json!({
+                "x": number(seen.point.x), "y": number(seen.point.y), "true": point(&seen.force),
+                "sensed": sensed.as_ref().map(along), "sigma_n": sensed.as_ref().map(|of| number(of.force.sigma_n)),
+            })
+        });
+        json!({
+            "travel_mm": number(studied.step.travel_mm),
+            "xy": bent.collect::<Vec<Value>>(),
+            "outline": scene.outline.iter().map(|corner| point(&(corner + pressed.object))).collect::<Vec<Value>>(),
+            "contacts": contacts.collect::<Vec<Value>>(),
+        })
+    };
+    json!({"name": scene.name, "steps": scene.steps.iter().map(step).collect::<Vec<Value>>()})
+}

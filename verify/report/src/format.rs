@@ -1,0 +1,123 @@
+//! Numbers in words: each way of writing a number stands here once.
+
+pub use finray_studies::statistics::Span;
+
+use super::page::{Cell, Shade};
+use finray_studies::sampling::scatter::ScatterRow;
+use finray_studies::settings::{GROSS_ERROR, TRUSTED_ERROR};
+
+/// Stands where there is no number.
+pub const NOTHING: &str = "-";
+
+/// A figure for reading: four significant digits, powers of ten where it is very small or large.
+pub fn figure(value: f64) -> String {
+    let size = value.abs();
+    if size != 0.0 && !(1e-3..1e5).contains(&size) {
+        return format!("{value:.2e}");
+    }
+    let digits = if size == 0.0 { 0 } else { (3 - size.log10().floor() as i32).clamp(0, 7) as usize };
+    format!("{value:.digits$}")
+}
+
+/// A share in percent: two significant digits below 1 %, a decimal below 10 %.
+pub fn percent(share: f64) -> String {
+    match 100.0 * share.abs() {
+        0.0 => "0 %".to_owned(),
+        p if p < 0.01 => "< 0.01 %".to_owned(),
+        p if p < 0.95 => percent_with(share, 2),
+        p if p < 9.95 => percent_with(share, 1),
+        _ => percent_with(share, 0),
+    }
+}
+
+/// A share in percent with so many decimals.
+pub fn percent_with(share: f64, decimals: usize) -> String {
+    format!("{:.decimals$} %", 100.0 * share)
+}
+
+/// A share in percent with two significant digits, down to where rounding begins.
+pub fn percent_two_digits(share: f64) -> String {
+    match 100.0 * share {
+        0.0 => "0 %".to_owned(),
+        p if p < 1e-6 => "< 0.000001 %".to_owned(),
+        p => percent_with(share, (1.0 - p.log10().floor()).max(0.0) as usize),
+    }
+}
+
+/// A time in three significant digits, as of stopwatches: `228 \u{b5}s`.
+pub fn time(seconds: f64) -> String {
+    let (value, unit) = match seconds {
+        s if s < 1e-3 => (1e6 * s, "\u{b5}s"),
+        s if s < 1.0 => (1e3 * s, "ms"),
+        s => (s, "s"),
+    };
+    let digits = (2.0 - value.log10().floor()).clamp(0.0, 3.0) as usize;
+    format!("{value:.digits$} {unit}")
+}
+
+/// An error: amber above 10 %, red above 25 %, where the paper shades its Table I.
+pub fn error(share: f64) -> Cell {
+    let shade = match share {
+        e if e > GROSS_ERROR => Some(Shade::Red),
+        e if e > TRUSTED_ERROR => Some(Shade::Amber),
+        _ => None,
+    };
+    Cell { shade, ..Cell::plain(percent(share)) }
+}
+
+/// An error in the words given, shaded as [`error`] is.
+pub fn error_as(words: impl Into<String>, share: f64) -> Cell {
+    Cell { text: words.into(), ..error(share) }
+}
+
+/// A number that may be missing.
+pub fn or_nothing(value: Option<impl ToString>) -> String {
+    value.map_or_else(|| NOTHING.to_owned(), |value| value.to_string())
+}
+
+/// Whether a tolerance holds, in green or red.
+pub fn verdict(holds: bool, [kept, broken]: [&str; 2]) -> Cell {
+    if holds { Cell::shaded(kept, Shade::Pass) } else { Cell::shaded(broken, Shade::Fail) }
+}
+
+/// Words with a capital at their head.
+pub fn capitalised(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// Numbers or words in a row.
+pub fn list<T: ToString>(items: impl IntoIterator<Item = T>, between: &str) -> String {
+    items.into_iter().map(|item| item.to_string()).collect::<Vec<_>>().join(between)
+}
+
+/// Node numbers in a sentence: `19 and 20`.
+pub fn nodes_in_words(nodes: &[usize]) -> String {
+    list(nodes, " and ")
+}
+
+/// Share of refused cases, `0` of none.
+pub fn share_refused<'r>(rows: impl IntoIterator<Item = &'r ScatterRow>) -> String {
+    share_of_counts(rows.into_iter().map(|row| [row.refused, row.cases]))
+}
+
+/// The same of numbers of refused and of answered cases.
+pub fn share_of_counts(counts: impl Iterator<Item = [usize; 2]>) -> String {
+    let [refused, answered] = counts.fold([0, 0], |[r, a], [refused, answered]| [r + refused, a + answered]);
+    if refused == 0 { "0".to_owned() } else { percent(refused as f64 / (refused + answered) as f64) }
+}
+
+/// `5.1 % (4.2\u{2013}6.0)`: mean, least and greatest.
+pub fn span_in_words(span: Span) -> String {
+    let bare = |share: f64| percent(share).trim_end_matches(" %").to_owned();
+    let [least, greatest] = [span.least, span.greatest].map(bare);
+    match least == greatest {
+        true => percent(span.mean),
+        false => format!("{} ({least}\u{2013}{greatest})", percent(span.mean)),
+    }
+}
+
+/// `4.2 % to 6.0 %`.
+pub fn range_of(span: Span) -> String {
+    format!("{} to {}", percent(span.least), percent(span.greatest))
+}

@@ -1,0 +1,114 @@
+//! Grasps: objects between two fingers, and the closed loop that holds a force.
+
+mod animation;
+mod drawings;
+mod rates;
+
+pub use animation::grasp_animation_svg;
+pub use drawings::grasp_svg;
+
+use super::dataset::{Columns, Dataset, Format};
+use super::page::{Block, Figure, Section, details};
+use super::words::{paragraph, say};
+use super::{ReportError, Results};
+use drawings::drawings;
+use finray_studies::experiments::grasp::file::{ForceRow, force_rows};
+use finray_studies::experiments::grasp::study::GraspStudy;
+
+const CSV: &str = "grasp.csv";
+const SCENES_CSV: &str = "grasp_scenes.csv";
+
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    let rows = study.grasps.iter().flat_map(|grasp| {
+        let rows = grasp.steps.iter().flat_map(|step| force_rows(&grasp.scene, step));
+        rows.map(|row| (grasp.name.clone(), row))
+    });
+    let columns = Columns::<(String, ForceRow)>::new()
+        .file("scene", |(scene, _)| scene.clone())
+        .file("step", |(_, row)| row.step)
+        .file("motor_deg", |(_, row)| row.motor_deg)
+        .file("phase", |(_, row)| row.phase.to_string())
+        .file("finger", |(_, row)| row.finger)
+        .file("contact", |(_, row)| row.contact.clone())
+        .file("s_mm", |(_, row)| row.s_mm)
+        .file("angle_deg", |(_, row)| row.angle_deg)
+        .file("force_n", |(_, row)| row.force_n)
+        .file("friction_n", |(_, row)| row.friction_n)
+        .file("sensed_n", |(_, row)| row.sensed_n)
+        .file("sigma_n", |(_, row)| row.sigma_n);
+    let forces = Dataset::new(CSV, &columns, rows).csv_alone();
+    vec![forces, Dataset::new(SCENES_CSV, &scenes(), &study.grasps), rates::dataset(study)]
+}
+
+/// Every grasp in figures.
+fn scenes<'c>() -> Columns<'c, &'c GraspStudy> {
+    let of = |within: usize, all: usize| format!("{within} of {all}");
+    Columns::<&GraspStudy>::new()
+        .file("scene", |grasp| grasp.name.clone())
+        .shown("object", Format::Words)
+        .file("noise_mm", |grasp| grasp.noise_mm)
+        .file("ended", |grasp| grasp.noisy.ended.clone())
+        .file("steps", |grasp| grasp.noisy.steps)
+        .shown("steps", Format::Plain)
+        .file("largest_total_n", |grasp| grasp.noisy.largest_total_n)
+        .shown("largest total, N", Format::Fixed(2))
+        .file("mean_total_error", |grasp| grasp.noisy.sensed.mean_total_error)
+        .shown("mean error", Format::Percent)
+        .file("worst_total_error", |grasp| grasp.noisy.sensed.worst_total_error)
+        .shown("largest", Format::Percent)
+        .file("worst_contact_error", |grasp| grasp.noisy.sensed.worst_contact_error)
+        .shown("largest of a contact", Format::Percent)
+        .file("totals_within_95", |grasp| grasp.noisy.sensed.totals_within_95)
+        .file("asked", |grasp| grasp.noisy.sensed.asked)
+        .page("totals within 95 %", Format::Plain, move |grasp| {
+            of(grasp.noisy.sensed.totals_within_95, grasp.noisy.sensed.asked)
+        })
+        .file("contacts_within_95", |grasp| grasp.noisy.sensed.contacts_within_95)
+        .file("contacts", |grasp| grasp.noisy.sensed.contacts)
+        .page("contacts within 95 %", Format::Plain, move |grasp| {
+            of(grasp.noisy.sensed.contacts_within_95, grasp.noisy.sensed.contacts)
+        })
+        .file("refused", |grasp| grasp.noisy.sensed.refused)
+        .shown("refused", Format::Plain)
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
+    let Some((first, others)) = study.grasps.split_first() else { return Ok(None) };
+    let sensed = &first.noisy.sensed;
+    let numbers = minijinja::context! {
+        name => &first.name,
+        carried_n => first.noisy.largest_total_n,
+        clean => first.clean.as_ref().and_then(|clean| clean.sensed.worst_total_error),
+        noisy => sensed.mean_total_error,
+        within => sensed.totals_within_95,
+        asked => sensed.asked,
+        noise_mm => first.noise_mm,
+    };
+    let mut blocks = vec![paragraph("grasp.about", numbers.clone())?, moving(first)?];
+    blocks.push(Block::Table(scenes().table(
+        "Sensed totals of a finger across the gripper",
+        SCENES_CSV,
+        &study.grasps,
+    )));
+    blocks.push(figures(first)?);
+    for grasp in others {
+        let summary = format!("{}: fingers, object and forces step by step", grasp.name);
+        blocks.push(details(summary, vec![figures(grasp)?]));
+    }
+    blocks.extend(study.closed_loop.as_ref().map(rates::blocks).transpose()?.into_iter().flatten());
+    let section = Section::new("grasp", "Grasping an object", blocks);
+    Ok(Some(section.saying(say("grasp.verdict", Some(numbers))?)))
+}
+
+/// The whole grasp in a drawing that moves.
+fn moving(grasp: &GraspStudy) -> Result<Block, ReportError> {
+    let svg = grasp_animation_svg(&grasp.name, &grasp.scene, &grasp.steps)?;
+    let caption = "Every step of the grasp; in print, and where motion is not wanted, one of them.";
+    Ok(Block::Figure(Figure::narrow(svg, caption, CSV)))
+}
+
+/// Moments and forces of a grasp.
+fn figures(grasp: &GraspStudy) -> Result<Block, ReportError> {
+    let drawings = drawings(&grasp.name, &grasp.scene, &grasp.steps)?.into_iter();
+    Ok(Block::Figures { figures: drawings.map(|it| Figure::narrow(it.svg, it.caption, CSV)).collect() })
+}

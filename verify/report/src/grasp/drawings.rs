@@ -1,0 +1,235 @@
+//! Drawings of a grasp: fingers, object and forces at chosen steps, and the forces through all of them.
+
+use finray_figures::{Axis, Chart, Dash, FigureError, Frame, Hue, Lines, Point, Series, Spread};
+use finray_model::Vector;
+use finray_model::finger::{FingerPoint, Plate};
+use finray_model::scene::Support;
+use finray_studies::experiments::grasp::{GraspScene, GraspStep, Phase, finger_name};
+use finray_studies::settings::TWO_SIDED_95;
+use nalgebra::Rotation2;
+
+/// Length of the largest force's arrow, as a share of the front plate's.
+const LONGEST_ARROW: f64 = 0.2;
+/// Most moments that are drawn.
+const MOMENTS: usize = 4;
+
+/// A drawing of a grasp, and what it shows.
+pub(super) struct Drawing {
+    pub(super) svg: String,
+    pub(super) caption: String,
+}
+
+/// Moments, then forces over the steps and over the motor's angle.
+///
+/// # Errors
+/// [`FigureError`] if there is nothing to draw; likewise below.
+pub(super) fn drawings(name: &str, scene: &GraspScene, steps: &[GraspStep]) -> Result<Vec<Drawing>, FigureError> {
+    let mut drawings = Vec::new();
+    for step in moments(steps) {
+        let caption = format!("Step {}, {}. True forces, and those sensed along the normals.", step.step, step.phase);
+        drawings.push(Drawing { svg: moment(scene, step)?, caption });
+    }
+    let sensed = "Lines are true (both fingers press alike), signs sensed, with 95 % intervals.";
+    let over_steps = over(steps, |step| step.step as f64);
+    drawings.push(Drawing {
+        svg: forces(format!("{name}: force of each finger, step by step"), "step", over_steps)?,
+        caption: format!("Across the gripper. {sensed}"),
+    });
+    let in_phases = |phases: &[Phase]| -> Vec<GraspStep> {
+        steps.iter().filter(|step| phases.contains(&step.phase)).cloned().collect()
+    };
+    let closing = in_phases(&[Phase::Approach, Phase::Close]);
+    if closing.len() > 1 {
+        let mut series = over(&closing, |step| step.motor_deg);
+        let opening = in_phases(&[Phase::Open]);
+        let mut caption = format!("While the gripper closes. {sensed}");
+        if !opening.is_empty() {
+            let points = opening.iter().map(|step| [step.motor_deg, step.fingers[0].total_n]).collect();
+            series.push(Series::guide("left, opening again", points));
+            caption += " Dotted: the true force while it opens again; friction makes the two differ.";
+        }
+        let svg = forces(format!("{name}: force over the motor's angle"), "motor angle, deg", series)?;
+        drawings.push(Drawing { svg, caption });
+    }
+    Ok(drawings)
+}
+
+/// All drawings of a grasp on one sheet.
+///
+/// # Errors
+/// [`FigureError`] if there is nothing to draw.
+pub fn grasp_svg(name: &str, scene: &GraspScene, steps: &[GraspStep]) -> Result<String, FigureError> {
+    let drawings: Vec<String> = drawings(name, scene, steps)?.into_iter().map(|drawing| drawing.svg).collect();
+    Ok(side_by_side(&drawings, 2))
+}
+
+/// The steps that are drawn: the first touch, the last of closing, the middle of the way and the last with the object held.
+fn moments(steps: &[GraspStep]) -> Vec<&GraspStep> {
+    let touches = |step: &&GraspStep| step.fingers.iter().any(|finger| !finger.contacts.is_empty());
+    let on_way: Vec<&GraspStep> =
+        steps.iter().filter(|step| matches!(step.phase, Phase::Lift | Phase::Carry | Phase::Place)).collect();
+    let chosen = [
+        steps.iter().find(touches),
+        steps.iter().rfind(|step| matches!(step.phase, Phase::Close | Phase::Hold)),
+        on_way.get(on_way.len() / 2).copied(),
+        steps.last(),
+    ];
+    let mut chosen: Vec<&GraspStep> = chosen.into_iter().flatten().collect();
+    chosen.dedup_by_key(|step| step.step);
+    chosen.truncate(MOMENTS);
+    chosen
+}
+
+/// A point with the fingertips below, as a gripper over a table is drawn.
+fn drawn(at: Vector) -> Point {
+    [at.x, -at.y]
+}
+
+/// Fingers, object, support and forces at a step.
+fn moment(scene: &GraspScene, step: &GraspStep) -> Result<String, FigureError> {
+    let title = format!("step {}, {}: motor at {:.1} deg", step.step, step.phase, step.motor_deg);
+    let at_rest = outlines(scene, step, |_, named| scene.finger().point(named));
+    let mut series = Series::lines("undeformed", at_rest, Hue::Faint, 2.0);
+    series.extend(bent(scene, step));
+    series.extend(object(scene, step));
+    series.extend(support(scene, std::slice::from_ref(step)));
+    let largest_n = step.fingers.iter().flat_map(|of| &of.contacts).map(|seen| seen.force.norm()).fold(0.0, f64::max);
+    series.extend(arrows(scene, step, largest_n));
+    let at = drawn(Vector::new(step.object[0], step.object[1]));
+    series.extend(key("true force on the object", Hue::Vermilion, Dash::Solid, at));
+    series.extend(key("sensed along the normal", Hue::Purple, Dash::Dashed, at));
+    let alt = format!("Two fingers and the object of the grasp at {title}.");
+    Chart::to_scale(Frame::half(title, alt), ["across the gripper, mm", "up, mm"], series).svg()
+}
+
+/// Lines of both fingers, whose points are `at` in the frame of each.
+fn outlines(scene: &GraspScene, step: &GraspStep, at: impl Fn(usize, FingerPoint) -> Vector) -> Lines {
+    let each = |finger: usize| {
+        let placement = step.fingers[finger].placement;
+        let at = &at;
+        let parts = scene.finger().outline().into_iter();
+        parts.map(move |(_, points)| {
+            points.into_iter().map(|named| drawn(placement.outwards(at(finger, named)))).collect()
+        })
+    };
+    (0..step.fingers.len()).flat_map(each).collect()
+}
+
+/// Both fingers as they are bent.
+pub(super) fn bent(scene: &GraspScene, step: &GraspStep) -> Vec<Series> {
+    let lines = outlines(scene, step, |finger, named| step.fingers[finger].shape.point(named));
+    Series::lines("fingers", lines, Hue::Blue, 2.0)
+}
+
+/// The object.
+pub(super) fn object(scene: &GraspScene, step: &GraspStep) -> Vec<Series> {
+    let (turn, at) = (Rotation2::new(step.object[2]), Vector::new(step.object[0], step.object[1]));
+    let outline = scene.outline().iter().map(|corner| drawn(at + turn * corner)).collect();
+    Series::lines("object", vec![outline], Hue::Green, 2.4)
+}
+
+/// The support, where there is one, under all that happens in some steps.
+pub(super) fn support(scene: &GraspScene, steps: &[GraspStep]) -> Vec<Series> {
+    let Some((on_it, upward)) = scene.support() else { return Vec::new() };
+    let along = Vector::new(upward.y, -upward.x);
+    let half_mm = 0.5 * scene.finger().plate_length_mm(Plate::Front);
+    let ways = steps.iter().map(|step| step.gripper_mm.dot(&along));
+    let [least, most] = [f64::min, f64::max].map(|of| ways.clone().fold(0.0, of));
+    let ends = [least - half_mm, most + half_mm].map(|way_mm| drawn(on_it + along * way_mm));
+    let (label, dash) = match scene.grasp().support {
+        Some(Support::Table) => ("table", Dash::Solid),
+        _ => ("rails before and behind the fingers", Dash::Dashed),
+    };
+    let lines = Series::lines(label, vec![ends.to_vec()], Hue::Neutral, 3.0).into_iter();
+    lines.map(|line| Series { dash, ..line }).collect()
+}
+
+/// True and sensed force of every contact, as arrows that end there; the largest force has the longest.
+pub(super) fn arrows(scene: &GraspScene, step: &GraspStep, largest_n: f64) -> Vec<Series> {
+    let finger = scene.finger();
+    let longest_mm = LONGEST_ARROW * finger.plate_length_mm(Plate::Front);
+    let mut series = Vec::new();
+    for of in &step.fingers {
+        for (seen, sensed) in of.contacts_sensed() {
+            let foot = of.placement.outwards(seen.point);
+            // Small forces keep an arrow that can be seen.
+            let arrow = |force: Vector| {
+                let length_mm = longest_mm * (0.25 + 0.75 * force.norm() / largest_n);
+                let away = (of.placement.axes() * force).normalize() * length_mm;
+                [drawn(foot + away), drawn(foot)]
+            };
+            if seen.force.norm() > 0.0 {
+                series.push(Series::arrow(arrow(seen.force), format!("{:.2} N", seen.force.norm()), Hue::Vermilion));
+            }
+            if let Some(sensed) = sensed.filter(|sensed| sensed.force.sensed_n > 0.0) {
+                let along = finger.direction(sensed.read.contact.angle_deg) * sensed.force.sensed_n;
+                let arrow = Series::arrow(arrow(along), "", Hue::Purple);
+                series.push(Series { labels: Vec::new(), dash: Dash::Dashed, ..arrow });
+            }
+        }
+    }
+    series
+}
+
+/// An entry of the legend, for arrows.
+pub(super) fn key(label: &str, hue: Hue, dash: Dash, at: Point) -> Option<Series> {
+    let line = Series::lines(label, vec![vec![at; 2]], hue, 2.4).pop();
+    line.map(|line| Series { dash, ..line })
+}
+
+/// True and sensed total of each finger over something.
+fn over(steps: &[GraspStep], at: impl Fn(&GraspStep) -> f64) -> Vec<Series> {
+    let mut series = Vec::new();
+    for finger in 0..2 {
+        let truth = steps.iter().map(|step| [at(step), step.fingers[finger].total_n]).collect();
+        let truth = Series::nth(finger, finger_name(finger), truth);
+        let marker = truth.marker;
+        // Both lines are seen where they coincide.
+        let width = if finger == 0 { 4.5 } else { 2.0 };
+        series.push(Series { marker: None, width, ..truth });
+        let sensed = steps.iter().filter_map(|step| {
+            let total = step.fingers[finger].sensed.as_ref().ok()?.as_ref()?.total;
+            let half = TWO_SIDED_95 * total.sigma_n;
+            Some(([at(step), total.sensed_n], [total.sensed_n - half, total.sensed_n + half]))
+        });
+        let (points, intervals): (Vec<_>, Vec<_>) = sensed.unzip();
+        if !points.is_empty() {
+            let sensed = Series::nth(finger, "", points);
+            series.push(Series { marker, dash: Dash::None, spread: Spread::Bars(intervals), ..sensed });
+        }
+    }
+    series
+}
+
+fn forces(title: String, along: &str, series: Vec<Series>) -> Result<String, FigureError> {
+    let alt = format!("{title}: lines are true forces, signs are sensed ones with 95 % intervals.");
+    Chart::new(Frame::half(title, alt), [Axis::linear(along), Axis::linear("force across, N")], series).svg()
+}
+
+/// Drawings in rows of `columns`, as one.
+fn side_by_side(drawings: &[String], columns: usize) -> String {
+    let sizes: Vec<[f64; 2]> = drawings.iter().map(|svg| size(svg)).collect();
+    let (mut top, mut width, mut inner) = (0.0_f64, 0.0_f64, String::new());
+    for (drawings, sizes) in drawings.chunks(columns).zip(sizes.chunks(columns)) {
+        let mut left = 0.0;
+        for (svg, [w, _]) in drawings.iter().zip(sizes) {
+            let body = svg.split_once('>').map_or("", |(_, body)| body.trim_end().trim_end_matches("</svg>"));
+            inner += &format!("<g transform=\"translate({left} {top})\">{body}</g>");
+            left += w;
+        }
+        width = width.max(left);
+        top += sizes.iter().map(|[_, h]| *h).fold(0.0, f64::max);
+    }
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {top}\" width=\"100%\" \
+         style=\"display:block;height:auto;max-width:{width}px\" role=\"img\" stroke-linejoin=\"round\">{inner}</svg>"
+    )
+}
+
+/// Width and height of a drawing, from its view box.
+fn size(svg: &str) -> [f64; 2] {
+    let inside =
+        svg.split_once("viewBox=\"").and_then(|(_, rest)| rest.split_once('"')).map_or("", |(inside, _)| inside);
+    let mut numbers = inside.split_whitespace().skip(2).filter_map(|number| number.parse().ok());
+    [numbers.next().unwrap_or(0.0), numbers.next().unwrap_or(0.0)]
+}

@@ -1,0 +1,104 @@
+//! The closed loop against the camera's rate: a chart, a table and a file.
+
+use crate::ReportError;
+use crate::dataset::{Columns, Dataset, Format};
+use crate::page::{Block, Figure, details};
+use crate::words::paragraph;
+use finray_figures::{Axis, Chart, FigureError, Frame, Series};
+use finray_studies::experiments::grasp::rates::{DELAYS, LoopRun, LoopSetting, LoopStudy, Spread};
+use finray_studies::study::Study;
+
+const CSV: &str = "grasp_loop.csv";
+
+fn columns<'c>() -> Columns<'c, LoopRun> {
+    Columns::<LoopRun>::new()
+        .file("noise_mm", |run| run.setting.noise_mm)
+        .shown("noise, mm", Format::Plain)
+        .file("delay_frames", |run| run.setting.delay_frames)
+        .shown("frames late", Format::Plain)
+        .file("frames_per_s", |run| run.setting.frames_per_s)
+        .shown("frames a second", Format::Plain)
+        .file("realisations", |run| run.figures.len())
+        .file("overshoot", |run| overshoot(run).map(|overshoot| overshoot.mean))
+        .shown("mean overshoot", Format::Percent)
+        .file("overshoot_least", |run| overshoot(run).map(|overshoot| overshoot.least))
+        .shown("least", Format::Percent)
+        .file("overshoot_most", |run| overshoot(run).map(|overshoot| overshoot.most))
+        .shown("largest", Format::Percent)
+        .file("steady_error", |run| run.over(|of| of.steady_error.abs()).map(|errors| errors.most))
+        .shown("largest mean error once held", Format::Percent)
+        .file("largest_error", |run| run.over(|of| of.largest_error).map(|errors| errors.most))
+        .shown("largest error once held", Format::Percent)
+        .file("rise_s", rise_s)
+        .shown("10 to 90 %, s", Format::Fixed(1))
+}
+
+fn overshoot(run: &LoopRun) -> Option<Spread> {
+    run.over(|of| of.overshoot)
+}
+
+/// Mean time of rise, s.
+fn rise_s(run: &LoopRun) -> Option<f64> {
+    run.over(|of| of.rise_s.unwrap_or(f64::NAN)).map(|rise_s| rise_s.mean).filter(|rise_s| rise_s.is_finite())
+}
+
+pub(super) fn dataset(study: &Study) -> Dataset<'static> {
+    Dataset::new(CSV, &columns(), study.closed_loop.iter().flat_map(|closed_loop| closed_loop.runs.clone()))
+}
+
+pub(super) fn blocks(closed_loop: &LoopStudy) -> Result<Vec<Block>, ReportError> {
+    let LoopStudy { target_n, motor_deg_per_s, runs } = closed_loop;
+    let steady = runs.iter().filter_map(|run| run.over(|of| of.steady_error.abs())).map(|errors| errors.most);
+    let numbers = minijinja::context! {
+        target_n, motor_deg_per_s,
+        noise_mm => runs.last().map(|run| run.setting.noise_mm),
+        realisations => runs.last().map(|run| run.figures.len()),
+        steady => steady.fold(0.0, f64::max),
+    };
+    let caption = "True force of both fingers, their mean, above the target at most: mean, least and largest over the realisations of the noise. Where the frames fall decides how much of the dotted lines it is.";
+    let figure = Figure::wide(chart(closed_loop)?, caption, CSV);
+    let table = columns().table("Every loop", CSV, runs.clone());
+    Ok(vec![
+        paragraph("grasp.loop", numbers)?,
+        Block::Figure(figure),
+        details("Overshoot, error once held and rise of every loop", vec![Block::Table(table)]),
+    ])
+}
+
+/// Overshoot over frame rate, a line a noise and delay.
+fn chart(LoopStudy { target_n, runs, .. }: &LoopStudy) -> Result<String, FigureError> {
+    let mut series = Vec::new();
+    let line = |run: &LoopRun| (run.setting.noise_mm, run.setting.delay_frames);
+    for of_setting in runs.chunk_by(|a, b| line(a) == line(b)) {
+        let LoopSetting { noise_mm, delay_frames, realisations, .. } = of_setting[0].setting;
+        let late = if delay_frames == 0 { "at once".to_owned() } else { format!("{delay_frames} frames late") };
+        let held = of_setting.iter().filter_map(|run| Some((run.setting.frames_per_s, overshoot(run)?)));
+        let points: Vec<_> = held.clone().map(|(rate, overshoot)| [rate, 100.0 * overshoot.mean]).collect();
+        if !points.is_empty() {
+            let bars = held.map(|(_, overshoot)| [overshoot.least, overshoot.most].map(|end| 100.0 * end)).collect();
+            let of = Series::nth(series.len(), format!("{noise_mm} mm noise, sensed {late}"), points);
+            let spread =
+                if realisations > 1 { finray_figures::Spread::Bars(bars) } else { finray_figures::Spread::None };
+            series.push(Series { spread, ..of });
+        }
+    }
+    let delay = |run: &LoopRun| run.setting.delay_frames;
+    let rates: Vec<f64> =
+        runs.iter().take_while(|run| delay(run) == delay(&runs[0])).map(|run| run.setting.frames_per_s).collect();
+    for run in runs.chunk_by(|a, b| delay(a) == delay(b)).take(DELAYS.len()).filter_map(<[_]>::first) {
+        let Some(rise_s) = rise_s(run) else { continue };
+        // The force rises by eight tenths of the target in that time.
+        let frames = 1.0 + delay(run) as f64;
+        let share = |rate: f64| 0.8 * frames / (rise_s * rate);
+        let points = rates.iter().map(|rate| [*rate, 100.0 * share(*rate)]).collect();
+        series.push(Series::guide(
+            format!("what the motor adds in {frames} frame{}", if frames > 1.0 { "s" } else { "" }),
+            points,
+        ));
+    }
+    let [least, most] = [f64::min, f64::max].map(|of| rates.iter().copied().reduce(of).unwrap_or(1.0));
+    let x = Axis::log("frames a second").within(0.8 * least, 1.25 * most).with_ticks(rates);
+    let title = format!("Overshoot of a closed loop of {target_n} N against the camera's rate");
+    let alt = format!("{title}, by noise and delay.");
+    Chart::new(Frame::full(title, alt), [x, Axis::linear("overshoot, %")], series).svg()
+}

@@ -1,0 +1,85 @@
+//! Hard cases: what is checked at the edge of what can be computed, and the results.
+
+use super::dataset::{Columns, Dataset, Format};
+use super::format::{figure, verdict};
+use super::page::{Block, Column, Section, details, text};
+use super::words::paragraph;
+use super::{ReportError, Results};
+use finray_studies::check::{Check, EXACT_COUNT};
+use finray_studies::experiments::hard_cases::{HardCase, TIME_LIMIT_S};
+use minijinja::context;
+
+const CSV: &str = "hard_cases.csv";
+const VERDICTS: [&str; 2] = ["kept", "broken"];
+
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    vec![Dataset::new(CSV, &columns(), &study.hard_cases).csv_alone()]
+}
+
+fn columns<'s>() -> Columns<'s, &'s HardCase> {
+    Columns::new()
+        .file("case", |case: &&HardCase| case.case)
+        .page("case", Format::Words, |case| unbroken(case.case))
+        .file("difficulty", |case| case.difficulty)
+        .file("promise", |case| case.expectation)
+        .page("what is checked", Format::Words, |case| unbroken(case.expectation))
+        .file("outcome", |case| outcome(case))
+        .file("seconds", |case| case.seconds)
+        .file("verdict", |case| VERDICTS[usize::from(!case.passes())])
+        .cells(Column::words("verdict"), |case| verdict(case.passes(), VERDICTS))
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
+    if study.hard_cases.is_empty() {
+        return Ok(None);
+    }
+    let broken = study.hard_cases.iter().filter(|case| !case.passes()).map(|case| unbroken(&outcome(case)));
+    let mut blocks = vec![
+        paragraph("hard_cases.about", context! { limit_s => TIME_LIMIT_S })?,
+        details("The cases", vec![Block::Table(columns().table("What is checked", CSV, &study.hard_cases))]),
+    ];
+    blocks.extend(broken.map(text));
+    Ok(Some(Section::new("hard-cases", "Hard cases", blocks).saying([in_words(&study.hard_cases)])))
+}
+
+/// Which cases fail a check.
+fn in_words(cases: &[HardCase]) -> String {
+    let broken: Vec<&str> = cases.iter().filter(|case| !case.passes()).map(|case| case.case).collect();
+    match &broken[..] {
+        [] => format!("All {} hard cases are answered soundly or refused with a reason.", cases.len()),
+        broken => format!("{} of {} hard cases fail their checks: {}.", broken.len(), cases.len(), broken.join("; ")),
+    }
+}
+
+/// The results: words, then figure by figure, a line each.
+fn outcome(case: &HardCase) -> String {
+    let mut lines = case.notes.clone();
+    lines.extend(case.checks.iter().map(compared));
+    lines.push(match case.seconds {
+        s if s < 0.01 => "< 0.01 s".to_owned(),
+        s => format!("{s:.2} s"),
+    });
+    lines.join("\n")
+}
+
+fn compared(check: &Check) -> String {
+    let Check { source, quantity, reference, ours, tolerance, .. } = check;
+    let broken = if check.passes() { "" } else { " - BROKEN" };
+    if *tolerance == EXACT_COUNT {
+        return match reference {
+            0.0 => format!("{quantity}: {ours}{broken}"),
+            _ => format!("{quantity}: {ours} of {reference}{broken}"),
+        };
+    }
+    // `{:?}` writes small numbers with a power of ten.
+    let limit = match reference {
+        0.0 => format!("\u{2264} {tolerance:?}"),
+        reference => format!("in {reference:?} \u{b1} {tolerance:?}"),
+    };
+    format!("{quantity}: {} {limit} ({source}){broken}", figure(*ours))
+}
+
+/// Keeps powers of ten such as 1e-6 on one line.
+fn unbroken(words: &str) -> String {
+    words.replace("e-", "e\u{2011}")
+}

@@ -1,0 +1,177 @@
+//! The finger as rigid bodies and springs: how near it is to beams, what that rests on, and what sensing makes of it.
+
+pub mod words;
+
+use super::dataset::{Columns, Dataset, Format};
+use super::format::{error_as, percent_two_digits};
+use super::maps::map_csv_name;
+use super::page::{Block, Cell, Column, Figure, Section, Table, details, text};
+use super::words::paragraph;
+use super::{ReportError, Results, drawings};
+use finray_figures::{Axis, Chart, FigureError, Frame, Series};
+use finray_lattice::settling::Precision;
+use finray_studies::check::worst;
+use finray_studies::experiments::lattice::LatticeStudy;
+use finray_studies::lattice::accuracy::FinenessRow;
+use finray_studies::lattice::causes::{AxialRow, SettlingRow};
+use finray_studies::problems::lattice::FINENESS;
+use finray_studies::settings::DRAWN_FORCE_N;
+use finray_studies::study::Study;
+use minijinja::context;
+
+const CSV: &str = "lattice.csv";
+const AXIAL_CSV: &str = "lattice_axial_springs.csv";
+const SETTLING_CSV: &str = "lattice_settling.csv";
+/// Room beside the first and the last point of the figure, as a factor of their places.
+const BESIDE: f64 = 1.08;
+
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    data(study.lattice.as_ref())
+}
+
+/// Errors and costs by fineness and force; the lattice with other axial springs; ways of settling.
+pub fn data(lattice: Option<&LatticeStudy>) -> Vec<Dataset<'_>> {
+    // Errors are shares of the largest displacement: from converged beams, and of the settled lattice from its equilibrium.
+    let fineness = Columns::<(&FinenessRow, usize)>::new()
+        .file("segments_a_stretch", |(row, _)| row.fineness)
+        .file("bodies", |(row, _)| row.bodies)
+        .file("springs", |(row, _)| row.springs)
+        .file("force_n", |(row, force)| row.forces_n[*force])
+        .file("error", |(row, force)| row.errors[*force])
+        .file("newton_ms", |(row, _)| row.newton_ms)
+        .file("settling_error", |(row, _)| Some(row.settling?.error))
+        .file("settling_steps", |(row, _)| Some(row.settling?.steps))
+        .file("settling_ms", |(row, _)| Some(row.settling?.ms));
+    let axial = Columns::<(&AxialRow, usize, f64)>::new()
+        .file("axial_springs", |(row, ..)| row.name)
+        .file("inset", |(row, ..)| row.axial.inset)
+        .file("stiffness", |(row, ..)| row.axial.stiffness)
+        .file("force_n", |(.., force_n)| *force_n)
+        .file("error", |(row, force, _)| row.errors.as_ref().map(|errors| errors[*force]));
+    let lattices = || lattice.into_iter();
+    let by_force = lattices().flat_map(|lattice| &lattice.rows);
+    let by_force = by_force.flat_map(|row| (0..row.forces_n.len()).map(move |force| (row, force)));
+    let axial_by_force = lattices().flat_map(|lattice| {
+        let forces = move |row| lattice.axial_forces_n.iter().enumerate().map(move |(i, force_n)| (row, i, *force_n));
+        lattice.axial.iter().flat_map(forces)
+    });
+    vec![
+        Dataset::new(CSV, &fineness, by_force),
+        Dataset::new(AXIAL_CSV, &axial, axial_by_force),
+        settled(lattices().flat_map(|lattice| &lattice.settling)),
+    ]
+}
+
+/// Sweeps and precision of settling; no error where it does not settle.
+pub fn settled<'s>(rows: impl Iterator<Item = &'s SettlingRow>) -> Dataset<'s> {
+    let columns = Columns::<&SettlingRow>::new()
+        .file("sweeps", |row| row.sweeps)
+        .shown("sweeps a step", Format::Plain)
+        .file("positions", |row| match row.positions {
+            Precision::Double => "double",
+            Precision::Single => "single",
+        })
+        .shown("precision", Format::Words)
+        .file("error", |row| row.error)
+        .shown("difference, if it settles", Format::PercentTwoDigits)
+        .file("steps", |row| row.steps);
+    Dataset::new(SETTLING_CSV, &columns, rows)
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
+    let Some(lattice) = &study.lattice else { return Ok(None) };
+    let mut blocks = vec![paragraph("lattice.about", context! {})?];
+    if lattice.settling.is_empty() {
+        blocks.push(text("This quick report compares equilibria alone, under fewer loads."));
+    }
+    blocks.push(Block::Figure(Figure::wide(
+        drawing(&lattice.rows)?,
+        "Worst difference of the lattice's equilibrium from converged beams, by force.",
+        CSV,
+    )));
+    blocks.push(Block::List { items: words::findings(lattice)? });
+    blocks.push(Block::Figures { figures: vec![map_figure(study, lattice)?, sensing_figure(lattice)?] });
+    let mut folded = vec![paragraph("lattice.springs", context! {})?, Block::Table(axial(lattice))];
+    if !lattice.settling.is_empty() {
+        folded.push(Block::Table(settled(lattice.settling.iter()).table(
+            "The settled lattice against its equilibrium; single: positions and rotations rounded (the engine's own such build was not run)",
+        )));
+    }
+    folded.extend(words::precision(lattice)?.map(text));
+    blocks.push(details("Which springs, and how they settle", folded));
+    let section = Section::new("lattice", "Another discretisation: the spring lattice", blocks);
+    Ok(Some(section.saying(words::verdict(lattice)?)))
+}
+
+/// What the axial springs matter.
+pub fn axial(lattice: &LatticeStudy) -> Table {
+    let cell = |row: &&AxialRow, force: usize| match &row.errors {
+        Some(errors) => error_as(percent_two_digits(errors[force]), errors[force]),
+        None => Cell::plain("no equilibrium"),
+    };
+    Columns::<&AxialRow>::new()
+        .page("axial springs", Format::Words, |row| row.name)
+        .each(lattice.axial_forces_n.iter().enumerate(), |columns, (i, force_n)| {
+            columns.cells(Column::numbers(format!("{force_n} N")), move |row| cell(row, i))
+        })
+        .table(
+            format!("Difference from converged beams, {FINENESS} segments a plate member"),
+            AXIAL_CSV,
+            &lattice.axial,
+        )
+}
+
+fn map_figure(study: &Study, lattice: &LatticeStudy) -> Result<Figure, ReportError> {
+    let map = &lattice.sensing.least_squares;
+    Ok(Figure::narrow(
+        drawings::map_figure_svg(&study.finger, map, Some(DRAWN_FORCE_N))?,
+        format!("Least squares; {}.", map.summary(Some(DRAWN_FORCE_N)).counts()),
+        map_csv_name(map),
+    ))
+}
+
+/// What each estimator errs by on the lattice, by position.
+pub fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
+    let title = format!("lattice truth, no noise, {DRAWN_FORCE_N} N, worst direction");
+    let series = lattice.sensing.maps().into_iter().enumerate().map(|(n, map)| {
+        let worst = |&s_mm: &f64| {
+            let here = map.cells.iter().filter(|cell| cell.s_mm == s_mm && cell.force_n == DRAWN_FORCE_N);
+            let error = worst(here.filter_map(|cell| cell.mean_error));
+            (error > 0.0).then_some([s_mm, 100.0 * error])
+        };
+        Series::nth(n, map.estimator.label(), map.request.positions_mm.iter().filter_map(worst).collect())
+    });
+    let alt = format!("{title}: error of the sensed force by position, one line an estimator.");
+    let axes = [Axis::linear(drawings::ALONG_THE_PLATE), Axis::log("error |sensed / true - 1|, %")];
+    let series = series.filter(|series| !series.points.is_empty()).collect();
+    Ok(Figure::narrow(
+        Chart::new(Frame::half(title, alt), axes, series).svg()?,
+        format!(
+            "At the worst direction; nonlinear: {}.",
+            lattice.sensing.nonlinear.summary(Some(DRAWN_FORCE_N)).counts()
+        ),
+        map_csv_name(&lattice.sensing.nonlinear),
+    ))
+}
+
+/// A series a force.
+pub fn drawing(rows: &[FinenessRow]) -> Result<String, FigureError> {
+    let forces_n = rows.first().map_or(&[][..], |row| &row.forces_n);
+    let series: Vec<Series> = forces_n
+        .iter()
+        .enumerate()
+        .map(|(n, force_n)| {
+            let points = rows.iter().map(|row| [row.fineness as f64, row.errors[n]]);
+            Series::nth(n, format!("{force_n} N"), points.filter(|point| point[1] > 0.0).collect())
+        })
+        .filter(|series| !series.points.is_empty())
+        .collect();
+    let finenesses: Vec<f64> = rows.iter().map(|row| row.fineness as f64).collect();
+    let widest = [f64::INFINITY, 0.0_f64];
+    let ends = finenesses.iter().fold(widest, |[low, high], &x| [low.min(x / BESIDE), high.max(x * BESIDE)]);
+    let alt = "Worst difference of the lattice's displacements from converged beams by segments of plate between two key nodes, a line a force, \
+               both axes logarithmic";
+    let x = Axis::log("segments of plate between two key nodes").within(ends[0], ends[1]).with_ticks(finenesses);
+    let axes = [x, Axis::log("difference / largest displacement")];
+    Chart::new(Frame::full("Lattice against beams, by fineness", alt).with_plot_height(320.0), axes, series).svg()
+}

@@ -1,0 +1,61 @@
+//! What agrees and what does not, in sentences made from the numbers.
+
+use crate::ReportError;
+use crate::format::Span;
+use crate::words::say;
+use finray_studies::check::{Check, worst};
+use finray_studies::experiments::lattice::LatticeStudy;
+use finray_studies::lattice::accuracy::FinenessRow;
+use minijinja::{Value, context};
+
+/// A difference that falls at least with this power of the segments' length goes to nothing with it; one that does not would stay.
+const COARSENESS_ORDER: f64 = 2.0;
+
+/// How near the lattice is to beams, and sensing on it to sensing on the uniform finger.
+pub fn verdict(lattice: &LatticeStudy) -> Result<Option<String>, ReportError> {
+    let numbers = || {
+        let finest = lattice.rows.last()?;
+        let worst = worst(finest.errors.iter().copied());
+        let difference = lattice.sensing.difference.largest;
+        Some(context! { worst, force_n => *finest.forces_n.last()?, difference })
+    };
+    say("lattice.verdict", numbers())
+}
+
+/// Order, size and reach of the difference from beams, as a list.
+pub fn findings(lattice: &LatticeStudy) -> Result<Vec<String>, ReportError> {
+    let said = [
+        say("lattice.agreement", agreement(&lattice.rows))?,
+        say("lattice.linear", linear(lattice))?,
+        say("lattice.sensing", Some(sensing(lattice)))?,
+    ];
+    Ok(said.into_iter().flatten().collect())
+}
+
+/// Errors of the coarsest and the finest lattice, and the order that they fall by.
+fn agreement(rows: &[FinenessRow]) -> Option<Value> {
+    let (coarsest, finest) = (rows.first()?, rows.last().filter(|_| rows.len() > 1)?);
+    let refined = (finest.fineness as f64 / coarsest.fineness as f64).ln();
+    let orders = coarsest.errors.iter().zip(&finest.errors).map(|(coarse, fine)| (coarse / fine).ln() / refined);
+    let Span { least: low, greatest: high, .. } = Span::of(orders)?;
+    let of = |row: &FinenessRow| context! { fineness => row.fineness, worst => worst(row.errors.iter().copied()) };
+    Some(context! { coarsest => of(coarsest), finest => of(finest), low, high, order => COARSENESS_ORDER })
+}
+
+/// How linear theory does where both co-rotational solutions agree.
+fn linear(lattice: &LatticeStudy) -> Option<Value> {
+    let (&(small_n, small), &(large_n, large)) = (lattice.linear.first()?, lattice.linear.last()?);
+    Some(context! { small_n, small, large_n, large })
+}
+
+/// Whether the checks of sensing pass, and the nonlinear estimator.
+fn sensing(lattice: &LatticeStudy) -> Value {
+    let sensing = &lattice.sensing;
+    let agrees = sensing.checks().iter().all(Check::passes);
+    context! { agrees, cells => sensing.difference.cells, nonlinear => sensing.nonlinear_error() }
+}
+
+/// What single precision would cost.
+pub fn precision(lattice: &LatticeStudy) -> Result<Option<String>, ReportError> {
+    say("lattice.precision", Some(context! { out_of_balance => lattice.out_of_balance }))
+}

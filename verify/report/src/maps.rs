@@ -1,0 +1,76 @@
+//! Where sensing fails: an overview of all truths and estimators, then the maps one by one and what explains them.
+
+pub mod drawings;
+mod tables;
+pub mod words;
+
+use super::dataset::Dataset;
+use super::drawings::map_figure_svg;
+use super::page::{Block, Figure, Section, details};
+use super::words::say;
+use super::{ReportError, Results};
+use drawings::Shown;
+use finray_studies::estimators::EstimatorId;
+use finray_studies::experiments::explain::Explanation;
+use finray_studies::sampling::map::AccuracyMap;
+use finray_studies::settings::MAP_FORCES_N;
+use finray_studies::study::Study;
+use finray_studies::truths::TruthId;
+use minijinja::context;
+use tables::{EXPLANATIONS_CSV, OVERVIEW_CSV};
+
+pub(super) use tables::map_csv_name;
+
+/// A map of the overview: on the coarse grid where it was computed on the fine one, which would only weigh the page down.
+pub(super) fn small(study: &Study, truth: TruthId, estimator: EstimatorId, noisy: bool) -> Option<AccuracyMap> {
+    let map = study.map_by(truth, estimator, noisy)?;
+    let coarse = study.map_by(truth, EstimatorId::Ridge, noisy).map(|map| &map.request);
+    Some(match coarse.filter(|coarse| coarse.contact_count() < map.request.contact_count()) {
+        Some(coarse) => map.thinned(&coarse.positions_mm, &coarse.angles_deg),
+        None => map.clone(),
+    })
+}
+
+/// A quantity of explanations.
+type Of = fn(&Explanation) -> Option<f64>;
+
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    tables::datasets(study)
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
+    let first: Shown = |truth, estimator| truth != TruthId::Linear && estimator != EstimatorId::Ridge;
+    let mut blocks = vec![Block::Figure(overview(study, first)?)];
+    let all = Block::Figure(overview(study, |_, _| true)?);
+    blocks.push(details("The same with ridge and the linear finger", vec![all]));
+    blocks.push(details("Least squares and the nonlinear estimator in full", in_full(study)?));
+    blocks.push(details("What limits any estimator", vec![Block::Figures { figures: drawings::explanations(study)? }]));
+    blocks.push(details("Every map in figures, with its cells", vec![Block::Table(tables::figures(study))]));
+    Ok(Some(Section::new("maps", "Every finger by every estimator", blocks).saying(words::says(study)?)))
+}
+
+fn overview(study: &Study, shown: Shown) -> Result<Figure, ReportError> {
+    let exported = study.map_by(TruthId::Mujoco, EstimatorId::LeastSquares, study.noise_mm > 0.0);
+    let numbers = context! {
+        forces_n => MAP_FORCES_N, noise_mm => study.noise_mm, exported_n => exported.map(|map| map.request.forces_n.clone()),
+    };
+    let caption = say("maps.overview", Some(numbers))?.unwrap_or_default();
+    Ok(Figure::wide(drawings::overview(study, shown)?, caption, OVERVIEW_CSV))
+}
+
+/// The finest maps of the co-rotational finger: with what bias, and with what scatter.
+fn in_full(study: &Study) -> Result<Vec<Block>, ReportError> {
+    let noisy = study.noise_mm > 0.0;
+    let maps = [EstimatorId::LeastSquares, EstimatorId::Nonlinear].into_iter();
+    let maps = maps.filter_map(|estimator| study.map_by(TruthId::Corotational, estimator, noisy));
+    let figure = |map: &AccuracyMap| -> Result<Figure, ReportError> {
+        let samples =
+            if noisy { format!(", {} noise samples a cell", map.request.noise_samples) } else { String::new() };
+        Ok(Figure::narrow(
+            map_figure_svg(&study.finger, map, None)?,
+            format!("Sensed by {}{samples}. {}", map.estimator.label(), words::kind_of_error(map)?),
+            map_csv_name(map),
+        ))
+    };
+    Ok(vec![Block::Figures { figures: maps.map(figure).collect::<Result<_, _>>()? }])
+}

@@ -1,0 +1,111 @@
+//! The overview, and the maps that explain.
+
+use super::{EXPLANATIONS_CSV, Of, small};
+use crate::ReportError;
+use crate::drawings::{error_cells, percent_classes, plate_map, small_maps};
+use crate::page::Figure;
+use finray_figures::{Cells, FigureError, Frame, Map};
+use finray_studies::estimators::EstimatorId;
+use finray_studies::sampling::map::AccuracyMap;
+use finray_studies::sampling::worst::TrustCounts;
+use finray_studies::study::Study;
+use finray_studies::truths::TruthId;
+
+/// Which true fingers and estimators an overview shows.
+pub(super) type Shown = fn(TruthId, EstimatorId) -> bool;
+
+/// Every truth by every estimator that is shown.
+pub(super) fn overview(study: &Study, shown: Shown) -> Result<String, FigureError> {
+    let noisy = study.noise_mm > 0.0;
+    let small = |truth, estimator| if shown(truth, estimator) { small(study, truth, estimator, noisy) } else { None };
+    let is_asked = |estimator: &EstimatorId| TruthId::ALL.iter().any(|truth| small(*truth, *estimator).is_some());
+    let columns: Vec<EstimatorId> = EstimatorId::ALL.iter().copied().filter(is_asked).collect();
+    let rows = TruthId::ALL.iter().filter_map(|&truth| {
+        let row = columns.iter().map(|&estimator| small(truth, estimator));
+        let row: Vec<Option<Cells>> = row.map(|map| map.as_ref().map(small_map)).collect();
+        row.iter().any(Option::is_some).then(|| (truth.label().to_owned(), row))
+    });
+    let frame = Frame::full(
+        "Error of the worst force by position and direction",
+        "Small maps of the error of a sensed force by position and direction: a row for each true finger, a column for each \
+         estimator.",
+    );
+    let names = columns.iter().map(|estimator| estimator.label().to_owned()).collect();
+    small_maps(&study.finger, frame, names, rows.collect()).svg()
+}
+
+fn small_map(map: &AccuracyMap) -> Cells {
+    Cells { note: note(TrustCounts::of(&map.worst())), ..error_cells(map, None) }
+}
+
+/// What is said above a small map: whole percents of the cells with an equilibrium, as there is little room.
+pub fn note(counts: TrustCounts) -> String {
+    let TrustCounts { cells, refused, without_equilibrium, .. } = counts;
+    let Some(share) = counts.share() else { return "no equilibrium".to_owned() };
+    let refused = match refused {
+        0 => String::new(),
+        refused => format!(", {:.0} % refused", 100.0 * refused as f64 / (cells - without_equilibrium) as f64),
+    };
+    format!("{:.0} % trusted{refused}", 100.0 * share)
+}
+
+/// A map that explains: how it is made and said.
+struct Kind {
+    title: &'static str,
+    value_label: &'static str,
+    of: Of,
+    missing_label: &'static str,
+    caption: &'static str,
+}
+
+/// Maps of the bound and how far wrong directions and positions carry. Without noise there is no bound.
+pub(super) fn explanations(study: &Study) -> Result<Vec<Figure>, ReportError> {
+    let noise = format!("{} mm noise a coordinate", study.explanations.noise_mm);
+    let kinds = kinds().into_iter().filter(|kind| study.noise_mm > 0.0 || !kind.title.contains("bound"));
+    let figure = |kind: Kind| -> Result<Figure, ReportError> {
+        Ok(Figure::narrow(explanation(study, &kind)?, kind.caption.replace("NOISE", &noise), EXPLANATIONS_CSV))
+    };
+    kinds.map(figure).collect()
+}
+
+fn kinds() -> [Kind; 4] {
+    [
+        Kind {
+            title: "bound, direction known",
+            value_label: "least standard deviation / force, %",
+            of: |cell| cell.bound.map(|share| 100.0 * share),
+            missing_label: "no equilibrium",
+            caption: "Cramer-Rao bound of the force, position and direction known, with NOISE.",
+        },
+        Kind {
+            title: "bound, direction sought too",
+            value_label: "least standard deviation / force, %",
+            of: |cell| cell.bound_unknown_direction.map(|share| 100.0 * share),
+            missing_label: "no equilibrium, or not identifiable",
+            caption: "The same when both components of the force are sought, to first order, with NOISE.",
+        },
+        Kind {
+            title: "wrong direction",
+            value_label: "error of the force, % per degree",
+            of: |cell| cell.error_per_deg.map(|share| 100.0 * share),
+            missing_label: "no equilibrium",
+            caption: "How much a direction that is wrong by a degree changes the sensed force.",
+        },
+        Kind {
+            title: "wrong position",
+            value_label: "error of the force, % per mm",
+            of: |cell| cell.error_per_mm.map(|share| 100.0 * share),
+            missing_label: "no equilibrium",
+            caption: "How much a position that is wrong by a millimetre changes the sensed force.",
+        },
+    ]
+}
+
+fn explanation(study: &Study, kind: &Kind) -> Result<String, FigureError> {
+    let map = &study.explanations;
+    let title = format!("{}, {} N", kind.title, map.force_n);
+    let alt = format!("{title}: {} by position along the front plate and direction.", kind.value_label);
+    let cells = Cells::new(&map.positions_mm, &map.angles_deg, map.values(kind.of));
+    let drawn = plate_map(&study.finger, Frame::half(title, alt), percent_classes(), cells);
+    Map { missing_label: kind.missing_label.to_owned(), ..drawn }.svg()
+}

@@ -1,0 +1,145 @@
+//! Two contacts at once: which pairs of nodes can be trusted, and why neighbours are hard.
+
+use super::dataset::{Columns, Dataset};
+use super::drawings::percent_classes;
+use super::format::{Span, list, nodes_in_words, range_of};
+use super::page::{Block, Figure, Section, text};
+use super::words::{paragraph, say};
+use super::{ReportError, Results};
+use finray_figures::{Axis, Cells, FigureError, Frame, Map};
+use finray_studies::experiments::noise::NoiseStudy;
+use finray_studies::sampling::scatter::{Counts, Scatter, ScatterRow};
+use finray_studies::settings::{TRUSTED_ERROR, TWO_FORCES_N};
+use minijinja::{Value, context};
+
+const CSV: &str = "pairs.csv";
+const EACH: &str = "Mean error of each force, %";
+const SUM: &str = "Mean error of the sum of both, %";
+/// Its cells are about square, px.
+const MATRIX_HEIGHT: f64 = 480.0;
+
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    let rows = study.noise.iter().flat_map(|noise| {
+        let estimators = [&noise.pairs, &noise.linear_pairs];
+        estimators.into_iter().flat_map(|rows| rows.iter().zip(noise.condition_numbers.iter().copied()))
+    });
+    let columns = Columns::<(&ScatterRow, f64)>::new()
+        .file("nodes", |(row, _)| list(&row.nodes, " "))
+        .file("estimator", |(row, _)| row.estimator)
+        .file("noise_mm", |(row, _)| row.noise_mm)
+        .file("drawn", |(row, _)| row.drawn())
+        .file("answered", |(row, _)| row.cases)
+        .file("refused", |(row, _)| row.refused)
+        .file("mean_error", |(row, _)| row.mean_error())
+        .file("mean_error_bound", |(row, _)| row.mean_error_bound())
+        .file("over_bound", |(row, _)| worse_over_bound(row))
+        .file("sum_mean_error", |(row, _)| Some(row.sum?.mean_error))
+        .file("sum_over_bound", |(row, _)| Some(row.sum?.bound?.over_bound))
+        .file("condition_number", |(_, condition_number)| *condition_number);
+    vec![Dataset::new(CSV, &columns, rows)]
+}
+
+/// Root mean square of a force's error over its bound, the worse of the two forces.
+fn worse_over_bound(row: &ScatterRow) -> Option<f64> {
+    row.forces.iter().filter_map(|force: &Scatter| Some(force.bound?.over_bound)).reduce(f64::max)
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
+    let Some(noise) = study.noise.as_ref().filter(|noise| !noise.pairs.is_empty()) else { return Ok(None) };
+    let cases = |of: fn(usize, usize) -> usize| noise.pairs.iter().map(ScatterRow::drawn).reduce(of).unwrap_or(0);
+    let cases = match [usize::min, usize::max].map(cases) {
+        [least, most] if least == most => least.to_string(),
+        [least, most] => format!("{least} to {most}"),
+    };
+    let numbers = context! { forces_n => TWO_FORCES_N, cases, noise_mm => noise.noise_mm };
+    let mut blocks = vec![paragraph("pairs.about", numbers)?];
+    blocks.extend(say("pairs.trusted", trusted(noise))?.map(text));
+    blocks.extend(say("pairs.neighbours", neighbours(noise))?.map(text));
+    let each = |row: &ScatterRow| row.mean_error().map(|error| 100.0 * error);
+    let sum = |row: &ScatterRow| row.sum.map(|sum| 100.0 * sum.mean_error);
+    let figures = [(EACH, matrix(noise, EACH, each)?), (SUM, matrix(noise, SUM, sum)?)];
+    let figures = figures.map(|(what, svg)| {
+        Figure::narrow(
+            svg,
+            format!("{what}, by the two contact nodes: nonlinear above, linear below the diagonal."),
+            CSV,
+        )
+    });
+    blocks.push(Block::Figures { figures: figures.into() });
+    Ok(Some(Section::new("pairs", "Two contacts at once", blocks)))
+}
+
+/// One quantity of every pair, the nonlinear estimator above the diagonal.
+fn matrix(noise: &NoiseStudy, title: &str, value: impl Fn(&ScatterRow) -> Option<f64>) -> Result<String, FigureError> {
+    let mut nodes: Vec<usize> = noise.pairs.iter().flat_map(|row| row.nodes.clone()).collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    let cell = |row: usize, column: usize| {
+        let (rows, pair) = match row < column {
+            true => (&noise.pairs, [nodes[row], nodes[column]]),
+            false => (&noise.linear_pairs, [nodes[column], nodes[row]]),
+        };
+        rows.iter().find(|row| row.nodes == pair).and_then(&value)
+    };
+    let names: Vec<String> = nodes.iter().map(ToString::to_string).collect();
+    let at: Vec<f64> = (0..nodes.len()).map(|n| n as f64).collect();
+    // Rows run downwards.
+    let down: Vec<f64> = at.iter().rev().copied().collect();
+    let values = (0..nodes.len()).map(|row| (0..nodes.len()).map(|column| cell(row, column)).collect()).collect();
+    let cells = Cells::new(&at, &down, values);
+    let alt = format!("{title}, for every pair of contact nodes, by the nonlinear estimator and by least squares.");
+    let (above, below) = (Axis::categories("nonlinear", names.iter().rev().cloned().collect()), "least squares");
+    let frame = Frame::half(title, alt).with_plot_height(MATRIX_HEIGHT);
+    Map {
+        top: Some(Axis::categories("", names)),
+        written: Some(two_digits),
+        blank: |row, column| row == column,
+        ..Map::new(frame, [Axis::linear(below).with_ticks([]), above], percent_classes(), cells)
+    }
+    .svg()
+}
+
+/// Short enough for a cell: 0.62, 2.4, 47.
+fn two_digits(value: f64) -> String {
+    match value {
+        value if value < 0.995 => format!("{value:.2}"),
+        value if value < 9.95 => format!("{value:.1}"),
+        value => format!("{value:.0}"),
+    }
+}
+
+/// Which pairs can be trusted.
+fn trusted(noise: &NoiseStudy) -> Option<Value> {
+    let sums = |rows: &[ScatterRow]| Some(range_of(Span::of(rows.iter().filter_map(|row| Some(row.sum?.mean_error)))?));
+    let bad = noise.pairs.iter().filter(|row| !row.is_within(TRUSTED_ERROR)).map(|row| nodes_in_words(&row.nodes));
+    Some(context! {
+        bad => bad.collect::<Vec<_>>(),
+        sums => sums(&noise.pairs)?,
+        counts => Counts::of(&noise.pairs).to_string(),
+        pairs => noise.pairs.len(),
+        linear_within => noise.linear_pairs.iter().filter(|row| row.is_within(TRUSTED_ERROR)).count(),
+        linear_sums => sums(&noise.linear_pairs)?,
+        linear_counts => Counts::of(&noise.linear_pairs).to_string(),
+    })
+}
+
+/// Why neighbours are hard.
+fn neighbours(noise: &NoiseStudy) -> Option<Value> {
+    let pairs = || noise.pairs.iter().zip(&noise.condition_numbers);
+    // Errors and condition numbers of pairs by how many nodes apart they are.
+    let apart = |wanted: fn(usize) -> bool| {
+        let of = pairs().filter(move |(row, _)| wanted(row.nodes[1] - row.nodes[0]));
+        let errors = range_of(Span::of(of.clone().filter_map(|(row, _)| row.mean_error()))?);
+        Some((errors, Span::of(of.map(|(_, condition)| *condition))?.ends()))
+    };
+    let (near_errors, near) = apart(|steps| steps == 1)?;
+    let (far_errors, far) = apart(|steps| steps > 2)?;
+    let over = |rows: &[ScatterRow]| Some(Span::of(rows.iter().filter_map(worse_over_bound))?.ends());
+    let cases = noise.pairs.iter().map(ScatterRow::drawn).min()?;
+    Some(context! {
+        near, near_errors, far, far_errors,
+        nonlinear => over(&noise.pairs)?,
+        linear => over(&noise.linear_pairs)?,
+        chance => 100.0 / (2.0 * cases as f64).sqrt(),
+    })
+}

@@ -1,0 +1,73 @@
+//! Nonlinear sensing under camera noise, against the Cramer-Rao bound.
+
+use super::dataset::{Columns, Dataset, Format};
+use super::format::{Span, list, nodes_in_words, range_of};
+use super::page::{Block, Section};
+use super::words::{paragraph, say};
+use super::{ReportError, Results};
+use finray_studies::experiments::noise::NoiseStudy;
+use finray_studies::sampling::scatter::{Counts, Scatter, ScatterRow};
+use finray_studies::settings::{ONE_FORCE_N, TWO_FORCES_N};
+use minijinja::{Value, context};
+
+const CSV: &str = "noise.csv";
+
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    // A row for each force, and for the sum where there are several.
+    let quantities = |row: &'s ScatterRow| {
+        let forces = row.nodes.iter().zip(&row.forces).map(|(node, scatter)| (format!("force at {node}"), *scatter));
+        let sum = row.sum.filter(|_| row.nodes.len() > 1).map(|sum| ("sum".to_owned(), sum));
+        forces.chain(sum).map(move |(quantity, scatter)| (row, quantity, scatter))
+    };
+    let rows = study.noise.iter().flat_map(|noise| noise.single.iter().chain(&noise.checked)).flat_map(quantities);
+    let columns = Columns::<(&ScatterRow, String, Scatter)>::new()
+        .file("nodes", |(row, ..)| list(&row.nodes, " "))
+        .file("quantity", |(_, quantity, _)| quantity.clone())
+        .file("drawn", |(row, ..)| row.drawn())
+        .file("answered", |(row, ..)| row.cases)
+        .file("refused", |(row, ..)| row.refused)
+        .file("mean_error", |(.., scatter)| scatter.mean_error)
+        .file("mean_error_bound", |(.., scatter)| Some(scatter.bound?.mean_error_bound))
+        .file("scatter_over_bound", |(.., scatter)| Some(scatter.bound?.over_bound))
+        .file("bias_over_bound", |(.., scatter)| Some(scatter.bound?.bias_over_bound))
+        .file("covered_by_one_sigma", |(.., scatter)| Some(scatter.coverage?.one_sigma))
+        .file("covered_by_1_96_sigma", |(.., scatter)| Some(scatter.coverage?.two_sigma));
+    vec![Dataset::new(CSV, &columns, rows).csv_alone()]
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
+    let Some(noise) = &study.noise else { return Ok(None) };
+    let cases = noise.single.iter().map(ScatterRow::drawn).max().unwrap_or(1);
+    let numbers = context! { one_n => ONE_FORCE_N, two_n => TWO_FORCES_N, cases };
+    let mut blocks = vec![paragraph("noise.about", numbers)?];
+    // No force of the range may be carried at a node.
+    let first = |row: &ScatterRow| row.forces.first().copied();
+    let single = Columns::<&ScatterRow>::new()
+        .page("node", Format::Plain, |row| row.nodes[0])
+        .page("mean error", Format::Percent, move |row| Some(first(row)?.mean_error))
+        .page("at the bound", Format::Percent, move |row| Some(first(row)?.bound?.mean_error_bound))
+        .page("scatter / bound", Format::Fixed(2), move |row| Some(first(row)?.bound?.over_bound))
+        .page("within 1.96 sigma", Format::Percent, move |row| Some(first(row)?.coverage?.two_sigma))
+        .page("refused", Format::Plain, |row| row.refused);
+    let pairs = Columns::<&ScatterRow>::new()
+        .page("nodes", Format::Plain, |row| nodes_in_words(&row.nodes))
+        .page("mean error of each", Format::Percent, |row| row.mean_error())
+        .page("at the bound", Format::Percent, |row| row.mean_error_bound())
+        .page("of the sum", Format::Percent, |row| Some(row.sum?.mean_error))
+        .page("at the bound", Format::Percent, |row| Some(row.sum?.bound?.mean_error_bound))
+        .page("refused", Format::Plain, |row| row.refused);
+    blocks.push(Block::Table(single.table("One contact, by node", CSV, &noise.single)));
+    if !noise.checked.is_empty() {
+        blocks.push(Block::Table(pairs.table("Two contacts", CSV, &noise.checked)));
+    }
+    Ok(Some(Section::new("noise", "Nonlinear sensing", blocks).saying(say("noise.says", in_words(noise))?)))
+}
+
+/// The range of the mean errors over the nodes.
+fn in_words(noise: &NoiseStudy) -> Option<Value> {
+    let range = |rows: &[ScatterRow]| {
+        let errors = range_of(Span::of(rows.iter().filter_map(ScatterRow::mean_error))?);
+        Some(context! { errors, counts => Counts::of(rows).to_string() })
+    };
+    Some(context! { noise_mm => noise.noise_mm, one => range(&noise.single)?, two => range(&noise.pairs) })
+}

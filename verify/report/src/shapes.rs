@@ -1,0 +1,122 @@
+//! How the finger bends under a few forces, and whether the beam model holds there.
+
+use super::dataset::{Columns, Dataset, Format};
+use super::format::percent;
+use super::page::{Block, Figure, Section, details, text};
+use super::words::say;
+use super::{ReportError, Results, drawings};
+use finray_model::validity::{FibreStrain, LARGEST_SHEAR_SHARE, StrainLimits, Validity};
+use finray_model::{Kinematics, Vector};
+use finray_studies::experiments::shapes::{BentFinger, TouchedFinger};
+use finray_studies::settings::DRAWN_FORCE_N;
+use finray_studies::study::Study;
+use minijinja::{Value, context};
+
+const CSV: &str = "shapes.csv";
+const VALIDITY_CSV: &str = "validity.csv";
+/// Shapes that the reader chooses from.
+pub(super) const TOUCHED_CSV: &str = "touched.csv";
+
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    let lines = study.bent.iter().flat_map(|bent| bent.lines.iter().enumerate().map(move |(n, line)| (bent, n, line)));
+    let points = lines.flat_map(|(bent, n, line)| line.iter().map(move |point| (bent, n + 1, point)));
+    let columns = Columns::<(&BentFinger, usize, &Vector)>::new()
+        .file("shape", |(bent, ..)| bent.label.clone())
+        .file("line", |(_, line, _)| *line)
+        .file("x_mm", |(.., point)| point.x)
+        .file("y_mm", |(.., point)| point.y);
+    let touched = study.touched.iter().flat_map(|touched| {
+        touched.shape.motions().iter().map(move |m| (touched, m.node.0, m.position + m.displacement))
+    });
+    let of_touched = Columns::<(&TouchedFinger, usize, Vector)>::new()
+        .file("loaded_node", |(shape, ..)| shape.node)
+        .file("angle_deg", |(shape, ..)| shape.angle_deg)
+        .file("force_n", |(shape, ..)| shape.force_n)
+        .file("node", |(_, node, _)| *node)
+        .file("x_mm", |(.., at)| at.x)
+        .file("y_mm", |(.., at)| at.y);
+    vec![
+        Dataset::new(CSV, &columns, points).csv_alone(),
+        Dataset::new(TOUCHED_CSV, &of_touched, touched).csv_alone(),
+        Dataset::new(VALIDITY_CSV, &validity_columns(study.strain_limits), corotational(study)).csv_alone(),
+    ]
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
+    let mut blocks = Vec::new();
+    if study.bent.is_empty() {
+        blocks.push(text(format!("The finger cannot carry {DRAWN_FORCE_N} N at any of the nodes tried.")));
+    } else {
+        blocks.push(Block::Figure(Figure::wide(
+            drawings::bent(study)?,
+            format!("At rest and under {DRAWN_FORCE_N} N along the normal: linear (dotted) and co-rotational (solid)."),
+            CSV,
+        )));
+        blocks.extend(say("shapes.validity", validity(study))?.map(text));
+        let table = validity_columns(study.strain_limits).table(
+            "Of each co-rotational shape",
+            VALIDITY_CSV,
+            corotational(study),
+        );
+        blocks.push(details("Strain and shear", vec![Block::Table(table)]));
+    }
+    Ok(Some(Section::new("shapes", "How the finger bends", blocks)))
+}
+
+fn corotational(study: &Study) -> impl Iterator<Item = &BentFinger> {
+    study.bent.iter().filter(|bent| bent.kinematics == Kinematics::Corotational)
+}
+
+fn validity_columns<'s>(limits: StrainLimits) -> Columns<'s, &'s BentFinger> {
+    let largest = move |bent: &&'s BentFinger| -> Option<&'s FibreStrain> { bent.validity.largest_strain(&limits) };
+    Columns::<&BentFinger>::new()
+        .file("shape", |bent| bent.label.clone())
+        .shown("shape", Format::Words)
+        .file("largest_strain", move |bent| largest(bent).map(|at| at.strain))
+        .shown("largest strain", Format::Percent)
+        .file("strain_in", move |bent| largest(bent).map(|at| at.member.to_string()))
+        .shown("strain in", Format::Words)
+        .file("strain_at_mm", move |bent| largest(bent).map(|at| at.at_mm))
+        .shown("strain at, mm", Format::Fixed(1))
+        .file("shear_share", |bent| bent.validity.shear_share)
+        .shown("shear share", Format::Percent)
+        .file("shear_in", |bent| bent.validity.shear_at.map(|member| member.to_string()))
+        .shown("shear in", Format::Words)
+}
+
+/// The drawn co-rotational shape whose strain is the largest share of its material's limit, with that strain.
+fn most_strained(study: &Study) -> Option<&FibreStrain> {
+    let limits = &study.strain_limits;
+    let share = |at: &FibreStrain| at.strain / limits.of(at.member.part);
+    let strains = corotational(study).filter_map(|bent| bent.validity.largest_strain(limits));
+    strains.max_by(|a, b| share(a).total_cmp(&share(b)))
+}
+
+fn most_sheared(study: &Study) -> Option<&Validity> {
+    corotational(study).map(|bent| &bent.validity).max_by(|a, b| a.shear_share.total_cmp(&b.shear_share))
+}
+
+/// What the drawn co-rotational shapes ask of the beam model.
+fn validity(study: &Study) -> Option<Value> {
+    let (strain, sheared) = (most_strained(study)?, most_sheared(study)?);
+    Some(context! {
+        strain => strain.to_string(),
+        shear => sheared.shear_share,
+        member => sheared.shear_at.map(|member| member.to_string()),
+        limits => [study.strain_limits.of(strain.member.part), LARGEST_SHEAR_SHARE],
+    })
+}
+
+/// Which limits of the beam model the drawn shapes exceed, in short.
+pub(super) fn beyond_limits(study: &Study) -> Vec<String> {
+    let strain = most_strained(study).map(|at| (at.strain, study.strain_limits.of(at.member.part)));
+    let strain = strain.filter(|(strain, limit)| strain > limit);
+    let strain = strain.map(|(strain, limit)| format!("a strain of {} (limit {})", percent(strain), percent(limit)));
+    let shear = most_sheared(study).map(|validity| validity.shear_share).filter(|share| *share > LARGEST_SHEAR_SHARE);
+    let shear = shear.map(|share| {
+        format!("shear that adds up to {} to displacements (limit {})", percent(share), percent(LARGEST_SHEAR_SHARE))
+    });
+    let depth = most_sheared(study).map(|validity| validity.depth_ratio).filter(|ratio| *ratio < 1.0);
+    let depth = depth.map(|_| "members that are less deep than thick, which may buckle out of the plane".to_owned());
+    [strain, shear, depth].into_iter().flatten().collect()
+}

@@ -1,0 +1,160 @@
+//! What an answer costs, and how far it is off.
+
+use super::dataset::{Columns, Dataset, Format};
+use super::format::{NOTHING, or_nothing, time};
+use super::page::{Block, Cell, Column, Figure, Section, Shade, Table, details, text};
+use super::words::{paragraph, say};
+use super::{ReportError, Results};
+use finray_figures::{Axis, Chart, Dash, FigureError, Frame, Series};
+use finray_studies::experiments::speed_error::recommendation::LARGEST_BIAS_SIGMAS;
+use finray_studies::experiments::speed_error::sensing::{FRAMES_A_PERIOD, SENSED_N};
+use finray_studies::experiments::speed_error::{SOLVED_N, SpeedErrorPoint, Task, TimedBy};
+use finray_studies::study::Study;
+use minijinja::{Value, context};
+
+const CSV: &str = "speed_error.csv";
+
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    vec![Dataset::records(CSV, &study.speed_error)]
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
+    let points = &study.speed_error;
+    if points.is_empty() {
+        return Ok(None);
+    }
+    let numbers = context! {
+        solved_n => SOLVED_N, sensed_n => SENSED_N, frames => FRAMES_A_PERIOD, noise_mm => study.noise_mm,
+    };
+    let mut blocks = vec![paragraph("speed_error.about", numbers)?];
+    blocks.extend(study.timing_notes.iter().map(text));
+    if !points.iter().any(is_peer) {
+        blocks.push(text(
+            "Other programs were not timed: finray report --peers peers.csv adds what bench/peers/peers.py writes.",
+        ));
+    }
+    let floor = study.convergence.left(SOLVED_N).filter(|left| *left > 0.0);
+    for (task, title) in [
+        (Task::Solve, "the shape under a load"),
+        (Task::SenseOne, "one force from a frame"),
+        (Task::SenseNeighbours, "two neighbouring forces from a frame"),
+    ] {
+        let points: Vec<&SpeedErrorPoint> = points.iter().filter(|point| point.task == task).collect();
+        // An error of nothing has no place on a logarithmic axis.
+        if points.iter().any(|point| point.error > 0.0) {
+            let floor = if task == Task::Solve { floor } else { None };
+            blocks.push(Block::Figure(Figure::wide(
+                drawing(task, &points, title, floor)?,
+                format!("Time and error of {title}."),
+                CSV,
+            )));
+        }
+    }
+    blocks.push(details(format!("All {} points", points.len()), vec![Block::Table(table(points))]));
+    Ok(Some(
+        Section::new("speed-error", "What an answer costs", blocks).saying(say("speed_error.says", in_words(study))?),
+    ))
+}
+
+/// An error that a model of the finger may add: the tolerance of the paper's mesh of key nodes.
+const GOOD_SHAPE: f64 = 0.01;
+
+/// Which model of the finger to run at which cost: the fastest that is good enough, the nearest, and linear theory.
+fn in_words(study: &Study) -> Option<Value> {
+    let points = study.speed_error.iter().filter(|point| point.task == Task::Solve && !is_peer(point));
+    let points: Vec<&SpeedErrorPoint> = points.filter(|point| point.error.is_finite()).collect();
+    let faster = |a: &&&SpeedErrorPoint, b: &&&SpeedErrorPoint| a.seconds.total_cmp(&b.seconds);
+    let good = points.iter().filter(|point| point.error <= GOOD_SHAPE).min_by(faster)?;
+    let nearest = points.iter().min_by(|a, b| a.error.total_cmp(&b.error))?;
+    let fastest = points.iter().min_by(faster)?;
+    let [good, nearest, fastest] = [good, nearest, fastest].map(|point| {
+        let (model, setting) = (point.model.as_str(), point.setting.as_str());
+        context! { model, setting, seconds => point.seconds, error => point.error }
+    });
+    Some(context! { force_n => SOLVED_N, good_shape => GOOD_SHAPE, good, nearest, fastest })
+}
+
+fn answer(task: Task) -> &'static str {
+    match task {
+        Task::Solve => "shape",
+        Task::SenseOne => "one force",
+        Task::SenseNeighbours => "two neighbours",
+    }
+}
+
+fn is_peer(point: &SpeedErrorPoint) -> bool {
+    matches!(point.timed_by, TimedBy::OtherProgram { .. })
+}
+
+/// The model, and whose it is where it is another program's.
+fn name(point: &SpeedErrorPoint) -> String {
+    match &point.timed_by {
+        TimedBy::OtherProgram { program, .. } => format!("{program}: {}", point.model),
+        _ => {
+            let model = point.estimator.map_or(point.model.as_str(), |estimator| estimator.label());
+            format!("{model}{}", point.start.suffix())
+        }
+    }
+}
+
+/// Microseconds, and the error: of forces in percent.
+fn place(point: &SpeedErrorPoint) -> [f64; 2] {
+    [1e6 * point.seconds, if point.task == Task::Solve { 1.0 } else { 100.0 } * point.error]
+}
+
+/// Error over time, a point each; failures are said in its label.
+pub fn drawing(
+    task: Task,
+    points: &[&SpeedErrorPoint],
+    title: &str,
+    floor: Option<f64>,
+) -> Result<String, FigureError> {
+    let drawn: Vec<&SpeedErrorPoint> =
+        points.iter().copied().filter(|point| point.error > 0.0 && point.seconds > 0.0).collect();
+    let mut series: Vec<Series> = Vec::new();
+    for group in drawn.chunk_by(|a, b| name(a) == name(b)) {
+        let one = Series::nth(series.len(), name(group[0]), group.iter().map(|point| place(point)).collect());
+        // Points that nobody would choose have no words, unless they failed: the table names them.
+        let labels = group.iter().map(|point| match point.failed {
+            0 if point.on_front => point.mesh().to_owned(),
+            0 => String::new(),
+            failed => format!("{} ({failed} of {} failed)", point.mesh(), point.asked),
+        });
+        series.push(Series { labels: labels.collect(), dash: Dash::None, ..one });
+    }
+    let mut front: Vec<[f64; 2]> = drawn.iter().filter(|point| point.on_front).map(|point| place(point)).collect();
+    front.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    series.push(Series::guide("nothing is faster and nearer", front));
+    let alt = format!("Error of {title} over the time that it takes, both axes logarithmic.");
+    let y = Axis::log(if task == Task::Solve { "error / largest displacement" } else { "mean error, %" });
+    let axes = [Axis::log("time of one answer, \u{b5}s"), y];
+    let chart =
+        Chart::new(Frame::full(format!("Time and error of {title}"), alt).with_plot_height(360.0), axes, series);
+    chart.compared(floor.map(|left| (left, "may be left in the reference".to_owned()))).svg()
+}
+
+/// Every point with its times, error and failures.
+pub fn table(points: &[SpeedErrorPoint]) -> Table {
+    // Amber: what speaks against a way.
+    let amber_if = |amber: bool, words: String| Cell { shade: amber.then_some(Shade::Amber), ..Cell::plain(words) };
+    Columns::<&SpeedErrorPoint>::new()
+        .page("answer", Format::Words, |point| answer(point.task))
+        .page("model", Format::Words, |point| name(point))
+        .page("setting", Format::Words, |point| point.mesh().to_owned())
+        .page("time", Format::Plain, |point| time(point.seconds))
+        .page("error", Format::Percent, |point| Some(point.error).filter(|error| error.is_finite()))
+        .cells(Column::numbers("model error"), move |point| {
+            let words = or_nothing(point.bias_sigmas.map(|bias| format!("{bias:.2}")));
+            amber_if(point.bias_sigmas > Some(LARGEST_BIAS_SIGMAS), words)
+        })
+        .cells(Column::numbers("failed"), move |point| match point.asked {
+            0 => Cell::plain(NOTHING),
+            _ if point.failed == 0 => Cell::plain("0"),
+            asked => amber_if(true, format!("{} of {asked}", point.failed)),
+        })
+        .page("timed by", Format::Words, |point| match point.timed_by {
+            TimedBy::Report => String::new(),
+            ref other => other.to_string(),
+        })
+        .table("Model error: the largest without noise, in its standard deviations", CSV, points)
+}

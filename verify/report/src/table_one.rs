@@ -1,0 +1,81 @@
+//! The paper's Table I: its errors by node beside ours, for each direction that its weights may have had.
+
+use super::dataset::{Columns, Dataset, Format};
+use super::format::{Span, list, percent};
+use super::page::{Block, Figure, Section, details};
+use super::words::{paragraph, say};
+use super::{ReportError, Results, drawings};
+use finray_studies::claims::criteria::accounts_for;
+use finray_studies::experiments::table_one::{TableOne, TableOneRow, WEIGHTS_G};
+use finray_studies::settings::TRUSTED_ERROR;
+use minijinja::{Value, context};
+
+const CSV: &str = "table_one.csv";
+
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    // A row a weight.
+    let rows = study.tables_one.iter().flat_map(|table| table.rows.iter().map(move |row| (table, row)));
+    let rows = rows.flat_map(|(table, row)| (0..row.errors.len().min(WEIGHTS_G.len())).map(move |i| (table, row, i)));
+    let weights = Columns::<(&TableOne, &TableOneRow, usize)>::new()
+        .file("angle_deg", |(table, ..)| table.angle_deg)
+        .file("node", |(_, row, _)| row.node)
+        .file("weight_g", |(.., weight)| WEIGHTS_G[*weight])
+        .file("error", |(_, row, weight)| row.errors[*weight])
+        .file("mean_error", |(_, row, _)| row.mean_error)
+        .file("paper_mean_error", |(_, row, _)| row.paper_mean_error)
+        .file("modulus_factor", |(table, ..)| table.modulus_factor);
+    let by_node = Dataset::records(CSV, &study.tables_one).summary_alone();
+    vec![by_node, Dataset::new(CSV, &weights, rows).csv_alone()]
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
+    let tables = &study.tables_one;
+    let Some(first) = tables.first() else { return Ok(None) };
+    let Some(factors) = Span::of(tables.iter().map(|table| table.modulus_factor)) else { return Ok(None) };
+    let columns = Columns::<usize>::new()
+        .page("node", Format::Plain, |i| first.rows[*i].node)
+        .page("paper", Format::Error, |i| first.rows[*i].paper_mean_error)
+        .each(tables, |columns, table| {
+            let heading = format!("ours, {} deg", table.angle_deg);
+            columns.page(heading, Format::Error, |i| table.rows[*i].mean_error)
+        });
+    let blocks = vec![
+        paragraph("table_one.about", context! { factors => factors.ends() })?,
+        Block::Figure(Figure::wide(
+            drawings::table_one(tables)?,
+            "Mean error over six weights: measured in the paper, and by geometric nonlinearity alone.",
+            CSV,
+        )),
+        details(
+            "Every direction",
+            vec![Block::Table(columns.table("Mean error by loaded node", CSV, 0..first.rows.len()))],
+        ),
+    ];
+    Ok(Some(
+        Section::new("table-one", "The paper's Table I", blocks).saying(say("table_one.says", Some(in_words(tables)))?),
+    ))
+}
+
+/// How much of the paper's large errors geometric nonlinearity gives, whichever way the finger lay.
+fn in_words(tables: &[TableOne]) -> Value {
+    let by_node = (0..tables[0].rows.len()).map(|row| tables.iter().map(|table| &table.rows[row]).collect::<Vec<_>>());
+    let large: Vec<_> = by_node.filter(|rows| rows[0].paper_mean_error > TRUSTED_ERROR).collect();
+    let gives_most = |row: &TableOneRow| accounts_for(&[(row.mean_error, row.paper_mean_error)]);
+    let part = |share: &str, belongs: fn(usize, usize) -> bool| {
+        let rows = large.iter().filter(|rows| belongs(rows.iter().filter(|row| gives_most(row)).count(), rows.len()));
+        let nodes: Vec<String> = rows.map(|rows| at_node(rows)).collect();
+        (!nodes.is_empty()).then(|| context! { share, nodes => list(nodes, ", ") })
+    };
+    let parts = [
+        part("more than half", |most, all| most == all),
+        part("less than half", |most, _| most == 0),
+        part("more or less than half, by direction,", |most, all| most > 0 && most < all),
+    ];
+    let all = parts[1].is_none() && parts[2].is_none();
+    context! { parts => parts.into_iter().flatten().collect::<Vec<_>>(), all }
+}
+
+fn at_node(rows: &[&TableOneRow]) -> String {
+    let [least, most] = Span::of(rows.iter().map(|row| row.mean_error)).map_or([f64::NAN; 2], Span::ends).map(percent);
+    format!("node {} (paper {}, ours {least} to {most})", rows[0].node, percent(rows[0].paper_mean_error))
+}

@@ -1,0 +1,117 @@
+//! Table II on the moving gripper: a table, curves over the motor's angle as in the paper's Figs. 9 to 11, and a file.
+
+use super::{Line as TableLine, by_estimator, by_group, error_or_rounding, of_paper, of_quantity};
+use crate::ReportError;
+use crate::dataset::{Columns, Dataset};
+use crate::format::{nodes_in_words, share_of_counts};
+use crate::page::{Block, Figure, Table};
+use crate::words::paragraph;
+use finray_figures::{Axis, Chart, Dash, FigureError, Frame, Marker, Series};
+use finray_studies::estimators::EstimatorId;
+use finray_studies::experiments::grasp::modules::{ModuleStudy, ModuleTest};
+use finray_studies::study::Study;
+use minijinja::context;
+
+const CSV: &str = "gripper_tests.csv";
+/// Estimators of the file and the table.
+const ESTIMATORS: [EstimatorId; 3] = [EstimatorId::LeastSquares, EstimatorId::Nonlinear, EstimatorId::Network];
+/// The tests that are drawn, one of each of the paper's figures.
+const DRAWN: [&[usize]; 3] = [&[19], &[19, 20], &[18, 20]];
+
+/// A node in a noise sample of a step.
+struct Line {
+    nodes: &'static [usize],
+    turned_deg: f64,
+    axis_deg: f64,
+    sample: usize,
+    node: usize,
+    force_n: f64,
+    sensed_n: [Option<f64>; 3],
+}
+
+pub(super) fn dataset(study: &Study) -> Dataset<'static> {
+    let columns = Columns::<Line>::new()
+        .file("nodes", |line| line.nodes.to_vec())
+        .file("turned_deg", |line| line.turned_deg)
+        .file("axis_deg", |line| line.axis_deg)
+        .file("sample", |line| line.sample)
+        .file("node", |line| line.node)
+        .file("force_n", |line| line.force_n)
+        .file("least_squares_n", |line| line.sensed_n[0])
+        .file("nonlinear_n", |line| line.sensed_n[1])
+        .file("network_n", |line| line.sensed_n[2]);
+    let tests = study.modules.iter().flat_map(|modules| &modules.tests);
+    Dataset::new(CSV, &columns, tests.flat_map(lines).collect::<Vec<_>>()).csv_alone()
+}
+
+fn lines(test: &ModuleTest) -> Vec<Line> {
+    let nodes = test.nodes;
+    let mut lines = Vec::new();
+    for step in &test.steps {
+        for sample in 0..step.of(ESTIMATORS[0]).len() {
+            lines.extend(nodes.iter().enumerate().map(|(i, &node)| Line {
+                nodes,
+                turned_deg: step.turned_deg,
+                axis_deg: step.axis_deg,
+                sample: sample + 1,
+                node,
+                force_n: step.true_n[i],
+                sensed_n: ESTIMATORS.map(|estimator| Some(step.of(estimator).get(sample)?.as_ref()?[i])),
+            }));
+        }
+    }
+    lines
+}
+
+pub(super) fn blocks(modules: &ModuleStudy) -> Result<Vec<Block>, ReportError> {
+    let mut figures = Vec::new();
+    for test in DRAWN.iter().filter_map(|nodes| modules.test(nodes)) {
+        let caption = "Lines are true forces, signs those sensed by the nonlinear estimator.";
+        figures.push(Figure::narrow(drawing(test)?, caption, CSV));
+    }
+    let numbers = context! { noise_mm => modules.noise_mm };
+    Ok(vec![paragraph("table_two.gripper", numbers)?, Block::Table(table(modules)), Block::Figures { figures }])
+}
+
+/// True and sensed forces over the motor's angle.
+fn drawing(test: &ModuleTest) -> Result<String, FigureError> {
+    let mut series = Vec::new();
+    for (i, node) in test.nodes.iter().enumerate() {
+        let truth = test.steps.iter().map(|step| [step.turned_deg, step.true_n[i]]).collect();
+        series.push(Series { marker: None, ..Series::nth(i, format!("node {node}"), truth) });
+        let sensed = test.steps.iter().filter_map(|step| {
+            let first = step.of(EstimatorId::Nonlinear).first()?.as_ref()?;
+            Some([step.turned_deg, first[i]])
+        });
+        let sensed: Vec<_> = sensed.collect();
+        if !sensed.is_empty() {
+            let signs = Series { dash: Dash::None, marker: Some(Marker::nth(i)), ..Series::nth(i, "", sensed) };
+            series.push(signs);
+        }
+    }
+    let plural = if test.nodes.len() > 1 { "s" } else { "" };
+    let title = format!("The gripper closes on sensors at node{plural} {}", nodes_in_words(test.nodes));
+    let alt = format!("{title}: true and sensed forces over the motor's angle.");
+    let axes = [Axis::linear("motor angle closed, deg"), Axis::linear("force, N")];
+    Chart::new(Frame::third(title, alt), axes, series).svg()
+}
+
+/// Mean errors as the paper lists them.
+fn table(modules: &ModuleStudy) -> Table {
+    let mut lines: Vec<TableLine> = vec![(
+        "the paper, measured".to_owned(),
+        by_group(|group, of| error_or_rounding(of_paper(group, of))),
+        String::new(),
+    )];
+    lines.extend(ESTIMATORS.map(|estimator| {
+        let cells = by_group(|group, quantity| {
+            let errors = modules.group(group, estimator);
+            error_or_rounding(errors.and_then(|errors| of_quantity(quantity, errors.force, errors.sum)))
+        });
+        let groups = finray_studies::experiments::table_two::CONTACT_GROUPS;
+        let counts = groups.iter().filter_map(|group| modules.group(group, estimator));
+        let refused = share_of_counts(counts.map(|errors| [errors.refused, errors.answered]));
+        (estimator.label().to_owned(), cells, refused)
+    }));
+    by_estimator("On the closing gripper: mean error of each force and of the sum", CSV, lines)
+}

@@ -1,0 +1,130 @@
+//! Table II as a file: every set of contacts, the means that the paper lists, and what is recorded of the paper's network.
+
+use super::{CSV, paper_network, recorded_settings, settings};
+use crate::dataset::{Columns, Dataset};
+use crate::format::list;
+use finray_studies::estimators::EstimatorId;
+use finray_studies::experiments::networks::paper::{PAPER_RECIPES, quantities, recorded, recorded_sets};
+use finray_studies::experiments::table_two::{CONTACT_GROUPS, ContactGroup, TableTwo};
+use finray_studies::sampling::scatter::ScatterRow;
+use finray_studies::study::Study;
+use finray_studies::truths::TruthId;
+
+/// One quantity of one set of contacts, or the mean over a group's sets.
+struct Line {
+    truth: TruthId,
+    noise_mm: f64,
+    /// `network of the paper` is recorded, a mean over seeds.
+    estimator: String,
+    group: ContactGroup,
+    /// Contact nodes, by spaces; `mean` for the mean over the group's sets; of a record the sets that it has.
+    nodes: String,
+    /// `each force` or `sum`.
+    quantity: &'static str,
+    /// The paper's figure, over all tests of the group.
+    paper: Option<f64>,
+    answered: usize,
+    refused: usize,
+    /// Mean error, the same in N, and at the Cramer-Rao bound.
+    errors: [Option<f64>; 3],
+}
+
+/// Set by set, then over each group, then the recorded; a row for the mean of the forces, and for their sum where there are several.
+pub(super) fn dataset(study: &Study) -> Dataset<'static> {
+    let columns = Columns::<Line>::new()
+        .file("truth", |line| line.truth)
+        .file("noise_mm", |line| line.noise_mm)
+        .file("estimator", |line| line.estimator.clone())
+        .file("group", |line| line.group.name)
+        .file("nodes", |line| line.nodes.clone())
+        .file("quantity", |line| line.quantity)
+        .file("drawn", |line| line.answered + line.refused)
+        .file("answered", |line| line.answered)
+        .file("refused", |line| line.refused)
+        .file("paper_mean_error", |line| line.paper)
+        .file("mean_error", |line| line.errors[0])
+        .file("mean_error_n", |line| line.errors[1])
+        .file("mean_error_bound", |line| line.errors[2]);
+    let lines = study.table_two.iter().flat_map(|two| {
+        let sets = two.fingers.iter().flat_map(|finger| finger.rows.iter().flat_map(|row| of_set(finger.truth, row)));
+        let recorded = recorded_settings(&study.records.recipes).into_iter();
+        let recorded = recorded.flat_map(|(truth, noise_mm)| of_records(study, truth, noise_mm));
+        sets.chain(of_groups(two)).chain(recorded).collect::<Vec<_>>()
+    });
+    Dataset::new(CSV, &columns, lines)
+}
+
+fn of_set(truth: TruthId, row: &ScatterRow) -> Vec<Line> {
+    let Some(group) = CONTACT_GROUPS.into_iter().find(|group| group.sets.contains(&&row.nodes[..])) else {
+        return Vec::new();
+    };
+    let sum_bound = || Some(row.sum?.bound?.mean_error_bound);
+    let line = |(quantity, _): (&'static str, f64)| Line {
+        truth,
+        noise_mm: row.noise_mm,
+        estimator: row.estimator.name().to_owned(),
+        group,
+        nodes: list(&row.nodes, " "),
+        quantity,
+        paper: None,
+        answered: row.cases,
+        refused: row.refused,
+        errors: match quantity {
+            "sum" => [row.sum.map(|sum| sum.mean_error), row.sum.map(|sum| sum.mean_error_n), sum_bound()],
+            _ => [row.mean_error(), row.mean_error_n(), row.mean_error_bound()],
+        },
+    };
+    quantities(&group).map(line).collect()
+}
+
+fn of_groups(two: &TableTwo) -> impl Iterator<Item = Line> {
+    let of_setting = move |(truth, noise_mm, estimator): (TruthId, f64, EstimatorId)| {
+        CONTACT_GROUPS.into_iter().flat_map(move |group| {
+            let found = two.group(&group, truth, noise_mm, estimator);
+            let line = |(quantity, paper): (&'static str, f64)| Line {
+                truth,
+                noise_mm,
+                estimator: estimator.name().to_owned(),
+                group,
+                nodes: "mean".to_owned(),
+                quantity,
+                paper: Some(paper),
+                answered: found.map_or(0, |found| found.answered),
+                refused: found.map_or(0, |found| found.refused),
+                errors: found.map_or([None; 3], |found| match quantity {
+                    "sum" => [found.sum, None, found.sum_bound],
+                    _ => [Some(found.force), Some(found.force_n), found.force_bound],
+                }),
+            };
+            quantities(&group).map(line).collect::<Vec<_>>()
+        })
+    };
+    settings(two).into_iter().flat_map(of_setting)
+}
+
+/// The paper's recipes, mean over seeds and sets.
+fn of_records(study: &Study, truth: TruthId, noise_mm: f64) -> Vec<Line> {
+    let records = &study.records.recipes;
+    let line = |recipe: &str, group: ContactGroup, quantity: &'static str, paper: f64| {
+        let found = recorded(records, recipe, truth, noise_mm, &group, quantity)?;
+        Some(Line {
+            truth,
+            noise_mm,
+            estimator: paper_network(recipe),
+            group,
+            nodes: list(recorded_sets(records, recipe, &group).iter().map(|set| list(*set, " ")), "; "),
+            quantity,
+            paper: Some(paper),
+            answered: found.answered,
+            refused: found.refused,
+            errors: [Some(found.errors.mean), None, None],
+        })
+    };
+    let of_recipe = |recipe: &'static str| {
+        let wanted = CONTACT_GROUPS
+            .into_iter()
+            .flat_map(|group| quantities(&group).map(move |of| (group, of)).collect::<Vec<_>>());
+        wanted.filter_map(move |(group, (quantity, paper))| line(recipe, group, quantity, paper))
+    };
+    PAPER_RECIPES.into_iter().flat_map(of_recipe).collect()
+}

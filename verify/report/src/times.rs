@@ -1,0 +1,27 @@
+//! How long the report took, part by part: where the next slow part is seen.
+
+use super::dataset::{Columns, Dataset, Format};
+use super::page::{Block, Section, details};
+use super::{ReportError, Results};
+use finray_studies::study::PartTime;
+
+const CSV: &str = "report_times.csv";
+
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    vec![Dataset::new(CSV, &columns(), &study.parts)]
+}
+
+fn columns<'s>() -> Columns<'s, &'s PartTime> {
+    Columns::<&PartTime>::new()
+        .file("part", |of| of.part)
+        .shown("part", Format::Words)
+        .file("seconds", |of| of.seconds)
+        .page("s", Format::Fixed(1), |of| of.seconds)
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
+    let all_s: f64 = study.parts.iter().map(|of| of.seconds).sum();
+    let table = columns().table("Time of each part", CSV, &study.parts);
+    let blocks = vec![details(format!("{all_s:.0} s, part by part"), vec![Block::Table(table)])];
+    Ok(Some(Section::new("times", "How long this report took", blocks)))
+}

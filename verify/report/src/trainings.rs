@@ -1,0 +1,90 @@
+//! Recorded trainings: recipes side by side, and the error by number of cases and by size of the network.
+
+use super::ReportError;
+use super::dataset::{Columns, Dataset, Format};
+use super::format::{NOTHING, Span, error_as, list, share_of_counts, span_in_words};
+use super::page::{Block, Cell, Column, Table, details};
+use super::table_two::recorded_settings;
+use super::words::paragraph;
+use finray_studies::experiments::networks::records::{CurveRow, RecipeRow, Records};
+use finray_studies::experiments::table_two::COMPARED_SETS;
+use finray_studies::truths::TruthId;
+use minijinja::context;
+
+const RECIPES_CSV: &str = "training_recipes.csv";
+const CURVES_CSV: &str = "training_curves.csv";
+/// Name and how it is shown.
+pub const RECIPES: [(&str, &str); 4] = [("a", "(a)"), ("a, by spread", "(a), by spread"), ("b", "(b)"), ("c", "(c)")];
+
+pub(super) fn datasets(records: &Records) -> [Dataset<'_>; 2] {
+    [Dataset::records(RECIPES_CSV, &records.recipes), Dataset::records(CURVES_CSV, &records.curves)]
+}
+
+/// The tables of what was recorded; nothing where nothing was.
+///
+/// # Errors
+/// [`ReportError`] if the words of the page lack a number.
+pub fn blocks(records: &Records) -> Result<Vec<Block>, ReportError> {
+    if records.recipes.is_empty() {
+        return Ok(Vec::new());
+    }
+    let [a, spread, b, c] = RECIPES.map(|(recipe, _)| {
+        let seeds = records.recipes.iter().filter(|row| row.recipe == recipe).map(|row| row.seed);
+        seeds.collect::<std::collections::BTreeSet<_>>().len()
+    });
+    Ok(vec![
+        paragraph("trainings.about", context! { a, spread, b, c })?,
+        details("By recipe", vec![Block::Table(by_recipe(&records.recipes))]),
+        details("By training cases and size", vec![Block::Table(by_size(&records.curves))]),
+    ])
+}
+
+/// Recipes with and without noise on the uniform finger.
+pub fn by_recipe(recorded: &[RecipeRow]) -> Table {
+    type Line<'r> = (&'static str, f64, Vec<&'r RecipeRow>);
+    let settings = recorded_settings(recorded).into_iter().filter(|(truth, _)| *truth == TruthId::Corotational);
+    let lines = settings.flat_map(|(truth, noise_mm)| {
+        RECIPES.map(|(recipe, name)| {
+            let here = |row: &&RecipeRow| row.recipe == recipe && (row.truth, row.noise_mm) == (truth, noise_mm);
+            (name, noise_mm, recorded.iter().filter(here).collect())
+        })
+    });
+    let quantities = COMPARED_SETS.iter().flat_map(|set| match set.nodes.len() {
+        1 => vec![(set, "each force", set.name)],
+        _ => vec![(set, "each force", set.name), (set, "sum", "sum")],
+    });
+    Columns::<Line>::new()
+        .page("recipe", Format::Words, |(name, ..)| *name)
+        .page("noise, mm", Format::Plain, |(_, noise_mm, _)| *noise_mm)
+        .each(quantities, |columns, (set, quantity, heading)| {
+            let nodes = list(set.nodes, " ");
+            columns.cells(Column::numbers(heading), move |(.., rows)| {
+                let of_set = rows.iter().filter(|row| row.nodes == nodes && row.quantity == quantity);
+                let errors = Span::of(of_set.filter_map(|row| row.mean_error));
+                errors.map_or(Cell::plain(NOTHING), |errors| error_as(span_in_words(errors), errors.mean))
+            })
+        })
+        .page("refused", Format::Plain, |(.., rows)| share_of_counts(rows.iter().map(|row| [row.refused, row.cases])))
+        .table("On the uniform finger: mean error over the seeds (least to greatest)", RECIPES_CSV, lines)
+}
+
+/// Networks of recipe (c) that differ in their seed alone, a line each.
+pub fn by_size(recorded: &[CurveRow]) -> Table {
+    let alike = |a: &CurveRow, b: &CurveRow| {
+        (&a.curve, &a.nodes, a.samples, &a.hidden_layers) == (&b.curve, &b.nodes, b.samples, &b.hidden_layers)
+    };
+    Columns::<&[CurveRow]>::new()
+        .page("nodes", Format::Words, |rows| rows[0].nodes.clone())
+        .page("training cases", Format::Plain, |rows| rows[0].samples)
+        .page("hidden layers", Format::Words, |rows| rows[0].hidden_layers.clone())
+        .page("weights", Format::Plain, |rows| rows[0].weights)
+        .page("mean error", Format::Plain, |rows| {
+            Some(span_in_words(Span::of(rows.iter().filter_map(|row| row.mean_error))?))
+        })
+        .page("at the bound", Format::PercentFixed(2), |rows| rows[0].mean_error_bound)
+        .table(
+            "On the uniform finger with noise: mean error over the seeds (least to greatest)",
+            CURVES_CSV,
+            recorded.chunk_by(alike),
+        )
+}

@@ -1,0 +1,220 @@
+//! Where a force can be trusted: the first screen's drawings, counts and files, all by the worst force of each cell.
+
+use super::dataset::{Columns, Dataset};
+use super::drawings::{ACROSS_AXIS, ALONG_AXIS, at_rest, error_classes, point, rank_of};
+use super::format::{capitalised, percent};
+use super::page::Figure;
+use super::words::say;
+use super::{ReportError, Results};
+use finray_figures::{Axis, Chart, Class, Frame, Hue, Patch, Series};
+use finray_model::Finger;
+use finray_model::finger::Plate;
+use finray_studies::estimators::EstimatorId;
+use finray_studies::experiments::causes::{ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM};
+use finray_studies::sampling::map::{AccuracyMap, CellState, MapRequest};
+use finray_studies::sampling::worst::{TrustCounts, WorstCell};
+use finray_studies::settings::{MAP_FORCES_N, TRUSTED_ERROR};
+use finray_studies::study::Study;
+use finray_studies::truths::TruthId;
+use minijinja::context;
+
+const CSV: &str = "trust.csv";
+/// Cells of the contact that is only assumed.
+pub(super) const ASSUMED_CSV: &str = "map_corotational_nonlinear_contact_assumed.csv";
+/// Positions at which all directions are drawn.
+const FANS: usize = 6;
+/// Length of a fan's rays, as a share of the plate's.
+const REACH: f64 = 0.1;
+/// Half the width of the coloured plate, as a share of its length.
+const HALF_WIDTH: f64 = 0.012;
+
+/// Knowledge under which the recommended estimator is asked.
+pub(super) struct Situation<'s> {
+    /// In short, for files and headings.
+    pub name: &'static str,
+    /// What is known, what not.
+    pub about: String,
+    /// What is not, within a sentence.
+    pub in_words: String,
+    pub contact: ContactKnowledge,
+    /// Where its cells are.
+    csv: &'static str,
+    pub map: &'s AccuracyMap,
+    pub cells: Vec<WorstCell>,
+    /// Counts of the positions and directions that every situation has.
+    pub common: TrustCounts,
+}
+
+impl Situation<'_> {
+    /// Counts of a region, by position over the plate's length and direction in degrees.
+    pub(super) fn counts(&self, finger: &Finger, region: impl Fn(f64, f64) -> bool) -> TrustCounts {
+        let length_mm = finger.plate_length_mm(Plate::Front);
+        TrustCounts::of(self.cells.iter().filter(|cell| region(cell.s_mm / length_mm, cell.angle_deg)))
+    }
+
+    pub(super) fn all(&self) -> TrustCounts {
+        TrustCounts::of(&self.cells)
+    }
+
+    /// Noise samples refused in the cells that answer, and all samples of these.
+    fn refused_samples(&self) -> [usize; 2] {
+        let answered = self.map.cells.iter().filter(|cell| cell.state() == CellState::Answered);
+        answered.fold([0, 0], |[refused, all], cell| [refused + cell.samples - cell.answered, all + cell.samples])
+    }
+}
+
+/// The ideal case first, then what a user meets.
+pub(super) fn situations<'s>(study: &'s Study) -> Vec<Situation<'s>> {
+    let noisy = study.noise_mm > 0.0;
+    let mapped = |truth| study.map_by(truth, EstimatorId::Nonlinear, noisy);
+    let maps = [mapped(TruthId::Corotational), study.assumed.as_ref(), mapped(TruthId::Twin)];
+    let grids: Vec<&MapRequest> = maps.iter().flatten().map(|map| &map.request).collect();
+    let [known, assumed, softer] = maps.map(|map| {
+        let map = map?;
+        let on = |map: AccuracyMap, grid: &&MapRequest| map.thinned(&grid.positions_mm, &grid.angles_deg);
+        let common = TrustCounts::of(&grids.iter().fold(map.clone(), on).worst());
+        Some(Situation {
+            name: "contact known",
+            about: "contact and finger known".to_owned(),
+            in_words: "contact and finger known".to_owned(),
+            contact: ContactKnowledge::Known,
+            csv: CSV,
+            map,
+            cells: map.worst(),
+            common,
+        })
+    });
+    let off = format!("{POSITION_OFF_MM} mm and {DIRECTION_OFF_DEG} deg off");
+    let assumed = assumed.map(|known| Situation {
+        name: "contact assumed",
+        about: format!("position and direction of the contact assumed, {off}"),
+        in_words: format!("with the contact {off}"),
+        contact: ContactKnowledge::Assumed,
+        csv: ASSUMED_CSV,
+        ..known
+    });
+    let softer = softer.map(|known| Situation {
+        name: "softer ends",
+        about: "contact known, but base and tip of the finger softer than its model has them, as fitted to the paper's Table I"
+            .to_owned(),
+        in_words: "with base and tip softer than modelled".to_owned(),
+        ..known
+    });
+    [known, assumed, softer].into_iter().flatten().collect()
+}
+
+pub(super) fn datasets<'s>(study: &'s Study) -> Vec<Dataset<'s>> {
+    let cells = Columns::<(&'static str, WorstCell)>::new()
+        .file("case", |(name, _)| *name)
+        .file("s_mm", |(_, cell)| cell.s_mm)
+        .file("angle_deg", |(_, cell)| cell.angle_deg)
+        .file("state", |(_, cell)| cell.state.name())
+        .file("worst_error", |(_, cell)| cell.worst_error)
+        .file("is_trusted", |(_, cell)| cell.is_trusted);
+    let counts = Columns::<Situation>::new()
+        .file("case", |of| of.name)
+        .file("cells", |of| of.all().cells)
+        .file("trusted", |of| of.all().trusted)
+        .file("refused", |of| of.all().refused)
+        .file("without_equilibrium", |of| of.all().without_equilibrium)
+        .file("share_trusted", |of| of.all().share())
+        .file("common_cells", |of| of.common.cells)
+        .file("share_trusted_of_common", |of| of.common.share())
+        .file("samples_refused_where_answered", |of| of.refused_samples()[0])
+        .file("samples_where_answered", |of| of.refused_samples()[1]);
+    let found = situations(study);
+    let all_cells = found.iter().flat_map(|of| of.cells.iter().map(|cell| (of.name, *cell))).collect::<Vec<_>>();
+    let mut all =
+        vec![Dataset::new(CSV, &cells, all_cells).csv_alone(), Dataset::new(CSV, &counts, found).summary_alone()];
+    all.extend(study.assumed.iter().map(|map| Dataset::records(ASSUMED_CSV, &map.cells).csv_alone()));
+    all
+}
+
+/// What the drawings show.
+pub(super) fn caption() -> Result<String, ReportError> {
+    Ok(say("trust.caption", Some(context! { forces_n => MAP_FORCES_N }))?.unwrap_or_default())
+}
+
+/// A finger for each situation.
+pub(super) fn figures(Results { study, .. }: Results) -> Result<Vec<Figure>, ReportError> {
+    situations(study).iter().enumerate().map(|(nth, situation)| figure(study, situation, nth == 0)).collect()
+}
+
+fn figure(study: &Study, situation: &Situation, is_first: bool) -> Result<Figure, ReportError> {
+    let finger = &study.finger;
+    let counts = situation.all();
+    let (trusted, carried) = (counts.trusted, counts.carried());
+    let title = format!("{}: within {} at {trusted} of {carried}", capitalised(situation.name), percent(TRUSTED_ERROR));
+    let [front, back, ribs] = at_rest(finger);
+    let series = Series::lines("", [back, ribs, front].concat(), Hue::Faint, 2.2);
+    let alt = format!(
+        "{title}. The finger, base on the left; its front plate coloured by the error along the normal, fans by the error in every direction."
+    );
+    // The ideal case stands large above the others.
+    let frame = if is_first { Frame::full(&title, alt) } else { Frame::half(&title, alt) };
+    let drawn = Chart::to_scale(
+        frame.with_plot_height(if is_first { 400.0 } else { 250.0 }),
+        [ALONG_AXIS, ACROSS_AXIS],
+        series,
+    );
+    let chart = Chart { patches: patches(finger, situation), x: node_ticks(finger), ..drawn };
+    let [refused, samples] = situation.refused_samples();
+    let common = situation.common.share().filter(|_| situation.common.cells < counts.cells);
+    let numbers = context! {
+        about => capitalised(&situation.about),
+        cells => counts.cells,
+        without_equilibrium => counts.without_equilibrium,
+        refused => counts.refused,
+        refused_samples => refused,
+        samples,
+        common => common.map(|share| context! { share, cells => situation.common.cells }),
+    };
+    let caption = say("trust.cells", Some(numbers))?.unwrap_or_default();
+    Ok(Figure { wide: is_first, ..Figure::wide(chart.svg()?, caption, situation.csv) })
+}
+
+/// Contact nodes along the level axis.
+fn node_ticks(finger: &Finger) -> Axis {
+    let every = finger.contact_nodes().len().div_ceil(13);
+    let nodes = finger.contact_nodes().step_by(every).map(|node| (finger.position(node).x, node.to_string()));
+    Axis::linear("contact node, base to tip").named(nodes.collect())
+}
+
+/// The coloured plate and its fans, best class first.
+fn patches(finger: &Finger, situation: &Situation) -> Vec<Patch> {
+    let (positions, angles) = (&situation.map.request.positions_mm, &situation.map.request.angles_deg);
+    let length_mm = finger.plate_length_mm(Plate::Front);
+    let normal = (0..angles.len()).min_by(|a, b| angles[*a].abs().total_cmp(&angles[*b].abs())).unwrap_or(0);
+    let at = |position: usize, angle: usize| situation.cells.get(position * angles.len() + angle);
+    let edges = |positions: &[f64]| -> Vec<f64> {
+        let between = positions.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0);
+        std::iter::once(0.0).chain(between).chain([length_mm]).collect()
+    };
+    let across = finger.direction(0.0) * (HALF_WIDTH * length_mm);
+    let classes = error_classes();
+    let mut painted: Vec<(usize, Patch)> = Vec::new();
+    let mut paint = |cell: Option<&WorstCell>, outline| painted.extend(cell.map(|cell| patch(cell, &classes, outline)));
+    for (position, ends) in edges(positions).windows(2).enumerate() {
+        let [from, to] = [ends[0], ends[1]].map(|s_mm| finger.plate_point(Plate::Front, s_mm));
+        let corners = [from - across, to - across, to + across, from + across];
+        paint(at(position, normal), corners.iter().map(point).collect());
+    }
+    let half_deg = angles.windows(2).map(|pair| (pair[1] - pair[0]) / 2.0).next().unwrap_or(5.0);
+    for fan in 0..FANS.min(positions.len()) {
+        let position = fan * (positions.len() - 1) / (FANS.min(positions.len()) - 1).max(1);
+        let foot = finger.plate_point(Plate::Front, positions[position]) - across;
+        for (angle, &angle_deg) in angles.iter().enumerate() {
+            let rim =
+                [-1.0, 0.0, 1.0].map(|side| foot - finger.direction(angle_deg + side * half_deg) * (REACH * length_mm));
+            paint(at(position, angle), std::iter::once(&foot).chain(&rim).map(point).collect());
+        }
+    }
+    painted.sort_by_key(|(class, _)| *class);
+    painted.into_iter().map(|(_, patch)| patch).collect()
+}
+
+/// Rank of a cell, best first, and its area.
+fn patch(cell: &WorstCell, classes: &[Class], outline: Vec<[f64; 2]>) -> (usize, Patch) {
+    let rank = rank_of(cell.state, cell.worst_error);
+    (rank, Patch { class: classes[rank].clone(), outline })
+}

@@ -1,0 +1,147 @@
+//! The finger with softer ends: one of several that are fitted to Table I, and what sensing gains from knowing it.
+
+pub mod words;
+
+use super::dataset::{Columns, Dataset, Format};
+use super::drawings::{PAPER_SHADES_PERCENT, error_bars, percent_line};
+use super::format::{figure, list};
+use super::page::{Block, Figure, Section, details, text};
+use super::words::paragraph;
+use super::{ReportError, Results};
+use finray_figures::{Axis, Chart, FigureError, Frame, Hue};
+use finray_model::calibration::FactorEstimate;
+use finray_studies::experiments::table_one::{TableOne, TableOneRow};
+use finray_studies::experiments::twin::fit::TwinFit;
+use finray_studies::experiments::twin::study::{TwinSensing, TwinStudy};
+use minijinja::context;
+
+const CSV: &str = "twin.csv";
+const SETS_CSV: &str = "twin_zone_sets.csv";
+const CALIBRATION_CSV: &str = "twin_calibration.csv";
+
+/// One contact node: its rows of Table I, where it has them, on the uniform finger and on the twin, and what is sensed there with noise.
+struct AtNode<'s> {
+    before: Option<&'s TableOneRow>,
+    after: Option<&'s TableOneRow>,
+    sensing: &'s TwinSensing,
+}
+
+fn at_nodes(study: &TwinStudy) -> impl Iterator<Item = AtNode<'_>> {
+    let of_node = |table: &'_ TableOne, node| table.rows.iter().position(|row| row.node == node);
+    study.sensing.iter().map(move |sensing| AtNode {
+        before: of_node(&study.before, sensing.node).map(|i| &study.before.rows[i]),
+        after: of_node(&study.after, sensing.node).map(|i| &study.after.rows[i]),
+        sensing,
+    })
+}
+
+/// By node: the paper's errors, those of the uniform finger and of the twin in the protocol of Table I, then the twin under noise.
+fn by_node<'s>(study: Option<&'s TwinStudy>) -> Dataset<'s> {
+    let columns = Columns::<AtNode>::new()
+        .file("node", |at| at.sensing.node)
+        .file("paper_mean_error", |at| Some(at.after?.paper_mean_error))
+        .file("uniform_finger", |at| Some(at.before?.mean_error))
+        .file("twin", |at| Some(at.after?.mean_error))
+        .file("twin_lowest", |at| Some(at.after?.range()[0]))
+        .file("twin_highest", |at| Some(at.after?.range()[1]))
+        .file("noisy_uniform_model", |at| at.sensing.uniform.mean_error())
+        .file("noisy_zones_least_squares", |at| at.sensing.linear.mean_error())
+        .file("noisy_zones_nonlinear", |at| at.sensing.nonlinear.mean_error())
+        .file("bound", |at| at.sensing.nonlinear.mean_error_bound());
+    Dataset::new(CSV, &columns, study.into_iter().flat_map(at_nodes))
+}
+
+/// A factor of a repetition, from 1.
+type Factor<'s> = (usize, &'s FactorEstimate, usize);
+
+fn calibrated<'s>() -> Columns<'s, Factor<'s>> {
+    Columns::<Factor>::new()
+        .file("repetition", |(repetition, ..)| *repetition)
+        .file("parameter", |(_, found, i)| found.unknowns[*i].to_string())
+        .page("parameter", Format::Words, |(_, found, i)| found.unknowns[*i].to_string().replace('_', " "))
+        .file("found_over_true", |(_, found, i)| found.factors[*i])
+        .shown("found / true", Format::Fixed(4))
+        .file("sigma", |(_, found, i)| found.factors[*i] * found.relative_sigmas[*i])
+        .shown("stated sigma", Format::Fixed(4))
+}
+
+/// The twin's factors from noise samples.
+fn factors(study: &TwinStudy) -> impl Iterator<Item = Factor<'_>> {
+    let repetitions = (1..).zip(&study.calibrations);
+    repetitions.flat_map(|(repetition, found)| (0..found.factors.len()).map(move |i| (repetition, found, i)))
+}
+
+pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
+    let twin = study.twin.as_ref();
+    // The deviations take the six errors for independent measurements; a set fits where its misfit is below 1.
+    let sets = Columns::<(&TwinFit, usize)>::new()
+        .file("zones", |(fit, _)| fit.set.name)
+        .file("group", |(_, group)| group + 1)
+        .file("factor", |(fit, group)| fit.factors[*group])
+        .file("sigma", |(fit, group)| fit.sigmas[*group])
+        .file("misfit", |(fit, _)| fit.misfit)
+        .file("modulus_factor", |(fit, _)| fit.modulus_factor);
+    let fits = twin.into_iter().flat_map(|twin| &twin.fits);
+    let groups = fits.flat_map(|fit| (0..fit.factors.len()).map(move |group| (fit, group)));
+    vec![
+        by_node(twin),
+        Dataset::new(SETS_CSV, &sets, groups),
+        Dataset::new(CALIBRATION_CSV, &calibrated(), twin.into_iter().flat_map(factors)),
+    ]
+}
+
+pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
+    let Some(twin) = &study.twin else { return Ok(None) };
+    let sets = Columns::<&TwinFit>::new()
+        .page("zones softened", Format::Words, |fit| fit.set.name)
+        .page("factors", Format::Words, |fit| list(fit.factors.iter().map(|factor| figure(*factor)), ", "))
+        .page("misfit", Format::Fixed(2), |fit| fit.misfit);
+    let first = factors(twin).filter(|(repetition, ..)| *repetition == 1);
+    let blocks = vec![
+        paragraph("twin.about", context! {})?,
+        Block::Figure(Figure::wide(
+            drawing(twin)?,
+            format!(
+                "Table I without noise (first three); random forces with {} mm noise, the zones in the model (last two).",
+                twin.noise_mm
+            ),
+            CSV,
+        )),
+        details(
+            "The fits, and how zones are calibrated",
+            vec![
+                Block::Table(sets.table(
+                    "Sets of zones fitted to Table I; a misfit below 1 fits",
+                    SETS_CSV,
+                    &twin.fits,
+                )),
+                text(words::calibration(twin)?.unwrap_or_default()),
+                Block::Table(calibrated().table("One of the calibrations", CALIBRATION_CSV, first)),
+            ],
+        ),
+    ];
+    let section = Section::new("twin", "One fit of Table I: the finger with softer ends", blocks);
+    Ok(Some(section.saying(words::verdict(twin)?)))
+}
+
+fn drawing(study: &TwinStudy) -> Result<String, FigureError> {
+    let rows: Vec<AtNode> = at_nodes(study).collect();
+    let group =
+        |label: &str, hue, of: fn(&AtNode) -> Option<f64>| error_bars(label, hue, rows.iter().map(|row| of(row)));
+    let alt =
+        "Mean error by node: the paper's, the uniform finger, the finger with softer ends, and with its zones known.";
+    let nodes = Axis::categories("loaded node", rows.iter().map(|row| row.sensing.node.to_string()).collect());
+    let bars = vec![
+        group("paper", Hue::Neutral, |row| Some(row.after?.paper_mean_error)),
+        group("uniform finger", Hue::nth(0), |row| Some(row.before?.mean_error)),
+        group("softer ends", Hue::nth(1), |row| Some(row.after?.mean_error)),
+        group("zones known, least squares", Hue::nth(2), |row| row.sensing.linear.mean_error()),
+        group("zones known, nonlinear", Hue::nth(3), |row| row.sensing.nonlinear.mean_error()),
+    ];
+    let chart = Chart::of_bars(
+        Frame::full("Table I, the finger with softer ends", alt),
+        [nodes, Axis::linear("mean error, %")],
+        bars,
+    );
+    chart.compared(PAPER_SHADES_PERCENT.map(percent_line)).svg()
+}

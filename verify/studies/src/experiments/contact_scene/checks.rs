@@ -1,0 +1,208 @@
+//! Checks of contact scenes: balance and equilibrium of all, sensing of those that ship.
+
+use super::SceneStep;
+use super::samples::NoiseSamples;
+use super::study::SceneStudy;
+use crate::check::{Check, Kind, SETTLED_LATTICE, Subject, worst};
+use finray_lattice::skin::Touch;
+use finray_model::Vector;
+
+/// Source of the rows about sensing.
+const TRUE_FORCES: &str = "true forces";
+const DISPLACEMENT: &str = "largest displacement difference / largest displacement";
+/// Contact forces against the hand's, as a share of their sum: what rapier's sweeps leave over (6.4e-4 for the box).
+pub const BALANCE_TOLERANCE: f64 = 1e-3;
+
+/// How far a settled lattice may be from balance with its clamps, as a share of the contact forces, and from its equilibrium under them, as a
+/// share of the largest displacement.
+struct Settled {
+    clamps: f64,
+    equilibrium: f64,
+}
+
+/// Settled shapes against the lattice's equilibrium under the contact forces, as a share of the largest displacement, of any scene and
+/// finger: a stiff finger on many segments may rest farther off than those that ship before its forces are in doubt.
+pub const SETTLING_TOLERANCE: f64 = 5e-4;
+/// Of any scene and finger.
+const SETTLED: Settled = Settled { clamps: BALANCE_TOLERANCE, equilibrium: SETTLING_TOLERANCE };
+/// Of the scenes that ship, which come within 1.1e-6.
+const SHIPPED: Settled = Settled { clamps: 1.5e-6, equilibrium: 1.5e-6 };
+/// Settled shapes against converged beams under the contact forces, as a share of the largest displacement, and sensed totals against the
+/// true ones, as forces follow shapes: what two segments between rods leave of box and disc under 5 N (1.0e-3 and 1.1e-3; a single force at its
+/// worst direction leaves four times as much), and less by the square of more segments (2.0e-4 for the disc on four).
+const BEAMS_TOLERANCE: f64 = 1.3e-3;
+const SEGMENTS: f64 = 2.0;
+/// Largest stated standard deviation with friction, as a share of the force: more would cover by saying nothing.
+const LARGEST_SIGMA: f64 = 0.5;
+/// Overlap of object and finger, mm: beyond it the engine's contacts would give way.
+const OVERLAP_TOLERANCE_MM: f64 = 1e-3;
+/// Force by which a touch may pass its cone of friction, N: rounding.
+const CONE_TOLERANCE_N: f64 = 1e-6;
+/// Share of true forces that the stated intervals are meant to hold, and how far what the lattice differs from beams may shift it: 1e-3 of a
+/// force is less than half its standard deviation.
+const MEANT: f64 = 0.95;
+const SHIFT: f64 = 0.01;
+/// Standard errors of a binomial share that chance is allowed: for a share of all samples of a scene, met by chance once in 370; and for
+/// the smallest of some hundred shares of a contact and step, once in 2000 each.
+const STANDARD_ERRORS: f64 = 3.0;
+const WORST_STANDARD_ERRORS: f64 = 3.5;
+
+/// Largest difference of a share of the samples from [`MEANT`].
+fn coverage_tolerance(samples: usize, standard_errors: f64) -> f64 {
+    SHIFT + standard_errors * (MEANT * (1.0 - MEANT) / samples as f64).sqrt()
+}
+
+impl SceneStudy {
+    /// Checks of any scene: balance, equilibrium, no overlap, Coulomb's cone.
+    pub fn checks(&self) -> Vec<Check> {
+        self.settled_within(&SETTLED)
+    }
+
+    fn settled_within(&self, settled: &Settled) -> Vec<Check> {
+        let touching =
+            || self.steps.iter().map(|studied| &studied.step).filter(|step| !step.pressed.touches.is_empty());
+        if touching().next().is_none() {
+            return Vec::new();
+        }
+        let over = |figure: &dyn Fn(&SceneStep) -> f64| worst(touching().map(figure));
+        let share = |difference: Vector, step: &SceneStep| difference.norm() / step.pressed.contact_force().norm();
+        let relative = "largest difference / force";
+        let by_hand = over(&|step| share(step.pressed.contact_force() - step.pressed.hand_force, step));
+        let at_clamps = over(&|step| share(step.pressed.contact_force() - step.pressed.base_force, step));
+        let moment = over(&|step| {
+            let off_nmm = step.pressed.base_moment_nmm - step.pressed.contact_moment_nmm();
+            off_nmm.abs() / (step.pressed.contact_force().norm() * self.length_mm)
+        });
+        let settling = over(&|step| step.equilibrium_difference.unwrap_or(f64::NAN));
+        let overlap_mm = over(&|step| worst(step.pressed.touches.iter().map(|touch| touch.overlap_mm.abs())));
+        let beyond_cone_n = over(&|step| worst(step.pressed.touches.iter().map(|touch| self.beyond_cone_n(touch))));
+        let balance = |what: &str| self.on(Kind::Internal, what, "force balance");
+        vec![
+            balance("sum of contact forces against the force of the hand").vanishes(
+                relative,
+                by_hand,
+                BALANCE_TOLERANCE,
+            ),
+            balance("sum of contact forces against the force on the clamps").vanishes(
+                relative,
+                at_clamps,
+                settled.clamps,
+            ),
+            balance("moment of contact forces against that on the clamps").vanishes(
+                "largest difference / (force x length of the front plate)",
+                moment,
+                settled.clamps,
+            ),
+            self.on(
+                Kind::External,
+                "settled shape against the lattice's equilibrium under the contact forces",
+                SETTLED_LATTICE,
+            )
+            .vanishes(DISPLACEMENT, settling, settled.equilibrium),
+            self.on(Kind::Internal, "no overlap and no gap at a contact", "geometry").vanishes(
+                "largest overlap or gap, mm",
+                overlap_mm,
+                OVERLAP_TOLERANCE_MM,
+            ),
+            self.on(Kind::Internal, "forces within the cone of friction", "Coulomb").vanishes(
+                "largest |tangential| - friction x normal, N",
+                beyond_cone_n,
+                CONE_TOLERANCE_N,
+            ),
+        ]
+    }
+
+    fn on(&self, kind: Kind, what: &str, source: &str) -> Subject {
+        kind.on(format!("{} pressed onto the lattice: {what}", self.name), source)
+    }
+
+    /// What is sensed, against the forces that bend the lattice.
+    fn sensed(&self, what: &str) -> Subject {
+        self.on(Kind::Internal, what, TRUE_FORCES)
+    }
+
+    /// Checks of a scene that ships: those of any, more closely; it goes to its end; without friction its shapes are those of beams; every
+    /// stated interval holds the true force as often as it says, whatever the force.
+    pub fn shipped_checks(&self) -> Vec<Check> {
+        let mut checks = self.settled_within(&SHIPPED);
+        let stopped = usize::from(self.stopped.is_some());
+        checks.push(self.on(Kind::Internal, "goes to its end", "itself").counts("scenes that ended early", 0, stopped));
+        let beams_tolerance = BEAMS_TOLERANCE * (SEGMENTS / self.fineness as f64).powi(2);
+        if self.friction == 0.0 {
+            let beams = worst(self.beams_differences.iter().map(|difference| difference.unwrap_or(f64::NAN)));
+            let against_beams = "settled shape against beams under the contact forces";
+            let check = self.on(Kind::External, against_beams, SETTLED_LATTICE);
+            checks.push(check.vanishes(DISPLACEMENT, beams, beams_tolerance));
+            let clean = self.steps.iter().filter_map(|studied| studied.clean.as_ref().ok()?.as_ref());
+            let total = worst(clean.map(|sensed| sensed.total.relative_error().abs()));
+            let check = self.sensed("sensed total, without noise");
+            checks.push(check.vanishes("largest |sensed / true - 1|", total, beams_tolerance));
+        }
+        let refused = self.steps.iter().filter(|studied| {
+            let felt = studied.step.contacts.iter().any(|contact| !contact.clamped);
+            felt && !matches!(studied.clean, Ok(Some(_)))
+        });
+        let check = self.sensed("steps that sensing refuses, without noise");
+        checks.push(check.counts("count", 0, refused.count()));
+        checks.extend(self.coverage_checks());
+        checks
+    }
+
+    /// Coverage over all samples, contacts and totals of a scene, and of the worst contact of a step. Refused samples are not covered. With
+    /// friction the intervals allow for the worst in its cone, so that more may lie within.
+    fn coverage_checks(&self) -> Vec<Check> {
+        let sampled: Vec<&NoiseSamples> = self.steps.iter().filter_map(|studied| studied.samples.as_ref()).collect();
+        if sampled.is_empty() {
+            return Vec::new();
+        }
+        let (mut checks, noise) = (Vec::new(), format!("{} mm noise", self.noise_mm));
+        for (what, totals) in [("every contact's force", false), ("the total", true)] {
+            let cells = sampled.iter().flat_map(|samples| {
+                let last = samples.sensed.len() - 1;
+                let which = if totals { last..last + 1 } else { 0..last };
+                which.map(move |which| (samples, which))
+            });
+            let (mut covered, mut taken, mut least) = (0, 0, f64::INFINITY);
+            for (samples, which) in cells {
+                covered += samples.covered(which);
+                taken += samples.taken;
+                least = least.min(samples.coverage(which));
+            }
+            let share = covered as f64 / taken as f64;
+            // Contacts of one sample share its noise: only samples are independent.
+            let independent = sampled.iter().map(|samples| samples.taken).sum();
+            let tolerance = coverage_tolerance(independent, STANDARD_ERRORS);
+            let problem = format!("{what}, {noise}: within 1.96 stated sigma");
+            let quantity = format!("share over {taken} noise samples of contacts and steps, refused ones not within");
+            checks.push(if self.friction > 0.0 {
+                let quantity = format!("0.95 less the {quantity}, if positive");
+                self.sensed(&problem).vanishes(quantity, (MEANT - share).max(0.0), tolerance)
+            } else {
+                self.sensed(&problem).is(quantity, MEANT, share, tolerance)
+            });
+            let fewest = sampled.iter().map(|samples| samples.taken).min().unwrap_or(1);
+            let quantity = format!("0.95 less the share of {fewest} noise samples, if positive");
+            let tolerance = coverage_tolerance(fewest, WORST_STANDARD_ERRORS);
+            let check = self.sensed(&format!("{problem}, where fewest are"));
+            checks.push(check.vanishes(quantity, (MEANT - least).max(0.0), tolerance));
+        }
+        if self.friction > 0.0 {
+            let shares = sampled.iter().flat_map(|samples| {
+                let contacts = 0..samples.sensed.len() - 1;
+                contacts.map(|which| {
+                    let true_n = samples.sensed[which].first().map_or(f64::NAN, |force| force.true_n);
+                    samples.rms_sigma_n(which) / true_n
+                })
+            });
+            let check = self.sensed(&format!("every contact's force, {noise}: stated sigma"));
+            checks.push(check.vanishes("largest stated sigma / true force", worst(shares), LARGEST_SIGMA));
+        }
+        checks
+    }
+
+    fn beyond_cone_n(&self, touch: &Touch) -> f64 {
+        let normal_n = touch.force.dot(&touch.normal);
+        let tangential_n = (touch.force - touch.normal * normal_n).norm();
+        (tangential_n - self.friction * normal_n).max(0.0)
+    }
+}

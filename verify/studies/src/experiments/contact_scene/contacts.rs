@@ -1,0 +1,108 @@
+//! Touches put together to contacts: where the object lies against the finger and which way the surface faces there, from the
+//! surfaces alone.
+
+use finray_lattice::Lattice;
+use finray_lattice::skin::{Touch, TouchedPart};
+use finray_model::finger::Plate;
+use finray_model::sensing::{Contact, ContactPosition};
+use finray_model::{Finger, NodeId, Vector};
+
+/// Touches within this share of the segment of plate, from rod to rod, that they lie on are one contact to the camera. Two rods are never one
+/// contact.
+const TOGETHER: f64 = 0.25;
+
+/// A contact as it lies in front of the camera, with the force that it truly carries.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeenContact {
+    /// Position, and direction from the object into the finger, without noise: from the surfaces alone, not from the forces. Of
+    /// several touches the middle of the interval that they span, and of their directions.
+    pub contact: Contact,
+    /// Half the interval of its touches along the plate, mm, and of their directions, rad: nobody sees how the force is shared among them.
+    pub half_span: HalfSpan,
+    /// Distance of the two outline points that the camera reads the direction from, mm.
+    pub baseline_mm: f64,
+    /// Whether it is on a clamped part, where a force does not bend the finger.
+    pub clamped: bool,
+    /// Where, finger frame, deformed, mm.
+    pub point: Vector,
+    /// True force on the finger, N, finger frame.
+    pub force: Vector,
+    /// Its component along the direction of the contact, N.
+    pub normal_n: f64,
+    /// Its component across, positive towards the tip, N: friction, and where the touches of one contact face different ways the rest of their normal
+    /// forces.
+    pub friction_n: f64,
+}
+
+/// Half the interval that touches span.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct HalfSpan {
+    /// Along the plate, mm.
+    pub along_mm: f64,
+    /// Of their directions, rad.
+    pub turn_rad: f64,
+}
+
+/// Puts touches together to contacts, from base to tip. `baseline_mm` is the distance of the outline points that the direction of a touch
+/// is read from.
+pub fn seen_contacts(lattice: &Lattice, touches: &[Touch], baseline_mm: impl Fn(&Touch) -> f64) -> Vec<SeenContact> {
+    let mut groups: Vec<&[Touch]> = Vec::new();
+    let mut rest = touches;
+    while let [first, ..] = rest {
+        let within_mm = TOGETHER * member_mm(lattice.finger(), first.part.position_mm(lattice));
+        let mut rods = 0;
+        let together = rest.iter().take_while(|touch| {
+            rods += usize::from(matches!(touch.part, TouchedPart::Rod(node) if !is_rod(first, node)));
+            let other_rod = if matches!(first.part, TouchedPart::Rod(_)) { rods > 0 } else { rods > 1 };
+            let apart_mm = touch.part.position_mm(lattice) - first.part.position_mm(lattice);
+            touch.clamped == first.clamped && apart_mm <= within_mm && !other_rod
+        });
+        let (group, others) = rest.split_at(together.count());
+        groups.push(group);
+        rest = others;
+    }
+    groups.into_iter().map(|group| seen(lattice, group, &baseline_mm)).collect()
+}
+
+fn is_rod(touch: &Touch, node: NodeId) -> bool {
+    touch.part == TouchedPart::Rod(node)
+}
+
+/// Length of the segment of front plate, from rod to rod, that a position lies on, mm.
+pub(super) fn member_mm(finger: &Finger, position_mm: f64) -> f64 {
+    let positions = finger.plate_positions_mm(Plate::Front);
+    let member =
+        positions.windows(2).find(|member| position_mm <= member[1]).unwrap_or(&positions[positions.len() - 2..]);
+    member[1] - member[0]
+}
+
+fn seen(lattice: &Lattice, group: &[Touch], baseline_mm: &dyn Fn(&Touch) -> f64) -> SeenContact {
+    let finger = lattice.finger();
+    let (first, last) = (&group[0], &group[group.len() - 1]);
+    let rod = group.iter().find(|touch| matches!(touch.part, TouchedPart::Rod(_)));
+    let [from_mm, to_mm] = [first, last].map(|touch| touch.part.position_mm(lattice));
+    let position = match (first.part, group.len()) {
+        (TouchedPart::Rod(node), 1) => ContactPosition::Node(node),
+        _ => ContactPosition::At(0.5 * (from_mm + to_mm)),
+    };
+    let normal = (first.normal + last.normal).normalize();
+    let turn = |touch: &Touch| normal.perp(&touch.normal).asin().abs();
+    let half_span =
+        HalfSpan { along_mm: 0.5 * (to_mm - from_mm), turn_rad: group.iter().map(turn).fold(0.0, f64::max) };
+    let force: Vector = group.iter().map(|touch| touch.force).sum();
+    SeenContact {
+        contact: Contact { position, angle_deg: angle_deg(finger, normal) },
+        half_span,
+        baseline_mm: baseline_mm(rod.unwrap_or(first)),
+        clamped: first.clamped,
+        point: 0.5 * (first.point + last.point),
+        force,
+        normal_n: force.dot(&normal),
+        friction_n: force.dot(&Vector::new(-normal.y, normal.x)),
+    }
+}
+
+/// Angle of a direction from the undeformed inward normal, positive towards the tip, degrees.
+pub fn angle_deg(finger: &Finger, direction: Vector) -> f64 {
+    direction.dot(&finger.front_tangent()).atan2(direction.dot(&finger.direction(0.0))).to_degrees()
+}

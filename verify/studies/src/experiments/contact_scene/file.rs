@@ -1,0 +1,32 @@
+//! Contact scenes: a scene with an object, and the corners of its outline from a file beside it.
+
+use crate::experiments::contact_scene::study::SceneWithOutline;
+use crate::experiments::contact_scene::{OutlineError, TurnedOutline};
+use finray_files::table::Table;
+use finray_files::{FileError, is_standard_stream, load_scene};
+use finray_model::Vector;
+use finray_model::scene::Outline;
+use std::path::Path;
+
+/// Reads a scene and, if its object is a polygon, `x_mm,y_mm` of the corners from the file that it names, looked for
+/// beside the scene (beside the working folder for a scene from standard input).
+///
+/// # Errors
+/// [`FileError`] naming file, line and key, also for corners that are no outline.
+pub fn load_scene_with_outline(path: &Path) -> Result<SceneWithOutline, FileError> {
+    let scene = load_scene(path)?;
+    let Some(object) = &scene.object else { return Ok(SceneWithOutline { scene, corners: Vec::new() }) };
+    let Outline::Polygon { points_csv } = &object.outline else {
+        return Ok(SceneWithOutline { scene, corners: Vec::new() });
+    };
+    let folder = if is_standard_stream(path) { None } else { path.parent() };
+    let file = folder.unwrap_or(Path::new("")).join(points_csv);
+    let table = Table::read(&file, ["x_mm", "y_mm"])?;
+    let corner = |row| Ok(Vector::new(table.number(row, 0)?, table.number(row, 1)?));
+    let corners: Vec<Vector> = table.rows().iter().map(corner).collect::<Result<_, FileError>>()?;
+    match TurnedOutline::new(object, &corners) {
+        Ok(_) => Ok(SceneWithOutline { corners, scene }),
+        Err(error @ OutlineError::TooFar { corner }) => Err(table.wrong(&table.rows()[corner - 1], error)),
+        Err(error) => Err(FileError::content(&file, error)),
+    }
+}

@@ -1,0 +1,218 @@
+//! Contact scenes: an object is pressed onto the lattice finger, a camera watches the nodes, and sensing follows.
+//!
+//! The camera sees where the object touches and which way it faces there, with noise, and not how hard (`camera`). Sensing is
+//! given these contacts, the noisy displacements of the markers and a bound of the friction coefficient (`sensing`), and its
+//! forces stand beside those that the engine's contacts carry.
+
+mod camera;
+pub mod checks;
+mod contacts;
+pub mod file;
+mod object;
+pub mod objects;
+mod rows;
+pub mod samples;
+mod sensing;
+pub mod study;
+mod watcher;
+
+pub use camera::{CameraContact, baseline_mm, read_contact};
+pub use contacts::{HalfSpan, SeenContact, angle_deg, seen_contacts};
+pub use object::{HandStep, OutlineError, PreparedObject, TurnedOutline};
+pub use rows::{ForceRow, contacts_sensed, force_rows};
+pub use watcher::Watcher;
+
+use crate::lattice::accuracy::difference;
+use finray_lattice::pressing::{Pressed, Pressing, Push};
+use finray_lattice::{Lattice, LatticeError};
+use finray_model::measurement::Measurement;
+use finray_model::scene::ObjectDescription;
+use finray_model::sensing::SensingError;
+use finray_model::{Finger, Scene, Vector};
+
+/// Segments of plate between two rods: the paper's finger under 5 N is then within 0.1 % of converged beams.
+pub const FINENESS: usize = 3;
+
+/// What a scene needs to be run: finger, object, camera.
+#[derive(Debug, Clone)]
+pub struct ContactScene {
+    finger: Finger,
+    rod_radius_mm: f64,
+    object: PreparedObject,
+    fineness: usize,
+    /// Bound of the coefficient of friction that sensing assumes.
+    assumed_friction: f64,
+}
+
+/// One step of a scene, at rest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SceneStep {
+    /// Length of the way that the object has come, mm.
+    pub travel_mm: f64,
+    /// Unit vector of the way that the step ends on.
+    pub along: Vector,
+    /// Finger and object.
+    pub pressed: Pressed,
+    /// Contacts in front of the camera, without its noise, with their true forces.
+    pub contacts: Vec<SeenContact>,
+    /// How far the shape is from the lattice's equilibrium under the contact forces, as a share of the largest displacement;
+    /// `None` where Newton's method finds none.
+    pub equilibrium_difference: Option<f64>,
+}
+
+impl SceneStep {
+    /// Sum of the forces that the finger can feel (not those on the clamp), along the object's way, N.
+    pub fn total_n(&self) -> f64 {
+        let felt = self.contacts.iter().filter(|seen| !seen.clamped);
+        // An empty sum of floats is -0.
+        0.0 + felt.map(|seen| seen.force.dot(&self.along)).sum::<f64>()
+    }
+}
+
+/// Forces sensed in one step.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SensedStep {
+    /// Each contact that is not clamped, from base to tip.
+    pub contacts: Vec<SensedContact>,
+    /// The sum of their forces along the object's way.
+    pub total: SensedForce,
+}
+
+/// A contact as the camera read it, and the force along its normal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SensedContact {
+    /// Position and direction that sensing was given.
+    pub read: CameraContact,
+    /// The force.
+    pub force: SensedForce,
+}
+
+/// A sensed force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SensedForce {
+    /// True, N.
+    pub true_n: f64,
+    /// Sensed, N.
+    pub sensed_n: f64,
+    /// Stated standard deviation, N.
+    pub sigma_n: f64,
+}
+
+impl SensedForce {
+    /// Sensed over true, less one.
+    pub fn relative_error(&self) -> f64 {
+        self.sensed_n / self.true_n - 1.0
+    }
+
+    /// The error in stated standard deviations.
+    pub fn standardised_error(&self) -> f64 {
+        (self.sensed_n - self.true_n) / self.sigma_n
+    }
+}
+
+impl ContactScene {
+    /// Prepares a scene's object in front of its finger; `corners` (mm) are those of a polygon's file, unused otherwise.
+    ///
+    /// # Errors
+    /// [`OutlineError`] for corners that are no outline.
+    pub fn new(scene: &Scene, object: &ObjectDescription, corners: &[Vector]) -> Result<ContactScene, OutlineError> {
+        Ok(ContactScene {
+            finger: scene.finger.clone(),
+            rod_radius_mm: scene.contact.rod_radius_mm,
+            object: PreparedObject::new(scene, object, corners)?,
+            fineness: FINENESS,
+            assumed_friction: object.friction,
+        })
+    }
+
+    /// The same scene with another number of segments a plate member.
+    pub fn with_fineness(self, fineness: usize) -> ContactScene {
+        ContactScene { fineness, ..self }
+    }
+
+    /// Segments of plate between two rods of the lattice.
+    pub fn fineness(&self) -> usize {
+        self.fineness
+    }
+
+    /// The same scene with another bound of the coefficient of friction for sensing, which otherwise knows the object's.
+    pub fn with_assumed_friction(self, assumed_friction: f64) -> ContactScene {
+        ContactScene { assumed_friction, ..self }
+    }
+
+    /// The finger.
+    pub fn finger(&self) -> &Finger {
+        &self.finger
+    }
+
+    /// Steps that it has.
+    pub fn step_count(&self) -> usize {
+        self.object.steps.len()
+    }
+
+    /// The object.
+    pub fn object(&self) -> &PreparedObject {
+        &self.object
+    }
+
+    /// Runs the scene; `each` is handed every step as soon as it rests.
+    ///
+    /// # Errors
+    /// [`LatticeError`] if the object does not start outside the finger, or a step does not settle: the steps before were handed
+    /// out.
+    pub fn run(&self, mut each: impl FnMut(SceneStep)) -> Result<(), LatticeError> {
+        let lattice = Lattice::new(&self.finger, self.fineness)?;
+        let PreparedObject { rigid, start, along, steps, .. } = &self.object;
+        let mut pressing = Pressing::new(&lattice, self.rod_radius_mm, rigid, *start, *along)?;
+        let (mut travel_mm, mut last) = (0.0, *start);
+        for step in steps {
+            for &corner in &step.corners {
+                pressing.pass(Push::To(corner))?;
+                travel_mm += (corner - last).norm();
+                last = corner;
+            }
+            let pressed = pressing.push(step.end)?;
+            travel_mm += (pressed.object - last).norm();
+            last = pressed.object;
+            let equilibrium = lattice.equilibrium_under(&pressed.touches);
+            each(SceneStep {
+                travel_mm,
+                along: step.along,
+                contacts: seen_contacts(&lattice, &pressed.touches, |touch| {
+                    let outline = &self.object.outline;
+                    camera::baseline_mm(&self.finger, self.rod_radius_mm, outline, pressed.object, touch)
+                }),
+                equilibrium_difference: equilibrium.ok().map(|shape| difference(&shape, &pressed.shape)),
+                pressed,
+            });
+        }
+        Ok(())
+    }
+
+    /// Senses the forces of a step from what the camera sees: the key nodes, and the contacts, both with noise of a standard deviation
+    /// `noise_mm` a coordinate from `standard_normal`. Forces lie within the cone of the assumed friction. `None` where nothing touches.
+    ///
+    /// # Errors
+    /// [`SensingError`] if they are not identifiable.
+    pub fn sense(
+        &self,
+        step: &SceneStep,
+        noise_mm: f64,
+        mut standard_normal: impl FnMut() -> f64,
+    ) -> Result<Option<SensedStep>, SensingError> {
+        let felt: Vec<SeenContact> = step.contacts.iter().filter(|contact| !contact.clamped).copied().collect();
+        if felt.is_empty() {
+            return Ok(None);
+        }
+        let mut seen = Measurement::of_shape(&self.finger, &step.pressed.shape);
+        seen.add_noise(noise_mm, &mut standard_normal);
+        let watcher = Watcher {
+            finger: &self.finger,
+            rod_radius_mm: self.rod_radius_mm,
+            friction: self.assumed_friction,
+            marker_noise_mm: noise_mm,
+            outline_noise_mm: noise_mm,
+        };
+        watcher.sense(&felt, &seen, step.along, standard_normal).map(Some)
+    }
+}

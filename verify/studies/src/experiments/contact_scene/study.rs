@@ -1,0 +1,196 @@
+//! A scene run to its end, sensed at every step, and the scenes that ship.
+
+use super::samples::NoiseSamples;
+use super::{ContactScene, FINENESS, ForceRow, OutlineError, SceneStep, SensedStep, force_rows};
+use crate::lattice::accuracy::{CONVERGED_ELEMENTS, difference};
+use crate::sampling::noise::Noise;
+use finray_lattice::LatticeError;
+use finray_lattice::skin::{Touch, TouchedPart};
+use finray_model::finger::Plate;
+use finray_model::mesh::{FingerShape, Load};
+use finray_model::scene::{ObjectDescription, ObjectMotion, SceneError};
+use finray_model::sensing::SensingError;
+use finray_model::statics::{self, StaticsError};
+use finray_model::{Finger, Kinematics, Mesh, Scene, Vector};
+use rayon::prelude::*;
+
+/// Noise samples of each step in a full study: over the steps of a scene they are some hundreds to a thousand.
+pub const SAMPLES: usize = 50;
+/// Seeds of the samples of a step begin at its number (from 1) times this.
+const SEEDS_A_STEP: u64 = 1_000_000;
+
+/// One step, sensed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StudiedStep {
+    /// Finger, object and true forces.
+    pub step: SceneStep,
+    /// Sensed without noise; `None` where nothing touches.
+    pub clean: Result<Option<SensedStep>, SensingError>,
+    /// Sensed from one noise sample.
+    pub noisy: Result<Option<SensedStep>, SensingError>,
+    /// Many noise samples, if something touches.
+    pub samples: Option<NoiseSamples>,
+}
+
+/// A scene run to its end.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SceneStudy {
+    /// Name of the scene.
+    pub name: String,
+    /// Segments of plate between two rods of its lattice.
+    pub fineness: usize,
+    /// Coefficient of friction.
+    pub friction: f64,
+    /// Length of the front plate, mm.
+    pub length_mm: f64,
+    /// Standard deviation of one coordinate, mm, of markers and outline points.
+    pub noise_mm: f64,
+    /// Outline of the object about its own point, closed, mm.
+    pub outline: Vec<Vector>,
+    /// Steps up to where it ended.
+    pub steps: Vec<StudiedStep>,
+    /// True forces, and those sensed from one noise sample a step.
+    pub rows: Vec<ForceRow>,
+    /// Why it ended early, if it did.
+    pub stopped: Option<LatticeError>,
+    /// For each step, converged beams under the same contact forces: largest difference of a displacement, as a share of the
+    /// largest. `None` where friction turns the rods, or there is nothing to compare.
+    pub beams_differences: Vec<Option<f64>>,
+}
+
+/// Why a scene was not studied.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneStudyError {
+    /// A scene that ships does not read.
+    #[error("a scene that ships: {0}")]
+    Scene(#[from] SceneError),
+    /// An outline that ships does not read.
+    #[error("an outline that ships: {0}")]
+    Csv(#[from] csv::Error),
+    /// An outline is none.
+    #[error(transparent)]
+    Outline(#[from] OutlineError),
+    /// The beams under the contact forces.
+    #[error(transparent)]
+    Statics(#[from] StaticsError),
+}
+
+/// Runs several scenes in parallel, each with its number of segments a plate member. Noise is that of each scene's camera, or
+/// `noise_mm` for a scene without; `samples` noise samples are taken of each step.
+///
+/// # Errors
+/// [`SceneStudyError`] for an outline that is none, or if beams have no equilibrium under contact forces that the lattice carries.
+pub fn run_all(
+    scenes: &[(SceneWithOutline, usize)],
+    noise_mm: f64,
+    samples: usize,
+    done: &(dyn Fn() + Sync),
+) -> Result<Vec<SceneStudy>, SceneStudyError> {
+    let run = |(SceneWithOutline { scene, corners }, fineness): &(SceneWithOutline, usize)| {
+        // A free object is for a gripper.
+        let is_pressed = |object: &&ObjectDescription| !matches!(object.motion, ObjectMotion::Free { .. });
+        let Some(object) = scene.object.as_ref().filter(is_pressed) else { return Ok(None) };
+        let prepared = ContactScene::new(scene, object, corners)?.with_fineness(*fineness);
+        let noise_mm = scene.noise_mm.unwrap_or(noise_mm);
+        SceneStudy::run(&scene.name, &prepared, noise_mm, samples, done).map(Some)
+    };
+    let studies: Vec<Option<SceneStudy>> = scenes.par_iter().map(run).collect::<Result<_, SceneStudyError>>()?;
+    Ok(studies.into_iter().flatten().collect())
+}
+
+/// A scene with the corners of its outline (mm), if that is a polygon.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SceneWithOutline {
+    /// The scene.
+    pub scene: Scene,
+    /// Corners of a polygon, mm.
+    pub corners: Vec<Vector>,
+}
+
+/// Segments a plate member that are enough where objects bend the finger by some 10 mm.
+const COARSE: usize = 2;
+
+/// The contact scenes that ship, the disc first, each with the segments a plate member that it needs.
+///
+/// # Errors
+/// [`SceneStudyError`] if one does not read.
+pub fn shipped() -> Result<Vec<(SceneWithOutline, usize)>, SceneStudyError> {
+    let scene = |text: &str, corners: &[Vector], fineness| -> Result<_, SceneStudyError> {
+        Ok((SceneWithOutline { scene: Scene::from_toml(text)?, corners: corners.to_vec() }, fineness))
+    };
+    let mut fork = csv::Reader::from_reader(finray_fixtures::FORK_OUTLINE.as_bytes());
+    let fork: Vec<[f64; 2]> = fork.deserialize().collect::<Result<_, _>>()?;
+    let fork: Vec<Vector> = fork.into_iter().map(Vector::from).collect();
+    Ok(vec![
+        scene(finray_fixtures::DISC_SCENE, &[], FINENESS)?,
+        scene(finray_fixtures::BOX_SCENE, &[], COARSE)?,
+        scene(finray_fixtures::FORK_SCENE, &fork, COARSE)?,
+        scene(finray_fixtures::FRICTION_SCENE, &[], COARSE)?,
+    ])
+}
+
+impl SceneStudy {
+    /// Runs a prepared scene, and takes `samples` noise samples of each step; `done` is called after every step.
+    ///
+    /// # Errors
+    /// [`SceneStudyError::Statics`] if beams have no equilibrium under contact forces that the lattice carries. A step that does not
+    /// settle ends the scene instead.
+    pub fn run(
+        name: &str,
+        scene: &ContactScene,
+        noise_mm: f64,
+        samples: usize,
+        done: &dyn Fn(),
+    ) -> Result<SceneStudy, SceneStudyError> {
+        let (mut steps, mut rows) = (Vec::new(), Vec::new());
+        let mut noise = Noise::new(1);
+        let stopped = scene
+            .run(|step| {
+                let clean = scene.sense(&step, 0.0, || 0.0);
+                let noisy = scene.sense(&step, noise_mm, || noise.standard_normal());
+                rows.extend(force_rows(scene, steps.len() + 1, &step, noisy.as_ref().ok().and_then(Option::as_ref)));
+                steps.push(StudiedStep { step, clean, noisy, samples: None });
+                done();
+            })
+            .err();
+        let friction = scene.object().rigid.friction;
+        let compared = |studied: &StudiedStep| {
+            let touches = &studied.step.pressed.touches;
+            if friction > 0.0 || touches.iter().all(|touch| touch.clamped) {
+                return Ok(None);
+            }
+            let beams = beams_under(scene.finger(), touches)?;
+            Ok(Some(difference(&beams, &studied.step.pressed.shape)))
+        };
+        let beams_differences = steps.iter().map(compared).collect::<Result<_, StaticsError>>()?;
+        if noise_mm > 0.0 {
+            for (number, studied) in steps.iter_mut().enumerate() {
+                let first_seed = SEEDS_A_STEP * (number as u64 + 1);
+                studied.samples = NoiseSamples::take(scene, &studied.step, noise_mm, samples, first_seed);
+            }
+        }
+        Ok(SceneStudy {
+            name: name.to_owned(),
+            fineness: scene.fineness(),
+            friction,
+            length_mm: scene.finger().plate_length_mm(Plate::Front),
+            noise_mm,
+            outline: scene.object().outline.points(),
+            steps,
+            rows,
+            stopped,
+            beams_differences,
+        })
+    }
+}
+
+/// The converged beam finger under the forces of frictionless touches.
+fn beams_under(finger: &Finger, touches: &[Touch]) -> Result<FingerShape, StaticsError> {
+    let mesh = Mesh::with_elements_per_member(finger, CONVERGED_ELEMENTS);
+    let load = |touch: &Touch| match touch.part {
+        TouchedPart::Rod(node) => Load::at_node(node, touch.force),
+        TouchedPart::Plate(s_mm) => Load::at_position(s_mm, touch.force),
+    };
+    let loads: Vec<Load> = touches.iter().filter(|touch| !touch.clamped).map(load).collect();
+    statics::solve(&mesh, &loads, Kinematics::Corotational)
+}

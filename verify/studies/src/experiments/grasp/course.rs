@@ -1,0 +1,391 @@
+//! The course of a grasp: what the motor and the gripper do, step by step, and how it ends.
+
+use super::balance::imbalance;
+use super::obstacles::Obstacle;
+use super::sensed::{FingerStep, SeenFinger};
+use super::way::{on_way, part_of_way};
+use super::{GraspError, GraspScene, GraspStep, finger_name, force_of};
+use finray_lattice::Lattice;
+use finray_lattice::grasp::{Drive, Halt, Partner, World};
+use finray_model::Vector;
+use finray_model::gripper::Placement;
+use serde::Serialize;
+use std::collections::VecDeque;
+
+/// What the gripper does in a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Phase {
+    /// It closes, and touches nothing yet.
+    Approach,
+    /// It closes on the object.
+    Close,
+    /// It holds the object where it is.
+    Hold,
+    /// The first part of its way.
+    Lift,
+    /// The parts between.
+    Carry,
+    /// The last part of its way, down to the support.
+    Place,
+    /// It opens.
+    Open,
+}
+
+impl std::fmt::Display for Phase {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(match self {
+            Phase::Approach => "approach",
+            Phase::Close => "close",
+            Phase::Hold => "hold",
+            Phase::Lift => "lift",
+            Phase::Carry => "carry",
+            Phase::Place => "place",
+            Phase::Open => "open",
+        })
+    }
+}
+
+/// How a grasp ended.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum Ended {
+    /// As the scene has it.
+    #[error("done")]
+    Done,
+    /// The motor was at its end before the object was touched.
+    #[error("out of reach: the fingers touch nothing up to a motor angle of {motor_deg} degrees")]
+    OutOfReach {
+        /// The motor's angle, degrees.
+        motor_deg: f64,
+    },
+    /// The motor was at its end before the force was sensed.
+    #[error("at the last motor angle, {motor_deg} degrees, {sensed_n:.3} N are sensed, less than until_force_n")]
+    TooWeak {
+        /// The motor's angle, degrees.
+        motor_deg: f64,
+        /// Sensed there, N.
+        sensed_n: f64,
+    },
+    /// The fingers let the object go.
+    #[error("drop: the fingers do not hold the object")]
+    Dropped,
+    /// The object slides through the fingers.
+    #[error("slip: the object has slid by {slid_mm:.1} mm between the fingers")]
+    Slipped {
+        /// How far, mm.
+        slid_mm: f64,
+    },
+    /// A finger meets more than the object.
+    #[error("{0}")]
+    Obstructed(#[from] Obstacle),
+    /// Newton's method.
+    #[error("{0}")]
+    Halted(#[from] Halt),
+}
+
+/// Steps in which an object that nothing supports is let go, and in which a force is held before the way begins.
+const HOLD_STEPS: usize = 5;
+/// The same where steps are frames.
+const HOLD_FRAMES: usize = 30;
+/// An object has slipped when it has moved against the gripper by this share of its size since the way began.
+const SLIPPED: f64 = 0.5;
+/// Share of the force that is missing by which the motor closes in a frame, divided by the frames that sensing is late and one.
+const GAIN: f64 = 0.5;
+
+/// What is left to do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Task {
+    Close,
+    Hold { left: usize },
+    Way { step: usize },
+    Open,
+    Done,
+}
+
+/// A grasp on its way.
+#[derive(Clone)]
+pub(super) struct Course<'s, 'l> {
+    scene: &'s GraspScene,
+    world: World<'l>,
+    task: Task,
+    phase: Phase,
+    step: usize,
+    motor_deg: f64,
+    gripper_mm: Vector,
+    weight_share: f64,
+    /// Sensed totals, the mean of both fingers, with the motor angles at which they were; the newest last. As many as sensing is late, and
+    /// some more.
+    sensed: VecDeque<(f64, f64)>,
+    /// Where the object was in the gripper's frame when the way began, mm.
+    held_at: Option<Vector>,
+}
+
+impl<'s, 'l> Course<'s, 'l> {
+    pub(super) fn new(scene: &'s GraspScene, lattice: &'l Lattice) -> Result<Course<'s, 'l>, GraspError> {
+        let motor_deg = scene.grasp.motor_deg[0];
+        let weight_share = if scene.grasp.support.is_some() { 1.0 } else { 0.0 };
+        let object = [scene.centre_mm.x, scene.centre_mm.y, scene.object.rotation_deg.to_radians()];
+        let placements = scene.placements(motor_deg, Vector::zeros()).unwrap_or_default();
+        let drive = Drive { placements, weight: scene.weight() * weight_share, gripper: Vector::zeros() };
+        let world = World::new(
+            &[lattice, lattice],
+            scene.contact.rod_radius_mm,
+            (scene.shape.clone(), scene.object.friction),
+            object,
+            drive,
+            scene.support(),
+        )?;
+        if let Some(finger) = scene.finger_across(world.placements()) {
+            return Err(GraspError::AcrossFinger { finger: finger_name(finger) });
+        }
+        if let Err(obstacle) = scene.require_clear(&world) {
+            return Err(GraspError::Obstructed { obstacle, motor_deg });
+        }
+        let sensed = VecDeque::new();
+        Ok(Course {
+            scene,
+            world,
+            task: Task::Close,
+            phase: Phase::Approach,
+            step: 0,
+            motor_deg,
+            gripper_mm: Vector::zeros(),
+            weight_share,
+            sensed,
+            held_at: None,
+        })
+    }
+
+    /// Way of the motor in a step, degrees.
+    fn step_deg(&self) -> f64 {
+        let grasp = &self.scene.grasp;
+        grasp.frames_per_s.map_or(grasp.step_deg, |rate| grasp.motor_deg_per_s / rate)
+    }
+
+    /// Closes on from where it is, as another scene of the same fingers and object has it.
+    pub(super) fn closing_on(&self, scene: &'s GraspScene) -> Course<'s, 'l> {
+        Course { scene, task: Task::Close, ..self.clone() }
+    }
+
+    /// Whether the motor is where closing ends.
+    pub(super) fn is_at_end(&self) -> bool {
+        self.motor_deg == self.scene.grasp.motor_deg[1]
+    }
+
+    /// Whether it still closes.
+    pub(super) fn closes(&self) -> bool {
+        self.task == Task::Close
+    }
+
+    /// Goes to the next step where a course that closes alike has come to rest.
+    pub(super) fn follow(&mut self, other: &Course<'_, 'l>) {
+        (self.world, self.motor_deg, self.phase) = (other.world.clone(), other.motor_deg, other.phase);
+        self.step += 1;
+    }
+
+    /// True force of a finger across the gripper, the mean of both, N.
+    pub(super) fn force_n(&self) -> f64 {
+        let on_object = [0, 1].map(|finger| force_of(&self.world, Partner::Finger(finger)).x.abs());
+        0.5 * on_object.iter().sum::<f64>()
+    }
+
+    /// Goes to the next step and lets all come to rest.
+    pub(super) fn advance(&mut self) -> Result<(), Ended> {
+        let grasp = &self.scene.grasp;
+        let [from_deg, to_deg] = grasp.motor_deg;
+        match self.task {
+            Task::Close => self.motor_deg = towards(self.motor_deg, to_deg, self.step_deg()),
+            Task::Hold { .. } => {
+                let steps = self.hold_steps() as f64;
+                self.weight_share = (self.weight_share + 1.0 / steps).min(1.0);
+                self.correct_motor();
+            }
+            Task::Way { step } => {
+                self.gripper_mm = on_way(&grasp.path_mm, step as f64 / grasp.path_steps as f64);
+                self.phase = self.phase_on_way(step);
+                self.correct_motor();
+            }
+            Task::Open => self.motor_deg = towards(self.motor_deg, from_deg, self.step_deg()),
+            Task::Done => return Err(Ended::Done),
+        }
+        self.step += 1;
+        let placements = self.scene.placements(self.motor_deg, self.gripper_mm).unwrap_or_default();
+        let weight = self.scene.weight() * self.weight_share;
+        let drive = Drive { placements, weight, gripper: self.gripper_mm };
+        self.world.advance(&drive)?;
+        self.scene.require_clear(&self.world)?;
+        let touches = self.world.met().iter().any(|met| matches!(met.partner, Partner::Finger(_)));
+        if self.task == Task::Close {
+            self.phase = if touches { Phase::Close } else { Phase::Approach };
+        }
+        Ok(())
+    }
+
+    /// Both fingers, as they are now.
+    pub(super) fn seen(&self) -> [SeenFinger; 2] {
+        let met = self.world.met();
+        [0, 1].map(|finger| {
+            let placement = self.world.placements()[finger];
+            // The object pushes the left finger to the left.
+            let outwards = Vector::new(if finger == 0 { -1.0 } else { 1.0 }, 0.0);
+            let of_finger = met.iter().filter(|met| met.partner == Partner::Finger(finger));
+            SeenFinger {
+                placement,
+                in_gripper: Placement { origin: placement.origin - self.gripper_mm, ..placement },
+                shape: self.world.finger_shape(finger),
+                touches: of_finger.filter_map(|met| met.touch).collect(),
+                object: self.world.object(),
+                along: placement.axes().transpose() * outwards,
+                on_object: force_of(&self.world, Partner::Finger(finger)),
+            }
+        })
+    }
+
+    /// The step that the world is at, with what was sensed.
+    pub(super) fn step(&mut self, fingers: [FingerStep; 2]) -> GraspStep {
+        if let [Some(left_n), Some(right_n)] = fingers.each_ref().map(FingerStep::sensed_total_n) {
+            self.sensed.push_back((0.5 * (left_n + right_n), self.motor_deg));
+        } else if let Some(&last) = self.sensed.back() {
+            // A refused frame tells nothing new.
+            self.sensed.push_back(last);
+        }
+        let weight = self.scene.weight() * self.weight_share;
+        GraspStep {
+            step: self.step,
+            motor_deg: self.motor_deg,
+            phase: self.phase,
+            gripper_mm: self.gripper_mm,
+            object: self.world.object(),
+            weight,
+            support_force: force_of(&self.world, Partner::Support),
+            imbalance: imbalance(&self.world, weight),
+            energy: *self.world.account(),
+            fingers,
+        }
+    }
+
+    /// What follows from a step; how the grasp ended, if it did.
+    pub(super) fn judge(&mut self, step: &GraspStep) -> Option<Ended> {
+        if self.world.is_folded() {
+            return Some(Halt::Folded.into());
+        }
+        let grasp = &self.scene.grasp;
+        let [from_deg, to_deg] = grasp.motor_deg;
+        let touches = step.fingers.iter().any(|finger| !finger.contacts.is_empty());
+        match self.task {
+            Task::Close => {
+                let is_enough = |target_n: f64| self.late_n().is_some_and(|sensed_n| sensed_n >= target_n);
+                let at_end = self.is_at_end();
+                match grasp.until_force_n {
+                    Some(target_n) if !is_enough(target_n) => {
+                        let sensed_n = self.late_n().unwrap_or(0.0);
+                        return at_end.then_some(match touches {
+                            true => Ended::TooWeak { motor_deg: to_deg, sensed_n },
+                            false => Ended::OutOfReach { motor_deg: to_deg },
+                        });
+                    }
+                    None if !at_end => return None,
+                    _ => {}
+                }
+                if !touches {
+                    return Some(Ended::OutOfReach { motor_deg: to_deg });
+                }
+                let is_held = grasp.holds || self.weight_share < 1.0;
+                self.task = if is_held { Task::Hold { left: self.hold_steps() } } else { self.after_hold() };
+                self.phase = if is_held { Phase::Hold } else { self.phase };
+            }
+            Task::Hold { left: 1 } => self.task = self.after_hold(),
+            Task::Hold { left } => self.task = Task::Hold { left: left - 1 },
+            Task::Way { step: at } => {
+                if let Some(ended) = self.lost(step, touches) {
+                    return Some(ended);
+                }
+                self.task = if at < grasp.path_steps { Task::Way { step: at + 1 } } else { self.after_way() };
+            }
+            Task::Open if self.motor_deg == from_deg => self.task = Task::Done,
+            Task::Open | Task::Done => {}
+        }
+        None
+    }
+
+    /// How the object was lost on the way, if it was.
+    fn lost(&self, step: &GraspStep, touches: bool) -> Option<Ended> {
+        let at = Vector::new(step.object[0], step.object[1]) - step.gripper_mm;
+        let slid_mm = (at - self.held_at.unwrap_or(at)).norm();
+        let on_support = step.support_force.norm() > 0.0;
+        match (touches, slid_mm > SLIPPED * self.scene.shape.size_mm()) {
+            (false, _) if !(on_support && self.phase == Phase::Place) => Some(Ended::Dropped),
+            (_, true) if self.phase != Phase::Place => Some(Ended::Slipped { slid_mm }),
+            _ => None,
+        }
+    }
+
+    fn hold_steps(&self) -> usize {
+        if self.scene.grasp.frames_per_s.is_some() { HOLD_FRAMES } else { HOLD_STEPS }
+    }
+
+    fn after_hold(&mut self) -> Task {
+        if self.scene.grasp.path_mm.is_empty() {
+            return self.after_way();
+        }
+        let [x, y, _] = self.world.object();
+        self.held_at = Some(Vector::new(x, y) - self.gripper_mm);
+        Task::Way { step: 1 }
+    }
+
+    fn after_way(&mut self) -> Task {
+        if !self.scene.grasp.opens {
+            return Task::Done;
+        }
+        self.phase = Phase::Open;
+        Task::Open
+    }
+
+    /// What the controller knows: the sensed force some frames ago, N.
+    fn late_n(&self) -> Option<f64> {
+        let at = self.sensed.len().checked_sub(1 + self.scene.grasp.delay_frames)?;
+        Some(self.sensed[at].0)
+    }
+
+    /// Moves the motor so that the force comes nearer to what is asked, by the stiffness that was seen while it closed.
+    fn correct_motor(&mut self) {
+        let grasp = &self.scene.grasp;
+        let (Some(target_n), true, Some(sensed_n)) = (grasp.until_force_n, grasp.holds, self.late_n()) else { return };
+        let closing = (grasp.motor_deg[1] - grasp.motor_deg[0]).signum();
+        let Some(stiffness) = self.stiffness() else { return };
+        let gain = GAIN / (1.0 + grasp.delay_frames as f64);
+        let most_deg = self.step_deg();
+        let wanted_deg = (gain * (target_n - sensed_n) / stiffness).clamp(-most_deg, most_deg);
+        let [a, b] = grasp.motor_deg;
+        self.motor_deg = (self.motor_deg + closing * wanted_deg).clamp(a.min(b), a.max(b));
+    }
+
+    /// Force a degree of closing, N, from the frames before the target was reached: since half of it.
+    fn stiffness(&self) -> Option<f64> {
+        let target_n = self.scene.grasp.until_force_n?;
+        let end = self.sensed.iter().position(|(sensed_n, _)| *sensed_n >= target_n)?;
+        let half = self.sensed.iter().take(end).rposition(|(sensed_n, _)| *sensed_n < 0.5 * target_n).unwrap_or(0);
+        let [(from_n, from_deg), (to_n, to_deg)] = [self.sensed[half], self.sensed[end]];
+        let stiffness = (to_n - from_n) / (to_deg - from_deg).abs();
+        (stiffness.is_finite() && stiffness > 0.0).then_some(stiffness)
+    }
+
+    /// The first part of the way is lifting, the last one placing where it comes down to the support again.
+    fn phase_on_way(&self, step: usize) -> Phase {
+        let grasp = &self.scene.grasp;
+        let at = step as f64 / grasp.path_steps as f64;
+        let part = part_of_way(&grasp.path_mm, at);
+        let height = |point: &Vector| -point.dot(&grasp.gravity_m_s2);
+        let last = grasp.path_mm.len() - 1;
+        let comes_down = grasp.path_mm.last().is_some_and(|end| height(end) <= 1e-9) && grasp.support.is_some();
+        match part {
+            0 => Phase::Lift,
+            part if part == last && comes_down => Phase::Place,
+            _ => Phase::Carry,
+        }
+    }
+}
+
+fn towards(from: f64, to: f64, step: f64) -> f64 {
+    if (to - from).abs() <= step * (1.0 + 1e-9) { to } else { from + step.copysign(to - from) }
+}

@@ -1,0 +1,150 @@
+//! A grasp in figures.
+
+use super::outlook::{LoopFigures, loop_figures};
+use super::{Ended, GraspScene, GraspStep, Phase};
+use crate::estimators::EstimatorId;
+use crate::settings::TWO_SIDED_95;
+use finray_lattice::grasp::Account;
+use finray_model::Vector;
+use serde::Serialize;
+
+/// How a grasp went.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    /// Name of the scene.
+    pub name: String,
+    /// How it ended: `done`, or what went wrong.
+    pub ended: String,
+    /// Steps that came to rest.
+    pub steps: usize,
+    /// Steps of each phase, in the order of the grasp.
+    pub phases: Vec<(Phase, usize)>,
+    /// Largest true total of a finger, N.
+    pub largest_total_n: f64,
+    /// How far forces and moments are from balance at worst, as a share of the step's largest force.
+    pub worst_imbalance: f64,
+    /// Largest difference of the two fingers' totals while they hold the object off its support, as a share of the larger.
+    pub left_right_difference: Option<f64>,
+    /// How far the object has moved against the gripper at most while it was lifted and carried, mm; none without a way.
+    pub slid_mm: Option<f64>,
+    /// Where the work of the motor went.
+    pub energy: Account,
+    /// Largest elastic energy of the fingers, N mm.
+    pub largest_elastic_nmm: f64,
+    /// Sensed contacts and totals.
+    pub sensed: SensedSummary,
+    /// The closed loop, where there is one.
+    #[serde(rename = "loop")]
+    pub closed_loop: Option<LoopFigures>,
+}
+
+/// Sensed forces against the true ones.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct SensedSummary {
+    /// What senses: an estimator by its name, or `errors in all variables`.
+    pub by: &'static str,
+    /// Finger-steps in which something that can be sensed touches.
+    pub asked: usize,
+    /// Of these, refused.
+    pub refused: usize,
+    /// Contacts that were answered.
+    pub contacts: usize,
+    /// Of these, with the true force within the stated 95 % interval.
+    pub contacts_within_95: usize,
+    /// Of the totals that were answered, with the true one within.
+    pub totals_within_95: usize,
+    /// Mean error of the totals, as a share of the true ones, of those above a tenth of the largest.
+    pub mean_total_error: Option<f64>,
+    /// The largest.
+    pub worst_total_error: Option<f64>,
+    /// Largest error of a contact above a tenth of the largest total, as a share of its force.
+    pub worst_contact_error: Option<f64>,
+}
+
+impl Summary {
+    /// A grasp from its steps.
+    pub fn new(name: &str, scene: &GraspScene, steps: &[GraspStep], ended: &Ended) -> Summary {
+        let mut phases: Vec<(Phase, usize)> = Vec::new();
+        for step in steps {
+            match phases.last_mut() {
+                Some((phase, count)) if *phase == step.phase => *count += 1,
+                _ => phases.push((step.phase, 1)),
+            }
+        }
+        let held = steps.iter().filter(|step| step.support_force.norm() == 0.0);
+        let difference = |step: &GraspStep| {
+            let [left, right] = step.fingers.each_ref().map(|finger| finger.on_object.x.abs());
+            let larger = left.max(right);
+            (larger > 0.0).then(|| (left - right).abs() / larger)
+        };
+        let largest = |values: &mut dyn Iterator<Item = f64>| values.reduce(f64::max);
+        let grasp = scene.grasp();
+        let held_n = grasp.until_force_n.filter(|_| grasp.holds);
+        let motor_deg_per_s = grasp.frames_per_s.map(|_| grasp.motor_deg_per_s);
+        Summary {
+            name: name.to_owned(),
+            ended: ended.to_string(),
+            steps: steps.len(),
+            phases,
+            largest_total_n: largest_total_n(steps),
+            worst_imbalance: steps.iter().map(|step| step.imbalance).fold(0.0, f64::max),
+            left_right_difference: largest(&mut held.filter_map(difference)),
+            slid_mm: slid_mm(steps),
+            energy: steps.last().map_or(Account::default(), |step| step.energy),
+            largest_elastic_nmm: steps.iter().map(|step| step.energy.elastic_nmm).fold(0.0, f64::max),
+            sensed: SensedSummary {
+                by: scene.estimator().map_or("errors in all variables", EstimatorId::name),
+                ..sensed(steps)
+            },
+            closed_loop: held_n.and_then(|target_n| loop_figures(steps, target_n, motor_deg_per_s)),
+        }
+    }
+}
+
+/// From where the object was in the gripper when the way began.
+fn slid_mm(steps: &[GraspStep]) -> Option<f64> {
+    let begins = steps.iter().position(|step| step.phase == Phase::Lift)?;
+    let at = |step: &GraspStep| Vector::new(step.object[0], step.object[1]) - step.gripper_mm;
+    let from = at(&steps[begins.checked_sub(1)?]);
+    let carried = steps[begins..].iter().take_while(|step| matches!(step.phase, Phase::Lift | Phase::Carry));
+    carried.map(|step| (at(step) - from).norm()).reduce(f64::max)
+}
+
+fn largest_total_n(steps: &[GraspStep]) -> f64 {
+    steps.iter().flat_map(|step| &step.fingers).map(|finger| finger.total_n).fold(0.0, f64::max)
+}
+
+fn sensed(steps: &[GraspStep]) -> SensedSummary {
+    let counts_n = 0.1 * largest_total_n(steps);
+    let mut summary = SensedSummary::default();
+    let (mut errors, mut of_contacts) = (Vec::new(), Vec::new());
+    for finger in steps.iter().flat_map(|step| &step.fingers) {
+        let sensed = match &finger.sensed {
+            Ok(None) => continue,
+            Ok(Some(sensed)) => Some(sensed),
+            Err(_) => None,
+        };
+        summary.asked += 1;
+        let Some(sensed) = sensed else {
+            summary.refused += 1;
+            continue;
+        };
+        let within = |error: f64| usize::from(error.abs() <= TWO_SIDED_95);
+        summary.contacts += sensed.contacts.len();
+        summary.totals_within_95 += within(sensed.total.standardised_error());
+        for contact in &sensed.contacts {
+            summary.contacts_within_95 += within(contact.force.standardised_error());
+            if contact.force.true_n > counts_n {
+                of_contacts.push(contact.force.relative_error().abs());
+            }
+        }
+        if sensed.total.true_n > counts_n {
+            errors.push(sensed.total.relative_error().abs());
+        }
+    }
+    let count = errors.len() as f64;
+    summary.mean_total_error = (!errors.is_empty()).then(|| errors.iter().sum::<f64>() / count);
+    summary.worst_total_error = errors.into_iter().reduce(f64::max);
+    summary.worst_contact_error = of_contacts.into_iter().reduce(f64::max);
+    summary
+}

@@ -1,0 +1,303 @@
+//! The lattice: its error with the causes, its cost, and sensing of its shapes.
+
+use super::contact_scene::objects::Objects;
+use super::contact_scene::study::SceneStudy;
+use super::{Context, Evidence, ExperimentError};
+use crate::check::{Check, Comparison, Kind, worst};
+use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorId};
+use crate::lattice::accuracy::{FinenessRow, LoadGrid, study};
+use crate::lattice::causes::{self, AxialRow, SettlingRow};
+use crate::problems::lattice::{FINENESS, NEWTON};
+use crate::problems::{self, ProblemError};
+use crate::sampling::map::{AccuracyMap, Cell, MapRequest, accuracy_maps};
+use crate::settings::{Effort, MAP_FORCES_N};
+use crate::truths::{LatticeTruth, TruthId};
+use finray_lattice::settling::Precision;
+use finray_lattice::{Lattice, LatticeError};
+use finray_model::{Finger, Mesh};
+use std::collections::HashMap;
+use std::ops::RangeInclusive;
+
+/// Forces under which axial springs are compared, N; the first so small that rotations do not matter.
+const AXIAL_FORCES_N: [f64; 3] = [0.1, 2.0, 5.0];
+/// Finer lattices take many seconds to settle.
+const SETTLED_FINENESS: usize = 4;
+/// The lattice of the maps has four segments a member and is within 1.2e-4 of the displacements under 3 N; linear sensing turns a
+/// difference of shapes into one of forces of the same size where it is well conditioned, as for one force, and at most twice that.
+const MAP_TOLERANCE: f64 = 2.6e-4;
+/// The nonlinear estimator's model is the co-rotational finger on four elements a member, which is within 4e-4 under 3 N; the lattice's
+/// own coarseness comes on top.
+const NONLINEAR_TOLERANCE: f64 = 5.3e-4;
+
+/// All that is computed of the lattice for a report.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LatticeStudy {
+    /// Error and cost by fineness; settling only of the coarser ones in a full study.
+    pub rows: Vec<FinenessRow>,
+    /// Loads that the rows stand for, and those that settled for them.
+    pub loads: [LoadGrid; 2],
+    /// Axial springs of a beam and others, with [`FINENESS`] segments a member.
+    pub axial: Vec<AxialRow>,
+    /// Forces of the axial springs, N.
+    pub axial_forces_n: Vec<f64>,
+    /// Ways of settling, with [`FINENESS`] segments a member; none in a quick study.
+    pub settling: Vec<SettlingRow>,
+    /// Loads of the ways of settling.
+    pub settled: LoadGrid,
+    /// Largest force out of balance when the equilibrium's positions are rounded to single precision, as a share of the load.
+    pub out_of_balance: f64,
+    /// Checks of [`problems::lattice`]; none in a quick study.
+    pub problem_checks: Vec<Check>,
+    /// Differences that are expected; none in a quick study.
+    pub comparisons: Vec<Comparison>,
+    /// Force, N, and largest difference of linear beams from the lattice, as a share of the largest displacement; as the
+    /// comparisons.
+    pub linear: Vec<(f64, f64)>,
+    /// The lattice as it is sensed.
+    pub sensing: LatticeSensing,
+}
+
+/// Sensing from the lattice's displacements, without noise but for `others`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LatticeSensing {
+    /// By linear least squares.
+    pub least_squares: AccuracyMap,
+    /// By the nonlinear estimator, on fewer positions and directions.
+    pub nonlinear: AccuracyMap,
+    /// The same with noise, and ridge regression without and with it.
+    pub others: Vec<AccuracyMap>,
+    /// Least squares on the lattice against least squares on the co-rotational finger.
+    pub difference: MapDifference,
+}
+
+/// Difference of two maps without noise, over the cells that both have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MapDifference {
+    /// Cells that were compared.
+    pub cells: usize,
+    /// Largest difference of sensed / true.
+    pub largest: f64,
+    /// Cell of one map that has it.
+    pub at: Option<Cell>,
+    /// Cells with an equilibrium in one map alone.
+    pub in_one_alone: usize,
+}
+
+impl MapDifference {
+    /// Compares two maps.
+    pub fn of(ours: &AccuracyMap, theirs: &AccuracyMap) -> MapDifference {
+        let mut difference = MapDifference { cells: 0, largest: 0.0, at: None, in_one_alone: 0 };
+        let key = |cell: &Cell| [cell.s_mm, cell.angle_deg, cell.force_n].map(f64::to_bits);
+        let known: HashMap<_, _> = theirs.cells.iter().map(|cell| (key(cell), cell.bias)).collect();
+        for cell in &ours.cells {
+            match (cell.bias, known.get(&key(cell))) {
+                (Some(ours), Some(Some(theirs))) => {
+                    difference.cells += 1;
+                    let apart = (ours - theirs).abs();
+                    if difference.at.is_none() || apart > difference.largest || apart.is_nan() {
+                        (difference.largest, difference.at) = (apart, Some(*cell));
+                    }
+                }
+                (None, Some(Some(_))) | (Some(_), Some(None)) => difference.in_one_alone += 1,
+                _ => {}
+            }
+        }
+        difference
+    }
+}
+
+/// Effort: how much is computed.
+struct Extent {
+    finenesses: RangeInclusive<usize>,
+    /// Loads by fineness and for the axial springs: every how many nodes, and directions in degrees.
+    nodes: usize,
+    angles_deg: &'static [f64],
+    /// Positions along the front plate and degrees between two directions: for least squares, and for the nonlinear estimator.
+    /// Both divide those of the co-rotational finger's map.
+    maps: [(usize, f64); 2],
+}
+
+impl Extent {
+    fn of(effort: Effort) -> Extent {
+        match effort {
+            Effort::Quick => {
+                Extent { finenesses: 2..=4, nodes: 2, angles_deg: &[-60.0, 60.0], maps: [(12, 40.0), (12, 80.0)] }
+            }
+            Effort::Full => {
+                Extent { finenesses: 2..=6, nodes: 1, angles_deg: &[-60.0, 0.0, 60.0], maps: [(24, 20.0), (12, 20.0)] }
+            }
+        }
+    }
+}
+
+impl Evidence for LatticeStudy {
+    fn checks(&self, _: &Context) -> Vec<Check> {
+        self.checks()
+    }
+
+    fn comparisons(&self) -> Vec<Comparison> {
+        self.comparisons.clone()
+    }
+}
+
+/// The lattice of the paper's finger, beside the objects that are pressed: each settles for long on a single thread. `maps` has that of
+/// least squares on the co-rotational finger without noise.
+///
+/// # Errors
+/// [`ProblemError`] if a load has no equilibrium or a lattice does not settle; what is wrong with an object.
+pub fn run_beside_objects(
+    context: &Context,
+    maps: &[AccuracyMap],
+) -> Result<(Option<LatticeStudy>, Vec<SceneStudy>), ExperimentError> {
+    let of_beams = |map: &&AccuracyMap| {
+        map.truth == TruthId::Corotational && map.estimator == EstimatorId::LeastSquares && map.noise_mm == 0.0
+    };
+    let theirs = maps.iter().find(of_beams).filter(|_| context.is_paper);
+    let objects = Objects::of(context)?;
+    let steps = if theirs.is_some() { LatticeStudy::STEPS } else { 0 };
+    context.progress.part("lattice, objects", steps + objects.steps());
+    let noise_levels_mm = context.noise_levels_mm();
+    let settled = |theirs: &AccuracyMap| {
+        let noise = (&noise_levels_mm[..], context.effort.coarse_resolution().2);
+        LatticeStudy::run(context.finger, context.effort, theirs, noise, &|| context.progress.step())
+    };
+    let (lattice, scenes) = rayon::join(|| theirs.map(settled).transpose(), || objects.press(context.progress));
+    Ok((lattice?, scenes?))
+}
+
+impl LatticeStudy {
+    /// Steps of [`run`](LatticeStudy::run).
+    pub const STEPS: usize = 7;
+
+    /// Computes everything; `theirs` is the map of least squares on the co-rotational finger without noise, `noise` the
+    /// standard deviations of a coordinate (mm; the first is 0) and the number of samples of the maps.
+    ///
+    /// # Errors
+    /// [`ProblemError`] if a load has no equilibrium or the lattice does not settle.
+    pub fn run(
+        finger: &Finger,
+        effort: Effort,
+        theirs: &AccuracyMap,
+        noise: (&[f64], usize),
+        step: &(dyn Fn() + Sync),
+    ) -> Result<LatticeStudy, ProblemError> {
+        let full = effort == Effort::Full;
+        let extent = Extent::of(effort);
+        let full_grid = LoadGrid::full(finger);
+        let nodes = full_grid.nodes.iter().copied().step_by(extent.nodes).collect();
+        let all = LoadGrid { nodes, angles_deg: extent.angles_deg.to_vec(), ..full_grid };
+        let few = LoadGrid::few(finger);
+        // A load of middle size in the middle of the finger.
+        let middle = few.nodes[few.nodes.len() / 2];
+        let one = LoadGrid { nodes: vec![middle], angles_deg: vec![few.angles_deg[1]], forces_n: vec![2.0] };
+        let largest = few.forces_n.iter().copied().fold(0.0, f64::max);
+        // Near the tip sweeps converge worst.
+        let settled = LoadGrid { nodes: few.nodes[..1].to_vec(), forces_n: vec![largest], ..few };
+        let finenesses: Vec<usize> = extent.finenesses.clone().collect();
+
+        // Timed rows keep to one core while the others do the rest.
+        let settles = |fineness| (full && fineness <= SETTLED_FINENESS).then(|| one.clone());
+        let rows = || study(finger, &finenesses, &all, settles).inspect(|_| step());
+        let problem = || if full { problems::lattice::checks(finger).inspect(|_| step()) } else { Ok(Vec::new()) };
+        let settling = || -> Result<_, ProblemError> {
+            let lattice = Lattice::new(finger, FINENESS)?;
+            let rows = if full { causes::settling(&lattice, &settled)? } else { Vec::new() };
+            Ok((rows, causes::out_of_balance(&lattice, &settled, Precision::Single)?))
+        };
+        let (rows, (problem_checks, settling)) = rayon::join(rows, || rayon::join(problem, settling));
+        let (settling, out_of_balance) = settling?;
+        step();
+
+        let axial_grid = LoadGrid { forces_n: AXIAL_FORCES_N.to_vec(), ..all.clone() };
+        let axial = causes::axial(finger, FINENESS, &axial_grid)?;
+        step();
+        let comparisons = if full { problems::lattice::comparisons(finger)? } else { Vec::new() };
+        let linear = all.forces_n.iter().copied().zip(comparisons.iter().map(|comparison| comparison.ours)).collect();
+        step();
+        Ok(LatticeStudy {
+            rows: rows?,
+            loads: [all, one],
+            axial,
+            axial_forces_n: axial_grid.forces_n,
+            settling,
+            settled,
+            out_of_balance,
+            problem_checks: problem_checks?,
+            comparisons,
+            linear,
+            sensing: LatticeSensing::run(finger, &extent, theirs, noise, step)?,
+        })
+    }
+
+    /// All checks.
+    pub fn checks(&self) -> Vec<Check> {
+        let mut checks = self.problem_checks.clone();
+        checks.extend(self.sensing.checks());
+        checks
+    }
+}
+
+impl LatticeSensing {
+    fn run(
+        finger: &Finger,
+        extent: &Extent,
+        theirs: &AccuracyMap,
+        noise: (&[f64], usize),
+        step: &(dyn Fn() + Sync),
+    ) -> Result<LatticeSensing, LatticeError> {
+        let truth = LatticeTruth::new(finger)?;
+        let (noise_levels_mm, noise_samples) = noise;
+        let [linear, nonlinear] = extent.maps.map(|(positions, step_deg)| {
+            let (positions_mm, angles_deg) = MapRequest::grid(finger, positions, step_deg);
+            let (forces_n, noise_levels_mm) = (MAP_FORCES_N.to_vec(), noise_levels_mm.to_vec());
+            MapRequest { positions_mm, angles_deg, forces_n, noise_levels_mm, noise_samples, seed: 1 }
+        });
+        let map = |estimators: &[&dyn Estimator], request: &MapRequest| {
+            let maps = accuracy_maps(finger, &truth, estimators, request, &|| ());
+            step();
+            maps
+        };
+        let coarse = Mesh::key_nodes(finger);
+        let fine = Mesh::with_elements_per_member(finger, ELEMENTS);
+        // The first of each is without noise.
+        let mut linear = map(&[&BeamEstimator::least_squares(&coarse), &BeamEstimator::ridge(&coarse)], &linear);
+        let mut nonlinear = map(&[&BeamEstimator::nonlinear(&fine)], &nonlinear);
+        let (least_squares, exact) = (linear.remove(0), nonlinear.remove(0));
+        let difference = MapDifference::of(&least_squares, theirs);
+        linear.append(&mut nonlinear);
+        Ok(LatticeSensing { least_squares, nonlinear: exact, others: linear, difference })
+    }
+
+    /// The two maps without noise that are compared.
+    pub fn maps(&self) -> [&AccuracyMap; 2] {
+        [&self.least_squares, &self.nonlinear]
+    }
+
+    /// Every map.
+    pub fn all_maps(&self) -> impl Iterator<Item = &AccuracyMap> {
+        self.maps().into_iter().chain(&self.others)
+    }
+
+    /// Largest error of the nonlinear estimator; not a number where it does not answer.
+    pub fn nonlinear_error(&self) -> f64 {
+        worst(self.nonlinear.cells.iter().map(|cell| cell.mean_error.unwrap_or(f64::NAN)))
+    }
+
+    /// Checks that sensing errs on the lattice as on the co-rotational finger, and the nonlinear estimator hardly.
+    pub fn checks(&self) -> [Check; 3] {
+        let forces = MAP_FORCES_N.map(|force_n| force_n.to_string()).join(", ");
+        let name = |what: &str, cells: usize| format!("{what}, {forces} N, {cells} cells, no noise");
+        let MapDifference { cells, largest, in_one_alone, .. } = self.difference;
+        // Maps without a common cell show nothing.
+        let largest = if cells > 0 { largest } else { f64::NAN };
+        let map = name("map of least squares on the lattice against that on the co-rotational finger", cells);
+        let map = Kind::Internal.on(map, NEWTON);
+        let nonlinear = name("lattice sensed by the nonlinear estimator", self.nonlinear.cells.len());
+        let nonlinear = Kind::Internal.on(nonlinear, NEWTON);
+        [
+            map.vanishes("largest difference of sensed / true", largest, MAP_TOLERANCE),
+            map.counts("cells with an equilibrium in one alone", 0, in_one_alone),
+            nonlinear.vanishes("largest |sensed / true - 1|", self.nonlinear_error(), NONLINEAR_TOLERANCE),
+        ]
+    }
+}

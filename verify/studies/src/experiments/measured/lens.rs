@@ -1,0 +1,98 @@
+//! The camera taken for one without distortion: where an image's markers would then have been located.
+
+use finray_files::views::LocatedView;
+use finray_model::calibration::View;
+use finray_model::camera::{Camera, Pixel};
+use finray_model::measurement::{Marker, Measurement};
+use finray_model::{Scene, Vector};
+use nalgebra::{DMatrix, DVector, Isometry2, Point2, UnitComplex};
+
+/// Pixels across and down the image from which the camera without distortion is found, as from the holes of a board.
+const BOARD: [usize; 2] = [16, 10];
+
+/// From pixels to the plane z = 0 by a projective map, the best that there is for a board that fills the image.
+///
+/// # Reference
+/// Direct linear transformation (Hartley and Zisserman, Multiple View Geometry in Computer Vision, sec. 4.1), with pixels scaled to the image.
+struct Projective {
+    size_px: Vector,
+    entries: DVector<f64>,
+}
+
+impl Projective {
+    fn of(camera: &Camera) -> Option<Projective> {
+        let [width, height] = camera.lens.size_px().map(f64::from);
+        let size_px = Vector::new(width, height);
+        let [columns, rows] = BOARD;
+        let pixel = |i: usize| {
+            let share = |k: usize, of: usize| (k as f64 + 0.5) / of as f64;
+            Vector::new(width * share(i % columns, columns), height * share(i / columns, rows))
+        };
+        let board = (0..columns * rows).map(pixel);
+        let points: Vec<(Vector, Vector)> =
+            board.filter_map(|pixel| Some((pixel, camera.on_plane(&pixel, 0.0).ok()?))).collect();
+        let mut equations = DMatrix::zeros(2 * points.len(), 8);
+        let mut right = DVector::zeros(2 * points.len());
+        for (i, (pixel, point)) in points.iter().enumerate() {
+            let scaled = pixel.component_div(&size_px);
+            for k in 0..2 {
+                let row = 2 * i + k;
+                let of_point = [scaled.x, scaled.y, 1.0];
+                for (j, value) in of_point.into_iter().enumerate() {
+                    equations[(row, 3 * k + j)] = value;
+                }
+                equations[(row, 6)] = -point[k] * scaled.x;
+                equations[(row, 7)] = -point[k] * scaled.y;
+                right[row] = point[k];
+            }
+        }
+        let entries = equations.svd(true, true).solve(&right, f64::EPSILON).ok()?;
+        Some(Projective { size_px, entries })
+    }
+
+    fn on_plane(&self, pixel: &Pixel) -> Vector {
+        let at = pixel.component_div(&self.size_px);
+        let row = |i: usize| self.entries[i] * at.x + self.entries[i + 1] * at.y;
+        Vector::new(row(0) + self.entries[2], row(3) + self.entries[5]) / (row(6) + 1.0)
+    }
+}
+
+/// The image as a camera without distortion has it, where the scene's has one.
+pub(super) fn without_distortion(scene: &Scene, seen: &LocatedView) -> Option<LocatedView> {
+    let description = scene.camera?;
+    let camera = Camera { lens: description.lens, pose: description.pose? };
+    if camera.lens.distortion().to_opencv() == [0.0; 5] {
+        return None;
+    }
+    let projective = Projective::of(&camera)?;
+    let eye = camera.pose.eye();
+    let moved = |point: Vector, height_mm: f64| {
+        let pixel = camera.project(&point.push(height_mm)).ok()?;
+        Some(eye.xy() + (projective.on_plane(&pixel) - eye.xy()) * (1.0 - height_mm / eye.z))
+    };
+    // Marks on the base are seen no better than the rest.
+    let references = scene.base.as_ref().map_or(&[][..], |base| &base.references);
+    let marks = references.iter().map(|reference| {
+        let placed = (seen.base * Point2::from(reference.at)).coords;
+        Some((reference.at, moved(placed, reference.markers.height_mm)?))
+    });
+    let base = match marks.collect::<Option<Vec<_>>>()?[..] {
+        [(first, first_at), .., (last, last_at)] => {
+            let rotation = UnitComplex::rotation_between(&(last - first), &(last_at - first_at));
+            let middle = 0.5 * (first_at + last_at) - rotation * (0.5 * (first + last));
+            Isometry2::from_parts(middle.into(), rotation)
+        }
+        _ => seen.base,
+    };
+    let height_mm = scene.markers.map_or(0.0, |markers| markers.height_mm);
+    let view = &seen.view;
+    let markers = view.measurement.markers().iter().map(|marker| {
+        let rest = scene.finger.marker_position(marker.node);
+        let at = moved((seen.base * Point2::from(rest + marker.displacement)).coords, height_mm)?;
+        Some(Marker { displacement: (base.inverse() * Point2::from(at)).coords - rest, ..*marker })
+    });
+    let measurement = Measurement::new(&scene.finger, markers.collect::<Option<Vec<_>>>()?).ok()?;
+    let turned = base.rotation.inverse() * seen.base.rotation;
+    let view = View { measurement, force: view.force.map(|force| turned * force), ..view.clone() };
+    Some(LocatedView { base, view })
+}

@@ -1,0 +1,156 @@
+//! The shape under a load: every theory on every mesh, and lattices.
+
+use super::{SpeedErrorError, SpeedErrorPoint, Start, Task, TimedBy, mark_fronts, spread};
+use crate::check::worst;
+use crate::lattice::accuracy::{CONVERGED_ELEMENTS, difference};
+use crate::statistics::percentile;
+use finray_lattice::{Lattice, LatticeError};
+use finray_model::mesh::{FingerShape, Load};
+use finray_model::statics::{Statics, StaticsError, solve};
+use finray_model::{Finger, Kinematics, Mesh};
+use rayon::prelude::*;
+use std::time::Instant;
+
+/// Force of the loads that shapes are solved for, N.
+pub const SOLVED_N: f64 = 3.0;
+const SOLVED_ANGLES_DEG: [f64; 3] = [-40.0, 0.0, 40.0];
+
+/// Loads, with the reference's shapes.
+struct Solved {
+    loads: Vec<Load>,
+    reference: Vec<FingerShape>,
+}
+
+impl Solved {
+    /// A point from a way to solve.
+    fn point(
+        &self,
+        model: &str,
+        setting: String,
+        mut shape: impl FnMut(&Load) -> Option<FingerShape>,
+    ) -> SpeedErrorPoint {
+        let (mut seconds, mut errors) = (Vec::new(), Vec::new());
+        for (load, reference) in self.loads.iter().zip(&self.reference) {
+            let start = Instant::now();
+            let shape = shape(load);
+            let elapsed = start.elapsed().as_secs_f64();
+            if let Some(shape) = shape {
+                seconds.push(elapsed);
+                errors.push(difference(reference, &shape));
+            }
+        }
+        solved_point(model, setting, seconds, worst(errors), self.loads.len())
+    }
+}
+
+/// The point of a way to solve that took these times for the loads that it carried of so many; without any it has no error.
+pub fn solved_point(model: &str, setting: String, mut seconds: Vec<f64>, error: f64, asked: usize) -> SpeedErrorPoint {
+    SpeedErrorPoint {
+        task: Task::Solve,
+        model: model.to_owned(),
+        estimator: None,
+        setting,
+        start: Start::None,
+        seconds: percentile(&mut seconds, 50.0),
+        seconds_95: Some(percentile(&mut seconds, 95.0)),
+        preparation_seconds: None,
+        error: if seconds.is_empty() { f64::NAN } else { error },
+        bias_sigmas: None,
+        failed: asked - seconds.len(),
+        asked,
+        on_front: false,
+        timed_by: TimedBy::Report,
+    }
+}
+
+/// Beams on several meshes and lattices of several finenesses, each under [`SOLVED_N`] on `nodes` nodes of the finger, spread over the front
+/// plate, in three directions; errors against beams of [`CONVERGED_ELEMENTS`] elements a member. Nothing for a finger without such nodes.
+///
+/// # Errors
+/// [`SpeedErrorError`] if the reference has no equilibrium or a lattice cannot be built.
+pub fn solving(finger: &Finger, nodes: usize) -> Result<Vec<SpeedErrorPoint>, SpeedErrorError> {
+    let loads = solved_loads(finger, nodes);
+    if loads.is_empty() {
+        return Ok(Vec::new());
+    }
+    let fine = Mesh::with_elements_per_member(finger, CONVERGED_ELEMENTS);
+    let reference = loads.par_iter().map(|load| solve(&fine, &[*load], Kinematics::Corotational));
+    let reference = reference.collect::<Result<_, StaticsError>>()?;
+    let solved = Solved { loads, reference };
+    let mut points = Vec::new();
+    for Beams { model, setting, kinematics, mesh } in beams(finger) {
+        let mut statics = Statics::ladder(&mesh, kinematics);
+        points.push(solved.point(model, setting, |load| {
+            let load = mesh.frame_load(load).ok()?;
+            Some(mesh.shape(&statics.equilibrium(&[load]).ok()?.motion))
+        }));
+    }
+    for (setting, lattice) in lattices(finger)? {
+        points.push(solved.point(LATTICE, setting, |load| lattice.equilibrium(&[*load]).ok()));
+    }
+    // Settling takes a hundred times longer: one load is enough.
+    let one = Solved {
+        loads: solved.loads.into_iter().take(1).collect(),
+        reference: solved.reference.into_iter().take(1).collect(),
+    };
+    for fineness in [1, 2] {
+        let lattice = Lattice::new(finger, fineness)?;
+        let setting = bodies(&lattice);
+        points.push(one.point("spring lattice, rapier", setting, |load| Some(lattice.settle(&[*load]).ok()?.shape)));
+    }
+    mark_fronts(&mut points);
+    Ok(points)
+}
+
+/// Beams as they are timed.
+pub struct Beams {
+    /// Name of the model.
+    pub model: &'static str,
+    /// The mesh in words.
+    pub setting: String,
+    /// Theory.
+    pub kinematics: Kinematics,
+    /// The mesh.
+    pub mesh: Mesh,
+}
+
+/// Every theory on every mesh that is timed.
+pub fn beams(finger: &Finger) -> Vec<Beams> {
+    let theories = [
+        (Kinematics::Linear, "linear beams"),
+        (Kinematics::CorotationalChord, "co-rotational, strain of the chord"),
+        (Kinematics::Corotational, "co-rotational"),
+    ];
+    let on_meshes = |(kinematics, model)| {
+        // Linear frames are exact at the nodes: other meshes only cost more.
+        let elements: &[usize] = if kinematics == Kinematics::Linear { &[1] } else { &[1, 2, 4, 8] };
+        elements.iter().map(move |&elements| {
+            let mesh = Mesh::with_elements_per_member(finger, elements);
+            Beams { model, setting: format!("{} nodes", mesh.node_count()), kinematics, mesh }
+        })
+    };
+    theories.into_iter().flat_map(on_meshes).collect()
+}
+
+/// Name of the lattices that Newton's method solves.
+pub const LATTICE: &str = "spring lattice, Newton";
+
+/// Every lattice whose equilibrium is timed, after its setting in words.
+///
+/// # Errors
+/// [`LatticeError`] if one cannot be built.
+pub fn lattices(finger: &Finger) -> Result<Vec<(String, Lattice)>, LatticeError> {
+    let build = |fineness| Lattice::new(finger, fineness).map(|lattice| (bodies(&lattice), lattice));
+    [1, 2, 3, 4].into_iter().map(build).collect()
+}
+
+fn bodies(lattice: &Lattice) -> String {
+    format!("{} bodies", lattice.assembly().bodies.len())
+}
+
+/// The loads that shapes are timed under: [`SOLVED_N`] on `nodes` nodes along the front plate, in three directions.
+pub fn solved_loads(finger: &Finger, nodes: usize) -> Vec<Load> {
+    let directions =
+        |node| SOLVED_ANGLES_DEG.map(|angle_deg| Load::at_node(node, finger.direction(angle_deg) * SOLVED_N));
+    spread(finger, nodes).flat_map(directions).collect()
+}

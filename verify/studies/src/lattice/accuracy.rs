@@ -1,0 +1,220 @@
+//! Error of the lattice against converged beams, and its cost, by its fineness.
+
+use crate::check::worst;
+use finray_lattice::{Lattice, LatticeError};
+use finray_model::mesh::{FingerShape, Load};
+use finray_model::statics::{Statics, StaticsError};
+use finray_model::{Finger, Kinematics, Mesh, NodeId};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::time::Instant;
+
+/// Elements a member of the beam finger that counts as converged: twice as many change no displacement of the paper's finger
+/// under 5 N by more than 1e-6 of the largest.
+pub const CONVERGED_ELEMENTS: usize = 32;
+
+/// Loads under which lattice and beams are compared.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoadGrid {
+    /// Loaded nodes.
+    pub nodes: Vec<NodeId>,
+    /// Directions, degrees from the inward normal.
+    pub angles_deg: Vec<f64>,
+    /// Forces, N, growing.
+    pub forces_n: Vec<f64>,
+}
+
+impl LoadGrid {
+    /// All contact nodes but the tip, -60 to 60 degrees, 0.1 to 5 N.
+    pub fn full(finger: &Finger) -> LoadGrid {
+        LoadGrid {
+            nodes: finger.contact_nodes().skip(1).collect(),
+            angles_deg: (-4..=4).map(|i| 15.0 * f64::from(i)).collect(),
+            forces_n: vec![0.1, 0.5, 1.0, 2.0, 3.0, 5.0],
+        }
+    }
+
+    /// A few loads between those of the full grid, for what takes long.
+    pub fn few(finger: &Finger) -> LoadGrid {
+        let nodes: Vec<NodeId> = finger.contact_nodes().skip(1).collect();
+        let every = nodes.len().div_ceil(3).max(1);
+        LoadGrid {
+            nodes: nodes.into_iter().step_by(every).collect(),
+            angles_deg: vec![-50.0, 10.0],
+            forces_n: vec![2.0, 5.0],
+        }
+    }
+
+    /// Every node with every direction, as the shapes of a grid are ordered.
+    pub fn directions(&self) -> Vec<(NodeId, f64)> {
+        self.nodes.iter().flat_map(|&node| self.angles_deg.iter().map(move |&angle_deg| (node, angle_deg))).collect()
+    }
+}
+
+/// Shapes of the converged beam finger over a grid of loads: by node and direction, then force.
+///
+/// # Errors
+/// [`StaticsError`] if a load has no equilibrium.
+pub fn beam_shapes(
+    finger: &Finger,
+    grid: &LoadGrid,
+    kinematics: Kinematics,
+) -> Result<Vec<Vec<FingerShape>>, StaticsError> {
+    let mesh = Mesh::with_elements_per_member(finger, CONVERGED_ELEMENTS);
+    let shapes = |&(node, angle_deg): &(NodeId, f64)| {
+        let load = mesh.frame_load(&Load::at_node(node, finger.direction(angle_deg)))?;
+        let (equilibria, stopped) = Statics::ladder(&mesh, kinematics).path(&[load], &grid.forces_n);
+        match stopped {
+            Some(error) => Err(error),
+            None => Ok(equilibria.iter().map(|equilibrium| mesh.shape(&equilibrium.motion)).collect()),
+        }
+    };
+    grid.directions().par_iter().map(shapes).collect()
+}
+
+/// Shapes of least energy of a lattice over a grid of loads, like [`beam_shapes`].
+///
+/// # Errors
+/// [`LatticeError`] if a load has no equilibrium.
+pub fn lattice_shapes(lattice: &Lattice, grid: &LoadGrid) -> Result<Vec<Vec<FingerShape>>, LatticeError> {
+    let shapes = |&(node, angle_deg): &(NodeId, f64)| {
+        let load = Load::at_node(node, lattice.finger().direction(angle_deg));
+        match lattice.path(&[load], &grid.forces_n)? {
+            (shapes, None) => Ok(shapes),
+            (_, Some(lost)) => Err(LatticeError::NoEquilibrium { converged_fraction: lost.converged_fraction }),
+        }
+    };
+    grid.directions().par_iter().map(shapes).collect()
+}
+
+/// Largest difference of a key node's displacement between two shapes, as a share of the reference's largest.
+pub fn difference(reference: &FingerShape, other: &FingerShape) -> f64 {
+    let pairs = reference.motions().iter().zip(other.motions());
+    worst(pairs.map(|(a, b)| (a.displacement - b.displacement).norm())) / reference.largest_displacement_mm()
+}
+
+/// The largest [`difference`] over all nodes and directions, for each force.
+pub fn worst_by_force(reference: &[Vec<FingerShape>], other: &[Vec<FingerShape>], forces: usize) -> Vec<f64> {
+    let at = |force: usize| worst(reference.iter().zip(other).map(|(a, b)| difference(&a[force], &b[force])));
+    (0..forces).map(at).collect()
+}
+
+/// One fineness.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FinenessRow {
+    /// Segments in a plate member of mean length.
+    pub fineness: usize,
+    /// Number of rigid bodies.
+    pub bodies: usize,
+    /// Number of springs.
+    pub springs: usize,
+    /// Forces, N.
+    pub forces_n: Vec<f64>,
+    /// Largest difference of the lattice's equilibrium (Newton) from converged beams, as a share of the largest displacement,
+    /// for each force.
+    pub errors: Vec<f64>,
+    /// Mean time of a way through all the forces by Newton's method, ms, on one core.
+    pub newton_ms: f64,
+    /// Settling, if it was asked for.
+    pub settling: Option<SettlingCost>,
+}
+
+/// Error of a settled lattice against its own equilibrium, and its cost.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SettlingCost {
+    /// Largest difference of a settled lattice from its own equilibrium, as a share of the largest displacement.
+    pub error: f64,
+    /// Most steps to rest.
+    pub steps: usize,
+    /// Mean time under one load, ms, on one core.
+    pub ms: f64,
+}
+
+/// Why an accuracy study was not computed.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum AccuracyError {
+    /// The lattice.
+    #[error(transparent)]
+    Lattice(#[from] LatticeError),
+    /// The beams.
+    #[error(transparent)]
+    Beams(#[from] StaticsError),
+}
+
+/// Error and cost by fineness: Newton's method over the `grid`, settling over the loads of `settled` for each fineness that
+/// it names loads for.
+///
+/// Times are of one core: what is timed is computed one after the other, and hands nothing to other threads.
+///
+/// # Errors
+/// [`AccuracyError`] if a load has no equilibrium or a lattice does not settle.
+pub fn study(
+    finger: &Finger,
+    finenesses: &[usize],
+    grid: &LoadGrid,
+    settled: impl Fn(usize) -> Option<LoadGrid>,
+) -> Result<Vec<FinenessRow>, AccuracyError> {
+    let beams = beam_shapes(finger, grid, Kinematics::Corotational)?;
+    let row = |&fineness: &usize| {
+        let lattice = Lattice::new(finger, fineness)?;
+        let start = Instant::now();
+        let mut shapes = Vec::new();
+        for (node, angle_deg) in grid.directions() {
+            let (path, lost) = lattice.path(&[Load::at_node(node, finger.direction(angle_deg))], &grid.forces_n)?;
+            if let Some(lost) = lost {
+                return Err(LatticeError::NoEquilibrium { converged_fraction: lost.converged_fraction }.into());
+            }
+            shapes.push(path);
+        }
+        let newton_ms = 1e3 * start.elapsed().as_secs_f64() / shapes.len() as f64;
+        let settling = settled(fineness).map(|loads| settling_cost(&lattice, &loads)).transpose()?;
+        Ok(FinenessRow {
+            fineness,
+            bodies: lattice.assembly().bodies.len(),
+            springs: lattice.assembly().springs.len(),
+            forces_n: grid.forces_n.clone(),
+            errors: worst_by_force(&beams, &shapes, grid.forces_n.len()),
+            newton_ms,
+            settling,
+        })
+    };
+    finenesses.iter().map(row).collect()
+}
+
+fn settling_cost(lattice: &Lattice, loads: &LoadGrid) -> Result<SettlingCost, LatticeError> {
+    let equilibria = lattice_shapes(lattice, loads)?;
+    let settled = settled_shapes(lattice, loads)?;
+    let error = worst(worst_by_force(&equilibria, &settled.shapes, loads.forces_n.len()));
+    Ok(SettlingCost { error, steps: settled.steps, ms: settled.mean_ms })
+}
+
+/// Settled shapes over a grid of loads, and what they cost.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SettledGrid {
+    /// By node and direction, then force, like [`beam_shapes`].
+    pub shapes: Vec<Vec<FingerShape>>,
+    /// Most steps.
+    pub steps: usize,
+    /// Mean time, ms.
+    pub mean_ms: f64,
+}
+
+/// Settles a lattice under every load of a grid, one after the other.
+///
+/// # Errors
+/// [`LatticeError`] if it does not settle.
+pub fn settled_shapes(lattice: &Lattice, grid: &LoadGrid) -> Result<SettledGrid, LatticeError> {
+    let (mut steps, start) = (0, Instant::now());
+    let mut settle = |node, angle_deg, force_n: f64| {
+        let settled = lattice.settle(&[Load::at_node(node, lattice.finger().direction(angle_deg) * force_n)])?;
+        steps = steps.max(settled.steps);
+        Ok(settled.shape)
+    };
+    let mut shapes = Vec::new();
+    for (node, angle_deg) in grid.directions() {
+        let column = grid.forces_n.iter().map(|&force_n| settle(node, angle_deg, force_n));
+        shapes.push(column.collect::<Result<Vec<_>, LatticeError>>()?);
+    }
+    let count = (shapes.len() * grid.forces_n.len()).max(1);
+    Ok(SettledGrid { shapes, steps, mean_ms: 1e3 * start.elapsed().as_secs_f64() / count as f64 })
+}

@@ -1,0 +1,144 @@
+//! Causes of the lattice's error against beams: the same comparison with one property changed at a time.
+
+use super::accuracy::{AccuracyError, LoadGrid, beam_shapes, difference, lattice_shapes, worst_by_force};
+use crate::check::worst;
+use finray_lattice::energy::{BodyMotion, Energy};
+use finray_lattice::settling::{Precision, SWEEPS, Settling};
+use finray_lattice::springs::AxialSprings;
+use finray_lattice::{Lattice, LatticeError};
+use finray_model::mesh::{FingerShape, Load};
+use finray_model::{Finger, Kinematics, NodeId};
+use rayon::prelude::*;
+
+/// This many times stiffer, axial springs are as good as rigid: a hundred times more changes no displacement of the paper's finger
+/// by more than a thousandth.
+pub const AS_GOOD_AS_RIGID: f64 = 1e3;
+
+/// Axial springs that are tried, a beam's first.
+pub const AXIAL_SPRINGS: [(&str, AxialSprings); 4] = [
+    ("as a beam's", AxialSprings::OF_A_BEAM),
+    ("fixed at the segments' ends", AxialSprings { inset: 0.0, ..AxialSprings::OF_A_BEAM }),
+    ("a thousand times as stiff", AxialSprings { stiffness: AS_GOOD_AS_RIGID, ..AxialSprings::OF_A_BEAM }),
+    ("left out", AxialSprings { stiffness: 0.0, ..AxialSprings::OF_A_BEAM }),
+];
+
+/// The lattice with some axial springs against converged beams.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AxialRow {
+    /// The springs, in words.
+    pub name: &'static str,
+    /// The springs.
+    pub axial: AxialSprings,
+    /// Largest difference from converged beams for each force of the grid, as a share of the largest displacement; none where
+    /// a load has no stable equilibrium.
+    pub errors: Option<Vec<f64>>,
+}
+
+/// Compares the lattice with each of [`AXIAL_SPRINGS`] over a grid of loads.
+///
+/// # Errors
+/// [`AccuracyError`] if the beams have no equilibrium or no lattice can be built.
+pub fn axial(finger: &Finger, fineness: usize, grid: &LoadGrid) -> Result<Vec<AxialRow>, AccuracyError> {
+    let beams = beam_shapes(finger, grid, Kinematics::Corotational)?;
+    let row = |&(name, axial): &(&'static str, AxialSprings)| -> Result<AxialRow, AccuracyError> {
+        let lattice = Lattice::with_axial_springs(finger, fineness, axial)?;
+        let errors = match lattice_shapes(&lattice, grid) {
+            Ok(shapes) => Some(worst_by_force(&beams, &shapes, grid.forces_n.len())),
+            Err(LatticeError::NoEquilibrium { .. }) => None,
+            Err(error) => return Err(error.into()),
+        };
+        Ok(AxialRow { name, axial, errors })
+    };
+    AXIAL_SPRINGS.par_iter().map(row).collect()
+}
+
+/// Ways of settling that are tried: fewer sweeps than usual, the usual, more, and positions in single precision.
+pub const SETTLINGS: [(usize, Precision); 5] = [
+    (8, Precision::Double),
+    (16, Precision::Double),
+    (SWEEPS, Precision::Double),
+    (2 * SWEEPS, Precision::Double),
+    (SWEEPS, Precision::Single),
+];
+/// Steps after which a way of settling counts as one that does not settle: several times what the paper's finger takes.
+const MOST_STEPS: usize = 20_000;
+
+/// One way of settling against the lattice's own equilibrium.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SettlingRow {
+    /// Sweeps over the springs in a step.
+    pub sweeps: usize,
+    /// Precision of the positions.
+    pub positions: Precision,
+    /// Largest difference from the equilibrium over all loads, as a share of the largest displacement; none if a load does
+    /// not settle.
+    pub error: Option<f64>,
+    /// Most steps to rest; none if a load does not settle.
+    pub steps: Option<usize>,
+}
+
+/// Lets a lattice settle in each of [`SETTLINGS`] under all loads of a grid.
+///
+/// # Errors
+/// [`LatticeError`] if a load has no equilibrium.
+pub fn settling(lattice: &Lattice, grid: &LoadGrid) -> Result<Vec<SettlingRow>, LatticeError> {
+    let shapes = lattice_shapes(lattice, grid)?;
+    let directions = grid.directions();
+    let of_direction = |(at, column): (&(NodeId, f64), &Vec<FingerShape>)| {
+        let loads = grid.forces_n.iter().map(|&force_n| load(lattice.finger(), at, force_n));
+        loads.zip(column.clone()).collect::<Vec<_>>()
+    };
+    let cases: Vec<(Load, FingerShape)> = directions.iter().zip(&shapes).flat_map(of_direction).collect();
+    let row = |&(sweeps, positions): &(usize, Precision)| -> Result<SettlingRow, LatticeError> {
+        let settle = |(load, shape): &(Load, FingerShape)| {
+            let settled = lattice.settle_as(&[*load], Settling { sweeps, positions, most_steps: MOST_STEPS });
+            match settled {
+                Ok(settled) => Ok(Some((difference(shape, &settled.shape), settled.steps))),
+                Err(LatticeError::NotSettled { .. }) => Ok(None),
+                Err(error) => Err(error),
+            }
+        };
+        let settled: Vec<Option<(f64, usize)>> = cases.par_iter().map(settle).collect::<Result<_, _>>()?;
+        let all: Option<Vec<(f64, usize)>> = settled.into_iter().collect();
+        Ok(SettlingRow {
+            sweeps,
+            positions,
+            error: all.as_ref().map(|all| worst(all.iter().map(|(error, _)| *error))),
+            steps: all.and_then(|all| all.iter().map(|(_, steps)| *steps).max()),
+        })
+    };
+    SETTLINGS.par_iter().map(row).collect()
+}
+
+/// What rounding alone does to balance: the bodies of the equilibrium under each load of a grid, their positions and
+/// rotations rounded once, and the largest force then out of balance on a body, as a share of the load.
+///
+/// # Errors
+/// [`LatticeError`] if a load has no equilibrium.
+pub fn out_of_balance(lattice: &Lattice, grid: &LoadGrid, positions: Precision) -> Result<f64, LatticeError> {
+    let energy = Energy::new(lattice.assembly());
+    let share = |at: &(NodeId, f64), force_n: f64| -> Result<f64, LatticeError> {
+        let loads = lattice.body_loads(&[load(lattice.finger(), at, force_n)])?;
+        let mut motions = vec![BodyMotion::default(); lattice.assembly().bodies.len()];
+        energy
+            .follow(&mut motions, &loads, 0.0, 1.0)
+            .map_err(|lost| LatticeError::NoEquilibrium { converged_fraction: lost.converged_fraction })?;
+        for (motion, body) in motions.iter_mut().zip(&lattice.assembly().bodies) {
+            let position = (body.position + motion.displacement).map(|x| positions.round(x));
+            motion.displacement = position - body.position;
+            let (sine, cosine) = motion.rotation.sin_cos();
+            motion.rotation = positions.round(sine).atan2(positions.round(cosine));
+        }
+        let left = energy.expand(&motions, &loads, 1.0).gradient;
+        // Of each body's three, the moment is not a force.
+        Ok(worst(left.chunks(3).map(|body| body[0].hypot(body[1]))) / force_n)
+    };
+    let cases: Vec<_> =
+        grid.directions().into_iter().flat_map(|at| grid.forces_n.iter().map(move |&force_n| (at, force_n))).collect();
+    let shares: Vec<f64> = cases.par_iter().map(|(at, force_n)| share(at, *force_n)).collect::<Result<_, _>>()?;
+    Ok(worst(shares))
+}
+
+fn load(finger: &Finger, &(node, angle_deg): &(NodeId, f64), force_n: f64) -> Load {
+    Load::at_node(node, finger.direction(angle_deg) * force_n)
+}

@@ -1,0 +1,119 @@
+//! Reference problems: one short file each, with its source, its reference values and its tolerance.
+//!
+//! Every problem answers with [`Check`]s or [`Comparison`]s. The report shows them and the tests demand that they pass. To add one: its
+//! file, and a line of [`ALL`].
+
+pub mod elastic_line;
+pub mod elastica;
+pub mod energy_balance;
+pub mod full_circle;
+pub mod grid_convergence;
+pub mod gripper_camera;
+pub mod lattice;
+pub mod lee_frame;
+pub mod linkage;
+pub mod mujoco;
+pub mod opensees;
+pub mod refinement;
+pub mod rigid_rotation;
+pub mod tangent;
+pub mod toggle;
+
+use crate::check::{Check, Comparison};
+use crate::lattice::accuracy::AccuracyError;
+use finray_model::Finger;
+use finray_model::statics::StaticsError;
+use rayon::prelude::*;
+
+/// Every problem, in the order of the report. Those of the spring lattice, which take long, are part of
+/// [its study](crate::experiments::lattice).
+pub const ALL: &[Problem] = &[
+    elastica::PROBLEM,
+    full_circle::PROBLEM,
+    lee_frame::PROBLEM,
+    toggle::PROBLEM,
+    refinement::PROBLEM,
+    opensees::PROBLEM,
+    rigid_rotation::PROBLEM,
+    tangent::PROBLEM,
+    energy_balance::PROBLEM,
+    grid_convergence::PROBLEM,
+    mujoco::PROBLEM,
+    linkage::PROBLEM,
+    gripper_camera::PROBLEM,
+];
+
+/// A problem with a known answer.
+#[derive(Debug, Clone, Copy)]
+pub struct Problem {
+    /// The problem.
+    pub name: &'static str,
+    /// Whether there are reference values for a finger.
+    pub applies_to: fn(&Finger) -> bool,
+    /// Solves it.
+    pub solve: fn(&Finger) -> Result<Solved, ProblemError>,
+}
+
+/// Results of problems.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Solved {
+    /// Figures against references, with tolerances.
+    pub checks: Vec<Check>,
+    /// Figures beside others, where a difference is expected.
+    pub comparisons: Vec<Comparison>,
+}
+
+impl From<Vec<Check>> for Solved {
+    fn from(checks: Vec<Check>) -> Solved {
+        Solved { checks, comparisons: Vec::new() }
+    }
+}
+
+/// Solves [`ALL`] that apply to a finger, in parallel.
+///
+/// # Errors
+/// The first [`ProblemError`] in the order of [`ALL`].
+pub fn solve_all(finger: &Finger) -> Result<Solved, ProblemError> {
+    let applying = ALL.par_iter().with_max_len(1).filter(|problem| (problem.applies_to)(finger));
+    let solved: Vec<Solved> = applying.map(|problem| (problem.solve)(finger)).collect::<Result<_, _>>()?;
+    Ok(solved.into_iter().fold(Solved::default(), |mut all, one| {
+        all.checks.extend(one.checks);
+        all.comparisons.extend(one.comparisons);
+        all
+    }))
+}
+
+/// A reference problem that could not be computed at all.
+#[derive(Debug, thiserror::Error)]
+pub enum ProblemError {
+    /// A shipped reference file is not what it should be.
+    #[error("reference data: {0}")]
+    Reference(String),
+    /// The problem's own finger or frame has no solution.
+    #[error(transparent)]
+    Statics(#[from] StaticsError),
+    /// The finger's lattice has no equilibrium, or does not settle.
+    #[error(transparent)]
+    Lattice(#[from] finray_lattice::LatticeError),
+    /// A table exported from MuJoCo is not what it should be.
+    #[error(transparent)]
+    Export(#[from] crate::mujoco::ExportError),
+    /// The problem's own mesh cannot be made.
+    #[error(transparent)]
+    Mesh(#[from] finray_model::mesh::MeshSizeError),
+}
+
+impl From<AccuracyError> for ProblemError {
+    fn from(error: AccuracyError) -> ProblemError {
+        match error {
+            AccuracyError::Lattice(error) => error.into(),
+            AccuracyError::Beams(error) => error.into(),
+        }
+    }
+}
+
+impl From<csv::Error> for ProblemError {
+    fn from(error: csv::Error) -> ProblemError {
+        ProblemError::Reference(error.to_string())
+    }
+}

@@ -1,0 +1,286 @@
+//! The accuracy map: how wrong a single force is sensed, by its position on the front plate and its direction.
+//!
+//! Position and direction are known to the estimator; only the size of the force is sought. The error is
+//! |sensed / true - 1|, averaged over the forces and the noise samples of a cell.
+
+use crate::estimators::{Estimator, EstimatorId};
+use crate::sampling::sweep::{self, Grid, Sweep};
+use crate::settings::{GROSS_ERROR, TRUSTED_ERROR};
+use crate::truths::{Truth, TruthId};
+use finray_model::Finger;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::io::Read;
+
+/// Request of maps: the grid of the [`Sweep`] that they sum up, one map for each level of noise.
+pub type MapRequest = Grid;
+
+/// Results for one force at one position and direction.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Cell {
+    /// Position on the front plate, mm from the base.
+    pub s_mm: f64,
+    /// Direction, degrees from the inward normal, positive towards the tip.
+    pub angle_deg: f64,
+    /// True force, N.
+    pub force_n: f64,
+    /// Mean of |sensed / true - 1| over the noise samples that are answered; empty where the finger has no equilibrium or
+    /// more than half of the samples are refused.
+    pub mean_error: Option<f64>,
+    /// Mean of sensed / true - 1: what is wrong even without noise.
+    pub bias: Option<f64>,
+    /// Standard deviation of sensed / true over the noise.
+    pub spread: Option<f64>,
+    /// Noise samples that were drawn, a single one without noise; none where the finger has no equilibrium.
+    pub samples: usize,
+    /// Samples that were answered; the errors above are theirs.
+    pub answered: usize,
+    /// Answered samples with a warning; `None` if no standard deviation is stated.
+    pub warned: Option<usize>,
+    /// Answered samples without a warning of which the interval of 1.96 stated standard deviations holds the true force.
+    pub covered: Option<usize>,
+    /// The same of those with a warning.
+    pub covered_warned: Option<usize>,
+}
+
+/// Outcome of a cell, or of the same position and direction under several forces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum CellState {
+    /// At least half of the samples were answered.
+    Answered,
+    /// The finger bends, but the estimator refuses more than half of the samples: the few answers are no fair sample.
+    Refused,
+    /// The finger has no equilibrium under the force, so there is nothing to sense.
+    WithoutEquilibrium,
+}
+
+impl CellState {
+    /// For files.
+    pub fn name(self) -> &'static str {
+        match self {
+            CellState::Answered => "answered",
+            CellState::Refused => "refused",
+            CellState::WithoutEquilibrium => "no equilibrium",
+        }
+    }
+}
+
+impl Cell {
+    /// Outcome of the cell.
+    pub fn state(&self) -> CellState {
+        match (self.samples, self.mean_error) {
+            (0, _) => CellState::WithoutEquilibrium,
+            (_, None) => CellState::Refused,
+            (_, Some(_)) => CellState::Answered,
+        }
+    }
+
+    /// Whether its error is above a limit. A cell that is refused counts as above; one without equilibrium does not count at all: `None`.
+    pub fn is_above(&self, limit: f64) -> Option<bool> {
+        (self.state() != CellState::WithoutEquilibrium).then(|| self.mean_error.is_none_or(|error| error > limit))
+    }
+}
+
+impl From<&sweep::Cell> for Cell {
+    fn from(cell: &sweep::Cell) -> Cell {
+        let errors = cell.outcome.errors;
+        Cell {
+            s_mm: cell.s_mm,
+            angle_deg: cell.angle_deg,
+            force_n: cell.force_n,
+            mean_error: errors.map(|errors| errors.mean_error),
+            bias: errors.map(|errors| errors.bias),
+            spread: cell.spread(),
+            samples: cell.outcome.samples,
+            answered: cell.outcome.answered,
+            warned: cell.outcome.covered.map(|covered| covered.warned),
+            covered: cell.outcome.covered.map(|covered| covered.covered),
+            covered_warned: cell.outcome.covered.map(|covered| covered.covered_warned),
+        }
+    }
+}
+
+/// An accuracy map: cells by position, then direction, then force.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AccuracyMap {
+    /// The request.
+    pub request: MapRequest,
+    /// The true finger.
+    pub truth: TruthId,
+    /// The estimator.
+    pub estimator: EstimatorId,
+    /// Standard deviation of a measured coordinate, mm.
+    pub noise_mm: f64,
+    /// The cells.
+    pub cells: Vec<Cell>,
+}
+
+/// Computes a map for each estimator and noise level in parallel, position by position: by estimator, then noise. The result does
+/// not depend on the number of threads. `progress` is called once for every finished position and direction.
+pub fn accuracy_maps(
+    finger: &Finger,
+    truth: &dyn Truth,
+    estimators: &[&dyn Estimator],
+    request: &MapRequest,
+    progress: &(dyn Fn() + Sync),
+) -> Vec<AccuracyMap> {
+    let sweep = Sweep::new(finger, vec![truth], estimators.to_vec(), request);
+    let block = |number| {
+        let cells: Vec<Cell> = sweep.block(number).iter().map(Cell::from).collect();
+        progress();
+        cells
+    };
+    let blocks: Vec<Vec<Cell>> = (0..sweep.block_count()).into_par_iter().map(block).collect();
+    let (forces, levels) = (request.forces_n.len(), request.noise_levels_mm.len());
+    let map = |number: usize| AccuracyMap {
+        request: request.clone(),
+        truth: truth.id(),
+        estimator: estimators[number / levels].id(),
+        noise_mm: request.noise_levels_mm[number % levels],
+        cells: blocks.iter().flat_map(|block| &block[number * forces..][..forces]).copied().collect(),
+    };
+    (0..estimators.len() * levels).map(map).collect()
+}
+
+impl AccuracyMap {
+    /// CSV of the cells: `s_mm,angle_deg,force_n,mean_error,bias,spread,samples,answered,warned,covered,covered_warned`.
+    ///
+    /// # Errors
+    /// None in memory; the signature is the CSV writer's.
+    pub fn to_csv(&self) -> Result<String, csv::Error> {
+        finray_files::csv_text(&self.cells)
+    }
+
+    /// Reads the cells of the table of a sweep with one truth, estimator and level of noise, written as
+    /// [`Table::Map`](sweep::Table::Map).
+    ///
+    /// # Errors
+    /// [`csv::Error`] if the table is none.
+    pub fn from_csv(request: &sweep::Request, table: impl Read) -> Result<AccuracyMap, csv::Error> {
+        Ok(AccuracyMap {
+            cells: csv::Reader::from_reader(table).into_deserialize().collect::<Result<_, _>>()?,
+            truth: request.truths.first().copied().unwrap_or(TruthId::Corotational),
+            estimator: request.estimators.first().copied().unwrap_or(EstimatorId::LeastSquares),
+            noise_mm: request.grid.noise_levels_mm.first().copied().unwrap_or(0.0),
+            request: request.grid.clone(),
+        })
+    }
+
+    /// Mean error by direction, then position: of one force, or over all forces. `None` where a force has no equilibrium.
+    pub fn errors(&self, force_n: Option<f64>) -> Vec<Vec<Option<f64>>> {
+        self.values(force_n, |cell| cell.mean_error)
+    }
+
+    /// A quantity by direction, then position: of one force, or its mean over all forces. `None` where a force has none.
+    pub fn values(&self, force_n: Option<f64>, of: impl Fn(&Cell) -> Option<f64>) -> Vec<Vec<Option<f64>>> {
+        let forces = self.request.forces_n.len();
+        let (positions, angles) = (self.request.positions_mm.len(), self.request.angles_deg.len());
+        let cell = |position: usize, angle: usize| {
+            let first = (position * angles + angle) * forces;
+            let values: Option<Vec<f64>> = self.cells[first..first + forces]
+                .iter()
+                .filter(|cell| force_n.is_none_or(|f| f == cell.force_n))
+                .map(&of)
+                .collect();
+            values.filter(|v| !v.is_empty()).map(|v| v.iter().sum::<f64>() / v.len() as f64)
+        };
+        (0..angles).map(|angle| (0..positions).map(|position| cell(position, angle)).collect()).collect()
+    }
+
+    /// The cells of a coarser grid, whose positions and directions are all among this map's; others are left out.
+    pub fn thinned(&self, positions_mm: &[f64], angles_deg: &[f64]) -> AccuracyMap {
+        let kept = |all: &[f64], wanted: &[f64]| all.iter().copied().filter(|x| wanted.contains(x)).collect::<Vec<_>>();
+        let request = MapRequest {
+            positions_mm: kept(&self.request.positions_mm, positions_mm),
+            angles_deg: kept(&self.request.angles_deg, angles_deg),
+            ..self.request.clone()
+        };
+        let on_grid = |cell: &&Cell| positions_mm.contains(&cell.s_mm) && angles_deg.contains(&cell.angle_deg);
+        AccuracyMap { request, cells: self.cells.iter().filter(on_grid).copied().collect(), ..self.clone() }
+    }
+
+    /// The cells of one force, or of all, grouped by position and direction: a group is a cell of the map.
+    fn groups(&self, force_n: Option<f64>) -> impl Iterator<Item = impl Iterator<Item = &Cell> + Clone> {
+        let wanted = move |cell: &&Cell| force_n.is_none_or(|f| f == cell.force_n);
+        self.cells.chunks(self.request.forces_n.len().max(1)).map(move |group| group.iter().filter(wanted))
+    }
+
+    /// Summary of the map, of one force or of the mean over all. Over all forces, a cell is without equilibrium if one force has
+    /// none, and refused if one force is.
+    pub fn summary(&self, force_n: Option<f64>) -> MapSummary {
+        let errors = self.errors(force_n);
+        let known: Vec<f64> = errors.iter().flatten().flatten().copied().collect();
+        let states: Vec<CellState> = self.groups(force_n).filter_map(|group| group.map(Cell::state).max()).collect();
+        let count = |state| states.iter().filter(|found| **found == state).count();
+        let (refused, without_equilibrium) = (count(CellState::Refused), count(CellState::WithoutEquilibrium));
+        let share = |limit: f64| {
+            let above = refused + known.iter().filter(|error| **error > limit).count();
+            ratio(above, states.len() - without_equilibrium)
+        };
+        let bent = || self.groups(force_n).flatten();
+        let samples: usize = bent().map(|cell| cell.samples).sum();
+        let answered_samples: usize = bent().map(|cell| cell.answered).sum();
+        MapSummary {
+            truth: self.truth,
+            estimator: self.estimator,
+            noise_mm: self.noise_mm,
+            forces_n: force_n.map_or_else(|| self.request.forces_n.clone(), |f| vec![f]),
+            cells: states.len(),
+            answered: count(CellState::Answered),
+            refused,
+            without_equilibrium,
+            mean_error: (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64),
+            largest_error: known.iter().copied().reduce(f64::max),
+            share_above_10: share(TRUSTED_ERROR),
+            share_above_25: share(GROSS_ERROR),
+            share_of_samples_refused: ratio(samples - answered_samples, samples),
+        }
+    }
+}
+
+/// A share; `None` of nothing.
+fn ratio(part: usize, all: usize) -> Option<f64> {
+    (all > 0).then(|| part as f64 / all as f64)
+}
+
+/// A map in a few figures. A mean over answered cells says nothing without how many were refused: print [`counts`](MapSummary::counts)
+/// beside it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MapSummary {
+    /// The true finger.
+    pub truth: TruthId,
+    /// The estimator.
+    pub estimator: EstimatorId,
+    /// Standard deviation of a measured coordinate, mm.
+    pub noise_mm: f64,
+    /// Forces that the errors are averaged over, N.
+    pub forces_n: Vec<f64>,
+    /// Number of cells: positions times directions.
+    pub cells: usize,
+    /// Cells that were answered: see [`CellState`].
+    pub answered: usize,
+    /// Cells that the estimator refused.
+    pub refused: usize,
+    /// Cells in which a force has no equilibrium; they count in none of the figures below.
+    pub without_equilibrium: usize,
+    /// Mean of |sensed / true - 1| over the answered cells; `None` if there is none.
+    pub mean_error: Option<f64>,
+    /// Largest error of an answered cell.
+    pub largest_error: Option<f64>,
+    /// Share of the cells with an equilibrium that err by more than 10 % or are refused; `None` if no cell has an equilibrium.
+    pub share_above_10: Option<f64>,
+    /// The same for 25 %.
+    pub share_above_25: Option<f64>,
+    /// Share of all noise samples that the estimator refused, also in cells that count as answered.
+    pub share_of_samples_refused: Option<f64>,
+}
+
+impl MapSummary {
+    /// The counts that belong beside every mean and share, in words.
+    pub fn counts(&self) -> String {
+        format!(
+            "{} cells: {} answered, {} refused, {} without equilibrium",
+            self.cells, self.answered, self.refused, self.without_equilibrium
+        )
+    }
+}

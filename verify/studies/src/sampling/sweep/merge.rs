@@ -1,0 +1,147 @@
+//! Shards put together again.
+
+use super::request::lines_of_head;
+use super::{Head, Request, Shard};
+use finray_files::FileError;
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufRead, BufReader, Cursor, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+
+/// All shards of one request; nothing but their heads is in memory.
+#[derive(Debug)]
+pub struct Shards {
+    request: Request,
+    /// Files, and where their rows begin, by the shard's number.
+    files: BTreeMap<usize, (PathBuf, u64)>,
+}
+
+/// Why shards cannot be merged.
+#[derive(Debug, thiserror::Error)]
+pub enum MergeError {
+    /// A file cannot be read, is no whole shard, stands there twice or belongs to another request.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// Some are not there.
+    #[error("incomplete: of {of} shards, {found} were given; missing: {missing}")]
+    Missing {
+        /// Numbers of the first few, from 1.
+        missing: String,
+        /// How many there are.
+        found: usize,
+        /// How many there should be.
+        of: usize,
+    },
+    /// No file was given.
+    #[error("no shard was given")]
+    Nothing,
+}
+
+/// Missing shards that a message names.
+const NAMED: usize = 10;
+
+impl Shards {
+    /// Checks that files are the shards of one request: all of them, each once and whole.
+    ///
+    /// # Errors
+    /// [`MergeError`] naming the first file that is wrong, or what is missing.
+    pub fn open(paths: &[PathBuf]) -> Result<Shards, MergeError> {
+        let first = paths.first().ok_or(MergeError::Nothing)?;
+        let (request, Shard { of, .. }, _) = whole_shard(first)?;
+        let mut files: BTreeMap<usize, (PathBuf, u64)> = BTreeMap::new();
+        for path in paths {
+            let (theirs, shard, rows_at) = whole_shard(path)?;
+            let foreign = |what: &str| {
+                let message = format!("is no part of the table that {} belongs to: another {what}", first.display());
+                Err(FileError::content(path, message).into())
+            };
+            if let Some(what) = request.difference(&theirs) {
+                return foreign(what);
+            }
+            if shard.of != of {
+                return foreign(&format!("number of shards ({} instead of {of})", shard.of));
+            }
+            if let Some((other, _)) = files.insert(shard.number, (path.clone(), rows_at)) {
+                let message = format!("is shard {shard}, as is {}: each is needed once", other.display());
+                return Err(FileError::content(path, message).into());
+            }
+        }
+        if files.len() < of {
+            let numbers = (1..=of).filter(|number| !files.contains_key(number)).map(|number| number.to_string());
+            let mut missing = numbers.take(NAMED).collect::<Vec<_>>().join(", ");
+            if of - files.len() > NAMED {
+                missing += ", ...";
+            }
+            return Err(MergeError::Missing { missing, found: files.len(), of });
+        }
+        Ok(Shards { request, files })
+    }
+
+    /// Their request.
+    pub fn request(&self) -> &Request {
+        &self.request
+    }
+
+    /// The whole table with its header, read shard by shard.
+    pub fn table(&self) -> impl Read + '_ {
+        let header = Cursor::new(self.request.table.header());
+        header.chain(Rows { rest: self.files.values(), open: None })
+    }
+}
+
+/// Request and share of a shard, and where its rows begin.
+fn whole_shard(path: &Path) -> Result<(Request, Shard, u64), FileError> {
+    let unreadable = |reason| FileError::Unreadable { path: path.to_owned(), reason };
+    let no_shard = || FileError::content(path, "is no shard: expected a file that was written with --shard I/N");
+    let mut reader = BufReader::new(File::open(path).map_err(unreadable)?);
+    // A file that is no text has no head either.
+    let lines = lines_of_head(&mut reader).or_else(|error| match error.kind() {
+        std::io::ErrorKind::InvalidData => Ok(String::new()),
+        _ => Err(unreadable(error)),
+    })?;
+    let head = Head::from_lines(&lines).ok_or_else(no_shard)?;
+    let shard = head.shard.ok_or_else(no_shard)?;
+    let header = head.request.table.header().as_bytes();
+    let mut begin = Vec::new();
+    reader.by_ref().take(header.len() as u64).read_to_end(&mut begin).map_err(unreadable)?;
+    let (mut rows, mut last) = (0, b'\n');
+    loop {
+        let bytes = reader.fill_buf().map_err(unreadable)?;
+        let Some(&end) = bytes.last() else { break };
+        rows += bytes.iter().filter(|byte| **byte == b'\n').count();
+        last = end;
+        let read = bytes.len();
+        reader.consume(read);
+    }
+    if begin != header || rows != head.row_count() || last != b'\n' {
+        let message = format!(
+            "is not a whole shard {shard}: expected {} rows, found {rows}; give its run the same command again",
+            head.row_count()
+        );
+        return Err(FileError::content(path, message));
+    }
+    Ok((head.request, shard, (lines.len() + header.len()) as u64))
+}
+
+/// The rows of shards one after the other, one file open at a time: there may be more of them than a process may open.
+struct Rows<'s> {
+    rest: std::collections::btree_map::Values<'s, usize, (PathBuf, u64)>,
+    open: Option<File>,
+}
+
+impl Read for Rows<'_> {
+    fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
+        loop {
+            if let Some(file) = &mut self.open {
+                let read = file.read(into)?;
+                if read > 0 || into.is_empty() {
+                    return Ok(read);
+                }
+            }
+            let Some((path, rows_at)) = self.rest.next() else { return Ok(0) };
+            let mut file = File::open(path)?;
+            file.seek(SeekFrom::Start(*rows_at))?;
+            self.open = Some(file);
+        }
+    }
+}

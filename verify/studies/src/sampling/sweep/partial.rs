@@ -1,0 +1,152 @@
+//! A table that is being written, row by row, beside its final path.
+
+use super::Head;
+use super::request::lines_of_head;
+use finray_files::{FileError, write_from};
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+/// The file `OUT.partial`: a [`Head`], the table's header and the rows of finished blocks.
+///
+/// A run that was stopped leaves it behind, perhaps with half a row at the end; the next run with the same request drops
+/// what is no whole block and goes on. It is locked while a run writes it.
+#[derive(Debug)]
+pub struct Partial {
+    out: PathBuf,
+    path: PathBuf,
+    file: File,
+    head: Head,
+    /// Where the table's header begins.
+    table_at: u64,
+    blocks_done: usize,
+}
+
+impl Partial {
+    /// Begins the file, or resumes a run of the same request.
+    ///
+    /// # Errors
+    /// [`FileError::Content`] for a file of another request, or one that another run is writing;
+    /// [`FileError::Unwritable`].
+    pub fn open(out: &Path, head: Head) -> Result<Partial, FileError> {
+        let mut path = out.as_os_str().to_owned();
+        path.push(".partial");
+        let path = PathBuf::from(path);
+        let unwritable = |reason| FileError::Unwritable { path: path.clone(), reason };
+        if out.is_dir() {
+            let reason = std::io::ErrorKind::IsADirectory.into();
+            return Err(FileError::Unwritable { path: out.to_owned(), reason });
+        }
+        let text = head.to_text().map_err(|error| unwritable(std::io::Error::other(error)))?;
+        let mut file =
+            OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path).map_err(unwritable)?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                return Err(FileError::content(&path, "another run is writing it: wait for it, or give another --out"));
+            }
+            Err(TryLockError::Error(reason)) => return Err(unwritable(reason)),
+        }
+        let mut begin = Vec::new();
+        (&file).take(text.len() as u64).read_to_end(&mut begin).map_err(unwritable)?;
+        let blocks_done = if begin == text.as_bytes() {
+            keep_whole_blocks(&mut file, text.len() as u64, head.request.rows_in_block()).map_err(unwritable)?
+        } else if text.as_bytes().starts_with(&begin) {
+            // Stopped before a row was written, or new.
+            file.set_len(0).map_err(unwritable)?;
+            file.rewind().and_then(|()| file.write_all(text.as_bytes())).map_err(unwritable)?;
+            0
+        } else {
+            return Err(FileError::content(&path, of_another_request(&mut file, &head)));
+        };
+        let table_at = (text.len() - head.request.table.header().len()) as u64;
+        Ok(Partial { out: out.to_owned(), path, file, head, table_at, blocks_done })
+    }
+
+    /// Blocks whose rows are there, of those of the head's shard.
+    pub fn blocks_done(&self) -> usize {
+        self.blocks_done
+    }
+
+    /// Writes the rows of the next blocks.
+    ///
+    /// # Errors
+    /// [`FileError::Unwritable`]; what is not written yet can be once there is room.
+    pub fn append(&mut self, blocks: usize, rows: &str) -> Result<(), FileError> {
+        // In one call: a run that is killed leaves whole rows, if the system can.
+        self.file
+            .write_all(rows.as_bytes())
+            .map_err(|reason| FileError::Unwritable { path: self.path.clone(), reason })?;
+        self.blocks_done += blocks;
+        Ok(())
+    }
+
+    /// The table so far, with its header.
+    ///
+    /// # Errors
+    /// [`FileError::Unreadable`].
+    pub fn table(&mut self) -> Result<impl Read + '_, FileError> {
+        let unreadable = |reason| FileError::Unreadable { path: self.path.clone(), reason };
+        self.file.seek(SeekFrom::Start(self.table_at)).map_err(unreadable)?;
+        Ok(BufReader::new(&self.file))
+    }
+
+    /// Puts the table at its path, with other files beside it, all or none; a shard keeps its head.
+    ///
+    /// # Errors
+    /// [`FileError`], with the rows kept for another try.
+    pub fn finish(mut self, beside: &[(PathBuf, String)]) -> Result<(), FileError> {
+        let unreadable = |reason| FileError::Unreadable { path: self.path.clone(), reason };
+        let from = if self.head.shard.is_some() { 0 } else { self.table_at };
+        self.file.seek(SeekFrom::Start(from)).map_err(unreadable)?;
+        let mut texts: Vec<&[u8]> = beside.iter().map(|(_, text)| text.as_bytes()).collect();
+        let mut sources: Vec<(&Path, &mut dyn Read)> = vec![(&self.out, &mut self.file)];
+        sources.extend(beside.iter().zip(&mut texts).map(|((path, _), text)| (path.as_path(), text as &mut dyn Read)));
+        write_from(sources)?;
+        // Should it stay, the next run finds all rows in it.
+        std::fs::remove_file(&self.path).map_err(|reason| FileError::Unwritable { path: self.path.clone(), reason })
+    }
+}
+
+/// Cuts off what stands after the last whole block, and leaves the file's cursor there.
+fn keep_whole_blocks(file: &mut File, rows_at: u64, rows_in_block: usize) -> std::io::Result<usize> {
+    file.seek(SeekFrom::Start(rows_at))?;
+    let mut reader = BufReader::new(&*file);
+    let (mut rows, mut at, mut whole_to) = (0, rows_at, rows_at);
+    loop {
+        let bytes = reader.fill_buf()?;
+        if bytes.is_empty() {
+            break;
+        }
+        for byte in bytes {
+            at += 1;
+            if *byte == b'\n' {
+                rows += 1;
+                if rows % rows_in_block == 0 {
+                    whole_to = at;
+                }
+            }
+        }
+        let read = bytes.len();
+        reader.consume(read);
+    }
+    file.set_len(whole_to)?;
+    file.seek(SeekFrom::Start(whole_to))?;
+    Ok(rows / rows_in_block)
+}
+
+/// Error text for a file with another head.
+fn of_another_request(file: &mut File, head: &Head) -> String {
+    let theirs = file.rewind().and_then(|()| lines_of_head(&mut BufReader::new(&*file)));
+    let difference = match theirs.ok().and_then(|lines| Head::from_lines(&lines)) {
+        None => "or is no table at all".to_owned(),
+        Some(theirs) if theirs.shard != head.shard => "another --shard".to_owned(),
+        Some(theirs) => match theirs.request.difference(&head.request) {
+            Some(what) => format!("another {what}"),
+            None => "with other columns".to_owned(),
+        },
+    };
+    format!(
+        "stands in the way: it was begun with another request ({difference}); move it, delete it, or give another --out"
+    )
+}

@@ -1,0 +1,19 @@
+//! Sentences as templates: what is said stands in a file beside the code, which computes the numbers.
+
+use minijinja::{Environment, UndefinedBehavior};
+
+/// Templates by name, with filters for numbers: `plain` as they are, `fixed` with so many decimals. A number that a template lacks is an
+/// error.
+///
+/// # Errors
+/// [`minijinja::Error`] for what is no template.
+pub fn templates(texts: impl IntoIterator<Item = (String, String)>) -> Result<Environment<'static>, minijinja::Error> {
+    let mut templates = Environment::new();
+    templates.set_undefined_behavior(UndefinedBehavior::Strict);
+    templates.add_filter("plain", |value: f64| value.to_string());
+    templates.add_filter("fixed", |value: f64, decimals: usize| format!("{value:.decimals$}"));
+    for (name, text) in texts {
+        templates.add_template_owned(name, text)?;
+    }
+    Ok(templates)
+}

@@ -1,0 +1,53 @@
+//! The finger as rigid bodies and springs.
+
+use super::{Truth, TruthId, TruthRow};
+use finray_lattice::{Lattice, LatticeError};
+use finray_model::mesh::FingerShape;
+use finray_model::sensing::Contact;
+use finray_model::{Finger, Mesh};
+
+pub(super) const ROW: TruthRow = TruthRow {
+    name: "lattice",
+    label: "lattice",
+    help: "The finger as rigid bodies and springs, four segments between two key nodes, in the shape of least energy: the engine \
+           settles in the same within 0.05 %, in seconds instead of milliseconds",
+    kinematics: None,
+    is_far_from_corotational: false,
+    has_study: true,
+    mesh: |finger| Ok(Mesh::key_nodes(finger)),
+    on: |mesh| Ok(Box::new(LatticeTruth::new(mesh.finger())?)),
+};
+
+/// Segments in a member of a plate between two key nodes. The paper's finger is then within 0.01 % of converged beams under 2 N
+/// and within 0.04 % under 5 N.
+const FINENESS: usize = 4;
+
+/// A lattice in equilibrium.
+///
+/// Its shapes are those of least energy, by Newton's method, which takes milliseconds; the engine settles in the same shapes
+/// within 0.05 %, but takes seconds for each.
+#[derive(Debug, Clone)]
+pub struct LatticeTruth {
+    lattice: Lattice,
+}
+
+impl LatticeTruth {
+    /// Builds the lattice of a finger.
+    ///
+    /// # Errors
+    /// [`LatticeError`] if the finger has more ribs than a lattice can be built for.
+    pub fn new(finger: &Finger) -> Result<LatticeTruth, LatticeError> {
+        Ok(LatticeTruth { lattice: Lattice::new(finger, FINENESS)? })
+    }
+}
+
+impl Truth for LatticeTruth {
+    fn id(&self) -> TruthId {
+        TruthId::Lattice
+    }
+
+    fn shapes(&self, contact: &Contact, forces_n: &[f64]) -> Vec<FingerShape> {
+        let load = contact.unit_load(self.lattice.finger());
+        self.lattice.path(&[load], forces_n).map(|(shapes, _)| shapes).unwrap_or_default()
+    }
+}
