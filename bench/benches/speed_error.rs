@@ -51,7 +51,7 @@ fn shapes(criterion: &mut Criterion) {
 fn forces(criterion: &mut Criterion) {
     let finger = paper();
     let truth = fine_mesh(&finger).expect("a mesh of many nodes");
-    let shipped = Networks::shipped().expect("networks that ship");
+    let shipped = Networks::read(&finray_fixtures::NETWORKS).expect("networks that ship");
     let network = NetworkSensing { networks: &shipped, finger: &finger, refuses: true };
     let network =
         TimedEstimator { estimator: Box::new(network), setting: "shipped networks".to_owned(), start: Start::None };

@@ -5,8 +5,9 @@ mod views;
 
 pub use factors::{FactorEstimate, FactorModel, Unknown, factors};
 pub use views::{
-    BaseCompliance, ForceError, FoundQuantity, FoundView, Outlier, OutlierKind, Quantity, Sought, View, ViewError,
-    ViewEstimate, ViewModel, compliance_of, friction_of, views,
+    BaseCompliance, ForceError, FoundQuantity, FoundView, FrictionQuestion, LocatedView, Outlier, OutlierKind,
+    Quantity, RigEstimate, RigQuestion, SceneValue, Sought, View, ViewError, ViewEstimate, ViewModel, calibrate_rig,
+    compliance_of, friction_of, views,
 };
 
 use crate::Kinematics;

@@ -6,11 +6,13 @@ mod estimate;
 mod lean;
 mod linear;
 mod linearisation;
+mod measured_contacts;
 pub mod network;
 mod nonlinear;
 mod object;
 mod pad;
 mod residual_test;
+mod response;
 
 pub use contact::{Contact, ContactPosition, ContactQuestion, Direction, check_contacts};
 pub use error::SensingError;
@@ -18,10 +20,12 @@ pub use estimate::{Estimate, ModelError, Warning};
 pub use lean::{Lean, Normal};
 pub use linear::{LinearEstimator, Prior};
 pub use linearisation::Linearisation;
+pub use measured_contacts::{ContactKnowledge, MeasuredContact, MeasuredContactForces, sense_measured_contacts};
 pub use nonlinear::{Discretisation, NonlinearEstimate, NonlinearEstimator, sense_refining};
 pub use object::{Meeting, NotConvex, ObjectShape, TouchedObject};
 pub use pad::Pad;
 pub use residual_test::{ResidualTest, SIGNIFICANCE};
+pub use response::{ContactForce, RespondingFinger, Response, marker_coordinates};
 
 /// Largest span of the scaled singular values at which forces are still identifiable.
 pub const LARGEST_SPAN: f64 = 1e8;

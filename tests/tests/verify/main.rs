@@ -55,6 +55,7 @@ mod lattice {
     mod settling;
 }
 mod mujoco;
+mod one_sensor;
 mod problems {
     mod closed_forms;
     mod lattice;

@@ -1,7 +1,6 @@
 //! Input and output: scenes, displacements and measurements as text, results as whole files.
 #![forbid(unsafe_code)]
 
-mod clamped;
 mod images;
 mod networks;
 mod origin;
@@ -11,6 +10,7 @@ pub mod table;
 
 pub mod displacements;
 pub mod measurements;
+pub mod observations;
 pub mod views;
 
 pub use images::{image_name, load_image, to_png};

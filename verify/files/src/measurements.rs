@@ -1,10 +1,10 @@
 //! Measured shapes under known loads: what `calibrate` reads.
 
 use super::FileError;
-use super::clamped::Clamped;
 use super::table::Table;
 use finray_model::calibration::CalibrationCase;
 use finray_model::measurement::{Marker, Measurement};
+use finray_model::observation::LargestClampedMotion;
 use finray_model::{Finger, Load, Mesh, Vector};
 use std::path::Path;
 
@@ -20,7 +20,7 @@ pub fn load(path: &Path, finger: &Finger, noise_mm: Option<f64>) -> Result<Vec<C
     let mut cases: Vec<CalibrationCase> = Vec::new();
     let moved = |row| Ok(Vector::new(table.number(row, 5)?, table.number(row, 6)?));
     let all = table.rows().iter().map(moved).collect::<Result<Vec<_>, FileError>>()?;
-    let clamped = Clamped::new(finger, noise_mm, all.iter().copied());
+    let clamped = LargestClampedMotion::of(noise_mm, all.iter().copied());
     for (row, displacement) in table.rows().iter().zip(all) {
         let force = Vector::new(table.number(row, 2)?, table.number(row, 3)?);
         let load = Load::at_node(table.node(row, 1)?, force);
@@ -36,8 +36,9 @@ pub fn load(path: &Path, finger: &Finger, noise_mm: Option<f64>) -> Result<Vec<C
             return Err(table.wrong(row, format!("case {name}: expected the load of the case's first row again")));
         }
         let node = table.node(row, 4)?;
-        if !clamped.holds(node, displacement, &table, row)? {
-            let marker = Marker { node, displacement, weight: 1.0 };
+        let marker = Marker { node, displacement, weight: 1.0 };
+        clamped.check(finger, &marker).map_err(|error| table.wrong(row, error))?;
+        if !finger.clamped_nodes().contains(&node) {
             case.measurement.add(finger, marker).map_err(|error| table.wrong(row, error))?;
         }
     }

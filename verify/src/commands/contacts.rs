@@ -1,10 +1,11 @@
 //! The contacts of a command line, at nodes and at positions.
 
-use super::parse::{AskedContact, AskedDirection, contact_at_node, contact_at_position};
+use super::parse::{AskedContact, contact_at_node, contact_at_position};
 use super::{Failure, bad_input};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
-use finray_model::scene::TouchedDescription;
-use finray_model::sensing::{ContactQuestion, Direction, Lean, Normal};
+use finray_model::Scene;
+use finray_model::sensing::{ContactQuestion, MeasuredContact};
+use finray_model::sensor::SensorContacts;
 
 const AT_NODES: &str = "contact";
 const AT_POSITIONS: &str = "contact-at";
@@ -13,38 +14,28 @@ const AT_POSITIONS: &str = "contact-at";
 pub struct Contacts(Vec<AskedContact>);
 
 impl Contacts {
-    /// The contacts with the friction that is known of them, and the object that they touch.
+    /// The contacts with what a scene knows of friction and object. Either all or none have standard deviations; of those that do, forces lie within the cone
+    /// of `friction`.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where a direction is that of friction or of an object and none is known.
-    pub fn with(
-        &self,
-        friction: Option<Lean>,
-        object: Option<&TouchedDescription>,
-    ) -> Result<Vec<ContactQuestion>, Failure> {
-        let question = |asked: &AskedContact| {
-            let direction = match asked.direction {
-                AskedDirection::Itself(direction) => direction,
-                AskedDirection::Friction => Direction::Leaning(friction.ok_or_else(|| {
-                    bad_input(
-                        "a direction is `friction`: expected friction or friction_range in the scene's table contact",
-                    )
-                })?),
-                AskedDirection::Object => {
-                    let object = object.ok_or_else(|| {
-                        bad_input("a direction is `object`: expected a table contact.object in the scene")
-                    })?;
-                    // Of an object that may be anywhere nothing is known but that the plate runs along it.
-                    let from = match object.place {
-                        Some(_) => Normal::Object,
-                        None => Normal::Deformed { over_mm: 0.0 },
-                    };
-                    Direction::Leaning(Lean { from, ..friction.unwrap_or(Lean::NONE) })
-                }
+    /// [`Failure::BadInput`] where a direction is that of friction or of an object and none is known, or some contacts have standard deviations and others
+    /// do not.
+    pub fn of(&self, scene: &Scene, friction: f64) -> Result<SensorContacts, Failure> {
+        let measured: Vec<MeasuredContact> = self.0.iter().filter_map(AskedContact::measured).collect();
+        if !measured.is_empty() {
+            return match measured.len() == self.0.len() {
+                true => Ok(SensorContacts::Measured { contacts: measured, friction }),
+                false => Err(bad_input("expected all contacts with standard deviations (+-), or none")),
             };
+        }
+        if friction > 0.0 {
+            return Err(bad_input("--friction is for contacts with standard deviations (+-)"));
+        }
+        let question = |asked: &AskedContact| {
+            let direction = asked.direction.of_scene(scene).map_err(bad_input)?;
             Ok(ContactQuestion { position: asked.position, direction })
         };
-        self.0.iter().map(question).collect()
+        self.0.iter().map(question).collect::<Result<_, Failure>>().map(SensorContacts::Asked)
     }
 }
 
@@ -54,13 +45,13 @@ impl Args for Contacts {
         command
             .arg(
                 list(AT_NODES)
-                    .value_name("NODE[@ANGLE_DEG|normal|friction|object|auto]")
+                    .value_name("NODE[@ANGLE_DEG[+-SD]|normal|friction|object|auto]")
                     .value_parser(contact_at_node)
                     .help("Contact at a node of the front plate, tip included"),
             )
             .arg(
                 list(AT_POSITIONS)
-                    .value_name("S_MM|auto[@ANGLE_DEG|normal|friction|object|auto]")
+                    .value_name("S_MM[+-SD]|auto[@ANGLE_DEG[+-SD]|normal|friction|object|auto]")
                     .value_parser(contact_at_position)
                     .help("Contact at a position along the front plate, mm from its base, or at an unknown one"),
             )

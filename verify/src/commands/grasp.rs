@@ -1,7 +1,7 @@
 //! `finray grasp`
 
 use super::cameras::camera_and_markers;
-use super::parse::not_negative;
+use super::parse::{listed, not_negative};
 use super::{Failure, progress};
 use clap::value_parser;
 use finray_figures::FigureError;
@@ -72,7 +72,7 @@ pub struct Arguments {
     blur_px: f64,
     /// Sense with an estimator of `finray sense` instead: contacts are then what they are read as, without friction, which sigma_n does
     /// not allow for; the network takes forces for normal to the undeformed plate
-    #[arg(long, value_name = "E", value_enum)]
+    #[arg(long, value_name = "E", value_parser = listed::<EstimatorId>())]
     estimator: Option<EstimatorId>,
     /// Seed of the noise
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -102,7 +102,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let mut grasp = GraspScene::new(&scene, &corners).map_err(bad)?.with_fineness(arguments.fineness.into());
     if let Some(estimator) = arguments.estimator {
-        grasp = grasp.with_estimator(estimator, Networks::shipped()?);
+        grasp = grasp.with_estimator(estimator, Networks::read(&finray_fixtures::NETWORKS)?);
     }
     let noise_mm = arguments.noise_mm.or(scene.noise_mm).unwrap_or(0.0);
     let eyes = if arguments.images {

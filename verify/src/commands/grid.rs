@@ -65,7 +65,7 @@ pub fn run(arguments: &GridArguments, table: Table, candidates: &Candidates) -> 
         Some(path) => {
             load_network_and_digest(path).map(|(network, digest)| (Networks::of(vec![network]), Some(digest)))?
         }
-        None => (Networks::shipped()?, None),
+        None => (Networks::read(&finray_fixtures::NETWORKS)?, None),
     };
     let truth_meshes = candidates.truths.iter().map(|id| id.mesh(finger)).collect::<Result<Vec<_>, _>>()?;
     let truths = candidates.truths.iter().zip(&truth_meshes).map(|(id, mesh)| id.on(mesh));

@@ -2,12 +2,12 @@
 
 use super::cameras::{camera_and_markers, camera_of, markers_of};
 use super::{Failure, bad_input, not_both_from_standard_input};
-use finray_files::{FileError, csv_text, image_name, is_standard_stream, load_image, load_scene, write_text};
-use finray_imaging::locate::{Located, Locator, LocatorError, Rest, RimLocator, SeenBase};
+use finray_files::{FileError, image_name, is_standard_stream, load_image, load_scene, observations, write_text};
+use finray_imaging::locate::{Observer, ObserverError};
+use finray_model::Scene;
+use finray_model::observation::Observation;
 use finray_model::scene::MarkerLook;
-use finray_model::{Finger, NodeId, Scene, Vector};
 use rayon::prelude::*;
-use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// Residual of the pose at rest, px, beyond which more than the noise of an image and a lens that was found is in it.
@@ -54,19 +54,6 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-#[derive(Serialize)]
-struct Row {
-    image: String,
-    node: usize,
-    u_px: f64,
-    v_px: f64,
-    x_mm: f64,
-    y_mm: f64,
-    ux_mm: f64,
-    uy_mm: f64,
-    sigma_mm: f64,
-}
-
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let inputs = || arguments.image.iter().chain(&arguments.rest);
     for image in inputs() {
@@ -76,132 +63,59 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(bad_input("two images cannot both be -: standard input can be read only once"));
     }
     let scene = load_scene(&arguments.scene)?;
-    camera_of(&arguments.scene, &scene)?;
-    let table = match markers_of(&arguments.scene, &scene)?.look {
-        MarkerLook::Coloured { .. } => csv_text(by_colour(arguments, &scene)?)?,
-        MarkerLook::Grey { .. } if scene.base.is_some() => csv_text(by_rims(arguments, &scene)?)?,
-        MarkerLook::Grey { .. } => csv_text(by_rims(arguments, &scene)?.into_iter().map(|(row, _)| row))?,
+    let observer = observer(arguments, &scene)?;
+    // Unless markers are tracked, each image is read by itself.
+    let observed: Vec<Observation> = if observer.is_tracking() {
+        let mut observer = observer;
+        arguments.image.iter().map(|path| observed(&mut observer, path)).collect::<Result<_, _>>()?
+    } else {
+        let images = arguments.image.par_iter();
+        images.map_init(|| observer.clone(), |observer, path| observed(observer, path)).collect::<Result<_, _>>()?
     };
-    Ok(write_text(&arguments.out, &table)?)
-}
-
-fn refused(path: &Path, error: &dyn std::fmt::Display) -> Failure {
-    Failure::from(FileError::Content { path: path.to_owned(), message: error.to_string() })
-}
-
-fn row(image: &str, seen: &Located, (from, from_sd_mm): (Vector, f64)) -> Row {
-    let Located { node, pixel, position, sd_mm } = *seen;
-    Row {
-        image: image.to_owned(),
-        node: node.0,
-        u_px: pixel.x,
-        v_px: pixel.y,
-        x_mm: position.x,
-        y_mm: position.y,
-        ux_mm: position.x - from.x,
-        uy_mm: position.y - from.y,
-        sigma_mm: sd_mm.hypot(from_sd_mm),
-    }
-}
-
-/// Where a marker is without load, mm, with its standard deviation: where an image of the finger at rest has it, or the scene.
-fn at_rest(finger: &Finger, rest: Option<&[Located]>, node: NodeId) -> (Vector, f64) {
-    let seen = rest.unwrap_or_default().iter().find(|marker| marker.node == node);
-    seen.map_or((finger.marker_position(node), 0.0), |marker| (marker.position, marker.sd_mm))
-}
-
-fn by_colour(arguments: &Arguments, scene: &Scene) -> Result<Vec<Row>, Failure> {
-    let finger = &scene.finger;
-    let rest = match &arguments.rest {
-        None => None,
-        Some(path) => {
-            let markers = markers_of(&arguments.scene, scene)?;
-            let image = load_image(path)?;
-            let (lens, pose) = camera_of(&arguments.scene, scene)?;
-            let rest = Rest::of(finger, &lens, pose, &markers, &image).map_err(|error| refused(path, &error))?;
-            if rest.residual_sd_px > SURE_REST_PX {
-                eprintln!(
-                    "warning: {}: the markers are {:.1} px rms from those of the scene's unloaded finger: a load that is on it already is missing in \
-                     every force that is sensed; markers that are off their nodes are allowed for",
-                    path.display(),
-                    rest.residual_sd_px
-                );
-            }
-            Some(rest)
-        }
-    };
-    let (camera, markers) = match &rest {
-        Some(rest) => (rest.camera, markers_of(&arguments.scene, scene)?),
-        None => camera_and_markers(&arguments.scene, scene)?,
-    };
-    let located_at_rest = rest.as_ref().map(|rest| rest.located.as_slice());
-    let mut locator = Locator::new(finger, &camera, &markers).map_err(cannot_locate)?;
-    let mut rows = Vec::new();
-    for path in &arguments.image {
-        let image = load_image(path)?;
-        let found = locator.track(&image).map_err(|error| refused(path, &error))?;
-        let name = image_name(path);
-        rows.extend(found.iter().map(|seen| row(&name, seen, at_rest(finger, located_at_rest, seen.node))));
-    }
-    Ok(rows)
-}
-
-/// Where the base is, repeated on each row of its image.
-#[derive(Serialize, Clone, Copy)]
-struct BaseRow {
-    base_x_mm: f64,
-    base_y_mm: f64,
-    base_deg: f64,
-    base_sigma_mm: f64,
-    base_sigma_deg: f64,
-    marker_sigma_mm: f64,
-}
-
-impl BaseRow {
-    /// The base of an image, beside one of its markers.
-    fn beside(base: &SeenBase, row: &Row) -> BaseRow {
-        let shared_mm = base.sd_at(&Vector::new(row.x_mm, row.y_mm));
-        // Errors of the middle of the references and of the turn about it move the origin.
-        let arm_mm = base.middle.norm() / std::f64::consts::SQRT_2;
-        BaseRow {
-            base_x_mm: base.pose.translation.x,
-            base_y_mm: base.pose.translation.y,
-            base_deg: base.pose.rotation.angle().to_degrees(),
-            base_sigma_mm: base.sd_mm.hypot(base.sd_rad * arm_mm),
-            base_sigma_deg: base.sd_rad.to_degrees(),
-            marker_sigma_mm: (row.sigma_mm * row.sigma_mm - shared_mm * shared_mm).sqrt(),
-        }
-    }
-}
-
-fn by_rims(arguments: &Arguments, scene: &Scene) -> Result<Vec<(Row, BaseRow)>, Failure> {
-    let finger = &scene.finger;
-    let (camera, markers) = camera_and_markers(&arguments.scene, scene)?;
-    let locator = RimLocator::new(finger, &camera, &markers, scene.base.as_ref()).map_err(cannot_locate)?;
-    let seen = |path: &Path| locator.locate(&load_image(path)?).map_err(|error| refused(path, &error));
-    let rest = arguments.rest.as_deref().map(seen).transpose()?;
-    let located_at_rest = rest.as_ref().map(|rest| rest.located.as_slice());
-    // Each image by itself.
-    let found = arguments.image.par_iter().map(|path| seen(path)).collect::<Result<Vec<_>, _>>()?;
-    let mut rows = Vec::new();
-    for (path, found) in arguments.image.iter().zip(found) {
-        let name = image_name(path);
-        if !found.base.is_known {
+    for (path, seen) in arguments.image.iter().zip(&observed) {
+        if seen.base.is_some_and(|base| !base.is_known) {
             eprintln!(
                 "warning: {}: two references on the base were not found, so the finger frame is only about where the ribs have it: \
                  displacements are to be used where the base is sought with the forces, as `finray sense` does",
                 path.display()
             );
         }
-        rows.extend(found.located.iter().map(|seen| {
-            let row = row(&name, seen, at_rest(finger, located_at_rest, seen.node));
-            let base = BaseRow::beside(&found.base, &row);
-            (row, base)
-        }));
     }
-    Ok(rows)
+    Ok(write_text(&arguments.out, &observations::to_csv(&observed)?)?)
 }
 
-fn cannot_locate(error: LocatorError) -> Failure {
-    bad_input(error)
+/// The scene's locator, with the image of the unloaded finger.
+fn observer<'s>(arguments: &Arguments, scene: &'s Scene) -> Result<Observer<'s>, Failure> {
+    let path = &arguments.scene;
+    // What the scene lacks is said before an image is read.
+    camera_of(path, scene)?;
+    let markers = markers_of(path, scene)?;
+    let pose_is_sought = arguments.rest.is_some() && matches!(markers.look, MarkerLook::Coloured { .. });
+    if !pose_is_sought {
+        camera_and_markers(path, scene)?;
+    }
+    let image = arguments.rest.as_deref().map(load_image).transpose()?;
+    let observer = Observer::new(scene, image.as_ref()).map_err(|error| match (&error, &arguments.rest) {
+        (ObserverError::Rest(_) | ObserverError::GreyRest(_), Some(path)) => refused(path, &error),
+        _ => bad_input(error),
+    })?;
+    if let (Some(residual_px), Some(path)) = (observer.rest_residual_px(), &arguments.rest)
+        && residual_px > SURE_REST_PX
+    {
+        eprintln!(
+            "warning: {}: the markers are {residual_px:.1} px rms from those of the scene's unloaded finger: a load that is on it already is missing in \
+             every force that is sensed; markers that are off their nodes are allowed for",
+            path.display()
+        );
+    }
+    Ok(observer)
+}
+
+fn observed(observer: &mut Observer, path: &Path) -> Result<Observation, Failure> {
+    let seen = observer.observe(&load_image(path)?).map_err(|error| refused(path, &error))?;
+    Ok(Observation { image: image_name(path), ..seen })
+}
+
+fn refused(path: &Path, error: &dyn std::fmt::Display) -> Failure {
+    Failure::from(FileError::Content { path: path.to_owned(), message: error.to_string() })
 }

@@ -2,7 +2,7 @@
 
 use super::Failure;
 use super::grid::{Candidates, GridArguments, run as run_grid};
-use super::parse::not_negative;
+use super::parse::{listed, not_negative};
 use finray_studies::estimators::EstimatorId;
 use finray_studies::sampling::sweep::Table;
 use finray_studies::truths::TruthId;
@@ -33,10 +33,10 @@ pub struct Arguments {
     #[command(flatten)]
     grid: GridArguments,
     /// The true finger
-    #[arg(long, value_enum, default_value_t = TruthId::Corotational)]
+    #[arg(long, value_parser = listed::<TruthId>(), default_value_t = TruthId::Corotational)]
     truth: TruthId,
     /// The estimator
-    #[arg(long, value_enum, default_value_t = EstimatorId::LeastSquares)]
+    #[arg(long, value_parser = listed::<EstimatorId>(), default_value_t = EstimatorId::LeastSquares)]
     estimator: EstimatorId,
     /// Standard deviation of one measured coordinate, mm; the scene's camera table if not given, else none
     #[arg(long, value_name = "S", value_parser = not_negative)]

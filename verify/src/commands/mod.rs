@@ -30,6 +30,7 @@ use finray_files::{FileError, is_standard_stream};
 use finray_lattice::LatticeError;
 use finray_model::sensing::SensingError;
 use finray_model::sensing::network::NetworkError;
+use finray_model::sensor::Refusal;
 use finray_model::statics::StaticsError;
 use finray_studies::estimators::EstimatorError;
 use finray_studies::truths::{NotExported, TruthError, TwinError};
@@ -167,6 +168,15 @@ impl From<EstimatorError> for Failure {
             | EstimatorError::Mesh(_)
             | EstimatorError::NotKnown
             | EstimatorError::NoPad => bad_input(error),
+        }
+    }
+}
+
+impl From<Refusal> for Failure {
+    fn from(refusal: Refusal) -> Failure {
+        match refusal {
+            Refusal::Estimator(inner) => inner.into(),
+            other => bad_input(other),
         }
     }
 }

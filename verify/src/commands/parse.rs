@@ -1,6 +1,9 @@
 //! The small languages of the command line: loads, contacts, plain numbers.
 
-use finray_model::sensing::{ContactPosition, Direction};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use finray_model::registry::Listed;
+use finray_model::sensing::{Contact, ContactPosition, Direction, MeasuredContact};
+use finray_model::sensor::AskedDirection;
 use finray_model::{NodeId, Vector};
 
 /// `NODE:FX,FY[,M]`.
@@ -100,31 +103,62 @@ pub fn motor_angles(text: &str) -> Result<MotorAngles, String> {
 pub struct AskedContact {
     /// Where; `None` if that is asked too.
     pub position: Option<ContactPosition>,
+    /// Standard deviation of the position, mm, where it was measured.
+    pub position_sd_mm: Option<f64>,
     pub direction: AskedDirection,
+    /// Standard deviation of the direction, degrees, where it was measured.
+    pub direction_sd_deg: Option<f64>,
 }
 
-/// A direction that says all, or one that the friction or the object of the scene completes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum AskedDirection {
-    Itself(Direction),
-    Friction,
-    Object,
+impl AskedContact {
+    /// The contact, where position or direction has a standard deviation.
+    pub fn measured(&self) -> Option<MeasuredContact> {
+        let is_measured = self.position_sd_mm.or(self.direction_sd_deg).is_some();
+        match (self.position, self.direction) {
+            (Some(position), AskedDirection::Itself(Direction::Angle(angle_deg))) if is_measured => {
+                Some(MeasuredContact {
+                    contact: Contact { position, angle_deg },
+                    direction_sd_rad: self.direction_sd_deg.unwrap_or_default().to_radians(),
+                    position_sd_mm: self.position_sd_mm.unwrap_or_default(),
+                })
+            }
+            _ => None,
+        }
+    }
+}
+
+/// The names of an enum as values of an option.
+pub fn listed<T: Listed>() -> impl TypedValueParser<Value = T> {
+    let values = T::ALL.iter().map(|value| PossibleValue::new(value.name()).help(value.help()));
+    PossibleValuesParser::new(values).try_map(|name: String| {
+        T::ALL.iter().copied().find(|value| value.name() == name).ok_or_else(|| format!("no such value: {name}"))
+    })
+}
+
+/// A number with a standard deviation behind `+-`, where there is one.
+fn with_deviation(text: &str) -> Result<(f64, Option<f64>), String> {
+    match text.split_once("+-") {
+        None => Ok((finite(text)?, None)),
+        Some((value, sd)) => Ok((finite(value)?, Some(positive(sd)?))),
+    }
 }
 
 /// Beyond it an angle says the same as a smaller one, and is more likely no angle in degrees.
 const FULL_TURN_DEG: f64 = 360.0;
 
-/// Direction after an `@`: degrees, `normal`, `friction`, `object` or `auto`; 0 degrees without one.
-fn direction(text: Option<&str>) -> Result<AskedDirection, String> {
+/// Direction after an `@` with its standard deviation, degrees, if it has one: an angle, `normal`, `friction`, `object` or `auto`; 0 degrees without one.
+fn direction(text: Option<&str>) -> Result<(AskedDirection, Option<f64>), String> {
     let direction = match text.map(str::trim) {
         None => Direction::Angle(0.0),
         Some("normal") => Direction::NORMAL,
         Some("auto") => Direction::Auto,
-        Some("friction") => return Ok(AskedDirection::Friction),
-        Some("object") => return Ok(AskedDirection::Object),
-        Some(number) => match finite(number) {
-            Ok(angle_deg) if angle_deg.abs() <= FULL_TURN_DEG => Direction::Angle(angle_deg),
-            Ok(angle_deg) => {
+        Some("friction") => return Ok((AskedDirection::Friction, None)),
+        Some("object") => return Ok((AskedDirection::Object, None)),
+        Some(number) => match with_deviation(number) {
+            Ok((angle_deg, sd_deg)) if angle_deg.abs() <= FULL_TURN_DEG => {
+                return Ok((AskedDirection::Itself(Direction::Angle(angle_deg)), sd_deg));
+            }
+            Ok((angle_deg, _)) => {
                 return Err(format!(
                     "expected an angle from -{FULL_TURN_DEG} to {FULL_TURN_DEG} degrees, found {angle_deg}"
                 ));
@@ -135,23 +169,29 @@ fn direction(text: Option<&str>) -> Result<AskedDirection, String> {
             }
         },
     };
-    Ok(AskedDirection::Itself(direction))
+    Ok((AskedDirection::Itself(direction), None))
 }
 
-/// `NODE[@ANGLE_DEG|normal|friction|object|auto]`.
+/// `NODE[@ANGLE_DEG[+-SD]|normal|friction|object|auto]`.
 pub fn contact_at_node(text: &str) -> Result<AskedContact, String> {
     let (position, towards) = split_at_sign(text);
-    Ok(AskedContact { position: Some(ContactPosition::Node(node(position)?)), direction: direction(towards)? })
+    let (direction, direction_sd_deg) = direction(towards)?;
+    let position = Some(ContactPosition::Node(node(position)?));
+    Ok(AskedContact { position, position_sd_mm: None, direction, direction_sd_deg })
 }
 
-/// `S_MM[@ANGLE_DEG|normal|friction|object|auto]`, or `auto` for the position.
+/// `S_MM[+-SD][@ANGLE_DEG[+-SD]|normal|friction|object|auto]`, or `auto` for the position.
 pub fn contact_at_position(text: &str) -> Result<AskedContact, String> {
     let (position, towards) = split_at_sign(text);
-    let position = match position.trim() {
-        "auto" => None,
-        number => Some(ContactPosition::At(finite(number)?)),
+    let (position, position_sd_mm) = match position.trim() {
+        "auto" => (None, None),
+        number => {
+            let (s_mm, sd_mm) = with_deviation(number)?;
+            (Some(ContactPosition::At(s_mm)), sd_mm)
+        }
     };
-    Ok(AskedContact { position, direction: direction(towards)? })
+    let (direction, direction_sd_deg) = direction(towards)?;
+    Ok(AskedContact { position, position_sd_mm, direction, direction_sd_deg })
 }
 
 fn split_at_sign(text: &str) -> (&str, Option<&str>) {

@@ -1,15 +1,15 @@
 //! `finray sense`
 
 use super::contacts::Contacts;
-use super::parse::not_negative;
+use super::parse::{listed, not_negative};
 use super::{Failure, bad_input, hints, not_both_from_standard_input, validity};
-use finray_files::displacements::{self, Displacements, Reading};
+use finray_files::observations::{Coordinates, ObservationTable};
 use finray_files::{csv_text, load_network, load_scene, read_text, write_text};
-use finray_model::scene::Base;
-use finray_model::sensing::{Contact, ContactPosition, ContactQuestion, Estimate, Warning};
-use finray_model::{Finger, Scene};
-use finray_studies::estimators::network::Networks;
-use finray_studies::estimators::{Answer, EstimatorId, Question};
+use finray_model::Finger;
+use finray_model::estimators::EstimatorId;
+use finray_model::estimators::network::Networks;
+use finray_model::sensing::ContactPosition;
+use finray_model::sensor::{Refusal, SensedForces, Sensor, SensorOptions, SensorWarning};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -64,7 +64,7 @@ pub struct Arguments {
     #[command(flatten)]
     contacts: Contacts,
     /// The estimator
-    #[arg(long, value_enum, default_value_t = EstimatorId::Nonlinear)]
+    #[arg(long, value_parser = listed::<EstimatorId>(), default_value_t = EstimatorId::Nonlinear)]
     estimator: EstimatorId,
     /// Network of `finray train`; without it, the one that ships for these contacts
     #[arg(long, value_name = "FILE")]
@@ -72,6 +72,9 @@ pub struct Arguments {
     /// Standard deviation of one measured coordinate, mm
     #[arg(long, value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
+    /// Largest coefficient of friction, where contacts are given with standard deviations
+    #[arg(long, value_name = "MU", value_parser = not_negative, default_value_t = 0.0)]
+    friction: f64,
     /// Image whose rows are read, of a file of several
     #[arg(long, value_name = "NAME")]
     image_name: Option<String>,
@@ -117,135 +120,82 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             return Err(bad_input("--network is for --estimator network"));
         }
         Some(path) => Networks::of(vec![load_network(path)?]),
-        None => Networks::shipped()?,
+        None => Networks::read(&finray_fixtures::NETWORKS)?,
     };
-    let contacts = &arguments.contacts.with(scene.contact.lean, scene.touched.as_ref())?;
-    arguments.estimator.admits(finger, contacts, &networks)?;
-    let reading = Reading {
-        from_positions: false,
-        errors: scene.marker_errors,
-        base: scene.base.as_ref().and_then(|base| base.uncertainty),
-        base_is_sought: arguments.estimator == EstimatorId::Nonlinear,
-        base_is_of_pose: scene.base.as_ref().is_some_and(Base::is_of_pose),
-        noise_mm: arguments.noise_mm.or(scene.noise_mm),
+    let options = SensorOptions {
+        estimator: arguments.estimator,
+        networks: &networks,
+        noise_mm: arguments.noise_mm,
+        mesh_nodes: arguments.mesh_nodes,
     };
-    let task = Task { arguments, scene: &scene, contacts, networks: &networks, reading };
+    let sensor = Sensor::new(&scene, arguments.contacts.of(&scene, arguments.friction)?, options)?;
     let text = read_text(&arguments.displacements)?;
+    let table = ObservationTable::new(&arguments.displacements, &text, finger, Coordinates::Displacements)?;
     if arguments.all_images {
-        write_text(&arguments.out, &csv_text(task.all_images(&text)?)?)?;
+        write_text(&arguments.out, &csv_text(all_images(&sensor, finger, &table)?)?)?;
     } else {
-        let found = task.displacements(&text, arguments.image_name.as_deref())?;
-        let (contacts, estimate) = task.sensed(found, "")?;
-        write_text(&arguments.out, &csv_text(rows(finger, &contacts, &estimate))?)?;
-        validity::warn_of_forces(&scene, &contacts, &estimate.forces_n);
+        let sensed = sensed(&sensor, &table, arguments.image_name.as_deref())?;
+        warn("", &sensed.warnings);
+        write_text(&arguments.out, &csv_text(rows(finger, &sensed))?)?;
+        validity::warn_of_forces(&sensor, &sensed);
     }
     hints::of_displacements(&arguments.displacements, &text, finger);
     Ok(())
 }
 
-/// A question that is asked of one image or of several.
-struct Task<'t> {
-    arguments: &'t Arguments,
-    scene: &'t Scene,
-    contacts: &'t [ContactQuestion],
-    networks: &'t Networks,
-    reading: Reading,
-}
-
-impl Task<'_> {
-    /// A row a contact of each image. An image that is refused has rows without numbers that say why.
-    fn all_images(&self, text: &str) -> Result<Vec<ImageRow>, Failure> {
-        let mut all = Vec::new();
-        for image in displacements::images(&self.arguments.displacements, text)? {
-            let of = |row: Option<Row>, refused: &str| {
-                let numbers = row.as_ref();
-                ImageRow {
-                    image: image.clone(),
-                    contact: numbers.map(|row| row.contact.clone()),
-                    s_mm: numbers.map(|row| row.s_mm),
-                    angle_deg: numbers.map(|row| row.angle_deg),
-                    force_n: numbers.map(|row| row.force_n),
-                    sigma_n: numbers.map(|row| row.sigma_n),
-                    refused: refused.to_owned(),
-                }
-            };
-            // What is wrong with the file is an error; an image without an answer is one of its rows.
-            let found = self.displacements(text, Some(&image))?;
-            match self.sensed(found, &format!("{image}: ")) {
-                Ok((contacts, estimate)) => {
-                    all.extend(rows(&self.scene.finger, &contacts, &estimate).into_iter().map(|row| of(Some(row), "")));
-                }
-                Err(Failure::BadInput(reason) | Failure::NotComputed(reason)) => {
-                    all.extend(self.contacts.iter().map(|_| of(None, &reason)));
-                }
+/// A row a contact of each image. An image that is refused has rows without numbers that say why.
+fn all_images(sensor: &Sensor, finger: &Finger, table: &ObservationTable) -> Result<Vec<ImageRow>, Failure> {
+    let mut all = Vec::new();
+    for image in table.images()? {
+        let row = |row: Option<Row>, refused: &str| {
+            let numbers = row.as_ref();
+            ImageRow {
+                image: image.to_owned(),
+                contact: numbers.map(|row| row.contact.clone()),
+                s_mm: numbers.map(|row| row.s_mm),
+                angle_deg: numbers.map(|row| row.angle_deg),
+                force_n: numbers.map(|row| row.force_n),
+                sigma_n: numbers.map(|row| row.sigma_n),
+                refused: refused.to_owned(),
+            }
+        };
+        let seen = table.observation(Some(image))?;
+        match sensor.sense(&seen) {
+            Ok(sensed) => {
+                warn(&format!("{image}: "), &sensed.warnings);
+                all.extend(rows(finger, &sensed).into_iter().map(|numbers| row(Some(numbers), "")));
+            }
+            // An error in the file ends the command; an image without an answer is one of its rows.
+            Err(Refusal::Observation(error)) => return Err(table.error(Some(image), &error).into()),
+            Err(refusal) => {
+                let reason = refusal.to_string();
+                all.extend((0..sensor.contact_count()).map(|_| row(None, &reason)));
             }
         }
-        Ok(all)
     }
+    Ok(all)
+}
 
-    fn displacements(&self, text: &str, image: Option<&str>) -> Result<Displacements, Failure> {
-        let path = &self.arguments.displacements;
-        Ok(displacements::of_text(path, text, &self.scene.finger, image, self.reading)?)
-    }
+/// Forces of one image.
+fn sensed(sensor: &Sensor, table: &ObservationTable, image: Option<&str>) -> Result<SensedForces, Failure> {
+    sensor.sense(&table.observation(image)?).map_err(|refusal| match refusal {
+        Refusal::Observation(error) => table.error(image, &error).into(),
+        refusal => refusal.into(),
+    })
+}
 
-    /// Forces of one image; warnings begin with `about`.
-    fn sensed(&self, found: Displacements, about: &str) -> Result<Answer, Failure> {
-        let Task { arguments, scene, contacts, networks, .. } = *self;
-        let finger = &scene.finger;
-        // A stated noise holds for all nodes alike, and networks are trained on nodes that are measured alike.
-        let noise_mm = arguments.noise_mm.or(scene.noise_mm).map(|noise_mm| scene.marker_errors.sd_mm(noise_mm));
-        let object = scene.touched.as_ref().and_then(|touched| touched.seen_from(&found.frame));
-        let is_alike = noise_mm.is_some() || arguments.estimator == EstimatorId::Network;
-        let noise_mm = noise_mm.or(found.noise_mm);
-        let measurement = if is_alike { found.of_equal_weight() } else { found.measurement };
-        let question = Question {
-            contacts,
-            pad: scene.contact.pad,
-            object: object.as_ref(),
-            measurement: &measurement,
-            noise_mm,
-            mesh_nodes: arguments.mesh_nodes,
-            networks,
-        };
-        let (contacts, mut estimate) = arguments.estimator.answer(finger, &question)?;
-        estimate.add_force_error(scene.contact.force_error);
-        if let Some(i) = estimate.forces_n.iter().position(|force| !force.is_finite()) {
-            return Err(bad_input(format!(
-                "not identifiable: a force at contact {} hardly moves the measured nodes, or the displacements are not \
-             those of a finger in mm",
-                i + 1
-            )));
-        }
-        if let Some(warning) = estimate.warning {
-            eprintln!("warning: {about}{warning}; {}", advice(arguments.estimator, &warning));
-        }
-        if estimate.noise_mm.is_infinite() {
-            eprintln!(
-                "note: {about}as many unknowns as measured coordinates leave no residual to estimate the noise from; give \
-             --noise-mm for a finite sigma_n"
-            );
-        }
-        Ok((contacts, estimate))
+/// Prints warnings; `about` begins each.
+fn warn(about: &str, warnings: &[SensorWarning]) {
+    for warning in warnings {
+        let kind = if *warning == SensorWarning::NoResidual { "note" } else { "warning" };
+        eprintln!("{kind}: {about}{warning}");
     }
 }
 
-/// Advice for a warning.
-fn advice(estimator: EstimatorId, warning: &Warning) -> &'static str {
-    match warning {
-        _ if estimator.is_linear() => {
-            "sigma_n holds the error of linearisation; --estimator nonlinear does without linearisation, where it answers"
-        }
-        Warning::Residual(_) => {
-            "sigma_n rests on the residual and does not hold what a wrong model does; check the contacts, their directions, the \
-             finger's dimensions and the noise"
-        }
-        _ => "sigma_n holds that error",
-    }
-}
-
-fn rows(finger: &Finger, contacts: &[Contact], estimate: &Estimate) -> Vec<Row> {
-    let forces = estimate.forces_n.iter().zip(&estimate.sigmas_n);
-    contacts
+fn rows(finger: &Finger, sensed: &SensedForces) -> Vec<Row> {
+    let forces = sensed.forces_n.iter().zip(&sensed.sigmas_n);
+    sensed
+        .contacts
         .iter()
         .zip(forces)
         .map(|(contact, (&force_n, &sigma_n))| Row {

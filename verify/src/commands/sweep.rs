@@ -2,7 +2,7 @@
 
 use super::Failure;
 use super::grid::{Candidates, GridArguments, run as run_grid};
-use super::parse::not_negative;
+use super::parse::{listed, not_negative};
 use finray_studies::estimators::EstimatorId;
 use finray_studies::sampling::sweep::Table;
 use finray_studies::truths::TruthId;
@@ -28,10 +28,10 @@ pub struct Arguments {
     #[command(flatten)]
     grid: GridArguments,
     /// The true fingers: one, or several with commas between them
-    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [TruthId::Corotational])]
+    #[arg(long, value_parser = listed::<TruthId>(), value_delimiter = ',', default_values_t = [TruthId::Corotational])]
     truth: Vec<TruthId>,
     /// The estimators: one, or several with commas between them
-    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [EstimatorId::LeastSquares])]
+    #[arg(long, value_parser = listed::<EstimatorId>(), value_delimiter = ',', default_values_t = [EstimatorId::LeastSquares])]
     estimator: Vec<EstimatorId>,
     /// Standard deviations of one measured coordinate, mm: one, or several as 0,0.067; the scene's camera table if none
     /// is given, else no noise

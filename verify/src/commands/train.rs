@@ -6,8 +6,9 @@ use super::progress::TrainingBar;
 use super::{Failure, bad_input};
 use finray_files::{load_scene, write_bytes};
 use finray_model::NodeId;
-use finray_model::sensing::Contact;
 use finray_model::sensing::network::{Network, Scaling, TestError};
+use finray_model::sensing::{Contact, ContactQuestion};
+use finray_model::sensor::SensorContacts;
 use finray_model::train::{TrainingRecipe, train};
 use finray_studies::settings::CAMERA_NOISE_MM;
 use finray_studies::truths::TruthId;
@@ -87,10 +88,12 @@ fn own_beams(name: &str) -> Result<TruthId, String> {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = load_scene(&arguments.scene)?;
     let finger = &scene.finger;
-    let questions = &arguments.contacts.with(None, None)?;
-    let contacts: Option<Vec<Contact>> = questions.iter().map(|question| question.known()).collect();
+    let contacts: Option<Vec<Contact>> = match arguments.contacts.of(&scene, 0.0)? {
+        SensorContacts::Asked(questions) => questions.iter().map(ContactQuestion::known).collect(),
+        SensorContacts::Measured { .. } => None,
+    };
     let contacts = contacts.ok_or_else(|| {
-        bad_input("a network learns the forces of known positions and directions, not of `auto`, `normal`, `friction` or `object`")
+        bad_input("a network learns the forces of known positions and directions, not of `auto`, `normal`, `friction`, `object` or +-")
     })?;
     if let Some(node) = arguments.hide.iter().find(|&&node| finger.marked_nodes().all(|free| free.0 != node)) {
         let [first, last] = [2, finger.key_node_count() - 1];

@@ -2,14 +2,12 @@
 
 use finray_model::finger::Plate;
 use finray_model::frame::{FrameLoad, FrameMotion};
-use finray_model::sensing::{Contact, ContactPosition};
-use finray_model::statics::{Statics, StaticsError};
+use finray_model::sensing::ContactPosition;
+use finray_model::sensor::{SensedForces, Sensor};
+use finray_model::statics::StaticsError;
 use finray_model::validity::{Doubt, StrainLimits, Validity};
-use finray_model::{Finger, Kinematics, Load, Mesh, Scene};
+use finray_model::{Kinematics, Load, Mesh, Scene};
 use finray_studies::experiments::contact_scene::SceneStep;
-
-/// Elements a member for equilibria that are solved to be examined: shapes are within 0.04 % under 3 N.
-const ELEMENTS: usize = 4;
 
 /// Warns of what an equilibrium does not keep. The answer stands, so the exit code is still 0.
 pub fn warn_of_equilibrium(
@@ -23,10 +21,9 @@ pub fn warn_of_equilibrium(
 }
 
 /// Warns of what the co-rotational finger does not keep under sensed forces.
-pub fn warn_of_forces(scene: &Scene, contacts: &[Contact], forces_n: &[f64]) {
-    let loads = contacts.iter().zip(forces_n).map(|(contact, &force_n)| contact.load(&scene.finger, force_n));
-    match under(&scene.finger, loads) {
-        Ok(validity) => warn("", &validity.doubts(&scene.strain_limits)),
+pub fn warn_of_forces(sensor: &Sensor, sensed: &SensedForces) {
+    match sensor.doubts(sensed) {
+        Ok(doubts) => warn("", &doubts),
         Err(error) => eprintln!("warning: the finger has no equilibrium under the sensed forces: {error}"),
     }
 }
@@ -52,7 +49,7 @@ impl Pressing {
             ContactPosition::At(s_mm) if s_mm > 0.0 => Some(Load::at_position(s_mm.min(length_mm), seen.force)),
             ContactPosition::At(_) => None,
         });
-        match under(finger, loads) {
+        match Validity::under(finger, loads) {
             Ok(validity) => {
                 let strain = validity.largest_strain(&scene.strain_limits);
                 let share = strain.map_or(0.0, |at| at.strain / scene.strain_limits.of(at.member.part));
@@ -73,13 +70,6 @@ impl Pressing {
             warn(&format!("step {step}: "), doubts);
         }
     }
-}
-
-fn under(finger: &Finger, loads: impl Iterator<Item = Load>) -> Result<Validity, StaticsError> {
-    let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
-    let loads = loads.map(|load| mesh.frame_load(&load)).collect::<Result<Vec<_>, _>>()?;
-    let found = Statics::ladder(&mesh, Kinematics::Corotational).equilibrium(&loads)?;
-    Ok(Validity::of(&mesh, &found.motion, Kinematics::Corotational, &loads))
 }
 
 fn warn(of: &str, doubts: &[Doubt]) {

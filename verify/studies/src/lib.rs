@@ -8,15 +8,15 @@
 
 pub mod check;
 pub mod claims;
-pub mod estimators;
 pub mod experiments;
 pub mod lattice;
 pub mod mujoco;
 pub mod problems;
-mod registry;
 pub mod sampling;
 pub mod settings;
 pub mod statistics;
 pub mod study;
 pub mod templates;
 pub mod truths;
+
+pub use finray_model::estimators;

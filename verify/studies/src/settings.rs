@@ -22,8 +22,7 @@ pub const CAMERA_FRAME_S: f64 = 0.04;
 pub const TRUSTED_ERROR: f64 = 0.10;
 /// Errors above are as good as none sensed: the darker shade of that table.
 pub const GROSS_ERROR: f64 = 0.25;
-/// Half width of the interval that holds 95 % of a normal distribution, in standard deviations.
-pub const TWO_SIDED_95: f64 = 1.96;
+pub use finray_model::sensor::TWO_SIDED_95;
 /// From this many cases on a mean error is known well enough (to 2 %) to be held to its tolerance alone.
 pub const ENOUGH_CASES: usize = 4000;
 /// Directions assumed for the paper's "vertical" weights, degrees from the inward normal. 10.9 is vertical when the finger's axis lies level:

@@ -7,6 +7,7 @@ mod blobs;
 mod colour;
 mod disc;
 mod naming;
+mod observer;
 mod pattern;
 mod rest;
 mod rim;
@@ -15,6 +16,7 @@ mod together;
 
 pub use colour::GreyMarker;
 pub use naming::NamingError;
+pub use observer::{Observer, ObserverError};
 pub use rest::{Rest, RestError};
 pub use rim_locator::{RimLocator, SeenBase, SeenFinger};
 
@@ -178,7 +180,7 @@ impl<'f> Locator<'f> {
             return self.locate(image);
         };
         self.tracked += 1;
-        if self.seen < self.finger.key_node_count() && self.tracked.is_multiple_of(SEARCH_AGAIN) {
+        if self.seen < marker_count(self.finger) && self.tracked.is_multiple_of(SEARCH_AGAIN) {
             return self.locate(image);
         }
         let mut buffers = std::mem::take(&mut self.buffers);
@@ -253,6 +255,11 @@ pub enum LocatorError {
     /// The camera.
     #[error(transparent)]
     Camera(#[from] LocateError),
+}
+
+/// Markers of a finger, those of clamped nodes included.
+fn marker_count(finger: &Finger) -> usize {
+    (1..=finger.key_node_count()).filter(|&node| finger.has_marker(NodeId(node))).count()
 }
 
 /// Radius of a marker at the middle of the undeformed finger, px.

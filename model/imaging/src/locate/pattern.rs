@@ -6,6 +6,7 @@
 
 use super::blobs::Blob;
 use super::colour::Side;
+use super::marker_count;
 use finray_model::camera::{Lens, Pixel};
 use finray_model::finger::Plate;
 use finray_model::{Finger, NodeId, Vector};
@@ -45,10 +46,10 @@ pub(super) fn at_rest(
     let front = row(&marks, Side::Front, radius, &[])?;
     let taken: &[usize] = if alike { &front } else { &[] };
     let back = row(&marks, Side::Back, radius, taken)?;
-    let front_nodes = finger.plate_nodes(Plate::Front);
-    let mut back_nodes = finger.plate_nodes(Plate::Back);
+    let marked = |plate| finger.plate_nodes(plate).into_iter().filter(|node| finger.has_marker(*node));
+    let front_nodes: Vec<NodeId> = marked(Plate::Front).collect();
     // The tip is a marker of the front plate.
-    back_nodes.pop();
+    let back_nodes: Vec<NodeId> = marked(Plate::Back).filter(|node| *node != finger.tip()).collect();
     let mut best = Named::default();
     let rows = match alike {
         true => vec![(&front, &back), (&back, &front)],
@@ -58,7 +59,7 @@ pub(super) fn at_rest(
         for first in ends(front, &front_nodes) {
             for second in ends(back, &back_nodes) {
                 let pairs = [first[0], first[1], second[0], second[1]];
-                let positions = pairs.map(|(_, node)| finger.position(node));
+                let positions = pairs.map(|(_, node)| finger.marker_position(node));
                 let Some(homography) = through(&positions, &pairs.map(|(mark, _)| marks[mark].at)) else { continue };
                 // Seen from above (z > 0) the image is a mirrored one, as v runs down; without colours only this tells the plates apart.
                 if alike && !is_from_above(&homography, &positions[0]) {
@@ -72,7 +73,7 @@ pub(super) fn at_rest(
             }
         }
     }
-    (best.nodes.len() as f64 >= LEAST_SHARE * finger.key_node_count() as f64).then_some(best.nodes)
+    (best.nodes.len() as f64 >= LEAST_SHARE * marker_count(finger) as f64).then_some(best.nodes)
 }
 
 /// Nodes with their pixels, and the sum of their distances to where a homography has them.
@@ -152,8 +153,8 @@ fn is_from_above(homography: &Matrix3<f64>, at: &Vector) -> bool {
 fn named(finger: &Finger, marks: &[Mark], homography: &Matrix3<f64>, radius: f64) -> Named {
     let mut named = Named::default();
     let mut taken = vec![false; marks.len()];
-    for node in (1..=finger.key_node_count()).map(NodeId) {
-        let seen = homography * finger.position(node).push(1.0);
+    for node in (1..=finger.key_node_count()).map(NodeId).filter(|node| finger.has_marker(*node)) {
+        let seen = homography * finger.marker_position(node).push(1.0);
         let at = seen.xy() / seen.z;
         let side = if node >= finger.tip() { Side::Front } else { Side::Back };
         let of_side = (0..marks.len()).filter(|&i| marks[i].sides[side as usize]);

@@ -72,7 +72,8 @@ impl Rest {
         let mut located = Locator::new(finger, &camera, markers)?.locate(image)?;
         let mut residual_sd_px = f64::INFINITY;
         for _ in 0..ROUNDS {
-            let points: Vec<_> = located.iter().map(|marker| (finger.position(marker.node), marker.pixel)).collect();
+            let points: Vec<_> =
+                located.iter().map(|marker| (finger.marker_position(marker.node), marker.pixel)).collect();
             let fit = plane_pose(lens, markers.height_mm, &points)?;
             residual_sd_px = fit.residual_sd_px;
             if residual_sd_px > LARGEST_RESIDUAL_PX {
@@ -99,6 +100,6 @@ fn pose_of_pattern(
     let Some(radius_px) = commonest_radius(image, &colours) else { return Ok(None) };
     let blobs = blobs(image, &colours, radius_px);
     let Some(named) = at_rest(finger, lens, &blobs, (radius_px, colours.are_alike())) else { return Ok(None) };
-    let points: Vec<_> = named.iter().map(|(node, pixel)| (finger.position(*node), *pixel)).collect();
+    let points: Vec<_> = named.iter().map(|(node, pixel)| (finger.marker_position(*node), *pixel)).collect();
     Ok(plane_pose(lens, markers.height_mm, &points).ok().map(|fit| fit.pose))
 }

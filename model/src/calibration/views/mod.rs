@@ -12,6 +12,7 @@ mod friction;
 mod outliers;
 mod problem;
 mod quantity;
+mod rig;
 mod scatter;
 mod start;
 mod view;
@@ -20,7 +21,8 @@ pub use compliance::{BaseCompliance, compliance_of};
 pub use friction::friction_of;
 pub use outliers::{Outlier, OutlierKind};
 pub use quantity::{Quantity, Sought};
-pub use view::{View, ViewError};
+pub use rig::{FrictionQuestion, RigEstimate, RigQuestion, SceneValue, calibrate_rig};
+pub use view::{LocatedView, View, ViewError};
 
 use super::CalibrationError;
 use crate::Vector;
@@ -163,7 +165,7 @@ pub fn views(
     sought: &[Sought],
     model: &ViewModel,
 ) -> Result<ViewEstimate, CalibrationError> {
-    let is_scaled = sought.iter().any(|sought| sought.quantity.is_factor()) && views.iter().any(|v| v.force.is_some());
+    let is_scaled = sought.iter().any(|sought| sought.quantity.is_modulus()) && views.iter().any(|v| v.force.is_some());
     let scatter = is_scaled.then_some(FIRST_SCATTER);
     let errors = MarkerErrors { noise_factor: 1.0, model_mm: FIRST_MODEL_ERROR_MM };
     let mut problem = Problem { finger, views, sought, model, errors, scatter };
@@ -200,7 +202,7 @@ pub fn views(
     let covariance = fitted.inverse.as_ref().ok_or_else(|| CalibrationError::NotSeparable { parameters: all() })?;
     let sigma = |k: usize| covariance[(k, k)].sqrt();
     let open = |k: &usize| {
-        let limit = LARGEST_SIGMAS[usize::from(!sought[*k].quantity.is_factor())];
+        let limit = LARGEST_SIGMAS[usize::from(!sought[*k].quantity.is_modulus())];
         sigma(*k).is_nan() || sigma(*k) >= limit
     };
     if (0..sought.len()).any(|k| open(&k)) {
@@ -217,14 +219,14 @@ pub fn views(
     let point = &fitted.parameters;
     let candidate = problem.candidate(&point.shared).ok_or(CalibrationError::NoMinimum)?;
     let quantities = sought.iter().zip(&point.shared).enumerate().map(|(k, (sought, change))| {
-        let value = match sought.quantity.is_factor() {
+        let value = match sought.quantity.is_modulus() {
             true => change.exp(),
             false => problem.stated(sought.quantity) + change,
         };
         FoundQuantity {
             sought: *sought,
             value,
-            sigma: sigma(k) * if sought.quantity.is_factor() { value } else { 1.0 },
+            sigma: sigma(k) * if sought.quantity.is_modulus() { value } else { 1.0 },
         }
     });
     let mut found_views = Vec::new();

@@ -218,7 +218,7 @@ impl Problem<'_> {
             row += rows.len();
         }
         for (k, sought) in self.sought.iter().enumerate() {
-            let step = if sought.quantity.is_factor() { SHARE_STEP } else { LENGTH_STEP };
+            let step = if sought.quantity.is_modulus() { SHARE_STEP } else { LENGTH_STEP };
             let mut changed = point.shared.clone();
             changed[k] += step;
             let other = self.candidate(&changed)?;

@@ -51,9 +51,15 @@ impl fmt::Display for Quantity {
 }
 
 impl Quantity {
-    /// Whether it is a factor, of which the logarithm is sought, or a length or angle, of which the change is.
-    pub(super) fn is_factor(self) -> bool {
+    /// Whether it is a factor on a modulus: its logarithm is sought, and only measured forces show it. Otherwise it is a length or an angle, whose change is
+    /// sought.
+    pub fn is_modulus(&self) -> bool {
         matches!(self, Quantity::Modulus | Quantity::PlateModulus(_))
+    }
+
+    /// Whether it belongs to the rig before the camera.
+    pub fn is_of_rig(&self) -> bool {
+        matches!(self, Quantity::MarkerHeight | Quantity::BaseX | Quantity::BaseY | Quantity::BaseTurn)
     }
 }
 

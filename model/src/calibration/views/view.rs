@@ -2,8 +2,10 @@
 
 use crate::calibration::CalibrationError;
 use crate::measurement::{BaseUncertainty, Measurement};
+use crate::observation::{Observation, ObservationError};
 use crate::sensing::SensingError;
-use crate::{NodeId, Vector};
+use crate::{NodeId, Scene, Vector};
+use nalgebra::{Isometry2, Point2};
 
 /// One image of the finger, as it was located with the scene's rig.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +22,43 @@ pub struct View {
     pub eye: Vector,
     /// The contact force in that frame, N, where it was measured.
     pub force: Option<Vector>,
+}
+
+/// An observation that a scene is calibrated with.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LocatedView {
+    /// What was seen.
+    pub observation: Observation,
+    /// From the frame of the view to that of the camera's pose.
+    pub base: Isometry2<f64>,
+    /// The view.
+    pub view: View,
+}
+
+impl LocatedView {
+    /// The view of an observation; `force`, N, where it was measured, in the frame of the camera's pose.
+    ///
+    /// # Errors
+    /// [`ObservationError`] for an observation that is none of the scene's finger, or states no standard deviations.
+    pub fn new(
+        observation: Observation,
+        scene: &Scene,
+        force: Option<Vector>,
+    ) -> Result<LocatedView, ObservationError> {
+        let (measured, uncertainty) = observation.for_calibration(scene)?;
+        let base = measured.frame;
+        // The camera stands above the frame of its pose; without a camera, nowhere in particular.
+        let eye = scene.camera.and_then(|camera| camera.pose).map_or(Vector::zeros(), |pose| pose.eye().xy());
+        let view = View {
+            name: observation.image.clone(),
+            measurement: measured.measurement,
+            noise_mm: measured.noise_mm.unwrap_or(f64::NAN),
+            base: uncertainty,
+            eye: (base.inverse() * Point2::from(eye)).coords,
+            force: force.map(|force| base.rotation.inverse() * force),
+        };
+        Ok(LocatedView { observation, base, view })
+    }
 }
 
 impl View {

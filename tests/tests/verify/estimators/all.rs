@@ -18,7 +18,7 @@ fn every_estimator_finds_a_small_force() {
     let mesh = TruthId::Corotational.mesh(&finger).expect("a mesh");
     let truth = TruthId::Corotational.on(&mesh).expect("a finger at rest");
     let measurement = Measurement::of_shape(&finger, &truth.shapes(&contact, &[0.5])[0]);
-    let networks = Networks::shipped().expect("networks that read");
+    let networks = Networks::read(&finray_fixtures::NETWORKS).expect("networks that read");
     for &id in EstimatorId::ALL {
         let mesh = id.mesh(&finger);
         let estimator = id.on(&mesh, &networks);

@@ -47,7 +47,7 @@ fn errors(
 #[test]
 fn errors_are_near_the_bound() {
     let finger = paper();
-    let networks = Networks::shipped().expect("networks that read");
+    let networks = Networks::read(&finray_fixtures::NETWORKS).expect("networks that read");
     let sensing = NetworkSensing { networks: &networks, finger: &finger, refuses: true };
     let (fine, key_nodes) = (fine_mesh(&finger).expect("a mesh"), Mesh::key_nodes(&finger));
     let cases = case_count();
@@ -86,7 +86,7 @@ fn errors_are_near_the_bound() {
 #[test]
 fn the_network_for_any_nodes_beats_ridge() {
     let finger = paper();
-    let networks = Networks::shipped().expect("networks that read");
+    let networks = Networks::read(&finray_fixtures::NETWORKS).expect("networks that read");
     let sensing = NetworkSensing { networks: &networks, finger: &finger, refuses: true };
     let (fine, key_nodes) = (fine_mesh(&finger).expect("a mesh"), Mesh::key_nodes(&finger));
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
@@ -106,7 +106,7 @@ fn the_network_for_any_nodes_beats_ridge() {
 #[test]
 fn what_ships_was_trained_as_its_card_says() {
     let finger = paper();
-    let networks = Networks::shipped().expect("networks that read");
+    let networks = Networks::read(&finray_fixtures::NETWORKS).expect("networks that read");
     let shipped = shipping(&finger);
     assert_eq!(shipped.len(), 16);
     for Shipping { name, recipe } in shipped {
@@ -125,7 +125,7 @@ fn what_ships_was_trained_as_its_card_says() {
 #[test]
 fn networks_are_found_by_their_contacts() {
     let finger = paper();
-    let networks = Networks::shipped().expect("networks that read");
+    let networks = Networks::read(&finray_fixtures::NETWORKS).expect("networks that read");
     let name =
         |numbers: &[usize]| networks.choose(&finger, &at_nodes(numbers)).map(|network| network.card.contacts.len());
     for numbers in [[19, 20], [20, 19], [16, 17], [20, 18], [16, 20]] {

@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 fn networks_are_held_to_their_tolerances() {
     let finger = paper();
     let mesh = Mesh::with_elements_per_member(&finger, 4);
-    let networks = Networks::shipped().expect("networks that ship");
+    let networks = Networks::read(&finray_fixtures::NETWORKS).expect("networks that ship");
     let sensing = NetworkSensing { networks: &networks, finger: &finger, refuses: true };
     // The networks learned the fine finger: on 25 nodes the mesh's error alone is twice the noise's in a sum of neighbours.
     let sensed = rows_on(&mesh, &[&sensing], Kinematics::Corotational, &[CAMERA_NOISE_MM], &[19, 20]);

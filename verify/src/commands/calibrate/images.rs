@@ -3,20 +3,18 @@
 use super::{Arguments, Row, correlations, failure};
 use crate::commands::parse::positive;
 use crate::commands::{Failure, bad_input, not_both_from_standard_input};
-use finray_files::views::{self, LocatedView};
-use finray_files::{csv_text, load_scene_and_text, with_values, write_all_or_nothing};
-use finray_model::calibration::{self, BaseCompliance, FoundView, Quantity, Sought, ViewEstimate, ViewModel};
-use finray_model::finger::{BracketLengths, Plate, RibPositions};
+use finray_files::{csv_text, load_scene_and_text, views, with_values, write_all_or_nothing};
+use finray_model::calibration::{
+    self, BaseCompliance, FoundView, FrictionQuestion, LocatedView, Quantity, RigEstimate, RigQuestion, SceneValue,
+    Sought, ViewEstimate,
+};
+use finray_model::finger::{Plate, RibPositions};
 use finray_model::sensing::{Lean, Normal};
-use finray_model::{Finger, Scene, Vector};
-use finray_studies::estimators::ELEMENTS;
-use nalgebra::Point2;
+use finray_model::{Finger, Scene};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use toml_edit::{Array, Value};
 
-/// A camera so high that nothing depends on the height of markers.
-const NO_CAMERA_MM: f64 = 1e12;
 /// A prior that the images do not make better than this share of itself is all that is known.
 const HARDLY_BETTER: f64 = 0.8;
 
@@ -56,38 +54,17 @@ fn own_brackets(finger: &Finger) -> Vec<Quantity> {
     on(Plate::Front).chain(on(Plate::Back)).collect()
 }
 
-fn is_modulus(quantity: &Quantity) -> bool {
-    matches!(quantity, Quantity::Modulus | Quantity::PlateModulus(_))
-}
-
-fn is_of_rig(quantity: &Quantity) -> bool {
-    matches!(quantity, Quantity::MarkerHeight | Quantity::BaseX | Quantity::BaseY | Quantity::BaseTurn)
-}
-
 /// What is to be found.
-struct Fit {
-    sought: Vec<Sought>,
-    friction: Option<FrictionFit>,
-    /// Whether the turn of the base with the force is to be found.
-    base_compliance: bool,
-}
-
-/// How friction is to be found.
-#[derive(Clone, Copy, Default)]
-struct FrictionFit {
-    builds_up: bool,
-    /// Standard deviation of the coefficient from object to object, which images of one do not show.
-    between_objects: f64,
-}
+struct Fit(RigQuestion);
 
 impl Fit {
     fn seeks(&self, wanted: impl Fn(&Quantity) -> bool) -> bool {
-        self.sought.iter().any(|sought| wanted(&sought.quantity))
+        self.0.sought.iter().any(|sought| wanted(&sought.quantity))
     }
 
     fn parse(text: &str, scene: &Scene) -> Result<Fit, Failure> {
         let bad = |reason: String| bad_input(format!("--fit: {reason}"));
-        let mut fit = Fit { sought: Vec::new(), friction: None, base_compliance: false };
+        let mut fit = Fit(RigQuestion::default());
         for part in text.split(',').map(str::trim) {
             let (name, prior) = part.split_once('=').map_or((part, None), |(name, prior)| (name, Some(prior)));
             let Some((_, own_prior, named)) = NAMES.iter().find(|(known, ..)| *known == name) else {
@@ -100,22 +77,22 @@ impl Fit {
             };
             match named {
                 Named::Friction { builds_up } => {
-                    if fit.friction.is_some() {
+                    if fit.0.friction.is_some() {
                         return Err(bad("friction is named twice".to_owned()));
                     }
                     let between_objects = prior_sd.unwrap_or_default();
-                    fit.friction = Some(FrictionFit { builds_up: *builds_up, between_objects });
+                    fit.0.friction = Some(FrictionQuestion { builds_up: *builds_up, between_objects });
                 }
                 Named::BaseCompliance if prior_sd.is_some() => {
                     return Err(bad("base-compliance takes no standard deviation".to_owned()));
                 }
-                Named::BaseCompliance => fit.base_compliance = true,
+                Named::BaseCompliance => fit.0.base_compliance = true,
                 Named::Quantities(of) => {
                     for quantity in of(&scene.finger) {
                         if fit.seeks(|known| *known == quantity) {
                             return Err(bad(format!("{quantity} is named twice")));
                         }
-                        fit.sought.push(Sought { quantity, prior_sd });
+                        fit.0.sought.push(Sought { quantity, prior_sd });
                     }
                 }
             }
@@ -138,7 +115,7 @@ impl Fit {
             return Err("ribs: expected positions_mm in the scene's table finger.ribs".to_owned());
         }
         let has_rig = scene.markers.is_some() && scene.camera.is_some_and(|camera| camera.pose.is_some());
-        if self.seeks(is_of_rig) && !has_rig {
+        if self.seeks(Quantity::is_of_rig) && !has_rig {
             return Err("height, base: expected markers and a camera with its pose in the scene".to_owned());
         }
         if self.seeks(|quantity| *quantity == Quantity::Modulus)
@@ -178,7 +155,7 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failu
     let fit = Fit::parse(fit, &scene)?;
     let seen = views::load(located, arguments.forces.as_deref(), &scene)?.views;
     let measured = seen.iter().filter(|seen| seen.view.force.is_some()).count();
-    if measured == 0 && (fit.friction.is_some() || fit.base_compliance || fit.seeks(is_modulus)) {
+    if measured == 0 && (fit.0.friction.is_some() || fit.0.base_compliance || fit.seeks(Quantity::is_modulus)) {
         return Err(bad_input(
             "moduli, friction and the compliance of the base are not identifiable without measured forces (--forces)",
         ));
@@ -192,36 +169,12 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failu
             ));
         }
     };
-    let model = ViewModel {
-        elements: ELEMENTS,
-        camera_height_mm: scene.camera.and_then(|camera| camera.pose).map_or(NO_CAMERA_MM, |pose| pose.eye().z),
-        marker_height_mm: scene.markers.map_or(0.0, |markers| markers.height_mm),
-        lean,
-        pad: scene.contact.pad,
-    };
-    let all: Vec<_> = seen.iter().map(|seen| seen.view.clone()).collect();
-    let estimate = calibration::views(&scene.finger, &all, &fit.sought, &model).map_err(failure)?;
-    print_priors(&estimate);
+    let found = calibration::calibrate_rig(&scene, &seen, &fit.0, lean).map_err(failure)?;
+    let RigEstimate { views: estimate, friction, compliance } = &found;
+    print_priors(estimate);
     for outlier in &estimate.outliers {
         eprintln!("warning: {outlier}");
     }
-    let leaning: Vec<(f64, f64)> = (all.iter().zip(&estimate.views))
-        .filter(|(view, _)| view.force.is_some())
-        .map(|(_, found)| (found.force.norm(), found.lean_deg(&estimate.finger, lean.from)))
-        .collect();
-    let friction = fit.friction.map(|friction| {
-        let found = calibration::friction_of(&leaning, lean.from, friction.builds_up)?;
-        // What the coefficient differs by from object to object, as an angle.
-        let tangent = found.angle_deg.to_radians().tan();
-        let between_deg = (friction.between_objects / (1.0 + tangent * tangent)).to_degrees();
-        Ok(Lean { sd_deg: found.sd_deg.hypot(between_deg), ..found })
-    });
-    let friction = friction.transpose().map_err(failure)?;
-    let turns: Vec<(f64, f64)> = (seen.iter().zip(&estimate.views))
-        .filter(|(seen, _)| seen.view.force.is_some())
-        .map(|(seen, found)| (found.force.norm(), (seen.base.rotation * found.base.rotation).angle().to_degrees()))
-        .collect();
-    let compliance = fit.base_compliance.then(|| calibration::compliance_of(&turns)).transpose().map_err(failure)?;
     if compliance.is_some_and(|compliance| compliance.sigma_deg_per_n.is_infinite()) {
         eprintln!(
             "note: base_deg_per_n: two images do not show its standard deviation, and `finray sense` takes it for exact"
@@ -233,13 +186,14 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failu
         files.push((path.clone(), csv_text(correlations(&names, &estimate.correlation))?));
     }
     if let Some(path) = &arguments.images {
-        files.push((path.clone(), csv_text(image_rows(&seen, &estimate, lean.from))?));
+        files.push((path.clone(), csv_text(image_rows(&seen, estimate, lean.from))?));
     }
     if let Some(path) = &arguments.calibrated {
-        let values = values(&scene, &estimate, friction.as_ref(), compliance);
+        let values: Vec<_> =
+            found.scene_values(&scene).into_iter().map(|(key, value)| (key, value.map(toml_value))).collect();
         files.push((path.clone(), with_values(&text, &values).map_err(bad_input)?));
     }
-    files.push((arguments.out.clone(), csv_text(rows(&estimate, friction.as_ref(), compliance))?));
+    files.push((arguments.out.clone(), csv_text(rows(estimate, friction.as_ref(), *compliance))?));
     Ok(write_all_or_nothing(&files)?)
 }
 
@@ -257,12 +211,6 @@ fn print_priors(estimate: &ViewEstimate) {
     }
 }
 
-/// Coefficient of friction, and the standard deviation of single forces about it.
-fn coefficient(lean: &Lean) -> (f64, f64) {
-    let coefficient = lean.angle_deg.to_radians().tan();
-    (coefficient, lean.sd_deg.to_radians() * (1.0 + coefficient * coefficient))
-}
-
 /// What was found; no standard deviation is known of what is itself one, nor of a force over which friction builds up.
 fn rows(estimate: &ViewEstimate, friction: Option<&Lean>, compliance: Option<BaseCompliance>) -> Vec<Row> {
     let row = |parameter: &str, value, sigma| Row { parameter: parameter.to_owned(), value, sigma };
@@ -273,7 +221,7 @@ fn rows(estimate: &ViewEstimate, friction: Option<&Lean>, compliance: Option<Bas
         rows.push(row("base_deg_per_n", deg_per_n, Some(sigma_deg_per_n).filter(|sigma| sigma.is_finite())));
     }
     if let Some(lean) = friction {
-        let (coefficient, sigma) = coefficient(lean);
+        let [coefficient, sigma] = lean.coefficient();
         rows.push(row("friction", coefficient, Some(sigma)));
         if lean.build_up_n > 0.0 {
             rows.push(row("friction_build_up_n", lean.build_up_n, None));
@@ -300,79 +248,12 @@ fn image_rows(seen: &[LocatedView], estimate: &ViewEstimate, from: Normal) -> Ve
     seen.iter().zip(&estimate.views).map(row).collect()
 }
 
-/// What the calibrated scene has in place of what the scene has: nothing where there is no value.
-fn values(
-    scene: &Scene,
-    estimate: &ViewEstimate,
-    friction: Option<&Lean>,
-    compliance: Option<BaseCompliance>,
-) -> Vec<(String, Option<Value>)> {
-    let sought = |wanted: fn(&Quantity) -> bool| estimate.quantities.iter().any(|found| wanted(&found.sought.quantity));
-    let pair = |[x, y]: [f64; 2]| Value::from(Array::from_iter([x, y]));
-    let description = estimate.finger.description();
-    let mut values: Vec<(String, Option<Value>)> = Vec::new();
-    let mut put = |key: &str, value: Value| values.push((key.to_owned(), Some(value)));
-    if sought(is_modulus) {
-        put("finger.front.youngs_modulus_mpa", description.front.youngs_modulus_mpa.into());
-        put("finger.back.youngs_modulus_mpa", description.back.youngs_modulus_mpa.into());
-    }
-    if let Some(strip) = description.ribs.strip.filter(|_| sought(|quantity| *quantity == Quantity::Modulus)) {
-        put("finger.ribs.youngs_modulus_mpa", strip.youngs_modulus_mpa.into());
-    }
-    if sought(|quantity| matches!(quantity, Quantity::Bracket(_) | Quantity::OwnBracket(..))) {
-        let each = match &description.ribs.bracket_mm {
-            BracketLengths::Alike(lengths_mm) => pair(*lengths_mm),
-            BracketLengths::Each(each) => Array::from_iter(each.iter().map(|lengths_mm| pair(*lengths_mm))).into(),
-        };
-        put("finger.ribs.bracket_mm", each);
-    }
-    if sought(|quantity| matches!(quantity, Quantity::Clip | Quantity::PlateClip(_))) {
-        put("finger.ribs.clip_mm", pair(description.ribs.clip_mm));
-    }
-    if let RibPositions::Positions(positions) = &description.ribs.positions
-        && sought(|quantity| matches!(quantity, Quantity::RibPosition(..)))
-    {
-        let positions = positions.iter().map(|position| pair(*position));
-        put("finger.ribs.positions_mm", Array::from_iter(positions).into());
-    }
-    if sought(|quantity| *quantity == Quantity::MarkerHeight) {
-        put("markers.height_mm", estimate.marker_height_mm.into());
-    }
-    put("markers.noise_factor", estimate.new_marker_errors.noise_factor.into());
-    put("markers.model_error_mm", estimate.new_marker_errors.model_mm.into());
-    if let Some(error) = estimate.force_error {
-        put("contact.force_error_share", error.of_new.into());
-    }
-    if sought(|quantity| *quantity == Quantity::BaseX) {
-        // The references, or the pose, belong to a frame that is not quite the finger's.
-        let references = scene.base.as_ref().map_or(&[][..], |base| &base.references);
-        for (i, reference) in references.iter().enumerate() {
-            let at: Vector = (estimate.base.inverse() * Point2::from(reference.at)).coords;
-            put(&format!("base.reference[{}].at_mm", i + 1), pair([at.x, at.y]));
-        }
-        if let (true, Some(pose)) = (references.is_empty(), scene.camera.and_then(|camera| camera.pose)) {
-            let moved = pose.of_moved_base(&estimate.base);
-            put("camera.rotation_vector_rad", Array::from_iter(moved.rotation_vector_rad()).into());
-            put("camera.translation_mm", Array::from_iter(moved.translation_mm.iter().copied()).into());
+fn toml_value(value: SceneValue) -> Value {
+    match value {
+        SceneValue::Number(number) => number.into(),
+        SceneValue::Numbers(numbers) => Array::from_iter(numbers).into(),
+        SceneValue::Pairs(pairs) => {
+            Array::from_iter(pairs.into_iter().map(|pair| Value::from(Array::from_iter(pair)))).into()
         }
     }
-    // A base that is taken for exact has no turn to expect.
-    let is_sought = scene.base.as_ref().is_some_and(|base| base.uncertainty.is_some());
-    if let Some(BaseCompliance { deg_per_n, sigma_deg_per_n }) = compliance.filter(|_| is_sought) {
-        put("base.turn_deg_per_n", deg_per_n.into());
-        if sigma_deg_per_n.is_finite() {
-            put("base.turn_sigma_deg_per_n", sigma_deg_per_n.into());
-        }
-    }
-    if let Some(lean) = friction {
-        let (coefficient, sigma) = coefficient(lean);
-        put("contact.friction", coefficient.into());
-        put("contact.friction_sigma", sigma.into());
-        if lean.build_up_n > 0.0 {
-            put("contact.friction_build_up_n", lean.build_up_n.into());
-        }
-        // Either a coefficient or a range of them.
-        values.push(("contact.friction_range".to_owned(), None));
-    }
-    values
 }

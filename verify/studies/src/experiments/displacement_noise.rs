@@ -7,7 +7,6 @@
 
 use super::{Context, Evidence};
 use crate::check::{Check, Kind, worst};
-use crate::experiments::response::{ContactForce, RespondingFinger, Response};
 use crate::experiments::table_two::contact_sets;
 use crate::sampling::noise::Noise;
 use crate::sampling::scatter::sampled_nodes;
@@ -15,6 +14,7 @@ use finray_model::measurement::noise::base_motions;
 use finray_model::measurement::{DisplacementNoise, Measurement};
 use finray_model::mesh::LoadError;
 use finray_model::sensing::Contact;
+use finray_model::sensing::{ContactForce, RespondingFinger, Response};
 use finray_model::{Finger, Mesh, NodeId, Vector};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;

@@ -5,13 +5,12 @@
 //! (along it, and across it), or when the force moves along the plate: columns j, c and m of the tangent compliance of the
 //! co-rotational finger in its loaded shape. The stiffness of the deformed finger counts, not that of the finger at rest.
 
-use super::response::coordinates;
 use super::{Context, Evidence};
 use crate::estimators::ELEMENTS;
 use crate::sampling::map::MapRequest;
 use crate::settings::{DRAWN_FORCE_N, Effort};
 use finray_model::mesh::LoadError;
-use finray_model::sensing::{Contact, ContactPosition, LARGEST_SPAN};
+use finray_model::sensing::{Contact, ContactPosition, LARGEST_SPAN, marker_coordinates};
 use finray_model::statics::{Ladder, Statics};
 use finray_model::{Kinematics, Mesh, Vector};
 use nalgebra::{DMatrix, DVector};
@@ -153,11 +152,11 @@ impl Sensitivity {
         let ladder = statics.equations_mut();
         let mut rates = vec![Vector::zeros(); finger.key_node_count()];
         ladder.added_load(&motion, &along, &mut rates);
-        let along = coordinates(finger, &rates);
+        let along = marker_coordinates(finger, &rates);
         ladder.added_load(&motion, &across, &mut rates);
-        let across = coordinates(finger, &rates);
+        let across = marker_coordinates(finger, &rates);
         ladder.moved_load(&motion, &load, &mut rates);
-        let moved = coordinates(finger, &rates);
+        let moved = marker_coordinates(finger, &rates);
         Ok(Some(Sensitivity { along, across, moved }))
     }
 

@@ -6,12 +6,10 @@ mod knowledge;
 mod lens;
 pub mod picture;
 
-use crate::estimators::ELEMENTS;
-use crate::statistics::rms;
-use finray_files::views::LocatedView;
-use finray_model::calibration::{self, CalibrationError, View, ViewModel};
-use finray_model::measurement::{Marker, Measurement};
-use finray_model::sensing::{ContactQuestion, Direction, Lean, sense_refining};
+use finray_model::calibration::{self, CalibrationError, LocatedView, View, ViewModel};
+use finray_model::observation::ObservedBase;
+use finray_model::sensing::{ContactQuestion, Direction, Lean};
+use finray_model::sensor::{Sensor, SensorContacts, SensorOptions};
 use finray_model::{Finger, Scene, Vector};
 use image::RgbImage;
 use knowledge::{KNOWLEDGE, Knowledge};
@@ -121,8 +119,9 @@ pub fn run(scene: &Scene, seen: &[LocatedView], images: &[NamedImage]) -> Result
         };
         forces.extend(measured.par_iter().filter_map(of).collect::<Vec<_>>());
     }
+    let model = ViewModel::of_scene(scene, scene.contact.lean.unwrap_or(Lean::NONE));
     let views: Vec<View> = measured.iter().map(|(seen, _)| seen.view.clone()).collect();
-    let fitted = calibration::views(&scene.finger, &views, &[], &model(scene))?;
+    let fitted = calibration::views(&scene.finger, &views, &[], &model)?;
     if let Some((name, _)) = images.iter().find(|(name, _)| measured.iter().all(|(seen, _)| seen.view.name != *name)) {
         return Err(MeasuredError::NotLocated { name: name.clone() });
     }
@@ -159,35 +158,24 @@ fn sensed(
 ) -> Option<MeasuredForce> {
     let measured = Direction::Angle(scene.finger.angle_deg(force));
     let direction = (knowledge.direction)(measured, scene.contact.lean)?;
-    let view = &seen.view;
-    // Displacements count from the finger that is meant; what it misses its markers by is part of their noise.
-    let sd_mm = |marker: &Marker| scene.marker_errors.sd_mm(view.noise_mm / marker.weight);
-    let markers = view.measurement.markers();
-    let noise_mm = rms(markers.iter().map(sd_mm)).unwrap_or(f64::NAN);
-    let moved = |marker: &Marker| Marker {
-        displacement: scene.finger.marker_position(marker.node) + marker.displacement
-            - finger.marker_position(marker.node),
-        weight: noise_mm / sd_mm(marker),
-        ..*marker
-    };
-    let answer = Measurement::new(finger, markers.iter().map(moved)).map_err(|error| error.to_string()).and_then(
-        |measurement| {
-            let measurement = match knowledge.base_is_sought {
-                true => measurement.with_uncertain_base(view.base),
-                false => measurement,
-            };
-            let question = ContactQuestion { position: None, direction };
-            let found = sense_refining(finger, &[question], scene.contact.pad, &measurement, Some(noise_mm));
-            let mut found = found.map_err(|error| error.to_string())?;
-            found.forces.add_force_error(scene.contact.force_error);
-            Ok(found)
-        },
-    );
+    let question = ContactQuestion { position: None, direction };
+    // Displacements count from the finger that is meant; by what it misses its markers is part of their noise.
+    let mut scene = Scene { finger: finger.clone(), ..scene.clone() };
+    let mut observation = seen.observation.clone();
+    if !knowledge.base_is_sought {
+        scene.base = None;
+        observation.base = observation.base.map(|base| ObservedBase { uncertainty: None, ..base });
+        for marker in &mut observation.markers {
+            marker.sd_mm = marker.own_sd_mm.or(marker.sd_mm);
+        }
+    }
+    let sensor = Sensor::new(&scene, SensorContacts::Asked(vec![question]), SensorOptions::default());
+    let answer = sensor.and_then(|sensor| sensor.sense(&observation)).map_err(|refusal| refusal.to_string());
     let measured_n = force.norm();
     let (sensed_n, sigma_n, s_mm, refused) = match answer {
         Ok(found) => {
             let s_mm = found.contacts[0].position_mm(finger);
-            (Some(found.forces.forces_n[0]), Some(found.forces.sigmas_n[0]), s_mm, String::new())
+            (Some(found.forces_n[0]), Some(found.sigmas_n[0]), s_mm, String::new())
         }
         Err(reason) => (None, None, None, reason),
     };
@@ -203,18 +191,4 @@ fn sensed(
         s_mm,
         refused,
     })
-}
-
-/// Height of the camera where nothing depends on it, mm: that of markers is not sought.
-const HEIGHT_MM: f64 = 1e12;
-
-/// The model of the fit that shows residuals.
-fn model(scene: &Scene) -> ViewModel {
-    ViewModel {
-        elements: ELEMENTS,
-        camera_height_mm: HEIGHT_MM,
-        marker_height_mm: 0.0,
-        lean: scene.contact.lean.unwrap_or(Lean::NONE),
-        pad: scene.contact.pad,
-    }
 }

@@ -19,7 +19,6 @@ pub mod maps;
 pub mod measured;
 pub mod networks;
 pub mod noise;
-pub mod response;
 pub mod shapes;
 pub mod speed_error;
 pub mod table_one;

@@ -223,7 +223,7 @@ impl Study {
         let finger = &scene.finger;
         let fine = fine_mesh(finger).map_err(within("mesh"))?;
         let corotational = MeshTruth::new(TruthId::Corotational, &fine, Kinematics::Corotational);
-        let networks = Networks::shipped().map_err(within("a network that ships"))?;
+        let networks = Networks::read(&finray_fixtures::NETWORKS).map_err(within("a network that ships"))?;
         Study::of(&Context {
             given,
             finger,

@@ -1,6 +1,7 @@
 //! `finray render`, `finray locate` and `finray lens`: from shapes to images, and back to displacements, forces and the lens.
 
 mod files;
+mod hinges;
 mod lens;
 mod locate;
 mod render;

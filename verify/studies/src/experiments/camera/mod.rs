@@ -8,7 +8,6 @@
 mod conditions;
 mod tried;
 
-use super::response::{ContactForce, RespondingFinger};
 use super::{Context, Evidence, ExperimentError};
 use crate::check::{Check, Kind};
 use crate::statistics::rms;
@@ -19,6 +18,7 @@ use finray_model::camera::Camera;
 use finray_model::mesh::FingerShape;
 use finray_model::scene::{MarkerLook, Markers};
 use finray_model::sensing::Contact;
+use finray_model::sensing::{ContactForce, RespondingFinger};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector, statics};
 use rayon::prelude::*;
 use serde::Serialize;

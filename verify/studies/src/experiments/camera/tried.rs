@@ -3,7 +3,7 @@
 use super::conditions::{Change, Condition, ImageChange};
 use super::{Bent, ExperimentError, FORCE_N};
 use crate::statistics::rms;
-use finray_imaging::locate::Locator;
+use finray_imaging::locate::Observer;
 use finray_imaging::render::{RenderRequest, render};
 use finray_model::camera::Camera;
 use finray_model::measurement::{Marker, Measurement};
@@ -57,12 +57,13 @@ pub(super) fn tried(
             };
             finer = bent;
             shape = &finer;
-            let displacements = finger.marked_nodes().map(|node| (node, shape.motion(node).displacement));
+            let displacements =
+                finger.marked_nodes().map(|node| (node, shape.motion(node).marker_displacement(finger)));
             Some(Seen { displacements: displacements.collect(), sd_mm: None })
         }
     };
     let Some(seen) = seen else { return Ok(None) };
-    let of_node = |node: NodeId| shape.motion(node).displacement;
+    let of_node = |node: NodeId| shape.motion(node).marker_displacement(finger);
     let error = |(node, displacement): &(NodeId, Vector)| displacement - of_node(*node);
     let is_seen = !matches!(condition.change, Change::FinerFinger(_));
     let coordinates = seen.displacements.iter().filter(|_| is_seen).flat_map(|one| [error(one).x, error(one).y]);
@@ -105,11 +106,14 @@ fn in_image(
     let disturbances = change.disturbances(seed);
     let image =
         render(&RenderRequest { camera, finger, shape, markers, references: &[], hidden: &[], disturbances }).ok()?;
-    let located = Locator::new(finger, camera, markers).ok()?.locate(&change.compressed(image)?).ok()?;
+    let mut observer = Observer::with(finger, camera, markers, None).ok()?;
+    let observed = observer.observe(&change.compressed(image)?).ok()?;
     let clamped = finger.clamped_nodes();
-    let free: Vec<_> = located.iter().filter(|marker| !clamped.contains(&marker.node)).collect();
-    let displacements = free.iter().map(|marker| (marker.node, marker.position - finger.position(marker.node)));
-    Some(Seen { displacements: displacements.collect(), sd_mm: rms(free.iter().map(|marker| marker.sd_mm)) })
+    let free: Vec<_> = observed.markers.iter().filter(|marker| !clamped.contains(&marker.node)).collect();
+    Some(Seen {
+        displacements: free.iter().filter_map(|marker| Some((marker.node, marker.displacement?))).collect(),
+        sd_mm: rms(free.iter().filter_map(|marker| marker.sd_mm)),
+    })
 }
 
 /// Points that one camera projects and another one reads; `None` where one of them does not see the finger.
@@ -122,9 +126,9 @@ fn projected(
 ) -> Option<Seen> {
     let seen = |at: Vector| read.on_plane(&camera.project(&at.push(height_mm)).ok()?, read_height_mm).ok();
     let displacement = |node: NodeId| {
-        let rest = finger.position(node);
+        let rest = finger.marker_position(node);
         let from = if is_rest_seen { seen(rest)? } else { rest };
-        Some((node, seen(rest + shape.motion(node).displacement)? - from))
+        Some((node, seen(rest + shape.motion(node).marker_displacement(finger))? - from))
     };
     let displacements = finger.marked_nodes().map(displacement).collect::<Option<Vec<_>>>()?;
     Some(Seen { displacements, sd_mm: None })

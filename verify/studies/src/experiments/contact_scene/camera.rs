@@ -10,19 +10,8 @@ use super::contacts::{HalfSpan, member_mm};
 use super::{SeenContact, TurnedOutline};
 use finray_lattice::skin::{Touch, TouchedPart};
 use finray_model::finger::Plate;
-use finray_model::sensing::{Contact, ContactPosition};
+use finray_model::sensing::{Contact, ContactPosition, MeasuredContact};
 use finray_model::{Finger, Vector};
-
-/// A contact as the camera reads it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CameraContact {
-    /// Position and direction, with noise.
-    pub contact: Contact,
-    /// Standard deviation of the direction, rad.
-    pub direction_sd_rad: f64,
-    /// Standard deviation of the position along the plate, mm; 0 at a rod.
-    pub position_sd_mm: f64,
-}
 
 /// Share of the segment at the base within which no position is sought: there a force bends nothing.
 const NEAREST_TO_BASE: f64 = 0.01;
@@ -36,7 +25,7 @@ pub fn read_contact(
     seen: &SeenContact,
     noise_mm: f64,
     mut standard_normal: impl FnMut() -> f64,
-) -> CameraContact {
+) -> MeasuredContact {
     let mut point = || Vector::new(standard_normal(), standard_normal()) * noise_mm;
     let baseline = Vector::new(seen.baseline_mm, 0.0) + point() - point();
     let turn_deg = baseline.y.atan2(baseline.x).to_degrees();
@@ -51,7 +40,7 @@ pub fn read_contact(
     };
     let two_points_mm = std::f64::consts::SQRT_2 * noise_mm;
     let HalfSpan { along_mm, turn_rad } = seen.half_span;
-    CameraContact {
+    MeasuredContact {
         contact: Contact { position, angle_deg: seen.contact.angle_deg + turn_deg },
         direction_sd_rad: (two_points_mm / seen.baseline_mm).hypot(EVENLY * turn_rad),
         position_sd_mm: match position {

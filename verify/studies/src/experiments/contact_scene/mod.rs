@@ -1,7 +1,7 @@
 //! Contact scenes: an object is pressed onto the lattice finger, a camera watches the nodes, and sensing follows.
 //!
 //! The camera sees where the object touches and which way it faces there, with noise, and not how hard (`camera`). Sensing is
-//! given these contacts, the noisy displacements of the markers and a bound of the friction coefficient (`sensing`), and its
+//! given these contacts, the noisy displacements of the markers and a bound of the friction coefficient (`watcher`), and its
 //! forces stand beside those that the engine's contacts carry.
 
 mod camera;
@@ -12,11 +12,10 @@ mod object;
 pub mod objects;
 mod rows;
 pub mod samples;
-mod sensing;
 pub mod study;
 mod watcher;
 
-pub use camera::{CameraContact, baseline_mm, read_contact};
+pub use camera::{baseline_mm, read_contact};
 pub use contacts::{HalfSpan, SeenContact, angle_deg, seen_contacts};
 pub use object::{HandStep, OutlineError, PreparedObject, TurnedOutline};
 pub use rows::{ForceRow, contacts_sensed, force_rows};
@@ -25,19 +24,33 @@ pub use watcher::Watcher;
 use crate::lattice::accuracy::difference;
 use finray_lattice::pressing::{Pressed, Pressing, Push};
 use finray_lattice::{Lattice, LatticeError};
-use finray_model::measurement::Measurement;
-use finray_model::scene::ObjectDescription;
-use finray_model::sensing::SensingError;
+use finray_model::measurement::{MarkerErrors, Measurement};
+use finray_model::observation::Observation;
+use finray_model::scene::{ContactDescription, ObjectDescription};
+use finray_model::sensing::MeasuredContact;
+use finray_model::sensor::Refusal;
 use finray_model::{Finger, Scene, Vector};
 
 /// Segments of plate between two rods: the paper's finger under 5 N is then within 0.1 % of converged beams.
 pub const FINENESS: usize = 3;
 
+/// A scene's finger as a simulation has it: forces act on the bare plate, displacements count from a known base, and nothing is stated of their errors.
+pub fn simulated(scene: &Scene) -> Scene {
+    Scene {
+        noise_mm: None,
+        marker_errors: MarkerErrors::default(),
+        base: None,
+        contact: ContactDescription { rod_radius_mm: scene.contact.rod_radius_mm, ..ContactDescription::default() },
+        touched: None,
+        ..scene.clone()
+    }
+}
+
 /// What a scene needs to be run: finger, object, camera.
 #[derive(Debug, Clone)]
 pub struct ContactScene {
-    finger: Finger,
-    rod_radius_mm: f64,
+    /// As it is [`simulated`].
+    scene: Scene,
     object: PreparedObject,
     fineness: usize,
     /// Bound of the coefficient of friction that sensing assumes.
@@ -82,7 +95,7 @@ pub struct SensedStep {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SensedContact {
     /// Position and direction that sensing was given.
-    pub read: CameraContact,
+    pub read: MeasuredContact,
     /// The force.
     pub force: SensedForce,
 }
@@ -117,8 +130,7 @@ impl ContactScene {
     /// [`OutlineError`] for corners that are no outline.
     pub fn new(scene: &Scene, object: &ObjectDescription, corners: &[Vector]) -> Result<ContactScene, OutlineError> {
         Ok(ContactScene {
-            finger: scene.finger.clone(),
-            rod_radius_mm: scene.contact.rod_radius_mm,
+            scene: simulated(scene),
             object: PreparedObject::new(scene, object, corners)?,
             fineness: FINENESS,
             assumed_friction: object.friction,
@@ -142,7 +154,7 @@ impl ContactScene {
 
     /// The finger.
     pub fn finger(&self) -> &Finger {
-        &self.finger
+        &self.scene.finger
     }
 
     /// Steps that it has.
@@ -161,9 +173,9 @@ impl ContactScene {
     /// [`LatticeError`] if the object does not start outside the finger, or a step does not settle: the steps before were handed
     /// out.
     pub fn run(&self, mut each: impl FnMut(SceneStep)) -> Result<(), LatticeError> {
-        let lattice = Lattice::new(&self.finger, self.fineness)?;
+        let lattice = Lattice::new(self.finger(), self.fineness)?;
         let PreparedObject { rigid, start, along, steps, .. } = &self.object;
-        let mut pressing = Pressing::new(&lattice, self.rod_radius_mm, rigid, *start, *along)?;
+        let mut pressing = Pressing::new(&lattice, self.scene.contact.rod_radius_mm, rigid, *start, *along)?;
         let (mut travel_mm, mut last) = (0.0, *start);
         for step in steps {
             for &corner in &step.corners {
@@ -180,7 +192,7 @@ impl ContactScene {
                 along: step.along,
                 contacts: seen_contacts(&lattice, &pressed.touches, |touch| {
                     let outline = &self.object.outline;
-                    camera::baseline_mm(&self.finger, self.rod_radius_mm, outline, pressed.object, touch)
+                    camera::baseline_mm(self.finger(), self.scene.contact.rod_radius_mm, outline, pressed.object, touch)
                 }),
                 equilibrium_difference: equilibrium.ok().map(|shape| difference(&shape, &pressed.shape)),
                 pressed,
@@ -193,26 +205,27 @@ impl ContactScene {
     /// `noise_mm` a coordinate from `standard_normal`. Forces lie within the cone of the assumed friction. `None` where nothing touches.
     ///
     /// # Errors
-    /// [`SensingError`] if they are not identifiable.
+    /// [`Refusal`] if they are not identifiable.
     pub fn sense(
         &self,
         step: &SceneStep,
         noise_mm: f64,
         mut standard_normal: impl FnMut() -> f64,
-    ) -> Result<Option<SensedStep>, SensingError> {
+    ) -> Result<Option<SensedStep>, Refusal> {
         let felt: Vec<SeenContact> = step.contacts.iter().filter(|contact| !contact.clamped).copied().collect();
         if felt.is_empty() {
             return Ok(None);
         }
-        let mut seen = Measurement::of_shape(&self.finger, &step.pressed.shape);
+        let mut seen = Measurement::of_shape(self.finger(), &step.pressed.shape);
         seen.add_noise(noise_mm, &mut standard_normal);
         let watcher = Watcher {
-            finger: &self.finger,
-            rod_radius_mm: self.rod_radius_mm,
+            scene: &self.scene,
             friction: self.assumed_friction,
-            marker_noise_mm: noise_mm,
+            marker_noise_mm: Some(noise_mm),
             outline_noise_mm: noise_mm,
+            estimator: None,
         };
+        let seen = Observation::of_displacements(&seen);
         watcher.sense(&felt, &seen, step.along, standard_normal).map(Some)
     }
 }

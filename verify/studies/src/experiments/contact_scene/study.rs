@@ -9,7 +9,7 @@ use finray_lattice::skin::{Touch, TouchedPart};
 use finray_model::finger::Plate;
 use finray_model::mesh::{FingerShape, Load};
 use finray_model::scene::{ObjectDescription, ObjectMotion, SceneError};
-use finray_model::sensing::SensingError;
+use finray_model::sensor::Refusal;
 use finray_model::statics::{self, StaticsError};
 use finray_model::{Finger, Kinematics, Mesh, Scene, Vector};
 use rayon::prelude::*;
@@ -25,9 +25,9 @@ pub struct StudiedStep {
     /// Finger, object and true forces.
     pub step: SceneStep,
     /// Sensed without noise; `None` where nothing touches.
-    pub clean: Result<Option<SensedStep>, SensingError>,
+    pub clean: Result<Option<SensedStep>, Refusal>,
     /// Sensed from one noise sample.
-    pub noisy: Result<Option<SensedStep>, SensingError>,
+    pub noisy: Result<Option<SensedStep>, Refusal>,
     /// Many noise samples, if something touches.
     pub samples: Option<NoiseSamples>,
 }

@@ -129,7 +129,7 @@ impl<'s, 'l> Course<'s, 'l> {
         let drive = Drive { placements, weight: scene.weight() * weight_share, gripper: Vector::zeros() };
         let world = World::new(
             &[lattice, lattice],
-            scene.contact.rod_radius_mm,
+            scene.scene.contact.rod_radius_mm,
             (scene.shape.clone(), scene.object.friction),
             object,
             drive,

@@ -25,14 +25,14 @@ pub use summary::{SensedSummary, Summary};
 
 use crate::estimators::EstimatorId;
 use crate::estimators::network::Networks;
-use crate::experiments::contact_scene::{OutlineError, TurnedOutline};
+use crate::experiments::contact_scene::{OutlineError, TurnedOutline, simulated};
 use crate::sampling::noise::Noise;
 use course::Course;
 use finray_lattice::grasp::{Account, Partner, World, WorldError, surface::Shape};
 use finray_lattice::{Lattice, LatticeError};
 use finray_model::finger::Plate;
 use finray_model::gripper::{Gripper, Placement};
-use finray_model::scene::{ContactDescription, GraspDescription, ObjectDescription, ObjectMotion, Outline};
+use finray_model::scene::{GraspDescription, ObjectDescription, ObjectMotion, Outline};
 use finray_model::{Finger, Scene, Vector};
 use rapier2d::parry::query::intersection_test;
 use rapier2d::parry::shape::Triangle;
@@ -94,9 +94,9 @@ pub enum GraspError {
 /// A scene with a gripper and a free object.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GraspScene {
-    finger: Finger,
+    /// As it is [`simulated`].
+    scene: Scene,
     gripper: Gripper,
-    contact: ContactDescription,
     grasp: GraspDescription,
     object: ObjectDescription,
     outline: TurnedOutline,
@@ -165,11 +165,9 @@ impl GraspScene {
                 return Err(GraspError::ThroughSupport { corner: i + 1, depth_mm: depth(deep) });
             }
         }
-        let (finger, contact) = (scene.finger.clone(), scene.contact);
         Ok(GraspScene {
-            finger,
+            scene: simulated(scene),
             gripper,
-            contact,
             grasp,
             object,
             outline,
@@ -186,7 +184,7 @@ impl GraspScene {
         GraspScene { fineness, ..self }
     }
 
-    /// The same sensed by an estimator, with networks to choose from: see [`Watcher::sense_by`](crate::experiments::contact_scene::Watcher).
+    /// The same sensed by an estimator, with networks to choose from: see [`Watcher`](crate::experiments::contact_scene::Watcher).
     pub fn with_estimator(self, estimator: EstimatorId, networks: Networks) -> GraspScene {
         GraspScene { estimator: Some((estimator, networks)), ..self }
     }
@@ -198,7 +196,7 @@ impl GraspScene {
 
     /// The finger.
     pub fn finger(&self) -> &Finger {
-        &self.finger
+        &self.scene.finger
     }
 
     /// What the gripper does.
@@ -233,9 +231,9 @@ impl GraspScene {
         let object = self.outline.shape().ok()?;
         let engine = |point: Vector| EngineVector::new(point.x, point.y);
         let start = Pose::new(engine(self.centre_mm), self.object.rotation_deg.to_radians());
-        let length_mm = self.finger.plate_length_mm(Plate::Front);
+        let length_mm = self.scene.finger.plate_length_mm(Plate::Front);
         let corners = [(Plate::Front, 0.0), (Plate::Front, length_mm), (Plate::Back, 0.0)];
-        let corners = corners.map(|(plate, s_mm)| self.finger.plate_point(plate, s_mm));
+        let corners = corners.map(|(plate, s_mm)| self.scene.finger.plate_point(plate, s_mm));
         placements.iter().position(|placement| {
             let [base, tip, back] = corners.map(|corner| engine(placement.outwards(corner)));
             intersection_test(&Pose::IDENTITY, &Triangle::new(base, tip, back), &start, &*object.0)
@@ -259,7 +257,7 @@ impl GraspScene {
     /// # Errors
     /// [`GraspError`] if it cannot begin.
     pub fn run(&self, eyes: &Eyes, seed: u64, mut each: impl FnMut(&GraspStep)) -> Result<Ended, GraspError> {
-        let lattice = Lattice::new(&self.finger, self.fineness)?;
+        let lattice = Lattice::new(&self.scene.finger, self.fineness)?;
         let mut course = Course::new(self, &lattice)?;
         Ok(self.go_on(&mut course, &lattice, eyes, &mut Noise::new(seed), &mut each))
     }

@@ -128,7 +128,7 @@ pub fn closed_loops(settings: &[LoopSetting]) -> Result<LoopStudy, GraspStudyErr
         closing(GraspDescription { frames_per_s: Some(*frames_per_s), delay_frames: *delay_frames, ..grasp.clone() })
     });
     let at_rates = at_rates.collect::<Result<Vec<_>, _>>()?;
-    let lattice = Lattice::new(&coarse.finger, FINENESS).map_err(GraspError::from)?;
+    let lattice = Lattice::new(coarse.finger(), FINENESS).map_err(GraspError::from)?;
     let mut begun: Vec<GraspStep> = Vec::new();
     let mut course = Course::new(&coarse, &lattice)?;
     coarse.go_on(&mut course, &lattice, &Eyes::Noise(0.0), &mut Noise::new(0), &mut |step| begun.push(step.clone()));

@@ -1,21 +1,21 @@
 //! What a camera sees of a finger in a grasp, and the forces that are sensed from it.
 
 use super::GraspScene;
-use crate::estimators::EstimatorError;
 use crate::experiments::contact_scene::{
     SeenContact, SensedContact, SensedStep, TurnedOutline, Watcher, baseline_mm, seen_contacts,
 };
 use crate::sampling::noise::Noise;
-use finray_imaging::locate::Locator;
+use finray_imaging::locate::Observer;
 use finray_imaging::render::{Disturbances, RenderRequest, render};
 use finray_lattice::Lattice;
 use finray_lattice::skin::Touch;
 use finray_model::camera::Camera;
 use finray_model::gripper::Placement;
-use finray_model::measurement::{Marker, Measurement};
+use finray_model::measurement::Measurement;
 use finray_model::mesh::FingerShape;
+use finray_model::observation::Observation;
 use finray_model::scene::Markers;
-use finray_model::sensing::SensingError;
+use finray_model::sensor::Refusal;
 use finray_model::{Finger, Vector};
 use nalgebra::Rotation2;
 use std::borrow::Cow;
@@ -54,6 +54,33 @@ impl Eyes {
             markers.height_mm *= if placement.mirrored { -1.0 } else { 1.0 };
         }
         eyes
+    }
+
+    /// Standard deviations of a coordinate of a marker and of a point of an outline, mm; `None` where observations state it.
+    fn noise_mm(&self) -> [Option<f64>; 2] {
+        match self {
+            Eyes::Noise(noise_mm) => [Some(*noise_mm); 2],
+            Eyes::Images { outline_noise_mm, .. } => [None, Some(*outline_noise_mm)],
+        }
+    }
+
+    /// What is seen of the markers of a bent finger.
+    fn observed(&self, finger: &Finger, shape: &FingerShape, noise: &mut Noise) -> Result<Observation, NotSensed> {
+        let (camera, markers, disturbances) = match self {
+            Eyes::Noise(noise_mm) => {
+                let seen = noise.on(&Measurement::of_shape(finger, shape), *noise_mm);
+                return Ok(Observation::of_displacements(&seen));
+            }
+            &Eyes::Images { ref camera, ref markers, grey_noise, blur_px, .. } => {
+                let seed = (noise.evenly([0.0, 1.0]) * f64::from(u32::MAX)) as u64;
+                (camera, markers, Disturbances { grey_noise, blur_px, seed, ..Disturbances::default() })
+            }
+        };
+        let not_seen = |reason: &dyn std::fmt::Display| NotSensed::NotSeen(reason.to_string());
+        let request = RenderRequest { camera, finger, shape, markers, references: &[], hidden: &[], disturbances };
+        let image = render(&request).map_err(|error| not_seen(&error))?;
+        let mut observer = Observer::with(finger, camera, markers, None).map_err(|error| not_seen(&error))?;
+        observer.observe(&image).map_err(|error| not_seen(&error))
     }
 }
 
@@ -115,9 +142,10 @@ impl GraspScene {
     /// Senses one finger.
     pub(super) fn sense(&self, lattice: &Lattice, seen: SeenFinger, eyes: &Eyes, noise: &mut Noise) -> FingerStep {
         let outline = self.outline_of(&seen);
-        let rod_radius_mm = self.contact.rod_radius_mm;
+        let finger = &self.scene.finger;
         let contacts = seen_contacts(lattice, &seen.touches, |touch| {
-            baseline_mm(&self.finger, rod_radius_mm, &outline, seen.placement.inwards(position(&seen)), touch)
+            let object = seen.placement.inwards(position(&seen));
+            baseline_mm(finger, self.scene.contact.rod_radius_mm, &outline, object, touch)
         });
         let felt: Vec<SeenContact> = contacts.iter().filter(|contact| !contact.clamped).copied().collect();
         let total_n = 0.0 + felt.iter().map(|contact| contact.force.dot(&seen.along)).sum::<f64>();
@@ -125,19 +153,18 @@ impl GraspScene {
             if felt.is_empty() {
                 return Ok(None);
             }
-            let (measurement, [marker_noise_mm, outline_noise_mm]) = {
-                let on_gripper = self.grasp.camera_on_gripper.then_some(&seen.in_gripper);
-                measured(&self.finger, &seen.shape, &eyes.before(on_gripper), noise)?
+            let on_gripper = self.grasp.camera_on_gripper.then_some(&seen.in_gripper);
+            let eyes = eyes.before(on_gripper);
+            let observation = eyes.observed(finger, &seen.shape, noise)?;
+            let [marker_noise_mm, outline_noise_mm] = eyes.noise_mm();
+            let watcher = Watcher {
+                scene: &self.scene,
+                friction: self.object.friction,
+                marker_noise_mm,
+                outline_noise_mm: outline_noise_mm.unwrap_or_default(),
+                estimator: self.estimator.as_ref().map(|(id, networks)| (*id, networks)),
             };
-            let friction = self.object.friction;
-            let watcher = Watcher { finger: &self.finger, rod_radius_mm, friction, marker_noise_mm, outline_noise_mm };
-            let standard_normal = || noise.standard_normal();
-            Ok(Some(match &self.estimator {
-                None => watcher.sense(&felt, &measurement, seen.along, standard_normal)?,
-                Some((id, networks)) => {
-                    watcher.sense_by((*id, networks), &felt, &measurement, seen.along, standard_normal)?
-                }
-            }))
+            Ok(Some(watcher.sense(&felt, &observation, seen.along, || noise.standard_normal())?))
         };
         let sensed = sense();
         let SeenFinger { placement, shape, on_object, .. } = seen;
@@ -163,48 +190,10 @@ fn position(seen: &SeenFinger) -> Vector {
 /// Why no force was sensed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NotSensed {
-    /// The search with errors in all variables refuses.
+    /// The sensor refuses.
     #[error(transparent)]
-    Refused(#[from] SensingError),
-    /// The estimator refuses.
-    #[error(transparent)]
-    RefusedBy(#[from] EstimatorError),
+    Refused(#[from] Refusal),
     /// The image does not show the finger.
     #[error("the image: {0}")]
     NotSeen(String),
-}
-
-/// Displacements of the markers as `eyes` see them, with the standard deviations of a marker's and an outline point's coordinate, mm.
-fn measured(
-    finger: &Finger,
-    shape: &FingerShape,
-    eyes: &Eyes,
-    noise: &mut Noise,
-) -> Result<(Measurement, [f64; 2]), NotSensed> {
-    let (camera, markers, [grey_noise, blur_px, outline_noise_mm]) = match eyes {
-        Eyes::Noise(noise_mm) => {
-            let mut seen = Measurement::of_shape(finger, shape);
-            seen.add_noise(*noise_mm, || noise.standard_normal());
-            return Ok((seen, [*noise_mm; 2]));
-        }
-        Eyes::Images { camera, markers, grey_noise, blur_px, outline_noise_mm } => {
-            (camera, markers, [*grey_noise, *blur_px, *outline_noise_mm])
-        }
-    };
-    let not_seen = |reason: String| NotSensed::NotSeen(reason);
-    let seed = (noise.evenly([0.0, 1.0]) * f64::from(u32::MAX)) as u64;
-    let disturbances = Disturbances { grey_noise, blur_px, seed, ..Disturbances::default() };
-    let request = RenderRequest { camera, finger, shape, markers, references: &[], hidden: &[], disturbances };
-    let image = render(&request).map_err(|error| not_seen(error.to_string()))?;
-    let mut locator = Locator::new(finger, camera, markers).map_err(|error| not_seen(error.to_string()))?;
-    let located = locator.locate(&image).map_err(|error| not_seen(error.to_string()))?;
-    let clamped = finger.clamped_nodes();
-    let markers = located.iter().filter(|located| !clamped.contains(&located.node)).map(|located| Marker {
-        node: located.node,
-        displacement: located.position - finger.position(located.node),
-        weight: 1.0,
-    });
-    let measurement = Measurement::new(finger, markers).map_err(|error| not_seen(error.to_string()))?;
-    let squares = located.iter().map(|located| located.sd_mm * located.sd_mm).sum::<f64>();
-    Ok((measurement, [(squares / located.len().max(1) as f64).sqrt(), outline_noise_mm]))
 }

@@ -1,9 +1,8 @@
 //! The camera taken for one without distortion: where an image's markers would then have been located.
 
-use finray_files::views::LocatedView;
-use finray_model::calibration::View;
+use finray_model::calibration::LocatedView;
 use finray_model::camera::{Camera, Pixel};
-use finray_model::measurement::{Marker, Measurement};
+use finray_model::observation::{ObservedBase, ObservedMarker};
 use finray_model::{Scene, Vector};
 use nalgebra::{DMatrix, DVector, Isometry2, Point2, UnitComplex};
 
@@ -70,10 +69,12 @@ pub(super) fn without_distortion(scene: &Scene, seen: &LocatedView) -> Option<Lo
         let pixel = camera.project(&point.push(height_mm)).ok()?;
         Some(eye.xy() + (projective.on_plane(&pixel) - eye.xy()) * (1.0 - height_mm / eye.z))
     };
+    let mut observation = seen.observation.clone();
+    let seen_base = observation.base.map_or_else(Isometry2::identity, |base| base.pose);
     // Marks on the base are seen no better than the rest.
     let references = scene.base.as_ref().map_or(&[][..], |base| &base.references);
     let marks = references.iter().map(|reference| {
-        let placed = (seen.base * Point2::from(reference.at)).coords;
+        let placed = (seen_base * Point2::from(reference.at)).coords;
         Some((reference.at, moved(placed, reference.markers.height_mm)?))
     });
     let base = match marks.collect::<Option<Vec<_>>>()?[..] {
@@ -82,17 +83,16 @@ pub(super) fn without_distortion(scene: &Scene, seen: &LocatedView) -> Option<Lo
             let middle = 0.5 * (first_at + last_at) - rotation * (0.5 * (first + last));
             Isometry2::from_parts(middle.into(), rotation)
         }
-        _ => seen.base,
+        _ => seen_base,
     };
     let height_mm = scene.markers.map_or(0.0, |markers| markers.height_mm);
-    let view = &seen.view;
-    let markers = view.measurement.markers().iter().map(|marker| {
-        let rest = scene.finger.marker_position(marker.node);
-        let at = moved((seen.base * Point2::from(rest + marker.displacement)).coords, height_mm)?;
-        Some(Marker { displacement: (base.inverse() * Point2::from(at)).coords - rest, ..*marker })
+    let markers = observation.markers.iter().map(|marker| {
+        let at = moved((seen_base * Point2::from(marker.position?)).coords, height_mm)?;
+        let position = (base.inverse() * Point2::from(at)).coords;
+        Some(ObservedMarker { position: Some(position), displacement: None, ..*marker })
     });
-    let measurement = Measurement::new(&scene.finger, markers.collect::<Option<Vec<_>>>()?).ok()?;
-    let turned = base.rotation.inverse() * seen.base.rotation;
-    let view = View { measurement, force: view.force.map(|force| turned * force), ..view.clone() };
-    Some(LocatedView { base, view })
+    observation.markers = markers.collect::<Option<Vec<_>>>()?;
+    observation.base = observation.base.map(|seen| ObservedBase { pose: base, ..seen });
+    let force = seen.view.force.map(|force| seen.base.rotation * force);
+    LocatedView::new(observation, scene, force).ok()
 }

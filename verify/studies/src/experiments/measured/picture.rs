@@ -1,7 +1,7 @@
 //! What is left of the markers, over the image that they were found in.
 
 use super::MarkerResidual;
-use finray_files::views::LocatedView;
+use finray_model::calibration::LocatedView;
 use finray_model::camera::Camera;
 use finray_model::{Scene, Vector};
 use image::codecs::jpeg::JpegEncoder;

@@ -2,13 +2,13 @@
 
 use super::ModuleError;
 use crate::experiments::contact_scene::angle_deg;
-use crate::experiments::response::{ContactForce, RespondingFinger};
 use crate::experiments::table_two::FORCES_N;
 use finray_model::gripper::{Gripper, Placement};
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::mesh::LoadError;
 use finray_model::scene::ROD_RADIUS_MM;
 use finray_model::sensing::{Contact, ContactPosition};
+use finray_model::sensing::{ContactForce, RespondingFinger};
 use finray_model::{Finger, Mesh, NodeId, Vector};
 use nalgebra::{DMatrix, DVector};
 

@@ -10,12 +10,12 @@ mod nonlinear;
 
 pub use beam::BeamEstimator;
 
-use crate::registry::registry;
-use finray_model::measurement::Measurement;
-use finray_model::mesh::MeshSizeError;
-use finray_model::sensing::network::NetworkError;
-use finray_model::sensing::{Contact, ContactQuestion, Estimate, Pad, SensingError, TouchedObject, check_contacts};
-use finray_model::{Finger, Mesh};
+use crate::measurement::Measurement;
+use crate::mesh::MeshSizeError;
+use crate::registry;
+use crate::sensing::network::NetworkError;
+use crate::sensing::{Contact, ContactQuestion, Estimate, Pad, SensingError, TouchedObject, check_contacts};
+use crate::{Finger, Mesh};
 use network::{Networks, NoNetwork};
 
 /// Elements a member on which the nonlinear estimator works: the error of this mesh is small beside the noise.

@@ -1,12 +1,12 @@
-//! Sensing networks as estimators: those that ship with finray, and a user's own.
+//! Sensing networks as estimators.
 
 use super::{
     Answer, Estimator, EstimatorError, EstimatorId, EstimatorRow, PreparedEstimator, Question, Sensed, known_contacts,
 };
-use finray_model::measurement::Measurement;
-use finray_model::sensing::Contact;
-use finray_model::sensing::network::{ContactSet, Network, NetworkError, NetworkEstimator};
-use finray_model::{Finger, Mesh};
+use crate::measurement::Measurement;
+use crate::sensing::Contact;
+use crate::sensing::network::{ContactSet, Network, NetworkError, NetworkEstimator};
+use crate::{Finger, Mesh};
 
 pub(super) const ROW: EstimatorRow = EstimatorRow {
     name: "network",
@@ -59,12 +59,18 @@ pub enum NoNetwork {
 }
 
 impl Networks {
-    /// The networks that ship: for the paper's finger, single contact nodes, some pairs, and any of the contact nodes.
+    /// Networks from the bytes of their files.
     ///
     /// # Errors
-    /// [`NetworkError`] if one does not read: a fault of the build.
-    pub fn shipped() -> Result<Networks, NetworkError> {
-        finray_fixtures::NETWORKS.iter().map(|bytes| Network::from_bytes(bytes)).collect::<Result<_, _>>().map(Networks)
+    /// [`NetworkError`] for the first one that does not read.
+    pub fn read(files: &[&[u8]]) -> Result<Networks, NetworkError> {
+        files.iter().map(|bytes| Network::from_bytes(bytes)).collect::<Result<_, _>>().map(Networks)
+    }
+
+    /// No networks.
+    pub fn none() -> &'static Networks {
+        static NONE: Networks = Networks(Vec::new());
+        &NONE
     }
 
     /// Some networks.

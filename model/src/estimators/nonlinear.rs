@@ -1,9 +1,9 @@
 //! Gauss-Newton on the co-rotational finger.
 
 use super::{Answer, BeamEstimator, ELEMENTS, EstimatorError, EstimatorRow, PreparedEstimator, Question, Sensed};
-use finray_model::measurement::Measurement;
-use finray_model::sensing::{Discretisation, Meeting, NonlinearEstimator, sense_refining};
-use finray_model::{Finger, Mesh};
+use crate::measurement::Measurement;
+use crate::sensing::{Discretisation, Meeting, NonlinearEstimator, sense_refining};
+use crate::{Finger, Mesh};
 
 pub(super) const ROW: EstimatorRow = EstimatorRow {
     name: "nonlinear",

@@ -1,11 +1,11 @@
 //! A bent finger, and how its markers move, to first order, with the forces on it and where these act.
 
-use finray_model::finger::Plate;
-use finray_model::frame::{FrameLoad, FrameMotion};
-use finray_model::mesh::{Load, LoadError};
-use finray_model::sensing::{Contact, ContactPosition};
-use finray_model::statics::{Ladder, Statics};
-use finray_model::{Finger, Kinematics, Mesh, NodeId, Vector};
+use crate::finger::Plate;
+use crate::frame::{FrameLoad, FrameMotion};
+use crate::mesh::{Load, LoadError};
+use crate::sensing::{Contact, ContactPosition};
+use crate::statics::{Ladder, Statics};
+use crate::{Finger, Kinematics, Mesh, NodeId, Vector};
 use nalgebra::DVector;
 
 /// A force with a component across the direction of its contact.
@@ -113,7 +113,7 @@ impl<'m> RespondingFinger<'m> {
                 let mut sum = DVector::zeros(2 * finger.marked_nodes().len());
                 for load in unit {
                     ladder.added_load(&motion, &framed(load)?, &mut rates);
-                    sum += coordinates(finger, &rates);
+                    sum += marker_coordinates(finger, &rates);
                 }
                 Ok(sum)
             };
@@ -123,21 +123,21 @@ impl<'m> RespondingFinger<'m> {
             if matches!(force.contact.position, ContactPosition::At(_)) {
                 for load in of_force {
                     ladder.moved_load(&motion, load, &mut rates);
-                    shift += coordinates(finger, &rates);
+                    shift += marker_coordinates(finger, &rates);
                 }
             }
             moved.push(shift);
         }
         let markers =
             (1..=finger.key_node_count()).map(|node| motion.displacements[self.mesh.marker_node(NodeId(node))]);
-        let displacements_mm = coordinates(finger, &markers.collect::<Vec<_>>());
+        let displacements_mm = marker_coordinates(finger, &markers.collect::<Vec<_>>());
         self.last = (loads, motion);
         Ok(Some(Response { displacements_mm, along, across, moved }))
     }
 }
 
 /// Coordinates of the markers, from vectors by key node.
-pub(super) fn coordinates(finger: &Finger, of_nodes: &[Vector]) -> DVector<f64> {
+pub fn marker_coordinates(finger: &Finger, of_nodes: &[Vector]) -> DVector<f64> {
     let nodes = finger.marked_nodes();
     DVector::from_iterator(2 * nodes.len(), nodes.flat_map(|node| [of_nodes[node.0 - 1].x, of_nodes[node.0 - 1].y]))
 }

@@ -1,9 +1,22 @@
 //! Lists of named things: an enum whose every variant is one row.
 
+/// An enum of named things.
+pub trait Listed: Copy + Send + Sync + 'static {
+    /// All of them, in the order of lists and figures.
+    const ALL: &'static [Self];
+
+    /// Name on the command line and in files.
+    fn name(self) -> &'static str;
+
+    /// What it is, in a sentence.
+    fn help(self) -> &'static str;
+}
+
 /// Declares the enum `$id` with a variant for each row, in the order of every list, help text and figure.
 ///
 /// A row is a constant of type `$row` with the fields `name` (command line, files), `label` (page) and `help` (command line). The enum is
-/// an argument of the command line and reads and writes as its name. Adding a row takes its own file and a line here.
+/// [`Listed`], and reads and writes as its name. Adding a row takes its own file and a line here.
+#[macro_export]
 macro_rules! registry {
     ($(#[$doc:meta])* $id:ident: $row:ty { $($(#[$about:meta])* $variant:ident => $value:expr),+ $(,)? }) => {
         $(#[$doc])*
@@ -40,13 +53,15 @@ macro_rules! registry {
             }
         }
 
-        impl clap::ValueEnum for $id {
-            fn value_variants<'a>() -> &'a [$id] {
-                $id::ALL
+        impl $crate::registry::Listed for $id {
+            const ALL: &'static [$id] = $id::ALL;
+
+            fn name(self) -> &'static str {
+                $id::name(self)
             }
 
-            fn to_possible_value(&self) -> Option<clap::builder::PossibleValue> {
-                Some(clap::builder::PossibleValue::new(self.name()).help(self.row().help))
+            fn help(self) -> &'static str {
+                $id::help(self)
             }
         }
 
@@ -65,5 +80,3 @@ macro_rules! registry {
         }
     };
 }
-
-pub(crate) use registry;

@@ -1,4 +1,4 @@
-//! Forces from markers and from contacts that are themselves measured: errors in all variables.
+//! Forces from markers and from contacts that are measured, too: errors in all variables.
 //!
 //! Unknown are, for each contact, the force f along the normal as the camera reads it, the tangent a of the force's angle from there,
 //! and for a contact between rods the shift d of its position. The markers' displacements are data; so are a = 0 and d = 0,
@@ -6,13 +6,13 @@
 //! (Gauss-Newton on the co-rotational finger), and the inverse of its information matrix is the stated covariance: what noise of
 //! position and direction, and unknown friction, do to a force is in it, less what the markers show of them.
 
-use super::camera::CameraContact;
-use crate::experiments::response::{ContactForce, RespondingFinger, Response};
-use finray_model::Mesh;
-use finray_model::finger::Plate;
-use finray_model::measurement::Measurement;
-use finray_model::sensing::{ContactPosition, NonlinearEstimator, SensingError};
-use finray_model::statics::StaticsError;
+use super::{
+    Contact, ContactForce, ContactPosition, LARGEST_SPAN, NonlinearEstimator, RespondingFinger, Response, SensingError,
+};
+use crate::finger::Plate;
+use crate::measurement::Measurement;
+use crate::statics::StaticsError;
+use crate::{Finger, Mesh, Vector};
 use nalgebra::{DMatrix, DVector};
 
 /// Steps after which a search that has not settled is given up.
@@ -26,9 +26,20 @@ const HALVINGS: usize = 12;
 /// Chi-squared beyond its mean by this many of its standard deviations is no chance: 1 in 10^4 for the degrees of freedom of a finger.
 const UNEXPLAINED_DEVIATIONS: f64 = 4.0;
 
-/// What is known of contacts and markers beside the displacements.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Knowledge {
+/// A contact whose position and direction were measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeasuredContact {
+    /// Position and direction of the surface's normal, as measured.
+    pub contact: Contact,
+    /// Standard deviation of the direction, rad.
+    pub direction_sd_rad: f64,
+    /// Standard deviation of the position along the plate, mm; 0 at a rod.
+    pub position_sd_mm: f64,
+}
+
+/// Prior knowledge of contacts and markers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactKnowledge {
     /// Standard deviation of one displacement coordinate, mm.
     pub noise_mm: f64,
     /// Bound of the friction coefficient: the tangent of the largest angle between force and normal.
@@ -37,13 +48,17 @@ pub(super) struct Knowledge {
     pub rod_radius_mm: f64,
 }
 
-/// The minimum.
+/// Forces of measured contacts.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Solution {
-    /// Along each contact's normal, as read, N.
+pub struct MeasuredContactForces {
+    /// Along each contact's normal, as measured, N.
     pub along_n: Vec<f64>,
+    /// Standard deviation of the force along the true normal, N.
+    pub sigmas_n: Vec<f64>,
     /// Across it, towards the tip, N.
     pub across_n: Vec<f64>,
+    /// The contacts, as measured.
+    pub contacts: Vec<Contact>,
     /// Covariance of the forces along all contacts, then of those across them, N^2.
     pub covariance_n2: DMatrix<f64>,
 }
@@ -58,39 +73,43 @@ struct State {
 }
 
 struct Problem<'a> {
-    contacts: &'a [CameraContact],
-    knowledge: Knowledge,
+    contacts: &'a [MeasuredContact],
+    knowledge: ContactKnowledge,
     /// Standard deviation of each tangent; 0 where it is known to be 0.
     tangent_sds: Vec<f64>,
+    /// Displacements, two coordinates a marked node; zero for a node that was not seen.
     measured_mm: DVector<f64>,
+    /// Weight of each coordinate: zero for a node that was not seen.
+    weights: DVector<f64>,
+    coordinates: usize,
     length_mm: f64,
     /// Half the thickness of the front plate, mm.
     half_thickness_mm: f64,
 }
 
-/// Senses forces on `mesh`.
+/// Senses the forces of measured contacts on `mesh`. The base counts as known.
 ///
 /// # Errors
 /// [`SensingError`] if the forces are not identifiable, no equilibrium explains the displacements, or the search does not end.
-pub(super) fn sense(
+pub fn sense_measured_contacts(
     mesh: &Mesh,
-    contacts: &[CameraContact],
+    contacts: &[MeasuredContact],
     measurement: &Measurement,
-    knowledge: Knowledge,
-) -> Result<Solution, SensingError> {
+    knowledge: ContactKnowledge,
+) -> Result<MeasuredContactForces, SensingError> {
     let questions: Vec<_> = contacts.iter().map(|contact| contact.contact.into()).collect();
     let start = NonlinearEstimator::new(mesh, &questions)?.estimate(measurement, Some(knowledge.noise_mm))?;
     // Friction drags all contacts one way where the object slides: k tangents, each as large as its bound, lie one standard deviation from
     // nothing if each has the deviation bound x sqrt(k).
     let friction = knowledge.friction * (contacts.len() as f64).sqrt();
+    let [measured_mm, weights] = of_marked_nodes(mesh.finger(), measurement);
     let problem = Problem {
         contacts,
         knowledge,
         tangent_sds: contacts.iter().map(|contact| contact.direction_sd_rad.hypot(friction)).collect(),
-        measured_mm: DVector::from_iterator(
-            measurement.coordinate_count(),
-            measurement.markers().iter().flat_map(|marker| [marker.displacement.x, marker.displacement.y]),
-        ),
+        measured_mm,
+        weights,
+        coordinates: measurement.coordinate_count(),
         length_mm: mesh.finger().plate_length_mm(Plate::Front),
         half_thickness_mm: 0.5 * mesh.finger().description().front.thickness_mm,
     };
@@ -137,7 +156,7 @@ impl Problem<'_> {
     }
 
     fn bent(&self, finger: &mut RespondingFinger, state: &State) -> Result<Option<Response>, SensingError> {
-        let force = |(i, seen): (usize, &CameraContact)| {
+        let force = |(i, seen): (usize, &MeasuredContact)| {
             let mut contact = seen.contact;
             if let ContactPosition::At(s_mm) = &mut contact.position {
                 *s_mm += state.shifts_mm[i];
@@ -154,10 +173,15 @@ impl Problem<'_> {
         Ok(finger.under(&forces)?)
     }
 
+    /// Measured less computed displacements, weighted, mm.
+    fn residual_mm(&self, response: &Response) -> DVector<f64> {
+        (&self.measured_mm - &response.displacements_mm).component_mul(&self.weights)
+    }
+
     /// Squared residuals over their standard deviations, summed.
     fn misfit(&self, state: &State, response: &Response) -> f64 {
         let own = |value: f64, sd: f64| if sd > 0.0 { (value / sd).powi(2) } else { 0.0 };
-        let markers = (&self.measured_mm - &response.displacements_mm).norm_squared() / self.knowledge.noise_mm.powi(2);
+        let markers = self.residual_mm(response).norm_squared() / self.knowledge.noise_mm.powi(2);
         let of_contact = |i: usize| {
             own(state.tangents[i], self.tangent_sds[i]) + own(state.shifts_mm[i], self.contacts[i].position_sd_mm)
         };
@@ -171,7 +195,11 @@ impl Problem<'_> {
         let along = (0..count).map(|i| &response.along[i] + &response.across[i] * state.tangents[i]);
         let turned = (0..count).map(|i| &response.across[i] * effective_n[i]);
         let columns: Vec<DVector<f64>> = along.chain(turned).chain(response.moved.iter().cloned()).collect();
-        DMatrix::from_columns(&columns) / self.knowledge.noise_mm
+        let mut columns = DMatrix::from_columns(&columns) / self.knowledge.noise_mm;
+        for mut column in columns.column_iter_mut() {
+            column.component_mul_assign(&self.weights);
+        }
+        columns
     }
 
     /// Information matrix of the unknowns: of the markers and of the unknowns' own data. Unknowns that are known have no column of the
@@ -195,7 +223,7 @@ impl Problem<'_> {
         let scaled = DMatrix::from_fn(scales.len(), scales.len(), |i, j| information[(i, j)] / (scales[i] * scales[j]));
         let inverse = scaled.cholesky().map(|factor| factor.inverse()).ok_or(SensingError::IllConditioned {
             span: f64::INFINITY,
-            limit: finray_model::sensing::LARGEST_SPAN,
+            limit: LARGEST_SPAN,
             weakest: 1,
         })?;
         Ok(DMatrix::from_fn(scales.len(), scales.len(), |i, j| inverse[(i, j)] / (scales[i] * scales[j])))
@@ -206,7 +234,7 @@ impl Problem<'_> {
         let count = self.contacts.len();
         let mut columns = self.columns(state, response, &state.forces_n);
         let information = self.information(&mut columns);
-        let residual = (&self.measured_mm - &response.displacements_mm) / self.knowledge.noise_mm;
+        let residual = self.residual_mm(response) / self.knowledge.noise_mm;
         let mut right = columns.transpose() * residual;
         for i in 0..count {
             if self.tangent_sds[i] > 0.0 {
@@ -236,7 +264,7 @@ impl Problem<'_> {
 
     /// Forces along and across with their covariance. What a tangent does to the markers is in proportion to the force, whose mean square is
     /// that of the estimate and its variance: small forces are known no better than that.
-    fn solution(&self, state: &State, response: &Response) -> Result<Solution, SensingError> {
+    fn solution(&self, state: &State, response: &Response) -> Result<MeasuredContactForces, SensingError> {
         let count = self.contacts.len();
         let covariance_for = |effective_n: &[f64]| {
             let mut columns = self.columns(state, response, effective_n);
@@ -253,15 +281,55 @@ impl Problem<'_> {
             (false, column) if column == row && self.tangent_sds[row - count] > 0.0 => effective_n[row - count],
             _ => 0.0,
         });
-        let degrees_of_freedom = (self.measured_mm.len() as f64 - count as f64).max(1.0);
+        let degrees_of_freedom = (self.coordinates as f64 - count as f64).max(1.0);
         let chi_squared = self.misfit(state, response);
         let chance = degrees_of_freedom + UNEXPLAINED_DEVIATIONS * (2.0 * degrees_of_freedom).sqrt();
         // What neither noise nor contacts explain is uncertainty too.
         let widened = if chi_squared > chance { chi_squared / degrees_of_freedom } else { 1.0 };
-        Ok(Solution {
+        let covariance_n2 = &turned * covariance * turned.transpose() * widened;
+        let across_n: Vec<f64> = (0..count).map(|i| state.forces_n[i] * state.tangents[i]).collect();
+        // A force along the normal as it was measured is off that along the true one by what friction adds where the normal is turned. How much friction
+        // there is may be badly known: it counts with no less than its bound, as an estimate that noise has made small would make sigma small too.
+        let variance_n2 = |i: usize| {
+            let across_n2 = across_n[i].powi(2) + covariance_n2[(count + i, count + i)];
+            let most_n = self.knowledge.friction * state.forces_n[i];
+            covariance_n2[(i, i)] + self.contacts[i].direction_sd_rad.powi(2) * across_n2.max(most_n.powi(2))
+        };
+        Ok(MeasuredContactForces {
+            contacts: self.contacts.iter().map(|measured| measured.contact).collect(),
             along_n: state.forces_n.clone(),
-            across_n: (0..count).map(|i| state.forces_n[i] * state.tangents[i]).collect(),
-            covariance_n2: &turned * covariance * turned.transpose() * widened,
+            sigmas_n: (0..count).map(|i| variance_n2(i).sqrt()).collect(),
+            across_n,
+            covariance_n2,
         })
     }
+}
+
+impl MeasuredContactForces {
+    /// Sum of all forces along a unit vector of the finger frame, and its standard deviation, N.
+    pub fn sum_along(&self, finger: &Finger, along: Vector) -> [f64; 2] {
+        let count = self.along_n.len();
+        // The sum takes of every force, along and across its contact, its component along the direction asked for.
+        let shares = (0..2 * count).map(|i| {
+            let turned_deg = if i < count { 0.0 } else { 90.0 };
+            finger.direction(self.contacts[i % count].angle_deg + turned_deg).dot(&along)
+        });
+        let shares = DVector::from_iterator(2 * count, shares);
+        let all_n = DVector::from_iterator(2 * count, self.along_n.iter().chain(&self.across_n).copied());
+        [shares.dot(&all_n), shares.dot(&(&self.covariance_n2 * &shares)).sqrt()]
+    }
+}
+
+/// Displacements and weights of a measurement by marked node, two coordinates each; zero for a node that was not seen.
+fn of_marked_nodes(finger: &Finger, measurement: &Measurement) -> [DVector<f64>; 2] {
+    let nodes = finger.marked_nodes();
+    let mut displacements_mm = DVector::zeros(2 * nodes.len());
+    let mut weights = displacements_mm.clone();
+    for (i, node) in nodes.enumerate() {
+        if let Some(marker) = measurement.markers().iter().find(|marker| marker.node == node) {
+            displacements_mm.fixed_rows_mut::<2>(2 * i).copy_from(&marker.displacement);
+            weights.fixed_rows_mut::<2>(2 * i).fill(marker.weight);
+        }
+    }
+    [displacements_mm, weights]
 }

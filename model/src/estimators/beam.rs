@@ -3,10 +3,10 @@
 use super::linear::{Linear, SolvedLinear};
 use super::nonlinear::Nonlinear;
 use super::{Estimator, EstimatorError, EstimatorId, PreparedEstimator};
-use finray_model::Mesh;
-use finray_model::compliance::NodalCompliance;
-use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, Discretisation, LinearEstimator, NonlinearEstimator, Prior};
+use crate::Mesh;
+use crate::compliance::NodalCompliance;
+use crate::measurement::Measurement;
+use crate::sensing::{Contact, Discretisation, LinearEstimator, NonlinearEstimator, Prior};
 
 /// Elements a member of the co-rotational finger that shows the error of linearisation: its own is small beside it.
 const LINEARISATION_ELEMENTS: usize = 2;

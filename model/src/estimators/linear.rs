@@ -4,10 +4,10 @@ use super::{
     Answer, BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorId, EstimatorRow, PreparedEstimator, Question,
     Sensed, known_contacts,
 };
-use finray_model::compliance::NodalCompliance;
-use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, LinearEstimator, Linearisation, Prior, SensingError};
-use finray_model::{Finger, Mesh};
+use crate::compliance::NodalCompliance;
+use crate::measurement::Measurement;
+use crate::sensing::{Contact, LinearEstimator, Linearisation, Prior, SensingError};
+use crate::{Finger, Mesh};
 use nalgebra::{DMatrix, DVector};
 
 pub(super) const LEAST_SQUARES: EstimatorRow = EstimatorRow {

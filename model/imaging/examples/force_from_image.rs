@@ -1,0 +1,30 @@
+//! From an image file to a force: which force bends the finger in this photograph?
+//!
+//! `cargo run --release -p finray-imaging --example force_from_image` reads `fixtures/pictures/camera.png`, which `finray render` made of
+//! `fixtures/scenes/camera.toml` under 2 N at 80 mm; give a scene and an image of your own behind `--`.
+
+use finray_imaging::locate::Observer;
+use finray_model::Scene;
+use finray_model::sensing::{ContactQuestion, Direction};
+use finray_model::sensor::{Sensor, SensorContacts, SensorOptions};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let fixtures = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures");
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let file = |i: usize, shipped: &str| arguments.get(i).cloned().unwrap_or_else(|| format!("{fixtures}/{shipped}"));
+
+    // The finger, its camera and its markers; and what the image shows of them.
+    let scene = Scene::from_toml(&std::fs::read_to_string(file(0, "scenes/camera.toml"))?)?;
+    let image = image::open(file(1, "pictures/camera.png"))?.to_rgb8();
+    let seen = Observer::new(&scene, None)?.observe(&image)?;
+
+    // The force, its direction and where it acts are all unknown.
+    let question = ContactQuestion { position: None, direction: Direction::Auto };
+    let sensor = Sensor::new(&scene, SensorContacts::Asked(vec![question]), SensorOptions::default())?;
+    let sensed = sensor.sense(&seen)?;
+    for (i, contact) in sensed.contacts.iter().enumerate() {
+        println!("{:.3} N at {contact}, 95 % interval {:.3?} N", sensed.forces_n[i], sensed.interval_n(i));
+    }
+    sensed.warnings.iter().for_each(|warning| println!("warning: {warning}"));
+    Ok(())
+}

@@ -1,0 +1,147 @@
+//! From images to observations: the locator that fits a scene's markers, and what its images have in common.
+
+use super::{LocateError, Located, Locator, LocatorError, Rest, RestError, RimLocator, SeenBase};
+use finray_model::camera::Camera;
+use finray_model::measurement::BaseUncertainty;
+use finray_model::observation::{Observation, ObservedBase, ObservedMarker};
+use finray_model::scene::{Base, MarkerLook, Markers};
+use finray_model::{Finger, Scene};
+use image::RgbImage;
+
+/// Turns images of a finger into observations.
+#[derive(Debug, Clone)]
+pub struct Observer<'f> {
+    finger: &'f Finger,
+    locator: AnyLocator<'f>,
+    /// The markers without load, where an image of the unloaded finger shows them.
+    at_rest: Vec<Located>,
+    rest_residual_px: Option<f64>,
+    base_moves: bool,
+}
+
+#[derive(Debug, Clone)]
+enum AnyLocator<'f> {
+    Coloured(Box<Locator<'f>>),
+    Grey(RimLocator<'f>),
+}
+
+/// Why images of a scene cannot be read.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ObserverError {
+    /// The scene has no camera.
+    #[error("the scene has no [camera] with size_px, focal_px and principal_point_px")]
+    NoCamera,
+    /// Its camera has no pose, and no image of the unloaded finger shows it.
+    #[error("the scene has no rotation_vector_rad and translation_mm in [camera]")]
+    NoPose,
+    /// It has no markers.
+    #[error("the scene has no [markers]")]
+    NoMarkers,
+    /// Its markers cannot be found.
+    #[error(transparent)]
+    Locator(#[from] LocatorError),
+    /// The image of the unloaded finger does not show it.
+    #[error(transparent)]
+    Rest(#[from] RestError),
+    /// The same of grey markers.
+    #[error(transparent)]
+    GreyRest(LocateError),
+}
+
+impl<'f> Observer<'f> {
+    /// For the finger, camera and markers of a scene. With an image of the unloaded finger, displacements count from where it has the markers; coloured
+    /// markers show the camera's pose in it, too.
+    ///
+    /// # Errors
+    /// [`ObserverError`] for a scene without camera or markers, and an image that does not show its unloaded finger.
+    pub fn new(scene: &'f Scene, rest: Option<&RgbImage>) -> Result<Observer<'f>, ObserverError> {
+        let finger = &scene.finger;
+        let description = scene.camera.ok_or(ObserverError::NoCamera)?;
+        let markers = scene.markers.ok_or(ObserverError::NoMarkers)?;
+        if let (MarkerLook::Coloured { .. }, Some(image)) = (markers.look, rest) {
+            let rest = Rest::of(finger, &description.lens, description.pose, &markers, image)?;
+            let observer = Observer::with(finger, &rest.camera, &markers, None)?;
+            return Ok(Observer { at_rest: rest.located, rest_residual_px: Some(rest.residual_sd_px), ..observer });
+        }
+        let camera = Camera { lens: description.lens, pose: description.pose.ok_or(ObserverError::NoPose)? };
+        let mut observer = Observer::with(finger, &camera, &markers, scene.base.as_ref())?;
+        if let (AnyLocator::Grey(locator), Some(image)) = (&observer.locator, rest) {
+            observer.at_rest = locator.locate(image).map_err(ObserverError::GreyRest)?.located;
+        }
+        Ok(observer)
+    }
+
+    /// For a finger before a camera whose pose is known; `base`, what shows the base of grey markers' images, where it moves.
+    ///
+    /// # Errors
+    /// [`LocatorError`] for markers that cannot be found and a camera that does not see the finger.
+    pub fn with(
+        finger: &'f Finger,
+        camera: &Camera,
+        markers: &Markers,
+        base: Option<&Base>,
+    ) -> Result<Observer<'f>, LocatorError> {
+        let locator = match markers.look {
+            MarkerLook::Coloured { .. } => AnyLocator::Coloured(Box::new(Locator::new(finger, camera, markers)?)),
+            MarkerLook::Grey { .. } => AnyLocator::Grey(RimLocator::new(finger, camera, markers, base)?),
+        };
+        let base_moves = base.is_some() && matches!(locator, AnyLocator::Grey(_));
+        Ok(Observer { finger, locator, at_rest: Vec::new(), rest_residual_px: None, base_moves })
+    }
+
+    /// Residual of the pose that coloured markers of the unloaded finger show, px: root mean square of a coordinate.
+    pub fn rest_residual_px(&self) -> Option<f64> {
+        self.rest_residual_px
+    }
+
+    /// Whether markers are sought near where they were in the image before, so that the order of images matters.
+    pub fn is_tracking(&self) -> bool {
+        matches!(self.locator, AnyLocator::Coloured(_))
+    }
+
+    /// What the next image of a stream shows.
+    ///
+    /// # Errors
+    /// [`LocateError`] if the image does not show the finger, or more than one way to name the markers fits.
+    pub fn observe(&mut self, image: &RgbImage) -> Result<Observation, LocateError> {
+        let (located, base) = match &mut self.locator {
+            AnyLocator::Coloured(locator) => (locator.track(image)?, None),
+            AnyLocator::Grey(locator) => {
+                let found = locator.locate(image)?;
+                (found.located, Some(found.base).filter(|_| self.base_moves))
+            }
+        };
+        let markers = located.iter().map(|seen| self.marker(seen, base.as_ref())).collect();
+        let base = base.map(|base| ObservedBase {
+            pose: base.pose,
+            uncertainty: Some(uncertainty_at_origin(&base)),
+            is_known: base.is_known,
+        });
+        Ok(Observation { image: String::new(), markers, base })
+    }
+
+    fn marker(&self, seen: &Located, base: Option<&SeenBase>) -> ObservedMarker {
+        let at_rest = self.at_rest.iter().find(|marker| marker.node == seen.node);
+        let (from, from_sd_mm) =
+            at_rest.map_or_else(|| (self.finger.marker_position(seen.node), 0.0), |at| (at.position, at.sd_mm));
+        let sd_mm = seen.sd_mm.hypot(from_sd_mm);
+        let own_sd_mm = base.map(|base| {
+            let shared_mm = base.sd_at(&seen.position);
+            (sd_mm * sd_mm - shared_mm * shared_mm).sqrt()
+        });
+        ObservedMarker {
+            node: seen.node,
+            pixel: Some(seen.pixel),
+            position: Some(seen.position),
+            displacement: Some(seen.position - from),
+            sd_mm: Some(sd_mm),
+            own_sd_mm,
+        }
+    }
+}
+
+/// Uncertainty of a base's pose at the origin of the finger frame: errors of the middle of the references and of the turn about it move the origin.
+fn uncertainty_at_origin(base: &SeenBase) -> BaseUncertainty {
+    let arm_mm = base.middle.norm() / std::f64::consts::SQRT_2;
+    BaseUncertainty { sd_mm: base.sd_mm.hypot(base.sd_rad * arm_mm), sd_rad: base.sd_rad, ..BaseUncertainty::default() }
+}

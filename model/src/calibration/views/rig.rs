@@ -1,0 +1,204 @@
+//! A calibration with what follows from it: friction, the compliance of the base, and the values of the calibrated scene.
+
+use super::{
+    BaseCompliance, LocatedView, Quantity, Sought, View, ViewEstimate, ViewModel, compliance_of, friction_of, views,
+};
+use crate::calibration::CalibrationError;
+use crate::estimators::ELEMENTS;
+use crate::finger::{BracketLengths, RibPositions};
+use crate::sensing::Lean;
+use crate::{Scene, Vector};
+use nalgebra::Point2;
+
+/// A camera so high that nothing depends on the height of markers, mm.
+const NO_CAMERA_MM: f64 = 1e12;
+
+/// What is sought of a finger and its rig.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RigQuestion {
+    /// Quantities of finger, markers and base.
+    pub sought: Vec<Sought>,
+    /// Friction, from how measured forces lean.
+    pub friction: Option<FrictionQuestion>,
+    /// Whether the turn of the base with the force is sought.
+    pub base_compliance: bool,
+}
+
+/// How friction is sought.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FrictionQuestion {
+    /// Whether it builds up over a force, which is sought, too.
+    pub builds_up: bool,
+    /// Standard deviation of the coefficient from object to object, which images of one do not show.
+    pub between_objects: f64,
+}
+
+/// A calibrated finger with its rig.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RigEstimate {
+    /// Finger, markers, base and errors.
+    pub views: ViewEstimate,
+    /// Friction, where it was sought.
+    pub friction: Option<Lean>,
+    /// Turn of the base with the force, where it was sought.
+    pub compliance: Option<BaseCompliance>,
+}
+
+/// A value of a scene file.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SceneValue {
+    /// A number.
+    Number(f64),
+    /// A list of numbers.
+    Numbers(Vec<f64>),
+    /// A list of pairs.
+    Pairs(Vec<[f64; 2]>),
+}
+
+impl ViewModel {
+    /// The model of a scene's finger before its camera; `lean` is that of forces that were not measured.
+    pub fn of_scene(scene: &Scene, lean: Lean) -> ViewModel {
+        ViewModel {
+            elements: ELEMENTS,
+            camera_height_mm: scene.camera.and_then(|camera| camera.pose).map_or(NO_CAMERA_MM, |pose| pose.eye().z),
+            marker_height_mm: scene.markers.map_or(0.0, |markers| markers.height_mm),
+            lean,
+            pad: scene.contact.pad,
+        }
+    }
+}
+
+/// Calibrates a scene's finger and rig from located views; `lean` is that of forces that were not measured.
+///
+/// # Errors
+/// [`CalibrationError`] where what is sought is not identifiable.
+pub fn calibrate_rig(
+    scene: &Scene,
+    seen: &[LocatedView],
+    question: &RigQuestion,
+    lean: Lean,
+) -> Result<RigEstimate, CalibrationError> {
+    let all: Vec<View> = seen.iter().map(|seen| seen.view.clone()).collect();
+    let found = views(&scene.finger, &all, &question.sought, &ViewModel::of_scene(scene, lean))?;
+    let measured = || seen.iter().zip(&found.views).filter(|(seen, _)| seen.view.force.is_some());
+    let friction = question.friction.map(|friction| {
+        let leans: Vec<(f64, f64)> =
+            measured().map(|(_, view)| (view.force.norm(), view.lean_deg(&found.finger, lean.from))).collect();
+        let found = friction_of(&leans, lean.from, friction.builds_up)?;
+        // Scatter of the coefficient from object to object, as an angle.
+        let tangent = found.angle_deg.to_radians().tan();
+        let between_deg = (friction.between_objects / (1.0 + tangent * tangent)).to_degrees();
+        Ok::<Lean, CalibrationError>(Lean { sd_deg: found.sd_deg.hypot(between_deg), ..found })
+    });
+    let friction = friction.transpose()?;
+    let turns = || -> Vec<(f64, f64)> {
+        let turn_deg = |seen: &LocatedView, base: &nalgebra::Isometry2<f64>| {
+            (seen.base.rotation * base.rotation).angle().to_degrees()
+        };
+        measured().map(|(seen, view)| (view.force.norm(), turn_deg(seen, &view.base))).collect()
+    };
+    let compliance = question.base_compliance.then(|| compliance_of(&turns())).transpose()?;
+    Ok(RigEstimate { views: found, friction, compliance })
+}
+
+impl Lean {
+    /// Coefficient of friction, and the standard deviation of single forces about it.
+    pub fn coefficient(&self) -> [f64; 2] {
+        let coefficient = self.angle_deg.to_radians().tan();
+        [coefficient, self.sd_deg.to_radians() * (1.0 + coefficient * coefficient)]
+    }
+}
+
+impl RigEstimate {
+    /// Values of the calibrated scene by key, in place of those that the scene has; `None` for a key that goes.
+    pub fn scene_values(&self, scene: &Scene) -> Vec<(String, Option<SceneValue>)> {
+        let mut values = self.finger_values();
+        let mut put = |key: &str, value: SceneValue| values.push((key.to_owned(), Some(value)));
+        let errors = self.views.new_marker_errors;
+        put("markers.noise_factor", SceneValue::Number(errors.noise_factor));
+        put("markers.model_error_mm", SceneValue::Number(errors.model_mm));
+        if let Some(error) = self.views.force_error {
+            put("contact.force_error_share", SceneValue::Number(error.of_new));
+        }
+        // A base that is taken for exact has no turn to expect.
+        let is_sought = scene.base.as_ref().is_some_and(|base| base.uncertainty.is_some());
+        if let Some(BaseCompliance { deg_per_n, sigma_deg_per_n }) = self.compliance.filter(|_| is_sought) {
+            put("base.turn_deg_per_n", SceneValue::Number(deg_per_n));
+            if sigma_deg_per_n.is_finite() {
+                put("base.turn_sigma_deg_per_n", SceneValue::Number(sigma_deg_per_n));
+            }
+        }
+        if let Some(lean) = &self.friction {
+            let [coefficient, sigma] = lean.coefficient();
+            put("contact.friction", SceneValue::Number(coefficient));
+            put("contact.friction_sigma", SceneValue::Number(sigma));
+            if lean.build_up_n > 0.0 {
+                put("contact.friction_build_up_n", SceneValue::Number(lean.build_up_n));
+            }
+            // Either a coefficient or a range of them.
+            values.push(("contact.friction_range".to_owned(), None));
+        }
+        values.extend(self.base_values(scene));
+        values
+    }
+
+    fn sought(&self, wanted: impl Fn(&Quantity) -> bool) -> bool {
+        self.views.quantities.iter().any(|found| wanted(&found.sought.quantity))
+    }
+
+    /// Values of finger and markers that were sought.
+    fn finger_values(&self) -> Vec<(String, Option<SceneValue>)> {
+        let description = self.views.finger.description();
+        let mut values: Vec<(String, Option<SceneValue>)> = Vec::new();
+        let mut put = |key: &str, value: SceneValue| values.push((key.to_owned(), Some(value)));
+        if self.sought(Quantity::is_modulus) {
+            put("finger.front.youngs_modulus_mpa", SceneValue::Number(description.front.youngs_modulus_mpa));
+            put("finger.back.youngs_modulus_mpa", SceneValue::Number(description.back.youngs_modulus_mpa));
+        }
+        if let Some(strip) = description.ribs.strip.filter(|_| self.sought(|quantity| *quantity == Quantity::Modulus)) {
+            put("finger.ribs.youngs_modulus_mpa", SceneValue::Number(strip.youngs_modulus_mpa));
+        }
+        if self.sought(|quantity| matches!(quantity, Quantity::Bracket(_) | Quantity::OwnBracket(..))) {
+            let lengths = match &description.ribs.bracket_mm {
+                BracketLengths::Alike(lengths_mm) => SceneValue::Numbers(lengths_mm.to_vec()),
+                BracketLengths::Each(each) => SceneValue::Pairs(each.clone()),
+            };
+            put("finger.ribs.bracket_mm", lengths);
+        }
+        if self.sought(|quantity| matches!(quantity, Quantity::Clip | Quantity::PlateClip(_))) {
+            put("finger.ribs.clip_mm", SceneValue::Numbers(description.ribs.clip_mm.to_vec()));
+        }
+        if let RibPositions::Positions(positions) = &description.ribs.positions
+            && self.sought(|quantity| matches!(quantity, Quantity::RibPosition(..)))
+        {
+            put("finger.ribs.positions_mm", SceneValue::Pairs(positions.clone()));
+        }
+        if self.sought(|quantity| *quantity == Quantity::MarkerHeight) {
+            put("markers.height_mm", SceneValue::Number(self.views.marker_height_mm));
+        }
+        values
+    }
+
+    /// Where references, or the camera's pose, are in the frame of the finger that was found.
+    fn base_values(&self, scene: &Scene) -> Vec<(String, Option<SceneValue>)> {
+        if !self.sought(|quantity| *quantity == Quantity::BaseX) {
+            return Vec::new();
+        }
+        let moved = self.views.base;
+        let references = scene.base.as_ref().map_or(&[][..], |base| &base.references);
+        if let (true, Some(pose)) = (references.is_empty(), scene.camera.and_then(|camera| camera.pose)) {
+            let pose = pose.of_moved_base(&moved);
+            let rotation = SceneValue::Numbers(pose.rotation_vector_rad().to_vec());
+            let translation = SceneValue::Numbers(pose.translation_mm.iter().copied().collect());
+            return vec![
+                ("camera.rotation_vector_rad".to_owned(), Some(rotation)),
+                ("camera.translation_mm".to_owned(), Some(translation)),
+            ];
+        }
+        let at_mm = |(i, at): (usize, Vector)| {
+            let at: Vector = (moved.inverse() * Point2::from(at)).coords;
+            (format!("base.reference[{}].at_mm", i + 1), Some(SceneValue::Numbers(vec![at.x, at.y])))
+        };
+        references.iter().map(|reference| reference.at).enumerate().map(at_mm).collect()
+    }
+}

@@ -1,0 +1,79 @@
+//! `press`, `grasp` and `sense` answer alike: what is seen of a finger gives the same forces whoever asks, from memory and from a table.
+
+use finray_files::observations::{Coordinates, ObservationTable, to_csv};
+use finray_fixtures::{BOX_SCENE, DISC_SCENE, FRICTION_SCENE, GRASPED_DISC_SCENE};
+use finray_model::Scene;
+use finray_model::observation::Observation;
+use finray_model::sensing::MeasuredContact;
+use finray_model::sensor::{SensedForces, Sensor, SensorContacts, SensorOptions};
+use finray_studies::experiments::contact_scene::{ContactScene, SensedStep, read_contact};
+use finray_studies::experiments::grasp::{Eyes, GraspScene};
+use finray_studies::settings::CAMERA_NOISE_MM;
+use std::path::Path;
+
+/// What a sensor makes of an observation, and of the same written to a table and read again.
+fn sensed_twice(scene: &Scene, contacts: &[MeasuredContact], friction: f64, seen: &Observation) -> [SensedForces; 2] {
+    let contacts = SensorContacts::Measured { contacts: contacts.to_vec(), friction };
+    let options = SensorOptions { noise_mm: Some(CAMERA_NOISE_MM), ..SensorOptions::default() };
+    let sensor = Sensor::new(scene, contacts, options).unwrap();
+    let text = to_csv(std::slice::from_ref(seen)).unwrap();
+    let table = ObservationTable::new(Path::new("-"), &text, &scene.finger, Coordinates::Displacements).unwrap();
+    [seen.clone(), table.observation(None).unwrap()].map(|seen| sensor.sense(&seen).unwrap())
+}
+
+fn assert_alike(scene: &Scene, friction: f64, seen: &Observation, step: &SensedStep) {
+    let read: Vec<MeasuredContact> = step.contacts.iter().map(|contact| contact.read).collect();
+    for sensed in sensed_twice(scene, &read, friction, seen) {
+        let own = step.contacts.iter().map(|contact| (contact.force.sensed_n, contact.force.sigma_n));
+        let other = sensed.forces_n.iter().copied().zip(sensed.sigmas_n.iter().copied());
+        assert!(own.eq(other), "{step:?} and {sensed:?}");
+    }
+}
+
+#[test]
+fn press_senses_as_a_sensor_does() {
+    let mut compared = 0;
+    for text in [DISC_SCENE, BOX_SCENE, FRICTION_SCENE] {
+        let scene = Scene::from_toml(text).unwrap();
+        let object = scene.object.clone().unwrap();
+        let pressed = ContactScene::new(&scene, &object, &[]).unwrap().with_fineness(1);
+        let run = pressed.run(|step| {
+            // Noise that is always its mean: contacts are read without error, with the standard deviations that noise gives them.
+            let Some(sensed) = pressed.sense(&step, CAMERA_NOISE_MM, || 0.0).unwrap() else { return };
+            let felt = step.contacts.iter().filter(|contact| !contact.clamped);
+            let read: Vec<_> = felt.map(|seen| read_contact(&scene.finger, seen, CAMERA_NOISE_MM, || 0.0)).collect();
+            assert!(read.iter().eq(sensed.contacts.iter().map(|contact| &contact.read)));
+            let seen = Observation::of_shape(&scene.finger, &step.pressed.shape);
+            assert_alike(&scene, object.friction, &seen, &sensed);
+            compared += 1;
+        });
+        run.unwrap();
+    }
+    assert!(compared >= 6, "{compared} steps");
+}
+
+#[test]
+fn grasp_senses_as_a_sensor_does() {
+    let scene = Scene::from_toml(GRASPED_DISC_SCENE).unwrap();
+    let friction = scene.object.as_ref().unwrap().friction;
+    let grasp = GraspScene::new(&scene, &[]).unwrap().with_fineness(1);
+    let mut compared = 0;
+    let ended = grasp.run(&Eyes::Noise(0.0), 1, |step| {
+        for finger in &step.fingers {
+            let Ok(Some(sensed)) = &finger.sensed else { continue };
+            // Without noise the least that is stated counts.
+            let scene = Scene { noise_mm: None, ..scene.clone() };
+            let contacts: Vec<MeasuredContact> = sensed.contacts.iter().map(|contact| contact.read).collect();
+            let contacts = SensorContacts::Measured { contacts, friction };
+            let options =
+                SensorOptions { noise_mm: Some(finray_studies::settings::LEAST_STATED_MM), ..SensorOptions::default() };
+            let seen = Observation::of_shape(&scene.finger, &finger.shape);
+            let found = Sensor::new(&scene, contacts, options).unwrap().sense(&seen).unwrap();
+            let own = sensed.contacts.iter().map(|contact| (contact.force.sensed_n, contact.force.sigma_n));
+            assert!(own.eq(found.forces_n.iter().copied().zip(found.sigmas_n.iter().copied())), "{sensed:?}");
+            compared += 1;
+        }
+    });
+    ended.unwrap();
+    assert!(compared >= 20, "{compared} fingers");
+}

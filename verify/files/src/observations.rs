@@ -1,0 +1,244 @@
+//! Observations as tables: what `locate` writes, and what `sense` and `calibrate` read.
+
+use super::FileError;
+use super::table::{Row, Table, header};
+use finray_model::finger::MarkerPoints;
+use finray_model::measurement::BaseUncertainty;
+use finray_model::observation::{MarkerError, Observation, ObservationError, ObservedBase, ObservedMarker};
+use finray_model::{Finger, Vector};
+use nalgebra::Isometry2;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+const POSE_COLUMNS: [&str; 3] = ["base_x_mm", "base_y_mm", "base_deg"];
+const BASE_COLUMNS: [&str; 2] = ["base_sigma_mm", "base_sigma_deg"];
+const OWN_SIGMA: &str = "marker_sigma_mm";
+const SIGMA: &str = "sigma_mm";
+/// Images that a message lists.
+const SHOWN: usize = 5;
+
+/// Which coordinates of a table are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Coordinates {
+    /// `ux_mm,uy_mm`; where the scene has its markers on hinges, a table of `solve` gives `hinge_ux_mm,hinge_uy_mm` instead.
+    Displacements,
+    /// `x_mm,y_mm`, where a marker was located.
+    Positions,
+}
+
+/// A table of observations, by its columns; rows are in the order of the file in all of them.
+pub struct ObservationTable {
+    path: PathBuf,
+    coordinates: Coordinates,
+    rows: Table<3>,
+    images: Option<Table<1>>,
+    sigmas: Option<Table<1>>,
+    own_sigmas: Option<Table<1>>,
+    poses: Option<Table<3>>,
+    base_sigmas: Option<Table<2>>,
+}
+
+impl ObservationTable {
+    /// Finds the columns `node` and coordinates, and `image,sigma_mm,marker_sigma_mm,base_x_mm,base_y_mm,base_deg,base_sigma_mm,base_sigma_deg` where
+    /// they are there. Further columns are ignored.
+    ///
+    /// # Errors
+    /// [`FileError`] for a text that is no table with rows.
+    pub fn new(path: &Path, text: &str, finger: &Finger, coordinates: Coordinates) -> Result<Self, FileError> {
+        let columns = header(text);
+        let has = |wanted: &[&str]| wanted.iter().all(|name| columns.iter().any(|column| column == name));
+        let on_hinges = finger.description().markers_on == MarkerPoints::Hinges && has(&["hinge_ux_mm"]);
+        let [x, y] = match coordinates {
+            Coordinates::Positions => ["x_mm", "y_mm"],
+            Coordinates::Displacements if on_hinges => ["hinge_ux_mm", "hinge_uy_mm"],
+            Coordinates::Displacements => ["ux_mm", "uy_mm"],
+        };
+        let single = |name: &'static str| has(&[name]).then(|| Table::of_text(path, text, [name])).transpose();
+        let sigmas = single(SIGMA)?;
+        let is_apart = sigmas.is_some() && has(&BASE_COLUMNS) && has(&[OWN_SIGMA]);
+        Ok(ObservationTable {
+            path: path.to_owned(),
+            coordinates,
+            images: single("image")?,
+            own_sigmas: if is_apart { single(OWN_SIGMA)? } else { None },
+            base_sigmas: is_apart.then(|| Table::of_text(path, text, BASE_COLUMNS)).transpose()?,
+            poses: has(&POSE_COLUMNS).then(|| Table::of_text(path, text, POSE_COLUMNS)).transpose()?,
+            rows: Table::of_text(path, text, ["node", x, y])?,
+            sigmas,
+        })
+    }
+
+    /// Names of the images, in the order of their first rows.
+    ///
+    /// # Errors
+    /// [`FileError`] where the table has no column `image`.
+    pub fn images(&self) -> Result<Vec<&str>, FileError> {
+        let Some(table) = &self.images else {
+            return Err(self.wrong("expected a column image, as locate writes it"));
+        };
+        let mut images: Vec<&str> = Vec::new();
+        for row in table.rows() {
+            if !images.contains(&row.cells[0].as_str()) {
+                images.push(&row.cells[0]);
+            }
+        }
+        Ok(images)
+    }
+
+    /// The observation of an image; without a name, that of a table of a single one.
+    ///
+    /// # Errors
+    /// [`FileError`] naming the line of a cell that is not what its column has, or for an image that is not there.
+    pub fn observation(&self, image: Option<&str>) -> Result<Observation, FileError> {
+        let chosen = self.rows_of(image)?;
+        let markers = chosen.iter().map(|&i| self.marker(i)).collect::<Result<_, _>>()?;
+        let image = self.images.as_ref().and_then(|table| Some(table.rows()[*chosen.first()?].cells[0].clone()));
+        let base = chosen.first().map(|&i| self.base(i)).transpose()?.flatten();
+        Ok(Observation { image: image.unwrap_or_default(), markers, base })
+    }
+
+    /// The error in terms of the file, for an observation of the same image that is none of the scene's finger.
+    pub fn error(&self, image: Option<&str>, error: &ObservationError) -> FileError {
+        let Ok(chosen) = self.rows_of(image) else { return self.wrong(error) };
+        let row = |i: usize| chosen.get(i).map(|&row| &self.rows.rows()[row]);
+        let at = |row: Option<&Row<3>>, message: String| match row {
+            Some(row) => self.rows.wrong(row, message),
+            None => self.wrong(message),
+        };
+        match error {
+            ObservationError::Marker { index, reason: reason @ MarkerError::Deviation { is_own, .. } } => {
+                let column = if *is_own { OWN_SIGMA } else { SIGMA };
+                at(row(*index), format!("{column}: {reason}"))
+            }
+            ObservationError::Marker { index, reason } => at(row(*index), reason.to_string()),
+            ObservationError::Base => at(row(0), format!("{}: expected zero or more", BASE_COLUMNS.join(", "))),
+            ObservationError::NoNoise => {
+                self.wrong("expected a column sigma_mm, as locate writes it, or noise_mm in the scene's table camera")
+            }
+        }
+    }
+
+    fn wrong(&self, message: impl ToString) -> FileError {
+        FileError::content(&self.path, message)
+    }
+
+    /// Indices of the rows of an image.
+    fn rows_of(&self, image: Option<&str>) -> Result<Vec<usize>, FileError> {
+        let Some(table) = &self.images else {
+            return match image {
+                None => Ok((0..self.rows.rows().len()).collect()),
+                Some(_) => Err(self.wrong("--image-name: expected a column image, as locate writes it")),
+            };
+        };
+        let images = self.images()?;
+        let chosen = match image {
+            Some(name) if images.contains(&name) => name,
+            None if images.len() == 1 => images[0],
+            _ => {
+                let more = if images.len() > SHOWN { ", ..." } else { "" };
+                let listed = images[..images.len().min(SHOWN)].join(", ");
+                return Err(self.wrong(format!("expected --image-name with one of the file's images: {listed}{more}")));
+            }
+        };
+        let rows = table.rows().iter().enumerate();
+        Ok(rows.filter(|(_, row)| row.cells[0] == chosen).map(|(i, _)| i).collect())
+    }
+
+    fn marker(&self, i: usize) -> Result<ObservedMarker, FileError> {
+        let row = &self.rows.rows()[i];
+        let node = self.rows.node(row, 0)?;
+        let at = Vector::new(self.rows.number(row, 1)?, self.rows.number(row, 2)?);
+        let number =
+            |table: &Option<Table<1>>| table.as_ref().map(|table| table.number(&table.rows()[i], 0)).transpose();
+        let is_position = self.coordinates == Coordinates::Positions;
+        Ok(ObservedMarker {
+            node,
+            pixel: None,
+            position: is_position.then_some(at),
+            displacement: (!is_position).then_some(at),
+            sd_mm: number(&self.sigmas)?,
+            own_sd_mm: number(&self.own_sigmas)?,
+        })
+    }
+
+    /// Where the base is, and how well it is known, as a row has it; all rows of an image say the same.
+    fn base(&self, i: usize) -> Result<Option<ObservedBase>, FileError> {
+        let Some(poses) = &self.poses else { return Ok(None) };
+        let number = |column| poses.number(&poses.rows()[i], column);
+        let pose = Isometry2::new(Vector::new(number(0)?, number(1)?), number(2)?.to_radians());
+        let uncertainty = match &self.base_sigmas {
+            None => None,
+            Some(table) => {
+                let number = |column| table.number(&table.rows()[i], column);
+                let (sd_mm, sd_rad) = (number(0)?, number(1)?.to_radians());
+                Some(BaseUncertainty { sd_mm, sd_rad, ..BaseUncertainty::default() })
+            }
+        };
+        Ok(Some(ObservedBase { pose, uncertainty, is_known: true }))
+    }
+}
+
+#[derive(Serialize)]
+struct MarkerRow<'o> {
+    image: &'o str,
+    node: usize,
+    u_px: Option<f64>,
+    v_px: Option<f64>,
+    x_mm: Option<f64>,
+    y_mm: Option<f64>,
+    ux_mm: Option<f64>,
+    uy_mm: Option<f64>,
+    sigma_mm: Option<f64>,
+}
+
+/// Where the base is, repeated on each row of its image.
+#[derive(Serialize)]
+struct BaseRow {
+    base_x_mm: f64,
+    base_y_mm: f64,
+    base_deg: f64,
+    base_sigma_mm: Option<f64>,
+    base_sigma_deg: Option<f64>,
+    marker_sigma_mm: Option<f64>,
+}
+
+/// CSV of observations: `image,node,u_px,v_px,x_mm,y_mm,ux_mm,uy_mm,sigma_mm`, a row a marker; where images show the base also
+/// `base_x_mm,base_y_mm,base_deg,base_sigma_mm,base_sigma_deg,marker_sigma_mm`.
+///
+/// # Errors
+/// None in memory; the signature is the CSV writer's.
+pub fn to_csv(observations: &[Observation]) -> Result<String, csv::Error> {
+    let rows = observations.iter().flat_map(|seen| seen.markers.iter().map(move |marker| (seen, marker)));
+    match observations.iter().all(|seen| seen.base.is_some()) {
+        false => super::csv_text(rows.map(|(seen, marker)| marker_row(&seen.image, marker))),
+        true => super::csv_text(
+            rows.map(|(seen, marker)| (marker_row(&seen.image, marker), seen.base.map(|base| base_row(&base, marker)))),
+        ),
+    }
+}
+
+fn marker_row<'o>(image: &'o str, marker: &ObservedMarker) -> MarkerRow<'o> {
+    let coordinate = |vector: Option<Vector>, i: usize| vector.map(|vector| vector[i]);
+    MarkerRow {
+        image,
+        node: marker.node.0,
+        u_px: coordinate(marker.pixel, 0),
+        v_px: coordinate(marker.pixel, 1),
+        x_mm: coordinate(marker.position, 0),
+        y_mm: coordinate(marker.position, 1),
+        ux_mm: coordinate(marker.displacement, 0),
+        uy_mm: coordinate(marker.displacement, 1),
+        sigma_mm: marker.sd_mm,
+    }
+}
+
+fn base_row(base: &ObservedBase, marker: &ObservedMarker) -> BaseRow {
+    BaseRow {
+        base_x_mm: base.pose.translation.x,
+        base_y_mm: base.pose.translation.y,
+        base_deg: base.pose.rotation.angle().to_degrees(),
+        base_sigma_mm: base.uncertainty.map(|uncertainty| uncertainty.sd_mm),
+        base_sigma_deg: base.uncertainty.map(|uncertainty| uncertainty.sd_rad.to_degrees()),
+        marker_sigma_mm: marker.own_sd_mm,
+    }
+}
