@@ -2,14 +2,17 @@
 
 use super::quantity::changed;
 use super::{Quantity, Sought, View, ViewModel};
+use crate::calibration::CalibrationError;
 use crate::finger::{Finger, Plate, RibPositions};
 use crate::frame::FrameMotion;
 use crate::measurement::{Marker, MarkerErrors};
 use crate::mesh::Mesh;
+use crate::optimise::{LeastSquaresProblem, Prior, Refusal, StepBounds};
 use crate::sensing::{Contact, ContactPosition, Normal};
 use crate::statics::Statics;
 use crate::{Kinematics, Vector};
 use nalgebra::{DMatrix, DVector, Isometry2, Point2, UnitComplex};
+use std::ops::Range;
 
 /// Of the unknowns of one view: position, base x, y and turn; then the force, where it was not measured exactly, and its lean, where it was not
 /// measured.
@@ -200,58 +203,69 @@ impl Problem<'_> {
         Some(rows)
     }
 
-    /// All residuals and their derivatives by a step; `None` where there is no equilibrium.
-    pub(super) fn linearised(&self, point: &Point) -> Option<(DVector<f64>, DMatrix<f64>)> {
-        let candidate = self.candidate(&point.shared)?;
-        let at: Vec<Vec<f64>> = (self.views.iter().zip(&point.own))
-            .map(|(view, own)| self.weighted(&candidate, view, own))
-            .collect::<Option<_>>()?;
-        let priors = self.sought.iter().filter(|sought| sought.prior_sd.is_some()).count();
-        let shared = self.sought.len();
-        let rows = at.iter().map(Vec::len).sum::<usize>() + priors;
+    /// The views, the unknowns of each at a point, and the rows of its residuals.
+    fn rows<'r>(&'r self, point: &'r Point) -> impl Iterator<Item = (&'r View, &'r Own, Range<usize>)> {
+        self.views.iter().zip(&point.own).scan(0, |first, (view, own)| {
+            let rows = *first..*first + self.row_count(view);
+            *first = rows.end;
+            Some((view, own, rows))
+        })
+    }
+
+    /// Differences of the residuals of one view, by a step that leads to `after`.
+    fn differences(after: Option<Vec<f64>>, before: &[f64], step: f64) -> Result<DVector<f64>, Refusal<CalibrationError>> {
+        let after = after.ok_or(NOWHERE)?;
+        Ok(DVector::from_iterator(before.len(), after.iter().zip(before).map(|(after, before)| (after - before) / step)))
+    }
+}
+
+/// There is no such finger, or no equilibrium.
+const NOWHERE: Refusal<CalibrationError> = Refusal::Here(CalibrationError::NoMinimum);
+
+impl LeastSquaresProblem for Problem<'_> {
+    type Point = Point;
+    type Error = CalibrationError;
+
+    fn residual(&mut self, point: &Point) -> Result<DVector<f64>, Refusal<CalibrationError>> {
+        let candidate = self.candidate(&point.shared).ok_or(NOWHERE)?;
+        let of_views = self.views.iter().zip(&point.own).map(|(view, own)| self.weighted(&candidate, view, own));
+        let of_views = of_views.collect::<Option<Vec<_>>>().ok_or(NOWHERE)?;
+        Ok(DVector::from_vec(of_views.concat()))
+    }
+
+    fn jacobian(
+        &mut self,
+        point: &Point,
+        residual: &DVector<f64>,
+    ) -> Result<DMatrix<f64>, Refusal<CalibrationError>> {
+        let (shared, residual) = (self.sought.len(), residual.as_slice());
         let unknowns = shared + self.views.iter().map(|view| self.own_count(view)).sum::<usize>();
-        let mut residual = DVector::zeros(rows);
-        let mut by = DMatrix::zeros(rows, unknowns);
-        let mut row = 0;
-        for rows in &at {
-            residual.rows_mut(row, rows.len()).copy_from_slice(rows);
-            row += rows.len();
-        }
+        let mut jacobian = DMatrix::zeros(residual.len(), unknowns);
         for (k, sought) in self.sought.iter().enumerate() {
             let step = if sought.quantity.is_factor() { SHARE_STEP } else { LENGTH_STEP };
             let mut changed = point.shared.clone();
             changed[k] += step;
-            let other = self.candidate(&changed)?;
-            let mut row = 0;
-            for ((view, own), before) in self.views.iter().zip(&point.own).zip(&at) {
-                for (i, (after, before)) in self.weighted(&other, view, own)?.iter().zip(before).enumerate() {
-                    by[(row + i, k)] = (after - before) / step;
-                }
-                row += before.len();
-            }
-            if let Some(prior_sd) = sought.prior_sd {
-                let place = row + self.sought[..k].iter().filter(|sought| sought.prior_sd.is_some()).count();
-                residual[place] = point.shared[k] / prior_sd;
-                by[(place, k)] = 1.0 / prior_sd;
+            let other = self.candidate(&changed).ok_or(NOWHERE)?;
+            for (view, own, rows) in self.rows(point) {
+                let by = Problem::differences(self.weighted(&other, view, own), &residual[rows.clone()], step)?;
+                jacobian.view_mut((rows.start, k), (rows.len(), 1)).copy_from(&by);
             }
         }
-        let (mut row, mut column) = (0, shared);
-        for ((view, own), before) in self.views.iter().zip(&point.own).zip(&at) {
+        let candidate = self.candidate(&point.shared).ok_or(NOWHERE)?;
+        let mut column = shared;
+        for (view, own, rows) in self.rows(point) {
             for j in 0..self.own_count(view) {
                 let step = own.step(j);
-                let after = self.weighted(&candidate, view, &own.moved(self.finger, j, step))?;
-                for (i, (after, before)) in after.iter().zip(before).enumerate() {
-                    by[(row + i, column)] = (after - before) / step;
-                }
+                let after = self.weighted(&candidate, view, &own.moved(self.finger, j, step));
+                let by = Problem::differences(after, &residual[rows.clone()], step)?;
+                jacobian.view_mut((rows.start, column), (rows.len(), 1)).copy_from(&by);
                 column += 1;
             }
-            row += before.len();
         }
-        Some((residual, by))
+        Ok(jacobian)
     }
 
-    /// A point after a step.
-    pub(super) fn moved(&self, point: &Point, step: &DVector<f64>) -> Point {
+    fn moved(&self, point: &Point, step: &DVector<f64>) -> Point {
         let mut moved = point.clone();
         for (change, step) in moved.shared.iter_mut().zip(step) {
             *change += step;
@@ -265,6 +279,26 @@ impl Problem<'_> {
         }
         moved
     }
+
+    fn priors(&self, point: &Point) -> Vec<Prior> {
+        let changes = self.sought.iter().zip(&point.shared).enumerate();
+        changes.filter_map(|(k, (sought, change))| Some(Prior::on(k, *change, 0.0, sought.prior_sd?))).collect()
+    }
+
+    /// Contacts stay on the plate.
+    fn step_bounds(&self, point: &Point) -> StepBounds {
+        let mut position = self.sought.len();
+        self.views.iter().zip(&point.own).fold(StepBounds::default(), |bounds, (view, own)| {
+            let bounded = bounds.and(position, own.s_mm, free_part_mm(self.finger));
+            position += self.own_count(view);
+            bounded
+        })
+    }
+}
+
+/// Where along the front plate a contact is sought, mm.
+fn free_part_mm(finger: &Finger) -> [f64; 2] {
+    [MARGIN, 1.0 - MARGIN].map(|share| share * finger.plate_length_mm(Plate::Front))
 }
 
 impl Own {
@@ -284,8 +318,8 @@ impl Own {
         let mut moved = *self;
         match unknown {
             0 => {
-                let length_mm = finger.plate_length_mm(Plate::Front);
-                moved.s_mm = (self.s_mm + by).clamp(MARGIN * length_mm, (1.0 - MARGIN) * length_mm);
+                let [least_mm, most_mm] = free_part_mm(finger);
+                moved.s_mm = (self.s_mm + by).clamp(least_mm, most_mm);
             }
             1 => moved.base.translation.x += by,
             2 => moved.base.translation.y += by,
