@@ -181,10 +181,8 @@ struct UsualLens {
 impl UsualLens {
     fn priors(&self, p: &[f64; PARAMETERS]) -> Vec<Prior> {
         let centre = CENTRE_SD * self.width;
-        let focal = Prior {
-            residual: (p[0] / self.focal).ln() / self.focal_sd,
-            by: vec![(0, 1.0 / (p[0] * self.focal_sd))],
-        };
+        let focal =
+            Prior { residual: (p[0] / self.focal).ln() / self.focal_sd, by: vec![(0, 1.0 / (p[0] * self.focal_sd))] };
         let aspect = Prior {
             residual: (p[1] / p[0]).ln() / ASPECT_SD,
             by: vec![(0, -1.0 / (p[0] * ASPECT_SD)), (1, 1.0 / (p[1] * ASPECT_SD))],

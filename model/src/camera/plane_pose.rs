@@ -66,8 +66,10 @@ pub fn plane_pose(lens: &Lens, height_mm: f64, points: &[(Vector, Pixel)]) -> Re
     let first = of_homography(&homography, &mean, height_mm).ok_or(PlanePoseError::NotFound)?;
     let starts = [first, tilted_back(&first, &mean.push(height_mm))];
     let mut problem = PoseProblem { lens, height_mm, points };
-    let fits: Vec<Fit<Pose>> =
-        starts.into_iter().filter_map(|start| LevenbergMarquardt::default().minimise(&mut problem, start).ok()).collect();
+    let fits: Vec<Fit<Pose>> = starts
+        .into_iter()
+        .filter_map(|start| LevenbergMarquardt::default().minimise(&mut problem, start).ok())
+        .collect();
     let best = fits.into_iter().min_by(|a, b| a.squares.total_cmp(&b.squares)).ok_or(PlanePoseError::NotFound)?;
     let freedom = 2 * points.len() - 6;
     let inverse = best.covariance().ok_or(PlanePoseError::OnALine)?;

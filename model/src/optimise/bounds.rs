@@ -27,7 +27,7 @@ impl StepBounds {
         let met = |&(unknown, [least, most]): &(usize, [f64; 2])| {
             let bound = if to[unknown] < least { least } else { most };
             let is_beyond = !is_held[unknown] && !(least..=most).contains(&to[unknown]);
-            let share = ((bound - from[unknown]) / (to[unknown] - from[unknown])).max(0.0);
+            let share = ((bound - from[unknown]) / (to[unknown] - from[unknown])).clamp(0.0, 1.0);
             is_beyond.then_some(MetBound { unknown, bound, share })
         };
         self.bounds.iter().filter_map(met).min_by(|a, b| a.share.total_cmp(&b.share))

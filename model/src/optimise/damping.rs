@@ -1,7 +1,6 @@
 //! How much a step is damped.
 
-/// Damping of the first step, and the factors on it after a step that was taken and after one that was not.
-const FIRST: f64 = 1e-3;
+/// Factors on the damping after a step that was taken and after one that was not.
 const LOWERED: f64 = 0.1;
 const RAISED: f64 = 10.0;
 /// Damping that changes a step by no more than rounding, and damping that leaves nothing of it.
@@ -10,19 +9,9 @@ const MOST: f64 = 1e10;
 
 /// The damping of the next step, as a share of the diagonal of the normal equations.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Damping(f64);
-
-impl Default for Damping {
-    fn default() -> Damping {
-        Damping(FIRST)
-    }
-}
+pub(super) struct Damping(pub f64);
 
 impl Damping {
-    pub(super) fn value(self) -> f64 {
-        self.0
-    }
-
     /// After a step that was taken.
     pub(super) fn lower(&mut self) {
         self.0 = (self.0 * LOWERED).max(LEAST);
@@ -30,7 +19,7 @@ impl Damping {
 
     /// After a step that was not taken; whether a shorter one is left.
     pub(super) fn raise(&mut self) -> bool {
-        self.0 *= RAISED;
+        self.0 = (self.0 * RAISED).max(LEAST);
         self.0 <= MOST
     }
 }

@@ -5,6 +5,8 @@ use super::normal_equations::{NormalEquations, Residuals};
 use super::{Convergence, LeastSquaresProblem, Refusal, covariance};
 use nalgebra::{DMatrix, DVector};
 
+/// Damping of the first step unless told otherwise.
+const FIRST_DAMPING: f64 = 1e-3;
 /// Steps of a search, those that were not taken included, unless told otherwise.
 const MOST_STEPS: usize = 200;
 
@@ -21,13 +23,15 @@ const MOST_STEPS: usize = 200;
 pub struct LevenbergMarquardt {
     /// Where the search ends.
     pub convergence: Convergence,
+    /// Damping of the first step, as a share of the diagonal of the normal equations; 0 for a Gauss-Newton step.
+    pub first_damping: f64,
     /// Steps that are tried.
     pub most_steps: usize,
 }
 
 impl Default for LevenbergMarquardt {
     fn default() -> LevenbergMarquardt {
-        LevenbergMarquardt { convergence: Convergence::default(), most_steps: MOST_STEPS }
+        LevenbergMarquardt { convergence: Convergence::default(), first_damping: FIRST_DAMPING, most_steps: MOST_STEPS }
     }
 }
 
@@ -83,10 +87,10 @@ impl LevenbergMarquardt {
     ) -> Result<Fit<P::Point>, Refusal<P::Error>> {
         let mut point = start;
         let mut now = Residuals::at(problem, &point)?.linearised(problem, &point)?;
-        let (mut damping, mut iterations) = (Damping::default(), 1);
+        let (mut damping, mut iterations) = (Damping(self.first_damping), 1);
         let mut outcome = Outcome::StepsUsedUp;
         for _ in 0..self.most_steps {
-            let step = now.step(damping.value(), &problem.step_bounds(&point));
+            let step = now.step(damping.0, &problem.step_bounds(&point));
             if step.as_ref().is_some_and(|step| self.is_reached(&now, step)) {
                 outcome = Outcome::Converged;
                 break;

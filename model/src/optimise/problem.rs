@@ -25,11 +25,7 @@ pub trait LeastSquaresProblem {
     ///
     /// # Errors
     /// [`Refusal`] for a point that has none.
-    fn jacobian(
-        &mut self,
-        point: &Self::Point,
-        residual: &DVector<f64>,
-    ) -> Result<DMatrix<f64>, Refusal<Self::Error>>;
+    fn jacobian(&mut self, point: &Self::Point, residual: &DVector<f64>) -> Result<DMatrix<f64>, Refusal<Self::Error>>;
 
     /// The point after a step.
     fn moved(&self, point: &Self::Point, step: &DVector<f64>) -> Self::Point;

@@ -106,8 +106,7 @@ impl Problem<'_> {
         let mut all = Vec::new();
         for (view, own) in self.views.iter().zip(&fitted.point.own) {
             let measured_n = view.force.map(|force| force.norm());
-            let alone =
-                measured_n.and_then(|n| Some((n, self.new_image(&fitted.jacobian, [row, column], view, n)?)));
+            let alone = measured_n.and_then(|n| Some((n, self.new_image(&fitted.jacobian, [row, column], view, n)?)));
             if let Some((measured_n, alone)) = alone {
                 // Part of its error is in the residual, the rest was fitted to it: by the markers' own error, and by the finger.
                 let of_both = alone.variance + scatter * scatter;

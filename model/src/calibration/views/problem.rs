@@ -213,9 +213,16 @@ impl Problem<'_> {
     }
 
     /// Differences of the residuals of one view, by a step that leads to `after`.
-    fn differences(after: Option<Vec<f64>>, before: &[f64], step: f64) -> Result<DVector<f64>, Refusal<CalibrationError>> {
+    fn differences(
+        after: Option<Vec<f64>>,
+        before: &[f64],
+        step: f64,
+    ) -> Result<DVector<f64>, Refusal<CalibrationError>> {
         let after = after.ok_or(NOWHERE)?;
-        Ok(DVector::from_iterator(before.len(), after.iter().zip(before).map(|(after, before)| (after - before) / step)))
+        Ok(DVector::from_iterator(
+            before.len(),
+            after.iter().zip(before).map(|(after, before)| (after - before) / step),
+        ))
     }
 }
 
@@ -233,11 +240,7 @@ impl LeastSquaresProblem for Problem<'_> {
         Ok(DVector::from_vec(of_views.concat()))
     }
 
-    fn jacobian(
-        &mut self,
-        point: &Point,
-        residual: &DVector<f64>,
-    ) -> Result<DMatrix<f64>, Refusal<CalibrationError>> {
+    fn jacobian(&mut self, point: &Point, residual: &DVector<f64>) -> Result<DMatrix<f64>, Refusal<CalibrationError>> {
         let (shared, residual) = (self.sought.len(), residual.as_slice());
         let unknowns = shared + self.views.iter().map(|view| self.own_count(view)).sum::<usize>();
         let mut jacobian = DMatrix::zeros(residual.len(), unknowns);
