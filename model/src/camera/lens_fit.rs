@@ -1,24 +1,19 @@
 //! The lens from images of a plane grid.
 
 use super::plane_pose::{by_motion, homography, plane_pose};
+use super::usual_lens::UsualLens;
 use super::{Distortion, ImpossibleLens, Lens, Pixel, PlanePoseError, Pose};
 use crate::Vector;
 use crate::optimise::{Fit, LeastSquaresProblem, LevenbergMarquardt, Prior, Refusal};
 use nalgebra::{DMatrix, DVector, Vector2};
 
 /// Parameters of the lens: focal lengths, principal point, k1, k2, p1, p2, k3.
-const PARAMETERS: usize = 9;
+pub(super) const PARAMETERS: usize = 9;
 /// Their names, in this order.
 pub const LENS_PARAMETERS: [&str; PARAMETERS] = ["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"];
-/// What lenses and sensors are, without looking: what the images do not show stays there. Standard deviations of the focal lengths'
-/// logarithm (and while the distortion is found), of the logarithm of their ratio, of the principal point's distance from the middle as a share of the image's width, and of the
-/// coefficients.
+/// Standard deviations of the focal lengths' logarithm without looking, and while the distortion is found.
 const FOCAL_SD: f64 = 0.7;
 const HELD_FOCAL_SD: f64 = 0.01;
-const ASPECT_SD: f64 = 0.005;
-const CENTRE_SD: f64 = 0.03;
-const RADIAL_SD: [f64; 3] = [0.5, 0.5, 0.2];
-const TANGENTIAL_SD: f64 = 0.003;
 /// Focal length without a hint, in widths of the image: a field of view of 45 degrees.
 const USUAL_FOCUS: f64 = 1.2;
 /// Focal lengths from which the search starts, in widths of the image: wide, usual and long lenses.
@@ -166,47 +161,6 @@ fn first_focal_px(views: &[Vec<(Vector, Pixel)>], middle: [f64; 2]) -> Option<f6
     }
     let focal = (top / bottom).sqrt();
     focal.is_finite().then_some(focal)
-}
-
-/// Lenses as they usually are.
-#[derive(Debug, Clone, Copy)]
-struct UsualLens {
-    middle: [f64; 2],
-    width: f64,
-    focal: f64,
-    /// Of the focal length's logarithm.
-    focal_sd: f64,
-}
-
-impl UsualLens {
-    fn priors(&self, p: &[f64; PARAMETERS]) -> Vec<Prior> {
-        let centre = CENTRE_SD * self.width;
-        let focal =
-            Prior { residual: (p[0] / self.focal).ln() / self.focal_sd, by: vec![(0, 1.0 / (p[0] * self.focal_sd))] };
-        let aspect = Prior {
-            residual: (p[1] / p[0]).ln() / ASPECT_SD,
-            by: vec![(0, -1.0 / (p[0] * ASPECT_SD)), (1, 1.0 / (p[1] * ASPECT_SD))],
-        };
-        let middle = (0..2).map(|axis| Prior::on(2 + axis, p[2 + axis], self.middle[axis], centre));
-        let coefficients = self.coefficient_sds().map(|(i, sd)| Prior::on(i, p[i], 0.0, sd));
-        [focal, aspect].into_iter().chain(middle).chain(coefficients).collect()
-    }
-
-    fn coefficient_sds(&self) -> [(usize, f64); 5] {
-        let [k1, k2, k3] = RADIAL_SD;
-        [(4, k1), (5, k2), (6, TANGENTIAL_SD), (7, TANGENTIAL_SD), (8, k3)]
-    }
-
-    /// Standard deviation of each parameter by the prior alone.
-    fn sds(&self, p: &[f64; PARAMETERS]) -> [f64; PARAMETERS] {
-        let mut sds = [0.0; PARAMETERS];
-        (sds[0], sds[1]) = (self.focal_sd * p[0], self.focal_sd.hypot(ASPECT_SD) * p[1]);
-        (sds[2], sds[3]) = (CENTRE_SD * self.width, CENTRE_SD * self.width);
-        for (i, sd) in self.coefficient_sds() {
-            sds[i] = sd;
-        }
-        sds
-    }
 }
 
 /// Dots of some images, in standard deviations of their noise. The unknowns are the lens's parameters, then the motion of each pose.

@@ -6,6 +6,7 @@
 
 mod compliance;
 mod contradiction;
+mod derivatives;
 mod errors;
 mod forces;
 mod friction;

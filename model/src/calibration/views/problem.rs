@@ -2,28 +2,20 @@
 
 use super::quantity::changed;
 use super::{Quantity, Sought, View, ViewModel};
-use crate::calibration::CalibrationError;
 use crate::finger::{Finger, Plate, RibPositions};
 use crate::frame::FrameMotion;
 use crate::measurement::{Marker, MarkerErrors};
 use crate::mesh::Mesh;
-use crate::optimise::{LeastSquaresProblem, Prior, Refusal, StepBounds};
 use crate::sensing::{Contact, ContactPosition, Normal};
 use crate::statics::Statics;
 use crate::{Kinematics, Vector};
-use nalgebra::{DMatrix, DVector, Isometry2, Point2, UnitComplex};
-use std::ops::Range;
+use nalgebra::{Isometry2, Point2, UnitComplex};
 
 /// Of the unknowns of one view: position, base x, y and turn; then the force, where it was not measured exactly, and its lean, where it was not
 /// measured.
 pub(super) const OWN: usize = 4;
 /// Of a view's base that is not quite known.
 pub(super) const BASE_ROWS: usize = 3;
-/// Steps for derivatives: of lengths, mm, of factors, forces, as shares, and angles in rad, and of angles in degrees. Equilibria are good to
-/// ten digits.
-const LENGTH_STEP: f64 = 1e-3;
-const SHARE_STEP: f64 = 1e-4;
-const ANGLE_STEP_DEG: f64 = 1e-2;
 /// Share of the plate that is left free at both ends of where a contact is sought.
 const MARGIN: f64 = 0.02;
 /// Standard deviation of a lean, degrees, that counts as none.
@@ -184,7 +176,7 @@ impl Problem<'_> {
     }
 
     /// Residuals of one view in their standard deviations, its priors last; `None` where there is no equilibrium.
-    fn weighted(&self, candidate: &Candidate, view: &View, own: &Own) -> Option<Vec<f64>> {
+    pub(super) fn weighted(&self, candidate: &Candidate, view: &View, own: &Own) -> Option<Vec<f64>> {
         let pressed = self.pressed(candidate, view, own)?;
         let mut rows = Vec::with_capacity(view.measurement.coordinate_count() + OWN);
         for (marker, residual) in self.residuals(candidate, view, own, &pressed) {
@@ -202,122 +194,11 @@ impl Problem<'_> {
         }
         Some(rows)
     }
-
-    /// The views, the unknowns of each at a point, and the rows of its residuals.
-    fn rows<'r>(&'r self, point: &'r Point) -> impl Iterator<Item = (&'r View, &'r Own, Range<usize>)> {
-        self.views.iter().zip(&point.own).scan(0, |first, (view, own)| {
-            let rows = *first..*first + self.row_count(view);
-            *first = rows.end;
-            Some((view, own, rows))
-        })
-    }
-
-    /// Differences of the residuals of one view, by a step that leads to `after`.
-    fn differences(
-        after: Option<Vec<f64>>,
-        before: &[f64],
-        step: f64,
-    ) -> Result<DVector<f64>, Refusal<CalibrationError>> {
-        let after = after.ok_or(NOWHERE)?;
-        Ok(DVector::from_iterator(
-            before.len(),
-            after.iter().zip(before).map(|(after, before)| (after - before) / step),
-        ))
-    }
-}
-
-/// There is no such finger, or no equilibrium.
-const NOWHERE: Refusal<CalibrationError> = Refusal::Here(CalibrationError::NoMinimum);
-
-impl LeastSquaresProblem for Problem<'_> {
-    type Point = Point;
-    type Error = CalibrationError;
-
-    fn residual(&mut self, point: &Point) -> Result<DVector<f64>, Refusal<CalibrationError>> {
-        let candidate = self.candidate(&point.shared).ok_or(NOWHERE)?;
-        let of_views = self.views.iter().zip(&point.own).map(|(view, own)| self.weighted(&candidate, view, own));
-        let of_views = of_views.collect::<Option<Vec<_>>>().ok_or(NOWHERE)?;
-        Ok(DVector::from_vec(of_views.concat()))
-    }
-
-    fn jacobian(&mut self, point: &Point, residual: &DVector<f64>) -> Result<DMatrix<f64>, Refusal<CalibrationError>> {
-        let (shared, residual) = (self.sought.len(), residual.as_slice());
-        let unknowns = shared + self.views.iter().map(|view| self.own_count(view)).sum::<usize>();
-        let mut jacobian = DMatrix::zeros(residual.len(), unknowns);
-        for (k, sought) in self.sought.iter().enumerate() {
-            let step = if sought.quantity.is_factor() { SHARE_STEP } else { LENGTH_STEP };
-            let mut changed = point.shared.clone();
-            changed[k] += step;
-            let other = self.candidate(&changed).ok_or(NOWHERE)?;
-            for (view, own, rows) in self.rows(point) {
-                let by = Problem::differences(self.weighted(&other, view, own), &residual[rows.clone()], step)?;
-                jacobian.view_mut((rows.start, k), (rows.len(), 1)).copy_from(&by);
-            }
-        }
-        let candidate = self.candidate(&point.shared).ok_or(NOWHERE)?;
-        let mut column = shared;
-        for (view, own, rows) in self.rows(point) {
-            for j in 0..self.own_count(view) {
-                let step = own.step(j);
-                let after = self.weighted(&candidate, view, &own.moved(self.finger, j, step));
-                let by = Problem::differences(after, &residual[rows.clone()], step)?;
-                jacobian.view_mut((rows.start, column), (rows.len(), 1)).copy_from(&by);
-                column += 1;
-            }
-        }
-        Ok(jacobian)
-    }
-
-    fn moved(&self, point: &Point, step: &DVector<f64>) -> Point {
-        let mut moved = point.clone();
-        for (change, step) in moved.shared.iter_mut().zip(step) {
-            *change += step;
-        }
-        let mut column = self.sought.len();
-        for (view, own) in self.views.iter().zip(&mut moved.own) {
-            for j in 0..self.own_count(view) {
-                *own = own.moved(self.finger, j, step[column]);
-                column += 1;
-            }
-        }
-        moved
-    }
-
-    fn priors(&self, point: &Point) -> Vec<Prior> {
-        let changes = self.sought.iter().zip(&point.shared).enumerate();
-        changes.filter_map(|(k, (sought, change))| Some(Prior::on(k, *change, 0.0, sought.prior_sd?))).collect()
-    }
-
-    /// Contacts stay on the plate.
-    fn step_bounds(&self, point: &Point) -> StepBounds {
-        let mut position = self.sought.len();
-        self.views.iter().zip(&point.own).fold(StepBounds::default(), |bounds, (view, own)| {
-            let bounded = bounds.and(position, own.s_mm, free_part_mm(self.finger));
-            position += self.own_count(view);
-            bounded
-        })
-    }
-}
-
-/// Where along the front plate a contact is sought, mm.
-fn free_part_mm(finger: &Finger) -> [f64; 2] {
-    [MARGIN, 1.0 - MARGIN].map(|share| share * finger.plate_length_mm(Plate::Front))
 }
 
 impl Own {
-    /// Step of an unknown for derivatives.
-    fn step(&self, unknown: usize) -> f64 {
-        match unknown {
-            0 => LENGTH_STEP,
-            1 | 2 => LENGTH_STEP,
-            3 => SHARE_STEP,
-            4 => SHARE_STEP * self.force_n,
-            _ => ANGLE_STEP_DEG,
-        }
-    }
-
     /// The same with one unknown moved.
-    fn moved(&self, finger: &Finger, unknown: usize, by: f64) -> Own {
+    pub(super) fn moved(&self, finger: &Finger, unknown: usize, by: f64) -> Own {
         let mut moved = *self;
         match unknown {
             0 => {
@@ -332,4 +213,9 @@ impl Own {
         }
         moved
     }
+}
+
+/// Where along the front plate a contact is sought, mm.
+pub(super) fn free_part_mm(finger: &Finger) -> [f64; 2] {
+    [MARGIN, 1.0 - MARGIN].map(|share| share * finger.plate_length_mm(Plate::Front))
 }
