@@ -95,9 +95,10 @@ const SMALLEST_STEP: f64 = 1e-10;
 /// that is refused, and so is all else that is not identifiable.
 ///
 /// # Reference
-/// Eq. (11) of Xu et al. (2021) for several unknowns, with squares in place of distances, by [`LevenbergMarquardt`]. In equilibrium r(u, p) = 0, so du/dp = -K^-1 dr/dp with the tangent stiffness K; the forces of a
-/// member are proportional to its modulus, so dr/dp is their sum, each by the share of its compliance that the zone has
-/// ([`Mesh::zone_shares`]). Covariance of the logarithms: s^2 (J^T W^2 J)^-1.
+/// Eq. (11) of Xu et al. (2021) for several unknowns, with squares in place of distances, by [`LevenbergMarquardt`]. In
+/// equilibrium r(u, p) = 0, so du/dp = -K^-1 dr/dp with the tangent stiffness K; the forces of a member are proportional to
+/// its modulus, so dr/dp is their sum, each by the share of its compliance that the zone has
+/// ([`Mesh::zone_shares`](crate::Mesh::zone_shares)). Covariance of the logarithms: s^2 (J^T W^2 J)^-1.
 ///
 /// # Errors
 /// [`CalibrationError`] when the finger cannot be solved at the start, or the factors are not identifiable.

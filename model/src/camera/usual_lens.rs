@@ -3,24 +3,27 @@
 use super::lens_fit::PARAMETERS;
 use crate::optimise::Prior;
 
-/// Standard deviations of the logarithm of the focal lengths' ratio, of the principal point's distance from the middle as a share of the image's width, and of the
-/// coefficients.
+/// Standard deviations of the logarithm of the focal lengths' ratio, of the principal point's distance from the middle as a
+/// share of the image's width, and of the coefficients.
 const ASPECT_SD: f64 = 0.005;
 const CENTRE_SD: f64 = 0.03;
 const RADIAL_SD: [f64; 3] = [0.5, 0.5, 0.2];
 const TANGENTIAL_SD: f64 = 0.003;
 
-/// Lenses as they usually are.
+/// Lenses as they usually are, as priors of the parameters in the order of [`LENS_PARAMETERS`](super::LENS_PARAMETERS).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct UsualLens {
+    /// Pixel in the middle of the image.
     pub middle: [f64; 2],
+    /// Width of the image, px.
     pub width: f64,
+    /// Focal length, px, and the standard deviation of its logarithm.
     pub focal: f64,
-    /// Of the focal length's logarithm.
     pub focal_sd: f64,
 }
 
 impl UsualLens {
+    /// Priors of some parameters.
     pub fn priors(&self, p: &[f64; PARAMETERS]) -> Vec<Prior> {
         let centre = CENTRE_SD * self.width;
         let focal =

@@ -28,6 +28,7 @@ const SMALLEST_STEP: f64 = 1e-7;
 const MAX_STEPS: usize = 40;
 /// Largest change of ln(factor) in a step.
 const LARGEST_STEP: f64 = 0.5;
+
 /// Factors of a [`ZoneSet`] that come nearest to Table I.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TwinFit {
