@@ -103,7 +103,7 @@ pub fn fit_lens(size_px: [u32; 2], views: &[Vec<(Vector, Pixel)>]) -> Result<Len
     let mut problem = LensProblem { size_px, views, usual, noise_px: FIRST_NOISE_PX };
     // The sum of squares has other minima, at focal lengths far too long, where the distortion hides the plane's slant.
     let starts = STARTS.map(|share| share * width).into_iter().chain(first_focal_px(views, middle));
-    let found = starts.map(|focal| problem.from_start(focal));
+    let found = starts.map(|focal| problem.nearest_minimum(focal));
     let (mut best, mut failure) = (None::<Fit<LensAndPoses>>, None);
     for found in found {
         match found {
@@ -177,7 +177,7 @@ impl LensProblem<'_> {
     }
 
     /// The nearest minimum to a focal length, with the principal point in the middle and no distortion.
-    fn from_start(&mut self, focal: f64) -> Result<Fit<LensAndPoses>, LensFitError> {
+    fn nearest_minimum(&mut self, focal: f64) -> Result<Fit<LensAndPoses>, LensFitError> {
         let UsualLens { middle: [cx, cy], .. } = self.usual;
         let start = Lens::new(self.size_px, [focal; 2], [cx, cy], Distortion::default())?;
         let poses = self.views.iter().enumerate().map(|(i, view)| {

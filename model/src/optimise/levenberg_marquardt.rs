@@ -119,7 +119,10 @@ impl LevenbergMarquardt {
     }
 }
 
-/// A trial point and the problem linearised there; `None` if its sum of squares is not lower, the model has no answer there,
+/// A point and the problem linearised there.
+type Linearised<P> = (<P as LeastSquaresProblem>::Point, NormalEquations);
+
+/// A trial point, linearised; `None` if its sum of squares is not lower, the model has no answer there,
 /// or the normal equations had no step.
 ///
 /// # Errors
@@ -128,7 +131,7 @@ fn lower<P: LeastSquaresProblem>(
     problem: &mut P,
     trial: Option<P::Point>,
     squares: f64,
-) -> Result<Option<(P::Point, NormalEquations)>, Refusal<P::Error>> {
+) -> Result<Option<Linearised<P>>, Refusal<P::Error>> {
     let Some(point) = trial else { return Ok(None) };
     let next = Residuals::at(problem, &point).and_then(|residuals| {
         let is_lower = residuals.squares() < squares;
