@@ -8,6 +8,7 @@ mod lens;
 mod lens_fit;
 mod plane_pose;
 mod pose;
+mod usual_lens;
 
 pub use lens::{Distortion, ImpossibleLens, Lens};
 pub use lens_fit::{LENS_PARAMETERS, LensFit, LensFitError, fit_lens};

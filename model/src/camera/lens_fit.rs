@@ -1,24 +1,19 @@
 //! The lens from images of a plane grid.
 
 use super::plane_pose::{by_motion, homography, plane_pose};
+use super::usual_lens::UsualLens;
 use super::{Distortion, ImpossibleLens, Lens, Pixel, PlanePoseError, Pose};
 use crate::Vector;
-use crate::least_squares::{Fit, fit};
-use nalgebra::{DMatrix, DVector, Vector2, Vector6};
+use crate::optimise::{Fit, LeastSquaresProblem, LevenbergMarquardt, Prior, Refusal};
+use nalgebra::{DMatrix, DVector, Vector2};
 
 /// Parameters of the lens: focal lengths, principal point, k1, k2, p1, p2, k3.
-const PARAMETERS: usize = 9;
+pub(super) const PARAMETERS: usize = 9;
 /// Their names, in this order.
 pub const LENS_PARAMETERS: [&str; PARAMETERS] = ["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"];
-/// What lenses and sensors are, without looking: what the images do not show stays there. Standard deviations of the focal lengths'
-/// logarithm (and while the distortion is found), of the logarithm of their ratio, of the principal point's distance from the middle as a share of the image's width, and of the
-/// coefficients.
+/// Standard deviations of the focal lengths' logarithm without looking, and while the distortion is found.
 const FOCAL_SD: f64 = 0.7;
 const HELD_FOCAL_SD: f64 = 0.01;
-const ASPECT_SD: f64 = 0.005;
-const CENTRE_SD: f64 = 0.03;
-const RADIAL_SD: [f64; 3] = [0.5, 0.5, 0.2];
-const TANGENTIAL_SD: f64 = 0.003;
 /// Focal length without a hint, in widths of the image: a field of view of 45 degrees.
 const USUAL_FOCUS: f64 = 1.2;
 /// Focal lengths from which the search starts, in widths of the image: wide, usual and long lenses.
@@ -79,7 +74,7 @@ pub enum LensFitError {
 
 /// What is sought.
 #[derive(Debug, Clone)]
-struct Unknowns {
+struct LensAndPoses {
     lens: [f64; PARAMETERS],
     poses: Vec<Pose>,
 }
@@ -104,11 +99,12 @@ pub fn fit_lens(size_px: [u32; 2], views: &[Vec<(Vector, Pixel)>]) -> Result<Len
     }
     let [width, height] = size_px.map(f64::from);
     let middle = [(width - 1.0) / 2.0, (height - 1.0) / 2.0];
-    let prior = Prior { middle, width, focal: USUAL_FOCUS * width, focal_sd: FOCAL_SD };
+    let usual = UsualLens { middle, width, focal: USUAL_FOCUS * width, focal_sd: FOCAL_SD };
+    let mut problem = LensProblem { size_px, views, usual, noise_px: FIRST_NOISE_PX };
     // The sum of squares has other minima, at focal lengths far too long, where the distortion hides the plane's slant.
     let starts = STARTS.map(|share| share * width).into_iter().chain(first_focal_px(views, middle));
-    let found = starts.map(|focal| from_start(size_px, views, &prior, focal));
-    let (mut best, mut failure) = (None::<Fit<Unknowns>>, None);
+    let found = starts.map(|focal| problem.nearest_minimum(focal));
+    let (mut best, mut failure) = (None::<Fit<LensAndPoses>>, None);
     for found in found {
         match found {
             Ok(fit) if best.as_ref().is_none_or(|best| fit.squares < best.squares) => best = Some(fit),
@@ -116,54 +112,26 @@ pub fn fit_lens(size_px: [u32; 2], views: &[Vec<(Vector, Pixel)>]) -> Result<Len
             Err(error) => failure = failure.or(Some(error)),
         }
     }
-    let mut unknowns = best.ok_or_else(|| failure.unwrap_or(LensFitError::NotFound))?.parameters;
-    let points: usize = views.iter().map(Vec::len).sum();
-    let columns = PARAMETERS + 6 * views.len();
-    let mut noise_px = FIRST_NOISE_PX;
-    let mut covariance = None;
+    let mut fitted = best.ok_or_else(|| failure.unwrap_or(LensFitError::NotFound))?;
+    let pixels = 2 * views.iter().map(Vec::len).sum::<usize>();
+    // Degrees of freedom are those without priors, which is cautious.
+    let freedom = pixels.saturating_sub(fitted.jacobian.ncols()).max(1) as f64;
     for _ in 0..ROUNDS {
-        let (at, _) = residuals(size_px, views, &unknowns, &prior, noise_px).ok_or(LensFitError::NotFound)?;
-        // Degrees of freedom are those without priors, which is cautious.
-        let freedom = (2 * points).saturating_sub(columns).max(1) as f64;
-        noise_px = (at.rows(0, 2 * points).norm_squared() * noise_px * noise_px / freedom).sqrt().max(LEAST_NOISE_PX);
-        let found = fit(unknowns, |unknowns| residuals(size_px, views, unknowns, &prior, noise_px), moved);
-        let found = found.ok_or(LensFitError::NotFound)?;
-        (unknowns, covariance) = (found.parameters, found.inverse);
+        let squares_px2 = fitted.residual.rows(0, pixels).norm_squared() * problem.noise_px * problem.noise_px;
+        problem.noise_px = (squares_px2 / freedom).sqrt().max(LEAST_NOISE_PX);
+        fitted = problem.fit(fitted.point)?;
     }
-    let covariance = covariance.ok_or(LensFitError::NotFound)?;
+    let unknowns = &fitted.point;
+    let covariance = fitted.covariance().ok_or(LensFitError::NotFound)?;
     let sds = std::array::from_fn(|i| covariance[(i, i)].sqrt());
-    let prior_sds = prior.sds(&unknowns.lens);
+    let prior_sds = problem.usual.sds(&unknowns.lens);
     Ok(LensFit {
         lens: lens_of(size_px, &unknowns.lens)?,
         is_shown: std::array::from_fn(|i| 2.0 * sds[i] * sds[i] < prior_sds[i] * prior_sds[i]),
         sds,
-        poses: unknowns.poses,
-        residual_sd_px: noise_px,
+        poses: unknowns.poses.clone(),
+        residual_sd_px: problem.noise_px,
     })
-}
-
-/// The nearest minimum to a focal length, with the principal point in the middle and no distortion.
-fn from_start(
-    size_px: [u32; 2],
-    views: &[Vec<(Vector, Pixel)>],
-    prior: &Prior,
-    focal: f64,
-) -> Result<Fit<Unknowns>, LensFitError> {
-    let [cx, cy] = prior.middle;
-    let start = Lens::new(size_px, [focal; 2], prior.middle, Distortion::default())?;
-    let poses = views.iter().enumerate().map(|(i, view)| {
-        let found = plane_pose(&start, 0.0, view).map_err(|reason| LensFitError::Pose { image: i + 1, reason })?;
-        Ok(found.pose)
-    });
-    let lens = [focal, focal, cx, cy, 0.0, 0.0, 0.0, 0.0, 0.0];
-    let unknowns = Unknowns { lens, poses: poses.collect::<Result<_, LensFitError>>()? };
-    let fitted = |unknowns: Unknowns, prior: &Prior| {
-        fit(unknowns, |unknowns| residuals(size_px, views, unknowns, prior, FIRST_NOISE_PX), moved)
-            .ok_or(LensFitError::NotFound)
-    };
-    // Distortion first: without it, bent rows of dots drive the focal length away.
-    let held = Prior { focal, focal_sd: HELD_FOCAL_SD, ..*prior };
-    fitted(fitted(unknowns, &held)?.parameters, prior)
 }
 
 fn lens_of(size_px: [u32; 2], p: &[f64; PARAMETERS]) -> Result<Lens, ImpossibleLens> {
@@ -195,85 +163,88 @@ fn first_focal_px(views: &[Vec<(Vector, Pixel)>], middle: [f64; 2]) -> Option<f6
     focal.is_finite().then_some(focal)
 }
 
-/// What lenses are like.
-struct Prior {
-    middle: [f64; 2],
-    width: f64,
-    focal: f64,
-    /// Of the focal length's logarithm.
-    focal_sd: f64,
-}
-
-impl Prior {
-    /// Residuals over their standard deviations, and their derivatives.
-    fn rows(&self, p: &[f64; PARAMETERS]) -> Vec<(f64, Vec<(usize, f64)>)> {
-        let centre = CENTRE_SD * self.width;
-        let mut rows = vec![
-            ((p[0] / self.focal).ln() / self.focal_sd, vec![(0, 1.0 / (p[0] * self.focal_sd))]),
-            ((p[1] / p[0]).ln() / ASPECT_SD, vec![(0, -1.0 / (p[0] * ASPECT_SD)), (1, 1.0 / (p[1] * ASPECT_SD))]),
-        ];
-        for axis in 0..2 {
-            rows.push(((p[2 + axis] - self.middle[axis]) / centre, vec![(2 + axis, 1.0 / centre)]));
-        }
-        for (i, sd) in self.coefficient_sds() {
-            rows.push((p[i] / sd, vec![(i, 1.0 / sd)]));
-        }
-        rows
-    }
-
-    fn coefficient_sds(&self) -> [(usize, f64); 5] {
-        let [k1, k2, k3] = RADIAL_SD;
-        [(4, k1), (5, k2), (6, TANGENTIAL_SD), (7, TANGENTIAL_SD), (8, k3)]
-    }
-
-    /// Standard deviation of each parameter by the prior alone.
-    fn sds(&self, p: &[f64; PARAMETERS]) -> [f64; PARAMETERS] {
-        let mut sds = [0.0; PARAMETERS];
-        (sds[0], sds[1]) = (self.focal_sd * p[0], self.focal_sd.hypot(ASPECT_SD) * p[1]);
-        (sds[2], sds[3]) = (CENTRE_SD * self.width, CENTRE_SD * self.width);
-        for (i, sd) in self.coefficient_sds() {
-            sds[i] = sd;
-        }
-        sds
-    }
-}
-
-/// Residuals over the noise, priors after them, and derivatives by the lens's parameters and each pose's motion.
-fn residuals(
+/// Dots of some images, in standard deviations of their noise. The unknowns are the lens's parameters, then the motion of each pose.
+struct LensProblem<'v> {
     size_px: [u32; 2],
-    views: &[Vec<(Vector, Pixel)>],
-    unknowns: &Unknowns,
-    prior: &Prior,
+    views: &'v [Vec<(Vector, Pixel)>],
+    usual: UsualLens,
     noise_px: f64,
-) -> Option<(DVector<f64>, DMatrix<f64>)> {
-    let lens = lens_of(size_px, &unknowns.lens).ok()?;
-    let points: usize = views.iter().map(Vec::len).sum();
-    let priors = prior.rows(&unknowns.lens);
-    let rows = 2 * points + priors.len();
-    let mut at = DVector::zeros(rows);
-    let mut by = DMatrix::zeros(rows, PARAMETERS + 6 * views.len());
-    let mut row = 0;
-    for (number, (view, pose)) in views.iter().zip(&unknowns.poses).enumerate() {
-        for (position, pixel) in view {
-            let (found, by_pose) = by_motion(&lens, pose, &position.push(0.0))?;
-            at.fixed_rows_mut::<2>(row).copy_from(&((found - pixel) / noise_px));
-            by.fixed_view_mut::<2, 6>(row, PARAMETERS + 6 * number).copy_from(&(by_pose / noise_px));
+}
+
+impl LensProblem<'_> {
+    fn fit(&mut self, start: LensAndPoses) -> Result<Fit<LensAndPoses>, LensFitError> {
+        LevenbergMarquardt::default().minimise(self, start).map_err(Refusal::into_error)
+    }
+
+    /// The nearest minimum to a focal length, with the principal point in the middle and no distortion.
+    fn nearest_minimum(&mut self, focal: f64) -> Result<Fit<LensAndPoses>, LensFitError> {
+        let UsualLens { middle: [cx, cy], .. } = self.usual;
+        let start = Lens::new(self.size_px, [focal; 2], [cx, cy], Distortion::default())?;
+        let poses = self.views.iter().enumerate().map(|(i, view)| {
+            let found = plane_pose(&start, 0.0, view).map_err(|reason| LensFitError::Pose { image: i + 1, reason })?;
+            Ok(found.pose)
+        });
+        let lens = [focal, focal, cx, cy, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let start = LensAndPoses { lens, poses: poses.collect::<Result<_, LensFitError>>()? };
+        // Distortion first: without it, bent rows of dots drive the focal length away.
+        let usual = self.usual;
+        self.usual = UsualLens { focal, focal_sd: HELD_FOCAL_SD, ..usual };
+        let held = self.fit(start);
+        self.usual = usual;
+        self.fit(held?.point)
+    }
+
+    /// Image, position on the grid and pixel of each dot.
+    fn dots(&self) -> impl Iterator<Item = (usize, &Vector, &Pixel)> {
+        (0..self.views.len()).flat_map(|i| self.views[i].iter().map(move |(position, pixel)| (i, position, pixel)))
+    }
+}
+
+impl LeastSquaresProblem for LensProblem<'_> {
+    type Point = LensAndPoses;
+    type Error = LensFitError;
+
+    fn residual(&mut self, at: &LensAndPoses) -> Result<DVector<f64>, Refusal<LensFitError>> {
+        let lens = lens_of(self.size_px, &at.lens).map_err(|error| Refusal::Here(error.into()))?;
+        let mut residual = DVector::zeros(2 * self.dots().count());
+        for (row, (view, position, pixel)) in self.dots().enumerate() {
+            let found = lens.project(&at.poses[view].to_camera(&position.push(0.0)));
+            let found = found.map_err(|_| Refusal::Here(LensFitError::NotFound))?;
+            residual.fixed_rows_mut::<2>(2 * row).copy_from(&((found - pixel) / self.noise_px));
+        }
+        Ok(residual)
+    }
+
+    fn jacobian(&mut self, at: &LensAndPoses, _: &DVector<f64>) -> Result<DMatrix<f64>, Refusal<LensFitError>> {
+        let lens = lens_of(self.size_px, &at.lens).map_err(|error| Refusal::Here(error.into()))?;
+        let mut jacobian = DMatrix::zeros(2 * self.dots().count(), PARAMETERS + 6 * self.views.len());
+        for (row, (view, position, _)) in self.dots().enumerate() {
+            let pose = &at.poses[view];
+            let by_pose = by_motion(&lens, pose, &position.push(0.0));
+            let by_pose = by_pose.map_err(|_| Refusal::Here(LensFitError::NotFound))?;
+            jacobian.fixed_view_mut::<2, 6>(2 * row, PARAMETERS + 6 * view).copy_from(&(by_pose / self.noise_px));
             let seen = pose.to_camera(&position.push(0.0));
-            let by_lens = by_parameters(&unknowns.lens, &(seen.xy() / seen.z));
-            for (column, derivative) in by_lens.iter().enumerate() {
-                by.fixed_view_mut::<2, 1>(row, column).copy_from(&(derivative / noise_px));
+            for (column, derivative) in by_parameters(&at.lens, &(seen.xy() / seen.z)).iter().enumerate() {
+                jacobian.fixed_view_mut::<2, 1>(2 * row, column).copy_from(&(derivative / self.noise_px));
             }
-            row += 2;
         }
+        Ok(jacobian)
     }
-    for (value, derivatives) in priors {
-        at[row] = value;
-        for (column, derivative) in derivatives {
-            by[(row, column)] = derivative;
+
+    fn moved(&self, at: &LensAndPoses, step: &DVector<f64>) -> LensAndPoses {
+        let mut moved = at.clone();
+        for (parameter, change) in moved.lens.iter_mut().zip(step.iter()) {
+            *parameter += change;
         }
-        row += 1;
+        for (number, pose) in moved.poses.iter_mut().enumerate() {
+            *pose = pose.moved(&step.fixed_rows::<6>(PARAMETERS + 6 * number).into_owned());
+        }
+        moved
     }
-    Some((at, by))
+
+    fn priors(&self, at: &LensAndPoses) -> Vec<Prior> {
+        self.usual.priors(&at.lens)
+    }
 }
 
 /// Derivatives of a pixel by the lens's parameters, at undistorted coordinates: see [`Distortion`].
@@ -296,15 +267,4 @@ fn by_parameters(p: &[f64; PARAMETERS], at: &Vector2<f64>) -> [Vector2<f64>; PAR
         scaled(Vector2::new(q + 2.0 * x * x, 2.0 * x * y)),
         scaled(at * (q * q * q)),
     ]
-}
-
-fn moved(unknowns: &Unknowns, step: &DVector<f64>) -> Unknowns {
-    let mut moved = unknowns.clone();
-    for (parameter, change) in moved.lens.iter_mut().zip(step.iter()) {
-        *parameter += change;
-    }
-    for (number, pose) in moved.poses.iter_mut().enumerate() {
-        *pose = pose.moved(&Vector6::from_fn(|i, _| step[PARAMETERS + 6 * number + i]));
-    }
-    moved
 }

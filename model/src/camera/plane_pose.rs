@@ -1,9 +1,9 @@
 //! The pose of a plane from pixels of known points on it.
 
-use super::{Lens, Pixel, Pose};
+use super::{Lens, Pixel, Pose, ViewError};
 use crate::Vector;
-use crate::least_squares::{Fit, fit};
-use nalgebra::{DMatrix, DVector, Matrix2x6, Matrix3, Matrix6, Rotation3, Vector2, Vector3, Vector6};
+use crate::optimise::{Fit, LeastSquaresProblem, LevenbergMarquardt, Refusal};
+use nalgebra::{DMatrix, DVector, Matrix2x6, Matrix3, Matrix6, Rotation3, Vector2, Vector3};
 
 /// Points that have a pose: four, which do not lie on a line.
 const LEAST_POINTS: usize = 4;
@@ -65,39 +65,63 @@ pub fn plane_pose(lens: &Lens, height_mm: f64, points: &[(Vector, Pixel)]) -> Re
     let mean: Vector2<f64> = positions.iter().sum::<Vector2<f64>>() / positions.len() as f64;
     let first = of_homography(&homography, &mean, height_mm).ok_or(PlanePoseError::NotFound)?;
     let starts = [first, tilted_back(&first, &mean.push(height_mm))];
-    let fits = starts.iter().filter_map(|start| refined(lens, height_mm, points, start));
-    let best = fits.min_by(|a, b| a.squares.total_cmp(&b.squares)).ok_or(PlanePoseError::NotFound)?;
+    let mut problem = PoseProblem { lens, height_mm, points };
+    let fits: Vec<Fit<Pose>> = starts
+        .into_iter()
+        .filter_map(|start| LevenbergMarquardt::default().minimise(&mut problem, start).ok())
+        .collect();
+    let best = fits.into_iter().min_by(|a, b| a.squares.total_cmp(&b.squares)).ok_or(PlanePoseError::NotFound)?;
     let freedom = 2 * points.len() - 6;
-    let inverse = best.inverse.ok_or(PlanePoseError::OnALine)?;
+    let inverse = best.covariance().ok_or(PlanePoseError::OnALine)?;
     Ok(PoseFit {
-        pose: best.parameters,
+        pose: best.point,
         residual_sd_px: if freedom > 0 { (best.squares / freedom as f64).sqrt() } else { 0.0 },
         unit_covariance: Matrix6::from_fn(|i, j| inverse[(i, j)]),
     })
 }
 
-fn refined(lens: &Lens, height_mm: f64, points: &[(Vector, Pixel)], start: &Pose) -> Option<Fit<Pose>> {
-    let residual = |pose: &Pose| {
-        let mut at = DVector::zeros(2 * points.len());
-        let mut by = DMatrix::zeros(2 * points.len(), 6);
-        for (i, (position, pixel)) in points.iter().enumerate() {
-            let (found, by_motion) = by_motion(lens, pose, &position.push(height_mm))?;
-            at.fixed_rows_mut::<2>(2 * i).copy_from(&(found - pixel));
-            by.fixed_rows_mut::<2>(2 * i).copy_from(&by_motion);
-        }
-        Some((at, by))
-    };
-    fit(*start, residual, |pose, step| pose.moved(&Vector6::from_fn(|i, _| step[i])))
+/// Pixels of points of a plane, as a pose has them; the unknowns are a small motion of the camera frame.
+struct PoseProblem<'p> {
+    lens: &'p Lens,
+    height_mm: f64,
+    points: &'p [(Vector, Pixel)],
 }
 
-/// The pixel of a point and its derivatives by a small motion of the camera frame: d(R X) = w x R X = -[R X]x w.
-pub(super) fn by_motion(lens: &Lens, pose: &Pose, point: &Vector3<f64>) -> Option<(Pixel, Matrix2x6<f64>)> {
-    let (pixel, by_camera) = lens.project_with_derivatives(&pose.to_camera(point)).ok()?;
+impl LeastSquaresProblem for PoseProblem<'_> {
+    type Point = Pose;
+    type Error = ViewError;
+
+    fn residual(&mut self, pose: &Pose) -> Result<DVector<f64>, Refusal<ViewError>> {
+        let mut residual = DVector::zeros(2 * self.points.len());
+        for (i, (position, pixel)) in self.points.iter().enumerate() {
+            let found = self.lens.project(&pose.to_camera(&position.push(self.height_mm))).map_err(Refusal::Here)?;
+            residual.fixed_rows_mut::<2>(2 * i).copy_from(&(found - pixel));
+        }
+        Ok(residual)
+    }
+
+    fn jacobian(&mut self, pose: &Pose, _: &DVector<f64>) -> Result<DMatrix<f64>, Refusal<ViewError>> {
+        let mut jacobian = DMatrix::zeros(2 * self.points.len(), 6);
+        for (i, (position, _)) in self.points.iter().enumerate() {
+            let by_motion = by_motion(self.lens, pose, &position.push(self.height_mm)).map_err(Refusal::Here)?;
+            jacobian.fixed_rows_mut::<2>(2 * i).copy_from(&by_motion);
+        }
+        Ok(jacobian)
+    }
+
+    fn moved(&self, pose: &Pose, step: &DVector<f64>) -> Pose {
+        pose.moved(&step.fixed_rows::<6>(0).into_owned())
+    }
+}
+
+/// Derivatives of the pixel of a point by a small motion of the camera frame: d(R X) = w x R X = -[R X]x w.
+pub(super) fn by_motion(lens: &Lens, pose: &Pose, point: &Vector3<f64>) -> Result<Matrix2x6<f64>, ViewError> {
+    let (_, by_camera) = lens.project_with_derivatives(&pose.to_camera(point))?;
     let turned = pose.rotation * point;
     let mut by = Matrix2x6::zeros();
     by.fixed_columns_mut::<3>(0).copy_from(&(-by_camera * turned.cross_matrix()));
     by.fixed_columns_mut::<3>(3).copy_from(&by_camera);
-    Some((pixel, by))
+    Ok(by)
 }
 
 /// Centre and scale of points: the mean goes to zero, the root mean square distance to it to sqrt(2).

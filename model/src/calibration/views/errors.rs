@@ -2,8 +2,8 @@
 
 use super::View;
 use super::problem::{Point, Problem};
-use crate::least_squares::Fit;
 use crate::measurement::{Marker, MarkerErrors};
+use crate::optimise::Fit;
 use nalgebra::DMatrix;
 
 /// Errors of markers without any noise, as shares of the stated ones, and steps from there to as stated, alike as ratios.
@@ -36,7 +36,7 @@ impl Problem<'_> {
             let markers = view.measurement.markers().iter().flat_map(|marker| [marker; 2]);
             for (i, marker) in markers.enumerate() {
                 let stated_mm = view.noise_mm / marker.weight;
-                let by = fitted.derivatives.row(row + i);
+                let by = fitted.jacobian.row(row + i);
                 let fitted_share = (by * covariance).dot(&by);
                 left.push(Left {
                     square_mm2: (fitted.residual[row + i] * self.errors.sd_mm(stated_mm)).powi(2),

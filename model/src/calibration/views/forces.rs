@@ -3,7 +3,7 @@
 use super::View;
 use super::problem::{BASE_ROWS, OWN, Point, Problem};
 use super::scatter::{NewImage, Scatter};
-use crate::least_squares::Fit;
+use crate::optimise::{Fit, covariance};
 use nalgebra::{DMatrix, DVector};
 
 impl Problem<'_> {
@@ -20,7 +20,7 @@ impl Problem<'_> {
         let rows = self.row_count(view) - 1;
         let mut alone = by.view((row, column), (rows, self.own_count(view))).clone_owned();
         alone.column_mut(OWN).scale_mut(force_n);
-        let covariance = alone.tr_mul(&alone).cholesky()?.inverse();
+        let covariance = covariance(&alone)?;
         // Without what was measured of it, the force follows the finger.
         let by_shared = -alone.tr_mul(&by.view((row, 0), (rows, self.sought.len()))).tr_mul(&covariance.column(OWN));
         let by_base = alone.rows(rows - BASE_ROWS, BASE_ROWS) * covariance.column(OWN);
@@ -30,11 +30,11 @@ impl Problem<'_> {
 
     /// How measured forces scatter about those that the images show, linearised at a fit; `None` where the images do not show all unknowns.
     pub(super) fn scatter_of(&self, fitted: &Fit<Point>) -> Option<Scatter> {
-        let (mut by, mut residual) = (fitted.derivatives.clone(), fitted.residual.clone());
+        let (mut by, mut residual) = (fitted.jacobian.clone(), fitted.residual.clone());
         let shared = self.sought.len();
         let (mut row, mut column) = (0, shared);
         let (mut forces, mut off, mut new) = (Vec::new(), Vec::new(), Vec::new());
-        for (view, own) in self.views.iter().zip(&fitted.parameters.own) {
+        for (view, own) in self.views.iter().zip(&fitted.point.own) {
             let rows = self.row_count(view);
             if let Some(force_n) = view.force.map(|force| force.norm()) {
                 new.push(self.new_image(&by, [row, column], view, force_n)?);

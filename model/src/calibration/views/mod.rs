@@ -6,6 +6,7 @@
 
 mod compliance;
 mod contradiction;
+mod derivatives;
 mod errors;
 mod forces;
 mod friction;
@@ -27,8 +28,8 @@ pub use view::{LocatedView, View, ViewError};
 use super::CalibrationError;
 use crate::Vector;
 use crate::finger::Finger;
-use crate::least_squares::fit;
 use crate::measurement::MarkerErrors;
+use crate::optimise::{LevenbergMarquardt, Refusal};
 use crate::sensing::{Lean, Normal, Pad};
 use nalgebra::{DMatrix, Isometry2};
 use problem::Problem;
@@ -182,24 +183,22 @@ pub fn views(
     let mut point = problem.start()?;
     let mut found = None;
     for _ in 0..ROUNDS {
-        let fitted = fit(point.clone(), |point| problem.linearised(point), |point, step| problem.moved(point, step));
-        let fitted = fitted.ok_or(CalibrationError::NoMinimum)?;
-        point.clone_from(&fitted.parameters);
-        let covariance = fitted.inverse.as_ref();
+        let fitted = LevenbergMarquardt::default().minimise(&mut problem, point).map_err(Refusal::into_error)?;
+        point = fitted.point.clone();
+        let covariance = fitted.covariance();
         let covariance = covariance.ok_or_else(|| CalibrationError::NotSeparable { parameters: all() })?;
         let before = (problem.errors, problem.scatter);
-        problem.errors = problem.marker_errors(&fitted, covariance);
+        problem.errors = problem.marker_errors(&fitted, &covariance);
         let scatter = problem.scatter.and_then(|_| problem.scatter_of(&fitted));
         problem.scatter = problem.scatter.map(|_| {
             scatter.as_ref().and_then(Scatter::most_likely).map_or(FIRST_SCATTER, |share| share.max(LEAST_SCATTER))
         });
-        found = Some((fitted, scatter));
+        found = Some((fitted, covariance, scatter));
         if have_settled(before, (problem.errors, problem.scatter)) {
             break;
         }
     }
-    let (fitted, scatter) = found.ok_or(CalibrationError::NoMinimum)?;
-    let covariance = fitted.inverse.as_ref().ok_or_else(|| CalibrationError::NotSeparable { parameters: all() })?;
+    let (fitted, covariance, scatter) = found.ok_or(CalibrationError::NoMinimum)?;
     let sigma = |k: usize| covariance[(k, k)].sqrt();
     let open = |k: &usize| {
         let limit = LARGEST_SIGMAS[usize::from(!sought[*k].quantity.is_modulus())];
@@ -214,9 +213,9 @@ pub fn views(
     });
     let force_error = problem.scatter.zip(of_new).map(|(scatter, of_new)| ForceError { scatter, of_new: of_new.share });
     if !sought.is_empty() {
-        problem.check_use(&fitted, covariance, force_error)?;
+        problem.check_use(&fitted, &covariance, force_error)?;
     }
-    let point = &fitted.parameters;
+    let point = &fitted.point;
     let candidate = problem.candidate(&point.shared).ok_or(CalibrationError::NoMinimum)?;
     let quantities = sought.iter().zip(&point.shared).enumerate().map(|(k, (sought, change))| {
         let value = match sought.quantity.is_modulus() {
@@ -247,7 +246,7 @@ pub fn views(
         marker_errors: problem.errors,
         new_marker_errors: problem.new_marker_errors(of_new.map_or(0.0, |of_new| of_new.of_markers)),
         force_error,
-        outliers: problem.outliers(&fitted, covariance),
+        outliers: problem.outliers(&fitted, &covariance),
         marker_height_mm: candidate.marker_height_mm,
         base: candidate.base,
         finger: candidate.mesh.finger().clone(),

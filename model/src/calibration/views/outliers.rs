@@ -5,7 +5,7 @@ use super::problem::{Point, Problem};
 use super::{ForceError, ViewError};
 use crate::NodeId;
 use crate::calibration::CalibrationError;
-use crate::least_squares::Fit;
+use crate::optimise::Fit;
 use nalgebra::DMatrix;
 use std::fmt;
 
@@ -104,10 +104,9 @@ impl Problem<'_> {
         let shared = covariance.view((0, 0), (self.sought.len(), self.sought.len()));
         let (mut row, mut column) = (0, self.sought.len());
         let mut all = Vec::new();
-        for (view, own) in self.views.iter().zip(&fitted.parameters.own) {
+        for (view, own) in self.views.iter().zip(&fitted.point.own) {
             let measured_n = view.force.map(|force| force.norm());
-            let alone =
-                measured_n.and_then(|n| Some((n, self.new_image(&fitted.derivatives, [row, column], view, n)?)));
+            let alone = measured_n.and_then(|n| Some((n, self.new_image(&fitted.jacobian, [row, column], view, n)?)));
             if let Some((measured_n, alone)) = alone {
                 // Part of its error is in the residual, the rest was fitted to it: by the markers' own error, and by the finger.
                 let of_both = alone.variance + scatter * scatter;
@@ -129,7 +128,7 @@ impl Problem<'_> {
             for (i, marker) in view.measurement.markers().iter().enumerate() {
                 let rows = [first + 2 * i, first + 2 * i + 1];
                 let free = rows.map(|row| {
-                    let by = fitted.derivatives.row(row);
+                    let by = fitted.jacobian.row(row);
                     (1.0 - (by * covariance).dot(&by)).max(f64::EPSILON)
                 });
                 let squares = rows.map(|row| fitted.residual[row].powi(2));

@@ -9,18 +9,13 @@ use crate::mesh::Mesh;
 use crate::sensing::{Contact, ContactPosition, Normal};
 use crate::statics::Statics;
 use crate::{Kinematics, Vector};
-use nalgebra::{DMatrix, DVector, Isometry2, Point2, UnitComplex};
+use nalgebra::{Isometry2, Point2, UnitComplex};
 
 /// Of the unknowns of one view: position, base x, y and turn; then the force, where it was not measured exactly, and its lean, where it was not
 /// measured.
 pub(super) const OWN: usize = 4;
 /// Of a view's base that is not quite known.
 pub(super) const BASE_ROWS: usize = 3;
-/// Steps for derivatives: of lengths, mm, of factors, forces, as shares, and angles in rad, and of angles in degrees. Equilibria are good to
-/// ten digits.
-const LENGTH_STEP: f64 = 1e-3;
-const SHARE_STEP: f64 = 1e-4;
-const ANGLE_STEP_DEG: f64 = 1e-2;
 /// Share of the plate that is left free at both ends of where a contact is sought.
 const MARGIN: f64 = 0.02;
 /// Standard deviation of a lean, degrees, that counts as none.
@@ -181,7 +176,7 @@ impl Problem<'_> {
     }
 
     /// Residuals of one view in their standard deviations, its priors last; `None` where there is no equilibrium.
-    fn weighted(&self, candidate: &Candidate, view: &View, own: &Own) -> Option<Vec<f64>> {
+    pub(super) fn weighted(&self, candidate: &Candidate, view: &View, own: &Own) -> Option<Vec<f64>> {
         let pressed = self.pressed(candidate, view, own)?;
         let mut rows = Vec::with_capacity(view.measurement.coordinate_count() + OWN);
         for (marker, residual) in self.residuals(candidate, view, own, &pressed) {
@@ -199,93 +194,16 @@ impl Problem<'_> {
         }
         Some(rows)
     }
-
-    /// All residuals and their derivatives by a step; `None` where there is no equilibrium.
-    pub(super) fn linearised(&self, point: &Point) -> Option<(DVector<f64>, DMatrix<f64>)> {
-        let candidate = self.candidate(&point.shared)?;
-        let at: Vec<Vec<f64>> = (self.views.iter().zip(&point.own))
-            .map(|(view, own)| self.weighted(&candidate, view, own))
-            .collect::<Option<_>>()?;
-        let priors = self.sought.iter().filter(|sought| sought.prior_sd.is_some()).count();
-        let shared = self.sought.len();
-        let rows = at.iter().map(Vec::len).sum::<usize>() + priors;
-        let unknowns = shared + self.views.iter().map(|view| self.own_count(view)).sum::<usize>();
-        let mut residual = DVector::zeros(rows);
-        let mut by = DMatrix::zeros(rows, unknowns);
-        let mut row = 0;
-        for rows in &at {
-            residual.rows_mut(row, rows.len()).copy_from_slice(rows);
-            row += rows.len();
-        }
-        for (k, sought) in self.sought.iter().enumerate() {
-            let step = if sought.quantity.is_modulus() { SHARE_STEP } else { LENGTH_STEP };
-            let mut changed = point.shared.clone();
-            changed[k] += step;
-            let other = self.candidate(&changed)?;
-            let mut row = 0;
-            for ((view, own), before) in self.views.iter().zip(&point.own).zip(&at) {
-                for (i, (after, before)) in self.weighted(&other, view, own)?.iter().zip(before).enumerate() {
-                    by[(row + i, k)] = (after - before) / step;
-                }
-                row += before.len();
-            }
-            if let Some(prior_sd) = sought.prior_sd {
-                let place = row + self.sought[..k].iter().filter(|sought| sought.prior_sd.is_some()).count();
-                residual[place] = point.shared[k] / prior_sd;
-                by[(place, k)] = 1.0 / prior_sd;
-            }
-        }
-        let (mut row, mut column) = (0, shared);
-        for ((view, own), before) in self.views.iter().zip(&point.own).zip(&at) {
-            for j in 0..self.own_count(view) {
-                let step = own.step(j);
-                let after = self.weighted(&candidate, view, &own.moved(self.finger, j, step))?;
-                for (i, (after, before)) in after.iter().zip(before).enumerate() {
-                    by[(row + i, column)] = (after - before) / step;
-                }
-                column += 1;
-            }
-            row += before.len();
-        }
-        Some((residual, by))
-    }
-
-    /// A point after a step.
-    pub(super) fn moved(&self, point: &Point, step: &DVector<f64>) -> Point {
-        let mut moved = point.clone();
-        for (change, step) in moved.shared.iter_mut().zip(step) {
-            *change += step;
-        }
-        let mut column = self.sought.len();
-        for (view, own) in self.views.iter().zip(&mut moved.own) {
-            for j in 0..self.own_count(view) {
-                *own = own.moved(self.finger, j, step[column]);
-                column += 1;
-            }
-        }
-        moved
-    }
 }
 
 impl Own {
-    /// Step of an unknown for derivatives.
-    fn step(&self, unknown: usize) -> f64 {
-        match unknown {
-            0 => LENGTH_STEP,
-            1 | 2 => LENGTH_STEP,
-            3 => SHARE_STEP,
-            4 => SHARE_STEP * self.force_n,
-            _ => ANGLE_STEP_DEG,
-        }
-    }
-
     /// The same with one unknown moved.
-    fn moved(&self, finger: &Finger, unknown: usize, by: f64) -> Own {
+    pub(super) fn moved(&self, finger: &Finger, unknown: usize, by: f64) -> Own {
         let mut moved = *self;
         match unknown {
             0 => {
-                let length_mm = finger.plate_length_mm(Plate::Front);
-                moved.s_mm = (self.s_mm + by).clamp(MARGIN * length_mm, (1.0 - MARGIN) * length_mm);
+                let [least_mm, most_mm] = free_part_mm(finger);
+                moved.s_mm = (self.s_mm + by).clamp(least_mm, most_mm);
             }
             1 => moved.base.translation.x += by,
             2 => moved.base.translation.y += by,
@@ -295,4 +213,9 @@ impl Own {
         }
         moved
     }
+}
+
+/// Where along the front plate a contact is sought, mm.
+pub(super) fn free_part_mm(finger: &Finger) -> [f64; 2] {
+    [MARGIN, 1.0 - MARGIN].map(|share| share * finger.plate_length_mm(Plate::Front))
 }

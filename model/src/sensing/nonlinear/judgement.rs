@@ -157,22 +157,14 @@ impl NonlinearEstimator<'_> {
         // What the stated noise does not explain is uncertainty too.
         let noise_mm = noise_of(test, noise_mm, misfit, degrees_of_freedom);
         self.rescale(state);
-        // The triangle has the singular values of the derivatives.
-        let svd = state.linearised.triangle(measurement)?.svd(false, true);
-        let mut singular_values: Vec<f64> = svd.singular_values.iter().copied().collect();
-        singular_values.sort_by(|a, b| b.total_cmp(a));
-        let span = singular_values[0] / singular_values[count - 1];
-        let Some(v_t) = svd.v_t.as_ref().filter(|_| span <= LARGEST_SPAN) else {
-            let column = svd.v_t.map_or(0, |v_t| v_t.row(svd.singular_values.imin()).iamax_full().1);
-            let weakest = self.unknowns[column].contact().unwrap_or_default() + 1;
+        let parts = state.linearised.singular_parts(measurement)?;
+        let span = parts.span();
+        if span.is_nan() || span > LARGEST_SPAN {
+            let weakest = self.unknowns[parts.weakest().iamax()].contact().unwrap_or_default() + 1;
             return Err(SensingError::IllConditioned { span, limit: LARGEST_SPAN, weakest });
-        };
+        }
         let scales = &state.linearised.scales;
-        // (A^T A)^-1 = V S^-2 V^T, from the scaled unknowns back to theirs.
-        let linear = |i: usize, j: usize| {
-            let scaled = |k: usize| v_t[(k, i)] * v_t[(k, j)] / svd.singular_values[k].powi(2);
-            scales[i] * scales[j] * (0..count).map(scaled).sum::<f64>() * noise_mm * noise_mm
-        };
+        let linear = |i: usize, j: usize| scales[i] * scales[j] * parts.covariance(i, j) * noise_mm * noise_mm;
         // What a force has across its direction adds to it by second order, b^2 / (2 f), of mean square 3 s^4 / (4 f^2): all
         // there is of it where a direction is known to some degrees only.
         let by_direction = |i: usize| {
@@ -210,7 +202,7 @@ impl NonlinearEstimator<'_> {
                 noise_mm,
                 warning: test.filter(ResidualTest::contradicts).map(Warning::Residual),
                 residual_rms_mm,
-                singular_values,
+                singular_values: parts.descending(),
             },
             covariance_n2: DMatrix::from_fn(self.questions.len(), self.questions.len(), covariance),
             contacts: state

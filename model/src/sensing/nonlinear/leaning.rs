@@ -87,11 +87,8 @@ impl NonlinearEstimator<'_> {
         let mut estimator = self.asking(&questions)?;
         estimator.expect(measurement, noise_mm)?;
         let start = estimator.resumed(state, measurement, noise_mm)?;
-        let mut end = start.clone();
-        if estimator.correct(&mut end, measurement, noise_mm).is_none() {
-            end = start;
-            estimator.search(&mut end, measurement, noise_mm, &mut Ways::default())?;
-        }
-        Ok(end.forces_n)
+        // There is no way to meet.
+        let found = estimator.minimum_near(start, measurement, noise_mm, &mut Ways::default())?;
+        Ok(found.ok_or(SensingError::NoContact)?.state.forces_n)
     }
 }

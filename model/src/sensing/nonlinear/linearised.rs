@@ -1,6 +1,5 @@
 //! The problem linearised at a state: the residual, and its derivatives by the unknowns.
 
-use super::least_squares::LeastSquares;
 use super::nuisances::{Nuisances, PriorRow, Priors};
 use super::touching::TouchRows;
 use super::unknowns::{BaseMotion, Unknown};
@@ -10,6 +9,7 @@ use crate::finger::NodeId;
 use crate::frame::{FrameLoad, FrameMotion, NodeIndex};
 use crate::measurement::{Marker, Measurement};
 use crate::mesh::{LoadError, Mesh};
+use crate::optimise::{GramSchmidt, Prediction, SingularParts};
 use crate::sensing::{Contact, Direction, LARGEST_SPAN, SensingError};
 use nalgebra::{DMatrix, Point2, UnitComplex};
 
@@ -17,10 +17,6 @@ use nalgebra::{DMatrix, Point2, UnitComplex};
 const OUTLIER_SIGMAS: f64 = 4.5;
 /// Ratio of the median of a Rayleigh distribution to the standard deviation of one coordinate.
 const RAYLEIGH_MEDIAN: f64 = 1.177_410_022_515_474_6;
-
-/// Dampings between which one is looked for, and the factor between two that are tried.
-const DAMPINGS: [f64; 2] = [1e-10, 1e12];
-const DAMPING_FACTOR: f64 = 4.0;
 
 const ALL_ALIKE: SensingError = SensingError::IllConditioned { span: f64::INFINITY, limit: LARGEST_SPAN, weakest: 1 };
 
@@ -48,18 +44,9 @@ pub(super) struct Linearised {
     pub step: Vec<f64>,
     /// Room for the distances whose median is sought, and for the problem that a step solves.
     distances: Vec<f64>,
-    problem: LeastSquares,
+    problem: GramSchmidt,
     /// Length of each column of the derivatives by the scaled unknowns, mm.
     lengths_mm: Vec<f64>,
-}
-
-/// What a step does to the linearised finger.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Prediction {
-    /// Decrease of the misfit, mm^2.
-    pub decrease_mm2: f64,
-    /// How far it moves the markers, mm: root of the sum over unknowns and markers, each unknown's move counted alone.
-    pub reach_mm: f64,
 }
 
 /// What a marker moves with.
@@ -116,7 +103,7 @@ impl Linearised {
             forces,
             step: Vec::with_capacity(unknowns),
             distances: Vec::with_capacity(key_nodes),
-            problem: LeastSquares::default(),
+            problem: GramSchmidt::default(),
             lengths_mm: Vec::with_capacity(unknowns),
         }
     }
@@ -176,7 +163,7 @@ impl Linearised {
         measurement.markers().iter().map(|marker| weighted(marker).norm_squared()).sum()
     }
 
-    /// Finds the Levenberg-Marquardt step for a damping.
+    /// Finds the Levenberg-Marquardt step for a damping; its decrease is in mm^2, its reach in mm.
     ///
     /// # Errors
     /// [`SensingError::IllConditioned`] if the unknowns are not identifiable.
@@ -217,32 +204,7 @@ impl Linearised {
         let reach_mm2: f64 = solution.iter().zip(&self.lengths_mm).map(|(x, length_mm)| (x * length_mm).powi(2)).sum();
         // |b|^2 - |b - A x|^2, from the problem with the damping's rows below.
         let decrease_mm2 = self.problem.explained() + damping * reach_mm2;
-        Ok(Prediction { decrease_mm2, reach_mm: reach_mm2.sqrt() })
-    }
-
-    /// Finds the step that reaches no further than `longest_mm`, with the smallest damping for that, to a factor of
-    /// [`DAMPING_FACTOR`]; the search for it begins with the damping of another step. Returns the damping.
-    ///
-    /// # Errors
-    /// [`SensingError::IllConditioned`] if the unknowns are not identifiable.
-    pub(super) fn shorten(
-        &mut self,
-        shape: Posed,
-        measurement: &Measurement,
-        longest_mm: f64,
-        mut damping: f64,
-    ) -> Result<(f64, Prediction), SensingError> {
-        let [least, most] = DAMPINGS;
-        let mut prediction = self.solve(shape, measurement, damping)?;
-        while prediction.reach_mm <= longest_mm && damping > least {
-            damping /= DAMPING_FACTOR;
-            prediction = self.solve(shape, measurement, damping)?;
-        }
-        while prediction.reach_mm > longest_mm && damping < most {
-            damping *= DAMPING_FACTOR;
-            prediction = self.solve(shape, measurement, damping)?;
-        }
-        Ok((damping, prediction))
+        Ok(Prediction { decrease: decrease_mm2, reach: reach_mm2.sqrt() })
     }
 
     /// Changes of the unknowns, in their units, that explain a further displacement of the key nodes best.
@@ -264,14 +226,15 @@ impl Linearised {
         Ok(solution.iter().zip(&self.scales).map(|(x, scale)| x * scale).collect())
     }
 
-    /// R of the weighted derivatives A = Q R by the scaled unknowns.
+    /// Singular parts of the weighted derivatives by the scaled unknowns.
     ///
     /// # Errors
     /// [`SensingError::IllConditioned`] if the unknowns are not identifiable.
-    pub(super) fn triangle(&mut self, measurement: &Measurement) -> Result<DMatrix<f64>, SensingError> {
+    pub(super) fn singular_parts(&mut self, measurement: &Measurement) -> Result<SingularParts, SensingError> {
         self.pose(measurement, 0);
         self.problem.solve().ok_or(ALL_ALIKE)?;
-        Ok(DMatrix::from_column_slice(self.scales.len(), self.scales.len(), self.problem.triangle()))
+        let triangle = DMatrix::from_column_slice(self.scales.len(), self.scales.len(), self.problem.triangle());
+        Ok(SingularParts::of(triangle))
     }
 
     /// Sets up the columns of the derivatives, markers first, then priors, then what an object asks, with zero rows below them.

@@ -6,9 +6,9 @@
 //! judged before it is handed out ([`judgement`]).
 
 mod discretisation;
+mod follow;
 mod judgement;
 mod leaning;
-mod least_squares;
 mod linear_range;
 mod linearised;
 mod nuisances;
@@ -30,6 +30,7 @@ use super::{
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::measurement::Measurement;
 use crate::mesh::Mesh;
+use crate::optimise::Prediction;
 use crate::statics::{Ladder, Statics};
 use crate::{Finger, Kinematics};
 use leaning::FoundLean;
@@ -131,6 +132,21 @@ impl State {
     fn split(&mut self) -> (Posed<'_>, &mut Linearised) {
         let shape = Posed { motion: &self.motion, forces_n: &self.forces_n, nuisances: &self.nuisances };
         (shape, &mut self.linearised)
+    }
+
+    /// Weighs the markers by how far they are off its shape.
+    fn weigh(&mut self, measurement: &Measurement, noise_mm: Option<f64>) {
+        let (shape, linearised) = self.split();
+        linearised.weigh(shape, measurement, noise_mm);
+    }
+
+    /// Finds the step for a damping.
+    ///
+    /// # Errors
+    /// [`SensingError::IllConditioned`] if the unknowns are not identifiable.
+    fn solve(&mut self, measurement: &Measurement, damping: f64) -> Result<Prediction, SensingError> {
+        let (shape, linearised) = self.split();
+        linearised.solve(shape, measurement, damping)
     }
 
     /// Its misfit of what is measured and known beforehand, mm^2.
@@ -395,8 +411,6 @@ impl<'m> NonlinearEstimator<'m> {
             ways.reach(&state);
             return Ok(Some(Found { state, steps, near: true }));
         }
-        state = start;
-        let found = self.search(&mut state, measurement, noise_mm, ways)?;
-        Ok(found.map(|(steps, near)| Found { state, steps, near }))
+        self.search(start, measurement, noise_mm, ways)
     }
 }

@@ -2,188 +2,89 @@
 //!
 //! The finger answers a force along a plate hardly at all, until the plate buckles: a step that is good for the linearised
 //! finger may lead far away, or where no equilibrium is. So steps reach only as far as the last ones were right, and a
-//! step is given up on the way where an equilibrium is worse than its start.
+//! step is given up on the way where an equilibrium is worse than its start ([`follow`](super::follow)).
 
+use super::follow::{Followed, PartOfStep};
 use super::ways::Ways;
-use super::{NonlinearEstimator, Posed, SETTLED_ANGLE_DEG, State};
-use crate::frame::FrameMotion;
+use super::{Found, NonlinearEstimator, SETTLED_ANGLE_DEG, State};
 use crate::measurement::Measurement;
+use crate::optimise::{Convergence, Prediction, TrustRegion};
 use crate::sensing::SensingError;
 use crate::statics::StaticsError;
 
 /// Most steps that are tried; a good start needs three.
 const MAX_STEPS: usize = 60;
-/// Steps have converged when they change every unknown by less than this share of its scale, ...
-const STEP_TOLERANCE: f64 = 1e-7;
-/// ... or when no combination of the unknowns is further from its best value than this share of its standard deviation
-/// (Bates and Watts, Nonlinear Regression Analysis and Its Applications, sec. 2.2.3, relative offset).
-const OFFSET_TOLERANCE: f64 = 1e-2;
+/// Steps have converged when they change every unknown by less than this share of its scale, or when no combination of the
+/// unknowns is further from its best value than a hundredth of its standard deviation.
+const CONVERGENCE: Convergence = Convergence { relative_decrease: 1e-2 * 1e-2, step: 1e-7 };
 /// Where the finger does not explain the data, markers are weighed anew in every step, and these converge slowly. After
 /// [`MAX_STEPS`], changes of less than this share are small enough: no camera would see them.
 const SMALL_ENOUGH: f64 = 1e-5;
 /// After a step that changes every unknown by less than this share, the minimum may be near; if it was not, after one
 /// that changes them by a tenth of it.
 const MAY_BE_NEAR: f64 = 0.03;
-/// An equilibrium on the way of a step with so many times the misfit of its start ends the step.
-const WORSE: f64 = 2.0;
-/// Decrease of the misfit, as a share of what was predicted, from which on steps may reach further, and below which they
-/// reach less far (Nocedal and Wright, Numerical Optimization, algorithm 4.1).
-const GOOD: f64 = 0.75;
-const POOR: f64 = 0.25;
-/// How many times as far steps may reach after a good one, and after a poor one.
-const FURTHER: f64 = 3.0;
-const LESS_FAR: f64 = 0.5;
-/// After a step that failed they reach as far as it was carried, but no less and no more than these shares of it.
-const AFTER_FAILURE: [f64; 2] = [0.1, 0.5];
-/// The same after a step that the finger carries but that is worse.
-const AFTER_WORSE: f64 = 0.25;
-/// How far the first step may reach, as a share of what the markers moved.
-const FIRST_REACH: f64 = 0.5;
-/// Reach, as a share of what the markers moved, below which no step helps: the minimum is reached as far as rounding lets
-/// it be seen, or as the finger carries it.
-const SHORTEST: f64 = 1e-12;
-/// A step ends where the finger was seen to carry it so far when so many shorter ones were rejected on its way.
-const MOST_REJECTED: usize = 2;
-/// Damping with which the first is looked for.
-const FIRST_DAMPING: f64 = 1e-3;
+/// A step may be worse than its start by this share: rounding, and while directions turn that follow the plate. A turning normal may
+/// make a good step look worse; the next corrects its residual.
+const SETTLED_SLACK: f64 = 1e-12;
+const TURNING_SLACK: f64 = 0.5;
+
+/// One search.
+pub(super) struct Search<'s, 'm> {
+    pub estimator: &'s mut NonlinearEstimator<'m>,
+    pub measurement: &'s Measurement,
+    noise_mm: Option<f64>,
+    ways: &'s mut Ways,
+    /// Where it is.
+    pub state: State,
+    /// How far a step may move the markers, mm.
+    reach: TrustRegion,
+    /// Whether the last step left directions that follow the plate where they were.
+    is_settled: bool,
+    /// Largest relative change of an unknown by the last step, and that below which the minimum may be near.
+    last_change: f64,
+    near: f64,
+    /// Whether every step was whole and as good as predicted.
+    is_straight: bool,
+}
+
+/// Where a search ends.
+enum End {
+    /// At a minimum, after so many further steps.
+    Minimum(usize),
+    /// On the way of another search.
+    Met,
+}
 
 impl NonlinearEstimator<'_> {
-    /// Gauss-Newton steps, each to the equilibrium that belongs to it, shortened where they do not help. Returns their
-    /// number, and whether the way was straight: every step was whole and as good as predicted.
+    /// Gauss-Newton steps, each to the equilibrium that belongs to it, shortened where they do not help. The minimum is
+    /// near if the way was straight: every step was whole and as good as predicted. `None` where it comes upon one of the `ways`
+    /// before.
     ///
     /// # Errors
     /// [`SensingError`] if the unknowns are not identifiable, or the steps do not settle.
     pub(super) fn search(
         &mut self,
-        state: &mut State,
+        mut state: State,
         measurement: &Measurement,
         noise_mm: Option<f64>,
         ways: &mut Ways,
-    ) -> Result<Option<(usize, bool)>, SensingError> {
-        self.linearise(state)?;
-        let (shape, linearised) = state.split();
-        linearised.weigh(shape, measurement, noise_mm);
+    ) -> Result<Option<Found>, SensingError> {
+        self.linearise(&mut state)?;
+        state.weigh(measurement, noise_mm);
         let moved_mm = state.linearised.misfit_at_rest(measurement).sqrt();
-        let shortest_mm = SHORTEST * moved_mm;
-        let (mut longest_mm, mut damping) = (FIRST_REACH * moved_mm, FIRST_DAMPING);
-        let (mut settled, mut last_change, mut near) = (false, f64::INFINITY, MAY_BE_NEAR);
-        let mut iterations = 0;
-        // Whether every step was whole and as good as predicted.
-        let mut straight = true;
-        while iterations < MAX_STEPS && longest_mm > shortest_mm {
-            iterations += 1;
-            let before = self.misfit(state, measurement);
-            let (shape, linearised) = state.split();
-            let mut prediction = linearised.solve(shape, measurement, 0.0)?;
-            let variance_mm2 =
-                f64::max(noise_mm.unwrap_or(0.0).powi(2), before / measurement.coordinate_count() as f64);
-            if settled && ways.ends_far(before, prediction.decrease_mm2) {
-                ways.reach(state);
-                return Ok(Some((iterations, false)));
-            }
-            let is_there = settled && prediction.decrease_mm2 <= OFFSET_TOLERANCE * OFFSET_TOLERANCE * variance_mm2;
-            if is_there || last_change <= near {
-                let mut corrected = state.clone();
-                if let Some(steps) = self.correct(&mut corrected, measurement, noise_mm) {
-                    *state = corrected;
-                    ways.reach(state);
-                    return Ok(Some((iterations + steps, straight)));
-                }
-                near = 0.1 * f64::min(near, last_change);
-            }
-            if is_there {
-                return Ok(Some((iterations, straight)));
-            }
-            if prediction.reach_mm > longest_mm {
-                straight = false;
-                let (shape, linearised) = state.split();
-                (damping, prediction) = linearised.shorten(shape, measurement, longest_mm, damping)?;
-            }
-            let change = self.relative_change(state);
-            let mut next = state.clone();
-            settled = self.advance(&mut next)? <= SETTLED_ANGLE_DEG;
-            // Compared under the same weights: reweighting is not progress.
-            let (mesh, object, noise_of_rows_mm) = (self.mesh, &self.object, self.priors.noise_mm());
-            let misfit = |motion: &_| {
-                let shape = Posed { motion, forces_n: &next.forces_n, nuisances: &next.nuisances };
-                let touched = object.as_ref().map(|it| it.misfit(mesh, &next.contacts, shape, noise_of_rows_mm));
-                state.linearised.misfit(shape, measurement) + touched.unwrap_or_default()
-            };
-            // The best equilibrium on the way, and its share of the step.
-            let mut reached: Option<(f64, f64, FrameMotion)> = None;
-            let loads = [&state.loads[..], &next.loads];
-            let tried = self.statics.tried(&state.motion, loads, MOST_REJECTED, |share, on_the_way| {
-                let there = misfit(on_the_way);
-                if there <= reached.as_ref().map_or(before, |best| best.1) {
-                    reached = Some((share, there, on_the_way.clone()));
-                }
-                there <= WORSE * before
-            });
-            let failed_at = match tried {
-                Ok(equilibrium) => {
-                    let after = misfit(&equilibrium.motion);
-                    next.motion = equilibrium.motion;
-                    // A turning normal may make a good step look worse; the next corrects its residual.
-                    let slack = if settled { 1e-12 } else { 0.5 };
-                    if after <= before * (1.0 + slack) || change <= STEP_TOLERANCE {
-                        *state = next;
-                        self.linearise(state)?;
-                        let (shape, linearised) = state.split();
-                        linearised.weigh(shape, measurement, noise_mm);
-                        if change <= STEP_TOLERANCE && settled {
-                            return Ok(Some((iterations, straight)));
-                        }
-                        if ways.meets(state) {
-                            return Ok(None);
-                        }
-                        last_change = if settled { change } else { f64::INFINITY };
-                        let gain = (before - after) / prediction.decrease_mm2;
-                        straight &= gain >= GOOD || change <= MAY_BE_NEAR;
-                        if gain >= GOOD {
-                            longest_mm = longest_mm.max(FURTHER * prediction.reach_mm);
-                        } else if gain < POOR && settled {
-                            longest_mm = LESS_FAR * prediction.reach_mm;
-                        }
-                        continue;
-                    }
-                    AFTER_WORSE
-                }
-                Err(StaticsError::NoEquilibrium { converged_fraction }) => converged_fraction,
-                Err(_) => 0.0,
-            };
-            straight = false;
-            if let Some((share, _, motion)) = reached
-                && let Some(part) = self.part_of_step(state, share, &motion)
-                && self.misfit(&part, measurement) <= before
-            {
-                *state = part;
-                self.linearise(state)?;
-                let (shape, linearised) = state.split();
-                linearised.weigh(shape, measurement, noise_mm);
-                if ways.meets(state) {
-                    return Ok(None);
-                }
-                (settled, last_change) = (false, f64::INFINITY);
-                longest_mm = share * prediction.reach_mm;
-                continue;
-            }
-            longest_mm = prediction.reach_mm * failed_at.clamp(AFTER_FAILURE[0], AFTER_FAILURE[1]);
-        }
-        if longest_mm <= shortest_mm || last_change <= SMALL_ENOUGH {
-            return Ok(Some((iterations, straight)));
-        }
-        let forces = state.linearised.step.iter().take(self.questions.len());
-        Err(SensingError::NotConverged { iterations, change_n: forces.fold(0.0, |m: f64, x| m.max(x.abs())) })
-    }
-
-    /// The state after a share of its step, in the equilibrium that is near a motion; `None` if there is none.
-    fn part_of_step(&mut self, state: &State, share: f64, motion: &FrameMotion) -> Option<State> {
-        let mut part = state.clone();
-        part.linearised.step.iter_mut().for_each(|x| *x *= share);
-        self.advance(&mut part).ok()?;
-        let loads = [&part.loads[..], &part.loads];
-        part.motion = self.statics.tried(motion, loads, 1, |_, _| true).ok()?.motion;
-        Some(part)
+        let search = Search {
+            estimator: self,
+            measurement,
+            noise_mm,
+            ways,
+            state,
+            reach: TrustRegion::of_scale(moved_mm),
+            is_settled: false,
+            last_change: f64::INFINITY,
+            near: MAY_BE_NEAR,
+            is_straight: true,
+        };
+        search.run()
     }
 
     /// Factors the tangent at a state and derives the shape by the unknowns.
@@ -192,5 +93,130 @@ impl NonlinearEstimator<'_> {
             return Err(SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 1.0 }));
         }
         self.differentiate(state)
+    }
+}
+
+impl Search<'_, '_> {
+    fn run(mut self) -> Result<Option<Found>, SensingError> {
+        let mut steps = 0;
+        while steps < MAX_STEPS && !self.reach.is_exhausted() {
+            steps += 1;
+            let misfit_mm2 = self.misfit_mm2();
+            let whole = self.state.solve(self.measurement, 0.0)?;
+            let end = match self.end_at(misfit_mm2, whole) {
+                None => self.step(misfit_mm2, whole)?,
+                end => end,
+            };
+            match end {
+                None => {}
+                Some(End::Met) => return Ok(None),
+                Some(End::Minimum(further)) => return Ok(Some(self.found(steps + further))),
+            }
+        }
+        if self.reach.is_exhausted() || self.last_change <= SMALL_ENOUGH {
+            return Ok(Some(self.found(steps)));
+        }
+        let forces = self.state.linearised.step.iter().take(self.estimator.questions.len());
+        let change_n = forces.fold(0.0, |m: f64, x| m.max(x.abs()));
+        Err(SensingError::NotConverged { iterations: steps, change_n })
+    }
+
+    fn found(self, steps: usize) -> Found {
+        Found { state: self.state, steps, near: self.is_straight }
+    }
+
+    pub(super) fn misfit_mm2(&self) -> f64 {
+        self.estimator.misfit(&self.state, self.measurement)
+    }
+
+    /// Whether the search ends at the current state, whose next step is predicted.
+    fn end_at(&mut self, misfit_mm2: f64, next: Prediction) -> Option<End> {
+        if self.is_settled && self.ways.ends_far(misfit_mm2, next.decrease) {
+            self.ways.reach(&self.state);
+            self.is_straight = false;
+            return Some(End::Minimum(0));
+        }
+        let of_residual_mm2 = misfit_mm2 / self.measurement.coordinate_count() as f64;
+        let variance_mm2 = f64::max(self.noise_mm.unwrap_or(0.0).powi(2), of_residual_mm2);
+        let is_there = self.is_settled && CONVERGENCE.is_small_decrease(next.decrease, variance_mm2);
+        if is_there || self.last_change <= self.near {
+            let corrected = self.corrected();
+            if corrected.is_some() {
+                return corrected;
+            }
+            self.near = 0.1 * f64::min(self.near, self.last_change);
+        }
+        is_there.then_some(End::Minimum(0))
+    }
+
+    /// Corrects forces and shape together, where the minimum is near enough for that.
+    fn corrected(&mut self) -> Option<End> {
+        let mut corrected = self.state.clone();
+        let steps = self.estimator.correct(&mut corrected, self.measurement, self.noise_mm)?;
+        self.state = corrected;
+        self.ways.reach(&self.state);
+        Some(End::Minimum(steps))
+    }
+
+    /// Takes the next step, part of it, or none and lets the following reach less far. `whole` is what the step is predicted to do
+    /// without damping.
+    fn step(&mut self, misfit_mm2: f64, whole: Prediction) -> Result<Option<End>, SensingError> {
+        let prediction = self.within_reach(whole)?;
+        let change = self.estimator.relative_change(&self.state);
+        let mut next = self.state.clone();
+        self.is_settled = self.estimator.advance(&mut next)? <= SETTLED_ANGLE_DEG;
+        let Followed { misfit_mm2: followed, best } = self.follow(&mut next, misfit_mm2);
+        if let Ok(after_mm2) = followed {
+            let slack = if self.is_settled { SETTLED_SLACK } else { TURNING_SLACK };
+            if after_mm2 <= misfit_mm2 * (1.0 + slack) || CONVERGENCE.is_small_step(change) {
+                return self.take(next, change, prediction, misfit_mm2 - after_mm2);
+            }
+        }
+        self.is_straight = false;
+        if let Some(PartOfStep { share, state }) = best.and_then(|best| self.part_of_step(best, misfit_mm2)) {
+            self.arrive_at(state)?;
+            self.reach.take_part(prediction, share);
+            (self.is_settled, self.last_change) = (false, f64::INFINITY);
+            return Ok(self.ways.meets(&self.state).then_some(End::Met));
+        }
+        self.reach.refuse(prediction, followed.err());
+        Ok(None)
+    }
+
+    /// The step that reaches no further than it may.
+    fn within_reach(&mut self, whole: Prediction) -> Result<Prediction, SensingError> {
+        if self.reach.contains(whole) {
+            return Ok(whole);
+        }
+        self.is_straight = false;
+        self.reach.shortened(|damping| self.state.solve(self.measurement, damping))
+    }
+
+    /// Takes a whole step.
+    fn take(
+        &mut self,
+        next: State,
+        change: f64,
+        prediction: Prediction,
+        decrease_mm2: f64,
+    ) -> Result<Option<End>, SensingError> {
+        self.arrive_at(next)?;
+        if self.is_settled && CONVERGENCE.is_small_step(change) {
+            return Ok(Some(End::Minimum(0)));
+        }
+        if self.ways.meets(&self.state) {
+            return Ok(Some(End::Met));
+        }
+        self.last_change = if self.is_settled { change } else { f64::INFINITY };
+        let is_good = self.reach.take(prediction, decrease_mm2, self.is_settled);
+        self.is_straight &= is_good || change <= MAY_BE_NEAR;
+        Ok(None)
+    }
+
+    fn arrive_at(&mut self, state: State) -> Result<(), SensingError> {
+        self.state = state;
+        self.estimator.linearise(&mut self.state)?;
+        self.state.weigh(self.measurement, self.noise_mm);
+        Ok(())
     }
 }

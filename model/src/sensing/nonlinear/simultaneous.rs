@@ -35,8 +35,7 @@ impl NonlinearEstimator<'_> {
         // The state is in equilibrium.
         let mut turn = 0.0;
         for steps in 1..=MAX_STEPS {
-            let (shape, linearised) = state.split();
-            linearised.solve(shape, measurement, 0.0).ok()?;
+            state.solve(measurement, 0.0).ok()?;
             let change = self.relative_change(state);
             let normal_turn_deg = self.advance(state).ok()?;
             let shape_settled = turn <= SETTLED_TURN * state.motion.largest_rotation();
@@ -52,8 +51,7 @@ impl NonlinearEstimator<'_> {
                 return None;
             }
             self.differentiate(state).ok()?;
-            let (shape, linearised) = state.split();
-            linearised.weigh(shape, measurement, noise_mm);
+            state.weigh(measurement, noise_mm);
         }
         None
     }

@@ -90,8 +90,7 @@ impl NonlinearEstimator<'_> {
                     let plate_turns_rad = vec![0.0; contacts.len()];
                     let mut state = State { forces_n, contacts, nuisances, plate_turns_rad, loads, motion, linearised };
                     self.differentiate(&mut state)?;
-                    let (shape, linearised) = state.split();
-                    linearised.weigh(shape, measurement, noise_mm);
+                    state.weigh(measurement, noise_mm);
                     return Ok(state);
                 }
                 Err(StaticsError::NoEquilibrium { converged_fraction }) => {
@@ -136,8 +135,7 @@ impl NonlinearEstimator<'_> {
         }
         self.statics.linearise(&state.motion, &state.loads);
         self.differentiate(&mut state)?;
-        let (shape, linearised) = state.split();
-        linearised.weigh(shape, measurement, noise_mm);
+        state.weigh(measurement, noise_mm);
         Ok(state)
     }
 

@@ -13,6 +13,7 @@ use crate::sampling::scatter::sampled_nodes;
 use finray_model::measurement::noise::base_motions;
 use finray_model::measurement::{DisplacementNoise, Measurement};
 use finray_model::mesh::LoadError;
+use finray_model::optimise::{FromFunction, LevenbergMarquardt, Refusal, covariance};
 use finray_model::sensing::Contact;
 use finray_model::sensing::{ContactForce, RespondingFinger, Response};
 use finray_model::{Finger, Mesh, NodeId, Vector};
@@ -29,9 +30,8 @@ pub const ROTATION_SD_DEG: f64 = 0.1;
 pub const FORCE_N: f64 = 1.5;
 /// Frames that are averaged in the second bound: a second of the paper's camera.
 pub const FRAMES: usize = 25;
-/// Steps of an estimator, and the last one as a share of the force.
+/// Steps of an estimator.
 const MAX_STEPS: usize = 20;
-const SETTLED: f64 = 1e-8;
 /// Standard errors that chance is allowed in a root mean square.
 const STANDARD_ERRORS: f64 = 4.0;
 /// Rounding of two ways to the same bound, as a share of it.
@@ -94,7 +94,7 @@ pub fn bound_n2(
     frames: usize,
 ) -> Option<DMatrix<f64>> {
     let whitened = noise.whitening(positions_mm, frames).ok()?.whitened(derivatives);
-    (whitened.transpose() * whitened).cholesky().map(|information| information.inverse())
+    covariance(&whitened)
 }
 
 /// The same bound of one frame by another way: no covariance of the displacements is inverted. `None` as for [`bound_n2`].
@@ -160,23 +160,18 @@ pub fn least_squares(
         Some((noise, positions_mm)) => Some(noise.whitening(positions_mm, 1).ok()?),
         None => None,
     };
-    let mut forces_n = start_n.clone();
-    for _ in 0..MAX_STEPS {
-        let response = finger.under(&forces_at(nodes, &forces_n)).ok()??;
-        let mut derivatives = DMatrix::from_columns(&response.along);
-        let mut residual = seen_mm - &response.displacements_mm;
-        if let Some(whitening) = &whitening {
-            derivatives = whitening.whitened(&derivatives);
-            residual = whitening.whitened_residual(&residual);
-        }
-        let normal = derivatives.transpose() * &derivatives;
-        let step = normal.cholesky()?.solve(&(derivatives.transpose() * residual));
-        forces_n += &step;
-        if step.amax() <= SETTLED * forces_n.amax() {
-            return Some(forces_n);
-        }
-    }
-    None
+    let linearised = |forces_n: &DVector<f64>| {
+        let response = finger.under(&forces_at(nodes, forces_n)).ok().flatten().ok_or(Refusal::Here(()))?;
+        let residual = response.displacements_mm - seen_mm;
+        let derivatives = DMatrix::from_columns(&response.along);
+        Ok(match &whitening {
+            Some(whitening) => (whitening.whitened_residual(&residual), whitening.whitened(&derivatives)),
+            None => (residual, derivatives),
+        })
+    };
+    let method = LevenbergMarquardt { first_damping: 0.0, most_steps: MAX_STEPS, ..LevenbergMarquardt::default() };
+    let fit = method.minimise(&mut FromFunction::new(linearised), start_n.clone()).ok()?;
+    fit.has_converged().then_some(fit.point)
 }
 
 impl Evidence for DisplacementNoiseStudy {

@@ -7,6 +7,7 @@ use crate::experiments::table_one::{TableOne, table_one};
 use crate::statistics::mean;
 use crate::truths::{MeshTruth, TruthId};
 use finray_model::finger::{FingerDescription, ImpossibleFinger, Zone};
+use finray_model::optimise::{Convergence, LeastSquaresProblem, LevenbergMarquardt, Refusal, StepBounds};
 use finray_model::{Finger, Kinematics, Mesh};
 use nalgebra::{DMatrix, DVector};
 
@@ -27,8 +28,6 @@ const SMALLEST_STEP: f64 = 1e-7;
 const MAX_STEPS: usize = 40;
 /// Largest change of ln(factor) in a step.
 const LARGEST_STEP: f64 = 0.5;
-/// Damping at the start, after a good step and after a bad one (Marquardt 1963), and where the fit ends.
-const DAMPING: (f64, f64, f64, f64) = (1e-3, 0.1, 10.0, 1e6);
 
 /// Factors of a [`ZoneSet`] that come nearest to Table I.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,46 +54,24 @@ pub struct TwinFit {
 /// [`ExperimentError`] if the finger cannot carry the weights at the start.
 pub fn fit(paper: &Finger, set: &ZoneSet) -> Result<TwinFit, ExperimentError> {
     let count = set.groups.len() + 1;
-    let mut logs = DVector::from_iterator(count, set.groups.iter().map(|(_, start)| start.ln()).chain([0.0]));
-    let mut residual = residual(paper, set, &logs)?;
-    let mut jacobian = differences(paper, set, &logs, &residual)?;
-    let mut damping = DAMPING.0;
-    for _ in 0..MAX_STEPS {
-        let information = jacobian.tr_mul(&jacobian);
-        let mut damped = information.clone();
-        for k in 0..count {
-            damped[(k, k)] *= 1.0 + damping;
-        }
-        let downhill = -jacobian.tr_mul(&residual);
-        let step = damped.cholesky().map(|factor| factor.solve(&downhill)).unwrap_or(downhill * 0.0);
-        let step = step.map(|change| change.clamp(-LARGEST_STEP, LARGEST_STEP));
-        let trial = &logs + &step;
-        let ended = step.amax() < SMALLEST_STEP;
-        // A finger that cannot carry the weights is too soft.
-        match self::residual(paper, set, &trial) {
-            Ok(next) if next.norm_squared() <= residual.norm_squared() => {
-                (logs, residual) = (trial, next);
-                if ended {
-                    break;
-                }
-                jacobian = differences(paper, set, &logs, &residual)?;
-                damping *= DAMPING.1;
-            }
-            _ if ended || damping > DAMPING.3 => break,
-            _ => damping *= DAMPING.2,
-        }
-    }
-    let covariance = jacobian.tr_mul(&jacobian).try_inverse();
+    let start = DVector::from_iterator(count, set.groups.iter().map(|(_, start)| start.ln()).chain([0.0]));
+    let method = LevenbergMarquardt {
+        convergence: Convergence { step: SMALLEST_STEP, ..Convergence::default() },
+        most_steps: MAX_STEPS,
+        ..LevenbergMarquardt::default()
+    };
+    let fit = method.minimise(&mut TwinProblem { paper, set }, start).map_err(Refusal::into_error)?;
+    let (logs, covariance) = (&fit.point, fit.covariance());
     let sigma = |k: usize| covariance.as_ref().map_or(f64::INFINITY, |covariance| covariance[(k, k)].sqrt());
     let factors: Vec<f64> = logs.iter().take(count - 1).map(|log| log.exp()).collect();
-    let (finger, table) = run(paper, set, &logs)?;
+    let (finger, table) = run(paper, set, logs)?;
     Ok(TwinFit {
         set: *set,
         sigmas: factors.iter().enumerate().map(|(k, factor)| factor * sigma(k)).collect(),
         factors,
         modulus_factor: logs[count - 1].exp(),
         errors: mean_errors(&table),
-        misfit: (residual.norm_squared() / TARGETS.len() as f64).sqrt(),
+        misfit: (fit.squares / TARGETS.len() as f64).sqrt(),
         finger,
     })
 }
@@ -131,25 +108,43 @@ fn run(paper: &Finger, set: &ZoneSet, logs: &DVector<f64>) -> Result<(Finger, Ta
     Ok((finger, table))
 }
 
-/// Differences to the targets over what they may be off, then that of the calibrated modulus.
-fn residual(paper: &Finger, set: &ZoneSet, logs: &DVector<f64>) -> Result<DVector<f64>, ExperimentError> {
-    let (_, table) = run(paper, set, logs)?;
-    let errors = mean_errors(&table).into_iter().zip(TARGETS).map(|(error, (target, off))| (error - target) / off);
-    let modulus = (table.modulus_factor - 1.0) / MODULUS_TOLERANCE;
-    Ok(DVector::from_iterator(TARGETS.len() + 1, errors.chain([modulus])))
+/// Differences to the targets over what they may be off, then that of the calibrated modulus. The unknowns are logarithms of factors.
+struct TwinProblem<'p> {
+    paper: &'p Finger,
+    set: &'p ZoneSet,
 }
 
-fn differences(
-    paper: &Finger,
-    set: &ZoneSet,
-    logs: &DVector<f64>,
-    at: &DVector<f64>,
-) -> Result<DMatrix<f64>, ExperimentError> {
-    let mut jacobian = DMatrix::zeros(at.len(), logs.len());
-    for k in 0..logs.len() {
-        let mut moved = logs.clone();
-        moved[k] += DIFFERENCE;
-        jacobian.set_column(k, &((residual(paper, set, &moved)? - at) / DIFFERENCE));
+impl LeastSquaresProblem for TwinProblem<'_> {
+    type Point = DVector<f64>;
+    type Error = ExperimentError;
+
+    fn residual(&mut self, logs: &DVector<f64>) -> Result<DVector<f64>, Refusal<ExperimentError>> {
+        // A finger that cannot carry the weights is too soft.
+        let (_, table) = run(self.paper, self.set, logs).map_err(Refusal::Here)?;
+        let errors = mean_errors(&table).into_iter().zip(TARGETS).map(|(error, (target, off))| (error - target) / off);
+        let modulus = (table.modulus_factor - 1.0) / MODULUS_TOLERANCE;
+        Ok(DVector::from_iterator(TARGETS.len() + 1, errors.chain([modulus])))
     }
-    Ok(jacobian)
+
+    fn jacobian(
+        &mut self,
+        logs: &DVector<f64>,
+        residual: &DVector<f64>,
+    ) -> Result<DMatrix<f64>, Refusal<ExperimentError>> {
+        let mut jacobian = DMatrix::zeros(residual.len(), logs.len());
+        for k in 0..logs.len() {
+            let mut moved = logs.clone();
+            moved[k] += DIFFERENCE;
+            jacobian.set_column(k, &((self.residual(&moved)? - residual) / DIFFERENCE));
+        }
+        Ok(jacobian)
+    }
+
+    fn moved(&self, logs: &DVector<f64>, step: &DVector<f64>) -> DVector<f64> {
+        logs + step
+    }
+
+    fn step_bounds(&self, logs: &DVector<f64>) -> StepBounds {
+        StepBounds::within(logs.len(), LARGEST_STEP)
+    }
 }

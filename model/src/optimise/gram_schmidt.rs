@@ -1,4 +1,4 @@
-//! Small dense least squares, solved in place again and again without touching the heap.
+//! The linear problem of a step: small dense least squares, solved in place again and again without touching the heap.
 
 /// Minimises |A x - b|, with the columns of A and b stored one after the other.
 ///
@@ -6,10 +6,10 @@
 /// Modified Gram-Schmidt on A with b as its last column, as stable as Householder's reflections (Bjorck, Numerical
 /// Methods for Least Squares Problems, sec. 2.4).
 #[derive(Debug, Clone, Default)]
-pub(super) struct LeastSquares {
+pub(crate) struct GramSchmidt {
     rows: usize,
     unknowns: usize,
-    /// Columns of A, then b; orthogonalised by [`solve`](LeastSquares::solve).
+    /// Columns of A, then b; orthogonalised by [`solve`](GramSchmidt::solve).
     columns: Vec<f64>,
     /// Upper triangle R of A = Q R, column after column.
     triangle: Vec<f64>,
@@ -18,9 +18,9 @@ pub(super) struct LeastSquares {
     explained: f64,
 }
 
-impl LeastSquares {
+impl GramSchmidt {
     /// Makes room for a problem and sets it to zero.
-    pub(super) fn reset(&mut self, rows: usize, unknowns: usize) {
+    pub(crate) fn reset(&mut self, rows: usize, unknowns: usize) {
         (self.rows, self.unknowns) = (rows, unknowns);
         for (values, count) in [
             (&mut self.columns, rows * (unknowns + 1)),
@@ -33,12 +33,12 @@ impl LeastSquares {
     }
 
     /// A column of A, or b where `column` is the number of unknowns.
-    pub(super) fn column_mut(&mut self, column: usize) -> &mut [f64] {
+    pub(crate) fn column_mut(&mut self, column: usize) -> &mut [f64] {
         &mut self.columns[column * self.rows..][..self.rows]
     }
 
     /// Solves; `None` if the columns are not independent numbers.
-    pub(super) fn solve(&mut self) -> Option<&[f64]> {
+    pub(crate) fn solve(&mut self) -> Option<&[f64]> {
         let (rows, unknowns) = (self.rows, self.unknowns);
         for k in 0..unknowns {
             let (done, later) = self.columns.split_at_mut((k + 1) * rows);
@@ -70,12 +70,12 @@ impl LeastSquares {
     }
 
     /// |A x|^2 of the solution x: by so much it makes |b|^2 smaller.
-    pub(super) fn explained(&self) -> f64 {
+    pub(crate) fn explained(&self) -> f64 {
         self.explained
     }
 
     /// R of A = Q R, column after column.
-    pub(super) fn triangle(&self) -> &[f64] {
+    pub(crate) fn triangle(&self) -> &[f64] {
         &self.triangle
     }
 }
@@ -91,7 +91,7 @@ mod tests {
         let x = [-2.0_f64, -1.0, 0.0, 1.0, 2.0];
         // Orthogonal to 1, x and x^2.
         let unexplained = [1.0, -2.0, 0.0, 2.0, -1.0];
-        let mut problem = LeastSquares::default();
+        let mut problem = GramSchmidt::default();
         problem.reset(5, 3);
         for (i, x) in x.into_iter().enumerate() {
             for power in 0..3 {
@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn dependent_columns_have_no_solution() {
-        let mut problem = LeastSquares::default();
+        let mut problem = GramSchmidt::default();
         problem.reset(2, 1);
         problem.column_mut(1).fill(1.0);
         assert!(problem.solve().is_none());

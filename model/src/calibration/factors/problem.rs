@@ -1,0 +1,139 @@
+//! Equilibria of a finger with some factors, against what was measured.
+
+use super::{FactorModel, Unknown};
+use crate::Vector;
+use crate::calibration::{CalibrationCase, CalibrationError};
+use crate::finger::{Finger, ImpossibleFinger};
+use crate::frame::{FrameLoad, FrameMotion};
+use crate::mesh::Mesh;
+use crate::optimise::{LeastSquaresProblem, Refusal, StepBounds};
+use crate::statics::{Statics, StaticsError, equilibria};
+use nalgebra::{DMatrix, DVector};
+
+/// Largest change of ln(factor) in a step: a factor of 2.7.
+const LARGEST_STEP: f64 = 1.0;
+
+/// Weighted computed minus measured displacements, mm, two (x, y) a marker. The unknowns are logarithms of factors.
+pub(super) struct FactorProblem<'p> {
+    pub finger: &'p Finger,
+    pub cases: &'p [CalibrationCase],
+    pub unknowns: &'p [Unknown],
+    pub model: &'p FactorModel,
+    /// Equilibrium of each case at the last point.
+    pub motions: Vec<FrameMotion>,
+}
+
+impl FactorProblem<'_> {
+    fn mesh(&self, logs: &DVector<f64>) -> Result<Mesh, CalibrationError> {
+        let finger = with_factors(self.finger, self.unknowns, logs.as_slice())?;
+        Ok(Mesh::with_elements_per_member(&finger, self.model.elements))
+    }
+
+    fn loads(&self, mesh: &Mesh) -> Result<Vec<[FrameLoad; 1]>, CalibrationError> {
+        let loads = self.cases.iter().map(|case| mesh.frame_load(&case.load).map(|load| [load]));
+        Ok(loads.collect::<Result<_, _>>().map_err(StaticsError::from)?)
+    }
+
+    /// Finds the equilibria of the cases.
+    pub fn residual_at(&mut self, logs: &DVector<f64>) -> Result<DVector<f64>, CalibrationError> {
+        let mesh = self.mesh(logs)?;
+        let found = equilibria(&mesh, self.model.kinematics, &self.loads(&mesh)?);
+        self.motions = found.into_iter().map(|found| Ok(found?.motion)).collect::<Result<_, StaticsError>>()?;
+        let mut rows = Vec::new();
+        for (case, motion) in self.cases.iter().zip(&self.motions) {
+            let shape = mesh.shape(motion);
+            for marker in case.measurement.markers() {
+                let computed = shape.motion(marker.node).marker_displacement(mesh.finger());
+                rows.extend(((computed - marker.displacement) * marker.weight).iter());
+            }
+        }
+        Ok(DVector::from_vec(rows))
+    }
+
+    /// Derivatives at the equilibria that were found last.
+    pub fn jacobian_at(&self, logs: &DVector<f64>) -> Result<DMatrix<f64>, CalibrationError> {
+        let mesh = self.mesh(logs)?;
+        let shares: Vec<_> = self.unknowns.iter().map(|unknown| shares(&mesh, unknown)).collect();
+        let mut statics = Statics::ladder(&mesh, self.model.kinematics);
+        let mut response = vec![Vector::zeros(); mesh.frame().node_count()];
+        let coordinates = self.cases.iter().map(|case| case.measurement.coordinate_count()).sum();
+        let mut jacobian = DMatrix::zeros(coordinates, self.unknowns.len());
+        let mut row = 0;
+        for ((case, load), motion) in self.cases.iter().zip(&self.loads(&mesh)?).zip(&self.motions) {
+            if !statics.linearise(motion, load) {
+                return Err(StaticsError::NoEquilibrium { converged_fraction: 1.0 }.into());
+            }
+            for (column, shares) in shares.iter().enumerate() {
+                statics.equations_mut().stiffened(motion, shares, &mut response);
+                for (i, marker) in case.measurement.markers().iter().enumerate() {
+                    let change = response[mesh.frame_node(marker.node)] * marker.weight;
+                    jacobian.fixed_view_mut::<2, 1>(row + 2 * i, column).copy_from(&change);
+                }
+            }
+            row += case.measurement.coordinate_count();
+        }
+        Ok(jacobian)
+    }
+}
+
+impl LeastSquaresProblem for FactorProblem<'_> {
+    type Point = DVector<f64>;
+    type Error = CalibrationError;
+
+    fn residual(&mut self, logs: &DVector<f64>) -> Result<DVector<f64>, Refusal<CalibrationError>> {
+        self.residual_at(logs).map_err(refusal)
+    }
+
+    fn jacobian(&mut self, logs: &DVector<f64>, _: &DVector<f64>) -> Result<DMatrix<f64>, Refusal<CalibrationError>> {
+        self.jacobian_at(logs).map_err(refusal)
+    }
+
+    fn moved(&self, logs: &DVector<f64>, step: &DVector<f64>) -> DVector<f64> {
+        logs + step
+    }
+
+    fn step_bounds(&self, logs: &DVector<f64>) -> StepBounds {
+        StepBounds::within(logs.len(), LARGEST_STEP)
+    }
+}
+
+/// A finger that cannot carry the loads is too soft: a shorter step.
+fn refusal(error: CalibrationError) -> Refusal<CalibrationError> {
+    match error {
+        CalibrationError::Statics(_) => Refusal::Here(error),
+        _ => Refusal::Altogether(error),
+    }
+}
+
+/// Members and how far their stiffness follows an unknown.
+fn shares(mesh: &Mesh, unknown: &Unknown) -> Vec<(usize, f64)> {
+    match unknown {
+        Unknown::Modulus => (0..mesh.frame().members().len()).map(|member| (member, 1.0)).collect(),
+        Unknown::Zones(zones) => zones.iter().flat_map(|&zone| mesh.zone_shares(zone)).collect(),
+    }
+}
+
+/// The finger with factors of which the logarithms are given.
+pub(super) fn with_factors(finger: &Finger, unknowns: &[Unknown], logs: &[f64]) -> Result<Finger, ImpossibleFinger> {
+    let mut description = finger.description().clone();
+    let mut general = 1.0;
+    for (unknown, log) in unknowns.iter().zip(logs) {
+        match unknown {
+            Unknown::Modulus => general *= log.exp(),
+            Unknown::Zones(zones) => {
+                for &zone in zones {
+                    let missing = || ImpossibleFinger {
+                        key: "finger.zone".to_owned(),
+                        reason: format!(
+                            "expected at least {} zones, found {}",
+                            zone + 1,
+                            finger.description().zones.len()
+                        ),
+                    };
+                    description.zones.get_mut(zone).ok_or_else(missing)?.modulus_factor *= log.exp();
+                }
+            }
+        }
+    }
+    Finger::new(description)?.with_modulus_factor(general)
+}

@@ -1,0 +1,123 @@
+//! The problem of the views as the optimiser asks for it: derivatives by differences, priors, and bounds of the positions.
+
+use super::View;
+use super::problem::{Own, Point, Problem, free_part_mm};
+use crate::calibration::CalibrationError;
+use crate::optimise::{LeastSquaresProblem, Prior, Refusal, StepBounds};
+use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
+
+/// Steps for derivatives: of lengths, mm, of factors, forces, as shares, and angles in rad, and of angles in degrees. Equilibria are good to
+/// ten digits.
+const LENGTH_STEP: f64 = 1e-3;
+const SHARE_STEP: f64 = 1e-4;
+const ANGLE_STEP_DEG: f64 = 1e-2;
+/// There is no such finger, or no equilibrium.
+const NOWHERE: Refusal<CalibrationError> = Refusal::Here(CalibrationError::NoMinimum);
+
+impl LeastSquaresProblem for Problem<'_> {
+    type Point = Point;
+    type Error = CalibrationError;
+
+    fn residual(&mut self, point: &Point) -> Result<DVector<f64>, Refusal<CalibrationError>> {
+        let candidate = self.candidate(&point.shared).ok_or(NOWHERE)?;
+        let of_views = self.views.iter().zip(&point.own).map(|(view, own)| self.weighted(&candidate, view, own));
+        let of_views = of_views.collect::<Option<Vec<_>>>().ok_or(NOWHERE)?;
+        Ok(DVector::from_vec(of_views.concat()))
+    }
+
+    fn jacobian(&mut self, point: &Point, residual: &DVector<f64>) -> Result<DMatrix<f64>, Refusal<CalibrationError>> {
+        let (shared, residual) = (self.sought.len(), residual.as_slice());
+        let unknowns = shared + self.views.iter().map(|view| self.own_count(view)).sum::<usize>();
+        let mut jacobian = DMatrix::zeros(residual.len(), unknowns);
+        for (k, sought) in self.sought.iter().enumerate() {
+            let step = if sought.quantity.is_modulus() { SHARE_STEP } else { LENGTH_STEP };
+            let mut changed = point.shared.clone();
+            changed[k] += step;
+            let other = self.candidate(&changed).ok_or(NOWHERE)?;
+            for (view, own, rows) in self.rows(point) {
+                let by = Problem::differences(self.weighted(&other, view, own), &residual[rows.clone()], step)?;
+                jacobian.view_mut((rows.start, k), (rows.len(), 1)).copy_from(&by);
+            }
+        }
+        let candidate = self.candidate(&point.shared).ok_or(NOWHERE)?;
+        let mut column = shared;
+        for (view, own, rows) in self.rows(point) {
+            for j in 0..self.own_count(view) {
+                let step = own.step(j);
+                let after = self.weighted(&candidate, view, &own.moved(self.finger, j, step));
+                let by = Problem::differences(after, &residual[rows.clone()], step)?;
+                jacobian.view_mut((rows.start, column), (rows.len(), 1)).copy_from(&by);
+                column += 1;
+            }
+        }
+        Ok(jacobian)
+    }
+
+    fn moved(&self, point: &Point, step: &DVector<f64>) -> Point {
+        let mut moved = point.clone();
+        for (change, step) in moved.shared.iter_mut().zip(step) {
+            *change += step;
+        }
+        let mut column = self.sought.len();
+        for (view, own) in self.views.iter().zip(&mut moved.own) {
+            for j in 0..self.own_count(view) {
+                *own = own.moved(self.finger, j, step[column]);
+                column += 1;
+            }
+        }
+        moved
+    }
+
+    fn priors(&self, point: &Point) -> Vec<Prior> {
+        let changes = self.sought.iter().zip(&point.shared).enumerate();
+        changes.filter_map(|(k, (sought, change))| Some(Prior::on(k, *change, 0.0, sought.prior_sd?))).collect()
+    }
+
+    /// Contacts stay on the plate.
+    fn step_bounds(&self, point: &Point) -> StepBounds {
+        let mut position = self.sought.len();
+        self.views.iter().zip(&point.own).fold(StepBounds::default(), |bounds, (view, own)| {
+            let bounded = bounds.and(position, own.s_mm, free_part_mm(self.finger));
+            position += self.own_count(view);
+            bounded
+        })
+    }
+}
+
+impl Problem<'_> {
+    /// The views, the unknowns of each at a point, and the rows of its residuals.
+    fn rows<'r>(&'r self, point: &'r Point) -> impl Iterator<Item = (&'r View, &'r Own, Range<usize>)> {
+        self.views.iter().zip(&point.own).scan(0, |first, (view, own)| {
+            let rows = *first..*first + self.row_count(view);
+            *first = rows.end;
+            Some((view, own, rows))
+        })
+    }
+
+    /// Differences of the residuals of one view, by a step that leads to `after`.
+    fn differences(
+        after: Option<Vec<f64>>,
+        before: &[f64],
+        step: f64,
+    ) -> Result<DVector<f64>, Refusal<CalibrationError>> {
+        let after = after.ok_or(NOWHERE)?;
+        Ok(DVector::from_iterator(
+            before.len(),
+            after.iter().zip(before).map(|(after, before)| (after - before) / step),
+        ))
+    }
+}
+
+impl Own {
+    /// Step of an unknown for derivatives.
+    fn step(&self, unknown: usize) -> f64 {
+        match unknown {
+            0 => LENGTH_STEP,
+            1 | 2 => LENGTH_STEP,
+            3 => SHARE_STEP,
+            4 => SHARE_STEP * self.force_n,
+            _ => ANGLE_STEP_DEG,
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! What lenses and sensors are without looking: what the images of a grid do not show stays there.
+
+use super::lens_fit::PARAMETERS;
+use crate::optimise::Prior;
+
+/// Standard deviations of the logarithm of the focal lengths' ratio, of the principal point's distance from the middle as a
+/// share of the image's width, and of the coefficients.
+const ASPECT_SD: f64 = 0.005;
+const CENTRE_SD: f64 = 0.03;
+const RADIAL_SD: [f64; 3] = [0.5, 0.5, 0.2];
+const TANGENTIAL_SD: f64 = 0.003;
+
+/// Lenses as they usually are, as priors of the parameters in the order of [`LENS_PARAMETERS`](super::LENS_PARAMETERS).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct UsualLens {
+    /// Pixel in the middle of the image.
+    pub middle: [f64; 2],
+    /// Width of the image, px.
+    pub width: f64,
+    /// Focal length, px, and the standard deviation of its logarithm.
+    pub focal: f64,
+    pub focal_sd: f64,
+}
+
+impl UsualLens {
+    /// Priors of some parameters.
+    pub fn priors(&self, p: &[f64; PARAMETERS]) -> Vec<Prior> {
+        let centre = CENTRE_SD * self.width;
+        let focal =
+            Prior { residual: (p[0] / self.focal).ln() / self.focal_sd, by: vec![(0, 1.0 / (p[0] * self.focal_sd))] };
+        let aspect = Prior {
+            residual: (p[1] / p[0]).ln() / ASPECT_SD,
+            by: vec![(0, -1.0 / (p[0] * ASPECT_SD)), (1, 1.0 / (p[1] * ASPECT_SD))],
+        };
+        let middle = (0..2).map(|axis| Prior::on(2 + axis, p[2 + axis], self.middle[axis], centre));
+        let coefficients = self.coefficient_sds().map(|(i, sd)| Prior::on(i, p[i], 0.0, sd));
+        [focal, aspect].into_iter().chain(middle).chain(coefficients).collect()
+    }
+
+    fn coefficient_sds(&self) -> [(usize, f64); 5] {
+        let [k1, k2, k3] = RADIAL_SD;
+        [(4, k1), (5, k2), (6, TANGENTIAL_SD), (7, TANGENTIAL_SD), (8, k3)]
+    }
+
+    /// Standard deviation of each parameter by the prior alone.
+    pub fn sds(&self, p: &[f64; PARAMETERS]) -> [f64; PARAMETERS] {
+        let mut sds = [0.0; PARAMETERS];
+        (sds[0], sds[1]) = (self.focal_sd * p[0], self.focal_sd.hypot(ASPECT_SD) * p[1]);
+        (sds[2], sds[3]) = (CENTRE_SD * self.width, CENTRE_SD * self.width);
+        for (i, sd) in self.coefficient_sds() {
+            sds[i] = sd;
+        }
+        sds
+    }
+}

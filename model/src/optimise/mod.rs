@@ -1,0 +1,45 @@
+//! Nonlinear least squares: one method, its parts, and what else a search of its own can be built from.
+//!
+//! A [`LeastSquaresProblem`] states its residuals in units of their standard deviations, its [`Prior`]s and the
+//! [`StepBounds`] of its unknowns. [`LevenbergMarquardt`] minimises half their sum of squares, and returns a [`Fit`] with the
+//! covariance of the unknowns. Each part of the method has a file: damping, convergence, bounds, and the linear solve.
+//!
+//! Sensing with the co-rotational finger has a loop of its own, since each step follows the finger's equilibria. It shares
+//! the reach of steps, the convergence criteria, the covariance and a linear solve that allocates nothing.
+//!
+//! ```
+//! use finray_model::optimise::{FromFunction, LevenbergMarquardt, Refusal};
+//! use nalgebra::{DMatrix, DVector};
+//!
+//! // The decay exp(-rate t) through two readings.
+//! let readings = [(1.0_f64, 0.50), (2.0, 0.24)];
+//! let residual = |rate: &DVector<f64>| {
+//!     let decay = |t: f64| (-rate[0] * t).exp();
+//!     let residual = DVector::from_iterator(2, readings.iter().map(|(t, seen)| decay(*t) - seen));
+//!     let jacobian = DMatrix::from_iterator(2, 1, readings.iter().map(|(t, _)| -t * decay(*t)));
+//!     Ok::<_, Refusal<()>>((residual, jacobian))
+//! };
+//! let start = DVector::from_element(1, 1.0);
+//! let fit = LevenbergMarquardt::default().minimise(&mut FromFunction::new(residual), start).expect("defined everywhere");
+//! assert!(fit.has_converged() && (fit.point[0] - 0.703).abs() < 1e-3);
+//! ```
+
+mod bounds;
+mod convergence;
+mod covariance;
+mod damping;
+mod gram_schmidt;
+mod levenberg_marquardt;
+mod normal_equations;
+mod problem;
+mod trust_region;
+
+pub use bounds::StepBounds;
+pub use convergence::Convergence;
+pub use covariance::covariance;
+pub use levenberg_marquardt::{Fit, LevenbergMarquardt, Outcome};
+pub use problem::{FromFunction, LeastSquaresProblem, Prior, Refusal};
+
+pub(crate) use covariance::SingularParts;
+pub(crate) use gram_schmidt::GramSchmidt;
+pub(crate) use trust_region::{Prediction, TrustRegion};

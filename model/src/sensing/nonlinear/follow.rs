@@ -1,0 +1,78 @@
+//! Where a step leads: the equilibria on its way, from small shares of it to the whole.
+
+use super::search::Search;
+use super::{Posed, State};
+use crate::frame::FrameMotion;
+use crate::statics::StaticsError;
+
+/// An equilibrium on the way of a step with so many times the misfit of its start ends the step.
+const WORSE: f64 = 2.0;
+/// A step ends where the finger was seen to carry it so far when so many shorter ones were rejected on its way.
+const MOST_REJECTED: usize = 2;
+
+/// A step as the finger answers it.
+pub(super) struct Followed {
+    /// Misfit at its end, mm^2, or else the share of it that the finger carries.
+    pub misfit_mm2: Result<f64, f64>,
+    /// The best equilibrium on the way.
+    pub best: Option<OnTheWay>,
+}
+
+/// An equilibrium under a share of a step's change of loads.
+pub(super) struct OnTheWay {
+    share: f64,
+    misfit_mm2: f64,
+    motion: FrameMotion,
+}
+
+/// A share of a step, and the state after it.
+pub(super) struct PartOfStep {
+    pub share: f64,
+    pub state: State,
+}
+
+impl Search<'_, '_> {
+    /// Follows the equilibrium to the loads of the next state, which gets the motion that is found there. Shapes are compared under the weights of the
+    /// current state, whose misfit is given: reweighting is not progress.
+    pub(super) fn follow(&mut self, next: &mut State, current_mm2: f64) -> Followed {
+        let (mesh, object, priors) = (self.estimator.mesh, &self.estimator.object, &self.estimator.priors);
+        let (state, measurement) = (&self.state, self.measurement);
+        let misfit_mm2 = |motion: &FrameMotion| {
+            let shape = Posed { motion, forces_n: &next.forces_n, nuisances: &next.nuisances };
+            let touched = object.as_ref().map(|it| it.misfit(mesh, &next.contacts, shape, priors.noise_mm()));
+            state.linearised.misfit(shape, measurement) + touched.unwrap_or_default()
+        };
+        let mut best: Option<OnTheWay> = None;
+        let loads = [&state.loads[..], &next.loads];
+        let tried = self.estimator.statics.tried(&state.motion, loads, MOST_REJECTED, |share, motion| {
+            let there_mm2 = misfit_mm2(motion);
+            if there_mm2 <= best.as_ref().map_or(current_mm2, |best| best.misfit_mm2) {
+                best = Some(OnTheWay { share, misfit_mm2: there_mm2, motion: motion.clone() });
+            }
+            there_mm2 <= WORSE * current_mm2
+        });
+        let misfit_mm2 = match tried {
+            Ok(equilibrium) => {
+                let after_mm2 = misfit_mm2(&equilibrium.motion);
+                next.motion = equilibrium.motion;
+                Ok(after_mm2)
+            }
+            Err(StaticsError::NoEquilibrium { converged_fraction }) => Err(converged_fraction),
+            Err(_) => Err(0.0),
+        };
+        Followed { misfit_mm2, best }
+    }
+
+    /// The state after a share of the step, in the equilibrium that is near one on the way; `None` if there is none, or it is
+    /// worse than the current state, whose misfit is given.
+    pub(super) fn part_of_step(&mut self, on_the_way: OnTheWay, current_mm2: f64) -> Option<PartOfStep> {
+        let OnTheWay { share, motion, .. } = on_the_way;
+        let mut state = self.state.clone();
+        state.linearised.step.iter_mut().for_each(|x| *x *= share);
+        self.estimator.advance(&mut state).ok()?;
+        let loads = [&state.loads[..], &state.loads];
+        state.motion = self.estimator.statics.tried(&motion, loads, 1, |_, _| true).ok()?.motion;
+        let is_better = self.estimator.misfit(&state, self.measurement) <= current_mm2;
+        is_better.then_some(PartOfStep { share, state })
+    }
+}
