@@ -28,6 +28,7 @@ pub mod element;
 pub mod finger;
 pub mod frame;
 pub mod gripper;
+pub mod keys;
 mod least_squares;
 pub mod measurement;
 pub mod mesh;

@@ -2,6 +2,7 @@
 
 use super::{CalibrationCase, CalibrationError};
 use crate::finger::{Finger, ImpossibleFinger};
+use crate::keys::{SceneTable, ZONE};
 use crate::mesh::Mesh;
 use crate::statics::{Statics, StaticsError, equilibria};
 use crate::{Kinematics, Vector};
@@ -253,7 +254,7 @@ fn with_factors(finger: &Finger, unknowns: &[Unknown], logs: &[f64]) -> Result<F
             Unknown::Zones(zones) => {
                 for &zone in zones {
                     let missing = || ImpossibleFinger {
-                        key: "finger.zone".to_owned(),
+                        key: ZONE.path().to_owned(),
                         reason: format!(
                             "expected at least {} zones, found {}",
                             zone + 1,

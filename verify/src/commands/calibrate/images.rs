@@ -5,6 +5,7 @@ use crate::commands::parse::positive;
 use crate::commands::{Failure, bad_input, not_both_from_standard_input};
 use finray_model::calibration::{self, BaseCompliance, FoundView, Quantity, Sought, ViewEstimate, ViewModel};
 use finray_model::finger::{BracketLengths, Plate, RibPositions};
+use finray_model::keys::{BACK, BASE, CAMERA, CONTACT, FRONT, MARKERS, REFERENCE, RIBS};
 use finray_model::sensing::{Lean, Normal};
 use finray_model::{Finger, Scene, Vector};
 use finray_verify::estimators::ELEMENTS;
@@ -311,68 +312,68 @@ fn values(
     let pair = |[x, y]: [f64; 2]| Value::from(Array::from_iter([x, y]));
     let description = estimate.finger.description();
     let mut values: Vec<(String, Option<Value>)> = Vec::new();
-    let mut put = |key: &str, value: Value| values.push((key.to_owned(), Some(value)));
+    let mut put = |key: String, value: Value| values.push((key, Some(value)));
     if sought(is_modulus) {
-        put("finger.front.youngs_modulus_mpa", description.front.youngs_modulus_mpa.into());
-        put("finger.back.youngs_modulus_mpa", description.back.youngs_modulus_mpa.into());
+        put(FRONT.youngs_modulus_mpa.path(), description.front.youngs_modulus_mpa.into());
+        put(BACK.youngs_modulus_mpa.path(), description.back.youngs_modulus_mpa.into());
     }
     if let Some(strip) = description.ribs.strip.filter(|_| sought(|quantity| *quantity == Quantity::Modulus)) {
-        put("finger.ribs.youngs_modulus_mpa", strip.youngs_modulus_mpa.into());
+        put(RIBS.youngs_modulus_mpa.path(), strip.youngs_modulus_mpa.into());
     }
     if sought(|quantity| matches!(quantity, Quantity::Bracket(_) | Quantity::OwnBracket(..))) {
         let each = match &description.ribs.bracket_mm {
             BracketLengths::Alike(lengths_mm) => pair(*lengths_mm),
             BracketLengths::Each(each) => Array::from_iter(each.iter().map(|lengths_mm| pair(*lengths_mm))).into(),
         };
-        put("finger.ribs.bracket_mm", each);
+        put(RIBS.bracket_mm.path(), each);
     }
     if sought(|quantity| matches!(quantity, Quantity::Clip | Quantity::PlateClip(_))) {
-        put("finger.ribs.clip_mm", pair(description.ribs.clip_mm));
+        put(RIBS.clip_mm.path(), pair(description.ribs.clip_mm));
     }
     if let RibPositions::Positions(positions) = &description.ribs.positions
         && sought(|quantity| matches!(quantity, Quantity::RibPosition(..)))
     {
         let positions = positions.iter().map(|position| pair(*position));
-        put("finger.ribs.positions_mm", Array::from_iter(positions).into());
+        put(RIBS.positions_mm.path(), Array::from_iter(positions).into());
     }
     if sought(|quantity| *quantity == Quantity::MarkerHeight) {
-        put("markers.height_mm", estimate.marker_height_mm.into());
+        put(MARKERS.height_mm.path(), estimate.marker_height_mm.into());
     }
-    put("markers.noise_factor", estimate.new_marker_errors.noise_factor.into());
-    put("markers.model_error_mm", estimate.new_marker_errors.model_mm.into());
+    put(MARKERS.noise_factor.path(), estimate.new_marker_errors.noise_factor.into());
+    put(MARKERS.model_error_mm.path(), estimate.new_marker_errors.model_mm.into());
     if let Some(error) = estimate.force_error {
-        put("contact.force_error_share", error.of_new.into());
+        put(CONTACT.force_error_share.path(), error.of_new.into());
     }
     if sought(|quantity| *quantity == Quantity::BaseX) {
         // The references, or the pose, belong to a frame that is not quite the finger's.
         let references = scene.base.as_ref().map_or(&[][..], |base| &base.references);
         for (i, reference) in references.iter().enumerate() {
             let at: Vector = (estimate.base.inverse() * Point2::from(reference.at)).coords;
-            put(&format!("base.reference[{}].at_mm", i + 1), pair([at.x, at.y]));
+            put(REFERENCE.at_mm.path_in(i + 1), pair([at.x, at.y]));
         }
         if let (true, Some(pose)) = (references.is_empty(), scene.camera.and_then(|camera| camera.pose)) {
             let moved = pose.of_moved_base(&estimate.base);
-            put("camera.rotation_vector_rad", Array::from_iter(moved.rotation_vector_rad()).into());
-            put("camera.translation_mm", Array::from_iter(moved.translation_mm.iter().copied()).into());
+            put(CAMERA.rotation_vector_rad.path(), Array::from_iter(moved.rotation_vector_rad()).into());
+            put(CAMERA.translation_mm.path(), Array::from_iter(moved.translation_mm.iter().copied()).into());
         }
     }
     // A base that is taken for exact has no turn to expect.
     let is_sought = scene.base.as_ref().is_some_and(|base| base.uncertainty.is_some());
     if let Some(BaseCompliance { deg_per_n, sigma_deg_per_n }) = compliance.filter(|_| is_sought) {
-        put("base.turn_deg_per_n", deg_per_n.into());
+        put(BASE.turn_deg_per_n.path(), deg_per_n.into());
         if sigma_deg_per_n.is_finite() {
-            put("base.turn_sigma_deg_per_n", sigma_deg_per_n.into());
+            put(BASE.turn_sigma_deg_per_n.path(), sigma_deg_per_n.into());
         }
     }
     if let Some(lean) = friction {
         let (coefficient, sigma) = coefficient(lean);
-        put("contact.friction", coefficient.into());
-        put("contact.friction_sigma", sigma.into());
+        put(CONTACT.friction.path(), coefficient.into());
+        put(CONTACT.friction_sigma.path(), sigma.into());
         if lean.build_up_n > 0.0 {
-            put("contact.friction_build_up_n", lean.build_up_n.into());
+            put(CONTACT.friction_build_up_n.path(), lean.build_up_n.into());
         }
         // Either a coefficient or a range of them.
-        values.push(("contact.friction_range".to_owned(), None));
+        values.push((CONTACT.friction_range.path(), None));
     }
     values
 }
