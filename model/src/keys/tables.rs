@@ -36,7 +36,7 @@ const TURN: Quantity = Quantity("angle", "degrees a newton");
 const FORCE: Quantity = Quantity("force", "N");
 const STRAIN: Quantity = Quantity("strain", "");
 const FRICTION: Quantity = Quantity("coefficient of friction", "");
-const SIGMA: Quantity = Quantity("standard deviation", "");
+const SIGMA: &str = "standard deviation";
 const COLOUR: Quantity = Quantity("red, green and blue", "");
 
 /// Tables of one kind: their statics with their paths, and their keys.
@@ -199,9 +199,9 @@ tables! {
         "Radius of the rods at the key nodes of the front plate, which a pressed or grasped object meets.";
     friction: Number(FRICTION, Within(-LARGEST_FRICTION, LARGEST_FRICTION)), Optional,
         "Forces sensed with the direction `friction` lean from the normal by its arctangent, positive towards the tip.";
-    friction_sigma: Number(SIGMA, Within(0.0, LARGEST_FRICTION)), Or(0.0), "Standard deviation of friction.";
-    friction_range: Numbers<2>(Quantity("coefficients of friction", ""), Within(-LARGEST_FRICTION, LARGEST_FRICTION)), Optional,
-        "Instead of friction: the least and the largest coefficient, each between them as likely as the others.";
+    friction_sigma: Number(Quantity(SIGMA, ""), Within(0.0, LARGEST_FRICTION)), Or(0.0), "Standard deviation of friction.";
+    friction_range: Numbers<2>(Quantity("the least and the largest coefficient of friction", ""), Within(-LARGEST_FRICTION, LARGEST_FRICTION)), Optional,
+        "Instead of friction: each coefficient between the two is as likely as the others.";
     friction_build_up_n: Number(FORCE, NOT_NEGATIVE), Or(0.0),
         "At a force F the lean is 1 - exp(-F / friction_build_up_n) of the whole; all of it where this is 0.";
     normal: Word<2>(["deformed", "undeformed"]), Or(0), "Which plate's normal the force leans from.";
@@ -225,10 +225,10 @@ tables! {
         "Corners of a convex polygon in order, one of which touches.";
     pose_mm: Numbers<2>(Quantity("x and y", "mm"), AtMost(LARGEST)), RequiredIf("with any key below"),
         "Where the origin of its outline is. Without it only tangency of plate and outline is assumed.";
-    pose_sigma_mm: Number(SIGMA, Within(0.0, LARGEST)), RequiredIf("with pose_mm"),
-        "Standard deviation of each coordinate of the pose in mm; 0 takes the pose for exact.";
+    pose_sigma_mm: Number(Quantity(SIGMA, "mm"), Within(0.0, LARGEST)), RequiredIf("with pose_mm"),
+        "Standard deviation of each coordinate of the pose; 0 takes the pose for exact.";
     rotation_deg: Number(ANGLE, Finite), Or(0.0), "By how much the outline is turned from x to y; not of a disc.";
-    rotation_sigma_deg: Number(SIGMA, Within(0.0, LARGEST)), Or(0.0), "Standard deviation of rotation_deg in degrees; not of a disc.";
+    rotation_sigma_deg: Number(Quantity(SIGMA, "degrees"), Within(0.0, LARGEST)), Or(0.0), "Standard deviation of rotation_deg; not of a disc.";
     frame: Word<2>(["base", "plane"]), Or(0),
         "Frame of the pose: the finger frame where the image has its base, or the frame of the camera's pose.";
 }
