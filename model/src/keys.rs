@@ -177,7 +177,7 @@ pub trait SceneTable: Sync {
         self.with(&required.collect::<Vec<_>>())
     }
 
-    /// The table with some of its keys: "[grasp] with motor_deg".
+    /// The table with some of its keys: `[grasp] with motor_deg`.
     fn with(&self, names: &[&str]) -> String {
         match names {
             [] => format!("[{}]", self.path()),

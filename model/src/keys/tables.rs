@@ -1,4 +1,6 @@
 //! The entries: every key of every table of a scene.
+// Sentences name tables of the scene in brackets, which are no links.
+#![allow(rustdoc::broken_intra_doc_links)]
 
 use super::Need::{Of, Optional, Or, Required, RequiredIf};
 use super::Range::{Above, AtMost, Between, ByOthers, Finite, Positive, Whole, Within};
