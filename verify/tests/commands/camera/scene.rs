@@ -12,10 +12,18 @@ fn cameras_and_markers_of_a_scene_are_checked() {
     for (from, to, expected) in [
         ("size_px = [1600, 1400]", "size_px = [1600]", "camera.size_px: expected a list of 2 numbers"),
         ("size_px = [1600, 1400]", "size_px = [1600.5, 1400]", "camera.size_px: expected whole numbers"),
-        ("size_px = [1600, 1400]", "size_px = [0, 1400]", "camera.size_px: expected whole numbers from 1 to 65535, width and height"),
+        (
+            "size_px = [1600, 1400]",
+            "size_px = [0, 1400]",
+            "camera.size_px: expected whole numbers from 1 to 65535, width and height",
+        ),
         ("focal_px = [1360.0, 1360.0]\n", "", "camera.focal_px is missing"),
         ("[1360.0, 1360.0]", "[1360.0, nan]", "camera.focal_px"),
-        ("[1360.0, 1360.0]", "[-1360.0, 1360.0]", "camera.focal_px: expected focal lengths along u and v in px, 0.001 to"),
+        (
+            "[1360.0, 1360.0]",
+            "[-1360.0, 1360.0]",
+            "camera.focal_px: expected focal lengths along u and v in px, 0.001 to",
+        ),
         ("distortion = [0.0,", "distortion = [-2.0,", "camera.distortion: expected coefficients that do not fold"),
         ("distortion = [0.0,", "distortion = [\"a\",", "camera.distortion: expected a list of 5 numbers"),
         ("translation_mm = [-75.0, 0.0, 170.0]\n", "", "camera.translation_mm is missing"),
