@@ -10,9 +10,7 @@ pub use description::{
 
 use crate::Vector;
 use crate::frame::Section;
-use placement::{
-    check_rigid_parts, check_room, check_strip, check_zones, place_ribs, place_tip, require, require_positive,
-};
+use placement::{check_room, check_sizes, check_zones, place_ribs, place_tip};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -53,22 +51,7 @@ impl Finger {
     /// the members, zones off the plates.
     pub fn new(description: FingerDescription) -> Result<Finger, ImpossibleFinger> {
         let d = &description;
-        require_positive("finger.base_width_mm", d.base_width_mm, "length in mm")?;
-        require_positive("finger.front_length_mm", d.front_length_mm, "length in mm")?;
-        require_positive("finger.back_length_mm", d.back_length_mm, "length in mm")?;
-        require_positive("finger.depth_mm", d.depth_mm, "length in mm")?;
-        require(d.rod_arm_mm.is_finite() && d.rod_arm_mm >= 0.0, "finger.rod_arm_mm", || {
-            format!("expected a length in mm, zero or more, found {:?}", d.rod_arm_mm)
-        })?;
-        require(d.poissons_ratio > -1.0 && d.poissons_ratio <= 0.5, "finger.poissons_ratio", || {
-            format!("expected a ratio above -1 and up to 0.5, found {:?}", d.poissons_ratio)
-        })?;
-        check_strip("finger.front", &d.front)?;
-        check_strip("finger.back", &d.back)?;
-        if let Some(strip) = &d.ribs.strip {
-            check_strip("finger.ribs", strip)?;
-        }
-        check_rigid_parts(d)?;
+        check_sizes(d)?;
         let tip = place_tip(d)?;
         let ribs = place_ribs(d)?;
         check_zones(d)?;

@@ -8,10 +8,11 @@ mod object;
 mod reader;
 mod touched;
 
+pub use crate::keys::ROD_RADIUS_MM;
 pub use camera::{Base, CameraDescription, MarkerLook, Markers, Reference, Rgb, Shade};
 pub use contact::ContactDescription;
 pub use grasp::{GraspDescription, Support};
-pub use object::{ObjectDescription, ObjectMotion, Outline, ROD_RADIUS_MM, Until};
+pub use object::{ObjectDescription, ObjectMotion, Outline, Until};
 pub use touched::{ObjectFrame, ObjectPlace, TouchedDescription};
 
 use crate::finger::{
@@ -19,6 +20,10 @@ use crate::finger::{
     Strip, Zone,
 };
 use crate::gripper::Gripper;
+use crate::keys::{
+    BACK, BASE, CAMERA, CONTACT, FINGER, FRONT, GRASP, GRIPPER, MARKERS, OBJECT, PlateKeys, RIBS, RibEnds, TOP,
+    TOUCHED, Table, ZONE,
+};
 use crate::measurement::MarkerErrors;
 use crate::validity::StrainLimits;
 use reader::{Document, TableReader};
@@ -72,47 +77,29 @@ impl Scene {
     /// [`SceneError`] with the line, the key and what was expected.
     pub fn from_toml(text: &str) -> Result<Scene, SceneError> {
         let document = Document::parse(text)?;
-        let top =
-            document.top(&["name", "finger", "camera", "markers", "base", "contact", "object", "gripper", "grasp"])?;
-        let name = top.text("name")?;
-        let markers = match top.optional_table("markers", &camera::MARKER_KEYS)? {
-            None => camera::MarkersRead::default(),
-            Some(table) => camera::read_markers(&table)?,
-        };
-        let table = top.table("finger", &FINGER_KEYS)?;
+        let top = document.top()?;
+        let name = top.get(&TOP.name)?;
+        let markers = top.optional_table(&MARKERS)?.as_ref().map(camera::read_markers).transpose()?.unwrap_or_default();
+        let table = top.table(&FINGER)?;
         let description = read_finger(&table, markers.on)?;
         let strain_limits = read_strain_limits(&table)?;
         let finger = Finger::new(description).map_err(|impossible| SceneError {
             line: document.line_of(&impossible.key),
             message: impossible.to_string(),
         })?;
-        let (noise_mm, camera) = match top.optional_table("camera", &camera::KEYS)? {
-            None => (None, None),
-            Some(table) => camera::read_camera(&table)?,
-        };
-        let base = match top.optional_table("base", &camera::BASE_KEYS)? {
-            None => None,
-            Some(table) => Some(camera::read_base(&table)?),
-        };
-        let (contact, touched) = match top.optional_table("contact", &contact::KEYS)? {
+        let camera = top.optional_table(&CAMERA)?.as_ref().map(camera::read_camera).transpose()?;
+        let (noise_mm, camera) = camera.unwrap_or_default();
+        let base = top.optional_table(&BASE)?.as_ref().map(camera::read_base).transpose()?;
+        let (contact, touched) = match top.optional_table(&CONTACT)? {
             None => (ContactDescription::default(), None),
             Some(table) => {
-                let touched = table.optional_table("object", &touched::KEYS)?;
+                let touched = table.optional_table(&TOUCHED)?;
                 (contact::read_contact(&table, &finger)?, touched.as_ref().map(touched::read_touched).transpose()?)
             }
         };
-        let object = match top.optional_table("object", &object::KEYS)? {
-            None => None,
-            Some(table) => Some(object::read_object(&table, &finger)?),
-        };
-        let gripper = match top.optional_table("gripper", &gripper::KEYS)? {
-            None => None,
-            Some(table) => Some(gripper::read_gripper(&table)?),
-        };
-        let grasp = match top.optional_table("grasp", &grasp::KEYS)? {
-            None => None,
-            Some(table) => Some(grasp::read_grasp(&table, gripper.as_ref())?),
-        };
+        let object = top.optional_table(&OBJECT)?.map(|table| object::read_object(&table, &finger)).transpose()?;
+        let gripper = top.optional_table(&GRIPPER)?.as_ref().map(gripper::read_gripper).transpose()?;
+        let grasp = top.optional_table(&GRASP)?.map(|table| grasp::read_grasp(&table, gripper.as_ref())).transpose()?;
         Ok(Scene {
             name,
             finger,
@@ -131,140 +118,80 @@ impl Scene {
     }
 }
 
-fn not_negative_mm(table: &TableReader, key: &str) -> Result<f64, SceneError> {
-    let length_mm = table.number(key, "length in mm")?;
-    if length_mm.is_finite() && length_mm >= 0.0 {
-        Ok(length_mm)
-    } else {
-        Err(table.wrong(key, "a length in mm, zero or more", &format!("{length_mm:?}")))
-    }
-}
-
-const FINGER_KEYS: [&str; 10] = [
-    "base_width_mm",
-    "front_length_mm",
-    "back_length_mm",
-    "depth_mm",
-    "rod_arm_mm",
-    "poissons_ratio",
-    "front",
-    "back",
-    "ribs",
-    "zone",
-];
-
 fn read_finger(table: &TableReader, markers_on: MarkerPoints) -> Result<FingerDescription, SceneError> {
+    let front = read_plate(table, &FRONT)?;
+    let back = read_plate(table, &BACK)?;
     Ok(FingerDescription {
-        base_width_mm: table.number("base_width_mm", "length in mm")?,
-        front_length_mm: table.number("front_length_mm", "length in mm")?,
-        back_length_mm: table.number("back_length_mm", "length in mm")?,
-        depth_mm: table.number("depth_mm", "length in mm")?,
-        rod_arm_mm: table.optional_number("rod_arm_mm", "length in mm")?.unwrap_or(0.0),
-        poissons_ratio: table.optional_number("poissons_ratio", "ratio")?.unwrap_or(0.0),
-        front: read_strip(&table.table("front", &PLATE_KEYS)?)?,
-        back: read_strip(&table.table("back", &PLATE_KEYS)?)?,
-        rigid_ends: [
-            read_rigid_ends(&table.table("front", &PLATE_KEYS)?)?,
-            read_rigid_ends(&table.table("back", &PLATE_KEYS)?)?,
-        ],
-        ribs: read_ribs(&table.table("ribs", &RIB_KEYS)?)?,
-        zones: table
-            .tables("zone", &["plate", "from_mm", "to_mm", "modulus_factor"])?
-            .iter()
-            .map(read_zone)
-            .collect::<Result<_, _>>()?,
+        base_width_mm: table.get(&FINGER.base_width_mm)?,
+        front_length_mm: table.get(&FINGER.front_length_mm)?,
+        back_length_mm: table.get(&FINGER.back_length_mm)?,
+        depth_mm: table.get(&FINGER.depth_mm)?,
+        rod_arm_mm: table.get(&FINGER.rod_arm_mm)?,
+        poissons_ratio: table.get(&FINGER.poissons_ratio)?,
+        front: front.0,
+        back: back.0,
+        rigid_ends: [front.1, back.1],
+        ribs: read_ribs(&table.table(&RIBS)?)?,
+        zones: table.tables(&ZONE)?.iter().map(read_zone).collect::<Result<_, _>>()?,
         markers_on,
     })
 }
 
-/// The material of a plate or rib.
-const MATERIAL_KEYS: [&str; 2] = ["thickness_mm", "youngs_modulus_mpa"];
-const LARGEST_STRAIN: &str = "largest_strain";
-const PLATE_KEYS: [&str; 5] = ["thickness_mm", "youngs_modulus_mpa", LARGEST_STRAIN, "rigid_base_mm", "rigid_tip_mm"];
-const RIB_KEYS: [&str; 9] = [
-    "count",
-    "positions_mm",
-    "joints",
-    "bracket_mm",
-    "clip_mm",
-    "rigid",
-    "thickness_mm",
-    "youngs_modulus_mpa",
-    LARGEST_STRAIN,
-];
-
 fn read_strain_limits(finger: &TableReader) -> Result<StrainLimits, SceneError> {
-    let limit = |table: TableReader| match table.optional_number(LARGEST_STRAIN, "strain")? {
-        Some(strain) if !(strain > 0.0 && strain <= 1.0) => {
-            Err(table.wrong(LARGEST_STRAIN, "a strain above 0 and up to 1", &format!("{strain:?}")))
-        }
-        strain => Ok(strain),
-    };
     Ok(StrainLimits {
-        front: limit(finger.table("front", &PLATE_KEYS)?)?,
-        back: limit(finger.table("back", &PLATE_KEYS)?)?,
-        ribs: limit(finger.table("ribs", &RIB_KEYS)?)?,
+        front: finger.table(&FRONT)?.optional(&FRONT.largest_strain)?,
+        back: finger.table(&BACK)?.optional(&BACK.largest_strain)?,
+        ribs: finger.table(&RIBS)?.optional(&RIBS.largest_strain)?,
     })
 }
 
-fn read_rigid_ends(table: &TableReader) -> Result<RigidEnds, SceneError> {
-    Ok(RigidEnds {
-        base_mm: table.optional_number("rigid_base_mm", "length in mm")?.unwrap_or_default(),
-        tip_mm: table.optional_number("rigid_tip_mm", "length in mm")?.unwrap_or_default(),
-    })
-}
-
-fn read_strip(table: &TableReader) -> Result<Strip, SceneError> {
-    Ok(Strip {
-        thickness_mm: table.number("thickness_mm", "length in mm")?,
-        youngs_modulus_mpa: table.number("youngs_modulus_mpa", "modulus in MPa")?,
-    })
+fn read_plate(finger: &TableReader, keys: &'static Table<PlateKeys>) -> Result<(Strip, RigidEnds), SceneError> {
+    let table = finger.table(keys)?;
+    let strip = Strip {
+        thickness_mm: table.get(&keys.thickness_mm)?,
+        youngs_modulus_mpa: table.get(&keys.youngs_modulus_mpa)?,
+    };
+    Ok((strip, RigidEnds { base_mm: table.get(&keys.rigid_base_mm)?, tip_mm: table.get(&keys.rigid_tip_mm)? }))
 }
 
 fn read_ribs(table: &TableReader) -> Result<RibDescription, SceneError> {
-    let positions =
-        match (table.optional_count("count")?, table.optional_pairs("positions_mm", "[front, back], positions in mm")?)
-        {
-            (Some(count), None) => RibPositions::Count(count),
-            (None, Some(positions)) => RibPositions::Positions(positions),
-            (Some(_), Some(_)) => return Err(table.wrong("positions_mm", "either count or positions_mm", "both")),
-            (None, None) => return Err(table.missing("count", "the number of ribs, or positions_mm")),
-        };
-    let joints = table.choice("joints", &[("rigid", Joints::Rigid), ("hinged", Joints::Hinged)])?;
-    let rigid = table.optional_switch("rigid")?.unwrap_or(false);
+    let positions = match (table.optional(&RIBS.count)?, table.optional(&RIBS.positions_mm)?) {
+        (Some(count), None) => RibPositions::Count(count),
+        (None, Some(positions)) => RibPositions::Positions(positions),
+        (Some(_), Some(_)) => {
+            return Err(table.wrong(RIBS.positions_mm.name, "either count or positions_mm", "both"));
+        }
+        (None, None) => return Err(table.missing(RIBS.count.name, "the number of ribs, or positions_mm")),
+    };
+    let rigid = table.get(&RIBS.rigid)?;
     let none = positions == RibPositions::Count(0) || positions == RibPositions::Positions(Vec::new());
-    let given = MATERIAL_KEYS.iter().any(|key| table.has(key));
-    let strip = if rigid || (none && !given) {
-        // Ribs that do not deform have no use for a material, but one that stands there must make sense.
-        for key in MATERIAL_KEYS {
-            match table.optional_number(key, "number")? {
-                Some(value) if !(value.is_normal() && value > 0.0) => {
-                    return Err(table.wrong(key, "a positive number", &format!("{value:?}")));
-                }
-                _ => {}
-            }
-        }
-        None
-    } else {
-        Some(read_strip(table)?)
+    // A material that ribs have no use for must make sense all the same.
+    let strip = match (table.optional(&RIBS.thickness_mm)?, table.optional(&RIBS.youngs_modulus_mpa)?) {
+        _ if rigid => None,
+        (None, None) if none => None,
+        _ => Some(Strip {
+            thickness_mm: table.get(&RIBS.thickness_mm)?,
+            youngs_modulus_mpa: table.get(&RIBS.youngs_modulus_mpa)?,
+        }),
     };
-    let lengths = |key| table.optional_number_or_pair(key, "a length in mm, or [front, back]");
-    let clip_mm = lengths("clip_mm")?.unwrap_or_default();
-    let bracket_mm = match table.is_list_of_lists("bracket_mm") {
-        true => {
-            let each = table.optional_pairs("bracket_mm", "[front, back], lengths in mm")?;
-            BracketLengths::Each(each.unwrap_or_default())
-        }
-        false => BracketLengths::Alike(lengths("bracket_mm")?.unwrap_or_default()),
+    let bracket_mm = match table.get(&RIBS.bracket_mm)? {
+        RibEnds::Alike(lengths_mm) => BracketLengths::Alike(lengths_mm),
+        RibEnds::Each(lengths_mm) => BracketLengths::Each(lengths_mm),
     };
-    Ok(RibDescription { positions, joints, bracket_mm, clip_mm, strip })
+    Ok(RibDescription {
+        positions,
+        joints: table.word(&RIBS.joints, [Joints::Rigid, Joints::Hinged])?,
+        bracket_mm,
+        clip_mm: table.get(&RIBS.clip_mm)?,
+        strip,
+    })
 }
 
 fn read_zone(table: &TableReader) -> Result<Zone, SceneError> {
     Ok(Zone {
-        part: table.choice("plate", &[("front", Part::Front), ("back", Part::Back), ("ribs", Part::Ribs)])?,
-        from_mm: table.number("from_mm", "position in mm")?,
-        to_mm: table.number("to_mm", "position in mm")?,
-        modulus_factor: table.number("modulus_factor", "factor")?,
+        part: table.word(&ZONE.plate, [Part::Front, Part::Back, Part::Ribs])?,
+        from_mm: table.get(&ZONE.from_mm)?,
+        to_mm: table.get(&ZONE.to_mm)?,
+        modulus_factor: table.get(&ZONE.modulus_factor)?,
     })
 }

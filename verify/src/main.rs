@@ -7,7 +7,7 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 #[cfg(feature = "train")]
 use commands::train;
 use commands::{
-    calibrate, grasp, gripper, lens, locate, map, merge, press, render, report, sense, solve, sweep, words,
+    calibrate, grasp, gripper, guide, lens, locate, map, merge, press, render, report, sense, solve, sweep, words,
 };
 use finray_files::write_text;
 use std::path::Path;
@@ -43,6 +43,7 @@ enum Command {
     Lens(lens::Arguments),
     Gripper(gripper::Arguments),
     Grasp(grasp::Arguments),
+    Guide(guide::Arguments),
     #[cfg(feature = "train")]
     Train(train::Arguments),
     /// Print a completion script for your shell, for instance: finray completions bash > ~/.finray.bash
@@ -70,6 +71,7 @@ fn main() -> ExitCode {
         Command::Lens(arguments) => lens::run(&arguments),
         Command::Gripper(arguments) => gripper::run(&arguments),
         Command::Grasp(arguments) => grasp::run(&arguments),
+        Command::Guide(arguments) => guide::run(&arguments),
         #[cfg(feature = "train")]
         Command::Train(arguments) => train::run(&arguments),
         Command::Completions { shell } => {

@@ -1,6 +1,7 @@
 //! Pinhole with the distortion of Brown and Conrady.
 
 use super::{Pixel, ViewError};
+use crate::keys::{CAMERA, Key, Numbers};
 use nalgebra::{Matrix2, Matrix2x3, Vector2, Vector3};
 
 /// Tangent of the angle from the axis up to which a lens is looked at: 79 degrees.
@@ -12,9 +13,6 @@ const SETTLED: f64 = 1e-16;
 const MOST_STEPS: usize = 50;
 /// Points along each side of the image at which the distortion must have an inverse.
 const SIDE_POINTS: usize = 32;
-/// Largest image, px a side, and longest focal length, px.
-const LARGEST_PX: u32 = 65_535;
-const LONGEST_FOCUS_PX: f64 = 1e7;
 
 /// Coefficients of distortion, in OpenCV's convention. With r^2 = x^2 + y^2 and f = 1 + k1 r^2 + k2 r^4 + k3 r^6:
 ///
@@ -103,6 +101,13 @@ pub struct ImpossibleLens {
     pub expected: String,
 }
 
+fn check<const N: usize>(key: &Key<Numbers<N>>, value: [f64; N]) -> Result<(), ImpossibleLens> {
+    key.check(&value).map_err(|refused| ImpossibleLens {
+        key: key.name,
+        expected: format!("{}, found {}", refused.expected, refused.found),
+    })
+}
+
 impl Lens {
     /// A lens from the size of its image, focal lengths along u and v, principal point (all px) and distortion.
     ///
@@ -115,21 +120,10 @@ impl Lens {
         principal_point_px: [f64; 2],
         distortion: Distortion,
     ) -> Result<Lens, ImpossibleLens> {
-        let wrong = |key, expected: String| Err(ImpossibleLens { key, expected });
-        if size_px.iter().any(|side| !(1..=LARGEST_PX).contains(side)) {
-            return wrong("size_px", format!("width and height of 1 to {LARGEST_PX} px, found {size_px:?}"));
-        }
-        if !focal_px.iter().all(|f| f.is_normal() && (1e-3..=LONGEST_FOCUS_PX).contains(f)) {
-            return wrong("focal_px", format!("two focal lengths above 0 and up to 1e7 px, found {focal_px:?}"));
-        }
-        if !principal_point_px.iter().all(|x| x.abs() <= LONGEST_FOCUS_PX) {
-            let found = format!("two coordinates in px, up to 1e7, found {principal_point_px:?}");
-            return wrong("principal_point_px", found);
-        }
-        if !distortion.to_opencv().iter().all(|k| k.abs() <= 1e6) {
-            let found = format!("k1, k2, p1, p2, k3 of at most 1e6, found {:?}", distortion.to_opencv());
-            return wrong("distortion", found);
-        }
+        check(&CAMERA.size_px, size_px.map(f64::from))?;
+        check(&CAMERA.focal_px, focal_px)?;
+        check(&CAMERA.principal_point_px, principal_point_px)?;
+        check(&CAMERA.distortion, distortion.to_opencv())?;
         let lens = Lens {
             size_px,
             focal_px: focal_px.into(),
@@ -141,7 +135,8 @@ impl Lens {
             None => Ok(lens),
             Some(pixel) => {
                 let at = format!("pixel ({:.0}, {:.0})", pixel.x, pixel.y);
-                wrong("distortion", format!("coefficients that do not fold the image; these fold it before {at}"))
+                let expected = format!("coefficients that do not fold the image; these fold it before {at}");
+                Err(ImpossibleLens { key: CAMERA.distortion.name, expected })
             }
         }
     }

@@ -1,31 +1,10 @@
 //! How objects meet the finger: `[contact]`.
 
 use super::SceneError;
-use super::object::{LARGEST_FRICTION, ROD_RADIUS_MM};
 use super::reader::TableReader;
 use crate::finger::{Finger, Plate};
+use crate::keys::{CONTACT, Key, Number, ROD_RADIUS_MM};
 use crate::sensing::{Lean, Normal, Pad};
-
-/// All keys of `[contact]`.
-pub(super) const KEYS: [&str; 11] = [
-    "rod_radius_mm",
-    PAD,
-    PAD_LENGTH,
-    FRICTION,
-    "friction_sigma",
-    "friction_range",
-    "friction_build_up_n",
-    "normal",
-    "normal_over_mm",
-    FORCE_ERROR,
-    "object",
-];
-const PAD: &str = "pad_mm";
-const PAD_LENGTH: &str = "pad_length_mm";
-const FORCE_ERROR: &str = "force_error_share";
-const FRICTION: &str = "friction";
-/// Keys that say more of a friction that is stated.
-const FURTHER: [&str; 4] = ["friction_sigma", "friction_build_up_n", "normal", "normal_over_mm"];
 
 /// What an object meets, and how a contact force leans.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,86 +26,56 @@ impl Default for ContactDescription {
 }
 
 pub(super) fn read_contact(table: &TableReader, finger: &Finger) -> Result<ContactDescription, SceneError> {
-    let rod_radius_mm =
-        if table.has("rod_radius_mm") { super::not_negative_mm(table, "rod_radius_mm")? } else { ROD_RADIUS_MM };
-    let lean = match (table.has(FRICTION), table.has("friction_range")) {
-        (true, true) => return Err(table.wrong("friction_range", "either friction or friction_range", "both")),
-        (true, false) => Some(read_friction(table)?),
-        (false, true) => {
-            let range: [f64; 2] =
-                table.numbers("friction_range", "the least and the largest coefficient of friction")?;
-            if range[0] > range[1] || range.iter().any(|coefficient| coefficient.abs() > LARGEST_FRICTION) {
-                let expected = format!("two coefficients of friction in rising order, {}", limits());
-                return Err(table.wrong("friction_range", &expected, &format!("{range:?}")));
-            }
-            Some(Lean::within(range))
+    let length_mm = finger.plate_length_mm(Plate::Front);
+    let on_plate_mm = |key: &Key<Number>| match table.get(key)? {
+        too_long if too_long > length_mm => {
+            let expected = format!("a length in mm, no more than the front plate's {length_mm}");
+            Err(table.wrong(key.name, &expected, &format!("{too_long:?}")))
         }
-        (false, false) => None,
+        pad_mm => Ok(pad_mm),
     };
-    let force_error = not_negative(table, FORCE_ERROR, 1.0)?;
-    let pad_mm = |key| match table.has(key) {
-        true => super::not_negative_mm(table, key),
-        false => Ok(0.0),
-    };
-    let pad = Pad { length_mm: pad_mm(PAD_LENGTH)?, thickness_mm: pad_mm(PAD)? };
-    let plate_mm = finger.plate_length_mm(Plate::Front);
-    for (key, length_mm) in [(PAD_LENGTH, pad.length_mm), (PAD, pad.thickness_mm)] {
-        if length_mm > plate_mm {
-            let expected = format!("a length in mm, no more than the front plate's {plate_mm}");
-            return Err(table.wrong(key, &expected, &format!("{length_mm:?}")));
-        }
-    }
-    match (lean, FURTHER.iter().find(|key| table.has(key))) {
-        (None, Some(key)) => {
-            Err(table.missing(FRICTION, &format!("a coefficient of friction (or friction_range), as `{key}` is there")))
-        }
-        (None, None) => Ok(ContactDescription { rod_radius_mm, lean: None, force_error, pad }),
-        (Some(lean), _) => {
-            Ok(ContactDescription { rod_radius_mm, lean: Some(read_further(table, lean)?), force_error, pad })
-        }
-    }
+    Ok(ContactDescription {
+        rod_radius_mm: table.get(&CONTACT.rod_radius_mm)?,
+        lean: read_lean(table)?,
+        force_error: table.get(&CONTACT.force_error_share)?,
+        pad: Pad { length_mm: on_plate_mm(&CONTACT.pad_length_mm)?, thickness_mm: on_plate_mm(&CONTACT.pad_mm)? },
+    })
 }
 
-fn limits() -> String {
-    format!("-{LARGEST_FRICTION} to {LARGEST_FRICTION}, positive towards the tip")
-}
-
-fn read_friction(table: &TableReader) -> Result<Lean, SceneError> {
-    let friction = table.number(FRICTION, "coefficient of friction")?;
-    if !(-LARGEST_FRICTION..=LARGEST_FRICTION).contains(&friction) {
-        return Err(table.wrong(
-            FRICTION,
-            &format!("a coefficient of friction, {}", limits()),
-            &format!("{friction:?}"),
-        ));
-    }
-    let sigma = not_negative(table, "friction_sigma", LARGEST_FRICTION)?;
-    Ok(Lean::of_friction(friction, sigma))
-}
-
-fn read_further(table: &TableReader, lean: Lean) -> Result<Lean, SceneError> {
-    let from = match table.has("normal") {
-        false => true,
-        true => table.choice("normal", &[("deformed", true), ("undeformed", false)])?,
+fn read_lean(table: &TableReader) -> Result<Option<Lean>, SceneError> {
+    let range_name = CONTACT.friction_range.name;
+    let lean = match (table.optional(&CONTACT.friction)?, table.optional(&CONTACT.friction_range)?) {
+        (Some(_), Some(_)) => return Err(table.wrong(range_name, "either friction or friction_range", "both")),
+        (Some(friction), None) => Lean::of_friction(friction, table.get(&CONTACT.friction_sigma)?),
+        (None, Some(range)) if range[0] > range[1] => {
+            let expected = "two coefficients of friction in rising order";
+            return Err(table.wrong(range_name, expected, &format!("{range:?}")));
+        }
+        (None, Some(range)) => Lean::within(range),
+        (None, None) => {
+            let further = [
+                CONTACT.friction_sigma.name,
+                CONTACT.friction_build_up_n.name,
+                CONTACT.normal.name,
+                CONTACT.normal_over_mm.name,
+            ];
+            return match table.first_of(&further) {
+                Some(name) => {
+                    let expected = format!("a coefficient of friction (or friction_range), as `{name}` is there");
+                    Err(table.missing(CONTACT.friction.name, &expected))
+                }
+                None => Ok(None),
+            };
+        }
     };
-    let over_mm = not_negative(table, "normal_over_mm", f64::MAX)?;
-    let from = match from {
+    let over_mm = table.get(&CONTACT.normal_over_mm)?;
+    let from = match table.word(&CONTACT.normal, [true, false])? {
         true => Normal::Deformed { over_mm },
-        false if table.has("normal_over_mm") => {
+        false if table.has(&CONTACT.normal_over_mm) => {
             let expected = "nothing: an undeformed plate has one normal";
-            return Err(table.wrong("normal_over_mm", expected, &format!("{over_mm:?}")));
+            return Err(table.wrong(CONTACT.normal_over_mm.name, expected, &format!("{over_mm:?}")));
         }
         false => Normal::Undeformed,
     };
-    Ok(Lean { build_up_n: not_negative(table, "friction_build_up_n", f64::MAX)?, from, ..lean })
-}
-
-/// A number from zero to a limit; zero if it is not there.
-fn not_negative(table: &TableReader, key: &str, most: f64) -> Result<f64, SceneError> {
-    let value = table.optional_number(key, "number")?.unwrap_or(0.0);
-    match (0.0..=most).contains(&value) {
-        true => Ok(value),
-        false if most < LARGEST_FRICTION => Err(table.wrong(key, "a share from 0 to 1", &format!("{value:?}"))),
-        false => Err(table.wrong(key, "a finite number, zero or more", &format!("{value:?}"))),
-    }
+    Ok(Some(Lean { build_up_n: table.get(&CONTACT.friction_build_up_n)?, from, ..lean }))
 }

@@ -1,6 +1,7 @@
 //! Reading typed values out of TOML with errors that name line, key and what was expected.
 
 use super::SceneError;
+use crate::keys::{Key, Kind, SceneTable, TOP, Word, described, joined, with_article};
 use std::collections::BTreeMap;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -23,8 +24,8 @@ impl<'t> Document<'t> {
         Ok(Document { root, lines, text })
     }
 
-    pub(super) fn top(&self, known: &[&'static str]) -> Result<TableReader<'_, 't>, SceneError> {
-        TableReader::open(self, String::new(), self.root.get_ref(), known)
+    pub(super) fn top(&self) -> Result<TableReader<'_, 't>, SceneError> {
+        TableReader::open(self, String::new(), self.root.get_ref(), &TOP)
     }
 
     /// Line of a key, or of the nearest table around it where the key itself is not written.
@@ -66,10 +67,6 @@ fn note_lines(text: &str, path: &str, table: &DeTable, lines: &mut BTreeMap<Stri
     }
 }
 
-fn joined(path: &str, key: &str) -> String {
-    if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
-}
-
 /// How near a key is to a known one: by letters in order and by letters to change, which see typing errors, and by pairs of letters,
 /// which sees a part that was left out.
 fn likeness(known: &str, key: &str) -> f64 {
@@ -90,8 +87,9 @@ impl<'d, 't> TableReader<'d, 't> {
         document: &'d Document<'t>,
         path: String,
         table: &'d DeTable<'t>,
-        known: &[&'static str],
+        of: &dyn SceneTable,
     ) -> Result<TableReader<'d, 't>, SceneError> {
+        let known = of.known();
         for key in table.keys() {
             let name: &str = key.get_ref();
             if !known.contains(&name) {
@@ -106,224 +104,107 @@ impl<'d, 't> TableReader<'d, 't> {
         Ok(TableReader { document, path, table })
     }
 
-    fn value(&self, key: &str) -> Option<&'d DeValue<'t>> {
-        self.table.get(key).map(Spanned::get_ref)
+    fn value(&self, name: &str) -> Option<&'d DeValue<'t>> {
+        self.table.get(name).map(Spanned::get_ref)
     }
 
-    pub(super) fn has(&self, key: &str) -> bool {
-        self.value(key).is_some()
+    pub(super) fn has<K: Kind>(&self, key: &Key<K>) -> bool {
+        self.value(key.name).is_some()
+    }
+
+    /// The first of some names that is there.
+    pub(super) fn first_of(&self, names: &[&'static str]) -> Option<&'static str> {
+        names.iter().find(|name| self.value(name).is_some()).copied()
     }
 
     /// The error for a value that is not what it should be.
-    pub(super) fn wrong(&self, key: &str, expected: &str, found: &str) -> SceneError {
-        let path = joined(&self.path, key);
-        SceneError {
-            line: self.document.line_of(&path),
-            message: format!("{path}: expected {expected}, found {found}"),
-        }
+    pub(super) fn wrong(&self, name: &str, expected: &str, found: &str) -> SceneError {
+        self.at(name, &format!("expected {expected}, found {found}"))
     }
 
     /// An error about a key whose message says what was expected.
-    pub(super) fn at(&self, key: &str, message: &str) -> SceneError {
-        SceneError { line: self.document.line_of(&joined(&self.path, key)), message: joined(&self.path, message) }
+    pub(super) fn at(&self, name: &str, message: &str) -> SceneError {
+        let path = joined(&self.path, name);
+        SceneError { line: self.document.line_of(&path), message: format!("{path}: {message}") }
     }
 
     /// The error for a value that is not there.
-    pub(super) fn missing(&self, key: &str, expected: &str) -> SceneError {
-        let path = joined(&self.path, key);
+    pub(super) fn missing(&self, name: &str, expected: &str) -> SceneError {
+        let path = joined(&self.path, name);
         SceneError { line: self.document.line_of(&path), message: format!("{path} is missing: expected {expected}") }
     }
 
     /// A required table.
-    pub(super) fn table(&self, key: &str, known: &[&'static str]) -> Result<TableReader<'d, 't>, SceneError> {
-        self.optional_table(key, known)?.ok_or_else(|| self.missing(key, "a table"))
+    pub(super) fn table(&self, of: &dyn SceneTable) -> Result<TableReader<'d, 't>, SceneError> {
+        self.optional_table(of)?.ok_or_else(|| self.missing(of.name(), "a table"))
     }
 
-    pub(super) fn optional_table(
-        &self,
-        key: &str,
-        known: &[&'static str],
-    ) -> Result<Option<TableReader<'d, 't>>, SceneError> {
-        match self.value(key) {
+    pub(super) fn optional_table(&self, of: &dyn SceneTable) -> Result<Option<TableReader<'d, 't>>, SceneError> {
+        match self.value(of.name()) {
             None => Ok(None),
             Some(DeValue::Table(table)) => {
-                TableReader::open(self.document, joined(&self.path, key), table, known).map(Some)
+                TableReader::open(self.document, joined(&self.path, of.name()), table, of).map(Some)
             }
-            Some(other) => Err(self.wrong(key, "a table", &described(other))),
+            Some(other) => Err(self.wrong(of.name(), "a table", &described(other))),
         }
     }
 
-    /// An array of tables, `[[key]]`; none if it is not there.
-    pub(super) fn tables(&self, key: &str, known: &[&'static str]) -> Result<Vec<TableReader<'d, 't>>, SceneError> {
-        let expected = format!("tables [[{}]]", joined(&self.path, key));
-        let items = match self.value(key) {
+    /// An array of tables, `[[name]]`; none if it is not there.
+    pub(super) fn tables(&self, of: &dyn SceneTable) -> Result<Vec<TableReader<'d, 't>>, SceneError> {
+        let path = joined(&self.path, of.name());
+        let wrong = |found: &DeValue| self.wrong(of.name(), &format!("tables [[{path}]]"), &described(found));
+        let items = match self.value(of.name()) {
             None => return Ok(Vec::new()),
             Some(DeValue::Array(items)) => items,
-            Some(other) => return Err(self.wrong(key, &expected, &described(other))),
+            Some(other) => return Err(wrong(other)),
         };
-        items
-            .iter()
-            .enumerate()
-            .map(|(i, item)| match item.get_ref() {
-                DeValue::Table(table) => {
-                    let path = format!("{}[{}]", joined(&self.path, key), i + 1);
-                    TableReader::open(self.document, path, table, known)
-                }
-                other => Err(self.wrong(key, &expected, &described(other))),
-            })
-            .collect()
+        let open = |(i, item): (usize, &'d Spanned<DeValue<'t>>)| match item.get_ref() {
+            DeValue::Table(table) => TableReader::open(self.document, format!("{path}[{}]", i + 1), table, of),
+            other => Err(wrong(other)),
+        };
+        items.iter().enumerate().map(open).collect()
     }
 
-    pub(super) fn text(&self, key: &str) -> Result<String, SceneError> {
-        match self.value(key) {
-            Some(DeValue::String(text)) => Ok(text.to_string()),
-            Some(other) => Err(self.wrong(key, "a text in quotes", &described(other))),
-            None => Err(self.missing(key, "a text in quotes")),
+    /// A value, or the key's default.
+    pub(super) fn get<K: Kind>(&self, key: &Key<K>) -> Result<K::Value, SceneError> {
+        match (self.optional(key)?, key.default()) {
+            (Some(value), _) => Ok(value),
+            (None, Some(default)) => Ok(default.clone()),
+            (None, None) => Err(self.missing(key.name, &key.kind.noun())),
         }
     }
 
-    /// A required number; `what` names quantity and unit.
-    pub(super) fn number(&self, key: &str, what: &str) -> Result<f64, SceneError> {
-        self.optional_number(key, what)?.ok_or_else(|| self.missing(key, &format!("a {what}")))
+    /// A value if it is there.
+    pub(super) fn optional<K: Kind>(&self, key: &Key<K>) -> Result<Option<K::Value>, SceneError> {
+        let Some(value) = self.value(key.name) else { return Ok(None) };
+        let value = key.kind.parse(value).and_then(|value| key.check(&value).map(|()| value));
+        value.map(Some).map_err(|refused| self.at(key.name, &refused.to_string()))
     }
 
-    pub(super) fn optional_number(&self, key: &str, what: &str) -> Result<Option<f64>, SceneError> {
-        self.value(key)
-            .map(|value| {
-                number(value).ok_or_else(|| self.wrong(key, &format!("a {what}, as a plain number"), &described(value)))
-            })
-            .transpose()
+    /// What a word stands for, of one thing for each word of the key.
+    pub(super) fn word<T: Copy, const N: usize>(&self, key: &Key<Word<N>>, things: [T; N]) -> Result<T, SceneError> {
+        self.get(key).map(|word| things[word])
     }
 
-    pub(super) fn optional_count(&self, key: &str) -> Result<Option<usize>, SceneError> {
-        self.value(key)
-            .map(|value| {
-                match value {
-                    DeValue::Integer(integer) => usize::from_str_radix(integer.as_str(), integer.radix()).ok(),
-                    _ => None,
-                }
-                .ok_or_else(|| self.wrong(key, "a whole number, zero or more", &described(value)))
-            })
-            .transpose()
-    }
-
-    pub(super) fn optional_switch(&self, key: &str) -> Result<Option<bool>, SceneError> {
-        self.value(key)
-            .map(|value| match value {
-                DeValue::Boolean(switch) => Ok(*switch),
-                other => Err(self.wrong(key, "true or false", &described(other))),
-            })
-            .transpose()
-    }
-
-    /// One of several values, each as it is written: a text in its quotes.
-    pub(super) fn optional_value<T: Copy>(&self, key: &str, values: &[(&str, T)]) -> Result<Option<T>, SceneError> {
-        let Some(value) = self.value(key) else { return Ok(None) };
-        let written = match value {
-            DeValue::String(text) => format!("{text:?}"),
-            other => described(other),
-        };
-        let expected = || values.iter().map(|(known, _)| *known).collect::<Vec<_>>().join(" or ");
-        let found = values.iter().find(|(known, _)| *known == written).map(|(_, value)| *value);
-        found.map(Some).ok_or_else(|| self.wrong(key, &expected(), &described(value)))
-    }
-
-    /// A list of `N` numbers; `what` names them and their unit.
-    pub(super) fn optional_numbers<const N: usize>(
+    /// The table's shape. Keys of other shapes are refused.
+    pub(super) fn shape<T: Copy, const N: usize>(
         &self,
-        key: &str,
-        what: &str,
-    ) -> Result<Option<[f64; N]>, SceneError> {
-        let Some(value) = self.value(key) else { return Ok(None) };
-        let wrong = |found: &str| self.wrong(key, &format!("a list of {N} numbers, {what}"), found);
-        let DeValue::Array(items) = value else { return Err(wrong(&described(value))) };
-        let numbers: Option<Vec<f64>> = items.iter().map(|item| number(item.get_ref())).collect();
-        let numbers = numbers.ok_or_else(|| wrong("a list of something else"))?;
-        if let Some(other) = numbers.iter().find(|number| !number.is_finite()) {
-            return Err(wrong(&format!("{other:?} in it")));
-        }
-        let found = numbers.len();
-        <[f64; N]>::try_from(numbers).map(Some).map_err(|_| wrong(&format!("{found}")))
-    }
-
-    /// A required list of `N` numbers.
-    pub(super) fn numbers<const N: usize>(&self, key: &str, what: &str) -> Result<[f64; N], SceneError> {
-        self.optional_numbers(key, what)?.ok_or_else(|| self.missing(key, &format!("a list of {N} numbers, {what}")))
-    }
-
-    /// A number that stands for two, or a list of two.
-    pub(super) fn optional_number_or_pair(&self, key: &str, what: &str) -> Result<Option<[f64; 2]>, SceneError> {
-        match self.value(key) {
-            Some(DeValue::Array(_)) => self.optional_numbers(key, what),
-            Some(value) => match number(value) {
-                Some(both) => Ok(Some([both; 2])),
-                None => Err(self.wrong(key, what, &described(value))),
-            },
-            None => Ok(None),
+        of: &dyn SceneTable,
+        key: &Key<Word<N>>,
+        shapes: [T; N],
+    ) -> Result<T, SceneError> {
+        let place = self.get(key)?;
+        let own = key.kind.0[place];
+        let is_foreign =
+            |name: &&str, shape: Option<&str>| shape.is_some_and(|shape| shape != own) && self.value(name).is_some();
+        match of.entries().iter().find(|entry| is_foreign(&entry.name, entry.shape)) {
+            Some(entry) => Err(self.not_of(entry.name, &with_article(own))),
+            None => Ok(shapes[place]),
         }
     }
 
-    /// Whether a list has lists in it.
-    pub(super) fn is_list_of_lists(&self, key: &str) -> bool {
-        let is_list = |item: &Spanned<DeValue>| matches!(item.get_ref(), DeValue::Array(_));
-        matches!(self.value(key), Some(DeValue::Array(items)) if items.iter().any(is_list))
-    }
-
-    /// A list of pairs of numbers; `what` says of what, and the unit.
-    pub(super) fn optional_pairs(&self, key: &str, what: &str) -> Result<Option<Vec<[f64; 2]>>, SceneError> {
-        let Some(value) = self.value(key) else { return Ok(None) };
-        let pair = |item: &DeValue| match item {
-            DeValue::Array(pair) => match pair.iter().map(|x| number(x.get_ref())).collect::<Option<Vec<_>>>()?[..] {
-                [front, back] => Some([front, back]),
-                _ => None,
-            },
-            _ => None,
-        };
-        let pairs = match value {
-            DeValue::Array(items) => items.iter().map(|item| pair(item.get_ref())).collect::<Option<Vec<_>>>(),
-            _ => None,
-        };
-        pairs.map(Some).ok_or_else(|| {
-            let found = match value {
-                DeValue::Array(_) => "a list of something else".to_owned(),
-                other => described(other),
-            };
-            self.wrong(key, &format!("a list of pairs {what}"), &found)
-        })
-    }
-
-    /// One of several words.
-    pub(super) fn choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> Result<T, SceneError> {
-        let words: Vec<_> = choices.iter().map(|(word, _)| format!("\"{word}\"")).collect();
-        let expected = format!("one of {}", words.join(", "));
-        match self.value(key) {
-            None => Err(self.missing(key, &expected)),
-            Some(value) => match value {
-                DeValue::String(found) => choices.iter().find(|(word, _)| word == found).map(|(_, choice)| *choice),
-                _ => None,
-            }
-            .ok_or_else(|| self.wrong(key, &expected, &described(value))),
-        }
-    }
-}
-
-fn number(value: &DeValue) -> Option<f64> {
-    match value {
-        DeValue::Float(float) => float.as_str().parse().ok(),
-        DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|i| i as f64),
-        _ => None,
-    }
-}
-
-/// The value as it stands in the scene, on one line.
-fn described(value: &DeValue) -> String {
-    match value {
-        DeValue::String(text) => format!("the text {text:?}"),
-        DeValue::Integer(integer) => integer.as_str().to_owned(),
-        DeValue::Float(float) => float.as_str().to_owned(),
-        DeValue::Boolean(switch) => switch.to_string(),
-        DeValue::Datetime(date) => format!("the date {date}"),
-        DeValue::Array(_) => "a list".to_owned(),
-        DeValue::Table(_) => "a table".to_owned(),
+    /// The error for a value that has no meaning beside others.
+    pub(super) fn not_of(&self, name: &str, whose: &str) -> SceneError {
+        self.wrong(name, "nothing", &format!("a value that {whose} does not have"))
     }
 }

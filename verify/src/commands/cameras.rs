@@ -4,6 +4,7 @@ use super::{Failure, bad_input};
 use finray_files::name_of;
 use finray_model::Scene;
 use finray_model::camera::{Camera, Lens, Pose};
+use finray_model::keys::{CAMERA, MARKERS, SceneTable};
 use finray_model::scene::Markers;
 use std::path::Path;
 
@@ -14,18 +15,20 @@ fn missing(path: &Path, what: &str) -> Failure {
 
 /// The lens, and the pose where the scene has it.
 pub fn camera_of(path: &Path, scene: &Scene) -> Result<(Lens, Option<Pose>), Failure> {
-    let camera = scene.camera.ok_or_else(|| missing(path, "[camera] with size_px, focal_px and principal_point_px"))?;
+    let keys = [CAMERA.size_px.name, CAMERA.focal_px.name, CAMERA.principal_point_px.name];
+    let camera = scene.camera.ok_or_else(|| missing(path, &CAMERA.with(&keys)))?;
     Ok((camera.lens, camera.pose))
 }
 
 /// The markers.
 pub fn markers_of(path: &Path, scene: &Scene) -> Result<Markers, Failure> {
-    scene.markers.ok_or_else(|| missing(path, "[markers]"))
+    scene.markers.ok_or_else(|| missing(path, &MARKERS.outline()))
 }
 
 /// The camera with its pose, and the markers.
 pub fn camera_and_markers(path: &Path, scene: &Scene) -> Result<(Camera, Markers), Failure> {
     let (lens, pose) = camera_of(path, scene)?;
-    let pose = pose.ok_or_else(|| missing(path, "rotation_vector_rad and translation_mm in [camera]"))?;
+    let keys = [CAMERA.rotation_vector_rad.name, CAMERA.translation_mm.name];
+    let pose = pose.ok_or_else(|| missing(path, &CAMERA.with(&keys)))?;
     Ok((Camera { lens, pose }, markers_of(path, scene)?))
 }

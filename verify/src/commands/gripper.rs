@@ -4,6 +4,7 @@ use super::parse::{MotorAngles, motor_angles, not_negative};
 use super::{Failure, bad_input};
 use finray_files::{csv_text, load_scene, name_of, write_text};
 use finray_model::gripper::{Gripper, LinkageErrors, NodeErrors};
+use finray_model::keys::{GRIPPER, SceneTable};
 use finray_model::{Finger, Scene};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -122,9 +123,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Scene { finger, gripper, .. } = load_scene(&arguments.scene)?;
     let Some(gripper) = gripper else {
         return Err(bad_input(format!(
-            "{}: line 1: gripper is missing: expected a table [gripper] with screw_pitch_mm, slider_mm, link_mm and \
-             fixed_joint_mm",
-            name_of(&arguments.scene)
+            "{}: line 1: gripper is missing: expected a table {}",
+            name_of(&arguments.scene),
+            GRIPPER.outline()
         )));
     };
     let [from_deg, to_deg] = gripper.reach_deg();

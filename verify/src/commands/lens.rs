@@ -5,6 +5,7 @@ use super::{Failure, bad_input};
 use finray_files::{FileError, load_image, write_text};
 use finray_imaging::grid::{find_grid, lens_of_grids};
 use finray_model::camera::{LENS_PARAMETERS, LensFit, Pose};
+use finray_model::keys::{CAMERA, SceneTable};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::fmt::Write;
@@ -68,8 +69,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.plane {
         let pose = pose_of_plane(&fit).map_err(bad_input)?;
         text += &format!(
-            "rotation_vector_rad = {:?}\ntranslation_mm = {:?}\n",
+            "{} = {:?}\n{} = {:?}\n",
+            CAMERA.rotation_vector_rad.name,
             pose.rotation_vector_rad(),
+            CAMERA.translation_mm.name,
             <[f64; 3]>::from(pose.translation_mm)
         );
     }
@@ -126,11 +129,11 @@ fn to_toml(fit: &LensFit, arguments: &Arguments, dots: usize) -> String {
     if let Some(note) = not_shown(fit) {
         let _ = writeln!(text, "# {note}");
     }
-    let _ = writeln!(text, "[camera]");
-    let _ = writeln!(text, "size_px = {:?}", lens.size_px());
-    let _ = writeln!(text, "focal_px = {:?}", lens.focal_px());
-    let _ = writeln!(text, "principal_point_px = {:?}", lens.principal_point_px());
-    let _ = writeln!(text, "distortion = {:?}", lens.distortion().to_opencv());
+    let _ = writeln!(text, "[{}]", CAMERA.path());
+    let _ = writeln!(text, "{} = {:?}", CAMERA.size_px.name, lens.size_px());
+    let _ = writeln!(text, "{} = {:?}", CAMERA.focal_px.name, lens.focal_px());
+    let _ = writeln!(text, "{} = {:?}", CAMERA.principal_point_px.name, lens.principal_point_px());
+    let _ = writeln!(text, "{} = {:?}", CAMERA.distortion.name, lens.distortion().to_opencv());
     text
 }
 

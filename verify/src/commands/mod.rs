@@ -3,6 +3,7 @@
 pub mod calibrate;
 pub mod grasp;
 pub mod gripper;
+pub mod guide;
 pub mod lens;
 pub mod locate;
 pub mod map;

@@ -12,6 +12,7 @@ mod contradictions;
 mod garbage;
 mod grasp;
 mod gripper;
+mod guide;
 mod map;
 mod output;
 mod photographs;

@@ -110,7 +110,7 @@ fn sizes_must_be_positive_finite_numbers() {
     let rigid = [("joints = \"rigid\"\nthickness_mm = 1.5", "joints = \"rigid\"\nrigid = true\nthickness_mm = -1.5")];
     assert_says(
         &refused(&paper_with(&rigid)),
-        &["line 26: finger.ribs.thickness_mm: expected a positive number, found -1.5"],
+        &["line 26: finger.ribs.thickness_mm: expected a positive length in mm, found -1.5"],
     );
 }
 

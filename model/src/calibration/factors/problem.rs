@@ -5,6 +5,7 @@ use crate::Vector;
 use crate::calibration::{CalibrationCase, CalibrationError};
 use crate::finger::{Finger, ImpossibleFinger};
 use crate::frame::{FrameLoad, FrameMotion};
+use crate::keys::{SceneTable, ZONE};
 use crate::mesh::Mesh;
 use crate::optimise::{LeastSquaresProblem, Refusal, StepBounds};
 use crate::statics::{Statics, StaticsError, equilibria};
@@ -123,7 +124,7 @@ pub(super) fn with_factors(finger: &Finger, unknowns: &[Unknown], logs: &[f64]) 
             Unknown::Zones(zones) => {
                 for &zone in zones {
                     let missing = || ImpossibleFinger {
-                        key: "finger.zone".to_owned(),
+                        key: ZONE.path().to_owned(),
                         reason: format!(
                             "expected at least {} zones, found {}",
                             zone + 1,

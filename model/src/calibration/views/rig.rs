@@ -6,6 +6,7 @@ use super::{
 use crate::calibration::CalibrationError;
 use crate::estimators::ELEMENTS;
 use crate::finger::{BracketLengths, RibPositions};
+use crate::keys::{BACK, BASE, CAMERA, CONTACT, FRONT, MARKERS, REFERENCE, RIBS};
 use crate::sensing::Lean;
 use crate::{Scene, Vector};
 use nalgebra::Point2;
@@ -113,30 +114,30 @@ impl RigEstimate {
     /// Values of the calibrated scene by key, in place of those that the scene has; `None` for a key that goes.
     pub fn scene_values(&self, scene: &Scene) -> Vec<(String, Option<SceneValue>)> {
         let mut values = self.finger_values();
-        let mut put = |key: &str, value: SceneValue| values.push((key.to_owned(), Some(value)));
+        let mut put = |key: String, value: SceneValue| values.push((key, Some(value)));
         let errors = self.views.new_marker_errors;
-        put("markers.noise_factor", SceneValue::Number(errors.noise_factor));
-        put("markers.model_error_mm", SceneValue::Number(errors.model_mm));
+        put(MARKERS.noise_factor.path(), SceneValue::Number(errors.noise_factor));
+        put(MARKERS.model_error_mm.path(), SceneValue::Number(errors.model_mm));
         if let Some(error) = self.views.force_error {
-            put("contact.force_error_share", SceneValue::Number(error.of_new));
+            put(CONTACT.force_error_share.path(), SceneValue::Number(error.of_new));
         }
         // A base that is taken for exact has no turn to expect.
         let is_sought = scene.base.as_ref().is_some_and(|base| base.uncertainty.is_some());
         if let Some(BaseCompliance { deg_per_n, sigma_deg_per_n }) = self.compliance.filter(|_| is_sought) {
-            put("base.turn_deg_per_n", SceneValue::Number(deg_per_n));
+            put(BASE.turn_deg_per_n.path(), SceneValue::Number(deg_per_n));
             if sigma_deg_per_n.is_finite() {
-                put("base.turn_sigma_deg_per_n", SceneValue::Number(sigma_deg_per_n));
+                put(BASE.turn_sigma_deg_per_n.path(), SceneValue::Number(sigma_deg_per_n));
             }
         }
         if let Some(lean) = &self.friction {
             let [coefficient, sigma] = lean.coefficient();
-            put("contact.friction", SceneValue::Number(coefficient));
-            put("contact.friction_sigma", SceneValue::Number(sigma));
+            put(CONTACT.friction.path(), SceneValue::Number(coefficient));
+            put(CONTACT.friction_sigma.path(), SceneValue::Number(sigma));
             if lean.build_up_n > 0.0 {
-                put("contact.friction_build_up_n", SceneValue::Number(lean.build_up_n));
+                put(CONTACT.friction_build_up_n.path(), SceneValue::Number(lean.build_up_n));
             }
             // Either a coefficient or a range of them.
-            values.push(("contact.friction_range".to_owned(), None));
+            values.push((CONTACT.friction_range.path(), None));
         }
         values.extend(self.base_values(scene));
         values
@@ -150,31 +151,31 @@ impl RigEstimate {
     fn finger_values(&self) -> Vec<(String, Option<SceneValue>)> {
         let description = self.views.finger.description();
         let mut values: Vec<(String, Option<SceneValue>)> = Vec::new();
-        let mut put = |key: &str, value: SceneValue| values.push((key.to_owned(), Some(value)));
+        let mut put = |key: String, value: SceneValue| values.push((key, Some(value)));
         if self.sought(Quantity::is_modulus) {
-            put("finger.front.youngs_modulus_mpa", SceneValue::Number(description.front.youngs_modulus_mpa));
-            put("finger.back.youngs_modulus_mpa", SceneValue::Number(description.back.youngs_modulus_mpa));
+            put(FRONT.youngs_modulus_mpa.path(), SceneValue::Number(description.front.youngs_modulus_mpa));
+            put(BACK.youngs_modulus_mpa.path(), SceneValue::Number(description.back.youngs_modulus_mpa));
         }
         if let Some(strip) = description.ribs.strip.filter(|_| self.sought(|quantity| *quantity == Quantity::Modulus)) {
-            put("finger.ribs.youngs_modulus_mpa", SceneValue::Number(strip.youngs_modulus_mpa));
+            put(RIBS.youngs_modulus_mpa.path(), SceneValue::Number(strip.youngs_modulus_mpa));
         }
         if self.sought(|quantity| matches!(quantity, Quantity::Bracket(_) | Quantity::OwnBracket(..))) {
             let lengths = match &description.ribs.bracket_mm {
                 BracketLengths::Alike(lengths_mm) => SceneValue::Numbers(lengths_mm.to_vec()),
                 BracketLengths::Each(each) => SceneValue::Pairs(each.clone()),
             };
-            put("finger.ribs.bracket_mm", lengths);
+            put(RIBS.bracket_mm.path(), lengths);
         }
         if self.sought(|quantity| matches!(quantity, Quantity::Clip | Quantity::PlateClip(_))) {
-            put("finger.ribs.clip_mm", SceneValue::Numbers(description.ribs.clip_mm.to_vec()));
+            put(RIBS.clip_mm.path(), SceneValue::Numbers(description.ribs.clip_mm.to_vec()));
         }
         if let RibPositions::Positions(positions) = &description.ribs.positions
             && self.sought(|quantity| matches!(quantity, Quantity::RibPosition(..)))
         {
-            put("finger.ribs.positions_mm", SceneValue::Pairs(positions.clone()));
+            put(RIBS.positions_mm.path(), SceneValue::Pairs(positions.clone()));
         }
         if self.sought(|quantity| *quantity == Quantity::MarkerHeight) {
-            put("markers.height_mm", SceneValue::Number(self.views.marker_height_mm));
+            put(MARKERS.height_mm.path(), SceneValue::Number(self.views.marker_height_mm));
         }
         values
     }
@@ -191,13 +192,13 @@ impl RigEstimate {
             let rotation = SceneValue::Numbers(pose.rotation_vector_rad().to_vec());
             let translation = SceneValue::Numbers(pose.translation_mm.iter().copied().collect());
             return vec![
-                ("camera.rotation_vector_rad".to_owned(), Some(rotation)),
-                ("camera.translation_mm".to_owned(), Some(translation)),
+                (CAMERA.rotation_vector_rad.path(), Some(rotation)),
+                (CAMERA.translation_mm.path(), Some(translation)),
             ];
         }
         let at_mm = |(i, at): (usize, Vector)| {
             let at: Vector = (moved.inverse() * Point2::from(at)).coords;
-            (format!("base.reference[{}].at_mm", i + 1), Some(SceneValue::Numbers(vec![at.x, at.y])))
+            (REFERENCE.at_mm.path_in(i + 1), Some(SceneValue::Numbers(vec![at.x, at.y])))
         };
         references.iter().map(|reference| reference.at).enumerate().map(at_mm).collect()
     }

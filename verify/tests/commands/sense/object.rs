@@ -93,7 +93,7 @@ fn objects_that_cannot_be_are_refused() {
         (
             "= 0.05",
             "= -0.05",
-            "line 32: contact.object.pose_sigma_mm: expected a standard deviation, 0 to 10000, found -0.05",
+            "line 32: contact.object.pose_sigma_mm: expected a standard deviation in mm, 0 to 10000, found -0.05",
         ),
         ("= 0.05", "= 0.05\nframe = \"tip\"", "line 33: contact.object.frame: expected one of \"base\", \"plane\""),
         (

@@ -32,6 +32,7 @@ use finray_lattice::grasp::{Account, Partner, World, WorldError, surface::Shape}
 use finray_lattice::{Lattice, LatticeError};
 use finray_model::finger::Plate;
 use finray_model::gripper::{Gripper, Placement};
+use finray_model::keys::{GRASP, GRIPPER, OBJECT, SceneTable};
 use finray_model::scene::{GraspDescription, ObjectDescription, ObjectMotion, Outline};
 use finray_model::{Finger, Scene, Vector};
 use rapier2d::parry::query::intersection_test;
@@ -48,12 +49,12 @@ const GRAMS_M_S2_A_NEWTON: f64 = 1000.0;
 #[derive(Debug, thiserror::Error)]
 pub enum GraspError {
     /// A table is missing.
-    #[error("{table} is missing: expected a table [{table}] with {keys}")]
+    #[error("{table} is missing: expected a table {outline}")]
     Missing {
         /// Its name.
         table: &'static str,
-        /// Its required keys.
-        keys: &'static str,
+        /// The table with its required keys.
+        outline: String,
     },
     /// The object is moved by a hand.
     #[error("object.mass_g is missing: expected a free object with mass_g and centre_mm, found one that a hand moves")]
@@ -146,11 +147,11 @@ impl GraspScene {
     /// # Errors
     /// [`GraspError`].
     pub fn new(scene: &Scene, corners: &[Vector]) -> Result<GraspScene, GraspError> {
-        let missing = |table, keys| GraspError::Missing { table, keys };
-        let gripper =
-            scene.gripper.ok_or(missing("gripper", "screw_pitch_mm, slider_mm, link_mm and fixed_joint_mm"))?;
-        let grasp = scene.grasp.clone().ok_or(missing("grasp", "motor_deg"))?;
-        let object = scene.object.clone().ok_or(missing("object", "shape, mass_g and centre_mm"))?;
+        let missing = |table: &dyn SceneTable, outline| GraspError::Missing { table: table.path(), outline };
+        let gripper = scene.gripper.ok_or_else(|| missing(&GRIPPER, GRIPPER.outline()))?;
+        let grasp = scene.grasp.clone().ok_or_else(|| missing(&GRASP, GRASP.outline()))?;
+        let keys = [OBJECT.shape.name, OBJECT.mass_g.name, OBJECT.centre_mm.name];
+        let object = scene.object.clone().ok_or_else(|| missing(&OBJECT, OBJECT.with(&keys)))?;
         let ObjectMotion::Free { mass_g, centre_mm } = object.motion else { return Err(GraspError::NotFree) };
         let outline = TurnedOutline::new(&ObjectDescription { rotation_deg: 0.0, ..object.clone() }, corners)?;
         let shape = match (&object.outline, &outline) {

@@ -1,0 +1,175 @@
+//! Kinds of values: how each is read from TOML, its range, and the words for both.
+
+mod numbers;
+
+pub use numbers::{Number, Numbers, Pairs, Quantity, Range, RibEnds, RibLengths, SideLengths};
+
+use std::fmt::Debug;
+use toml::de::DeValue;
+
+/// A value that a key does not take.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("expected {expected}, found {found}")]
+pub struct Refused {
+    /// What the key takes.
+    pub expected: String,
+    /// What was there.
+    pub found: String,
+}
+
+/// A kind of value.
+pub trait Kind {
+    /// The value in memory.
+    type Value: Clone + Debug;
+
+    /// What a scene lacks without it: quantity and unit.
+    fn noun(&self) -> String;
+
+    /// Quantity, unit and range, as an error names them for a value outside the range.
+    fn expected(&self) -> String {
+        self.noun()
+    }
+
+    /// Quantity, unit and range, as the reference names them.
+    fn described(&self) -> String {
+        self.expected()
+    }
+
+    /// The value as a scene has it; its range is not checked.
+    ///
+    /// # Errors
+    /// [`Refused`] for a value of another type.
+    fn parse(&self, value: &DeValue) -> Result<Self::Value, Refused>;
+
+    /// The part of a value that lies outside the range, as it is written.
+    fn outside(&self, _value: &Self::Value) -> Option<String> {
+        None
+    }
+
+    /// The value as a scene would have it.
+    fn written(&self, value: &Self::Value) -> String {
+        format!("{value:?}")
+    }
+}
+
+/// A whole number between two others; the text says of what.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Count(pub &'static str, pub usize, pub usize);
+
+impl Kind for Count {
+    type Value = usize;
+
+    fn noun(&self) -> String {
+        "a whole number, zero or more".to_owned()
+    }
+
+    fn expected(&self) -> String {
+        let Count(of, least, most) = self;
+        if of.is_empty() { format!("a whole number, {least} to {most}") } else { format!("{least} to {most} {of}") }
+    }
+
+    fn parse(&self, value: &DeValue) -> Result<usize, Refused> {
+        let count = match value {
+            DeValue::Integer(integer) => usize::from_str_radix(integer.as_str(), integer.radix()).ok(),
+            _ => None,
+        };
+        count.ok_or_else(|| refused(self.noun(), value))
+    }
+
+    fn outside(&self, value: &usize) -> Option<String> {
+        (!(self.1..=self.2).contains(value)).then(|| value.to_string())
+    }
+
+    fn written(&self, value: &usize) -> String {
+        value.to_string()
+    }
+}
+
+/// True or false.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Switch();
+
+impl Kind for Switch {
+    type Value = bool;
+
+    fn noun(&self) -> String {
+        "true or false".to_owned()
+    }
+
+    fn parse(&self, value: &DeValue) -> Result<bool, Refused> {
+        match value {
+            DeValue::Boolean(switch) => Ok(*switch),
+            other => Err(refused(self.noun(), other)),
+        }
+    }
+
+    fn written(&self, value: &bool) -> String {
+        value.to_string()
+    }
+}
+
+/// A text.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Text();
+
+impl Kind for Text {
+    type Value = String;
+
+    fn noun(&self) -> String {
+        "a text in quotes".to_owned()
+    }
+
+    fn parse(&self, value: &DeValue) -> Result<String, Refused> {
+        match value {
+            DeValue::String(text) => Ok(text.to_string()),
+            other => Err(refused(self.noun(), other)),
+        }
+    }
+}
+
+/// One of `N` words, in quotes but for `true` and `false`. Its value is the word's place in the list.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Word<const N: usize>(pub [&'static str; N]);
+
+/// A word as a scene has it.
+fn literal(word: &str) -> String {
+    if ["true", "false"].contains(&word) { word.to_owned() } else { format!("{word:?}") }
+}
+
+impl<const N: usize> Kind for Word<N> {
+    type Value = usize;
+
+    fn noun(&self) -> String {
+        let words = self.0.map(literal);
+        if self.0.contains(&"true") { words.join(" or ") } else { format!("one of {}", words.join(", ")) }
+    }
+
+    fn parse(&self, value: &DeValue) -> Result<usize, Refused> {
+        let written = match value {
+            DeValue::String(text) => format!("{text:?}"),
+            other => described(other),
+        };
+        self.0.iter().position(|word| literal(word) == written).ok_or_else(|| refused(self.noun(), value))
+    }
+
+    fn written(&self, value: &usize) -> String {
+        literal(self.0[*value])
+    }
+}
+
+fn refused(expected: String, found: &DeValue) -> Refused {
+    Refused { expected, found: described(found) }
+}
+
+/// The value as it stands in the scene, on one line.
+pub(crate) fn described(value: &DeValue) -> String {
+    match value {
+        DeValue::String(text) => format!("the text {text:?}"),
+        DeValue::Integer(integer) => integer.as_str().to_owned(),
+        DeValue::Float(float) => float.as_str().to_owned(),
+        DeValue::Boolean(switch) => switch.to_string(),
+        DeValue::Datetime(date) => format!("the date {date}"),
+        DeValue::Array(_) => "a list".to_owned(),
+        DeValue::Table(_) => "a table".to_owned(),
+    }
+}

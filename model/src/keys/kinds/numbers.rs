@@ -1,0 +1,271 @@
+//! Numbers and lists of them, each with quantity, unit and range.
+
+use super::{Kind, Refused, described, refused};
+use crate::keys::with_article;
+use toml::de::DeValue;
+
+/// A physical quantity and its unit; no unit for ratios.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Quantity(pub &'static str, pub &'static str);
+
+/// Which numbers a key takes. None are subnormal where numbers are zero or more: such ones have lost their digits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Range {
+    /// Any but infinite ones.
+    Finite,
+    /// It depends on other values, as the text says; the code that knows them checks it.
+    ByOthers(&'static str),
+    /// Above zero, up to this.
+    Positive(f64),
+    /// Above the first, up to the second.
+    Above(f64, f64),
+    /// Both ends included.
+    Within(f64, f64),
+    /// Both ends excluded.
+    Between(f64, f64),
+    /// Of this magnitude at most.
+    AtMost(f64),
+    /// Whole numbers, both ends included.
+    Whole(f64, f64),
+}
+
+impl Range {
+    /// Zero or more.
+    pub const NOT_NEGATIVE: Range = Range::Within(0.0, f64::INFINITY);
+    /// Above zero.
+    pub const POSITIVE: Range = Range::Positive(f64::INFINITY);
+
+    /// Whether a number is in the range.
+    pub fn contains(self, x: f64) -> bool {
+        match self {
+            Range::Finite => x.is_finite(),
+            Range::ByOthers(_) => true,
+            Range::Positive(most) => x.is_normal() && 0.0 < x && x <= most,
+            Range::Above(least, most) => least < x && x <= most,
+            Range::Within(0.0, most) => x == 0.0 || Range::Positive(most).contains(x),
+            Range::Within(least, most) => (least..=most).contains(&x),
+            Range::Between(least, most) => least < x && x < most,
+            Range::AtMost(most) => x.abs() <= most,
+            Range::Whole(least, most) => x.fract() == 0.0 && (least..=most).contains(&x),
+        }
+    }
+
+    /// Quantity, unit and range, without article.
+    fn of(self, quantity: Quantity) -> String {
+        let noun = quantity.noun();
+        match self {
+            Range::Finite => format!("finite {noun}"),
+            Range::ByOthers(limits) => format!("{noun}, {limits}"),
+            Range::Positive(most) if most.is_infinite() => format!("positive {noun}"),
+            Range::Positive(most) => format!("{noun} above zero, up to {most}"),
+            Range::Above(least, most) => format!("{noun} above {least} and up to {most}"),
+            Range::Within(_, most) if most.is_infinite() => format!("{noun}, zero or more"),
+            Range::Within(least, most) => format!("{noun}, {least} to {most}"),
+            Range::Between(least, most) => format!("{} between {least} and {most} {}", quantity.0, quantity.1),
+            Range::AtMost(most) => format!("{} of at most {most} {}", quantity.0, quantity.1).trim_end().to_owned(),
+            Range::Whole(least, most) => format!("whole numbers from {least} to {most}, {noun}"),
+        }
+    }
+}
+
+impl Quantity {
+    fn noun(self) -> String {
+        if self.1.is_empty() { self.0.to_owned() } else { format!("{} in {}", self.0, self.1) }
+    }
+}
+
+/// A number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Number(pub Quantity, pub Range);
+
+impl Kind for Number {
+    type Value = f64;
+
+    fn noun(&self) -> String {
+        with_article(&self.0.noun())
+    }
+
+    fn expected(&self) -> String {
+        with_article(&self.1.of(self.0))
+    }
+
+    fn parse(&self, value: &DeValue) -> Result<f64, Refused> {
+        number(value).ok_or_else(|| refused(format!("{}, as a plain number", self.noun()), value))
+    }
+
+    fn outside(&self, value: &f64) -> Option<String> {
+        (!self.1.contains(*value)).then(|| format!("{value:?}"))
+    }
+}
+
+/// A list of `N` numbers, each within the range.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Numbers<const N: usize>(pub Quantity, pub Range);
+
+impl<const N: usize> Kind for Numbers<N> {
+    type Value = [f64; N];
+
+    fn noun(&self) -> String {
+        format!("a list of {N} numbers, {}", self.0.noun())
+    }
+
+    fn expected(&self) -> String {
+        self.1.of(self.0)
+    }
+
+    fn described(&self) -> String {
+        format!("a list of {N} numbers, {}", if self.1 == Range::Finite { self.0.noun() } else { self.expected() })
+    }
+
+    fn parse(&self, value: &DeValue) -> Result<[f64; N], Refused> {
+        let wrong = |found: String| Refused { expected: self.noun(), found };
+        let DeValue::Array(items) = value else { return Err(wrong(described(value))) };
+        let numbers: Option<Vec<f64>> = items.iter().map(|item| number(item.get_ref())).collect();
+        let numbers = numbers.ok_or_else(|| wrong("a list of something else".to_owned()))?;
+        if let Some(other) = numbers.iter().find(|number| !number.is_finite()) {
+            return Err(wrong(format!("{other:?} in it")));
+        }
+        let found = numbers.len();
+        <[f64; N]>::try_from(numbers).map_err(|_| wrong(format!("{found}")))
+    }
+
+    fn outside(&self, value: &[f64; N]) -> Option<String> {
+        (!value.iter().all(|x| self.1.contains(*x))).then(|| format!("{value:?}"))
+    }
+}
+
+/// A length in mm, zero or more, at front and back: a number for both, or a list of two.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SideLengths();
+
+impl SideLengths {
+    const EACH: Numbers<2> = Numbers(Quantity("lengths", "mm"), Range::NOT_NEGATIVE);
+}
+
+impl Kind for SideLengths {
+    type Value = [f64; 2];
+
+    fn noun(&self) -> String {
+        "a length in mm, or [front, back]".to_owned()
+    }
+
+    fn expected(&self) -> String {
+        SideLengths::EACH.expected()
+    }
+
+    fn described(&self) -> String {
+        "a length in mm, zero or more, or [front, back]".to_owned()
+    }
+
+    fn parse(&self, value: &DeValue) -> Result<[f64; 2], Refused> {
+        match (value, number(value)) {
+            (DeValue::Array(_), _) => SideLengths::EACH.parse(value),
+            (_, Some(both)) => Ok([both; 2]),
+            (_, None) => Err(refused(self.noun(), value)),
+        }
+    }
+
+    fn outside(&self, value: &[f64; 2]) -> Option<String> {
+        SideLengths::EACH.outside(value)
+    }
+}
+
+/// Lengths at both ends of ribs.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RibEnds {
+    /// The same for all ribs: at front and back.
+    Alike([f64; 2]),
+    /// Of each rib.
+    Each(Vec<[f64; 2]>),
+}
+
+/// A length in mm, zero or more, at the ends of ribs: as [`SideLengths`], or a list with a pair for each rib.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RibLengths();
+
+impl Kind for RibLengths {
+    type Value = RibEnds;
+
+    fn noun(&self) -> String {
+        SideLengths().noun()
+    }
+
+    fn expected(&self) -> String {
+        SideLengths().expected()
+    }
+
+    fn described(&self) -> String {
+        format!("{}, or a list of pairs [front, back], one for each rib", SideLengths().described())
+    }
+
+    fn parse(&self, value: &DeValue) -> Result<RibEnds, Refused> {
+        match value {
+            DeValue::Array(items) if items.iter().any(|item| matches!(item.get_ref(), DeValue::Array(_))) => {
+                Pairs("[front, back], lengths in mm", None).parse(value).map(RibEnds::Each)
+            }
+            _ => SideLengths().parse(value).map(RibEnds::Alike),
+        }
+    }
+
+    fn outside(&self, value: &RibEnds) -> Option<String> {
+        let pairs = match value {
+            RibEnds::Alike(pair) => std::slice::from_ref(pair),
+            RibEnds::Each(pairs) => pairs,
+        };
+        pairs.iter().find_map(|pair| SideLengths().outside(pair))
+    }
+
+    fn written(&self, value: &RibEnds) -> String {
+        match value {
+            RibEnds::Alike(pair) => SideLengths().written(pair),
+            RibEnds::Each(pairs) => format!("{pairs:?}"),
+        }
+    }
+}
+
+/// A list of pairs of numbers. The text says of what, and the unit; with a limit, what they are and the largest magnitude of a coordinate in mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pairs(pub &'static str, pub Option<(&'static str, f64)>);
+
+impl Kind for Pairs {
+    type Value = Vec<[f64; 2]>;
+
+    fn noun(&self) -> String {
+        format!("a list of pairs {}", self.0)
+    }
+
+    fn expected(&self) -> String {
+        self.1.map_or(self.noun(), |(points, most)| format!("{points} within {most} mm"))
+    }
+
+    fn described(&self) -> String {
+        self.1.map_or(self.noun(), |_| format!("{}; {}", self.noun(), self.expected()))
+    }
+
+    fn parse(&self, value: &DeValue) -> Result<Vec<[f64; 2]>, Refused> {
+        let pair = |item: &DeValue| match item {
+            DeValue::Array(pair) => match pair.iter().map(|x| number(x.get_ref())).collect::<Option<Vec<_>>>()?[..] {
+                [first, second] => Some([first, second]),
+                _ => None,
+            },
+            _ => None,
+        };
+        let DeValue::Array(items) = value else { return Err(refused(self.noun(), value)) };
+        let pairs = items.iter().map(|item| pair(item.get_ref())).collect::<Option<Vec<_>>>();
+        pairs.ok_or_else(|| Refused { expected: self.noun(), found: "a list of something else".to_owned() })
+    }
+
+    fn outside(&self, value: &Vec<[f64; 2]>) -> Option<String> {
+        let (_, most) = self.1?;
+        let is_near = |pair: &&[f64; 2]| pair.iter().all(|x| x.abs() <= most);
+        value.iter().find(|pair| !is_near(pair)).map(|pair| format!("{pair:?}"))
+    }
+}
+
+fn number(value: &DeValue) -> Option<f64> {
+    match value {
+        DeValue::Float(float) => float.as_str().parse().ok(),
+        DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|i| i as f64),
+        _ => None,
+    }
+}
