@@ -1,7 +1,7 @@
 //! Views that contradict the scene's finger or each other by more than what is sought could explain: each view by itself, before any fit.
 
 use super::problem::{Candidate, Own, Problem};
-use super::start::motion_of_shape;
+use super::shape_motion::motion_of_shape;
 use super::{Quantity, View, ViewError};
 use crate::calibration::CalibrationError;
 use crate::measurement::BaseUncertainty;

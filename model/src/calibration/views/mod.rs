@@ -13,6 +13,7 @@ mod outliers;
 mod problem;
 mod quantity;
 mod scatter;
+mod shape_motion;
 mod start;
 mod view;
 

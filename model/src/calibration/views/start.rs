@@ -2,8 +2,8 @@
 
 use super::contradiction::Shown;
 use super::problem::{Candidate, Own, Point, Problem};
+use super::shape_motion::misfit_of_shape;
 use super::{FIRST_MODEL_ERROR_MM, View, ViewError};
-use crate::Vector;
 use crate::calibration::CalibrationError;
 use crate::finger::Plate;
 use crate::sensing::{ContactQuestion, Direction, Lean, NonlinearEstimator};
@@ -94,25 +94,4 @@ impl Problem<'_> {
             further_lean_deg: 0.0,
         })
     }
-}
-
-/// The motion of a whole shape, as small as a turn may be, that is closest to what each of its points is to move by: points, and their motions.
-pub(super) fn motion_of_shape(all: &[(Vector, Vector)]) -> impl Fn(&Vector) -> Vector + use<> {
-    let count = all.len().max(1) as f64;
-    let [middle, shift] =
-        all.iter().fold([Vector::zeros(); 2], |[p, r], (point, moved)| [p + point / count, r + moved / count]);
-    let (mut turned, mut arms) = (0.0, 0.0);
-    for (point, moved) in all {
-        let arm = point - middle;
-        turned += arm.perp(&(moved - shift));
-        arms += arm.norm_squared();
-    }
-    let turn = turned / arms.max(f64::MIN_POSITIVE);
-    move |point| shift + Vector::new(middle.y - point.y, point.x - middle.x) * turn
-}
-
-/// What is left of residuals at points, mm^2, once the whole shape has moved to where they are least.
-fn misfit_of_shape(all: &[(Vector, Vector)]) -> f64 {
-    let moved = motion_of_shape(all);
-    all.iter().map(|(point, left)| (left - moved(point)).norm_squared()).sum()
 }

@@ -2,7 +2,7 @@
 
 use super::least_squares::LeastSquares;
 use super::nuisances::{Nuisances, PriorRow, Priors};
-use super::touching::TouchRows;
+use super::touch_rows::TouchRows;
 use super::unknowns::{BaseMotion, Unknown};
 use super::{NonlinearEstimator, State};
 use crate::Vector;

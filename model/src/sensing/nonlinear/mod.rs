@@ -16,6 +16,7 @@ mod refine;
 mod search;
 mod simultaneous;
 mod start;
+mod touch_rows;
 mod touching;
 mod unknowns;
 mod ways;

@@ -1,7 +1,8 @@
 //! The forces on a finger, eliminated with a stiffness, and the correction that balances them.
 
-use super::chain::{Between, ChainForces, Ends, Solved, halves, joined, joints_of};
+use super::chain::{Between, ChainForces, Solved, joints_of};
 use super::elements::OneLine;
+use super::ends::{Ends, halves, joined};
 use super::factor::Factor;
 use super::loads::Applied;
 use super::retraction::Retraction;

@@ -7,37 +7,14 @@ use super::SMALL_PIVOT;
 use super::block::Block;
 use super::brackets::Brackets;
 use super::cantilever::{Cantilever, Deflection, Forces, Joint};
+use super::ends::{Ends, EndsMatrix, numbers};
 use super::ldl::copy_lane;
 use crate::element::{Response, quarter_turn};
 use crate::frame::{FrameMotion, PlaneFrame};
 use crate::mesh::Line;
 use crate::number::Number;
-use nalgebra::{SVector, Vector2};
+use nalgebra::Vector2;
 use std::ops::Range;
-
-/// x, y and rotation of a first end, then of a second.
-pub(super) type Ends<R = f64> = [R; 6];
-/// Second derivatives by [`Ends`], symmetric: only the upper triangle is kept up to date.
-pub(super) type EndsMatrix<R = f64> = [[R; 6]; 6];
-
-/// The two ends of [`Ends`].
-#[inline(always)]
-pub(super) fn halves<R: Number>(ends: &Ends<R>) -> [[R; 3]; 2] {
-    let [a, b, c, d, e, f] = *ends;
-    [[a, b, c], [d, e, f]]
-}
-
-/// Two ends as [`Ends`].
-#[inline(always)]
-pub(super) fn joined<R: Number>(first: &[R; 3], second: &[R; 3]) -> Ends<R> {
-    [first[0], first[1], first[2], second[0], second[1], second[2]]
-}
-
-/// The numbers of an element's vector.
-#[inline(always)]
-pub(super) fn numbers<R: Number>(vector: &SVector<R, 6>) -> Ends<R> {
-    vector.data.0[0]
-}
 
 /// An element of a chain, with what stands on it.
 pub(super) struct Element<'a, R: Number> {

@@ -3,8 +3,9 @@
 use super::balance::Balance;
 use super::brackets::Brackets;
 use super::cantilever::Joint;
-use super::chain::{Chain, ChainForces, Element, joints_of, numbers};
+use super::chain::{Chain, ChainForces, Element, joints_of};
 use super::elements::{Elements, OneLine};
+use super::ends::numbers;
 use super::factor::Factor;
 use crate::Kinematics;
 use crate::element::Response;
