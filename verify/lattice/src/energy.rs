@@ -1,8 +1,8 @@
 //! The lattice's elastic energy, and its equilibrium by Newton's method: what settling must arrive at.
 
-use super::bodies::{Assembly, BodyIndex, BodyLoad};
+use super::bodies::{Assembly, BodyLoad};
 use super::pattern::Pattern;
-use super::springs::{Deformation, Spring};
+use super::springs::{BodyIndex, Deformation, Spring};
 use faer::Side;
 use faer::linalg::solvers::Solve;
 use faer::mat::MatMut;

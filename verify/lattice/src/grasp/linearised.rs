@@ -2,8 +2,8 @@
 
 use super::bordered::Bordered;
 use super::contact::{Tangent, Touching};
-use super::equilibrium::{Scene, State, Surroundings};
 use super::near::{Grip, Near};
+use super::scene::{Scene, State, Surroundings};
 use crate::energy::SpringEnergy;
 
 /// Residual and its derivatives. Unknowns are the motions of the fingers' bodies, then the object's pose and the two forces of each closed pair.

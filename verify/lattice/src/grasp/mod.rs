@@ -11,6 +11,7 @@ mod elimination;
 mod equilibrium;
 mod linearised;
 mod near;
+mod scene;
 pub mod surface;
 pub mod world;
 

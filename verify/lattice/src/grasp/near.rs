@@ -1,7 +1,7 @@
 //! Pairs of parts of finger, object and support that are near each other, and what they look like to Newton's method.
 
 use super::contact::{Pair, Stand, Tangent, Touching};
-use super::equilibrium::{Scene, State, Surroundings};
+use super::scene::{Key, Scene, State, Surroundings};
 use super::surface::{Feature, Part};
 use crate::energy::BodyMotion;
 use crate::skin::TouchedPart;
@@ -17,9 +17,6 @@ const LIFTED: f64 = 10.0;
 
 /// Friction that is as near to its bound, as a share of it, is at the bound: rounding leaves a pair that slips a little below.
 const AT_BOUND: f64 = 1e-9;
-
-/// Which pair of parts: the finger by its number (the support comes after the last), its part, and the object's feature.
-pub(super) type Key = (usize, usize, Feature);
 
 /// A pair that is near, at some state.
 #[derive(Debug, Clone, Copy)]

@@ -2,9 +2,10 @@
 
 use super::contact::{Pair, Stand};
 use crate::Lattice;
-use crate::bodies::{Body, BodyIndex};
+use crate::bodies::Body;
 use crate::energy::BodyMotion;
 use crate::skin::TouchedPart;
+use crate::springs::BodyIndex;
 use finray_model::Vector;
 use finray_model::finger::Plate;
 use nalgebra::Rotation2;

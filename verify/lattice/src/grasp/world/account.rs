@@ -2,8 +2,8 @@
 
 use super::{Drive, World};
 use crate::energy::BodyMotion;
-use crate::grasp::equilibrium::{State, Surroundings};
 use crate::grasp::near::Near;
+use crate::grasp::scene::{State, Surroundings};
 use finray_model::Vector;
 use nalgebra::Rotation2;
 use serde::Serialize;

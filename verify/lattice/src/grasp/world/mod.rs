@@ -9,8 +9,8 @@ mod observed;
 pub use account::Account;
 pub use ends::{Halt, Met, Partner, WorldError};
 
-use super::equilibrium::{Scene, Standing, State, Surroundings};
 use super::near::Near;
+use super::scene::{Scene, Standing, State, Surroundings};
 use super::surface::Shape;
 use crate::energy::BodyMotion;
 use crate::{Lattice, LatticeError};

@@ -1,7 +1,7 @@
 //! The way from one drive to the next: parts of a step that Newton's method takes, snaps, and coming to rest.
 
 use super::{Drive, Halt, World};
-use crate::grasp::equilibrium::{Standing, Surroundings};
+use crate::grasp::scene::{Standing, Surroundings};
 use finray_model::gripper::Placement;
 
 /// Least part of a step that is tried before a snap is passed.
