@@ -5,7 +5,7 @@
 //! equilibrium before it is reported.
 
 use super::limit::Approach;
-use super::load_path::{Growing, LoadPath, Shifting, Tried};
+use super::load_path::{LoadPath, LoadTransition, ProportionalLoading, TrialTransition};
 use super::load_step::Rejected;
 use super::newton::{Equilibrium, Statics};
 use super::{EquilibriumEquations, StaticsError};
@@ -70,10 +70,10 @@ impl<E: EquilibriumEquations> Statics<E> {
         if !loads.iter().all(FrameLoad::is_finite) || !from.is_finite() || !to.is_finite() {
             return Err(StaticsError::LoadNotFinite);
         }
-        let growing = Growing { loads, from, to };
-        let found = self.follow(start, growing);
+        let loading = ProportionalLoading { loads, from, to };
+        let found = self.follow(start, loading);
         let Err(StaticsError::NoEquilibrium { converged_fraction }) = found else { return found };
-        Err(StaticsError::NoEquilibrium { converged_fraction: growing.multiple(converged_fraction) / to })
+        Err(StaticsError::NoEquilibrium { converged_fraction: loading.multiple(converged_fraction) / to })
     }
 
     /// Equilibrium under the loads `to`, followed from one under the loads `from` while the first fade and the second
@@ -90,7 +90,7 @@ impl<E: EquilibriumEquations> Statics<E> {
         if !from.iter().chain(to).all(FrameLoad::is_finite) {
             return Err(StaticsError::LoadNotFinite);
         }
-        self.follow(start, Shifting { from, to, loads: Vec::with_capacity(from.len() + to.len()) })
+        self.follow(start, LoadTransition { from, to, loads: Vec::with_capacity(from.len() + to.len()) })
     }
 
     /// As [`shifted`](Statics::shifted), for a caller who shortens the way where it fails: the end of a branch is not sought
@@ -108,8 +108,8 @@ impl<E: EquilibriumEquations> Statics<E> {
         if !from.iter().chain(to).all(FrameLoad::is_finite) {
             return Err(StaticsError::LoadNotFinite);
         }
-        let shifting = Shifting { from, to, loads: Vec::with_capacity(from.len() + to.len()) };
-        self.follow(start, Tried { shifting, goes_on, most_rejected })
+        let transition = LoadTransition { from, to, loads: Vec::with_capacity(from.len() + to.len()) };
+        self.follow(start, TrialTransition { transition, goes_on, most_rejected })
     }
 
     /// Follows equilibria from `start` to the end of the way.

@@ -38,33 +38,33 @@ pub(super) trait LoadPath {
 
 /// The same loads between two multiples.
 #[derive(Clone, Copy)]
-pub(super) struct Growing<'l> {
+pub(super) struct ProportionalLoading<'l> {
     pub loads: &'l [FrameLoad],
     pub from: f64,
     pub to: f64,
 }
 
-impl Growing<'_> {
+impl ProportionalLoading<'_> {
     pub(super) fn multiple(&self, share: f64) -> f64 {
         self.from + (self.to - self.from) * share
     }
 }
 
-impl LoadPath for Growing<'_> {
+impl LoadPath for ProportionalLoading<'_> {
     fn at(&mut self, share: f64) -> (&[FrameLoad], f64) {
         (self.loads, self.multiple(share))
     }
 }
 
 /// Loads that fade while others grow.
-pub(super) struct Shifting<'l> {
+pub(super) struct LoadTransition<'l> {
     pub from: &'l [FrameLoad],
     pub to: &'l [FrameLoad],
     /// Room for both.
     pub loads: Vec<FrameLoad>,
 }
 
-impl LoadPath for Shifting<'_> {
+impl LoadPath for LoadTransition<'_> {
     fn at(&mut self, share: f64) -> (&[FrameLoad], f64) {
         self.loads.clear();
         if share < 1.0 {
@@ -76,16 +76,16 @@ impl LoadPath for Shifting<'_> {
 }
 
 /// Loads that fade while others grow, for a caller who shortens the way where it fails.
-pub(super) struct Tried<'l, W> {
-    pub shifting: Shifting<'l>,
+pub(super) struct TrialTransition<'l, W> {
+    pub transition: LoadTransition<'l>,
     pub goes_on: W,
     /// The way ends at so many rejected steps.
     pub most_rejected: usize,
 }
 
-impl<W: FnMut(f64, &FrameMotion) -> bool> LoadPath for Tried<'_, W> {
+impl<W: FnMut(f64, &FrameMotion) -> bool> LoadPath for TrialTransition<'_, W> {
     fn at(&mut self, share: f64) -> (&[FrameLoad], f64) {
-        self.shifting.at(share)
+        self.transition.at(share)
     }
 
     fn goes_on(&mut self, share: f64, motion: &FrameMotion) -> bool {
