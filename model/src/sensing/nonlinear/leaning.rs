@@ -3,7 +3,7 @@
 //! Markers that hardly tell how a force leans let a lean of some degrees more go with a contact elsewhere and another force, and the further it leans
 //! the more: the tangent at the estimate may show half of that.
 
-use super::ways::Ways;
+use super::search_history::SearchHistory;
 use super::{NonlinearEstimate, NonlinearEstimator, State};
 use crate::measurement::Measurement;
 use crate::sensing::{ContactQuestion, Direction, Lean, SensingError};
@@ -90,7 +90,7 @@ impl NonlinearEstimator<'_> {
         let mut end = start.clone();
         if estimator.correct(&mut end, measurement, noise_mm).is_none() {
             end = start;
-            estimator.search(&mut end, measurement, noise_mm, &mut Ways::default())?;
+            estimator.search(&mut end, measurement, noise_mm, &mut SearchHistory::default())?;
         }
         Ok(end.forces_n)
     }

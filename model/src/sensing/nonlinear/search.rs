@@ -4,7 +4,7 @@
 //! finger may lead far away, or where no equilibrium is. So steps reach only as far as the last ones were right, and a
 //! step is given up on the way where an equilibrium is worse than its start.
 
-use super::ways::Ways;
+use super::search_history::SearchHistory;
 use super::{NonlinearEstimator, Posed, SETTLED_ANGLE_DEG, State};
 use crate::frame::FrameMotion;
 use crate::measurement::Measurement;
@@ -58,7 +58,7 @@ impl NonlinearEstimator<'_> {
         state: &mut State,
         measurement: &Measurement,
         noise_mm: Option<f64>,
-        ways: &mut Ways,
+        ways: &mut SearchHistory,
     ) -> Result<Option<(usize, bool)>, SensingError> {
         self.linearise(state)?;
         let (shape, linearised) = state.split();

@@ -3,7 +3,7 @@
 //! For each, two rows stand below the markers and the priors: the point of the outline that faces the plate as the contact's does is there, neither off
 //! the plate nor along it. They fix position and direction as far as it is known where the object is.
 
-use super::ways::Ways;
+use super::search_history::SearchHistory;
 use super::{NonlinearEstimator, Posed, SETTLED_ANGLE_DEG, State};
 use crate::Vector;
 use crate::finger::Plate;
@@ -232,8 +232,8 @@ impl<'m> NonlinearEstimator<'m> {
     ) -> Result<State, SensingError> {
         let mut estimator = self.without_object()?;
         estimator.expect(measurement, noise_mm)?;
-        let (mut starts, mut ways) = (Vec::new(), Ways::default());
-        let found = estimator.searched(measurement, noise_mm, start, &mut starts, &mut ways)?;
+        let (mut starts, mut history) = (Vec::new(), SearchHistory::default());
+        let found = estimator.searched(measurement, noise_mm, start, &mut starts, &mut history)?;
         let found = found.ok_or(SensingError::NoContact)?;
         self.resumed(found.state, measurement, noise_mm)
     }
