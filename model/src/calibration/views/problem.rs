@@ -34,12 +34,12 @@ const NORMAL_STEPS: usize = 60;
 pub(super) struct Point {
     /// Changes of the quantities: logarithms of factors, mm, degrees.
     pub shared: Vec<f64>,
-    pub own: Vec<Own>,
+    pub own: Vec<ViewUnknowns>,
 }
 
 /// The unknowns of one view.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Own {
+pub(super) struct ViewUnknowns {
     pub s_mm: f64,
     pub base: Isometry2<f64>,
     pub force_n: f64,
@@ -124,7 +124,7 @@ impl Problem<'_> {
     }
 
     /// The force of a view in the finger frame, and how the finger bends under it; `None` where there is no equilibrium.
-    pub(super) fn pressed(&self, candidate: &Candidate, view: &View, own: &Own) -> Option<Pressed> {
+    pub(super) fn pressed(&self, candidate: &Candidate, view: &View, own: &ViewUnknowns) -> Option<Pressed> {
         let finger = candidate.mesh.finger();
         let over_mm = match self.model.lean.from {
             Normal::Deformed { over_mm } => over_mm,
@@ -164,7 +164,7 @@ impl Problem<'_> {
         &self,
         candidate: &'v Candidate,
         view: &'v View,
-        own: &Own,
+        own: &ViewUnknowns,
         pressed: &'v Pressed,
     ) -> impl Iterator<Item = (&'v Marker, Vector)> {
         let (finger, stated) = (candidate.mesh.finger(), self.finger);
@@ -181,7 +181,7 @@ impl Problem<'_> {
     }
 
     /// Residuals of one view in their standard deviations, its priors last; `None` where there is no equilibrium.
-    fn weighted(&self, candidate: &Candidate, view: &View, own: &Own) -> Option<Vec<f64>> {
+    fn weighted(&self, candidate: &Candidate, view: &View, own: &ViewUnknowns) -> Option<Vec<f64>> {
         let pressed = self.pressed(candidate, view, own)?;
         let mut rows = Vec::with_capacity(view.measurement.coordinate_count() + OWN);
         for (marker, residual) in self.residuals(candidate, view, own, &pressed) {
@@ -267,7 +267,7 @@ impl Problem<'_> {
     }
 }
 
-impl Own {
+impl ViewUnknowns {
     /// Step of an unknown for derivatives.
     fn step(&self, unknown: usize) -> f64 {
         match unknown {
@@ -280,7 +280,7 @@ impl Own {
     }
 
     /// The same with one unknown moved.
-    fn moved(&self, finger: &Finger, unknown: usize, by: f64) -> Own {
+    fn moved(&self, finger: &Finger, unknown: usize, by: f64) -> ViewUnknowns {
         let mut moved = *self;
         match unknown {
             0 => {
