@@ -2,8 +2,8 @@
 
 use super::plane_map::{Pixels, PlaneMap, Polar, turn};
 use super::shades::Shades;
-use super::sums::{OfSector, Sums};
-use super::{BAND, Edge, PARTS};
+use super::sums::{SectorSums, Sums};
+use super::{BAND, Edge, PARTS, UNKNOWNS};
 use finray_model::Vector;
 use nalgebra::{SMatrix, SVector};
 
@@ -75,7 +75,7 @@ impl Band {
             self.shares(edge, part);
         }
         sums.by_sector.clear();
-        sums.by_sector.resize(trust.len(), OfSector::default());
+        sums.by_sector.resize(trust.len(), SectorSums::default());
         sums.channels = weights.iter().zip(CHANNELS).filter(|(weight, _)| **weight > 0.0).map(|(_, of)| of).sum();
         let weights = weights.map(|weight| weight as f32);
         let count = self.outside.len();
@@ -136,17 +136,7 @@ impl Band {
             of_sector.pull.x += pulled[0];
             of_sector.pull.y += pulled[1];
         }
-        let [xx, xy, yy, xr, yr, rr] = together;
-        let [[xb, yb, rb, bb], [xc, yc, rc, cc]] = with_blur;
-        #[rustfmt::skip]
-        let normal = SMatrix::from_row_slice(&[
-            xx, xy, xr, xb, xc,
-            xy, yy, yr, yb, yc,
-            xr, yr, rr, rb, rc,
-            xb, yb, rb, bb, 0.0,
-            xc, yc, rc, 0.0, cc,
-        ]);
-        sums.normal = normal;
+        sums.normal = normal_matrix(together, with_blur);
         sums.gradient = SVector::from(pulls);
         let [count, squares, weight, brightness, colour] = totals;
         (sums.count, sums.squares, sums.weight) = (count, squares, weight);
@@ -172,6 +162,21 @@ impl Band {
             widening[i] = density * sharp * d;
         }
     }
+}
+
+/// The matrix of products of centre and radius, and of the parts' blurs with them and with themselves.
+fn normal_matrix(together: [f64; 6], with_blur: [[f64; 4]; PARTS]) -> SMatrix<f64, UNKNOWNS, UNKNOWNS> {
+    let [xx, xy, yy, xr, yr, rr] = together;
+    let [[xb, yb, rb, bb], [xc, yc, rc, cc]] = with_blur;
+    #[rustfmt::skip]
+    let normal = SMatrix::from_row_slice(&[
+        xx, xy, xr, xb, xc,
+        xy, yy, yr, yb, yc,
+        xr, yr, rr, rb, rc,
+        xb, yb, rb, bb, 0.0,
+        xc, yc, rc, 0.0, cc,
+    ]);
+    normal
 }
 
 /// The normal distribution, to 1e-6, and its density. Beyond [`BAND`] there is no edge: the distribution ends.

@@ -17,7 +17,7 @@ pub(super) struct Sums {
     pub weight: f64,
     /// Of the squared residuals of brightness and, halved, of colour.
     pub noise: [f64; PARTS],
-    pub by_sector: Vec<OfSector>,
+    pub by_sector: Vec<SectorSums>,
 }
 
 impl Sums {
@@ -29,7 +29,7 @@ impl Sums {
 
 /// Sums over the pixels of a sector.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct OfSector {
+pub(super) struct SectorSums {
     pub count: f32,
     /// Of the weighted squared residuals and contrasts.
     pub squares: f32,
