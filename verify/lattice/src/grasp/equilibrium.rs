@@ -3,12 +3,12 @@
 //! Unknown are the motions of all bodies of the fingers, the pose of the object, and for every pair of parts that are near each other the
 //! contact's normal and friction force. Signorini's and Coulomb's laws are equations without inequalities (Alart and Curnier 1991): with a
 //! stiffness c, a contact is open where normal force minus c gap is negative; it sticks where friction minus c slip is within the cone, and slips
-//! otherwise. Newton's method takes each pair for what it looks like and looks again.
+//! otherwise. Each Newton step fixes the contact status of every pair, then re-evaluates it (semi-smooth Newton).
 //!
 //! Reference: Alart, Curnier, "A mixed formulation for frictional contact problems prone to Newton like solution methods" (Comput. Methods Appl.
 //! Mech. Eng. 92, 1991).
 
-use super::near::{Grip, Look, Near};
+use super::near::{ContactPair, ContactStatus, Grip};
 use super::scene::{Key, Scene, State, Surroundings};
 use finray_model::Vector;
 use finray_model::gripper::Placement;
@@ -20,7 +20,7 @@ const MOST_STEPS: usize = 30;
 const ASTRAY: f64 = 2.5;
 /// From this step on friction lags behind the normal force by a step: where pairs stick and slip in turn, this mostly ends it.
 const LAGGING: usize = 15;
-/// Newton's method goes round where pairs look as they did before and its step differs from the one then by no more than this share...
+/// Newton's method goes round where pairs have the status that they had before and its step differs from the one then by no more than this share...
 const ROUND: f64 = 1e-3;
 /// ...and is not small, as a share of the object's size: small ones may still end.
 const ROUND_MM: f64 = 1e-6;
@@ -43,18 +43,18 @@ impl Scene<'_> {
     ) -> Option<State> {
         let mut state =
             State { placements: placements.to_vec(), object: around.carried_from(before.object), ..before.clone() };
-        let mut looks: BTreeMap<Key, Look> = BTreeMap::new();
+        let mut statuses: BTreeMap<Key, ContactStatus> = BTreeMap::new();
         let mut passed: Vec<(Vec<Option<Grip>>, f64)> = Vec::new();
         for step in 0..MOST_STEPS {
-            let near = self.near(&state, before, around);
-            state.forces = self.inherited(&state, &near);
-            looks = self.looks(&near, &state.forces, &looks);
-            let grips: Vec<Option<Grip>> = near.iter().map(|near| looks[&near.key].grip).collect();
+            let pairs = self.near_pairs(&state, before, around);
+            state.forces = self.inherited(&state, &pairs);
+            statuses = self.statuses(&pairs, &state.forces, &statuses);
+            let grips: Vec<Option<Grip>> = pairs.iter().map(|pair| statuses[&pair.key].grip).collect();
             let mut closed = Vec::new();
-            for (near, grip) in near.into_iter().zip(&grips) {
+            for (pair, grip) in pairs.into_iter().zip(&grips) {
                 match grip {
-                    Some(grip) => closed.push((near, *grip)),
-                    None => drop(state.forces.insert(near.key, [0.0; 2])),
+                    Some(grip) => closed.push((pair, *grip)),
+                    None => drop(state.forces.insert(pair.key, [0.0; 2])),
                 }
             }
             let correction = self.correction(&state, before, around, &closed, step >= LAGGING)?;
@@ -65,7 +65,7 @@ impl Scene<'_> {
                 return None;
             }
             let is_same = passed.last().is_some_and(|(last, _)| *last == grips);
-            let is_settled = is_same && looks.values().all(|look| !look.is_pulled);
+            let is_settled = is_same && statuses.values().all(|status| !status.is_pulled);
             if share == 1.0 && largest_mm <= CONVERGED * self.size_mm && is_settled {
                 return (way_mm <= farthest_mm && self.is_equilibrium(&mut state, before, around)).then_some(state);
             }
@@ -83,10 +83,10 @@ impl Scene<'_> {
     /// Whether nothing overlaps or pulls; forces that are rounding are dropped.
     fn is_equilibrium(&self, state: &mut State, before: &State, around: &Surroundings) -> bool {
         state.forces.retain(|_, [normal_n, _]| normal_n.abs() > self.nothing_n());
-        let given_mm = |near: &Near| self.yield_mm(state.forces.get(&near.key).map_or(0.0, |forces| forces[0]));
-        let overlaps = |near: &Near| near.touching.gap_mm + given_mm(near) < -OVERLAP * self.size_mm;
+        let given_mm = |pair: &ContactPair| self.yield_mm(state.forces.get(&pair.key).map_or(0.0, |forces| forces[0]));
+        let overlaps = |pair: &ContactPair| pair.touching.gap_mm + given_mm(pair) < -OVERLAP * self.size_mm;
         let pulls = state.forces.values().any(|[normal_n, _]| *normal_n < -self.nothing_n());
-        !pulls && !self.near(state, before, around).iter().any(overlaps)
+        !pulls && !self.near_pairs(state, before, around).iter().any(overlaps)
     }
 
     /// The share of a correction that moves nothing too far, and its largest movement, mm (rotations at the object's size).
@@ -101,7 +101,7 @@ impl Scene<'_> {
         (share, moved_mm.max(turned_rad * self.size_mm))
     }
 
-    fn apply(&self, state: &mut State, closed: &[(Near, Grip)], correction: &[f64], share: f64) {
+    fn apply(&self, state: &mut State, closed: &[(ContactPair, Grip)], correction: &[f64], share: f64) {
         for (finger, standing) in self.fingers.iter().enumerate() {
             let first = self.first(finger);
             for (body, motion) in state.motions[finger].iter_mut().enumerate() {
@@ -115,8 +115,8 @@ impl Scene<'_> {
         for i in 0..3 {
             state.object[i] += share * correction[object + i];
         }
-        for (k, (near, _)) in closed.iter().enumerate() {
-            if let Some(forces) = state.forces.get_mut(&near.key) {
+        for (k, (pair, _)) in closed.iter().enumerate() {
+            if let Some(forces) = state.forces.get_mut(&pair.key) {
                 forces[0] += share * correction[object + 3 + 2 * k];
                 forces[1] += share * correction[object + 4 + 2 * k];
             }

@@ -15,4 +15,4 @@ mod scene;
 pub mod surface;
 pub mod world;
 
-pub use world::{Account, Drive, Halt, Met, Partner, World, WorldError};
+pub use world::{Account, Drive, GraspFailure, ObjectContact, TouchedBody, World, WorldError};

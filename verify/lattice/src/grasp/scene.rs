@@ -20,7 +20,7 @@ pub(super) type Key = (usize, usize, Feature);
 
 /// A finger that stands somewhere.
 #[derive(Debug, Clone)]
-pub(super) struct Standing<'l> {
+pub(super) struct PlacedFinger<'l> {
     pub lattice: &'l Lattice,
     pub energy: Energy<'l>,
     pub front: Front,
@@ -28,23 +28,23 @@ pub(super) struct Standing<'l> {
     pub order: Order,
 }
 
-impl<'l> Standing<'l> {
+impl<'l> PlacedFinger<'l> {
     /// A finger with rods of a radius, mm.
-    pub fn new(lattice: &'l Lattice, rod_radius_mm: f64) -> Standing<'l> {
+    pub fn new(lattice: &'l Lattice, rod_radius_mm: f64) -> PlacedFinger<'l> {
         let energy = Energy::new(lattice.assembly());
         let free = |body: BodyIndex| Some(energy.first_unknown(body)? / 3);
         let springs = lattice.assembly().springs.iter();
         let links: Vec<_> =
             springs.map(|spring| Some([free(spring.ends[0].body)?, free(spring.ends[1].body)?])).collect();
         let order = Order::of(energy.unknown_count() / 3, &links);
-        Standing { lattice, energy, front: Front::new(lattice, rod_radius_mm), order }
+        PlacedFinger { lattice, energy, front: Front::new(lattice, rod_radius_mm), order }
     }
 }
 
 /// All that is there.
 #[derive(Debug, Clone)]
 pub(super) struct Scene<'l> {
-    pub fingers: Vec<Standing<'l>>,
+    pub fingers: Vec<PlacedFinger<'l>>,
     pub shape: Shape,
     pub friction: f64,
     /// Centre of mass in the object's frame, mm.
