@@ -20,7 +20,7 @@ pub use camera::{CameraContact, baseline_mm, read_contact};
 pub use contacts::{HalfSpan, SeenContact, angle_deg, seen_contacts};
 pub use object::{HandStep, OutlineError, PreparedObject, TurnedOutline};
 pub use rows::{ForceRow, contacts_sensed, force_rows};
-pub use watcher::Watcher;
+pub use watcher::OutlineEstimator;
 
 use crate::lattice::accuracy::difference;
 use finray_lattice::pressing::{Pressed, Pressing, Push};
@@ -206,13 +206,13 @@ impl ContactScene {
         }
         let mut seen = Measurement::of_shape(&self.finger, &step.pressed.shape);
         seen.add_noise(noise_mm, &mut standard_normal);
-        let watcher = Watcher {
+        let estimator = OutlineEstimator {
             finger: &self.finger,
             rod_radius_mm: self.rod_radius_mm,
             friction: self.assumed_friction,
             marker_noise_mm: noise_mm,
             outline_noise_mm: noise_mm,
         };
-        watcher.sense(&felt, &seen, step.along, standard_normal).map(Some)
+        estimator.sense(&felt, &seen, step.along, standard_normal).map(Some)
     }
 }

@@ -16,7 +16,7 @@ const ELEMENTS: usize = 8;
 
 /// What is known to who senses the forces of contacts that a camera sees.
 #[derive(Debug, Clone, Copy)]
-pub struct Watcher<'f> {
+pub struct OutlineEstimator<'f> {
     /// The finger.
     pub finger: &'f Finger,
     /// Radius of its rods, mm.
@@ -29,7 +29,7 @@ pub struct Watcher<'f> {
     pub outline_noise_mm: f64,
 }
 
-impl Watcher<'_> {
+impl OutlineEstimator<'_> {
     /// Senses the forces of one or more contacts, none of them clamped, from measured displacements and from the contacts as the camera reads
     /// them; and their sum along a unit vector.
     ///

@@ -3,7 +3,7 @@
 use super::GraspScene;
 use crate::estimators::EstimatorError;
 use crate::experiments::contact_scene::{
-    SeenContact, SensedContact, SensedStep, TurnedOutline, Watcher, baseline_mm, seen_contacts,
+    OutlineEstimator, SeenContact, SensedContact, SensedStep, TurnedOutline, baseline_mm, seen_contacts,
 };
 use crate::sampling::noise::Noise;
 use finray_imaging::locate::Locator;
@@ -130,7 +130,8 @@ impl GraspScene {
                 measured(&self.finger, &seen.shape, &eyes.before(on_gripper), noise)?
             };
             let friction = self.object.friction;
-            let watcher = Watcher { finger: &self.finger, rod_radius_mm, friction, marker_noise_mm, outline_noise_mm };
+            let watcher =
+                OutlineEstimator { finger: &self.finger, rod_radius_mm, friction, marker_noise_mm, outline_noise_mm };
             let standard_normal = || noise.standard_normal();
             Ok(Some(match &self.estimator {
                 None => watcher.sense(&felt, &measurement, seen.along, standard_normal)?,
