@@ -1,6 +1,6 @@
 //! What the maps say, in sentences made from their numbers.
 
-use super::Of;
+use super::ExplainedQuantity;
 use crate::ReportError;
 use crate::words::say;
 use finray_model::finger::Plate;
@@ -37,7 +37,7 @@ pub(super) fn kind_of_error(map: &AccuracyMap) -> Result<String, ReportError> {
 }
 
 /// A quantity by direction and by position: medians of pressing and tangential directions, of base, middle and tip.
-fn medians(study: &Study, of: Of) -> Option<Value> {
+fn medians(study: &Study, of: ExplainedQuantity) -> Option<Value> {
     let length_mm = study.finger.plate_length_mm(Plate::Front);
     let over = |among: &dyn Fn(&Explanation) -> bool| {
         median(study.explanations.cells.iter().filter(|cell| among(cell)).filter_map(of))
