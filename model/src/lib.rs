@@ -9,6 +9,10 @@
 //!
 //! The crate is pure: it reads no files, prints nothing, knows no clock and draws no random numbers but from a seed.
 //!
+//! Linear algebra: nalgebra holds vectors and small dense matrices (frames, elements, least squares); faer holds and
+//! factors sparse ones, for frames in general and where a factor must show the signs of its pivots. A finger's own
+//! equations need neither: [`statics::Ladder`] eliminates blocks of fixed size, in one lane or several.
+//!
 //! ```
 //! use finray_model::{Kinematics, Load, Mesh, NodeId, Scene, statics};
 //!

@@ -1,10 +1,13 @@
 //! The straight line between the two ends of a beam, and the deformations measured against it.
 
-use super::natural::Deformation;
 use super::{Beam, ElementMatrix, ElementVector, EndMotion};
 use crate::number::{Number, arctangent};
 use nalgebra::{SMatrix, Vector2, Vector3};
 use std::f64::consts::PI;
+
+/// Natural deformations in their order: elongation of the chord (mm), rotation of the first and of the second end
+/// against the chord (rad).
+pub(super) type Deformation<R = f64> = Vector3<R>;
 
 /// The chord of a beam in its current position.
 #[derive(Debug, Clone, Copy, PartialEq)]

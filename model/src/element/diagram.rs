@@ -1,6 +1,6 @@
 //! Axial strain and curvature along a beam, dead loads between its ends included.
 
-use super::natural::Deformation;
+use super::chord::Deformation;
 use super::{Beam, Chord, EndMotion, Kinematics};
 use crate::Vector;
 

@@ -1,12 +1,9 @@
 //! The beam seen from its own chord: energy of elongation and end rotations.
 
-use super::{Beam, Chord, EndMotion, Response};
+use super::chord::{Chord, Deformation};
+use super::{Beam, EndMotion, Response};
 use crate::number::Number;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector2, Vector3};
-
-/// Natural deformations in their order: elongation of the chord (mm), rotation of the first and of the second end
-/// against the chord (rad).
-pub(super) type Deformation<R = f64> = Vector3<R>;
 
 /// Energy of a beam as a function of its natural deformations, with both derivatives.
 #[derive(Debug, Clone, Copy)]

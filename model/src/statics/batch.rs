@@ -61,7 +61,7 @@ impl WithSimd for Piece<'_> {
         if kinematics == Kinematics::Linear || loads.len() == 1 {
             return loads.iter().map(|loads| single.equilibrium(loads)).collect();
         }
-        let mut waiting = Waiting { single, loads: loads.iter().enumerate(), results: vec![None; loads.len()] };
+        let mut waiting = PendingLoads { single, loads: loads.iter().enumerate(), results: vec![None; loads.len()] };
         let mut batch = Batch::new(mesh, kinematics, Lanes::splat(simd, 0.0));
         batch.fill(&mut waiting);
         while batch.is_busy() {
@@ -77,7 +77,7 @@ impl WithSimd for Piece<'_> {
 type Found = Result<Equilibrium, StaticsError>;
 
 /// Loads that wait for a lane, and what has been found.
-struct Waiting<'a, I> {
+struct PendingLoads<'a, I> {
     /// For all that lanes do not do.
     single: Statics<Ladder<'a>>,
     loads: I,
@@ -92,7 +92,7 @@ struct Path<'a> {
     step: LoadStep,
 }
 
-impl<'a, I: Iterator<Item = (usize, &'a &'a [FrameLoad])>> Waiting<'a, I> {
+impl<'a, I: Iterator<Item = (usize, &'a &'a [FrameLoad])>> PendingLoads<'a, I> {
     /// The next load that one correction from rest does not solve; leaves the corrected motion behind.
     fn next(&mut self, motion: &mut FrameMotion, at_rest: &FrameMotion) -> Option<Path<'a>> {
         while let Some((index, &loads)) = self.loads.next() {
@@ -163,7 +163,7 @@ impl<'a, R: Number> Batch<'a, R> {
     }
 
     /// Puts waiting loads into free lanes.
-    fn fill(&mut self, waiting: &mut Waiting<'a, impl Iterator<Item = (usize, &'a &'a [FrameLoad])>>) {
+    fn fill(&mut self, waiting: &mut PendingLoads<'a, impl Iterator<Item = (usize, &'a &'a [FrameLoad])>>) {
         for (lane, path) in self.paths.iter_mut().enumerate().filter(|(_, path)| path.is_none()) {
             *path = waiting.next(&mut self.of_lane, &self.at_rest);
             if path.is_none() {
@@ -204,7 +204,7 @@ impl<'a, R: Number> Batch<'a, R> {
     }
 
     /// Decides in each lane how to go on; where the path has ended, its result is kept and the lane is free.
-    fn judge(&mut self, waiting: &mut Waiting<'a, impl Iterator<Item = (usize, &'a &'a [FrameLoad])>>) {
+    fn judge(&mut self, waiting: &mut PendingLoads<'a, impl Iterator<Item = (usize, &'a &'a [FrameLoad])>>) {
         for (lane, place) in self.paths.iter_mut().enumerate() {
             let Some(path) = place else { continue };
             let mut taken = None;

@@ -4,12 +4,12 @@
 //! the more digits cancel. Newton's corrections win back what the factored tangent loses, as long as it is roughly right;
 //! what the residual itself has lost stays.
 
+use super::load_step::FEWEST_DIGITS;
+use super::newton::share;
 use super::{Equilibrium, EquilibriumEquations, Statics, StaticsError};
 use crate::Kinematics;
 use crate::frame::{FrameLoad, FrameMotion};
 
-/// Solutions with fewer digits are refused: 0.01 % is what the finest results are compared to.
-pub(super) const FEWEST_DIGITS: f64 = 4.0;
 /// A last correction this small leaves the fewest digits and one more: of corrections that are rounding noise, the next may
 /// be larger.
 const SMALL_CORRECTION: f64 = 1e-5;
@@ -72,14 +72,5 @@ impl<E: EquilibriumEquations> Statics<E> {
         let moved = pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
         let change = share(work.abs(), 2.0 * energy).sqrt().max(share(moved, motion.largest_displacement()));
         (-change.log10()).clamp(0.0, ALL_DIGITS)
-    }
-}
-
-/// Part of a whole; nothing is no part even of nothing, as in a frame without loads. What is no number counts as all.
-pub(super) fn share(part: f64, whole: f64) -> f64 {
-    match part / whole {
-        _ if part == 0.0 => 0.0,
-        share if share.is_nan() => 1.0,
-        share => share,
     }
 }

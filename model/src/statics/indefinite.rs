@@ -3,14 +3,13 @@
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::mat::MatMut;
+use faer::sparse::SparseColMatRef;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
 };
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, Par, Side};
-use sprs::CsMat;
 use std::sync::Arc;
 
 /// The factors K = L D L^T, with D diagonal; the order of the unknowns is found at the first factorisation.
@@ -27,10 +26,7 @@ pub(super) struct IndefiniteFactor {
 impl IndefiniteFactor {
     /// Factorises a symmetric matrix of unchanging pattern and counts the negative pivots. `None` if a pivot is zero or
     /// not finite.
-    pub(super) fn factorise(&mut self, matrix: &CsMat<f64>) -> Option<usize> {
-        let count = matrix.rows();
-        let indptr = matrix.indptr();
-        let pattern = SymbolicSparseColMatRef::new_checked(count, count, indptr.raw_storage(), None, matrix.indices());
+    pub(super) fn factorise(&mut self, matrix: SparseColMatRef<'_, usize, f64>) -> Option<usize> {
         if self.symbolic.is_none() {
             // Column by column, so that the pivots are found at the head of each column of L.
             let params = CholeskySymbolicParams {
@@ -38,7 +34,8 @@ impl IndefiniteFactor {
                 ..CholeskySymbolicParams::default()
             };
             let order = SymmetricOrdering::Amd;
-            self.symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, order, params).ok().map(Arc::new);
+            self.symbolic =
+                factorize_symbolic_cholesky(matrix.symbolic(), Side::Lower, order, params).ok().map(Arc::new);
         }
         let symbolic = self.symbolic.as_ref()?;
         self.values.clear();
@@ -47,7 +44,7 @@ impl IndefiniteFactor {
         symbolic
             .factorize_numeric_ldlt(
                 &mut self.values,
-                SparseColMatRef::new(pattern, matrix.data()),
+                matrix,
                 Side::Lower,
                 LdltRegularization::default(),
                 Par::Seq,

@@ -4,6 +4,7 @@ mod arc_length;
 mod assembly;
 mod batch;
 mod bordered;
+mod continuation;
 mod digits;
 mod factor;
 mod indefinite;

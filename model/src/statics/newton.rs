@@ -2,10 +2,8 @@
 //!
 //! Every load step must keep the rotations small and end in a stable equilibrium (positive definite tangent), so the
 //! solution stays on the branch that starts at rest. [`LoadStep`] decides that; how long the steps are is decided in
-//! [`load_path`](super::load_path).
+//! [`continuation`](super::continuation).
 
-use super::digits;
-use super::load_path::{Growing, Shifting, Tried};
 use super::load_step::{LoadStep, Rejected, Taken};
 use super::{EquilibriumEquations, Ladder, SparseEquations, StaticsError};
 use crate::Kinematics;
@@ -69,90 +67,6 @@ impl<E: EquilibriumEquations> Statics<E> {
         self.equations.forget_factor();
     }
 
-    /// Equilibrium under dead loads, followed from rest.
-    ///
-    /// # Errors
-    /// See [`StaticsError`].
-    pub fn equilibrium(&mut self, loads: &[FrameLoad]) -> Result<Equilibrium, StaticsError> {
-        self.continued(&self.equations.at_rest(), loads, 0.0, 1.0)
-    }
-
-    /// Equilibria under growing multiples of the loads, each followed from the one before it; the first from rest.
-    ///
-    /// The list ends before the first multiple that has no equilibrium; the second part says why.
-    pub fn path(&mut self, loads: &[FrameLoad], multiples: &[f64]) -> (Vec<Equilibrium>, Option<StaticsError>) {
-        let mut found: Vec<Equilibrium> = Vec::with_capacity(multiples.len());
-        let mut motion = self.equations.at_rest();
-        let mut from = 0.0;
-        for &to in multiples {
-            match self.continued(&motion, loads, from, to) {
-                Ok(equilibrium) => {
-                    motion.clone_from(&equilibrium.motion);
-                    found.push(equilibrium);
-                    from = to;
-                }
-                Err(error) => return (found, Some(error)),
-            }
-        }
-        (found, None)
-    }
-
-    /// Equilibrium under `to` times the loads, followed from one under `from` times the loads.
-    ///
-    /// # Errors
-    /// See [`StaticsError`]; the converged fraction refers to `to`.
-    pub fn continued(
-        &mut self,
-        start: &FrameMotion,
-        loads: &[FrameLoad],
-        from: f64,
-        to: f64,
-    ) -> Result<Equilibrium, StaticsError> {
-        if !loads.iter().all(FrameLoad::is_finite) || !from.is_finite() || !to.is_finite() {
-            return Err(StaticsError::LoadNotFinite);
-        }
-        let growing = Growing { loads, from, to };
-        let found = self.follow(start, growing);
-        let Err(StaticsError::NoEquilibrium { converged_fraction }) = found else { return found };
-        Err(StaticsError::NoEquilibrium { converged_fraction: growing.multiple(converged_fraction) / to })
-    }
-
-    /// Equilibrium under the loads `to`, followed from one under the loads `from` while the first fade and the second
-    /// grow.
-    ///
-    /// # Errors
-    /// See [`StaticsError`]; the converged fraction is that of the way.
-    pub fn shifted(
-        &mut self,
-        start: &FrameMotion,
-        from: &[FrameLoad],
-        to: &[FrameLoad],
-    ) -> Result<Equilibrium, StaticsError> {
-        if !from.iter().chain(to).all(FrameLoad::is_finite) {
-            return Err(StaticsError::LoadNotFinite);
-        }
-        self.follow(start, Shifting { from, to, loads: Vec::with_capacity(from.len() + to.len()) })
-    }
-
-    /// As [`shifted`](Statics::shifted), for a caller who shortens the way where it fails: the end of a branch is not sought
-    /// closely, and the way is also given up at an equilibrium that is not worth going on from.
-    ///
-    /// # Errors
-    /// See [`StaticsError`]; the converged fraction is that of the way.
-    pub(crate) fn tried(
-        &mut self,
-        start: &FrameMotion,
-        [from, to]: [&[FrameLoad]; 2],
-        most_rejected: usize,
-        goes_on: impl FnMut(f64, &FrameMotion) -> bool,
-    ) -> Result<Equilibrium, StaticsError> {
-        if !from.iter().chain(to).all(FrameLoad::is_finite) {
-            return Err(StaticsError::LoadNotFinite);
-        }
-        let shifting = Shifting { from, to, loads: Vec::with_capacity(from.len() + to.len()) };
-        self.follow(start, Tried { shifting, goes_on, most_rejected })
-    }
-
     /// Linearises the equations at a motion under loads; `false` if it is not a stable shape.
     pub fn linearise(&mut self, motion: &FrameMotion, loads: &[FrameLoad]) -> bool {
         self.equations.linearise(motion, loads, 1.0)
@@ -198,7 +112,7 @@ impl<E: EquilibriumEquations> Statics<E> {
             let Some(end) = step.judge(work, scale, turn, || self.equations.keeps_digits()) else { continue };
             if let Ok(Taken { correction: Some(correction), .. }) = end {
                 let moved = self.equations.largest_correction();
-                self.last_correction = correction.max(digits::share(moved, motion.largest_displacement()));
+                self.last_correction = correction.max(share(moved, motion.largest_displacement()));
             }
             return end;
         }
@@ -215,4 +129,13 @@ impl<E: EquilibriumEquations> Statics<E> {
 
 pub(super) fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+/// Part of a whole; nothing is no part even of nothing, as in a frame without loads. What is no number counts as all.
+pub(super) fn share(part: f64, whole: f64) -> f64 {
+    match part / whole {
+        _ if part == 0.0 => 0.0,
+        share if share.is_nan() => 1.0,
+        share => share,
+    }
 }

@@ -13,7 +13,8 @@ use finray_model::validity::StrainLimits;
 use finray_studies::claims::{Claim, ClaimVerdict, ledger};
 use finray_studies::estimators::EstimatorId;
 use finray_studies::experiments::contact_scene::study::SceneWithOutline;
-use finray_studies::sampling::map::{AccuracyMap, Cell};
+use finray_studies::sampling::map::AccuracyMap;
+use finray_studies::sampling::sweep::MapCell;
 use finray_studies::settings;
 use finray_studies::study::Study;
 use finray_studies::truths::TruthId;
@@ -106,7 +107,7 @@ fn the_first_screen_says_where_finger_and_model_end() {
     let [cells, lost] = [map.cells.len() / forces, 7];
     // The largest force of the first cells has no equilibrium.
     for cell in map.cells.iter_mut().skip(forces - 1).step_by(forces).take(lost) {
-        *cell = Cell { mean_error: None, bias: None, spread: None, samples: 0, answered: 0, ..*cell };
+        *cell = MapCell { mean_error: None, bias: None, spread: None, samples: 0, answered: 0, ..*cell };
     }
     let trusted = map.worst().iter().filter(|cell| cell.is_trusted).count();
     study.strain_limits = StrainLimits { front: Some(0.01), back: Some(0.01), ribs: Some(0.01) };

@@ -1,12 +1,6 @@
-//! Cells of a map: values over a grid, and how they are filled.
+//! Cells of a map: values over a grid.
 
-use super::colour::ON_MAP;
 use super::error::{FigureError, require, require_finite, require_len};
-use super::geometry::Area;
-use super::map::Map;
-use super::panels::Plot;
-use super::shades::{Class, class};
-use super::sheet::{Sheet, TICK_TEXT, font};
 
 /// Values over a grid.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,8 +17,6 @@ pub struct Cells {
 
 /// A plot of a single row or column of cells gives it this share of its axis, to be seen at all.
 const LONE: f64 = 0.1;
-/// How far cells reach under their neighbours, px: printers leave hairlines between areas that only touch.
-const OVERLAP: f64 = 1.0;
 
 impl Cells {
     /// Values by row, then column, at positions across and up.
@@ -42,42 +34,6 @@ impl Cells {
         require_len("map values", &self.values, self.y.len())?;
         self.values.iter().try_for_each(|row| require_len("a row of map values", row, self.x.len()))?;
         require_finite("map values", self.values.iter().flatten().flatten())
-    }
-
-    /// Fills the cells row by row, neighbours that look alike as one; hatches those without value.
-    pub(super) fn draw(&self, sheet: &Sheet, plot: &Plot, map: &Map) -> Result<(), FigureError> {
-        let columns = edges(&self.x, map.x.limits);
-        for (row, (values, ys)) in self.values.iter().zip(edges(&self.y, map.y.limits).windows(2)).enumerate() {
-            let shown = values.iter().enumerate().map(|(column, value)| {
-                let paint = value.map(|value| {
-                    let Class { fill, sign, .. } = class(&map.classes, value);
-                    (*fill, map.written.map_or_else(|| sign.clone(), |written| written(value)))
-                });
-                (paint, (map.blank)(row, column), map.written.map_or(0, |_| column))
-            });
-            let mut first = 0;
-            for run in shown.collect::<Vec<_>>().chunk_by(|a, b| a == b) {
-                let corners =
-                    [[columns[first], ys[0]], [columns[first + run.len()], ys[1]]].map(|corner| plot.at(corner));
-                let mut area = Area::between(corners[0], corners[1]);
-                let (centre, room) = (area.centre(), area.width().min(area.height()));
-                area.right = (area.right + OVERLAP).min(plot.area.right);
-                area.bottom = (area.bottom + OVERLAP).min(plot.area.bottom);
-                first += run.len();
-                match &run[0] {
-                    (_, true, _) => {}
-                    (None, ..) => sheet.hatch(area, true)?,
-                    (Some((fill, text)), ..) => {
-                        fill.draw(sheet, area)?;
-                        if room >= TICK_TEXT * 0.8 && !text.is_empty() {
-                            let size = if map.written.is_some() { 14.0 } else { TICK_TEXT };
-                            sheet.words(text, centre, &font(size).color(&ON_MAP))?;
-                        }
-                    }
-                }
-            }
-        }
-        Ok(())
     }
 }
 

@@ -4,13 +4,13 @@ use plotters::style::Color;
 
 use super::axis::Axis;
 use super::cells::{Cells, edges};
-use super::colour::TEXT;
+use super::colour::{ON_MAP, TEXT};
 use super::error::{FigureError, require, require_len};
 use super::geometry::Area;
 use super::legend::Entry;
-use super::panels::{Frame, Panels};
-use super::shades::{self, Class};
-use super::sheet::{LEFT, SPACE, TICK_TEXT, font, pen};
+use super::panels::{Frame, Panels, Plot};
+use super::shades::{self, Class, class};
+use super::sheet::{LEFT, SPACE, Sheet, TICK_TEXT, font, pen};
 use super::text::{width_of, wrap};
 
 /// Cells over two quantities, in one plot or in rows and columns of small ones.
@@ -43,6 +43,8 @@ pub struct Map {
 const SMALL_HEIGHT: f64 = 104.0;
 const NOTE_TEXT: f64 = 15.0;
 const NOTE_LINE: f64 = NOTE_TEXT * 1.3;
+/// How far cells reach under their neighbours, px: printers leave hairlines between areas that only touch.
+const OVERLAP: f64 = 1.0;
 
 impl Map {
     /// A lone map without further scales.
@@ -106,10 +108,46 @@ impl Map {
                     sheet.words("–", plot.area.centre(), &font(TICK_TEXT))?;
                     continue;
                 };
-                cells.draw(sheet, plot, self)?;
+                self.fill(sheet, plot, cells)?;
             }
             Ok(())
         })
+    }
+
+    /// Fills the cells row by row, neighbours that look alike as one; hatches those without value.
+    fn fill(&self, sheet: &Sheet, plot: &Plot, cells: &Cells) -> Result<(), FigureError> {
+        let columns = edges(&cells.x, self.x.limits);
+        for (row, (values, ys)) in cells.values.iter().zip(edges(&cells.y, self.y.limits).windows(2)).enumerate() {
+            let shown = values.iter().enumerate().map(|(column, value)| {
+                let paint = value.map(|value| {
+                    let Class { fill, sign, .. } = class(&self.classes, value);
+                    (*fill, self.written.map_or_else(|| sign.clone(), |written| written(value)))
+                });
+                (paint, (self.blank)(row, column), self.written.map_or(0, |_| column))
+            });
+            let mut first = 0;
+            for run in shown.collect::<Vec<_>>().chunk_by(|a, b| a == b) {
+                let corners =
+                    [[columns[first], ys[0]], [columns[first + run.len()], ys[1]]].map(|corner| plot.at(corner));
+                let mut area = Area::between(corners[0], corners[1]);
+                let (centre, room) = (area.centre(), area.width().min(area.height()));
+                area.right = (area.right + OVERLAP).min(plot.area.right);
+                area.bottom = (area.bottom + OVERLAP).min(plot.area.bottom);
+                first += run.len();
+                match &run[0] {
+                    (_, true, _) => {}
+                    (None, ..) => sheet.hatch(area, true)?,
+                    (Some((fill, text)), ..) => {
+                        fill.draw(sheet, area)?;
+                        if room >= TICK_TEXT * 0.8 && !text.is_empty() {
+                            let size = if self.written.is_some() { 14.0 } else { TICK_TEXT };
+                            sheet.words(text, centre, &font(size).color(&ON_MAP))?;
+                        }
+                    }
+                }
+            }
+        }
+        Ok(())
     }
 
     fn check(&self) -> Result<(), FigureError> {

@@ -21,7 +21,7 @@ pub(super) const SPACE: f64 = 8.0;
 /// Text that begins at its position.
 pub(super) const LEFT: Pos = Pos { h_pos: HPos::Left, v_pos: VPos::Center };
 
-type Done = Result<(), FigureError>;
+type DrawResult = Result<(), FigureError>;
 
 /// How points are joined; lines differ by more than colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -81,11 +81,11 @@ impl Sheet {
         self.1.text.borrow_mut().push_str(text);
     }
 
-    pub(super) fn line(&self, points: &[Point], pen: ShapeStyle) -> Done {
+    pub(super) fn line(&self, points: &[Point], pen: ShapeStyle) -> DrawResult {
         Ok(self.0.draw(&PathElement::new(path(points), pen))?)
     }
 
-    pub(super) fn dashed(&self, points: &[Point], pen: ShapeStyle, dash: Dash) -> Done {
+    pub(super) fn dashed(&self, points: &[Point], pen: ShapeStyle, dash: Dash) -> DrawResult {
         let (size, gap) = match dash {
             Dash::None => return Ok(()),
             Dash::Solid | Dash::Arrow => return self.line(points, pen),
@@ -95,25 +95,25 @@ impl Sheet {
         Ok(self.0.draw(&DashedPathElement::new(path(points), size, gap, pen))?)
     }
 
-    pub(super) fn polygon(&self, points: &[Point], ink: impl Color) -> Done {
+    pub(super) fn polygon(&self, points: &[Point], ink: impl Color) -> DrawResult {
         Ok(self.0.draw(&Polygon::new(path(points), ink.filled()))?)
     }
 
-    pub(super) fn cell(&self, area: Area, ink: impl Color) -> Done {
+    pub(super) fn cell(&self, area: Area, ink: impl Color) -> DrawResult {
         let corners = path(&[[area.left, area.top], [area.right, area.bottom]]);
         Ok(self.0.draw(&Rectangle::new([corners[0], corners[1]], ink.filled()))?)
     }
 
-    pub(super) fn disc(&self, centre: Point, radius: f64, ink: impl Color) -> Done {
+    pub(super) fn disc(&self, centre: Point, radius: f64, ink: impl Color) -> DrawResult {
         Ok(self.0.draw(&Circle::new(path(&[centre])[0], units(radius), ink.filled()))?)
     }
 
-    pub(super) fn words(&self, text: &str, at: Point, style: &TextStyle) -> Done {
+    pub(super) fn words(&self, text: &str, at: Point, style: &TextStyle) -> DrawResult {
         Ok(self.0.draw_text(text, style, path(&[at])[0])?)
     }
 
     /// Fills an area with slanting lines, for cells without data; those of neighbours meet.
-    pub(super) fn hatch(&self, area: Area, rising: bool) -> Done {
+    pub(super) fn hatch(&self, area: Area, rising: bool) -> DrawResult {
         const STEP: f64 = 8.0;
         // Points of one slanting line share the sum, or the difference, of their coordinates.
         let sign = if rising { 1.0 } else { -1.0 };

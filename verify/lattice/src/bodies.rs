@@ -1,14 +1,11 @@
 //! The finger cut into rigid bodies: a rod at every junction, and short segments of plate and rib between the rods.
 
 use super::LatticeError;
-use super::springs::{AxialSprings, Segment, Spring};
+use super::springs::{Anchor, AxialSprings, BodyIndex, Segment, Spring};
 use finray_model::finger::{Joints, Part, Plate, Zone};
 use finray_model::frame::Section;
 use finray_model::mesh::{Load, LoadError};
 use finray_model::{Finger, NodeId, Vector};
-
-/// Index of a body of a lattice, from 0.
-pub type BodyIndex = usize;
 
 /// A rigid body, undeformed with its axes along those of the finger frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,22 +14,6 @@ pub struct Body {
     pub position: Vector,
     /// Clamped: it never moves.
     pub fixed: bool,
-}
-
-/// A point that a body carries along.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Anchor {
-    /// The body.
-    pub body: BodyIndex,
-    /// From the centre of the body to the point, undeformed, mm.
-    pub arm: Vector,
-}
-
-impl Anchor {
-    /// The point farther along by `by`, mm, on the same body.
-    pub fn moved(self, by: Vector) -> Anchor {
-        Anchor { arm: self.arm + by, ..self }
-    }
 }
 
 /// What a dead load does to one body: with the body's displacement u and rotation theta its work is

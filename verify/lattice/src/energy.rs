@@ -1,8 +1,8 @@
 //! The lattice's elastic energy, and its equilibrium by Newton's method: what settling must arrive at.
 
-use super::bodies::{Assembly, BodyIndex, BodyLoad};
+use super::bodies::{Assembly, BodyLoad};
 use super::pattern::Pattern;
-use super::springs::{Deformation, Spring};
+use super::springs::{BodyIndex, Deformation, Spring};
 use faer::Side;
 use faer::linalg::solvers::Solve;
 use faer::mat::MatMut;
@@ -122,7 +122,7 @@ impl Spring {
 
 /// Newton's method found no stable equilibrium beyond a share of the load.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lost {
+pub struct BranchEnd {
     /// Share of the load, 0..1, at which an equilibrium was last found.
     pub converged_fraction: f64,
 }
@@ -283,8 +283,14 @@ impl<'a> Energy<'a> {
     /// number of steps taken.
     ///
     /// # Errors
-    /// [`Lost`] where no stable equilibrium follows; `motions` is then the last one found.
-    pub fn follow(&self, motions: &mut Vec<BodyMotion>, loads: &[BodyLoad], from: f64, to: f64) -> Result<usize, Lost> {
+    /// [`BranchEnd`] where no stable equilibrium follows; `motions` is then the last one found.
+    pub fn follow(
+        &self,
+        motions: &mut Vec<BodyMotion>,
+        loads: &[BodyLoad],
+        from: f64,
+        to: f64,
+    ) -> Result<usize, BranchEnd> {
         let (mut at, mut part, mut steps) = (from, to - from, 0);
         let mut elimination = None;
         while at < to {
@@ -302,7 +308,7 @@ impl<'a> Energy<'a> {
                 None => part *= 0.5,
             }
             if part < SMALLEST_PART * (to - from) {
-                return Err(Lost { converged_fraction: at / to });
+                return Err(BranchEnd { converged_fraction: at / to });
             }
         }
         Ok(steps)

@@ -26,7 +26,7 @@ pub mod skin;
 pub mod springs;
 
 use bodies::{Assembly, BodyLoad};
-use energy::{BodyMotion, Energy, Lost};
+use energy::{BodyMotion, BranchEnd, Energy};
 use finray_model::Finger;
 use finray_model::mesh::{FingerShape, Load, LoadError};
 use settling::{Dynamics, Settling};
@@ -154,7 +154,7 @@ impl Lattice {
     pub fn equilibrium(&self, loads: &[Load]) -> Result<FingerShape, LatticeError> {
         match self.path(loads, &[1.0])? {
             (mut shapes, None) => Ok(shapes.swap_remove(0)),
-            (_, Some(Lost { converged_fraction })) => Err(LatticeError::NoEquilibrium { converged_fraction }),
+            (_, Some(BranchEnd { converged_fraction })) => Err(LatticeError::NoEquilibrium { converged_fraction }),
         }
     }
 
@@ -163,7 +163,7 @@ impl Lattice {
     ///
     /// # Errors
     /// A load that is not on the finger or not finite.
-    pub fn path(&self, loads: &[Load], factors: &[f64]) -> Result<(Vec<FingerShape>, Option<Lost>), LatticeError> {
+    pub fn path(&self, loads: &[Load], factors: &[f64]) -> Result<(Vec<FingerShape>, Option<BranchEnd>), LatticeError> {
         let loads = self.body_loads(loads)?;
         let energy = Energy::new(&self.assembly);
         let mut motions = vec![BodyMotion::default(); self.assembly.bodies.len()];

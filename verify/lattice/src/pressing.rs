@@ -7,10 +7,11 @@
 //!
 //! Every step comes to rest as in [`settling`], from the step before.
 
-use super::bodies::{BodyIndex, BodyLoad};
+use super::bodies::BodyLoad;
 use super::energy::{BodyMotion, Energy};
 use super::settling::{self, Dynamics, mass_for, own, rapier};
 use super::skin::{Skin, Touch, TouchedPart, add_skin, groups_of_object};
+use super::springs::BodyIndex;
 use super::{Lattice, LatticeError};
 use finray_model::Vector;
 use finray_model::finger::{Part, Plate};

@@ -1,8 +1,8 @@
 //! The surface that a lattice shows to an object: a ball for every rod of the front plate, capsules between.
 
 use super::Lattice;
-use super::bodies::BodyIndex;
 use super::settling::{Dynamics, rapier};
+use super::springs::BodyIndex;
 use finray_model::finger::Plate;
 use finray_model::{NodeId, Vector};
 use rapier2d::prelude::{CoefficientCombineRule, ColliderBuilder, Group, InteractionGroups, InteractionTestMode};

@@ -1,8 +1,26 @@
 //! The springs that stand for a short segment of beam between two rigid bodies.
 
-use super::bodies::Anchor;
 use finray_model::Vector;
 use finray_model::frame::Section;
+
+/// Index of a body of a lattice, from 0.
+pub type BodyIndex = usize;
+
+/// A point that a body carries along.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Anchor {
+    /// The body.
+    pub body: BodyIndex,
+    /// From the centre of the body to the point, undeformed, mm.
+    pub arm: Vector,
+}
+
+impl Anchor {
+    /// The point farther along by `by`, mm, on the same body.
+    pub fn moved(self, by: Vector) -> Anchor {
+        Anchor { arm: self.arm + by, ..self }
+    }
+}
 
 /// Deformation that a spring resists.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -9,7 +9,7 @@ use super::{ReportError, causes, checks, shapes};
 use finray_studies::estimators::EstimatorId;
 use finray_studies::experiments::speed_error::recommendation::{LARGEST_BIAS_SIGMAS, recommended, ways};
 use finray_studies::experiments::speed_error::sensing::SENSED_N;
-use finray_studies::sampling::map::{Cell, CellState};
+use finray_studies::sampling::sweep::{CellState, MapCell};
 use finray_studies::sampling::worst::TrustCounts;
 use finray_studies::settings::{CAMERA_FRAME_S, DRAWN_FORCE_N, TRUSTED_ERROR};
 use finray_studies::study::Study;
@@ -84,8 +84,8 @@ fn weak_regions(study: &Study, situation: &Situation) -> Vec<Value> {
 /// The main reason in each situation.
 fn why_not(study: &Study, situations: &[Situation]) -> Option<Value> {
     let [known, others @ ..] = situations else { return None };
-    let is_wrong = |cell: &&Cell| cell.state() == CellState::Answered && cell.is_above(TRUSTED_ERROR) == Some(true);
-    let failed: Vec<&Cell> = known.map.cells.iter().filter(is_wrong).collect();
+    let is_wrong = |cell: &&MapCell| cell.state() == CellState::Answered && cell.is_above(TRUSTED_ERROR) == Some(true);
+    let failed: Vec<&MapCell> = known.map.cells.iter().filter(is_wrong).collect();
     let by_noise = failed.iter().filter(|cell| cell.spread > cell.bias.map(f64::abs)).count();
     let least_n = known.map.request.forces_n.first().copied().unwrap_or_default();
     let other = |situation: &Situation| {

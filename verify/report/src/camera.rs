@@ -35,7 +35,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     if let Some(FrameTimes { search_s, track_s }) = camera.times {
         blocks.push(paragraph("camera.times", context! { search_ms => 1e3 * search_s, track_ms => 1e3 * track_s })?);
     }
-    let drawings: [(_, _, Of); 2] = [
+    let drawings: [(_, _, CameraQuantity); 2] = [
         ("Errors of displacements", "rms error of a coordinate, mm", |row| row.displacement_rms_mm),
         ("Errors of forces", "rms error of the force, %", |row| row.force_rms_error.map(|error| 100.0 * error)),
     ];
@@ -76,7 +76,7 @@ fn setting(row: &CameraRow) -> String {
 }
 
 /// A number of a row.
-type Of = fn(&CameraRow) -> Option<f64>;
+type CameraQuantity = fn(&CameraRow) -> Option<f64>;
 
 /// A line of a drawing: conditions that differ in what displacements are counted from share one.
 fn line(row: &CameraRow) -> String {
@@ -87,7 +87,7 @@ fn line(row: &CameraRow) -> String {
 fn drawing(
     camera: &CameraStudy,
     (title, axis): (&str, &str),
-    of: Of,
+    of: CameraQuantity,
     papers: Option<f64>,
     asked: Option<f64>,
 ) -> Result<Option<String>, FigureError> {

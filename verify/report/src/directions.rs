@@ -58,11 +58,15 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let mut blocks = vec![paragraph("directions.about", numbers)?];
     blocks.extend(say("directions.identifiable", where_identifiable(directions))?.map(text));
     let identified = |cell: &DirectionCell| cell.answers.angle_error_deg.filter(|_| cell.answers.is_identified());
-    let all = |map: &Shown| -> Result<Block, FigureError> {
+    let all = |map: &DirectionMap| -> Result<Block, FigureError> {
         let figures = FORCES_N.map(|force_n| map.figure(finger, directions, force_n));
         Ok(Block::Figures { figures: figures.into_iter().collect::<Result<_, _>>()? })
     };
-    blocks.push(all(&Shown { what: "error of the direction, deg", missing: "not identifiable", value: &identified })?);
+    blocks.push(all(&DirectionMap {
+        what: "error of the direction, deg",
+        missing: "not identifiable",
+        value: &identified,
+    })?);
     blocks.extend(say("directions.without_friction", without_friction(directions))?.map(text));
     blocks.push(Block::Figure(frictionless_chart(directions, FORCES_N[0])?));
     Ok(Some(Section::new("directions", "Unknown directions", blocks)))
@@ -72,15 +76,15 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 type Quantity<'v> = &'v dyn Fn(&DirectionCell) -> Option<f64>;
 
 /// One quantity by position and direction.
-struct Shown<'v> {
+struct DirectionMap<'v> {
     what: &'v str,
     missing: &'v str,
     value: Quantity<'v>,
 }
 
-impl Shown<'_> {
+impl DirectionMap<'_> {
     fn figure(&self, finger: &Finger, directions: &DirectionStudy, force_n: f64) -> Result<Figure, FigureError> {
-        let Shown { what, missing, value } = *self;
+        let DirectionMap { what, missing, value } = *self;
         let cells: Vec<&DirectionCell> = directions.cells.iter().filter(|cell| cell.force_n == force_n).collect();
         let mut places: Vec<f64> = cells.iter().map(|cell| cell.s_mm).collect();
         places.dedup();

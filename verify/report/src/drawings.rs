@@ -7,7 +7,8 @@ use finray_figures::{
 use finray_model::finger::{Part, Plate};
 use finray_model::{Finger, Kinematics, NodeId, Vector};
 use finray_studies::experiments::table_one::TableOne;
-use finray_studies::sampling::map::{AccuracyMap, CellState};
+use finray_studies::sampling::map::AccuracyMap;
+use finray_studies::sampling::sweep::CellState;
 use finray_studies::study::Study;
 
 /// Limits of the two shades of the paper's Table I, %.

@@ -8,16 +8,12 @@ use finray_studies::estimators::EstimatorId;
 use finray_studies::experiments::causes::{CauseMap, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM};
 use finray_studies::experiments::contact_scene::contacts_sensed;
 use finray_studies::experiments::contact_scene::study::{SceneStudy, StudiedStep};
-use finray_studies::sampling::map::{AccuracyMap, Cell};
+use finray_studies::sampling::map::AccuracyMap;
 use finray_studies::sampling::scatter::ScatterRow;
+use finray_studies::sampling::sweep::MapCell;
 use finray_studies::settings::DRAWN_FORCE_N;
 use finray_studies::truths::TruthId;
 use serde_json::{Value, json};
-
-/// Script and style of the section.
-pub const SCRIPT: &str = include_str!("explore/explore.js");
-/// Its style.
-pub const STYLE: &str = include_str!("explore/explore.css");
 
 /// The numbers as JSON without any `<`, so that they can stand in the page.
 pub(super) fn data(Results { study, .. }: Results) -> String {
@@ -84,8 +80,9 @@ fn of_finger(finger: &Finger, noise_mm: f64) -> Value {
 }
 
 fn of_map(map: &AccuracyMap, contact: &str, csv: &str) -> Value {
-    let values = |of: fn(&Cell) -> Option<f64>| map.cells.iter().map(|cell| of(cell).map(number)).collect::<Vec<_>>();
-    let counts = |of: fn(&Cell) -> usize| map.cells.iter().map(of).collect::<Vec<usize>>();
+    let values =
+        |of: fn(&MapCell) -> Option<f64>| map.cells.iter().map(|cell| of(cell).map(number)).collect::<Vec<_>>();
+    let counts = |of: fn(&MapCell) -> usize| map.cells.iter().map(of).collect::<Vec<usize>>();
     let request = &map.request;
     json!({
         "truth": map.truth.label(), "estimator": map.estimator.label(), "contact": contact, "csv": csv,

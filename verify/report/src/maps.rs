@@ -9,7 +9,7 @@ use super::drawings::map_figure_svg;
 use super::page::{Block, Figure, Section, details};
 use super::words::say;
 use super::{ReportError, Results};
-use drawings::Shown;
+use drawings::MapFilter;
 use finray_studies::estimators::EstimatorId;
 use finray_studies::experiments::explain::Explanation;
 use finray_studies::sampling::map::AccuracyMap;
@@ -32,14 +32,14 @@ pub(super) fn small(study: &Study, truth: TruthId, estimator: EstimatorId, noisy
 }
 
 /// A quantity of explanations.
-type Of = fn(&Explanation) -> Option<f64>;
+type ExplainedQuantity = fn(&Explanation) -> Option<f64>;
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
     tables::datasets(study)
 }
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
-    let first: Shown = |truth, estimator| truth != TruthId::Linear && estimator != EstimatorId::Ridge;
+    let first: MapFilter = |truth, estimator| truth != TruthId::Linear && estimator != EstimatorId::Ridge;
     let mut blocks = vec![Block::Figure(overview(study, first)?)];
     let all = Block::Figure(overview(study, |_, _| true)?);
     blocks.push(details("The same with ridge and the linear finger", vec![all]));
@@ -49,7 +49,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("maps", "Every finger by every estimator", blocks).saying(words::says(study)?)))
 }
 
-fn overview(study: &Study, shown: Shown) -> Result<Figure, ReportError> {
+fn overview(study: &Study, shown: MapFilter) -> Result<Figure, ReportError> {
     let exported = study.map_by(TruthId::Mujoco, EstimatorId::LeastSquares, study.noise_mm > 0.0);
     let numbers = context! {
         forces_n => MAP_FORCES_N, noise_mm => study.noise_mm, exported_n => exported.map(|map| map.request.forces_n.clone()),

@@ -3,7 +3,6 @@
 //! A page is built from plain data and rendered through one template; the
 //! figures' SVG goes in as it is, every other text is escaped.
 
-use super::explore;
 use finray_studies::estimators::EstimatorId;
 use finray_studies::truths::TruthId;
 use minijinja::syntax::SyntaxConfig;
@@ -11,6 +10,10 @@ use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment, context};
 use serde::Serialize;
 use std::collections::BTreeMap;
+
+/// Script and style of the section in which the reader chooses what is drawn.
+const SCRIPT: &str = include_str!("explore/explore.js");
+const STYLE: &str = include_str!("explore/explore.css");
 
 /// A whole page.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -238,6 +241,6 @@ pub fn render(page: &Page) -> Result<String, minijinja::Error> {
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?;
     environment.set_syntax(syntax);
     environment.add_template("page.html", include_str!("page.html"))?;
-    let page = context! { page => Serde(page), about => about(), script => explore::SCRIPT, style => explore::STYLE };
+    let page = context! { page => Serde(page), about => about(), script => SCRIPT, style => STYLE };
     environment.get_template("page.html")?.render(page)
 }

@@ -20,15 +20,15 @@ const SETS_CSV: &str = "twin_zone_sets.csv";
 const CALIBRATION_CSV: &str = "twin_calibration.csv";
 
 /// One contact node: its rows of Table I, where it has them, on the uniform finger and on the twin, and what is sensed there with noise.
-struct AtNode<'s> {
+struct NodeComparison<'s> {
     before: Option<&'s TableOneRow>,
     after: Option<&'s TableOneRow>,
     sensing: &'s TwinSensing,
 }
 
-fn at_nodes(study: &TwinStudy) -> impl Iterator<Item = AtNode<'_>> {
+fn at_nodes(study: &TwinStudy) -> impl Iterator<Item = NodeComparison<'_>> {
     let of_node = |table: &'_ TableOne, node| table.rows.iter().position(|row| row.node == node);
-    study.sensing.iter().map(move |sensing| AtNode {
+    study.sensing.iter().map(move |sensing| NodeComparison {
         before: of_node(&study.before, sensing.node).map(|i| &study.before.rows[i]),
         after: of_node(&study.after, sensing.node).map(|i| &study.after.rows[i]),
         sensing,
@@ -37,7 +37,7 @@ fn at_nodes(study: &TwinStudy) -> impl Iterator<Item = AtNode<'_>> {
 
 /// By node: the paper's errors, those of the uniform finger and of the twin in the protocol of Table I, then the twin under noise.
 fn by_node<'s>(study: Option<&'s TwinStudy>) -> Dataset<'s> {
-    let columns = Columns::<AtNode>::new()
+    let columns = Columns::<NodeComparison>::new()
         .file("node", |at| at.sensing.node)
         .file("paper_mean_error", |at| Some(at.after?.paper_mean_error))
         .file("uniform_finger", |at| Some(at.before?.mean_error))
@@ -125,9 +125,10 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 }
 
 fn drawing(study: &TwinStudy) -> Result<String, FigureError> {
-    let rows: Vec<AtNode> = at_nodes(study).collect();
-    let group =
-        |label: &str, hue, of: fn(&AtNode) -> Option<f64>| error_bars(label, hue, rows.iter().map(|row| of(row)));
+    let rows: Vec<NodeComparison> = at_nodes(study).collect();
+    let group = |label: &str, hue, of: fn(&NodeComparison) -> Option<f64>| {
+        error_bars(label, hue, rows.iter().map(|row| of(row)))
+    };
     let alt =
         "Mean error by node: the paper's, the uniform finger, the finger with softer ends, and with its zones known.";
     let nodes = Axis::categories("loaded node", rows.iter().map(|row| row.sensing.node.to_string()).collect());

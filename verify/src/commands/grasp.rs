@@ -13,7 +13,7 @@ use finray_studies::experiments::contact_scene::file::load_scene_with_outline;
 use finray_studies::experiments::contact_scene::study::SceneWithOutline;
 use finray_studies::experiments::grasp::file::{force_rows, object_row};
 use finray_studies::experiments::grasp::{
-    Ended, Eyes, FINENESS, GraspError, GraspScene, GraspStep, Summary, finger_name,
+    Eyes, FINENESS, GraspEnd, GraspError, GraspScene, GraspStep, Summary, finger_name,
 };
 use std::path::PathBuf;
 
@@ -135,7 +135,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let ended = ended.map_err(bad)?;
     write(arguments, &scene.name, &grasp, &steps, &ended)?;
     match ended {
-        Ended::Done => Ok(()),
+        GraspEnd::Done => Ok(()),
         failed => {
             let last = steps.last();
             let at = last.map_or("before its first step".to_owned(), |step| {
@@ -154,7 +154,7 @@ fn write(
     name: &str,
     grasp: &GraspScene,
     steps: &[GraspStep],
-    ended: &Ended,
+    ended: &GraspEnd,
 ) -> Result<(), Failure> {
     let forces = csv_text(steps.iter().flat_map(|step| force_rows(grasp, step)))?;
     let object = csv_text(steps.iter().map(object_row))?;

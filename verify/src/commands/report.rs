@@ -101,13 +101,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(seen) = seen {
         study.measured = Some(measured::run(&scene.scene, &seen, &images).map_err(bad_input)?);
     }
-    let claims = ledger(&study).map_err(not_computed)?;
     if let Some((folder, times)) = &criterion {
         study.take_criterion(folder, times);
     }
     if let Some(peers) = peers {
         study.take_peers(peers);
     }
+    // The claims state times: criterion's, once they have been taken.
+    let claims = ledger(&study).map_err(not_computed)?;
     let report = finray_report::report(&study, &claims).map_err(not_computed)?;
     write_folder(&arguments.out, &report.files)?;
     let page = arguments.out.join("index.html");

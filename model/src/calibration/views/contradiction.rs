@@ -1,7 +1,7 @@
 //! Views that contradict the scene's finger or each other by more than what is sought could explain: each view by itself, before any fit.
 
-use super::problem::{Candidate, Own, Problem};
-use super::start::motion_of_shape;
+use super::problem::{Candidate, Problem, ViewUnknowns};
+use super::shape_motion::motion_of_shape;
 use super::{Quantity, View, ViewError};
 use crate::calibration::CalibrationError;
 use crate::measurement::BaseUncertainty;
@@ -22,10 +22,10 @@ const SURE: f64 = 3.0;
 /// A marker has another node's name if it is nearer to where the finger has that node than to its own place by this factor.
 const NEARER: f64 = 0.5;
 
-/// What the markers of a view show of its force.
+/// The force of a view as estimated from its markers alone, with the other unknowns of the view.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Shown {
-    pub own: Own,
+pub(super) struct MarkerForce {
+    pub own: ViewUnknowns,
     pub sigma_n: f64,
 }
 
@@ -39,9 +39,9 @@ pub(super) struct Compared<'v> {
 }
 
 impl Compared<'_> {
-    fn of(view: &View, shown: Shown) -> Option<Compared<'_>> {
+    fn of(view: &View, of_markers: MarkerForce) -> Option<Compared<'_>> {
         let measured_n = view.force?.norm();
-        Some(Compared { view, times: measured_n / shown.own.force_n, inverse_sd: shown.sigma_n / measured_n })
+        Some(Compared { view, times: measured_n / of_markers.own.force_n, inverse_sd: of_markers.sigma_n / measured_n })
     }
 
     /// Whether noise does not explain that `times` is not another one.
@@ -58,7 +58,7 @@ impl Problem<'_> {
 
     /// What the markers of a view show of its force if its direction is that of the measured one, by the scene's finger; `None` where it does not
     /// answer.
-    pub(super) fn shown(&self, stated: &Candidate, view: &View) -> Option<Shown> {
+    pub(super) fn marker_force(&self, stated: &Candidate, view: &View) -> Option<MarkerForce> {
         // Along the line of the measured force, inwards: its sign may be wrong.
         let angle_deg = self.finger.angle_deg(view.force?);
         let outwards_deg: f64 = if angle_deg.abs() > 90.0 { 180.0 } else { 0.0 };
@@ -69,22 +69,22 @@ impl Problem<'_> {
         let (sd_mm, sd_rad) = (view.base.sd_mm.hypot(sd_mm), view.base.sd_rad.hypot(sd_rad));
         let measurement = view.measurement.clone().with_uncertain_base(BaseUncertainty { sd_mm, sd_rad, ..view.base });
         let sensed = estimator.estimate(&measurement, Some(view.noise_mm.hypot(UNCALIBRATED_MM))).ok()?;
-        let own = Own {
+        let own = ViewUnknowns {
             s_mm: sensed.contacts[0].position_mm(self.finger)?,
             base: Isometry2::identity(),
             force_n: if outwards_deg > 0.0 { -sensed.forces.forces_n[0] } else { sensed.forces.forces_n[0] },
             further_lean_deg: 0.0,
         };
-        Some(Shown { own, sigma_n: sensed.forces.sigmas_n[0] })
+        Some(MarkerForce { own, sigma_n: sensed.forces.sigmas_n[0] })
     }
 
-    /// Compares measured forces with what markers show, `shown` for each view.
+    /// Compares measured forces with what markers show, `marker_forces` one a view.
     ///
     /// # Errors
     /// [`CalibrationError::ForceScale`] where they are off alike, and [`ViewError::Force`] for the view that is further off than the others.
-    pub(super) fn check_forces(&self, shown: &[Option<Shown>]) -> Result<(), CalibrationError> {
-        let of_view = |(view, shown): (_, &Option<Shown>)| Compared::of(view, (*shown)?);
-        let all: Vec<Compared> = self.views.iter().zip(shown).filter_map(of_view).collect();
+    pub(super) fn check_forces(&self, marker_forces: &[Option<MarkerForce>]) -> Result<(), CalibrationError> {
+        let of_view = |(view, of_markers): (_, &Option<MarkerForce>)| Compared::of(view, (*of_markers)?);
+        let all: Vec<Compared> = self.views.iter().zip(marker_forces).filter_map(of_view).collect();
         let Some(usual) = median(all.iter().map(|it| it.times)) else { return Ok(()) };
         if !(LARGEST_FACTOR.recip()..=LARGEST_FACTOR).contains(&usual) {
             return Err(CalibrationError::ForceScale { times: usual });
@@ -99,7 +99,7 @@ impl Problem<'_> {
     }
 
     /// A marker of a view that is where the finger has another node, wherever its base is.
-    pub(super) fn wrong_name(&self, stated: &Candidate, view: &View, own: &Own) -> Option<ViewError> {
+    pub(super) fn wrong_name(&self, stated: &Candidate, view: &View, own: &ViewUnknowns) -> Option<ViewError> {
         let pressed = self.pressed(stated, view, own)?;
         // Where each was seen, and where the finger has it.
         let places: Vec<(NodeId, Vector, Vector)> = self

@@ -1,7 +1,7 @@
 //! The problem of the views as the optimiser asks for it: derivatives by differences, priors, and bounds of the positions.
 
 use super::View;
-use super::problem::{Own, Point, Problem, free_part_mm};
+use super::problem::{Point, Problem, ViewUnknowns, free_part_mm};
 use crate::calibration::CalibrationError;
 use crate::optimise::{LeastSquaresProblem, Prior, Refusal, StepBounds};
 use nalgebra::{DMatrix, DVector};
@@ -87,7 +87,7 @@ impl LeastSquaresProblem for Problem<'_> {
 
 impl Problem<'_> {
     /// The views, the unknowns of each at a point, and the rows of its residuals.
-    fn rows<'r>(&'r self, point: &'r Point) -> impl Iterator<Item = (&'r View, &'r Own, Range<usize>)> {
+    fn rows<'r>(&'r self, point: &'r Point) -> impl Iterator<Item = (&'r View, &'r ViewUnknowns, Range<usize>)> {
         self.views.iter().zip(&point.own).scan(0, |first, (view, own)| {
             let rows = *first..*first + self.row_count(view);
             *first = rows.end;
@@ -109,7 +109,7 @@ impl Problem<'_> {
     }
 }
 
-impl Own {
+impl ViewUnknowns {
     /// Step of an unknown for derivatives.
     fn step(&self, unknown: usize) -> f64 {
         match unknown {

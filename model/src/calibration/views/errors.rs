@@ -19,7 +19,7 @@ const SECTIONS: usize = 50;
 
 /// What is left of one coordinate.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Left {
+struct CoordinateResidual {
     square_mm2: f64,
     /// Which part of its error is in the residual: the rest was fitted.
     free: f64,
@@ -38,7 +38,7 @@ impl Problem<'_> {
                 let stated_mm = view.noise_mm / marker.weight;
                 let by = fitted.jacobian.row(row + i);
                 let fitted_share = (by * covariance).dot(&by);
-                left.push(Left {
+                left.push(CoordinateResidual {
                     square_mm2: (fitted.residual[row + i] * self.errors.sd_mm(stated_mm)).powi(2),
                     free: (1.0 - fitted_share).max(0.0),
                     stated_mm,
@@ -64,14 +64,14 @@ impl Problem<'_> {
 /// The equations of restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971) for variances of independent rows, with the residuals
 /// and their free parts as they are. Variances are then by as much larger as their mean is than their mode: few degrees of freedom leave
 /// them large.
-fn likeliest(mut left: Vec<Left>) -> MarkerErrors {
+fn likeliest(mut left: Vec<CoordinateResidual>) -> MarkerErrors {
     let free: f64 = left.iter().map(|it| it.free).sum();
     if free <= 2.0 {
         return MarkerErrors::default();
     }
     left.iter_mut().for_each(|it| it.square_mm2 *= free / (free - 2.0));
     let unlikely = |errors: &MarkerErrors| {
-        let of = |it: &Left| {
+        let of = |it: &CoordinateResidual| {
             let variance_mm2 = errors.sd_mm(it.stated_mm).powi(2);
             it.free * variance_mm2.ln() + it.square_mm2 / variance_mm2
         };
@@ -109,8 +109,8 @@ mod tests {
     use super::*;
 
     /// Residuals of some standard deviation, of which a quarter was fitted.
-    fn of(sd_mm: f64, stated_mm: f64, rows: usize) -> Vec<Left> {
-        vec![Left { square_mm2: 0.75 * sd_mm * sd_mm, free: 0.75, stated_mm }; rows]
+    fn of(sd_mm: f64, stated_mm: f64, rows: usize) -> Vec<CoordinateResidual> {
+        vec![CoordinateResidual { square_mm2: 0.75 * sd_mm * sd_mm, free: 0.75, stated_mm }; rows]
     }
 
     /// By hand, where all are stated alike: the mean square over the free part, times its mean over its mode, 75 / 73; with the finger's

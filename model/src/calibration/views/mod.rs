@@ -15,6 +15,7 @@ mod problem;
 mod quantity;
 mod rig;
 mod scatter;
+mod shape_motion;
 mod start;
 mod view;
 
@@ -32,8 +33,8 @@ use crate::measurement::MarkerErrors;
 use crate::optimise::{LevenbergMarquardt, Refusal};
 use crate::sensing::{Lean, Normal, Pad};
 use nalgebra::{DMatrix, Isometry2};
-use problem::Problem;
-use scatter::{OfNew, Scatter};
+use problem::{Candidate, Problem, ViewUnknowns};
+use scatter::{AddedForceError, Scatter};
 
 /// What is held beside the views.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -209,7 +210,7 @@ pub fn views(
     }
     let of_new = problem.scatter.map(|most_likely| match &scatter {
         Some(scatter) => scatter.of_new(most_likely),
-        None => OfNew { share: most_likely, of_markers: 0.0 },
+        None => AddedForceError { share: most_likely, of_markers: 0.0 },
     });
     let force_error = problem.scatter.zip(of_new).map(|(scatter, of_new)| ForceError { scatter, of_new: of_new.share });
     if !sought.is_empty() {
@@ -217,28 +218,10 @@ pub fn views(
     }
     let point = &fitted.point;
     let candidate = problem.candidate(&point.shared).ok_or(CalibrationError::NoMinimum)?;
-    let quantities = sought.iter().zip(&point.shared).enumerate().map(|(k, (sought, change))| {
-        let value = match sought.quantity.is_modulus() {
-            true => change.exp(),
-            false => problem.stated(sought.quantity) + change,
-        };
-        FoundQuantity {
-            sought: *sought,
-            value,
-            sigma: sigma(k) * if sought.quantity.is_modulus() { value } else { 1.0 },
-        }
-    });
-    let mut found_views = Vec::new();
-    for (view, own) in views.iter().zip(&point.own) {
-        let pressed = problem.pressed(&candidate, view, own).ok_or(CalibrationError::NoMinimum)?;
-        found_views.push(FoundView {
-            s_mm: own.s_mm,
-            force: pressed.force * (view.force.map_or(own.force_n, |force| force.norm()) / own.force_n),
-            base: candidate.base * own.base,
-            normal_turn_rad: pressed.normal_turn_rad,
-            residuals_mm: problem.residuals(&candidate, view, own, &pressed).map(|(_, left)| left).collect(),
-        });
-    }
+    let quantities = sought.iter().zip(&point.shared).enumerate();
+    let quantities = quantities.map(|(k, (sought, change))| problem.found_quantity(sought, *change, sigma(k)));
+    let found_view = |(view, own)| problem.found_view(&candidate, view, own).ok_or(CalibrationError::NoMinimum);
+    let found_views = views.iter().zip(&point.own).map(found_view).collect::<Result<Vec<_>, _>>()?;
     Ok(ViewEstimate {
         quantities: quantities.collect(),
         correlation: DMatrix::from_fn(sought.len(), sought.len(), |i, j| covariance[(i, j)] / (sigma(i) * sigma(j))),
@@ -251,4 +234,25 @@ pub fn views(
         base: candidate.base,
         finger: candidate.mesh.finger().clone(),
     })
+}
+
+impl Problem<'_> {
+    /// A view as a candidate has it; `None` where it has no equilibrium.
+    fn found_view(&self, candidate: &Candidate, view: &View, own: &ViewUnknowns) -> Option<FoundView> {
+        let pressed = self.pressed(candidate, view, own)?;
+        Some(FoundView {
+            s_mm: own.s_mm,
+            force: pressed.force * (view.force.map_or(own.force_n, |force| force.norm()) / own.force_n),
+            base: candidate.base * own.base,
+            normal_turn_rad: pressed.normal_turn_rad,
+            residuals_mm: self.residuals(candidate, view, own, &pressed).map(|(_, left)| left).collect(),
+        })
+    }
+
+    /// A quantity that is sought, by its change and the standard deviation of it: of factors both logarithms.
+    fn found_quantity(&self, sought: &Sought, change: f64, sigma: f64) -> FoundQuantity {
+        let is_modulus = sought.quantity.is_modulus();
+        let value = if is_modulus { change.exp() } else { self.stated(sought.quantity) + change };
+        FoundQuantity { sought: *sought, value, sigma: sigma * if is_modulus { value } else { 1.0 } }
+    }
 }

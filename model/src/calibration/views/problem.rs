@@ -29,12 +29,12 @@ const NORMAL_STEPS: usize = 60;
 pub(super) struct Point {
     /// Changes of the quantities: logarithms of factors, mm, degrees.
     pub shared: Vec<f64>,
-    pub own: Vec<Own>,
+    pub own: Vec<ViewUnknowns>,
 }
 
 /// The unknowns of one view.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Own {
+pub(super) struct ViewUnknowns {
     pub s_mm: f64,
     pub base: Isometry2<f64>,
     pub force_n: f64,
@@ -119,7 +119,7 @@ impl Problem<'_> {
     }
 
     /// The force of a view in the finger frame, and how the finger bends under it; `None` where there is no equilibrium.
-    pub(super) fn pressed(&self, candidate: &Candidate, view: &View, own: &Own) -> Option<Pressed> {
+    pub(super) fn pressed(&self, candidate: &Candidate, view: &View, own: &ViewUnknowns) -> Option<Pressed> {
         let finger = candidate.mesh.finger();
         let over_mm = match self.model.lean.from {
             Normal::Deformed { over_mm } => over_mm,
@@ -159,7 +159,7 @@ impl Problem<'_> {
         &self,
         candidate: &'v Candidate,
         view: &'v View,
-        own: &Own,
+        own: &ViewUnknowns,
         pressed: &'v Pressed,
     ) -> impl Iterator<Item = (&'v Marker, Vector)> {
         let (finger, stated) = (candidate.mesh.finger(), self.finger);
@@ -176,7 +176,7 @@ impl Problem<'_> {
     }
 
     /// Residuals of one view in their standard deviations, its priors last; `None` where there is no equilibrium.
-    pub(super) fn weighted(&self, candidate: &Candidate, view: &View, own: &Own) -> Option<Vec<f64>> {
+    pub(super) fn weighted(&self, candidate: &Candidate, view: &View, own: &ViewUnknowns) -> Option<Vec<f64>> {
         let pressed = self.pressed(candidate, view, own)?;
         let mut rows = Vec::with_capacity(view.measurement.coordinate_count() + OWN);
         for (marker, residual) in self.residuals(candidate, view, own, &pressed) {
@@ -196,9 +196,9 @@ impl Problem<'_> {
     }
 }
 
-impl Own {
+impl ViewUnknowns {
     /// The same with one unknown moved.
-    pub(super) fn moved(&self, finger: &Finger, unknown: usize, by: f64) -> Own {
+    pub(super) fn moved(&self, finger: &Finger, unknown: usize, by: f64) -> ViewUnknowns {
         let mut moved = *self;
         match unknown {
             0 => {

@@ -42,7 +42,7 @@ pub(super) struct NewImage {
 
 /// What a calibrated finger adds to the error of a force that is sensed in a new image.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct OfNew {
+pub(super) struct AddedForceError {
     /// A share of the force: standard deviation, of which 1.96 are half of a 95 % interval.
     pub share: f64,
     /// A share of the variances of the image's markers.
@@ -182,11 +182,11 @@ impl Scatter {
     /// What is open of a modulus is a share of every force. What is open of the geometry moves markers, as noise does, and counts where
     /// noise does: of a small force, or one whose place is hardly seen, it is a larger share. Images in which noise counts differently show which is
     /// which; where it counts alike, each has half.
-    pub fn of_new(&self, assumed: f64) -> OfNew {
+    pub fn of_new(&self, assumed: f64) -> AddedForceError {
         let scatter = self.of_new_force().unwrap_or(assumed);
         let of_finger: Vec<f64> = (0..self.of_markers.len()).map(|image| self.of_finger(image, scatter)).collect();
         let [of_all, of_markers] = shares(&of_finger, &self.of_markers);
-        OfNew { share: scatter.hypot(of_all.sqrt()), of_markers }
+        AddedForceError { share: scatter.hypot(of_all.sqrt()), of_markers }
     }
 }
 
@@ -312,7 +312,7 @@ mod tests {
     #[test]
     fn one_force_has_nothing_to_be_compared_with() {
         let one = scatter(1e3, &[1.0]);
-        assert_eq!((one.most_likely(), one.of_new(0.01)), (None, OfNew { share: 0.01, of_markers: 0.0 }));
+        assert_eq!((one.most_likely(), one.of_new(0.01)), (None, AddedForceError { share: 0.01, of_markers: 0.0 }));
     }
 
     /// Variances that are made of both parts lead back to both; where all are alike, or fall with noise, none of it grows.

@@ -1,9 +1,9 @@
 //! Where the search begins.
 
-use super::contradiction::Shown;
-use super::problem::{Candidate, Own, Point, Problem};
+use super::contradiction::MarkerForce;
+use super::problem::{Candidate, Point, Problem, ViewUnknowns};
+use super::shape_motion::misfit_of_shape;
 use super::{FIRST_MODEL_ERROR_MM, View, ViewError};
-use crate::Vector;
 use crate::calibration::CalibrationError;
 use crate::finger::Plate;
 use crate::sensing::{ContactQuestion, Direction, Lean, NonlinearEstimator};
@@ -15,9 +15,9 @@ const PLACES: usize = 50;
 /// Where the search begins in a view.
 struct Beginning {
     /// As the measured force has it, or what the markers show where none was measured: `None` where the finger does not carry that force.
-    own: Option<Own>,
+    own: Option<ViewUnknowns>,
     /// What the markers show beside a measured force.
-    shown: Option<Shown>,
+    of_markers: Option<MarkerForce>,
 }
 
 impl Problem<'_> {
@@ -30,10 +30,10 @@ impl Problem<'_> {
         let stated = self.candidate(&shared).ok_or(CalibrationError::NoMinimum)?;
         let of_view = |view: &View| self.beginning(&stated, view).map_err(|error| view.wrong(error));
         let begins: Vec<Beginning> = self.views.iter().map(of_view).collect::<Result<_, _>>()?;
-        let shown: Vec<Option<Shown>> = begins.iter().map(|beginning| beginning.shown).collect();
+        let marker_forces: Vec<Option<MarkerForce>> = begins.iter().map(|beginning| beginning.of_markers).collect();
         // A finger that is not sought is compared with its forces as it is.
         if !self.sought.is_empty() {
-            self.check_forces(&shown)?;
+            self.check_forces(&marker_forces)?;
         }
         let own = begins.iter().zip(self.views).map(|(beginning, view)| {
             let force_n = view.force.map_or(0.0, |force| force.norm());
@@ -45,29 +45,29 @@ impl Problem<'_> {
     fn beginning(&self, stated: &Candidate, view: &View) -> Result<Beginning, ViewError> {
         let Some(force) = view.force else {
             let own = self.start_of_unknown(stated, view)?;
-            return self.wrong_name(stated, view, &own).map_or(Ok(Beginning { own: Some(own), shown: None }), Err);
+            return self.wrong_name(stated, view, &own).map_or(Ok(Beginning { own: Some(own), of_markers: None }), Err);
         };
-        let (own, shown) = (self.start_of_known(stated, view, force.norm()), self.shown(stated, view));
+        let (own, of_markers) = (self.start_of_known(stated, view, force.norm()), self.marker_force(stated, view));
         // With the force as it was measured and as the markers show it: either may be wrong.
-        let explained = own.into_iter().chain(shown.map(|shown| shown.own));
+        let explained = own.into_iter().chain(of_markers.map(|of_markers| of_markers.own));
         let names: Vec<Option<ViewError>> = explained.map(|own| self.wrong_name(stated, view, &own)).collect();
         match names.into_iter().reduce(|first, second| first.filter(|_| second.is_some())).flatten() {
             Some(error) => Err(error),
-            None => Ok(Beginning { own, shown }),
+            None => Ok(Beginning { own, of_markers }),
         }
     }
 
     /// The place along the plate where a measured force bends the finger most like what is seen, wherever the base is; `None` where the finger
     /// does not carry it.
-    fn start_of_known(&self, stated: &Candidate, view: &View, force_n: f64) -> Option<Own> {
+    fn start_of_known(&self, stated: &Candidate, view: &View, force_n: f64) -> Option<ViewUnknowns> {
         let length_mm = self.finger.plate_length_mm(Plate::Front);
-        let at = |i: usize| Own {
+        let at = |i: usize| ViewUnknowns {
             s_mm: length_mm * i as f64 / PLACES as f64,
             base: Isometry2::identity(),
             force_n,
             further_lean_deg: 0.0,
         };
-        let misfit = |own: &Own| {
+        let misfit = |own: &ViewUnknowns| {
             let pressed = self.pressed(stated, view, own)?;
             Some(misfit_of_shape(
                 &self
@@ -81,38 +81,17 @@ impl Problem<'_> {
     }
 
     /// Force and place as they are sensed.
-    fn start_of_unknown(&self, stated: &Candidate, view: &View) -> Result<Own, ViewError> {
+    fn start_of_unknown(&self, stated: &Candidate, view: &View) -> Result<ViewUnknowns, ViewError> {
         let direction = Direction::Leaning(Lean { sd_deg: 0.0, ..self.model.lean });
         let questions = [ContactQuestion { position: None, direction }];
         let mut estimator = NonlinearEstimator::new(&stated.mesh, &questions)?.with_pad(self.model.pad);
         let measurement = view.measurement.clone().with_uncertain_base(view.base);
         let sensed = estimator.estimate(&measurement, Some(view.noise_mm.hypot(FIRST_MODEL_ERROR_MM)))?;
-        Ok(Own {
+        Ok(ViewUnknowns {
             s_mm: sensed.contacts[0].position_mm(self.finger).unwrap_or_default(),
             base: Isometry2::identity(),
             force_n: sensed.forces.forces_n[0],
             further_lean_deg: 0.0,
         })
     }
-}
-
-/// The motion of a whole shape, as small as a turn may be, that is closest to what each of its points is to move by: points, and their motions.
-pub(super) fn motion_of_shape(all: &[(Vector, Vector)]) -> impl Fn(&Vector) -> Vector + use<> {
-    let count = all.len().max(1) as f64;
-    let [middle, shift] =
-        all.iter().fold([Vector::zeros(); 2], |[p, r], (point, moved)| [p + point / count, r + moved / count]);
-    let (mut turned, mut arms) = (0.0, 0.0);
-    for (point, moved) in all {
-        let arm = point - middle;
-        turned += arm.perp(&(moved - shift));
-        arms += arm.norm_squared();
-    }
-    let turn = turned / arms.max(f64::MIN_POSITIVE);
-    move |point| shift + Vector::new(middle.y - point.y, point.x - middle.x) * turn
-}
-
-/// What is left of residuals at points, mm^2, once the whole shape has moved to where they are least.
-fn misfit_of_shape(all: &[(Vector, Vector)]) -> f64 {
-    let moved = motion_of_shape(all);
-    all.iter().map(|(point, left)| (left - moved(point)).norm_squared()).sum()
 }

@@ -132,6 +132,27 @@ impl NonlinearEstimator<'_> {
         })
     }
 
+    /// Refuses positions and directions whose standard deviation, by unknown, is too large.
+    fn require_determined(&self, forces_n: &[f64], sigma: impl Fn(usize) -> f64) -> Result<(), SensingError> {
+        for (j, unknown) in self.unknowns.iter().enumerate() {
+            let (what, contact, sigma, limit, unit) = match *unknown {
+                Unknown::Force(_) | Unknown::Base(_) | Unknown::Object(_) => continue,
+                Unknown::Position(i) => {
+                    let limit = LARGEST_POSITION_SIGMA * self.finger().plate_length_mm(Plate::Front);
+                    ("the position", i + 1, sigma(j), limit, "mm")
+                }
+                Unknown::Across(i) => {
+                    let sigma_deg = (sigma(j) / forces_n[i].abs()).to_degrees();
+                    ("the direction", i + 1, sigma_deg, LARGEST_ANGLE_SIGMA_DEG, "deg")
+                }
+            };
+            if sigma > limit {
+                return Err(SensingError::Undetermined { what, contact, sigma, unit });
+            }
+        }
+        Ok(())
+    }
+
     /// Standard deviations and refusals.
     ///
     /// # Errors
@@ -172,23 +193,7 @@ impl NonlinearEstimator<'_> {
             across.map_or(0.0, |j| 0.75 * (linear(j, j) / state.forces_n[i]).powi(2))
         };
         let covariance = |i: usize, j: usize| linear(i, j) + if i == j { by_direction(i) } else { 0.0 };
-        let sigma = |j: usize| linear(j, j).sqrt();
-        for (j, unknown) in self.unknowns.iter().enumerate() {
-            let (what, contact, sigma, limit, unit) = match *unknown {
-                Unknown::Force(_) | Unknown::Base(_) | Unknown::Object(_) => continue,
-                Unknown::Position(i) => {
-                    let limit = LARGEST_POSITION_SIGMA * self.finger().plate_length_mm(Plate::Front);
-                    ("the position", i + 1, sigma(j), limit, "mm")
-                }
-                Unknown::Across(i) => {
-                    let sigma_deg = (sigma(j) / state.forces_n[i].abs()).to_degrees();
-                    ("the direction", i + 1, sigma_deg, LARGEST_ANGLE_SIGMA_DEG, "deg")
-                }
-            };
-            if sigma > limit {
-                return Err(SensingError::Undetermined { what, contact, sigma, unit });
-            }
-        }
+        self.require_determined(&state.forces_n, |j| linear(j, j).sqrt())?;
         let leans = self.unknowns.iter().enumerate().filter_map(|(k, unknown)| match *unknown {
             Unknown::Across(i) => self.found_lean(state, i, |j| linear(j, k), linear(k, k), by_direction(i)),
             _ => None,

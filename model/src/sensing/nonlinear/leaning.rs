@@ -3,7 +3,7 @@
 //! Markers that hardly tell how a force leans let a lean of some degrees more go with a contact elsewhere and another force, and the further it leans
 //! the more: the tangent at the estimate may show half of that.
 
-use super::ways::Ways;
+use super::search_history::SearchHistory;
 use super::{NonlinearEstimate, NonlinearEstimator, State};
 use crate::measurement::Measurement;
 use crate::sensing::{ContactQuestion, Direction, Lean, SensingError};
@@ -88,7 +88,7 @@ impl NonlinearEstimator<'_> {
         estimator.expect(measurement, noise_mm)?;
         let start = estimator.resumed(state, measurement, noise_mm)?;
         // There is no way to meet.
-        let found = estimator.minimum_near(start, measurement, noise_mm, &mut Ways::default())?;
+        let found = estimator.minimum_near(start, measurement, noise_mm, &mut SearchHistory::default())?;
         Ok(found.ok_or(SensingError::NoContact)?.state.forces_n)
     }
 }

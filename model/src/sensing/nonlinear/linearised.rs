@@ -1,7 +1,7 @@
 //! The problem linearised at a state: the residual, and its derivatives by the unknowns.
 
 use super::nuisances::{Nuisances, PriorRow, Priors};
-use super::touching::TouchRows;
+use super::touch_rows::TouchRows;
 use super::unknowns::{BaseMotion, Unknown};
 use super::{NonlinearEstimator, State};
 use crate::Vector;

@@ -14,11 +14,12 @@ mod linearised;
 mod nuisances;
 mod refine;
 mod search;
+mod search_history;
 mod simultaneous;
 mod start;
+mod touch_rows;
 mod touching;
 mod unknowns;
-mod ways;
 
 pub use discretisation::Discretisation;
 pub use refine::sense_refining;
@@ -37,10 +38,10 @@ use leaning::FoundLean;
 use linearised::{Linearised, Posed};
 use nalgebra::DMatrix;
 use nuisances::{Nuisances, Priors};
+use search_history::SearchHistory;
 use start::Start;
 use touching::Touching;
 use unknowns::Unknown;
-use ways::Ways;
 
 /// Turn of a deformed normal in one step, degrees, below which it counts as settled: worth 1e-6 of the force.
 const SETTLED_ANGLE_DEG: f64 = 1e-4;
@@ -48,10 +49,6 @@ const SETTLED_ANGLE_DEG: f64 = 1e-4;
 /// be a wrong one: the search starts again from the linear forces times other factors, and the best minimum counts.
 const POOR_FIT: f64 = 0.02;
 const POOR_FIT_SIGMAS: f64 = 3.0;
-const STARTS: [Start; 4] = [Start::Times(1.0), Start::Times(-1.0), Start::Times(0.3), Start::Times(-0.3)];
-/// Unknown directions from which the search starts as well where none of these explains the measurement: forces nearly along
-/// a plate that has buckled.
-const STARTS_BY_DIRECTION: [Start; 3] = [Start::Towards(0.0), Start::Towards(-60.0), Start::Towards(60.0)];
 
 /// Residual, root mean square over the coordinates, up to which a measurement counts as explained under some noise.
 fn largest_explained_rms_mm(noise_mm: f64, moved_rms_mm: f64) -> f64 {
@@ -271,16 +268,7 @@ impl<'m> NonlinearEstimator<'m> {
         let share = if self.priors.count() == 0 { POOR_FIT } else { 0.0 };
         let poor = (share * (moved / coordinates as f64).sqrt()).max(POOR_FIT_SIGMAS * noise_mm.unwrap_or(0.0));
         let largest_misfit = poor * poor * coordinates as f64;
-        let mut best: Option<Found> = None;
-        if let Some(mut state) = self.last.take() {
-            best = self.correct(&mut state, measurement, noise_mm).map(|steps| Found { state, steps, near: true });
-        }
-        if best.is_none()
-            && self.object.is_some()
-            && let Some(start) = self.of_markers_alone(measurement, noise_mm)?
-        {
-            best = self.minimum_near(start, measurement, noise_mm, &mut Ways::default()).ok().flatten();
-        }
+        let mut best = self.minimum_at_hand(measurement, noise_mm)?;
         let mut failure = None;
         // Misfit and forces of all minima.
         let mut minima: Vec<(f64, Vec<f64>)> = Vec::new();
@@ -290,13 +278,8 @@ impl<'m> NonlinearEstimator<'m> {
             let residual_rms_mm = largest_explained_rms_mm(noise_mm, (moved / coordinates as f64).sqrt());
             residual_rms_mm * residual_rms_mm * coordinates as f64
         });
-        let mut ways = Ways::of(&self.unknowns, &self.questions).explaining_up_to(explained_mm2);
-        let by_direction = self.questions.iter().any(|question| question.direction == Direction::Auto);
-        let follows = self.questions.iter().any(|question| matches!(question.direction, Direction::Leaning(_)));
-        let by_direction = STARTS_BY_DIRECTION.into_iter().filter(|_| by_direction);
-        let moved_base = measurement.base().map(|_| Start::FromMovedBase);
-        let held = follows.then_some(Start::Held);
-        for start in STARTS.into_iter().chain(moved_base).chain(by_direction).chain(held) {
+        let mut history = SearchHistory::of(&self.unknowns, &self.questions).explaining_up_to(explained_mm2);
+        for start in self.starts(measurement.base().is_some()) {
             if let Some(found) = &mut best
                 && self.misfit(&found.state, measurement) <= largest_misfit
             {
@@ -307,21 +290,21 @@ impl<'m> NonlinearEstimator<'m> {
                 self.judged(&mut found.state, measurement, noise_mm, found.steps)?;
             }
             // The linear forces lead nowhere else; other directions and another base may.
-            if matches!(start, Start::Times(_)) && ways.agree_on_none() {
+            if matches!(start, Start::Times(_)) && history.agree_on_none() {
                 continue;
             }
-            ways.begin();
-            match self.searched(measurement, noise_mm, start, &mut starts, &mut ways) {
+            history.begin();
+            match self.searched(measurement, noise_mm, start, &mut starts, &mut history) {
                 Ok(Some(found)) => {
                     let misfit = |found: &Found| self.misfit(&found.state, measurement);
-                    minima.extend(ways.end(Some((misfit(&found), found.state.forces_n.clone()))));
+                    minima.extend(history.end(Some((misfit(&found), found.state.forces_n.clone()))));
                     if best.as_ref().is_none_or(|best| misfit(&found) < misfit(best)) {
                         best = Some(found);
                     }
                 }
-                Ok(None) => minima.extend(ways.end(None)),
+                Ok(None) => minima.extend(history.end(None)),
                 Err(error) => {
-                    ways.end(None);
+                    history.end(None);
                     failure = failure.or(Some(error));
                 }
             }
@@ -335,7 +318,7 @@ impl<'m> NonlinearEstimator<'m> {
         if self.questions.iter().filter(|question| question.position.is_none()).count() <= 1 {
             estimate.check_rivals(least_misfit, &minima, near, coordinates)?;
             // A start pushes along the undeformed normal where the deformed one is asked for: it is no answer then.
-            if self.questions.iter().all(|question| !matches!(question.direction, Direction::Leaning(_))) {
+            if !self.follows_plate() {
                 let expected = Nuisances::expected(self.questions.len());
                 let starts = starts.iter().map(|(forces_n, motion)| {
                     let shape = Posed { motion, forces_n, nuisances: &expected };
@@ -377,7 +360,7 @@ impl<'m> NonlinearEstimator<'m> {
         self.forget();
     }
 
-    /// The minimum nearest to a start, the careful way if it is not near; `None` if the search for it comes upon one of the `ways` before.
+    /// The minimum nearest to a start, the careful way if it is not near; `None` if the search for it comes upon a search of the `history`.
     /// Adds the start's forces and shape to `starts`.
     fn searched(
         &mut self,
@@ -385,32 +368,32 @@ impl<'m> NonlinearEstimator<'m> {
         noise_mm: Option<f64>,
         start: Start,
         starts: &mut Vec<(Vec<f64>, FrameMotion)>,
-        ways: &mut Ways,
+        history: &mut SearchHistory,
     ) -> Result<Option<Found>, SensingError> {
         let start = match self.object {
             None => self.start(measurement, noise_mm, start)?,
             Some(_) => self.searched_without_object(measurement, noise_mm, start)?,
         };
         starts.push((start.forces_n.clone(), start.motion.clone()));
-        self.minimum_near(start, measurement, noise_mm, ways)
+        self.minimum_near(start, measurement, noise_mm, history)
     }
 
-    /// The minimum nearest to a state, the careful way if it is not near; `None` if the search for it comes upon one of the `ways` before.
+    /// The minimum nearest to a state, the careful way if it is not near; `None` if the search for it comes upon a search of the `history`.
     fn minimum_near(
         &mut self,
         start: State,
         measurement: &Measurement,
         noise_mm: Option<f64>,
-        ways: &mut Ways,
+        history: &mut SearchHistory,
     ) -> Result<Option<Found>, SensingError> {
-        if ways.meets(&start) {
+        if history.meets(&start) {
             return Ok(None);
         }
         let mut state = start.clone();
         if let Some(steps) = self.correct(&mut state, measurement, noise_mm) {
-            ways.reach(&state);
+            history.reach(&state);
             return Ok(Some(Found { state, steps, near: true }));
         }
-        self.search(start, measurement, noise_mm, ways)
+        self.search(start, measurement, noise_mm, history)
     }
 }

@@ -5,7 +5,7 @@
 //! step is given up on the way where an equilibrium is worse than its start ([`follow`](super::follow)).
 
 use super::follow::{Followed, PartOfStep};
-use super::ways::Ways;
+use super::search_history::SearchHistory;
 use super::{Found, NonlinearEstimator, SETTLED_ANGLE_DEG, State};
 use crate::measurement::Measurement;
 use crate::optimise::{Convergence, Prediction, TrustRegion};
@@ -33,7 +33,7 @@ pub(super) struct Search<'s, 'm> {
     pub estimator: &'s mut NonlinearEstimator<'m>,
     pub measurement: &'s Measurement,
     noise_mm: Option<f64>,
-    ways: &'s mut Ways,
+    history: &'s mut SearchHistory,
     /// Where it is.
     pub state: State,
     /// How far a step may move the markers, mm.
@@ -57,7 +57,7 @@ enum End {
 
 impl NonlinearEstimator<'_> {
     /// Gauss-Newton steps, each to the equilibrium that belongs to it, shortened where they do not help. The minimum is
-    /// near if the way was straight: every step was whole and as good as predicted. `None` where it comes upon one of the `ways`
+    /// near if the way was straight: every step was whole and as good as predicted. `None` where it comes upon one of the `history`
     /// before.
     ///
     /// # Errors
@@ -67,7 +67,7 @@ impl NonlinearEstimator<'_> {
         mut state: State,
         measurement: &Measurement,
         noise_mm: Option<f64>,
-        ways: &mut Ways,
+        history: &mut SearchHistory,
     ) -> Result<Option<Found>, SensingError> {
         self.linearise(&mut state)?;
         state.weigh(measurement, noise_mm);
@@ -76,7 +76,7 @@ impl NonlinearEstimator<'_> {
             estimator: self,
             measurement,
             noise_mm,
-            ways,
+            history,
             state,
             reach: TrustRegion::of_scale(moved_mm),
             is_settled: false,
@@ -131,8 +131,8 @@ impl Search<'_, '_> {
 
     /// Whether the search ends at the current state, whose next step is predicted.
     fn end_at(&mut self, misfit_mm2: f64, next: Prediction) -> Option<End> {
-        if self.is_settled && self.ways.ends_far(misfit_mm2, next.decrease) {
-            self.ways.reach(&self.state);
+        if self.is_settled && self.history.ends_far(misfit_mm2, next.decrease) {
+            self.history.reach(&self.state);
             self.is_straight = false;
             return Some(End::Minimum(0));
         }
@@ -154,7 +154,7 @@ impl Search<'_, '_> {
         let mut corrected = self.state.clone();
         let steps = self.estimator.correct(&mut corrected, self.measurement, self.noise_mm)?;
         self.state = corrected;
-        self.ways.reach(&self.state);
+        self.history.reach(&self.state);
         Some(End::Minimum(steps))
     }
 
@@ -177,7 +177,7 @@ impl Search<'_, '_> {
             self.arrive_at(state)?;
             self.reach.take_part(prediction, share);
             (self.is_settled, self.last_change) = (false, f64::INFINITY);
-            return Ok(self.ways.meets(&self.state).then_some(End::Met));
+            return Ok(self.history.meets(&self.state).then_some(End::Met));
         }
         self.reach.refuse(prediction, followed.err());
         Ok(None)
@@ -204,7 +204,7 @@ impl Search<'_, '_> {
         if self.is_settled && CONVERGENCE.is_small_step(change) {
             return Ok(Some(End::Minimum(0)));
         }
-        if self.ways.meets(&self.state) {
+        if self.history.meets(&self.state) {
             return Ok(Some(End::Met));
         }
         self.last_change = if self.is_settled { change } else { f64::INFINITY };

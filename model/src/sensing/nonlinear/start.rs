@@ -2,8 +2,8 @@
 
 use super::linearised::Linearised;
 use super::nuisances::Nuisances;
-use super::ways::Ways;
-use super::{NonlinearEstimator, State};
+use super::search_history::SearchHistory;
+use super::{Found, NonlinearEstimator, State};
 use crate::Vector;
 use crate::finger::{Finger, Plate};
 use crate::measurement::{Marker, Measurement};
@@ -27,7 +27,44 @@ pub(super) enum Start {
     Held,
 }
 
+const STARTS: [Start; 4] = [Start::Times(1.0), Start::Times(-1.0), Start::Times(0.3), Start::Times(-0.3)];
+/// Unknown directions from which the search starts as well where none of these explains the measurement: forces nearly along
+/// a plate that has buckled.
+const STARTS_BY_DIRECTION: [Start; 3] = [Start::Towards(0.0), Start::Towards(-60.0), Start::Towards(60.0)];
+
 impl NonlinearEstimator<'_> {
+    /// The minimum near the last estimate, or near what markers alone make of the measurement where an object is touched.
+    pub(super) fn minimum_at_hand(
+        &mut self,
+        measurement: &Measurement,
+        noise_mm: Option<f64>,
+    ) -> Result<Option<Found>, SensingError> {
+        if let Some(mut state) = self.last.take()
+            && let Some(steps) = self.correct(&mut state, measurement, noise_mm)
+        {
+            return Ok(Some(Found { state, steps, near: true }));
+        }
+        if self.object.is_none() {
+            return Ok(None);
+        }
+        let Some(start) = self.of_markers_alone(measurement, noise_mm)? else { return Ok(None) };
+        Ok(self.minimum_near(start, measurement, noise_mm, &mut SearchHistory::default()).ok().flatten())
+    }
+
+    /// Whether a direction is asked for that follows the plate.
+    pub(super) fn follows_plate(&self) -> bool {
+        self.questions.iter().any(|question| matches!(question.direction, Direction::Leaning(_)))
+    }
+
+    /// Where searches begin, in their order.
+    pub(super) fn starts(&self, is_base_sought: bool) -> impl Iterator<Item = Start> + use<> {
+        let is_direction_sought = self.questions.iter().any(|question| question.direction == Direction::Auto);
+        let moved_base = is_base_sought.then_some(Start::FromMovedBase);
+        let by_direction = STARTS_BY_DIRECTION.into_iter().filter(move |_| is_direction_sought);
+        let held = self.follows_plate().then_some(Start::Held);
+        STARTS.into_iter().chain(moved_base).chain(by_direction).chain(held)
+    }
+
     /// Least squares on the linear finger, at the position along the plate where it explains the measurement best.
     pub(super) fn start(
         &mut self,
@@ -112,8 +149,8 @@ impl NonlinearEstimator<'_> {
         let questions: Vec<ContactQuestion> = self.questions.iter().map(held).collect();
         let mut estimator = self.asking(&questions)?;
         estimator.expect(measurement, noise_mm)?;
-        let (mut starts, mut ways) = (Vec::new(), Ways::default());
-        let found = estimator.searched(measurement, noise_mm, Start::Times(1.0), &mut starts, &mut ways)?;
+        let (mut starts, mut history) = (Vec::new(), SearchHistory::default());
+        let found = estimator.searched(measurement, noise_mm, Start::Times(1.0), &mut starts, &mut history)?;
         // There is no way to meet.
         self.resumed(found.ok_or(SensingError::NoContact)?.state, measurement, noise_mm)
     }

@@ -3,7 +3,7 @@
 //! For each, two rows stand below the markers and the priors: the point of the outline that faces the plate as the contact's does is there, neither off
 //! the plate nor along it. They fix position and direction as far as it is known where the object is.
 
-use super::ways::Ways;
+use super::search_history::SearchHistory;
 use super::{NonlinearEstimator, Posed, SETTLED_ANGLE_DEG, State};
 use crate::Vector;
 use crate::finger::Plate;
@@ -27,38 +27,6 @@ const LARGEST_GAP_SIGMAS: f64 = 6.0;
 const OPEN_BETWEEN_MARKERS: f64 = 2.0;
 /// Points of the plate at which the gap is least, at first.
 const PLACES: usize = 400;
-
-/// What geometry asks of a state, as rows of the least squares problem.
-#[derive(Debug, Clone, Default)]
-pub(super) struct TouchRows {
-    /// By how much it is missed, mm of noise.
-    pub misses_mm: Vec<f64>,
-    /// By the unknowns, one after the other.
-    by_unknown: Vec<f64>,
-}
-
-impl TouchRows {
-    pub fn count(&self) -> usize {
-        self.misses_mm.len()
-    }
-
-    /// Takes over what is missed, and makes room for its derivatives.
-    pub fn reset(&mut self, misses_mm: Vec<f64>, unknowns: usize) {
-        self.by_unknown.clear();
-        self.by_unknown.resize(misses_mm.len() * unknowns, 0.0);
-        self.misses_mm = misses_mm;
-    }
-
-    /// Derivatives by an unknown.
-    pub fn by_unknown(&self, unknown: usize) -> &[f64] {
-        &self.by_unknown[unknown * self.count()..][..self.count()]
-    }
-
-    pub fn by_unknown_mut(&mut self, unknown: usize) -> impl Iterator<Item = &mut f64> {
-        let count = self.count();
-        self.by_unknown[unknown * count..][..count].iter_mut()
-    }
-}
 
 /// An object that contacts touch.
 #[derive(Debug, Clone)]
@@ -264,8 +232,8 @@ impl<'m> NonlinearEstimator<'m> {
     ) -> Result<State, SensingError> {
         let mut estimator = self.without_object()?;
         estimator.expect(measurement, noise_mm)?;
-        let (mut starts, mut ways) = (Vec::new(), Ways::default());
-        let found = estimator.searched(measurement, noise_mm, start, &mut starts, &mut ways)?;
+        let (mut starts, mut history) = (Vec::new(), SearchHistory::default());
+        let found = estimator.searched(measurement, noise_mm, start, &mut starts, &mut history)?;
         let found = found.ok_or(SensingError::NoContact)?;
         self.resumed(found.state, measurement, noise_mm)
     }

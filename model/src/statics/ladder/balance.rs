@@ -1,7 +1,8 @@
 //! The forces on a finger, eliminated with a stiffness, and the correction that balances them.
 
-use super::chain::{Between, ChainForces, Ends, Solved, halves, joined, joints_of};
+use super::chain::{Between, ChainForces, ChainInterior, joints_of};
 use super::elements::OneLine;
+use super::ends::{Ends, halves, joined};
 use super::factor::Factor;
 use super::loads::Applied;
 use super::retraction::Retraction;
@@ -218,7 +219,8 @@ impl<'m, R: Number> Balance<'m, R> {
             }
             let ends = self.line_ends(stiffness, index);
             let between = Between::of(frame, line);
-            let inner = Solved { joints: &stiffness.joints[joints.clone()], ys: &self.ys[joints], between: &between };
+            let inner =
+                ChainInterior { joints: &stiffness.joints[joints.clone()], ys: &self.ys[joints], between: &between };
             stiffness.chains[index].correct(inner, &self.forces[index], motion, &ends);
         }
         self.work

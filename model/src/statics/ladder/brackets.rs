@@ -4,7 +4,7 @@
 //! by w. A chain keeps its own rotations there (those of the key nodes where it is not pinned), so its stiffness and gradient
 //! by its ends become those by the key nodes by the same chain rule as over the arms of a beam.
 
-use super::chain::{Ends, EndsMatrix};
+use super::ends::{Ends, EndsMatrix};
 use crate::finger::Part;
 use crate::frame::{FrameMotion, PlaneFrame};
 use crate::mesh::Line;

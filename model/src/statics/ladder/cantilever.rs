@@ -11,7 +11,7 @@
 //! unknown. And it may be displaced as a whole, which changes nothing.
 
 use super::block::Block;
-use super::chain::{Ends, EndsMatrix};
+use super::ends::{Ends, EndsMatrix};
 use crate::element::{Response, quarter_turn};
 use crate::number::Number;
 use nalgebra::Vector2;

@@ -7,37 +7,14 @@ use super::SMALL_PIVOT;
 use super::block::Block;
 use super::brackets::Brackets;
 use super::cantilever::{Cantilever, Deflection, Forces, Joint};
+use super::ends::{Ends, EndsMatrix, numbers};
 use super::ldl::copy_lane;
 use crate::element::{Response, quarter_turn};
 use crate::frame::{FrameMotion, PlaneFrame};
 use crate::mesh::Line;
 use crate::number::Number;
-use nalgebra::{SVector, Vector2};
+use nalgebra::Vector2;
 use std::ops::Range;
-
-/// x, y and rotation of a first end, then of a second.
-pub(super) type Ends<R = f64> = [R; 6];
-/// Second derivatives by [`Ends`], symmetric: only the upper triangle is kept up to date.
-pub(super) type EndsMatrix<R = f64> = [[R; 6]; 6];
-
-/// The two ends of [`Ends`].
-#[inline(always)]
-pub(super) fn halves<R: Number>(ends: &Ends<R>) -> [[R; 3]; 2] {
-    let [a, b, c, d, e, f] = *ends;
-    [[a, b, c], [d, e, f]]
-}
-
-/// Two ends as [`Ends`].
-#[inline(always)]
-pub(super) fn joined<R: Number>(first: &[R; 3], second: &[R; 3]) -> Ends<R> {
-    [first[0], first[1], first[2], second[0], second[1], second[2]]
-}
-
-/// The numbers of an element's vector.
-#[inline(always)]
-pub(super) fn numbers<R: Number>(vector: &SVector<R, 6>) -> Ends<R> {
-    vector.data.0[0]
-}
 
 /// An element of a chain, with what stands on it.
 pub(super) struct Element<'a, R: Number> {
@@ -123,24 +100,24 @@ impl<R: Number> Chain<R> {
 
     /// Begins to condense several elements' stiffness and gradients, given from the first to the second end.
     #[inline(always)]
-    pub(super) fn begin(&mut self, forces: &mut ChainForces<R>, first: &Element<R>) -> Growing<R> {
+    pub(super) fn begin(&mut self, forces: &mut ChainForces<R>, first: &Element<R>) -> PartialChain<R> {
         (self.positive, self.accurate) = (forces.work.always(), forces.work.always());
         forces.work = forces.work.zero();
         let (stiffness, carried, gradient) = first.cantilever();
         (self.first_lever, forces.raw) = (first.lever, gradient);
-        Growing { stiffness, carried }
+        PartialChain { stiffness, carried }
     }
 
     /// Puts the next element behind those before it; `y` gets that of the joint.
     #[inline(always)]
     pub(super) fn extend(
         &mut self,
-        growing: &mut Growing<R>,
+        partial: &mut PartialChain<R>,
         (joint, y): (&mut Joint<R>, &mut [R; 3]),
         forces: &mut ChainForces<R>,
         element: &Element<R>,
     ) {
-        let Growing { stiffness, carried } = growing;
+        let PartialChain { stiffness, carried } = partial;
         let (next, next_carried, gradient) = element.cantilever();
         let before = stiffness.diagonal();
         stiffness.extend(joint, &next);
@@ -157,10 +134,10 @@ impl<R: Number> Chain<R> {
 
     /// Takes what has grown.
     #[inline(always)]
-    pub(super) fn end(&mut self, growing: &Growing<R>, forces: &mut ChainForces<R>) {
-        self.lever = growing.stiffness.lever();
-        self.stiffness = growing.stiffness.on_ends();
-        forces.gradient = growing.carried.on_ends();
+    pub(super) fn end(&mut self, partial: &PartialChain<R>, forces: &mut ChainForces<R>) {
+        self.lever = partial.stiffness.lever();
+        self.stiffness = partial.stiffness.on_ends();
+        forces.gradient = partial.carried.on_ends();
     }
 
     /// Notes the diagonal, releases pins and goes from the ends of brackets to the key nodes.
@@ -254,7 +231,7 @@ impl<R: Number> Chain<R> {
     #[inline(always)]
     pub(super) fn correct(
         &self,
-        Solved { joints, ys, between }: Solved<R>,
+        ChainInterior { joints, ys, between }: ChainInterior<R>,
         forces: &ChainForces<R>,
         motion: &mut FrameMotion<R>,
         ends: &Ends<R>,
@@ -333,13 +310,13 @@ impl<R: Number> ChainForces<R> {
 }
 
 /// The first elements of a chain, put behind each other, and what forces they have.
-pub(super) struct Growing<R: Number> {
+pub(super) struct PartialChain<R: Number> {
     stiffness: Cantilever<R>,
     carried: Forces<R>,
 }
 
 /// What is between the ends of a chain: its joints, the y of each, and its nodes.
-pub(super) struct Solved<'a, R: Number> {
+pub(super) struct ChainInterior<'a, R: Number> {
     pub joints: &'a [Joint<R>],
     pub ys: &'a [[R; 3]],
     pub between: &'a Between,

@@ -61,7 +61,7 @@ impl<R: Number> Elements<R> for OneLine<'_, R> {
 /// Lines of as many elements each, one a lane. Their motion is one of their own: nodes and their rotations from the first to
 /// the last, then the rotations that the two ends are clamped to.
 #[derive(Clone, Copy)]
-pub(super) struct Abreast<'a, R> {
+pub(super) struct ParallelLines<'a, R> {
     frame: &'a PlaneFrame,
     /// In each lane; where there are fewer lines, the last one again.
     lines: [&'a Line; MOST_LANES],
@@ -71,13 +71,13 @@ pub(super) struct Abreast<'a, R> {
     like: R,
 }
 
-impl<'a, R: Number> Abreast<'a, R> {
+impl<'a, R: Number> ParallelLines<'a, R> {
     /// Some of a frame's lines.
     #[inline(always)]
-    pub(super) fn new(frame: &'a PlaneFrame, all: &'a [Line], lines: &[usize], like: R) -> Abreast<'a, R> {
+    pub(super) fn new(frame: &'a PlaneFrame, all: &'a [Line], lines: &[usize], like: R) -> ParallelLines<'a, R> {
         let members_of = |line: &Line| &frame.members()[line.members.clone()];
         let first = &all[lines[0]];
-        let mut abreast = Abreast {
+        let mut abreast = ParallelLines {
             frame,
             lines: [first; MOST_LANES],
             members: [members_of(first); MOST_LANES],
@@ -130,7 +130,7 @@ impl<'a, R: Number> Abreast<'a, R> {
 }
 
 /// Methods, not closures, which would not be inlined: lanes would be computed by calls of single instructions.
-impl<R: Number> Abreast<'_, R> {
+impl<R: Number> ParallelLines<'_, R> {
     #[inline(always)]
     fn beam(&self, index: usize) -> Beam<R> {
         let (like, beam) = (self.like, |lane: usize| &self.members[lane][index].beam);
@@ -176,7 +176,7 @@ impl<R: Number> Abreast<'_, R> {
     }
 }
 
-impl<R: Number> Elements<R> for Abreast<'_, R> {
+impl<R: Number> Elements<R> for ParallelLines<'_, R> {
     #[inline(always)]
     fn count(&self) -> usize {
         self.members[0].len()

@@ -3,8 +3,9 @@
 use super::balance::Balance;
 use super::brackets::Brackets;
 use super::cantilever::Joint;
-use super::chain::{Chain, ChainForces, Element, joints_of, numbers};
+use super::chain::{Chain, ChainForces, Element, joints_of};
 use super::elements::{Elements, OneLine};
+use super::ends::numbers;
 use super::factor::Factor;
 use crate::Kinematics;
 use crate::element::Response;
@@ -47,15 +48,15 @@ impl<R: Number> Condensed<'_, R> {
             chain.take(forces, &elastic);
         } else {
             let element = Element { elastic, load, lever: first.lever(motion, linear) };
-            let mut growing = chain.begin(forces, &element);
+            let mut partial = chain.begin(forces, &element);
             for (i, joint) in joints.iter_mut().enumerate() {
                 let member = elements.member(i + 1);
                 let elastic = member.response(motion, kinematics);
                 forces.energy += elastic.energy;
                 let element = Element { elastic, load: load_on(i + 1), lever: member.lever(motion, linear) };
-                chain.extend(&mut growing, (joint, &mut ys[i]), forces, &element);
+                chain.extend(&mut partial, (joint, &mut ys[i]), forces, &element);
             }
-            chain.end(&growing, forces);
+            chain.end(&partial, forces);
         }
         chain.finish(forces, brackets, linear);
     }

@@ -17,6 +17,7 @@ mod cantilever;
 mod chain;
 mod dispatched;
 mod elements;
+mod ends;
 mod factor;
 mod ldl;
 mod lines;
@@ -31,7 +32,7 @@ use crate::Kinematics;
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::mesh::Mesh;
 pub(super) use balance::Balance;
-use chain::Ends;
+use ends::Ends;
 pub(super) use factor::Factor;
 
 /// A pivot below this share of what members put on its diagonal has lost digits to cancellation that may count, and so

@@ -1,6 +1,7 @@
 //! Sensitivities of the finger in equilibrium to small added loads, from the factored tangent.
 
-use super::chain::{Ends, joined, joints_of, numbers};
+use super::chain::joints_of;
+use super::ends::{Ends, joined, numbers};
 use super::factor::Factor;
 use super::loads::place;
 use super::{Ladder, Location};

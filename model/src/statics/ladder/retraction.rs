@@ -14,7 +14,7 @@
 //!
 //! Reference: Absil, Mahony, Sepulchre, Optimization Algorithms on Matrix Manifolds (2008), sec. 4.1 and 6.3.
 
-use super::elements::{Abreast, Elements};
+use super::elements::{Elements, ParallelLines};
 use crate::element::quarter_turn;
 use crate::frame::{BeamEnd, FrameMotion, Member, PlaneFrame, end_motions};
 use crate::number::{Number, arctangent, sine_and_versine};
@@ -44,7 +44,7 @@ impl<R: Number> Retraction<R> {
 
     /// Takes what is kept of some lines out of what is kept of their frame.
     #[inline(always)]
-    pub(super) fn take(&mut self, of_frame: &Retraction<f64>, lines: &Abreast<R>) {
+    pub(super) fn take(&mut self, of_frame: &Retraction<f64>, lines: &ParallelLines<R>) {
         lines.take_motion(&of_frame.before, &mut self.before);
     }
 

@@ -1,7 +1,7 @@
 //! The back and front node of one rib: a block of six unknowns.
 
 use super::block::Block;
-use super::chain::{Ends, EndsMatrix};
+use super::ends::{Ends, EndsMatrix};
 use crate::number::Number;
 use nalgebra::Vector2;
 

@@ -4,7 +4,7 @@ use super::balance::Balance;
 use super::brackets::Brackets;
 use super::cantilever::Joint;
 use super::chain::{Chain, ChainForces, joints_of};
-use super::elements::{Abreast, OneLine};
+use super::elements::{OneLine, ParallelLines};
 use super::factor::Factor;
 use super::ldl::copy_lane;
 use super::lines::Condensed;
@@ -57,7 +57,7 @@ impl Balance<'_> {
         like: L,
     ) {
         let (frame, lines, linear) = (self.mesh.frame(), self.mesh.lines(), self.linear());
-        let elements = Abreast::new(frame, lines, indices, like);
+        let elements = ParallelLines::new(frame, lines, indices, like);
         elements.take_motion(motion, &mut room.motion);
         let joints = lines[indices[0]].members.len() - 1;
         room.joints.resize(joints, Joint::empty(like));
@@ -116,7 +116,7 @@ impl Balance<'_> {
                     }
                     continue;
                 }
-                let elements = Abreast::new(frame, all, lines, like);
+                let elements = ParallelLines::new(frame, all, lines, like);
                 several.take(&retraction, &elements);
                 elements.take_motion(motion, &mut of_lines);
                 let mut end_nodes = [Vector2::new(like, like); 2];

@@ -1,7 +1,7 @@
 //! The kinematics of a contact against differences, and its forces against the laws of levers.
 
 use finray_lattice::energy::BodyMotion;
-use finray_lattice::grasp::contact::{Pair, Stand, Unknowns};
+use finray_lattice::grasp::contact::{Pair, PairPose, Unknowns};
 use finray_model::Vector;
 use finray_model::gripper::Placement;
 use proptest::prelude::*;
@@ -35,8 +35,8 @@ prop_compose! {
         rotation in -0.5..0.5,
         at in vectors(40.0),
         turn in -3.0..3.0,
-    ) -> Stand {
-        Stand {
+    ) -> PairPose {
+        PairPose {
             finger: Placement { origin, angle_rad, mirrored },
             body: BodyMotion { displacement, rotation },
             object: [at.x + 60.0, at.y, turn],
@@ -47,7 +47,7 @@ prop_compose! {
 const REST: Vector = Vector::new(70.0, 12.0);
 
 /// Both with one unknown moved.
-fn moved(stand: &Stand, unknown: usize, by: f64) -> Stand {
+fn moved(stand: &PairPose, unknown: usize, by: f64) -> PairPose {
     let mut stand = *stand;
     match unknown {
         0 => stand.body.displacement.x += by,
@@ -67,9 +67,9 @@ proptest! {
         let at = pair.tangent(REST, &now, &before);
         for unknown in 0..6 {
             let stands = [-STEP, STEP].map(|by| moved(&now, unknown, by));
-            let slope = |of: &dyn Fn(&Stand) -> f64| (of(&stands[1]) - of(&stands[0])) / (2.0 * STEP);
+            let slope = |of: &dyn Fn(&PairPose) -> f64| (of(&stands[1]) - of(&stands[0])) / (2.0 * STEP);
             let near = |a: f64, b: f64| (a - b).abs() <= TOLERANCE * (1.0 + a.abs().max(b.abs()));
-            let touching = |stand: &Stand| pair.touching(REST, stand, &before);
+            let touching = |stand: &PairPose| pair.touching(REST, stand, &before);
             prop_assert!(near(slope(&|s| touching(s).gap_mm), at.pull[0][unknown]), "the gap's are the pull along the normal");
             prop_assert!(near(slope(&|s| touching(s).slip_mm), at.slip_by[unknown]), "slip");
             for axis in 0..2 {

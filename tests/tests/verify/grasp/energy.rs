@@ -3,7 +3,7 @@
 use super::world::steps_of;
 use finray_model::Scene;
 use finray_studies::experiments::contact_scene::file::load_scene_with_outline;
-use finray_studies::experiments::grasp::{Ended, GraspScene, GraspStep, Phase};
+use finray_studies::experiments::grasp::{GraspEnd, GraspScene, GraspStep, Phase};
 use finray_tests::is_full_study;
 use std::path::{Path, PathBuf};
 
@@ -66,7 +66,7 @@ fn energy_is_never_created() {
     for (name, snaps) in OBJECTS.into_iter().filter(|(name, _)| is_full || !LONG.contains(name)) {
         let scene = object(name, |_| ()).with_fineness(if is_full { FINENESS } else { 1 });
         let (steps, ended) = steps_of(&scene, 0.0, 1);
-        assert_eq!(ended, Ended::Done, "{name}");
+        assert_eq!(ended, GraspEnd::Done, "{name}");
         assert_accounted_for(name, &steps);
         let lost_nmm = steps.last().unwrap().energy.resistance_nmm;
         assert!(snaps || lost_nmm <= RESISTANCE * most_elastic_nmm(&steps), "{name}: {lost_nmm}");

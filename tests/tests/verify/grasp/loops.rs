@@ -3,7 +3,7 @@
 use finray_model::Scene;
 use finray_studies::check::Verdict;
 use finray_studies::experiments::grasp::rates::{LoopRun, LoopSetting, LoopStudy, closed_loops};
-use finray_studies::experiments::grasp::{Ended, Eyes, GraspScene, LoopFigures, loop_figures};
+use finray_studies::experiments::grasp::{Eyes, GraspEnd, GraspScene, LoopFigures, loop_figures};
 
 const MOTOR_DEG_PER_S: f64 = 30.0;
 
@@ -39,7 +39,7 @@ fn frames_left_out_change_nothing() {
     grasp.path_mm.clear();
     let grasp = GraspScene::new(&scene, &[]).unwrap().with_fineness(1);
     let mut steps = Vec::new();
-    assert_eq!(grasp.run(&Eyes::Noise(0.0), 1, |step| steps.push(step.clone())).unwrap(), Ended::Done);
+    assert_eq!(grasp.run(&Eyes::Noise(0.0), 1, |step| steps.push(step.clone())).unwrap(), GraspEnd::Done);
     let every = loop_figures(&steps, 1.6, Some(MOTOR_DEG_PER_S)).unwrap();
     let few = closed_loops(&[setting(0.0, 0, RATE)]).unwrap().runs[0].figures[0].unwrap();
     // A frame is 3 degrees, 15 mN of 1.6 N; the force rises evenly, at the motor's speed.

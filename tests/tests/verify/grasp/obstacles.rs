@@ -6,7 +6,7 @@ use finray_lattice::grasp::surface::Shape;
 use finray_lattice::grasp::{Drive, World};
 use finray_model::gripper::Placement;
 use finray_model::{Scene, Vector};
-use finray_studies::experiments::grasp::{Ended, Eyes, GraspError, GraspScene, GraspStep, Obstacle};
+use finray_studies::experiments::grasp::{Eyes, GraspEnd, GraspError, GraspScene, GraspStep, Obstacle};
 
 /// Radius of a rod, of which one is at the tip, mm.
 const ROD_MM: f64 = 1.5;
@@ -33,7 +33,7 @@ fn tips(motor_deg: f64) -> [Vector; 2] {
 #[test]
 fn fingers_that_touch_each_other_end_a_grasp() {
     let (steps, ended) = steps_of(&scene(&[&GRAIN[..], &[("-495.0", "-900.0")]].concat()), 0.0, 1);
-    assert_eq!(ended, Ended::Obstructed(Obstacle::EachOther));
+    assert_eq!(ended, GraspEnd::Obstructed(Obstacle::EachOther));
     let last: &GraspStep = steps.last().unwrap();
     let apart = |motor_deg: f64| {
         let [left, right] = tips(motor_deg);
@@ -41,7 +41,7 @@ fn fingers_that_touch_each_other_end_a_grasp() {
     };
     assert!(apart(last.motor_deg) > 0.0 && apart(last.motor_deg - STEP_DEG) <= 0.0, "{}", last.motor_deg);
     // A disc that fingers bend round keeps them apart.
-    assert_eq!(steps_of(&scene(&[]), 0.0, 1).1, Ended::Done);
+    assert_eq!(steps_of(&scene(&[]), 0.0, 1).1, GraspEnd::Done);
 }
 
 /// The tips of a gripper that opens come down until they reach the table; between rails nothing is in their way.
@@ -56,11 +56,11 @@ fn a_finger_that_touches_the_table_ends_a_grasp() {
     let height = |table_mm: f64, motor_deg: f64| table_mm - tips(motor_deg)[0].y - ROD_MM;
     let table_mm = tips(-200.0)[0].y + ROD_MM;
     let (steps, ended) = steps_of(&on("\"table\"", table_mm), 0.0, 1);
-    assert_eq!(ended, Ended::Obstructed(Obstacle::Table { finger: 0 }));
+    assert_eq!(ended, GraspEnd::Obstructed(Obstacle::Table { finger: 0 }));
     let last = steps.last().unwrap().motor_deg;
     assert!(height(table_mm, last) > 0.0 && height(table_mm, last + STEP_DEG) <= 0.0, "{last}");
     let ended = steps_of(&on("true", table_mm), 0.0, 1).1;
-    assert_ne!(ended, Ended::Obstructed(Obstacle::Table { finger: 0 }));
+    assert_ne!(ended, GraspEnd::Obstructed(Obstacle::Table { finger: 0 }));
     // Where it starts in the table, it does not begin.
     let in_table = on("\"table\"", tips(-405.0)[0].y).run(&Eyes::Noise(0.0), 1, |_| ());
     assert!(

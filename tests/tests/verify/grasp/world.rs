@@ -3,13 +3,13 @@
 use super::energy::object;
 use finray_lattice::Lattice;
 use finray_lattice::grasp::surface::Shape;
-use finray_lattice::grasp::{Drive, Halt, Partner, World};
+use finray_lattice::grasp::{Drive, GraspFailure, TouchedBody, World};
 use finray_lattice::pressing::{Pressing, Push};
 use finray_model::gripper::Placement;
 use finray_model::scene::{ObjectMotion, Outline};
 use finray_model::{Scene, Vector};
 use finray_studies::experiments::contact_scene::PreparedObject;
-use finray_studies::experiments::grasp::{Ended, Eyes, GraspScene, GraspStep, Phase};
+use finray_studies::experiments::grasp::{Eyes, GraspEnd, GraspScene, GraspStep, Phase};
 use std::f64::consts::FRAC_PI_2;
 
 /// Segments a plate member: the comparison is of two ways to the same equilibrium of the same lattice.
@@ -45,8 +45,8 @@ fn a_pressed_disc_is_held_as_rapier_has_it() {
     for step in 0..=5 {
         world.advance(&drive(f64::from(step) / 5.0)).unwrap();
     }
-    let met = world.met();
-    let touches: Vec<_> = met.iter().filter_map(|met| met.touch).collect();
+    let contacts = world.contacts();
+    let touches: Vec<_> = contacts.iter().filter_map(|contact| contact.touch).collect();
     // Rapier's rest is known to 2e-5 of the largest displacement a look; friction-free forces follow from it.
     assert_eq!(touches.len(), settled.touches.len());
     for (ours, theirs) in touches.iter().zip(&settled.touches) {
@@ -58,7 +58,8 @@ fn a_pressed_disc_is_held_as_rapier_has_it() {
     for (ours, theirs) in shape.motions().iter().zip(settled.shape.motions()) {
         assert!((ours.displacement - theirs.displacement).norm() <= 1e-3 * largest_mm);
     }
-    let support: Vector = met.iter().filter(|met| met.partner == Partner::Support).map(|met| met.force).sum();
+    let support: Vector =
+        contacts.iter().filter(|contact| contact.partner == TouchedBody::Support).map(|contact| contact.force).sum();
     assert!((support - away - guided).norm() <= 2e-3 * FORCE_N, "{support} and {guided}");
 }
 
@@ -66,7 +67,7 @@ fn grasp(text: &str) -> GraspScene {
     GraspScene::new(&Scene::from_toml(text).unwrap(), &[]).unwrap().with_fineness(FINENESS)
 }
 
-pub(super) fn steps_of(scene: &GraspScene, noise_mm: f64, seed: u64) -> (Vec<GraspStep>, Ended) {
+pub(super) fn steps_of(scene: &GraspScene, noise_mm: f64, seed: u64) -> (Vec<GraspStep>, GraspEnd) {
     let mut steps = Vec::new();
     let ended = scene.run(&Eyes::Noise(noise_mm), seed, |step| steps.push(step.clone())).unwrap();
     (steps, ended)
@@ -84,7 +85,7 @@ pub(super) fn disc(changes: &[(&str, &str)]) -> String {
 #[test]
 fn a_carried_disc_is_in_balance_between_equal_fingers() {
     let (steps, ended) = steps_of(&grasp(finray_fixtures::GRASPED_DISC_SCENE), 0.0, 1);
-    assert_eq!(ended, Ended::Done);
+    assert_eq!(ended, GraspEnd::Done);
     let phases = [Phase::Approach, Phase::Close, Phase::Lift, Phase::Carry, Phase::Place, Phase::Open];
     let mut seen: Vec<Phase> = steps.iter().map(|step| step.phase).collect();
     seen.dedup();
@@ -115,7 +116,7 @@ fn without_friction_opening_retraces_closing() {
         ("path_mm = [[0.0, -40.0], [60.0, -40.0], [60.0, 0.0]]\npath_steps = 12", "open = true"),
     ]);
     let (steps, ended) = steps_of(&grasp(&smooth), 0.0, 1);
-    assert_eq!(ended, Ended::Done);
+    assert_eq!(ended, GraspEnd::Done);
     let closing: Vec<&GraspStep> = steps.iter().filter(|step| step.phase == Phase::Close).collect();
     assert!(closing.len() > 8);
     for there in &closing[..closing.len() - 1] {
@@ -134,14 +135,14 @@ fn without_friction_opening_retraces_closing() {
 fn what_goes_wrong_is_named() {
     let ended = |changes: &[(&str, &str)]| steps_of(&grasp(&disc(changes)), 0.0, 1).1;
     let wide = [("motor_deg = [0.0, -495.0]", "motor_deg = [450.0, 225.0]")];
-    assert_eq!(ended(&wide), Ended::OutOfReach { motor_deg: 225.0 });
+    assert_eq!(ended(&wide), GraspEnd::OutOfReach { motor_deg: 225.0 });
     let weak = [("motor_deg = [0.0, -495.0]", "motor_deg = [0.0, -270.0]\nuntil_force_n = 1.0")];
-    assert!(matches!(ended(&weak), Ended::TooWeak { sensed_n, .. } if sensed_n > 0.1 && sensed_n < 1.0));
+    assert!(matches!(ended(&weak), GraspEnd::TooWeak { sensed_n, .. } if sensed_n > 0.1 && sensed_n < 1.0));
     // 2 kg at a friction of 0.05 between fingers that press with a newton.
     let heavy = [("friction = 0.4", "friction = 0.05"), ("mass_g = 60.0", "mass_g = 2000.0")];
     let lost = ended(&heavy);
     // Half of the radius of 15 mm is slip.
-    assert!(matches!(lost, Ended::Slipped { slid_mm } if slid_mm > 7.5), "{lost:?}");
+    assert!(matches!(lost, GraspEnd::Slipped { slid_mm } if slid_mm > 7.5), "{lost:?}");
 }
 
 /// A slippery disc of 500 g that nothing but the fingers holds falls out between them; near the fingertips a wide box folds a finger, and so does a
@@ -154,7 +155,7 @@ fn drops_folds_and_jams_are_named() {
         ("mass_g = 60.0", "mass_g = 500.0"),
         ("path_mm = [[0.0, -40.0], [60.0, -40.0], [60.0, 0.0]]\npath_steps = 12", "support = false"),
     ]);
-    assert_eq!(ended(&grasp(&slippery)), Ended::Halted(Halt::Dropped));
+    assert_eq!(ended(&grasp(&slippery)), GraspEnd::Halted(GraspFailure::Dropped));
     let squeezed = |name: &str, at_mm: f64, from_deg: f64, change: &dyn Fn(&mut Outline)| {
         object(name, |scene| {
             let (grasp, object) = (scene.grasp.as_mut().unwrap(), scene.object.as_mut().unwrap());
@@ -165,10 +166,10 @@ fn drops_folds_and_jams_are_named() {
         })
     };
     let wide = squeezed("box", 140.0, 500.0, &|outline| *outline = Outline::Box { width_mm: 44.0, height_mm: 30.0 });
-    assert_eq!(ended(&wide.with_fineness(3)), Ended::Halted(Halt::Folded));
+    assert_eq!(ended(&wide.with_fineness(3)), GraspEnd::Halted(GraspFailure::Folded));
     let wedge = squeezed("wedge", 135.0, 225.0, &|_| ());
-    assert_eq!(ended(&wedge), Ended::Halted(Halt::Folded));
-    assert_eq!(ended(&wedge.with_fineness(1)), Ended::Halted(Halt::Jammed));
+    assert_eq!(ended(&wedge), GraspEnd::Halted(GraspFailure::Folded));
+    assert_eq!(ended(&wedge.with_fineness(1)), GraspEnd::Halted(GraspFailure::Jammed));
 }
 
 /// A disc that one finger pushes rolls away on its support, and slides without friction: nothing but the support touches it, whatever rounding leaves of
@@ -228,9 +229,9 @@ fn a_force_that_is_nothing_beside_the_weight_is_no_contact() {
             world.advance(&drive(x_mm)).unwrap();
         }
         assert!((pushed_n(&world) / force_n - 1.0).abs() < 0.1, "{} and {force_n} N", pushed_n(&world));
-        let met = world.met();
-        let of_finger = met.iter().filter(|met| met.partner == Partner::Finger(0));
-        assert_eq!(of_finger.count(), touching, "{force_n} N: {met:?}");
+        let contacts = world.contacts();
+        let of_finger = contacts.iter().filter(|contact| contact.partner == TouchedBody::Finger(0));
+        assert_eq!(of_finger.count(), touching, "{force_n} N: {contacts:?}");
     }
 }
 
@@ -242,7 +243,7 @@ fn a_force_is_reached_and_held() {
         "motor_deg = [0.0, -800.0]\nuntil_force_n = 1.6\nhold = true\nframes_per_s = 25.0",
     )]);
     let (steps, ended) = steps_of(&grasp(&held), 0.01, 1);
-    assert_eq!(ended, Ended::Done);
+    assert_eq!(ended, GraspEnd::Done);
     let figures = finray_studies::experiments::grasp::loop_figures(&steps, 1.6, Some(30.0)).unwrap();
     assert!(figures.largest_error < 0.05 && figures.overshoot < 0.05, "{figures:?}");
     assert!(figures.rise_s.unwrap() > 0.0);
@@ -259,10 +260,10 @@ fn a_triangle_rests_on_its_corners_by_the_lever_rule() {
     let support = Some((Vector::zeros(), Vector::new(0.0, 1.0)));
     let mut world = World::new(&[&lattice], 1.5, (triangle, 0.5), [0.0; 3], drive.clone(), support).unwrap();
     world.advance(&drive).unwrap();
-    let met = world.met();
-    assert_eq!(met.len(), 2);
-    for met in met {
-        let share = if met.point.x < 15.0 { 2.0 / 3.0 } else { 1.0 / 3.0 };
-        assert!((met.force - Vector::new(0.0, share)).norm() < 1e-5, "{:?}", met.force);
+    let contacts = world.contacts();
+    assert_eq!(contacts.len(), 2);
+    for contact in contacts {
+        let share = if contact.point.x < 15.0 { 2.0 / 3.0 } else { 1.0 / 3.0 };
+        assert!((contact.force - Vector::new(0.0, share)).norm() < 1e-5, "{:?}", contact.force);
     }
 }

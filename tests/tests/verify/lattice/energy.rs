@@ -1,8 +1,8 @@
 //! The energy of the lattice and where it is least.
 
-use finray_lattice::bodies::{Anchor, Assembly, Body, BodyLoad};
+use finray_lattice::bodies::{Assembly, Body, BodyLoad};
 use finray_lattice::energy::{BodyMotion, Energy};
-use finray_lattice::springs::{AxialSprings, Segment};
+use finray_lattice::springs::{Anchor, AxialSprings, Segment};
 use finray_lattice::{Lattice, LatticeError};
 use finray_model::finger::{Joints, Plate};
 use finray_model::frame::Section;

@@ -1,12 +1,13 @@
 //! Summaries of maps: refused cells and cells without equilibrium.
 
 use finray_studies::estimators::EstimatorId;
-use finray_studies::sampling::map::{AccuracyMap, Cell, MapRequest};
+use finray_studies::sampling::map::{AccuracyMap, MapRequest};
+use finray_studies::sampling::sweep::MapCell;
 use finray_studies::truths::TruthId;
 
 /// A map of one force, a direction a cell: (error, samples, answered).
 fn map(cells: &[(Option<f64>, usize, usize)]) -> AccuracyMap {
-    let cell = |(n, &(mean_error, samples, answered)): (usize, &(Option<f64>, usize, usize))| Cell {
+    let cell = |(n, &(mean_error, samples, answered)): (usize, &(Option<f64>, usize, usize))| MapCell {
         s_mm: 10.0,
         angle_deg: n as f64,
         force_n: 3.0,

@@ -50,7 +50,7 @@ pub enum Pair {
 
 /// Where finger and object were, or are.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stand {
+pub struct PairPose {
     /// The finger's frame in the world.
     pub finger: Placement,
     /// Its body's motion in that frame.
@@ -59,7 +59,7 @@ pub struct Stand {
     pub object: [f64; 3],
 }
 
-impl Stand {
+impl PairPose {
     fn unknowns(&self) -> Unknowns {
         let BodyMotion { displacement, rotation } = self.body;
         let [x, y, angle] = self.object;
@@ -132,13 +132,13 @@ struct Evaluated<D> {
 impl Pair {
     /// The contact between a body of the finger that rests at `rest` in the finger's frame, and the object. `before` is where both stood when
     /// the step began: a slip is measured from there.
-    pub fn touching(&self, rest: Vector, now: &Stand, before: &Stand) -> Touching {
+    pub fn touching(&self, rest: Vector, now: &PairPose, before: &PairPose) -> Touching {
         let Evaluated { gap, slip, normal, point, .. } = self.evaluate(rest, &now.finger, now.unknowns(), before);
         Touching { gap_mm: gap, slip_mm: slip, normal, point }
     }
 
     /// The tangent of [`touching`](Self::touching).
-    pub fn tangent(&self, rest: Vector, now: &Stand, before: &Stand) -> Tangent {
+    pub fn tangent(&self, rest: Vector, now: &PairPose, before: &PairPose) -> Tangent {
         let axes = now.finger.axes();
         let by = |seed: usize| {
             let mut unknowns = now.unknowns().map(Dual64::from);
@@ -159,7 +159,13 @@ impl Pair {
         }
     }
 
-    fn evaluate<D: Number>(&self, rest: Vector, finger: &Placement, unknowns: [D; 6], before: &Stand) -> Evaluated<D> {
+    fn evaluate<D: Number>(
+        &self,
+        rest: Vector,
+        finger: &Placement,
+        unknowns: [D; 6],
+        before: &PairPose,
+    ) -> Evaluated<D> {
         let axes = finger.axes();
         let [ux, uy, rotation, x, y, angle] = unknowns;
         let body = constant::<D>(rest) + Vector2::new(ux, uy);

@@ -8,14 +8,14 @@ use std::collections::{BTreeMap, BTreeSet};
 struct Pivot {
     body: usize,
     /// The bodies that are eliminated later and share blocks with it.
-    later: Vec<Later>,
+    later: Vec<CoupledBody>,
     /// The blocks that change: between each two of these bodies, row by row.
     changed: Vec<usize>,
 }
 
 /// A body that shares blocks with a pivot.
 #[derive(Debug, Clone, Copy)]
-struct Later {
+struct CoupledBody {
     body: usize,
     /// The block in the pivot's row.
     right: usize,
@@ -56,7 +56,8 @@ impl Order {
                 linked[other].remove(&body);
                 linked[other].extend(others.iter().filter(|another| **another != other));
             }
-            let later = |&other: &usize| Later { body: other, right: place(body, other), below: place(other, body) };
+            let later =
+                |&other: &usize| CoupledBody { body: other, right: place(body, other), below: place(other, body) };
             let later = others.iter().map(later).collect();
             let pairs = others.iter().flat_map(|&row| others.iter().map(move |&column| (row, column)));
             let changed = pairs.map(|(row, column)| place(row, column)).collect();

@@ -2,8 +2,8 @@
 
 use super::bordered::Bordered;
 use super::contact::{Tangent, Touching};
-use super::equilibrium::{Scene, State, Surroundings};
-use super::near::{Grip, Near};
+use super::near::{ContactPair, Grip};
+use super::scene::{Scene, State, Surroundings};
 use crate::energy::SpringEnergy;
 
 /// Residual and its derivatives. Unknowns are the motions of the fingers' bodies, then the object's pose and the two forces of each closed pair.
@@ -31,7 +31,7 @@ impl Scene<'_> {
         state: &State,
         before: &State,
         around: &Surroundings,
-        closed: &[(Near, Grip)],
+        closed: &[(ContactPair, Grip)],
         is_lagging: bool,
     ) -> Option<Vec<f64>> {
         let object = self.first(self.fingers.len());
@@ -43,11 +43,11 @@ impl Scene<'_> {
             self.balance_finger(&mut equations, finger, state, before, around);
         }
         self.balance_object(&mut equations, object, state, before, around);
-        for (k, (near, grip)) in closed.iter().enumerate() {
-            let (tangent, forces) = (self.tangent(near, state, before), state.forces[&near.key]);
-            self.add_contact(&mut equations, object, object + 3 + 2 * k, near, &tangent, forces);
-            let laws = self.laws(*grip, &near.touching, &tangent, forces, is_lagging);
-            self.add_laws(&mut equations, object, object + 3 + 2 * k, near, &laws);
+        for (k, (pair, grip)) in closed.iter().enumerate() {
+            let (tangent, forces) = (self.tangent(pair, state, before), state.forces[&pair.key]);
+            self.add_contact(&mut equations, object, object + 3 + 2 * k, pair, &tangent, forces);
+            let laws = self.laws(*grip, &pair.touching, &tangent, forces, is_lagging);
+            self.add_laws(&mut equations, object, object + 3 + 2 * k, pair, &laws);
         }
         let mut correction: Vec<f64> = equations.residual.iter().map(|r| -r).collect();
         equations.derivatives.solve(&mut correction)?;
@@ -107,9 +107,9 @@ impl Scene<'_> {
     }
 
     /// The first unknown of the finger's body in a pair; none where it is clamped, or the support.
-    fn first_of_body(&self, near: &Near) -> Option<usize> {
-        let body = near.part?.body;
-        Some(self.first(near.key.0) + self.fingers[near.key.0].energy.first_unknown(body)?)
+    fn first_of_body(&self, pair: &ContactPair) -> Option<usize> {
+        let body = pair.part?.body;
+        Some(self.first(pair.key.0) + self.fingers[pair.key.0].energy.first_unknown(body)?)
     }
 
     /// What the forces of a pair do to the balance of its bodies.
@@ -118,11 +118,11 @@ impl Scene<'_> {
         equations: &mut Equations,
         object: usize,
         first_row: usize,
-        near: &Near,
+        pair: &ContactPair,
         Tangent { pull, pull_by, .. }: &Tangent,
         forces: [f64; 2],
     ) {
-        let of_body = self.first_of_body(near);
+        let of_body = self.first_of_body(pair);
         for i in 0..6 {
             let Some(row) = unknown(of_body, object, i) else { continue };
             for axis in 0..2 {
@@ -136,7 +136,7 @@ impl Scene<'_> {
         }
     }
 
-    /// The laws of a pair for what it looks like: of its normal force, and of its friction.
+    /// The laws of a pair by its status: of its normal force, and of its friction.
     fn laws(&self, grip: Grip, touching: &Touching, tangent: &Tangent, forces: [f64; 2], is_lagging: bool) -> [Law; 2] {
         let given = self.yield_mm(1.0);
         let [normal_n, friction_n] = forces;
@@ -157,8 +157,15 @@ impl Scene<'_> {
         }
     }
 
-    fn add_laws(&self, equations: &mut Equations, object: usize, first_row: usize, near: &Near, laws: &[Law; 2]) {
-        let of_body = self.first_of_body(near);
+    fn add_laws(
+        &self,
+        equations: &mut Equations,
+        object: usize,
+        first_row: usize,
+        pair: &ContactPair,
+        laws: &[Law; 2],
+    ) {
+        let of_body = self.first_of_body(pair);
         for (axis, law) in laws.iter().enumerate() {
             let row = first_row + axis;
             equations.residual[row] = law.value;

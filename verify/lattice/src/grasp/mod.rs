@@ -11,7 +11,8 @@ mod elimination;
 mod equilibrium;
 mod linearised;
 mod near;
+mod scene;
 pub mod surface;
 pub mod world;
 
-pub use world::{Account, Drive, Halt, Met, Partner, World, WorldError};
+pub use world::{Account, Drive, GraspFailure, ObjectContact, TouchedBody, World, WorldError};

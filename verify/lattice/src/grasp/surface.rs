@@ -1,10 +1,11 @@
 //! Which parts of finger and object can meet: balls and flat pieces of a finger's front, corners and sides of an object.
 
-use super::contact::{Pair, Stand};
+use super::contact::{Pair, PairPose};
 use crate::Lattice;
-use crate::bodies::{Body, BodyIndex};
+use crate::bodies::Body;
 use crate::energy::BodyMotion;
 use crate::skin::TouchedPart;
+use crate::springs::BodyIndex;
 use finray_model::Vector;
 use finray_model::finger::Plate;
 use nalgebra::Rotation2;
@@ -119,7 +120,7 @@ impl Shape {
     }
 
     /// Pairs of a part of the front and the object's features that are less than `within_mm` apart, each with which of the features it is.
-    pub fn near(&self, part: &Part, body: &Body, stand: &Stand, within_mm: f64) -> Vec<(Feature, Pair)> {
+    pub fn near(&self, part: &Part, body: &Body, stand: &PairPose, within_mm: f64) -> Vec<(Feature, Pair)> {
         let world = |arm: Vector| {
             let BodyMotion { displacement, .. } = stand.body;
             stand.finger.outwards(body.position + displacement + stand.body.carried(arm))

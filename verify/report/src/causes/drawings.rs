@@ -8,7 +8,7 @@ use crate::page::Figure;
 use finray_figures::{Axis, Cells, Chart, Class, Frame, Hue, Map, Paint};
 use finray_model::NodeId;
 use finray_studies::experiments::causes::{Cause, CauseCell, CauseMap, ContactKnowledge, Practice, REMEDIES};
-use finray_studies::sampling::map::{Cell, CellState};
+use finray_studies::sampling::sweep::{CellState, MapCell};
 use finray_studies::settings::{DRAWN_FORCE_N, TRUSTED_ERROR};
 use finray_studies::study::Study;
 
@@ -115,8 +115,8 @@ fn assumed(map: &&CauseMap) -> bool {
 fn clearing_row(study: &Study, map: &CauseMap) -> (String, Vec<Option<Cells>>) {
     let of_truth: Vec<_> = study.maps.iter().filter(|of| of.truth == map.truth).collect();
     let state = |cell: &CauseCell| {
-        let same = |of: &&Cell| (of.s_mm, of.angle_deg, of.force_n) == (cell.s_mm, cell.angle_deg, cell.force_n);
-        match of_truth.iter().find_map(|of| of.cells.iter().find(same)).map(Cell::state) {
+        let same = |of: &&MapCell| (of.s_mm, of.angle_deg, of.force_n) == (cell.s_mm, cell.angle_deg, cell.force_n);
+        match of_truth.iter().find_map(|of| of.cells.iter().find(same)).map(MapCell::state) {
             Some(CellState::WithoutEquilibrium) => CellState::WithoutEquilibrium,
             _ => CellState::Answered,
         }

@@ -1,6 +1,6 @@
 //! The overview, and the maps that explain.
 
-use super::{EXPLANATIONS_CSV, Of, small};
+use super::{EXPLANATIONS_CSV, ExplainedQuantity, small};
 use crate::ReportError;
 use crate::drawings::{error_cells, percent_classes, plate_map, small_maps};
 use crate::page::Figure;
@@ -12,10 +12,10 @@ use finray_studies::study::Study;
 use finray_studies::truths::TruthId;
 
 /// Which true fingers and estimators an overview shows.
-pub(super) type Shown = fn(TruthId, EstimatorId) -> bool;
+pub(super) type MapFilter = fn(TruthId, EstimatorId) -> bool;
 
 /// Every truth by every estimator that is shown.
-pub(super) fn overview(study: &Study, shown: Shown) -> Result<String, FigureError> {
+pub(super) fn overview(study: &Study, shown: MapFilter) -> Result<String, FigureError> {
     let noisy = study.noise_mm > 0.0;
     let small = |truth, estimator| if shown(truth, estimator) { small(study, truth, estimator, noisy) } else { None };
     let is_asked = |estimator: &EstimatorId| TruthId::ALL.iter().any(|truth| small(*truth, *estimator).is_some());
@@ -53,7 +53,7 @@ pub fn note(counts: TrustCounts) -> String {
 struct Kind {
     title: &'static str,
     value_label: &'static str,
-    of: Of,
+    of: ExplainedQuantity,
     missing_label: &'static str,
     caption: &'static str,
 }

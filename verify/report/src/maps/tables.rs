@@ -1,6 +1,6 @@
 //! Files and tables of the maps: each map's cells and figures, the cells of the overview, and what explains them.
 
-use super::{Of, small};
+use super::{ExplainedQuantity, small};
 use crate::dataset::{Columns, Dataset, Format};
 use crate::page::{Cell as TableCell, Column, Table};
 use finray_studies::estimators::EstimatorId;
@@ -113,7 +113,7 @@ fn overview(study: &Study) -> Dataset<'static> {
 
 /// What each kind of explanation comes to over all cells. A cell without has no equilibrium, or its direction is not identifiable.
 fn explained(study: &Study) -> Dataset<'_> {
-    const QUANTITIES: [(&str, Of); 6] = [
+    const QUANTITIES: [(&str, ExplainedQuantity); 6] = [
         ("bound", |cell| cell.bound),
         ("bound_unknown_direction", |cell| cell.bound_unknown_direction),
         ("direction_sigma_deg", |cell| cell.direction_sigma_deg),
@@ -122,8 +122,9 @@ fn explained(study: &Study) -> Dataset<'_> {
         ("error_per_mm", |cell| cell.error_per_mm),
     ];
     let map = &study.explanations;
-    let with_values =
-        |(quantity, of): (&'static str, Of)| (quantity, map.cells.iter().filter_map(of).collect::<Vec<f64>>());
+    let with_values = |(quantity, of): (&'static str, ExplainedQuantity)| {
+        (quantity, map.cells.iter().filter_map(of).collect::<Vec<f64>>())
+    };
     let columns = Columns::<(&str, Vec<f64>)>::new()
         .file("quantity", |(quantity, _)| *quantity)
         .file("force_n", |_| map.force_n)

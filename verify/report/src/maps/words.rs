@@ -1,11 +1,12 @@
 //! What the maps say, in sentences made from their numbers.
 
-use super::Of;
+use super::ExplainedQuantity;
 use crate::ReportError;
 use crate::words::say;
 use finray_model::finger::Plate;
 use finray_studies::experiments::explain::Explanation;
-use finray_studies::sampling::map::{AccuracyMap, Cell};
+use finray_studies::sampling::map::AccuracyMap;
+use finray_studies::sampling::sweep::MapCell;
 use finray_studies::settings::TRUSTED_ERROR;
 use finray_studies::statistics::median;
 use finray_studies::study::Study;
@@ -28,7 +29,7 @@ pub(super) fn says(study: &Study) -> Result<Vec<String>, ReportError> {
 
 /// Whether bias or spread is at fault where a map fails.
 pub(super) fn kind_of_error(map: &AccuracyMap) -> Result<String, ReportError> {
-    let failed: Vec<&Cell> = map.cells.iter().filter(|cell| cell.is_above(TRUSTED_ERROR) == Some(true)).collect();
+    let failed: Vec<&MapCell> = map.cells.iter().filter(|cell| cell.is_above(TRUSTED_ERROR) == Some(true)).collect();
     // A cell that is refused has neither.
     let biased = failed.iter().filter(|cell| cell.bias.map(f64::abs) > cell.spread).count();
     let numbers = context! { failed => failed.len(), biased, cells => map.cells.len(), trusted => TRUSTED_ERROR };
@@ -36,7 +37,7 @@ pub(super) fn kind_of_error(map: &AccuracyMap) -> Result<String, ReportError> {
 }
 
 /// A quantity by direction and by position: medians of pressing and tangential directions, of base, middle and tip.
-fn medians(study: &Study, of: Of) -> Option<Value> {
+fn medians(study: &Study, of: ExplainedQuantity) -> Option<Value> {
     let length_mm = study.finger.plate_length_mm(Plate::Front);
     let over = |among: &dyn Fn(&Explanation) -> bool| {
         median(study.explanations.cells.iter().filter(|cell| among(cell)).filter_map(of))

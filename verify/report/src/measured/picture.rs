@@ -1,5 +1,6 @@
 //! Residuals drawn over the image that they belong to.
 
+use data_encoding::BASE64;
 use finray_studies::experiments::measured::picture::{Arrow, Picture};
 
 /// Longest residual of the pictures, px.
@@ -44,7 +45,7 @@ pub fn svg(picture: &Picture, magnified: f64) -> String {
         "<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"The image {} with the residual of each marker\">\
          <image width=\"{width}\" height=\"{height}\" href=\"data:image/jpeg;base64,{}\"/>{}{words}</svg>",
         escaped(&picture.image),
-        base64(&picture.jpeg),
+        BASE64.encode(&picture.jpeg),
         strokes.concat()
     )
 }
@@ -65,19 +66,4 @@ fn bar(picture: &Picture, magnified: f64) -> Option<(f64, String)> {
 
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
-/// # Reference
-/// RFC 4648, sec. 4.
-fn base64(bytes: &[u8]) -> String {
-    const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for three in bytes.chunks(3) {
-        let bits = three.iter().enumerate().fold(0_u32, |bits, (i, byte)| bits | u32::from(*byte) << (16 - 8 * i));
-        for i in 0..4 {
-            let sextet = (bits >> (18 - 6 * i) & 63) as usize;
-            text.push(if i <= three.len() { ALPHABET[sextet] as char } else { '=' });
-        }
-    }
-    text
 }

@@ -123,14 +123,18 @@ fn zero_force(finger: &Finger, words: &Words) -> Result<Claim, ClaimError> {
     words.claim("zero-force", ClaimVerdict::NotTested, numbers)
 }
 
-/// The network that ships, as timed by this report.
+/// The network that ships, as timed by this report, or by criterion where the report has its times.
 fn network_time(study: &Study, words: &Words) -> Result<Option<Claim>, ClaimError> {
     let here = |timed_by: &TimedBy| !matches!(timed_by, TimedBy::OtherProgram { .. });
     let point = study.speed_error.iter().find(|point| {
         point.task == Task::SenseOne && point.estimator == Some(EstimatorId::Network) && here(&point.timed_by)
     });
     let claim = |point: &SpeedErrorPoint| {
-        words.claim("network-time", ClaimVerdict::NotTested, context! { us => 1e6 * point.seconds })
+        let timed_by = match &point.timed_by {
+            TimedBy::Report => "this report".to_owned(),
+            other => other.to_string(),
+        };
+        words.claim("network-time", ClaimVerdict::NotTested, context! { us => 1e6 * point.seconds, timed_by })
     };
     point.map(claim).transpose()
 }

@@ -6,8 +6,9 @@
 use super::{Context, Evidence};
 use crate::check::{Check, Kind};
 use crate::estimators::{Estimator, EstimatorId, PreparedEstimator};
-use crate::sampling::map::{AccuracyMap, Cell, MapRequest};
+use crate::sampling::map::{AccuracyMap, MapRequest};
 use crate::sampling::noise::Noise;
+use crate::sampling::sweep::MapCell;
 use crate::settings::{MAP_FORCES_N, TWO_SIDED_95};
 use crate::truths::{Truth, TruthId};
 use finray_model::measurement::Measurement;
@@ -109,7 +110,7 @@ pub fn run(context: &Context, maps: &[AccuracyMap]) -> Result<Vec<CoverageRow>, 
 
 /// Coverage over the cells of a map; `None` if its estimator states no sigma.
 fn of_map(map: &AccuracyMap) -> Option<CoverageRow> {
-    let stated = |cell: &Cell| Some([cell.warned?, cell.covered?, cell.covered_warned?]);
+    let stated = |cell: &MapCell| Some([cell.warned?, cell.covered?, cell.covered_warned?]);
     map.cells.iter().find_map(stated)?;
     let counts = map.cells.iter().map(|cell| {
         // A cell of which every sample is refused states nothing.

@@ -9,7 +9,8 @@ use crate::lattice::accuracy::{FinenessRow, LoadGrid, study};
 use crate::lattice::causes::{self, AxialRow, SettlingRow};
 use crate::problems::lattice::{FINENESS, NEWTON};
 use crate::problems::{self, ProblemError};
-use crate::sampling::map::{AccuracyMap, Cell, MapRequest, accuracy_maps};
+use crate::sampling::map::{AccuracyMap, MapRequest, accuracy_maps};
+use crate::sampling::sweep::MapCell;
 use crate::settings::{Effort, MAP_FORCES_N};
 use crate::truths::{LatticeTruth, TruthId};
 use finray_lattice::settling::Precision;
@@ -77,8 +78,8 @@ pub struct MapDifference {
     pub cells: usize,
     /// Largest difference of sensed / true.
     pub largest: f64,
-    /// Cell of one map that has it.
-    pub at: Option<Cell>,
+    /// MapCell of one map that has it.
+    pub at: Option<MapCell>,
     /// Cells with an equilibrium in one map alone.
     pub in_one_alone: usize,
 }
@@ -87,7 +88,7 @@ impl MapDifference {
     /// Compares two maps.
     pub fn of(ours: &AccuracyMap, theirs: &AccuracyMap) -> MapDifference {
         let mut difference = MapDifference { cells: 0, largest: 0.0, at: None, in_one_alone: 0 };
-        let key = |cell: &Cell| [cell.s_mm, cell.angle_deg, cell.force_n].map(f64::to_bits);
+        let key = |cell: &MapCell| [cell.s_mm, cell.angle_deg, cell.force_n].map(f64::to_bits);
         let known: HashMap<_, _> = theirs.cells.iter().map(|cell| (key(cell), cell.bias)).collect();
         for cell in &ours.cells {
             match (cell.bias, known.get(&key(cell))) {

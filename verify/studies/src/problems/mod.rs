@@ -51,21 +51,21 @@ pub struct Problem {
     /// Whether there are reference values for a finger.
     pub applies_to: fn(&Finger) -> bool,
     /// Solves it.
-    pub solve: fn(&Finger) -> Result<Solved, ProblemError>,
+    pub solve: fn(&Finger) -> Result<ProblemResults, ProblemError>,
 }
 
 /// Results of problems.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Solved {
+pub struct ProblemResults {
     /// Figures against references, with tolerances.
     pub checks: Vec<Check>,
     /// Figures beside others, where a difference is expected.
     pub comparisons: Vec<Comparison>,
 }
 
-impl From<Vec<Check>> for Solved {
-    fn from(checks: Vec<Check>) -> Solved {
-        Solved { checks, comparisons: Vec::new() }
+impl From<Vec<Check>> for ProblemResults {
+    fn from(checks: Vec<Check>) -> ProblemResults {
+        ProblemResults { checks, comparisons: Vec::new() }
     }
 }
 
@@ -73,10 +73,10 @@ impl From<Vec<Check>> for Solved {
 ///
 /// # Errors
 /// The first [`ProblemError`] in the order of [`ALL`].
-pub fn solve_all(finger: &Finger) -> Result<Solved, ProblemError> {
+pub fn solve_all(finger: &Finger) -> Result<ProblemResults, ProblemError> {
     let applying = ALL.par_iter().with_max_len(1).filter(|problem| (problem.applies_to)(finger));
-    let solved: Vec<Solved> = applying.map(|problem| (problem.solve)(finger)).collect::<Result<_, _>>()?;
-    Ok(solved.into_iter().fold(Solved::default(), |mut all, one| {
+    let solved: Vec<ProblemResults> = applying.map(|problem| (problem.solve)(finger)).collect::<Result<_, _>>()?;
+    Ok(solved.into_iter().fold(ProblemResults::default(), |mut all, one| {
         all.checks.extend(one.checks);
         all.comparisons.extend(one.comparisons);
         all

@@ -4,7 +4,7 @@
 //! MuJoCo shares neither discretisation (its rods bend at vertices alone) nor code with the beams, but is given the same EA and EI, so
 //! both tend to the same limit: it verifies solver and kinematics, not the beam theory behind EA and EI.
 
-use super::{Problem, ProblemError, Solved};
+use super::{Problem, ProblemError, ProblemResults};
 use crate::check::{Check, Comparison, Kind, worst};
 use crate::lattice::accuracy::difference;
 use crate::mujoco::{ContactStep, ExportedFinger, FINGERS, StaticCase, TouchedRod, contact_steps};
@@ -118,12 +118,12 @@ fn apart(a: &FingerShape, b: &FingerShape) -> (f64, f64) {
     )
 }
 
-fn solve(finger: &Finger) -> Result<Solved, ProblemError> {
+fn solve(finger: &Finger) -> Result<ProblemResults, ProblemError> {
     let checks = ExportedFinger::of(finger).map_or_else(|| Ok(Vec::new()), static_checks)?;
     if !is_papers_finger(finger) {
         return Ok(checks.into());
     }
-    Ok(Solved { checks: [checks, contact_checks()?].concat(), comparisons: triangle()? })
+    Ok(ProblemResults { checks: [checks, contact_checks()?].concat(), comparisons: triangle()? })
 }
 
 /// Every exported finger under every exported force, against converged beams, and against linear beams under the least force.

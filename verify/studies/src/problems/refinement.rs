@@ -3,7 +3,7 @@
 //! Linear frame theory is exact at the nodes, so refinement must change nothing but rounding. The paper found its two
 //! commercial meshes within 0.26 % of each other (sec. III).
 
-use super::{Problem, ProblemError, Solved};
+use super::{Problem, ProblemError, ProblemResults};
 use crate::check::{Check, Comparison, Kind, worst};
 use crate::lattice::accuracy::difference;
 use crate::sampling::scatter::sampled_nodes;
@@ -14,7 +14,7 @@ use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, statics};
 pub(super) const PROBLEM: Problem = Problem {
     name: "meshes of the finger",
     applies_to: |_| true,
-    solve: |finger| Ok(Solved { checks: checks(finger)?, comparisons: comparisons(finger)? }),
+    solve: |finger| Ok(ProblemResults { checks: checks(finger)?, comparisons: comparisons(finger)? }),
 };
 
 /// Rounding of a double-precision solution on 684 nodes, which grows about as the fourth power of the node count.

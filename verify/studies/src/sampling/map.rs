@@ -4,101 +4,16 @@
 //! |sensed / true - 1|, averaged over the forces and the noise samples of a cell.
 
 use crate::estimators::{Estimator, EstimatorId};
-use crate::sampling::sweep::{self, Grid, Sweep};
+use crate::sampling::sweep::{self, CellState, Grid, MapCell, Sweep};
 use crate::settings::{GROSS_ERROR, TRUSTED_ERROR};
 use crate::truths::{Truth, TruthId};
 use finray_model::Finger;
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::io::Read;
 
 /// Request of maps: the grid of the [`Sweep`] that they sum up, one map for each level of noise.
 pub type MapRequest = Grid;
-
-/// Results for one force at one position and direction.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Cell {
-    /// Position on the front plate, mm from the base.
-    pub s_mm: f64,
-    /// Direction, degrees from the inward normal, positive towards the tip.
-    pub angle_deg: f64,
-    /// True force, N.
-    pub force_n: f64,
-    /// Mean of |sensed / true - 1| over the noise samples that are answered; empty where the finger has no equilibrium or
-    /// more than half of the samples are refused.
-    pub mean_error: Option<f64>,
-    /// Mean of sensed / true - 1: what is wrong even without noise.
-    pub bias: Option<f64>,
-    /// Standard deviation of sensed / true over the noise.
-    pub spread: Option<f64>,
-    /// Noise samples that were drawn, a single one without noise; none where the finger has no equilibrium.
-    pub samples: usize,
-    /// Samples that were answered; the errors above are theirs.
-    pub answered: usize,
-    /// Answered samples with a warning; `None` if no standard deviation is stated.
-    pub warned: Option<usize>,
-    /// Answered samples without a warning of which the interval of 1.96 stated standard deviations holds the true force.
-    pub covered: Option<usize>,
-    /// The same of those with a warning.
-    pub covered_warned: Option<usize>,
-}
-
-/// Outcome of a cell, or of the same position and direction under several forces.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum CellState {
-    /// At least half of the samples were answered.
-    Answered,
-    /// The finger bends, but the estimator refuses more than half of the samples: the few answers are no fair sample.
-    Refused,
-    /// The finger has no equilibrium under the force, so there is nothing to sense.
-    WithoutEquilibrium,
-}
-
-impl CellState {
-    /// For files.
-    pub fn name(self) -> &'static str {
-        match self {
-            CellState::Answered => "answered",
-            CellState::Refused => "refused",
-            CellState::WithoutEquilibrium => "no equilibrium",
-        }
-    }
-}
-
-impl Cell {
-    /// Outcome of the cell.
-    pub fn state(&self) -> CellState {
-        match (self.samples, self.mean_error) {
-            (0, _) => CellState::WithoutEquilibrium,
-            (_, None) => CellState::Refused,
-            (_, Some(_)) => CellState::Answered,
-        }
-    }
-
-    /// Whether its error is above a limit. A cell that is refused counts as above; one without equilibrium does not count at all: `None`.
-    pub fn is_above(&self, limit: f64) -> Option<bool> {
-        (self.state() != CellState::WithoutEquilibrium).then(|| self.mean_error.is_none_or(|error| error > limit))
-    }
-}
-
-impl From<&sweep::Cell> for Cell {
-    fn from(cell: &sweep::Cell) -> Cell {
-        let errors = cell.outcome.errors;
-        Cell {
-            s_mm: cell.s_mm,
-            angle_deg: cell.angle_deg,
-            force_n: cell.force_n,
-            mean_error: errors.map(|errors| errors.mean_error),
-            bias: errors.map(|errors| errors.bias),
-            spread: cell.spread(),
-            samples: cell.outcome.samples,
-            answered: cell.outcome.answered,
-            warned: cell.outcome.covered.map(|covered| covered.warned),
-            covered: cell.outcome.covered.map(|covered| covered.covered),
-            covered_warned: cell.outcome.covered.map(|covered| covered.covered_warned),
-        }
-    }
-}
 
 /// An accuracy map: cells by position, then direction, then force.
 #[derive(Debug, Clone, PartialEq)]
@@ -112,7 +27,7 @@ pub struct AccuracyMap {
     /// Standard deviation of a measured coordinate, mm.
     pub noise_mm: f64,
     /// The cells.
-    pub cells: Vec<Cell>,
+    pub cells: Vec<MapCell>,
 }
 
 /// Computes a map for each estimator and noise level in parallel, position by position: by estimator, then noise. The result does
@@ -126,11 +41,11 @@ pub fn accuracy_maps(
 ) -> Vec<AccuracyMap> {
     let sweep = Sweep::new(finger, vec![truth], estimators.to_vec(), request);
     let block = |number| {
-        let cells: Vec<Cell> = sweep.block(number).iter().map(Cell::from).collect();
+        let cells: Vec<MapCell> = sweep.block(number).iter().map(MapCell::from).collect();
         progress();
         cells
     };
-    let blocks: Vec<Vec<Cell>> = (0..sweep.block_count()).into_par_iter().map(block).collect();
+    let blocks: Vec<Vec<MapCell>> = (0..sweep.block_count()).into_par_iter().map(block).collect();
     let (forces, levels) = (request.forces_n.len(), request.noise_levels_mm.len());
     let map = |number: usize| AccuracyMap {
         request: request.clone(),
@@ -172,7 +87,7 @@ impl AccuracyMap {
     }
 
     /// A quantity by direction, then position: of one force, or its mean over all forces. `None` where a force has none.
-    pub fn values(&self, force_n: Option<f64>, of: impl Fn(&Cell) -> Option<f64>) -> Vec<Vec<Option<f64>>> {
+    pub fn values(&self, force_n: Option<f64>, of: impl Fn(&MapCell) -> Option<f64>) -> Vec<Vec<Option<f64>>> {
         let forces = self.request.forces_n.len();
         let (positions, angles) = (self.request.positions_mm.len(), self.request.angles_deg.len());
         let cell = |position: usize, angle: usize| {
@@ -195,13 +110,13 @@ impl AccuracyMap {
             angles_deg: kept(&self.request.angles_deg, angles_deg),
             ..self.request.clone()
         };
-        let on_grid = |cell: &&Cell| positions_mm.contains(&cell.s_mm) && angles_deg.contains(&cell.angle_deg);
+        let on_grid = |cell: &&MapCell| positions_mm.contains(&cell.s_mm) && angles_deg.contains(&cell.angle_deg);
         AccuracyMap { request, cells: self.cells.iter().filter(on_grid).copied().collect(), ..self.clone() }
     }
 
     /// The cells of one force, or of all, grouped by position and direction: a group is a cell of the map.
-    fn groups(&self, force_n: Option<f64>) -> impl Iterator<Item = impl Iterator<Item = &Cell> + Clone> {
-        let wanted = move |cell: &&Cell| force_n.is_none_or(|f| f == cell.force_n);
+    fn groups(&self, force_n: Option<f64>) -> impl Iterator<Item = impl Iterator<Item = &MapCell> + Clone> {
+        let wanted = move |cell: &&MapCell| force_n.is_none_or(|f| f == cell.force_n);
         self.cells.chunks(self.request.forces_n.len().max(1)).map(move |group| group.iter().filter(wanted))
     }
 
@@ -210,7 +125,7 @@ impl AccuracyMap {
     pub fn summary(&self, force_n: Option<f64>) -> MapSummary {
         let errors = self.errors(force_n);
         let known: Vec<f64> = errors.iter().flatten().flatten().copied().collect();
-        let states: Vec<CellState> = self.groups(force_n).filter_map(|group| group.map(Cell::state).max()).collect();
+        let states: Vec<CellState> = self.groups(force_n).filter_map(|group| group.map(MapCell::state).max()).collect();
         let count = |state| states.iter().filter(|found| **found == state).count();
         let (refused, without_equilibrium) = (count(CellState::Refused), count(CellState::WithoutEquilibrium));
         let share = |limit: f64| {

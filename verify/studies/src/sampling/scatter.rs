@@ -10,7 +10,7 @@ mod scout;
 
 use crate::estimators::{Estimator, EstimatorError, EstimatorId, Sensed};
 use crate::settings::TWO_SIDED_95;
-use cases::Look;
+use cases::CaseEstimate;
 use finray_model::sensing::Contact;
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
 use rayon::prelude::*;
@@ -223,8 +223,8 @@ fn rows(
         let mut rows = Vec::new();
         for (level, &noise_mm) in request.noise_levels_mm.iter().enumerate() {
             for (i, estimator) in estimators.iter().enumerate() {
-                let looks = cases.iter().map(|case| case.look(level, i));
-                rows.push(row(estimator.id(), nodes, noise_mm, looks));
+                let estimates = cases.iter().map(|case| case.estimate(level, i));
+                rows.push(row(estimator.id(), nodes, noise_mm, estimates));
             }
         }
         Ok(rows)
@@ -256,12 +256,12 @@ fn row<'c>(
     estimator: EstimatorId,
     nodes: &[NodeId],
     noise_mm: f64,
-    looks: impl Iterator<Item = Look<'c>>,
+    estimates: impl Iterator<Item = CaseEstimate<'c>>,
 ) -> ScatterRow {
     let mut forces = vec![Sums::default(); nodes.len()];
     let mut sum = Sums::default();
     let (mut cases, mut refused, mut not_carried) = (0, 0, 0);
-    for Look { case, bound, first_order, sensed } in looks {
+    for CaseEstimate { case, bound, first_order, sensed } in estimates {
         not_carried += case.not_carried;
         let Some(sensed) = sensed else {
             refused += 1;

@@ -1,6 +1,7 @@
 //! The worst force of each cell: the one criterion by which a position and direction is trusted.
 
-use super::map::{AccuracyMap, Cell, CellState};
+use super::map::AccuracyMap;
+use super::sweep::{CellState, MapCell};
 use crate::settings::TRUSTED_ERROR;
 
 /// A position and direction under the worst of a map's forces.
@@ -39,10 +40,10 @@ impl AccuracyMap {
 
     /// The same under one force alone, or under the worst of all.
     pub fn worst_of(&self, force_n: Option<f64>) -> Vec<WorstCell> {
-        let of_group = |group: &[Cell]| {
-            let cells: Vec<Cell> =
+        let of_group = |group: &[MapCell]| {
+            let cells: Vec<MapCell> =
                 group.iter().filter(|cell| force_n.is_none_or(|f| f == cell.force_n)).copied().collect();
-            let state = cells.iter().map(Cell::state).max().unwrap_or(CellState::WithoutEquilibrium);
+            let state = cells.iter().map(MapCell::state).max().unwrap_or(CellState::WithoutEquilibrium);
             let errors: Option<Vec<f64>> = cells.iter().map(|cell| cell.mean_error).collect();
             let worst_error = errors.and_then(|errors| errors.into_iter().reduce(f64::max));
             let is_trusted = worst_error.is_some_and(|error| error <= TRUSTED_ERROR);

@@ -106,7 +106,7 @@ macro_rules! study {
                 let started = Instant::now();
                 let solved = problems::solve_all($context.finger).map_err(within("problems"))?;
                 $context.progress.step();
-                let problems::Solved { mut checks, mut comparisons } = solved;
+                let problems::ProblemResults { mut checks, mut comparisons } = solved;
                 parts.push(PartTime::since("problems", started));
                 $(
                     let started = Instant::now();

@@ -39,7 +39,7 @@ sense-one,untrained network,46-150-1,0.00004,,Torch,2.1,14-24,0.3-3,\"a desk, on
 solve,corotational frame,25 nodes,0.01,0.02,OpenSees,3.7.1.2,14 18 22,3,\"a desk, one core\"
 ";
 
-/// Criterion's times of two of our points, one of them broken, and of a bench that is none.
+/// Criterion's times of three of our points, one of them broken, and of a bench that is none.
 pub fn criterion_folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let put = |bench: &str, [group, function, value]: [&str; 3], estimates: &str| {
@@ -52,6 +52,11 @@ pub fn criterion_folder() -> tempfile::TempDir {
     let median = |ns: f64| format!(r#"{{"mean":{{"point_estimate":1.0}},"median":{{"point_estimate":{ns}}}}}"#);
     put("solve/co-rotational/25 nodes", ["speed_error/solve", "co-rotational", "25 nodes"], &median(123456.75));
     put("solve/co-rotational/61 nodes", ["speed_error/solve", "co-rotational", "61 nodes"], "{\"median\": 1");
+    put(
+        "sense-one/network/shipped networks",
+        ["speed_error/sense-one", "network", "shipped networks"],
+        &median(98765.4),
+    );
     put("corotational/ladder/25", ["corotational", "co-rotational", "25 nodes"], &median(1.0));
     folder
 }

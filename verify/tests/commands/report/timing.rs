@@ -60,12 +60,12 @@ fn times_say_who_took_them() {
     assert_eq!(point("solve", "co-rotational", "25 nodes"), (1.2345675e-4, "criterion".to_owned()));
     assert_eq!(point("solve", "co-rotational", "61 nodes").1, "timed here");
     assert_eq!(point("solve", "corotational frame", "684 nodes"), (0.15, "OpenSees 3.7.1.2".to_owned()));
-    assert_eq!(by.iter().filter(|by| **by != "timed here").count(), 3);
+    assert_eq!(by.iter().filter(|by| **by != "timed here").count(), 4);
     let page = PAPERS.read("index.html");
     let section =
         page[page.find("id=\"speed-error\"").expect("the section")..].split("</section>").next().unwrap_or_default();
     for said in [
-        "The times of 1 of ",
+        "The times of 2 of ",
         "1 of the files there are not what criterion writes",
         "on this machine: a desk, one core",
         ">criterion<",
@@ -79,6 +79,18 @@ fn times_say_who_took_them() {
     }
     let without = SPRING_STEELS.read("index.html");
     assert!(without.contains("Other programs were not timed") && !section.contains("Other programs were not timed"));
+}
+
+/// Claims once stated the times taken here beside a table with those of criterion.
+#[test]
+fn claims_state_the_times_of_the_table() {
+    let summary = PAPERS.summary();
+    let claim = array(&summary, "claims")
+        .iter()
+        .find(|claim| claim["claim"].as_str().is_some_and(|said| said.contains("calculating time")))
+        .expect("the claim");
+    assert_eq!(claim["ours"], "98.8 us a frame");
+    assert_says(claim["how"].as_str().expect("words"), &["timed by criterion"]);
 }
 
 /// A table of other programs is checked line by line before anything is computed.

@@ -8,17 +8,19 @@
 //!
 //! Distances are taken in the finger's plane, where the disc is a circle: what perspective and lens do to its image is allowed for.
 
+mod band;
 mod plane_map;
 mod shades;
 mod sums;
 
+use band::{Band, normal_distribution};
 use finray_model::Vector;
 use finray_model::camera::{Camera, Pixel};
 use image::RgbImage;
 use nalgebra::{Complex, Matrix2, SMatrix, SVector, Vector2};
 use plane_map::{Pixels, PlaneMap};
 use shades::{BACKGROUND_PX, KEPT_SECTORS, Shades};
-use sums::{Band, OfSector, Sums, normal_distribution};
+use sums::{SectorSums, Sums};
 
 /// Unknowns of an edge: centre (two), radius, blur of brightness and of colour.
 const UNKNOWNS: usize = 5;
@@ -333,7 +335,7 @@ impl<'a> Search<'a> {
 }
 
 /// The variance of the centre from what the residuals have of two and of three periods around the edge, over another one.
-fn excess_variances(sectors: &[OfSector], inverse: &Matrix2<f64>, variance_px2: f64) -> [f64; 2] {
+fn excess_variances(sectors: &[SectorSums], inverse: &Matrix2<f64>, variance_px2: f64) -> [f64; 2] {
     let angle = std::f64::consts::TAU / sectors.len() as f64;
     let to_next = Complex::cis(angle);
     let mut direction = Complex::cis(angle / 2.0);

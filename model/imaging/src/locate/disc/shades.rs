@@ -2,7 +2,7 @@
 
 use super::Edge;
 use super::plane_map::{Pixels, PlaneMap, Polar, turn};
-use super::sums::{OfSector, Sums};
+use super::sums::{SectorSums, Sums};
 use nalgebra::Vector3;
 
 /// Where the background of a sector is seen: from the band's end, so many px on.
@@ -244,7 +244,7 @@ impl Shades {
     /// Takes the trust from sectors whose residual is above that of even ones, or that have no contrast. Returns the share of those left.
     pub fn distrust_unlikely(&mut self, sums: &Sums) -> f64 {
         let channels = sums.channels as f32;
-        let mean = |of: &OfSector| of.squares / (channels * of.count).max(1.0);
+        let mean = |of: &SectorSums| of.squares / (channels * of.count).max(1.0);
         self.sorted.clear();
         self.sorted.extend(sums.by_sector.iter().filter(|of| of.count > 0.0).map(mean));
         let at = (self.sorted.len() as f64 * EVEN_SECTORS) as usize;
@@ -253,7 +253,7 @@ impl Shades {
             false => self.sorted.select_nth_unstable_by(at, f32::total_cmp).1.max(LEAST_VARIANCE),
         };
         // How far beyond what noise explains; without contrast there is no edge.
-        let excess = |of: &OfSector| {
+        let excess = |of: &SectorSums| {
             let (count, contrast2) = (of.count.max(1.0), of.contrast2 / of.count.max(1.0));
             let has_edge = of.count > 0.0 && contrast2 > LEAST_CONTRAST * LEAST_CONTRAST;
             if has_edge {

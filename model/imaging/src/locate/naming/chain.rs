@@ -193,15 +193,20 @@ impl<'a> Chain<'a> {
         let hidden = |from: usize| (from + 1..=last).filter(|k| finger.has_marker(self.nodes[*k])).count();
         let whole = |link: &Link| link.cost + HIDDEN * hidden(link.position) as f64;
         let best = (0..links.len()).min_by(|&a, &b| whole(&links[a]).total_cmp(&whole(&links[b])))?;
+        let cost = whole(&links[best]);
+        (cost <= most).then(|| Named { cost, named: self.named(&links, best, clamped.map(|(candidate, _)| candidate)) })
+    }
+
+    /// The candidates of a chain by position, from its last link back to the clamped node.
+    fn named(&self, links: &[Link], last: usize, clamped: Option<usize>) -> Vec<Option<usize>> {
         let mut named = vec![None; self.nodes.len()];
-        named[0] = clamped.map(|(candidate, _)| candidate);
-        let mut at = Some(best);
+        named[0] = clamped;
+        let mut at = Some(last);
         while let Some(link) = at.map(|i| links[i]) {
             named[link.position] = Some(link.candidate);
             at = link.before;
         }
-        let cost = whole(&links[best]);
-        (cost <= most).then_some(Named { cost, named })
+        named
     }
 
     /// Cost of a step between two positions along the plate, hidden ones between them included; `None` if it cannot be.

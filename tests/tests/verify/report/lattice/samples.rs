@@ -5,7 +5,8 @@ use finray_studies::estimators::EstimatorId;
 use finray_studies::experiments::lattice::{LatticeSensing, LatticeStudy, MapDifference};
 use finray_studies::lattice::accuracy::{FinenessRow, LoadGrid, SettlingCost};
 use finray_studies::lattice::causes::{AXIAL_SPRINGS, AxialRow, SETTLINGS, SettlingRow};
-use finray_studies::sampling::map::{AccuracyMap, Cell, MapRequest};
+use finray_studies::sampling::map::{AccuracyMap, MapRequest};
+use finray_studies::sampling::sweep::MapCell;
 use finray_studies::truths::TruthId;
 
 /// Least squares or the nonlinear estimator, off by `error` in its one cell.
@@ -18,7 +19,7 @@ fn map(estimator: EstimatorId, error: f64) -> AccuracyMap {
         noise_samples: 1,
         seed: 1,
     };
-    let cell = Cell {
+    let cell = MapCell {
         s_mm: 76.5,
         angle_deg: 20.0,
         force_n: 3.0,

@@ -2,8 +2,8 @@
 
 use super::{Drive, World};
 use crate::energy::BodyMotion;
-use crate::grasp::equilibrium::{State, Surroundings};
-use crate::grasp::near::Near;
+use crate::grasp::near::ContactPair;
+use crate::grasp::scene::{State, Surroundings};
 use finray_model::Vector;
 use nalgebra::Rotation2;
 use serde::Serialize;
@@ -108,15 +108,15 @@ impl World<'_> {
                 |(force, (a, b)): (&Vector, (&BodyMotion, &BodyMotion))| force.dot(&(b.displacement - a.displacement));
             of_object + acting.on_bodies.iter().flatten().zip(ways).map(of_body).sum::<f64>()
         };
-        let of_friction = |near: &Near| {
-            let [then, now] = [from, to].map(|state| state.forces.get(&near.key).map_or(0.0, |forces| forces[1]));
-            -0.5 * (then + now) * near.touching.slip_mm
+        let of_friction = |pair: &ContactPair| {
+            let [then, now] = [from, to].map(|state| state.forces.get(&pair.key).map_or(0.0, |forces| forces[1]));
+            -0.5 * (then + now) * pair.touching.slip_mm
         };
         Account {
             driven_nmm: mean(&|acting| of_bases(acting) + of_medium(acting)),
             elastic_nmm: end.elastic_nmm - start.elastic_nmm,
             lifted_nmm: mean(&against_weight),
-            friction_nmm: self.near().iter().map(of_friction).sum(),
+            friction_nmm: self.near_pairs().iter().map(of_friction).sum(),
             resistance_nmm: mean(&against_resistance),
             ..Account::default()
         }

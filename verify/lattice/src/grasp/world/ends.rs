@@ -11,7 +11,7 @@ pub enum WorldError {
     #[error("the object overlaps {what} by {overlap_mm:.3} mm where it starts")]
     Overlap {
         /// What it overlaps.
-        what: Partner,
+        what: TouchedBody,
         /// How deep, mm.
         overlap_mm: f64,
     },
@@ -22,7 +22,7 @@ pub enum WorldError {
 
 /// Why a grasp ends before its time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum Halt {
+pub enum GraspFailure {
     /// The object falls or slides away and does not come to rest.
     #[error("the object gets away: the fingers do not hold it")]
     Dropped,
@@ -36,28 +36,28 @@ pub enum Halt {
 
 /// What the object touches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Partner {
+pub enum TouchedBody {
     /// A finger, by its number: 0 is the left one.
     Finger(usize),
     /// The support.
     Support,
 }
 
-impl std::fmt::Display for Partner {
+impl std::fmt::Display for TouchedBody {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         f.write_str(match self {
-            Partner::Finger(0) => "the left finger",
-            Partner::Finger(_) => "the right finger",
-            Partner::Support => "its support",
+            TouchedBody::Finger(0) => "the left finger",
+            TouchedBody::Finger(_) => "the right finger",
+            TouchedBody::Support => "its support",
         })
     }
 }
 
 /// A contact that carries a force.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Met {
+pub struct ObjectContact {
     /// What the object touches.
-    pub partner: Partner,
+    pub partner: TouchedBody,
     /// Where, world, mm.
     pub point: Vector,
     /// Force on the object, world, N.

@@ -7,10 +7,10 @@ mod motion;
 mod observed;
 
 pub use account::Account;
-pub use ends::{Halt, Met, Partner, WorldError};
+pub use ends::{GraspFailure, ObjectContact, TouchedBody, WorldError};
 
-use super::equilibrium::{Scene, Standing, State, Surroundings};
-use super::near::Near;
+use super::near::ContactPair;
+use super::scene::{PlacedFinger, Scene, State, Surroundings};
 use super::surface::Shape;
 use crate::energy::BodyMotion;
 use crate::{Lattice, LatticeError};
@@ -80,7 +80,7 @@ impl<'l> World<'l> {
         let mut fingers = Vec::new();
         for &lattice in lattices {
             stiffness = stiffness.min(middle_stiffness(lattice)?);
-            fingers.push(Standing::new(lattice, rod_radius_mm));
+            fingers.push(PlacedFinger::new(lattice, rod_radius_mm));
         }
         let motions = lattices.iter().map(|lattice| vec![BodyMotion::default(); lattice.assembly().bodies.len()]);
         let placements = drive.placements.clone();
@@ -97,10 +97,10 @@ impl<'l> World<'l> {
             account: Account::default(),
         };
         world.acting = world.acting(&world.surroundings());
-        let overlaps = world.near().into_iter().map(|near| (-near.touching.gap_mm, near));
+        let overlaps = world.near_pairs().into_iter().map(|pair| (-pair.touching.gap_mm, pair));
         match overlaps.max_by(|a, b| a.0.total_cmp(&b.0)) {
-            Some((overlap_mm, near)) if overlap_mm > AT_REST * size_mm => {
-                Err(WorldError::Overlap { what: world.partner(&near), overlap_mm })
+            Some((overlap_mm, pair)) if overlap_mm > AT_REST * size_mm => {
+                Err(WorldError::Overlap { what: world.partner(&pair), overlap_mm })
             }
             _ => Ok(world),
         }
@@ -109,8 +109,8 @@ impl<'l> World<'l> {
     /// Moves the fingers' bases and the weight, and lets all come to rest.
     ///
     /// # Errors
-    /// [`Halt`]; fingers and object are then where they last were at rest.
-    pub fn advance(&mut self, to: &Drive) -> Result<(), Halt> {
+    /// [`GraspFailure`]; fingers and object are then where they last were at rest.
+    pub fn advance(&mut self, to: &Drive) -> Result<(), GraspFailure> {
         let start = self.clone();
         let outcome = self.move_to(to).and_then(|()| self.come_to_rest(FIRST_DRAG, BOLDER));
         if outcome.is_err() {
@@ -120,13 +120,13 @@ impl<'l> World<'l> {
     }
 
     /// What keeps the last step from being solved.
-    fn halt(&self) -> Halt {
+    fn failure(&self) -> GraspFailure {
         if self.is_folded() {
-            Halt::Folded
-        } else if self.met().iter().any(|met| matches!(met.partner, Partner::Finger(_))) {
-            Halt::Jammed
+            GraspFailure::Folded
+        } else if self.contacts().iter().any(|contact| matches!(contact.partner, TouchedBody::Finger(_))) {
+            GraspFailure::Jammed
         } else {
-            Halt::Dropped
+            GraspFailure::Dropped
         }
     }
 
@@ -135,8 +135,8 @@ impl<'l> World<'l> {
         self.state.motions.iter().flatten().any(|motion| motion.rotation.abs() > FOLDED_RAD)
     }
 
-    fn near(&self) -> Vec<Near> {
-        self.scene.near(&self.state, &self.before, &self.surroundings())
+    fn near_pairs(&self) -> Vec<ContactPair> {
+        self.scene.near_pairs(&self.state, &self.before, &self.surroundings())
     }
 
     /// What acts on the object at rest.
@@ -150,8 +150,8 @@ impl<'l> World<'l> {
         }
     }
 
-    fn partner(&self, near: &Near) -> Partner {
-        if near.part.is_some() { Partner::Finger(near.key.0) } else { Partner::Support }
+    fn partner(&self, pair: &ContactPair) -> TouchedBody {
+        if pair.part.is_some() { TouchedBody::Finger(pair.key.0) } else { TouchedBody::Support }
     }
 
     /// Force and moment about its frame's origin on the base of each finger, world, N and N mm.

@@ -1,7 +1,7 @@
 //! The way from one drive to the next: parts of a step that Newton's method takes, snaps, and coming to rest.
 
-use super::{Drive, Halt, World};
-use crate::grasp::equilibrium::{Standing, Surroundings};
+use super::{Drive, GraspFailure, World};
+use crate::grasp::scene::{PlacedFinger, Surroundings};
 use finray_model::gripper::Placement;
 
 /// Least part of a step that is tried before a snap is passed.
@@ -34,7 +34,7 @@ const MOST_STEPS: usize = 400;
 
 /// Whether a step was taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Taken {
+enum StepOutcome {
     Solved,
     /// Newton's method found an equilibrium to which no way leads on which energy is accounted for: a shorter one may.
     Leaps,
@@ -45,29 +45,29 @@ enum Taken {
 impl World<'_> {
     /// Moves the bases in parts that Newton's method takes and whose energy is accounted for. Where none is short enough, a snap is passed: a short
     /// part against resistance, after which all comes to rest before the bases move on.
-    pub(super) fn move_to(&mut self, to: &Drive) -> Result<(), Halt> {
+    pub(super) fn move_to(&mut self, to: &Drive) -> Result<(), GraspFailure> {
         let from = self.drive.clone();
         let (mut at, mut part, mut solved) = (0.0, 1.0, 0);
         while at < 1.0 {
             let next = if at + part >= 1.0 { 1.0 } else { at + part };
             let there = from.towards(to, next);
             let least = match self.step(&there, MOVING_DRAG, self.most_missing_nmm()) {
-                Taken::Solved => {
+                StepOutcome::Solved => {
                     solved += 1;
                     (at, part) = (next, if solved >= BOLDER { part * 2.0 } else { part });
                     continue;
                 }
-                Taken::Leaps => LEAST_LEAP,
-                Taken::Unsolved => LEAST_PART,
+                StepOutcome::Leaps => LEAST_LEAP,
+                StepOutcome::Unsolved => LEAST_PART,
             };
             if part > least {
                 (part, solved) = (part * 0.5, 0);
                 continue;
             }
             let mut drags = std::iter::successors(Some(MOVING_DRAG * DRAG_FACTOR), |drag| Some(drag * DRAG_FACTOR));
-            let is_taken = |drag: &f64| self.step(&there, *drag, f64::INFINITY) == Taken::Solved;
+            let is_taken = |drag: &f64| self.step(&there, *drag, f64::INFINITY) == StepOutcome::Solved;
             let Some(held) = drags.by_ref().take_while(|drag| *drag <= MOST_DRAG).find(is_taken) else {
-                return Err(self.halt());
+                return Err(self.failure());
             };
             self.come_to_rest(held, 0)?;
             (at, part, solved) = (next, 4.0 * LEAST_PART, 0);
@@ -76,14 +76,14 @@ impl World<'_> {
     }
 
     /// Solves a step, and takes it if no more than `most_missing_nmm` of energy is missing.
-    fn step(&mut self, to: &Drive, drag: f64, most_missing_nmm: f64) -> Taken {
+    fn step(&mut self, to: &Drive, drag: f64, most_missing_nmm: f64) -> StepOutcome {
         let finger_drag = if drag > MOVING_DRAG { drag * self.scene.stiffness } else { 0.0 };
         let drag = drag * self.scene.stiffness;
         let carried = to.gripper - self.drive.gripper;
         let around = Surroundings { weight: to.weight, support: self.support, carried, drag, finger_drag };
         let farthest_mm = FARTHEST * self.scene.size_mm + self.base_way_mm(to);
         let Some(next) = self.scene.equilibrium(&self.state, &to.placements, &around, farthest_mm) else {
-            return Taken::Unsolved;
+            return StepOutcome::Unsolved;
         };
         let drive = std::mem::replace(&mut self.drive, to.clone());
         let before = std::mem::replace(&mut self.before, std::mem::replace(&mut self.state, next));
@@ -93,10 +93,10 @@ impl World<'_> {
         if step.missing_nmm().abs() > most_missing_nmm {
             self.state = std::mem::replace(&mut self.before, before);
             (self.drive, self.acting) = (drive, then);
-            return Taken::Leaps;
+            return StepOutcome::Leaps;
         }
         self.account.book(&step);
-        Taken::Solved
+        StepOutcome::Solved
     }
 
     /// Energy that may be missing in the account of a step, N mm.
@@ -106,7 +106,7 @@ impl World<'_> {
 
     /// How far the bases move to another drive, mm, at the farthest tip.
     fn base_way_mm(&self, to: &Drive) -> f64 {
-        let tip = |standing: &Standing, placement: &Placement| {
+        let tip = |standing: &PlacedFinger, placement: &Placement| {
             let finger = standing.lattice.finger();
             placement.outwards(finger.position(finger.tip()))
         };
@@ -116,15 +116,15 @@ impl World<'_> {
 
     /// Lets the object move until the resistance against it is nothing beside the forces, beginning with a resistance with
     /// which so many parts were solved.
-    pub(super) fn come_to_rest(&mut self, mut drag: f64, mut solved: usize) -> Result<(), Halt> {
+    pub(super) fn come_to_rest(&mut self, mut drag: f64, mut solved: usize) -> Result<(), GraspFailure> {
         let drive = self.drive.clone();
         // Less resistance is tried after so many parts that were solved; after twice as many where that was in vain.
         let (mut patience, mut has_held) = (BOLDER, false);
         for _ in 0..MOST_STEPS {
             let held = self.state.clone();
-            if self.step(&drive, drag, f64::INFINITY) != Taken::Solved {
+            if self.step(&drive, drag, f64::INFINITY) != StepOutcome::Solved {
                 if drag > MOST_DRAG {
-                    return Err(self.halt());
+                    return Err(self.failure());
                 }
                 if has_held {
                     (drag, patience) = (drag * LESS, patience * 2);
@@ -137,7 +137,7 @@ impl World<'_> {
             (solved, has_held) = (solved + 1, true);
             let moved_mm = self.scene.way_mm(&held, &self.state);
             let resistance_n = drag * self.scene.stiffness * moved_mm;
-            let forces = self.near().into_iter().filter_map(|near| self.state.forces.get(&near.key).copied());
+            let forces = self.near_pairs().into_iter().filter_map(|pair| self.state.forces.get(&pair.key).copied());
             let largest_n = forces.map(|[normal, _]| normal).fold(drive.weight.norm(), f64::max);
             if resistance_n <= AT_REST * largest_n && (drag <= DRAG || moved_mm <= AT_REST * self.scene.size_mm) {
                 return Ok(());
@@ -146,6 +146,6 @@ impl World<'_> {
                 drag = (drag / LESS).max(DRAG);
             }
         }
-        Err(Halt::Dropped)
+        Err(GraspFailure::Dropped)
     }
 }

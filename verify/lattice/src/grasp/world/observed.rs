@@ -1,9 +1,9 @@
 //! What can be read off fingers, object and contacts at rest.
 
 use super::motion::AT_REST;
-use super::{Account, Met, Partner, World};
+use super::{Account, ObjectContact, TouchedBody, World};
 use crate::grasp::contact::Touching;
-use crate::grasp::near::{Near, touched};
+use crate::grasp::near::{ContactPair, touched};
 use crate::grasp::surface::Shape;
 use crate::skin::Touch;
 use finray_model::Vector;
@@ -48,8 +48,11 @@ impl World<'_> {
     /// Force, N, and moment, N mm, of a finger's springs and of what touches its clamped parts on its base, in its own frame.
     pub fn on_base(&self, finger: usize) -> (Vector, f64) {
         let (mut force, mut moment) = self.scene.fingers[finger].energy.on_clamps(&self.state.motions[finger]);
-        let met = self.met();
-        let touches = met.iter().filter(|met| met.partner == Partner::Finger(finger)).filter_map(|met| met.touch);
+        let contacts = self.contacts();
+        let touches = contacts
+            .iter()
+            .filter(|contact| contact.partner == TouchedBody::Finger(finger))
+            .filter_map(|contact| contact.touch);
         for touch in touches.filter(|touch| touch.clamped) {
             force += touch.force;
             moment += touch.point.perp(&touch.force);
@@ -59,32 +62,32 @@ impl World<'_> {
 
     /// Contacts that carry a force, those of each finger from its base to its tip. A force that is less beside the largest one, or the weight, than the
     /// resistance with which all counts as at rest is none: an object that rolls away freely is not held by it.
-    pub fn met(&self) -> Vec<Met> {
+    pub fn contacts(&self) -> Vec<ObjectContact> {
         let normals_n = self.state.forces.values().map(|[normal_n, _]| *normal_n);
         let nothing_n = AT_REST * normals_n.fold(self.drive.weight.norm(), f64::max);
-        let mut met: Vec<Met> = self
-            .near()
+        let mut contacts: Vec<ObjectContact> = self
+            .near_pairs()
             .iter()
-            .filter_map(|near| {
-                let [normal_n, friction_n] = self.state.forces.get(&near.key).copied()?;
-                (normal_n > nothing_n).then(|| self.met_at(near, normal_n, friction_n))
+            .filter_map(|pair| {
+                let [normal_n, friction_n] = self.state.forces.get(&pair.key).copied()?;
+                (normal_n > nothing_n).then(|| self.contact_of(pair, normal_n, friction_n))
             })
             .collect();
-        let place = |met: &Met| match (met.partner, met.touch) {
-            (Partner::Finger(finger), Some(touch)) => {
+        let place = |contact: &ObjectContact| match (contact.partner, contact.touch) {
+            (TouchedBody::Finger(finger), Some(touch)) => {
                 (finger, touch.part.position_mm(self.scene.fingers[finger].lattice))
             }
             _ => (usize::MAX, 0.0),
         };
-        met.sort_by(|a, b| place(a).partial_cmp(&place(b)).unwrap_or(std::cmp::Ordering::Equal));
-        met
+        contacts.sort_by(|a, b| place(a).partial_cmp(&place(b)).unwrap_or(std::cmp::Ordering::Equal));
+        contacts
     }
 
-    fn met_at(&self, near: &Near, normal_n: f64, friction_n: f64) -> Met {
-        let Touching { normal, point, slip_mm, gap_mm, .. } = near.touching;
+    fn contact_of(&self, pair: &ContactPair, normal_n: f64, friction_n: f64) -> ObjectContact {
+        let Touching { normal, point, slip_mm, gap_mm, .. } = pair.touching;
         let on_finger = normal * normal_n + Vector::new(-normal.y, normal.x) * friction_n;
-        let touch = near.part.map(|part| {
-            let finger = near.key.0;
+        let touch = pair.part.map(|part| {
+            let finger = pair.key.0;
             let placement = self.state.placements[finger];
             let inwards = |vector: Vector| placement.axes().transpose() * vector;
             let (body, motion) = (
@@ -104,6 +107,6 @@ impl World<'_> {
                 overlap_mm: -gap_mm,
             }
         });
-        Met { partner: self.partner(near), point, force: -on_finger, slip_mm, touch }
+        ObjectContact { partner: self.partner(pair), point, force: -on_finger, slip_mm, touch }
     }
 }

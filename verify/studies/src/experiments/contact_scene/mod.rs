@@ -1,7 +1,7 @@
 //! Contact scenes: an object is pressed onto the lattice finger, a camera watches the nodes, and sensing follows.
 //!
 //! The camera sees where the object touches and which way it faces there, with noise, and not how hard (`camera`). Sensing is
-//! given these contacts, the noisy displacements of the markers and a bound of the friction coefficient (`watcher`), and its
+//! given these contacts, the noisy displacements of the markers and a bound of the friction coefficient (`outline_estimator`), and its
 //! forces stand beside those that the engine's contacts carry.
 
 mod camera;
@@ -10,16 +10,16 @@ mod contacts;
 pub mod file;
 mod object;
 pub mod objects;
+mod outline_estimator;
 mod rows;
 pub mod samples;
 pub mod study;
-mod watcher;
 
 pub use camera::{baseline_mm, read_contact};
 pub use contacts::{HalfSpan, SeenContact, angle_deg, seen_contacts};
 pub use object::{HandStep, OutlineError, PreparedObject, TurnedOutline};
+pub use outline_estimator::OutlineEstimator;
 pub use rows::{ForceRow, contacts_sensed, force_rows};
-pub use watcher::Watcher;
 
 use crate::lattice::accuracy::difference;
 use finray_lattice::pressing::{Pressed, Pressing, Push};
@@ -218,7 +218,7 @@ impl ContactScene {
         }
         let mut seen = Measurement::of_shape(self.finger(), &step.pressed.shape);
         seen.add_noise(noise_mm, &mut standard_normal);
-        let watcher = Watcher {
+        let estimator = OutlineEstimator {
             scene: &self.scene,
             friction: self.assumed_friction,
             marker_noise_mm: Some(noise_mm),
@@ -226,6 +226,6 @@ impl ContactScene {
             estimator: None,
         };
         let seen = Observation::of_displacements(&seen);
-        watcher.sense(&felt, &seen, step.along, standard_normal).map(Some)
+        estimator.sense(&felt, &seen, step.along, standard_normal).map(Some)
     }
 }

@@ -1,23 +1,23 @@
 //! Balance of forces and moments at a step.
 
-use finray_lattice::grasp::{Partner, World};
+use finray_lattice::grasp::{TouchedBody, World};
 use finray_model::Vector;
 
 /// How far forces and moments (at the object's size) on the object, and on the fingers' bases, are from balance, as a share of the largest force.
 pub(super) fn imbalance(world: &World, weight: Vector) -> f64 {
-    let met = world.met();
-    let largest_n = met.iter().map(|met| met.force.norm()).fold(weight.norm(), f64::max);
+    let contacts = world.contacts();
+    let largest_n = contacts.iter().map(|contact| contact.force.norm()).fold(weight.norm(), f64::max);
     if largest_n == 0.0 {
         return 0.0;
     }
     let [x, y, angle] = world.object();
     let centre = Vector::new(x, y) + nalgebra::Rotation2::new(angle) * world.shape().centroid();
-    let force: Vector = weight + met.iter().map(|met| met.force).sum::<Vector>();
-    let moment_nmm: f64 = met.iter().map(|met| (met.point - centre).perp(&met.force)).sum();
+    let force: Vector = weight + contacts.iter().map(|contact| contact.force).sum::<Vector>();
+    let moment_nmm: f64 = contacts.iter().map(|contact| (contact.point - centre).perp(&contact.force)).sum();
     let size_mm = world.shape().size_mm();
     let on_bases = (0..world.placements().len()).map(|finger| {
-        let of_finger = met.iter().filter(|met| met.partner == Partner::Finger(finger));
-        let touches = of_finger.filter_map(|met| met.touch);
+        let of_finger = contacts.iter().filter(|contact| contact.partner == TouchedBody::Finger(finger));
+        let touches = of_finger.filter_map(|contact| contact.touch);
         let (force, moment_nmm) = touches.fold(world.on_base(finger), |(force, moment_nmm), touch| {
             (force - touch.force, moment_nmm - touch.point.perp(&touch.force))
         });

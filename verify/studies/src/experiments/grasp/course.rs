@@ -6,7 +6,7 @@ use super::sensed::{FingerStep, SeenFinger};
 use super::way::{on_way, part_of_way};
 use super::{GraspError, GraspScene, GraspStep, finger_name, force_of};
 use finray_lattice::Lattice;
-use finray_lattice::grasp::{Drive, Halt, Partner, World};
+use finray_lattice::grasp::{Drive, GraspFailure, TouchedBody, World};
 use finray_model::Vector;
 use finray_model::gripper::Placement;
 use serde::Serialize;
@@ -48,7 +48,7 @@ impl std::fmt::Display for Phase {
 
 /// How a grasp ended.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum Ended {
+pub enum GraspEnd {
     /// As the scene has it.
     #[error("done")]
     Done,
@@ -80,7 +80,7 @@ pub enum Ended {
     Obstructed(#[from] Obstacle),
     /// Newton's method.
     #[error("{0}")]
-    Halted(#[from] Halt),
+    Halted(#[from] GraspFailure),
 }
 
 /// Steps in which an object that nothing supports is let go, and in which a force is held before the way begins.
@@ -185,12 +185,12 @@ impl<'s, 'l> Course<'s, 'l> {
 
     /// True force of a finger across the gripper, the mean of both, N.
     pub(super) fn force_n(&self) -> f64 {
-        let on_object = [0, 1].map(|finger| force_of(&self.world, Partner::Finger(finger)).x.abs());
+        let on_object = [0, 1].map(|finger| force_of(&self.world, TouchedBody::Finger(finger)).x.abs());
         0.5 * on_object.iter().sum::<f64>()
     }
 
     /// Goes to the next step and lets all come to rest.
-    pub(super) fn advance(&mut self) -> Result<(), Ended> {
+    pub(super) fn advance(&mut self) -> Result<(), GraspEnd> {
         let grasp = &self.scene.grasp;
         let [from_deg, to_deg] = grasp.motor_deg;
         match self.task {
@@ -206,7 +206,7 @@ impl<'s, 'l> Course<'s, 'l> {
                 self.correct_motor();
             }
             Task::Open => self.motor_deg = towards(self.motor_deg, from_deg, self.step_deg()),
-            Task::Done => return Err(Ended::Done),
+            Task::Done => return Err(GraspEnd::Done),
         }
         self.step += 1;
         let placements = self.scene.placements(self.motor_deg, self.gripper_mm).unwrap_or_default();
@@ -214,7 +214,7 @@ impl<'s, 'l> Course<'s, 'l> {
         let drive = Drive { placements, weight, gripper: self.gripper_mm };
         self.world.advance(&drive)?;
         self.scene.require_clear(&self.world)?;
-        let touches = self.world.met().iter().any(|met| matches!(met.partner, Partner::Finger(_)));
+        let touches = self.world.contacts().iter().any(|contact| matches!(contact.partner, TouchedBody::Finger(_)));
         if self.task == Task::Close {
             self.phase = if touches { Phase::Close } else { Phase::Approach };
         }
@@ -223,20 +223,20 @@ impl<'s, 'l> Course<'s, 'l> {
 
     /// Both fingers, as they are now.
     pub(super) fn seen(&self) -> [SeenFinger; 2] {
-        let met = self.world.met();
+        let contacts = self.world.contacts();
         [0, 1].map(|finger| {
             let placement = self.world.placements()[finger];
             // The object pushes the left finger to the left.
             let outwards = Vector::new(if finger == 0 { -1.0 } else { 1.0 }, 0.0);
-            let of_finger = met.iter().filter(|met| met.partner == Partner::Finger(finger));
+            let of_finger = contacts.iter().filter(|contact| contact.partner == TouchedBody::Finger(finger));
             SeenFinger {
                 placement,
                 in_gripper: Placement { origin: placement.origin - self.gripper_mm, ..placement },
                 shape: self.world.finger_shape(finger),
-                touches: of_finger.filter_map(|met| met.touch).collect(),
+                touches: of_finger.filter_map(|contact| contact.touch).collect(),
                 object: self.world.object(),
                 along: placement.axes().transpose() * outwards,
-                on_object: force_of(&self.world, Partner::Finger(finger)),
+                on_object: force_of(&self.world, TouchedBody::Finger(finger)),
             }
         })
     }
@@ -257,7 +257,7 @@ impl<'s, 'l> Course<'s, 'l> {
             gripper_mm: self.gripper_mm,
             object: self.world.object(),
             weight,
-            support_force: force_of(&self.world, Partner::Support),
+            support_force: force_of(&self.world, TouchedBody::Support),
             imbalance: imbalance(&self.world, weight),
             energy: *self.world.account(),
             fingers,
@@ -265,9 +265,9 @@ impl<'s, 'l> Course<'s, 'l> {
     }
 
     /// What follows from a step; how the grasp ended, if it did.
-    pub(super) fn judge(&mut self, step: &GraspStep) -> Option<Ended> {
+    pub(super) fn judge(&mut self, step: &GraspStep) -> Option<GraspEnd> {
         if self.world.is_folded() {
-            return Some(Halt::Folded.into());
+            return Some(GraspFailure::Folded.into());
         }
         let grasp = &self.scene.grasp;
         let [from_deg, to_deg] = grasp.motor_deg;
@@ -280,15 +280,15 @@ impl<'s, 'l> Course<'s, 'l> {
                     Some(target_n) if !is_enough(target_n) => {
                         let sensed_n = self.late_n().unwrap_or(0.0);
                         return at_end.then_some(match touches {
-                            true => Ended::TooWeak { motor_deg: to_deg, sensed_n },
-                            false => Ended::OutOfReach { motor_deg: to_deg },
+                            true => GraspEnd::TooWeak { motor_deg: to_deg, sensed_n },
+                            false => GraspEnd::OutOfReach { motor_deg: to_deg },
                         });
                     }
                     None if !at_end => return None,
                     _ => {}
                 }
                 if !touches {
-                    return Some(Ended::OutOfReach { motor_deg: to_deg });
+                    return Some(GraspEnd::OutOfReach { motor_deg: to_deg });
                 }
                 let is_held = grasp.holds || self.weight_share < 1.0;
                 self.task = if is_held { Task::Hold { left: self.hold_steps() } } else { self.after_hold() };
@@ -309,13 +309,13 @@ impl<'s, 'l> Course<'s, 'l> {
     }
 
     /// How the object was lost on the way, if it was.
-    fn lost(&self, step: &GraspStep, touches: bool) -> Option<Ended> {
+    fn lost(&self, step: &GraspStep, touches: bool) -> Option<GraspEnd> {
         let at = Vector::new(step.object[0], step.object[1]) - step.gripper_mm;
         let slid_mm = (at - self.held_at.unwrap_or(at)).norm();
         let on_support = step.support_force.norm() > 0.0;
         match (touches, slid_mm > SLIPPED * self.scene.shape.size_mm()) {
-            (false, _) if !(on_support && self.phase == Phase::Place) => Some(Ended::Dropped),
-            (_, true) if self.phase != Phase::Place => Some(Ended::Slipped { slid_mm }),
+            (false, _) if !(on_support && self.phase == Phase::Place) => Some(GraspEnd::Dropped),
+            (_, true) if self.phase != Phase::Place => Some(GraspEnd::Slipped { slid_mm }),
             _ => None,
         }
     }

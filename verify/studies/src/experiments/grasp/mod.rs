@@ -17,7 +17,7 @@ pub mod study;
 mod summary;
 mod way;
 
-pub use course::{Ended, Phase};
+pub use course::{GraspEnd, Phase};
 pub use obstacles::Obstacle;
 pub use outlook::{LoopFigures, loop_figures};
 pub use sensed::{Eyes, FingerStep, NotSensed, SeenFinger};
@@ -28,7 +28,7 @@ use crate::estimators::network::Networks;
 use crate::experiments::contact_scene::{OutlineError, TurnedOutline, simulated};
 use crate::sampling::noise::Noise;
 use course::Course;
-use finray_lattice::grasp::{Account, Partner, World, WorldError, surface::Shape};
+use finray_lattice::grasp::{Account, TouchedBody, World, WorldError, surface::Shape};
 use finray_lattice::{Lattice, LatticeError};
 use finray_model::finger::Plate;
 use finray_model::gripper::{Gripper, Placement};
@@ -185,7 +185,7 @@ impl GraspScene {
         GraspScene { fineness, ..self }
     }
 
-    /// The same sensed by an estimator, with networks to choose from: see [`Watcher`](crate::experiments::contact_scene::Watcher).
+    /// The same sensed by an estimator, with networks to choose from: see [`OutlineEstimator`](crate::experiments::contact_scene::OutlineEstimator).
     pub fn with_estimator(self, estimator: EstimatorId, networks: Networks) -> GraspScene {
         GraspScene { estimator: Some((estimator, networks)), ..self }
     }
@@ -257,7 +257,7 @@ impl GraspScene {
     ///
     /// # Errors
     /// [`GraspError`] if it cannot begin.
-    pub fn run(&self, eyes: &Eyes, seed: u64, mut each: impl FnMut(&GraspStep)) -> Result<Ended, GraspError> {
+    pub fn run(&self, eyes: &Eyes, seed: u64, mut each: impl FnMut(&GraspStep)) -> Result<GraspEnd, GraspError> {
         let lattice = Lattice::new(&self.scene.finger, self.fineness)?;
         let mut course = Course::new(self, &lattice)?;
         Ok(self.go_on(&mut course, &lattice, eyes, &mut Noise::new(seed), &mut each))
@@ -271,7 +271,7 @@ impl GraspScene {
         eyes: &Eyes,
         noise: &mut Noise,
         each: &mut dyn FnMut(&GraspStep),
-    ) -> Ended {
+    ) -> GraspEnd {
         loop {
             if let Err(ended) = course.advance() {
                 return ended;
@@ -290,7 +290,7 @@ impl GraspScene {
         eyes: &Eyes,
         noise: &mut Noise,
         each: &mut dyn FnMut(&GraspStep),
-    ) -> Option<Ended> {
+    ) -> Option<GraspEnd> {
         let sensed = course.seen().map(|seen| self.sense(lattice, seen, eyes, noise));
         let step = course.step(sensed);
         each(&step);
@@ -304,6 +304,6 @@ pub fn finger_name(finger: usize) -> &'static str {
 }
 
 /// Sum of the forces of one partner on the object, N.
-fn force_of(world: &World, partner: Partner) -> Vector {
-    world.met().iter().filter(|met| met.partner == partner).map(|met| met.force).sum()
+fn force_of(world: &World, partner: TouchedBody) -> Vector {
+    world.contacts().iter().filter(|contact| contact.partner == partner).map(|contact| contact.force).sum()
 }

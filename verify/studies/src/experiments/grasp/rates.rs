@@ -6,7 +6,7 @@
 
 use super::course::Course;
 use super::study::GraspStudyError;
-use super::{Ended, Eyes, GraspError, GraspScene, GraspStep, LoopFigures, loop_figures};
+use super::{Eyes, GraspEnd, GraspError, GraspScene, GraspStep, LoopFigures, loop_figures};
 use crate::check::{Check, Kind, worst};
 use crate::experiments::{Context, Evidence};
 use crate::sampling::noise::Noise;
@@ -149,7 +149,7 @@ pub fn closed_loops(settings: &[LoopSetting]) -> Result<LoopStudy, GraspStudyErr
             ended = scene.look(&mut course, &lattice, &eyes, &mut noise, &mut each);
         }
         let ended = ended.unwrap_or_else(|| scene.go_on(&mut course, &lattice, &eyes, &mut noise, &mut each));
-        loop_figures(&steps, target_n, Some(motor_deg_per_s)).filter(|_| ended == Ended::Done)
+        loop_figures(&steps, target_n, Some(motor_deg_per_s)).filter(|_| ended == GraspEnd::Done)
     };
     let seeds = |of: usize| (1..=settings[of].realisations).map(move |seed| (of, seed));
     let all: Vec<_> = (0..settings.len()).flat_map(seeds).collect();

@@ -2,7 +2,7 @@
 
 use super::GraspScene;
 use crate::experiments::contact_scene::{
-    SeenContact, SensedContact, SensedStep, TurnedOutline, Watcher, baseline_mm, seen_contacts,
+    OutlineEstimator, SeenContact, SensedContact, SensedStep, TurnedOutline, baseline_mm, seen_contacts,
 };
 use crate::sampling::noise::Noise;
 use finray_imaging::locate::Observer;
@@ -157,14 +157,14 @@ impl GraspScene {
             let eyes = eyes.before(on_gripper);
             let observation = eyes.observed(finger, &seen.shape, noise)?;
             let [marker_noise_mm, outline_noise_mm] = eyes.noise_mm();
-            let watcher = Watcher {
+            let estimator = OutlineEstimator {
                 scene: &self.scene,
                 friction: self.object.friction,
                 marker_noise_mm,
                 outline_noise_mm: outline_noise_mm.unwrap_or_default(),
                 estimator: self.estimator.as_ref().map(|(id, networks)| (*id, networks)),
             };
-            Ok(Some(watcher.sense(&felt, &observation, seen.along, || noise.standard_normal())?))
+            Ok(Some(estimator.sense(&felt, &observation, seen.along, || noise.standard_normal())?))
         };
         let sensed = sense();
         let SeenFinger { placement, shape, on_object, .. } = seen;

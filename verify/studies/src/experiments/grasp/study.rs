@@ -54,7 +54,7 @@ pub enum GraspStudyError {
 }
 
 /// A scene of the report.
-struct Shown {
+struct ReportedScene {
     toml: &'static str,
     /// Segments of the lattice in a member of a plate.
     fineness: usize,
@@ -65,13 +65,13 @@ struct Shown {
 }
 
 /// What the report shows: an object off the centre, one that the fingers turn, and fingers of spring steel.
-const SHOWN: [Shown; 3] = [
-    Shown { toml: finray_fixtures::GRASPED_DISC_SCENE, fineness: FINENESS, coarser: None, clean: true },
-    Shown { toml: finray_fixtures::GRASPED_BOX_SCENE, fineness: 2, coarser: Some((45.0, 4)), clean: false },
-    Shown { toml: finray_fixtures::GRASPED_BALL_SCENE, fineness: FINENESS, coarser: None, clean: false },
+const SHOWN: [ReportedScene; 3] = [
+    ReportedScene { toml: finray_fixtures::GRASPED_DISC_SCENE, fineness: FINENESS, coarser: None, clean: true },
+    ReportedScene { toml: finray_fixtures::GRASPED_BOX_SCENE, fineness: 2, coarser: Some((45.0, 4)), clean: false },
+    ReportedScene { toml: finray_fixtures::GRASPED_BALL_SCENE, fineness: FINENESS, coarser: None, clean: false },
 ];
 
-impl Shown {
+impl ReportedScene {
     /// # Errors
     /// [`GraspStudyError`] if it is no grasp.
     fn scene(&self) -> Result<(String, GraspScene), GraspStudyError> {
@@ -94,7 +94,7 @@ pub fn run(context: &Context) -> Result<Vec<GraspStudy>, GraspStudyError> {
         return Ok(Vec::new());
     }
     context.progress.part("grasp", SHOWN.len());
-    let of = |shown: &Shown| {
+    let of = |shown: &ReportedScene| {
         let (name, scene) = shown.scene()?;
         let run = |noise_mm: f64| {
             let mut steps = Vec::new();

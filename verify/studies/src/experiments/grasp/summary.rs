@@ -1,7 +1,7 @@
 //! A grasp in figures.
 
 use super::outlook::{LoopFigures, loop_figures};
-use super::{Ended, GraspScene, GraspStep, Phase};
+use super::{GraspEnd, GraspScene, GraspStep, Phase};
 use crate::estimators::EstimatorId;
 use crate::settings::TWO_SIDED_95;
 use finray_lattice::grasp::Account;
@@ -63,7 +63,7 @@ pub struct SensedSummary {
 
 impl Summary {
     /// A grasp from its steps.
-    pub fn new(name: &str, scene: &GraspScene, steps: &[GraspStep], ended: &Ended) -> Summary {
+    pub fn new(name: &str, scene: &GraspScene, steps: &[GraspStep], ended: &GraspEnd) -> Summary {
         let mut phases: Vec<(Phase, usize)> = Vec::new();
         for step in steps {
             match phases.last_mut() {

@@ -16,12 +16,12 @@ pub const SOLVED_N: f64 = 3.0;
 const SOLVED_ANGLES_DEG: [f64; 3] = [-40.0, 0.0, 40.0];
 
 /// Loads, with the reference's shapes.
-struct Solved {
+struct ReferenceSolutions {
     loads: Vec<Load>,
     reference: Vec<FingerShape>,
 }
 
-impl Solved {
+impl ReferenceSolutions {
     /// A point from a way to solve.
     fn point(
         &self,
@@ -76,7 +76,7 @@ pub fn solving(finger: &Finger, nodes: usize) -> Result<Vec<SpeedErrorPoint>, Sp
     let fine = Mesh::with_elements_per_member(finger, CONVERGED_ELEMENTS);
     let reference = loads.par_iter().map(|load| solve(&fine, &[*load], Kinematics::Corotational));
     let reference = reference.collect::<Result<_, StaticsError>>()?;
-    let solved = Solved { loads, reference };
+    let solved = ReferenceSolutions { loads, reference };
     let mut points = Vec::new();
     for Beams { model, setting, kinematics, mesh } in beams(finger) {
         let mut statics = Statics::ladder(&mesh, kinematics);
@@ -89,7 +89,7 @@ pub fn solving(finger: &Finger, nodes: usize) -> Result<Vec<SpeedErrorPoint>, Sp
         points.push(solved.point(LATTICE, setting, |load| lattice.equilibrium(&[*load]).ok()));
     }
     // Settling takes a hundred times longer: one load is enough.
-    let one = Solved {
+    let one = ReferenceSolutions {
         loads: solved.loads.into_iter().take(1).collect(),
         reference: solved.reference.into_iter().take(1).collect(),
     };

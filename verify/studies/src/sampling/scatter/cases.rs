@@ -1,7 +1,7 @@
 //! Random cases: forces that bend the true finger, noisy measurements of it, and the estimates of every estimator.
 
 use super::ScatterRequest;
-use super::scout::{Fan, Scout, Seen, loads};
+use super::scout::{LoadClass, RatioLimits, Scout, loads};
 use crate::estimators::{BeamEstimator, Estimator, EstimatorError, PreparedEstimator, Sensed};
 use crate::sampling::noise::Noise;
 use crate::settings::LEAST_STATED_MM;
@@ -43,7 +43,7 @@ struct Sample {
 }
 
 /// The estimate of one estimator from one noise sample.
-pub(super) struct Look<'c> {
+pub(super) struct CaseEstimate<'c> {
     /// The case.
     pub case: &'c Case,
     /// The bound of this sample.
@@ -56,9 +56,9 @@ pub(super) struct Look<'c> {
 
 impl Case {
     /// Estimator number `estimator` at level of noise number `level`.
-    pub fn look(&self, level: usize, estimator: usize) -> Look<'_> {
+    pub fn estimate(&self, level: usize, estimator: usize) -> CaseEstimate<'_> {
         let sample = &self.samples[level];
-        Look {
+        CaseEstimate {
             case: self,
             bound: sample.bound.as_ref(),
             first_order: sample.first_order.as_deref(),
@@ -81,11 +81,11 @@ pub(super) fn cases(
         _ => BeamEstimator::nonlinear(request.model),
     }
     .of_noise_alone();
-    let fan = Fan::new(request.model, request.kinematics, contacts, range_n);
+    let ratio_limits = RatioLimits::new(request.model, request.kinematics, contacts, range_n);
     let run = |numbers: std::ops::Range<u64>| -> Result<Vec<Case>, EstimatorError> {
-        let mut bench = Bench::new(request, &bound, estimators, (contacts, &fan))?;
+        let mut runner = CaseRunner::new(request, &bound, estimators, (contacts, &ratio_limits))?;
         let draws = numbers.map(|number| Draw::new(request, contacts, range_n, stream, number)).collect();
-        Ok(bench.bent(draws, range_n).iter().flatten().map(|bent| bench.case(request, bent, controlled)).collect())
+        Ok(runner.carried(draws, range_n).iter().flatten().map(|draw| runner.case(request, draw, controlled)).collect())
     };
     // Wrong contacts, and fingers that carry nothing, show in the first case.
     let mut all = run(0..count.min(1))?;
@@ -98,36 +98,36 @@ pub(super) fn cases(
     Ok(all)
 }
 
-/// The true finger and everything that looks at it.
-struct Bench<'a> {
+/// The true finger and every estimator.
+struct CaseRunner<'a> {
     finger: &'a Finger,
     mesh: &'a Mesh,
     contacts: &'a [Contact],
     kinematics: Kinematics,
-    fan: &'a Fan<'a>,
+    ratio_limits: &'a RatioLimits<'a>,
     /// Tells which draws are too large; there once one was.
     scout: Option<Scout<'a>>,
     bound: Box<dyn PreparedEstimator + 'a>,
     estimators: Vec<Box<dyn PreparedEstimator + 'a>>,
 }
 
-impl<'a> Bench<'a> {
+impl<'a> CaseRunner<'a> {
     fn new(
         request: &ScatterRequest<'a>,
         bound: &'a dyn Estimator,
         estimators: &[&'a dyn Estimator],
-        (contacts, fan): (&'a [Contact], &'a Fan<'a>),
-    ) -> Result<Bench<'a>, EstimatorError> {
+        (contacts, ratio_limits): (&'a [Contact], &'a RatioLimits<'a>),
+    ) -> Result<CaseRunner<'a>, EstimatorError> {
         let mesh = request.truth;
         let finger = mesh.finger();
         let markers = Measurement::of_shape(finger, &mesh.shape(&FrameMotion::at_rest(mesh.frame())));
         let prepared = estimators.iter().map(|estimator| estimator.prepare(contacts, &markers));
-        Ok(Bench {
+        Ok(CaseRunner {
             finger,
             mesh,
             contacts,
             kinematics: request.kinematics,
-            fan,
+            ratio_limits,
             scout: None,
             bound: bound.prepare(contacts, &markers)?,
             estimators: prepared.collect::<Result<_, _>>()?,
@@ -135,19 +135,19 @@ impl<'a> Bench<'a> {
     }
 
     /// Bends the finger by every draw, many at once; `None` for those that it does not carry, however often they are drawn again.
-    fn bent(&mut self, mut draws: Vec<Draw>, range_n: [f64; 2]) -> Vec<Option<Bent>> {
-        let mut bent: Vec<Option<Bent>> = draws.iter().map(|_| None).collect();
+    fn carried(&mut self, mut draws: Vec<Draw>, range_n: [f64; 2]) -> Vec<Option<CarriedDraw>> {
+        let mut carried: Vec<Option<CarriedDraw>> = draws.iter().map(|_| None).collect();
         let size_n = |number: &usize| draws[*number].forces_n.iter().sum::<f64>();
         let mut open: Vec<usize> = (0..draws.len()).collect();
         open.sort_by(|a, b| size_n(b).total_cmp(&size_n(a)));
         // The largest, alone, shows whether a scout has to look at the others.
         let others = open.split_off(open.len().min(1));
-        let mut open = self.attempt(&mut draws, open, &mut bent, range_n);
+        let mut open = self.attempt(&mut draws, open, &mut carried, range_n);
         open.extend(others);
         while !open.is_empty() {
-            open = self.attempt(&mut draws, open, &mut bent, range_n);
+            open = self.attempt(&mut draws, open, &mut carried, range_n);
         }
-        bent
+        carried
     }
 
     /// Bends the finger by the draws of these numbers; those that it does not carry are returned, drawn again.
@@ -155,13 +155,13 @@ impl<'a> Bench<'a> {
         &mut self,
         draws: &mut [Draw],
         mut open: Vec<usize>,
-        bent: &mut [Option<Bent>],
+        carried: &mut [Option<CarriedDraw>],
         range_n: [f64; 2],
     ) -> Vec<usize> {
         if let Some(scout) = &mut self.scout {
             open.retain(|&number| {
                 let draw = &mut draws[number];
-                while scout.sees(&draw.forces_n) == Seen::TooLarge {
+                while scout.sees(&draw.forces_n) == LoadClass::TooLarge {
                     if !draw.again(range_n) {
                         return false;
                     }
@@ -180,9 +180,9 @@ impl<'a> Bench<'a> {
                 let Draw { forces_n, noise, not_carried, .. } = draw;
                 let clean = Measurement::of_shape(self.finger, &self.mesh.shape(&found.motion));
                 let (forces_n, noise, not_carried) = (forces_n.clone(), noise.clone(), *not_carried);
-                bent[number] = Some(Bent { forces_n, noise, clean, not_carried });
+                carried[number] = Some(CarriedDraw { forces_n, noise, clean, not_carried });
             } else {
-                self.scout.get_or_insert_with(|| self.fan.scout());
+                self.scout.get_or_insert_with(|| self.ratio_limits.scout());
                 if draw.again(range_n) {
                     again.push(number);
                 }
@@ -192,22 +192,22 @@ impl<'a> Bench<'a> {
     }
 
     /// Estimates of every estimator from the noise samples of a bent finger.
-    fn case(&mut self, request: &ScatterRequest, bent: &Bent, controlled: bool) -> Case {
+    fn case(&mut self, request: &ScatterRequest, carried: &CarriedDraw, controlled: bool) -> Case {
         let sample = |&noise_mm: &f64| {
-            let mut seen = bent.clean.clone();
-            let mut coordinates = bent.noise.iter();
+            let mut seen = carried.clean.clone();
+            let mut coordinates = carried.noise.iter();
             seen.add_noise(noise_mm, || coordinates.next().copied().unwrap_or(0.0));
             let sense = |estimator: &mut Box<dyn PreparedEstimator + 'a>| {
                 estimator.estimate(&seen, Some(noise_mm.max(LEAST_STATED_MM))).ok()
             };
             let sensed = self.estimators.iter_mut().map(sense).collect();
             if noise_mm > 0.0 {
-                self.bound.expect_forces(&bent.forces_n);
+                self.bound.expect_forces(&carried.forces_n);
             }
-            let bound = if noise_mm > 0.0 { self.bound.estimate(&bent.clean, Some(noise_mm)).ok() } else { None };
+            let bound = if noise_mm > 0.0 { self.bound.estimate(&carried.clean, Some(noise_mm)).ok() } else { None };
             let first_order = bound.as_ref().filter(|_| controlled).and_then(|at_rest| {
-                let mut coordinates = bent.noise.iter();
-                let mut seen = bent.clean.clone();
+                let mut coordinates = carried.noise.iter();
+                let mut seen = carried.clean.clone();
                 seen.add_noise(LITTLE * noise_mm, || coordinates.next().copied().unwrap_or(0.0));
                 let moved = self.bound.estimate(&seen, Some(noise_mm)).ok()?;
                 let pairs = moved.forces_n.iter().zip(&at_rest.forces_n);
@@ -216,7 +216,7 @@ impl<'a> Bench<'a> {
             Sample { bound, first_order, sensed }
         };
         let samples = request.noise_levels_mm.iter().map(sample).collect();
-        Case { forces_n: bent.forces_n.clone(), samples, not_carried: bent.not_carried }
+        Case { forces_n: carried.forces_n.clone(), samples, not_carried: carried.not_carried }
     }
 }
 
@@ -255,7 +255,7 @@ impl Draw {
 }
 
 /// A draw that the finger carries.
-struct Bent {
+struct CarriedDraw {
     forces_n: Vec<f64>,
     noise: Vec<f64>,
     /// The measurement without noise.

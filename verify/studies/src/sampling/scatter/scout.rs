@@ -19,7 +19,7 @@ const BETWEEN_NEIGHBOURS: f64 = 0.9;
 const SPREAD: f64 = 0.05;
 
 /// Limits of the ratios of forces that are drawn, on the estimator's mesh; found when one asks for them first.
-pub(super) struct Fan<'m> {
+pub(super) struct RatioLimits<'m> {
     mesh: &'m Mesh,
     kinematics: Kinematics,
     contacts: &'m [Contact],
@@ -27,9 +27,14 @@ pub(super) struct Fan<'m> {
     limits: OnceLock<Vec<Limit>>,
 }
 
-impl<'m> Fan<'m> {
-    pub(super) fn new(mesh: &'m Mesh, kinematics: Kinematics, contacts: &'m [Contact], range_n: [f64; 2]) -> Fan<'m> {
-        Fan { mesh, kinematics, contacts, range_n, limits: OnceLock::new() }
+impl<'m> RatioLimits<'m> {
+    pub(super) fn new(
+        mesh: &'m Mesh,
+        kinematics: Kinematics,
+        contacts: &'m [Contact],
+        range_n: [f64; 2],
+    ) -> RatioLimits<'m> {
+        RatioLimits { mesh, kinematics, contacts, range_n, limits: OnceLock::new() }
     }
 
     /// A scout that knows these limits.
@@ -39,8 +44,8 @@ impl<'m> Fan<'m> {
         let limits = self.limits.get_or_init(|| {
             let limit = |forces_n: Vec<f64>| match scout.sees(&forces_n) {
                 // The limit of what is carried whole is beyond the range.
-                Seen::Carried => Ray::of(&forces_n).map(|ray| Limit { ray, size_n: f64::INFINITY }),
-                Seen::AtTheLimit | Seen::TooLarge => scout.limits.drain(..).next(),
+                LoadClass::Carried => Ray::of(&forces_n).map(|ray| Limit { ray, size_n: f64::INFINITY }),
+                LoadClass::AtTheLimit | LoadClass::TooLarge => scout.limits.drain(..).next(),
             };
             self.largest_forces().into_iter().filter_map(limit).collect()
         });
@@ -78,7 +83,7 @@ pub(super) struct Scout<'m> {
 
 /// What a scout sees of some forces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Seen {
+pub(super) enum LoadClass {
     /// Its finger carries them.
     Carried,
     /// Its finger does not carry them, but a finer mesh may.
@@ -111,25 +116,25 @@ impl Ray {
 
 impl Scout<'_> {
     /// What the finger carries of some forces.
-    pub(super) fn sees(&mut self, forces_n: &[f64]) -> Seen {
+    pub(super) fn sees(&mut self, forces_n: &[f64]) -> LoadClass {
         let size_n = forces_n.iter().map(|force| force * force).sum::<f64>().sqrt();
         let ray = Ray::of(forces_n);
         if let Some([lower_n, higher_n]) = ray.and_then(|ray| self.known_limits_n(ray)) {
             if higher_n < BETWEEN_NEIGHBOURS * size_n {
-                return Seen::TooLarge;
+                return LoadClass::TooLarge;
             }
             if size_n < BETWEEN_NEIGHBOURS * lower_n {
-                return Seen::Carried;
+                return LoadClass::Carried;
             }
         }
-        let Some(loads) = loads(self.mesh, self.contacts, forces_n) else { return Seen::AtTheLimit };
+        let Some(loads) = loads(self.mesh, self.contacts, forces_n) else { return LoadClass::AtTheLimit };
         match self.statics.equilibrium(&loads) {
-            Ok(_) => Seen::Carried,
+            Ok(_) => LoadClass::Carried,
             Err(StaticsError::NoEquilibrium { converged_fraction }) => {
                 self.limits.extend(ray.map(|ray| Limit { ray, size_n: converged_fraction * size_n }));
-                if converged_fraction < CLEARLY_TOO_LARGE { Seen::TooLarge } else { Seen::AtTheLimit }
+                if converged_fraction < CLEARLY_TOO_LARGE { LoadClass::TooLarge } else { LoadClass::AtTheLimit }
             }
-            Err(_) => Seen::AtTheLimit,
+            Err(_) => LoadClass::AtTheLimit,
         }
     }
 
@@ -164,8 +169,8 @@ mod tests {
         let mesh = Mesh::with_elements_per_member(&finger, 4);
         let nodes: Vec<_> = finger.contact_nodes().take(2).collect();
         let contacts: Vec<Contact> = nodes.into_iter().map(Contact::at_node).collect();
-        let fan = Fan::new(&mesh, Kinematics::Corotational, &contacts, [0.1, 2.9]);
-        let mut scout = fan.scout();
+        let ratio_limits = RatioLimits::new(&mesh, Kinematics::Corotational, &contacts, [0.1, 2.9]);
+        let mut scout = ratio_limits.scout();
         let mut statics = Statics::ladder(&mesh, Kinematics::Corotational);
         let (mut refused, mut carried) = (0, 0);
         for first in 1..=14 {
@@ -179,19 +184,22 @@ mod tests {
                     Err(other) => return Err(other.into()),
                 };
                 let sees = scout.sees(&forces_n);
-                let refuses = sees == Seen::TooLarge;
+                let refuses = sees == LoadClass::TooLarge;
                 assert!(
                     !refuses || share < CLEARLY_TOO_LARGE,
                     "{forces_n:?} N are refused, {share} of them are carried"
                 );
-                assert!(sees != Seen::Carried || share == 1.0, "{forces_n:?} N count as carried, {share} of them are");
+                assert!(
+                    sees != LoadClass::Carried || share == 1.0,
+                    "{forces_n:?} N count as carried, {share} of them are"
+                );
                 refused += usize::from(refuses);
                 carried += usize::from(share == 1.0);
             }
         }
         assert!(carried > 10 && refused > 100, "{carried} carried, {refused} refused");
-        // Of hundreds of forces, few are followed beside those of the fan.
-        let followed = scout.limits.len() - fan.limits.get().ok_or("limits are there")?.len();
+        // Of hundreds of forces, few are followed beside those of the ratios.
+        let followed = scout.limits.len() - ratio_limits.limits.get().ok_or("limits are there")?.len();
         assert!(followed < refused / 10, "{followed} forces followed for {refused} refusals");
         Ok(())
     }

@@ -1,34 +1,7 @@
 //! The cells of a sweep.
 
-use super::samples::NoiseSamples;
-use super::tally::Tally;
-use super::{Grid, Table};
-use crate::estimators::{Estimator, EstimatorError, EstimatorId, PreparedEstimator};
-use crate::truths::{Truth, TruthId};
-use finray_model::Finger;
-use finray_model::measurement::Measurement;
-use rayon::prelude::*;
-use std::ops::Range;
-use std::time::{Duration, Instant};
-
-/// Pieces of work that a thread does before rows are written: enough that waiting for the last one costs little.
-const PIECES_A_THREAD: usize = 16;
-/// Where pieces of one block are done in less than this time, waiting for threads and files would take longer than the
-/// work: pieces then grow, so long as a run which is stopped loses no more than twice this.
-const LEAST_TIME: Duration = Duration::from_millis(10);
-/// Rows in memory at once, however fast they come, but for those of one block a piece.
-const MOST_ROWS: usize = 1 << 16;
-
-/// Truths and estimators on a grid.
-pub struct Sweep<'s> {
-    finger: &'s Finger,
-    truths: Vec<&'s dyn Truth>,
-    estimators: Vec<&'s dyn Estimator>,
-    /// The same, made ready for many contacts where that gains something: of fingers that bend as they do, and of linear ones.
-    for_many: Vec<[Option<Box<dyn Estimator + 's>>; 2]>,
-    grid: &'s Grid,
-    noise: NoiseSamples,
-}
+use crate::estimators::{EstimatorError, EstimatorId};
+use crate::truths::TruthId;
 
 /// One force at one position and direction, at one level of noise, on one truth, by one estimator.
 #[derive(Debug, Clone, PartialEq)]
@@ -96,164 +69,13 @@ impl Cell {
     }
 }
 
-impl<'s> Sweep<'s> {
-    /// Sets up a sweep; all cells see the same noise samples.
-    pub fn new(
-        finger: &'s Finger,
-        truths: Vec<&'s dyn Truth>,
-        estimators: Vec<&'s dyn Estimator>,
-        grid: &'s Grid,
-    ) -> Sweep<'s> {
-        let for_many =
-            estimators.iter().map(|estimator| [false, true].map(|linear| estimator.for_many(linear))).collect();
-        Sweep { finger, truths, estimators, for_many, grid, noise: NoiseSamples::new(grid, finger) }
-    }
-
-    /// Number of blocks: a truth and contact each.
-    pub fn block_count(&self) -> usize {
-        self.truths.len() * self.grid.contact_count()
-    }
-
-    /// Number of cells in every block.
-    pub fn cells_in_block(&self) -> usize {
-        self.estimators.len() * self.grid.noise_levels_mm.len() * self.grid.forces_n.len()
-    }
-
-    /// Computes the cells of a block, by estimator, then noise, then force.
-    pub fn block(&self, number: usize) -> Vec<Cell> {
-        let truth = self.truths[number / self.grid.contact_count()];
-        let contact = self.grid.contact(number % self.grid.contact_count());
-        let s_mm = contact.position_mm(self.finger).unwrap_or(f64::NAN);
-        let shapes = truth.shapes(&contact, &self.grid.forces_n);
-        let seen: Vec<Measurement> = shapes.iter().map(|shape| Measurement::of_shape(self.finger, shape)).collect();
-        let mut prepared: Vec<_> = self
-            .estimators
-            .iter()
-            .zip(&self.for_many)
-            .map(|(estimator, for_many)| {
-                let linear = usize::from(truth.is_linear());
-                for_many[linear].as_deref().unwrap_or(*estimator)
-            })
-            .map(|estimator| seen.first().map(|markers| estimator.prepare(&[contact], markers)))
-            .collect();
-        let mut tallies = vec![Tally::default(); self.cells_in_block()];
-        self.noise.each(|first, samples| {
-            let mut tallies = tallies.iter_mut();
-            for estimator in &mut prepared {
-                for (noise_mm, force_n, n) in self.levels() {
-                    let Some(tally) = tallies.next() else { return };
-                    if let (Some(Ok(estimator)), Some(seen)) = (estimator.as_mut(), seen.get(n)) {
-                        let count = self.noise.samples(noise_mm).saturating_sub(first);
-                        let samples = samples.chunks_exact(self.noise.coordinates()).take(count);
-                        sense(&mut **estimator, seen, noise_mm, force_n, samples, tally);
-                    }
-                }
-            }
-        });
-        let outcomes =
-            tallies.chunks(self.cells_in_block() / self.estimators.len().max(1)).zip(&prepared).zip(&self.estimators);
-        outcomes
-            .flat_map(|((tallies, prepared), estimator)| {
-                let (seen, estimator) = (&seen, estimator.id());
-                tallies.iter().zip(self.levels()).map(move |(tally, (noise_mm, force_n, n))| {
-                    let samples = self.noise.samples(noise_mm);
-                    let outcome = match (prepared, seen.get(n)) {
-                        (Some(Ok(_)), Some(_)) => tally.outcome(samples),
-                        (Some(Err(error)), Some(_)) => Outcome::refused(samples, error),
-                        _ => Outcome::not_carried(),
-                    };
-                    Cell {
-                        truth: truth.id(),
-                        estimator,
-                        noise_mm,
-                        s_mm,
-                        angle_deg: contact.angle_deg,
-                        force_n,
-                        outcome,
-                    }
-                })
-            })
-            .collect()
-    }
-
-    /// Every level of noise with every force and its number.
-    fn levels(&self) -> impl Iterator<Item = (f64, f64, usize)> {
-        let of_level =
-            |&noise_mm| self.grid.forces_n.iter().enumerate().map(move |(n, &force_n)| (noise_mm, force_n, n));
-        self.grid.noise_levels_mm.iter().flat_map(of_level)
-    }
-
-    /// Computes blocks in parallel and hands the rows of some at a time to `write`, with their number, in order and soon
-    /// after they are known; in memory are only a few blocks a thread.
-    ///
-    /// # Errors
-    /// The first one of `write`, or of the CSV writer (none in memory).
-    pub fn stream<E: From<csv::Error>>(
-        &self,
-        table: Table,
-        blocks: Range<usize>,
-        mut write: impl FnMut(usize, &str) -> Result<(), E>,
-    ) -> Result<(), E> {
-        let pieces = PIECES_A_THREAD * rayon::current_num_threads();
-        let longest = (MOST_ROWS / (pieces * self.cells_in_block().max(1))).max(1);
-        let (mut next, mut length) = (blocks.start, 1);
-        while next < blocks.end {
-            let piece = |number: usize| {
-                let first = blocks.end.min(next + number * length);
-                first..blocks.end.min(first + length)
-            };
-            let rows = |number| {
-                let cells: Vec<Cell> = piece(number).flat_map(|block| self.block(block)).collect();
-                Ok((piece(number).len(), table.rows(&cells)?))
-            };
-            let count = pieces.min((blocks.end - next).div_ceil(length));
-            let begun = Instant::now();
-            let texts: Vec<Result<(usize, String), csv::Error>> =
-                (0..count).into_par_iter().with_max_len(1).map(rows).collect();
-            let quick = begun.elapsed() < LEAST_TIME;
-            for text in texts {
-                let (blocks, rows) = text?;
-                write(blocks, &rows)?;
-            }
-            next = piece(count).start;
-            if quick {
-                length = longest.min(2 * length);
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Counts the answers of an estimator to noise samples of a measurement.
-fn sense<'p>(
-    estimator: &mut dyn PreparedEstimator,
-    seen: &Measurement,
-    noise_mm: f64,
-    force_n: f64,
-    samples: impl ExactSizeIterator<Item = &'p [f64]>,
-    tally: &mut Tally,
-) {
-    estimator.expect_samples_of(seen, noise_mm, samples.len());
-    for sample in samples {
-        let mut noisy = seen.clone();
-        let mut coordinates = sample.iter();
-        if noise_mm > 0.0 {
-            noisy.add_noise(noise_mm, || coordinates.next().copied().unwrap_or(0.0));
-        }
-        match estimator.estimate(&noisy, Some(noise_mm)) {
-            Ok(sensed) => tally.answer(&sensed, force_n),
-            Err(error) => tally.refuse(&error),
-        }
-    }
-}
-
 impl Outcome {
     /// Every sample was drawn, and none answered.
-    fn refused(samples: usize, error: &EstimatorError) -> Outcome {
+    pub(super) fn refused(samples: usize, error: &EstimatorError) -> Outcome {
         Outcome { samples, answered: 0, errors: None, covered: None, refusal: Some(error.to_string()) }
     }
 
-    fn not_carried() -> Outcome {
+    pub(super) fn not_carried() -> Outcome {
         let refusal = "the finger that is sensed has no equilibrium under this force".to_owned();
         Outcome { samples: 0, answered: 0, errors: None, covered: None, refusal: Some(refusal) }
     }

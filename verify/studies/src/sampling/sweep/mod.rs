@@ -7,8 +7,10 @@
 //! order nor numbers depend on the threads, so rows can be written as they come ([`Sweep::stream`]), a run that was
 //! stopped goes on where its [`Partial`] file ends, and [`Shards`] put together are one run's bytes.
 
+mod blocks;
 mod cell;
 mod grid;
+mod map_cell;
 mod merge;
 mod partial;
 mod request;
@@ -17,8 +19,10 @@ mod shard;
 mod table;
 mod tally;
 
-pub use cell::{Cell, Covered, Errors, Outcome, Sweep};
+pub use blocks::Sweep;
+pub use cell::{Cell, Covered, Errors, Outcome};
 pub use grid::Grid;
+pub use map_cell::{CellState, MapCell};
 pub use merge::{MergeError, Shards};
 pub use partial::Partial;
 pub use request::{Head, Request};

@@ -1,8 +1,7 @@
 //! The tables that a sweep can be written as.
 
-use super::Cell;
+use super::{Cell, MapCell};
 use crate::estimators::EstimatorId;
-use crate::sampling::map;
 use crate::truths::TruthId;
 use finray_files::csv_text;
 use serde::{Deserialize, Serialize};
@@ -58,7 +57,7 @@ impl Table {
     /// None in memory; the signature is the CSV writer's.
     pub(super) fn rows(self, cells: &[Cell]) -> Result<String, csv::Error> {
         let text = match self {
-            Table::Map => csv_text(cells.iter().map(map::Cell::from))?,
+            Table::Map => csv_text(cells.iter().map(MapCell::from))?,
             Table::Sweep => csv_text(cells.iter().map(Row::of))?,
         };
         debug_assert!(text.starts_with(self.header()));

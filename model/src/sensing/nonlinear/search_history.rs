@@ -22,17 +22,17 @@ const AGREE: f64 = 0.05;
 
 /// A way that a search has taken, by the forces of each step, and where it ended: misfit and forces of the minimum, or `None` without one.
 #[derive(Debug, Clone)]
-struct Way {
+struct SearchPath {
     points: Vec<Vec<f64>>,
     end: Option<(f64, Vec<f64>)>,
 }
 
 /// All ways so far.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Ways {
+pub(super) struct SearchHistory {
     /// Whether forces alone are sought.
     are_kept: bool,
-    ended: Vec<Way>,
+    ended: Vec<SearchPath>,
     current: Vec<Vec<f64>>,
     /// Which of those that ended the current one has met.
     met: Option<usize>,
@@ -40,17 +40,17 @@ pub(super) struct Ways {
     far_mm2: Option<f64>,
 }
 
-impl Ways {
+impl SearchHistory {
     /// None yet, for some unknowns of some questions.
-    pub(super) fn of(unknowns: &[Unknown], questions: &[ContactQuestion]) -> Ways {
+    pub(super) fn of(unknowns: &[Unknown], questions: &[ContactQuestion]) -> SearchHistory {
         let forces_alone = unknowns.iter().all(|unknown| matches!(unknown, Unknown::Force(_)));
         let follows = |question: &ContactQuestion| matches!(question.direction, Direction::Leaning(_));
-        Ways { are_kept: forces_alone && !questions.iter().any(follows), ..Ways::default() }
+        SearchHistory { are_kept: forces_alone && !questions.iter().any(follows), ..SearchHistory::default() }
     }
 
     /// The same, towards minima that explain a measurement up to a misfit, mm^2.
-    pub(super) fn explaining_up_to(self, misfit_mm2: Option<f64>) -> Ways {
-        Ways { far_mm2: misfit_mm2.map(|misfit_mm2| FAR * FAR * misfit_mm2), ..self }
+    pub(super) fn explaining_up_to(self, misfit_mm2: Option<f64>) -> SearchHistory {
+        SearchHistory { far_mm2: misfit_mm2.map(|misfit_mm2| FAR * FAR * misfit_mm2), ..self }
     }
 
     /// Whether a misfit that can be decreased by so much is as good as a minimum far from explaining the measurement.
@@ -91,14 +91,14 @@ impl Ways {
 
     /// A way that leads past forces to a minimum.
     fn passing(&self, forces_n: &[f64]) -> Option<usize> {
-        let passes = |way: &Way| way.points.windows(2).any(|ends| is_between(forces_n, [&ends[0], &ends[1]]));
+        let passes = |way: &SearchPath| way.points.windows(2).any(|ends| is_between(forces_n, [&ends[0], &ends[1]]));
         self.ended.iter().position(|way| way.end.is_some() && passes(way))
     }
 
     /// Ends the current way; returns the end of the one that it has met instead, if it has.
     pub(super) fn end(&mut self, end: Option<(f64, Vec<f64>)>) -> Option<(f64, Vec<f64>)> {
         let end = self.met.map_or(end, |met| self.ended[met].end.clone());
-        self.ended.push(Way { points: std::mem::take(&mut self.current), end: end.clone() });
+        self.ended.push(SearchPath { points: std::mem::take(&mut self.current), end: end.clone() });
         end
     }
 }
@@ -125,13 +125,14 @@ mod tests {
     use super::*;
 
     /// Forces of 1, 2 and 4 N beside 5, 6 and 7 N.
-    fn way(end: Option<(f64, Vec<f64>)>) -> Way {
-        Way { points: vec![vec![1.0, 5.0], vec![2.0, 6.0], vec![4.0, 7.0]], end }
+    fn way(end: Option<(f64, Vec<f64>)>) -> SearchPath {
+        SearchPath { points: vec![vec![1.0, 5.0], vec![2.0, 6.0], vec![4.0, 7.0]], end }
     }
 
     #[test]
     fn a_way_to_a_minimum_is_met_on_it_and_nowhere_else() {
-        let ways = Ways { ended: vec![way(None), way(Some((0.1, vec![4.0, 7.0])))], ..Ways::default() };
+        let ways =
+            SearchHistory { ended: vec![way(None), way(Some((0.1, vec![4.0, 7.0])))], ..SearchHistory::default() };
         for on_it in [[1.0, 5.0], [1.5, 5.5], [3.0, 6.5], [4.05, 7.0]] {
             assert_eq!(ways.passing(&on_it), Some(1), "{on_it:?}");
         }
@@ -142,7 +143,7 @@ mod tests {
 
     #[test]
     fn a_way_that_meets_another_ends_where_that_did() {
-        let mut ways = Ways { ended: vec![way(Some((0.1, vec![4.0, 7.0])))], ..Ways::default() };
+        let mut ways = SearchHistory { ended: vec![way(Some((0.1, vec![4.0, 7.0])))], ..SearchHistory::default() };
         ways.begin();
         ways.met = Some(0);
         assert_eq!(ways.end(None), Some((0.1, vec![4.0, 7.0])));

@@ -11,7 +11,7 @@ use finray_model::{Scene, Vector};
 
 /// Prior knowledge of who senses the forces of contacts that a camera sees.
 #[derive(Debug, Clone, Copy)]
-pub struct Watcher<'s> {
+pub struct OutlineEstimator<'s> {
     /// The finger, and how objects meet it.
     pub scene: &'s Scene,
     /// Bound of the coefficient of friction.
@@ -26,7 +26,7 @@ pub struct Watcher<'s> {
     pub estimator: Option<(EstimatorId, &'s Networks)>,
 }
 
-impl Watcher<'_> {
+impl OutlineEstimator<'_> {
     /// Senses the forces of one or more contacts, none of them clamped, from what was seen of the markers and from the contacts as the camera reads
     /// them; and their sum along a unit vector.
     ///

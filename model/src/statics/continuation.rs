@@ -1,0 +1,195 @@
+//! The way from one equilibrium to another, in load steps that adapt themselves.
+//!
+//! A step is as long as the rules of Newton's method allowed the one before it to be. Where the branch of stable
+//! equilibria ends, it is approached in steps that its predicted end sets ([`limit`](super::limit)), and the last
+//! equilibrium before it is reported.
+
+use super::limit::Approach;
+use super::load_path::{LoadPath, LoadTransition, ProportionalLoading, TrialTransition};
+use super::load_step::Rejected;
+use super::newton::{Equilibrium, Statics};
+use super::{EquilibriumEquations, StaticsError};
+use crate::Kinematics;
+use crate::frame::{FrameLoad, FrameMotion};
+
+/// Of what the rules allow, steps are made to use this share.
+const AIM: f64 = 0.75;
+/// A step is at most so many times as long as the one before it.
+const GROWTH: f64 = 3.0;
+/// A step whose rejection says how much too long it was is shortened to no less than this share.
+const LEAST_SHARE: f64 = 0.01;
+/// Where a step as short as this share of the way fails, it may be for too fine a mesh.
+const SHORT_STEP: f64 = 1e-3;
+/// Smallest step that is tried where no end of the branch can be told, as a share of the whole way.
+const LEAST_STEP: f64 = 1e-7;
+/// The same of a way that is a trial.
+const LEAST_TRIED_STEP: f64 = 0.02;
+/// A path that has taken so many steps is given up.
+const MOST_STEPS: usize = 2000;
+
+impl<E: EquilibriumEquations> Statics<E> {
+    /// Equilibrium under dead loads, followed from rest.
+    ///
+    /// # Errors
+    /// See [`StaticsError`].
+    pub fn equilibrium(&mut self, loads: &[FrameLoad]) -> Result<Equilibrium, StaticsError> {
+        self.continued(&self.equations.at_rest(), loads, 0.0, 1.0)
+    }
+
+    /// Equilibria under growing multiples of the loads, each followed from the one before it; the first from rest.
+    ///
+    /// The list ends before the first multiple that has no equilibrium; the second part says why.
+    pub fn path(&mut self, loads: &[FrameLoad], multiples: &[f64]) -> (Vec<Equilibrium>, Option<StaticsError>) {
+        let mut found: Vec<Equilibrium> = Vec::with_capacity(multiples.len());
+        let mut motion = self.equations.at_rest();
+        let mut from = 0.0;
+        for &to in multiples {
+            match self.continued(&motion, loads, from, to) {
+                Ok(equilibrium) => {
+                    motion.clone_from(&equilibrium.motion);
+                    found.push(equilibrium);
+                    from = to;
+                }
+                Err(error) => return (found, Some(error)),
+            }
+        }
+        (found, None)
+    }
+
+    /// Equilibrium under `to` times the loads, followed from one under `from` times the loads.
+    ///
+    /// # Errors
+    /// See [`StaticsError`]; the converged fraction refers to `to`.
+    pub fn continued(
+        &mut self,
+        start: &FrameMotion,
+        loads: &[FrameLoad],
+        from: f64,
+        to: f64,
+    ) -> Result<Equilibrium, StaticsError> {
+        if !loads.iter().all(FrameLoad::is_finite) || !from.is_finite() || !to.is_finite() {
+            return Err(StaticsError::LoadNotFinite);
+        }
+        let loading = ProportionalLoading { loads, from, to };
+        let found = self.follow(start, loading);
+        let Err(StaticsError::NoEquilibrium { converged_fraction }) = found else { return found };
+        Err(StaticsError::NoEquilibrium { converged_fraction: loading.multiple(converged_fraction) / to })
+    }
+
+    /// Equilibrium under the loads `to`, followed from one under the loads `from` while the first fade and the second
+    /// grow.
+    ///
+    /// # Errors
+    /// See [`StaticsError`]; the converged fraction is that of the way.
+    pub fn shifted(
+        &mut self,
+        start: &FrameMotion,
+        from: &[FrameLoad],
+        to: &[FrameLoad],
+    ) -> Result<Equilibrium, StaticsError> {
+        if !from.iter().chain(to).all(FrameLoad::is_finite) {
+            return Err(StaticsError::LoadNotFinite);
+        }
+        self.follow(start, LoadTransition { from, to, loads: Vec::with_capacity(from.len() + to.len()) })
+    }
+
+    /// As [`shifted`](Statics::shifted), for a caller who shortens the way where it fails: the end of a branch is not sought
+    /// closely, and the way is also given up at an equilibrium that is not worth going on from.
+    ///
+    /// # Errors
+    /// See [`StaticsError`]; the converged fraction is that of the way.
+    pub(crate) fn tried(
+        &mut self,
+        start: &FrameMotion,
+        [from, to]: [&[FrameLoad]; 2],
+        most_rejected: usize,
+        goes_on: impl FnMut(f64, &FrameMotion) -> bool,
+    ) -> Result<Equilibrium, StaticsError> {
+        if !from.iter().chain(to).all(FrameLoad::is_finite) {
+            return Err(StaticsError::LoadNotFinite);
+        }
+        let transition = LoadTransition { from, to, loads: Vec::with_capacity(from.len() + to.len()) };
+        self.follow(start, TrialTransition { transition, goes_on, most_rejected })
+    }
+
+    /// Follows equilibria from `start` to the end of the way.
+    fn follow(&mut self, start: &FrameMotion, mut path: impl LoadPath) -> Result<Equilibrium, StaticsError> {
+        let linear = self.equations.kinematics() == Kinematics::Linear;
+        let least_step = if path.is_trial() { LEAST_TRIED_STEP } else { LEAST_STEP };
+        let mut motion = start.clone();
+        // The last equilibrium on the way, if it is not the start.
+        let mut before: Option<FrameMotion> = None;
+        let (mut done, mut step) = (0.0, 1.0);
+        let (mut iterations, mut load_steps) = (0, 0);
+        // Where every step succeeds, nobody asks for the end.
+        let mut approach: Option<Approach> = None;
+        let (mut failed_since, mut digits_checked, mut rejected) = (false, false, 0);
+        while done < 1.0 {
+            if load_steps == MOST_STEPS {
+                return Err(StaticsError::NoEquilibrium { converged_fraction: done });
+            }
+            let mut target = f64::min(done + step, 1.0);
+            let mut is_beyond = false;
+            if let Some(approach) = &mut approach {
+                if approach.asks_for(done) {
+                    let (loads, multiple) = path.at(done);
+                    if self.equations.linearise(&motion, loads, multiple) {
+                        approach.add(done, self.equations.log_determinant());
+                        self.equations.correct(&mut motion);
+                        before.get_or_insert_with(|| start.clone()).clone_from(&motion);
+                        iterations += 1;
+                    }
+                }
+                if path.is_trial() && approach.ends_before(1.0) {
+                    return Err(StaticsError::NoEquilibrium { converged_fraction: done });
+                }
+                if let Some(beyond) = approach.beyond() {
+                    (target, is_beyond) = (beyond.min(1.0), true);
+                } else if let Some(near) = approach.near() {
+                    target = target.min(near.max(done + LEAST_STEP));
+                }
+            }
+            let taken = target - done;
+            let tolerance = path.tolerance(target);
+            let (loads, multiple) = path.at(target);
+            match self.load_step(&mut motion, loads, multiple, tolerance) {
+                Ok(found) => {
+                    done = target;
+                    if done < 1.0 {
+                        if !path.goes_on(done, &motion) {
+                            return Err(StaticsError::NoEquilibrium { converged_fraction: done - taken });
+                        }
+                        before.get_or_insert_with(|| start.clone()).clone_from(&motion);
+                    }
+                    iterations += found.iterations;
+                    load_steps += 1;
+                    step = taken * (AIM / found.used).clamp(0.5, if failed_since { 1.0 } else { GROWTH });
+                    failed_since = false;
+                    approach = approach.filter(|approach| !approach.is_disproved_by(done));
+                }
+                Err(Rejected::NotPositiveDefinite) if linear => return Err(StaticsError::NotHeld),
+                Err(Rejected::Rounding(digits)) => return Err(StaticsError::TooFewDigits { digits }),
+                Err(why) => {
+                    let ends = is_beyond || taken < 2.0 * least_step;
+                    if (ends || taken < SHORT_STEP) && !digits_checked && start.is_at_rest() {
+                        self.require_digits_at_rest(path.at(1.0).0)?;
+                        digits_checked = true;
+                    }
+                    rejected += 1;
+                    if ends || !path.tries_again(done, rejected) {
+                        return Err(StaticsError::NoEquilibrium { converged_fraction: done });
+                    }
+                    motion.clone_from(before.as_ref().unwrap_or(start));
+                    approach.get_or_insert_default();
+                    failed_since = true;
+                    step = taken
+                        * match why {
+                            Rejected::TooFar(Some(used)) => (AIM / used).clamp(LEAST_SHARE, 0.5),
+                            _ => 0.5,
+                        };
+                }
+            }
+        }
+        Ok(Equilibrium { motion, iterations, load_steps })
+    }
+}

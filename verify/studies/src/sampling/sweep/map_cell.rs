@@ -1,0 +1,89 @@
+//! The cells of an accuracy map: those of a sweep with one truth, estimator and level of noise.
+
+use super::Cell;
+use serde::{Deserialize, Serialize};
+
+/// Results for one force at one position and direction.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct MapCell {
+    /// Position on the front plate, mm from the base.
+    pub s_mm: f64,
+    /// Direction, degrees from the inward normal, positive towards the tip.
+    pub angle_deg: f64,
+    /// True force, N.
+    pub force_n: f64,
+    /// Mean of |sensed / true - 1| over the noise samples that are answered; empty where the finger has no equilibrium or
+    /// more than half of the samples are refused.
+    pub mean_error: Option<f64>,
+    /// Mean of sensed / true - 1: what is wrong even without noise.
+    pub bias: Option<f64>,
+    /// Standard deviation of sensed / true over the noise.
+    pub spread: Option<f64>,
+    /// Noise samples that were drawn, a single one without noise; none where the finger has no equilibrium.
+    pub samples: usize,
+    /// Samples that were answered; the errors above are theirs.
+    pub answered: usize,
+    /// Answered samples with a warning; `None` if no standard deviation is stated.
+    pub warned: Option<usize>,
+    /// Answered samples without a warning of which the interval of 1.96 stated standard deviations holds the true force.
+    pub covered: Option<usize>,
+    /// The same of those with a warning.
+    pub covered_warned: Option<usize>,
+}
+
+/// Outcome of a cell, or of the same position and direction under several forces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum CellState {
+    /// At least half of the samples were answered.
+    Answered,
+    /// The finger bends, but the estimator refuses more than half of the samples: the few answers are no fair sample.
+    Refused,
+    /// The finger has no equilibrium under the force, so there is nothing to sense.
+    WithoutEquilibrium,
+}
+
+impl CellState {
+    /// For files.
+    pub fn name(self) -> &'static str {
+        match self {
+            CellState::Answered => "answered",
+            CellState::Refused => "refused",
+            CellState::WithoutEquilibrium => "no equilibrium",
+        }
+    }
+}
+
+impl MapCell {
+    /// Outcome of the cell.
+    pub fn state(&self) -> CellState {
+        match (self.samples, self.mean_error) {
+            (0, _) => CellState::WithoutEquilibrium,
+            (_, None) => CellState::Refused,
+            (_, Some(_)) => CellState::Answered,
+        }
+    }
+
+    /// Whether its error is above a limit. A cell that is refused counts as above; one without equilibrium does not count at all: `None`.
+    pub fn is_above(&self, limit: f64) -> Option<bool> {
+        (self.state() != CellState::WithoutEquilibrium).then(|| self.mean_error.is_none_or(|error| error > limit))
+    }
+}
+
+impl From<&Cell> for MapCell {
+    fn from(cell: &Cell) -> MapCell {
+        let errors = cell.outcome.errors;
+        MapCell {
+            s_mm: cell.s_mm,
+            angle_deg: cell.angle_deg,
+            force_n: cell.force_n,
+            mean_error: errors.map(|errors| errors.mean_error),
+            bias: errors.map(|errors| errors.bias),
+            spread: cell.spread(),
+            samples: cell.outcome.samples,
+            answered: cell.outcome.answered,
+            warned: cell.outcome.covered.map(|covered| covered.warned),
+            covered: cell.outcome.covered.map(|covered| covered.covered),
+            covered_warned: cell.outcome.covered.map(|covered| covered.covered_warned),
+        }
+    }
+}
