@@ -1,17 +1,23 @@
 //! Beam model of a compliant fin-ray finger, and force sensing through its deformation.
 //!
-//! Data flows one way: a [`Scene`] describes a [`Finger`], a [`Mesh`] divides it into beam elements, [`statics`] finds
-//! its equilibrium under [`Load`]s, [`measurement`] keeps what a camera sees of it, and [`sensing`] goes back from
-//! there to the contact forces.
+//! # Entry points
+//! - From what was seen to a force: [`sensor::Sensor`] senses the forces in an [`observation::Observation`]. `finray-imaging` makes observations of
+//!   images; its example `force_from_image` goes from an image file to a force.
+//! - From a force to a shape: [`statics::solve`].
+//! - From measured forces to a finger: [`calibration::factors`] (moduli), [`calibration::calibrate_rig`] (finger, camera and friction from images).
+//! - From a scene file to a finger: [`Scene::from_toml`]; [`keys`] has every key.
 //!
-//! Units are N, mm, MPa and rad throughout. The finger frame has its origin in the middle of the base line, x from the
-//! base towards the tip, y along the base line towards the front plate (the contact side); rotations count from x to y.
+//! # Conventions
+//! Units are N, mm, MPa and rad throughout; a name says where a value is in another unit (`angle_deg`). The finger frame has its origin in the middle of
+//! the base line, x from the base towards the tip, y along the base line towards the front plate (the contact side); rotations count from x to y.
+//! Angles of forces count from the front plate's undeformed inward normal, positive towards the tip. `sd` and `sigma` are standard deviations.
+//!
+//! Data flows one way: a [`Scene`] describes a [`Finger`], a [`Mesh`] divides it into beam elements, [`statics`] finds its equilibrium under
+//! [`Load`]s, an [`observation`] keeps what a camera sees of it, [`estimators`] and the [`sensor`] go back from there to the contact forces.
 //!
 //! The crate is pure: it reads no files, prints nothing, knows no clock and draws no random numbers but from a seed.
 //!
-//! Linear algebra: nalgebra holds vectors and small dense matrices (frames, elements, least squares); faer holds and
-//! factors sparse ones, for frames in general and where a factor must show the signs of its pivots. A finger's own
-//! equations need neither: [`statics::Ladder`] eliminates blocks of fixed size, in one lane or several.
+//! nalgebra holds vectors, blocks of fixed size and small dense systems. sprs assembles the sparse stiffness of a mesh, which faer factors.
 //!
 //! ```
 //! use finray_model::{Kinematics, Load, Mesh, NodeId, Scene, statics};

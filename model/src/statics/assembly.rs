@@ -3,7 +3,7 @@
 use crate::Vector;
 use crate::element::{Kinematics, Response};
 use crate::frame::{BeamEnd, Equations, FrameLoad, FrameMotion, MEMBER_COORDINATES, PlaneFrame};
-use faer::sparse::{SparseColMat, SparseColMatRef, SymbolicSparseColMat};
+use sprs::{CsMat, TriMat};
 
 /// Position in the value array of each entry of a member's matrix; `ABSENT` where a coordinate is held.
 type Slots = [[u32; MEMBER_COORDINATES]; MEMBER_COORDINATES];
@@ -15,10 +15,8 @@ pub struct Assembly<'f> {
     frame: &'f PlaneFrame,
     kinematics: Kinematics,
     equations: Equations,
-    stiffness: SparseColMat<usize, f64>,
+    stiffness: CsMat<f64>,
     slots: Vec<Slots>,
-    /// The same of the diagonal, by equation.
-    diagonal: Vec<u32>,
     gradient: Vec<f64>,
     load_vector: Vec<f64>,
     energy: f64,
@@ -30,27 +28,22 @@ impl<'f> Assembly<'f> {
         let equations = Equations::of(frame);
         let count = equations.count();
         let members: Vec<_> = frame.members().iter().map(|member| equations.of_ends(frame, &member.ends)).collect();
-        // Where the matrix has entries: by column, then row.
-        let mut places = Vec::with_capacity(members.len() * MEMBER_COORDINATES * MEMBER_COORDINATES);
+        let mut pattern = TriMat::new((count, count));
         for coordinates in &members {
-            for column in coordinates.iter().flatten() {
-                places.extend(coordinates.iter().flatten().map(|row| (*column, *row)));
+            for row in coordinates.iter().flatten() {
+                for column in coordinates.iter().flatten() {
+                    pattern.add_triplet(*row, *column, 0.0);
+                }
             }
         }
-        places.sort_unstable();
-        places.dedup();
-        let slot = |row: Option<usize>, column: Option<usize>| {
-            column.zip(row).and_then(|place| places.binary_search(&place).ok()).map_or(ABSENT, |slot| slot as u32)
+        let stiffness: CsMat<f64> = pattern.to_csc();
+        let slot = |row: Option<usize>, column: Option<usize>| match (row, column) {
+            (Some(row), Some(column)) => stiffness.nnz_index(row, column).map_or(ABSENT, |index| index.0 as u32),
+            _ => ABSENT,
         };
         let slots = members.iter().map(|c| c.map(|row| c.map(|column| slot(row, column)))).collect();
-        let diagonal = (0..count).map(|equation| slot(Some(equation), Some(equation))).collect();
-        let starts = (0..=count).map(|column| places.partition_point(|place| place.0 < column)).collect();
-        let rows: Vec<usize> = places.iter().map(|place| place.1).collect();
-        let values = vec![0.0; rows.len()];
-        let pattern = SymbolicSparseColMat::new_checked(count, count, starts, None, rows);
-        let stiffness = SparseColMat::new(pattern, values);
         let (gradient, load_vector) = (vec![0.0; count], vec![0.0; count]);
-        Assembly { frame, kinematics, equations, stiffness, slots, diagonal, gradient, load_vector, energy: 0.0 }
+        Assembly { frame, kinematics, equations, stiffness, slots, gradient, load_vector, energy: 0.0 }
     }
 
     /// The frame that is assembled.
@@ -69,8 +62,8 @@ impl<'f> Assembly<'f> {
     }
 
     /// Tangent stiffness of the last [`evaluate`](Assembly::evaluate), N/mm, N and N mm; full and symmetric.
-    pub fn stiffness(&self) -> SparseColMatRef<'_, usize, f64> {
-        self.stiffness.as_ref()
+    pub fn stiffness(&self) -> &CsMat<f64> {
+        &self.stiffness
     }
 
     /// Internal minus external forces of the last [`evaluate`](Assembly::evaluate), by equation.
@@ -96,7 +89,7 @@ impl<'f> Assembly<'f> {
     /// Evaluates elastic energy, residual and tangent at a motion, under `factor` times the loads.
     pub fn evaluate(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) {
         self.gradient.fill(0.0);
-        self.stiffness.val_mut().fill(0.0);
+        self.stiffness.data_mut().fill(0.0);
         self.energy = 0.0;
         for load in loads {
             self.add_load(motion, load);
@@ -105,7 +98,7 @@ impl<'f> Assembly<'f> {
             *force = -*gradient;
             *gradient *= factor;
         }
-        self.stiffness.val_mut().iter_mut().for_each(|value| *value *= factor);
+        self.stiffness.data_mut().iter_mut().for_each(|value| *value *= factor);
         let frame = self.frame;
         for (index, member) in frame.members().iter().enumerate() {
             let response = member.response(motion, self.kinematics);
@@ -138,8 +131,8 @@ impl<'f> Assembly<'f> {
         for (k, equation) in self.equations.of_ends(self.frame, &ends).iter().enumerate() {
             if let Some(e) = *equation {
                 self.gradient[e] += gradient[k];
-                if let Some(value) = self.stiffness.val_mut().get_mut(self.diagonal[e] as usize) {
-                    *value += tangent[(k, k)];
+                if let Some(index) = self.stiffness.nnz_index(e, e) {
+                    self.stiffness.data_mut()[index.0] += tangent[(k, k)];
                 }
             }
         }
@@ -149,7 +142,7 @@ impl<'f> Assembly<'f> {
         let ends = self.frame.members()[index].ends;
         let (gradient, tangent) =
             self.frame.carry_over_links(motion, ends.map(|end| end.node), response, self.linear());
-        let values = self.stiffness.val_mut();
+        let values = self.stiffness.data_mut();
         for (row, equation) in self.equations.of_ends(self.frame, &ends).iter().enumerate() {
             let Some(equation) = *equation else { continue };
             self.gradient[equation] += gradient[row];

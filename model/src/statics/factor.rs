@@ -3,8 +3,9 @@
 use faer::Side;
 use faer::linalg::solvers::Solve;
 use faer::mat::MatMut;
-use faer::sparse::SparseColMatRef;
 use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use sprs::CsMat;
 
 /// A fill-reducing order of the unknowns and, after [`factorise`](Factor::factorise), the factor L of K = L L^T.
 #[derive(Debug, Clone)]
@@ -22,13 +23,17 @@ impl Factor {
     /// Factorises a symmetric matrix; `false` if it is not positive definite (or not finite), which leaves no factor.
     ///
     /// A tangent stiffness that is not positive definite belongs to a shape that is not stable.
-    pub fn factorise(&mut self, matrix: SparseColMatRef<'_, usize, f64>) -> bool {
+    pub fn factorise(&mut self, matrix: &CsMat<f64>) -> bool {
         self.numeric = None;
+        let count = matrix.rows();
+        let indptr = matrix.indptr();
+        let pattern = SymbolicSparseColMatRef::new_checked(count, count, indptr.raw_storage(), None, matrix.indices());
         if self.symbolic.is_none() {
-            self.symbolic = SymbolicLlt::try_new(matrix.symbolic(), Side::Lower).ok();
+            self.symbolic = SymbolicLlt::try_new(pattern, Side::Lower).ok();
         }
+        let values = SparseColMatRef::new(pattern, matrix.data());
         self.numeric =
-            self.symbolic.clone().and_then(|symbolic| Llt::try_new_with_symbolic(symbolic, matrix, Side::Lower).ok());
+            self.symbolic.clone().and_then(|symbolic| Llt::try_new_with_symbolic(symbolic, values, Side::Lower).ok());
         self.numeric.is_some()
     }
 

@@ -3,13 +3,14 @@
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::mat::MatMut;
-use faer::sparse::SparseColMatRef;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
 };
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, Par, Side};
+use sprs::CsMat;
 use std::sync::Arc;
 
 /// The factors K = L D L^T, with D diagonal; the order of the unknowns is found at the first factorisation.
@@ -26,7 +27,10 @@ pub(super) struct IndefiniteFactor {
 impl IndefiniteFactor {
     /// Factorises a symmetric matrix of unchanging pattern and counts the negative pivots. `None` if a pivot is zero or
     /// not finite.
-    pub(super) fn factorise(&mut self, matrix: SparseColMatRef<'_, usize, f64>) -> Option<usize> {
+    pub(super) fn factorise(&mut self, matrix: &CsMat<f64>) -> Option<usize> {
+        let count = matrix.rows();
+        let indptr = matrix.indptr();
+        let pattern = SymbolicSparseColMatRef::new_checked(count, count, indptr.raw_storage(), None, matrix.indices());
         if self.symbolic.is_none() {
             // Column by column, so that the pivots are found at the head of each column of L.
             let params = CholeskySymbolicParams {
@@ -34,8 +38,7 @@ impl IndefiniteFactor {
                 ..CholeskySymbolicParams::default()
             };
             let order = SymmetricOrdering::Amd;
-            self.symbolic =
-                factorize_symbolic_cholesky(matrix.symbolic(), Side::Lower, order, params).ok().map(Arc::new);
+            self.symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, order, params).ok().map(Arc::new);
         }
         let symbolic = self.symbolic.as_ref()?;
         self.values.clear();
@@ -44,7 +47,7 @@ impl IndefiniteFactor {
         symbolic
             .factorize_numeric_ldlt(
                 &mut self.values,
-                matrix,
+                SparseColMatRef::new(pattern, matrix.data()),
                 Side::Lower,
                 LdltRegularization::default(),
                 Par::Seq,

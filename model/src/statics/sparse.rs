@@ -1,4 +1,4 @@
-//! The general path: any frame, assembled into a sparse matrix and factored by Cholesky (faer).
+//! The general path: any frame, assembled into a sparse matrix (sprs) and factored by Cholesky (faer).
 
 use super::EquilibriumEquations;
 use super::assembly::Assembly;

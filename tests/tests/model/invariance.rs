@@ -149,7 +149,7 @@ proptest! {
             let mut assembly = statics.equations().assembly().clone();
             assembly.evaluate(&motion, &[], 0.0);
             // Against the forces that the same rotation would cause as a deformation.
-            let stiffest = largest(assembly.stiffness().val());
+            let stiffest = largest(assembly.stiffness().data());
             let residual = largest(assembly.residual());
             let size = finger.description().front_length_mm;
             prop_assert!(residual <= 1e-13 * stiffest * size.max(1.0), "{kinematics:?}: {residual}");

@@ -11,9 +11,10 @@ use minijinja::{AutoEscape, Environment, context};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Script and style of the section in which the reader chooses what is drawn.
-const SCRIPT: &str = include_str!("explore/explore.js");
-const STYLE: &str = include_str!("explore/explore.css");
+/// Script of the section in which the reader chooses what is drawn.
+pub const SCRIPT: &str = include_str!("explore/explore.js");
+/// Its style.
+pub const STYLE: &str = include_str!("explore/explore.css");
 
 /// A whole page.
 #[derive(Debug, Clone, PartialEq, Serialize)]

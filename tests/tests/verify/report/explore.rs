@@ -2,7 +2,7 @@
 
 use finray_figures::Paint;
 use finray_report::drawings::percent_classes;
-use finray_report::explore::{SCRIPT, STYLE};
+use finray_report::page::{SCRIPT, STYLE};
 use finray_studies::settings::TRUSTED_ERROR;
 
 /// Script and style have the palette and the limits of the drawings.

@@ -74,8 +74,8 @@ fn of_finger(mesh: &Mesh, loads: &[FrameLoad], kinematics: Kinematics) -> [f64; 
     // The energy is that of the beams alone, without loads.
     let power = slope(|by| DVector::from_element(1, at(by, &[]).elastic_energy()));
     let mut change = DVector::zeros(unknowns);
-    for entry in at(0.0, loads).stiffness().triplet_iter() {
-        change[entry.row] += entry.val * along[entry.col];
+    for (value, (row, column)) in at(0.0, loads).stiffness() {
+        change[row] += value * along[column];
     }
     [
         difference(&DVector::from_element(1, residual(0.0, &[]).dot(&along)), &power),
