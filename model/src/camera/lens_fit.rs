@@ -1,15 +1,13 @@
 //! The lens from images of a plane grid.
 
 use super::plane_pose::{by_motion, homography, plane_pose};
-use super::usual_lens::UsualLens;
+use super::usual_lens::{PARAMETERS, UsualLens};
 use super::{Distortion, ImpossibleLens, Lens, Pixel, PlanePoseError, Pose};
 use crate::Vector;
 use crate::optimise::{Fit, LeastSquaresProblem, LevenbergMarquardt, Prior, Refusal};
 use nalgebra::{DMatrix, DVector, Vector2};
 
-/// Parameters of the lens: focal lengths, principal point, k1, k2, p1, p2, k3.
-pub(super) const PARAMETERS: usize = 9;
-/// Their names, in this order.
+/// Names of the lens's parameters, in their order.
 pub const LENS_PARAMETERS: [&str; PARAMETERS] = ["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"];
 /// Standard deviations of the focal lengths' logarithm without looking, and while the distortion is found.
 const FOCAL_SD: f64 = 0.7;

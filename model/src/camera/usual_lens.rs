@@ -1,8 +1,9 @@
 //! What lenses and sensors are without looking: what the images of a grid do not show stays there.
 
-use super::lens_fit::PARAMETERS;
 use crate::optimise::Prior;
 
+/// Parameters of the lens: focal lengths, principal point, k1, k2, p1, p2, k3.
+pub(super) const PARAMETERS: usize = 9;
 /// Standard deviations of the logarithm of the focal lengths' ratio, of the principal point's distance from the middle as a
 /// share of the image's width, and of the coefficients.
 const ASPECT_SD: f64 = 0.005;

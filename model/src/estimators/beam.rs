@@ -1,7 +1,7 @@
 //! Estimators that rest on the beam model itself.
 
-use super::linear::{Linear, SolvedLinear};
-use super::nonlinear::Nonlinear;
+use super::prepared_linear::{Linear, SolvedLinear};
+use super::prepared_nonlinear::Nonlinear;
 use super::{Estimator, EstimatorError, EstimatorId, PreparedEstimator};
 use crate::Mesh;
 use crate::compliance::NodalCompliance;

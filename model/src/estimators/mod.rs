@@ -7,6 +7,8 @@ mod beam;
 mod linear;
 pub mod network;
 mod nonlinear;
+mod prepared_linear;
+mod prepared_nonlinear;
 
 pub use beam::BeamEstimator;
 

@@ -21,6 +21,8 @@ use std::path::PathBuf;
 /// Markers on clamped nodes are ignored; one that moved by more than noise explains is refused. The
 /// direction of each force is an angle from the front plate's undeformed inward normal, positive
 /// towards the tip; 0 if left out. Give a node twice with two angles to ask for two components.
+/// A contact that was measured has standard deviations, as 80+-0.5@-20+-3 (mm, degrees): its force
+/// then lies anywhere in the cone of --friction about the direction, as `press` and `grasp` sense it.
 ///
 /// sigma_n is one standard deviation: from the noise of --noise-mm, else of noise_mm in the scene's
 /// camera table, else of a column sigma_mm as `finray locate` writes it, else of the residual, and

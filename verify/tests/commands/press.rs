@@ -29,6 +29,33 @@ fn its_shape_and_forces_agree_with_sense() {
     assert!((own / other - 1.0).abs() < MESH_TOLERANCE, "{own} N, sense has {other} N");
 }
 
+/// With standard deviations of its contacts `sense` gives the forces of `press` with friction, and the same standard deviations.
+#[test]
+fn sense_of_measured_contacts_gives_what_press_gives() {
+    /// Standard deviation that `press` states where there is no noise, and one of a direction that is known, degrees.
+    const LEAST_MM: &str = "0.01";
+    const KNOWN: f64 = 1e-6;
+    let folder = Folder::new();
+    let scene = scene(&folder, &DISC.replace("at_mm = 74", "at_mm = 74\nfriction = 0.3"));
+    let (shape, out) = (folder.path("shape.csv"), folder.path("forces.csv"));
+    finray(&["press", &scene, "--fineness", "2", "--noise-mm", "0", "--shape", &shape, "--out", &out]).done();
+    let forces = Csv::of(&folder.read("forces.csv"));
+    let last = forces.texts("contact").iter().rposition(|contact| *contact != "total").expect("a contact");
+    let of_press = ["sensed_n", "sigma_n"].map(|column| forces.texts(column)[last].parse::<f64>().expect("a number"));
+    let contact = format!("{}@{}+-{KNOWN}", forces.texts("contact")[last], forces.texts("read_angle_deg")[last]);
+    let sense = ["sense", &scene, "--displacements", &shape, "--contact", &contact, "--noise-mm", LEAST_MM];
+    let sensed = Csv::of(&finray(&[&sense[..], &["--friction", "0.3"]].concat()).done());
+    let of_sense = ["force_n", "sigma_n"].map(|column| sensed.numbers(column)[0]);
+    for (press, sense) in of_press.iter().zip(of_sense) {
+        assert!((press / sense - 1.0).abs() < 1e-6, "{of_press:?} and {of_sense:?}");
+    }
+    // Without the cone of friction the direction is taken for exact, and the deviation is far smaller.
+    let exact = Csv::of(&finray(&sense).done()).numbers("sigma_n")[0];
+    assert!(exact < 0.1 * of_sense[1], "{exact} and {of_sense:?}");
+    let mixed = [&sense[..], &["--contact", "17"]].concat();
+    assert_says(&finray(&mixed).refused(), &["expected all contacts with standard deviations (+-), or none"]);
+}
+
 #[test]
 fn noise_is_that_of_its_seed() {
     let folder = Folder::new();

@@ -1,8 +1,8 @@
 //! Where a step leads: the equilibria on its way, from small shares of it to the whole.
 
-use super::search::Search;
-use super::{Posed, State};
+use super::{NonlinearEstimator, Posed, State};
 use crate::frame::FrameMotion;
+use crate::measurement::Measurement;
 use crate::statics::StaticsError;
 
 /// An equilibrium on the way of a step with so many times the misfit of its start ends the step.
@@ -31,12 +31,17 @@ pub(super) struct PartOfStep {
     pub state: State,
 }
 
-impl Search<'_, '_> {
+impl NonlinearEstimator<'_> {
     /// Follows the equilibrium to the loads of the next state, which gets the motion that is found there. Shapes are compared under the weights of the
     /// current state, whose misfit is given: reweighting is not progress.
-    pub(super) fn follow(&mut self, next: &mut State, current_mm2: f64) -> Followed {
-        let (mesh, object, priors) = (self.estimator.mesh, &self.estimator.object, &self.estimator.priors);
-        let (state, measurement) = (&self.state, self.measurement);
+    pub(super) fn follow(
+        &mut self,
+        state: &State,
+        next: &mut State,
+        measurement: &Measurement,
+        current_mm2: f64,
+    ) -> Followed {
+        let (mesh, object, priors) = (self.mesh, &self.object, &self.priors);
         let misfit_mm2 = |motion: &FrameMotion| {
             let shape = Posed { motion, forces_n: &next.forces_n, nuisances: &next.nuisances };
             let touched = object.as_ref().map(|it| it.misfit(mesh, &next.contacts, shape, priors.noise_mm()));
@@ -44,7 +49,7 @@ impl Search<'_, '_> {
         };
         let mut best: Option<OnTheWay> = None;
         let loads = [&state.loads[..], &next.loads];
-        let tried = self.estimator.statics.tried(&state.motion, loads, MOST_REJECTED, |share, motion| {
+        let tried = self.statics.tried(&state.motion, loads, MOST_REJECTED, |share, motion| {
             let there_mm2 = misfit_mm2(motion);
             if there_mm2 <= best.as_ref().map_or(current_mm2, |best| best.misfit_mm2) {
                 best = Some(OnTheWay { share, misfit_mm2: there_mm2, motion: motion.clone() });
@@ -65,14 +70,20 @@ impl Search<'_, '_> {
 
     /// The state after a share of the step, in the equilibrium that is near one on the way; `None` if there is none, or it is
     /// worse than the current state, whose misfit is given.
-    pub(super) fn part_of_step(&mut self, on_the_way: OnTheWay, current_mm2: f64) -> Option<PartOfStep> {
+    pub(super) fn part_of_step(
+        &mut self,
+        state: &State,
+        on_the_way: OnTheWay,
+        measurement: &Measurement,
+        current_mm2: f64,
+    ) -> Option<PartOfStep> {
         let OnTheWay { share, motion, .. } = on_the_way;
-        let mut state = self.state.clone();
+        let mut state = state.clone();
         state.linearised.step.iter_mut().for_each(|x| *x *= share);
-        self.estimator.advance(&mut state).ok()?;
+        self.advance(&mut state).ok()?;
         let loads = [&state.loads[..], &state.loads];
-        state.motion = self.estimator.statics.tried(&motion, loads, 1, |_, _| true).ok()?.motion;
-        let is_better = self.estimator.misfit(&state, self.measurement) <= current_mm2;
+        state.motion = self.statics.tried(&motion, loads, 1, |_, _| true).ok()?.motion;
+        let is_better = self.misfit(&state, measurement) <= current_mm2;
         is_better.then_some(PartOfStep { share, state })
     }
 }

@@ -29,13 +29,13 @@ const SETTLED_SLACK: f64 = 1e-12;
 const TURNING_SLACK: f64 = 0.5;
 
 /// One search.
-pub(super) struct Search<'s, 'm> {
-    pub estimator: &'s mut NonlinearEstimator<'m>,
-    pub measurement: &'s Measurement,
+struct Search<'s, 'm> {
+    estimator: &'s mut NonlinearEstimator<'m>,
+    measurement: &'s Measurement,
     noise_mm: Option<f64>,
     history: &'s mut SearchHistory,
     /// Where it is.
-    pub state: State,
+    state: State,
     /// How far a step may move the markers, mm.
     reach: TrustRegion,
     /// Whether the last step left directions that follow the plate where they were.
@@ -165,7 +165,8 @@ impl Search<'_, '_> {
         let change = self.estimator.relative_change(&self.state);
         let mut next = self.state.clone();
         self.is_settled = self.estimator.advance(&mut next)? <= SETTLED_ANGLE_DEG;
-        let Followed { misfit_mm2: followed, best } = self.follow(&mut next, misfit_mm2);
+        let Followed { misfit_mm2: followed, best } =
+            self.estimator.follow(&self.state, &mut next, self.measurement, misfit_mm2);
         if let Ok(after_mm2) = followed {
             let slack = if self.is_settled { SETTLED_SLACK } else { TURNING_SLACK };
             if after_mm2 <= misfit_mm2 * (1.0 + slack) || CONVERGENCE.is_small_step(change) {
@@ -173,7 +174,9 @@ impl Search<'_, '_> {
             }
         }
         self.is_straight = false;
-        if let Some(PartOfStep { share, state }) = best.and_then(|best| self.part_of_step(best, misfit_mm2)) {
+        if let Some(PartOfStep { share, state }) =
+            best.and_then(|best| self.estimator.part_of_step(&self.state, best, self.measurement, misfit_mm2))
+        {
             self.arrive_at(state)?;
             self.reach.take_part(prediction, share);
             (self.is_settled, self.last_change) = (false, f64::INFINITY);
