@@ -2,8 +2,13 @@
 
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
 
-pub use finray_studies::settings::{CAMERA_NOISE_MM, TWO_SIDED_95};
+pub use finray_fixtures::CAMERA_NOISE_MM;
+
+/// Half width of the interval that holds 95 % of a normal distribution, in standard deviations.
+pub const TWO_SIDED_95: f64 = 1.96;
 
 /// Random deviations allowed, in standard errors: among some hundred figures one beyond them is met once in a hundred runs.
 pub const STANDARD_ERRORS: f64 = 4.0;
@@ -41,4 +46,11 @@ pub fn is_full_study() -> bool {
 /// Standard error of a share among `cases` cases.
 pub fn share_error(share: f64, cases: usize) -> f64 {
     (share * (1.0 - share) / cases as f64).sqrt()
+}
+
+/// Random numbers of one of a seed's streams, which do not depend on each other.
+pub fn random_stream(seed: u64, stream: u64) -> ChaCha8Rng {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(stream);
+    rng
 }

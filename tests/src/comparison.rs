@@ -3,7 +3,6 @@
 use finray_model::Kinematics;
 use finray_model::frame::FrameMotion;
 use finray_model::mesh::FingerShape;
-use finray_studies::check::Check;
 
 /// All kinematics, where one property holds for each.
 pub const KINEMATICS: [Kinematics; 3] = [Kinematics::Linear, Kinematics::Corotational, Kinematics::CorotationalChord];
@@ -28,13 +27,4 @@ pub fn motions_apart(ours: &FrameMotion, reference: &FrameMotion) -> f64 {
 pub fn shapes_apart(ours: &FingerShape, reference: &FingerShape) -> f64 {
     let pairs = ours.motions().iter().zip(reference.motions());
     worst(pairs.map(|(a, b)| (a.displacement - b.displacement).norm())) / reference.largest_displacement_mm()
-}
-
-/// Asserts that there are checks and that all of them pass.
-#[track_caller]
-pub fn assert_all_pass(checks: &[Check]) {
-    assert!(!checks.is_empty());
-    for check in checks {
-        assert!(check.passes(), "{check:?}");
-    }
 }

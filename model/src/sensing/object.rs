@@ -126,10 +126,6 @@ impl From<Pad> for Meeting<'_> {
 mod tests {
     use super::*;
 
-    fn polygon(corners: &[[f64; 2]]) -> Result<ObjectShape, NotConvex> {
-        ObjectShape::polygon(corners.iter().map(|c| Vector::new(c[0], c[1])).collect())
-    }
-
     /// The point of an ellipse at a parameter has the normal that the gradient gives.
     #[test]
     fn points_of_an_outline_have_its_normal() {
@@ -143,20 +139,5 @@ mod tests {
             let found = object.point_facing(turn * normal, [1.0, 2.0, 0.1]);
             assert!((found - (Vector::new(6.0, -1.0) + turn * on)).norm() < 1e-12, "{step}: {found}");
         }
-    }
-
-    #[test]
-    fn polygons_are_convex() {
-        for wrong in [
-            &[[0.0, 0.0], [1.0, 0.0]][..],
-            &[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]],
-            &[[0.0, 0.0], [4.0, 0.0], [1.0, 1.0], [0.0, 4.0]],
-            &[[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
-            // A star of five points.
-            &[[0.0, 1.0], [-0.588, -0.809], [0.951, 0.309], [-0.951, 0.309], [0.588, -0.809]],
-        ] {
-            assert_eq!(polygon(wrong), Err(NotConvex), "{wrong:?}");
-        }
-        assert!(polygon(&[[0.0, 0.0], [0.0, 1.0], [1.0, 0.0]]).is_ok());
     }
 }

@@ -2,9 +2,8 @@
 
 use finray_model::{Finger, Scene};
 
-/// Standard deviation of a measured coordinate, mm: the paper's worst position error of 0.2 mm (sec. IV-B) taken as three standard
-/// deviations.
-pub const CAMERA_NOISE_MM: f64 = 0.067;
+pub use finray_fixtures::CAMERA_NOISE_MM;
+
 /// Standard deviation that estimators are given where there is no noise, mm: no model is exact, and to the nonlinear estimator what its
 /// mesh gets wrong by some micrometres would be wild markers.
 pub const LEAST_STATED_MM: f64 = 0.01;

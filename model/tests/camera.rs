@@ -1,0 +1,221 @@
+//! The camera: projection and its inverse, their derivatives, invariance under rigid motion, poses from points, and what is refused.
+
+use finray_model::Vector;
+use finray_model::camera::{
+    Camera, Distortion, ImpossibleLens, Lens, Pixel, PlanePoseError, Pose, ViewError, plane_pose,
+};
+use finray_tests::cases;
+use nalgebra::{Rotation3, Vector3};
+use proptest::prelude::*;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// Largest error of a pixel that was projected to the plane and back, px, as the camera was asked to have it.
+const IDENTITY_PX: f64 = 1e-10;
+/// Central differences with steps of 1e-5 mm of pixels of size 1e3: rounding 1e3 * 2e-16 / 1e-5 px/mm, of derivatives of 5 px/mm.
+const DIFFERENCE_STEP_MM: f64 = 1e-5;
+const DIFFERENCE: f64 = 1e-6;
+const NOISE_PX: f64 = 0.05;
+
+fn lens() -> impl Strategy<Value = Lens> {
+    let distortion = (-0.25..0.25, -0.1..0.1, -0.005..0.005, -0.005..0.005, -0.05..0.05);
+    ((1000.0..3000.0, 0.9..1.1), (700.0..900.0, 600.0..800.0), distortion).prop_filter_map(
+        "a lens that folds",
+        |((focal, aspect), (u, v), (k1, k2, p1, p2, k3))| {
+            let distortion = Distortion::from_opencv([k1, k2, p1, p2, k3]);
+            Lens::new([1600, 1400], [focal, focal * aspect], [u, v], distortion).ok()
+        },
+    )
+}
+
+/// The finger's plane from before, tilted by up to half a radian, turned anyhow, its middle near the axis.
+fn pose() -> impl Strategy<Value = Pose> {
+    let tilt = (-0.35..0.35, -0.35..0.35, -3.0..3.0);
+    (tilt, -10.0..10.0, -10.0..10.0, 150.0..400.0).prop_map(|((a, b, turn), x, y, z)| {
+        let rotation = Rotation3::from_euler_angles(std::f64::consts::PI + a, b, 0.0)
+            * Rotation3::from_axis_angle(&Vector3::z_axis(), turn);
+        let middle = Vector3::new(75.0, 0.0, 0.0);
+        Pose { rotation, translation_mm: Vector3::new(x, y, z) - rotation * middle }
+    })
+}
+
+fn camera() -> impl Strategy<Value = Camera> {
+    (lens(), pose()).prop_map(|(lens, pose)| Camera { lens, pose })
+}
+
+fn pixel() -> impl Strategy<Value = Pixel> {
+    (0.0..1599.0, 0.0..1399.0).prop_map(|(u, v)| Pixel::new(u, v))
+}
+
+proptest! {
+    #![proptest_config(cases(256))]
+
+    #[test]
+    fn a_pixel_goes_to_the_plane_and_back(camera in camera(), pixel in pixel(), height_mm in -5.0..20.0) {
+        let point = camera.on_plane(&pixel, height_mm).expect("the plane lies before the camera");
+        let back = camera.project(&point.push(height_mm)).expect("the point was seen");
+        prop_assert!((back - pixel).norm() <= IDENTITY_PX, "{pixel} {back}");
+    }
+
+    #[test]
+    fn derivatives_are_those_of_differences(camera in camera(), pixel in pixel(), height_mm in -5.0..20.0) {
+        let point = camera.on_plane(&pixel, height_mm).expect("seen").push(height_mm);
+        let (_, by_point) = camera.project_with_derivatives(&point).expect("seen");
+        for axis in 0..3 {
+            let mut step = Vector3::zeros();
+            step[axis] = DIFFERENCE_STEP_MM;
+            let at = |point: Vector3<f64>| camera.project(&point).expect("seen");
+            let difference = (at(point + step) - at(point - step)) / (2.0 * DIFFERENCE_STEP_MM);
+            prop_assert!((difference - by_point.column(axis)).norm() <= DIFFERENCE * by_point.norm());
+        }
+        let (_, by_pixel) = camera.on_plane_with_derivatives(&pixel, height_mm).expect("seen");
+        for axis in 0..2 {
+            let mut step = Pixel::zeros();
+            step[axis] = 1e-3;
+            let at = |pixel: Pixel| camera.on_plane(&pixel, height_mm).expect("seen");
+            let difference = (at(pixel + step) - at(pixel - step)) / 2e-3;
+            prop_assert!((difference - by_pixel.column(axis)).norm() <= DIFFERENCE * by_pixel.norm());
+        }
+    }
+
+    /// Only where the finger stands before the camera matters, not where both stand.
+    #[test]
+    fn camera_and_finger_move_together(
+        camera in camera(), pixel in pixel(), turn in prop::array::uniform3(-1.0..1.0), shift in prop::array::uniform3(-50.0..50.0),
+    ) {
+        let point = camera.on_plane(&pixel, 0.0).expect("seen").push(0.0);
+        let (turn, shift) = (Rotation3::from_scaled_axis(turn.into()), Vector3::from(shift));
+        let moved = Camera { lens: camera.lens, pose: camera.pose.of_moved_finger(&turn, &shift) };
+        let there = moved.project(&(turn * point + shift)).expect("seen");
+        // Ten roundings of coordinates of 1e3 px.
+        prop_assert!((there - camera.project(&point).expect("seen")).norm() < 1e-9);
+    }
+
+    /// Pixels of a known pose give it back, with and without noise as large as they state.
+    #[test]
+    fn points_give_the_pose_back(camera in camera(), height_mm in -5.0..20.0, seed in 0..u64::MAX) {
+        let positions: Vec<Vector> = (0..25).map(|i| Vector::new(30.0 * f64::from(i % 5), 15.0 * f64::from(i / 5) - 30.0)).collect();
+        let noise: Vec<f64> = StandardNormal.sample_iter(ChaCha8Rng::seed_from_u64(seed)).take(50).collect();
+        let seen = |noise_px: f64| -> Vec<(Vector, Pixel)> {
+            let at = |(i, position): (usize, &Vector)| {
+                let error = Pixel::new(noise[2 * i], noise[2 * i + 1]) * noise_px;
+                camera.project(&position.push(height_mm)).ok().map(|pixel| (*position, pixel + error))
+            };
+            positions.iter().enumerate().filter_map(at).collect()
+        };
+        let points = seen(0.0);
+        prop_assume!(points.len() == positions.len() && points.iter().all(|(_, pixel)| camera.lens.contains(pixel)));
+        let found = plane_pose(&camera.lens, height_mm, &points).expect("25 points of a plane");
+        prop_assert!(found.residual_sd_px < 1e-7, "{}", found.residual_sd_px);
+        prop_assert!((found.pose.translation_mm - camera.pose.translation_mm).norm() < 1e-5);
+        prop_assert!((found.pose.rotation.matrix() - camera.pose.rotation.matrix()).norm() < 1e-7);
+        // 44 degrees of freedom scatter by 11 %: five of these.
+        let noisy = seen(NOISE_PX);
+        prop_assume!(noisy.iter().all(|(_, pixel)| camera.lens.contains(pixel)));
+        let found = plane_pose(&camera.lens, height_mm, &noisy).expect("25 points of a plane");
+        prop_assert!((found.residual_sd_px / NOISE_PX - 1.0).abs() < 0.55, "{}", found.residual_sd_px);
+        let sd = found.unit_covariance.diagonal().map(f64::sqrt) * NOISE_PX;
+        let turn = (camera.pose.rotation * found.pose.rotation.inverse()).scaled_axis();
+        let shift = camera.pose.translation_mm - found.pose.translation_mm;
+        for axis in 0..3 {
+            // Six standard deviations: curvature of a tilt that is known to a degree is far below one.
+            prop_assert!(turn[axis].abs() < 6.0 * sd[axis] && shift[axis].abs() < 6.0 * sd[axis + 3], "{turn} {shift} {sd}");
+        }
+    }
+}
+
+/// The camera of the interface's example: 170 mm before the finger, 8 px a mm.
+fn paper_camera(distortion: [f64; 5]) -> Camera {
+    let lens = Lens::new([1600, 1400], [1360.0, 1360.0], [799.5, 699.5], Distortion::from_opencv(distortion));
+    Camera { lens: lens.expect("a lens"), pose: Pose::new([std::f64::consts::PI, 0.0, 0.0], [-75.0, 0.0, 170.0]) }
+}
+
+/// By hand: the front plate (+y) is at the top of the image, x to the right, 8 px a mm.
+#[test]
+fn the_finger_stands_upright_in_the_image() {
+    let camera = paper_camera([0.0; 5]);
+    let pixel = camera.project(&Vector3::new(85.0, 10.0, 0.0)).expect("seen");
+    assert!((pixel - Pixel::new(799.5 + 80.0, 699.5 - 80.0)).norm() < 1e-9, "{pixel}");
+    // 10 mm nearer, 160 mm away: 8.5 px a mm.
+    let pixel = camera.project(&Vector3::new(85.0, 10.0, 10.0)).expect("seen");
+    assert!((pixel - Pixel::new(799.5 + 85.0, 699.5 - 85.0)).norm() < 1e-9, "{pixel}");
+    let sd_mm = camera.position_sd_mm(&pixel, 10.0, 0.1).expect("seen");
+    assert!((sd_mm - 0.1 / 8.5).abs() < 1e-12, "{sd_mm}");
+}
+
+/// OpenCV's distortion, by its own formulas with numbers for every coefficient: at x = 0.3, y = -0.2, r^2 = 0.13.
+#[test]
+fn distortion_is_in_the_order_of_opencv() {
+    let [k1, k2, p1, p2, k3] = [-0.2, 0.05, 0.01, -0.02, 0.03];
+    let camera = Camera { pose: Pose::new([0.0; 3], [0.0; 3]), ..paper_camera([k1, k2, p1, p2, k3]) };
+    let (x, y, q) = (0.3_f64, -0.2_f64, 0.13_f64);
+    let f = 1.0 + k1 * q + k2 * q * q + k3 * q * q * q;
+    let bent = [x * f + 2.0 * p1 * x * y + p2 * (q + 2.0 * x * x), y * f + p1 * (q + 2.0 * y * y) + 2.0 * p2 * x * y];
+    let pixel = camera.project(&Vector3::new(3.0, -2.0, 10.0)).expect("seen");
+    assert!((pixel - Pixel::new(799.5 + 1360.0 * bent[0], 699.5 + 1360.0 * bent[1])).norm() < 1e-9, "{pixel}");
+}
+
+#[test]
+fn what_cannot_be_seen_is_refused() {
+    let camera = paper_camera([0.0; 5]);
+    assert_eq!(camera.project(&Vector3::new(75.0, 0.0, 171.0)), Err(ViewError::Behind));
+    assert_eq!(
+        camera.project(&Vector3::new(f64::NAN, 0.0, 0.0)),
+        Err(ViewError::Folded).or(camera.project(&Vector3::new(f64::NAN, 0.0, 0.0)))
+    );
+    // A camera in the plane of the finger.
+    let along = Camera { pose: Pose::new([std::f64::consts::FRAC_PI_2, 0.0, 0.0], [-75.0, 0.0, 170.0]), ..camera };
+    assert_eq!(along.on_plane(&Pixel::new(800.0, 699.5), 0.0), Err(ViewError::Grazing));
+    // One that looks away from it.
+    let away = Camera { pose: Pose::new([0.0, 0.0, 0.0], [-75.0, 0.0, -170.0]), ..camera };
+    assert_eq!(away.on_plane(&Pixel::new(800.0, 700.0), 0.0), Err(ViewError::Behind));
+    assert!(!camera.lens.contains(&Pixel::new(1600.0, 0.0)) && camera.lens.contains(&Pixel::new(1599.4, -0.4)));
+}
+
+/// r (1 + k1 r^2) is largest at r = 1 / sqrt(-3 k1); the image's corner is at 0.78.
+#[test]
+fn a_lens_that_folds_the_image_is_refused() {
+    let lens = |k1: f64| {
+        Lens::new(
+            [1600, 1400],
+            [1360.0, 1360.0],
+            [799.5, 699.5],
+            Distortion { radial: [k1, 0.0, 0.0], tangential: [0.0; 2] },
+        )
+    };
+    let corner = (800.0_f64.hypot(700.0)) / 1360.0;
+    let largest = |k1: f64| 2.0 / 3.0 / (-3.0 * k1).sqrt();
+    let just = -4.0 / (27.0 * corner * corner);
+    assert!((largest(just) - corner).abs() < 1e-12);
+    assert!(lens(0.999 * just).is_ok());
+    let Err(ImpossibleLens { key, expected }) = lens(1.001 * just) else { panic!("the corner is beyond the fold") };
+    assert!(key == "distortion" && expected.contains("fold"), "{expected}");
+    // The point of the fold itself is not projected beyond it.
+    let camera = Camera { lens: lens(-0.2).expect("a lens"), pose: Pose::new([0.0; 3], [0.0; 3]) };
+    let fold = 1.0 / 0.6_f64.sqrt();
+    assert!(camera.project(&Vector3::new(0.999 * fold, 0.0, 1.0)).is_ok());
+    assert_eq!(camera.project(&Vector3::new(1.001 * fold, 0.0, 1.0)), Err(ViewError::Folded));
+    for (size, focal, centre) in
+        [([0, 10], [1.0, 1.0], [0.0, 0.0]), ([10, 10], [0.0, 1.0], [0.0, 0.0]), ([10, 10], [1.0, 1.0], [f64::NAN, 0.0])]
+    {
+        assert!(Lens::new(size, focal, centre, Distortion::default()).is_err());
+    }
+}
+
+#[test]
+fn points_of_a_line_have_no_pose() {
+    let camera = paper_camera([0.0; 5]);
+    let seen = |positions: &[[f64; 2]]| -> Vec<(Vector, Pixel)> {
+        let at = |&[x, y]: &[f64; 2]| (Vector::new(x, y), camera.project(&Vector3::new(x, y, 0.0)).expect("seen"));
+        positions.iter().map(at).collect()
+    };
+    let three = seen(&[[0.0, 0.0], [100.0, 0.0], [0.0, 30.0]]);
+    assert_eq!(plane_pose(&camera.lens, 0.0, &three), Err(PlanePoseError::TooFew { found: 3 }));
+    let line = seen(&[[0.0, 0.0], [50.0, 10.0], [100.0, 20.0], [125.0, 25.0], [150.0, 30.0]]);
+    assert_eq!(plane_pose(&camera.lens, 0.0, &line), Err(PlanePoseError::OnALine));
+    // Three on the line and one beside: four points without a pose of their own.
+    let nearly = seen(&[[0.0, 0.0], [50.0, 10.0], [100.0, 20.0], [125.0, 45.0]]);
+    let found = plane_pose(&camera.lens, 0.0, &nearly);
+    assert_eq!(found, Err(PlanePoseError::OnALine), "{found:?}");
+}

@@ -1,0 +1,31 @@
+//! Tests of `finray-model`: each file tests the source file of its path. Most properties hold for random fingers; `finray_tests` draws them and
+//! has what several modules share.
+
+mod calibration;
+mod camera;
+mod finger;
+mod gripper;
+mod measurement {
+    mod noise;
+}
+mod samples;
+mod sensing {
+    mod linear;
+    mod network;
+    mod nonlinear;
+    mod object;
+    mod pad;
+    mod residual_test;
+    mod stated_sigma;
+}
+mod statics {
+    mod arc_length;
+    mod batch;
+    mod examples;
+    mod fine_meshes;
+    mod invariance;
+    mod ladder;
+    mod properties;
+}
+mod train;
+mod validity;

@@ -1,0 +1,132 @@
+//! A stated standard deviation covers the error of the model, or a warning says why it may not.
+
+use finray_model::measurement::Measurement;
+use finray_model::sensing::{
+    Contact, Discretisation, Estimate, LinearEstimator, Linearisation, NonlinearEstimator, Prior, ResidualTest,
+    SIGNIFICANCE, SensingError, Warning,
+};
+use finray_model::{Finger, Kinematics, Mesh};
+use finray_tests::{CAMERA_NOISE_MM, ELEMENTS, TWO_SIDED_95, at_node, noisy, paper, seen};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+fn linear(
+    finger: &Finger,
+    contact: Contact,
+    seen: &Measurement,
+    noise_mm: Option<f64>,
+) -> Result<Estimate, SensingError> {
+    let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
+    let mut linearisation = Linearisation::new(&mesh, &[contact]);
+    LinearEstimator::new(finger, &[contact], seen)?.estimate_on(&mut linearisation, seen, noise_mm, Prior::None)
+}
+
+/// 3 N at -60 deg on node 19: the linear model senses 3.97 N, which was once stated to 0.008 N. The error of linearisation that is
+/// found from these 3.97 N alone is the true one.
+#[test]
+fn the_error_of_linearisation_is_found_from_the_estimated_force() {
+    let finger = paper();
+    let fine = Mesh::with_nodes(&finger, 684).expect("684 nodes");
+    for (node, angle_deg) in [(19, -60.0), (19, 0.0), (14, 30.0), (24, -20.0), (21, 70.0)] {
+        let contact = at_node(node, angle_deg);
+        let clean = seen(&fine, &[contact], &[3.0], Kinematics::Corotational).expect("an equilibrium");
+        for noise_mm in [Some(CAMERA_NOISE_MM), None] {
+            let estimate = linear(&finger, contact, &clean, noise_mm).expect("an answer");
+            let true_error_n = estimate.forces_n[0] - 3.0;
+            // Four elements a member leave 0.04 % of the shape, which is 1.2 mN of 3 N.
+            let off_n = estimate.model_error_n[0] - true_error_n;
+            assert!(
+                off_n.abs() <= 0.01 * true_error_n.abs() + 0.0012,
+                "{node} at {angle_deg}: {off_n} of {true_error_n} N"
+            );
+            assert!(true_error_n.abs() <= TWO_SIDED_95 * estimate.sigmas_n[0], "{estimate:?}");
+            assert!(estimate.warning.is_some(), "{node} at {angle_deg}: {estimate:?}");
+        }
+    }
+}
+
+/// A finger that bends linearly is no reason to warn, whatever a co-rotational one would do.
+#[test]
+fn a_linear_finger_is_taken_as_it_is() {
+    let finger = paper();
+    let key_nodes = Mesh::key_nodes(&finger);
+    let contact = at_node(19, -60.0);
+    let clean = seen(&key_nodes, &[contact], &[3.0], Kinematics::Linear).expect("an equilibrium");
+    let per_noise =
+        LinearEstimator::new(&finger, &[contact], &clean).expect("well-posed").inverse().sigmas_per_noise[0];
+    let estimate = linear(&finger, contact, &clean, Some(CAMERA_NOISE_MM)).expect("an answer");
+    assert_eq!((estimate.warning, estimate.sigmas_n[0]), (None, per_noise * CAMERA_NOISE_MM));
+    let estimate = linear(&finger, contact, &clean, None).expect("an answer");
+    assert!(estimate.warning.is_none() && estimate.sigmas_n[0] < 1e-9, "{estimate:?}");
+}
+
+/// On 25 nodes, forces at 19 and 20 were three standard deviations off.
+#[test]
+fn a_coarse_mesh_states_its_own_error() {
+    let finger = paper();
+    let fine = Mesh::with_nodes(&finger, 684).expect("684 nodes");
+    let coarse = Mesh::key_nodes(&finger);
+    let finer = Discretisation::finer(&coarse);
+    let mut largest = 0.0_f64;
+    for node in 14..=24 {
+        let contact = at_node(node, 0.0);
+        let clean = seen(&fine, &[contact], &[3.0], Kinematics::Corotational).expect("an equilibrium");
+        let mut estimator = NonlinearEstimator::new(&coarse, &[contact.into()]).expect("well-posed");
+        let mut estimate = estimator.estimate(&clean, Some(CAMERA_NOISE_MM)).expect("an answer");
+        let noise_n = estimate.forces.sigmas_n[0];
+        let true_error_n = estimate.forces.forces_n[0] - 3.0;
+        Discretisation::new(&coarse, &finer).widen(&mut estimator, &clean, &mut estimate).expect("an error");
+        let estimate = estimate.forces;
+        // Four elements a member leave a twentieth of the error, and extrapolation is as good as that.
+        let off_n = estimate.model_error_n[0] - true_error_n;
+        assert!(off_n.abs() <= 0.2 * true_error_n.abs() + 1e-4, "node {node}: {off_n} of {true_error_n} N");
+        assert!(true_error_n.abs() <= TWO_SIDED_95 * estimate.sigmas_n[0], "node {node}: {estimate:?}");
+        let warned = matches!(estimate.warning, Some(Warning::Discretisation(_)));
+        assert_eq!(warned, estimate.model_error_n[0].abs() > noise_n, "node {node}: {estimate:?}");
+        largest = largest.max(true_error_n.abs() / noise_n);
+    }
+    assert!(largest > 2.5, "some node is well beyond its noise: {largest}");
+}
+
+/// Where the model holds and the noise is as stated, one measurement in a hundred is warned of.
+#[test]
+fn the_residual_test_keeps_its_significance() {
+    let finger = paper();
+    let contact = at_node(20, 10.0);
+    let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
+    let clean = seen(&mesh, &[contact], &[2.0], Kinematics::Corotational).expect("an equilibrium");
+    let mut estimator = NonlinearEstimator::new(&mesh, &[contact.into()]).expect("well-posed");
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let (mut warned, mut of_twice) = (0, 0);
+    const SAMPLES: usize = 2000;
+    for _ in 0..SAMPLES {
+        let noisy = noisy(&clean, 0.1, &mut rng);
+        let mut answer = |stated_mm| estimator.estimate(&noisy, Some(stated_mm)).expect("an answer").forces;
+        let as_stated = answer(0.1);
+        warned += usize::from(as_stated.warning.is_some());
+        // The deviation rests on the stated noise where that holds, on the residual where it does not.
+        let ratio = as_stated.noise_mm / 0.1;
+        assert_eq!(ratio == 1.0, as_stated.warning.is_none(), "{as_stated:?}");
+        of_twice += usize::from(answer(0.05).warning.is_some());
+    }
+    let expected = SIGNIFICANCE * SAMPLES as f64;
+    // Poisson: four standard deviations; markers beyond 4.5 sigma are weighted down, which hardly ever happens.
+    assert!((warned as f64 - expected).abs() <= 4.0 * expected.sqrt(), "{warned} of {SAMPLES}");
+    assert_eq!(of_twice, SAMPLES, "twice the stated noise never passes");
+}
+
+/// Residual and noise are written with as many digits as make a difference.
+#[test]
+fn a_residual_is_told_apart_from_the_noise() {
+    let said = |residual_sd_mm, noise_mm| {
+        Warning::Residual(ResidualTest { noise_mm, residual_sd_mm, degrees_of_freedom: 45 }).to_string()
+    };
+    for (residual_mm, noise_mm, expected) in [
+        (0.00138, 0.001, "standard deviation of 0.00138 mm, where noise of 0.00100 mm"),
+        (0.2, 0.067, "standard deviation of 0.200 mm, where noise of 0.067 mm"),
+        (12.5, 0.067, "standard deviation of 12.500 mm, where noise of 0.067 mm"),
+        (1.4e-7, 1e-7, "standard deviation of 0.000000140 mm, where noise of 0.000000100 mm"),
+    ] {
+        assert!(said(residual_mm, noise_mm).contains(expected), "{}", said(residual_mm, noise_mm));
+    }
+}

@@ -1,0 +1,103 @@
+//! Training of sensing networks: tiny ones that train in a second must sense nearly as well as the noise allows and state truly how well they
+//! do (`accuracy`), descend as set (`descent`), and be what their recipe says (`recipe`).
+
+use finray_model::measurement::Measurement;
+use finray_model::samples::{SampleRecipe, Samples, Stream};
+use finray_model::sensing::Contact;
+use finray_model::sensing::network::{Network, NetworkEstimator};
+use finray_model::train::{Epoch, TrainingRecipe, train};
+use finray_model::{Kinematics, Mesh, NodeId, statics};
+use finray_tests::{CAMERA_NOISE_MM, at_nodes, paper};
+use nalgebra::DMatrix;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+
+mod accuracy;
+mod descent;
+mod recipe;
+
+/// Seed of the samples that networks are tested on; they are trained on others.
+const FRESH_SEED: u64 = 99;
+/// Losses that training finds in single precision against the same from forces in N, relative.
+const SINGLE_PRECISION: f64 = 1e-3;
+
+/// The smallest co-rotational recipe with noise that serves.
+fn tiny(nodes: &[usize], count: usize, width: usize, epochs: usize) -> TrainingRecipe {
+    TrainingRecipe {
+        count,
+        hidden_layers: vec![width],
+        epochs,
+        batch: 64,
+        learning_rate: 1e-2,
+        ..TrainingRecipe::nonlinear(at_nodes(nodes), CAMERA_NOISE_MM)
+    }
+}
+
+fn trained(recipe: &TrainingRecipe) -> Network {
+    train(&paper(), recipe, &mut |_| {}).expect("a possible recipe")
+}
+
+/// Trains, and keeps what progress reports.
+fn watched(recipe: &TrainingRecipe) -> (Network, Vec<Epoch>) {
+    let mut epochs = Vec::new();
+    let network = train(&paper(), recipe, &mut |epoch| epochs.push(epoch)).expect("a possible recipe");
+    (network, epochs)
+}
+
+fn fresh(recipe: &SampleRecipe, count: usize) -> Samples {
+    recipe.draw(&paper(), count, FRESH_SEED, Stream::Test).expect("carried")
+}
+
+/// Displacements with noise from random numbers that no training has.
+fn noisy_shapes(samples: &Samples, noise_mm: f64) -> DMatrix<f64> {
+    let mut rng = ChaCha8Rng::seed_from_u64(FRESH_SEED);
+    samples.displacements.map(|u| u + noise_mm * rng.sample::<f64, _>(StandardNormal))
+}
+
+/// Squared errors of one force, N^2, over the cases in which its contact touches.
+#[derive(Debug)]
+struct Squares(Vec<f64>);
+
+impl Squares {
+    fn mean(&self) -> f64 {
+        self.0.iter().sum::<f64>() / self.0.len() as f64
+    }
+
+    fn rms(&self) -> f64 {
+        self.mean().sqrt()
+    }
+
+    /// Standard deviation of one square.
+    fn scatter(&self) -> f64 {
+        let mean = self.mean();
+        (self.0.iter().map(|square| (square - mean).powi(2)).sum::<f64>() / self.0.len() as f64).sqrt()
+    }
+}
+
+/// Errors of forces (contacts x cases, N) by contact.
+fn squares(samples: &Samples, forces_n: &DMatrix<f64>) -> Vec<Squares> {
+    let of = |row: usize| {
+        let cases = (0..samples.count()).filter(|&case| samples.touching[case][row]);
+        Squares(cases.map(|case| (forces_n[(row, case)] - samples.forces[(row, case)]).powi(2)).collect())
+    };
+    (0..samples.forces.nrows()).map(of).collect()
+}
+
+/// Forces that the network's estimator senses, N; zero where a contact does not touch.
+fn sensed(network: &Network, samples: &Samples, displacements: &DMatrix<f64>) -> DMatrix<f64> {
+    let finger = paper();
+    let unloaded = statics::solve(&Mesh::key_nodes(&finger), &[], Kinematics::Linear).expect("at rest");
+    let hidden: Vec<NodeId> = finger.free_nodes().filter(|node| !samples.markers.contains(node)).collect();
+    let markers = Measurement::of_shape(&finger, &unloaded).without(&hidden);
+    let mut forces_n = DMatrix::zeros(samples.forces.nrows(), samples.count());
+    for case in 0..samples.count() {
+        let touching: Vec<usize> = (0..forces_n.nrows()).filter(|&i| samples.touching[case][i]).collect();
+        let contacts: Vec<Contact> = touching.iter().map(|&i| network.card.contacts[i]).collect();
+        let mut estimator = NetworkEstimator::new(network, &finger, &contacts, &markers).expect("trained for them");
+        let mut found_n = vec![0.0; touching.len()];
+        estimator.forces(displacements.column(case).as_slice(), &mut found_n).expect("a frame");
+        touching.iter().zip(found_n).for_each(|(&i, force_n)| forces_n[(i, case)] = force_n);
+    }
+    forces_n
+}

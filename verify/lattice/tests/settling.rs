@@ -1,0 +1,89 @@
+//! Settling: the lattice rests where its energy is least, and where beams do.
+
+use finray_lattice::settling::Settling;
+use finray_lattice::{Lattice, LatticeError, settling};
+use finray_model::mesh::Load;
+use finray_model::{Kinematics, Mesh, NodeId, Vector, statics};
+use finray_tests::{contact_node, finger_of, paper, shapes_apart};
+
+/// Settling against the lattice's own equilibrium, as a share of the largest displacement.
+const SETTLING_TOLERANCE: f64 = 5e-4;
+
+/// Arms, zones, hinges and ribs that do not deform: settled, the lattice rests where its energy is least, and beams agree.
+#[test]
+fn other_fingers_settle_where_beams_are() {
+    for (text, force_n, tolerance) in [
+        (finray_fixtures::SPRING_STEEL_SCENE, 1.0, 2e-4),
+        (finray_fixtures::ARMS_SCENE, 1.0, 1e-3),
+        (finray_fixtures::ASYMMETRIC_SCENE, 0.3, 3e-3),
+        (finray_fixtures::HINGED_SCENE, 1.0, 1e-3),
+        (finray_fixtures::HINGED_RIGID_SCENE, 1.0, 1e-3),
+        (finray_fixtures::RIGID_RIBS_SCENE, 0.5, 2e-3),
+    ] {
+        let finger = finger_of(text);
+        let lattice = Lattice::new(&finger, 2).expect("a lattice");
+        let load = Load::at_node(contact_node(&finger, 0.5), finger.direction(20.0) * force_n);
+        let settled = lattice.settle(&[load]).expect("it settles");
+        let equilibrium = lattice.equilibrium(&[load]).expect("an equilibrium");
+        assert!(settled.residual <= settling::AT_REST);
+        assert!(shapes_apart(&settled.shape, &equilibrium) < SETTLING_TOLERANCE);
+        let beams = Mesh::with_elements_per_member(&finger, 16);
+        let beams = statics::solve(&beams, &[load], Kinematics::Corotational).expect("an equilibrium");
+        let error = shapes_apart(&settled.shape, &beams);
+        assert!(error < tolerance, "{error}: {text}");
+    }
+}
+
+/// Unlike loads at once, a moment and a force between nodes among them.
+#[test]
+fn several_loads_settle_together() {
+    let finger = paper();
+    let lattice = Lattice::new(&finger, 2).expect("a lattice");
+    let loads = [
+        Load::at_node(NodeId(16), finger.direction(-20.0) * 1.5),
+        Load::at_position(55.0, finger.direction(30.0) * 1.0),
+        Load::Node { node: NodeId(6), force: Vector::zeros(), moment_nmm: 12.0 },
+    ];
+    let settled = lattice.settle(&loads).expect("it settles").shape;
+    let beams = statics::solve(&Mesh::with_elements_per_member(&finger, 16), &loads, Kinematics::Corotational);
+    let error = shapes_apart(&settled, &beams.expect("an equilibrium"));
+    assert!(error < 3e-3, "{error}");
+}
+
+#[test]
+fn what_does_not_settle_is_an_error() {
+    let lattice = Lattice::new(&paper(), 2).expect("a lattice");
+    let load = Load::at_node(NodeId(19), Vector::new(0.0, -2.0));
+    let within = |most_steps| Settling { most_steps, ..Settling::default() };
+    match lattice.settle_as(&[load], within(900)) {
+        Err(LatticeError::NotSettled { steps, residual }) => {
+            assert!(steps <= 900 && residual > settling::AT_REST && residual.is_finite());
+        }
+        other => panic!("{other:?}"),
+    }
+    // Not even the first peak.
+    assert!(matches!(
+        lattice.settle_as(&[load], within(3)),
+        Err(LatticeError::NotSettled { residual, .. }) if residual.is_infinite()
+    ));
+}
+
+/// Without loads it rests at once, where it was.
+#[test]
+fn an_unloaded_finger_stays() {
+    let settled = Lattice::new(&paper(), 2).expect("a lattice").settle(&[]).expect("it rests");
+    assert!(settled.shape.largest_displacement_mm() < 1e-9 && settled.steps < 100);
+}
+
+/// No finer or coarser lattice settles elsewhere than its equilibrium, and a small force is no exception.
+#[test]
+fn every_fineness_settles_where_its_energy_is_least() {
+    let finger = paper();
+    for (fineness, force_n) in [(1, 4.0), (3, 0.02)] {
+        let lattice = Lattice::new(&finger, fineness).expect("a lattice");
+        let load = Load::at_node(NodeId(17), finger.direction(-60.0) * force_n);
+        let settled = lattice.settle(&[load]).expect("it settles").shape;
+        let error = shapes_apart(&settled, &lattice.equilibrium(&[load]).expect("an equilibrium"));
+        assert!(error < SETTLING_TOLERANCE, "{error}");
+    }
+}

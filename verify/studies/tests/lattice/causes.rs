@@ -1,0 +1,30 @@
+//! What the settling of the lattice rests on: sweeps, and the precision of its positions.
+
+use finray_lattice::settling::Precision;
+use finray_lattice::{Lattice, settling};
+use finray_model::NodeId;
+use finray_studies::lattice::accuracy::LoadGrid;
+use finray_studies::lattice::causes;
+use finray_tests::paper;
+
+/// Settling against the lattice's own equilibrium, as a share of the largest displacement.
+const SETTLING_TOLERANCE: f64 = 5e-4;
+
+/// More sweeps rest nearer to the equilibrium, until only the end of the settling is left; single precision is farther off.
+#[test]
+fn few_sweeps_and_single_precision_rest_elsewhere() {
+    let finger = paper();
+    let lattice = Lattice::new(&finger, 2).expect("a lattice");
+    let grid = LoadGrid { nodes: vec![NodeId(14)], angles_deg: vec![-50.0], forces_n: vec![5.0] };
+    let rows = causes::settling(&lattice, &grid).expect("an equilibrium");
+    let error = |sweeps: usize, positions: Precision| {
+        let row = rows.iter().find(|row| row.sweeps == sweeps && row.positions == positions).expect("a row");
+        row.error.expect("it settles")
+    };
+    let [few, more, usual] = [8, 16, settling::SWEEPS].map(|sweeps| error(sweeps, Precision::Double));
+    assert!(few > 5.0 * more && more > 2.0 * usual && usual < SETTLING_TOLERANCE, "{rows:?}");
+    assert!(error(settling::SWEEPS, Precision::Single) > 3.0 * usual, "{rows:?}");
+    let [double, single] = [Precision::Double, Precision::Single]
+        .map(|positions| causes::out_of_balance(&lattice, &grid, positions).expect("an equilibrium"));
+    assert!(double < 1e-9 && single > 1e-5, "{double} {single}");
+}

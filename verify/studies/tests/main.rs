@@ -1,0 +1,65 @@
+//! Tests of `finray-studies`: each file tests the source file of its path. `stand_ins` has estimators that stand in for real ones.
+
+mod check;
+mod claims {
+    mod camera;
+    mod criteria;
+    mod experiments;
+    mod grasps;
+    mod gripper;
+    mod limits;
+    mod rate;
+}
+mod estimators {
+    mod all;
+    mod networks;
+    mod stated_intervals;
+}
+mod experiments {
+    mod assumed;
+    mod causes;
+    mod contact_scene;
+    mod coverage;
+    mod direction;
+    mod displacement_noise;
+    mod explain;
+    mod grasp {
+        mod energy;
+        mod loops;
+        mod modules;
+        mod observations;
+        mod obstacles;
+        mod sensed;
+        mod world;
+    }
+    mod hard_cases;
+    mod networks;
+    mod noise;
+    pub mod speed_error;
+    mod table_two;
+    mod twin;
+}
+mod lattice {
+    mod accuracy;
+    mod causes;
+}
+mod mujoco;
+mod problems {
+    mod closed_forms;
+    mod lattice;
+    mod mujoco;
+    mod opensees;
+}
+mod sampling {
+    mod bound;
+    mod map;
+    pub mod scatter;
+    mod shared_start;
+}
+mod stand_ins;
+mod statistics;
+mod truths {
+    mod all;
+    mod lattice;
+    mod mujoco;
+}

@@ -1,0 +1,95 @@
+//! Reference problems of the report: every one holds its tolerance.
+
+use crate::check::assert_all_pass;
+use finray_model::Scene;
+use finray_studies::check::{Check, Kind};
+use finray_studies::problems::grid_convergence::GridConvergence;
+use finray_studies::problems::{self, elastica, gripper_camera, lee_frame, linkage, rigid_rotation, toggle};
+use finray_tests::{finger_of, paper};
+
+/// Every problem that applies to the paper's finger answers, and its checks pass.
+#[test]
+fn every_problem_passes_its_checks() {
+    let finger = paper();
+    let applying = problems::ALL.iter().filter(|problem| (problem.applies_to)(&finger));
+    let mut solved = 0;
+    for problem in applying {
+        let checks = (problem.solve)(&finger).unwrap_or_else(|error| panic!("{}: {error}", problem.name)).checks;
+        assert_all_pass(&checks);
+        solved += 1;
+    }
+    assert_eq!(solved, problems::ALL.len());
+}
+
+#[test]
+fn elastica_rows() {
+    let checks = elastica::checks().expect("every load has an equilibrium");
+    // Eleven loads, three quantities each.
+    assert_eq!(checks.len(), 33);
+    assert_all_pass(&checks);
+}
+
+#[test]
+fn lee_frame_limit_loads() {
+    let checks = lee_frame::checks().expect("the path is followed");
+    // Limits in number, the first by the literature, both by shooting; stability.
+    assert_eq!(checks.len(), 5);
+    assert_all_pass(&checks);
+}
+
+#[test]
+fn toggle_limit_loads() {
+    let checks = toggle::checks().expect("the path is followed");
+    assert_eq!(checks.len(), 3);
+    assert_all_pass(&checks);
+}
+
+/// Of another linkage than the one of the report's rows: that of the wedge, whose fixed joint is farther from the screw's axis.
+#[test]
+fn gripper_rows() {
+    let wedge = include_str!("../../../../fixtures/scenes/grasp/wedge.toml");
+    let Scene { finger, gripper, .. } = Scene::from_toml(wedge).expect("the scene reads");
+    let gripper = gripper.expect("it has a gripper");
+    let (of_linkage, of_camera) = (linkage::checks(&finger, &gripper), gripper_camera::checks(&finger, &gripper));
+    let of_camera = of_camera.expect("the lens is one");
+    // The loop, both frames, the opening's derivative and inverse; both frames in the camera's, and nodes in its images.
+    assert_eq!([of_linkage.len(), of_camera.len()], [4, 2]);
+    assert_all_pass(&of_linkage);
+    assert_all_pass(&of_camera);
+}
+
+#[test]
+fn rigid_rotation_leaves_no_forces() {
+    for scene in [
+        finray_fixtures::PAPER_SCENE,
+        finray_fixtures::SPRING_STEEL_SCENE,
+        finray_fixtures::ARMS_SCENE,
+        finray_fixtures::ASYMMETRIC_SCENE,
+        finray_fixtures::HINGED_SCENE,
+    ] {
+        assert_all_pass(&rigid_rotation::checks(&finger_of(scene)));
+    }
+}
+
+/// The first example of the procedure's authors (Celik et al. 2008, table 1), printed to two to four digits, and a made-up
+/// solution 1 + h^3 on meshes of unequal ratio.
+#[test]
+fn grid_convergence_index_of_known_cases() {
+    let cells = [4500, 8000, 18000];
+    let example = GridConvergence::of(cells, cells.map(|n| (n as f64).powf(-0.5)), [5.863, 5.972, 6.063]);
+    assert!((example.order - 1.53).abs() < 0.01, "{example:?}");
+    assert!((example.extrapolated - 6.1685).abs() < 1e-3, "{example:?}");
+    assert!((example.index - 0.022).abs() < 5e-4, "{example:?}");
+    let sizes = [0.4, 0.25, 0.1];
+    let made_up = GridConvergence::of([0; 3], sizes, sizes.map(|h: f64| 1.0 + h.powi(3)));
+    assert!((made_up.order - 3.0).abs() < 1e-9 && (made_up.extrapolated - 1.0).abs() < 1e-12, "{made_up:?}");
+}
+
+/// A check whose figure is not a number fails; one outside its tolerance fails.
+#[test]
+fn checks_can_fail() {
+    assert!(Check::new(Kind::Internal, "", "", "", 1.0, 1.1, 0.1 + 1e-12).passes());
+    assert!(!Check::new(Kind::Internal, "", "", "", 1.0, 1.2, 0.1).passes());
+    assert!(!Check::new(Kind::Internal, "", "", "", 1.0, f64::NAN, 0.1).passes());
+    assert!(!Check::new(Kind::Internal, "", "", "", 1.0, f64::INFINITY, f64::MAX).passes());
+}

@@ -1,0 +1,22 @@
+//! The lattice against beams, as in the report.
+
+use crate::check::assert_all_pass;
+use finray_studies::problems::lattice;
+use finray_tests::paper;
+
+/// Beams, linear theory, settling and repetition, as in the report.
+#[test]
+fn paper_finger_is_that_of_beams() {
+    let checks = lattice::checks(&paper()).expect("every load has an equilibrium");
+    // Six forces, linear theory, settling, two forces settled, bits.
+    assert_eq!(checks.len(), 11);
+    assert_all_pass(&checks);
+}
+
+/// Beyond small forces linear theory must part from the lattice: by more than a tenth at 5 N.
+#[test]
+fn linear_beams_part_from_the_lattice() {
+    let comparisons = lattice::comparisons(&paper()).expect("every load has an equilibrium");
+    assert!(comparisons.windows(2).all(|pair| pair[0].ours < pair[1].ours), "{comparisons:?}");
+    assert!(comparisons.last().is_some_and(|last| last.ours > 0.1), "{comparisons:?}");
+}
