@@ -81,7 +81,7 @@ fn other_estimators_sense_a_grasp() {
 /// Friction on the plate acts half its thickness before the middle line: a contact between two rods that drags is sensed as well as one that does
 /// not. (Friction was once put on the middle line, and normal forces were 2 % off.)
 #[test]
-fn friction_between_rods_turns_the_plate() {
+fn friction_is_not_put_on_the_middle_line_of_the_plate() {
     let (steps, _) = steps_of(&wedge(0.3), 0.0, 1);
     // One part of the finger touches, and friction is a tenth of the force at least.
     let dragged = |step: &&GraspStep| {
