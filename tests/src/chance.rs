@@ -30,17 +30,26 @@ pub fn cases(count: u32) -> ProptestConfig {
     }
 }
 
-/// Noise samples for each set of contacts: 200, or `FINRAY_TEST_CASES=<number>`.
-pub fn case_count() -> usize {
-    from_environment("FINRAY_TEST_CASES", 200)
+/// Cases of a statistical test: as few as show the fault that it names, `full` with `FINRAY_TEST_CASES=full`, or the number that is asked for.
+pub fn case_count(few: usize, full: usize) -> usize {
+    match std::env::var("FINRAY_TEST_CASES").as_deref() {
+        Err(_) => few,
+        Ok("full") => full,
+        Ok(number) => number.parse().expect("FINRAY_TEST_CASES: a number, or full"),
+    }
 }
 
-/// From so many noise samples on a study is a full one.
+/// From this number of cases on a study is a full one.
 const FULL_STUDY: usize = 1000;
 
-/// Whether `FINRAY_TEST_CASES` asks for the full study, of tests that run over a few objects otherwise.
+/// Whether `FINRAY_TEST_CASES` asks for the full study.
 pub fn is_full_study() -> bool {
-    case_count() >= FULL_STUDY
+    case_count(0, FULL_STUDY) >= FULL_STUDY
+}
+
+/// Repetitions of what costs seconds each: few, or all in the full study.
+pub fn repetitions(few: u64, all: u64) -> u64 {
+    if is_full_study() { all } else { few }
 }
 
 /// Standard error of a share among `cases` cases.

@@ -7,12 +7,15 @@ mod fingers;
 mod loads;
 mod measurements;
 mod strategies;
+mod study;
 
 pub use chance::{
-    CAMERA_NOISE_MM, STANDARD_ERRORS, TWO_SIDED_95, case_count, cases, is_full_study, random_stream, share_error,
+    CAMERA_NOISE_MM, STANDARD_ERRORS, TWO_SIDED_95, case_count, cases, is_full_study, random_stream, repetitions,
+    share_error,
 };
 pub use comparison::{KINEMATICS, largest, motions_apart, shapes_apart};
 pub use fingers::{ELEMENTS, finger_of, paper, paper_scene_with};
 pub use loads::{at_node, at_nodes, at_position, contact_node, force_for_deflection, under_pad};
 pub use measurements::{noisy, seen};
 pub use strategies::{built_finger, built_finger_with_zones, finger, finger_with_zones};
+pub use study::assert_standardised;

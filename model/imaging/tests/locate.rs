@@ -8,7 +8,7 @@ use finray_imaging::render::{Disturbances, RenderRequest, render};
 use finray_model::mesh::FingerShape;
 use finray_model::scene::MarkerLook;
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, statics};
-use finray_tests::random_stream;
+use finray_tests::{random_stream, repetitions};
 use image::RgbImage;
 use jpeg_encoder::{ChromaSubsamplingMethod, ColorType, Encoder, SamplingFactor};
 use nalgebra::{Rotation3, Vector3};
@@ -135,11 +135,11 @@ fn compressed_images_state_their_errors() {
             let located = Locator::new(finger, &camera, &markers).expect("a locator").locate(&image).expect("a finger");
             Some(errors(&shape, &[], &located))
         };
-        let all: Vec<Errors> = (0..12).into_par_iter().filter_map(of_image).collect();
+        let all: Vec<Errors> = (0..repetitions(6, 12)).into_par_iter().filter_map(of_image).collect();
         let mm: Vec<f64> = all.iter().flat_map(|errors| errors.mm.iter().copied()).collect();
         let sigmas: Vec<f64> = all.iter().flat_map(|errors| errors.sigmas.iter().copied()).collect();
         assert!(rms(&mm) <= allowed_mm, "quality {quality} {colour:?}: {} mm rms", rms(&mm));
-        // 500 coordinates, of which those of an image err alike.
+        // 300 coordinates or more, of which those of an image err alike.
         assert!((0.5..allowed_sigmas).contains(&rms(&sigmas)), "quality {quality} {colour:?}: {}", rms(&sigmas));
     }
 }

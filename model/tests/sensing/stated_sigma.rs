@@ -24,7 +24,7 @@ fn linear(
 /// 3 N at -60 deg on node 19: the linear model senses 3.97 N, which was once stated to 0.008 N. The error of linearisation that is
 /// found from these 3.97 N alone is the true one.
 #[test]
-fn the_error_of_linearisation_is_found_from_the_estimated_force() {
+fn a_linear_force_a_newton_off_is_not_stated_to_8_millinewtons() {
     let finger = paper();
     let fine = Mesh::with_nodes(&finger, 684).expect("684 nodes");
     for (node, angle_deg) in [(19, -60.0), (19, 0.0), (14, 30.0), (24, -20.0), (21, 70.0)] {

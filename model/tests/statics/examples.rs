@@ -83,7 +83,7 @@ fn a_linear_finger_is_never_said_to_buckle() {
 /// Newton's iteration once stopped far from the end in thin plates: the energy norms 0.02, 0.13, 4e-5 look like squaring,
 /// but the first two are no beginning of it. Reactions were then wrong by 5e-4.
 #[test]
-fn thin_plates_are_solved_to_the_end() {
+fn newton_does_not_stop_early_in_thin_plates() {
     let paper = paper();
     let mut description = paper.description().clone();
     for strip in [&mut description.front, &mut description.back].into_iter().chain(&mut description.ribs.strip) {

@@ -24,7 +24,7 @@ const BALANCE_TOLERANCE_NMM: f64 = 1e-4;
 const GUARD_TOLERANCE: f64 = 3e-4;
 
 fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures/mujoco")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/mujoco")
 }
 
 fn manifest() -> Value {

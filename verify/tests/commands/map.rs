@@ -61,7 +61,7 @@ fn the_name_of_the_figure_gives_the_table_beside_it() {
 fn the_bits_do_not_depend_on_the_number_of_threads() {
     let folder = Folder::new();
     let ribless = folder.put("scene.toml", paper_with(&[("count = 11", "count = 0")]));
-    let rotating = ["map", &ribless, "--force-n", "0.01", "--noise-mm", "0.067", "--seeds", "20"];
+    let rotating = ["map", &ribless, "--force-n", "0.01", "--noise-mm", "0.067", "--seeds", "5"];
     let linear = quick_noisy_map("-");
     for arguments in [&linear[..], &rotating[..]] {
         let with_threads = |threads| {

@@ -3,14 +3,14 @@
 //!
 //! Every image: another force, position and friction, the base mounted anew. A pad between object and plate spreads the force and lets friction act
 //! before the plate. An interval holds a calibration's errors as well, which all its images share: coverage is of several fingers, each
-//! calibrated by itself. `FINRAY_TEST_CASES=<number>` sets how many images are sensed; with `--nocapture` the tables are printed.
+//! calibrated by itself. `FINRAY_TEST_CASES=<number>` sets how many images are sensed, 8 otherwise; with `--nocapture` the tables are printed.
 
 use crate::kit::*;
 use crate::photographs::force;
 use finray_fixtures::BRACKETED_SCENE;
 use finray_model::Mesh;
 use finray_model::sensing::Pad;
-use finray_tests::{TWO_SIDED_95, at_position, finger_of, share_error, under_pad};
+use finray_tests::{TWO_SIDED_95, at_position, case_count, finger_of, share_error, under_pad};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -221,7 +221,7 @@ fn press(folder: &Folder, built: &Built, number: usize, pad: Pad) -> Press {
 
 /// How many images are sensed.
 fn images() -> usize {
-    std::env::var("FINRAY_TEST_CASES").ok().and_then(|count| count.parse().ok()).unwrap_or(16)
+    case_count(8, 200)
 }
 
 /// Renders with a pad, calibrates and senses with a scene that states one; prints a table and returns what was found for each of [`Known::ALL`].

@@ -84,7 +84,7 @@ fn an_angle_left_out_is_the_inward_normal() {
 
 /// Once the last element ended a rounding error before the tip.
 #[test]
-fn the_tip_is_on_the_plate_whatever_its_length() {
+fn rounding_does_not_put_the_tip_off_the_plate() {
     let folder = Folder::new();
     let tip = "107.23665742694708";
     let scene =

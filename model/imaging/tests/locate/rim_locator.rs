@@ -8,13 +8,16 @@ use finray_model::camera::{Camera, Pose};
 use finray_model::mesh::FingerShape;
 use finray_model::scene::Base;
 use finray_model::{Kinematics, Load, Mesh, NodeId, Scene, Vector, statics};
+use finray_tests::repetitions;
 use image::RgbImage;
 use nalgebra::{Isometry2, Point2, Rotation3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// Images; every marker of each is found.
-const IMAGES: u64 = 16;
+fn images() -> u64 {
+    repetitions(6, 16)
+}
 /// Root mean square and largest error of a marker's coordinate in the plane, mm, at 4 px a mm, noise of two grey levels and a blur of 0.8 px.
 const RMS_MM: f64 = 0.003;
 const LARGEST_MM: f64 = 0.01;
@@ -75,7 +78,7 @@ fn markers_and_base_are_found_wherever_they_are() {
     let scene = Scene::from_toml(BRACKETED_SCENE).expect("the fixture");
     let base = scene.base.clone().expect("a base");
     let (mut errors_mm, mut over_sigma) = (Vec::<f64>::new(), Vec::<f64>::new());
-    for seed in 0..IMAGES {
+    for seed in 0..images() {
         let seen = image(&scene, seed, &[]);
         let found = located(&scene, &seen, &base).unwrap_or_else(|error| panic!("image {seed}: {error}"));
         assert!(found.base.is_known && found.base.references_mm.iter().all(Option::is_some), "image {seed}");
@@ -98,7 +101,7 @@ fn markers_next_to_a_plate_are_found() {
     let scene = BRACKETED_SCENE.replace("bracket_mm = 3.0", "bracket_mm = [2.43, 3.0]");
     let scene = Scene::from_toml(&scene).expect("the fixture with other brackets");
     let base = scene.base.clone().expect("a base");
-    for seed in 0..IMAGES {
+    for seed in 0..images() {
         let seen = image(&scene, seed, &[]);
         let found = located(&scene, &seen, &base).unwrap_or_else(|error| panic!("image {seed}: {error}"));
         assert_eq!(found.located.len(), 2 * scene.finger.rib_count(), "image {seed}: {:?}", found.located);
@@ -114,7 +117,7 @@ fn markers_next_to_a_plate_are_found() {
 #[test]
 fn markers_are_named_without_references() {
     let scene = Scene::from_toml(BRACKETED_SCENE).expect("the fixture");
-    for seed in 0..IMAGES {
+    for seed in 0..images() {
         let seen = image(&scene, seed, &[]);
         let found = located(&scene, &seen, &Base::default()).unwrap_or_else(|error| panic!("image {seed}: {error}"));
         assert!(!found.base.is_known);

@@ -1,5 +1,5 @@
 //! The networks that ship, on fresh random forces of the co-rotational finger on 684 nodes, seen with camera noise.
-//! `FINRAY_TEST_CASES=4000` is the full study, half a minute on two cores.
+//! `FINRAY_TEST_CASES=full` is the full study, half a minute on two cores.
 
 use finray_model::measurement::Measurement;
 use finray_model::sensing::network::NetworkEstimator;
@@ -50,7 +50,7 @@ fn errors_are_near_the_bound() {
     let networks = Networks::read(&finray_fixtures::NETWORKS).expect("networks that read");
     let sensing = NetworkSensing { networks: &networks, finger: &finger, refuses: true };
     let (fine, key_nodes) = (fine_mesh(&finger).expect("a mesh"), Mesh::key_nodes(&finger));
-    let cases = case_count();
+    let cases = case_count(200, 4000);
     let each = singles(&nodes(&[14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24]));
     let near = [nodes(&[19, 20]), nodes(&[16, 17])];
     let apart = [nodes(&[18, 20]), nodes(&[16, 20])];
@@ -93,7 +93,7 @@ fn the_network_for_any_nodes_beats_ridge() {
     let ridge = BeamEstimator::ridge(&mesh);
     let sets = [&[15, 22][..], &[14, 18, 22], &[15, 16, 17], &[13, 16, 19, 22], &[14, 16, 18, 20, 22]];
     let sets: Vec<_> = sets.into_iter().map(nodes).collect();
-    let rows = errors(&fine, &key_nodes, &[&sensing, &ridge], &sets, case_count() / 2);
+    let rows = errors(&fine, &key_nodes, &[&sensing, &ridge], &sets, case_count(100, 2000));
     for pair in rows.chunks(2) {
         let [network, ridge] = pair else { panic!("a row for each estimator") };
         let [ours, theirs] = [network, ridge].map(|row| row.mean_error().expect("forces"));

@@ -2,7 +2,7 @@
 
 use super::*;
 use finray_fixtures::CAMERA_SCENE;
-use finray_tests::{TWO_SIDED_95, share_error};
+use finray_tests::{TWO_SIDED_95, repetitions, share_error};
 use rayon::prelude::*;
 
 #[test]
@@ -132,8 +132,8 @@ fn grey_markers_lead_back_to_the_force() {
 fn intervals_of_forces_and_bases_hold_on_images_of_an_exact_finger() {
     const BASES: [&str; 3] = ["40,-70,95", "60,-75,90", "0,-60,80"];
     const LOADS: [[f64; 3]; 4] = [[75.0, 3.0, 10.0], [60.0, 6.0, 0.0], [90.0, 2.0, 15.0], [50.0, 4.0, -10.0]];
-    const SEEDS: usize = 3;
-    const COUNT: usize = BASES.len() * LOADS.len() * SEEDS;
+    let seeds = repetitions(1, 3) as usize;
+    let count = BASES.len() * LOADS.len() * seeds;
     let folder = Folder::new();
     let off_in_sigmas = |number: usize| {
         let [at_mm, force_n, angle_deg] = LOADS[number % LOADS.len()];
@@ -156,19 +156,19 @@ fn intervals_of_forces_and_bases_hold_on_images_of_an_exact_finger() {
         println!("base {of_base:?}");
         ((found_n - force_n) / sigma_n, of_base)
     };
-    let (off, of_base): (Vec<f64>, Vec<[f64; 3]>) = (0..COUNT).into_par_iter().map(off_in_sigmas).unzip();
-    let share = off.iter().filter(|off| off.abs() <= TWO_SIDED_95).count() as f64 / COUNT as f64;
-    let mean = off.iter().sum::<f64>() / COUNT as f64;
+    let (off, of_base): (Vec<f64>, Vec<[f64; 3]>) = (0..count).into_par_iter().map(off_in_sigmas).unzip();
+    let share = off.iter().filter(|off| off.abs() <= TWO_SIDED_95).count() as f64 / count as f64;
+    let mean = off.iter().sum::<f64>() / count as f64;
     println!("{share} within, {mean} standard deviations off in the mean");
-    assert!((share - 0.95).abs() <= STANDARD_ERRORS * share_error(0.95, COUNT), "{share} {off:?}");
+    assert!((share - 0.95).abs() <= STANDARD_ERRORS * share_error(0.95, count), "{share} {off:?}");
     // Seeds of a base and a load share what the model of an edge leaves out, so that their mean counts for one.
     let independent = (BASES.len() * LOADS.len()) as f64;
     assert!(mean.abs() <= STANDARD_ERRORS / independent.sqrt(), "{mean} {off:?}");
     let within = of_base.iter().flatten().filter(|off| off.abs() <= TWO_SIDED_95).count() as f64;
-    let share = within / (3 * COUNT) as f64;
-    let square = of_base.iter().flatten().map(|off| off * off).sum::<f64>() / (3 * COUNT) as f64;
+    let share = within / (3 * count) as f64;
+    let square = of_base.iter().flatten().map(|off| off * off).sum::<f64>() / (3 * count) as f64;
     println!("{share} of the base's coordinates within, mean square {square}");
     // The coordinates of one base are correlated: it counts as one.
-    assert!((square - 1.0).abs() <= STANDARD_ERRORS * (2.0 / COUNT as f64).sqrt(), "{square} {of_base:?}");
-    assert!((share - 0.95).abs() <= STANDARD_ERRORS * share_error(0.95, 3 * COUNT), "{share} {of_base:?}");
+    assert!((square - 1.0).abs() <= STANDARD_ERRORS * (2.0 / count as f64).sqrt(), "{square} {of_base:?}");
+    assert!((share - 0.95).abs() <= STANDARD_ERRORS * share_error(0.95, 3 * count), "{share} {of_base:?}");
 }

@@ -32,7 +32,7 @@ const RESISTANCE: f64 = 1e-3;
 
 /// The scene of an object, with something changed in it.
 pub(super) fn object(name: &str, change: impl Fn(&mut Scene)) -> GraspScene {
-    let folder: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures/scenes/grasp");
+    let folder: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/scenes/grasp");
     let mut given = load_scene_with_outline(&folder.join(format!("{name}.toml"))).unwrap();
     change(&mut given.scene);
     GraspScene::new(&given.scene, &given.corners).unwrap().with_fineness(FINENESS)
@@ -86,7 +86,7 @@ fn the_work_of_a_cycle_is_that_of_friction() {
 /// Forces at equal motor angles while the gripper closes are those of steps a third as long: once a wedge got 5.9 N for 5.3 N, since a long step ended in
 /// another equilibrium, to which no way leads without energy from nowhere. In the full study of other objects too that turn or slip on their way.
 #[test]
-fn forces_do_not_depend_on_the_step_of_the_motor() {
+fn a_long_motor_step_does_not_end_in_another_equilibrium() {
     /// Of the largest total: friction is by the slip of a part of a step, in one go.
     const TOLERANCE: f64 = 0.01;
     /// With two segments a member the wedge snaps, and friction after the snap depends on where in the motor's step it happens.

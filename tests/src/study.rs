@@ -1,0 +1,68 @@
+//! Statistical studies of stated standard deviations: judged by few cases on every run, with a record of the full study, and a check that
+//! the record is fresh.
+
+use crate::chance::{STANDARD_ERRORS, TWO_SIDED_95, is_full_study, share_error};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
+
+const HEADER: &str = "study,mean_square_of_first,cases,share_within_95,mean_square";
+/// The first errors of a study, which few cases have too: a record is of other sensing where their mean square is another, by more than
+/// this share.
+const FIRST: usize = 30;
+const FRESH: f64 = 0.01;
+
+fn mean_square(errors: &[f64]) -> f64 {
+    errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64
+}
+
+/// Checks errors in stated standard deviations: the share within a 95 % interval and the mean square are 0.95 and 1, to three and four standard
+/// errors of this number of cases. The full study writes its figures to `fixtures/results/studies.csv`; fewer cases fail where the figures there
+/// are of other sensing than today's.
+///
+/// # Panics
+/// Where errors are larger or smaller than stated, or the record is stale.
+#[track_caller]
+pub fn assert_standardised(study: &str, errors: &[f64]) {
+    let count = errors.len();
+    let within = errors.iter().filter(|error| error.abs() <= TWO_SIDED_95).count();
+    let (share, square) = (within as f64 / count as f64, mean_square(errors));
+    println!("{study}: {share} of {count} within 95 %, mean square {square}");
+    assert!((share - 0.95).abs() <= 3.0 * share_error(0.95, count), "{study}: {share} of {count} within 95 %");
+    // Of the mean square the standard deviation is sqrt(2 / n).
+    let chance = STANDARD_ERRORS * (2.0 / count as f64).sqrt();
+    assert!((square - 1.0).abs() <= chance, "{study}: mean square {square} of {count}");
+    let Some(first) = errors.get(..FIRST).map(mean_square) else { return };
+    if is_full_study() {
+        return record(study, format!("{first:.4},{count},{share:.4},{square:.4}"));
+    }
+    let recorded = records().get(study).and_then(|row| row.split(',').next()?.parse::<f64>().ok());
+    assert!(
+        recorded.is_some_and(|recorded| (first / recorded - 1.0).abs() <= FRESH),
+        "{study}: the first {FIRST} errors have a mean square of {first:.4}, in fixtures/results/studies.csv {recorded:?}: \
+         run this test with FINRAY_TEST_CASES=full"
+    );
+}
+
+fn file() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../fixtures/results/studies.csv")
+}
+
+/// Figures of the full studies, by name.
+fn records() -> BTreeMap<String, String> {
+    let text = fs::read_to_string(file()).unwrap_or_default();
+    let rows = text.lines().skip(1).filter_map(|line| line.split_once(','));
+    rows.map(|(study, figures)| (study.to_owned(), figures.to_owned())).collect()
+}
+
+/// Tests that run at once write one after the other.
+static WRITING: Mutex<()> = Mutex::new(());
+
+fn record(study: &str, figures: String) {
+    let _one = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut records = records();
+    records.insert(study.to_owned(), figures);
+    let rows: String = records.iter().map(|(study, figures)| format!("{study},{figures}\n")).collect();
+    fs::write(file(), format!("{HEADER}\n{rows}")).expect("the folder of results");
+}
