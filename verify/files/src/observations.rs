@@ -148,8 +148,11 @@ impl ObservationTable {
         let row = &self.rows.rows()[i];
         let node = self.rows.node(row, 0)?;
         let at = Vector::new(self.rows.number(row, 1)?, self.rows.number(row, 2)?);
-        let number =
-            |table: &Option<Table<1>>| table.as_ref().map(|table| table.number(&table.rows()[i], 0)).transpose();
+        // An empty cell says nothing.
+        let number = |table: &Option<Table<1>>| {
+            let table = table.as_ref().filter(|table| !table.rows()[i].cells[0].is_empty());
+            table.map(|table| table.number(&table.rows()[i], 0)).transpose()
+        };
         let is_position = self.coordinates == Coordinates::Positions;
         Ok(ObservedMarker {
             node,
@@ -212,7 +215,7 @@ pub fn to_csv(observations: &[Observation]) -> Result<String, csv::Error> {
     match observations.iter().all(|seen| seen.base.is_some()) {
         false => super::csv_text(rows.map(|(seen, marker)| marker_row(&seen.image, marker))),
         true => super::csv_text(
-            rows.map(|(seen, marker)| (marker_row(&seen.image, marker), seen.base.map(|base| base_row(&base, marker)))),
+            rows.filter_map(|(seen, marker)| Some((marker_row(&seen.image, marker), base_row(&seen.base?, marker)))),
         ),
     }
 }

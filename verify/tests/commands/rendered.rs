@@ -3,7 +3,7 @@
 //!
 //! Every image: another force, position and friction, the base mounted anew. A pad between object and plate spreads the force and lets friction act
 //! before the plate. An interval holds a calibration's errors as well, which all its images share: coverage is of several fingers, each
-//! calibrated by itself. `FINRAY_TEST_CASES=<number>` sets how many images are sensed, 8 otherwise; with `--nocapture` the tables are printed.
+//! calibrated by itself. `FINRAY_TEST_CASES=<number>` sets how many images are sensed, 16 otherwise; with `--nocapture` the tables are printed.
 
 use crate::kit::*;
 use crate::photographs::force;
@@ -221,7 +221,7 @@ fn press(folder: &Folder, built: &Built, number: usize, pad: Pad) -> Press {
 
 /// How many images are sensed.
 fn images() -> usize {
-    case_count(8, 200)
+    case_count(16, 200)
 }
 
 /// Renders with a pad, calibrates and senses with a scene that states one; prints a table and returns what was found for each of [`Known::ALL`].
