@@ -101,10 +101,7 @@ pub fn all_forces(finger: &Finger, noise_mm: f64) -> Result<AllForces, SensingEr
 }
 
 /// Standard deviation of the force across the normal where size and direction are both sought, N, by node; linear.
-///
-/// # Errors
-/// [`SensingError`] if a node cannot be sensed.
-pub fn unknown_direction(finger: &Finger, noise_mm: f64) -> Result<Vec<f64>, SensingError> {
+pub(crate) fn unknown_direction(finger: &Finger, noise_mm: f64) -> Result<Vec<f64>, SensingError> {
     let markers = Measurement::at_rest(finger);
     by_node(finger, |node| {
         let component = |angle_deg| Contact { position: ContactPosition::Node(node), angle_deg };

@@ -108,10 +108,7 @@ pub fn run(context: &Context) -> Result<Convergence, MeshSizeError> {
 }
 
 /// Solves every load on every mesh; loads without equilibrium are gaps. `progress` is called once for every loaded node.
-///
-/// # Errors
-/// [`MeshSizeError`] never in practice: the paper's fine mesh is left out where it is smaller than the finger.
-pub fn convergence(
+pub(crate) fn convergence(
     finger: &Finger,
     effort: Effort,
     progress: &(dyn Fn() + Sync),

@@ -143,10 +143,7 @@ impl Evidence for LatticeStudy {
 
 /// The lattice of the paper's finger, beside the objects that are pressed: each settles for long on a single thread. `maps` has that of
 /// least squares on the co-rotational finger without noise.
-///
-/// # Errors
-/// [`ProblemError`] if a load has no equilibrium or a lattice does not settle; what is wrong with an object.
-pub fn run_beside_objects(
+pub(crate) fn run_beside_objects(
     context: &Context,
     maps: &[AccuracyMap],
 ) -> Result<(Option<LatticeStudy>, Vec<SceneStudy>), ExperimentError> {

@@ -51,10 +51,7 @@ const TOUCHED_STEP_DEG: f64 = 20.0;
 
 /// The co-rotational finger under the drawn force at every contact node (a dozen of many) in every direction; what has no
 /// equilibrium is left out.
-///
-/// # Errors
-/// None.
-pub fn touched(context: &Context) -> Result<Vec<TouchedFinger>, Infallible> {
+pub(crate) fn touched(context: &Context) -> Result<Vec<TouchedFinger>, Infallible> {
     let finger = context.finger;
     let every = finger.contact_nodes().len().div_ceil(13);
     let nodes: Vec<NodeId> = finger.contact_nodes().rev().step_by(every).collect();

@@ -122,10 +122,7 @@ pub fn table_one(finger: &Finger, truth: &dyn Truth, angle_deg: f64) -> Result<T
 }
 
 /// Young's modulus by eq. (11) from the truth's shapes under the weights at some nodes, as a factor on the finger's.
-///
-/// # Errors
-/// [`ExperimentError`] if a weight cannot be carried.
-pub fn modulus_factor(
+pub(crate) fn modulus_factor(
     finger: &Finger,
     truth: &dyn Truth,
     angle_deg: f64,

@@ -45,10 +45,7 @@ fn solve(mesh: &Mesh, node: NodeId) -> Result<[f64; 2], ProblemError> {
 }
 
 /// A row for each loaded node.
-///
-/// # Errors
-/// [`ProblemError`] if the finger does not carry the load.
-pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
+pub(crate) fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     let mesh = Mesh::key_nodes(finger);
     let mut checks = Vec::new();
     for node in NODES.map(NodeId) {

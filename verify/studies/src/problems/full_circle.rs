@@ -27,10 +27,7 @@ pub const CLOSURE_TOLERANCE: f64 = 1e-9;
 pub const CHORD_TOLERANCE: f64 = 1e-7;
 
 /// Where the tip comes to rest, how far it turns, and how far away the middle is.
-///
-/// # Errors
-/// [`ProblemError`] if the moment has no equilibrium.
-pub fn checks() -> Result<Vec<Check>, ProblemError> {
+pub(crate) fn checks() -> Result<Vec<Check>, ProblemError> {
     let mut frame = PlaneFrame::new();
     let section = Section { axial_rigidity_n: AXIAL_RIGIDITY, bending_rigidity_nmm2: 1.0 };
     let nodes: Vec<NodeIndex> =

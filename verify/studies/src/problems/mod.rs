@@ -70,10 +70,7 @@ impl From<Vec<Check>> for ProblemResults {
 }
 
 /// Solves [`ALL`] that apply to a finger, in parallel.
-///
-/// # Errors
-/// The first [`ProblemError`] in the order of [`ALL`].
-pub fn solve_all(finger: &Finger) -> Result<ProblemResults, ProblemError> {
+pub(crate) fn solve_all(finger: &Finger) -> Result<ProblemResults, ProblemError> {
     let applying = ALL.par_iter().with_max_len(1).filter(|problem| (problem.applies_to)(finger));
     let solved: Vec<ProblemResults> = applying.map(|problem| (problem.solve)(finger)).collect::<Result<_, _>>()?;
     Ok(solved.into_iter().fold(ProblemResults::default(), |mut all, one| {

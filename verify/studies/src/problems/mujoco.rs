@@ -63,10 +63,7 @@ pub struct CaseDeviation {
 }
 
 /// Solves every case of an exported finger with converged beams.
-///
-/// # Errors
-/// [`ProblemError`] if the table cannot be read or a case has no equilibrium.
-pub fn deviations(exported: &ExportedFinger) -> Result<Vec<CaseDeviation>, ProblemError> {
+pub(crate) fn deviations(exported: &ExportedFinger) -> Result<Vec<CaseDeviation>, ProblemError> {
     let (finger, cases) = (exported.finger()?, exported.cases()?);
     let meshes = ELEMENTS.map(|elements| Mesh::with_elements_per_member(&finger, elements));
     let directions: Vec<&[StaticCase]> =
@@ -166,10 +163,7 @@ fn linear_check(exported: &ExportedFinger) -> Result<Check, ProblemError> {
 }
 
 /// Displacements of a step of a push against converged beams under the exported contact forces, as a share of the largest.
-///
-/// # Errors
-/// [`ProblemError`] if the forces have no equilibrium.
-pub fn contact_deviation(mesh: &Mesh, step: &ContactStep) -> Result<f64, ProblemError> {
+pub(crate) fn contact_deviation(mesh: &Mesh, step: &ContactStep) -> Result<f64, ProblemError> {
     let load = |rod: &TouchedRod| Load::Node { node: rod.node, force: rod.force, moment_nmm: rod.moment_nmm };
     let loads: Vec<Load> = step.touched.iter().map(load).collect();
     let ours = statics::solve(mesh, &loads, Kinematics::Corotational)?;

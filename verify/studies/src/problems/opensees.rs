@@ -110,10 +110,7 @@ fn deviation(finger: &Finger, rows: &[Row]) -> Result<CaseDeviation, ProblemErro
 }
 
 /// The paper's finger on the paper's two meshes: a check for each kinematics and mesh, over its worst case.
-///
-/// # Errors
-/// See [`deviations`].
-pub fn paper_checks(paper: &Finger) -> Result<Vec<Check>, ProblemError> {
+pub(crate) fn paper_checks(paper: &Finger) -> Result<Vec<Check>, ProblemError> {
     let deviations = deviations(paper, finray_fixtures::OPENSEES_PAPER)?;
     let mut groups: Vec<(Kinematics, usize)> = deviations.iter().map(|d| (d.kinematics, d.mesh_nodes)).collect();
     groups.dedup();
@@ -140,10 +137,7 @@ pub fn paper_checks(paper: &Finger) -> Result<Vec<Check>, ProblemError> {
 
 /// Difference of the linear finger from the co-rotational one, for each fine co-rotational case: no tolerance, but why
 /// linear sensing errs.
-///
-/// # Errors
-/// See [`deviations`].
-pub fn linear_against_corotational(paper: &Finger) -> Result<Vec<Comparison>, ProblemError> {
+pub(crate) fn linear_against_corotational(paper: &Finger) -> Result<Vec<Comparison>, ProblemError> {
     let rows: Vec<Row> =
         csv::Reader::from_reader(finray_fixtures::OPENSEES_PAPER.as_bytes()).deserialize().collect::<Result<_, _>>()?;
     let mesh = Mesh::key_nodes(paper);

@@ -36,10 +36,7 @@ fn refined(finger: &Finger, meshes: [&Mesh; 2], node: NodeId, kinematics: Kinema
 }
 
 /// Largest difference between the linear finger's two meshes, over loads along the front plate, as a share of the largest displacement.
-///
-/// # Errors
-/// [`ProblemError`] if the finger cannot be solved.
-pub fn linear_difference(finger: &Finger) -> Result<f64, ProblemError> {
+pub(crate) fn linear_difference(finger: &Finger) -> Result<f64, ProblemError> {
     let (coarse, fine) = (Mesh::key_nodes(finger), fine_mesh(finger)?);
     let differences =
         sampled_nodes(finger).into_iter().map(|node| refined(finger, [&coarse, &fine], node, Kinematics::Linear));
@@ -48,10 +45,7 @@ pub fn linear_difference(finger: &Finger) -> Result<f64, ProblemError> {
 
 /// The linear finger does not change with the mesh. Nothing is checked for a finger with zones: their ends cut
 /// elements, and what an element averages depends on its length.
-///
-/// # Errors
-/// [`ProblemError`] if the finger cannot be solved.
-pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
+pub(crate) fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     if !finger.description().zones.is_empty() {
         return Ok(Vec::new());
     }
@@ -63,10 +57,7 @@ pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
 }
 
 /// Difference of coarse co-rotational meshes from the fine one, by loaded node.
-///
-/// # Errors
-/// [`ProblemError`] if the finger cannot be solved.
-pub fn comparisons(finger: &Finger) -> Result<Vec<Comparison>, ProblemError> {
+pub(crate) fn comparisons(finger: &Finger) -> Result<Vec<Comparison>, ProblemError> {
     let (coarse, fine) = (Mesh::key_nodes(finger), fine_mesh(finger)?);
     let mut comparisons = Vec::new();
     for (kinematics, name) in

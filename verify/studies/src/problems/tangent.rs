@@ -84,10 +84,7 @@ fn of_finger(mesh: &Mesh, loads: &[FrameLoad], kinematics: Kinematics) -> [f64; 
 }
 
 /// Two rows each for an element, a load between its ends and the finger; the worst of all kinematics.
-///
-/// # Errors
-/// [`ProblemError`] if the loads are not on the finger.
-pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
+pub(crate) fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     let beam = Beam {
         direction: Vector::new(0.8, 0.6),
         length_mm: 10.0,

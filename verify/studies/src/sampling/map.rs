@@ -58,14 +58,6 @@ pub fn accuracy_maps(
 }
 
 impl AccuracyMap {
-    /// CSV of the cells: `s_mm,angle_deg,force_n,mean_error,bias,spread,samples,answered,warned,covered,covered_warned`.
-    ///
-    /// # Errors
-    /// None in memory; the signature is the CSV writer's.
-    pub fn to_csv(&self) -> Result<String, csv::Error> {
-        finray_files::csv_text(&self.cells)
-    }
-
     /// Reads the cells of the table of a sweep with one truth, estimator and level of noise, written as
     /// [`Table::Map`](sweep::Table::Map).
     ///

@@ -70,10 +70,7 @@ impl TurnedOutline {
     }
 
     /// The shape for the engine; an outline that is not convex becomes convex pieces.
-    ///
-    /// # Errors
-    /// [`OutlineError`] for corners that are no outline.
-    pub fn shape(&self) -> Result<SharedShape, OutlineError> {
+    pub(crate) fn shape(&self) -> Result<SharedShape, OutlineError> {
         let corners = match self {
             TurnedOutline::Disc(radius_mm) => return Ok(SharedShape::ball(*radius_mm)),
             TurnedOutline::Polygon(corners) => corners,

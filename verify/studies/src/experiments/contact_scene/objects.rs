@@ -26,10 +26,7 @@ pub struct Objects {
 
 impl Objects {
     /// The scene's own object, or for the paper's finger without one the scenes that ship.
-    ///
-    /// # Errors
-    /// [`SceneStudyError`] if a scene that ships does not read.
-    pub fn of(context: &Context) -> Result<Objects, SceneStudyError> {
+    pub(crate) fn of(context: &Context) -> Result<Objects, SceneStudyError> {
         let &Context { given, is_paper, effort, .. } = context;
         let mut scenes = match &given.scene.object {
             Some(_) => vec![(given.clone(), FINENESS)],
@@ -57,10 +54,7 @@ impl Objects {
     }
 
     /// Presses them onto the finger.
-    ///
-    /// # Errors
-    /// [`SceneStudyError`] for an outline that is none.
-    pub fn press(&self, progress: &dyn Progress) -> Result<Vec<SceneStudy>, SceneStudyError> {
+    pub(crate) fn press(&self, progress: &dyn Progress) -> Result<Vec<SceneStudy>, SceneStudyError> {
         run_all(&self.scenes, CAMERA_NOISE_MM, self.samples, &|| progress.step())
     }
 }

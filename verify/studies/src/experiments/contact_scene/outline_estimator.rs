@@ -29,10 +29,7 @@ pub struct OutlineEstimator<'s> {
 impl OutlineEstimator<'_> {
     /// Senses the forces of one or more contacts, none of them clamped, from what was seen of the markers and from the contacts as the camera reads
     /// them; and their sum along a unit vector.
-    ///
-    /// # Errors
-    /// [`Refusal`] if they are not identifiable.
-    pub fn sense(
+    pub(crate) fn sense(
         &self,
         felt: &[SeenContact],
         seen: &Observation,

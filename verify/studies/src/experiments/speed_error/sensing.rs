@@ -171,10 +171,7 @@ pub fn neighbours(finger: &Finger) -> Vec<Vec<NodeId>> {
 
 /// One moving force on nodes spread over the front plate, and two on neighbours in its middle, sensed from `frames` frames each of the
 /// co-rotational finger `truth`; `further` estimators join those of beams.
-///
-/// # Errors
-/// [`SpeedErrorError`] if an estimator is not made for the contacts.
-pub fn sensing(
+pub(crate) fn sensing(
     truth: &Mesh,
     noise_mm: f64,
     nodes: usize,

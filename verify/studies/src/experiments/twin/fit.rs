@@ -82,10 +82,7 @@ pub fn mean_errors(table: &TableOne) -> Vec<f64> {
 }
 
 /// The paper's finger with the factors of a set's groups, and of all moduli, in its place.
-///
-/// # Errors
-/// [`ImpossibleFinger`] for zones that are not on the finger.
-pub fn with_factors(paper: &Finger, set: &ZoneSet, factors: &[f64], modulus: f64) -> Result<Finger, ImpossibleFinger> {
+pub(crate) fn with_factors(paper: &Finger, set: &ZoneSet, factors: &[f64], modulus: f64) -> Result<Finger, ImpossibleFinger> {
     let zones = set.groups.iter().zip(factors).flat_map(|((sections, _), &modulus_factor)| {
         sections.iter().map(move |&(part, from, to)| Zone {
             part,
