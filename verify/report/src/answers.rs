@@ -6,7 +6,7 @@ use super::page::Answer;
 use super::trust::{Situation, situations};
 use super::words::say;
 use super::{ReportError, causes, checks, shapes};
-use finray_studies::estimators::EstimatorId;
+use finray_model::estimators::EstimatorId;
 use finray_studies::experiments::speed_error::recommendation::{LARGEST_BIAS_SIGMAS, recommended, ways};
 use finray_studies::experiments::speed_error::sensing::SENSED_N;
 use finray_studies::sampling::sweep::{CellState, MapCell};

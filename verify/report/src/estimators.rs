@@ -6,7 +6,7 @@ use super::maps::small;
 use super::page::{Block, Section, details};
 use super::words::{paragraph, say};
 use super::{ReportError, Results};
-use finray_studies::estimators::EstimatorId;
+use finray_model::estimators::EstimatorId;
 use finray_studies::experiments::coverage::CoverageRow;
 use finray_studies::experiments::speed_error::recommendation::{recommended, ways};
 use finray_studies::sampling::worst::TrustCounts;

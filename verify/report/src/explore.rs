@@ -2,9 +2,9 @@
 
 use super::Results;
 use super::maps::small;
+use finray_model::estimators::EstimatorId;
 use finray_model::finger::{FingerPoint, Plate};
 use finray_model::{Finger, NodeId, Vector};
-use finray_studies::estimators::EstimatorId;
 use finray_studies::experiments::causes::{CauseMap, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM};
 use finray_studies::experiments::contact_scene::contacts_sensed;
 use finray_studies::experiments::contact_scene::study::{SceneStudy, StudiedStep};

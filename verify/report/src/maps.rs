@@ -10,7 +10,7 @@ use super::page::{Block, Figure, Section, details};
 use super::words::say;
 use super::{ReportError, Results};
 use drawings::MapFilter;
-use finray_studies::estimators::EstimatorId;
+use finray_model::estimators::EstimatorId;
 use finray_studies::experiments::explain::Explanation;
 use finray_studies::sampling::map::AccuracyMap;
 use finray_studies::settings::MAP_FORCES_N;

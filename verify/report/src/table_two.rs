@@ -11,7 +11,7 @@ use super::page::{Block, Cell, Column, Figure, Section, Table, details, text};
 use super::words::paragraph;
 use super::{ReportError, Results};
 use finray_figures::{Axis, Chart, FigureError, Frame, Hue};
-use finray_studies::estimators::EstimatorId;
+use finray_model::estimators::EstimatorId;
 use finray_studies::experiments::networks::paper::{PAPER_RECIPES, quantities, recorded};
 use finray_studies::experiments::networks::records::RecipeRow;
 use finray_studies::experiments::table_two::{CONTACT_GROUPS, ContactGroup, FORCES_N, MOST_FITS, TableTwo};

@@ -3,12 +3,12 @@
 use super::parse::{degrees_between, positive};
 use super::{Failure, bad_input, hints, not_computed, progress};
 use finray_files::{FileError, Reader, Stream, is_stream, load_network_and_digest, load_scene_and_text};
+use finray_model::estimators::network::Networks;
+use finray_model::estimators::{Estimator, EstimatorId};
 use finray_model::measurement::Measurement;
 use finray_model::sensing::SensingError;
 use finray_model::{Finger, Mesh, Scene};
 use finray_report::{map_figure_svg, standalone};
-use finray_studies::estimators::network::Networks;
-use finray_studies::estimators::{Estimator, EstimatorId};
 use finray_studies::sampling::map::AccuracyMap;
 use finray_studies::sampling::sweep::{Grid, Head, Partial, Request, Shard, Sweep, Table};
 use finray_studies::truths::{Truth, TruthId};

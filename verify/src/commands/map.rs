@@ -3,7 +3,7 @@
 use super::Failure;
 use super::grid::{Candidates, GridArguments, run as run_grid};
 use super::parse::{listed, not_negative};
-use finray_studies::estimators::EstimatorId;
+use finray_model::estimators::EstimatorId;
 use finray_studies::sampling::sweep::Table;
 use finray_studies::truths::TruthId;
 

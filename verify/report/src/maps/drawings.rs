@@ -5,7 +5,7 @@ use crate::ReportError;
 use crate::drawings::{error_cells, percent_classes, plate_map, small_maps};
 use crate::page::Figure;
 use finray_figures::{Cells, FigureError, Frame, Map};
-use finray_studies::estimators::EstimatorId;
+use finray_model::estimators::EstimatorId;
 use finray_studies::sampling::map::AccuracyMap;
 use finray_studies::sampling::worst::TrustCounts;
 use finray_studies::study::Study;

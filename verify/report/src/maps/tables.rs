@@ -3,7 +3,7 @@
 use super::{ExplainedQuantity, small};
 use crate::dataset::{Columns, Dataset, Format};
 use crate::page::{Cell as TableCell, Column, Table};
-use finray_studies::estimators::EstimatorId;
+use finray_model::estimators::EstimatorId;
 use finray_studies::sampling::map::{AccuracyMap, MapSummary};
 use finray_studies::sampling::worst::WorstCell;
 use finray_studies::settings::DRAWN_FORCE_N;

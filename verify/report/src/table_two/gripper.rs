@@ -7,7 +7,7 @@ use crate::format::{nodes_in_words, share_of_counts};
 use crate::page::{Block, Figure, Table};
 use crate::words::paragraph;
 use finray_figures::{Axis, Chart, Dash, FigureError, Frame, Marker, Series};
-use finray_studies::estimators::EstimatorId;
+use finray_model::estimators::EstimatorId;
 use finray_studies::experiments::grasp::modules::{ModuleStudy, ModuleTest};
 use finray_studies::study::Study;
 use minijinja::context;

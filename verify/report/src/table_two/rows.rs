@@ -3,7 +3,7 @@
 use super::{CSV, paper_network, recorded_settings, settings};
 use crate::dataset::{Columns, Dataset};
 use crate::format::list;
-use finray_studies::estimators::EstimatorId;
+use finray_model::estimators::EstimatorId;
 use finray_studies::experiments::networks::paper::{PAPER_RECIPES, quantities, recorded, recorded_sets};
 use finray_studies::experiments::table_two::{CONTACT_GROUPS, ContactGroup, TableTwo};
 use finray_studies::sampling::scatter::ScatterRow;

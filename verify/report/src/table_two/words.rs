@@ -3,7 +3,7 @@
 use super::scaling as recipe_scaling;
 use crate::ReportError;
 use crate::words::say;
-use finray_studies::estimators::EstimatorId;
+use finray_model::estimators::EstimatorId;
 use finray_studies::experiments::networks::paper::{Figure, PAPER_RECIPES, SAME_FACTOR, figures};
 use finray_studies::experiments::networks::records::RecipeRow;
 use finray_studies::experiments::table_two::{CONTACT_GROUPS, TableTwo};

@@ -99,10 +99,7 @@ impl Evidence for Convergence {
 }
 
 /// [`convergence`] of the finger.
-///
-/// # Errors
-/// As there.
-pub fn run(context: &Context) -> Result<Convergence, MeshSizeError> {
+pub(crate) fn run(context: &Context) -> Result<Convergence, MeshSizeError> {
     context.progress.part("convergence", loaded_nodes(context.finger).len());
     convergence(context.finger, context.effort, &|| context.progress.step())
 }

@@ -5,12 +5,12 @@
 
 use super::{Context, Evidence};
 use crate::check::{Check, Kind};
-use crate::estimators::{Estimator, EstimatorId, PreparedEstimator};
 use crate::sampling::map::{AccuracyMap, MapRequest};
 use crate::sampling::noise::Noise;
 use crate::sampling::sweep::MapCell;
 use crate::settings::{MAP_FORCES_N, TWO_SIDED_95};
 use crate::truths::{Truth, TruthId};
+use finray_model::estimators::{Estimator, EstimatorId, PreparedEstimator};
 use finray_model::measurement::Measurement;
 use finray_model::{Finger, Mesh};
 use rayon::prelude::*;

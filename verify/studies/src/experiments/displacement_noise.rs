@@ -181,10 +181,7 @@ impl Evidence for DisplacementNoiseStudy {
 }
 
 /// Nothing without noise.
-///
-/// # Errors
-/// [`LoadError`] for a finger without contact nodes.
-pub fn run(context: &Context) -> Result<Option<DisplacementNoiseStudy>, LoadError> {
+pub(crate) fn run(context: &Context) -> Result<Option<DisplacementNoiseStudy>, LoadError> {
     let cases = context.effort.displacement_noise_cases();
     let study = || DisplacementNoiseStudy::run(context.finger, context.noise_mm, cases);
     (context.noise_mm > 0.0).then(study).transpose()

@@ -6,9 +6,9 @@
 //! co-rotational finger in its loaded shape. The stiffness of the deformed finger counts, not that of the finger at rest.
 
 use super::{Context, Evidence};
-use crate::estimators::ELEMENTS;
 use crate::sampling::map::MapRequest;
 use crate::settings::{DRAWN_FORCE_N, Effort};
+use finray_model::estimators::ELEMENTS;
 use finray_model::mesh::LoadError;
 use finray_model::sensing::{Contact, ContactPosition, LARGEST_SPAN, marker_coordinates};
 use finray_model::statics::{Ladder, Statics};
@@ -61,10 +61,7 @@ pub struct ExplanationMap {
 impl Evidence for ExplanationMap {}
 
 /// Explains sensing of the drawn force on the co-rotational finger; without noise the bounds are 0.
-///
-/// # Errors
-/// [`LoadError`] never in practice: all positions are on the front plate.
-pub fn run(context: &Context) -> Result<ExplanationMap, LoadError> {
+pub(crate) fn run(context: &Context) -> Result<ExplanationMap, LoadError> {
     let (finger, effort) = (context.finger, context.effort);
     let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
     let (positions, step_deg, _) = effort.coarse_resolution();

@@ -4,7 +4,6 @@ use super::contact_scene::objects::Objects;
 use super::contact_scene::study::SceneStudy;
 use super::{Context, Evidence, ExperimentError};
 use crate::check::{Check, Comparison, Kind, worst};
-use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorId};
 use crate::lattice::accuracy::{FinenessRow, LoadGrid, study};
 use crate::lattice::causes::{self, AxialRow, SettlingRow};
 use crate::problems::lattice::{FINENESS, NEWTON};
@@ -15,6 +14,7 @@ use crate::settings::{Effort, MAP_FORCES_N};
 use crate::truths::{LatticeTruth, TruthId};
 use finray_lattice::settling::Precision;
 use finray_lattice::{Lattice, LatticeError};
+use finray_model::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorId};
 use finray_model::{Finger, Mesh};
 use std::collections::HashMap;
 use std::ops::RangeInclusive;
@@ -169,10 +169,7 @@ impl LatticeStudy {
 
     /// Computes everything; `theirs` is the map of least squares on the co-rotational finger without noise, `noise` the
     /// standard deviations of a coordinate (mm; the first is 0) and the number of samples of the maps.
-    ///
-    /// # Errors
-    /// [`ProblemError`] if a load has no equilibrium or the lattice does not settle.
-    pub fn run(
+    pub(crate) fn run(
         finger: &Finger,
         effort: Effort,
         theirs: &AccuracyMap,

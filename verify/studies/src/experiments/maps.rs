@@ -1,10 +1,10 @@
 //! Maps of where sensing fails, for every truth and estimator.
 
 use super::{Context, Evidence};
-use crate::estimators::EstimatorId;
 use crate::sampling::map::{AccuracyMap, MapRequest, accuracy_maps};
 use crate::settings::MAP_FORCES_N;
 use crate::truths::{Truth, TruthError, TruthId};
+use finray_model::estimators::EstimatorId;
 
 impl Evidence for AccuracyMap {}
 
@@ -17,10 +17,7 @@ struct Plan {
 
 /// A map for each truth and estimator, those of scenes other than the paper's on their own beams alone. Those of the spring lattice that
 /// need no network are of [its own study](super::lattice).
-///
-/// # Errors
-/// [`TruthError`] if a finger at rest cannot be solved.
-pub fn run(context: &Context) -> Result<Vec<AccuracyMap>, TruthError> {
+pub(crate) fn run(context: &Context) -> Result<Vec<AccuracyMap>, TruthError> {
     let finger = context.finger;
     let ids: Vec<TruthId> =
         TruthId::ALL.iter().copied().filter(|id| context.is_paper || id.kinematics().is_some()).collect();

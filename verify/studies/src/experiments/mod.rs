@@ -26,13 +26,13 @@ pub mod table_two;
 pub mod twin;
 
 use crate::check::{Check, Comparison};
-use crate::estimators::EstimatorError;
-use crate::estimators::network::Networks;
 use crate::problems::ProblemError;
 use crate::settings::{Effort, Progress};
 use crate::truths::{MeshTruth, TwinError};
 use contact_scene::study::{SceneStudyError, SceneWithOutline};
 use finray_model::calibration::CalibrationError;
+use finray_model::estimators::EstimatorError;
+use finray_model::estimators::network::Networks;
 use finray_model::finger::ImpossibleFinger;
 use finray_model::mesh::{LoadError, MeshSizeError};
 use finray_model::sensing::SensingError;

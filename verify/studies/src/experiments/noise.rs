@@ -2,10 +2,10 @@
 
 use super::{Context, Evidence};
 use crate::check::{Check, Kind, worst};
-use crate::estimators::{BeamEstimator, ELEMENTS, EstimatorError, EstimatorId};
 use crate::experiments::table_two::condition_number;
 use crate::sampling::scatter::{self, Controlled, Counts, ScatterRequest, ScatterRow, scatter_controlled};
 use crate::settings::{CAMERA_NOISE_MM, Effort, ONE_FORCE_N, TWO_FORCES_N};
+use finray_model::estimators::{BeamEstimator, ELEMENTS, EstimatorError, EstimatorId};
 use finray_model::{Kinematics, Mesh, NodeId};
 
 /// Largest mean error of one force at nodes 14 to 24, which was asked for; the Cramer-Rao bound comes nearest to it at node 24, 1.2 %.
@@ -73,10 +73,7 @@ impl Evidence for NoiseStudy {
 }
 
 /// Nothing without noise.
-///
-/// # Errors
-/// [`EstimatorError`] if the contact nodes are not on the finger.
-pub fn run(context: &Context) -> Result<Option<NoiseStudy>, EstimatorError> {
+pub(crate) fn run(context: &Context) -> Result<Option<NoiseStudy>, EstimatorError> {
     (context.noise_mm > 0.0).then(|| NoiseStudy::run(context)).transpose()
 }
 

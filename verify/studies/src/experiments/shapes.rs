@@ -68,10 +68,7 @@ pub(crate) fn touched(context: &Context) -> Result<Vec<TouchedFinger>, Infallibl
 
 /// The finger under the drawn force at three nodes, linear and co-rotational; what has no equilibrium is left
 /// out.
-///
-/// # Errors
-/// None.
-pub fn run(context: &Context) -> Result<Vec<BentFinger>, Infallible> {
+pub(crate) fn run(context: &Context) -> Result<Vec<BentFinger>, Infallible> {
     let (finger, mesh) = (context.finger, context.fine);
     let nodes: Vec<_> = finger.contact_nodes().collect();
     let chosen = [nodes.len() / 8, nodes.len() / 2, nodes.len() - 1].map(|i| nodes[i]);

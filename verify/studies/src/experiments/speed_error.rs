@@ -15,8 +15,8 @@ mod solving;
 pub use run::run;
 pub use solving::{Beams, LATTICE, SOLVED_N, beams, lattices, solved_loads, solved_point, solving};
 
-use crate::estimators::{EstimatorError, EstimatorId};
 use finray_lattice::LatticeError;
+use finray_model::estimators::{EstimatorError, EstimatorId};
 use finray_model::statics::StaticsError;
 use finray_model::{Finger, NodeId};
 use sensing::{SENSED_N, neighbours, singles};

@@ -78,10 +78,7 @@ pub struct TableOne {
 impl Evidence for TableOne {}
 
 /// Table I for each assumed direction, on the co-rotational finger; of the paper's finger alone.
-///
-/// # Errors
-/// [`ExperimentError`] if the finger cannot carry a weight.
-pub fn run(context: &Context) -> Result<Vec<TableOne>, ExperimentError> {
+pub(crate) fn run(context: &Context) -> Result<Vec<TableOne>, ExperimentError> {
     if !context.is_paper {
         return Ok(Vec::new());
     }

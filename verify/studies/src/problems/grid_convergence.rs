@@ -84,7 +84,11 @@ fn displacement(mesh: &Mesh, node: NodeId, kinematics: Kinematics) -> Result<f64
 }
 
 /// Grid convergence of the displacement (mm) of a node under 3 N along the inward normal.
-pub(crate) fn of_finger(meshes: [&Mesh; 3], node: NodeId, kinematics: Kinematics) -> Result<GridConvergence, ProblemError> {
+pub(crate) fn of_finger(
+    meshes: [&Mesh; 3],
+    node: NodeId,
+    kinematics: Kinematics,
+) -> Result<GridConvergence, ProblemError> {
     // Elements of one mesh differ in length, but all meshes divide the same members: their number counts.
     let sizes = meshes.map(|mesh| 1.0 / mesh.frame().members().len() as f64);
     let mut values = [0.0; 3];

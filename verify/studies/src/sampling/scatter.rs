@@ -8,9 +8,9 @@
 mod cases;
 mod scout;
 
-use crate::estimators::{Estimator, EstimatorError, EstimatorId, Sensed};
 use crate::settings::TWO_SIDED_95;
 use cases::CaseEstimate;
+use finray_model::estimators::{Estimator, EstimatorError, EstimatorId, Sensed};
 use finray_model::sensing::Contact;
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
 use rayon::prelude::*;

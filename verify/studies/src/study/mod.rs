@@ -3,8 +3,6 @@
 mod timing;
 
 use crate::check::{Check, Comparison};
-use crate::estimators::EstimatorId;
-use crate::estimators::network::Networks;
 use crate::experiments::assumed;
 use crate::experiments::camera::{self, CameraStudy};
 use crate::experiments::causes::{self, CauseMap};
@@ -35,6 +33,8 @@ use crate::problems;
 use crate::sampling::map::AccuracyMap;
 use crate::settings::{CAMERA_NOISE_MM, Effort, Progress, is_papers_finger};
 use crate::truths::{MeshTruth, TruthId, fine_mesh};
+use finray_model::estimators::EstimatorId;
+use finray_model::estimators::network::Networks;
 use finray_model::validity::StrainLimits;
 use finray_model::{Finger, Kinematics};
 use serde::Serialize;

@@ -105,10 +105,7 @@ pub struct FrameTimes {
 
 /// For scenes with a camera and coloured markers, and for the paper's finger with a camera that is assumed. What rims of grey markers cost is not
 /// studied.
-///
-/// # Errors
-/// [`ExperimentError`] if a contact cannot be loaded or sensed. What no image shows is a row that is refused.
-pub fn run(context: &Context) -> Result<Option<CameraStudy>, ExperimentError> {
+pub(crate) fn run(context: &Context) -> Result<Option<CameraStudy>, ExperimentError> {
     let assumed = context.is_paper.then(|| Scene::from_toml(finray_fixtures::CAMERA_SCENE).ok()).flatten();
     let scene = &context.given.scene;
     let seen_by = |scene: &Scene| {

@@ -14,9 +14,9 @@ mod run;
 pub use run::run;
 
 use super::ExperimentError;
-use crate::estimators::EstimatorId;
 use crate::truths::{MeshTruth, TruthId, fine_mesh};
 use cell::Sensor;
+use finray_model::estimators::EstimatorId;
 use finray_model::{Finger, Kinematics};
 use models::{End, Models};
 use rayon::prelude::*;

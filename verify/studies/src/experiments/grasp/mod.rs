@@ -23,13 +23,13 @@ pub use outlook::{LoopFigures, loop_figures};
 pub use sensed::{Eyes, FingerStep, NotSensed, SeenFinger};
 pub use summary::{SensedSummary, Summary};
 
-use crate::estimators::EstimatorId;
-use crate::estimators::network::Networks;
 use crate::experiments::contact_scene::{OutlineError, TurnedOutline, simulated};
 use crate::sampling::noise::Noise;
 use course::Course;
 use finray_lattice::grasp::{Account, TouchedBody, World, WorldError, surface::Shape};
 use finray_lattice::{Lattice, LatticeError};
+use finray_model::estimators::EstimatorId;
+use finray_model::estimators::network::Networks;
 use finray_model::finger::Plate;
 use finray_model::gripper::{Gripper, Placement};
 use finray_model::keys::{GRASP, GRIPPER, OBJECT, SceneTable};

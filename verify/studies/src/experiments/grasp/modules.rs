@@ -11,12 +11,12 @@ mod closing;
 pub use closing::{ClosedStep, closing};
 
 use super::study::GraspStudyError;
-use crate::estimators::network::NetworkSensing;
-use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorId};
 use crate::experiments::table_two::{ContactGroup, FORCES_N, GroupErrors, contact_sets};
 use crate::experiments::{Context, Evidence};
 use crate::sampling::noise::Noise;
 use crate::settings::Effort;
+use finray_model::estimators::network::NetworkSensing;
+use finray_model::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorId};
 use finray_model::measurement::{Measurement, MeasurementError};
 use finray_model::mesh::LoadError;
 use finray_model::sensing::{Contact, ContactPosition};
@@ -169,10 +169,7 @@ impl ModuleStudy {
 impl Evidence for ModuleStudy {}
 
 /// Makes all tests with the paper's finger under noise, in a full study.
-///
-/// # Errors
-/// [`ModuleError`].
-pub fn run(context: &Context) -> Result<Option<ModuleStudy>, ModuleError> {
+pub(crate) fn run(context: &Context) -> Result<Option<ModuleStudy>, ModuleError> {
     if !context.is_paper || context.effort == Effort::Quick || context.noise_mm == 0.0 {
         return Ok(None);
     }

@@ -3,9 +3,9 @@
 use super::modules::{ModuleStudy, Untouched};
 use super::study::GraspStudy;
 use super::{FingerStep, GraspStep, Phase};
-use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorId};
 use crate::experiments::{Context, Evidence};
 use crate::sampling::noise::Noise;
+use finray_model::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorId};
 use finray_model::finger::Plate;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, ContactPosition};
@@ -118,10 +118,7 @@ fn mean([a, b]: [f64; 2]) -> f64 {
 }
 
 /// Observes the grasps of the paper's fingers.
-///
-/// # Errors
-/// [`EstimatorError`] for a finger without the paper's nodes.
-pub fn run(
+pub(crate) fn run(
     context: &Context,
     grasps: &[GraspStudy],
     modules: Option<&ModuleStudy>,

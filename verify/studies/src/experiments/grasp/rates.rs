@@ -89,10 +89,7 @@ pub struct LoopStudy {
 }
 
 /// Runs all loops, for the paper's finger under noise, in a full study.
-///
-/// # Errors
-/// [`GraspStudyError`] if the scene is no grasp.
-pub fn run(context: &Context) -> Result<Option<LoopStudy>, GraspStudyError> {
+pub(crate) fn run(context: &Context) -> Result<Option<LoopStudy>, GraspStudyError> {
     if !context.is_paper || context.effort == Effort::Quick || context.noise_mm == 0.0 {
         return Ok(None);
     }

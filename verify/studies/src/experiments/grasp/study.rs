@@ -85,10 +85,7 @@ impl ReportedScene {
 }
 
 /// Runs the grasps of the report, for the paper's finger under noise, in a full study.
-///
-/// # Errors
-/// [`GraspStudyError`] if a scene is no grasp.
-pub fn run(context: &Context) -> Result<Vec<GraspStudy>, GraspStudyError> {
+pub(crate) fn run(context: &Context) -> Result<Vec<GraspStudy>, GraspStudyError> {
     let noise_mm = context.noise_mm;
     if !context.is_paper || context.effort == Effort::Quick || noise_mm == 0.0 {
         return Ok(Vec::new());

@@ -90,10 +90,7 @@ impl Findings {
 impl Evidence for HardCase {}
 
 /// Every case, of the paper's finger.
-///
-/// # Errors
-/// None: a case that ends in an error fails.
-pub fn run(context: &Context) -> Result<Vec<HardCase>, Infallible> {
+pub(crate) fn run(context: &Context) -> Result<Vec<HardCase>, Infallible> {
     if !context.is_paper {
         return Ok(Vec::new());
     }

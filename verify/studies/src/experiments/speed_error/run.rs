@@ -2,9 +2,9 @@
 
 use super::sensing::{FRAMES_A_PERIOD, TimedEstimator, sensing};
 use super::{ASKED_NODES, SpeedErrorError, SpeedErrorPoint, Start, solving};
-use crate::estimators::network::NetworkSensing;
 use crate::experiments::{Context, Evidence};
 use crate::settings::Effort;
+use finray_model::estimators::network::NetworkSensing;
 use finray_model::statics::StaticsError;
 
 impl Evidence for SpeedErrorPoint {}

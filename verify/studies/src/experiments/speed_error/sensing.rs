@@ -7,9 +7,11 @@
 //! the mesh shows against them; finding that error, as `finray sense` does to widen them, is not timed.
 
 use super::{SpeedErrorError, SpeedErrorPoint, Start, Task, TimedBy, mark_fronts, spread};
-use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorId, PreparedEstimator, Sensed};
 use crate::sampling::noise::Noise;
 use crate::statistics::{mean, percentile};
+use finray_model::estimators::{
+    BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorId, PreparedEstimator, Sensed,
+};
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, NonlinearEstimator};
 use finray_model::statics::{Ladder, Statics};

@@ -2,9 +2,9 @@
 
 use super::ScatterRequest;
 use super::scout::{LoadClass, RatioLimits, Scout, loads};
-use crate::estimators::{BeamEstimator, Estimator, EstimatorError, PreparedEstimator, Sensed};
 use crate::sampling::noise::Noise;
 use crate::settings::LEAST_STATED_MM;
+use finray_model::estimators::{BeamEstimator, Estimator, EstimatorError, PreparedEstimator, Sensed};
 use finray_model::frame::FrameMotion;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::Contact;

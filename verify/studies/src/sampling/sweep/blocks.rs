@@ -3,9 +3,9 @@
 use super::samples::NoiseSamples;
 use super::tally::Tally;
 use super::{Cell, Grid, Outcome, Table};
-use crate::estimators::{Estimator, PreparedEstimator};
 use crate::truths::Truth;
 use finray_model::Finger;
+use finray_model::estimators::{Estimator, PreparedEstimator};
 use finray_model::measurement::Measurement;
 use rayon::prelude::*;
 use std::ops::Range;

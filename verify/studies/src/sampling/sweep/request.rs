@@ -1,8 +1,8 @@
 //! The request, at the head of files that are to be resumed or merged.
 
 use super::{Grid, Shard, Table};
-use crate::estimators::EstimatorId;
 use crate::truths::TruthId;
+use finray_model::estimators::EstimatorId;
 use serde::{Deserialize, Serialize};
 use std::io::BufRead;
 
