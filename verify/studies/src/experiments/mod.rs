@@ -30,15 +30,19 @@ use crate::problems::ProblemError;
 use crate::settings::{Effort, Progress};
 use crate::truths::{MeshTruth, TwinError};
 use contact_scene::study::{SceneStudyError, SceneWithOutline};
+use finray_lattice::LatticeError;
 use finray_model::calibration::CalibrationError;
 use finray_model::estimators::EstimatorError;
 use finray_model::estimators::network::Networks;
 use finray_model::finger::ImpossibleFinger;
+use finray_model::measurement::MeasurementError;
 use finray_model::mesh::{LoadError, MeshSizeError};
+use finray_model::scene::SceneError;
 use finray_model::sensing::SensingError;
 use finray_model::sensing::network::NetworkError;
 use finray_model::statics::StaticsError;
 use finray_model::{Finger, Mesh, NodeId};
+use grasp::GraspError;
 
 /// Input of every experiment of a report.
 #[derive(Clone, Copy)]
@@ -79,6 +83,9 @@ pub enum ExperimentError {
     /// A finger could not be solved.
     #[error(transparent)]
     Statics(#[from] StaticsError),
+    /// A lattice has no equilibrium.
+    #[error(transparent)]
+    Lattice(#[from] LatticeError),
     /// A finger with other zones or modulus is impossible.
     #[error(transparent)]
     Finger(#[from] ImpossibleFinger),
@@ -101,6 +108,15 @@ pub enum ExperimentError {
     #[cfg(feature = "train")]
     #[error(transparent)]
     Train(#[from] finray_model::train::TrainError),
+    /// A scene that ships does not read.
+    #[error("a scene that ships: {0}")]
+    Scene(#[from] SceneError),
+    /// It is no grasp.
+    #[error(transparent)]
+    Grasp(#[from] GraspError),
+    /// Markers that no camera would measure.
+    #[error(transparent)]
+    Markers(#[from] MeasurementError),
     /// There is no twin.
     #[error(transparent)]
     Twin(#[from] TwinError),

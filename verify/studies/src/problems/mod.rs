@@ -92,21 +92,15 @@ pub enum ProblemError {
     /// The finger's lattice has no equilibrium, or does not settle.
     #[error(transparent)]
     Lattice(#[from] finray_lattice::LatticeError),
+    /// The lattice, or the beams that it is held against.
+    #[error(transparent)]
+    Accuracy(#[from] AccuracyError),
     /// A table exported from MuJoCo is not what it should be.
     #[error(transparent)]
     Export(#[from] crate::mujoco::ExportError),
     /// The problem's own mesh cannot be made.
     #[error(transparent)]
     Mesh(#[from] finray_model::mesh::MeshSizeError),
-}
-
-impl From<AccuracyError> for ProblemError {
-    fn from(error: AccuracyError) -> ProblemError {
-        match error {
-            AccuracyError::Lattice(error) => error.into(),
-            AccuracyError::Beams(error) => error.into(),
-        }
-    }
 }
 
 impl From<csv::Error> for ProblemError {

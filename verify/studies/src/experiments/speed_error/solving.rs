@@ -1,6 +1,6 @@
 //! The shape under a load: every theory on every mesh, and lattices.
 
-use super::{SpeedErrorError, SpeedErrorPoint, Start, Task, TimedBy, mark_fronts, spread};
+use super::{ExperimentError, SpeedErrorPoint, Start, Task, TimedBy, mark_fronts, spread};
 use crate::check::worst;
 use crate::lattice::accuracy::{CONVERGED_ELEMENTS, difference};
 use crate::statistics::percentile;
@@ -67,8 +67,8 @@ pub fn solved_point(model: &str, setting: String, mut seconds: Vec<f64>, error: 
 /// plate, in three directions; errors against beams of [`CONVERGED_ELEMENTS`] elements a member. Nothing for a finger without such nodes.
 ///
 /// # Errors
-/// [`SpeedErrorError`] if the reference has no equilibrium or a lattice cannot be built.
-pub fn solving(finger: &Finger, nodes: usize) -> Result<Vec<SpeedErrorPoint>, SpeedErrorError> {
+/// [`ExperimentError`] if the reference has no equilibrium or a lattice cannot be built.
+pub fn solving(finger: &Finger, nodes: usize) -> Result<Vec<SpeedErrorPoint>, ExperimentError> {
     let loads = solved_loads(finger, nodes);
     if loads.is_empty() {
         return Ok(Vec::new());

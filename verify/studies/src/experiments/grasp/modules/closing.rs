@@ -1,6 +1,6 @@
 //! How a finger closes on caps: the motor's steps, and the forces with which caps and rods fit.
 
-use super::ModuleError;
+use super::ExperimentError;
 use crate::experiments::contact_scene::angle_deg;
 use crate::experiments::table_two::FORCES_N;
 use finray_model::gripper::{Gripper, Placement};
@@ -44,8 +44,8 @@ pub struct ClosedStep {
 /// Closes a finger on caps before its nodes; steps with a force, until one is beyond the paper's range or the finger finds no equilibrium.
 ///
 /// # Errors
-/// [`ModuleError`] for nodes that are not on the finger.
-pub fn closing(mesh: &Mesh, gripper: &Gripper, nodes: &[usize]) -> Result<Vec<ClosedStep>, ModuleError> {
+/// [`ExperimentError`] for nodes that are not on the finger.
+pub fn closing(mesh: &Mesh, gripper: &Gripper, nodes: &[usize]) -> Result<Vec<ClosedStep>, ExperimentError> {
     let finger = mesh.finger();
     let right = |turned_deg: f64| Some(gripper.fingers(&gripper.pose(START_DEG - turned_deg)?)[1]);
     let nodes: Vec<NodeId> = nodes.iter().copied().map(NodeId).collect();
