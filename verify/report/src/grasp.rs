@@ -7,10 +7,7 @@ mod rates;
 pub use animation::grasp_animation_svg;
 pub use drawings::grasp_svg;
 
-use super::dataset::{Columns, Dataset, Format};
-use super::page::{Block, Figure, Section, details};
-use super::words::{paragraph, say};
-use super::{ReportError, Results};
+use crate::prelude::*;
 use drawings::drawings;
 use finray_studies::experiments::grasp::file::{ForceRow, force_rows};
 use finray_studies::experiments::grasp::study::GraspStudy;

@@ -2,12 +2,10 @@
 
 pub mod words;
 
-use super::dataset::{Columns, Dataset, Format};
+use super::drawings;
 use super::format::{error_as, percent_two_digits};
 use super::maps::map_csv_name;
-use super::page::{Block, Cell, Column, Figure, Section, Table, details, text};
-use super::words::paragraph;
-use super::{ReportError, Results, drawings};
+use crate::prelude::*;
 use finray_figures::{Axis, Chart, FigureError, Frame, Series};
 use finray_lattice::settling::Precision;
 use finray_studies::check::worst;
@@ -16,8 +14,6 @@ use finray_studies::lattice::accuracy::FinenessRow;
 use finray_studies::lattice::causes::{AxialRow, SettlingRow};
 use finray_studies::problems::lattice::FINENESS;
 use finray_studies::settings::DRAWN_FORCE_N;
-use finray_studies::study::Study;
-use minijinja::context;
 
 const CSV: &str = "lattice.csv";
 const AXIAL_CSV: &str = "lattice_axial_springs.csv";

@@ -1,16 +1,12 @@
 //! How the finger bends under a few forces, and whether the beam model holds there.
 
-use super::dataset::{Columns, Dataset, Format};
+use super::drawings;
 use super::format::percent;
-use super::page::{Block, Figure, Section, details, text};
-use super::words::say;
-use super::{ReportError, Results, drawings};
+use crate::prelude::*;
 use finray_model::validity::{FibreStrain, LARGEST_SHEAR_SHARE, StrainLimits, Validity};
 use finray_model::{Kinematics, Vector};
 use finray_studies::experiments::shapes::{BentFinger, TouchedFinger};
 use finray_studies::settings::DRAWN_FORCE_N;
-use finray_studies::study::Study;
-use minijinja::{Value, context};
 
 const CSV: &str = "shapes.csv";
 const VALIDITY_CSV: &str = "validity.csv";

@@ -1,8 +1,6 @@
 //! How long the report took, part by part: where the next slow part is seen.
 
-use super::dataset::{Columns, Dataset, Format};
-use super::page::{Block, Section, details};
-use super::{ReportError, Results};
+use crate::prelude::*;
 use finray_studies::study::PartTime;
 
 const CSV: &str = "report_times.csv";

@@ -2,18 +2,14 @@
 
 pub mod words;
 
-use super::dataset::{Columns, Dataset, Format};
 use super::drawings::{PAPER_SHADES_PERCENT, error_bars, percent_line};
 use super::format::{figure, list};
-use super::page::{Block, Figure, Section, details, text};
-use super::words::paragraph;
-use super::{ReportError, Results};
+use crate::prelude::*;
 use finray_figures::{Axis, Chart, FigureError, Frame, Hue};
 use finray_model::calibration::FactorEstimate;
 use finray_studies::experiments::table_one::{TableOne, TableOneRow};
 use finray_studies::experiments::twin::fit::TwinFit;
 use finray_studies::experiments::twin::study::{TwinSensing, TwinStudy};
-use minijinja::context;
 
 const CSV: &str = "twin.csv";
 const SETS_CSV: &str = "twin_zone_sets.csv";

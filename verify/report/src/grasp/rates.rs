@@ -1,12 +1,8 @@
 //! The closed loop against the camera's rate: a chart, a table and a file.
 
-use crate::ReportError;
-use crate::dataset::{Columns, Dataset, Format};
-use crate::page::{Block, Figure, details};
-use crate::words::paragraph;
+use crate::prelude::*;
 use finray_figures::{Axis, Chart, FigureError, Frame, Series};
 use finray_studies::experiments::grasp::rates::{DELAYS, LoopRun, LoopSetting, LoopStudy, Spread};
-use finray_studies::study::Study;
 
 const CSV: &str = "grasp_loop.csv";
 
