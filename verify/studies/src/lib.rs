@@ -11,6 +11,7 @@ pub mod claims;
 pub mod experiments;
 pub mod lattice;
 pub mod mujoco;
+mod prelude;
 pub mod problems;
 pub mod sampling;
 pub mod settings;

@@ -1,14 +1,12 @@
 //! Small computations that a single claim of the paper rests on.
 
-use crate::check::worst;
 use crate::lattice::accuracy::difference;
+use crate::prelude::*;
 use crate::statistics::Span;
 use finray_model::finger::FingerDescription;
-use finray_model::measurement::Measurement;
-use finray_model::mesh::{FingerShape, Load};
 use finray_model::scene::ROD_RADIUS_MM;
-use finray_model::sensing::{Contact, ContactPosition, LinearEstimator, Prior, SensingError};
-use finray_model::{Finger, Kinematics, Mesh, NodeId, statics};
+use finray_model::sensing::{LinearEstimator, Prior, SensingError};
+use finray_model::statics;
 
 /// Elements a member where rotations are large.
 const ELEMENTS: usize = 8;

@@ -2,14 +2,11 @@
 
 use super::Context;
 use super::causes::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
+use crate::prelude::*;
 use crate::sampling::map::{AccuracyMap, MapRequest, accuracy_maps};
 use crate::settings::MAP_FORCES_N;
 use crate::truths::TruthError;
-use finray_model::Finger;
-use finray_model::estimators::{Estimator, EstimatorError, EstimatorId, PreparedEstimator, Sensed};
-use finray_model::finger::Plate;
-use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, ContactPosition};
+use finray_model::estimators::{PreparedEstimator, Sensed};
 
 /// The estimator that is recommended where the contact is known.
 const ESTIMATOR: EstimatorId = EstimatorId::Nonlinear;

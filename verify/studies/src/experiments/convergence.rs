@@ -7,14 +7,10 @@
 //! Source: Roache, Perspective: A Method for Uniform Reporting of Grid Refinement Studies, J. Fluids Eng. 116 (1994).
 
 use super::{Context, Evidence};
-use crate::check::{Check, Kind, worst};
-use crate::settings::Effort;
+use crate::prelude::*;
 use crate::truths::FINE_MESH_NODES;
 use finray_model::mesh::MeshSizeError;
 use finray_model::statics::Statics;
-use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
-use rayon::prelude::*;
-use serde::Serialize;
 
 /// The force at which the errors of the meshes are checked, N.
 pub const CHECKED_FORCE_N: f64 = 3.0;

@@ -10,17 +10,12 @@ mod frictionless;
 pub use frictionless::{Assumption, FrictionlessPush};
 
 use super::{Context, Evidence};
+use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use crate::sampling::sweep::Grid;
-use crate::settings::Effort;
 use crate::truths::Truth;
 use finray_model::estimators::ELEMENTS;
-use finray_model::measurement::Measurement;
-use finray_model::sensing::{
-    Contact, ContactPosition, ContactQuestion, Direction, NonlinearEstimate, NonlinearEstimator, SensingError,
-};
-use finray_model::{Finger, Mesh};
-use rayon::prelude::*;
+use finray_model::sensing::{ContactQuestion, Direction, NonlinearEstimate, NonlinearEstimator, SensingError};
 
 /// Forces, N.
 pub const FORCES_N: [f64; 3] = [0.5, 1.0, 3.0];

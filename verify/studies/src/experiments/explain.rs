@@ -6,16 +6,14 @@
 //! co-rotational finger in its loaded shape. The stiffness of the deformed finger counts, not that of the finger at rest.
 
 use super::{Context, Evidence};
+use crate::prelude::*;
 use crate::sampling::map::MapRequest;
-use crate::settings::{DRAWN_FORCE_N, Effort};
+use crate::settings::DRAWN_FORCE_N;
 use finray_model::estimators::ELEMENTS;
 use finray_model::mesh::LoadError;
-use finray_model::sensing::{Contact, ContactPosition, LARGEST_SPAN, marker_coordinates};
+use finray_model::sensing::{LARGEST_SPAN, marker_coordinates};
 use finray_model::statics::{Ladder, Statics};
-use finray_model::{Kinematics, Mesh, Vector};
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
-use serde::Serialize;
 
 /// What limits sensing of one force at one position and direction; all empty where the finger has no equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

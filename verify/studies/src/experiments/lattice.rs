@@ -3,19 +3,18 @@
 use super::contact_scene::objects::Objects;
 use super::contact_scene::study::SceneStudy;
 use super::{Context, Evidence, ExperimentError};
-use crate::check::{Check, Comparison, Kind, worst};
 use crate::lattice::accuracy::{FinenessRow, LoadGrid, study};
 use crate::lattice::causes::{self, AxialRow, SettlingRow};
+use crate::prelude::*;
 use crate::problems::lattice::{FINENESS, NEWTON};
 use crate::problems::{self, ProblemError};
 use crate::sampling::map::{AccuracyMap, MapRequest, accuracy_maps};
 use crate::sampling::sweep::MapCell;
-use crate::settings::{Effort, MAP_FORCES_N};
+use crate::settings::MAP_FORCES_N;
 use crate::truths::{LatticeTruth, TruthId};
 use finray_lattice::settling::Precision;
 use finray_lattice::{Lattice, LatticeError};
-use finray_model::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorId};
-use finray_model::{Finger, Mesh};
+use finray_model::estimators::{BeamEstimator, ELEMENTS};
 use std::collections::HashMap;
 use std::ops::RangeInclusive;
 

@@ -25,14 +25,13 @@ pub mod table_one;
 pub mod table_two;
 pub mod twin;
 
-use crate::check::{Check, Comparison};
+use crate::prelude::*;
 use crate::problems::ProblemError;
-use crate::settings::{Effort, Progress};
+use crate::settings::Progress;
 use crate::truths::{MeshTruth, TwinError};
 use contact_scene::study::{SceneStudyError, SceneWithOutline};
 use finray_lattice::LatticeError;
 use finray_model::calibration::CalibrationError;
-use finray_model::estimators::EstimatorError;
 use finray_model::estimators::network::Networks;
 use finray_model::finger::ImpossibleFinger;
 use finray_model::measurement::MeasurementError;
@@ -41,7 +40,6 @@ use finray_model::scene::SceneError;
 use finray_model::sensing::SensingError;
 use finray_model::sensing::network::NetworkError;
 use finray_model::statics::StaticsError;
-use finray_model::{Finger, Mesh, NodeId};
 use grasp::GraspError;
 
 /// Input of every experiment of a report.

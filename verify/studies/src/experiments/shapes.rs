@@ -1,15 +1,12 @@
 //! Example shapes.
 
 use super::{Context, Evidence};
+use crate::prelude::*;
 use crate::settings::DRAWN_FORCE_N;
 use crate::truths::Truth;
 use finray_model::frame::NodeIndex;
-use finray_model::mesh::FingerShape;
-use finray_model::sensing::{Contact, ContactPosition};
 use finray_model::statics::Statics;
 use finray_model::validity::Validity;
-use finray_model::{Kinematics, Load, Mesh, NodeId, Vector};
-use rayon::prelude::*;
 use std::convert::Infallible;
 
 impl Evidence for BentFinger {}

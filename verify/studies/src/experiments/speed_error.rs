@@ -16,10 +16,8 @@ pub use run::run;
 pub use solving::{Beams, LATTICE, SOLVED_N, beams, lattices, solved_loads, solved_point, solving};
 
 use crate::experiments::ExperimentError;
-use finray_model::estimators::EstimatorId;
-use finray_model::{Finger, NodeId};
+use crate::prelude::*;
 use sensing::{SENSED_N, neighbours, singles};
-use serde::Serialize;
 use std::fmt;
 
 /// Task of a timed point.

@@ -1,16 +1,12 @@
 //! The protocol of Table I of Xu et al. (2021): weights on a single finger, force sensed by the linear model.
 
 use super::{Context, Evidence, ExperimentError};
+use crate::prelude::*;
 use crate::settings::TABLE_ONE_ANGLES_DEG;
-use crate::statistics::{Span, mean};
+use crate::statistics::Span;
 use crate::truths::{Truth, TruthId};
 use finray_model::calibration::{self, CalibrationCase};
-use finray_model::measurement::Measurement;
-use finray_model::mesh::FingerShape;
-use finray_model::sensing::{Contact, ContactPosition, LinearEstimator, Prior};
-use finray_model::{Finger, NodeId};
-use rayon::prelude::*;
-use serde::Serialize;
+use finray_model::sensing::{LinearEstimator, Prior};
 
 /// Standard gravity, m/s^2 (CGPM 1901).
 pub const STANDARD_GRAVITY: f64 = 9.80665;

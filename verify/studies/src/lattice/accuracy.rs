@@ -1,12 +1,8 @@
 //! Error of the lattice against converged beams, and its cost, by its fineness.
 
-use crate::check::worst;
+use crate::prelude::*;
 use finray_lattice::{Lattice, LatticeError};
-use finray_model::mesh::{FingerShape, Load};
 use finray_model::statics::{Statics, StaticsError};
-use finray_model::{Finger, Kinematics, Mesh, NodeId};
-use rayon::prelude::*;
-use serde::Serialize;
 use std::time::Instant;
 
 /// Elements a member of the beam finger that counts as converged: twice as many change no displacement of the paper's finger

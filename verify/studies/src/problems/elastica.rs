@@ -4,10 +4,9 @@
 //! Methods Eng. 17 (1981) where he lists the case. L = EI = 1.
 
 use super::{Problem, ProblemError};
-use crate::check::{Check, Kind};
+use crate::prelude::*;
 use finray_model::frame::{FrameLoad, PlaneFrame, Section};
 use finray_model::statics::solve_frame;
-use finray_model::{Kinematics, Vector};
 use serde::Deserialize;
 
 /// This problem.

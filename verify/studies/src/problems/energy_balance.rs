@@ -4,10 +4,9 @@
 //! Simpson's rule with one Richardson extrapolation (Boole's rule).
 
 use super::{Problem, ProblemError};
-use crate::check::{Check, Kind};
+use crate::prelude::*;
 use crate::settings::is_papers_finger;
 use finray_model::statics::{Statics, elastic_energy};
-use finray_model::{Finger, Kinematics, Load, Mesh, NodeId};
 
 /// This problem.
 pub(super) const PROBLEM: Problem =

@@ -3,10 +3,9 @@
 //! Source: closed form (pure bending): the axis is an arc of radius EI / M. L = EI = 1.
 
 use super::{Problem, ProblemError};
-use crate::check::{Check, Kind};
+use crate::prelude::*;
 use finray_model::frame::{FrameLoad, NodeIndex, PlaneFrame, Section};
 use finray_model::statics::solve_frame;
-use finray_model::{Kinematics, Vector};
 use std::f64::consts::{PI, TAU};
 
 /// This problem.

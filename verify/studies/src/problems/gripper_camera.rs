@@ -5,11 +5,10 @@
 
 use super::linkage::{TOLERANCE, over_reach, shipped};
 use super::{Problem, ProblemError};
-use crate::check::{Check, Kind, worst};
+use crate::prelude::*;
 use crate::settings::is_papers_finger;
 use finray_model::camera::{Camera, Distortion, Lens, Pixel, Pose};
 use finray_model::gripper::{Gripper, LinkagePose};
-use finray_model::{Finger, Vector};
 use nalgebra::{Matrix2, Matrix3, Matrix3x4, Matrix4, Point2, Vector3, Vector4};
 
 /// This problem.

@@ -3,10 +3,9 @@
 //! Source: Xu et al. (IEEE T-RO 2021), eqs (6) to (9). The lengths are those of the scenes that ship: chosen.
 
 use super::{Problem, ProblemError};
-use crate::check::{Check, Kind, worst};
+use crate::prelude::*;
 use crate::settings::is_papers_finger;
 use finray_model::gripper::{Gripper, LinkagePose};
-use finray_model::{Finger, Scene, Vector};
 use nalgebra::{Matrix3, Vector3};
 
 /// This problem.

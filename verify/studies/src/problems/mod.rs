@@ -19,11 +19,9 @@ pub mod rigid_rotation;
 pub mod tangent;
 pub mod toggle;
 
-use crate::check::{Check, Comparison};
 use crate::lattice::accuracy::AccuracyError;
-use finray_model::Finger;
+use crate::prelude::*;
 use finray_model::statics::StaticsError;
-use rayon::prelude::*;
 
 /// Every problem, in the order of the report. Those of the spring lattice, which take long, are part of
 /// [its study](crate::experiments::lattice).

@@ -5,16 +5,13 @@
 //! both tend to the same limit: it verifies solver and kinematics, not the beam theory behind EA and EI.
 
 use super::{Problem, ProblemError, ProblemResults};
-use crate::check::{Check, Comparison, Kind, worst};
 use crate::lattice::accuracy::difference;
 use crate::mujoco::{ContactStep, ExportedFinger, FINGERS, StaticCase, TouchedRod, contact_steps};
+use crate::prelude::*;
 use crate::settings::is_papers_finger;
 use crate::truths::{LatticeTruth, Truth};
-use finray_model::mesh::FingerShape;
-use finray_model::sensing::Contact;
+use finray_model::statics;
 use finray_model::statics::Statics;
-use finray_model::{Finger, Kinematics, Load, Mesh, statics};
-use rayon::prelude::*;
 
 /// This problem.
 pub(super) const PROBLEM: Problem =

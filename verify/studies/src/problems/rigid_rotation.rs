@@ -3,11 +3,10 @@
 //! Source: objectivity (invariance of the strains under rigid motions).
 
 use super::Problem;
-use crate::check::{Check, Kind, worst};
+use crate::prelude::*;
 use crate::settings::is_papers_finger;
 use finray_model::frame::{FrameMotion, PlaneFrame};
 use finray_model::statics::Assembly;
-use finray_model::{Finger, Kinematics, Mesh, Vector};
 
 /// This problem.
 pub(super) const PROBLEM: Problem =

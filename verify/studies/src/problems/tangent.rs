@@ -4,12 +4,11 @@
 //! Source: differences of fourth order, (8 (f(h) - f(-h)) - (f(2h) - f(-2h))) / 12 h.
 
 use super::{Problem, ProblemError};
-use crate::check::{Check, Kind, worst};
+use crate::prelude::*;
 use crate::settings::is_papers_finger;
 use finray_model::element::{Beam, EndMotion, Response};
 use finray_model::frame::{FrameLoad, FrameMotion};
 use finray_model::statics::Assembly;
-use finray_model::{Finger, Kinematics, Load, Mesh, Vector};
 use nalgebra::DVector;
 
 /// This problem.

@@ -7,10 +7,9 @@
 
 use super::elastic_line::{self, Rigidity};
 use super::{Problem, ProblemError};
-use crate::check::{Check, Kind};
+use crate::prelude::*;
 use finray_model::frame::{FrameLoad, NodeIndex, PlaneFrame, Section};
 use finray_model::statics::{ArcLength, reaction};
-use finray_model::{Kinematics, Vector};
 
 /// This problem.
 pub(super) const PROBLEM: Problem =

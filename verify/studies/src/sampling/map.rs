@@ -3,13 +3,10 @@
 //! Position and direction are known to the estimator; only the size of the force is sought. The error is
 //! |sensed / true - 1|, averaged over the forces and the noise samples of a cell.
 
+use crate::prelude::*;
 use crate::sampling::sweep::{self, CellState, Grid, MapCell, Sweep};
 use crate::settings::{GROSS_ERROR, TRUSTED_ERROR};
 use crate::truths::{Truth, TruthId};
-use finray_model::Finger;
-use finray_model::estimators::{Estimator, EstimatorId};
-use rayon::prelude::*;
-use serde::Serialize;
 use std::io::Read;
 
 /// Request of maps: the grid of the [`Sweep`] that they sum up, one map for each level of noise.

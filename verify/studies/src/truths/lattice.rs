@@ -1,10 +1,8 @@
 //! The finger as rigid bodies and springs.
 
 use super::{Truth, TruthId, TruthRow};
+use crate::prelude::*;
 use finray_lattice::{Lattice, LatticeError};
-use finray_model::mesh::FingerShape;
-use finray_model::sensing::Contact;
-use finray_model::{Finger, Mesh};
 
 pub(super) const ROW: TruthRow = TruthRow {
     name: "lattice",

@@ -9,19 +9,14 @@ mod conditions;
 mod tried;
 
 use super::{Context, Evidence, ExperimentError};
-use crate::check::{Check, Kind};
-use crate::statistics::rms;
+use crate::prelude::*;
 use conditions::{CONDITIONS, Change, Condition};
 use finray_imaging::locate::Locator;
 use finray_imaging::render::{RenderRequest, render};
 use finray_model::camera::Camera;
-use finray_model::mesh::FingerShape;
 use finray_model::scene::{MarkerLook, Markers};
-use finray_model::sensing::Contact;
 use finray_model::sensing::{ContactForce, RespondingFinger};
-use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector, statics};
-use rayon::prelude::*;
-use serde::Serialize;
+use finray_model::statics;
 use std::time::Instant;
 use tried::{Tried, tried};
 

@@ -1,11 +1,9 @@
 //! Touches put together to contacts: where the object lies against the finger and which way the surface faces there, from the
 //! surfaces alone.
 
+use crate::prelude::*;
 use finray_lattice::Lattice;
 use finray_lattice::skin::{Touch, TouchedPart};
-use finray_model::finger::Plate;
-use finray_model::sensing::{Contact, ContactPosition};
-use finray_model::{Finger, NodeId, Vector};
 
 /// Touches within this share of the segment of plate, from rod to rod, that they lie on are one contact to the camera. Two rods are never one
 /// contact.

@@ -1,10 +1,9 @@
 //! From the object of a scene to a shape that the engine can push with, and where it begins.
 
+use crate::prelude::*;
 use earcut::Earcut;
 use finray_lattice::pressing::{Push, RigidObject};
-use finray_model::finger::Plate;
 use finray_model::scene::{ObjectDescription, ObjectMotion, Outline, Until};
-use finray_model::{Finger, Scene, Vector};
 use nalgebra::Rotation2;
 use rapier2d::parry::transformation::hertel_mehlhorn;
 use rapier2d::prelude::{Pose, SharedShape, Vector as RapierVector};

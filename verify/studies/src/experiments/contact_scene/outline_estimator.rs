@@ -1,13 +1,12 @@
 //! Who senses the forces of contacts that a camera sees: from contacts as they were measured, or by an estimator that takes them for exact.
 
 use super::{SeenContact, SensedContact, SensedForce, SensedStep, read_contact};
+use crate::prelude::*;
 use crate::settings::LEAST_STATED_MM;
-use finray_model::estimators::EstimatorId;
 use finray_model::estimators::network::Networks;
 use finray_model::observation::Observation;
 use finray_model::sensing::MeasuredContact;
 use finray_model::sensor::{Refusal, Sensor, SensorContacts, SensorOptions};
-use finray_model::{Scene, Vector};
 
 /// Prior knowledge of who senses the forces of contacts that a camera sees.
 #[derive(Debug, Clone, Copy)]

@@ -1,8 +1,7 @@
 //! True and sensed forces, a row a contact.
 
 use super::{ContactScene, SceneStep, SeenContact, SensedContact, SensedStep};
-use finray_model::sensing::ContactPosition;
-use serde::Serialize;
+use crate::prelude::*;
 
 /// One contact of one step, or the total of a step.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -1,8 +1,7 @@
 //! Forces and motion of a grasp as rows.
 
 use super::{GraspScene, GraspStep, finger_name};
-use finray_model::sensing::ContactPosition;
-use serde::Serialize;
+use crate::prelude::*;
 
 /// A contact of a finger in a step, or the total of the finger.
 #[derive(Debug, Clone, PartialEq, Serialize)]

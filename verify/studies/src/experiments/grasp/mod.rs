@@ -24,17 +24,15 @@ pub use sensed::{Eyes, FingerStep, NotSensed, SeenFinger};
 pub use summary::{SensedSummary, Summary};
 
 use crate::experiments::contact_scene::{OutlineError, TurnedOutline, simulated};
+use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use course::Course;
 use finray_lattice::grasp::{Account, TouchedBody, World, WorldError, surface::Shape};
 use finray_lattice::{Lattice, LatticeError};
-use finray_model::estimators::EstimatorId;
 use finray_model::estimators::network::Networks;
-use finray_model::finger::Plate;
 use finray_model::gripper::{Gripper, Placement};
 use finray_model::keys::{GRASP, GRIPPER, OBJECT, SceneTable};
 use finray_model::scene::{GraspDescription, ObjectDescription, ObjectMotion, Outline};
-use finray_model::{Finger, Scene, Vector};
 use rapier2d::parry::query::intersection_test;
 use rapier2d::parry::shape::Triangle;
 use rapier2d::prelude::{Pose, Vector as EngineVector};

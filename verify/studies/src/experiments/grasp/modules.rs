@@ -12,14 +12,10 @@ pub use closing::{ClosedStep, closing};
 
 use crate::experiments::table_two::{ContactGroup, FORCES_N, GroupErrors, contact_sets};
 use crate::experiments::{Context, Evidence, ExperimentError};
+use crate::prelude::*;
 use crate::sampling::noise::Noise;
-use crate::settings::Effort;
 use finray_model::estimators::network::NetworkSensing;
-use finray_model::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorId};
-use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, ContactPosition};
-use finray_model::{Mesh, NodeId, Scene};
-use rayon::prelude::*;
+use finray_model::estimators::{BeamEstimator, ELEMENTS};
 
 /// Noise samples a step.
 const SAMPLES: usize = 4;

@@ -4,12 +4,9 @@ use super::modules::{ModuleStudy, Untouched};
 use super::study::GraspStudy;
 use super::{FingerStep, GraspStep, Phase};
 use crate::experiments::{Context, Evidence};
+use crate::prelude::*;
 use crate::sampling::noise::Noise;
-use finray_model::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorId};
-use finray_model::finger::Plate;
-use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, ContactPosition};
-use finray_model::{Finger, Mesh, NodeId};
+use finray_model::estimators::{BeamEstimator, ELEMENTS};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Nodes whose forces the paper senses at once.

@@ -6,14 +6,12 @@
 
 use super::course::Course;
 use super::{Eyes, GraspEnd, GraspError, GraspScene, GraspStep, LoopFigures, loop_figures};
-use crate::check::{Check, Kind, worst};
 use crate::experiments::{Context, Evidence, ExperimentError};
+use crate::prelude::*;
 use crate::sampling::noise::Noise;
-use crate::settings::{Effort, LEAST_STATED_MM};
+use crate::settings::LEAST_STATED_MM;
 use finray_lattice::Lattice;
-use finray_model::Scene;
 use finray_model::scene::GraspDescription;
-use rayon::prelude::*;
 
 /// Frames a second.
 const FRAMES_PER_S: [f64; 7] = [2.0, 5.0, 10.0, 25.0, 50.0, 100.0, 200.0];

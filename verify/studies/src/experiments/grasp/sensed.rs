@@ -4,6 +4,7 @@ use super::GraspScene;
 use crate::experiments::contact_scene::{
     OutlineEstimator, SeenContact, SensedContact, SensedStep, TurnedOutline, baseline_mm, seen_contacts,
 };
+use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use finray_imaging::locate::Observer;
 use finray_imaging::render::{Disturbances, RenderRequest, render};
@@ -11,12 +12,9 @@ use finray_lattice::Lattice;
 use finray_lattice::skin::Touch;
 use finray_model::camera::Camera;
 use finray_model::gripper::Placement;
-use finray_model::measurement::Measurement;
-use finray_model::mesh::FingerShape;
 use finray_model::observation::Observation;
 use finray_model::scene::Markers;
 use finray_model::sensor::Refusal;
-use finray_model::{Finger, Vector};
 use nalgebra::Rotation2;
 use std::borrow::Cow;
 

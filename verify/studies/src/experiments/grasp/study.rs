@@ -2,11 +2,9 @@
 //! fingers of spring steel.
 
 use super::{Eyes, FINENESS, GraspError, GraspScene, GraspStep, Summary};
-use crate::check::{Check, Kind, worst};
 use crate::experiments::{Context, Evidence, ExperimentError};
-use crate::settings::{Effort, is_papers_finger};
-use finray_model::Scene;
-use rayon::prelude::*;
+use crate::prelude::*;
+use crate::settings::is_papers_finger;
 
 /// Forces and moments on object and bases from balance, as a share of the largest force: Newton's method leaves rounding, the resistance against an
 /// object that has moved up to this.

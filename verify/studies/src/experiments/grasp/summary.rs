@@ -2,11 +2,9 @@
 
 use super::outlook::{LoopFigures, loop_figures};
 use super::{GraspEnd, GraspScene, GraspStep, Phase};
+use crate::prelude::*;
 use crate::settings::TWO_SIDED_95;
 use finray_lattice::grasp::Account;
-use finray_model::Vector;
-use finray_model::estimators::EstimatorId;
-use serde::Serialize;
 
 /// How a grasp went.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -2,13 +2,11 @@
 
 use super::soundness::{AGREEMENT, DIFFERENCE, Soundness, difference};
 use super::{Findings, Question, Unexpected, middle};
-use crate::check::worst;
-use crate::settings::Effort;
+use crate::prelude::*;
 use crate::truths::FINE_MESH_NODES;
-use finray_model::finger::{FingerDescription, Part, Plate, RibPositions, Zone};
+use finray_model::finger::{FingerDescription, Part, RibPositions, Zone};
 use finray_model::frame::FrameMotion;
 use finray_model::statics::{Statics, StaticsError, solve};
-use finray_model::{Finger, Kinematics, Load, Mesh, Vector};
 
 pub(super) const QUESTIONS: &[Question] = &[
     Question {

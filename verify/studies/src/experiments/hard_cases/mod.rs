@@ -9,11 +9,9 @@ mod loads;
 mod sensing;
 pub mod soundness;
 
-use crate::check::{Check, EXACT_COUNT, Kind};
+use crate::check::EXACT_COUNT;
 use crate::experiments::{Context, Evidence};
-use crate::settings::Effort;
-use finray_model::{Finger, NodeId};
-use rayon::prelude::*;
+use crate::prelude::*;
 use std::convert::Infallible;
 use std::time::Instant;
 

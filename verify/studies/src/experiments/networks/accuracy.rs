@@ -1,14 +1,12 @@
 //! Accuracy of the networks that ship on the co-rotational finger under camera noise, and its tolerances.
 
-use crate::check::{Check, Kind};
 use crate::experiments::table_two::TableTwo;
 use crate::experiments::{Context, Evidence};
+use crate::prelude::*;
 use crate::sampling::scatter::{ScatterRequest, ScatterRow, scatter};
 use crate::settings::{CAMERA_NOISE_MM, ENOUGH_CASES, TWO_FORCES_N};
 use crate::truths::TruthId;
 use finray_model::estimators::network::{NetworkSensing, Networks};
-use finray_model::estimators::{EstimatorError, EstimatorId};
-use finray_model::{Kinematics, Mesh, NodeId};
 
 /// Range of each force, N.
 pub const FORCES_N: [f64; 2] = TWO_FORCES_N;

@@ -7,16 +7,12 @@
 //! the mesh shows against them; finding that error, as `finray sense` does to widen them, is not timed.
 
 use super::{ExperimentError, SpeedErrorPoint, Start, Task, TimedBy, mark_fronts, spread};
+use crate::prelude::*;
 use crate::sampling::noise::Noise;
-use crate::statistics::{mean, percentile};
-use finray_model::estimators::{
-    BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorId, PreparedEstimator, Sensed,
-};
-use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, NonlinearEstimator};
+use crate::statistics::percentile;
+use finray_model::estimators::{BeamEstimator, ELEMENTS, PreparedEstimator, Sensed};
+use finray_model::sensing::NonlinearEstimator;
 use finray_model::statics::{Ladder, Statics};
-use finray_model::{Finger, Kinematics, Mesh, NodeId};
-use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::time::Instant;
 

@@ -1,14 +1,11 @@
 //! The shape under a load: every theory on every mesh, and lattices.
 
 use super::{ExperimentError, SpeedErrorPoint, Start, Task, TimedBy, mark_fronts, spread};
-use crate::check::worst;
 use crate::lattice::accuracy::{CONVERGED_ELEMENTS, difference};
+use crate::prelude::*;
 use crate::statistics::percentile;
 use finray_lattice::{Lattice, LatticeError};
-use finray_model::mesh::{FingerShape, Load};
 use finray_model::statics::{Statics, StaticsError, solve};
-use finray_model::{Finger, Kinematics, Mesh};
-use rayon::prelude::*;
 use std::time::Instant;
 
 /// Force of the loads that shapes are solved for, N.

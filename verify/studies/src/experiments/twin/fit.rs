@@ -3,12 +3,11 @@
 use super::{MEMBER_MM, ZoneSet};
 use crate::experiments::ExperimentError;
 use crate::experiments::table_one::{TableOne, table_one};
-use crate::statistics::mean;
+use crate::prelude::*;
 use crate::truths::{MeshTruth, TruthId};
 use finray_model::estimators::ELEMENTS;
 use finray_model::finger::{FingerDescription, ImpossibleFinger, Zone};
 use finray_model::optimise::{Convergence, LeastSquaresProblem, LevenbergMarquardt, Refusal, StepBounds};
-use finray_model::{Finger, Kinematics, Mesh};
 use nalgebra::{DMatrix, DVector};
 
 /// Direction assumed for the weights, degrees from the inward normal.

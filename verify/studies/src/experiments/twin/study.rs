@@ -2,18 +2,15 @@
 
 use super::fit::{ANGLE_DEG, TwinFit, fit};
 use super::{OTHERS, TWIN};
-use crate::check::{Check, Comparison, Kind, worst};
 use crate::experiments::table_one::{TableOne, TableOneRow, modulus_factor, table_one, weighed};
 use crate::experiments::{Context, Evidence, ExperimentError};
+use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use crate::sampling::scatter::{Counts, ScatterRequest, ScatterRow, scatter};
 use crate::settings::ONE_FORCE_N;
-use crate::statistics::rms;
 use crate::truths::{MeshTruth, TruthId, fine_mesh, twin_of};
 use finray_model::calibration::{CalibrationCase, CalibrationError, FactorEstimate, FactorModel, Unknown, factors};
-use finray_model::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError};
-use finray_model::{Finger, Kinematics, Mesh, NodeId};
-use rayon::prelude::*;
+use finray_model::estimators::{BeamEstimator, ELEMENTS};
 
 /// The zones of the twin's scene that share a factor: front and back.
 pub const GROUPS: [[usize; 2]; 3] = [[0, 1], [2, 3], [4, 5]];

@@ -3,11 +3,9 @@
 use super::samples::NoiseSamples;
 use super::tally::Tally;
 use super::{Cell, Grid, Outcome, Table};
+use crate::prelude::*;
 use crate::truths::Truth;
-use finray_model::Finger;
-use finray_model::estimators::{Estimator, PreparedEstimator};
-use finray_model::measurement::Measurement;
-use rayon::prelude::*;
+use finray_model::estimators::PreparedEstimator;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
