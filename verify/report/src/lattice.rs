@@ -61,15 +61,12 @@ pub fn data(lattice: Option<&LatticeStudy>) -> Vec<Dataset<'_>> {
 /// Sweeps and precision of settling; no error where it does not settle.
 pub fn settled<'s>(rows: impl Iterator<Item = &'s SettlingRow>) -> Dataset<'s> {
     let columns = Columns::<&SettlingRow>::new()
-        .file("sweeps", |row| row.sweeps)
-        .shown("sweeps a step", Format::Plain)
-        .file("positions", |row| match row.positions {
+        .both("sweeps", "sweeps a step", Format::Plain, |row| row.sweeps)
+        .both("positions", "precision", Format::Words, |row| match row.positions {
             Precision::Double => "double",
             Precision::Single => "single",
         })
-        .shown("precision", Format::Words)
-        .file("error", |row| row.error)
-        .shown("difference, if it settles", Format::PercentTwoDigits)
+        .both("error", "difference, if it settles", Format::PercentTwoDigits, |row| row.error)
         .file("steps", |row| row.steps);
     Dataset::new(SETTLING_CSV, &columns, rows)
 }

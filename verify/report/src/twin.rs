@@ -55,10 +55,8 @@ fn calibrated<'s>() -> Columns<'s, Factor<'s>> {
         .file("repetition", |(repetition, ..)| *repetition)
         .file("parameter", |(_, found, i)| found.unknowns[*i].to_string())
         .page("parameter", Format::Words, |(_, found, i)| found.unknowns[*i].to_string().replace('_', " "))
-        .file("found_over_true", |(_, found, i)| found.factors[*i])
-        .shown("found / true", Format::Fixed(4))
-        .file("sigma", |(_, found, i)| found.factors[*i] * found.relative_sigmas[*i])
-        .shown("stated sigma", Format::Fixed(4))
+        .both("found_over_true", "found / true", Format::Fixed(4), |(_, found, i)| found.factors[*i])
+        .both("sigma", "stated sigma", Format::Fixed(4), |(_, found, i)| found.factors[*i] * found.relative_sigmas[*i])
 }
 
 /// The twin's factors from noise samples.

@@ -3,14 +3,9 @@
 //! Source: conservation of energy. The work is F u(F) less the integral of u over F (the complementary energy), by
 //! Simpson's rule with one Richardson extrapolation (Boole's rule).
 
-use super::{Problem, ProblemError};
+use super::ProblemError;
 use crate::prelude::*;
-use crate::settings::is_papers_finger;
 use finray_model::statics::{Statics, elastic_energy};
-
-/// This problem.
-pub(super) const PROBLEM: Problem =
-    Problem { name: "energy and work", applies_to: is_papers_finger, solve: |finger| Ok(checks(finger)?.into()) };
 
 /// Full load, N.
 const FORCE_N: f64 = 3.0;

@@ -2,18 +2,11 @@
 //!
 //! Source: closed form (pure bending): the axis is an arc of radius EI / M. L = EI = 1.
 
-use super::{Problem, ProblemError};
+use super::ProblemError;
 use crate::prelude::*;
 use finray_model::frame::{FrameLoad, NodeIndex, PlaneFrame, Section};
 use finray_model::statics::solve_frame;
 use std::f64::consts::{PI, TAU};
-
-/// This problem.
-pub(super) const PROBLEM: Problem = Problem {
-    name: "cantilever bent into a circle by an end moment",
-    applies_to: |_| true,
-    solve: |_| Ok(checks()?.into()),
-};
 
 /// Elements of the cantilever.
 const ELEMENTS: usize = 64;

@@ -7,14 +7,9 @@
 //! out that a stretched beam has the more length to bend, a share phi^2 of its strain. So where beams are stretched
 //! its order falls to 2 on very fine meshes, with an error that is smaller by the strain (here 1e-4 to 1e-3).
 
-use super::{Problem, ProblemError, elastica};
+use super::{ProblemError, elastica};
 use crate::check::{Check, Kind};
-use crate::settings::is_papers_finger;
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, statics};
-
-/// This problem.
-pub(super) const PROBLEM: Problem =
-    Problem { name: "order of convergence", applies_to: is_papers_finger, solve: |finger| Ok(checks(finger)?.into()) };
 
 /// Factor of safety for three meshes (Roache).
 const SAFETY: f64 = 1.25;

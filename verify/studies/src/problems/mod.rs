@@ -21,24 +21,72 @@ pub mod toggle;
 
 use crate::lattice::accuracy::AccuracyError;
 use crate::prelude::*;
+use crate::settings::is_papers_finger;
 use finray_model::statics::StaticsError;
 
 /// Every problem, in the order of the report. Those of the spring lattice, which take long, are part of
 /// [its study](crate::experiments::lattice).
 pub const ALL: &[Problem] = &[
-    elastica::PROBLEM,
-    full_circle::PROBLEM,
-    lee_frame::PROBLEM,
-    toggle::PROBLEM,
-    refinement::PROBLEM,
-    opensees::PROBLEM,
-    rigid_rotation::PROBLEM,
-    tangent::PROBLEM,
-    energy_balance::PROBLEM,
-    grid_convergence::PROBLEM,
-    mujoco::PROBLEM,
-    linkage::PROBLEM,
-    gripper_camera::PROBLEM,
+    Problem { name: "elastica of a cantilever", applies_to: |_| true, solve: |_| Ok(elastica::checks()?.into()) },
+    Problem {
+        name: "cantilever bent into a circle by an end moment",
+        applies_to: |_| true,
+        solve: |_| Ok(full_circle::checks()?.into()),
+    },
+    Problem { name: "Lee frame", applies_to: |_| true, solve: |_| Ok(lee_frame::checks()?.into()) },
+    Problem { name: "toggle frame", applies_to: |_| true, solve: |_| Ok(toggle::checks()?.into()) },
+    Problem {
+        name: "meshes of the finger",
+        applies_to: |_| true,
+        solve: |finger| {
+            Ok(ProblemResults { checks: refinement::checks(finger)?, comparisons: refinement::comparisons(finger)? })
+        },
+    },
+    Problem {
+        name: "OpenSees on the paper's finger",
+        applies_to: is_papers_finger,
+        solve: |finger| {
+            Ok(ProblemResults {
+                checks: opensees::paper_checks(finger)?,
+                comparisons: opensees::linear_against_corotational(finger)?,
+            })
+        },
+    },
+    Problem {
+        name: "rigid rotation",
+        applies_to: is_papers_finger,
+        solve: |finger| Ok(rigid_rotation::checks(finger).into()),
+    },
+    Problem {
+        name: "derivatives of the energy",
+        applies_to: is_papers_finger,
+        solve: |finger| Ok(tangent::checks(finger)?.into()),
+    },
+    Problem {
+        name: "energy and work",
+        applies_to: is_papers_finger,
+        solve: |finger| Ok(energy_balance::checks(finger)?.into()),
+    },
+    Problem {
+        name: "order of convergence",
+        applies_to: is_papers_finger,
+        solve: |finger| Ok(grid_convergence::checks(finger)?.into()),
+    },
+    Problem {
+        name: "MuJoCo's shapes",
+        applies_to: |finger| crate::mujoco::ExportedFinger::of(finger).is_some(),
+        solve: mujoco::solve,
+    },
+    Problem {
+        name: "linkage",
+        applies_to: is_papers_finger,
+        solve: |finger| Ok(linkage::checks(finger, &linkage::shipped()?).into()),
+    },
+    Problem {
+        name: "camera on the gripper",
+        applies_to: is_papers_finger,
+        solve: |finger| Ok(gripper_camera::checks(finger, &linkage::shipped()?)?.into()),
+    },
 ];
 
 /// A problem with a known answer.

@@ -4,7 +4,7 @@
 //! MuJoCo shares neither discretisation (its rods bend at vertices alone) nor code with the beams, but is given the same EA and EI, so
 //! both tend to the same limit: it verifies solver and kinematics, not the beam theory behind EA and EI.
 
-use super::{Problem, ProblemError, ProblemResults};
+use super::{ProblemError, ProblemResults};
 use crate::lattice::accuracy::difference;
 use crate::mujoco::{ContactStep, ExportedFinger, FINGERS, StaticCase, TouchedRod, contact_steps};
 use crate::prelude::*;
@@ -12,10 +12,6 @@ use crate::settings::is_papers_finger;
 use crate::truths::{LatticeTruth, Truth};
 use finray_model::statics;
 use finray_model::statics::Statics;
-
-/// This problem.
-pub(super) const PROBLEM: Problem =
-    Problem { name: "MuJoCo's shapes", applies_to: |finger| ExportedFinger::of(finger).is_some(), solve };
 
 /// Source of all rows.
 const SOURCE: &str = "MuJoCo";
@@ -112,7 +108,7 @@ fn apart(a: &FingerShape, b: &FingerShape) -> (f64, f64) {
     )
 }
 
-fn solve(finger: &Finger) -> Result<ProblemResults, ProblemError> {
+pub(super) fn solve(finger: &Finger) -> Result<ProblemResults, ProblemError> {
     let checks = ExportedFinger::of(finger).map_or_else(|| Ok(Vec::new()), static_checks)?;
     if !is_papers_finger(finger) {
         return Ok(checks.into());

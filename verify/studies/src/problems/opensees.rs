@@ -3,20 +3,10 @@
 //! OpenSees shares the theory (Euler-Bernoulli beams of the same EA and EI, co-rotation, strain of the chord) but none of the code, so the
 //! two must agree to the digits printed. It verifies the solver, not the theory.
 
-use super::{Problem, ProblemError, ProblemResults};
+use super::ProblemError;
 use crate::check::{Check, Comparison, Kind, worst};
-use crate::settings::is_papers_finger;
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector, statics};
 use serde::Deserialize;
-
-/// This problem.
-pub(super) const PROBLEM: Problem = Problem {
-    name: "OpenSees on the paper's finger",
-    applies_to: is_papers_finger,
-    solve: |finger| {
-        Ok(ProblemResults { checks: paper_checks(finger)?, comparisons: linear_against_corotational(finger)? })
-    },
-};
 
 /// Largest difference of a linear displacement, as a share of the case's largest: OpenSees prints nine digits.
 pub const LINEAR_TOLERANCE: f64 = 1e-8;

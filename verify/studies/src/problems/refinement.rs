@@ -3,19 +3,12 @@
 //! Linear frame theory is exact at the nodes, so refinement must change nothing but rounding. The paper found its two
 //! commercial meshes within 0.26 % of each other (sec. III).
 
-use super::{Problem, ProblemError, ProblemResults};
+use super::ProblemError;
 use crate::check::{Check, Comparison, Kind, worst};
 use crate::lattice::accuracy::difference;
 use crate::sampling::scatter::sampled_nodes;
 use crate::truths::fine_mesh;
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, statics};
-
-/// This problem.
-pub(super) const PROBLEM: Problem = Problem {
-    name: "meshes of the finger",
-    applies_to: |_| true,
-    solve: |finger| Ok(ProblemResults { checks: checks(finger)?, comparisons: comparisons(finger)? }),
-};
 
 /// Rounding of a double-precision solution on 684 nodes, which grows about as the fourth power of the node count.
 pub const ROUNDING_TOLERANCE: f64 = 1e-8;

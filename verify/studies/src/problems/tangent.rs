@@ -3,20 +3,12 @@
 //!
 //! Source: differences of fourth order, (8 (f(h) - f(-h)) - (f(2h) - f(-2h))) / 12 h.
 
-use super::{Problem, ProblemError};
+use super::ProblemError;
 use crate::prelude::*;
-use crate::settings::is_papers_finger;
 use finray_model::element::{Beam, EndMotion, Response};
 use finray_model::frame::{FrameLoad, FrameMotion};
 use finray_model::statics::Assembly;
 use nalgebra::DVector;
-
-/// This problem.
-pub(super) const PROBLEM: Problem = Problem {
-    name: "derivatives of the energy",
-    applies_to: is_papers_finger,
-    solve: |finger| Ok(checks(finger)?.into()),
-};
 
 const KINEMATICS: [Kinematics; 3] = [Kinematics::Linear, Kinematics::Corotational, Kinematics::CorotationalChord];
 /// A strongly bent and stretched beam: its ends' displacements (mm) and rotations (rad).
