@@ -119,7 +119,7 @@ fn of_scene(finger: &Finger, scene: &SceneStudy) -> Value {
         let pressed = &studied.step.pressed;
         let bent = drawn_points(finger).into_iter().map(|at| point(&pressed.shape.point(at)));
         let sensed = studied.noisy.as_ref().ok().and_then(Option::as_ref);
-        let contacts = contacts_sensed(&studied.step, sensed).map(|(seen, sensed)| {
+        let contacts = contacts_sensed(&studied.step.contacts, sensed).map(|(seen, sensed)| {
             let along = |of: &finray_studies::experiments::contact_scene::SensedContact| {
                 point(&(finger.direction(of.read.contact.angle_deg) * of.force.sensed_n))
             };

@@ -86,7 +86,7 @@ impl AccuracyMap {
                 .filter(|cell| force_n.is_none_or(|f| f == cell.force_n))
                 .map(&of)
                 .collect();
-            values.filter(|v| !v.is_empty()).map(|v| v.iter().sum::<f64>() / v.len() as f64)
+            values.and_then(mean)
         };
         (0..angles).map(|angle| (0..positions).map(|position| cell(position, angle)).collect()).collect()
     }
@@ -133,7 +133,7 @@ impl AccuracyMap {
             answered: count(CellState::Answered),
             refused,
             without_equilibrium,
-            mean_error: (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64),
+            mean_error: mean(known.iter().copied()),
             largest_error: known.iter().copied().reduce(f64::max),
             share_above_10: share(TRUSTED_ERROR),
             share_above_25: share(GROSS_ERROR),

@@ -159,20 +159,18 @@ impl ScatterRow {
 
     /// Mean error of all forces; `None` if no case was sensed.
     pub fn mean_error(&self) -> Option<f64> {
-        let errors = self.forces.iter().map(|scatter| scatter.mean_error);
-        (!self.forces.is_empty()).then(|| errors.sum::<f64>() / self.forces.len() as f64)
+        mean(self.forces.iter().map(|scatter| scatter.mean_error))
     }
 
     /// Mean absolute error of all forces, N; `None` if no case was sensed.
     pub fn mean_error_n(&self) -> Option<f64> {
-        let errors = self.forces.iter().map(|scatter| scatter.mean_error_n);
-        (!self.forces.is_empty()).then(|| errors.sum::<f64>() / self.forces.len() as f64)
+        mean(self.forces.iter().map(|scatter| scatter.mean_error_n))
     }
 
     /// Mean error of all forces at the bound; `None` where there is none.
     pub fn mean_error_bound(&self) -> Option<f64> {
         let bounds: Option<Vec<f64>> = self.forces.iter().map(|s| Some(s.bound?.mean_error_bound)).collect();
-        bounds.filter(|bounds| !bounds.is_empty()).map(|bounds| bounds.iter().sum::<f64>() / bounds.len() as f64)
+        mean(bounds?)
     }
 }
 

@@ -41,6 +41,17 @@ pub struct HalfSpan {
     pub turn_rad: f64,
 }
 
+impl SeenContact {
+    /// What it is in tables: its node, `at` for a position between nodes, or `clamp`.
+    pub(crate) fn name(&self) -> String {
+        match self.contact.position {
+            _ if self.clamped => "clamp".to_owned(),
+            ContactPosition::Node(node) => node.to_string(),
+            ContactPosition::At(_) => "at".to_owned(),
+        }
+    }
+}
+
 /// Puts touches together to contacts, from base to tip. `baseline_mm` is the distance of the outline points that the direction of a touch
 /// is read from.
 pub fn seen_contacts(lattice: &Lattice, touches: &[Touch], baseline_mm: impl Fn(&Touch) -> f64) -> Vec<SeenContact> {

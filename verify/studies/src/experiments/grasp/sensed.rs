@@ -2,7 +2,8 @@
 
 use super::GraspScene;
 use crate::experiments::contact_scene::{
-    OutlineEstimator, SeenContact, SensedContact, SensedStep, TurnedOutline, baseline_mm, seen_contacts,
+    OutlineEstimator, SeenContact, SensedContact, SensedStep, TurnedOutline, baseline_mm, contacts_sensed,
+    seen_contacts,
 };
 use crate::prelude::*;
 use crate::sampling::noise::Noise;
@@ -122,8 +123,7 @@ impl FingerStep {
     /// Contacts with what was sensed of each.
     pub fn contacts_sensed(&self) -> impl Iterator<Item = (&SeenContact, Option<SensedContact>)> {
         let sensed = self.sensed.as_ref().ok().and_then(Option::as_ref);
-        let mut felt = sensed.map(|sensed| sensed.contacts.iter().copied()).into_iter().flatten();
-        self.contacts.iter().map(move |seen| (seen, if seen.clamped { None } else { felt.next() }))
+        contacts_sensed(&self.contacts, sensed)
     }
 
     /// The sensed sum across the gripper, N: nothing where nothing touches, `None` where it was refused.

@@ -140,8 +140,7 @@ fn sensed(steps: &[GraspStep]) -> SensedSummary {
             errors.push(sensed.total.relative_error().abs());
         }
     }
-    let count = errors.len() as f64;
-    summary.mean_total_error = (!errors.is_empty()).then(|| errors.iter().sum::<f64>() / count);
+    summary.mean_total_error = mean(errors.iter().copied());
     summary.worst_total_error = errors.into_iter().reduce(f64::max);
     summary.worst_contact_error = of_contacts.into_iter().reduce(f64::max);
     summary
