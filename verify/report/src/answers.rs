@@ -8,9 +8,7 @@ use super::{causes, checks, shapes};
 use crate::prelude::*;
 use finray_studies::experiments::speed_error::recommendation::{LARGEST_BIAS_SIGMAS, recommended, ways};
 use finray_studies::experiments::speed_error::sensing::SENSED_N;
-use finray_studies::sampling::sweep::{CellState, MapCell};
-use finray_studies::sampling::worst::TrustCounts;
-use finray_studies::settings::{CAMERA_FRAME_S, DRAWN_FORCE_N, TRUSTED_ERROR};
+use finray_studies::settings::CAMERA_FRAME_S;
 use minijinja::value::Serde;
 
 /// Regions of a finger of which less than this share is trusted are named.

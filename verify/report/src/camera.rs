@@ -2,7 +2,6 @@
 
 use super::format::percent_two_digits;
 use crate::prelude::*;
-use finray_figures::{Axis, Chart, Dash, FigureError, Frame, Point, Series};
 use finray_studies::experiments::camera::{
     AS_IT_IS, ASKED_ERROR, CameraRow, CameraStudy, FORCE_N, FrameTimes, NeededNoise,
 };

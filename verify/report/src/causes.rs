@@ -8,11 +8,9 @@ use self::drawings::{clearing, map_figure};
 use self::shares::{Region, Shares};
 use super::format::{error, error_as, list, percent};
 use crate::prelude::*;
-use finray_model::NodeId;
 use finray_studies::experiments::causes::{
     Cause, CauseCell, CauseMap, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM, Practice, REMEDIES,
 };
-use finray_studies::settings::{DRAWN_FORCE_N, TRUSTED_ERROR};
 
 const CSV: &str = "causes.csv";
 /// Maps of the largest cause that are drawn: least squares with a contact known and assumed.

@@ -2,8 +2,7 @@
 
 use super::format::verdict;
 use crate::prelude::*;
-use finray_figures::{Axis, Chart, Dash, FigureError, Frame, Point, Series};
-use finray_studies::check::{Against, Check, Kind, Tally, tallies, worst};
+use finray_studies::check::{Against, Kind, Tally, tallies};
 
 const CSV: &str = "checks.csv";
 const COMPARISONS_CSV: &str = "comparisons.csv";

@@ -2,7 +2,6 @@
 
 use super::format::{or_nothing, percent_two_digits};
 use crate::prelude::*;
-use finray_figures::{Axis, Chart, FigureError, Frame, Series};
 use finray_studies::experiments::convergence::{Convergence, MeshSize};
 
 const CSV: &str = "convergence.csv";

@@ -1,10 +1,8 @@
 //! Forces of unknown direction: where they are identifiable.
 
 use super::drawings::{ALONG_THE_PLATE, percent_classes, percent_line, plate_map};
-use super::format::{Span, percent};
+use super::format::percent;
 use crate::prelude::*;
-use finray_figures::{Axis, Cells, Chart, Class, FigureError, Frame, Map, Series};
-use finray_model::Finger;
 use finray_studies::experiments::direction::{
     Assumption, DirectionCell, DirectionStudy, FORCES_N, FrictionlessPush, IDENTIFIED_ANSWERED, IDENTIFIED_DEG,
     IDENTIFIED_FORCE,

@@ -1,6 +1,5 @@
 //! What the origin of the undeformed positions does to the bounds of sensing: a table.
 
-use super::format::Span;
 use crate::prelude::*;
 use finray_studies::experiments::displacement_noise::{
     DisplacementNoiseRow, DisplacementNoiseStudy, FORCE_N, FRAMES, ROTATION_SD_DEG, TRANSLATION_SD_MM,

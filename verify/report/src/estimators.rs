@@ -5,7 +5,6 @@ use super::maps::small;
 use crate::prelude::*;
 use finray_studies::experiments::coverage::CoverageRow;
 use finray_studies::experiments::speed_error::recommendation::{recommended, ways};
-use finray_studies::sampling::worst::TrustCounts;
 use finray_studies::settings::CAMERA_FRAME_S;
 
 const CSV: &str = "coverage.csv";

@@ -2,8 +2,7 @@
 
 use super::drawings;
 use crate::prelude::*;
-use finray_model::NodeId;
-use finray_model::finger::{Plate, RibPositions, Strip};
+use finray_model::finger::{RibPositions, Strip};
 
 const CSV: &str = "finger.csv";
 

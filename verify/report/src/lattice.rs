@@ -6,14 +6,11 @@ use super::drawings;
 use super::format::{error_as, percent_two_digits};
 use super::maps::map_csv_name;
 use crate::prelude::*;
-use finray_figures::{Axis, Chart, FigureError, Frame, Series};
 use finray_lattice::settling::Precision;
-use finray_studies::check::worst;
 use finray_studies::experiments::lattice::LatticeStudy;
 use finray_studies::lattice::accuracy::FinenessRow;
 use finray_studies::lattice::causes::{AxialRow, SettlingRow};
 use finray_studies::problems::lattice::FINENESS;
-use finray_studies::settings::DRAWN_FORCE_N;
 
 const CSV: &str = "lattice.csv";
 const AXIAL_CSV: &str = "lattice_axial_springs.csv";

@@ -8,7 +8,6 @@ use super::drawings::map_figure_svg;
 use crate::prelude::*;
 use drawings::MapFilter;
 use finray_studies::experiments::explain::Explanation;
-use finray_studies::sampling::map::AccuracyMap;
 use finray_studies::settings::MAP_FORCES_N;
 use tables::{EXPLANATIONS_CSV, OVERVIEW_CSV};
 

@@ -3,10 +3,9 @@
 pub mod picture;
 
 use crate::prelude::*;
-use finray_figures::{Axis, Chart, Dash, FigureError, Frame, Hue, Point, Series, Spread};
+use finray_figures::Spread;
 use finray_studies::experiments::measured::picture::Picture;
 use finray_studies::experiments::measured::{MarkerResidual, MeasuredForce, MeasuredStudy};
-use finray_studies::settings::TWO_SIDED_95;
 use finray_studies::statistics::{mean, rms};
 
 const CSV: &str = "measured_forces.csv";

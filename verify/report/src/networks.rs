@@ -1,11 +1,9 @@
 //! The networks that ship, then how they are trained and how large they must be.
 
-use super::format::{NOTHING, Span, error_as, list, percent_with, share_refused, verdict};
+use super::format::{NOTHING, error_as, list, percent_with, share_refused, verdict};
 use super::trainings;
 use crate::prelude::*;
-use finray_studies::check::Check;
 use finray_studies::experiments::networks::accuracy::{FORCES_N, NetworkStudy};
-use finray_studies::sampling::scatter::{Counts, Scatter, ScatterRow};
 use finray_studies::settings::ENOUGH_CASES;
 use finray_studies::statistics::mean;
 

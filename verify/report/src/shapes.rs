@@ -4,9 +4,7 @@ use super::drawings;
 use super::format::percent;
 use crate::prelude::*;
 use finray_model::validity::{FibreStrain, LARGEST_SHEAR_SHARE, StrainLimits, Validity};
-use finray_model::{Kinematics, Vector};
 use finray_studies::experiments::shapes::{BentFinger, TouchedFinger};
-use finray_studies::settings::DRAWN_FORCE_N;
 
 const CSV: &str = "shapes.csv";
 const VALIDITY_CSV: &str = "validity.csv";

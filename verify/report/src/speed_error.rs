@@ -2,7 +2,6 @@
 
 use super::format::{NOTHING, or_nothing, time};
 use crate::prelude::*;
-use finray_figures::{Axis, Chart, Dash, FigureError, Frame, Series};
 use finray_studies::experiments::speed_error::recommendation::LARGEST_BIAS_SIGMAS;
 use finray_studies::experiments::speed_error::sensing::{FRAMES_A_PERIOD, SENSED_N};
 use finray_studies::experiments::speed_error::{SOLVED_N, SpeedErrorPoint, Task, TimedBy};

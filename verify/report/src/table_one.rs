@@ -1,11 +1,10 @@
 //! The paper's Table I: its errors by node beside ours, for each direction that its weights may have had.
 
 use super::drawings;
-use super::format::{Span, list, percent};
+use super::format::{list, percent};
 use crate::prelude::*;
 use finray_studies::claims::criteria::accounts_for;
 use finray_studies::experiments::table_one::{TableOne, TableOneRow, WEIGHTS_G};
-use finray_studies::settings::TRUSTED_ERROR;
 
 const CSV: &str = "table_one.csv";
 

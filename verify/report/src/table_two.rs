@@ -7,7 +7,6 @@ pub mod words;
 use super::drawings::error_bars;
 use super::format::{NOTHING, error, error_as, list, nodes_in_words, share_of_counts, share_refused, span_in_words};
 use crate::prelude::*;
-use finray_figures::{Axis, Chart, FigureError, Frame, Hue};
 use finray_studies::experiments::networks::paper::{PAPER_RECIPES, quantities, recorded};
 use finray_studies::experiments::networks::records::RecipeRow;
 use finray_studies::experiments::table_two::{CONTACT_GROUPS, ContactGroup, FORCES_N, MOST_FITS, TableTwo};

@@ -5,7 +5,6 @@ pub mod words;
 use super::drawings::{PAPER_SHADES_PERCENT, error_bars, percent_line};
 use super::format::{figure, list};
 use crate::prelude::*;
-use finray_figures::{Axis, Chart, FigureError, Frame, Hue};
 use finray_model::calibration::FactorEstimate;
 use finray_studies::experiments::table_one::{TableOne, TableOneRow};
 use finray_studies::experiments::twin::fit::TwinFit;

@@ -24,6 +24,7 @@ mod grid;
 mod hints;
 mod loads;
 mod parse;
+mod prelude;
 mod progress;
 mod validity;
 

@@ -1,9 +1,8 @@
 //! What pressing objects says of sensing: a sentence, and a row a scene.
 
 use super::{CSV, name_of};
-use crate::format::{Span, percent};
+use crate::format::percent;
 use crate::prelude::*;
-use finray_studies::check::worst;
 use finray_studies::experiments::contact_scene::samples::NoiseSamples;
 use finray_studies::experiments::contact_scene::study::{SceneStudy, StudiedStep};
 

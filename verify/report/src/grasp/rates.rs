@@ -1,7 +1,6 @@
 //! The closed loop against the camera's rate: a chart, a table and a file.
 
 use crate::prelude::*;
-use finray_figures::{Axis, Chart, FigureError, Frame, Series};
 use finray_studies::experiments::grasp::rates::{DELAYS, LoopRun, LoopSetting, LoopStudy, Spread};
 
 const CSV: &str = "grasp_loop.csv";

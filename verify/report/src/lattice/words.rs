@@ -1,8 +1,6 @@
 //! What agrees and what does not, in sentences made from the numbers.
 
-use crate::format::Span;
 use crate::prelude::*;
-use finray_studies::check::{Check, worst};
 use finray_studies::experiments::lattice::LatticeStudy;
 use finray_studies::lattice::accuracy::FinenessRow;
 

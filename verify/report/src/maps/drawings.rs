@@ -3,9 +3,6 @@
 use super::{EXPLANATIONS_CSV, ExplainedQuantity, small};
 use crate::drawings::{error_cells, percent_classes, plate_map, small_maps};
 use crate::prelude::*;
-use finray_figures::{Cells, FigureError, Frame, Map};
-use finray_studies::sampling::map::AccuracyMap;
-use finray_studies::sampling::worst::TrustCounts;
 
 /// Which true fingers and estimators an overview shows.
 pub(super) type MapFilter = fn(TruthId, EstimatorId) -> bool;

@@ -3,9 +3,8 @@
 use super::{ExplainedQuantity, small};
 use crate::page::{Cell as TableCell, Column, Table};
 use crate::prelude::*;
-use finray_studies::sampling::map::{AccuracyMap, MapSummary};
+use finray_studies::sampling::map::MapSummary;
 use finray_studies::sampling::worst::WorstCell;
-use finray_studies::settings::DRAWN_FORCE_N;
 use finray_studies::statistics::median;
 use serde::Serialize;
 

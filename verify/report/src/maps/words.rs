@@ -2,11 +2,7 @@
 
 use super::ExplainedQuantity;
 use crate::prelude::*;
-use finray_model::finger::Plate;
 use finray_studies::experiments::explain::Explanation;
-use finray_studies::sampling::map::AccuracyMap;
-use finray_studies::sampling::sweep::MapCell;
-use finray_studies::settings::TRUSTED_ERROR;
 use finray_studies::statistics::median;
 
 /// Directions up to this many degrees from the normal count as pressing, those from the second on as tangential.

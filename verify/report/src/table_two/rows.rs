@@ -5,7 +5,6 @@ use crate::format::list;
 use crate::prelude::*;
 use finray_studies::experiments::networks::paper::{PAPER_RECIPES, quantities, recorded, recorded_sets};
 use finray_studies::experiments::table_two::{CONTACT_GROUPS, ContactGroup, TableTwo};
-use finray_studies::sampling::scatter::ScatterRow;
 
 /// One quantity of one set of contacts, or the mean over a group's sets.
 struct Line {

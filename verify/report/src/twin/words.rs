@@ -5,7 +5,6 @@ use finray_studies::claims::criteria::TPU_MPA;
 use finray_studies::experiments::twin::fit::TwinFit;
 use finray_studies::experiments::twin::moduli_mpa;
 use finray_studies::experiments::twin::study::{LOADED, TwinStudy};
-use finray_studies::settings::TRUSTED_ERROR;
 
 /// A set of zones whose misfit is below this comes as near to Table I as its figures are known.
 const FITS: f64 = 1.0;
