@@ -2,7 +2,6 @@
 //! rods) and other code. `fixtures/mujoco/README.md` says how they were made and how far they can be trusted.
 
 use crate::prelude::*;
-use serde::Deserialize;
 
 /// A shipped table that is not what it should be.
 #[derive(Debug, thiserror::Error)]

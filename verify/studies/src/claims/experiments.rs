@@ -2,11 +2,8 @@
 
 use crate::lattice::accuracy::difference;
 use crate::prelude::*;
-use crate::statistics::Span;
 use finray_model::finger::FingerDescription;
 use finray_model::scene::ROD_RADIUS_MM;
-use finray_model::sensing::{LinearEstimator, Prior, SensingError};
-use finray_model::statics;
 
 /// Elements a member where rotations are large.
 const ELEMENTS: usize = 8;

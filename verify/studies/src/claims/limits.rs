@@ -7,9 +7,7 @@ use super::experiments::{self, AllForces, Exchanged, largest, range_of};
 use super::{Claim, ClaimError, ClaimVerdict, Words};
 use crate::experiments::speed_error::{SpeedErrorPoint, Task, TimedBy};
 use crate::prelude::*;
-use crate::settings::CAMERA_NOISE_MM;
 use crate::study::Study;
-use finray_model::sensing::SensingError;
 use minijinja::context;
 
 /// Friction between which neglected torques are judged: plastic on steel to rubber on most things.

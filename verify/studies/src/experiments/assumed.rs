@@ -4,9 +4,7 @@ use super::Context;
 use super::causes::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
 use crate::prelude::*;
 use crate::sampling::map::{AccuracyMap, MapRequest, accuracy_maps};
-use crate::settings::MAP_FORCES_N;
 use crate::truths::TruthError;
-use finray_model::estimators::{PreparedEstimator, Sensed};
 
 /// The estimator that is recommended where the contact is known.
 const ESTIMATOR: EstimatorId = EstimatorId::Nonlinear;

@@ -9,8 +9,6 @@
 use super::{Context, Evidence};
 use crate::prelude::*;
 use crate::truths::FINE_MESH_NODES;
-use finray_model::mesh::MeshSizeError;
-use finray_model::statics::Statics;
 
 /// The force at which the errors of the meshes are checked, N.
 pub const CHECKED_FORCE_N: f64 = 3.0;

@@ -8,9 +8,7 @@ use crate::prelude::*;
 use crate::sampling::map::{AccuracyMap, MapRequest};
 use crate::sampling::noise::Noise;
 use crate::sampling::sweep::MapCell;
-use crate::settings::{MAP_FORCES_N, TWO_SIDED_95};
 use crate::truths::{Truth, TruthId};
-use finray_model::estimators::PreparedEstimator;
 use std::convert::Infallible;
 use std::ops::Add;
 

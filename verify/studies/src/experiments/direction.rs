@@ -14,8 +14,7 @@ use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use crate::sampling::sweep::Grid;
 use crate::truths::Truth;
-use finray_model::estimators::ELEMENTS;
-use finray_model::sensing::{ContactQuestion, Direction, NonlinearEstimate, NonlinearEstimator, SensingError};
+use finray_model::sensing::NonlinearEstimate;
 
 /// Forces, N.
 pub const FORCES_N: [f64; 3] = [0.5, 1.0, 3.0];

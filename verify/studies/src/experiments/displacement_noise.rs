@@ -12,10 +12,8 @@ use crate::sampling::noise::Noise;
 use crate::sampling::scatter::sampled_nodes;
 use finray_model::measurement::DisplacementNoise;
 use finray_model::measurement::noise::base_motions;
-use finray_model::mesh::LoadError;
 use finray_model::optimise::{FromFunction, LevenbergMarquardt, Refusal, covariance};
-use finray_model::sensing::{ContactForce, RespondingFinger, Response};
-use nalgebra::{DMatrix, DVector};
+use finray_model::sensing::Response;
 
 /// Standard deviation of the finger base's position along each axis where it is computed from the motor angle, mm. The offsets of motor and
 /// camera stand in figures of the paper that are not at hand: this is a choice.

@@ -8,12 +8,8 @@
 use super::{Context, Evidence};
 use crate::prelude::*;
 use crate::sampling::map::MapRequest;
-use crate::settings::DRAWN_FORCE_N;
-use finray_model::estimators::ELEMENTS;
-use finray_model::mesh::LoadError;
 use finray_model::sensing::{LARGEST_SPAN, marker_coordinates};
-use finray_model::statics::{Ladder, Statics};
-use nalgebra::{DMatrix, DVector};
+use finray_model::statics::Ladder;
 
 /// What limits sensing of one force at one position and direction; all empty where the finger has no equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

@@ -10,11 +10,8 @@ use crate::problems::lattice::{FINENESS, NEWTON};
 use crate::problems::{self, ProblemError};
 use crate::sampling::map::{AccuracyMap, MapRequest, accuracy_maps};
 use crate::sampling::sweep::MapCell;
-use crate::settings::MAP_FORCES_N;
 use crate::truths::{LatticeTruth, TruthId};
 use finray_lattice::settling::Precision;
-use finray_lattice::{Lattice, LatticeError};
-use finray_model::estimators::{BeamEstimator, ELEMENTS};
 use std::collections::HashMap;
 use std::ops::RangeInclusive;
 

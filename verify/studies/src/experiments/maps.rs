@@ -1,10 +1,9 @@
 //! Maps of where sensing fails, for every truth and estimator.
 
 use super::{Context, Evidence};
+use crate::prelude::*;
 use crate::sampling::map::{AccuracyMap, MapRequest, accuracy_maps};
-use crate::settings::MAP_FORCES_N;
 use crate::truths::{Truth, TruthError, TruthId};
-use finray_model::estimators::EstimatorId;
 
 impl Evidence for AccuracyMap {}
 

@@ -27,19 +27,13 @@ pub mod twin;
 
 use crate::prelude::*;
 use crate::problems::ProblemError;
-use crate::settings::Progress;
 use crate::truths::{MeshTruth, TwinError};
 use contact_scene::study::{SceneStudyError, SceneWithOutline};
-use finray_lattice::LatticeError;
 use finray_model::calibration::CalibrationError;
 use finray_model::estimators::network::Networks;
 use finray_model::finger::ImpossibleFinger;
 use finray_model::measurement::MeasurementError;
-use finray_model::mesh::{LoadError, MeshSizeError};
-use finray_model::scene::SceneError;
-use finray_model::sensing::SensingError;
 use finray_model::sensing::network::NetworkError;
-use finray_model::statics::StaticsError;
 use grasp::GraspError;
 
 /// Input of every experiment of a report.

@@ -4,8 +4,7 @@ use super::{Context, Evidence};
 use crate::experiments::table_two::condition_number;
 use crate::prelude::*;
 use crate::sampling::scatter::{self, Controlled, Counts, ScatterRequest, ScatterRow, scatter_controlled};
-use crate::settings::{CAMERA_NOISE_MM, ONE_FORCE_N, TWO_FORCES_N};
-use finray_model::estimators::{BeamEstimator, ELEMENTS};
+use crate::settings::{ONE_FORCE_N, TWO_FORCES_N};
 
 /// Largest mean error of one force at nodes 14 to 24, which was asked for; the Cramer-Rao bound comes nearest to it at node 24, 1.2 %.
 const ONE_FORCE_TOLERANCE: f64 = 0.013;

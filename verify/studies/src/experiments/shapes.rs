@@ -2,10 +2,8 @@
 
 use super::{Context, Evidence};
 use crate::prelude::*;
-use crate::settings::DRAWN_FORCE_N;
 use crate::truths::Truth;
 use finray_model::frame::NodeIndex;
-use finray_model::statics::Statics;
 use finray_model::validity::Validity;
 use std::convert::Infallible;
 

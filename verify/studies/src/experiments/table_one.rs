@@ -3,10 +3,8 @@
 use super::{Context, Evidence, ExperimentError};
 use crate::prelude::*;
 use crate::settings::TABLE_ONE_ANGLES_DEG;
-use crate::statistics::Span;
 use crate::truths::{Truth, TruthId};
 use finray_model::calibration::{self, CalibrationCase};
-use finray_model::sensing::{LinearEstimator, Prior};
 
 /// Standard gravity, m/s^2 (CGPM 1901).
 pub const STANDARD_GRAVITY: f64 = 9.80665;

@@ -8,11 +8,8 @@ use super::{Context, Evidence};
 use crate::prelude::*;
 use crate::sampling::scatter::{ScatterRequest, ScatterRow, scatter};
 use crate::settings::TWO_FORCES_N;
-use crate::statistics::Span;
 use crate::truths::TruthId;
 use finray_model::estimators::network::NetworkSensing;
-use finray_model::estimators::{BeamEstimator, ELEMENTS};
-use finray_model::sensing::LinearEstimator;
 
 /// A row of the paper's table: the contacts of its tests (sec. V-C), and the mean errors over these tests.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,9 +1,6 @@
 //! Error of the lattice against converged beams, and its cost, by its fineness.
 
 use crate::prelude::*;
-use finray_lattice::{Lattice, LatticeError};
-use finray_model::statics::{Statics, StaticsError};
-use std::time::Instant;
 
 /// Elements a member of the beam finger that counts as converged: twice as many change no displacement of the paper's finger
 /// under 5 N by more than 1e-6 of the largest.

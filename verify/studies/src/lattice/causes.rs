@@ -5,7 +5,6 @@ use crate::prelude::*;
 use finray_lattice::energy::{BodyMotion, Energy};
 use finray_lattice::settling::{Precision, SWEEPS, Settling};
 use finray_lattice::springs::AxialSprings;
-use finray_lattice::{Lattice, LatticeError};
 
 /// This many times stiffer, axial springs are as good as rigid: a hundred times more changes no displacement of the paper's finger
 /// by more than a thousandth.

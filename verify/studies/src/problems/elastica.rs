@@ -5,9 +5,8 @@
 
 use super::ProblemError;
 use crate::prelude::*;
-use finray_model::frame::{FrameLoad, PlaneFrame, Section};
+use finray_model::frame::{PlaneFrame, Section};
 use finray_model::statics::solve_frame;
-use serde::Deserialize;
 
 /// Elements of the cantilever.
 const ELEMENTS: usize = 400;

@@ -8,8 +8,7 @@
 //! its order falls to 2 on very fine meshes, with an error that is smaller by the strain (here 1e-4 to 1e-3).
 
 use super::{ProblemError, elastica};
-use crate::check::{Check, Kind};
-use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, statics};
+use crate::prelude::*;
 
 /// Factor of safety for three meshes (Roache).
 const SAFETY: f64 = 1.25;

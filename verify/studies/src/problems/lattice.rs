@@ -7,7 +7,6 @@ use super::ProblemError;
 use crate::check::SETTLED_LATTICE;
 use crate::lattice::accuracy::{LoadGrid, beam_shapes, lattice_shapes, settled_shapes, worst_by_force};
 use crate::prelude::*;
-use finray_lattice::Lattice;
 
 /// Source of the rows whose shapes are the least energy of our own springs, found by our own Newton's method: rapier has no part in them.
 pub const NEWTON: &str = "spring lattice, Newton";

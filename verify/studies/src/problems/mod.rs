@@ -21,8 +21,6 @@ pub mod toggle;
 
 use crate::lattice::accuracy::AccuracyError;
 use crate::prelude::*;
-use crate::settings::is_papers_finger;
-use finray_model::statics::StaticsError;
 
 /// Every problem, in the order of the report. Those of the spring lattice, which take long, are part of
 /// [its study](crate::experiments::lattice).

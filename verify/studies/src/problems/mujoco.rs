@@ -8,10 +8,7 @@ use super::{ProblemError, ProblemResults};
 use crate::lattice::accuracy::difference;
 use crate::mujoco::{ContactStep, ExportedFinger, FINGERS, StaticCase, TouchedRod, contact_steps};
 use crate::prelude::*;
-use crate::settings::is_papers_finger;
 use crate::truths::{LatticeTruth, Truth};
-use finray_model::statics;
-use finray_model::statics::Statics;
 
 /// Source of all rows.
 const SOURCE: &str = "MuJoCo";

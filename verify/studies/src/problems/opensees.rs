@@ -4,9 +4,7 @@
 //! two must agree to the digits printed. It verifies the solver, not the theory.
 
 use super::ProblemError;
-use crate::check::{Check, Comparison, Kind, worst};
-use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector, statics};
-use serde::Deserialize;
+use crate::prelude::*;
 
 /// Largest difference of a linear displacement, as a share of the case's largest: OpenSees prints nine digits.
 pub const LINEAR_TOLERANCE: f64 = 1e-8;

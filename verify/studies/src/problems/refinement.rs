@@ -4,11 +4,10 @@
 //! commercial meshes within 0.26 % of each other (sec. III).
 
 use super::ProblemError;
-use crate::check::{Check, Comparison, Kind, worst};
 use crate::lattice::accuracy::difference;
+use crate::prelude::*;
 use crate::sampling::scatter::sampled_nodes;
 use crate::truths::fine_mesh;
-use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, statics};
 
 /// Rounding of a double-precision solution on 684 nodes, which grows about as the fourth power of the node count.
 pub const ROUNDING_TOLERANCE: f64 = 1e-8;

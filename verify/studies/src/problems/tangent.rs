@@ -6,9 +6,7 @@
 use super::ProblemError;
 use crate::prelude::*;
 use finray_model::element::{Beam, EndMotion, Response};
-use finray_model::frame::{FrameLoad, FrameMotion};
 use finray_model::statics::Assembly;
-use nalgebra::DVector;
 
 const KINEMATICS: [Kinematics; 3] = [Kinematics::Linear, Kinematics::Corotational, Kinematics::CorotationalChord];
 /// A strongly bent and stretched beam: its ends' displacements (mm) and rotations (rad).

@@ -9,9 +9,7 @@ mod cases;
 mod scout;
 
 use crate::prelude::*;
-use crate::settings::TWO_SIDED_95;
 use cases::CaseEstimate;
-use finray_model::estimators::Sensed;
 
 /// Mean of |x| for x of a normal distribution with standard deviation 1: sqrt(2 / pi).
 const MEAN_ABSOLUTE: f64 = 0.797_884_560_802_865_4;

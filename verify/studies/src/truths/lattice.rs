@@ -2,7 +2,6 @@
 
 use super::{Truth, TruthId, TruthRow};
 use crate::prelude::*;
-use finray_lattice::{Lattice, LatticeError};
 
 pub(super) const ROW: TruthRow = TruthRow {
     name: "lattice",

@@ -3,8 +3,7 @@
 use super::{Truth, TruthId};
 use crate::prelude::*;
 use finray_model::compliance::NodalCompliance;
-use finray_model::mesh::MeshSizeError;
-use finray_model::statics::{EquilibriumEquations, Ladder, Statics, StaticsError};
+use finray_model::statics::{EquilibriumEquations, Ladder};
 
 /// Nodes of the paper's fine mesh (Xu et al. 2021, sec. III).
 pub const FINE_MESH_NODES: usize = 684;

@@ -13,11 +13,7 @@ use crate::prelude::*;
 use conditions::{CONDITIONS, Change, Condition};
 use finray_imaging::locate::Locator;
 use finray_imaging::render::{RenderRequest, render};
-use finray_model::camera::Camera;
-use finray_model::scene::{MarkerLook, Markers};
-use finray_model::sensing::{ContactForce, RespondingFinger};
-use finray_model::statics;
-use std::time::Instant;
+use finray_model::scene::MarkerLook;
 use tried::{Tried, tried};
 
 /// Force at every node, N, along the normal: the middle of the paper's 0.3 to 3 N.

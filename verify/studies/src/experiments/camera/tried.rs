@@ -5,11 +5,6 @@ use super::{Bent, ExperimentError, FORCE_N};
 use crate::prelude::*;
 use finray_imaging::locate::Observer;
 use finray_imaging::render::{RenderRequest, render};
-use finray_model::camera::Camera;
-use finray_model::measurement::Marker;
-use finray_model::scene::Markers;
-use finray_model::sensing::NonlinearEstimator;
-use finray_model::statics;
 
 /// Displacements as a camera has them, and their standard deviation.
 struct Seen {

@@ -3,9 +3,7 @@
 use super::models::{Bending, Known, Models};
 use super::{Cause, CauseCell, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM, Practice, REMEDIES};
 use crate::prelude::*;
-use crate::settings::LEAST_STATED_MM;
 use crate::truths::Truth;
-use finray_model::sensing::{LinearEstimator, NonlinearEstimator, Prior};
 
 /// A practice with all that it needs to know.
 pub(super) struct Sensor<'m> {

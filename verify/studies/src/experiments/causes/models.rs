@@ -4,7 +4,6 @@ use crate::experiments::{ExperimentError, table_one};
 use crate::prelude::*;
 use crate::truths::Truth;
 use finray_model::calibration::{CalibrationCase, FactorModel, Unknown, factors};
-use finray_model::estimators::ELEMENTS;
 use finray_model::finger::{Part, Zone};
 
 /// An end of the finger that may have zones of its own.

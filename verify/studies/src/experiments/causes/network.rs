@@ -9,10 +9,7 @@ use super::{Cause, CauseCell, CauseMap, CauseRequest, ContactKnowledge, Practice
 use crate::experiments::ExperimentError;
 use crate::prelude::*;
 use crate::sampling::noise::Noise;
-use crate::settings::LEAST_STATED_MM;
 use crate::truths::{MeshTruth, Truth, TruthId, fine_mesh};
-use finray_model::estimators::ELEMENTS;
-use finray_model::sensing::NonlinearEstimator;
 
 /// Noise samples of every shape: an error by noise is then known to a sixth.
 const SAMPLES: usize = 40;

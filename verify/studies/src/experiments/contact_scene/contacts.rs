@@ -2,7 +2,6 @@
 //! surfaces alone.
 
 use crate::prelude::*;
-use finray_lattice::Lattice;
 use finray_lattice::skin::{Touch, TouchedPart};
 
 /// Touches within this share of the segment of plate, from rod to rod, that they lie on are one contact to the camera. Two rods are never one

@@ -2,9 +2,8 @@
 
 use super::FINENESS;
 use super::study::{SAMPLES, SceneStudy, SceneStudyError, SceneWithOutline, run_all, shipped};
-use crate::check::Check;
 use crate::experiments::{Context, Evidence};
-use crate::settings::{CAMERA_NOISE_MM, Effort, Progress};
+use crate::prelude::*;
 
 impl Evidence for SceneStudy {
     fn checks(&self, context: &Context) -> Vec<Check> {

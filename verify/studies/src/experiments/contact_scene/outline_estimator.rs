@@ -2,9 +2,7 @@
 
 use super::{SeenContact, SensedContact, SensedForce, SensedStep, read_contact};
 use crate::prelude::*;
-use crate::settings::LEAST_STATED_MM;
 use finray_model::estimators::network::Networks;
-use finray_model::observation::Observation;
 use finray_model::sensing::MeasuredContact;
 use finray_model::sensor::{Refusal, Sensor, SensorContacts, SensorOptions};
 

@@ -3,7 +3,6 @@
 use super::{ContactScene, SceneStep, SensedForce, SensedStep};
 use crate::prelude::*;
 use crate::sampling::noise::Noise;
-use crate::settings::TWO_SIDED_95;
 
 /// Many noise samples of one step, of markers and contacts.
 #[derive(Debug, Clone, PartialEq)]

@@ -5,11 +5,10 @@ use super::{ContactScene, FINENESS, ForceRow, OutlineError, SceneStep, SensedSte
 use crate::lattice::accuracy::{CONVERGED_ELEMENTS, difference};
 use crate::prelude::*;
 use crate::sampling::noise::Noise;
-use finray_lattice::LatticeError;
 use finray_lattice::skin::{Touch, TouchedPart};
-use finray_model::scene::{ObjectDescription, ObjectMotion, SceneError};
+use finray_model::scene::ObjectMotion;
 use finray_model::sensor::Refusal;
-use finray_model::statics::{self, StaticsError};
+use finray_model::statics;
 
 /// Noise samples of each step in a full study: over the steps of a scene they are some hundreds to a thousand.
 pub const SAMPLES: usize = 50;

@@ -4,7 +4,6 @@ use super::{Answers, DirectionRequest, FORCES_N};
 use crate::prelude::*;
 use crate::sampling::scatter::sampled_nodes;
 use crate::truths::Truth;
-use finray_model::sensing::{ContactQuestion, Direction, NonlinearEstimator, SensingError};
 
 /// Turn of the normal, degrees, below which push and plate agree: worth 1e-6 of the force.
 const SETTLED_DEG: f64 = 1e-4;

@@ -6,9 +6,7 @@ use super::sensed::{FingerStep, SeenFinger};
 use super::way::{on_way, part_of_way};
 use super::{GraspError, GraspScene, GraspStep, finger_name, force_of};
 use crate::prelude::*;
-use finray_lattice::Lattice;
 use finray_lattice::grasp::{Drive, GraspFailure, TouchedBody, World};
-use finray_model::gripper::Placement;
 use std::collections::VecDeque;
 
 /// What the gripper does in a step.

@@ -15,7 +15,6 @@ use crate::experiments::{Context, Evidence, ExperimentError};
 use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use finray_model::estimators::network::NetworkSensing;
-use finray_model::estimators::{BeamEstimator, ELEMENTS};
 
 /// Noise samples a step.
 const SAMPLES: usize = 4;

@@ -6,7 +6,6 @@ use super::{FingerStep, GraspStep, Phase};
 use crate::experiments::{Context, Evidence};
 use crate::prelude::*;
 use crate::sampling::noise::Noise;
-use finray_model::estimators::{BeamEstimator, ELEMENTS};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Nodes whose forces the paper senses at once.

@@ -9,8 +9,6 @@ use super::{Eyes, GraspEnd, GraspError, GraspScene, GraspStep, LoopFigures, loop
 use crate::experiments::{Context, Evidence, ExperimentError};
 use crate::prelude::*;
 use crate::sampling::noise::Noise;
-use crate::settings::LEAST_STATED_MM;
-use finray_lattice::Lattice;
 use finray_model::scene::GraspDescription;
 
 /// Frames a second.

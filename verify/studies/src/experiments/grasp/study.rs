@@ -4,7 +4,6 @@
 use super::{Eyes, FINENESS, GraspError, GraspScene, GraspStep, Summary};
 use crate::experiments::{Context, Evidence, ExperimentError};
 use crate::prelude::*;
-use crate::settings::is_papers_finger;
 
 /// Forces and moments on object and bases from balance, as a share of the largest force: Newton's method leaves rounding, the resistance against an
 /// object that has moved up to this.

@@ -3,7 +3,6 @@
 use super::outlook::{LoopFigures, loop_figures};
 use super::{GraspEnd, GraspScene, GraspStep, Phase};
 use crate::prelude::*;
-use crate::settings::TWO_SIDED_95;
 use finray_lattice::grasp::Account;
 
 /// How a grasp went.

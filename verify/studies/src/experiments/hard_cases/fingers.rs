@@ -5,8 +5,7 @@ use super::{Findings, Question, Unexpected, middle};
 use crate::prelude::*;
 use crate::truths::FINE_MESH_NODES;
 use finray_model::finger::{FingerDescription, Part, RibPositions, Zone};
-use finray_model::frame::FrameMotion;
-use finray_model::statics::{Statics, StaticsError, solve};
+use finray_model::statics::solve;
 
 pub(super) const QUESTIONS: &[Question] = &[
     Question {

@@ -4,9 +4,7 @@ use super::soundness::Soundness;
 use super::{Findings, Question, Unexpected, middle};
 use crate::prelude::*;
 use finray_fixtures::PAPER_SCENE;
-use finray_model::measurement::{Marker, MeasurementError};
-use finray_model::sensing::{LinearEstimator, NonlinearEstimator, Prior};
-use finray_model::statics::{Statics, StaticsError};
+use finray_model::measurement::MeasurementError;
 
 pub(super) const QUESTIONS: &[Question] = &[
     Question {

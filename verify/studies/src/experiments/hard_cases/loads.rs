@@ -3,8 +3,7 @@
 use super::soundness::{LIMIT, Soundness, difference};
 use super::{Findings, Question, Unexpected, middle};
 use crate::prelude::*;
-use finray_model::frame::FrameMotion;
-use finray_model::statics::{Equilibrium, Statics, StaticsError};
+use finray_model::statics::Equilibrium;
 
 pub(super) const QUESTIONS: &[Question] = &[
     Question {

@@ -13,7 +13,6 @@ use crate::check::EXACT_COUNT;
 use crate::experiments::{Context, Evidence};
 use crate::prelude::*;
 use std::convert::Infallible;
-use std::time::Instant;
 
 /// No case may take longer, s.
 pub const TIME_LIMIT_S: f64 = 5.0;

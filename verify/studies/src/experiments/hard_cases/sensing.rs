@@ -3,11 +3,7 @@
 use super::{Findings, Question, Unexpected, middle};
 use crate::prelude::*;
 use crate::sampling::noise::Noise;
-use crate::settings::CAMERA_NOISE_MM;
-use finray_model::frame::FrameLoad;
-use finray_model::measurement::Marker;
-use finray_model::sensing::{ContactQuestion, Estimate, LinearEstimator, NonlinearEstimator, Prior, SensingError};
-use finray_model::statics::Statics;
+use finray_model::sensing::Estimate;
 
 pub(super) const QUESTIONS: &[Question] = &[
     Question {

@@ -2,7 +2,6 @@
 
 use crate::experiments::table_two::contact_sets;
 use crate::prelude::*;
-use crate::settings::CAMERA_NOISE_MM;
 use finray_model::finger::NodeId;
 use finray_model::train::TrainingRecipe;
 

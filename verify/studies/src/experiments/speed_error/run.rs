@@ -3,9 +3,8 @@
 use super::sensing::{FRAMES_A_PERIOD, TimedEstimator, sensing};
 use super::{ASKED_NODES, ExperimentError, SpeedErrorPoint, Start, solving};
 use crate::experiments::{Context, Evidence};
-use crate::settings::Effort;
+use crate::prelude::*;
 use finray_model::estimators::network::NetworkSensing;
-use finray_model::statics::StaticsError;
 
 impl Evidence for SpeedErrorPoint {}
 

@@ -10,11 +10,8 @@ use super::{ExperimentError, SpeedErrorPoint, Start, Task, TimedBy, mark_fronts,
 use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use crate::statistics::percentile;
-use finray_model::estimators::{BeamEstimator, ELEMENTS, PreparedEstimator, Sensed};
-use finray_model::sensing::NonlinearEstimator;
-use finray_model::statics::{Ladder, Statics};
+use finray_model::statics::Ladder;
 use std::f64::consts::{FRAC_PI_2, TAU};
-use std::time::Instant;
 
 /// Range of the forces that are sensed, N: that of the paper's gripper experiments (sec. V-C).
 pub const SENSED_N: [f64; 2] = [0.3, 3.0];

@@ -4,9 +4,7 @@ use super::{ExperimentError, SpeedErrorPoint, Start, Task, TimedBy, mark_fronts,
 use crate::lattice::accuracy::{CONVERGED_ELEMENTS, difference};
 use crate::prelude::*;
 use crate::statistics::percentile;
-use finray_lattice::{Lattice, LatticeError};
-use finray_model::statics::{Statics, StaticsError, solve};
-use std::time::Instant;
+use finray_model::statics::solve;
 
 /// Force of the loads that shapes are solved for, N.
 pub const SOLVED_N: f64 = 3.0;

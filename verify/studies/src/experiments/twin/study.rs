@@ -10,7 +10,6 @@ use crate::sampling::scatter::{Counts, ScatterRequest, ScatterRow, scatter};
 use crate::settings::ONE_FORCE_N;
 use crate::truths::{MeshTruth, TruthId, fine_mesh, twin_of};
 use finray_model::calibration::{CalibrationCase, CalibrationError, FactorEstimate, FactorModel, Unknown, factors};
-use finray_model::estimators::{BeamEstimator, ELEMENTS};
 
 /// The zones of the twin's scene that share a factor: front and back.
 pub const GROUPS: [[usize; 2]; 3] = [[0, 1], [2, 3], [4, 5]];

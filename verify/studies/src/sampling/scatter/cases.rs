@@ -4,9 +4,6 @@ use super::ScatterRequest;
 use super::scout::{LoadClass, RatioLimits, Scout, loads};
 use crate::prelude::*;
 use crate::sampling::noise::Noise;
-use crate::settings::LEAST_STATED_MM;
-use finray_model::estimators::{BeamEstimator, PreparedEstimator, Sensed};
-use finray_model::frame::FrameMotion;
 use finray_model::statics::equilibria;
 
 /// A finger that carries none of this many draws in a row carries no force of the range.

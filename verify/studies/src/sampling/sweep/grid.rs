@@ -1,7 +1,6 @@
 //! The grid of positions, directions, forces and noise on which sensing is tested.
 
 use crate::prelude::*;
-use serde::Deserialize;
 
 /// Largest angle of a direction from the normal, degrees: flatter forces slide rather than press.
 const LARGEST_ANGLE_DEG: f64 = 80.0;

@@ -4,12 +4,7 @@ use super::ExperimentError;
 use crate::experiments::contact_scene::angle_deg;
 use crate::experiments::table_two::FORCES_N;
 use crate::prelude::*;
-use finray_model::gripper::{Gripper, Placement};
-use finray_model::measurement::Marker;
-use finray_model::mesh::LoadError;
 use finray_model::scene::ROD_RADIUS_MM;
-use finray_model::sensing::{ContactForce, RespondingFinger};
-use nalgebra::{DMatrix, DVector};
 
 /// Where the motor starts, degrees: with the chosen linkage the sensor's axis is then 12.4 degrees off the plate's normal, the most that the paper
 /// states is 12.5.
