@@ -31,15 +31,7 @@ pub enum Phase {
 
 impl std::fmt::Display for Phase {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        f.write_str(match self {
-            Phase::Approach => "approach",
-            Phase::Close => "close",
-            Phase::Hold => "hold",
-            Phase::Lift => "lift",
-            Phase::Carry => "carry",
-            Phase::Place => "place",
-            Phase::Open => "open",
-        })
+        f.write_str(&format!("{self:?}").to_lowercase())
     }
 }
 
