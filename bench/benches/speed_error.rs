@@ -7,8 +7,8 @@
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use finray_bench::paper;
+use finray_model::estimators::network::{NetworkSensing, Networks};
 use finray_model::statics::Statics;
-use finray_studies::estimators::network::{NetworkSensing, Networks};
 use finray_studies::experiments::speed_error::criterion::group;
 use finray_studies::experiments::speed_error::sensing::{
     FRAMES_A_PERIOD, Stream, TimedEstimator, beam_estimators, neighbours, sensing_meshes, singles,

@@ -3,8 +3,8 @@
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use finray_bench::paper;
+use finray_model::estimators::{BeamEstimator, ELEMENTS, Estimator};
 use finray_model::{Kinematics, Mesh};
-use finray_studies::estimators::{BeamEstimator, ELEMENTS, Estimator};
 use finray_studies::sampling::sweep::{Grid, Sweep, Table};
 use finray_studies::truths::TruthId;
 use finray_studies::truths::{MeshTruth, Truth, fine_mesh};

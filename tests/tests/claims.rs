@@ -1,9 +1,9 @@
 //! The paper's claims: every verdict is that of its own row's figures.
 
 use finray_model::Scene;
+use finray_model::estimators::EstimatorId;
 use finray_model::validity::StrainLimits;
 use finray_studies::claims::{Claim, ClaimVerdict, ledger};
-use finray_studies::estimators::EstimatorId;
 use finray_studies::experiments::contact_scene::study::SceneWithOutline;
 use finray_studies::sampling::map::AccuracyMap;
 use finray_studies::sampling::sweep::MapCell;

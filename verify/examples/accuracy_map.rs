@@ -2,9 +2,9 @@
 //!
 //! `cargo run --release -p finray-verify --example accuracy_map` writes `accuracy_map.svg`.
 
+use finray_model::estimators::BeamEstimator;
 use finray_model::{Kinematics, Mesh, Scene};
 use finray_report::{map_figure_svg, standalone};
-use finray_studies::estimators::BeamEstimator;
 use finray_studies::sampling::map::{MapRequest, accuracy_maps};
 use finray_studies::sampling::sweep::Grid;
 use finray_studies::truths::TruthId;

@@ -2,12 +2,12 @@
 //!
 //! Training takes minutes, so the report shows what was recorded: `fixtures/networks/recipes.csv` and `curves.csv`.
 
+use finray_model::estimators::Estimator;
+use finray_model::estimators::network::{NetworkSensing, Networks};
 use finray_model::sensing::Contact;
 use finray_model::sensing::network::{Network, Scaling};
 use finray_model::train::{TrainingRecipe, train};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
-use finray_studies::estimators::Estimator;
-use finray_studies::estimators::network::{NetworkSensing, Networks};
 use finray_studies::experiments::ExperimentError;
 use finray_studies::experiments::networks::paper::PAPER_RECIPES;
 use finray_studies::experiments::networks::records::{CurveRow, RecipeRow};

@@ -77,10 +77,7 @@ pub fn name_of(path: &Path) -> String {
 }
 
 /// Bytes of a file, or of standard input for `-`.
-///
-/// # Errors
-/// [`FileError::Unreadable`].
-pub fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
+pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
     let unreadable = |reason| FileError::Unreadable { path: path.to_owned(), reason };
     if !is_standard_stream(path) {
         return std::fs::read(path).map_err(unreadable);

@@ -86,10 +86,7 @@ impl<const N: usize> Table<N> {
     }
 
     /// A node number.
-    ///
-    /// # Errors
-    /// [`FileError`] naming the line for anything else.
-    pub fn node(&self, row: &Row<N>, column: usize) -> Result<finray_model::NodeId, FileError> {
+    pub(crate) fn node(&self, row: &Row<N>, column: usize) -> Result<finray_model::NodeId, FileError> {
         let cell = &row.cells[column];
         cell.parse().map(finray_model::NodeId).map_err(|_| {
             self.wrong(row, format!("{}: expected the number of a node, found {cell:?}", self.columns[column]))

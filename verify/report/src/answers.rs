@@ -4,18 +4,12 @@ use super::format::capitalised;
 use super::maps::small;
 use super::page::Answer;
 use super::trust::{Situation, situations};
-use super::words::say;
-use super::{ReportError, causes, checks, shapes};
-use finray_studies::estimators::EstimatorId;
+use super::{causes, checks, shapes};
+use crate::prelude::*;
 use finray_studies::experiments::speed_error::recommendation::{LARGEST_BIAS_SIGMAS, recommended, ways};
 use finray_studies::experiments::speed_error::sensing::SENSED_N;
-use finray_studies::sampling::sweep::{CellState, MapCell};
-use finray_studies::sampling::worst::TrustCounts;
-use finray_studies::settings::{CAMERA_FRAME_S, DRAWN_FORCE_N, TRUSTED_ERROR};
-use finray_studies::study::Study;
-use finray_studies::truths::TruthId;
+use finray_studies::settings::CAMERA_FRAME_S;
 use minijinja::value::Serde;
-use minijinja::{Value, context};
 
 /// Regions of a finger of which less than this share is trusted are named.
 const MOSTLY: f64 = 0.9;

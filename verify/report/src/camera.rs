@@ -1,16 +1,11 @@
 //! From camera to force: what each property of the camera costs in millimetres, and these in the force.
 
-use super::dataset::{Columns, Dataset, Format};
 use super::format::percent_two_digits;
-use super::page::{Block, Figure, Section};
-use super::words::{paragraph, say};
-use super::{ReportError, Results};
-use finray_figures::{Axis, Chart, Dash, FigureError, Frame, Point, Series};
+use crate::prelude::*;
 use finray_studies::experiments::camera::{
     AS_IT_IS, ASKED_ERROR, CameraRow, CameraStudy, FORCE_N, FrameTimes, NeededNoise,
 };
 use finray_studies::settings::CAMERA_NOISE_MM;
-use minijinja::{Value, context};
 
 const CSV: &str = "camera.csv";
 /// Height of a line of a drawing, px.

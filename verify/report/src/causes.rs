@@ -6,19 +6,11 @@ mod shares;
 
 use self::drawings::{clearing, map_figure};
 use self::shares::{Region, Shares};
-use super::dataset::{Columns, Dataset, Format};
 use super::format::{error, error_as, list, percent};
-use super::page::{Block, Cell, Column, Figure, Section, Table, details};
-use super::words::paragraph;
-use super::{ReportError, Results};
-use finray_model::NodeId;
+use crate::prelude::*;
 use finray_studies::experiments::causes::{
     Cause, CauseCell, CauseMap, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM, Practice, REMEDIES,
 };
-use finray_studies::settings::{DRAWN_FORCE_N, TRUSTED_ERROR};
-use finray_studies::study::Study;
-use finray_studies::truths::TruthId;
-use minijinja::context;
 
 const CSV: &str = "causes.csv";
 /// Maps of the largest cause that are drawn: least squares with a contact known and assumed.

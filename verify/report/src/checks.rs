@@ -1,14 +1,8 @@
 //! Checks against other programs, closed forms and ourselves, and comparisons where a difference is expected.
 
-use super::dataset::{Columns, Dataset, Format};
 use super::format::verdict;
-use super::page::{Block, Cell, Column, Figure, Section, Table, details};
-use super::words::paragraph;
-use super::{ReportError, Results};
-use finray_figures::{Axis, Chart, Dash, FigureError, Frame, Point, Series};
-use finray_studies::check::{Against, Check, Kind, Tally, tallies, worst};
-use finray_studies::study::Study;
-use minijinja::context;
+use crate::prelude::*;
+use finray_studies::check::{Against, Kind, Tally, tallies};
 
 const CSV: &str = "checks.csv";
 const COMPARISONS_CSV: &str = "comparisons.csv";

@@ -1,11 +1,7 @@
 //! The paper's claims and their verdicts.
 
-use super::dataset::{Columns, Dataset, Format};
-use super::page::{Block, Cell, Column, Section, Shade, details};
-use super::words::paragraph;
-use super::{ReportError, Results};
+use crate::prelude::*;
 use finray_studies::claims::{Claim, ClaimVerdict};
-use minijinja::context;
 
 const CSV: &str = "claims.csv";
 

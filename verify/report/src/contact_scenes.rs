@@ -2,22 +2,15 @@
 
 mod words;
 
-use super::dataset::{Columns, Dataset};
 use super::drawings::{ACROSS_AXIS, ALONG_AXIS, point};
-use super::page::{Block, Figure, Section, text};
-use super::words::paragraph;
-use super::{ReportError, Results};
-use finray_figures::{Axis, Chart, Dash, FigureError, Frame, Hue, Series, Spread};
-use finray_model::finger::{FingerPoint, Plate};
+use crate::prelude::*;
+use finray_figures::Spread;
+use finray_model::finger::FingerPoint;
 use finray_model::mesh::FingerShape;
 use finray_model::sensing::ContactPosition;
-use finray_model::{Finger, Vector};
-use finray_studies::check::worst;
 use finray_studies::experiments::contact_scene::samples::NoiseSamples;
 use finray_studies::experiments::contact_scene::study::{SceneStudy, StudiedStep};
 use finray_studies::experiments::contact_scene::{ForceRow, SeenContact};
-use finray_studies::settings::TWO_SIDED_95;
-use minijinja::context;
 use std::collections::BTreeMap;
 
 const CSV: &str = "contact_scenes.csv";

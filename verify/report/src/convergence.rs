@@ -1,13 +1,8 @@
 //! How fine a mesh must be: table and figure.
 
-use super::dataset::{Columns, Dataset, Format};
 use super::format::{or_nothing, percent_two_digits};
-use super::page::{Block, Figure, Section, Table, details};
-use super::words::paragraph;
-use super::{ReportError, Results};
-use finray_figures::{Axis, Chart, FigureError, Frame, Series};
+use crate::prelude::*;
 use finray_studies::experiments::convergence::{Convergence, MeshSize};
-use minijinja::context;
 
 const CSV: &str = "convergence.csv";
 /// Errors worth comparing with.

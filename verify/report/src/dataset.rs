@@ -19,7 +19,7 @@ struct Column<'c, R> {
     on_page: Option<(page::Column, Accessor<'c, R, Cell>)>,
 }
 
-type Accessor<'c, R, T> = std::rc::Rc<dyn Fn(&R) -> T + 'c>;
+type Accessor<'c, R, T> = Box<dyn Fn(&R) -> T + 'c>;
 
 impl<R> Default for Columns<'_, R> {
     fn default() -> Self {
@@ -36,17 +36,19 @@ impl<'c, R: 'c> Columns<'c, R> {
     /// A column of the files: its key, with the unit, and its values.
     pub fn file<V: Into<Value>>(mut self, key: &'static str, of: impl Fn(&R) -> V + 'c) -> Self {
         let value = move |row: &R| of(row).into();
-        self.0.push(Column { in_files: Some((key, std::rc::Rc::new(value))), on_page: None });
+        self.0.push(Column { in_files: Some((key, Box::new(value))), on_page: None });
         self
     }
 
-    /// Shows the last column on the page as well.
-    pub fn shown(mut self, heading: impl Into<String>, format: Format) -> Self {
-        if let Some(Column { in_files: Some((_, of)), on_page }) = self.0.last_mut() {
-            let of = of.clone();
-            *on_page = Some((heading_of(heading, format), std::rc::Rc::new(move |row: &R| format.cell(&of(row)))));
-        }
-        self
+    /// A column of files and page.
+    pub fn both<V: Into<Value>>(
+        self,
+        key: &'static str,
+        heading: impl Into<String>,
+        format: Format,
+        of: impl Fn(&R) -> V + Copy + 'c,
+    ) -> Self {
+        self.file(key, of).page(heading, format, of)
     }
 
     /// A column of the page alone.
@@ -56,7 +58,7 @@ impl<'c, R: 'c> Columns<'c, R> {
 
     /// A column of the page alone whose cells need more than a format.
     pub fn cells(mut self, heading: page::Column, of: impl Fn(&R) -> Cell + 'c) -> Self {
-        self.0.push(Column { in_files: None, on_page: Some((heading, std::rc::Rc::new(of))) });
+        self.0.push(Column { in_files: None, on_page: Some((heading, Box::new(of))) });
         self
     }
 

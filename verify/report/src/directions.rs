@@ -1,18 +1,12 @@
 //! Forces of unknown direction: where they are identifiable.
 
-use super::dataset::{Columns, Dataset};
 use super::drawings::{ALONG_THE_PLATE, percent_classes, percent_line, plate_map};
-use super::format::{Span, percent};
-use super::page::{Block, Figure, Section, text};
-use super::words::{paragraph, say};
-use super::{ReportError, Results};
-use finray_figures::{Axis, Cells, Chart, Class, FigureError, Frame, Map, Series};
-use finray_model::Finger;
+use super::format::percent;
+use crate::prelude::*;
 use finray_studies::experiments::direction::{
     Assumption, DirectionCell, DirectionStudy, FORCES_N, FrictionlessPush, IDENTIFIED_ANSWERED, IDENTIFIED_DEG,
     IDENTIFIED_FORCE,
 };
-use minijinja::{Value, context};
 
 const CSV: &str = "directions.csv";
 const FRICTIONLESS_CSV: &str = "directions_without_friction.csv";

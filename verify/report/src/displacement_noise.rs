@@ -1,14 +1,9 @@
 //! What the origin of the undeformed positions does to the bounds of sensing: a table.
 
-use super::dataset::{Columns, Dataset, Format};
-use super::format::Span;
-use super::page::{Block, Section};
-use super::words::{paragraph, say};
-use super::{ReportError, Results};
+use crate::prelude::*;
 use finray_studies::experiments::displacement_noise::{
     DisplacementNoiseRow, DisplacementNoiseStudy, FORCE_N, FRAMES, ROTATION_SD_DEG, TRANSLATION_SD_MM,
 };
-use minijinja::{Value, context};
 
 const CSV: &str = "displacement_noise.csv";
 

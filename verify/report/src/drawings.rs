@@ -1,15 +1,10 @@
 //! Drawings of a study: its numbers arranged for [`figures`](finray_figures).
 
 use super::format::list;
-use finray_figures::{
-    Axis, Bars, Cells, Chart, Class, Dash, FigureError, Frame, Hue, Lines, Map, Marker, Paint, Point, Series,
-};
-use finray_model::finger::{Part, Plate};
-use finray_model::{Finger, Kinematics, NodeId, Vector};
+use crate::prelude::*;
+use finray_figures::{Bars, Lines, Marker, Paint};
+use finray_model::finger::Part;
 use finray_studies::experiments::table_one::TableOne;
-use finray_studies::sampling::map::AccuracyMap;
-use finray_studies::sampling::sweep::CellState;
-use finray_studies::study::Study;
 
 /// Limits of the two shades of the paper's Table I, %.
 pub(super) const PAPER_SHADES_PERCENT: [f64; 2] = [10.0, 25.0];

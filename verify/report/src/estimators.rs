@@ -1,19 +1,11 @@
 //! Which estimator: what each keeps, states, needs and costs, in one table; and how often stated intervals hold.
 
-use super::dataset::{Columns, Dataset, Format};
 use super::format::{percent, time};
 use super::maps::small;
-use super::page::{Block, Section, details};
-use super::words::{paragraph, say};
-use super::{ReportError, Results};
-use finray_studies::estimators::EstimatorId;
+use crate::prelude::*;
 use finray_studies::experiments::coverage::CoverageRow;
 use finray_studies::experiments::speed_error::recommendation::{recommended, ways};
-use finray_studies::sampling::worst::TrustCounts;
 use finray_studies::settings::CAMERA_FRAME_S;
-use finray_studies::study::Study;
-use finray_studies::truths::TruthId;
-use minijinja::{Value, context};
 
 const CSV: &str = "coverage.csv";
 const ESTIMATORS_CSV: &str = "estimators.csv";

@@ -1,18 +1,11 @@
 //! What the reader can ask the page: the numbers of the report, as its script takes them.
 
-use super::Results;
 use super::maps::small;
-use finray_model::finger::{FingerPoint, Plate};
-use finray_model::{Finger, NodeId, Vector};
-use finray_studies::estimators::EstimatorId;
+use crate::prelude::*;
+use finray_model::finger::FingerPoint;
 use finray_studies::experiments::causes::{CauseMap, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM};
 use finray_studies::experiments::contact_scene::contacts_sensed;
 use finray_studies::experiments::contact_scene::study::{SceneStudy, StudiedStep};
-use finray_studies::sampling::map::AccuracyMap;
-use finray_studies::sampling::scatter::ScatterRow;
-use finray_studies::sampling::sweep::MapCell;
-use finray_studies::settings::DRAWN_FORCE_N;
-use finray_studies::truths::TruthId;
 use serde_json::{Value, json};
 
 /// The numbers as JSON without any `<`, so that they can stand in the page.
@@ -119,7 +112,7 @@ fn of_scene(finger: &Finger, scene: &SceneStudy) -> Value {
         let pressed = &studied.step.pressed;
         let bent = drawn_points(finger).into_iter().map(|at| point(&pressed.shape.point(at)));
         let sensed = studied.noisy.as_ref().ok().and_then(Option::as_ref);
-        let contacts = contacts_sensed(&studied.step, sensed).map(|(seen, sensed)| {
+        let contacts = contacts_sensed(&studied.step.contacts, sensed).map(|(seen, sensed)| {
             let along = |of: &finray_studies::experiments::contact_scene::SensedContact| {
                 point(&(finger.direction(of.read.contact.angle_deg) * of.force.sensed_n))
             };

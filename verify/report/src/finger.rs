@@ -1,12 +1,8 @@
 //! The finger: its numbered key nodes and its dimensions.
 
-use super::dataset::{Columns, Dataset};
-use super::page::{Block, Figure, Section};
-use super::words::say;
-use super::{ReportError, Results, drawings};
-use finray_model::NodeId;
-use finray_model::finger::{Plate, RibPositions, Strip};
-use minijinja::context;
+use super::drawings;
+use crate::prelude::*;
+use finray_model::finger::{RibPositions, Strip};
 
 const CSV: &str = "finger.csv";
 

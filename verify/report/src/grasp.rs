@@ -7,10 +7,7 @@ mod rates;
 pub use animation::grasp_animation_svg;
 pub use drawings::grasp_svg;
 
-use super::dataset::{Columns, Dataset, Format};
-use super::page::{Block, Figure, Section, details};
-use super::words::{paragraph, say};
-use super::{ReportError, Results};
+use crate::prelude::*;
 use drawings::drawings;
 use finray_studies::experiments::grasp::file::{ForceRow, force_rows};
 use finray_studies::experiments::grasp::study::GraspStudy;
@@ -44,20 +41,16 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 fn scenes<'c>() -> Columns<'c, &'c GraspStudy> {
     let of = |within: usize, all: usize| format!("{within} of {all}");
     Columns::<&GraspStudy>::new()
-        .file("scene", |grasp| grasp.name.clone())
-        .shown("object", Format::Words)
+        .both("scene", "object", Format::Words, |grasp| grasp.name.clone())
         .file("noise_mm", |grasp| grasp.noise_mm)
         .file("ended", |grasp| grasp.noisy.ended.clone())
-        .file("steps", |grasp| grasp.noisy.steps)
-        .shown("steps", Format::Plain)
-        .file("largest_total_n", |grasp| grasp.noisy.largest_total_n)
-        .shown("largest total, N", Format::Fixed(2))
-        .file("mean_total_error", |grasp| grasp.noisy.sensed.mean_total_error)
-        .shown("mean error", Format::Percent)
-        .file("worst_total_error", |grasp| grasp.noisy.sensed.worst_total_error)
-        .shown("largest", Format::Percent)
-        .file("worst_contact_error", |grasp| grasp.noisy.sensed.worst_contact_error)
-        .shown("largest of a contact", Format::Percent)
+        .both("steps", "steps", Format::Plain, |grasp| grasp.noisy.steps)
+        .both("largest_total_n", "largest total, N", Format::Fixed(2), |grasp| grasp.noisy.largest_total_n)
+        .both("mean_total_error", "mean error", Format::Percent, |grasp| grasp.noisy.sensed.mean_total_error)
+        .both("worst_total_error", "largest", Format::Percent, |grasp| grasp.noisy.sensed.worst_total_error)
+        .both("worst_contact_error", "largest of a contact", Format::Percent, |grasp| {
+            grasp.noisy.sensed.worst_contact_error
+        })
         .file("totals_within_95", |grasp| grasp.noisy.sensed.totals_within_95)
         .file("asked", |grasp| grasp.noisy.sensed.asked)
         .page("totals within 95 %", Format::Plain, move |grasp| {
@@ -68,8 +61,7 @@ fn scenes<'c>() -> Columns<'c, &'c GraspStudy> {
         .page("contacts within 95 %", Format::Plain, move |grasp| {
             of(grasp.noisy.sensed.contacts_within_95, grasp.noisy.sensed.contacts)
         })
-        .file("refused", |grasp| grasp.noisy.sensed.refused)
-        .shown("refused", Format::Plain)
+        .both("refused", "refused", Format::Plain, |grasp| grasp.noisy.sensed.refused)
 }
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {

@@ -1,13 +1,9 @@
 //! Hard cases: what is checked at the edge of what can be computed, and the results.
 
-use super::dataset::{Columns, Dataset, Format};
 use super::format::{figure, verdict};
-use super::page::{Block, Column, Section, details, text};
-use super::words::paragraph;
-use super::{ReportError, Results};
+use crate::prelude::*;
 use finray_studies::check::{Check, EXACT_COUNT};
 use finray_studies::experiments::hard_cases::{HardCase, TIME_LIMIT_S};
-use minijinja::context;
 
 const CSV: &str = "hard_cases.csv";
 const VERDICTS: [&str; 2] = ["kept", "broken"];

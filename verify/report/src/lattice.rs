@@ -2,22 +2,15 @@
 
 pub mod words;
 
-use super::dataset::{Columns, Dataset, Format};
+use super::drawings;
 use super::format::{error_as, percent_two_digits};
 use super::maps::map_csv_name;
-use super::page::{Block, Cell, Column, Figure, Section, Table, details, text};
-use super::words::paragraph;
-use super::{ReportError, Results, drawings};
-use finray_figures::{Axis, Chart, FigureError, Frame, Series};
+use crate::prelude::*;
 use finray_lattice::settling::Precision;
-use finray_studies::check::worst;
 use finray_studies::experiments::lattice::LatticeStudy;
 use finray_studies::lattice::accuracy::FinenessRow;
 use finray_studies::lattice::causes::{AxialRow, SettlingRow};
 use finray_studies::problems::lattice::FINENESS;
-use finray_studies::settings::DRAWN_FORCE_N;
-use finray_studies::study::Study;
-use minijinja::context;
 
 const CSV: &str = "lattice.csv";
 const AXIAL_CSV: &str = "lattice_axial_springs.csv";
@@ -65,15 +58,12 @@ pub fn data(lattice: Option<&LatticeStudy>) -> Vec<Dataset<'_>> {
 /// Sweeps and precision of settling; no error where it does not settle.
 pub fn settled<'s>(rows: impl Iterator<Item = &'s SettlingRow>) -> Dataset<'s> {
     let columns = Columns::<&SettlingRow>::new()
-        .file("sweeps", |row| row.sweeps)
-        .shown("sweeps a step", Format::Plain)
-        .file("positions", |row| match row.positions {
+        .both("sweeps", "sweeps a step", Format::Plain, |row| row.sweeps)
+        .both("positions", "precision", Format::Words, |row| match row.positions {
             Precision::Double => "double",
             Precision::Single => "single",
         })
-        .shown("precision", Format::Words)
-        .file("error", |row| row.error)
-        .shown("difference, if it settles", Format::PercentTwoDigits)
+        .both("error", "difference, if it settles", Format::PercentTwoDigits, |row| row.error)
         .file("steps", |row| row.steps);
     Dataset::new(SETTLING_CSV, &columns, rows)
 }

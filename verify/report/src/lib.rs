@@ -25,6 +25,7 @@ pub mod measured;
 mod networks;
 pub mod page;
 mod pairs;
+mod prelude;
 mod scatter;
 mod sections;
 mod shapes;

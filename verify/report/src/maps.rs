@@ -4,19 +4,11 @@ pub mod drawings;
 mod tables;
 pub mod words;
 
-use super::dataset::Dataset;
 use super::drawings::map_figure_svg;
-use super::page::{Block, Figure, Section, details};
-use super::words::say;
-use super::{ReportError, Results};
+use crate::prelude::*;
 use drawings::MapFilter;
-use finray_studies::estimators::EstimatorId;
 use finray_studies::experiments::explain::Explanation;
-use finray_studies::sampling::map::AccuracyMap;
 use finray_studies::settings::MAP_FORCES_N;
-use finray_studies::study::Study;
-use finray_studies::truths::TruthId;
-use minijinja::context;
 use tables::{EXPLANATIONS_CSV, OVERVIEW_CSV};
 
 pub(super) use tables::map_csv_name;

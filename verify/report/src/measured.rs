@@ -2,16 +2,11 @@
 
 pub mod picture;
 
-use super::dataset::{Columns, Dataset, Format};
-use super::page::{Block, Figure, Section};
-use super::words::{paragraph, say};
-use super::{ReportError, Results};
-use finray_figures::{Axis, Chart, Dash, FigureError, Frame, Hue, Point, Series, Spread};
+use crate::prelude::*;
+use finray_figures::Spread;
 use finray_studies::experiments::measured::picture::Picture;
 use finray_studies::experiments::measured::{MarkerResidual, MeasuredForce, MeasuredStudy};
-use finray_studies::settings::TWO_SIDED_95;
 use finray_studies::statistics::{mean, rms};
-use minijinja::{Value, context};
 
 const CSV: &str = "measured_forces.csv";
 const RESIDUALS_CSV: &str = "measured_residuals.csv";

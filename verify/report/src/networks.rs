@@ -1,16 +1,11 @@
 //! The networks that ship, then how they are trained and how large they must be.
 
-use super::dataset::{Columns, Dataset, Format};
-use super::format::{NOTHING, Span, error_as, list, percent_with, share_refused, verdict};
-use super::page::{Block, Cell, Column, Section, Table, details};
-use super::words::{paragraph, say};
-use super::{ReportError, Results, trainings};
-use finray_studies::check::Check;
+use super::format::{NOTHING, error_as, list, percent_with, share_refused, verdict};
+use super::trainings;
+use crate::prelude::*;
 use finray_studies::experiments::networks::accuracy::{FORCES_N, NetworkStudy};
-use finray_studies::sampling::scatter::{Counts, Scatter, ScatterRow};
 use finray_studies::settings::ENOUGH_CASES;
 use finray_studies::statistics::mean;
-use minijinja::{Value, context};
 
 const CSV: &str = "networks.csv";
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {

@@ -3,7 +3,7 @@
 //! A page is built from plain data and rendered through one template; the
 //! figures' SVG goes in as it is, every other text is escaped.
 
-use finray_studies::estimators::EstimatorId;
+use finray_model::estimators::EstimatorId;
 use finray_studies::truths::TruthId;
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Serde;

@@ -1,16 +1,10 @@
 //! Two contacts at once: which pairs of nodes can be trusted, and why neighbours are hard.
 
-use super::dataset::{Columns, Dataset};
 use super::drawings::percent_classes;
-use super::format::{Span, list, nodes_in_words, range_of};
-use super::page::{Block, Figure, Section, text};
-use super::words::{paragraph, say};
-use super::{ReportError, Results};
-use finray_figures::{Axis, Cells, FigureError, Frame, Map};
+use super::format::{list, nodes_in_words, range_of};
+use crate::prelude::*;
 use finray_studies::experiments::noise::NoiseStudy;
-use finray_studies::sampling::scatter::{Counts, Scatter, ScatterRow};
-use finray_studies::settings::{TRUSTED_ERROR, TWO_FORCES_N};
-use minijinja::{Value, context};
+use finray_studies::settings::TWO_FORCES_N;
 
 const CSV: &str = "pairs.csv";
 const EACH: &str = "Mean error of each force, %";

@@ -1,14 +1,9 @@
 //! Nonlinear sensing under camera noise, against the Cramer-Rao bound.
 
-use super::dataset::{Columns, Dataset, Format};
-use super::format::{Span, list, nodes_in_words, range_of};
-use super::page::{Block, Section};
-use super::words::{paragraph, say};
-use super::{ReportError, Results};
+use super::format::{list, nodes_in_words, range_of};
+use crate::prelude::*;
 use finray_studies::experiments::noise::NoiseStudy;
-use finray_studies::sampling::scatter::{Counts, Scatter, ScatterRow};
 use finray_studies::settings::{ONE_FORCE_N, TWO_FORCES_N};
-use minijinja::{Value, context};
 
 const CSV: &str = "noise.csv";
 

@@ -1,16 +1,10 @@
 //! How the finger bends under a few forces, and whether the beam model holds there.
 
-use super::dataset::{Columns, Dataset, Format};
+use super::drawings;
 use super::format::percent;
-use super::page::{Block, Figure, Section, details, text};
-use super::words::say;
-use super::{ReportError, Results, drawings};
+use crate::prelude::*;
 use finray_model::validity::{FibreStrain, LARGEST_SHEAR_SHARE, StrainLimits, Validity};
-use finray_model::{Kinematics, Vector};
 use finray_studies::experiments::shapes::{BentFinger, TouchedFinger};
-use finray_studies::settings::DRAWN_FORCE_N;
-use finray_studies::study::Study;
-use minijinja::{Value, context};
 
 const CSV: &str = "shapes.csv";
 const VALIDITY_CSV: &str = "validity.csv";
@@ -70,18 +64,12 @@ fn corotational(study: &Study) -> impl Iterator<Item = &BentFinger> {
 fn validity_columns<'s>(limits: StrainLimits) -> Columns<'s, &'s BentFinger> {
     let largest = move |bent: &&'s BentFinger| -> Option<&'s FibreStrain> { bent.validity.largest_strain(&limits) };
     Columns::<&BentFinger>::new()
-        .file("shape", |bent| bent.label.clone())
-        .shown("shape", Format::Words)
-        .file("largest_strain", move |bent| largest(bent).map(|at| at.strain))
-        .shown("largest strain", Format::Percent)
-        .file("strain_in", move |bent| largest(bent).map(|at| at.member.to_string()))
-        .shown("strain in", Format::Words)
-        .file("strain_at_mm", move |bent| largest(bent).map(|at| at.at_mm))
-        .shown("strain at, mm", Format::Fixed(1))
-        .file("shear_share", |bent| bent.validity.shear_share)
-        .shown("shear share", Format::Percent)
-        .file("shear_in", |bent| bent.validity.shear_at.map(|member| member.to_string()))
-        .shown("shear in", Format::Words)
+        .both("shape", "shape", Format::Words, |bent| bent.label.clone())
+        .both("largest_strain", "largest strain", Format::Percent, move |bent| largest(bent).map(|at| at.strain))
+        .both("strain_in", "strain in", Format::Words, move |bent| largest(bent).map(|at| at.member.to_string()))
+        .both("strain_at_mm", "strain at, mm", Format::Fixed(1), move |bent| largest(bent).map(|at| at.at_mm))
+        .both("shear_share", "shear share", Format::Percent, |bent| bent.validity.shear_share)
+        .both("shear_in", "shear in", Format::Words, |bent| bent.validity.shear_at.map(|member| member.to_string()))
 }
 
 /// The drawn co-rotational shape whose strain is the largest share of its material's limit, with that strain.

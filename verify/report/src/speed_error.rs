@@ -1,16 +1,10 @@
 //! What an answer costs, and how far it is off.
 
-use super::dataset::{Columns, Dataset, Format};
 use super::format::{NOTHING, or_nothing, time};
-use super::page::{Block, Cell, Column, Figure, Section, Shade, Table, details, text};
-use super::words::{paragraph, say};
-use super::{ReportError, Results};
-use finray_figures::{Axis, Chart, Dash, FigureError, Frame, Series};
+use crate::prelude::*;
 use finray_studies::experiments::speed_error::recommendation::LARGEST_BIAS_SIGMAS;
 use finray_studies::experiments::speed_error::sensing::{FRAMES_A_PERIOD, SENSED_N};
 use finray_studies::experiments::speed_error::{SOLVED_N, SpeedErrorPoint, Task, TimedBy};
-use finray_studies::study::Study;
-use minijinja::{Value, context};
 
 const CSV: &str = "speed_error.csv";
 

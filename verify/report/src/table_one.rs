@@ -1,14 +1,10 @@
 //! The paper's Table I: its errors by node beside ours, for each direction that its weights may have had.
 
-use super::dataset::{Columns, Dataset, Format};
-use super::format::{Span, list, percent};
-use super::page::{Block, Figure, Section, details};
-use super::words::{paragraph, say};
-use super::{ReportError, Results, drawings};
+use super::drawings;
+use super::format::{list, percent};
+use crate::prelude::*;
 use finray_studies::claims::criteria::accounts_for;
 use finray_studies::experiments::table_one::{TableOne, TableOneRow, WEIGHTS_G};
-use finray_studies::settings::TRUSTED_ERROR;
-use minijinja::{Value, context};
 
 const CSV: &str = "table_one.csv";
 

@@ -4,19 +4,12 @@ mod gripper;
 mod rows;
 pub mod words;
 
-use super::dataset::{Columns, Dataset, Format};
 use super::drawings::error_bars;
 use super::format::{NOTHING, error, error_as, list, nodes_in_words, share_of_counts, share_refused, span_in_words};
-use super::page::{Block, Cell, Column, Figure, Section, Table, details, text};
-use super::words::paragraph;
-use super::{ReportError, Results};
-use finray_figures::{Axis, Chart, FigureError, Frame, Hue};
-use finray_studies::estimators::EstimatorId;
+use crate::prelude::*;
 use finray_studies::experiments::networks::paper::{PAPER_RECIPES, quantities, recorded};
 use finray_studies::experiments::networks::records::RecipeRow;
 use finray_studies::experiments::table_two::{CONTACT_GROUPS, ContactGroup, FORCES_N, MOST_FITS, TableTwo};
-use finray_studies::truths::TruthId;
-use minijinja::context;
 
 const CSV: &str = "table_two.csv";
 /// Errors below this are shown as none: no reader asks for a millionth of a percent.

@@ -1,8 +1,6 @@
 //! How long the report took, part by part: where the next slow part is seen.
 
-use super::dataset::{Columns, Dataset, Format};
-use super::page::{Block, Section, details};
-use super::{ReportError, Results};
+use crate::prelude::*;
 use finray_studies::study::PartTime;
 
 const CSV: &str = "report_times.csv";
@@ -12,11 +10,11 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 }
 
 fn columns<'s>() -> Columns<'s, &'s PartTime> {
-    Columns::<&PartTime>::new()
-        .file("part", |of| of.part)
-        .shown("part", Format::Words)
-        .file("seconds", |of| of.seconds)
-        .page("s", Format::Fixed(1), |of| of.seconds)
+    Columns::<&PartTime>::new().both("part", "part", Format::Words, |of| of.part).file("seconds", |of| of.seconds).page(
+        "s",
+        Format::Fixed(1),
+        |of| of.seconds,
+    )
 }
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {

@@ -1,15 +1,10 @@
 //! Recorded trainings: recipes side by side, and the error by number of cases and by size of the network.
 
-use super::ReportError;
-use super::dataset::{Columns, Dataset, Format};
 use super::format::{NOTHING, Span, error_as, list, share_of_counts, span_in_words};
-use super::page::{Block, Cell, Column, Table, details};
 use super::table_two::recorded_settings;
-use super::words::paragraph;
+use crate::prelude::*;
 use finray_studies::experiments::networks::records::{CurveRow, RecipeRow, Records};
 use finray_studies::experiments::table_two::COMPARED_SETS;
-use finray_studies::truths::TruthId;
-use minijinja::context;
 
 const RECIPES_CSV: &str = "training_recipes.csv";
 const CURVES_CSV: &str = "training_curves.csv";

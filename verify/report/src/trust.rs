@@ -1,23 +1,13 @@
 //! Where a force can be trusted: the first screen's drawings, counts and files, all by the worst force of each cell.
 
-use super::dataset::{Columns, Dataset};
 use super::drawings::{ACROSS_AXIS, ALONG_AXIS, at_rest, error_classes, point, rank_of};
 use super::format::{capitalised, percent};
-use super::page::Figure;
-use super::words::say;
-use super::{ReportError, Results};
-use finray_figures::{Axis, Chart, Class, Frame, Hue, Patch, Series};
-use finray_model::Finger;
-use finray_model::finger::Plate;
-use finray_studies::estimators::EstimatorId;
+use crate::prelude::*;
+use finray_figures::Patch;
 use finray_studies::experiments::causes::{ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM};
-use finray_studies::sampling::map::{AccuracyMap, MapRequest};
-use finray_studies::sampling::sweep::CellState;
-use finray_studies::sampling::worst::{TrustCounts, WorstCell};
-use finray_studies::settings::{MAP_FORCES_N, TRUSTED_ERROR};
-use finray_studies::study::Study;
-use finray_studies::truths::TruthId;
-use minijinja::context;
+use finray_studies::sampling::map::MapRequest;
+use finray_studies::sampling::worst::WorstCell;
+use finray_studies::settings::MAP_FORCES_N;
 
 const CSV: &str = "trust.csv";
 /// Cells of the contact that is only assumed.

@@ -2,18 +2,13 @@
 
 pub mod words;
 
-use super::dataset::{Columns, Dataset, Format};
 use super::drawings::{PAPER_SHADES_PERCENT, error_bars, percent_line};
 use super::format::{figure, list};
-use super::page::{Block, Figure, Section, details, text};
-use super::words::paragraph;
-use super::{ReportError, Results};
-use finray_figures::{Axis, Chart, FigureError, Frame, Hue};
+use crate::prelude::*;
 use finray_model::calibration::FactorEstimate;
 use finray_studies::experiments::table_one::{TableOne, TableOneRow};
 use finray_studies::experiments::twin::fit::TwinFit;
 use finray_studies::experiments::twin::study::{TwinSensing, TwinStudy};
-use minijinja::context;
 
 const CSV: &str = "twin.csv";
 const SETS_CSV: &str = "twin_zone_sets.csv";
@@ -59,10 +54,8 @@ fn calibrated<'s>() -> Columns<'s, Factor<'s>> {
         .file("repetition", |(repetition, ..)| *repetition)
         .file("parameter", |(_, found, i)| found.unknowns[*i].to_string())
         .page("parameter", Format::Words, |(_, found, i)| found.unknowns[*i].to_string().replace('_', " "))
-        .file("found_over_true", |(_, found, i)| found.factors[*i])
-        .shown("found / true", Format::Fixed(4))
-        .file("sigma", |(_, found, i)| found.factors[*i] * found.relative_sigmas[*i])
-        .shown("stated sigma", Format::Fixed(4))
+        .both("found_over_true", "found / true", Format::Fixed(4), |(_, found, i)| found.factors[*i])
+        .both("sigma", "stated sigma", Format::Fixed(4), |(_, found, i)| found.factors[*i] * found.relative_sigmas[*i])
 }
 
 /// The twin's factors from noise samples.

@@ -8,10 +8,8 @@ type Sample = (usize, Option<f64>, Vec<usize>);
 
 fn columns() -> Columns<'static, Sample> {
     Columns::<Sample>::new()
-        .file("node", |(node, ..)| *node)
-        .shown("node", Format::Plain)
-        .file("mean_error", |(_, error, _)| *error)
-        .shown("mean error", Format::Error)
+        .both("node", "node", Format::Plain, |(node, ..)| *node)
+        .both("mean_error", "mean error", Format::Error, |(_, error, _)| *error)
         .file("nodes", |(.., nodes)| nodes.clone())
         .page("known", Format::Words, |(_, error, _)| if error.is_some() { "yes" } else { "no" })
 }

@@ -1,9 +1,8 @@
 //! The contacts of a command line, at nodes and at positions.
 
 use super::parse::{AskedContact, contact_at_node, contact_at_position};
-use super::{Failure, bad_input};
+use crate::commands::prelude::*;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
-use finray_model::Scene;
 use finray_model::sensing::{ContactQuestion, MeasuredContact};
 use finray_model::sensor::SensorContacts;
 

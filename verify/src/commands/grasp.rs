@@ -1,21 +1,15 @@
 //! `finray grasp`
 
-use super::cameras::camera_and_markers;
-use super::parse::{listed, not_negative};
-use super::{Failure, progress};
+use crate::commands::prelude::*;
 use clap::value_parser;
 use finray_figures::FigureError;
-use finray_files::{csv_text, is_stream, name_of, require_folder, write_folder};
 use finray_report::{grasp_animation_svg, grasp_svg, standalone};
-use finray_studies::estimators::EstimatorId;
-use finray_studies::estimators::network::Networks;
 use finray_studies::experiments::contact_scene::file::load_scene_with_outline;
 use finray_studies::experiments::contact_scene::study::SceneWithOutline;
 use finray_studies::experiments::grasp::file::{force_rows, object_row};
 use finray_studies::experiments::grasp::{
     Eyes, FINENESS, GraspEnd, GraspError, GraspScene, GraspStep, Summary, finger_name,
 };
-use std::path::PathBuf;
 
 /// Two fingers grasp a free object, carry it and put it down: true forces, and those that are sensed.
 ///

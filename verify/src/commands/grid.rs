@@ -1,19 +1,16 @@
 //! Shared by `finray map`, `sweep` and `merge`: the grid, the truths and estimators on it, and the output of the table.
 
-use super::parse::{degrees_between, positive};
-use super::{Failure, bad_input, hints, not_computed, progress};
-use finray_files::{FileError, Reader, Stream, is_stream, load_network_and_digest, load_scene_and_text};
+use crate::commands::prelude::*;
+use finray_files::{Reader, Stream, load_network_and_digest, load_scene_and_text};
+use finray_model::Mesh;
+use finray_model::estimators::Estimator;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::SensingError;
-use finray_model::{Finger, Mesh, Scene};
 use finray_report::{map_figure_svg, standalone};
-use finray_studies::estimators::network::Networks;
-use finray_studies::estimators::{Estimator, EstimatorId};
 use finray_studies::sampling::map::AccuracyMap;
 use finray_studies::sampling::sweep::{Grid, Head, Partial, Request, Shard, Sweep, Table};
-use finray_studies::truths::{Truth, TruthId};
+use finray_studies::truths::Truth;
 use std::io::Read;
-use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub struct GridArguments {

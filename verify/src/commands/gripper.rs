@@ -1,13 +1,9 @@
 //! `finray gripper`
 
-use super::parse::{MotorAngles, motor_angles, not_negative};
-use super::{Failure, bad_input};
-use finray_files::{csv_text, load_scene, name_of, write_text};
+use super::parse::{MotorAngles, motor_angles};
+use crate::commands::prelude::*;
 use finray_model::gripper::{Gripper, LinkageErrors, NodeErrors};
 use finray_model::keys::{GRIPPER, SceneTable};
-use finray_model::{Finger, Scene};
-use serde::Serialize;
-use std::path::PathBuf;
 
 /// Steps of the motor in the paper's experiments, degrees (sec. V-C).
 const STEP_DEG: f64 = 22.5;

@@ -1,10 +1,9 @@
 //! `finray guide`
 
-use super::{Failure, bad_input};
+use crate::commands::prelude::*;
 use finray_fixtures::PAPER_SCENE;
 use finray_model::keys;
 use finray_verify::files::write_text;
-use std::path::Path;
 
 /// Name of a topic, what it tells, and its text.
 const TOPICS: [(&str, &str, fn() -> String); 1] =

@@ -1,15 +1,12 @@
 //! `finray lens`
 
-use super::parse::positive;
-use super::{Failure, bad_input};
-use finray_files::{FileError, load_image, write_text};
+use crate::commands::prelude::*;
 use finray_imaging::grid::{find_grid, lens_of_grids};
 use finray_model::camera::{LENS_PARAMETERS, LensFit, Pose};
 use finray_model::keys::{CAMERA, SceneTable};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::fmt::Write;
-use std::path::PathBuf;
 
 /// Find the lens of a camera from images of a plane grid of dots or holes.
 ///

@@ -1,14 +1,11 @@
 //! `finray locate`
 
-use super::cameras::{camera_and_markers, camera_of, markers_of};
-use super::{Failure, bad_input, not_both_from_standard_input};
-use finray_files::{FileError, image_name, is_standard_stream, load_image, load_scene, observations, write_text};
+use crate::commands::prelude::*;
+use finray_files::{image_name, observations};
 use finray_imaging::locate::{Observer, ObserverError};
-use finray_model::Scene;
 use finray_model::observation::Observation;
 use finray_model::scene::MarkerLook;
 use rayon::prelude::*;
-use std::path::{Path, PathBuf};
 
 /// Residual of the pose at rest, px, beyond which more than the noise of an image and a lens that was found is in it.
 const SURE_REST_PX: f64 = 0.3;

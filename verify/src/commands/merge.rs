@@ -1,12 +1,10 @@
 //! `finray merge`
 
 use super::grid::{beside, table_path};
-use super::{Failure, bad_input, not_computed};
-use finray_files::{Reader, Stream, is_stream, write_from};
-use finray_model::Scene;
+use crate::commands::prelude::*;
+use finray_files::{Reader, Stream, write_from};
 use finray_studies::sampling::sweep::{MergeError, Shards};
 use std::io::Read;
-use std::path::{Path, PathBuf};
 
 /// Join the shards of `finray map` or `finray sweep` into the files of one run.
 ///

@@ -24,16 +24,17 @@ mod grid;
 mod hints;
 mod loads;
 mod parse;
+mod prelude;
 mod progress;
 mod validity;
 
 use finray_files::{FileError, is_standard_stream};
 use finray_lattice::LatticeError;
+use finray_model::estimators::EstimatorError;
 use finray_model::sensing::SensingError;
 use finray_model::sensing::network::NetworkError;
 use finray_model::sensor::Refusal;
 use finray_model::statics::StaticsError;
-use finray_studies::estimators::EstimatorError;
 use finray_studies::truths::{NotExported, TruthError, TwinError};
 use std::path::Path;
 use std::process::ExitCode;

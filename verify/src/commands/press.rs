@@ -1,17 +1,14 @@
 //! `finray press`
 
-use super::parse::not_negative;
 use super::validity::Pressing;
-use super::{Failure, bad_input, not_computed, progress};
+use crate::commands::prelude::*;
 use clap::value_parser;
-use finray_files::{csv_text, displacements, is_standard_stream, write_all_or_nothing};
-use finray_model::Finger;
+use finray_files::displacements;
 use finray_studies::experiments::contact_scene::checks::{BALANCE_TOLERANCE, SETTLING_TOLERANCE};
 use finray_studies::experiments::contact_scene::file::load_scene_with_outline;
 use finray_studies::experiments::contact_scene::study::SceneWithOutline;
 use finray_studies::experiments::contact_scene::{ContactScene, FINENESS, SceneStep, force_rows};
 use finray_studies::sampling::noise::Noise;
-use std::path::PathBuf;
 
 /// Press an object onto the finger, and sense the contact forces as it goes.
 ///

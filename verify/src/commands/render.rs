@@ -1,15 +1,11 @@
 //! `finray render`
 
-use super::cameras::camera_and_markers;
 use super::loads::Loads;
-use super::parse::{not_negative, share};
-use super::{Failure, bad_input, not_both_from_standard_input, not_computed};
-use finray_files::{displacements, load_scene, to_png, write_bytes};
+use crate::commands::prelude::*;
+use finray_files::{displacements, to_png};
 use finray_imaging::render::{Disturbances, RenderRequest, render};
-use finray_model::NodeId;
 use finray_model::camera::Camera;
 use nalgebra::Isometry2;
-use std::path::PathBuf;
 
 /// Largest blur, px: beyond, a marker of a few pixels is no longer seen.
 const LARGEST_BLUR_PX: f64 = 100.0;

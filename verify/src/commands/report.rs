@@ -1,9 +1,8 @@
 //! `finray report`
 
-use super::{Failure, bad_input, hints, not_computed, progress};
+use crate::commands::prelude::*;
+use finray_files::image_name;
 use finray_files::views;
-use finray_files::{FileError, image_name, load_image, require_folder, write_folder, write_text};
-use finray_model::Scene;
 use finray_studies::claims::ledger;
 use finray_studies::experiments::contact_scene::file::load_scene_with_outline;
 use finray_studies::experiments::contact_scene::study::SceneWithOutline;
@@ -13,7 +12,6 @@ use finray_studies::experiments::speed_error::file as peers;
 use finray_studies::settings::{Effort, Progress};
 use finray_studies::study::Study;
 use indicatif::ProgressBar;
-use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 /// Run every cross-check and map, and write a page that shows them.

@@ -1,17 +1,11 @@
 //! `finray sense`
 
 use super::contacts::Contacts;
-use super::parse::{listed, not_negative};
-use super::{Failure, bad_input, hints, not_both_from_standard_input, validity};
+use crate::commands::prelude::*;
 use finray_files::observations::{Coordinates, ObservationTable};
-use finray_files::{csv_text, load_network, load_scene, read_text, write_text};
-use finray_model::Finger;
-use finray_model::estimators::EstimatorId;
-use finray_model::estimators::network::Networks;
+use finray_files::{load_network, read_text};
 use finray_model::sensing::ContactPosition;
 use finray_model::sensor::{Refusal, SensedForces, Sensor, SensorOptions, SensorWarning};
-use serde::Serialize;
-use std::path::PathBuf;
 
 /// Sense contact forces from measured displacements, with their uncertainty.
 ///

@@ -1,11 +1,10 @@
 //! `finray solve`
 
 use super::loads::Loads;
-use super::{Failure, bad_input, hints, validity};
+use crate::commands::prelude::*;
 use clap::ValueEnum;
-use finray_files::{displacements, load_scene, write_text};
+use finray_files::displacements;
 use finray_model::Kinematics;
-use std::path::PathBuf;
 
 /// Deform a finger under loads: displacements of its key nodes.
 ///

@@ -1,11 +1,8 @@
 //! `finray sweep`
 
-use super::Failure;
 use super::grid::{Candidates, GridArguments, run as run_grid};
-use super::parse::{listed, not_negative};
-use finray_studies::estimators::EstimatorId;
+use crate::commands::prelude::*;
 use finray_studies::sampling::sweep::Table;
-use finray_studies::truths::TruthId;
 
 /// Map several true fingers, estimators and levels of noise, as `finray map`, in one table.
 ///

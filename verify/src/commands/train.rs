@@ -1,18 +1,13 @@
 //! `finray train`
 
 use super::contacts::Contacts;
-use super::parse::{not_negative, positive};
 use super::progress::TrainingBar;
-use super::{Failure, bad_input};
-use finray_files::{load_scene, write_bytes};
-use finray_model::NodeId;
+use crate::commands::prelude::*;
 use finray_model::sensing::network::{Network, Scaling, TestError};
 use finray_model::sensing::{Contact, ContactQuestion};
 use finray_model::sensor::SensorContacts;
 use finray_model::train::{TrainingRecipe, train};
 use finray_studies::settings::CAMERA_NOISE_MM;
-use finray_studies::truths::TruthId;
-use std::path::PathBuf;
 
 /// Train a sensing network for a finger and its contacts.
 ///

@@ -1,9 +1,7 @@
 //! Shapes of three fingers from MuJoCo, read from exported tables: another formulation (discrete elastic rods between rigid
 //! rods) and other code. `fixtures/mujoco/README.md` says how they were made and how far they can be trusted.
 
-use finray_model::mesh::FingerShape;
-use finray_model::{Finger, NodeId, Scene, Vector};
-use serde::Deserialize;
+use crate::prelude::*;
 
 /// A shipped table that is not what it should be.
 #[derive(Debug, thiserror::Error)]

@@ -1,8 +1,8 @@
 //! Estimators that stand in for real ones.
 
+use finray_model::estimators::{BeamEstimator, Estimator, EstimatorError, EstimatorId, PreparedEstimator, Sensed};
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, SensingError};
-use finray_studies::estimators::{BeamEstimator, Estimator, EstimatorError, EstimatorId, PreparedEstimator, Sensed};
 
 /// An estimator that knows nothing of the finger and states nothing: it answers every measurement with 1 N, or refuses it. It
 /// goes by the name of the network, where none takes part.

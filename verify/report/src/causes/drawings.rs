@@ -1,16 +1,11 @@
 //! Drawings of causes: the largest one over position and direction, and what each costs along the finger.
 
 use super::{CSV, OWN, at_nodes, own_first, practice_in_words};
-use crate::ReportError;
 use crate::drawings::{ALONG_THE_PLATE, DIRECTION_AXIS, error_bars, rank_of, ranked, small_maps};
 use crate::format::percent;
-use crate::page::Figure;
-use finray_figures::{Axis, Cells, Chart, Class, Frame, Hue, Map, Paint};
-use finray_model::NodeId;
+use crate::prelude::*;
+use finray_figures::Paint;
 use finray_studies::experiments::causes::{Cause, CauseCell, CauseMap, ContactKnowledge, Practice, REMEDIES};
-use finray_studies::sampling::sweep::{CellState, MapCell};
-use finray_studies::settings::{DRAWN_FORCE_N, TRUSTED_ERROR};
-use finray_studies::study::Study;
 
 /// Below this an error needs no explanation: root mean square of sensed / true - 1.
 const SMALL_ERROR: f64 = 0.02;

@@ -2,9 +2,8 @@
 
 use super::CSV;
 use super::shares::{CauseShare, Region, Shares};
-use crate::dataset::{Columns, Dataset};
+use crate::prelude::*;
 use finray_studies::experiments::causes::{Cause, CauseCell, CauseMap};
-use finray_studies::study::Study;
 
 /// How each way of sensing errs at each position and direction: root mean squares of sensed / true - 1, and shares of the causes.
 pub(super) fn by_cell(study: &Study) -> Dataset<'_> {

@@ -1,8 +1,7 @@
 //! Shares of the mean square error over a part of the finger.
 
 use crate::format::percent;
-use finray_model::Finger;
-use finray_model::finger::Plate;
+use crate::prelude::*;
 use finray_studies::experiments::causes::{Cause, CauseCell, CauseMap};
 
 /// Share of the plate's length at either end that counts as near it: two segments of the paper's finger.

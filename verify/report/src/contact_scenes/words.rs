@@ -1,15 +1,10 @@
 //! What pressing objects says of sensing: a sentence, and a row a scene.
 
 use super::{CSV, name_of};
-use crate::ReportError;
-use crate::dataset::{Columns, Format};
-use crate::format::{Span, percent};
-use crate::page::Table;
-use crate::words::say;
-use finray_studies::check::worst;
+use crate::format::percent;
+use crate::prelude::*;
 use finray_studies::experiments::contact_scene::samples::NoiseSamples;
 use finray_studies::experiments::contact_scene::study::{SceneStudy, StudiedStep};
-use minijinja::{Value, context};
 
 /// Scenes without friction and with it, and the contact that is sensed worst.
 pub(super) fn verdict(scenes: &[SceneStudy]) -> Result<Option<String>, ReportError> {

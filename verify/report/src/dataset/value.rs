@@ -2,7 +2,7 @@
 
 use crate::format::{NOTHING, error, percent, percent_two_digits, percent_with};
 use crate::page::Cell;
-use finray_studies::estimators::EstimatorId;
+use finray_model::estimators::EstimatorId;
 use finray_studies::truths::TruthId;
 use serde::Serialize;
 

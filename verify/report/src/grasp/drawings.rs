@@ -1,11 +1,10 @@
 //! Drawings of a grasp: fingers, object and forces at chosen steps, and the forces through all of them.
 
-use finray_figures::{Axis, Chart, Dash, FigureError, Frame, Hue, Lines, Point, Series, Spread};
-use finray_model::Vector;
-use finray_model::finger::{FingerPoint, Plate};
+use crate::prelude::*;
+use finray_figures::{Lines, Spread};
+use finray_model::finger::FingerPoint;
 use finray_model::scene::Support;
 use finray_studies::experiments::grasp::{GraspScene, GraspStep, Phase, finger_name};
-use finray_studies::settings::TWO_SIDED_95;
 use nalgebra::Rotation2;
 
 /// Length of the largest force's arrow, as a share of the front plate's.

@@ -1,36 +1,26 @@
 //! The closed loop against the camera's rate: a chart, a table and a file.
 
-use crate::ReportError;
-use crate::dataset::{Columns, Dataset, Format};
-use crate::page::{Block, Figure, details};
-use crate::words::paragraph;
-use finray_figures::{Axis, Chart, FigureError, Frame, Series};
+use crate::prelude::*;
 use finray_studies::experiments::grasp::rates::{DELAYS, LoopRun, LoopSetting, LoopStudy, Spread};
-use finray_studies::study::Study;
 
 const CSV: &str = "grasp_loop.csv";
 
 fn columns<'c>() -> Columns<'c, LoopRun> {
     Columns::<LoopRun>::new()
-        .file("noise_mm", |run| run.setting.noise_mm)
-        .shown("noise, mm", Format::Plain)
-        .file("delay_frames", |run| run.setting.delay_frames)
-        .shown("frames late", Format::Plain)
-        .file("frames_per_s", |run| run.setting.frames_per_s)
-        .shown("frames a second", Format::Plain)
+        .both("noise_mm", "noise, mm", Format::Plain, |run| run.setting.noise_mm)
+        .both("delay_frames", "frames late", Format::Plain, |run| run.setting.delay_frames)
+        .both("frames_per_s", "frames a second", Format::Plain, |run| run.setting.frames_per_s)
         .file("realisations", |run| run.figures.len())
-        .file("overshoot", |run| overshoot(run).map(|overshoot| overshoot.mean))
-        .shown("mean overshoot", Format::Percent)
-        .file("overshoot_least", |run| overshoot(run).map(|overshoot| overshoot.least))
-        .shown("least", Format::Percent)
-        .file("overshoot_most", |run| overshoot(run).map(|overshoot| overshoot.most))
-        .shown("largest", Format::Percent)
-        .file("steady_error", |run| run.over(|of| of.steady_error.abs()).map(|errors| errors.most))
-        .shown("largest mean error once held", Format::Percent)
-        .file("largest_error", |run| run.over(|of| of.largest_error).map(|errors| errors.most))
-        .shown("largest error once held", Format::Percent)
-        .file("rise_s", rise_s)
-        .shown("10 to 90 %, s", Format::Fixed(1))
+        .both("overshoot", "mean overshoot", Format::Percent, |run| overshoot(run).map(|overshoot| overshoot.mean))
+        .both("overshoot_least", "least", Format::Percent, |run| overshoot(run).map(|overshoot| overshoot.least))
+        .both("overshoot_most", "largest", Format::Percent, |run| overshoot(run).map(|overshoot| overshoot.most))
+        .both("steady_error", "largest mean error once held", Format::Percent, |run| {
+            run.over(|of| of.steady_error.abs()).map(|errors| errors.most)
+        })
+        .both("largest_error", "largest error once held", Format::Percent, |run| {
+            run.over(|of| of.largest_error).map(|errors| errors.most)
+        })
+        .both("rise_s", "10 to 90 %, s", Format::Fixed(1), rise_s)
 }
 
 fn overshoot(run: &LoopRun) -> Option<Spread> {

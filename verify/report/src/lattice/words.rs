@@ -1,12 +1,8 @@
 //! What agrees and what does not, in sentences made from the numbers.
 
-use crate::ReportError;
-use crate::format::Span;
-use crate::words::say;
-use finray_studies::check::{Check, worst};
+use crate::prelude::*;
 use finray_studies::experiments::lattice::LatticeStudy;
 use finray_studies::lattice::accuracy::FinenessRow;
-use minijinja::{Value, context};
 
 /// A difference that falls at least with this power of the segments' length goes to nothing with it; one that does not would stay.
 const COARSENESS_ORDER: f64 = 2.0;

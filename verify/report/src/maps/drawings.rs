@@ -1,15 +1,8 @@
 //! The overview, and the maps that explain.
 
 use super::{EXPLANATIONS_CSV, ExplainedQuantity, small};
-use crate::ReportError;
 use crate::drawings::{error_cells, percent_classes, plate_map, small_maps};
-use crate::page::Figure;
-use finray_figures::{Cells, FigureError, Frame, Map};
-use finray_studies::estimators::EstimatorId;
-use finray_studies::sampling::map::AccuracyMap;
-use finray_studies::sampling::worst::TrustCounts;
-use finray_studies::study::Study;
-use finray_studies::truths::TruthId;
+use crate::prelude::*;
 
 /// Which true fingers and estimators an overview shows.
 pub(super) type MapFilter = fn(TruthId, EstimatorId) -> bool;

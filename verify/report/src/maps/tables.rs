@@ -1,15 +1,11 @@
 //! Files and tables of the maps: each map's cells and figures, the cells of the overview, and what explains them.
 
 use super::{ExplainedQuantity, small};
-use crate::dataset::{Columns, Dataset, Format};
 use crate::page::{Cell as TableCell, Column, Table};
-use finray_studies::estimators::EstimatorId;
-use finray_studies::sampling::map::{AccuracyMap, MapSummary};
+use crate::prelude::*;
+use finray_studies::sampling::map::MapSummary;
 use finray_studies::sampling::worst::WorstCell;
-use finray_studies::settings::DRAWN_FORCE_N;
 use finray_studies::statistics::median;
-use finray_studies::study::Study;
-use finray_studies::truths::TruthId;
 use serde::Serialize;
 
 const MAPS: &str = "maps";

@@ -1,16 +1,9 @@
 //! What the maps say, in sentences made from their numbers.
 
 use super::ExplainedQuantity;
-use crate::ReportError;
-use crate::words::say;
-use finray_model::finger::Plate;
+use crate::prelude::*;
 use finray_studies::experiments::explain::Explanation;
-use finray_studies::sampling::map::AccuracyMap;
-use finray_studies::sampling::sweep::MapCell;
-use finray_studies::settings::TRUSTED_ERROR;
 use finray_studies::statistics::median;
-use finray_studies::study::Study;
-use minijinja::{Value, context};
 
 /// Directions up to this many degrees from the normal count as pressing, those from the second on as tangential.
 const PRESSING_DEG: f64 = 20.0;

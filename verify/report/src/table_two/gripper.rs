@@ -1,16 +1,10 @@
 //! Table II on the moving gripper: a table, curves over the motor's angle as in the paper's Figs. 9 to 11, and a file.
 
 use super::{Line as TableLine, by_estimator, by_group, error_or_rounding, of_paper, of_quantity};
-use crate::ReportError;
-use crate::dataset::{Columns, Dataset};
 use crate::format::{nodes_in_words, share_of_counts};
-use crate::page::{Block, Figure, Table};
-use crate::words::paragraph;
+use crate::prelude::*;
 use finray_figures::{Axis, Chart, Dash, FigureError, Frame, Marker, Series};
-use finray_studies::estimators::EstimatorId;
 use finray_studies::experiments::grasp::modules::{ModuleStudy, ModuleTest};
-use finray_studies::study::Study;
-use minijinja::context;
 
 const CSV: &str = "gripper_tests.csv";
 /// Estimators of the file and the table.

@@ -1,14 +1,10 @@
 //! Table II as a file: every set of contacts, the means that the paper lists, and what is recorded of the paper's network.
 
 use super::{CSV, paper_network, recorded_settings, settings};
-use crate::dataset::{Columns, Dataset};
 use crate::format::list;
-use finray_studies::estimators::EstimatorId;
+use crate::prelude::*;
 use finray_studies::experiments::networks::paper::{PAPER_RECIPES, quantities, recorded, recorded_sets};
 use finray_studies::experiments::table_two::{CONTACT_GROUPS, ContactGroup, TableTwo};
-use finray_studies::sampling::scatter::ScatterRow;
-use finray_studies::study::Study;
-use finray_studies::truths::TruthId;
 
 /// One quantity of one set of contacts, or the mean over a group's sets.
 struct Line {

@@ -1,14 +1,10 @@
 //! What Table II says of linear sensing, and of the paper's own network.
 
 use super::scaling as recipe_scaling;
-use crate::ReportError;
-use crate::words::say;
-use finray_studies::estimators::EstimatorId;
+use crate::prelude::*;
 use finray_studies::experiments::networks::paper::{Figure, PAPER_RECIPES, SAME_FACTOR, figures};
 use finray_studies::experiments::networks::records::RecipeRow;
 use finray_studies::experiments::table_two::{CONTACT_GROUPS, TableTwo};
-use finray_studies::truths::TruthId;
-use minijinja::context;
 
 /// Noise is not the cause where the linear finger, with the same noise, errs by less than this share.
 const MINOR: f64 = 0.5;

@@ -1,13 +1,10 @@
 //! What the twin is and is not, in sentences made from the fit.
 
-use crate::ReportError;
-use crate::words::say;
+use crate::prelude::*;
 use finray_studies::claims::criteria::TPU_MPA;
 use finray_studies::experiments::twin::fit::TwinFit;
 use finray_studies::experiments::twin::moduli_mpa;
 use finray_studies::experiments::twin::study::{LOADED, TwinStudy};
-use finray_studies::settings::TRUSTED_ERROR;
-use minijinja::context;
 
 /// A set of zones whose misfit is below this comes as near to Table I as its figures are known.
 const FITS: f64 = 1.0;

@@ -1,7 +1,7 @@
 //! A small study of the lattice for tests.
 
 use finray_model::NodeId;
-use finray_studies::estimators::EstimatorId;
+use finray_model::estimators::EstimatorId;
 use finray_studies::experiments::lattice::{LatticeSensing, LatticeStudy, MapDifference};
 use finray_studies::lattice::accuracy::{FinenessRow, LoadGrid, SettlingCost};
 use finray_studies::lattice::causes::{AXIAL_SPRINGS, AxialRow, SETTLINGS, SettlingRow};

@@ -1,18 +1,14 @@
 //! `finray calibrate --located`: a finger and its rig from several images.
 
 use super::{Arguments, Row, correlations, failure};
-use crate::commands::parse::positive;
-use crate::commands::{Failure, bad_input, not_both_from_standard_input};
-use finray_files::{csv_text, load_scene_and_text, views, with_values, write_all_or_nothing};
+use crate::commands::prelude::*;
+use finray_files::{load_scene_and_text, views, with_values};
 use finray_model::calibration::{
     self, BaseCompliance, FoundView, FrictionQuestion, LocatedView, Quantity, RigEstimate, RigQuestion, SceneValue,
     Sought, ViewEstimate,
 };
 use finray_model::finger::{Plate, RibPositions};
 use finray_model::sensing::{Lean, Normal};
-use finray_model::{Finger, Scene};
-use serde::Serialize;
-use std::path::{Path, PathBuf};
 use toml_edit::{Array, Value};
 
 /// A prior that the images do not make better than this share of itself is all that is known.

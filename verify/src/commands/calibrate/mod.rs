@@ -2,18 +2,14 @@
 
 mod images;
 
-use super::parse::not_negative;
-use super::{Failure, hints, not_both_from_standard_input};
-use crate::commands::{bad_input, not_computed};
+use crate::commands::prelude::*;
 use clap::ValueEnum;
-use finray_files::{csv_text, load_scene, measurements, write_all_or_nothing, write_text};
+use finray_files::measurements;
+use finray_model::Kinematics;
 use finray_model::calibration::{self, CalibrationCase, CalibrationError, FactorEstimate, FactorModel, Unknown};
+use finray_model::estimators::ELEMENTS;
 use finray_model::finger::FingerDescription;
-use finray_model::{Finger, Kinematics};
-use finray_studies::estimators::ELEMENTS;
 use nalgebra::DMatrix;
-use serde::Serialize;
-use std::path::PathBuf;
 
 /// Find Young's modulus from measured shapes under known loads (eq. (11) of Xu et al. 2021).
 ///

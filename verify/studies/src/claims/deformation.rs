@@ -3,10 +3,9 @@
 use super::criteria::{MESH_SHARE, MUCH_SHARE, NEGLIGIBLE_SHARE, at_most_nodes, over_assumptions, statement};
 use super::experiments::{self, range_of};
 use super::{Claim, ClaimError, ClaimVerdict, Words};
-use crate::check::worst;
+use crate::prelude::*;
 use crate::problems::{opensees, refinement};
 use crate::study::Study;
-use finray_model::Kinematics;
 use minijinja::context;
 
 /// Force at which the linear model is judged, N: the largest of the gripper tests.

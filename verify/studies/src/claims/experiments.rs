@@ -1,14 +1,9 @@
 //! Small computations that a single claim of the paper rests on.
 
-use crate::check::worst;
 use crate::lattice::accuracy::difference;
-use crate::statistics::Span;
+use crate::prelude::*;
 use finray_model::finger::FingerDescription;
-use finray_model::measurement::Measurement;
-use finray_model::mesh::{FingerShape, Load};
 use finray_model::scene::ROD_RADIUS_MM;
-use finray_model::sensing::{Contact, ContactPosition, LinearEstimator, Prior, SensingError};
-use finray_model::{Finger, Kinematics, Mesh, NodeId, statics};
 
 /// Elements a member where rotations are large.
 const ELEMENTS: usize = 8;
@@ -101,10 +96,7 @@ pub fn all_forces(finger: &Finger, noise_mm: f64) -> Result<AllForces, SensingEr
 }
 
 /// Standard deviation of the force across the normal where size and direction are both sought, N, by node; linear.
-///
-/// # Errors
-/// [`SensingError`] if a node cannot be sensed.
-pub fn unknown_direction(finger: &Finger, noise_mm: f64) -> Result<Vec<f64>, SensingError> {
+pub(crate) fn unknown_direction(finger: &Finger, noise_mm: f64) -> Result<Vec<f64>, SensingError> {
     let markers = Measurement::at_rest(finger);
     by_node(finger, |node| {
         let component = |angle_deg| Contact { position: ContactPosition::Node(node), angle_deg };

@@ -2,11 +2,11 @@
 
 use super::criteria::{MUCH_SHARE, in_simulation, simulated};
 use super::{Claim, ClaimError, ClaimVerdict, Words};
-use crate::estimators::EstimatorId;
 use crate::experiments::grasp::modules::{ModuleStudy, ModuleTest};
 use crate::experiments::grasp::observations::{Observations, SMALL_N};
 use crate::experiments::table_two::{CONTACT_GROUPS, ContactGroup, GroupErrors};
 use crate::study::Study;
+use finray_model::estimators::EstimatorId;
 use minijinja::{Value, context};
 
 /// The module of the paper's Fig. 11(a).

@@ -2,11 +2,11 @@
 
 use super::criteria::{figure, over_assumptions, simulated};
 use super::{Claim, ClaimError, Words};
-use crate::estimators::EstimatorId;
 use crate::experiments::networks::paper::{Figure, PAPER_RECIPES, SAME_FACTOR, figures, recorded_sets};
 use crate::experiments::table_two::{CONTACT_GROUPS, ContactGroup, GroupErrors, PAPER_ERROR_N, TableTwo};
 use crate::study::Study;
 use crate::truths::TruthId;
+use finray_model::estimators::EstimatorId;
 use minijinja::value::Serde;
 use minijinja::{Value, context};
 

@@ -5,12 +5,9 @@ use super::criteria::{
 };
 use super::experiments::{self, AllForces, Exchanged, largest, range_of};
 use super::{Claim, ClaimError, ClaimVerdict, Words};
-use crate::estimators::EstimatorId;
 use crate::experiments::speed_error::{SpeedErrorPoint, Task, TimedBy};
-use crate::settings::CAMERA_NOISE_MM;
+use crate::prelude::*;
 use crate::study::Study;
-use finray_model::sensing::SensingError;
-use finray_model::{Finger, NodeId};
 use minijinja::context;
 
 /// Friction between which neglected torques are judged: plastic on steel to rubber on most things.

@@ -15,10 +15,9 @@ pub mod rate;
 mod single_finger;
 mod words;
 
+use crate::prelude::*;
 use crate::problems::ProblemError;
 use crate::study::Study;
-use finray_model::sensing::SensingError;
-use serde::Serialize;
 pub use words::Words;
 
 /// Verdict on a claim.

@@ -46,10 +46,7 @@ impl Words {
     }
 
     /// A claim with its numbers.
-    ///
-    /// # Errors
-    /// [`ClaimError`] if there is no such claim, or it needs other numbers.
-    pub fn claim(&self, key: &str, verdict: ClaimVerdict, numbers: Value) -> Result<Claim, ClaimError> {
+    pub(crate) fn claim(&self, key: &str, verdict: ClaimVerdict, numbers: Value) -> Result<Claim, ClaimError> {
         let part = |part: &str| self.templates.get_template(&format!("{key}.{part}"))?.render(&numbers);
         Ok(Claim {
             claim: part("claim")?,

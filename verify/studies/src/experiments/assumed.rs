@@ -2,14 +2,9 @@
 
 use super::Context;
 use super::causes::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
-use crate::estimators::{Estimator, EstimatorError, EstimatorId, PreparedEstimator, Sensed};
+use crate::prelude::*;
 use crate::sampling::map::{AccuracyMap, MapRequest, accuracy_maps};
-use crate::settings::MAP_FORCES_N;
 use crate::truths::TruthError;
-use finray_model::Finger;
-use finray_model::finger::Plate;
-use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, ContactPosition};
 
 /// The estimator that is recommended where the contact is known.
 const ESTIMATOR: EstimatorId = EstimatorId::Nonlinear;
@@ -17,10 +12,7 @@ const ESTIMATOR: EstimatorId = EstimatorId::Nonlinear;
 const SIDES: usize = 4;
 
 /// Map of the co-rotational finger, sensed by the nonlinear estimator with [assumed contacts](AssumedContact). `None` without noise.
-///
-/// # Errors
-/// [`TruthError`] as every experiment on a true finger; none occurs.
-pub fn run(context: &Context) -> Result<Option<AccuracyMap>, TruthError> {
+pub(crate) fn run(context: &Context) -> Result<Option<AccuracyMap>, TruthError> {
     let &Context { finger, noise_mm, effort, .. } = context;
     if noise_mm == 0.0 {
         return Ok(None);

@@ -7,14 +7,8 @@
 //! Source: Roache, Perspective: A Method for Uniform Reporting of Grid Refinement Studies, J. Fluids Eng. 116 (1994).
 
 use super::{Context, Evidence};
-use crate::check::{Check, Kind, worst};
-use crate::settings::Effort;
+use crate::prelude::*;
 use crate::truths::FINE_MESH_NODES;
-use finray_model::mesh::MeshSizeError;
-use finray_model::statics::Statics;
-use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
-use rayon::prelude::*;
-use serde::Serialize;
 
 /// The force at which the errors of the meshes are checked, N.
 pub const CHECKED_FORCE_N: f64 = 3.0;
@@ -99,19 +93,13 @@ impl Evidence for Convergence {
 }
 
 /// [`convergence`] of the finger.
-///
-/// # Errors
-/// As there.
-pub fn run(context: &Context) -> Result<Convergence, MeshSizeError> {
+pub(crate) fn run(context: &Context) -> Result<Convergence, MeshSizeError> {
     context.progress.part("convergence", loaded_nodes(context.finger).len());
     convergence(context.finger, context.effort, &|| context.progress.step())
 }
 
 /// Solves every load on every mesh; loads without equilibrium are gaps. `progress` is called once for every loaded node.
-///
-/// # Errors
-/// [`MeshSizeError`] never in practice: the paper's fine mesh is left out where it is smaller than the finger.
-pub fn convergence(
+pub(crate) fn convergence(
     finger: &Finger,
     effort: Effort,
     progress: &(dyn Fn() + Sync),

@@ -4,17 +4,11 @@
 //! about how often intervals hold. On softer ends the model's error decides, and the maps are counted.
 
 use super::{Context, Evidence};
-use crate::check::{Check, Kind};
-use crate::estimators::{Estimator, EstimatorId, PreparedEstimator};
+use crate::prelude::*;
 use crate::sampling::map::{AccuracyMap, MapRequest};
 use crate::sampling::noise::Noise;
 use crate::sampling::sweep::MapCell;
-use crate::settings::{MAP_FORCES_N, TWO_SIDED_95};
 use crate::truths::{Truth, TruthId};
-use finray_model::measurement::Measurement;
-use finray_model::{Finger, Mesh};
-use rayon::prelude::*;
-use serde::Serialize;
 use std::convert::Infallible;
 use std::ops::Add;
 

@@ -10,17 +10,11 @@ mod frictionless;
 pub use frictionless::{Assumption, FrictionlessPush};
 
 use super::{Context, Evidence};
-use crate::estimators::ELEMENTS;
+use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use crate::sampling::sweep::Grid;
-use crate::settings::Effort;
 use crate::truths::Truth;
-use finray_model::measurement::Measurement;
-use finray_model::sensing::{
-    Contact, ContactPosition, ContactQuestion, Direction, NonlinearEstimate, NonlinearEstimator, SensingError,
-};
-use finray_model::{Finger, Mesh};
-use rayon::prelude::*;
+use finray_model::sensing::NonlinearEstimate;
 
 /// Forces, N.
 pub const FORCES_N: [f64; 3] = [0.5, 1.0, 3.0];
@@ -139,10 +133,7 @@ impl Answers {
 impl Evidence for DirectionStudy {}
 
 /// Nothing without noise, which makes it a question, nor in a quick report.
-///
-/// # Errors
-/// [`SensingError`] for a finger that has no contact.
-pub fn run(context: &Context) -> Result<Option<DirectionStudy>, SensingError> {
+pub(crate) fn run(context: &Context) -> Result<Option<DirectionStudy>, SensingError> {
     if context.effort == Effort::Quick || context.noise_mm == 0.0 {
         return Ok(None);
     }

@@ -6,20 +6,14 @@
 //! ordinary one takes every coordinate's error for independent.
 
 use super::{Context, Evidence};
-use crate::check::{Check, Kind, worst};
 use crate::experiments::table_two::contact_sets;
+use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use crate::sampling::scatter::sampled_nodes;
+use finray_model::measurement::DisplacementNoise;
 use finray_model::measurement::noise::base_motions;
-use finray_model::measurement::{DisplacementNoise, Measurement};
-use finray_model::mesh::LoadError;
 use finray_model::optimise::{FromFunction, LevenbergMarquardt, Refusal, covariance};
-use finray_model::sensing::Contact;
-use finray_model::sensing::{ContactForce, RespondingFinger, Response};
-use finray_model::{Finger, Mesh, NodeId, Vector};
-use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
-use serde::Serialize;
+use finray_model::sensing::Response;
 
 /// Standard deviation of the finger base's position along each axis where it is computed from the motor angle, mm. The offsets of motor and
 /// camera stand in figures of the paper that are not at hand: this is a choice.
@@ -181,10 +175,7 @@ impl Evidence for DisplacementNoiseStudy {
 }
 
 /// Nothing without noise.
-///
-/// # Errors
-/// [`LoadError`] for a finger without contact nodes.
-pub fn run(context: &Context) -> Result<Option<DisplacementNoiseStudy>, LoadError> {
+pub(crate) fn run(context: &Context) -> Result<Option<DisplacementNoiseStudy>, LoadError> {
     let cases = context.effort.displacement_noise_cases();
     let study = || DisplacementNoiseStudy::run(context.finger, context.noise_mm, cases);
     (context.noise_mm > 0.0).then(study).transpose()

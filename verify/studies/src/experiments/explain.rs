@@ -6,16 +6,10 @@
 //! co-rotational finger in its loaded shape. The stiffness of the deformed finger counts, not that of the finger at rest.
 
 use super::{Context, Evidence};
-use crate::estimators::ELEMENTS;
+use crate::prelude::*;
 use crate::sampling::map::MapRequest;
-use crate::settings::{DRAWN_FORCE_N, Effort};
-use finray_model::mesh::LoadError;
-use finray_model::sensing::{Contact, ContactPosition, LARGEST_SPAN, marker_coordinates};
-use finray_model::statics::{Ladder, Statics};
-use finray_model::{Kinematics, Mesh, Vector};
-use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
-use serde::Serialize;
+use finray_model::sensing::{LARGEST_SPAN, marker_coordinates};
+use finray_model::statics::Ladder;
 
 /// What limits sensing of one force at one position and direction; all empty where the finger has no equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -61,10 +55,7 @@ pub struct ExplanationMap {
 impl Evidence for ExplanationMap {}
 
 /// Explains sensing of the drawn force on the co-rotational finger; without noise the bounds are 0.
-///
-/// # Errors
-/// [`LoadError`] never in practice: all positions are on the front plate.
-pub fn run(context: &Context) -> Result<ExplanationMap, LoadError> {
+pub(crate) fn run(context: &Context) -> Result<ExplanationMap, LoadError> {
     let (finger, effort) = (context.finger, context.effort);
     let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
     let (positions, step_deg, _) = effort.coarse_resolution();

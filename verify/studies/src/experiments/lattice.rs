@@ -3,19 +3,15 @@
 use super::contact_scene::objects::Objects;
 use super::contact_scene::study::SceneStudy;
 use super::{Context, Evidence, ExperimentError};
-use crate::check::{Check, Comparison, Kind, worst};
-use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorId};
 use crate::lattice::accuracy::{FinenessRow, LoadGrid, study};
 use crate::lattice::causes::{self, AxialRow, SettlingRow};
+use crate::prelude::*;
 use crate::problems::lattice::{FINENESS, NEWTON};
 use crate::problems::{self, ProblemError};
 use crate::sampling::map::{AccuracyMap, MapRequest, accuracy_maps};
 use crate::sampling::sweep::MapCell;
-use crate::settings::{Effort, MAP_FORCES_N};
 use crate::truths::{LatticeTruth, TruthId};
 use finray_lattice::settling::Precision;
-use finray_lattice::{Lattice, LatticeError};
-use finray_model::{Finger, Mesh};
 use std::collections::HashMap;
 use std::ops::RangeInclusive;
 
@@ -143,10 +139,7 @@ impl Evidence for LatticeStudy {
 
 /// The lattice of the paper's finger, beside the objects that are pressed: each settles for long on a single thread. `maps` has that of
 /// least squares on the co-rotational finger without noise.
-///
-/// # Errors
-/// [`ProblemError`] if a load has no equilibrium or a lattice does not settle; what is wrong with an object.
-pub fn run_beside_objects(
+pub(crate) fn run_beside_objects(
     context: &Context,
     maps: &[AccuracyMap],
 ) -> Result<(Option<LatticeStudy>, Vec<SceneStudy>), ExperimentError> {
@@ -172,10 +165,7 @@ impl LatticeStudy {
 
     /// Computes everything; `theirs` is the map of least squares on the co-rotational finger without noise, `noise` the
     /// standard deviations of a coordinate (mm; the first is 0) and the number of samples of the maps.
-    ///
-    /// # Errors
-    /// [`ProblemError`] if a load has no equilibrium or the lattice does not settle.
-    pub fn run(
+    pub(crate) fn run(
         finger: &Finger,
         effort: Effort,
         theirs: &AccuracyMap,

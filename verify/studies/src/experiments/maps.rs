@@ -1,9 +1,8 @@
 //! Maps of where sensing fails, for every truth and estimator.
 
 use super::{Context, Evidence};
-use crate::estimators::EstimatorId;
+use crate::prelude::*;
 use crate::sampling::map::{AccuracyMap, MapRequest, accuracy_maps};
-use crate::settings::MAP_FORCES_N;
 use crate::truths::{Truth, TruthError, TruthId};
 
 impl Evidence for AccuracyMap {}
@@ -17,10 +16,7 @@ struct Plan {
 
 /// A map for each truth and estimator, those of scenes other than the paper's on their own beams alone. Those of the spring lattice that
 /// need no network are of [its own study](super::lattice).
-///
-/// # Errors
-/// [`TruthError`] if a finger at rest cannot be solved.
-pub fn run(context: &Context) -> Result<Vec<AccuracyMap>, TruthError> {
+pub(crate) fn run(context: &Context) -> Result<Vec<AccuracyMap>, TruthError> {
     let finger = context.finger;
     let ids: Vec<TruthId> =
         TruthId::ALL.iter().copied().filter(|id| context.is_paper || id.kinematics().is_some()).collect();

@@ -6,16 +6,14 @@ mod knowledge;
 mod lens;
 pub mod picture;
 
+use crate::prelude::*;
 use finray_model::calibration::{self, CalibrationError, LocatedView, View, ViewModel};
 use finray_model::observation::ObservedBase;
 use finray_model::sensing::{ContactQuestion, Direction, Lean};
 use finray_model::sensor::{Sensor, SensorContacts, SensorOptions};
-use finray_model::{Finger, Scene, Vector};
 use image::RgbImage;
 use knowledge::{KNOWLEDGE, Knowledge};
 use picture::Picture;
-use rayon::prelude::*;
-use serde::Serialize;
 
 /// A force that was sensed in an image, or why none was.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -25,20 +25,16 @@ pub mod table_one;
 pub mod table_two;
 pub mod twin;
 
-use crate::check::{Check, Comparison};
-use crate::estimators::EstimatorError;
-use crate::estimators::network::Networks;
+use crate::prelude::*;
 use crate::problems::ProblemError;
-use crate::settings::{Effort, Progress};
 use crate::truths::{MeshTruth, TwinError};
 use contact_scene::study::{SceneStudyError, SceneWithOutline};
 use finray_model::calibration::CalibrationError;
+use finray_model::estimators::network::Networks;
 use finray_model::finger::ImpossibleFinger;
-use finray_model::mesh::{LoadError, MeshSizeError};
-use finray_model::sensing::SensingError;
+use finray_model::measurement::MeasurementError;
 use finray_model::sensing::network::NetworkError;
-use finray_model::statics::StaticsError;
-use finray_model::{Finger, Mesh, NodeId};
+use grasp::GraspError;
 
 /// Input of every experiment of a report.
 #[derive(Clone, Copy)]
@@ -79,6 +75,9 @@ pub enum ExperimentError {
     /// A finger could not be solved.
     #[error(transparent)]
     Statics(#[from] StaticsError),
+    /// A lattice has no equilibrium.
+    #[error(transparent)]
+    Lattice(#[from] LatticeError),
     /// A finger with other zones or modulus is impossible.
     #[error(transparent)]
     Finger(#[from] ImpossibleFinger),
@@ -101,6 +100,15 @@ pub enum ExperimentError {
     #[cfg(feature = "train")]
     #[error(transparent)]
     Train(#[from] finray_model::train::TrainError),
+    /// A scene that ships does not read.
+    #[error("a scene that ships: {0}")]
+    Scene(#[from] SceneError),
+    /// It is no grasp.
+    #[error(transparent)]
+    Grasp(#[from] GraspError),
+    /// Markers that no camera would measure.
+    #[error(transparent)]
+    Markers(#[from] MeasurementError),
     /// There is no twin.
     #[error(transparent)]
     Twin(#[from] TwinError),

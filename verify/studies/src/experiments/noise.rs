@@ -1,12 +1,10 @@
 //! Sensing of random forces under camera noise: one contact and two.
 
 use super::{Context, Evidence};
-use crate::check::{Check, Kind, worst};
-use crate::estimators::{BeamEstimator, ELEMENTS, EstimatorError, EstimatorId};
 use crate::experiments::table_two::condition_number;
+use crate::prelude::*;
 use crate::sampling::scatter::{self, Controlled, Counts, ScatterRequest, ScatterRow, scatter_controlled};
-use crate::settings::{CAMERA_NOISE_MM, Effort, ONE_FORCE_N, TWO_FORCES_N};
-use finray_model::{Kinematics, Mesh, NodeId};
+use crate::settings::{ONE_FORCE_N, TWO_FORCES_N};
 
 /// Largest mean error of one force at nodes 14 to 24, which was asked for; the Cramer-Rao bound comes nearest to it at node 24, 1.2 %.
 const ONE_FORCE_TOLERANCE: f64 = 0.013;
@@ -73,10 +71,7 @@ impl Evidence for NoiseStudy {
 }
 
 /// Nothing without noise.
-///
-/// # Errors
-/// [`EstimatorError`] if the contact nodes are not on the finger.
-pub fn run(context: &Context) -> Result<Option<NoiseStudy>, EstimatorError> {
+pub(crate) fn run(context: &Context) -> Result<Option<NoiseStudy>, EstimatorError> {
     (context.noise_mm > 0.0).then(|| NoiseStudy::run(context)).transpose()
 }
 

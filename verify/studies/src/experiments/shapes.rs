@@ -1,15 +1,10 @@
 //! Example shapes.
 
 use super::{Context, Evidence};
-use crate::settings::DRAWN_FORCE_N;
+use crate::prelude::*;
 use crate::truths::Truth;
 use finray_model::frame::NodeIndex;
-use finray_model::mesh::FingerShape;
-use finray_model::sensing::{Contact, ContactPosition};
-use finray_model::statics::Statics;
 use finray_model::validity::Validity;
-use finray_model::{Kinematics, Load, Mesh, NodeId, Vector};
-use rayon::prelude::*;
 use std::convert::Infallible;
 
 impl Evidence for BentFinger {}
@@ -51,10 +46,7 @@ const TOUCHED_STEP_DEG: f64 = 20.0;
 
 /// The co-rotational finger under the drawn force at every contact node (a dozen of many) in every direction; what has no
 /// equilibrium is left out.
-///
-/// # Errors
-/// None.
-pub fn touched(context: &Context) -> Result<Vec<TouchedFinger>, Infallible> {
+pub(crate) fn touched(context: &Context) -> Result<Vec<TouchedFinger>, Infallible> {
     let finger = context.finger;
     let every = finger.contact_nodes().len().div_ceil(13);
     let nodes: Vec<NodeId> = finger.contact_nodes().rev().step_by(every).collect();
@@ -71,10 +63,7 @@ pub fn touched(context: &Context) -> Result<Vec<TouchedFinger>, Infallible> {
 
 /// The finger under the drawn force at three nodes, linear and co-rotational; what has no equilibrium is left
 /// out.
-///
-/// # Errors
-/// None.
-pub fn run(context: &Context) -> Result<Vec<BentFinger>, Infallible> {
+pub(crate) fn run(context: &Context) -> Result<Vec<BentFinger>, Infallible> {
     let (finger, mesh) = (context.finger, context.fine);
     let nodes: Vec<_> = finger.contact_nodes().collect();
     let chosen = [nodes.len() / 8, nodes.len() / 2, nodes.len() - 1].map(|i| nodes[i]);

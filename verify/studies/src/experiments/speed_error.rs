@@ -15,12 +15,9 @@ mod solving;
 pub use run::run;
 pub use solving::{Beams, LATTICE, SOLVED_N, beams, lattices, solved_loads, solved_point, solving};
 
-use crate::estimators::{EstimatorError, EstimatorId};
-use finray_lattice::LatticeError;
-use finray_model::statics::StaticsError;
-use finray_model::{Finger, NodeId};
+use crate::experiments::ExperimentError;
+use crate::prelude::*;
 use sensing::{SENSED_N, neighbours, singles};
-use serde::Serialize;
 use std::fmt;
 
 /// Task of a timed point.
@@ -175,20 +172,6 @@ pub fn asked(finger: &Finger, task: Task) -> Asked {
         Task::SenseOne | Task::SenseNeighbours => format!("{}-{}", SENSED_N[0], SENSED_N[1]),
     };
     Asked { nodes, forces_n }
-}
-
-/// Why no points were computed.
-#[derive(Debug, thiserror::Error)]
-pub enum SpeedErrorError {
-    /// The reference has no equilibrium.
-    #[error(transparent)]
-    Statics(#[from] StaticsError),
-    /// A lattice was not built.
-    #[error(transparent)]
-    Lattice(#[from] LatticeError),
-    /// An estimator is not made for the contacts.
-    #[error(transparent)]
-    Estimator(#[from] EstimatorError),
 }
 
 /// Marks the points of each task that no other beats in both time and error.

@@ -1,16 +1,10 @@
 //! The protocol of Table I of Xu et al. (2021): weights on a single finger, force sensed by the linear model.
 
 use super::{Context, Evidence, ExperimentError};
+use crate::prelude::*;
 use crate::settings::TABLE_ONE_ANGLES_DEG;
-use crate::statistics::{Span, mean};
 use crate::truths::{Truth, TruthId};
 use finray_model::calibration::{self, CalibrationCase};
-use finray_model::measurement::Measurement;
-use finray_model::mesh::FingerShape;
-use finray_model::sensing::{Contact, ContactPosition, LinearEstimator, Prior};
-use finray_model::{Finger, NodeId};
-use rayon::prelude::*;
-use serde::Serialize;
 
 /// Standard gravity, m/s^2 (CGPM 1901).
 pub const STANDARD_GRAVITY: f64 = 9.80665;
@@ -78,10 +72,7 @@ pub struct TableOne {
 impl Evidence for TableOne {}
 
 /// Table I for each assumed direction, on the co-rotational finger; of the paper's finger alone.
-///
-/// # Errors
-/// [`ExperimentError`] if the finger cannot carry a weight.
-pub fn run(context: &Context) -> Result<Vec<TableOne>, ExperimentError> {
+pub(crate) fn run(context: &Context) -> Result<Vec<TableOne>, ExperimentError> {
     if !context.is_paper {
         return Ok(Vec::new());
     }
@@ -122,10 +113,7 @@ pub fn table_one(finger: &Finger, truth: &dyn Truth, angle_deg: f64) -> Result<T
 }
 
 /// Young's modulus by eq. (11) from the truth's shapes under the weights at some nodes, as a factor on the finger's.
-///
-/// # Errors
-/// [`ExperimentError`] if a weight cannot be carried.
-pub fn modulus_factor(
+pub(crate) fn modulus_factor(
     finger: &Finger,
     truth: &dyn Truth,
     angle_deg: f64,

@@ -5,15 +5,11 @@
 //! samples at the same nodes.
 
 use super::{Context, Evidence};
-use crate::estimators::network::NetworkSensing;
-use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorId};
+use crate::prelude::*;
 use crate::sampling::scatter::{ScatterRequest, ScatterRow, scatter};
 use crate::settings::TWO_FORCES_N;
-use crate::statistics::{Span, mean};
 use crate::truths::TruthId;
-use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, LinearEstimator};
-use finray_model::{Finger, Kinematics, Mesh, NodeId};
+use finray_model::estimators::network::NetworkSensing;
 
 /// A row of the paper's table: the contacts of its tests (sec. V-C), and the mean errors over these tests.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -173,10 +169,7 @@ impl TableTwo {
 impl Evidence for TableTwo {}
 
 /// Table II of the paper's finger, by every estimator.
-///
-/// # Errors
-/// [`EstimatorError`] if an estimator is not made for one of the sets.
-pub fn run(context: &Context) -> Result<Option<TableTwo>, EstimatorError> {
+pub(crate) fn run(context: &Context) -> Result<Option<TableTwo>, EstimatorError> {
     if !context.is_paper {
         return Ok(None);
     }

@@ -1,13 +1,6 @@
 //! Error of the lattice against converged beams, and its cost, by its fineness.
 
-use crate::check::worst;
-use finray_lattice::{Lattice, LatticeError};
-use finray_model::mesh::{FingerShape, Load};
-use finray_model::statics::{Statics, StaticsError};
-use finray_model::{Finger, Kinematics, Mesh, NodeId};
-use rayon::prelude::*;
-use serde::Serialize;
-use std::time::Instant;
+use crate::prelude::*;
 
 /// Elements a member of the beam finger that counts as converged: twice as many change no displacement of the paper's finger
 /// under 5 N by more than 1e-6 of the largest.
@@ -52,10 +45,7 @@ impl LoadGrid {
 }
 
 /// Shapes of the converged beam finger over a grid of loads: by node and direction, then force.
-///
-/// # Errors
-/// [`StaticsError`] if a load has no equilibrium.
-pub fn beam_shapes(
+pub(crate) fn beam_shapes(
     finger: &Finger,
     grid: &LoadGrid,
     kinematics: Kinematics,
@@ -73,10 +63,7 @@ pub fn beam_shapes(
 }
 
 /// Shapes of least energy of a lattice over a grid of loads, like [`beam_shapes`].
-///
-/// # Errors
-/// [`LatticeError`] if a load has no equilibrium.
-pub fn lattice_shapes(lattice: &Lattice, grid: &LoadGrid) -> Result<Vec<Vec<FingerShape>>, LatticeError> {
+pub(crate) fn lattice_shapes(lattice: &Lattice, grid: &LoadGrid) -> Result<Vec<Vec<FingerShape>>, LatticeError> {
     let shapes = |&(node, angle_deg): &(NodeId, f64)| {
         let load = Load::at_node(node, lattice.finger().direction(angle_deg));
         match lattice.path(&[load], &grid.forces_n)? {
@@ -200,10 +187,7 @@ pub struct SettledGrid {
 }
 
 /// Settles a lattice under every load of a grid, one after the other.
-///
-/// # Errors
-/// [`LatticeError`] if it does not settle.
-pub fn settled_shapes(lattice: &Lattice, grid: &LoadGrid) -> Result<SettledGrid, LatticeError> {
+pub(crate) fn settled_shapes(lattice: &Lattice, grid: &LoadGrid) -> Result<SettledGrid, LatticeError> {
     let (mut steps, start) = (0, Instant::now());
     let mut settle = |node, angle_deg, force_n: f64| {
         let settled = lattice.settle(&[Load::at_node(node, lattice.finger().direction(angle_deg) * force_n)])?;

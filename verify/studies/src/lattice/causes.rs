@@ -1,14 +1,10 @@
 //! Causes of the lattice's error against beams: the same comparison with one property changed at a time.
 
 use super::accuracy::{AccuracyError, LoadGrid, beam_shapes, difference, lattice_shapes, worst_by_force};
-use crate::check::worst;
+use crate::prelude::*;
 use finray_lattice::energy::{BodyMotion, Energy};
 use finray_lattice::settling::{Precision, SWEEPS, Settling};
 use finray_lattice::springs::AxialSprings;
-use finray_lattice::{Lattice, LatticeError};
-use finray_model::mesh::{FingerShape, Load};
-use finray_model::{Finger, Kinematics, NodeId};
-use rayon::prelude::*;
 
 /// This many times stiffer, axial springs are as good as rigid: a hundred times more changes no displacement of the paper's finger
 /// by more than a thousandth.

@@ -67,10 +67,7 @@ impl Section {
 
 /// The limit load next to `start`: unknowns and, last, the load at which the conditions `miss` (one fewer) hold and have
 /// a singular derivative by the unknowns. `scale` gives the size of each.
-///
-/// # Errors
-/// [`ProblemError::Reference`] if the search does not converge.
-pub fn limit_load<const N: usize, const M: usize>(
+pub(crate) fn limit_load<const N: usize, const M: usize>(
     miss: impl Fn(&[f64; M]) -> [f64; N],
     start: [f64; M],
     scale: [f64; M],

@@ -3,16 +3,10 @@
 //! Source: `fixtures/elastica.csv`, by shooting and by elliptic integrals to 1e-7; equal to Mattiasson, Int. J. Numer.
 //! Methods Eng. 17 (1981) where he lists the case. L = EI = 1.
 
-use super::{Problem, ProblemError};
-use crate::check::{Check, Kind};
-use finray_model::frame::{FrameLoad, PlaneFrame, Section};
+use super::ProblemError;
+use crate::prelude::*;
+use finray_model::frame::{PlaneFrame, Section};
 use finray_model::statics::solve_frame;
-use finray_model::{Kinematics, Vector};
-use serde::Deserialize;
-
-/// This problem.
-pub(super) const PROBLEM: Problem =
-    Problem { name: "elastica of a cantilever", applies_to: |_| true, solve: |_| Ok(checks()?.into()) };
 
 /// Elements of the cantilever.
 const ELEMENTS: usize = 400;

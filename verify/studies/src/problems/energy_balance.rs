@@ -3,15 +3,9 @@
 //! Source: conservation of energy. The work is F u(F) less the integral of u over F (the complementary energy), by
 //! Simpson's rule with one Richardson extrapolation (Boole's rule).
 
-use super::{Problem, ProblemError};
-use crate::check::{Check, Kind};
-use crate::settings::is_papers_finger;
+use super::ProblemError;
+use crate::prelude::*;
 use finray_model::statics::{Statics, elastic_energy};
-use finray_model::{Finger, Kinematics, Load, Mesh, NodeId};
-
-/// This problem.
-pub(super) const PROBLEM: Problem =
-    Problem { name: "energy and work", applies_to: is_papers_finger, solve: |finger| Ok(checks(finger)?.into()) };
 
 /// Full load, N.
 const FORCE_N: f64 = 3.0;
@@ -45,10 +39,7 @@ fn solve(mesh: &Mesh, node: NodeId) -> Result<[f64; 2], ProblemError> {
 }
 
 /// A row for each loaded node.
-///
-/// # Errors
-/// [`ProblemError`] if the finger does not carry the load.
-pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
+pub(crate) fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     let mesh = Mesh::key_nodes(finger);
     let mut checks = Vec::new();
     for node in NODES.map(NodeId) {

@@ -2,19 +2,11 @@
 //!
 //! Source: closed form (pure bending): the axis is an arc of radius EI / M. L = EI = 1.
 
-use super::{Problem, ProblemError};
-use crate::check::{Check, Kind};
+use super::ProblemError;
+use crate::prelude::*;
 use finray_model::frame::{FrameLoad, NodeIndex, PlaneFrame, Section};
 use finray_model::statics::solve_frame;
-use finray_model::{Kinematics, Vector};
 use std::f64::consts::{PI, TAU};
-
-/// This problem.
-pub(super) const PROBLEM: Problem = Problem {
-    name: "cantilever bent into a circle by an end moment",
-    applies_to: |_| true,
-    solve: |_| Ok(checks()?.into()),
-};
 
 /// Elements of the cantilever.
 const ELEMENTS: usize = 64;
@@ -27,10 +19,7 @@ pub const CLOSURE_TOLERANCE: f64 = 1e-9;
 pub const CHORD_TOLERANCE: f64 = 1e-7;
 
 /// Where the tip comes to rest, how far it turns, and how far away the middle is.
-///
-/// # Errors
-/// [`ProblemError`] if the moment has no equilibrium.
-pub fn checks() -> Result<Vec<Check>, ProblemError> {
+pub(crate) fn checks() -> Result<Vec<Check>, ProblemError> {
     let mut frame = PlaneFrame::new();
     let section = Section { axial_rigidity_n: AXIAL_RIGIDITY, bending_rigidity_nmm2: 1.0 };
     let nodes: Vec<NodeIndex> =

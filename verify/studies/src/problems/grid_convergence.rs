@@ -7,14 +7,8 @@
 //! out that a stretched beam has the more length to bend, a share phi^2 of its strain. So where beams are stretched
 //! its order falls to 2 on very fine meshes, with an error that is smaller by the strain (here 1e-4 to 1e-3).
 
-use super::{Problem, ProblemError, elastica};
-use crate::check::{Check, Kind};
-use crate::settings::is_papers_finger;
-use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, statics};
-
-/// This problem.
-pub(super) const PROBLEM: Problem =
-    Problem { name: "order of convergence", applies_to: is_papers_finger, solve: |finger| Ok(checks(finger)?.into()) };
+use super::{ProblemError, elastica};
+use crate::prelude::*;
 
 /// Factor of safety for three meshes (Roache).
 const SAFETY: f64 = 1.25;
@@ -84,10 +78,11 @@ fn displacement(mesh: &Mesh, node: NodeId, kinematics: Kinematics) -> Result<f64
 }
 
 /// Grid convergence of the displacement (mm) of a node under 3 N along the inward normal.
-///
-/// # Errors
-/// [`ProblemError`] if the finger does not carry the load.
-pub fn of_finger(meshes: [&Mesh; 3], node: NodeId, kinematics: Kinematics) -> Result<GridConvergence, ProblemError> {
+pub(crate) fn of_finger(
+    meshes: [&Mesh; 3],
+    node: NodeId,
+    kinematics: Kinematics,
+) -> Result<GridConvergence, ProblemError> {
     // Elements of one mesh differ in length, but all meshes divide the same members: their number counts.
     let sizes = meshes.map(|mesh| 1.0 / mesh.frame().members().len() as f64);
     let mut values = [0.0; 3];
@@ -107,10 +102,7 @@ fn of_cantilever(kinematics: Kinematics) -> Result<GridConvergence, ProblemError
 }
 
 /// Observed orders; the index tested; 25, 684 and 5000 nodes.
-///
-/// # Errors
-/// [`ProblemError`] if the finger does not carry the load.
-pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
+pub(crate) fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     let [coarse, medium, fine] = ELEMENTS.map(|elements| Mesh::with_elements_per_member(finger, elements));
     let meshes = [&coarse, &medium, &fine];
     let mut checks = Vec::new();

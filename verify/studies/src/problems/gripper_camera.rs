@@ -3,21 +3,12 @@
 //! Source: Xu et al. (IEEE T-RO 2021), eq. (10), and the joint of rocker and link as Newton's method finds it, without angles. Lens and pose of the
 //! camera are chosen, as are the lengths.
 
-use super::linkage::{TOLERANCE, over_reach, shipped};
-use super::{Problem, ProblemError};
-use crate::check::{Check, Kind, worst};
-use crate::settings::is_papers_finger;
+use super::ProblemError;
+use super::linkage::{TOLERANCE, over_reach};
+use crate::prelude::*;
 use finray_model::camera::{Camera, Distortion, Lens, Pixel, Pose};
 use finray_model::gripper::{Gripper, LinkagePose};
-use finray_model::{Finger, Vector};
 use nalgebra::{Matrix2, Matrix3, Matrix3x4, Matrix4, Point2, Vector3, Vector4};
-
-/// This problem.
-pub(super) const PROBLEM: Problem = Problem {
-    name: "camera on the gripper",
-    applies_to: is_papers_finger,
-    solve: |finger| Ok(checks(finger, &shipped()?)?.into()),
-};
 
 /// w_cam, h_cam and l_cam of eq. (10): how far the camera is from the left rocker's fixed joint, across, along the screw and from the plane of the nodes, mm.
 const CAMERA_MM: [f64; 3] = [30.0, 95.0, 200.0];

@@ -4,11 +4,9 @@
 //! not Euler-Bernoulli theory. No other parameter is there, so no load is spent on fitting.
 
 use super::ProblemError;
-use crate::check::{Check, Comparison, Kind, SETTLED_LATTICE, worst};
+use crate::check::SETTLED_LATTICE;
 use crate::lattice::accuracy::{LoadGrid, beam_shapes, lattice_shapes, settled_shapes, worst_by_force};
-use finray_lattice::Lattice;
-use finray_model::mesh::{FingerShape, Load};
-use finray_model::{Finger, Kinematics};
+use crate::prelude::*;
 
 /// Source of the rows whose shapes are the least energy of our own springs, found by our own Newton's method: rapier has no part in them.
 pub const NEWTON: &str = "spring lattice, Newton";

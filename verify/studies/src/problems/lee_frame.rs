@@ -3,16 +3,11 @@
 //! Source: S. L. Lee, F. S. Manuel, E. C. Rossow, Large deflections and stability of elastic frames, J. Eng. Mech. Div.
 //! ASCE 94 (1968) 521-547; the limit loads to more digits from the elastic line ([`elastic_line`]).
 
+use super::ProblemError;
 use super::elastic_line::{self, Rigidity};
-use super::{Problem, ProblemError};
-use crate::check::{Check, Kind};
+use crate::prelude::*;
 use finray_model::frame::{FrameLoad, NodeIndex, PlaneFrame, Section};
 use finray_model::statics::{ArcLength, reaction};
-use finray_model::{Kinematics, Vector};
-
-/// This problem.
-pub(super) const PROBLEM: Problem =
-    Problem { name: "Lee frame", applies_to: |_| true, solve: |_| Ok(checks()?.into()) };
 
 /// E = 720, A = 6, I = 2.
 const RIGIDITY: Rigidity = Rigidity { axial: 4320.0, bending: 1440.0 };

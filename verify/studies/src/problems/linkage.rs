@@ -2,16 +2,10 @@
 //!
 //! Source: Xu et al. (IEEE T-RO 2021), eqs (6) to (9). The lengths are those of the scenes that ship: chosen.
 
-use super::{Problem, ProblemError};
-use crate::check::{Check, Kind, worst};
-use crate::settings::is_papers_finger;
+use super::ProblemError;
+use crate::prelude::*;
 use finray_model::gripper::{Gripper, LinkagePose};
-use finray_model::{Finger, Scene, Vector};
 use nalgebra::{Matrix3, Vector3};
-
-/// This problem.
-pub(super) const PROBLEM: Problem =
-    Problem { name: "linkage", applies_to: is_papers_finger, solve: |finger| Ok(checks(finger, &shipped()?).into()) };
 
 /// Motor angles over the reach.
 const ANGLES: usize = 200;

@@ -19,28 +19,72 @@ pub mod rigid_rotation;
 pub mod tangent;
 pub mod toggle;
 
-use crate::check::{Check, Comparison};
 use crate::lattice::accuracy::AccuracyError;
-use finray_model::Finger;
-use finray_model::statics::StaticsError;
-use rayon::prelude::*;
+use crate::prelude::*;
 
 /// Every problem, in the order of the report. Those of the spring lattice, which take long, are part of
 /// [its study](crate::experiments::lattice).
 pub const ALL: &[Problem] = &[
-    elastica::PROBLEM,
-    full_circle::PROBLEM,
-    lee_frame::PROBLEM,
-    toggle::PROBLEM,
-    refinement::PROBLEM,
-    opensees::PROBLEM,
-    rigid_rotation::PROBLEM,
-    tangent::PROBLEM,
-    energy_balance::PROBLEM,
-    grid_convergence::PROBLEM,
-    mujoco::PROBLEM,
-    linkage::PROBLEM,
-    gripper_camera::PROBLEM,
+    Problem { name: "elastica of a cantilever", applies_to: |_| true, solve: |_| Ok(elastica::checks()?.into()) },
+    Problem {
+        name: "cantilever bent into a circle by an end moment",
+        applies_to: |_| true,
+        solve: |_| Ok(full_circle::checks()?.into()),
+    },
+    Problem { name: "Lee frame", applies_to: |_| true, solve: |_| Ok(lee_frame::checks()?.into()) },
+    Problem { name: "toggle frame", applies_to: |_| true, solve: |_| Ok(toggle::checks()?.into()) },
+    Problem {
+        name: "meshes of the finger",
+        applies_to: |_| true,
+        solve: |finger| {
+            Ok(ProblemResults { checks: refinement::checks(finger)?, comparisons: refinement::comparisons(finger)? })
+        },
+    },
+    Problem {
+        name: "OpenSees on the paper's finger",
+        applies_to: is_papers_finger,
+        solve: |finger| {
+            Ok(ProblemResults {
+                checks: opensees::paper_checks(finger)?,
+                comparisons: opensees::linear_against_corotational(finger)?,
+            })
+        },
+    },
+    Problem {
+        name: "rigid rotation",
+        applies_to: is_papers_finger,
+        solve: |finger| Ok(rigid_rotation::checks(finger).into()),
+    },
+    Problem {
+        name: "derivatives of the energy",
+        applies_to: is_papers_finger,
+        solve: |finger| Ok(tangent::checks(finger)?.into()),
+    },
+    Problem {
+        name: "energy and work",
+        applies_to: is_papers_finger,
+        solve: |finger| Ok(energy_balance::checks(finger)?.into()),
+    },
+    Problem {
+        name: "order of convergence",
+        applies_to: is_papers_finger,
+        solve: |finger| Ok(grid_convergence::checks(finger)?.into()),
+    },
+    Problem {
+        name: "MuJoCo's shapes",
+        applies_to: |finger| crate::mujoco::ExportedFinger::of(finger).is_some(),
+        solve: mujoco::solve,
+    },
+    Problem {
+        name: "linkage",
+        applies_to: is_papers_finger,
+        solve: |finger| Ok(linkage::checks(finger, &linkage::shipped()?).into()),
+    },
+    Problem {
+        name: "camera on the gripper",
+        applies_to: is_papers_finger,
+        solve: |finger| Ok(gripper_camera::checks(finger, &linkage::shipped()?)?.into()),
+    },
 ];
 
 /// A problem with a known answer.
@@ -70,10 +114,7 @@ impl From<Vec<Check>> for ProblemResults {
 }
 
 /// Solves [`ALL`] that apply to a finger, in parallel.
-///
-/// # Errors
-/// The first [`ProblemError`] in the order of [`ALL`].
-pub fn solve_all(finger: &Finger) -> Result<ProblemResults, ProblemError> {
+pub(crate) fn solve_all(finger: &Finger) -> Result<ProblemResults, ProblemError> {
     let applying = ALL.par_iter().with_max_len(1).filter(|problem| (problem.applies_to)(finger));
     let solved: Vec<ProblemResults> = applying.map(|problem| (problem.solve)(finger)).collect::<Result<_, _>>()?;
     Ok(solved.into_iter().fold(ProblemResults::default(), |mut all, one| {
@@ -95,21 +136,15 @@ pub enum ProblemError {
     /// The finger's lattice has no equilibrium, or does not settle.
     #[error(transparent)]
     Lattice(#[from] finray_lattice::LatticeError),
+    /// The lattice, or the beams that it is held against.
+    #[error(transparent)]
+    Accuracy(#[from] AccuracyError),
     /// A table exported from MuJoCo is not what it should be.
     #[error(transparent)]
     Export(#[from] crate::mujoco::ExportError),
     /// The problem's own mesh cannot be made.
     #[error(transparent)]
     Mesh(#[from] finray_model::mesh::MeshSizeError),
-}
-
-impl From<AccuracyError> for ProblemError {
-    fn from(error: AccuracyError) -> ProblemError {
-        match error {
-            AccuracyError::Lattice(error) => error.into(),
-            AccuracyError::Beams(error) => error.into(),
-        }
-    }
 }
 
 impl From<csv::Error> for ProblemError {

@@ -4,21 +4,11 @@
 //! MuJoCo shares neither discretisation (its rods bend at vertices alone) nor code with the beams, but is given the same EA and EI, so
 //! both tend to the same limit: it verifies solver and kinematics, not the beam theory behind EA and EI.
 
-use super::{Problem, ProblemError, ProblemResults};
-use crate::check::{Check, Comparison, Kind, worst};
+use super::{ProblemError, ProblemResults};
 use crate::lattice::accuracy::difference;
 use crate::mujoco::{ContactStep, ExportedFinger, FINGERS, StaticCase, TouchedRod, contact_steps};
-use crate::settings::is_papers_finger;
+use crate::prelude::*;
 use crate::truths::{LatticeTruth, Truth};
-use finray_model::mesh::FingerShape;
-use finray_model::sensing::Contact;
-use finray_model::statics::Statics;
-use finray_model::{Finger, Kinematics, Load, Mesh, statics};
-use rayon::prelude::*;
-
-/// This problem.
-pub(super) const PROBLEM: Problem =
-    Problem { name: "MuJoCo's shapes", applies_to: |finger| ExportedFinger::of(finger).is_some(), solve };
 
 /// Source of all rows.
 const SOURCE: &str = "MuJoCo";
@@ -63,10 +53,7 @@ pub struct CaseDeviation {
 }
 
 /// Solves every case of an exported finger with converged beams.
-///
-/// # Errors
-/// [`ProblemError`] if the table cannot be read or a case has no equilibrium.
-pub fn deviations(exported: &ExportedFinger) -> Result<Vec<CaseDeviation>, ProblemError> {
+pub(crate) fn deviations(exported: &ExportedFinger) -> Result<Vec<CaseDeviation>, ProblemError> {
     let (finger, cases) = (exported.finger()?, exported.cases()?);
     let meshes = ELEMENTS.map(|elements| Mesh::with_elements_per_member(&finger, elements));
     let directions: Vec<&[StaticCase]> =
@@ -118,7 +105,7 @@ fn apart(a: &FingerShape, b: &FingerShape) -> (f64, f64) {
     )
 }
 
-fn solve(finger: &Finger) -> Result<ProblemResults, ProblemError> {
+pub(super) fn solve(finger: &Finger) -> Result<ProblemResults, ProblemError> {
     let checks = ExportedFinger::of(finger).map_or_else(|| Ok(Vec::new()), static_checks)?;
     if !is_papers_finger(finger) {
         return Ok(checks.into());
@@ -166,10 +153,7 @@ fn linear_check(exported: &ExportedFinger) -> Result<Check, ProblemError> {
 }
 
 /// Displacements of a step of a push against converged beams under the exported contact forces, as a share of the largest.
-///
-/// # Errors
-/// [`ProblemError`] if the forces have no equilibrium.
-pub fn contact_deviation(mesh: &Mesh, step: &ContactStep) -> Result<f64, ProblemError> {
+pub(crate) fn contact_deviation(mesh: &Mesh, step: &ContactStep) -> Result<f64, ProblemError> {
     let load = |rod: &TouchedRod| Load::Node { node: rod.node, force: rod.force, moment_nmm: rod.moment_nmm };
     let loads: Vec<Load> = step.touched.iter().map(load).collect();
     let ours = statics::solve(mesh, &loads, Kinematics::Corotational)?;

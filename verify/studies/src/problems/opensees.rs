@@ -3,20 +3,8 @@
 //! OpenSees shares the theory (Euler-Bernoulli beams of the same EA and EI, co-rotation, strain of the chord) but none of the code, so the
 //! two must agree to the digits printed. It verifies the solver, not the theory.
 
-use super::{Problem, ProblemError, ProblemResults};
-use crate::check::{Check, Comparison, Kind, worst};
-use crate::settings::is_papers_finger;
-use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector, statics};
-use serde::Deserialize;
-
-/// This problem.
-pub(super) const PROBLEM: Problem = Problem {
-    name: "OpenSees on the paper's finger",
-    applies_to: is_papers_finger,
-    solve: |finger| {
-        Ok(ProblemResults { checks: paper_checks(finger)?, comparisons: linear_against_corotational(finger)? })
-    },
-};
+use super::ProblemError;
+use crate::prelude::*;
 
 /// Largest difference of a linear displacement, as a share of the case's largest: OpenSees prints nine digits.
 pub const LINEAR_TOLERANCE: f64 = 1e-8;
@@ -110,10 +98,7 @@ fn deviation(finger: &Finger, rows: &[Row]) -> Result<CaseDeviation, ProblemErro
 }
 
 /// The paper's finger on the paper's two meshes: a check for each kinematics and mesh, over its worst case.
-///
-/// # Errors
-/// See [`deviations`].
-pub fn paper_checks(paper: &Finger) -> Result<Vec<Check>, ProblemError> {
+pub(crate) fn paper_checks(paper: &Finger) -> Result<Vec<Check>, ProblemError> {
     let deviations = deviations(paper, finray_fixtures::OPENSEES_PAPER)?;
     let mut groups: Vec<(Kinematics, usize)> = deviations.iter().map(|d| (d.kinematics, d.mesh_nodes)).collect();
     groups.dedup();
@@ -140,10 +125,7 @@ pub fn paper_checks(paper: &Finger) -> Result<Vec<Check>, ProblemError> {
 
 /// Difference of the linear finger from the co-rotational one, for each fine co-rotational case: no tolerance, but why
 /// linear sensing errs.
-///
-/// # Errors
-/// See [`deviations`].
-pub fn linear_against_corotational(paper: &Finger) -> Result<Vec<Comparison>, ProblemError> {
+pub(crate) fn linear_against_corotational(paper: &Finger) -> Result<Vec<Comparison>, ProblemError> {
     let rows: Vec<Row> =
         csv::Reader::from_reader(finray_fixtures::OPENSEES_PAPER.as_bytes()).deserialize().collect::<Result<_, _>>()?;
     let mesh = Mesh::key_nodes(paper);

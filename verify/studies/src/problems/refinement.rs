@@ -3,19 +3,11 @@
 //! Linear frame theory is exact at the nodes, so refinement must change nothing but rounding. The paper found its two
 //! commercial meshes within 0.26 % of each other (sec. III).
 
-use super::{Problem, ProblemError, ProblemResults};
-use crate::check::{Check, Comparison, Kind, worst};
+use super::ProblemError;
 use crate::lattice::accuracy::difference;
+use crate::prelude::*;
 use crate::sampling::scatter::sampled_nodes;
 use crate::truths::fine_mesh;
-use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, statics};
-
-/// This problem.
-pub(super) const PROBLEM: Problem = Problem {
-    name: "meshes of the finger",
-    applies_to: |_| true,
-    solve: |finger| Ok(ProblemResults { checks: checks(finger)?, comparisons: comparisons(finger)? }),
-};
 
 /// Rounding of a double-precision solution on 684 nodes, which grows about as the fourth power of the node count.
 pub const ROUNDING_TOLERANCE: f64 = 1e-8;
@@ -36,10 +28,7 @@ fn refined(finger: &Finger, meshes: [&Mesh; 2], node: NodeId, kinematics: Kinema
 }
 
 /// Largest difference between the linear finger's two meshes, over loads along the front plate, as a share of the largest displacement.
-///
-/// # Errors
-/// [`ProblemError`] if the finger cannot be solved.
-pub fn linear_difference(finger: &Finger) -> Result<f64, ProblemError> {
+pub(crate) fn linear_difference(finger: &Finger) -> Result<f64, ProblemError> {
     let (coarse, fine) = (Mesh::key_nodes(finger), fine_mesh(finger)?);
     let differences =
         sampled_nodes(finger).into_iter().map(|node| refined(finger, [&coarse, &fine], node, Kinematics::Linear));
@@ -48,10 +37,7 @@ pub fn linear_difference(finger: &Finger) -> Result<f64, ProblemError> {
 
 /// The linear finger does not change with the mesh. Nothing is checked for a finger with zones: their ends cut
 /// elements, and what an element averages depends on its length.
-///
-/// # Errors
-/// [`ProblemError`] if the finger cannot be solved.
-pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
+pub(crate) fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     if !finger.description().zones.is_empty() {
         return Ok(Vec::new());
     }
@@ -63,10 +49,7 @@ pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
 }
 
 /// Difference of coarse co-rotational meshes from the fine one, by loaded node.
-///
-/// # Errors
-/// [`ProblemError`] if the finger cannot be solved.
-pub fn comparisons(finger: &Finger) -> Result<Vec<Comparison>, ProblemError> {
+pub(crate) fn comparisons(finger: &Finger) -> Result<Vec<Comparison>, ProblemError> {
     let (coarse, fine) = (Mesh::key_nodes(finger), fine_mesh(finger)?);
     let mut comparisons = Vec::new();
     for (kinematics, name) in

@@ -2,16 +2,9 @@
 //!
 //! Source: objectivity (invariance of the strains under rigid motions).
 
-use super::Problem;
-use crate::check::{Check, Kind, worst};
-use crate::settings::is_papers_finger;
+use crate::prelude::*;
 use finray_model::frame::{FrameMotion, PlaneFrame};
 use finray_model::statics::Assembly;
-use finray_model::{Finger, Kinematics, Mesh, Vector};
-
-/// This problem.
-pub(super) const PROBLEM: Problem =
-    Problem { name: "rigid rotation", applies_to: is_papers_finger, solve: |finger| Ok(checks(finger).into()) };
 
 /// Angles, rad.
 const ANGLES: [f64; 7] = [1e-9, 1e-6, 1e-3, 0.1, 1.0, 3.0, std::f64::consts::PI];

@@ -3,21 +3,10 @@
 //!
 //! Source: differences of fourth order, (8 (f(h) - f(-h)) - (f(2h) - f(-2h))) / 12 h.
 
-use super::{Problem, ProblemError};
-use crate::check::{Check, Kind, worst};
-use crate::settings::is_papers_finger;
+use super::ProblemError;
+use crate::prelude::*;
 use finray_model::element::{Beam, EndMotion, Response};
-use finray_model::frame::{FrameLoad, FrameMotion};
 use finray_model::statics::Assembly;
-use finray_model::{Finger, Kinematics, Load, Mesh, Vector};
-use nalgebra::DVector;
-
-/// This problem.
-pub(super) const PROBLEM: Problem = Problem {
-    name: "derivatives of the energy",
-    applies_to: is_papers_finger,
-    solve: |finger| Ok(checks(finger)?.into()),
-};
 
 const KINEMATICS: [Kinematics; 3] = [Kinematics::Linear, Kinematics::Corotational, Kinematics::CorotationalChord];
 /// A strongly bent and stretched beam: its ends' displacements (mm) and rotations (rad).
@@ -84,10 +73,7 @@ fn of_finger(mesh: &Mesh, loads: &[FrameLoad], kinematics: Kinematics) -> [f64; 
 }
 
 /// Two rows each for an element, a load between its ends and the finger; the worst of all kinematics.
-///
-/// # Errors
-/// [`ProblemError`] if the loads are not on the finger.
-pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
+pub(crate) fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     let beam = Beam {
         direction: Vector::new(0.8, 0.6),
         length_mm: 10.0,

@@ -5,16 +5,11 @@
 //! with finite deflections, Quart. J. Mech. Appl. Math. 17 (1964) 451-469; the limit loads from the elastic line
 //! ([`elastic_line`]).
 
+use super::ProblemError;
 use super::elastic_line::{self, Rigidity};
-use super::{Problem, ProblemError};
-use crate::check::{Check, Kind};
+use crate::prelude::*;
 use finray_model::frame::{FrameLoad, NodeIndex, PlaneFrame, Section};
 use finray_model::statics::{ArcLength, reaction};
-use finray_model::{Kinematics, Vector};
-
-/// This problem.
-pub(super) const PROBLEM: Problem =
-    Problem { name: "toggle frame", applies_to: |_| true, solve: |_| Ok(checks()?.into()) };
 
 /// EA in lb, EI in lb in^2.
 const RIGIDITY: Rigidity = Rigidity { axial: 1.885e6, bending: 9.27e3 };

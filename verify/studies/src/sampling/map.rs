@@ -3,13 +3,10 @@
 //! Position and direction are known to the estimator; only the size of the force is sought. The error is
 //! |sensed / true - 1|, averaged over the forces and the noise samples of a cell.
 
-use crate::estimators::{Estimator, EstimatorId};
+use crate::prelude::*;
 use crate::sampling::sweep::{self, CellState, Grid, MapCell, Sweep};
 use crate::settings::{GROSS_ERROR, TRUSTED_ERROR};
 use crate::truths::{Truth, TruthId};
-use finray_model::Finger;
-use rayon::prelude::*;
-use serde::Serialize;
 use std::io::Read;
 
 /// Request of maps: the grid of the [`Sweep`] that they sum up, one map for each level of noise.
@@ -58,14 +55,6 @@ pub fn accuracy_maps(
 }
 
 impl AccuracyMap {
-    /// CSV of the cells: `s_mm,angle_deg,force_n,mean_error,bias,spread,samples,answered,warned,covered,covered_warned`.
-    ///
-    /// # Errors
-    /// None in memory; the signature is the CSV writer's.
-    pub fn to_csv(&self) -> Result<String, csv::Error> {
-        finray_files::csv_text(&self.cells)
-    }
-
     /// Reads the cells of the table of a sweep with one truth, estimator and level of noise, written as
     /// [`Table::Map`](sweep::Table::Map).
     ///
@@ -97,7 +86,7 @@ impl AccuracyMap {
                 .filter(|cell| force_n.is_none_or(|f| f == cell.force_n))
                 .map(&of)
                 .collect();
-            values.filter(|v| !v.is_empty()).map(|v| v.iter().sum::<f64>() / v.len() as f64)
+            values.and_then(mean)
         };
         (0..angles).map(|angle| (0..positions).map(|position| cell(position, angle)).collect()).collect()
     }
@@ -144,7 +133,7 @@ impl AccuracyMap {
             answered: count(CellState::Answered),
             refused,
             without_equilibrium,
-            mean_error: (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64),
+            mean_error: mean(known.iter().copied()),
             largest_error: known.iter().copied().reduce(f64::max),
             share_above_10: share(TRUSTED_ERROR),
             share_above_25: share(GROSS_ERROR),

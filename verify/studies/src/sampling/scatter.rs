@@ -8,13 +8,8 @@
 mod cases;
 mod scout;
 
-use crate::estimators::{Estimator, EstimatorError, EstimatorId, Sensed};
-use crate::settings::TWO_SIDED_95;
+use crate::prelude::*;
 use cases::CaseEstimate;
-use finray_model::sensing::Contact;
-use finray_model::{Finger, Kinematics, Mesh, NodeId};
-use rayon::prelude::*;
-use serde::Serialize;
 
 /// Mean of |x| for x of a normal distribution with standard deviation 1: sqrt(2 / pi).
 const MEAN_ABSOLUTE: f64 = 0.797_884_560_802_865_4;
@@ -162,20 +157,18 @@ impl ScatterRow {
 
     /// Mean error of all forces; `None` if no case was sensed.
     pub fn mean_error(&self) -> Option<f64> {
-        let errors = self.forces.iter().map(|scatter| scatter.mean_error);
-        (!self.forces.is_empty()).then(|| errors.sum::<f64>() / self.forces.len() as f64)
+        mean(self.forces.iter().map(|scatter| scatter.mean_error))
     }
 
     /// Mean absolute error of all forces, N; `None` if no case was sensed.
     pub fn mean_error_n(&self) -> Option<f64> {
-        let errors = self.forces.iter().map(|scatter| scatter.mean_error_n);
-        (!self.forces.is_empty()).then(|| errors.sum::<f64>() / self.forces.len() as f64)
+        mean(self.forces.iter().map(|scatter| scatter.mean_error_n))
     }
 
     /// Mean error of all forces at the bound; `None` where there is none.
     pub fn mean_error_bound(&self) -> Option<f64> {
         let bounds: Option<Vec<f64>> = self.forces.iter().map(|s| Some(s.bound?.mean_error_bound)).collect();
-        bounds.filter(|bounds| !bounds.is_empty()).map(|bounds| bounds.iter().sum::<f64>() / bounds.len() as f64)
+        mean(bounds?)
     }
 }
 

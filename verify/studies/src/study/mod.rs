@@ -3,38 +3,20 @@
 mod timing;
 
 use crate::check::{Check, Comparison};
-use crate::estimators::EstimatorId;
-use crate::estimators::network::Networks;
-use crate::experiments::assumed;
-use crate::experiments::camera::{self, CameraStudy};
-use crate::experiments::causes::{self, CauseMap};
 use crate::experiments::contact_scene::study::{SceneStudy, SceneWithOutline};
-use crate::experiments::convergence::{self, Convergence};
-use crate::experiments::coverage::{self, CoverageRow};
-use crate::experiments::direction::{self, DirectionStudy};
-use crate::experiments::displacement_noise::{self, DisplacementNoiseStudy};
-use crate::experiments::explain::{self, ExplanationMap};
-use crate::experiments::grasp::modules::{self, ModuleStudy};
-use crate::experiments::grasp::observations::{self, Observations};
-use crate::experiments::grasp::rates::{self, LoopStudy};
-use crate::experiments::grasp::study::{self as grasp_study, GraspStudy};
-use crate::experiments::hard_cases::{self, HardCase};
-use crate::experiments::lattice::{self, LatticeStudy};
-use crate::experiments::maps;
-use crate::experiments::measured::MeasuredStudy;
-use crate::experiments::networks::accuracy::{self, NetworkStudy};
-use crate::experiments::networks::records::{self, Records};
-use crate::experiments::noise::{self, NoiseStudy};
-use crate::experiments::shapes::{self, BentFinger, TouchedFinger};
-use crate::experiments::speed_error::{self, SpeedErrorPoint};
-use crate::experiments::table_one::{self, TableOne};
-use crate::experiments::table_two::{self, TableTwo};
-use crate::experiments::twin::study::{self as twin_study, TwinStudy};
-use crate::experiments::{Context, Evidence};
+use crate::experiments::grasp::{modules, observations, rates, study as grasp_study};
+use crate::experiments::networks::{accuracy, records};
+use crate::experiments::twin::study as twin_study;
+use crate::experiments::{
+    Context, Evidence, assumed, camera, causes, convergence, coverage, direction, displacement_noise, explain,
+    hard_cases, lattice, maps, measured, noise, shapes, speed_error, table_one, table_two,
+};
 use crate::problems;
 use crate::sampling::map::AccuracyMap;
 use crate::settings::{CAMERA_NOISE_MM, Effort, Progress, is_papers_finger};
 use crate::truths::{MeshTruth, TruthId, fine_mesh};
+use finray_model::estimators::EstimatorId;
+use finray_model::estimators::network::Networks;
 use finray_model::validity::StrainLimits;
 use finray_model::{Finger, Kinematics};
 use serde::Serialize;
@@ -94,7 +76,7 @@ macro_rules! study {
             /// How long each part took.
             pub parts: Vec<PartTime>,
             /// Images with measured forces, where they were given.
-            pub measured: Option<MeasuredStudy>,
+            pub measured: Option<measured::MeasuredStudy>,
             $($($(#[$about])* pub $field: $type,)+)+
         }
 
@@ -144,72 +126,72 @@ study! { |context|
         assumed: Option<AccuracyMap> = assumed::run(context);
     "limits of sensing":
         /// What limits sensing of the drawn force on the co-rotational finger.
-        explanations: ExplanationMap = explain::run(context);
+        explanations: explain::ExplanationMap = explain::run(context);
     "Table I":
         /// Table I for each assumed direction, for the paper's finger.
-        tables_one: Vec<TableOne> = table_one::run(context);
+        tables_one: Vec<table_one::TableOne> = table_one::run(context);
     "digital twin":
         /// The digital twin of Table I, for the paper's finger under noise.
-        twin: Option<TwinStudy> = twin_study::run(context, tables_one.first());
+        twin: Option<twin_study::TwinStudy> = twin_study::run(context, tables_one.first());
     "coverage":
         /// Stated intervals against the truth, by finger and estimator.
-        coverage: Vec<CoverageRow> = coverage::run(context, &maps);
+        coverage: Vec<coverage::CoverageRow> = coverage::run(context, &maps);
     "causes":
         /// What makes sensed forces wrong, by truth and way of sensing.
-        causes: Vec<CauseMap> = causes::run(context, twin.as_ref().map(|twin| &twin.finger));
+        causes: Vec<causes::CauseMap> = causes::run(context, twin.as_ref().map(|twin| &twin.finger));
     "convergence":
         /// Error by mesh and load.
-        convergence: Convergence = convergence::run(context);
+        convergence: convergence::Convergence = convergence::run(context);
     "noise":
         /// Nonlinear sensing under camera noise.
-        noise: Option<NoiseStudy> = noise::run(context);
+        noise: Option<noise::NoiseStudy> = noise::run(context);
     "noise of displacements":
         /// Floors by the origin of the undeformed positions, under camera noise.
-        displacement_noise: Option<DisplacementNoiseStudy> = displacement_noise::run(context);
+        displacement_noise: Option<displacement_noise::DisplacementNoiseStudy> = displacement_noise::run(context);
     "camera":
         /// From images to forces, for scenes with a camera and for the paper's finger.
-        camera: Option<CameraStudy> = camera::run(context);
+        camera: Option<camera::CameraStudy> = camera::run(context);
     "unknown directions":
         /// Forces of unknown direction under camera noise, in a full study.
-        directions: Option<DirectionStudy> = direction::run(context);
+        directions: Option<direction::DirectionStudy> = direction::run(context);
     "Table II":
         /// Table II, for the paper's finger.
-        table_two: Option<TableTwo> = table_two::run(context);
+        table_two: Option<table_two::TableTwo> = table_two::run(context);
     "networks":
         /// The networks that ship, for the paper's finger under noise.
-        networks: Option<NetworkStudy> = accuracy::run(context, table_two.as_ref());
+        networks: Option<accuracy::NetworkStudy> = accuracy::run(context, table_two.as_ref());
     "a recorded training":
         /// Recorded trainings, for the paper's finger.
-        records: Records = records::run(context);
+        records: records::Records = records::run(context);
     "hard cases":
         /// Hard cases, variants of the paper's finger.
-        hard_cases: Vec<HardCase> = hard_cases::run(context);
+        hard_cases: Vec<hard_cases::HardCase> = hard_cases::run(context);
     "lattice, objects":
         /// The paper's finger as a lattice of rigid bodies and springs.
-        lattice: Option<LatticeStudy>,
+        lattice: Option<lattice::LatticeStudy>,
         /// Contact scenes: those that ship for the paper's finger, or the scene's own.
         contact_scenes: Vec<SceneStudy> = lattice::run_beside_objects(context, &maps);
     "grasp":
         /// Objects that two fingers grasp, for the paper's finger in a full study.
-        grasps: Vec<GraspStudy> = grasp_study::run(context);
+        grasps: Vec<grasp_study::GraspStudy> = grasp_study::run(context);
     "closed loop":
         /// The closed loop against the camera's rate, likewise.
-        closed_loop: Option<LoopStudy> = rates::run(context);
+        closed_loop: Option<rates::LoopStudy> = rates::run(context);
     "sensor modules":
         /// Table II on the moving gripper, likewise.
-        modules: Option<ModuleStudy> = modules::run(context);
+        modules: Option<modules::ModuleStudy> = modules::run(context);
     "observations":
         /// What the paper observes of grasps, likewise.
-        observations: Option<Observations> = observations::run(context, &grasps, modules.as_ref());
+        observations: Option<observations::Observations> = observations::run(context, &grasps, modules.as_ref());
     "speed and error":
         /// Time and error of models and estimators.
-        speed_error: Vec<SpeedErrorPoint> = speed_error::run(context);
+        speed_error: Vec<speed_error::SpeedErrorPoint> = speed_error::run(context);
     "shapes":
         /// Example shapes.
-        bent: Vec<BentFinger> = shapes::run(context);
+        bent: Vec<shapes::BentFinger> = shapes::run(context);
     "touched":
         /// Shapes under a force at each contact node.
-        touched: Vec<TouchedFinger> = shapes::touched(context);
+        touched: Vec<shapes::TouchedFinger> = shapes::touched(context);
 }
 
 impl Study {

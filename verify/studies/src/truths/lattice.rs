@@ -1,10 +1,7 @@
 //! The finger as rigid bodies and springs.
 
 use super::{Truth, TruthId, TruthRow};
-use finray_lattice::{Lattice, LatticeError};
-use finray_model::mesh::FingerShape;
-use finray_model::sensing::Contact;
-use finray_model::{Finger, Mesh};
+use crate::prelude::*;
 
 pub(super) const ROW: TruthRow = TruthRow {
     name: "lattice",

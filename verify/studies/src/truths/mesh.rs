@@ -1,11 +1,9 @@
 //! Fingers of beams, solved by the model's own statics: what several truths rest on.
 
 use super::{Truth, TruthId};
+use crate::prelude::*;
 use finray_model::compliance::NodalCompliance;
-use finray_model::mesh::{FingerShape, MeshSizeError};
-use finray_model::sensing::Contact;
-use finray_model::statics::{EquilibriumEquations, Ladder, Statics, StaticsError};
-use finray_model::{Finger, Kinematics, Load, Mesh};
+use finray_model::statics::{EquilibriumEquations, Ladder};
 
 /// Nodes of the paper's fine mesh (Xu et al. 2021, sec. III).
 pub const FINE_MESH_NODES: usize = 684;

@@ -12,11 +12,8 @@ pub use mesh::{FINE_MESH_NODES, MeshTruth, fine_mesh};
 pub use mujoco::{MujocoTruth, NotExported};
 pub use twin::{TwinError, twin_of};
 
-use finray_lattice::LatticeError;
-use finray_model::mesh::{FingerShape, MeshSizeError};
-use finray_model::sensing::Contact;
-use finray_model::statics::StaticsError;
-use finray_model::{Finger, Kinematics, Mesh, registry};
+use crate::prelude::*;
+use finray_model::registry;
 
 registry! {
     /// A true finger.

@@ -2,9 +2,7 @@
 
 use super::{Positions, Truth, TruthError, TruthId, TruthRow};
 use crate::mujoco::{ExportError, ExportedFinger, FINGERS, StaticCase};
-use finray_model::mesh::FingerShape;
-use finray_model::sensing::Contact;
-use finray_model::{Finger, Mesh, NodeId};
+use crate::prelude::*;
 
 pub(super) const ROW: TruthRow = TruthRow {
     name: "mujoco",

@@ -1,9 +1,7 @@
 //! The paper's finger with a softer base and tip: one of several fits of its Table I, see [`experiments::twin`](crate::experiments::twin).
 
 use super::{MeshTruth, TruthId, TruthRow, fine_mesh};
-use crate::settings::is_papers_finger;
-use finray_model::scene::SceneError;
-use finray_model::{Finger, Kinematics, Scene};
+use crate::prelude::*;
 
 pub(super) const ROW: TruthRow = TruthRow {
     name: "twin",

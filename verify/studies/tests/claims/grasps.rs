@@ -1,8 +1,8 @@
 //! Verdicts on grasps, each way, from what is observed.
 
+use finray_model::estimators::EstimatorId;
 use finray_studies::claims::grasps::{crossing, left_right, order, pick_and_place, untouched};
 use finray_studies::claims::{Claim, ClaimError, ClaimVerdict, Words};
-use finray_studies::estimators::EstimatorId;
 use finray_studies::experiments::grasp::modules::{ModuleStep, ModuleTest, Untouched};
 use finray_studies::experiments::grasp::observations::{Observations, Totals};
 

@@ -1,9 +1,9 @@
 //! What holds for every estimator of the list.
 
+use finray_model::estimators::network::Networks;
+use finray_model::estimators::{EstimatorError, EstimatorId, Question};
 use finray_model::measurement::Measurement;
 use finray_model::sensing::Pad;
-use finray_studies::estimators::network::Networks;
-use finray_studies::estimators::{EstimatorError, EstimatorId, Question};
 use finray_studies::truths::TruthId;
 use finray_tests::{CAMERA_NOISE_MM, at_node, paper};
 

@@ -1,11 +1,11 @@
 //! The networks that ship, on fresh random forces of the co-rotational finger on 684 nodes, seen with camera noise.
 //! `FINRAY_TEST_CASES=full` is the full study, half a minute on two cores.
 
+use finray_model::estimators::network::{NetworkSensing, Networks, NoNetwork};
+use finray_model::estimators::{BeamEstimator, ELEMENTS, Estimator};
 use finray_model::measurement::Measurement;
 use finray_model::sensing::network::NetworkEstimator;
 use finray_model::{Kinematics, Mesh, NodeId, statics};
-use finray_studies::estimators::network::{NetworkSensing, Networks, NoNetwork};
-use finray_studies::estimators::{BeamEstimator, ELEMENTS, Estimator};
 use finray_studies::experiments::networks::shipping::{Shipping, shipping};
 use finray_studies::sampling::scatter::{ScatterRequest, ScatterRow, scatter, singles};
 use finray_studies::settings::TWO_FORCES_N;

@@ -1,8 +1,8 @@
 //! Stated intervals cover the truth as often as they claim, with a stated noise and without.
 
+use finray_model::estimators::{BeamEstimator, ELEMENTS, Estimator};
 use finray_model::measurement::Measurement;
 use finray_model::{Kinematics, Mesh, NodeId};
-use finray_studies::estimators::{BeamEstimator, ELEMENTS, Estimator};
 use finray_studies::settings::TWO_SIDED_95;
 use finray_studies::truths::TruthId;
 use finray_studies::truths::{MeshTruth, Truth, fine_mesh};

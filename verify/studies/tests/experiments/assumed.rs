@@ -1,10 +1,10 @@
 //! Contacts that are only assumed.
 
+use finray_model::estimators::{BeamEstimator, Estimator};
 use finray_model::finger::Plate;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, ContactPosition, LinearEstimator, Prior};
 use finray_model::{Kinematics, Mesh, Scene, statics};
-use finray_studies::estimators::{BeamEstimator, Estimator};
 use finray_studies::experiments::assumed::AssumedContact;
 use finray_studies::experiments::causes::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
 

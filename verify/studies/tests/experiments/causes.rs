@@ -3,11 +3,11 @@
 use crate::stand_ins::Worse;
 use finray_model::calibration::{CalibrationCase, FactorModel, Unknown, factors};
 use finray_model::compliance::Compliance;
+use finray_model::estimators::{BeamEstimator, ELEMENTS, Estimator};
 use finray_model::measurement::Measurement;
 use finray_model::mesh::FingerShape;
 use finray_model::sensing::{Contact, LinearEstimator};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
-use finray_studies::estimators::{BeamEstimator, ELEMENTS, Estimator};
 use finray_studies::experiments::causes::ContactKnowledge::{Assumed, Known};
 use finray_studies::experiments::causes::Practice::{LeastSquares, Nonlinear};
 use finray_studies::experiments::causes::{

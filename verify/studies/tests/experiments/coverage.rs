@@ -1,7 +1,7 @@
 //! Intervals that are too narrow, too wide or refused fail their checks.
 
+use finray_model::estimators::EstimatorId;
 use finray_studies::check::Check;
-use finray_studies::estimators::EstimatorId;
 use finray_studies::experiments::coverage::{CoverageRow, TRUTH};
 use finray_studies::truths::TruthId;
 

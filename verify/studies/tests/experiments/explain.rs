@@ -1,10 +1,10 @@
 //! What explains the maps, against the same things found another way: scatter of estimates over noise samples, finite
 //! differences of equilibria, and sensing under assumptions that are a little wrong.
 
+use finray_model::estimators::{BeamEstimator, ELEMENTS};
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::sensing::{ContactPosition, ContactQuestion, Direction, NonlinearEstimator};
 use finray_model::{Kinematics, Load, Mesh, Vector, statics};
-use finray_studies::estimators::{BeamEstimator, ELEMENTS};
 use finray_studies::experiments::explain::{Explanation, ExplanationMap};
 use finray_studies::sampling::map::{MapRequest, accuracy_maps};
 use finray_studies::truths::MeshTruth;

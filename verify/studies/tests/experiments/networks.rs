@@ -3,9 +3,9 @@
 mod paper;
 
 use crate::sampling::scatter::{CASES, rows_on};
+use finray_model::estimators::network::{NetworkSensing, Networks};
 use finray_model::{Kinematics, Mesh};
 use finray_studies::check::Check;
-use finray_studies::estimators::network::{NetworkSensing, Networks};
 use finray_studies::experiments::networks::accuracy::{CHECKED_SETS, NetworkStudy};
 use finray_studies::sampling::scatter::{AgainstBound, Scatter, ScatterRow};
 use finray_studies::settings::ENOUGH_CASES;

@@ -1,7 +1,7 @@
 //! Checks of sensing under noise stand or fall with every case that was drawn.
 
+use finray_model::estimators::EstimatorId;
 use finray_studies::check::Check;
-use finray_studies::estimators::EstimatorId;
 use finray_studies::experiments::noise::{CHECKED_NODES, CHECKED_PAIRS, NoiseStudy};
 use finray_studies::sampling::scatter::{AgainstBound, Controlled, Scatter, ScatterRow};
 use finray_studies::settings::CAMERA_NOISE_MM;

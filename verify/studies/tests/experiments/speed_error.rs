@@ -2,7 +2,7 @@
 
 mod sensing;
 
-use finray_studies::estimators::EstimatorId;
+use finray_model::estimators::EstimatorId;
 use finray_studies::experiments::speed_error::criterion::{CriterionTimes, take_times};
 use finray_studies::experiments::speed_error::recommendation::recommended;
 use finray_studies::experiments::speed_error::{SpeedErrorPoint, Start, Task, TimedBy, asked, solved_point};

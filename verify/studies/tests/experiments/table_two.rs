@@ -2,7 +2,7 @@
 
 use crate::sampling::scatter::{CASES, CHANCE};
 use crate::stand_ins::Constant;
-use finray_studies::estimators::EstimatorId;
+use finray_model::estimators::EstimatorId;
 use finray_studies::experiments::table_two::{CONTACT_GROUPS, GroupErrors, STEPS, TableTwo, contact_sets, table_two};
 use finray_studies::sampling::scatter::{Scatter, ScatterRow};
 use finray_studies::truths::TruthId;

@@ -2,9 +2,9 @@
 //! `FINRAY_TEST_CASES=full` is the full study.
 
 use crate::stand_ins::Worse;
+use finray_model::estimators::{BeamEstimator, ELEMENTS};
 use finray_model::measurement::Measurement;
 use finray_model::{Kinematics, Mesh, NodeId};
-use finray_studies::estimators::{BeamEstimator, ELEMENTS};
 use finray_studies::sampling::scatter::{
     AgainstBound, Coverage, Scatter, ScatterRequest, ScatterRow, pairs, sampled_nodes, scatter, scatter_controlled,
     singles,

@@ -1,6 +1,6 @@
 //! Summaries of maps: refused cells and cells without equilibrium.
 
-use finray_studies::estimators::EstimatorId;
+use finray_model::estimators::EstimatorId;
 use finray_studies::sampling::map::{AccuracyMap, MapRequest};
 use finray_studies::sampling::sweep::MapCell;
 use finray_studies::truths::TruthId;

@@ -1,8 +1,8 @@
 //! Estimators side by side on the same random cases.
 
 use crate::stand_ins::Constant;
+use finray_model::estimators::{BeamEstimator, Estimator, EstimatorId};
 use finray_model::{Kinematics, Mesh, NodeId};
-use finray_studies::estimators::{BeamEstimator, Estimator, EstimatorId};
 use finray_studies::sampling::scatter::{Counts, Scatter, ScatterRequest, ScatterRow, scatter};
 use finray_studies::settings::TWO_FORCES_N;
 use finray_tests::{CAMERA_NOISE_MM, paper};

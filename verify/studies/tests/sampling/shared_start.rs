@@ -1,9 +1,9 @@
 //! Noise samples that start from what is sensed without the noise are answered as those that start cold.
 
+use finray_model::estimators::{BeamEstimator, Estimator, PreparedEstimator};
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, ContactPosition};
 use finray_model::{Kinematics, Scene};
-use finray_studies::estimators::{BeamEstimator, Estimator, PreparedEstimator};
 use finray_studies::sampling::noise::Noise;
 use finray_studies::truths::{MeshTruth, Truth, TruthId, fine_mesh};
 use finray_tests::{ELEMENTS, paper};

@@ -9,20 +9,11 @@ mod conditions;
 mod tried;
 
 use super::{Context, Evidence, ExperimentError};
-use crate::check::{Check, Kind};
-use crate::statistics::rms;
+use crate::prelude::*;
 use conditions::{CONDITIONS, Change, Condition};
 use finray_imaging::locate::Locator;
 use finray_imaging::render::{RenderRequest, render};
-use finray_model::camera::Camera;
-use finray_model::mesh::FingerShape;
-use finray_model::scene::{MarkerLook, Markers};
-use finray_model::sensing::Contact;
-use finray_model::sensing::{ContactForce, RespondingFinger};
-use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector, statics};
-use rayon::prelude::*;
-use serde::Serialize;
-use std::time::Instant;
+use finray_model::scene::MarkerLook;
 use tried::{Tried, tried};
 
 /// Force at every node, N, along the normal: the middle of the paper's 0.3 to 3 N.
@@ -105,10 +96,7 @@ pub struct FrameTimes {
 
 /// For scenes with a camera and coloured markers, and for the paper's finger with a camera that is assumed. What rims of grey markers cost is not
 /// studied.
-///
-/// # Errors
-/// [`ExperimentError`] if a contact cannot be loaded or sensed. What no image shows is a row that is refused.
-pub fn run(context: &Context) -> Result<Option<CameraStudy>, ExperimentError> {
+pub(crate) fn run(context: &Context) -> Result<Option<CameraStudy>, ExperimentError> {
     let assumed = context.is_paper.then(|| Scene::from_toml(finray_fixtures::CAMERA_SCENE).ok()).flatten();
     let scene = &context.given.scene;
     let seen_by = |scene: &Scene| {

@@ -2,15 +2,9 @@
 
 use super::conditions::{Change, Condition, ImageChange};
 use super::{Bent, ExperimentError, FORCE_N};
-use crate::statistics::rms;
+use crate::prelude::*;
 use finray_imaging::locate::Observer;
 use finray_imaging::render::{RenderRequest, render};
-use finray_model::camera::Camera;
-use finray_model::measurement::{Marker, Measurement};
-use finray_model::mesh::FingerShape;
-use finray_model::scene::Markers;
-use finray_model::sensing::{Contact, NonlinearEstimator};
-use finray_model::{Finger, Kinematics, Mesh, NodeId, Vector, statics};
 
 /// Displacements as a camera has them, and their standard deviation.
 struct Seen {

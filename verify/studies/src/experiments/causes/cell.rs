@@ -2,12 +2,8 @@
 
 use super::models::{Bending, Known, Models};
 use super::{Cause, CauseCell, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM, Practice, REMEDIES};
-use crate::settings::LEAST_STATED_MM;
+use crate::prelude::*;
 use crate::truths::Truth;
-use finray_model::Finger;
-use finray_model::finger::Plate;
-use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, ContactPosition, LinearEstimator, NonlinearEstimator, Prior};
 
 /// A practice with all that it needs to know.
 pub(super) struct Sensor<'m> {

@@ -14,13 +14,10 @@ mod run;
 pub use run::run;
 
 use super::ExperimentError;
-use crate::estimators::EstimatorId;
+use crate::prelude::*;
 use crate::truths::{MeshTruth, TruthId, fine_mesh};
 use cell::Sensor;
-use finray_model::{Finger, Kinematics};
 use models::{End, Models};
-use rayon::prelude::*;
-use serde::Serialize;
 
 /// Error of the assumed direction, degrees, to either side: the paper assumes the undeformed normal, from which the
 /// deformed one turns by up to 12.5 deg (sec. V-C).

@@ -1,12 +1,10 @@
 //! What sensing takes the finger for: with zones known or not, its modulus calibrated or true.
 
-use crate::estimators::ELEMENTS;
 use crate::experiments::{ExperimentError, table_one};
+use crate::prelude::*;
 use crate::truths::Truth;
 use finray_model::calibration::{CalibrationCase, FactorModel, Unknown, factors};
-use finray_model::finger::{Part, Plate, Zone};
-use finray_model::{Finger, Kinematics, Mesh, NodeId};
-use rayon::prelude::*;
+use finray_model::finger::{Part, Zone};
 
 /// An end of the finger that may have zones of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

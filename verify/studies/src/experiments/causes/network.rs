@@ -6,15 +6,10 @@
 use super::cell::{Squared, beside};
 use super::models::{Bending, calibrated, weighed, with_zones};
 use super::{Cause, CauseCell, CauseMap, CauseRequest, ContactKnowledge, Practice, present};
-use crate::estimators::{ELEMENTS, Estimator};
 use crate::experiments::ExperimentError;
+use crate::prelude::*;
 use crate::sampling::noise::Noise;
-use crate::settings::LEAST_STATED_MM;
 use crate::truths::{MeshTruth, Truth, TruthId, fine_mesh};
-use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, NonlinearEstimator};
-use finray_model::{Finger, Kinematics, Mesh, NodeId};
-use rayon::prelude::*;
 
 /// Noise samples of every shape: an error by noise is then known to a sixth.
 const SAMPLES: usize = 40;

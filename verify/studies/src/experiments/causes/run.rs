@@ -3,12 +3,11 @@
 use super::ContactKnowledge::{Assumed, Known};
 use super::Practice::{LeastSquares, Nonlinear};
 use super::{CauseMap, CauseRequest, causes, network};
-use crate::estimators::network::NetworkSensing;
 use crate::experiments::{Context, Evidence, ExperimentError};
+use crate::prelude::*;
 use crate::sampling::sweep::Grid;
-use crate::settings::{DRAWN_FORCE_N, Effort, MAP_FORCES_N};
 use crate::truths::TruthId;
-use finray_model::Finger;
+use finray_model::estimators::network::NetworkSensing;
 
 impl Evidence for CauseMap {}
 

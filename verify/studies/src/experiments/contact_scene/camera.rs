@@ -8,10 +8,9 @@
 
 use super::contacts::{HalfSpan, member_mm};
 use super::{SeenContact, TurnedOutline};
+use crate::prelude::*;
 use finray_lattice::skin::{Touch, TouchedPart};
-use finray_model::finger::Plate;
-use finray_model::sensing::{Contact, ContactPosition, MeasuredContact};
-use finray_model::{Finger, Vector};
+use finray_model::sensing::MeasuredContact;
 
 /// Share of the segment at the base within which no position is sought: there a force bends nothing.
 const NEAREST_TO_BASE: f64 = 0.01;

@@ -1,11 +1,8 @@
 //! Touches put together to contacts: where the object lies against the finger and which way the surface faces there, from the
 //! surfaces alone.
 
-use finray_lattice::Lattice;
+use crate::prelude::*;
 use finray_lattice::skin::{Touch, TouchedPart};
-use finray_model::finger::Plate;
-use finray_model::sensing::{Contact, ContactPosition};
-use finray_model::{Finger, NodeId, Vector};
 
 /// Touches within this share of the segment of plate, from rod to rod, that they lie on are one contact to the camera. Two rods are never one
 /// contact.
@@ -41,6 +38,17 @@ pub struct HalfSpan {
     pub along_mm: f64,
     /// Of their directions, rad.
     pub turn_rad: f64,
+}
+
+impl SeenContact {
+    /// What it is in tables: its node, `at` for a position between nodes, or `clamp`.
+    pub(crate) fn name(&self) -> String {
+        match self.contact.position {
+            _ if self.clamped => "clamp".to_owned(),
+            ContactPosition::Node(node) => node.to_string(),
+            ContactPosition::At(_) => "at".to_owned(),
+        }
+    }
 }
 
 /// Puts touches together to contacts, from base to tip. `baseline_mm` is the distance of the outline points that the direction of a touch

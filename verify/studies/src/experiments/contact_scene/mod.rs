@@ -22,14 +22,12 @@ pub use outline_estimator::OutlineEstimator;
 pub use rows::{ForceRow, contacts_sensed, force_rows};
 
 use crate::lattice::accuracy::difference;
+use crate::prelude::*;
 use finray_lattice::pressing::{Pressed, Pressing, Push};
-use finray_lattice::{Lattice, LatticeError};
-use finray_model::measurement::{MarkerErrors, Measurement};
-use finray_model::observation::Observation;
-use finray_model::scene::{ContactDescription, ObjectDescription};
+use finray_model::measurement::MarkerErrors;
+use finray_model::scene::ContactDescription;
 use finray_model::sensing::MeasuredContact;
 use finray_model::sensor::Refusal;
-use finray_model::{Finger, Scene, Vector};
 
 /// Segments of plate between two rods: the paper's finger under 5 N is then within 0.1 % of converged beams.
 pub const FINENESS: usize = 3;

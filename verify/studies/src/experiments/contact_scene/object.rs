@@ -1,10 +1,9 @@
 //! From the object of a scene to a shape that the engine can push with, and where it begins.
 
+use crate::prelude::*;
 use earcut::Earcut;
 use finray_lattice::pressing::{Push, RigidObject};
-use finray_model::finger::Plate;
 use finray_model::scene::{ObjectDescription, ObjectMotion, Outline, Until};
-use finray_model::{Finger, Scene, Vector};
 use nalgebra::Rotation2;
 use rapier2d::parry::transformation::hertel_mehlhorn;
 use rapier2d::prelude::{Pose, SharedShape, Vector as RapierVector};
@@ -70,10 +69,7 @@ impl TurnedOutline {
     }
 
     /// The shape for the engine; an outline that is not convex becomes convex pieces.
-    ///
-    /// # Errors
-    /// [`OutlineError`] for corners that are no outline.
-    pub fn shape(&self) -> Result<SharedShape, OutlineError> {
+    pub(crate) fn shape(&self) -> Result<SharedShape, OutlineError> {
         let corners = match self {
             TurnedOutline::Disc(radius_mm) => return Ok(SharedShape::ball(*radius_mm)),
             TurnedOutline::Polygon(corners) => corners,

@@ -2,9 +2,8 @@
 
 use super::FINENESS;
 use super::study::{SAMPLES, SceneStudy, SceneStudyError, SceneWithOutline, run_all, shipped};
-use crate::check::Check;
 use crate::experiments::{Context, Evidence};
-use crate::settings::{CAMERA_NOISE_MM, Effort, Progress};
+use crate::prelude::*;
 
 impl Evidence for SceneStudy {
     fn checks(&self, context: &Context) -> Vec<Check> {
@@ -26,10 +25,7 @@ pub struct Objects {
 
 impl Objects {
     /// The scene's own object, or for the paper's finger without one the scenes that ship.
-    ///
-    /// # Errors
-    /// [`SceneStudyError`] if a scene that ships does not read.
-    pub fn of(context: &Context) -> Result<Objects, SceneStudyError> {
+    pub(crate) fn of(context: &Context) -> Result<Objects, SceneStudyError> {
         let &Context { given, is_paper, effort, .. } = context;
         let mut scenes = match &given.scene.object {
             Some(_) => vec![(given.clone(), FINENESS)],
@@ -57,10 +53,7 @@ impl Objects {
     }
 
     /// Presses them onto the finger.
-    ///
-    /// # Errors
-    /// [`SceneStudyError`] for an outline that is none.
-    pub fn press(&self, progress: &dyn Progress) -> Result<Vec<SceneStudy>, SceneStudyError> {
+    pub(crate) fn press(&self, progress: &dyn Progress) -> Result<Vec<SceneStudy>, SceneStudyError> {
         run_all(&self.scenes, CAMERA_NOISE_MM, self.samples, &|| progress.step())
     }
 }

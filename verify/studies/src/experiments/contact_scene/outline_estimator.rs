@@ -1,13 +1,10 @@
 //! Who senses the forces of contacts that a camera sees: from contacts as they were measured, or by an estimator that takes them for exact.
 
 use super::{SeenContact, SensedContact, SensedForce, SensedStep, read_contact};
-use crate::settings::LEAST_STATED_MM;
-use finray_model::estimators::EstimatorId;
+use crate::prelude::*;
 use finray_model::estimators::network::Networks;
-use finray_model::observation::Observation;
 use finray_model::sensing::MeasuredContact;
 use finray_model::sensor::{Refusal, Sensor, SensorContacts, SensorOptions};
-use finray_model::{Scene, Vector};
 
 /// Prior knowledge of who senses the forces of contacts that a camera sees.
 #[derive(Debug, Clone, Copy)]
@@ -29,10 +26,7 @@ pub struct OutlineEstimator<'s> {
 impl OutlineEstimator<'_> {
     /// Senses the forces of one or more contacts, none of them clamped, from what was seen of the markers and from the contacts as the camera reads
     /// them; and their sum along a unit vector.
-    ///
-    /// # Errors
-    /// [`Refusal`] if they are not identifiable.
-    pub fn sense(
+    pub(crate) fn sense(
         &self,
         felt: &[SeenContact],
         seen: &Observation,

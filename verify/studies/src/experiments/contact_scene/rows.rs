@@ -1,8 +1,7 @@
 //! True and sensed forces, a row a contact.
 
 use super::{ContactScene, SceneStep, SeenContact, SensedContact, SensedStep};
-use finray_model::sensing::ContactPosition;
-use serde::Serialize;
+use crate::prelude::*;
 
 /// One contact of one step, or the total of a step.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -33,23 +32,19 @@ pub struct ForceRow {
 
 /// Pairs what was sensed with the contacts that it belongs to; clamped ones are not felt.
 pub fn contacts_sensed<'s>(
-    step: &'s SceneStep,
+    contacts: &'s [SeenContact],
     sensed: Option<&'s SensedStep>,
 ) -> impl Iterator<Item = (&'s SeenContact, Option<SensedContact>)> {
     let mut felt = sensed.map(|sensed| sensed.contacts.iter().copied()).into_iter().flatten();
-    step.contacts.iter().map(move |seen| (seen, if seen.clamped { None } else { felt.next() }))
+    contacts.iter().map(move |seen| (seen, if seen.clamped { None } else { felt.next() }))
 }
 
 /// Rows of one step: its contacts from base to tip, then the total.
 pub fn force_rows(scene: &ContactScene, number: usize, step: &SceneStep, sensed: Option<&SensedStep>) -> Vec<ForceRow> {
-    let contacts = contacts_sensed(step, sensed).map(|(seen, sensed)| ForceRow {
+    let contacts = contacts_sensed(&step.contacts, sensed).map(|(seen, sensed)| ForceRow {
         step: number,
         travel_mm: step.travel_mm,
-        contact: match seen.contact.position {
-            _ if seen.clamped => "clamp".to_owned(),
-            ContactPosition::Node(node) => node.to_string(),
-            ContactPosition::At(_) => "at".to_owned(),
-        },
+        contact: seen.name(),
         s_mm: seen.contact.position_mm(scene.finger()),
         angle_deg: Some(seen.contact.angle_deg),
         force_n: seen.normal_n,

@@ -1,10 +1,8 @@
 //! Noise samples of one step: how often the stated intervals hold the true forces.
 
 use super::{ContactScene, SceneStep, SensedForce, SensedStep};
+use crate::prelude::*;
 use crate::sampling::noise::Noise;
-use crate::settings::TWO_SIDED_95;
-use crate::statistics::rms;
-use rayon::prelude::*;
 
 /// Many noise samples of one step, of markers and contacts.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,16 +3,12 @@
 use super::samples::NoiseSamples;
 use super::{ContactScene, FINENESS, ForceRow, OutlineError, SceneStep, SensedStep, force_rows};
 use crate::lattice::accuracy::{CONVERGED_ELEMENTS, difference};
+use crate::prelude::*;
 use crate::sampling::noise::Noise;
-use finray_lattice::LatticeError;
 use finray_lattice::skin::{Touch, TouchedPart};
-use finray_model::finger::Plate;
-use finray_model::mesh::{FingerShape, Load};
-use finray_model::scene::{ObjectDescription, ObjectMotion, SceneError};
+use finray_model::scene::ObjectMotion;
 use finray_model::sensor::Refusal;
-use finray_model::statics::{self, StaticsError};
-use finray_model::{Finger, Kinematics, Mesh, Scene, Vector};
-use rayon::prelude::*;
+use finray_model::statics;
 
 /// Noise samples of each step in a full study: over the steps of a scene they are some hundreds to a thousand.
 pub const SAMPLES: usize = 50;

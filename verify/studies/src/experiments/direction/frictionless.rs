@@ -1,13 +1,9 @@
 //! Contacts without friction: they push along the deformed normal, which the estimator may assume.
 
 use super::{Answers, DirectionRequest, FORCES_N};
+use crate::prelude::*;
 use crate::sampling::scatter::sampled_nodes;
 use crate::truths::Truth;
-use finray_model::measurement::Measurement;
-use finray_model::mesh::FingerShape;
-use finray_model::sensing::{Contact, ContactPosition, ContactQuestion, Direction, NonlinearEstimator, SensingError};
-use finray_model::{Finger, NodeId};
-use rayon::prelude::*;
 
 /// Turn of the normal, degrees, below which push and plate agree: worth 1e-6 of the force.
 const SETTLED_DEG: f64 = 1e-4;

@@ -5,11 +5,8 @@ use super::obstacles::Obstacle;
 use super::sensed::{FingerStep, SeenFinger};
 use super::way::{on_way, part_of_way};
 use super::{GraspError, GraspScene, GraspStep, finger_name, force_of};
-use finray_lattice::Lattice;
+use crate::prelude::*;
 use finray_lattice::grasp::{Drive, GraspFailure, TouchedBody, World};
-use finray_model::Vector;
-use finray_model::gripper::Placement;
-use serde::Serialize;
 use std::collections::VecDeque;
 
 /// What the gripper does in a step.
@@ -34,15 +31,7 @@ pub enum Phase {
 
 impl std::fmt::Display for Phase {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        f.write_str(match self {
-            Phase::Approach => "approach",
-            Phase::Close => "close",
-            Phase::Hold => "hold",
-            Phase::Lift => "lift",
-            Phase::Carry => "carry",
-            Phase::Place => "place",
-            Phase::Open => "open",
-        })
+        f.write_str(&format!("{self:?}").to_lowercase())
     }
 }
 

@@ -1,8 +1,7 @@
 //! Forces and motion of a grasp as rows.
 
 use super::{GraspScene, GraspStep, finger_name};
-use finray_model::sensing::ContactPosition;
-use serde::Serialize;
+use crate::prelude::*;
 
 /// A contact of a finger in a step, or the total of the finger.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -73,21 +72,14 @@ pub fn force_rows(scene: &GraspScene, step: &GraspStep) -> Vec<ForceRow> {
             sensed_n: None,
             sigma_n: None,
         };
-        rows.extend(finger.contacts_sensed().map(|(seen, sensed)| {
-            let contact = match seen.contact.position {
-                _ if seen.clamped => "clamp".to_owned(),
-                ContactPosition::Node(node) => node.to_string(),
-                ContactPosition::At(_) => "at".to_owned(),
-            };
-            ForceRow {
-                s_mm: seen.contact.position_mm(scene.finger()),
-                angle_deg: Some(seen.contact.angle_deg),
-                force_n: seen.normal_n,
-                friction_n: seen.friction_n,
-                sensed_n: sensed.map(|sensed| sensed.force.sensed_n),
-                sigma_n: sensed.map(|sensed| sensed.force.sigma_n),
-                ..row(contact)
-            }
+        rows.extend(finger.contacts_sensed().map(|(seen, sensed)| ForceRow {
+            s_mm: seen.contact.position_mm(scene.finger()),
+            angle_deg: Some(seen.contact.angle_deg),
+            force_n: seen.normal_n,
+            friction_n: seen.friction_n,
+            sensed_n: sensed.map(|sensed| sensed.force.sensed_n),
+            sigma_n: sensed.map(|sensed| sensed.force.sigma_n),
+            ..row(seen.name())
         }));
         let sensed = finger.sensed.as_ref().ok();
         let total = sensed.and_then(Option::as_ref).map(|sensed| sensed.total);

@@ -10,40 +10,16 @@ mod closing;
 
 pub use closing::{ClosedStep, closing};
 
-use super::study::GraspStudyError;
-use crate::estimators::network::NetworkSensing;
-use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorId};
 use crate::experiments::table_two::{ContactGroup, FORCES_N, GroupErrors, contact_sets};
-use crate::experiments::{Context, Evidence};
+use crate::experiments::{Context, Evidence, ExperimentError};
+use crate::prelude::*;
 use crate::sampling::noise::Noise;
-use crate::settings::Effort;
-use finray_model::measurement::{Measurement, MeasurementError};
-use finray_model::mesh::LoadError;
-use finray_model::sensing::{Contact, ContactPosition};
-use finray_model::{Mesh, NodeId, Scene};
-use rayon::prelude::*;
+use finray_model::estimators::network::NetworkSensing;
 
 /// Noise samples a step.
 const SAMPLES: usize = 4;
 /// Seed of the noise.
 const SEED: u64 = 1;
-
-/// Why the tests could not be made.
-#[derive(Debug, thiserror::Error)]
-pub enum ModuleError {
-    /// The scene of the gripper.
-    #[error(transparent)]
-    Scene(#[from] GraspStudyError),
-    /// A node is not on the finger.
-    #[error(transparent)]
-    Load(#[from] LoadError),
-    /// Markers.
-    #[error(transparent)]
-    Markers(#[from] MeasurementError),
-    /// An estimator is not made for the nodes.
-    #[error(transparent)]
-    Estimator(#[from] EstimatorError),
-}
 
 /// All tests.
 #[derive(Debug, Clone, PartialEq)]
@@ -169,14 +145,11 @@ impl ModuleStudy {
 impl Evidence for ModuleStudy {}
 
 /// Makes all tests with the paper's finger under noise, in a full study.
-///
-/// # Errors
-/// [`ModuleError`].
-pub fn run(context: &Context) -> Result<Option<ModuleStudy>, ModuleError> {
+pub(crate) fn run(context: &Context) -> Result<Option<ModuleStudy>, ExperimentError> {
     if !context.is_paper || context.effort == Effort::Quick || context.noise_mm == 0.0 {
         return Ok(None);
     }
-    let scene = Scene::from_toml(finray_fixtures::GRASPED_DISC_SCENE).map_err(GraspStudyError::from)?;
+    let scene = Scene::from_toml(finray_fixtures::GRASPED_DISC_SCENE)?;
     let Some(gripper) = scene.gripper else { return Ok(None) };
     let sets = contact_sets();
     context.progress.part("sensor modules", sets.len());
@@ -198,12 +171,12 @@ pub fn run(context: &Context) -> Result<Option<ModuleStudy>, ModuleError> {
             let ClosedStep { turned_deg, axis_deg, true_n, .. } = step;
             Ok(ModuleStep { turned_deg, axis_deg, true_n, sensed_n })
         });
-        let steps = steps.collect::<Result<_, ModuleError>>()?;
+        let steps = steps.collect::<Result<_, ExperimentError>>()?;
         context.progress.step();
         Ok(ModuleTest { nodes, steps })
     };
     let sets: Vec<_> = sets.into_iter().enumerate().collect();
-    let tests = sets.into_par_iter().map(test).collect::<Result<_, ModuleError>>()?;
+    let tests = sets.into_par_iter().map(test).collect::<Result<_, ExperimentError>>()?;
     Ok(Some(ModuleStudy { noise_mm: context.noise_mm, tests }))
 }
 

@@ -3,13 +3,9 @@
 use super::modules::{ModuleStudy, Untouched};
 use super::study::GraspStudy;
 use super::{FingerStep, GraspStep, Phase};
-use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorId};
 use crate::experiments::{Context, Evidence};
+use crate::prelude::*;
 use crate::sampling::noise::Noise;
-use finray_model::finger::Plate;
-use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, ContactPosition};
-use finray_model::{Finger, Mesh, NodeId};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Nodes whose forces the paper senses at once.
@@ -118,10 +114,7 @@ fn mean([a, b]: [f64; 2]) -> f64 {
 }
 
 /// Observes the grasps of the paper's fingers.
-///
-/// # Errors
-/// [`EstimatorError`] for a finger without the paper's nodes.
-pub fn run(
+pub(crate) fn run(
     context: &Context,
     grasps: &[GraspStudy],
     modules: Option<&ModuleStudy>,

@@ -5,16 +5,11 @@
 //! the motor turns whatever is sensed, so that a slower camera sees some of the frames of the fastest one.
 
 use super::course::Course;
-use super::study::GraspStudyError;
 use super::{Eyes, GraspEnd, GraspError, GraspScene, GraspStep, LoopFigures, loop_figures};
-use crate::check::{Check, Kind, worst};
-use crate::experiments::{Context, Evidence};
+use crate::experiments::{Context, Evidence, ExperimentError};
+use crate::prelude::*;
 use crate::sampling::noise::Noise;
-use crate::settings::{Effort, LEAST_STATED_MM};
-use finray_lattice::Lattice;
-use finray_model::Scene;
 use finray_model::scene::GraspDescription;
-use rayon::prelude::*;
 
 /// Frames a second.
 const FRAMES_PER_S: [f64; 7] = [2.0, 5.0, 10.0, 25.0, 50.0, 100.0, 200.0];
@@ -89,10 +84,7 @@ pub struct LoopStudy {
 }
 
 /// Runs all loops, for the paper's finger under noise, in a full study.
-///
-/// # Errors
-/// [`GraspStudyError`] if the scene is no grasp.
-pub fn run(context: &Context) -> Result<Option<LoopStudy>, GraspStudyError> {
+pub(crate) fn run(context: &Context) -> Result<Option<LoopStudy>, ExperimentError> {
     if !context.is_paper || context.effort == Effort::Quick || context.noise_mm == 0.0 {
         return Ok(None);
     }
@@ -111,8 +103,8 @@ pub fn run(context: &Context) -> Result<Option<LoopStudy>, GraspStudyError> {
 /// The loop that ships under levels of noise, delays and rates.
 ///
 /// # Errors
-/// [`GraspStudyError`] if the scene is no grasp.
-pub fn closed_loops(settings: &[LoopSetting]) -> Result<LoopStudy, GraspStudyError> {
+/// [`ExperimentError`] if the scene is no grasp.
+pub fn closed_loops(settings: &[LoopSetting]) -> Result<LoopStudy, ExperimentError> {
     let mut scene = Scene::from_toml(finray_fixtures::GRASP_LOOP_SCENE)?;
     let of = |scene: &Scene| Ok::<_, GraspError>(GraspScene::new(scene, &[])?.with_fineness(FINENESS));
     let grasp = of(&scene)?.grasp().clone();
@@ -128,7 +120,7 @@ pub fn closed_loops(settings: &[LoopSetting]) -> Result<LoopStudy, GraspStudyErr
         closing(GraspDescription { frames_per_s: Some(*frames_per_s), delay_frames: *delay_frames, ..grasp.clone() })
     });
     let at_rates = at_rates.collect::<Result<Vec<_>, _>>()?;
-    let lattice = Lattice::new(coarse.finger(), FINENESS).map_err(GraspError::from)?;
+    let lattice = Lattice::new(coarse.finger(), FINENESS)?;
     let mut begun: Vec<GraspStep> = Vec::new();
     let mut course = Course::new(&coarse, &lattice)?;
     coarse.go_on(&mut course, &lattice, &Eyes::Noise(0.0), &mut Noise::new(0), &mut |step| begun.push(step.clone()));

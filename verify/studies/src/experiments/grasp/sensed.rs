@@ -2,21 +2,15 @@
 
 use super::GraspScene;
 use crate::experiments::contact_scene::{
-    OutlineEstimator, SeenContact, SensedContact, SensedStep, TurnedOutline, baseline_mm, seen_contacts,
+    OutlineEstimator, SeenContact, SensedContact, SensedStep, TurnedOutline, baseline_mm, contacts_sensed,
+    seen_contacts,
 };
+use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use finray_imaging::locate::Observer;
 use finray_imaging::render::{Disturbances, RenderRequest, render};
-use finray_lattice::Lattice;
 use finray_lattice::skin::Touch;
-use finray_model::camera::Camera;
-use finray_model::gripper::Placement;
-use finray_model::measurement::Measurement;
-use finray_model::mesh::FingerShape;
-use finray_model::observation::Observation;
-use finray_model::scene::Markers;
 use finray_model::sensor::Refusal;
-use finray_model::{Finger, Vector};
 use nalgebra::Rotation2;
 use std::borrow::Cow;
 
@@ -124,8 +118,7 @@ impl FingerStep {
     /// Contacts with what was sensed of each.
     pub fn contacts_sensed(&self) -> impl Iterator<Item = (&SeenContact, Option<SensedContact>)> {
         let sensed = self.sensed.as_ref().ok().and_then(Option::as_ref);
-        let mut felt = sensed.map(|sensed| sensed.contacts.iter().copied()).into_iter().flatten();
-        self.contacts.iter().map(move |seen| (seen, if seen.clamped { None } else { felt.next() }))
+        contacts_sensed(&self.contacts, sensed)
     }
 
     /// The sensed sum across the gripper, N: nothing where nothing touches, `None` where it was refused.

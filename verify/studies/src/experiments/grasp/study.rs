@@ -2,12 +2,8 @@
 //! fingers of spring steel.
 
 use super::{Eyes, FINENESS, GraspError, GraspScene, GraspStep, Summary};
-use crate::check::{Check, Kind, worst};
-use crate::experiments::{Context, Evidence};
-use crate::settings::{Effort, is_papers_finger};
-use finray_model::Scene;
-use finray_model::scene::SceneError;
-use rayon::prelude::*;
+use crate::experiments::{Context, Evidence, ExperimentError};
+use crate::prelude::*;
 
 /// Forces and moments on object and bases from balance, as a share of the largest force: Newton's method leaves rounding, the resistance against an
 /// object that has moved up to this.
@@ -42,17 +38,6 @@ pub struct GraspStudy {
     pub clean: Option<Summary>,
 }
 
-/// Why the grasp was not studied.
-#[derive(Debug, thiserror::Error)]
-pub enum GraspStudyError {
-    /// The scene that ships does not read.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// It is no grasp.
-    #[error(transparent)]
-    Grasp(#[from] GraspError),
-}
-
 /// A scene of the report.
 struct ReportedScene {
     toml: &'static str,
@@ -73,8 +58,8 @@ const SHOWN: [ReportedScene; 3] = [
 
 impl ReportedScene {
     /// # Errors
-    /// [`GraspStudyError`] if it is no grasp.
-    fn scene(&self) -> Result<(String, GraspScene), GraspStudyError> {
+    /// [`ExperimentError`] if it is no grasp.
+    fn scene(&self) -> Result<(String, GraspScene), ExperimentError> {
         let mut scene = Scene::from_toml(self.toml)?;
         if let (Some(grasp), Some((step_deg, path_steps))) = (&mut scene.grasp, self.coarser) {
             (grasp.step_deg, grasp.path_steps) = (step_deg, path_steps);
@@ -85,10 +70,7 @@ impl ReportedScene {
 }
 
 /// Runs the grasps of the report, for the paper's finger under noise, in a full study.
-///
-/// # Errors
-/// [`GraspStudyError`] if a scene is no grasp.
-pub fn run(context: &Context) -> Result<Vec<GraspStudy>, GraspStudyError> {
+pub(crate) fn run(context: &Context) -> Result<Vec<GraspStudy>, ExperimentError> {
     let noise_mm = context.noise_mm;
     if !context.is_paper || context.effort == Effort::Quick || noise_mm == 0.0 {
         return Ok(Vec::new());

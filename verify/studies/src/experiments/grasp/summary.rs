@@ -2,11 +2,8 @@
 
 use super::outlook::{LoopFigures, loop_figures};
 use super::{GraspEnd, GraspScene, GraspStep, Phase};
-use crate::estimators::EstimatorId;
-use crate::settings::TWO_SIDED_95;
+use crate::prelude::*;
 use finray_lattice::grasp::Account;
-use finray_model::Vector;
-use serde::Serialize;
 
 /// How a grasp went.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -142,8 +139,7 @@ fn sensed(steps: &[GraspStep]) -> SensedSummary {
             errors.push(sensed.total.relative_error().abs());
         }
     }
-    let count = errors.len() as f64;
-    summary.mean_total_error = (!errors.is_empty()).then(|| errors.iter().sum::<f64>() / count);
+    summary.mean_total_error = mean(errors.iter().copied());
     summary.worst_total_error = errors.into_iter().reduce(f64::max);
     summary.worst_contact_error = of_contacts.into_iter().reduce(f64::max);
     summary

@@ -2,13 +2,10 @@
 
 use super::soundness::{AGREEMENT, DIFFERENCE, Soundness, difference};
 use super::{Findings, Question, Unexpected, middle};
-use crate::check::worst;
-use crate::settings::Effort;
+use crate::prelude::*;
 use crate::truths::FINE_MESH_NODES;
-use finray_model::finger::{FingerDescription, Part, Plate, RibPositions, Zone};
-use finray_model::frame::FrameMotion;
-use finray_model::statics::{Statics, StaticsError, solve};
-use finray_model::{Finger, Kinematics, Load, Mesh, Vector};
+use finray_model::finger::{FingerDescription, Part, RibPositions, Zone};
+use finray_model::statics::solve;
 
 pub(super) const QUESTIONS: &[Question] = &[
     Question {

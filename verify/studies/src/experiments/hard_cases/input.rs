@@ -2,13 +2,9 @@
 
 use super::soundness::Soundness;
 use super::{Findings, Question, Unexpected, middle};
-use crate::check::worst;
-use crate::settings::Effort;
+use crate::prelude::*;
 use finray_fixtures::PAPER_SCENE;
-use finray_model::measurement::{Marker, Measurement, MeasurementError};
-use finray_model::sensing::{Contact, LinearEstimator, NonlinearEstimator, Prior};
-use finray_model::statics::{Statics, StaticsError};
-use finray_model::{Finger, Kinematics, Load, Mesh, Scene, Vector};
+use finray_model::measurement::MeasurementError;
 
 pub(super) const QUESTIONS: &[Question] = &[
     Question {

@@ -2,11 +2,8 @@
 
 use super::soundness::{LIMIT, Soundness, difference};
 use super::{Findings, Question, Unexpected, middle};
-use crate::check::worst;
-use crate::settings::Effort;
-use finray_model::frame::FrameMotion;
-use finray_model::statics::{Equilibrium, Statics, StaticsError};
-use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
+use crate::prelude::*;
+use finray_model::statics::Equilibrium;
 
 pub(super) const QUESTIONS: &[Question] = &[
     Question {

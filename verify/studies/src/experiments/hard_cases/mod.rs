@@ -9,13 +9,10 @@ mod loads;
 mod sensing;
 pub mod soundness;
 
-use crate::check::{Check, EXACT_COUNT, Kind};
+use crate::check::EXACT_COUNT;
 use crate::experiments::{Context, Evidence};
-use crate::settings::Effort;
-use finray_model::{Finger, NodeId};
-use rayon::prelude::*;
+use crate::prelude::*;
 use std::convert::Infallible;
-use std::time::Instant;
 
 /// No case may take longer, s.
 pub const TIME_LIMIT_S: f64 = 5.0;
@@ -90,10 +87,7 @@ impl Findings {
 impl Evidence for HardCase {}
 
 /// Every case, of the paper's finger.
-///
-/// # Errors
-/// None: a case that ends in an error fails.
-pub fn run(context: &Context) -> Result<Vec<HardCase>, Infallible> {
+pub(crate) fn run(context: &Context) -> Result<Vec<HardCase>, Infallible> {
     if !context.is_paper {
         return Ok(Vec::new());
     }

@@ -1,17 +1,9 @@
 //! Measurements that are hard to sense from.
 
 use super::{Findings, Question, Unexpected, middle};
-use crate::check::worst;
+use crate::prelude::*;
 use crate::sampling::noise::Noise;
-use crate::settings::{CAMERA_NOISE_MM, Effort};
-use crate::statistics::rms;
-use finray_model::frame::FrameLoad;
-use finray_model::measurement::{Marker, Measurement};
-use finray_model::sensing::{
-    Contact, ContactPosition, ContactQuestion, Estimate, LinearEstimator, NonlinearEstimator, Prior, SensingError,
-};
-use finray_model::statics::Statics;
-use finray_model::{Finger, Kinematics, Mesh, NodeId, Vector};
+use finray_model::sensing::Estimate;
 
 pub(super) const QUESTIONS: &[Question] = &[
     Question {

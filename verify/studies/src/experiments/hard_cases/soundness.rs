@@ -1,10 +1,8 @@
 //! Properties of every equilibrium of every finger, checked without the solver.
 
 use super::{Findings, Unexpected};
-use crate::check::worst;
-use finray_model::frame::{FrameLoad, FrameMotion};
-use finray_model::statics::{Statics, StaticsError, elastic_energy, reaction};
-use finray_model::{Kinematics, Load, Mesh, NodeId, Vector};
+use crate::prelude::*;
+use finray_model::statics::{elastic_energy, reaction};
 
 /// Largest difference between the ladder and the general sparse path, as a share of the largest displacement.
 pub const AGREEMENT: f64 = 1e-8;

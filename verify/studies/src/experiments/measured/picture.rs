@@ -1,9 +1,8 @@
 //! What is left of the markers, over the image that they were found in.
 
 use super::MarkerResidual;
+use crate::prelude::*;
 use finray_model::calibration::LocatedView;
-use finray_model::camera::Camera;
-use finray_model::{Scene, Vector};
 use image::codecs::jpeg::JpegEncoder;
 use image::imageops::{FilterType, crop_imm, resize};
 use image::{ImageError, RgbImage};

@@ -1,14 +1,12 @@
 //! Accuracy of the networks that ship on the co-rotational finger under camera noise, and its tolerances.
 
-use crate::check::{Check, Kind};
-use crate::estimators::network::{NetworkSensing, Networks};
-use crate::estimators::{EstimatorError, EstimatorId};
 use crate::experiments::table_two::TableTwo;
 use crate::experiments::{Context, Evidence};
+use crate::prelude::*;
 use crate::sampling::scatter::{ScatterRequest, ScatterRow, scatter};
 use crate::settings::{CAMERA_NOISE_MM, ENOUGH_CASES, TWO_FORCES_N};
 use crate::truths::TruthId;
-use finray_model::{Kinematics, Mesh, NodeId};
+use finray_model::estimators::network::{NetworkSensing, Networks};
 
 /// Range of each force, N.
 pub const FORCES_N: [f64; 2] = TWO_FORCES_N;
@@ -76,10 +74,7 @@ impl Evidence for NetworkStudy {
 }
 
 /// The networks that ship, under noise; what Table II has sensed already is taken as it is.
-///
-/// # Errors
-/// [`EstimatorError`] for a finger or contacts for which no network ships.
-pub fn run(context: &Context, sensed: Option<&TableTwo>) -> Result<Option<NetworkStudy>, EstimatorError> {
+pub(crate) fn run(context: &Context, sensed: Option<&TableTwo>) -> Result<Option<NetworkStudy>, EstimatorError> {
     let Some(sensed) = sensed.filter(|_| context.noise_mm > 0.0) else { return Ok(None) };
     let sensed: Vec<_> = sensed.of(TruthId::Corotational, context.noise_mm, EstimatorId::Network).cloned().collect();
     context.progress.part("networks", NetworkStudy::steps(&sensed));

@@ -5,9 +5,8 @@
 
 use crate::experiments::networks::records::RecipeRow;
 use crate::experiments::table_two::{CONTACT_GROUPS, ContactGroup};
-use crate::statistics::{Span, mean};
+use crate::prelude::*;
 use crate::truths::TruthId;
-use serde::Serialize;
 
 /// The recorded recipes that follow the paper, by their scaling of displacements: by the largest, or by their spread.
 pub const PAPER_RECIPES: [&str; 2] = ["a", "a, by spread"];

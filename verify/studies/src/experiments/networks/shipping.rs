@@ -1,10 +1,8 @@
 //! The recipes of the networks that ship.
 
 use crate::experiments::table_two::contact_sets;
-use crate::settings::CAMERA_NOISE_MM;
-use finray_model::Finger;
+use crate::prelude::*;
 use finray_model::finger::NodeId;
-use finray_model::sensing::Contact;
 use finray_model::train::TrainingRecipe;
 
 /// The tip: the paper's single contacts are the nodes after it.

@@ -1,7 +1,7 @@
 //! Which way of sensing to run.
 
 use super::{SpeedErrorPoint, Start, Task, TimedBy};
-use crate::estimators::EstimatorId;
+use finray_model::estimators::EstimatorId;
 
 /// Largest error of the model itself, in standard deviations of the noise, of a setting that is recommended. With 0.4 the interval of 1.96 standard
 /// deviations still holds 93 % of the truths instead of 95 %, the least that coverage may be: Phi(1.96 - 0.4) - Phi(-1.96 - 0.4).

@@ -1,19 +1,18 @@
 //! The points of a report.
 
 use super::sensing::{FRAMES_A_PERIOD, TimedEstimator, sensing};
-use super::{ASKED_NODES, SpeedErrorError, SpeedErrorPoint, Start, solving};
-use crate::estimators::network::NetworkSensing;
+use super::{ASKED_NODES, ExperimentError, SpeedErrorPoint, Start, solving};
 use crate::experiments::{Context, Evidence};
-use crate::settings::Effort;
-use finray_model::statics::StaticsError;
+use crate::prelude::*;
+use finray_model::estimators::network::NetworkSensing;
 
 impl Evidence for SpeedErrorPoint {}
 
 /// Times models and estimators, one after the other: nothing else may run beside them.
 ///
 /// # Errors
-/// [`SpeedErrorError`] if a model or an estimator fails where it is timed.
-pub fn run(context: &Context) -> Result<Vec<SpeedErrorPoint>, SpeedErrorError> {
+/// [`ExperimentError`] if a model or an estimator fails where it is timed.
+pub fn run(context: &Context) -> Result<Vec<SpeedErrorPoint>, ExperimentError> {
     let &Context { finger, noise_mm, progress, .. } = context;
     progress.part("speed and error", 2);
     // Nodes are the same for every effort, so that other programs always stand beside ours.
@@ -23,7 +22,7 @@ pub fn run(context: &Context) -> Result<Vec<SpeedErrorPoint>, SpeedErrorError> {
     };
     // What a finger does not carry leaves the chart out; the maps say so already.
     let mut points = match solving(finger, ASKED_NODES) {
-        Err(SpeedErrorError::Statics(StaticsError::NoEquilibrium { .. })) => Vec::new(),
+        Err(ExperimentError::Statics(StaticsError::NoEquilibrium { .. })) => Vec::new(),
         points => points?,
     };
     progress.step();

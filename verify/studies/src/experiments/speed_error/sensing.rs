@@ -6,17 +6,12 @@
 //! start. What is prepared once for a contact is timed apart. Standard deviations are those of the noise alone, so that the error of linearisation or of
 //! the mesh shows against them; finding that error, as `finray sense` does to widen them, is not timed.
 
-use super::{SpeedErrorError, SpeedErrorPoint, Start, Task, TimedBy, mark_fronts, spread};
-use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorId, PreparedEstimator, Sensed};
+use super::{ExperimentError, SpeedErrorPoint, Start, Task, TimedBy, mark_fronts, spread};
+use crate::prelude::*;
 use crate::sampling::noise::Noise;
-use crate::statistics::{mean, percentile};
-use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, NonlinearEstimator};
-use finray_model::statics::{Ladder, Statics};
-use finray_model::{Finger, Kinematics, Mesh, NodeId};
-use rayon::prelude::*;
+use crate::statistics::percentile;
+use finray_model::statics::Ladder;
 use std::f64::consts::{FRAC_PI_2, TAU};
-use std::time::Instant;
 
 /// Range of the forces that are sensed, N: that of the paper's gripper experiments (sec. V-C).
 pub const SENSED_N: [f64; 2] = [0.3, 3.0];
@@ -171,16 +166,13 @@ pub fn neighbours(finger: &Finger) -> Vec<Vec<NodeId>> {
 
 /// One moving force on nodes spread over the front plate, and two on neighbours in its middle, sensed from `frames` frames each of the
 /// co-rotational finger `truth`; `further` estimators join those of beams.
-///
-/// # Errors
-/// [`SpeedErrorError`] if an estimator is not made for the contacts.
-pub fn sensing(
+pub(crate) fn sensing(
     truth: &Mesh,
     noise_mm: f64,
     nodes: usize,
     frames: usize,
     further: Vec<TimedEstimator<'_>>,
-) -> Result<Vec<SpeedErrorPoint>, SpeedErrorError> {
+) -> Result<Vec<SpeedErrorPoint>, ExperimentError> {
     let finger = truth.finger();
     let meshes = sensing_meshes(finger);
     let beams = beam_estimators(&meshes);
@@ -211,13 +203,13 @@ pub fn sensing(
 /// An estimator on streams of frames: time and error, without what its model alone is off.
 ///
 /// # Errors
-/// [`SpeedErrorError`] if it is not made for the contacts.
+/// [`ExperimentError`] if it is not made for the contacts.
 pub fn sensed(
     task: Task,
     timed: &TimedEstimator<'_>,
     noise_mm: f64,
     streams: &[Stream],
-) -> Result<SpeedErrorPoint, SpeedErrorError> {
+) -> Result<SpeedErrorPoint, ExperimentError> {
     let estimator = &*timed.estimator;
     let (mut seconds, mut preparations, mut errors, mut asked) = (Vec::new(), Vec::new(), Vec::new(), 0);
     for stream in streams {
@@ -264,12 +256,12 @@ pub fn sensed(
 /// compared with the bound: what an estimator states rests on its residual, the larger the wronger its model is.
 ///
 /// # Errors
-/// [`SpeedErrorError`] if it is not made for the contacts.
+/// [`ExperimentError`] if it is not made for the contacts.
 pub fn largest_bias(
     timed: &TimedEstimator<'_>,
     noise_mm: f64,
     streams: &[Stream],
-) -> Result<Option<f64>, SpeedErrorError> {
+) -> Result<Option<f64>, ExperimentError> {
     let of_stream = |stream: &Stream| {
         let Some(first) = stream.frames.first() else { return Ok(None) };
         let mut prepared = timed.estimator.prepare(&stream.contacts, &first.seen)?;
@@ -280,6 +272,6 @@ pub fn largest_bias(
         };
         Ok(stream.frames.iter().filter_map(of_frame).reduce(f64::max))
     };
-    let of_streams: Vec<Option<f64>> = streams.par_iter().map(of_stream).collect::<Result<_, SpeedErrorError>>()?;
+    let of_streams: Vec<Option<f64>> = streams.par_iter().map(of_stream).collect::<Result<_, ExperimentError>>()?;
     Ok(of_streams.into_iter().flatten().reduce(f64::max))
 }

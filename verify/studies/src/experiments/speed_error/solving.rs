@@ -1,15 +1,10 @@
 //! The shape under a load: every theory on every mesh, and lattices.
 
-use super::{SpeedErrorError, SpeedErrorPoint, Start, Task, TimedBy, mark_fronts, spread};
-use crate::check::worst;
+use super::{ExperimentError, SpeedErrorPoint, Start, Task, TimedBy, mark_fronts, spread};
 use crate::lattice::accuracy::{CONVERGED_ELEMENTS, difference};
+use crate::prelude::*;
 use crate::statistics::percentile;
-use finray_lattice::{Lattice, LatticeError};
-use finray_model::mesh::{FingerShape, Load};
-use finray_model::statics::{Statics, StaticsError, solve};
-use finray_model::{Finger, Kinematics, Mesh};
-use rayon::prelude::*;
-use std::time::Instant;
+use finray_model::statics::solve;
 
 /// Force of the loads that shapes are solved for, N.
 pub const SOLVED_N: f64 = 3.0;
@@ -67,8 +62,8 @@ pub fn solved_point(model: &str, setting: String, mut seconds: Vec<f64>, error: 
 /// plate, in three directions; errors against beams of [`CONVERGED_ELEMENTS`] elements a member. Nothing for a finger without such nodes.
 ///
 /// # Errors
-/// [`SpeedErrorError`] if the reference has no equilibrium or a lattice cannot be built.
-pub fn solving(finger: &Finger, nodes: usize) -> Result<Vec<SpeedErrorPoint>, SpeedErrorError> {
+/// [`ExperimentError`] if the reference has no equilibrium or a lattice cannot be built.
+pub fn solving(finger: &Finger, nodes: usize) -> Result<Vec<SpeedErrorPoint>, ExperimentError> {
     let loads = solved_loads(finger, nodes);
     if loads.is_empty() {
         return Ok(Vec::new());

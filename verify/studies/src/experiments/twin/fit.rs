@@ -1,15 +1,12 @@
 //! Zone factors from the six mean errors of Table I.
 
 use super::{MEMBER_MM, ZoneSet};
-use crate::estimators::ELEMENTS;
 use crate::experiments::ExperimentError;
 use crate::experiments::table_one::{TableOne, table_one};
-use crate::statistics::mean;
+use crate::prelude::*;
 use crate::truths::{MeshTruth, TruthId};
 use finray_model::finger::{FingerDescription, ImpossibleFinger, Zone};
 use finray_model::optimise::{Convergence, LeastSquaresProblem, LevenbergMarquardt, Refusal, StepBounds};
-use finray_model::{Finger, Kinematics, Mesh};
-use nalgebra::{DMatrix, DVector};
 
 /// Direction assumed for the weights, degrees from the inward normal.
 pub const ANGLE_DEG: f64 = 0.0;
@@ -82,10 +79,12 @@ pub fn mean_errors(table: &TableOne) -> Vec<f64> {
 }
 
 /// The paper's finger with the factors of a set's groups, and of all moduli, in its place.
-///
-/// # Errors
-/// [`ImpossibleFinger`] for zones that are not on the finger.
-pub fn with_factors(paper: &Finger, set: &ZoneSet, factors: &[f64], modulus: f64) -> Result<Finger, ImpossibleFinger> {
+pub(crate) fn with_factors(
+    paper: &Finger,
+    set: &ZoneSet,
+    factors: &[f64],
+    modulus: f64,
+) -> Result<Finger, ImpossibleFinger> {
     let zones = set.groups.iter().zip(factors).flat_map(|((sections, _), &modulus_factor)| {
         sections.iter().map(move |&(part, from, to)| Zone {
             part,

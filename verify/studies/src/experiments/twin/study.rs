@@ -2,18 +2,14 @@
 
 use super::fit::{ANGLE_DEG, TwinFit, fit};
 use super::{OTHERS, TWIN};
-use crate::check::{Check, Comparison, Kind, worst};
-use crate::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorError};
 use crate::experiments::table_one::{TableOne, TableOneRow, modulus_factor, table_one, weighed};
 use crate::experiments::{Context, Evidence, ExperimentError};
+use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use crate::sampling::scatter::{Counts, ScatterRequest, ScatterRow, scatter};
 use crate::settings::ONE_FORCE_N;
-use crate::statistics::rms;
 use crate::truths::{MeshTruth, TruthId, fine_mesh, twin_of};
 use finray_model::calibration::{CalibrationCase, CalibrationError, FactorEstimate, FactorModel, Unknown, factors};
-use finray_model::{Finger, Kinematics, Mesh, NodeId};
-use rayon::prelude::*;
 
 /// The zones of the twin's scene that share a factor: front and back.
 pub const GROUPS: [[usize; 2]; 3] = [[0, 1], [2, 3], [4, 5]];
@@ -75,10 +71,7 @@ impl Evidence for TwinStudy {
 }
 
 /// The twin of the paper's finger under noise; `before` is Table I of the uniform finger.
-///
-/// # Errors
-/// [`ExperimentError`] if a fit or a calibration fails.
-pub fn run(context: &Context, before: Option<&TableOne>) -> Result<Option<TwinStudy>, ExperimentError> {
+pub(crate) fn run(context: &Context, before: Option<&TableOne>) -> Result<Option<TwinStudy>, ExperimentError> {
     let Some(before) = before.filter(|_| context.noise_mm > 0.0) else { return Ok(None) };
     context.progress.part("digital twin", TwinStudy::STEPS);
     let step = || context.progress.step();
@@ -91,10 +84,7 @@ impl TwinStudy {
 
     /// Runs the study of the paper's finger: `repeats` calibrations, `cases` forces a node, and the fits of `sets` sets of
     /// zones, the twin's first.
-    ///
-    /// # Errors
-    /// [`ExperimentError`] for another finger.
-    pub fn run(
+    pub(crate) fn run(
         paper: &Finger,
         before: &TableOne,
         noise_mm: f64,

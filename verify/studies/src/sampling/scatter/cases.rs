@@ -2,15 +2,9 @@
 
 use super::ScatterRequest;
 use super::scout::{LoadClass, RatioLimits, Scout, loads};
-use crate::estimators::{BeamEstimator, Estimator, EstimatorError, PreparedEstimator, Sensed};
+use crate::prelude::*;
 use crate::sampling::noise::Noise;
-use crate::settings::LEAST_STATED_MM;
-use finray_model::frame::FrameMotion;
-use finray_model::measurement::Measurement;
-use finray_model::sensing::Contact;
 use finray_model::statics::equilibria;
-use finray_model::{Finger, Kinematics, Mesh};
-use rayon::prelude::*;
 
 /// A finger that carries none of this many draws in a row carries no force of the range.
 const MOST_DRAWS: usize = 100;

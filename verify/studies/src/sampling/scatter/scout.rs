@@ -1,9 +1,7 @@
 //! Which forces are clearly more than a finger carries, found at little cost on the estimator's mesh.
 
-use finray_model::frame::FrameLoad;
-use finray_model::sensing::Contact;
-use finray_model::statics::{Ladder, Statics, StaticsError};
-use finray_model::{Kinematics, Mesh};
+use crate::prelude::*;
+use finray_model::statics::Ladder;
 use std::sync::OnceLock;
 
 /// Forces of which the finger of this mesh carries no more than this share are clearly too large: of 432 limit loads of random pairs of forces

@@ -3,13 +3,10 @@
 use super::samples::NoiseSamples;
 use super::tally::Tally;
 use super::{Cell, Grid, Outcome, Table};
-use crate::estimators::{Estimator, PreparedEstimator};
+use crate::prelude::*;
 use crate::truths::Truth;
-use finray_model::Finger;
-use finray_model::measurement::Measurement;
-use rayon::prelude::*;
 use std::ops::Range;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Pieces of work that a thread does before rows are written: enough that waiting for the last one costs little.
 const PIECES_A_THREAD: usize = 16;

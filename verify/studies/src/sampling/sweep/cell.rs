@@ -1,7 +1,7 @@
 //! The cells of a sweep.
 
-use crate::estimators::{EstimatorError, EstimatorId};
 use crate::truths::TruthId;
+use finray_model::estimators::{EstimatorError, EstimatorId};
 
 /// One force at one position and direction, at one level of noise, on one truth, by one estimator.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,9 +1,6 @@
 //! The grid of positions, directions, forces and noise on which sensing is tested.
 
-use finray_model::Finger;
-use finray_model::finger::Plate;
-use finray_model::sensing::{Contact, ContactPosition};
-use serde::{Deserialize, Serialize};
+use crate::prelude::*;
 
 /// Largest angle of a direction from the normal, degrees: flatter forces slide rather than press.
 const LARGEST_ANGLE_DEG: f64 = 80.0;

@@ -1,9 +1,8 @@
 //! The request, at the head of files that are to be resumed or merged.
 
 use super::{Grid, Shard, Table};
-use crate::estimators::EstimatorId;
+use crate::prelude::*;
 use crate::truths::TruthId;
-use serde::{Deserialize, Serialize};
 use std::io::BufRead;
 
 /// Everything that decides the rows of a table: equal requests give equal bytes.

@@ -1,10 +1,9 @@
 //! The tables that a sweep can be written as.
 
 use super::{Cell, MapCell};
-use crate::estimators::EstimatorId;
+use crate::prelude::*;
 use crate::truths::TruthId;
 use finray_files::csv_text;
-use serde::{Deserialize, Serialize};
 
 /// Which columns are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

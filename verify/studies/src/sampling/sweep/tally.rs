@@ -1,8 +1,7 @@
 //! The samples of a cell, counted one by one in constant memory.
 
 use super::cell::{Covered, Errors, Outcome};
-use crate::estimators::{EstimatorError, Sensed};
-use crate::settings::TWO_SIDED_95;
+use crate::prelude::*;
 
 /// Sums over the samples of one cell.
 #[derive(Debug, Clone, Default)]

@@ -1,10 +1,10 @@
 //! A finger that closes on force sensors.
 
+use finray_model::estimators::EstimatorId;
 use finray_model::finger::Plate;
 use finray_model::gripper::Gripper;
 use finray_model::mesh::Load;
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Scene, statics};
-use finray_studies::estimators::EstimatorId;
 use finray_studies::experiments::grasp::modules::{
     ClosedStep, ModuleStep, ModuleStudy, ModuleTest, Untouched, closing,
 };

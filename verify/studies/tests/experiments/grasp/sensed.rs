@@ -1,9 +1,9 @@
 //! Forces sensed in a grasp against the true ones: without noise by their errors, with noise by how often their intervals hold.
 
 use super::world::{disc, steps_of};
+use finray_model::estimators::EstimatorId;
+use finray_model::estimators::network::Networks;
 use finray_model::{Scene, Vector};
-use finray_studies::estimators::EstimatorId;
-use finray_studies::estimators::network::Networks;
 use finray_studies::experiments::contact_scene::{HalfSpan, SensedStep};
 use finray_studies::experiments::grasp::{GraspScene, GraspStep, NotSensed};
 use finray_studies::settings::{CAMERA_NOISE_MM, TWO_SIDED_95};

@@ -1,16 +1,10 @@
 //! How a finger closes on caps: the motor's steps, and the forces with which caps and rods fit.
 
-use super::ModuleError;
+use super::ExperimentError;
 use crate::experiments::contact_scene::angle_deg;
 use crate::experiments::table_two::FORCES_N;
-use finray_model::gripper::{Gripper, Placement};
-use finray_model::measurement::{Marker, Measurement};
-use finray_model::mesh::LoadError;
+use crate::prelude::*;
 use finray_model::scene::ROD_RADIUS_MM;
-use finray_model::sensing::{Contact, ContactPosition};
-use finray_model::sensing::{ContactForce, RespondingFinger};
-use finray_model::{Finger, Mesh, NodeId, Vector};
-use nalgebra::{DMatrix, DVector};
 
 /// Where the motor starts, degrees: with the chosen linkage the sensor's axis is then 12.4 degrees off the plate's normal, the most that the paper
 /// states is 12.5.
@@ -44,8 +38,8 @@ pub struct ClosedStep {
 /// Closes a finger on caps before its nodes; steps with a force, until one is beyond the paper's range or the finger finds no equilibrium.
 ///
 /// # Errors
-/// [`ModuleError`] for nodes that are not on the finger.
-pub fn closing(mesh: &Mesh, gripper: &Gripper, nodes: &[usize]) -> Result<Vec<ClosedStep>, ModuleError> {
+/// [`ExperimentError`] for nodes that are not on the finger.
+pub fn closing(mesh: &Mesh, gripper: &Gripper, nodes: &[usize]) -> Result<Vec<ClosedStep>, ExperimentError> {
     let finger = mesh.finger();
     let right = |turned_deg: f64| Some(gripper.fingers(&gripper.pose(START_DEG - turned_deg)?)[1]);
     let nodes: Vec<NodeId> = nodes.iter().copied().map(NodeId).collect();

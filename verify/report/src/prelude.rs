@@ -1,0 +1,20 @@
+//! What every section is written with: tables and their files, blocks of the page, sentences, drawings, and what they speak of.
+
+pub(crate) use crate::dataset::{Columns, Dataset, Format};
+pub(crate) use crate::format::Span;
+pub(crate) use crate::page::{Block, Cell, Column, Figure, Section, Shade, Table, details, text};
+pub(crate) use crate::words::{paragraph, say};
+pub(crate) use crate::{ReportError, Results};
+pub(crate) use finray_figures::{Axis, Cells, Chart, Class, Dash, FigureError, Frame, Hue, Map, Point, Series};
+pub(crate) use finray_model::estimators::EstimatorId;
+pub(crate) use finray_model::finger::Plate;
+pub(crate) use finray_model::{Finger, Kinematics, NodeId, Vector};
+pub(crate) use finray_studies::check::{Check, worst};
+pub(crate) use finray_studies::sampling::map::AccuracyMap;
+pub(crate) use finray_studies::sampling::scatter::{Counts, Scatter, ScatterRow};
+pub(crate) use finray_studies::sampling::sweep::{CellState, MapCell};
+pub(crate) use finray_studies::sampling::worst::TrustCounts;
+pub(crate) use finray_studies::settings::{DRAWN_FORCE_N, TRUSTED_ERROR, TWO_SIDED_95};
+pub(crate) use finray_studies::study::Study;
+pub(crate) use finray_studies::truths::TruthId;
+pub(crate) use minijinja::{Value, context};

@@ -1,0 +1,15 @@
+//! What commands are written with: failures, numbers of the command line, files, and a scene's parts.
+
+pub(super) use super::cameras::{camera_and_markers, camera_of, markers_of};
+pub(super) use super::parse::{degrees_between, listed, not_negative, positive, share};
+pub(super) use super::{Failure, bad_input, hints, not_both_from_standard_input, not_computed, progress, validity};
+pub(super) use finray_files::{
+    FileError, csv_text, is_standard_stream, is_stream, load_image, load_scene, name_of, require_folder,
+    write_all_or_nothing, write_bytes, write_folder, write_text,
+};
+pub(super) use finray_model::estimators::EstimatorId;
+pub(super) use finray_model::estimators::network::Networks;
+pub(super) use finray_model::{Finger, NodeId, Scene};
+pub(super) use finray_studies::truths::TruthId;
+pub(super) use serde::Serialize;
+pub(super) use std::path::{Path, PathBuf};

@@ -1,0 +1,29 @@
+//! What studies are written with: the model's fingers, meshes, contacts and estimators, the lattice, checks, settings, and work in parallel.
+
+pub(crate) use crate::check::{Check, Comparison, Kind, worst};
+pub(crate) use crate::settings::{
+    CAMERA_NOISE_MM, DRAWN_FORCE_N, Effort, LEAST_STATED_MM, MAP_FORCES_N, Progress, TWO_SIDED_95, is_papers_finger,
+};
+pub(crate) use crate::statistics::{Span, mean, rms};
+pub(crate) use finray_lattice::{Lattice, LatticeError};
+pub(crate) use finray_model::camera::Camera;
+pub(crate) use finray_model::estimators::{
+    BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorId, PreparedEstimator, Sensed,
+};
+pub(crate) use finray_model::finger::Plate;
+pub(crate) use finray_model::frame::{FrameLoad, FrameMotion};
+pub(crate) use finray_model::gripper::{Gripper, Placement};
+pub(crate) use finray_model::measurement::{Marker, Measurement};
+pub(crate) use finray_model::mesh::{FingerShape, LoadError, MeshSizeError};
+pub(crate) use finray_model::observation::Observation;
+pub(crate) use finray_model::scene::{Markers, ObjectDescription, SceneError};
+pub(crate) use finray_model::sensing::{
+    Contact, ContactForce, ContactPosition, ContactQuestion, Direction, LinearEstimator, NonlinearEstimator, Prior,
+    RespondingFinger, SensingError,
+};
+pub(crate) use finray_model::statics::{Statics, StaticsError};
+pub(crate) use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector, statics};
+pub(crate) use nalgebra::{DMatrix, DVector};
+pub(crate) use rayon::prelude::*;
+pub(crate) use serde::{Deserialize, Serialize};
+pub(crate) use std::time::Instant;
