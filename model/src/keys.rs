@@ -11,7 +11,7 @@ mod tables;
 
 pub(crate) use kinds::described;
 pub use kinds::{
-    Count, Kind, Number, Numbers, Pairs, Quantity, Range, Refused, RibEnds, RibLengths, SideLengths, Switch, Text, Word,
+    BracketLengths, Count, Kind, Number, Numbers, Pairs, Quantity, Range, Refused, RibLengths, SideLengths, Text, Word,
 };
 pub use reference::reference;
 pub use tables::*;

@@ -16,13 +16,12 @@ pub use object::{ObjectDescription, ObjectMotion, Outline, Until};
 pub use touched::{ObjectFrame, ObjectPlace, TouchedDescription};
 
 use crate::finger::{
-    BracketLengths, Finger, FingerDescription, Joints, MarkerPoints, Part, RibDescription, RibPositions, RigidEnds,
-    Strip, Zone,
+    Finger, FingerDescription, Joints, MarkerPoints, Part, RibDescription, RibPositions, RigidEnds, Strip, Zone,
 };
 use crate::gripper::Gripper;
 use crate::keys::{
-    BACK, BASE, CAMERA, CONTACT, FINGER, FRONT, GRASP, GRIPPER, MARKERS, OBJECT, PlateKeys, RIBS, RibEnds, TOP,
-    TOUCHED, Table, ZONE,
+    BACK, BASE, CAMERA, CONTACT, FINGER, FRONT, GRASP, GRIPPER, MARKERS, OBJECT, PlateKeys, RIBS, TOP, TOUCHED, Table,
+    ZONE,
 };
 use crate::measurement::MarkerErrors;
 use crate::validity::StrainLimits;
@@ -163,7 +162,7 @@ fn read_ribs(table: &TableReader) -> Result<RibDescription, SceneError> {
         }
         (None, None) => return Err(table.missing(RIBS.count.name, "the number of ribs, or positions_mm")),
     };
-    let rigid = table.get(&RIBS.rigid)?;
+    let rigid = table.is_true(&RIBS.rigid)?;
     let none = positions == RibPositions::Count(0) || positions == RibPositions::Positions(Vec::new());
     // A material that ribs have no use for must make sense all the same.
     let strip = match (table.optional(&RIBS.thickness_mm)?, table.optional(&RIBS.youngs_modulus_mpa)?) {
@@ -174,14 +173,10 @@ fn read_ribs(table: &TableReader) -> Result<RibDescription, SceneError> {
             youngs_modulus_mpa: table.get(&RIBS.youngs_modulus_mpa)?,
         }),
     };
-    let bracket_mm = match table.get(&RIBS.bracket_mm)? {
-        RibEnds::Alike(lengths_mm) => BracketLengths::Alike(lengths_mm),
-        RibEnds::Each(lengths_mm) => BracketLengths::Each(lengths_mm),
-    };
     Ok(RibDescription {
         positions,
         joints: table.word(&RIBS.joints, [Joints::Rigid, Joints::Hinged])?,
-        bracket_mm,
+        bracket_mm: table.get(&RIBS.bracket_mm)?,
         clip_mm: table.get(&RIBS.clip_mm)?,
         strip,
     })

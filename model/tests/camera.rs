@@ -79,19 +79,6 @@ proptest! {
         }
     }
 
-    /// Only where the finger stands before the camera matters, not where both stand.
-    #[test]
-    fn camera_and_finger_move_together(
-        camera in camera(), pixel in pixel(), turn in prop::array::uniform3(-1.0..1.0), shift in prop::array::uniform3(-50.0..50.0),
-    ) {
-        let point = camera.on_plane(&pixel, 0.0).expect("seen").push(0.0);
-        let (turn, shift) = (Rotation3::from_scaled_axis(turn.into()), Vector3::from(shift));
-        let moved = Camera { lens: camera.lens, pose: camera.pose.of_moved_finger(&turn, &shift) };
-        let there = moved.project(&(turn * point + shift)).expect("seen");
-        // Ten roundings of coordinates of 1e3 px.
-        prop_assert!((there - camera.project(&point).expect("seen")).norm() < 1e-9);
-    }
-
     /// Pixels of a known pose give it back, with and without noise as large as they state.
     #[test]
     fn points_give_the_pose_back(camera in camera(), height_mm in -5.0..20.0, seed in 0..u64::MAX) {

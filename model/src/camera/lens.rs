@@ -225,10 +225,7 @@ impl Lens {
     pub fn undistorted(&self, pixel: &Pixel) -> Result<Vector2<f64>, ViewError> {
         let bent = (pixel - self.principal_point_px).component_div(&self.focal_px);
         let radius = bent.norm();
-        let mut at = match radius > 0.0 {
-            true => bent * (self.radius_of(radius).unwrap_or(self.widest) / radius),
-            false => bent,
-        };
+        let mut at = if radius > 0.0 { bent * (self.radius_of(radius).unwrap_or(self.widest) / radius) } else { bent };
         for _ in 0..MOST_STEPS {
             let (found, by_at) = self.distortion.bend(&at);
             if by_at.determinant() <= 0.0 {

@@ -66,12 +66,4 @@ impl Pose {
         let turn = if placement.mirrored { turn * Rotation3::from_axis_angle(&Vector3::x_axis(), PI) } else { turn };
         Pose { rotation: self.rotation * turn, translation_mm: self.to_camera(&placement.origin.push(0.0)) }
     }
-
-    /// The pose seen by a camera, and from a finger, that were both moved: by Q and q in the finger frame.
-    ///
-    /// A point X then stands at Q X + q, and its pixel stays where it was.
-    pub fn of_moved_finger(&self, rotation: &Rotation3<f64>, translation_mm: &Vector3<f64>) -> Pose {
-        let back = self.rotation * rotation.inverse();
-        Pose { rotation: back, translation_mm: self.translation_mm - back * translation_mm }
-    }
 }

@@ -37,30 +37,20 @@ registry! {
     }
 }
 
-/// Properties of a kind of estimator.
+/// Properties of a kind of estimator: see the methods of [`EstimatorId`].
 struct EstimatorRow {
     name: &'static str,
     label: &'static str,
     help: &'static str,
-    /// Whether the forces are a linear function of the displacements, so that it answers whatever it is shown.
     is_linear: bool,
-    /// Whether it searches for the shape of the co-rotational finger that fits: one that does not costs it a hundred times as much.
     searches: bool,
-    /// Whether it answers at the contact nodes and along the normal alone, as networks that ship do.
     at_nodes: bool,
-    /// What it must be given, beside the displacements.
     needs: &'static str,
-    /// What it does not answer.
     refuses: &'static str,
-    /// Which contacts it senses without having seen them before.
     unseen_contacts: &'static str,
-    /// The mesh that it works on.
     mesh: fn(&Finger) -> Mesh,
-    /// The estimator on that mesh.
     on: for<'m> fn(&'m Mesh, &'m Networks) -> Box<dyn Estimator + 'm>,
-    /// Refuses contacts that it cannot sense, whatever is measured.
     admits: fn(&Finger, &[ContactQuestion], &Networks) -> Result<(), EstimatorError>,
-    /// One answer with all that the estimator states.
     answer: fn(&Finger, &Question) -> Result<Answer, EstimatorError>,
 }
 

@@ -1,5 +1,7 @@
 //! A finger as the user describes it.
 
+pub use crate::keys::BracketLengths;
+
 /// A plate or a rib as a material strip.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Strip {
@@ -34,44 +36,6 @@ pub enum RibPositions {
     Count(usize),
     /// Distances from the base along the front and the back plate, mm, from base to tip.
     Positions(Vec<[f64; 2]>),
-}
-
-/// Lengths of brackets on the front and the back plate, mm.
-#[derive(Debug, Clone, PartialEq)]
-pub enum BracketLengths {
-    /// All ribs alike.
-    Alike([f64; 2]),
-    /// Of each rib, from base to tip.
-    Each(Vec<[f64; 2]>),
-}
-
-impl BracketLengths {
-    /// No brackets.
-    pub const NONE: BracketLengths = BracketLengths::Alike([0.0; 2]);
-
-    /// Those of a rib, counted from 0.
-    pub fn of(&self, rib: usize) -> [f64; 2] {
-        match self {
-            BracketLengths::Alike(lengths_mm) => *lengths_mm,
-            BracketLengths::Each(lengths_mm) => lengths_mm[rib],
-        }
-    }
-
-    /// All that differ.
-    pub fn all_mut(&mut self) -> &mut [[f64; 2]] {
-        match self {
-            BracketLengths::Alike(lengths_mm) => std::slice::from_mut(lengths_mm),
-            BracketLengths::Each(lengths_mm) => lengths_mm,
-        }
-    }
-
-    /// All that differ.
-    pub fn all(&self) -> &[[f64; 2]] {
-        match self {
-            BracketLengths::Alike(lengths_mm) => std::slice::from_ref(lengths_mm),
-            BracketLengths::Each(lengths_mm) => lengths_mm,
-        }
-    }
 }
 
 /// The ribs as the user describes them.

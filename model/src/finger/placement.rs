@@ -2,7 +2,7 @@
 
 use super::{BracketLengths, Finger, FingerDescription, ImpossibleFinger, Part, Plate, RibPositions};
 use crate::Vector;
-use crate::keys::{BACK, FINGER, FRONT, Key, Kind, RIBS, RibEnds, ZONE};
+use crate::keys::{BACK, FINGER, FRONT, Key, Kind, RIBS, ZONE};
 
 /// Neighbouring nodes and the plates' ends must be this share of a plate apart.
 pub(super) const SMALLEST_SPACING: f64 = 1e-9;
@@ -34,7 +34,7 @@ pub(super) fn check_sizes(d: &FingerDescription) -> Result<(), ImpossibleFinger>
         check(&RIBS.thickness_mm, &strip.thickness_mm)?;
         check(&RIBS.youngs_modulus_mpa, &strip.youngs_modulus_mpa)?;
     }
-    check(&RIBS.bracket_mm, &RibEnds::Each(d.ribs.bracket_mm.all().to_vec()))?;
+    check(&RIBS.bracket_mm, &d.ribs.bracket_mm)?;
     check(&RIBS.clip_mm, &d.ribs.clip_mm)
 }
 

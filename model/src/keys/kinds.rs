@@ -2,7 +2,7 @@
 
 mod numbers;
 
-pub use numbers::{Number, Numbers, Pairs, Quantity, Range, RibEnds, RibLengths, SideLengths};
+pub use numbers::{BracketLengths, Number, Numbers, Pairs, Quantity, Range, RibLengths, SideLengths};
 
 use std::fmt::Debug;
 use toml::de::DeValue;
@@ -81,29 +81,6 @@ impl Kind for Count {
     }
 
     fn written(&self, value: &usize) -> String {
-        value.to_string()
-    }
-}
-
-/// True or false.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Switch();
-
-impl Kind for Switch {
-    type Value = bool;
-
-    fn noun(&self) -> String {
-        "true or false".to_owned()
-    }
-
-    fn parse(&self, value: &DeValue) -> Result<bool, Refused> {
-        match value {
-            DeValue::Boolean(switch) => Ok(*switch),
-            other => Err(refused(self.noun(), other)),
-        }
-    }
-
-    fn written(&self, value: &bool) -> String {
         value.to_string()
     }
 }

@@ -5,8 +5,8 @@
 use super::Need::{Of, Optional, Or, Required, RequiredIf};
 use super::Range::{Above, AtMost, Between, ByOthers, Finite, Positive, Whole, Within};
 use super::{
-    Count, Entry, Key, KeyList, Number, Numbers, Occurs, Pairs, Quantity, Range, RibEnds, RibLengths, SceneTable,
-    SideLengths, Switch, Table, Text, Word,
+    BracketLengths, Count, Entry, Key, KeyList, Number, Numbers, Occurs, Pairs, Quantity, Range, RibLengths,
+    SceneTable, SideLengths, Table, Text, Word,
 };
 
 /// Radius of the rods, mm: the paper's have a diameter of 3 mm (Xu et al. 2021, sec. II).
@@ -39,6 +39,7 @@ const FORCE: Quantity = Quantity("force", "N");
 const STRAIN: Quantity = Quantity("strain", "");
 const FRICTION: Quantity = Quantity("coefficient of friction", "");
 const SIGMA: &str = "standard deviation";
+const TRUE_FALSE: [&str; 2] = ["true", "false"];
 const COLOUR: Quantity = Quantity("red, green and blue", "");
 
 /// Tables of one kind: their statics with their paths, and their keys.
@@ -117,11 +118,11 @@ tables! {
     positions_mm: Pairs("[front, back], positions in mm", None), Optional,
         "Instead of count: where each rib meets front and back plate, from the base.";
     joints: Word<2>(["rigid", "hinged"]), Required, "How ribs are joined to the plates: hinged ones have a pin at both ends.";
-    rigid: Switch(), Or(false), "Whether ribs do not deform.";
+    rigid: Word<2>(TRUE_FALSE), Or(1), "Whether ribs do not deform.";
     thickness_mm: Number(LENGTH, POSITIVE), RequiredIf("unless ribs are rigid"), "Thickness.";
     youngs_modulus_mpa: Number(MODULUS, POSITIVE), RequiredIf("unless ribs are rigid"), "Young's modulus E.";
     largest_strain: Number(STRAIN, Above(0.0, 1.0)), Optional, "Largest fibre strain, as of the plates.";
-    bracket_mm: RibLengths(), Or(RibEnds::Alike([0.0; 2])),
+    bracket_mm: RibLengths(), Or(BracketLengths::NONE),
         "Rigid brackets that hold the joints off the plates, perpendicular to them and inwards.";
     clip_mm: SideLengths(), Or([0.0; 2]), "Length of plate about each rib's end that does not bend.";
 }
@@ -286,11 +287,11 @@ tables! {
         "Motor angle between two settled steps; not with frames_per_s.";
     until_force_n: Number(FORCE, Positive(LARGEST)), Optional,
         "Close until this total of a finger is sensed, the mean of both.";
-    hold: Switch(), Or(false), "Whether the motor goes on to hold that total on the way; only with until_force_n.";
+    hold: Word<2>(TRUE_FALSE), Or(1), "Whether the motor goes on to hold that total on the way; only with until_force_n.";
     path_mm: Pairs("[x, y], points in mm from where the gripper starts", Some(("points", LARGEST))), Optional,
         "The gripper's way from where it starts.";
     path_steps: Count("", 1, MOST_STEPS), Or(10), "Settled steps on that way.";
-    open: Switch(), Optional, "Whether it opens at the end; without this key it does if it has a path.";
+    open: Word<2>(TRUE_FALSE), Optional, "Whether it opens at the end; without this key it does if it has a path.";
     support: Word<3>(["true", "false", "table"]), Optional,
         "What the object lies on at first. true: rails before and behind the fingers, which pass between them; \"table\": a plane that fingers must not \
          touch; false: nothing, and its weight acts once it is grasped. Without this key true, or false where gravity is zero.";
@@ -300,6 +301,6 @@ tables! {
     frames_per_s: Number(Quantity("rate", "frames a second"), Positive(LARGEST)), Optional,
         "Instead of step_deg: a settled step for each frame of the camera.";
     delay_frames: Count("", 0, MOST_STEPS), Or(0), "By how many frames sensing is late; only with frames_per_s.";
-    camera_on_gripper: Switch(), Or(false),
+    camera_on_gripper: Word<2>(TRUE_FALSE), Or(1),
         "Whether, for --images, the pose of [camera] is that of the gripper's frame (eq. 10), and not of each finger's.";
 }

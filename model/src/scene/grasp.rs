@@ -60,7 +60,7 @@ pub(super) fn read_grasp(table: &TableReader, gripper: Option<&Gripper>) -> Resu
         return Err(table.wrong(GRASP.motor_deg.name, &expected, &format!("{beyond:?}")));
     }
     let until_force_n = table.optional(&GRASP.until_force_n)?;
-    let holds = table.get(&GRASP.hold)?;
+    let holds = table.is_true(&GRASP.hold)?;
     if holds && until_force_n.is_none() {
         return Err(table.wrong(GRASP.hold.name, "it together with until_force_n", "it alone"));
     }
@@ -93,7 +93,7 @@ pub(super) fn read_grasp(table: &TableReader, gripper: Option<&Gripper>) -> Resu
         step_deg,
         until_force_n,
         holds,
-        opens: table.optional(&GRASP.open)?.unwrap_or(!path_mm.is_empty()),
+        opens: if table.has(&GRASP.open) { table.is_true(&GRASP.open)? } else { !path_mm.is_empty() },
         path_mm: path_mm.into_iter().map(Vector::from).collect(),
         path_steps: table.get(&GRASP.path_steps)?,
         support,
@@ -101,6 +101,6 @@ pub(super) fn read_grasp(table: &TableReader, gripper: Option<&Gripper>) -> Resu
         motor_deg_per_s: table.get(&GRASP.motor_deg_per_s)?,
         frames_per_s,
         delay_frames,
-        camera_on_gripper: table.get(&GRASP.camera_on_gripper)?,
+        camera_on_gripper: table.is_true(&GRASP.camera_on_gripper)?,
     })
 }

@@ -85,25 +85,20 @@ pub(super) fn read_object(table: &TableReader, finger: &Finger) -> Result<Object
     })
 }
 
-#[derive(Clone, Copy)]
-enum Shape {
-    Disc,
-    Box,
-    Polygon,
-}
+/// Reads the keys of one shape.
+type OutlineReader = fn(&TableReader) -> Result<Outline, SceneError>;
 
 fn read_outline(table: &TableReader) -> Result<Outline, SceneError> {
-    Ok(match table.shape(&OBJECT, &OBJECT.shape, [Shape::Disc, Shape::Box, Shape::Polygon])? {
-        Shape::Disc => Outline::Disc { radius_mm: table.get(&OBJECT.radius_mm)? },
-        Shape::Box => Outline::Box { width_mm: table.get(&OBJECT.width_mm)?, height_mm: table.get(&OBJECT.height_mm)? },
-        Shape::Polygon => {
-            let points_csv = table.get(&OBJECT.points_csv)?;
-            if points_csv == "-" {
-                return Err(table.wrong(OBJECT.points_csv.name, "the name of a file beside the scene", "-"));
-            }
-            Outline::Polygon { points_csv }
+    let disc: OutlineReader = |table| Ok(Outline::Disc { radius_mm: table.get(&OBJECT.radius_mm)? });
+    let rectangle: OutlineReader =
+        |table| Ok(Outline::Box { width_mm: table.get(&OBJECT.width_mm)?, height_mm: table.get(&OBJECT.height_mm)? });
+    let polygon: OutlineReader = |table| match table.get(&OBJECT.points_csv)? {
+        points_csv if points_csv == "-" => {
+            Err(table.wrong(OBJECT.points_csv.name, "the name of a file beside the scene", "-"))
         }
-    })
+        points_csv => Ok(Outline::Polygon { points_csv }),
+    };
+    table.shape(&OBJECT, &OBJECT.shape, [disc, rectangle, polygon])?(table)
 }
 
 fn read_motion(table: &TableReader, finger: &Finger) -> Result<ObjectMotion, SceneError> {

@@ -186,6 +186,11 @@ impl<'d, 't> TableReader<'d, 't> {
         self.get(key).map(|word| things[word])
     }
 
+    /// Whether the key's word is `true`, of `true` and `false`.
+    pub(super) fn is_true(&self, key: &Key<Word<2>>) -> Result<bool, SceneError> {
+        self.word(key, [true, false])
+    }
+
     /// The table's shape. Keys of other shapes are refused.
     pub(super) fn shape<T: Copy, const N: usize>(
         &self,

@@ -64,23 +64,18 @@ pub(super) fn read_touched(table: &TableReader) -> Result<TouchedDescription, Sc
     Ok(TouchedDescription { shape, place })
 }
 
-#[derive(Clone, Copy)]
-enum Shape {
-    Disc,
-    Ellipse,
-    Polygon,
-}
+/// Reads the keys of one shape.
+type ShapeReader = fn(&TableReader) -> Result<ObjectShape, SceneError>;
 
 fn read_shape(table: &TableReader) -> Result<ObjectShape, SceneError> {
-    match table.shape(&TOUCHED, &TOUCHED.shape, [Shape::Disc, Shape::Ellipse, Shape::Polygon])? {
-        Shape::Disc => Ok(ObjectShape::Disc { radius_mm: table.get(&TOUCHED.radius_mm)? }),
-        Shape::Ellipse => Ok(ObjectShape::Ellipse { semi_axes_mm: table.get(&TOUCHED.semi_axes_mm)? }),
-        Shape::Polygon => {
-            let corners = table.get(&TOUCHED.corners_mm)?.into_iter().map(Vector::from).collect();
-            ObjectShape::polygon(corners)
-                .map_err(|error| table.wrong(TOUCHED.corners_mm.name, &error.to_string(), "others"))
-        }
-    }
+    let disc: ShapeReader = |table| Ok(ObjectShape::Disc { radius_mm: table.get(&TOUCHED.radius_mm)? });
+    let ellipse: ShapeReader = |table| Ok(ObjectShape::Ellipse { semi_axes_mm: table.get(&TOUCHED.semi_axes_mm)? });
+    let polygon: ShapeReader = |table| {
+        let corners = table.get(&TOUCHED.corners_mm)?.into_iter().map(Vector::from).collect();
+        ObjectShape::polygon(corners)
+            .map_err(|error| table.wrong(TOUCHED.corners_mm.name, &error.to_string(), "others"))
+    };
+    table.shape(&TOUCHED, &TOUCHED.shape, [disc, ellipse, polygon])?(table)
 }
 
 fn read_place(table: &TableReader, shape: &ObjectShape, pose_mm: [f64; 2]) -> Result<ObjectPlace, SceneError> {

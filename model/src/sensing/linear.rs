@@ -7,6 +7,7 @@ use crate::compliance::{Compliance, NodalCompliance};
 use crate::finger::Finger;
 use crate::measurement::Measurement;
 use crate::mesh::Load;
+use crate::optimise::SingularParts;
 use crate::statics::StaticsError;
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
@@ -82,18 +83,7 @@ impl LinearEstimator {
             return Err(SensingError::TooFewMarkers { unknowns, coordinates });
         }
         let unit_loads: Vec<Load> = contacts.iter().map(|contact| contact.unit_load(finger)).collect();
-        LinearEstimator::from_compliance(&compliance(&unit_loads)?, markers)
-    }
-
-    /// As [`LinearEstimator::new`], with a compliance that is already there: a load for each unknown force.
-    ///
-    /// # Errors
-    /// [`SensingError`] when the problem has no unique answer.
-    pub fn from_compliance(compliance: &Compliance, markers: &Measurement) -> Result<LinearEstimator, SensingError> {
-        let (unknowns, coordinates) = (compliance.load_count(), markers.coordinate_count());
-        if unknowns > coordinates {
-            return Err(SensingError::TooFewMarkers { unknowns, coordinates });
-        }
+        let compliance = compliance(&unit_loads)?;
         let matrix = DMatrix::from_fn(coordinates, unknowns, |row, column| {
             let marker = &markers.markers()[row / 2];
             marker.weight * compliance.displacement(marker.node, column)[row % 2]
@@ -258,15 +248,12 @@ fn identifiable(compliance: &DMatrix<f64>) -> Result<Vec<f64>, SensingError> {
             false => Err(SensingError::IllConditioned { span: f64::INFINITY, limit: LARGEST_SPAN, weakest: 1 }),
         };
     }
-    let svd = compliance.clone().svd(false, true);
-    let mut values: Vec<f64> = svd.singular_values.iter().copied().collect();
-    values.sort_by(|a, b| b.total_cmp(a));
-    let (largest, smallest) = (values[0], values[values.len() - 1]);
-    if smallest > 0.0 && largest / smallest <= LARGEST_SPAN {
-        return Ok(values);
+    let parts = SingularParts::of(compliance.clone());
+    let span = parts.span();
+    if span <= LARGEST_SPAN {
+        return Ok(parts.descending());
     }
-    // A force that moves no marker at all spans infinitely much, also if it is the only one.
-    let span = if smallest > 0.0 { largest / smallest } else { f64::INFINITY };
-    let weakest = svd.v_t.map_or(0, |v_t| v_t.row(svd.singular_values.imin()).iamax_full().1);
-    Err(SensingError::IllConditioned { span, limit: LARGEST_SPAN, weakest: weakest + 1 })
+    // A force that moves no marker at all spans infinitely much.
+    let span = if span.is_nan() { f64::INFINITY } else { span };
+    Err(SensingError::IllConditioned { span, limit: LARGEST_SPAN, weakest: parts.weakest().iamax() + 1 })
 }

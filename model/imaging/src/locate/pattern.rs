@@ -51,10 +51,7 @@ pub(super) fn at_rest(
     // The tip is a marker of the front plate.
     let back_nodes: Vec<NodeId> = marked(Plate::Back).filter(|node| *node != finger.tip()).collect();
     let mut best = Named::default();
-    let rows = match alike {
-        true => vec![(&front, &back), (&back, &front)],
-        false => vec![(&front, &back)],
-    };
+    let rows = if alike { vec![(&front, &back), (&back, &front)] } else { vec![(&front, &back)] };
     for (front, back) in rows {
         for first in ends(front, &front_nodes) {
             for second in ends(back, &back_nodes) {

@@ -35,20 +35,18 @@ impl LeastSquaresProblem for Problem<'_> {
             let mut changed = point.shared.clone();
             changed[k] += step;
             let other = self.candidate(&changed).ok_or(NOWHERE)?;
-            for (view, own, rows) in self.rows(point) {
+            for (view, own, rows, _) in self.parts(point) {
                 let by = Problem::differences(self.weighted(&other, view, own), &residual[rows.clone()], step)?;
                 jacobian.view_mut((rows.start, k), (rows.len(), 1)).copy_from(&by);
             }
         }
         let candidate = self.candidate(&point.shared).ok_or(NOWHERE)?;
-        let mut column = shared;
-        for (view, own, rows) in self.rows(point) {
+        for (view, own, rows, column) in self.parts(point) {
             for j in 0..self.own_count(view) {
                 let step = own.step(j);
                 let after = self.weighted(&candidate, view, &own.moved(self.finger, j, step));
                 let by = Problem::differences(after, &residual[rows.clone()], step)?;
-                jacobian.view_mut((rows.start, column), (rows.len(), 1)).copy_from(&by);
-                column += 1;
+                jacobian.view_mut((rows.start, column + j), (rows.len(), 1)).copy_from(&by);
             }
         }
         Ok(jacobian)
@@ -76,22 +74,22 @@ impl LeastSquaresProblem for Problem<'_> {
 
     /// Contacts stay on the plate.
     fn step_bounds(&self, point: &Point) -> StepBounds {
-        let mut position = self.sought.len();
-        self.views.iter().zip(&point.own).fold(StepBounds::default(), |bounds, (view, own)| {
-            let bounded = bounds.and(position, own.s_mm, free_part_mm(self.finger));
-            position += self.own_count(view);
-            bounded
+        self.parts(point).fold(StepBounds::default(), |bounds, (_, own, _, position)| {
+            bounds.and(position, own.s_mm, free_part_mm(self.finger))
         })
     }
 }
 
 impl Problem<'_> {
-    /// The views, the unknowns of each at a point, and the rows of its residuals.
-    fn rows<'r>(&'r self, point: &'r Point) -> impl Iterator<Item = (&'r View, &'r ViewUnknowns, Range<usize>)> {
-        self.views.iter().zip(&point.own).scan(0, |first, (view, own)| {
-            let rows = *first..*first + self.row_count(view);
-            *first = rows.end;
-            Some((view, own, rows))
+    /// The views, the unknowns of each at a point, the rows of its residuals, and the first column of its unknowns.
+    pub(super) fn parts<'s, 'p>(
+        &'s self,
+        point: &'p Point,
+    ) -> impl Iterator<Item = (&'s View, &'p ViewUnknowns, Range<usize>, usize)> {
+        self.views.iter().zip(&point.own).scan((0, self.sought.len()), |(row, column), (view, own)| {
+            let (rows, first) = (*row..*row + self.row_count(view), *column);
+            (*row, *column) = (rows.end, first + self.own_count(view));
+            Some((view, own, rows, first))
         })
     }
 

@@ -30,21 +30,19 @@ impl Problem<'_> {
     /// Errors of the markers as the residuals of a fit have them, given its covariance: what is theirs, as a share of what is stated, and what is
     /// the finger's.
     pub(super) fn marker_errors(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> MarkerErrors {
-        let mut row = 0;
         let mut left = Vec::new();
-        for view in self.views {
+        for (view, _, rows, _) in self.parts(&fitted.point) {
             let markers = view.measurement.markers().iter().flat_map(|marker| [marker; 2]);
-            for (i, marker) in markers.enumerate() {
+            for (row, marker) in rows.zip(markers) {
                 let stated_mm = view.noise_mm / marker.weight;
-                let by = fitted.jacobian.row(row + i);
+                let by = fitted.jacobian.row(row);
                 let fitted_share = (by * covariance).dot(&by);
                 left.push(CoordinateResidual {
-                    square_mm2: (fitted.residual[row + i] * self.errors.sd_mm(stated_mm)).powi(2),
+                    square_mm2: (fitted.residual[row] * self.errors.sd_mm(stated_mm)).powi(2),
                     free: (1.0 - fitted_share).max(0.0),
                     stated_mm,
                 });
             }
-            row += self.row_count(view);
         }
         likeliest(left)
     }

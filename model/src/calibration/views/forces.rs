@@ -32,20 +32,16 @@ impl Problem<'_> {
     pub(super) fn scatter_of(&self, fitted: &Fit<Point>) -> Option<Scatter> {
         let (mut by, mut residual) = (fitted.jacobian.clone(), fitted.residual.clone());
         let shared = self.sought.len();
-        let (mut row, mut column) = (0, shared);
         let (mut forces, mut off, mut new) = (Vec::new(), Vec::new(), Vec::new());
-        for (view, own) in self.views.iter().zip(&fitted.point.own) {
-            let rows = self.row_count(view);
+        for (view, own, rows, column) in self.parts(&fitted.point) {
             if let Some(force_n) = view.force.map(|force| force.norm()) {
-                new.push(self.new_image(&by, [row, column], view, force_n)?);
-                by.row_mut(row + rows - 1).fill(0.0);
-                residual[row + rows - 1] = 0.0;
+                new.push(self.new_image(&by, [rows.start, column], view, force_n)?);
+                by.row_mut(rows.end - 1).fill(0.0);
+                residual[rows.end - 1] = 0.0;
                 by.column_mut(column + OWN).scale_mut(force_n);
                 forces.push(column + OWN);
                 off.push(own.force_n / force_n - 1.0);
             }
-            row += rows;
-            column += self.own_count(view);
         }
         let others = (0..by.ncols()).filter(|column| !forces.contains(column));
         let by = by.select_columns(&others.chain(forces.iter().copied()).collect::<Vec<_>>());

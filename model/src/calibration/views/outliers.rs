@@ -102,11 +102,11 @@ impl Problem<'_> {
     fn times(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> Vec<Compared<'_>> {
         let Some(scatter) = self.scatter else { return Vec::new() };
         let shared = covariance.view((0, 0), (self.sought.len(), self.sought.len()));
-        let (mut row, mut column) = (0, self.sought.len());
         let mut all = Vec::new();
-        for (view, own) in self.views.iter().zip(&fitted.point.own) {
+        for (view, own, rows, column) in self.parts(&fitted.point) {
             let measured_n = view.force.map(|force| force.norm());
-            let alone = measured_n.and_then(|n| Some((n, self.new_image(&fitted.jacobian, [row, column], view, n)?)));
+            let alone =
+                measured_n.and_then(|n| Some((n, self.new_image(&fitted.jacobian, [rows.start, column], view, n)?)));
             if let Some((measured_n, alone)) = alone {
                 // Part of its error is in the residual, the rest was fitted to it: by the markers' own error, and by the finger.
                 let of_both = alone.variance + scatter * scatter;
@@ -115,18 +115,15 @@ impl Problem<'_> {
                 let off = (own.force_n / measured_n - 1.0) / free;
                 all.push(Compared { view, times: 1.0 / (1.0 + off), inverse_sd: alone.variance.sqrt() });
             }
-            row += self.row_count(view);
-            column += self.own_count(view);
         }
         all
     }
 
     fn off_markers(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> Vec<OffMarker<'_>> {
         let mut all = Vec::new();
-        let mut first = 0;
-        for view in self.views {
+        for (view, _, rows, _) in self.parts(&fitted.point) {
             for (i, marker) in view.measurement.markers().iter().enumerate() {
-                let rows = [first + 2 * i, first + 2 * i + 1];
+                let rows = [rows.start + 2 * i, rows.start + 2 * i + 1];
                 let free = rows.map(|row| {
                     let by = fitted.jacobian.row(row);
                     (1.0 - (by * covariance).dot(&by)).max(f64::EPSILON)
@@ -142,7 +139,6 @@ impl Problem<'_> {
                     free: free[0] + free[1],
                 });
             }
-            first += self.row_count(view);
         }
         all
     }

@@ -170,13 +170,42 @@ impl Kind for SideLengths {
     }
 }
 
-/// Lengths at both ends of ribs.
+/// Lengths of brackets on the front and the back plate, mm.
 #[derive(Debug, Clone, PartialEq)]
-pub enum RibEnds {
-    /// The same for all ribs: at front and back.
+pub enum BracketLengths {
+    /// All ribs alike.
     Alike([f64; 2]),
-    /// Of each rib.
+    /// Of each rib, from base to tip.
     Each(Vec<[f64; 2]>),
+}
+
+impl BracketLengths {
+    /// No brackets.
+    pub const NONE: BracketLengths = BracketLengths::Alike([0.0; 2]);
+
+    /// Those of a rib, counted from 0.
+    pub fn of(&self, rib: usize) -> [f64; 2] {
+        match self {
+            BracketLengths::Alike(lengths_mm) => *lengths_mm,
+            BracketLengths::Each(lengths_mm) => lengths_mm[rib],
+        }
+    }
+
+    /// All that differ.
+    pub fn all_mut(&mut self) -> &mut [[f64; 2]] {
+        match self {
+            BracketLengths::Alike(lengths_mm) => std::slice::from_mut(lengths_mm),
+            BracketLengths::Each(lengths_mm) => lengths_mm,
+        }
+    }
+
+    /// All that differ.
+    pub fn all(&self) -> &[[f64; 2]] {
+        match self {
+            BracketLengths::Alike(lengths_mm) => std::slice::from_ref(lengths_mm),
+            BracketLengths::Each(lengths_mm) => lengths_mm,
+        }
+    }
 }
 
 /// A length in mm, zero or more, at the ends of ribs: as [`SideLengths`], or a list with a pair for each rib.
@@ -184,7 +213,7 @@ pub enum RibEnds {
 pub struct RibLengths();
 
 impl Kind for RibLengths {
-    type Value = RibEnds;
+    type Value = BracketLengths;
 
     fn noun(&self) -> String {
         SideLengths().noun()
@@ -198,27 +227,23 @@ impl Kind for RibLengths {
         format!("{}, or a list of pairs [front, back], one for each rib", SideLengths().described())
     }
 
-    fn parse(&self, value: &DeValue) -> Result<RibEnds, Refused> {
+    fn parse(&self, value: &DeValue) -> Result<BracketLengths, Refused> {
         match value {
             DeValue::Array(items) if items.iter().any(|item| matches!(item.get_ref(), DeValue::Array(_))) => {
-                Pairs("[front, back], lengths in mm", None).parse(value).map(RibEnds::Each)
+                Pairs("[front, back], lengths in mm", None).parse(value).map(BracketLengths::Each)
             }
-            _ => SideLengths().parse(value).map(RibEnds::Alike),
+            _ => SideLengths().parse(value).map(BracketLengths::Alike),
         }
     }
 
-    fn outside(&self, value: &RibEnds) -> Option<String> {
-        let pairs = match value {
-            RibEnds::Alike(pair) => std::slice::from_ref(pair),
-            RibEnds::Each(pairs) => pairs,
-        };
-        pairs.iter().find_map(|pair| SideLengths().outside(pair))
+    fn outside(&self, value: &BracketLengths) -> Option<String> {
+        value.all().iter().find_map(|pair| SideLengths().outside(pair))
     }
 
-    fn written(&self, value: &RibEnds) -> String {
+    fn written(&self, value: &BracketLengths) -> String {
         match value {
-            RibEnds::Alike(pair) => SideLengths().written(pair),
-            RibEnds::Each(pairs) => format!("{pairs:?}"),
+            BracketLengths::Alike(pair) => SideLengths().written(pair),
+            BracketLengths::Each(pairs) => format!("{pairs:?}"),
         }
     }
 }

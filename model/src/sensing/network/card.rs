@@ -108,7 +108,7 @@ impl NetworkCard {
         }
         let require = |holds: bool, key: &str, expected: &str, found: String| match holds {
             true => Ok(()),
-            false => Err(NetworkError::Parts { part: key.to_owned(), expected: expected.to_owned(), found }),
+            false => Err(NetworkError::of_part(key, expected, found)),
         };
         let repeated = |i: usize| self.markers[..i].contains(&self.markers[i]);
         require(!self.markers.is_empty(), "markers", "at least one node", "none".to_owned())?;

@@ -169,6 +169,13 @@ pub enum NetworkError {
     Sensing(#[from] SensingError),
 }
 
+impl NetworkError {
+    /// [`NetworkError::Parts`].
+    pub(super) fn of_part(part: &str, expected: &str, found: impl ToString) -> NetworkError {
+        NetworkError::Parts { part: part.to_owned(), expected: expected.to_owned(), found: found.to_string() }
+    }
+}
+
 /// Refuses a tensor that does not fit.
 ///
 /// # Errors

@@ -158,11 +158,8 @@ fn to_matrix(name: &str, tensor: &TensorView) -> Result<DMatrix<f64>, NetworkErr
 }
 
 fn matrix_shape(name: &str, tensor: &TensorView) -> Result<[usize; 2], NetworkError> {
-    tensor.shape().try_into().map_err(|_| NetworkError::Parts {
-        part: name.to_owned(),
-        expected: "a matrix".to_owned(),
-        found: format!("the shape {:?}", tensor.shape()),
-    })
+    let shape = tensor.shape();
+    shape.try_into().map_err(|_| NetworkError::of_part(name, "a matrix", format!("the shape {shape:?}")))
 }
 
 /// Takes a tensor out of those that were read.

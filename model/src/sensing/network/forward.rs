@@ -21,8 +21,8 @@ pub(super) struct Forward {
     /// `None` for portable instructions.
     arch: Option<Arch>,
     plan: Plan,
-    one: OneFrame,
-    many: ManyFrames,
+    one: Between,
+    many: Between,
 }
 
 /// z = P x + offset; h = tanh(W h + b) layer by layer, the first from z; f = W h + b + skip z.
@@ -35,17 +35,10 @@ struct Plan {
     skip: Option<Weights<f32>>,
 }
 
-/// What lies between the layers for one frame.
+/// What lies between the layers for one frame, or for a tile of frames: a row of frames for each number.
 #[derive(Debug, Clone)]
-struct OneFrame {
-    projected: Aligned<f64>,
-    inputs: Aligned<f32>,
-    activations: [Aligned<f32>; 2],
-}
-
-/// What lies between the layers for a tile of frames: a row of frames for each number.
-#[derive(Debug, Clone)]
-struct ManyFrames {
+struct Between {
+    /// Of a tile; those of one frame are read where they are.
     displacements: Aligned<f64>,
     projected: Aligned<f64>,
     inputs: Aligned<f32>,
@@ -112,13 +105,14 @@ impl WithSimd for Arrange<'_> {
             layers: layers.iter().map(arranged).collect(),
             skip: (!skip.is_empty()).then(|| Weights::new::<S>(outputs, inputs, |o, i| skip[o * inputs + i])),
         };
-        let one = OneFrame {
+        let one = Between {
+            displacements: Aligned::zeros(0),
             projected: Aligned::zeros(padded::<f64, S>(inputs)),
             inputs: Aligned::zeros(inputs),
             activations: [(); 2].map(|()| Aligned::zeros(padded::<f32, S>(widest))),
         };
         let (frames, frames_f64) = (tile_frames::<f32, S>(), tile_frames::<f64, S>());
-        let many = ManyFrames {
+        let many = Between {
             displacements: Aligned::zeros(coordinates * frames_f64),
             projected: Aligned::zeros(tiled(inputs) * frames_f64),
             inputs: Aligned::zeros(inputs * frames),
@@ -130,7 +124,7 @@ impl WithSimd for Arrange<'_> {
 
 struct EvaluateOne<'a> {
     plan: &'a Plan,
-    between: &'a mut OneFrame,
+    between: &'a mut Between,
     displacements: &'a [f64],
     forces_n: &'a mut [f64],
 }
@@ -172,7 +166,7 @@ impl WithSimd for EvaluateOne<'_> {
 
 struct EvaluateMany<'a> {
     plan: &'a Plan,
-    between: &'a mut ManyFrames,
+    between: &'a mut Between,
     displacements: &'a [f64],
     forces_n: &'a mut [f64],
 }
@@ -185,7 +179,7 @@ impl WithSimd for EvaluateMany<'_> {
         let Plan { coordinates, projection, offset, layers, skip } = self.plan;
         let outputs = layers.last().map_or(0, |(weights, _)| weights.outputs());
         let (frames, frames_f64) = (tile_frames::<f32, S>(), tile_frames::<f64, S>());
-        let ManyFrames { displacements: x, projected, inputs, activations: [from, to] } = self.between;
+        let Between { displacements: x, projected, inputs, activations: [from, to] } = self.between;
         let (x, projected, z) = (x.as_mut_slice(), projected.as_mut_slice(), inputs.as_mut_slice());
         let (mut from, mut to) = (from.as_mut_slice(), to.as_mut_slice());
         let tiles = self.displacements.chunks(frames * coordinates).zip(self.forces_n.chunks_mut(frames * outputs));

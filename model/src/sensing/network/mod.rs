@@ -128,8 +128,7 @@ impl Network {
         require_shape("mean", &[n], &[self.inputs.mean.len()])?;
         let projection = &self.inputs.projection;
         if p == 0 || p > n {
-            let expected = format!("1 to {n} rows");
-            return Err(NetworkError::Parts { part: "projection".to_owned(), expected, found: p.to_string() });
+            return Err(NetworkError::of_part("projection", &format!("1 to {n} rows"), p));
         }
         require_shape("projection", &[p, n], &[p, projection.ncols()])?;
         require_shape("variances", &[p], &[self.inputs.variances.len()])?;
@@ -152,12 +151,7 @@ impl Network {
             inputs = outputs;
         }
         if self.layers.is_empty() || inputs == 0 {
-            let expected = "at least one layer, none of them empty".to_owned();
-            return Err(NetworkError::Parts {
-                part: "layers".to_owned(),
-                expected,
-                found: self.layers.len().to_string(),
-            });
+            return Err(NetworkError::of_part("layers", "at least one layer, none of them empty", self.layers.len()));
         }
         let any_of = self.card.contact_set == ContactSet::AnyOf;
         if !self.skip.is_empty() {
@@ -193,10 +187,6 @@ fn require_not_negative(part: &str, values: &[f64]) -> Result<(), NetworkError> 
     require_finite(part, values.iter().copied())?;
     match values.iter().find(|value| **value < 0.0) {
         None => Ok(()),
-        Some(value) => Err(NetworkError::Parts {
-            part: part.to_owned(),
-            expected: "numbers of zero or more".to_owned(),
-            found: value.to_string(),
-        }),
+        Some(value) => Err(NetworkError::of_part(part, "numbers of zero or more", value)),
     }
 }

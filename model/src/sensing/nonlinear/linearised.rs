@@ -87,10 +87,7 @@ impl Linearised {
         let unknowns = unknowns.len();
         let finger = mesh.finger();
         let key_nodes = finger.key_node_count();
-        let point = |node: NodeId| MarkerPoint {
-            node: mesh.marker_node(node),
-            rest: finger.position(node) + finger.marker_offset(node),
-        };
+        let point = |node: NodeId| MarkerPoint { node: mesh.marker_node(node), rest: finger.marker_position(node) };
         Linearised {
             marker_points: (1..=key_nodes).map(|node| point(NodeId(node))).collect(),
             rates: vec![Vector::zeros(); key_nodes * unknowns],

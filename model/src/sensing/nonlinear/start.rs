@@ -230,7 +230,7 @@ impl NonlinearEstimator<'_> {
 /// # Reference
 /// Umeyama, IEEE Transactions on Pattern Analysis and Machine Intelligence 13 (1991), in the plane.
 fn rigid_motion(finger: &Finger, measurement: &Measurement) -> Isometry2<f64> {
-    let markers = || measurement.markers().iter().map(|marker| (marker_at_rest(finger, marker), marker));
+    let markers = || measurement.markers().iter().map(|marker| (finger.marker_position(marker.node), marker));
     let weight: f64 = markers().map(|(_, m)| m.weight * m.weight).sum();
     let mean = |of: fn(Vector, &Marker) -> Vector| {
         markers().map(|(rest, m)| of(rest, m) * m.weight * m.weight).sum::<Vector>() / weight
@@ -246,18 +246,13 @@ fn rigid_motion(finger: &Finger, measurement: &Measurement) -> Isometry2<f64> {
     Isometry2::from_parts((to - rotation * from).into(), rotation)
 }
 
-/// Where the finger has a marker when nothing bends it, finger frame, mm.
-fn marker_at_rest(finger: &Finger, marker: &Marker) -> Vector {
-    finger.position(marker.node) + finger.marker_offset(marker.node)
-}
-
 /// The displacements as a base elsewhere has them.
 fn seen_from<'m>(finger: &Finger, measurement: &'m Measurement, base: &Isometry2<f64>) -> Cow<'m, Measurement> {
     if *base == Isometry2::identity() {
         return Cow::Borrowed(measurement);
     }
     Cow::Owned(measurement.clone().displaced(|marker| {
-        let rest = marker_at_rest(finger, marker);
+        let rest = finger.marker_position(marker.node);
         base.inverse_transform_point(&Point2::from(rest + marker.displacement)).coords - rest
     }))
 }
