@@ -6,8 +6,9 @@ use finray_model::keys;
 use finray_verify::files::write_text;
 
 /// Name of a topic, what it tells, and its text.
-const TOPICS: [(&str, &str, fn() -> String); 1] =
-    [("scene", "Every table and key of a scene file: unit, range, default and meaning", scene)];
+type Topic = (&'static str, &'static str, fn() -> String);
+
+const TOPICS: [Topic; 1] = [("scene", "Every table and key of a scene file: unit, range, default and meaning", scene)];
 
 /// Print a guide or a reference: without a topic the list of topics.
 ///

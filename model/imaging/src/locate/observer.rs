@@ -22,7 +22,7 @@ pub struct Observer<'f> {
 #[derive(Debug, Clone)]
 enum AnyLocator<'f> {
     Coloured(Box<Locator<'f>>),
-    Grey(RimLocator<'f>),
+    Grey(Box<RimLocator<'f>>),
 }
 
 /// Why images of a scene cannot be read.
@@ -83,7 +83,7 @@ impl<'f> Observer<'f> {
     ) -> Result<Observer<'f>, LocatorError> {
         let locator = match markers.look {
             MarkerLook::Coloured { .. } => AnyLocator::Coloured(Box::new(Locator::new(finger, camera, markers)?)),
-            MarkerLook::Grey { .. } => AnyLocator::Grey(RimLocator::new(finger, camera, markers, base)?),
+            MarkerLook::Grey { .. } => AnyLocator::Grey(Box::new(RimLocator::new(finger, camera, markers, base)?)),
         };
         let base_moves = base.is_some() && matches!(locator, AnyLocator::Grey(_));
         Ok(Observer { finger, locator, at_rest: Vec::new(), rest_residual_px: None, base_moves })

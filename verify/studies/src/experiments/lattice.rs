@@ -160,7 +160,7 @@ pub(crate) fn run_beside_objects(
 }
 
 impl LatticeStudy {
-    /// Steps of [`run`](LatticeStudy::run).
+    /// Steps of a study.
     pub const STEPS: usize = 7;
 
     /// Computes everything; `theirs` is the map of least squares on the co-rotational finger without noise, `noise` the

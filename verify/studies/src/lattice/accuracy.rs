@@ -178,7 +178,7 @@ fn settling_cost(lattice: &Lattice, loads: &LoadGrid) -> Result<SettlingCost, La
 /// Settled shapes over a grid of loads, and what they cost.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SettledGrid {
-    /// By node and direction, then force, like [`beam_shapes`].
+    /// By node and direction, then force.
     pub shapes: Vec<Vec<FingerShape>>,
     /// Most steps.
     pub steps: usize,

@@ -116,7 +116,7 @@ pub(super) fn solve(finger: &Finger) -> Result<ProblemResults, ProblemError> {
 /// Every exported finger under every exported force, against converged beams, and against linear beams under the least force.
 ///
 /// # Errors
-/// See [`deviations`].
+/// [`ProblemError`] where a shape was not exported or a finger has no equilibrium.
 pub fn static_checks(exported: &ExportedFinger) -> Result<Vec<Check>, ProblemError> {
     let deviations = deviations(exported)?;
     let over_all = |figure: fn(&CaseDeviation) -> f64| worst(deviations.iter().map(figure));
