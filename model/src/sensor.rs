@@ -78,7 +78,7 @@ impl Default for SensorOptions<'_> {
 /// let bent = statics::solve(&mesh, &[contact.load(&scene.finger, 2.0)], Kinematics::Corotational)?;
 /// let seen = Observation::of_shape(&scene.finger, &bent);
 ///
-/// // Its position is sought with the force, along the normal of the deformed plate.
+/// // Its position is sought with the force, along the normal of the undeformed plate.
 /// let question = ContactQuestion { position: None, direction: Direction::Angle(0.0) };
 /// let options = SensorOptions { noise_mm: Some(0.01), ..SensorOptions::default() };
 /// let sensor = Sensor::new(&scene, SensorContacts::Asked(vec![question]), options)?;

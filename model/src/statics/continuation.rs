@@ -20,7 +20,7 @@ const GROWTH: f64 = 3.0;
 const LEAST_SHARE: f64 = 0.01;
 /// Where a step as short as this share of the way fails, it may be for too fine a mesh.
 const SHORT_STEP: f64 = 1e-3;
-/// Smallest step that is tried where no end of the branch can be told, as a share of the whole way.
+/// Smallest step that is tried where the end of the branch is unknown, as a share of the whole way.
 const LEAST_STEP: f64 = 1e-7;
 /// The same of a way that is a trial.
 const LEAST_TRIED_STEP: f64 = 0.02;

@@ -20,6 +20,11 @@ impl Contacts {
     /// [`Failure::BadInput`] where a direction is that of friction or of an object and none is known, or some contacts have standard deviations and others
     /// do not.
     pub fn of(&self, scene: &Scene, friction: f64) -> Result<SensorContacts, Failure> {
+        if self.0.iter().any(|asked| asked.has_deviation() && asked.measured().is_none()) {
+            return Err(bad_input(
+                "a contact with standard deviations (+-): expected numbers for its position and its direction",
+            ));
+        }
         let measured: Vec<MeasuredContact> = self.0.iter().filter_map(AskedContact::measured).collect();
         if !measured.is_empty() {
             return match measured.len() == self.0.len() {

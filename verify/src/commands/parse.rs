@@ -111,11 +111,15 @@ pub struct AskedContact {
 }
 
 impl AskedContact {
-    /// The contact, where position or direction has a standard deviation.
+    /// Whether position or direction has a standard deviation.
+    pub fn has_deviation(&self) -> bool {
+        self.position_sd_mm.or(self.direction_sd_deg).is_some()
+    }
+
+    /// The contact, where position or direction has a standard deviation and both are numbers.
     pub fn measured(&self) -> Option<MeasuredContact> {
-        let is_measured = self.position_sd_mm.or(self.direction_sd_deg).is_some();
         match (self.position, self.direction) {
-            (Some(position), AskedDirection::Itself(Direction::Angle(angle_deg))) if is_measured => {
+            (Some(position), AskedDirection::Itself(Direction::Angle(angle_deg))) if self.has_deviation() => {
                 Some(MeasuredContact {
                     contact: Contact { position, angle_deg },
                     direction_sd_rad: self.direction_sd_deg.unwrap_or_default().to_radians(),

@@ -54,6 +54,11 @@ fn sense_of_measured_contacts_gives_what_press_gives() {
     assert!(exact < of_sense[1], "{exact} and {of_sense:?}");
     let mixed = [&sense[..], &["--contact", "17"]].concat();
     assert_says(&finray(&mixed).refused(), &["expected all contacts with standard deviations (+-), or none"]);
+    // A deviation is not dropped in silence where something else of its contact is sought.
+    for contact in ["auto@-20+-3", "80+-0.5@normal", "80+-0.5@auto"] {
+        let sense = ["sense", &scene, "--displacements", &shape, "--contact-at", contact, "--noise-mm", LEAST_MM];
+        assert_says(&finray(&sense).refused(), &["expected numbers for its position and its direction"]);
+    }
 }
 
 #[test]
