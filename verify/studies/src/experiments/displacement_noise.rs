@@ -12,7 +12,7 @@ use crate::sampling::noise::Noise;
 use crate::sampling::scatter::sampled_nodes;
 use finray_model::measurement::DisplacementNoise;
 use finray_model::measurement::noise::base_motions;
-use finray_model::optimise::{FromFunction, LevenbergMarquardt, Refusal, covariance};
+use finray_numerics::optimise::{FromFunction, LevenbergMarquardt, Refusal, covariance};
 use finray_model::sensing::Response;
 
 /// Standard deviation of the finger base's position along each axis where it is computed from the motor angle, mm. The offsets of motor and
