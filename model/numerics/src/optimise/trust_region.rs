@@ -56,7 +56,7 @@ impl TrustRegion {
         prediction.reach <= self.longest
     }
 
-    /// The step with the smallest damping that stays within, to [`DAMPING_FACTOR`], from the last one on, by `solve`.
+    /// The step with the smallest damping that stays within, to `DAMPING_FACTOR`, from the last one on, by `solve`.
     ///
     /// # Errors
     /// Those of `solve`.

@@ -66,8 +66,7 @@ pub struct SceneStep {
     pub pressed: Pressed,
     /// Contacts in front of the camera, without its noise, with their true forces.
     pub contacts: Vec<SeenContact>,
-    /// How far the shape is from the lattice's equilibrium under the contact forces, as a share of the largest displacement;
-    /// `None` where Newton's method finds none.
+    /// Distance of the shape from the lattice's equilibrium, over the largest displacement; `None` without one.
     pub equilibrium_difference: Option<f64>,
 }
 
@@ -168,8 +167,7 @@ impl ContactScene {
     /// Runs the scene; `each` is handed every step as soon as it rests.
     ///
     /// # Errors
-    /// [`LatticeError`] if the object does not start outside the finger, or a step does not settle: the steps before were handed
-    /// out.
+    /// [`LatticeError`] if the object starts within the finger, or a step does not settle; earlier steps were handed out.
     pub fn run(&self, mut each: impl FnMut(SceneStep)) -> Result<(), LatticeError> {
         let lattice = Lattice::new(self.finger(), self.fineness)?;
         let PreparedObject { rigid, start, along, steps, .. } = &self.object;

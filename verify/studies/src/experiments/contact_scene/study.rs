@@ -129,8 +129,7 @@ impl SceneStudy {
     /// Runs a prepared scene, and takes `samples` noise samples of each step; `done` is called after every step.
     ///
     /// # Errors
-    /// [`SceneStudyError::Statics`] if beams have no equilibrium under contact forces that the lattice carries. A step that does not
-    /// settle ends the scene instead.
+    /// [`SceneStudyError::Statics`] if beams do not carry what the lattice does. A step that does not settle ends the scene.
     pub fn run(
         name: &str,
         scene: &ContactScene,
