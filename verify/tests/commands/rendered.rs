@@ -227,9 +227,10 @@ fn images() -> usize {
 /// Renders with a pad, calibrates and senses with a scene that states one; prints a table and returns what was found for each of [`Known::ALL`].
 fn sensed(pad: Pad, stated: Pad) -> [Tally; 5] {
     let fingers = (images() / SENSED).max(FINGERS);
+    let of_finger = |finger| sensed_with(&Built::new(finger), finger, images() / fingers, pad, stated);
+    let answers: Vec<Vec<(Press, [Answer; 5])>> = (0..fingers).into_par_iter().map(of_finger).collect();
     let mut tallies: [Tally; 5] = std::array::from_fn(|_| Tally::default());
-    for finger in 0..fingers {
-        let answers = sensed_with(&Built::new(finger), finger, images() / fingers, pad, stated);
+    for answers in &answers {
         for (i, tally) in tallies.iter_mut().enumerate() {
             tally.within.push([0, 0]);
             answers.iter().for_each(|(press, answers)| tally.add(press, &answers[i]));
