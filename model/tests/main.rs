@@ -16,6 +16,7 @@ mod sensing {
     mod nonlinear;
     mod object;
     mod pad;
+    mod random_fingers;
     mod residual_test;
     mod stated_sigma;
 }

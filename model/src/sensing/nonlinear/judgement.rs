@@ -5,6 +5,7 @@ use super::touching::Touching;
 use super::unknowns::Unknown;
 use super::{NonlinearEstimate, NonlinearEstimator, State, largest_explained_rms_mm};
 use crate::finger::Plate;
+use crate::frame::FrameMotion;
 use crate::measurement::Measurement;
 use crate::sensing::residual_test::noise_of;
 use crate::sensing::{
@@ -39,21 +40,35 @@ impl NonlinearEstimate {
         claimed.map_or(Ok(()), |i| Err(SensingError::Ambiguous { contact: i + 1, force_n: forces_n[i], other_n: 0.0 }))
     }
 
-    /// Refuses an estimate where the search began with other forces that explain the data as well, though they are no
-    /// minimum: where the finger answers linearly, forces whose misfit is no larger than [`AS_GOOD`] allows are within three
-    /// standard deviations.
+    /// Refuses an estimate beside which other forces explain the data as well, though they are no minimum: where the finger answers linearly,
+    /// forces whose misfit is no larger than [`AS_GOOD`] allows are within three standard deviations. `others` holds misfits and forces.
     ///
     /// # Errors
     /// [`SensingError::Ambiguous`].
-    pub(super) fn check_starts<'s>(
+    pub(super) fn check_other_forces<'s>(
         &self,
         misfit: f64,
-        starts: impl Iterator<Item = (f64, &'s Vec<f64>)>,
+        others: impl Iterator<Item = (f64, &'s Vec<f64>)>,
     ) -> Result<(), SensingError> {
-        for (start_misfit, start_n) in starts {
-            self.is_confirmed_by(start_n, start_misfit - misfit)?;
+        for (other_misfit, other_n) in others {
+            self.is_confirmed_by(other_n, other_misfit - misfit)?;
         }
         Ok(())
+    }
+
+    /// Refuses several forces that leave no coordinate to confirm them, where they are others than those of the linear finger: any number of
+    /// equilibria may then explain the measurement exactly. `starts` begins with the linear forces, if the search did.
+    ///
+    /// # Errors
+    /// [`SensingError::Unconfirmed`].
+    pub(super) fn check_unconfirmed(
+        &self,
+        coordinates: usize,
+        starts: &[(Vec<f64>, FrameMotion)],
+    ) -> Result<(), SensingError> {
+        let count = self.forces.forces_n.len();
+        let is_far = starts.first().is_some_and(|(linear_n, _)| self.other_answer(linear_n).is_some());
+        if count > 1 && coordinates <= count && is_far { Err(SensingError::Unconfirmed) } else { Ok(()) }
     }
 
     /// Whether other forces, whose misfit is larger by `excess`, are the same answer.

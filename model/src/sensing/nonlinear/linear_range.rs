@@ -1,6 +1,8 @@
 //! Validity of a standard deviation: it is that of the finger linearised at the estimate.
 
-use super::{NonlinearEstimator, State};
+use super::linearised::Posed;
+use super::minima::MANY_COORDINATES;
+use super::{NonlinearEstimate, NonlinearEstimator, State};
 use crate::Vector;
 use crate::measurement::Measurement;
 use crate::sensing::SensingError;
@@ -12,7 +14,65 @@ const WELL_KNOWN: f64 = 0.3;
 /// share (Bates and Watts, Nonlinear Regression Analysis and Its Applications, ch. 7, on the intrinsic curvature).
 const LARGEST_DEPARTURE: f64 = 0.5;
 
+/// Ends of the confidence region where it is tried, in standard deviations.
+const REACH: f64 = 3.0;
+/// A misfit that has grown by less than this at an end, in squared standard deviations, leaves the force unknown: 9 where the finger answers
+/// linearly.
+const LEAST_GROWTH: f64 = 1.0;
+
 impl NonlinearEstimator<'_> {
+    /// Widens standard deviations where the misfit grows less from the estimate to the ends of its confidence region than it does for a finger that
+    /// answers linearly. For forces at known contacts from few coordinates.
+    ///
+    /// # Errors
+    /// [`SensingError::Undetermined`] where it hardly grows.
+    pub(super) fn widen_by_curvature(
+        &mut self,
+        state: &State,
+        measurement: &Measurement,
+        estimate: &mut NonlinearEstimate,
+    ) -> Result<(), SensingError> {
+        let noise_mm = estimate.forces.noise_mm;
+        let is_of_forces =
+            self.unknowns.len() == self.questions.len() && self.object.is_none() && !self.follows_plate();
+        if !is_of_forces
+            || measurement.coordinate_count() >= MANY_COORDINATES[0]
+            || !(noise_mm > 0.0 && noise_mm.is_finite())
+        {
+            return Ok(());
+        }
+        let least_mm2 = state.linearised.misfit(state.posed(), measurement);
+        let axes = estimate.covariance_n2.clone().symmetric_eigen();
+        for (variance_n2, axis) in axes.eigenvalues.iter().zip(axes.eigenvectors.column_iter()) {
+            let sd_n = variance_n2.max(0.0).sqrt();
+            let mut widened = Vec::with_capacity(2);
+            for reach in [-REACH, REACH] {
+                let forces_n: Vec<f64> = state.forces_n.iter().zip(&axis).map(|(f, a)| f + reach * sd_n * a).collect();
+                // A finger that does not carry the forces does not have them.
+                let Some(end) = self.state_under(&state.contacts, &forces_n, Some(state)) else { continue };
+                let shape = Posed { nuisances: &state.nuisances, ..end.posed() };
+                let growth = (state.linearised.misfit(shape, measurement) - least_mm2) / (noise_mm * noise_mm);
+                if growth < LEAST_GROWTH {
+                    let contact = axis.iamax();
+                    let sigma = estimate.forces.sigmas_n[contact];
+                    return Err(SensingError::Undetermined {
+                        what: "the force",
+                        contact: contact + 1,
+                        sigma,
+                        unit: "N",
+                    });
+                }
+                widened.push((REACH * REACH / growth - 1.0).max(0.0));
+            }
+            let more = widened.iter().sum::<f64>() / widened.len().max(1) as f64 * variance_n2;
+            for (i, sigma_n) in estimate.forces.sigmas_n.iter_mut().enumerate() {
+                *sigma_n = sigma_n.hypot(more.sqrt() * axis[i]);
+            }
+            estimate.covariance_n2 += &axis * axis.transpose() * more;
+        }
+        Ok(())
+    }
+
     /// Refuses forces that the noise leaves so open that the finger answers differently, or not at all, within their
     /// standard deviations: as where a plate is pushed along itself, which moves nothing until it buckles.
     ///

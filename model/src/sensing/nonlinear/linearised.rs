@@ -125,6 +125,11 @@ impl Linearised {
         self.prior_rows.extend(self.priors.rows(nuisances, forces_n));
     }
 
+    /// Displacement of a key node's marker in a shape, as a measurement has it.
+    pub(super) fn seen_displacement(&self, key_node: usize, shape: Posed) -> Vector {
+        self.marker_points[key_node].displacement(shape)
+    }
+
     /// Displacement of a key node per unit of an unknown.
     pub(super) fn rate(&self, unknown: usize, key_node: usize) -> Vector {
         // As many weights as key nodes.

@@ -11,8 +11,10 @@ mod judgement;
 mod leaning;
 mod linear_range;
 mod linearised;
+mod minima;
 mod nuisances;
 mod refine;
+mod scan;
 mod search;
 mod search_history;
 mod simultaneous;
@@ -36,20 +38,15 @@ use crate::statics::{Ladder, Statics};
 use crate::{Finger, Kinematics};
 use leaning::FoundLean;
 use linearised::{Linearised, Posed};
+use minima::Minima;
 use nalgebra::DMatrix;
 use nuisances::{Nuisances, Priors};
-use search_history::SearchHistory;
-use start::Start;
+use scan::Scan;
 use touching::Touching;
 use unknowns::Unknown;
 
 /// Turn of a deformed normal in one step, degrees, below which it counts as settled: worth 1e-6 of the force.
 const SETTLED_ANGLE_DEG: f64 = 1e-4;
-/// A minimum that leaves more than this share of the displacements, or this many standard deviations, unexplained may
-/// be a wrong one: the search starts again from the linear forces times other factors, and the best minimum counts.
-const POOR_FIT: f64 = 0.02;
-const POOR_FIT_SIGMAS: f64 = 3.0;
-
 /// Residual, root mean square over the coordinates, up to which a measurement counts as explained under some noise.
 fn largest_explained_rms_mm(noise_mm: f64, moved_rms_mm: f64) -> f64 {
     f64::max(UNEXPLAINED_SIGMAS * noise_mm, UNEXPLAINED_SHARE * moved_rms_mm)
@@ -103,6 +100,8 @@ pub struct NonlinearEstimator<'m> {
     last: Option<State>,
     /// Where estimates start after a [`reset`](NonlinearEstimator::reset).
     held: Option<State>,
+    /// Equilibria of all forces; the inner option is empty where they are not scanned, the outer one until somebody asks.
+    scan: Option<Option<Scan>>,
 }
 
 /// Unknowns, the equilibrium that belongs to them and the problem linearised there.
@@ -190,12 +189,14 @@ impl<'m> NonlinearEstimator<'m> {
             statics: Statics::ladder(mesh, Kinematics::Corotational),
             last: None,
             held: None,
+            scan: None,
         })
     }
 
     /// The same with a pad between objects and the plate; before an object.
     pub fn with_pad(mut self, pad: Pad) -> NonlinearEstimator<'m> {
         self.pad = pad;
+        self.scan = None;
         self.forget();
         self
     }
@@ -223,13 +224,23 @@ impl<'m> NonlinearEstimator<'m> {
     fn state_at(&mut self, forces_n: &[f64], from: Option<State>) -> Option<State> {
         self.object.is_none().then_some(())?;
         let contacts: Vec<Contact> = self.questions.iter().map(ContactQuestion::known).collect::<Option<_>>()?;
+        let near = from.and_then(|from| self.state_under(&contacts, forces_n, Some(&from)));
+        near.or_else(|| self.state_under(&contacts, forces_n, None))
+    }
+
+    /// The state under forces at contacts, followed from another state; from rest without one.
+    fn state_under(&mut self, contacts: &[Contact], forces_n: &[f64], from: Option<&State>) -> Option<State> {
         let of_contacts = contacts.iter().zip(forces_n).flat_map(|(c, f)| self.pad.loads(self.mesh, c, *f, 0.0));
         let loads = of_contacts.collect::<Result<Vec<_>, _>>().ok()?;
-        let near = from.and_then(|from| self.statics.shifted(&from.motion, &from.loads, &loads).ok());
-        let motion = near.or_else(|| self.statics.equilibrium(&loads).ok())?.motion;
+        let equilibrium = match from {
+            Some(from) => self.statics.tried(&from.motion, [&from.loads, &loads], 1, |_, _| true),
+            None => self.statics.equilibrium(&loads),
+        };
+        let motion = equilibrium.ok()?.motion;
         let nuisances = Nuisances::expected(contacts.len());
         let linearised = Linearised::new(self.mesh, &self.unknowns, self.priors.clone());
         let (forces_n, plate_turns_rad) = (forces_n.to_vec(), vec![0.0; contacts.len()]);
+        let contacts = contacts.to_vec();
         let mut state = State { forces_n, contacts, nuisances, plate_turns_rad, loads, motion, linearised };
         self.statics.linearise(&state.motion, &state.loads).then_some(())?;
         self.differentiate(&mut state).ok()?;
@@ -256,67 +267,24 @@ impl<'m> NonlinearEstimator<'m> {
         noise_mm: Option<f64>,
     ) -> Result<NonlinearEstimate, SensingError> {
         self.expect(measurement, noise_mm)?;
+        let coordinates = measurement.coordinate_count();
         // What is known beforehand is as good as measured.
         let known = self.priors.count() + self.object.as_ref().map_or(0, Touching::row_count);
         let unknowns = self.unknowns.len().saturating_sub(known);
-        let coordinates = measurement.coordinate_count();
         if unknowns > coordinates {
             return Err(SensingError::TooFewMarkers { unknowns, coordinates });
         }
-        let moved: f64 = measurement.markers().iter().map(|m| m.displacement.norm_squared()).sum();
-        // Priors rest on the noise, and leave more than one minimum within a small share of what the markers moved.
-        let share = if self.priors.count() == 0 { POOR_FIT } else { 0.0 };
-        let poor = (share * (moved / coordinates as f64).sqrt()).max(POOR_FIT_SIGMAS * noise_mm.unwrap_or(0.0));
-        let largest_misfit = poor * poor * coordinates as f64;
-        let mut best = self.minimum_at_hand(measurement, noise_mm)?;
-        let mut failure = None;
-        // Misfit and forces of all minima.
-        let mut minima: Vec<(f64, Vec<f64>)> = Vec::new();
-        // Forces and shapes from which they were sought.
-        let mut starts: Vec<(Vec<f64>, FrameMotion)> = Vec::new();
-        let explained_mm2 = noise_mm.map(|noise_mm| {
-            let residual_rms_mm = largest_explained_rms_mm(noise_mm, (moved / coordinates as f64).sqrt());
-            residual_rms_mm * residual_rms_mm * coordinates as f64
-        });
-        let mut history = SearchHistory::of(&self.unknowns, &self.questions).explaining_up_to(explained_mm2);
-        for start in self.starts(measurement.base().is_some()) {
-            if let Some(found) = &mut best
-                && self.misfit(&found.state, measurement) <= largest_misfit
-            {
-                if found.near || matches!(start, Start::Towards(_) | Start::FromMovedBase | Start::Held) {
-                    break;
-                }
-                // An explanation that leaves the unknowns open is reason enough to refuse.
-                self.judged(&mut found.state, measurement, noise_mm, found.steps)?;
-            }
-            // The linear forces lead nowhere else; other directions and another base may.
-            if matches!(start, Start::Times(_)) && history.agree_on_none() {
-                continue;
-            }
-            history.begin();
-            match self.searched(measurement, noise_mm, start, &mut starts, &mut history) {
-                Ok(Some(found)) => {
-                    let misfit = |found: &Found| self.misfit(&found.state, measurement);
-                    minima.extend(history.end(Some((misfit(&found), found.state.forces_n.clone()))));
-                    if best.as_ref().is_none_or(|best| misfit(&found) < misfit(best)) {
-                        best = Some(found);
-                    }
-                }
-                Ok(None) => minima.extend(history.end(None)),
-                Err(error) => {
-                    history.end(None);
-                    failure = failure.or(Some(error));
-                }
-            }
-        }
-        let Found { mut state, steps, near } = best.ok_or_else(|| failure.unwrap_or(SensingError::NoContact))?;
+        let Minima { best, all, starts, scanned } = self.minima(measurement, noise_mm)?;
+        let Found { mut state, steps, near } = best;
         let least_misfit = self.misfit(&state, measurement);
         let mut estimate = self.judged(&mut state, measurement, noise_mm, steps)?;
         estimate.check_against_nothing(least_misfit, state.linearised.misfit_at_rest(measurement))?;
         self.require_linear_range(&state, measurement, &estimate.forces.sigmas_n)?;
         // With several unknown positions, answers may differ in their order alone.
         if self.questions.iter().filter(|question| question.position.is_none()).count() <= 1 {
-            estimate.check_rivals(least_misfit, &minima, near, coordinates)?;
+            let is_confirmed = near || !scanned.is_empty();
+            estimate.check_unconfirmed(coordinates, &starts)?;
+            estimate.check_rivals(least_misfit, &all, is_confirmed, coordinates)?;
             // A start pushes along the undeformed normal where the deformed one is asked for: it is no answer then.
             if !self.follows_plate() {
                 let expected = Nuisances::expected(self.questions.len());
@@ -324,9 +292,11 @@ impl<'m> NonlinearEstimator<'m> {
                     let shape = Posed { motion, forces_n, nuisances: &expected };
                     (state.linearised.misfit(shape, measurement), forces_n)
                 });
-                estimate.check_starts(least_misfit, starts)?;
+                let scanned = scanned.iter().flatten().map(|point| (point.misfit_mm2, &point.forces_n));
+                estimate.check_other_forces(least_misfit, starts.chain(scanned))?;
             }
         }
+        self.widen_by_curvature(&state, measurement, &mut estimate)?;
         self.widen_by_leans(&state, measurement, noise_mm, &mut estimate)?;
         self.last = Some(state);
         Ok(estimate)
@@ -357,43 +327,7 @@ impl<'m> NonlinearEstimator<'m> {
     fn list_unknowns(&mut self, is_base_sought: bool) {
         let object = self.object.as_ref().map(|touching| &touching.object);
         self.unknowns = Unknown::of(&self.questions, is_base_sought, object);
+        self.scan = None;
         self.forget();
-    }
-
-    /// The minimum nearest to a start, the careful way if it is not near; `None` if the search for it comes upon a search of the `history`.
-    /// Adds the start's forces and shape to `starts`.
-    fn searched(
-        &mut self,
-        measurement: &Measurement,
-        noise_mm: Option<f64>,
-        start: Start,
-        starts: &mut Vec<(Vec<f64>, FrameMotion)>,
-        history: &mut SearchHistory,
-    ) -> Result<Option<Found>, SensingError> {
-        let start = match self.object {
-            None => self.start(measurement, noise_mm, start)?,
-            Some(_) => self.searched_without_object(measurement, noise_mm, start)?,
-        };
-        starts.push((start.forces_n.clone(), start.motion.clone()));
-        self.minimum_near(start, measurement, noise_mm, history)
-    }
-
-    /// The minimum nearest to a state, the careful way if it is not near; `None` if the search for it comes upon a search of the `history`.
-    fn minimum_near(
-        &mut self,
-        start: State,
-        measurement: &Measurement,
-        noise_mm: Option<f64>,
-        history: &mut SearchHistory,
-    ) -> Result<Option<Found>, SensingError> {
-        if history.meets(&start) {
-            return Ok(None);
-        }
-        let mut state = start.clone();
-        if let Some(steps) = self.correct(&mut state, measurement, noise_mm) {
-            history.reach(&state);
-            return Ok(Some(Found { state, steps, near: true }));
-        }
-        self.search(start, measurement, noise_mm, history)
     }
 }

@@ -228,7 +228,7 @@ impl<'m> NonlinearEstimator<'m> {
         &mut self,
         measurement: &Measurement,
         noise_mm: Option<f64>,
-        start: super::Start,
+        start: super::start::Start,
     ) -> Result<State, SensingError> {
         let mut estimator = self.without_object()?;
         estimator.expect(measurement, noise_mm)?;

@@ -1,0 +1,182 @@
+//! All minima of the misfit that are found from several starts, and the least of them.
+//!
+//! Most measurements have one minimum, and the first start leads to it. Few markers, few ribs and plates that buckle leave several. Then the
+//! search starts from multiples of the linear forces and, for forces at known contacts, from every minimum among all equilibria that the finger
+//! has under such forces ([`scan`](super::scan)): the least one is not missed.
+
+use super::scan::{ScannedPoint, least};
+use super::search_history::SearchHistory;
+use super::start::Start;
+use super::{Found, NonlinearEstimator, State, largest_explained_rms_mm};
+use crate::frame::FrameMotion;
+use crate::measurement::Measurement;
+use crate::sensing::SensingError;
+
+/// A minimum that leaves more than this share of the displacements, or this many standard deviations, unexplained may
+/// be a wrong one: the search starts again from the linear forces times other factors, and the best minimum counts.
+const POOR_FIT: f64 = 0.02;
+const POOR_FIT_SIGMAS: f64 = 3.0;
+
+/// Measured coordinates from which on a minimum that explains them all, and to which the first start leads, is the only one: of one force, and
+/// of several.
+pub(super) const MANY_COORDINATES: [usize; 2] = [16, 8];
+
+/// The least minimum, and what else was met.
+pub(super) struct Minima {
+    pub best: Found,
+    /// Misfit, mm^2, and forces of all minima.
+    pub all: Vec<(f64, Vec<f64>)>,
+    /// Forces and shapes from which they were sought.
+    pub starts: Vec<(Vec<f64>, FrameMotion)>,
+    /// Points of a scan, by curve; none where nothing was scanned.
+    pub scanned: Vec<Vec<ScannedPoint>>,
+}
+
+/// A search for all minima.
+struct Search<'s> {
+    measurement: &'s Measurement,
+    noise_mm: Option<f64>,
+    history: SearchHistory,
+    best: Option<Found>,
+    failure: Option<SensingError>,
+    all: Vec<(f64, Vec<f64>)>,
+}
+
+impl NonlinearEstimator<'_> {
+    /// Finds the minima.
+    ///
+    /// # Errors
+    /// [`SensingError`] if there is none, or an explanation leaves the unknowns open.
+    pub(super) fn minima(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Minima, SensingError> {
+        let coordinates = measurement.coordinate_count();
+        let moved: f64 = measurement.markers().iter().map(|m| m.displacement.norm_squared()).sum();
+        let moved_rms_mm = (moved / coordinates as f64).sqrt();
+        // Priors rest on the noise, and leave more than one minimum within a small share of what the markers moved.
+        let share = if self.priors.count() == 0 { POOR_FIT } else { 0.0 };
+        let poor = (share * moved_rms_mm).max(POOR_FIT_SIGMAS * noise_mm.unwrap_or(0.0));
+        let largest_misfit = poor * poor * coordinates as f64;
+        let explained_mm2 =
+            noise_mm.map(|noise_mm| largest_explained_rms_mm(noise_mm, moved_rms_mm).powi(2) * coordinates as f64);
+        let history = SearchHistory::of(&self.unknowns, &self.questions).explaining_up_to(explained_mm2);
+        let best = self.minimum_at_hand(measurement, noise_mm)?;
+        let is_good = |found: &Option<Found>, estimator: &Self| {
+            found.as_ref().is_some_and(|it| it.near && estimator.misfit(&it.state, measurement) <= largest_misfit)
+        };
+        let is_at_hand = is_good(&best, self);
+        let mut search = Search { measurement, noise_mm, history, best, failure: None, all: Vec::new() };
+        let starts = self.search_from_starts(&mut search, largest_misfit)?;
+        let many = MANY_COORDINATES[usize::from(self.questions.len() > 1)];
+        let is_only_one = is_good(&search.best, self) && coordinates >= many;
+        let scanned = if is_at_hand || is_only_one { Vec::new() } else { self.search_from_scan(&mut search) };
+        let Search { best, failure, all, .. } = search;
+        let best = best.ok_or_else(|| failure.unwrap_or(SensingError::NoContact))?;
+        Ok(Minima { best, all, starts, scanned })
+    }
+
+    /// Searches from multiples of the linear forces, until a good minimum is found; returns the forces and shapes of the starts.
+    fn search_from_starts(
+        &mut self,
+        search: &mut Search,
+        largest_misfit: f64,
+    ) -> Result<Vec<(Vec<f64>, FrameMotion)>, SensingError> {
+        let (measurement, noise_mm) = (search.measurement, search.noise_mm);
+        let mut starts = Vec::new();
+        for start in self.starts(measurement.base().is_some()) {
+            if let Some(found) = &mut search.best
+                && self.misfit(&found.state, measurement) <= largest_misfit
+            {
+                if found.near || matches!(start, Start::Towards(_) | Start::FromMovedBase | Start::Held) {
+                    break;
+                }
+                // An explanation that leaves the unknowns open is reason enough to refuse.
+                self.judged(&mut found.state, measurement, noise_mm, found.steps)?;
+            }
+            // The linear forces lead nowhere else; other directions and another base may.
+            if matches!(start, Start::Times(_)) && search.history.agree_on_none() {
+                continue;
+            }
+            search.history.begin();
+            let found = self.searched(measurement, noise_mm, start, &mut starts, &mut search.history);
+            self.take(search, found);
+        }
+        Ok(starts)
+    }
+
+    /// Searches from the minima of a scan; returns its points.
+    fn search_from_scan(&mut self, search: &mut Search) -> Vec<Vec<ScannedPoint>> {
+        if self.scan.is_none() {
+            self.scan = Some(self.scanned());
+        }
+        let scan = self.scan.as_ref().and_then(Option::as_ref);
+        let scanned = scan.map(|scan| scan.misfits(search.measurement)).unwrap_or_default();
+        for point in least(&scanned) {
+            let Some(start) = self.state_of(point, search.measurement, search.noise_mm) else { continue };
+            search.history.begin();
+            let found = self.minimum_near(start, search.measurement, search.noise_mm, &mut search.history);
+            self.take(search, found);
+        }
+        scanned
+    }
+
+    /// Takes over where one search has ended.
+    fn take(&self, search: &mut Search, found: Result<Option<Found>, SensingError>) {
+        let misfit = |found: &Found| self.misfit(&found.state, search.measurement);
+        match found {
+            Ok(Some(found)) => {
+                search.all.extend(search.history.end(Some((misfit(&found), found.state.forces_n.clone()))));
+                if search.best.as_ref().is_none_or(|best| misfit(&found) < misfit(best)) {
+                    search.best = Some(found);
+                }
+            }
+            Ok(None) => search.all.extend(search.history.end(None)),
+            Err(error) => {
+                search.history.end(None);
+                search.failure.get_or_insert(error);
+            }
+        }
+    }
+
+    /// The equilibrium at a point of the scan, linearised for a measurement.
+    fn state_of(&mut self, point: &ScannedPoint, measurement: &Measurement, noise_mm: Option<f64>) -> Option<State> {
+        let before = self.scan.as_ref()?.as_ref()?.state_before(point).clone();
+        let state = self.state_under(&before.contacts, &point.forces_n, Some(&before))?;
+        self.resumed(state, measurement, noise_mm).ok()
+    }
+
+    /// The minimum nearest to a start, the careful way if it is not near; `None` if the search for it comes upon a search of the `history`.
+    /// Adds the start's forces and shape to `starts`.
+    pub(super) fn searched(
+        &mut self,
+        measurement: &Measurement,
+        noise_mm: Option<f64>,
+        start: Start,
+        starts: &mut Vec<(Vec<f64>, FrameMotion)>,
+        history: &mut SearchHistory,
+    ) -> Result<Option<Found>, SensingError> {
+        let start = match self.object {
+            None => self.start(measurement, noise_mm, start)?,
+            Some(_) => self.searched_without_object(measurement, noise_mm, start)?,
+        };
+        starts.push((start.forces_n.clone(), start.motion.clone()));
+        self.minimum_near(start, measurement, noise_mm, history)
+    }
+
+    /// The minimum nearest to a state, the careful way if it is not near; `None` if the search for it comes upon a search of the `history`.
+    pub(super) fn minimum_near(
+        &mut self,
+        start: State,
+        measurement: &Measurement,
+        noise_mm: Option<f64>,
+        history: &mut SearchHistory,
+    ) -> Result<Option<Found>, SensingError> {
+        if history.meets(&start) {
+            return Ok(None);
+        }
+        let mut state = start.clone();
+        if let Some(steps) = self.correct(&mut state, measurement, noise_mm) {
+            history.reach(&state);
+            return Ok(Some(Found { state, steps, near: true }));
+        }
+        self.search(start, measurement, noise_mm, history)
+    }
+}

@@ -1,0 +1,222 @@
+//! Equilibria under all forces that the finger carries at known contacts, so that a search misses no minimum.
+//!
+//! One force with a known position and direction leaves one curve of equilibria, through rest. Two leave a surface, which is covered by
+//! curves of the second force, one from each point of the curve of the first. Misfits between the points of a curve follow from the
+//! displacements and their derivatives at its points (cubic Hermite interpolation).
+
+use super::{NonlinearEstimator, State};
+use crate::finger::Plate;
+use crate::frame::FrameMotion;
+use crate::measurement::{Marker, Measurement};
+use crate::sensing::{Contact, ContactPosition, ContactQuestion, Direction};
+use crate::statics::Statics;
+use crate::{Kinematics, Vector};
+
+/// Largest change of a displacement, as a share of the front plate, and of a rotation, rad, from point to point: of the curve of a single
+/// force, and of the curves that cover a surface.
+const STEPS: [[f64; 2]; 2] = [[0.02, 0.15], [0.1, 0.6]];
+/// A step that changes more than this share of that is repeated shorter.
+const TOO_LONG: f64 = 1.5;
+/// A curve ends where displacements, as a share of the front plate, or rotations, rad, exceed what a finger that grasps shows.
+const ENDS: [f64; 2] = [0.5, 1.5];
+/// A curve ends where so many steps in a row, each half of the one before it, led to no equilibrium.
+const MOST_HALVINGS: usize = 3;
+/// First steps may be far too long: a plate pushed along itself moves little until it buckles.
+const MOST_FIRST_HALVINGS: usize = 12;
+/// Most points of one curve on either side of its start.
+const MOST_POINTS: usize = 200;
+/// Points between two of a curve at which the misfit is taken.
+const BETWEEN: usize = 8;
+/// Most forces whose equilibria are scanned.
+const MOST_FORCES: usize = 2;
+
+/// Equilibria under one varying force, from the most negative to the most positive.
+#[derive(Debug, Clone)]
+struct Curve {
+    /// Position of the force in the list of contacts.
+    varying: usize,
+    points: Vec<State>,
+}
+
+/// Curves of equilibria that hold all forces which the finger carries.
+#[derive(Debug, Clone)]
+pub(super) struct Scan {
+    curves: Vec<Curve>,
+}
+
+/// A point of a curve where the misfit of a measurement is known.
+#[derive(Debug, Clone)]
+pub(super) struct ScannedPoint {
+    pub misfit_mm2: f64,
+    pub forces_n: Vec<f64>,
+    curve: usize,
+    /// The point of the curve before it.
+    before: usize,
+}
+
+/// Size of the change from one motion to another, where a step of full length has one.
+fn change(from: &FrameMotion, to: &FrameMotion, length_mm: f64, step: [f64; 2]) -> f64 {
+    let moved = from.displacements.iter().zip(&to.displacements).map(|(a, b)| (b - a).norm_squared());
+    let turned = from.rotations.iter().zip(&to.rotations).map(|(a, b)| (b - a).abs());
+    let moved_mm = moved.fold(0.0, f64::max).sqrt();
+    (moved_mm / (step[0] * length_mm)).max(turned.fold(0.0, f64::max) / step[1])
+}
+
+impl NonlinearEstimator<'_> {
+    /// Scans the equilibria of all forces at the contacts; nothing where more than forces is sought, or forces of more than two contacts.
+    pub(super) fn scanned(&mut self) -> Option<Scan> {
+        if self.questions.len() > MOST_FORCES || self.object.is_some() {
+            return None;
+        }
+        let contacts: Vec<Contact> = self.questions.iter().map(scanned_contact).collect::<Option<_>>()?;
+        let rest = self.state_under(&contacts, &vec![0.0; contacts.len()], None)?;
+        let step = STEPS[contacts.len() - 1];
+        let first = self.curve(rest, 0, step);
+        if contacts.len() == 1 {
+            return Some(Scan { curves: vec![first] });
+        }
+        let curves = first.points.into_iter().map(|point| self.curve(point, 1, step)).collect();
+        Some(Scan { curves })
+    }
+
+    /// The curve through a point along which one force varies.
+    fn curve(&mut self, start: State, varying: usize, step: [f64; 2]) -> Curve {
+        let [mut less, more] = [-1.0, 1.0].map(|sign| self.half_curve(&start, varying, sign, step));
+        less.reverse();
+        less.push(start);
+        less.extend(more);
+        Curve { varying, points: less }
+    }
+
+    /// The points on one side of the start.
+    fn half_curve(&mut self, start: &State, varying: usize, sign: f64, step: [f64; 2]) -> Vec<State> {
+        let length_mm = self.finger().plate_length_mm(Plate::Front);
+        let ends = |motion: &FrameMotion| {
+            motion.largest_displacement() > ENDS[0] * length_mm || motion.largest_rotation() > ENDS[1]
+        };
+        let mut points: Vec<State> = Vec::new();
+        let Some(mut by_n) = self.first_step_n(start, varying, length_mm * step[0]).map(|by_n| sign * by_n) else {
+            return points;
+        };
+        let mut halvings = 0;
+        while points.len() < MOST_POINTS {
+            let last = points.last().unwrap_or(start);
+            let mut forces_n = last.forces_n.clone();
+            forces_n[varying] += by_n;
+            let contacts = last.contacts.clone();
+            let next = self.state_under(&contacts, &forces_n, Some(last));
+            let size = next.as_ref().map(|next| change(&last.motion, &next.motion, length_mm, step));
+            match (next, size) {
+                (Some(next), Some(size)) if size <= TOO_LONG => {
+                    let is_last = ends(&next.motion);
+                    points.push(next);
+                    if is_last {
+                        break;
+                    }
+                    by_n *= (1.0 / size.max(f64::MIN_POSITIVE)).clamp(0.5, 2.0);
+                    halvings = 0;
+                }
+                _ => {
+                    by_n *= 0.5;
+                    halvings += 1;
+                    if halvings > if points.is_empty() { MOST_FIRST_HALVINGS } else { MOST_HALVINGS } {
+                        break;
+                    }
+                }
+            }
+        }
+        points
+    }
+
+    /// The force that moves the finger as small displacements have it by a length, mm.
+    fn first_step_n(&self, start: &State, varying: usize, by_mm: f64) -> Option<f64> {
+        let loads =
+            self.pad.loads(self.mesh, &start.contacts[varying], 1.0, 0.0).collect::<Result<Vec<_>, _>>().ok()?;
+        let moved = Statics::ladder(self.mesh, Kinematics::Linear).equilibrium(&loads).ok()?.motion;
+        Some(by_mm / moved.largest_displacement()).filter(|by_n| by_n.is_finite())
+    }
+}
+
+/// A contact as its equilibria are scanned: along the undeformed normal where the direction follows the plate; nothing where it is sought.
+fn scanned_contact(question: &ContactQuestion) -> Option<Contact> {
+    let position: ContactPosition = question.position?;
+    match question.direction {
+        Direction::Angle(angle_deg) => Some(Contact { position, angle_deg }),
+        Direction::Leaning(lean) => Some(Contact { position, angle_deg: lean.angle_deg }),
+        Direction::Auto => None,
+    }
+}
+
+impl Curve {
+    /// Misfits at the points of the curve and between them.
+    fn misfits(&self, measurement: &Measurement, curve: usize) -> Vec<ScannedPoint> {
+        let mut scanned = Vec::with_capacity(BETWEEN * self.points.len());
+        let at =
+            |point: &State| ScannedPoint { misfit_mm2: f64::NAN, forces_n: point.forces_n.clone(), curve, before: 0 };
+        for (before, ends) in self.points.windows(2).enumerate() {
+            let by_n = ends[1].forces_n[self.varying] - ends[0].forces_n[self.varying];
+            for i in 0..BETWEEN {
+                let share = i as f64 / BETWEEN as f64;
+                let misfit = |marker: &Marker| {
+                    let off = marker.displacement - interpolated(ends, self.varying, marker.node.0 - 1, by_n, share);
+                    (off * marker.weight).norm_squared()
+                };
+                let misfit_mm2 = measurement.markers().iter().map(misfit).sum();
+                let mut point = ScannedPoint { misfit_mm2, before, ..at(&ends[0]) };
+                point.forces_n[self.varying] += share * by_n;
+                scanned.push(point);
+            }
+        }
+        scanned
+    }
+}
+
+/// Displacement of a key node between two points of a curve.
+fn interpolated(ends: &[State], varying: usize, key_node: usize, by_n: f64, share: f64) -> Vector {
+    let [from, to] = [&ends[0], &ends[1]].map(|end| end.linearised.seen_displacement(key_node, end.posed()));
+    let [from_rate, to_rate] = [&ends[0], &ends[1]].map(|end| end.linearised.rate(varying, key_node) * by_n);
+    let (t, u) = (share, 1.0 - share);
+    from * (u * u * (1.0 + 2.0 * t)) + to * (t * t * (1.0 + 2.0 * u)) + from_rate * (t * u * u) - to_rate * (t * t * u)
+}
+
+impl Scan {
+    /// All points with their misfits.
+    pub fn misfits(&self, measurement: &Measurement) -> Vec<Vec<ScannedPoint>> {
+        self.curves.iter().enumerate().map(|(i, curve)| curve.misfits(measurement, i)).collect()
+    }
+
+    /// The equilibrium nearest to a point.
+    pub fn state_before(&self, point: &ScannedPoint) -> &State {
+        &self.curves[point.curve].points[point.before]
+    }
+}
+
+/// Points whose misfit is less than that of their neighbours on the curve and on those beside it, the least first.
+pub(super) fn least(scanned: &[Vec<ScannedPoint>]) -> Vec<&ScannedPoint> {
+    let of_curves: Vec<Vec<&ScannedPoint>> = scanned.iter().map(|points| least_of_curve(points)).collect();
+    let varying_n = |point: &ScannedPoint| point.forces_n.last().copied().unwrap_or_default();
+    let nearest = |curve: Option<&Vec<ScannedPoint>>, point: &ScannedPoint| {
+        let off = |other: &ScannedPoint| (varying_n(other) - varying_n(point)).abs();
+        let near = curve.and_then(|curve| curve.iter().min_by(|a, b| off(a).total_cmp(&off(b))));
+        near.map_or(f64::INFINITY, |near| near.misfit_mm2)
+    };
+    let mut all = Vec::new();
+    for (i, points) in of_curves.iter().enumerate() {
+        let beside = [i.checked_sub(1), Some(i + 1)].map(|j| j.and_then(|j| scanned.get(j)));
+        for point in points {
+            if beside.iter().all(|curve| nearest(*curve, point) >= point.misfit_mm2) {
+                all.push(*point);
+            }
+        }
+    }
+    all.sort_by(|a, b| a.misfit_mm2.total_cmp(&b.misfit_mm2));
+    all
+}
+
+fn least_of_curve(points: &[ScannedPoint]) -> Vec<&ScannedPoint> {
+    let misfit = |i: Option<usize>| i.and_then(|i| points.get(i)).map_or(f64::INFINITY, |point| point.misfit_mm2);
+    (0..points.len())
+        .filter(|&i| points[i].misfit_mm2 <= misfit(i.checked_sub(1)) && points[i].misfit_mm2 < misfit(Some(i + 1)))
+        .map(|i| &points[i])
+        .collect()
+}

@@ -1,0 +1,181 @@
+//! Whether forces sensed on fingers that nobody chose are those that act, as surely as is stated: fingers of no to twelve ribs, one to all markers,
+//! one or two forces.
+//!
+//! Once, a finger of few ribs seen by few markers was given a force of the wrong sign, many stated standard deviations off, where another minimum
+//! explains the measurement.
+
+use finray_model::finger::{
+    BracketLengths, FingerDescription, Joints, MarkerPoints, Plate, RibDescription, RibPositions, Strip,
+};
+use finray_model::measurement::Measurement;
+use finray_model::sensing::{Contact, ContactQuestion, Pad, SensingError, sense_refining};
+use finray_model::{Finger, Kinematics, Mesh, NodeId};
+use finray_tests::{STANDARD_ERRORS, TWO_SIDED_95, at_position, case_count, noisy, random_stream, seen, share_error};
+use rand::RngExt;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+/// An answer without a warning that is off by more is wrong: chance does it once in 16 000 normal errors.
+const WRONG_SIGMAS: f64 = 4.0;
+/// Elements of the finger that bends: its mesh must err by less than the noise does, which is 6e-4 of the largest displacements.
+const ELEMENTS: usize = 600;
+
+/// A random finger, with hinged or clamped ribs.
+fn random_finger(rng: &mut ChaCha8Rng) -> Finger {
+    loop {
+        let front_length_mm = rng.random_range(50.0..180.0);
+        let strip = |rng: &mut ChaCha8Rng| Strip {
+            thickness_mm: rng.random_range(0.8..4.0),
+            youngs_modulus_mpa: 10.0_f64.powf(rng.random_range(0.7..2.3)),
+        };
+        let description = FingerDescription {
+            base_width_mm: front_length_mm * rng.random_range(0.25..0.7),
+            front_length_mm,
+            back_length_mm: front_length_mm * rng.random_range(0.85..1.2),
+            depth_mm: rng.random_range(10.0..40.0),
+            rod_arm_mm: 0.0,
+            poissons_ratio: 0.0,
+            front: strip(rng),
+            back: strip(rng),
+            rigid_ends: Default::default(),
+            ribs: RibDescription {
+                positions: RibPositions::Count(rng.random_range(0..=12)),
+                joints: if rng.random_bool(0.5) { Joints::Rigid } else { Joints::Hinged },
+                bracket_mm: BracketLengths::NONE,
+                clip_mm: [0.0; 2],
+                strip: rng.random_bool(0.8).then(|| strip(rng)),
+            },
+            zones: Vec::new(),
+            markers_on: MarkerPoints::Junctions,
+        };
+        if let Ok(finger) = Finger::new(description) {
+            return finger;
+        }
+    }
+}
+
+/// A random finger under random forces, as a camera sees it.
+struct Case {
+    finger: Finger,
+    contacts: Vec<Contact>,
+    forces_n: Vec<f64>,
+    measurement: Measurement,
+    noise_mm: f64,
+}
+
+impl Case {
+    /// Draws until a finger carries its forces.
+    fn drawn(rng: &mut ChaCha8Rng, contact_count: usize) -> Case {
+        loop {
+            let finger = random_finger(rng);
+            let length_mm = finger.plate_length_mm(Plate::Front);
+            let contact = |rng: &mut ChaCha8Rng| {
+                at_position(length_mm * rng.random_range(0.08..0.98), rng.random_range(-50.0..50.0))
+            };
+            let contacts: Vec<Contact> = (0..contact_count).map(|_| contact(rng)).collect();
+            let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS / (3 * finger.rib_count() + 2));
+            // As large as would bend the linear finger by a share of its length, from what a camera hardly sees on.
+            let forces_n = contacts.iter().map(|contact| {
+                let unit = seen(&mesh, std::slice::from_ref(contact), &[1.0], Kinematics::Linear).expect("linear");
+                let moved = unit.markers().iter().map(|m| m.displacement.norm()).fold(0.0, f64::max);
+                let sign = if rng.random_bool(0.9) { 1.0 } else { -1.0 };
+                sign * length_mm * 10.0_f64.powf(rng.random_range(-3.0..-0.8)) / moved
+            });
+            let forces_n: Vec<f64> = forces_n.collect();
+            let Ok(clean) = seen(&mesh, &contacts, &forces_n, Kinematics::Corotational) else { continue };
+            let mut nodes: Vec<NodeId> = clean.markers().iter().map(|m| m.node).collect();
+            nodes.shuffle(rng);
+            let hidden = nodes.len() - rng.random_range(1..=nodes.len());
+            let noise_mm = 10.0_f64.powf(rng.random_range(-2.0..-1.0));
+            let measurement = noisy(&clean.without(&nodes[..hidden]), noise_mm, rng);
+            return Case { finger, contacts, forces_n, measurement, noise_mm };
+        }
+    }
+
+    /// Errors in stated standard deviations, and whether a warning stands beside them.
+    fn sensed(&self) -> Result<(Vec<f64>, bool), SensingError> {
+        let questions: Vec<ContactQuestion> = self.contacts.iter().copied().map(ContactQuestion::from).collect();
+        let found = sense_refining(&self.finger, &questions, Pad::default(), &self.measurement, Some(self.noise_mm))?;
+        let forces = found.forces.forces_n.iter().zip(&found.forces.sigmas_n).zip(&self.forces_n);
+        let errors = forces.map(|((sensed, sigma), truth)| (sensed - truth) / sigma).collect();
+        Ok((errors, found.forces.warning.is_some()))
+    }
+}
+
+/// Silent answers are right, as uncertain as is stated, and most measurements have one.
+fn assert_right(contact_count: usize, few: usize, most_refused: f64) {
+    let cases = case_count(few, 10_000);
+    let outcomes: Vec<Result<(Vec<f64>, bool), SensingError>> = (0..cases)
+        .into_par_iter()
+        .map(|i| Case::drawn(&mut random_stream(2026 + contact_count as u64, i as u64), contact_count).sensed())
+        .collect();
+    let refused = outcomes.iter().filter(|outcome| outcome.is_err()).count();
+    let silent =
+        || outcomes.iter().enumerate().filter_map(|(i, it)| Some((i, &it.as_ref().ok().filter(|it| !it.1)?.0)));
+    let wrong: Vec<_> = silent().filter(|(_, errors)| errors.iter().any(|it| it.abs() > WRONG_SIGMAS)).collect();
+    let errors: Vec<f64> = silent().flat_map(|(_, errors)| errors.iter().copied()).collect();
+    let coverage = errors.iter().filter(|it| it.abs() <= TWO_SIDED_95).count() as f64 / errors.len() as f64;
+    println!(
+        "{cases} cases of {contact_count}: {refused} refused, {} silent, coverage {coverage:.4}",
+        silent().count()
+    );
+    assert!(wrong.is_empty(), "wrong in silence, by so many standard deviations: {wrong:?}");
+    assert!(refused as f64 <= most_refused * cases as f64, "{refused} of {cases} are refused");
+    // Errors of one measurement depend on each other.
+    let chance = STANDARD_ERRORS * share_error(0.95, cases);
+    assert!((coverage - 0.95).abs() <= 0.02 + chance, "coverage {coverage}");
+}
+
+#[test]
+fn one_force_on_a_random_finger_is_right_or_warned_of() {
+    assert_right(1, 200, 0.03);
+}
+
+#[test]
+fn two_forces_on_a_random_finger_are_right_or_warned_of() {
+    assert_right(2, 60, 0.25);
+}
+
+/// A V without ribs whose tip is the only marker: 0.5 N were sensed as -0.085 +- 0.055 N, and 1 N denied.
+#[test]
+fn a_v_seen_at_its_tip_is_given_no_force_of_the_wrong_sign() {
+    let strip = |thickness_mm| Strip { thickness_mm, youngs_modulus_mpa: 18.5 };
+    let finger = Finger::new(FingerDescription {
+        base_width_mm: 35.0,
+        front_length_mm: 70.0,
+        back_length_mm: 78.26237921249263,
+        depth_mm: 35.0,
+        rod_arm_mm: 0.0,
+        poissons_ratio: 0.0,
+        front: strip(2.0),
+        back: strip(4.0),
+        rigid_ends: Default::default(),
+        ribs: RibDescription {
+            positions: RibPositions::Count(0),
+            joints: Joints::Rigid,
+            bracket_mm: BracketLengths::NONE,
+            clip_mm: [0.0; 2],
+            strip: None,
+        },
+        zones: Vec::new(),
+        markers_on: MarkerPoints::Junctions,
+    })
+    .expect("a V");
+    let contact = at_position(50.0, 0.0);
+    let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS / 2);
+    let noise_mm = 0.02;
+    for truth_n in [0.5, 1.0, -0.5] {
+        let clean = seen(&mesh, &[contact], &[truth_n], Kinematics::Corotational).expect("an equilibrium");
+        for draw in 0..10 {
+            let measurement = noisy(&clean, noise_mm, &mut random_stream(7, draw));
+            let Ok(found) = sense_refining(&finger, &[contact.into()], Pad::default(), &measurement, Some(noise_mm))
+                .map(|it| it.forces)
+            else {
+                continue;
+            };
+            let error = (found.forces_n[0] - truth_n) / found.sigmas_n[0];
+            assert!(error.abs() <= WRONG_SIGMAS || found.warning.is_some(), "{truth_n} N: {found:?}");
+        }
+    }
+}
