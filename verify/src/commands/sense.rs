@@ -184,7 +184,7 @@ fn sensed(sensor: &Sensor, table: &ObservationTable, image: Option<&str>) -> Res
 fn warn(about: &str, warnings: &[SensorWarning]) {
     for warning in warnings {
         let kind = if *warning == SensorWarning::NoResidual { "note" } else { "warning" };
-        eprintln!("{kind}: {about}{warning}");
+        print_message(format_args!("{kind}: {about}{warning}"));
     }
 }
 

@@ -126,6 +126,26 @@ fn measurements_that_do_not_fit_are_refused_by_file_and_line() {
     }
 }
 
+/// As in what `sense` reads.
+#[test]
+fn empty_cells_are_a_hidden_marker() {
+    let exact = measured(PAPER);
+    let is_hidden =
+        |line: &&str| line.starts_with("weight 1,21,-0.2,-2,5,") || line.starts_with("weight 0,17,0.1,-1,8,");
+    let missing: String = exact.lines().filter(|line| !is_hidden(line)).map(|line| format!("{line}\n")).collect();
+    let emptied = |line: &str, cells: &str| {
+        let rest: Vec<&str> = line.splitn(6, ',').take(5).collect();
+        if is_hidden(&line) { format!("{},{cells}\n", rest.join(",")) } else { format!("{line}\n") }
+    };
+    let empty: String = exact.lines().map(|line| emptied(line, ",")).collect();
+    assert_ne!(missing, exact);
+    assert_eq!(calibrate(PAPER, &empty).done(), calibrate(PAPER, &missing).done());
+    let half: String = exact.lines().map(|line| emptied(line, "1.0,")).collect();
+    assert_says(&calibrate(PAPER, &half).refused(), &["uy_mm: ", "a hidden marker leaves both empty"]);
+    let none = format!("{COLUMNS}a,19,0,-1,7,,\na,19,0,-1,8,,\n");
+    assert_says(&calibrate(PAPER, &none).refused(), &["hidden"]);
+}
+
 /// Markers on clamped nodes are seen with noise, as all others are.
 #[test]
 fn clamped_nodes_may_carry_noise() {

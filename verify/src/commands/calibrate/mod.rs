@@ -141,7 +141,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     for (i, j, correlation) in estimate.entangled() {
         let [one, other] = [i, j].map(|k| &estimate.unknowns[k]);
-        eprintln!("warning: {one} and {other} are hardly separable: correlation {correlation:.3}");
+        print_message(format_args!("warning: {one} and {other} are hardly separable: correlation {correlation:.3}"));
     }
     let mut files = Vec::new();
     if let Some(path) = &arguments.correlations {
@@ -174,10 +174,10 @@ const LARGEST_FACTOR: f64 = 10.0;
 /// Names a factor on all moduli that a unit or another numbering explains more likely than the material.
 fn warn_of_modulus(factor: f64) {
     if !(1.0 / LARGEST_FACTOR..=LARGEST_FACTOR).contains(&factor) {
-        eprintln!(
+        print_message(format_args!(
             "warning: modulus_factor is {factor:.3e}: the finger is hardly the scene's; check units (N, mm, MPa), thicknesses and the numbers of the \
              nodes"
-        );
+        ));
     }
 }
 
