@@ -40,15 +40,7 @@ pub fn load_image(path: &Path) -> Result<RgbImage, FileError> {
 /// # Errors
 /// [`FileError`] for an image that is given twice.
 pub fn image_names(paths: &[PathBuf]) -> Result<Vec<String>, FileError> {
-    let parts_of = |path: &PathBuf| {
-        let part = |part: Component| match part {
-            Component::CurDir => None,
-            Component::RootDir => Some(String::new()),
-            part => Some(part.as_os_str().to_string_lossy().into_owned()),
-        };
-        path.components().filter_map(part).collect::<Vec<_>>()
-    };
-    let parts: Vec<Vec<String>> = paths.iter().map(parts_of).collect();
+    let parts: Vec<Vec<String>> = paths.iter().map(|path| parts_of(path)).collect();
     let mut names: Vec<Option<String>> = vec![None; paths.len()];
     for length in 1..=parts.iter().map(Vec::len).max().unwrap_or(0) {
         let ends: Vec<String> =
@@ -64,17 +56,31 @@ pub fn image_names(paths: &[PathBuf]) -> Result<Vec<String>, FileError> {
     names.into_iter().zip(paths).map(|(name, path)| name.ok_or_else(|| twice(path))).collect()
 }
 
+/// The folders of a file from the root, and its name; `..` leaves the folder before it.
+fn parts_of(path: &Path) -> Vec<String> {
+    let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    whole.components().fold(Vec::new(), |mut parts, part| {
+        match part {
+            Component::Normal(name) => parts.push(name.to_string_lossy().into_owned()),
+            Component::ParentDir => parts.truncate(parts.len().saturating_sub(1)),
+            Component::CurDir | Component::RootDir | Component::Prefix(_) => {}
+        }
+        parts
+    })
+}
+
 /// The image of a table that is meant by a name or path: the image of this name, else the only one whose path may be the same, as one ends with the
 /// other.
 ///
 /// # Errors
 /// What is wrong with the name, in words.
 pub fn image_named<'n>(wanted: &str, names: &[&'n str]) -> Result<&'n str, String> {
-    let given = names.iter().copied().filter(|name| !name.is_empty() && Path::new(wanted).ends_with(name));
+    let path: PathBuf = Path::new(wanted).components().filter(|part| *part != Component::CurDir).collect();
+    let given = names.iter().copied().filter(|name| !name.is_empty() && path.ends_with(name));
     if let Some(name) = names.iter().copied().find(|name| *name == wanted).or(given.max_by_key(|name| name.len())) {
         return Ok(name);
     }
-    let ends = |name: &&str| !wanted.is_empty() && Path::new(name).ends_with(wanted);
+    let ends = |name: &&str| !wanted.is_empty() && Path::new(name).ends_with(&path);
     match names.iter().copied().filter(ends).collect::<Vec<_>>()[..] {
         [name] => Ok(name),
         [] => Err(format!("image {wanted:?} is not among those that were located")),

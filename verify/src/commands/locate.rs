@@ -13,8 +13,9 @@ const SURE_REST_PX: f64 = 0.3;
 /// Locate the nodes of a finger in images of its markers.
 ///
 /// Writes image,node,u_px,v_px,x_mm,y_mm,ux_mm,uy_mm,sigma_mm, a row a marker found; a hidden one has
-/// none. image is the file's name, with as many of its folders as distinguish it from the others. x_mm, y_mm is its position in the finger frame, ux_mm, uy_mm its displacement from the
-/// scene's undeformed node. `finray sense` reads this.
+/// none. image is the file's name, with as many of its folders as distinguish it from the others.
+/// x_mm, y_mm is its position in the finger frame, ux_mm, uy_mm its displacement from the scene's
+/// undeformed node. `finray sense` reads this.
 ///
 /// --rest takes an image of the unloaded finger: the pose comes from it, and displacements count from
 /// where its markers are.

@@ -8,7 +8,7 @@ const FORCE_OF: [&str; 3] = ["80:2,-20", "80:0.5,-20", "80:1,-20"];
 
 /// As cameras number their folders: two images of one name, and one of another.
 fn images(folder: &Folder) -> [String; 3] {
-    ["100", "101"].map(|name| std::fs::create_dir(folder.path(name)).expect("a folder"));
+    ["100", "101"].iter().for_each(|name| std::fs::create_dir(folder.path(name)).expect("a folder"));
     let names = ["100/1.png", "101/1.png", "101/2.png"];
     [0, 1, 2].map(|i| {
         let path = folder.path(names[i]);
@@ -44,6 +44,11 @@ fn images_of_one_name_are_distinguished_by_their_folders() {
     }
     assert_says(&named("1.png").refused(), &["\"1.png\" may be 100/1.png or 101/1.png", "--image-name"]);
     assert_says(&named("102/1.png").refused(), &["\"102/1.png\" is not among those", "100/1.png, 101/1.png, 2.png"]);
+    // As seen from one of the folders.
+    let inside =
+        command(&["locate", CAMERA, "--image", "1.png", "../101/1.png"]).current_dir(folder.path("100")).output();
+    let inside = Csv::of(&String::from_utf8(inside.expect("finray runs").stdout).expect("text"));
+    assert_eq!((inside.texts("image")[0], inside.texts("image")[49]), ("100/1.png", "101/1.png"));
     let twice = finray(&["locate", CAMERA, "--image", &images[0], &images[1], &images[0]]).refused();
     assert_says(&twice, &["100/1.png: the image is given twice"]);
 }
