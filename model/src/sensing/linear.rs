@@ -143,7 +143,7 @@ impl LinearEstimator {
             // Nothing speaks against the linear finger, which carries any force.
             Err(SensingError::NotLinearised) if estimate.warning.is_none() => {
                 let moved_mm2 = weighted(measurement, |marker| marker.displacement).norm_squared();
-                if stated_mm.is_none() && linear_mm2 > EXPLAINED_SHARE.powi(2) * moved_mm2 {
+                if noise_mm.is_none() && linear_mm2 > EXPLAINED_SHARE.powi(2) * moved_mm2 {
                     return Err(SensingError::NotLinearised);
                 }
                 estimate.warning = Some(Warning::UnknownLinearisation);
