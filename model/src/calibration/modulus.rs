@@ -27,7 +27,7 @@ const MOST_DOUBLINGS: i32 = 6;
 pub struct CorotationalModulus {
     /// Factor on all moduli of the finger.
     pub factor: f64,
-    /// Its standard deviation.
+    /// Its standard deviation, with the error of the mesh.
     pub sigma: f64,
     /// Mean distance between measured and computed nodes, mm.
     pub mean_distance_mm: f64,
@@ -83,7 +83,10 @@ pub fn corotational_modulus(
             found => Some(found),
         }
     });
-    let estimate = found.unwrap_or(Err(CalibrationError::NoMinimum))?;
+    let (estimate, weighed) = found.unwrap_or(Err(CalibrationError::NoMinimum))?;
+    // What half the elements change is more than what all of them still miss.
+    let coarse = FactorModel { elements: elements.div_ceil(2), ..model };
+    let mesh_error = factors(&estimate.finger, &weighed, &[Unknown::Modulus], &coarse)?.factors[0] - 1.0;
     let coordinates: usize = cases.iter().map(|case| case.measurement.coordinate_count()).sum();
     let squares_mm2 = estimate.residual_rms_mm.powi(2) * coordinates as f64;
     let test = ResidualTest::new(noise_mm, squares_mm2, coordinates - 1);
@@ -93,21 +96,22 @@ pub fn corotational_modulus(
     let factor = start * estimate.factors[0];
     Ok(CorotationalModulus {
         factor,
-        sigma: factor * estimate.relative_sigmas[0] * wider,
+        sigma: factor * (estimate.relative_sigmas[0] * wider).hypot(mesh_error),
         mean_distance_mm: estimate.distances_mm.iter().sum::<f64>() / estimate.distances_mm.len() as f64,
         contradiction: test.filter(ResidualTest::contradicts),
         outliers: outliers(cases, &estimate.distances_mm),
     })
 }
 
-/// The factor by least squares, with the markers weighed by their distances until it settles: at first by those from the finger as it is.
+/// The factor by least squares, with the markers weighed by their distances until it settles: at first by those from the finger as it is. With the
+/// weights of the last fit.
 fn forgiving(
     finger: &Finger,
     cases: &[CalibrationCase],
     model: &FactorModel,
-) -> Result<FactorEstimate, CalibrationError> {
+) -> Result<(FactorEstimate, Vec<CalibrationCase>), CalibrationError> {
     let mut weighed = cases.to_vec();
-    let mut weigh = |distances_mm: &[f64]| {
+    let mut fitted = |distances_mm: &[f64]| {
         let near_mm = (FORGIVEN * scatter_mm(distances_mm)).max(f64::MIN_POSITIVE);
         let mut distances_mm = distances_mm.iter();
         for (case, own) in weighed.iter_mut().zip(cases) {
@@ -116,16 +120,16 @@ fn forgiving(
         }
         factors(finger, &weighed, &[Unknown::Modulus], model)
     };
-    let mut estimate = weigh(&distances_mm(finger, cases, model)?)?;
+    let mut estimate = fitted(&distances_mm(finger, cases, model)?)?;
     for _ in 0..MOST_ROUNDS {
-        let next = weigh(&estimate.distances_mm)?;
+        let next = fitted(&estimate.distances_mm)?;
         let change = (next.factors[0] / estimate.factors[0]).ln().abs();
         estimate = next;
         if change <= SETTLED * estimate.relative_sigmas[0] {
             break;
         }
     }
-    Ok(estimate)
+    Ok((estimate, weighed))
 }
 
 /// Standard deviation of a coordinate that most markers keep to, mm.
