@@ -1,9 +1,12 @@
-//! Moduli from measured shapes under known loads: eq. (11) of Xu et al. (2021), and [several at once](factors).
+//! Moduli from measured shapes under known loads: eq. (11) of Xu et al. (2021), the same of the [co-rotational finger](corotational_modulus), and
+//! [several at once](factors).
 
 mod factors;
+mod modulus;
 mod views;
 
 pub use factors::{FactorEstimate, FactorModel, Unknown, factors};
+pub use modulus::{CorotationalModulus, OutlyingMarker, corotational_modulus};
 pub use views::{
     BaseCompliance, ForceError, FoundQuantity, FoundView, FrictionQuestion, LocatedView, Outlier, OutlierKind,
     Quantity, RigEstimate, RigQuestion, SceneValue, Sought, View, ViewError, ViewEstimate, ViewModel, calibrate_rig,
@@ -113,8 +116,15 @@ pub enum CalibrationError {
     Finger(#[from] crate::finger::ImpossibleFinger),
 }
 
-/// Halvings of the bracket: enough to exhaust double precision.
-const BISECTIONS: usize = 200;
+fn median(numbers: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut sorted: Vec<f64> = numbers.collect();
+    sorted.sort_by(f64::total_cmp);
+    let last = sorted.len().checked_sub(1)?;
+    Some(0.5 * (sorted[last / 2] + sorted[last.div_ceil(2)]))
+}
+
+/// Halvings of the bracket: enough to exhaust double precision, from the largest number down.
+const BISECTIONS: usize = 1200;
 
 /// Young's modulus of the linear finger by eq. (11): the factor on all moduli for which the sum of the distances
 /// between measured and computed nodes, over all nodes and cases, is smallest.

@@ -176,6 +176,15 @@ impl Measurement {
         self
     }
 
+    /// The same measurement with every weight times a share.
+    pub(crate) fn reweighted(&self, mut share: impl FnMut(&Marker) -> f64) -> Measurement {
+        let mut measurement = self.clone();
+        for marker in &mut measurement.markers {
+            marker.weight *= share(marker);
+        }
+        measurement
+    }
+
     /// The same measurement with every marker as good as the others.
     pub fn of_equal_weight(mut self) -> Measurement {
         for marker in &mut self.markers {

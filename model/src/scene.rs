@@ -174,7 +174,10 @@ fn read_ribs(table: &TableReader) -> Result<RibDescription, SceneError> {
     };
     Ok(RibDescription {
         positions,
-        joints: table.word(&RIBS.joints, [Joints::Rigid, Joints::Hinged])?,
+        joints: match none && !table.has(&RIBS.joints) {
+            true => Joints::Rigid,
+            false => table.word(&RIBS.joints, [Joints::Rigid, Joints::Hinged])?,
+        },
         bracket_mm: table.get(&RIBS.bracket_mm)?,
         clip_mm: table.get(&RIBS.clip_mm)?,
         strip,

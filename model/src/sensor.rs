@@ -131,6 +131,7 @@ impl std::fmt::Display for SensorWarning {
             );
         };
         let advice = match warning {
+            Warning::UnknownLinearisation => "sigma_n does not hold it",
             _ if *is_linear => {
                 "sigma_n holds the error of linearisation; --estimator nonlinear does without linearisation, where it answers"
             }

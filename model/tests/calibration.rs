@@ -1,6 +1,7 @@
 //! Young's modulus: of random fingers, and from noisy shapes.
 
 mod factors;
+mod modulus;
 mod views;
 
 use finray_model::calibration::{CalibrationCase, youngs_modulus};

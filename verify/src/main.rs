@@ -1,5 +1,7 @@
 //! `finray`: arguments in, files out. Physics lives in `finray_model`, checks and maps in `finray_verify`.
 #![forbid(unsafe_code)]
+// Both panic where nothing can be written: `print_message` and `write_text` do not.
+#![deny(clippy::print_stderr, clippy::print_stdout)]
 
 mod commands;
 
@@ -55,8 +57,11 @@ enum Command {
 
 fn main() -> ExitCode {
     let command = words::taking_negative_numbers(Arguments::command());
-    let matches = command.get_matches_from(words::readable(std::env::args_os()));
-    let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    let matches = command.try_get_matches_from(words::readable(std::env::args_os()));
+    let arguments = match matches.and_then(|matches| Arguments::from_arg_matches(&matches)) {
+        Ok(arguments) => arguments,
+        Err(answer) => return commands::print_answer(&answer),
+    };
     let outcome = match arguments.command {
         Command::Report(arguments) => report::run(&arguments),
         Command::Solve(arguments) => solve::run(&arguments),

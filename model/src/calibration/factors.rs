@@ -62,11 +62,19 @@ pub struct FactorEstimate {
     pub noise_mm: f64,
     /// Root mean square of the weighted residual, mm.
     pub residual_rms_mm: f64,
+    /// Distance between measured and computed node of each marker, by case, mm.
+    pub distances_mm: Vec<f64>,
     /// Gauss-Newton steps taken.
     pub iterations: usize,
 }
 
 impl FactorEstimate {
+    /// Whether a factor of another estimate of the same unknowns is more than a standard deviation of this one away.
+    pub fn differs_from(&self, other: &FactorEstimate) -> bool {
+        let pairs = self.factors.iter().zip(&other.factors).zip(&self.relative_sigmas);
+        pairs.into_iter().any(|((own, other), sigma)| (other / own).ln().abs() > *sigma)
+    }
+
     /// Pairs of unknowns (by index) that the data hardly distinguish, with their correlation: one may rise while the other
     /// falls or rises with it.
     pub fn entangled(&self) -> Vec<(usize, usize, f64)> {
@@ -147,8 +155,27 @@ pub fn factors(
         correlation,
         noise_mm,
         residual_rms_mm: (fit.squares / coordinates as f64).sqrt(),
+        distances_mm: distances_of(cases, &fit.residual),
         iterations: fit.iterations,
     })
+}
+
+/// Distance between measured and computed node of each marker of a finger as it is, by case, mm.
+///
+/// # Errors
+/// [`CalibrationError`] when the finger cannot be solved.
+pub(super) fn distances_mm(
+    finger: &Finger,
+    cases: &[CalibrationCase],
+    model: &FactorModel,
+) -> Result<Vec<f64>, CalibrationError> {
+    let mut problem = FactorProblem { finger, cases, unknowns: &[], model, motions: Vec::new() };
+    Ok(distances_of(cases, &problem.residual_at(&DVector::zeros(0))?))
+}
+
+fn distances_of(cases: &[CalibrationCase], residual: &DVector<f64>) -> Vec<f64> {
+    let markers = cases.iter().flat_map(|case| case.measurement.markers());
+    markers.zip(residual.as_slice().chunks(2)).map(|(marker, at)| at[0].hypot(at[1]) / marker.weight).collect()
 }
 
 /// Refuses what is not identifiable: an unknown that moves no marker, or several of which only a combination shows.

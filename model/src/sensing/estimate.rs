@@ -22,6 +22,12 @@ pub enum Warning {
         .0.error_n, .0.contact, .0.sigma_n
     )]
     Linearisation(ModelError),
+    /// The linear finger's own error is not known, and no part of the standard deviations.
+    #[error(
+        "the co-rotational finger carries no forces that the linear model would answer so, which explains the measurement: if the finger bends \
+         linearly, the forces hold; else the error of linearisation is unknown"
+    )]
+    UnknownLinearisation,
     /// The mesh's own error is larger than the noise's.
     #[error(
         "the mesh errs by about {:.3} N at contact {}, as one twice as fine shows; noise alone would be {:.3} N (one standard \

@@ -16,6 +16,10 @@ use std::borrow::Cow;
 /// deviations of the noise, is of a finger that bends linearly: a difference of three standard deviations.
 const FAVOURED: f64 = 9.0;
 
+/// Where no noise is stated, the linear finger explains a measurement of which it leaves no more than this share of the displacements: the camera's
+/// noise is less of a finger that bends so far that the co-rotational one is lost; shapes of that one leave ten times as much.
+const EXPLAINED_SHARE: f64 = 0.01;
+
 /// Prior of the forces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Prior {
@@ -132,15 +136,20 @@ impl LinearEstimator {
             return Ok(estimate);
         }
         let model = LinearModel { gain: &inverse.gain, compliance: &self.compliance };
+        let stated_mm = noise_mm.filter(|noise_mm| *noise_mm > 0.0);
+        let linear_mm2 = estimate.residual_rms_mm.powi(2) * coordinates as f64;
         let error = match linearisation.error(model, measurement, &estimate.forces_n) {
             // Nothing speaks against the linear finger, which carries any force.
-            Err(SensingError::NotLinearised) if estimate.warning.is_none() && noise_mm.is_some() => {
+            Err(SensingError::NotLinearised) if estimate.warning.is_none() => {
+                let moved_mm2 = weighted(measurement, |marker| marker.displacement).norm_squared();
+                if noise_mm.is_none() && linear_mm2 > EXPLAINED_SHARE.powi(2) * moved_mm2 {
+                    return Err(SensingError::NotLinearised);
+                }
+                estimate.warning = Some(Warning::UnknownLinearisation);
                 return Ok(estimate);
             }
             error => error?,
         };
-        let stated_mm = noise_mm.filter(|noise_mm| *noise_mm > 0.0);
-        let linear_mm2 = estimate.residual_rms_mm.powi(2) * coordinates as f64;
         // Where no noise is stated, the residual of the linear finger is it, if this finger is the true one.
         let noise_mm2 = stated_mm.map_or(linear_mm2 / degrees_of_freedom.max(1) as f64, |noise_mm| noise_mm.powi(2));
         let favoured_mm2 = FAVOURED * noise_mm2;

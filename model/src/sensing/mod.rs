@@ -24,6 +24,7 @@ pub use measured_contacts::{ContactKnowledge, MeasuredContact, MeasuredContactFo
 pub use nonlinear::{Discretisation, NonlinearEstimate, NonlinearEstimator, sense_refining};
 pub use object::{Meeting, NotConvex, ObjectShape, TouchedObject};
 pub use pad::Pad;
+pub(crate) use residual_test::noise_of;
 pub use residual_test::{ResidualTest, SIGNIFICANCE};
 pub use response::{ContactForce, RespondingFinger, Response, marker_coordinates};
 

@@ -91,7 +91,7 @@ pub(super) fn unstated_noise_mm(sum_of_squares_mm2: f64, degrees_of_freedom: usi
 
 /// The standard deviation of one coordinate that deviations of forces rest on, mm: as stated, the residual's where that is contradicted, or
 /// [estimated from it](unstated_noise_mm) where nothing was stated; infinite where there is no residual either.
-pub(super) fn noise_of(
+pub(crate) fn noise_of(
     test: Option<ResidualTest>,
     stated_mm: Option<f64>,
     sum_of_squares_mm2: f64,

@@ -2,7 +2,9 @@
 
 use finray_model::compliance::{Compliance, NodalCompliance};
 use finray_model::measurement::{Marker, Measurement};
-use finray_model::sensing::{Contact, ContactPosition, Estimate, LinearEstimator, Prior, SensingError};
+use finray_model::sensing::{
+    Contact, ContactPosition, Estimate, LinearEstimator, Linearisation, Prior, SensingError, Warning,
+};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId};
 use finray_tests::{
     CAMERA_NOISE_MM, at_node, at_position, built_finger_with_zones, cases, contact_node, noisy, paper, seen,
@@ -211,4 +213,34 @@ fn ridge_is_the_posterior_of_its_prior() {
     }
     // It shrinks what is not identifiable of neighbours.
     assert!(ours.forces_n[0] < 2.0 && ours.forces_n[1] > -1.0);
+}
+
+/// A finger that bends linearly carries any force. Where its answer explains the measurement and the co-rotational finger is lost, it answers with a
+/// warning; shapes of the co-rotational finger that it does not explain are refused.
+#[test]
+fn exact_linear_data_are_not_refused_where_the_corotational_finger_is_lost() {
+    let finger = paper();
+    let reference = Mesh::with_elements_per_member(&finger, 4);
+    let answer = |contacts: &[Contact], measurement: &Measurement, noise_mm: Option<f64>| {
+        let estimator = LinearEstimator::new(&finger, contacts, measurement).expect("identifiable");
+        estimator.estimate_on(&mut Linearisation::new(&reference, contacts), measurement, noise_mm, Prior::None)
+    };
+    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    for (node, forces_n) in [(19, [20.0, -0.1]), (16, [29.0, 6.0]), (24, [60.0, 12.0]), (14, [-15.0, 3.0])] {
+        let contacts = [at_node(node, 0.0), at_node(node, 90.0)];
+        let exact = measured(&finger, &contacts, &forces_n);
+        let noisy = noisy(&exact, CAMERA_NOISE_MM, &mut rng);
+        for (measurement, noise_mm) in [(&exact, None), (&noisy, None), (&noisy, Some(CAMERA_NOISE_MM))] {
+            let estimate = answer(&contacts, measurement, noise_mm).expect("an answer");
+            assert_eq!(estimate.warning, Some(Warning::UnknownLinearisation), "{node}");
+            for (k, truth_n) in forces_n.iter().enumerate() {
+                let tolerance_n = EXACT * forces_n[0].abs() + 4.0 * estimate.sigmas_n[k];
+                assert!((estimate.forces_n[k] - truth_n).abs() < tolerance_n, "{node}: {estimate:?}");
+            }
+        }
+    }
+    let contacts = [at_node(22, 0.0), at_node(22, 90.0)];
+    let bent = seen(&reference, &contacts[..1], &[8.0], Kinematics::Corotational).expect("an equilibrium");
+    assert_eq!(answer(&contacts, &bent, None).err(), Some(SensingError::NotLinearised));
+    assert_eq!(answer(&contacts, &bent, Some(CAMERA_NOISE_MM)).err(), Some(SensingError::NotLinearised));
 }

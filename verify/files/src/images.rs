@@ -2,8 +2,9 @@
 
 use super::{FileError, read_bytes};
 use image::{ImageError, ImageFormat, ImageReader, Limits, RgbImage};
+use std::collections::HashMap;
 use std::io::Cursor;
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 
 /// Largest side of an image, px, and most memory that decoding may take, bytes.
 const LARGEST_SIDE_PX: u32 = 20_000;
@@ -33,9 +34,58 @@ pub fn load_image(path: &Path) -> Result<RgbImage, FileError> {
     Ok(image.into_rgb8())
 }
 
-/// The name of an image's file, without its folder: what tables call the image.
-pub fn image_name(path: &Path) -> String {
-    path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
+/// What a table of several images calls them: the names of their files, each with as many of its folders, joined by `/`, as distinguish it from the
+/// others.
+///
+/// # Errors
+/// [`FileError`] for an image that is given twice.
+pub fn image_names(paths: &[PathBuf]) -> Result<Vec<String>, FileError> {
+    let parts: Vec<Vec<String>> = paths.iter().map(|path| parts_of(path)).collect();
+    let mut names: Vec<Option<String>> = vec![None; paths.len()];
+    for length in 1..=parts.iter().map(Vec::len).max().unwrap_or(0) {
+        let ends: Vec<String> =
+            parts.iter().map(|parts| parts[parts.len().saturating_sub(length)..].join("/")).collect();
+        let mut counts: HashMap<&str, usize> = HashMap::new();
+        ends.iter().for_each(|end| *counts.entry(end).or_default() += 1);
+        for (name, end) in names.iter_mut().zip(&ends).filter(|(name, end)| name.is_none() && counts[end.as_str()] == 1)
+        {
+            *name = Some(end.clone());
+        }
+    }
+    let twice = |path| FileError::content(path, "the image is given twice");
+    names.into_iter().zip(paths).map(|(name, path)| name.ok_or_else(|| twice(path))).collect()
+}
+
+/// The folders of a file from the root, and its name; `..` leaves the folder before it.
+fn parts_of(path: &Path) -> Vec<String> {
+    let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    whole.components().fold(Vec::new(), |mut parts, part| {
+        match part {
+            Component::Normal(name) => parts.push(name.to_string_lossy().into_owned()),
+            Component::ParentDir => parts.truncate(parts.len().saturating_sub(1)),
+            Component::CurDir | Component::RootDir | Component::Prefix(_) => {}
+        }
+        parts
+    })
+}
+
+/// The image of a table that is meant by a name or path: the image of this name, else the only one whose path may be the same, as one ends with the
+/// other.
+///
+/// # Errors
+/// What is wrong with the name, in words.
+pub fn image_named<'n>(wanted: &str, names: &[&'n str]) -> Result<&'n str, String> {
+    let path: PathBuf = Path::new(wanted).components().filter(|part| *part != Component::CurDir).collect();
+    let given = names.iter().copied().filter(|name| !name.is_empty() && path.ends_with(name));
+    if let Some(name) = names.iter().copied().find(|name| *name == wanted).or(given.max_by_key(|name| name.len())) {
+        return Ok(name);
+    }
+    let ends = |name: &&str| !wanted.is_empty() && Path::new(name).ends_with(&path);
+    match names.iter().copied().filter(ends).collect::<Vec<_>>()[..] {
+        [name] => Ok(name),
+        [] => Err(format!("image {wanted:?} is not among those that were located")),
+        [one, other, ..] => Err(format!("image {wanted:?} may be {one} or {other}: give more of its path")),
+    }
 }
 
 /// An image as the bytes of a PNG file.

@@ -18,10 +18,11 @@ pub fn load(path: &Path, finger: &Finger, noise_mm: Option<f64>) -> Result<Vec<C
     let table = Table::read(path, ["case", "load_node", "fx_n", "fy_n", "node", "ux_mm", "uy_mm"])?;
     let mut names: Vec<&str> = Vec::new();
     let mut cases: Vec<CalibrationCase> = Vec::new();
-    let moved = |row| Ok(Vector::new(table.number(row, 5)?, table.number(row, 6)?));
-    let all = table.rows().iter().map(moved).collect::<Result<Vec<_>, FileError>>()?;
-    let clamped = LargestClampedMotion::of(noise_mm, all.iter().copied());
+    let all = table.rows().iter().map(|row| table.vector(row, [5, 6])).collect::<Result<Vec<_>, FileError>>()?;
+    let clamped = LargestClampedMotion::of(noise_mm, all.iter().flatten().copied());
     for (row, displacement) in table.rows().iter().zip(all) {
+        // A row without displacement says that its marker is hidden, as no row does.
+        let Some(displacement) = displacement else { continue };
         let force = Vector::new(table.number(row, 2)?, table.number(row, 3)?);
         let load = Load::at_node(table.node(row, 1)?, force);
         mesh.frame_load(&load).map_err(|error| table.wrong(row, error))?;
@@ -42,5 +43,8 @@ pub fn load(path: &Path, finger: &Finger, noise_mm: Option<f64>) -> Result<Vec<C
             case.measurement.add(finger, marker).map_err(|error| table.wrong(row, error))?;
         }
     }
-    Ok(cases)
+    match cases.is_empty() {
+        true => Err(FileError::content(path, "expected displacements, found those of hidden markers alone")),
+        false => Ok(cases),
+    }
 }

@@ -1,7 +1,7 @@
 //! Observations as tables: what `locate` writes, and what `sense` and `calibrate` read.
 
-use super::FileError;
 use super::table::{Row, Table, header};
+use super::{FileError, image_named};
 use finray_model::finger::MarkerPoints;
 use finray_model::measurement::BaseUncertainty;
 use finray_model::observation::{MarkerError, Observation, ObservationError, ObservedBase, ObservedMarker};
@@ -90,16 +90,16 @@ impl ObservationTable {
     /// # Errors
     /// [`FileError`] naming the line of a cell that is not what its column has, or for an image that is not there.
     pub fn observation(&self, image: Option<&str>) -> Result<Observation, FileError> {
-        let chosen = self.rows_of(image)?;
+        let image = self.image_meant(image)?;
+        let chosen = self.rows_of(image);
         let markers = chosen.iter().map(|&i| self.marker(i)).collect::<Result<_, _>>()?;
-        let image = self.images.as_ref().and_then(|table| Some(table.rows()[*chosen.first()?].cells[0].clone()));
         let base = chosen.first().map(|&i| self.base(i)).transpose()?.flatten();
-        Ok(Observation { image: image.unwrap_or_default(), markers, base })
+        Ok(Observation { image: image.unwrap_or_default().to_owned(), markers, base })
     }
 
     /// The error in terms of the file, for an observation of the same image that is none of the scene's finger.
     pub fn error(&self, image: Option<&str>, error: &ObservationError) -> FileError {
-        let Ok(chosen) = self.rows_of(image) else { return self.wrong(error) };
+        let Ok(chosen) = self.image_meant(image).map(|image| self.rows_of(image)) else { return self.wrong(error) };
         let row = |i: usize| chosen.get(i).map(|&row| &self.rows.rows()[row]);
         let at = |row: Option<&Row<3>>, message: String| match row {
             Some(row) => self.rows.wrong(row, message),
@@ -122,32 +122,39 @@ impl ObservationTable {
         FileError::content(&self.path, message)
     }
 
-    /// Indices of the rows of an image.
-    fn rows_of(&self, image: Option<&str>) -> Result<Vec<usize>, FileError> {
-        let Some(table) = &self.images else {
+    /// The name of the image that is meant; `None` in a table without names.
+    fn image_meant(&self, image: Option<&str>) -> Result<Option<&str>, FileError> {
+        if self.images.is_none() {
             return match image {
-                None => Ok((0..self.rows.rows().len()).collect()),
+                None => Ok(None),
                 Some(_) => Err(self.wrong("--image-name: expected a column image, as locate writes it")),
             };
-        };
+        }
         let images = self.images()?;
-        let chosen = match image {
-            Some(name) if images.contains(&name) => name,
-            None if images.len() == 1 => images[0],
-            _ => {
-                let more = if images.len() > SHOWN { ", ..." } else { "" };
-                let listed = images[..images.len().min(SHOWN)].join(", ");
-                return Err(self.wrong(format!("expected --image-name with one of the file's images: {listed}{more}")));
-            }
+        let meant = match image {
+            Some(name) => image_named(name, &images),
+            None if images.len() == 1 => Ok(images[0]),
+            None => Err(format!("there are {} images", images.len())),
         };
-        let rows = table.rows().iter().enumerate();
-        Ok(rows.filter(|(_, row)| row.cells[0] == chosen).map(|(i, _)| i).collect())
+        meant.map(Some).map_err(|reason| {
+            let more = if images.len() > SHOWN { ", ..." } else { "" };
+            let listed = images[..images.len().min(SHOWN)].join(", ");
+            self.wrong(format!("{reason}; expected --image-name with one of the file's images: {listed}{more}"))
+        })
+    }
+
+    /// Indices of the rows of an image that have a marker; without coordinates a row says that its marker is hidden.
+    fn rows_of(&self, image: Option<&str>) -> Vec<usize> {
+        let of_image =
+            |i: &usize| self.images.as_ref().is_none_or(|names| Some(names.rows()[*i].cells[0].as_str()) == image);
+        let is_seen = |i: &usize| !matches!(self.rows.vector(&self.rows.rows()[*i], [1, 2]), Ok(None));
+        (0..self.rows.rows().len()).filter(of_image).filter(is_seen).collect()
     }
 
     fn marker(&self, i: usize) -> Result<ObservedMarker, FileError> {
         let row = &self.rows.rows()[i];
         let node = self.rows.node(row, 0)?;
-        let at = Vector::new(self.rows.number(row, 1)?, self.rows.number(row, 2)?);
+        let at = self.rows.vector(row, [1, 2])?;
         // An empty cell says nothing.
         let number = |table: &Option<Table<1>>| {
             let table = table.as_ref().filter(|table| !table.rows()[i].cells[0].is_empty());
@@ -157,8 +164,8 @@ impl ObservationTable {
         Ok(ObservedMarker {
             node,
             pixel: None,
-            position: is_position.then_some(at),
-            displacement: (!is_position).then_some(at),
+            position: at.filter(|_| is_position),
+            displacement: at.filter(|_| !is_position),
             sd_mm: number(&self.sigmas)?,
             own_sd_mm: number(&self.own_sigmas)?,
         })

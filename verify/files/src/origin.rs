@@ -2,7 +2,7 @@
 
 use super::FileError;
 use super::table::{Table, header};
-use finray_model::camera::{Camera, Pixel};
+use finray_model::camera::Camera;
 use finray_model::finger::Plate;
 use finray_model::{Finger, NodeId, Scene, Vector};
 use nalgebra::{Isometry2, Point2};
@@ -61,11 +61,12 @@ pub(super) fn misplaced_mm(path: &Path, text: &str, scene: &Scene) -> Result<f64
         let table = Table::of_text(path, text, AT_REST)?;
         for row in table.rows() {
             let node = table.node(row, 0)?;
-            if (1..=scene.finger.key_node_count()).contains(&node.0) {
-                let [x, y, ux, uy] =
-                    [table.number(row, 1)?, table.number(row, 2)?, table.number(row, 3)?, table.number(row, 4)?];
-                let rest = Vector::new(x - ux, y - uy);
-                worst_mm = worst_mm.max((rest - scene.finger.marker_position(node)).norm());
+            if let (true, Some(at), Some(moved)) = (
+                (1..=scene.finger.key_node_count()).contains(&node.0),
+                table.vector(row, [1, 2])?,
+                table.vector(row, [3, 4])?,
+            ) {
+                worst_mm = worst_mm.max((at - moved - scene.finger.marker_position(node)).norm());
             }
         }
     }
@@ -73,8 +74,10 @@ pub(super) fn misplaced_mm(path: &Path, text: &str, scene: &Scene) -> Result<f64
     if let (true, Some(camera), Some(markers)) = (has(&SEEN), camera, scene.markers) {
         let table = Table::of_text(path, text, SEEN)?;
         for row in table.rows() {
+            let (Some(pixel), Some(stated)) = (table.vector(row, [0, 1])?, table.vector(row, [2, 3])?) else {
+                continue;
+            };
             let number = |column| table.number(row, column);
-            let (pixel, stated) = (Pixel::new(number(0)?, number(1)?), Vector::new(number(2)?, number(3)?));
             let base = Isometry2::new(Vector::new(number(4)?, number(5)?), number(6)?.to_radians());
             // A pixel that this camera sees nowhere on the plane was another's.
             let at = camera.on_plane(&pixel, markers.height_mm);

@@ -2,7 +2,8 @@
 
 use super::{FileError, is_standard_stream};
 use serde::Serialize;
-use std::io::{Read, Write};
+use std::fs::{File, Metadata, OpenOptions};
+use std::io::{ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
 /// Rows as CSV text with a header from the field names; numbers in the shortest form that reads back the same.
@@ -36,18 +37,18 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
         let unwritable = |reason| FileError::Unwritable { path: PathBuf::from("standard output"), reason };
         let mut out = std::io::stdout().lock();
         return match out.write_all(bytes).and_then(|()| out.flush()) {
-            Err(reason) if reason.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+            Err(reason) if reason.kind() == ErrorKind::BrokenPipe => Ok(()),
             written => written.map_err(unwritable),
         };
     }
     write_all_or_nothing(&[(path.to_owned(), bytes)])
 }
 
-/// Writes several files: each first under a temporary name beside its place, then all are moved there. With standard output among them,
-/// one after the other.
+/// Writes several files: each first under a temporary name beside its place, then all are moved there. A new file has the mode that the umask
+/// leaves; one that is there keeps its mode, and a link leads to it. With standard output among them, one after the other.
 ///
 /// # Errors
-/// [`FileError::Unwritable`] for the first file that cannot be written; no file is left half-written.
+/// [`FileError::Unwritable`] for the first file that cannot be written, as a read-only one; no file is left half-written.
 pub fn write_all_or_nothing<C: AsRef<[u8]>>(files: &[(PathBuf, C)]) -> Result<(), FileError> {
     if files.iter().any(|(path, _)| is_standard_stream(path)) {
         return files.iter().try_for_each(|(path, contents)| write_bytes(path, contents.as_ref()));
@@ -65,26 +66,87 @@ pub fn write_from(sources: Vec<(&Path, &mut dyn Read)>) -> Result<(), FileError>
     let mut ready = Vec::with_capacity(sources.len());
     for (path, source) in sources {
         let unwritable = |reason| FileError::Unwritable { path: path.to_owned(), reason };
+        let target = link_target(path).map_err(unwritable)?;
+        let existing = writable_metadata(&target).map_err(unwritable)?;
         // A device or pipe is written to; replacing it by a file would take it away.
-        if path.metadata().is_ok_and(|existing| !existing.is_file()) {
-            let mut there = std::fs::File::create(path).map_err(unwritable)?;
+        if existing.as_ref().is_some_and(|existing| !existing.is_file()) {
+            let mut there = File::create(&target).map_err(unwritable)?;
             std::io::copy(source, &mut there).map_err(unwritable)?;
             continue;
         }
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         // Made and written without tempfile's own errors, which name the temporary file.
-        let made = tempfile::Builder::new().prefix(".finray-").make_in(folder, |at| std::fs::File::create_new(at));
+        let made = tempfile::Builder::new().prefix(".finray-").make_in(folder, |at| File::create_new(at));
         let mut file = made.map_err(unwritable)?;
+        if let Some(existing) = existing {
+            keep_owner(file.as_file(), &existing);
+            file.as_file().set_permissions(existing.permissions()).map_err(unwritable)?;
+        }
         std::io::copy(source, file.as_file_mut()).map_err(unwritable)?;
-        ready.push((file, path));
+        ready.push((file, target, path));
     }
-    for (file, path) in ready {
+    for (file, target, path) in ready {
         let unwritable = |reason| FileError::Unwritable { path: path.to_owned(), reason };
-        make_readable(file.as_file()).map_err(unwritable)?;
-        file.persist(path).map_err(|error| unwritable(error.error))?;
+        file.persist(target).map_err(|error| unwritable(error.error))?;
     }
     Ok(())
 }
+
+/// Refuses a file that is there and cannot be written: better known before hours of work than after.
+///
+/// # Errors
+/// [`FileError::Unwritable`].
+pub fn require_writable(path: &Path) -> Result<(), FileError> {
+    if is_standard_stream(path) {
+        return Ok(());
+    }
+    let existing = link_target(path).and_then(|target| writable_metadata(&target));
+    let writable = existing.and_then(|existing| match existing {
+        Some(existing) if existing.is_dir() => Err(ErrorKind::IsADirectory.into()),
+        _ => Ok(()),
+    });
+    writable.map_err(|reason| FileError::Unwritable { path: path.to_owned(), reason })
+}
+
+/// Links that are followed; systems follow 40 or fewer.
+const MOST_LINKS: usize = 40;
+
+/// The file that a path leads to through symbolic links, whether it is there or not.
+fn link_target(path: &Path) -> std::io::Result<PathBuf> {
+    let mut target = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        match std::fs::read_link(&target) {
+            Ok(next) => target = target.parent().unwrap_or(Path::new("")).join(next),
+            Err(_) => return Ok(target),
+        }
+    }
+    Err(std::io::Error::other("its symbolic links go round in a circle"))
+}
+
+/// What is at a path already. A read-only file is refused for a superuser too, who could write it.
+fn writable_metadata(target: &Path) -> std::io::Result<Option<Metadata>> {
+    let Ok(existing) = target.metadata() else { return Ok(None) };
+    if existing.is_file() {
+        if existing.permissions().readonly() {
+            return Err(std::io::Error::new(ErrorKind::PermissionDenied, "the file is read-only"));
+        }
+        OpenOptions::new().write(true).open(target)?;
+    }
+    Ok(Some(existing))
+}
+
+/// Gives a file the owner and group of another, as far as the system lets.
+#[cfg(unix)]
+fn keep_owner(file: &File, existing: &Metadata) {
+    use std::os::unix::fs::MetadataExt;
+    // Only a superuser gives files away, but a member of the group may give it the file.
+    if std::os::unix::fs::fchown(file, Some(existing.uid()), Some(existing.gid())).is_err() {
+        let _ = std::os::unix::fs::fchown(file, None, Some(existing.gid()));
+    }
+}
+
+#[cfg(not(unix))]
+fn keep_owner(_: &File, _: &Metadata) {}
 
 /// Whether a path is standard output, a device or a pipe: nothing can stand beside it, and nothing can take its place.
 pub fn is_stream(out: &Path) -> bool {
@@ -116,7 +178,7 @@ impl Stream {
             return Ok(Stream { name: PathBuf::from("standard output"), to: Box::new(std::io::stdout()) });
         }
         let unwritable = |reason| FileError::Unwritable { path: out.to_owned(), reason };
-        let there = std::fs::File::create(out).map_err(unwritable)?;
+        let there = File::create(out).map_err(unwritable)?;
         Ok(Stream { name: out.to_owned(), to: Box::new(there) })
     }
 
@@ -127,22 +189,10 @@ impl Stream {
     pub fn write(&mut self, bytes: &[u8]) -> Result<Reader, FileError> {
         match self.to.write_all(bytes).and_then(|()| self.to.flush()) {
             Ok(()) => Ok(Reader::Listens),
-            Err(reason) if reason.kind() == std::io::ErrorKind::BrokenPipe => Ok(Reader::Left),
+            Err(reason) if reason.kind() == ErrorKind::BrokenPipe => Ok(Reader::Left),
             Err(reason) => Err(FileError::Unwritable { path: self.name.clone(), reason }),
         }
     }
-}
-
-/// Temporary files are private to their owner; results are ordinary files.
-#[cfg(unix)]
-fn make_readable(file: &std::fs::File) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    file.set_permissions(std::fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn make_readable(_: &std::fs::File) -> std::io::Result<()> {
-    Ok(())
 }
 
 /// Refuses a folder that cannot be made because a file is in the way: better known before minutes of work than after.
@@ -152,7 +202,7 @@ fn make_readable(_: &std::fs::File) -> std::io::Result<()> {
 pub fn require_folder(folder: &Path) -> Result<(), FileError> {
     match folder.ancestors().find(|part| part.exists()) {
         Some(part) if !part.is_dir() => {
-            Err(FileError::Unwritable { path: folder.to_owned(), reason: std::io::ErrorKind::NotADirectory.into() })
+            Err(FileError::Unwritable { path: folder.to_owned(), reason: ErrorKind::NotADirectory.into() })
         }
         _ => Ok(()),
     }

@@ -1,6 +1,7 @@
 //! CSV tables whose columns are found by name.
 
 use super::{FileError, read_text};
+use finray_model::Vector;
 use std::path::{Path, PathBuf};
 
 /// A table with the wanted columns of a CSV file, in the wanted order.
@@ -83,6 +84,27 @@ impl<const N: usize> Table<N> {
         cell.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| {
             self.wrong(row, format!("{}: expected a finite number, found {cell:?}", self.columns[column]))
         })
+    }
+
+    /// The vector of two columns; `None` where both are empty, as of a hidden marker.
+    ///
+    /// # Errors
+    /// [`FileError`] naming the line where a cell is no finite number, or only one of the two is empty.
+    pub fn vector(&self, row: &Row<N>, columns: [usize; 2]) -> Result<Option<Vector>, FileError> {
+        let [x, y] = columns;
+        let is_half = |empty: usize, given: usize| {
+            let [empty, given] = [empty, given].map(|column| self.columns[column]);
+            let message = format!(
+                "{empty}: expected a finite number, found \"\" beside {given}: a hidden marker leaves both empty"
+            );
+            Err(self.wrong(row, message))
+        };
+        match columns.map(|column| row.cells[column].is_empty()) {
+            [true, true] => Ok(None),
+            [true, false] => is_half(x, y),
+            [false, true] => is_half(y, x),
+            [false, false] => Ok(Some(Vector::new(self.number(row, x)?, self.number(row, y)?))),
+        }
     }
 
     /// A node number.

@@ -1,8 +1,8 @@
 //! Several images of one finger with the forces that were measured: what `calibrate` reads.
 
-use super::FileError;
 use super::observations::{Coordinates, ObservationTable};
 use super::table::Table;
+use super::{FileError, image_named};
 use finray_model::calibration::LocatedView;
 use finray_model::{Scene, Vector};
 use std::path::Path;
@@ -43,10 +43,7 @@ fn load_forces(path: &Path, images: &[&str]) -> Result<Vec<(String, Vector)>, Fi
     let table = Table::read(path, ["image", "fx_n", "fy_n"])?;
     let mut forces: Vec<(String, Vector)> = Vec::new();
     for row in table.rows() {
-        let image = row.cells[0].as_str();
-        if !images.contains(&image) {
-            return Err(table.wrong(row, format!("image {image:?} is not among those that were located")));
-        }
+        let image = image_named(&row.cells[0], images).map_err(|reason| table.wrong(row, reason))?;
         if forces.iter().any(|(known, _)| known == image) {
             return Err(table.wrong(row, format!("image {image:?} is listed twice")));
         }

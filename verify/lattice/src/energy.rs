@@ -170,6 +170,10 @@ const SMALLEST_PART: f64 = 1e-4;
 /// A part of the load that turns a body by more, rad, is halved: Newton's method might have jumped to another equilibrium.
 const MOST_TURN: f64 = 0.6;
 
+/// A spring that is this many times as stiff as the median loses its force to rounding: positions of 150 mm are rounded by 1e-14 mm, which 240 N/mm,
+/// usual for a finger of TPU, make 2e-12 N, and the springs of a segment of 0.007 mm 1e-4 N.
+const STIFF: f64 = 1e4;
+
 /// What all second derivatives under the same loads share: where their entries are, and in which order the unknowns are eliminated.
 struct Elimination {
     pattern: Pattern,
@@ -262,21 +266,47 @@ impl<'a> Energy<'a> {
 
     /// Force (N) and moment about the origin (N mm) that the springs put on the clamped bodies.
     pub fn on_clamps(&self, motions: &[BodyMotion]) -> (Vector, f64) {
+        self.on_bodies(motions, &self.clamped())
+    }
+
+    /// Force (N) and moment about the origin (N mm) that the springs put on some bodies from the others.
+    pub fn on_bodies(&self, motions: &[BodyMotion], are_held: &[bool]) -> (Vector, f64) {
         let (mut force, mut moment) = (Vector::zeros(), 0.0);
         for spring in &self.assembly.springs {
             let bodies = spring.ends.map(|end| end.body);
-            if bodies.iter().all(|&body| self.unknowns[body].is_some()) {
-                continue;
-            }
+            let Some(end) = (0..2).find(|&end| are_held[bodies[end]] && !are_held[bodies[1 - end]]) else { continue };
             let deformed = spring.deformed(bodies.map(|body| Moved::by(&motions[body])));
             let pull = deformed.gradient * -(spring.stiffness * deformed.value);
-            for (end, body) in bodies.into_iter().enumerate().filter(|&(_, body)| self.unknowns[body].is_none()) {
-                let on_body = Vector::new(pull[3 * end], pull[3 * end + 1]);
-                force += on_body;
-                moment += pull[3 * end + 2] + self.assembly.bodies[body].position.perp(&on_body);
-            }
+            let on_body = Vector::new(pull[3 * end], pull[3 * end + 1]);
+            let position = self.assembly.bodies[bodies[end]].position + motions[bodies[end]].displacement;
+            force += on_body;
+            moment += pull[3 * end + 2] + position.perp(&on_body);
         }
         (force, moment)
+    }
+
+    fn clamped(&self) -> Vec<bool> {
+        self.unknowns.iter().map(Option::is_none).collect()
+    }
+
+    /// The clamped bodies, and those that springs tie to them so stiffly that rounding of positions hides the springs' forces. Where all is at rest, what
+    /// the others put on these bodies and what acts on them from outside is what the clamps bear.
+    pub fn stiff_base(&self) -> Vec<bool> {
+        let is_translational = |spring: &&Spring| spring.deformation != Deformation::Turn;
+        let springs: Vec<&Spring> = self.assembly.springs.iter().filter(is_translational).collect();
+        let mut stiffnesses: Vec<f64> = springs.iter().map(|spring| spring.stiffness).collect();
+        stiffnesses.sort_by(f64::total_cmp);
+        let usual = stiffnesses.get(stiffnesses.len() / 2).copied().unwrap_or_default();
+        let stiff: Vec<[BodyIndex; 2]> = springs
+            .iter()
+            .filter(|spring| spring.stiffness > STIFF * usual)
+            .map(|spring| spring.ends.map(|end| end.body))
+            .collect();
+        let mut are_held = self.clamped();
+        while let Some(bodies) = stiff.iter().find(|[first, second]| are_held[*first] != are_held[*second]) {
+            bodies.iter().for_each(|&body| are_held[body] = true);
+        }
+        are_held
     }
 
     /// Follows the loads from `from` to `to` times their size, beginning with the equilibrium `motions` at `from`; the

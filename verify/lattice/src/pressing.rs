@@ -252,8 +252,10 @@ impl<'l> Pressing<'l> {
         let elongation = own(self.dynamics.world.bodies[self.hand].translation()) - object;
         let across = elongation - self.along * elongation.dot(&self.along);
         let hand_force = across * self.stiffness + self.along * (elongation.dot(&self.along) * stiffness + pull_n);
-        let (mut base_force, mut base_moment_nmm) = Energy::new(self.lattice.assembly()).on_clamps(&motions);
-        for touch in touches.iter().filter(|touch| touch.clamped) {
+        let energy = Energy::new(self.lattice.assembly());
+        let base = energy.stiff_base();
+        let (mut base_force, mut base_moment_nmm) = energy.on_bodies(&motions, &base);
+        for touch in touches.iter().filter(|touch| base[touch.body]) {
             base_force += touch.force;
             base_moment_nmm += touch.point.perp(&touch.force);
         }

@@ -4,10 +4,10 @@ use finray_lattice::bodies::{Assembly, Body, BodyLoad};
 use finray_lattice::energy::{BodyMotion, Energy};
 use finray_lattice::springs::{Anchor, AxialSprings, Segment};
 use finray_lattice::{Lattice, LatticeError};
-use finray_model::finger::{Joints, Plate};
+use finray_model::finger::{Joints, Plate, RibPositions};
 use finray_model::frame::Section;
 use finray_model::mesh::{Load, LoadError};
-use finray_model::{Kinematics, Mesh, NodeId, Vector, statics};
+use finray_model::{Finger, Kinematics, Mesh, NodeId, Vector, statics};
 use finray_tests::{built_finger, cases, contact_node, finger_of, paper, shapes_apart};
 use proptest::prelude::*;
 
@@ -186,4 +186,53 @@ fn impossible_questions_are_refused() {
         LatticeError::Load(LoadError::PositionOffPlate { .. })
     ));
     assert_eq!(refused(Load::at_node(NodeId(19), Vector::new(f64::NAN, 0.0))), LatticeError::LoadNotFinite);
+}
+
+/// Ribs next to the clamps, mm from them. Positions in the finger's frame, as a physics engine keeps them, are rounded by 1e-14 mm; the springs of so
+/// short a segment, of 1e9 N/mm and more, make up to a hundredth of the load of that, and more of what is not quite at rest.
+#[test]
+fn a_rib_next_to_the_clamp_leaves_the_base_its_reaction() {
+    for near_mm in [0.05, 0.007, 0.001] {
+        let mut description = paper().description().clone();
+        description.ribs.positions = RibPositions::Positions(vec![[near_mm; 2], [50.0; 2], [100.0; 2]]);
+        let finger = Finger::new(description).expect("a possible finger");
+        let lattice = Lattice::new(&finger, 2).expect("a lattice");
+        let energy = Energy::new(lattice.assembly());
+        let (force, at_mm) = (finger.direction(10.0) * 0.2, 120.0);
+        let loads = lattice.body_loads(&[Load::at_position(at_mm, force)]).expect("a load on the finger");
+        let mut motions = vec![BodyMotion::default(); lattice.assembly().bodies.len()];
+        energy.follow(&mut motions, &loads, 0.0, 1.0).expect("an equilibrium");
+        let moment_nmm: f64 = loads.iter().map(|load| moment_of(load, lattice.assembly(), &motions)).sum();
+        let kept = |motion: &BodyMotion, rest: Vector| BodyMotion {
+            displacement: (rest + motion.displacement) - rest,
+            ..*motion
+        };
+        let rests = lattice.assembly().bodies.iter().map(|body| body.position);
+        let rounded: Vec<BodyMotion> = motions.iter().zip(rests).map(|(motion, rest)| kept(motion, rest)).collect();
+        let base = energy.stiff_base();
+        assert!(base.iter().filter(|is_held| **is_held).count() == 4, "the clamps and the rods next to them");
+        let off = |(on_base, on_base_nmm): (Vector, f64)| {
+            let arm_nmm = force.norm() * finger.plate_length_mm(Plate::Front);
+            ((on_base - force).norm() / force.norm()).max((on_base_nmm - moment_nmm).abs() / arm_nmm)
+        };
+        let [exact, ours, theirs] =
+            [energy.on_bodies(&motions, &base), energy.on_bodies(&rounded, &base), energy.on_clamps(&rounded)].map(off);
+        println!(
+            "{near_mm} mm: {exact:.1e}, rounded {ours:.1e}, by the clamps alone {theirs:.1e}; clamps exact {:.1e}",
+            off(energy.on_clamps(&motions))
+        );
+        assert!(exact < 1e-6 && ours < 1e-6, "{near_mm} mm: {exact:e}, rounded {ours:e}");
+        assert!(theirs > 1e4 * ours, "{near_mm} mm: {theirs:e}");
+    }
+    // Ordinary fingers have no such springs.
+    let lattice = Lattice::new(&paper(), 4).expect("a lattice");
+    let base = Energy::new(lattice.assembly()).stiff_base();
+    assert!(base.iter().zip(&lattice.assembly().bodies).all(|(is_held, body)| *is_held == body.fixed));
+}
+
+/// Moment of a load about the origin where its body has moved, N mm.
+fn moment_of(load: &BodyLoad, assembly: &Assembly, motions: &[BodyMotion]) -> f64 {
+    let motion = motions[load.body];
+    let position = assembly.bodies[load.body].position + motion.displacement;
+    position.perp(&load.force) * load.share + motion.carried(load.lever).perp(&load.force) + load.moment_nmm
 }

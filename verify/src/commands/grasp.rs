@@ -118,7 +118,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let ended = grasp.run(&eyes, arguments.seed, |step| {
         for (finger, of) in step.fingers.iter().enumerate() {
             if let Err(refusal) = &of.sensed {
-                bar.suspend(|| eprintln!("note: step {}, {} finger: {refusal}", step.step, finger_name(finger)));
+                bar.suspend(|| {
+                    print_message(format_args!("note: step {}, {} finger: {refusal}", step.step, finger_name(finger)))
+                });
             }
         }
         bar.set_message(step.phase.to_string());

@@ -164,7 +164,7 @@ fn write(sweep: &Sweep, finger: &Finger, head: Head, out: &Path) -> Result<(), F
     let out = table_path(table, out);
     let whole = head.shard.is_none();
     if whole && table == Table::Map {
-        require_a_place(&figure_path(&out))?;
+        require_writable(&figure_path(&out))?;
     }
     let request = head.request.clone();
     let mut partial = Partial::open(&out, head)?;
@@ -215,12 +215,4 @@ fn figure_path(out: &Path) -> PathBuf {
 pub fn table_path(table: Table, out: &Path) -> PathBuf {
     let is_figure = table == Table::Map && out.extension().is_some_and(|extension| extension == "svg");
     if is_figure { out.with_extension("csv") } else { out.to_owned() }
-}
-
-/// Checks before hours of work that a file can be written there.
-fn require_a_place(path: &Path) -> Result<(), FileError> {
-    if !path.is_dir() {
-        return Ok(());
-    }
-    Err(FileError::Unwritable { path: path.to_owned(), reason: std::io::ErrorKind::IsADirectory.into() })
 }

@@ -1,5 +1,6 @@
 //! What a scene or a file says that is possible, and hardly meant.
 
+use super::print_message;
 use finray_files::{Elsewhere, name_of, of_another_finger};
 use finray_model::Finger;
 use std::path::Path;
@@ -14,18 +15,18 @@ pub fn of_moduli(path: &Path, finger: &Finger) {
     let plates = [("front", description.front.youngs_modulus_mpa), ("back", description.back.youngs_modulus_mpa)];
     let ribs = description.ribs.strip.map(|strip| ("ribs", strip.youngs_modulus_mpa));
     for (part, found) in plates.into_iter().chain(ribs).filter(|(_, found)| *found > STIFFEST_MPA) {
-        eprintln!(
+        print_message(format_args!(
             "warning: {}: finger.{part}.youngs_modulus_mpa is {found:e} MPa, stiffer than diamond; did you mean {} MPa?",
             name_of(path),
             found / PA_A_MPA
-        );
+        ));
     }
 }
 
 /// Warns of displacements that are another finger's.
 pub fn of_displacements(path: &Path, text: &str, finger: &Finger) {
     if let Some(Elsewhere { node, stated, own }) = of_another_finger(path, text, finger) {
-        eprintln!(
+        print_message(format_args!(
             "warning: {}: node {node} is at ({:.2}, {:.2}) mm without load, and at ({:.2}, {:.2}) mm in the scene: are these displacements of another \
              finger?",
             name_of(path),
@@ -33,6 +34,6 @@ pub fn of_displacements(path: &Path, text: &str, finger: &Finger) {
             stated.y,
             own.x,
             own.y
-        );
+        ));
     }
 }

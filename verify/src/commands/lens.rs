@@ -75,7 +75,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     write_text(&arguments.out, &text)?;
     if let Some(note) = not_shown(&fit) {
-        eprintln!("note: {note}");
+        print_message(format_args!("note: {note}"));
     }
     Ok(())
 }

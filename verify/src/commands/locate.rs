@@ -1,7 +1,7 @@
 //! `finray locate`
 
 use crate::commands::prelude::*;
-use finray_files::{image_name, observations};
+use finray_files::{image_names, observations};
 use finray_imaging::locate::{Observer, ObserverError};
 use finray_model::observation::Observation;
 use finray_model::scene::MarkerLook;
@@ -13,8 +13,9 @@ const SURE_REST_PX: f64 = 0.3;
 /// Locate the nodes of a finger in images of its markers.
 ///
 /// Writes image,node,u_px,v_px,x_mm,y_mm,ux_mm,uy_mm,sigma_mm, a row a marker found; a hidden one has
-/// none. x_mm, y_mm is its position in the finger frame, ux_mm, uy_mm its displacement from the
-/// scene's undeformed node. `finray sense` reads this.
+/// none. image is the file's name, with as many of its folders as distinguish it from the others.
+/// x_mm, y_mm is its position in the finger frame, ux_mm, uy_mm its displacement from the scene's
+/// undeformed node. `finray sense` reads this.
 ///
 /// --rest takes an image of the unloaded finger: the pose comes from it, and displacements count from
 /// where its markers are.
@@ -59,23 +60,25 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if inputs().filter(|image| is_standard_stream(image)).count() > 1 {
         return Err(bad_input("two images cannot both be -: standard input can be read only once"));
     }
+    let names = image_names(&arguments.image)?;
     let scene = load_scene(&arguments.scene)?;
     let observer = observer(arguments, &scene)?;
     // Unless markers are tracked, each image is read by itself.
-    let observed: Vec<Observation> = if observer.is_tracking() {
+    let mut observed: Vec<Observation> = if observer.is_tracking() {
         let mut observer = observer;
         arguments.image.iter().map(|path| observed(&mut observer, path)).collect::<Result<_, _>>()?
     } else {
         let images = arguments.image.par_iter();
         images.map_init(|| observer.clone(), |observer, path| observed(observer, path)).collect::<Result<_, _>>()?
     };
-    for (path, seen) in arguments.image.iter().zip(&observed) {
+    for ((path, name), seen) in arguments.image.iter().zip(names).zip(&mut observed) {
+        seen.image = name;
         if seen.base.is_some_and(|base| !base.is_known) {
-            eprintln!(
+            print_message(format_args!(
                 "warning: {}: two references on the base were not found, so the finger frame is only about where the ribs have it: \
                  displacements are to be used where the base is sought with the forces, as `finray sense` does",
                 path.display()
-            );
+            ));
         }
     }
     Ok(write_text(&arguments.out, &observations::to_csv(&observed)?)?)
@@ -99,18 +102,17 @@ fn observer<'s>(arguments: &Arguments, scene: &'s Scene) -> Result<Observer<'s>,
     if let (Some(residual_px), Some(path)) = (observer.rest_residual_px(), &arguments.rest)
         && residual_px > SURE_REST_PX
     {
-        eprintln!(
+        print_message(format_args!(
             "warning: {}: the markers are {residual_px:.1} px rms from those of the scene's unloaded finger: a load that is on it already is missing in \
              every force that is sensed; markers that are off their nodes are allowed for",
             path.display()
-        );
+        ));
     }
     Ok(observer)
 }
 
 fn observed(observer: &mut Observer, path: &Path) -> Result<Observation, Failure> {
-    let seen = observer.observe(&load_image(path)?).map_err(|error| refused(path, &error))?;
-    Ok(Observation { image: image_name(path), ..seen })
+    Ok(observer.observe(&load_image(path)?).map_err(|error| refused(path, &error))?)
 }
 
 fn refused(path: &Path, error: &dyn std::fmt::Display) -> Failure {

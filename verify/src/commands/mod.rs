@@ -36,7 +36,9 @@ use finray_model::sensing::network::NetworkError;
 use finray_model::sensor::Refusal;
 use finray_model::statics::StaticsError;
 use finray_studies::truths::{NotExported, TruthError, TwinError};
-use std::path::Path;
+use std::fmt::Display;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Why a command ends without a result.
@@ -54,8 +56,24 @@ impl Failure {
             Failure::BadInput(message) => (message, 2),
             Failure::NotComputed(message) => (message, 1),
         };
-        eprintln!("error: {message}");
+        print_message(format_args!("error: {message}"));
         ExitCode::from(code)
+    }
+}
+
+/// Prints a message on standard error. One that cannot be written, as on a full disk, changes neither result nor exit code.
+pub fn print_message(message: impl Display) {
+    let _ = io::stderr().write_all(format!("{message}\n").as_bytes());
+}
+
+/// Prints what clap answers instead of a command, and its exit code: help and version are results, which must be written;
+/// anything else is a message.
+pub fn print_answer(answer: &clap::Error) -> ExitCode {
+    match answer.print().and_then(|()| io::stdout().flush()) {
+        Err(reason) if !answer.use_stderr() && reason.kind() != io::ErrorKind::BrokenPipe => {
+            Failure::from(FileError::Unwritable { path: PathBuf::from("standard output"), reason }).report()
+        }
+        _ => u8::try_from(answer.exit_code()).map_or(ExitCode::FAILURE, ExitCode::from),
     }
 }
 

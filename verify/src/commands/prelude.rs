@@ -2,10 +2,12 @@
 
 pub(super) use super::cameras::{camera_and_markers, camera_of, markers_of};
 pub(super) use super::parse::{degrees_between, listed, not_negative, positive, share};
-pub(super) use super::{Failure, bad_input, hints, not_both_from_standard_input, not_computed, progress, validity};
+pub(super) use super::{
+    Failure, bad_input, hints, not_both_from_standard_input, not_computed, print_message, progress, validity,
+};
 pub(super) use finray_files::{
     FileError, csv_text, is_standard_stream, is_stream, load_image, load_scene, name_of, require_folder,
-    write_all_or_nothing, write_bytes, write_folder, write_text,
+    require_writable, write_all_or_nothing, write_bytes, write_folder, write_text,
 };
 pub(super) use finray_model::estimators::EstimatorId;
 pub(super) use finray_model::estimators::network::Networks;

@@ -91,10 +91,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         steps += 1;
         let sensed = contact_scene.sense(&step, noise_mm, || noise.standard_normal());
         if let Err(refusal) = &sensed {
-            bar.suspend(|| eprintln!("note: step {steps}: {refusal}"));
+            bar.suspend(|| print_message(format_args!("note: step {steps}: {refusal}")));
         }
         if let Some(doubt) = doubt(&step) {
-            bar.suspend(|| eprintln!("note: step {steps}: {doubt}"));
+            bar.suspend(|| print_message(format_args!("note: step {steps}: {doubt}")));
         }
         rows.extend(force_rows(&contact_scene, steps, &step, sensed.ok().flatten().as_ref()));
         validity.examine(&scene, &step);

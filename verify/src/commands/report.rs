@@ -1,7 +1,7 @@
 //! `finray report`
 
 use crate::commands::prelude::*;
-use finray_files::image_name;
+use finray_files::image_named;
 use finray_files::views;
 use finray_studies::claims::ledger;
 use finray_studies::experiments::contact_scene::file::load_scene_with_outline;
@@ -78,17 +78,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Some(located) => {
             let seen = views::load(located, arguments.forces.as_deref(), &scene.scene)?;
             if seen.misplaced_mm > SAME_MM {
-                eprintln!(
+                print_message(format_args!(
                     "warning: {}: located with another scene, or with --rest: markers without load or as this scene's camera has them are up to \
                      {:.2} mm elsewhere; locate the images with this scene",
                     located.display(),
                     seen.misplaced_mm
-                );
+                ));
             }
             Some(seen.views)
         }
     };
-    let images = arguments.image.iter().map(|path| named_image(path)).collect::<Result<Vec<_>, _>>()?;
+    let located: Vec<&str> = seen.iter().flatten().map(|seen| seen.view.name.as_str()).collect();
+    let images = arguments.image.iter().map(|path| named_image(path, &located)).collect::<Result<Vec<_>, _>>()?;
     require_folder(&arguments.out)?;
     let criterion = criterion_times(arguments.criterion.as_deref())?;
     let peers = arguments.peers.as_deref().map(peers::load).transpose()?;
@@ -117,7 +118,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         && let Err(error) = open::that_detached(&page)
     {
         // The report is made, and where it is has been said.
-        eprintln!("note: nothing here opens a page ({}); it is {}", first_line(&error), page.display());
+        print_message(format_args!(
+            "note: nothing here opens a page ({}); it is {}",
+            first_line(&error),
+            page.display()
+        ));
     }
     Ok(())
 }
@@ -127,9 +132,16 @@ fn first_line(error: &std::io::Error) -> String {
     error.to_string().lines().next().unwrap_or_default().to_owned()
 }
 
-/// An image with its name, as `locate` writes it.
-fn named_image(path: &Path) -> Result<NamedImage, FileError> {
-    Ok((image_name(path), load_image(path)?))
+/// An image with its name among those that were located.
+fn named_image(path: &Path, located: &[&str]) -> Result<NamedImage, FileError> {
+    let image = load_image(path)?;
+    let none = |_| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        FileError::content(path, format!("image {name:?} is not among those that were located"))
+    };
+    let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let name = image_named(&whole.to_string_lossy(), located).map_err(none)?;
+    Ok((name.to_owned(), image))
 }
 
 /// Criterion's results in the folder given, or where cargo leaves them.

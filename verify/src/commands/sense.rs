@@ -9,12 +9,13 @@ use finray_model::sensor::{Refusal, SensedForces, Sensor, SensorOptions, SensorW
 
 /// Sense contact forces from measured displacements, with their uncertainty.
 ///
-/// Reads node,ux_mm,uy_mm (nodes may be missing; of further columns x_mm,y_mm only serve to warn of
-/// a file of another finger) and writes contact,s_mm,angle_deg,force_n,sigma_n, a row a contact. Where
-/// the scene has its markers on hinges, hinge_ux_mm,hinge_uy_mm of `finray solve` are read instead.
-/// Markers on clamped nodes are ignored; one that moved by more than noise explains is refused. The
-/// direction of each force is an angle from the front plate's undeformed inward normal, positive
-/// towards the tip; 0 if left out. Give a node twice with two angles to ask for two components.
+/// Reads node,ux_mm,uy_mm (nodes may be missing or their cells empty; of further columns x_mm,y_mm
+/// only serve to warn of a file of another finger) and writes contact,s_mm,angle_deg,force_n,sigma_n,
+/// a row a contact. Where the scene has its markers on hinges, hinge_ux_mm,hinge_uy_mm of `finray
+/// solve` are read instead. Markers on clamped nodes are ignored; one that moved by more than noise
+/// explains is refused. The direction of each force is an angle from the front plate's undeformed
+/// inward normal, positive towards the tip; 0 if left out. Give a node twice with two angles to ask
+/// for two components.
 /// A contact that was measured has standard deviations, as 80+-0.5@-20+-3 (mm, degrees): its force
 /// then lies anywhere in the cone of --friction about the direction, as `press` and `grasp` sense it.
 ///
@@ -71,7 +72,7 @@ pub struct Arguments {
     /// Largest coefficient of friction, where contacts are given with standard deviations
     #[arg(long, value_name = "MU", value_parser = not_negative, default_value_t = 0.0)]
     friction: f64,
-    /// Image whose rows are read, of a file of several
+    /// Image whose rows are read, of a file of several, by its name there or more of its path
     #[arg(long, value_name = "NAME")]
     image_name: Option<String>,
     /// Sense in every image of a file of several: image,contact,s_mm,angle_deg,force_n,sigma_n,refused
@@ -178,7 +179,7 @@ fn sensed(sensor: &Sensor, table: &ObservationTable, image: Option<&str>) -> Res
 fn warn(about: &str, warnings: &[SensorWarning]) {
     for warning in warnings {
         let kind = if *warning == SensorWarning::NoResidual { "note" } else { "warning" };
-        eprintln!("{kind}: {about}{warning}");
+        print_message(format_args!("{kind}: {about}{warning}"));
     }
 }
 

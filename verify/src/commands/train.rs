@@ -81,6 +81,7 @@ fn own_beams(name: &str) -> Result<TruthId, String> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    require_writable(&arguments.out)?;
     let scene = load_scene(&arguments.scene)?;
     let finger = &scene.finger;
     let contacts: Option<Vec<Contact>> = match arguments.contacts.of(&scene, 0.0)? {
@@ -100,7 +101,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let network = train(finger, &recipe, &mut |epoch| bar.epoch(epoch))?;
     bar.finish();
     write_bytes(&arguments.out, &network.to_bytes()?)?;
-    eprint!("{}", tested(&network));
+    print_message(tested(&network).trim_end());
     Ok(())
 }
 

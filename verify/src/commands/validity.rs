@@ -1,5 +1,6 @@
 //! Warnings where the beam model no longer holds: strains that are not small, thick members, flat fingers.
 
+use super::print_message;
 use finray_model::finger::Plate;
 use finray_model::frame::{FrameLoad, FrameMotion};
 use finray_model::sensing::ContactPosition;
@@ -24,7 +25,9 @@ pub fn warn_of_equilibrium(
 pub fn warn_of_forces(sensor: &Sensor, sensed: &SensedForces) {
     match sensor.doubts(sensed) {
         Ok(doubts) => warn("", &doubts),
-        Err(error) => eprintln!("warning: the finger has no equilibrium under the sensed forces: {error}"),
+        Err(error) => {
+            print_message(format_args!("warning: the finger has no equilibrium under the sensed forces: {error}"))
+        }
     }
 }
 
@@ -64,7 +67,9 @@ impl Pressing {
     /// Warns of what was found.
     pub fn warn(&self) {
         if let Some((step, error)) = &self.unsolved {
-            eprintln!("warning: step {step}: beams have no equilibrium under the contact forces: {error}");
+            print_message(format_args!(
+                "warning: step {step}: beams have no equilibrium under the contact forces: {error}"
+            ));
         }
         if let Some((_, step, doubts)) = &self.worst {
             warn(&format!("step {step}: "), doubts);
@@ -74,6 +79,6 @@ impl Pressing {
 
 fn warn(of: &str, doubts: &[Doubt]) {
     for doubt in doubts {
-        eprintln!("warning: {of}{doubt}");
+        print_message(format_args!("warning: {of}{doubt}"));
     }
 }

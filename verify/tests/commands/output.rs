@@ -152,3 +152,119 @@ fn a_folder_that_is_not_there_is_named_alone() {
     assert_says(&message, &[&out, "cannot be written"]);
     assert!(!message.contains(".finray-") && !message.contains("at path"), "{message}");
 }
+
+/// Messages that cannot be written are lost; result and exit code stand.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_standard_error_changes_no_exit_code() {
+    let (folder, mut commands) = commands();
+    let missing = folder.path("missing.toml");
+    // A warning, a refusal, a failure, a word that clap does not know.
+    commands.push(["solve", PAPER, "--load", "24:0,-8"].map(str::to_owned).to_vec());
+    commands.push(["solve", &missing, "--load", "24:0,-8"].map(str::to_owned).to_vec());
+    commands.push(["solve", PAPER, "--load", "19:-40,-200"].map(str::to_owned).to_vec());
+    commands.push(["solve", PAPER, "--lood", "19:0,-1"].map(str::to_owned).to_vec());
+    for arguments in commands {
+        let heard = run(&arguments, &[]);
+        let full = std::fs::File::options().write(true).open("/dev/full").expect("the device");
+        let arguments: Vec<_> = arguments.iter().map(String::as_str).collect();
+        let unheard = command(&arguments).stdin(Stdio::null()).stderr(full).output().expect("finray runs");
+        assert_eq!((unheard.status.code(), unheard.stdout), (heard.code, heard.out.into_bytes()), "{arguments:?}");
+    }
+}
+
+/// Help and version are results: where they cannot be written, it is said as of any other.
+#[cfg(target_os = "linux")]
+#[test]
+fn help_and_version_on_a_full_device_are_errors() {
+    for arguments in [&["--help"][..], &["--version"], &["help", "solve"], &["solve", "-h"], &["completions", "bash"]] {
+        let full = std::fs::File::options().write(true).open("/dev/full").expect("the device");
+        let run = command(arguments).stdin(Stdio::null()).stdout(full).output().expect("finray runs");
+        let message = String::from_utf8_lossy(&run.stderr);
+        assert_eq!(run.status.code(), Some(1), "{arguments:?}: {message}");
+        assert_says(&message, &["error: standard output: cannot be written"]);
+    }
+}
+
+#[cfg(unix)]
+mod modes {
+    use super::*;
+    use std::os::unix::fs::{PermissionsExt, symlink};
+
+    fn mode(path: &str) -> u32 {
+        std::fs::metadata(path).expect("the file").permissions().mode() & 0o7777
+    }
+
+    fn with_mode(path: &str, mode: u32) {
+        std::fs::set_permissions(path, std::fs::Permissions::from_mode(mode)).expect("a mode");
+    }
+
+    /// Runs `finray` under an umask.
+    fn under_umask(umask: &str, arguments: &[&str]) {
+        let script = format!("umask {umask}; exec \"$@\"");
+        let mut shell = std::process::Command::new("sh");
+        shell.args(["-c", &script, "sh", env!("CARGO_BIN_EXE_finray")]).args(arguments);
+        assert!(shell.status().expect("a shell").success(), "{arguments:?}");
+    }
+
+    #[test]
+    fn new_results_obey_the_umask_and_old_ones_keep_their_mode() {
+        let folder = Folder::new();
+        let (new, old) = (folder.path("new.csv"), folder.put("old.csv", "older"));
+        let (map, figure) = (folder.path("map.csv"), folder.path("map.svg"));
+        for (umask, expected) in [("077", 0o600), ("022", 0o644), ("002", 0o664)] {
+            let _ = std::fs::remove_file(&new);
+            under_umask(umask, &["solve", PAPER, "--load", "19:0,-1", "--out", &new]);
+            assert_eq!(mode(&new), expected, "umask {umask}");
+            for kept in [0o640, 0o600, 0o755] {
+                with_mode(&old, kept);
+                under_umask(umask, &["solve", PAPER, "--load", "19:0,-1", "--out", &old]);
+                assert_eq!(mode(&old), kept, "umask {umask}");
+            }
+        }
+        under_umask("027", &["map", PAPER, "--truth", "linear", "--out", &map]);
+        assert_eq!([mode(&map), mode(&figure)], [0o640; 2]);
+    }
+
+    /// A superuser could write it, and is refused as its owner is.
+    #[test]
+    fn a_read_only_result_is_kept() {
+        let (folder, commands) = commands();
+        let out = folder.put("out.csv", "kept");
+        let link = folder.path("link.csv");
+        symlink("out.csv", &link).expect("a link");
+        with_mode(&out, 0o444);
+        let names = folder.names();
+        for command in commands {
+            for path in [&out, &link] {
+                assert_says(
+                    &run(&command, &["--out", path]).failed(),
+                    &[path, "cannot be written: the file is read-only"],
+                );
+                assert_eq!((folder.read("out.csv").as_str(), folder.names()), ("kept", names.clone()));
+            }
+        }
+    }
+
+    #[test]
+    fn a_link_leads_to_the_file_that_is_written() {
+        let folder = Folder::new();
+        std::fs::create_dir(folder.path("results")).expect("a folder");
+        let target = folder.put("results/out.csv", "older");
+        with_mode(&target, 0o640);
+        let links = ["near.csv", "far.csv", "dangling.csv"].map(|name| folder.path(name));
+        symlink("results/out.csv", &links[0]).expect("a link");
+        symlink(folder.path("near.csv"), &links[1]).expect("a link");
+        symlink("results/new.csv", &links[2]).expect("a link");
+        for (link, written) in links.iter().zip(["results/out.csv", "results/out.csv", "results/new.csv"]) {
+            finray(&["solve", PAPER, "--load", "19:0,-1", "--out", link]).done();
+            assert!(std::fs::symlink_metadata(link).expect("the link").is_symlink(), "{link}");
+            assert!(folder.read(written).starts_with("node,"), "{link}");
+        }
+        assert_eq!(mode(&target), 0o640);
+        symlink("round.csv", folder.path("round.csv")).expect("a link");
+        let message = finray(&["solve", PAPER, "--load", "19:0,-1", "--out", &folder.path("round.csv")]).failed();
+        assert_says(&message, &["round.csv", "cannot be written", "circle"]);
+        assert_eq!(names_in(std::path::Path::new(&folder.path("results"))), ["new.csv", "out.csv"]);
+    }
+}

@@ -196,6 +196,11 @@ fn fingers_with_other_joints_and_ribs_are_solved() {
         assert_eq!(shape.rows.len(), key_nodes);
         assert!(displacements(&shape).iter().any(|u| u.abs() > 1e-3));
     }
+    // Ribs that are not there are joined to nothing.
+    let scenes = [paper_with(&[ribless]), paper_with(&[ribless, ("joints = \"rigid\"\n", "")])];
+    let shapes =
+        scenes.map(|scene| finray_reading(scene.as_bytes(), &["solve", "-", "--load-at", "100:0.05,10"]).done());
+    assert_eq!(shapes[0], shapes[1]);
     let spring = Csv::of(&finray(&["solve", SPRING_STEEL, "--load-at", "81:0.5"]).done());
     assert_eq!(spring.rows.len(), 11);
 }

@@ -3,7 +3,7 @@
 use super::problem::{Candidate, Problem, ViewUnknowns};
 use super::shape_motion::motion_of_shape;
 use super::{Quantity, View, ViewError};
-use crate::calibration::CalibrationError;
+use crate::calibration::{CalibrationError, median};
 use crate::measurement::BaseUncertainty;
 use crate::sensing::{ContactQuestion, Direction, NonlinearEstimator};
 use crate::{NodeId, Vector};
@@ -119,11 +119,4 @@ impl Problem<'_> {
             Some(ViewError::Name { node: *node, other: *other, away_mm: own_mm })
         })
     }
-}
-
-pub(super) fn median(numbers: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut sorted: Vec<f64> = numbers.collect();
-    sorted.sort_by(f64::total_cmp);
-    let last = sorted.len().checked_sub(1)?;
-    Some(0.5 * (sorted[last / 2] + sorted[last.div_ceil(2)]))
 }

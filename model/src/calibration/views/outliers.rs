@@ -1,10 +1,10 @@
 //! What stands out of a fit: measured forces and markers that are further off than all others let expect; and a fit that is of no use.
 
-use super::contradiction::{Compared, median};
+use super::contradiction::Compared;
 use super::problem::{Point, Problem};
 use super::{ForceError, ViewError};
 use crate::NodeId;
-use crate::calibration::CalibrationError;
+use crate::calibration::{CalibrationError, median};
 use crate::optimise::Fit;
 use nalgebra::DMatrix;
 use std::fmt;

@@ -169,12 +169,12 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<(), Failu
     let RigEstimate { views: estimate, friction, compliance } = &found;
     print_priors(estimate);
     for outlier in &estimate.outliers {
-        eprintln!("warning: {outlier}");
+        print_message(format_args!("warning: {outlier}"));
     }
     if compliance.is_some_and(|compliance| compliance.sigma_deg_per_n.is_infinite()) {
-        eprintln!(
+        print_message(format_args!(
             "note: base_deg_per_n: two images do not show its standard deviation, and `finray sense` takes it for exact"
-        );
+        ));
     }
     let mut files: Vec<(PathBuf, String)> = Vec::new();
     if let Some(path) = &arguments.correlations {
@@ -199,10 +199,10 @@ fn print_priors(estimate: &ViewEstimate) {
         let Some(prior_sd) = found.sought.prior_sd else { continue };
         let quantity = found.sought.quantity;
         match found.sigma > HARDLY_BETTER * prior_sd {
-            true => {
-                eprintln!("note: {quantity}: prior of {prior_sd} (standard deviation), which the images hardly better")
-            }
-            false => eprintln!("note: {quantity}: prior of {prior_sd} (standard deviation)"),
+            true => print_message(format_args!(
+                "note: {quantity}: prior of {prior_sd} (standard deviation), which the images hardly better"
+            )),
+            false => print_message(format_args!("note: {quantity}: prior of {prior_sd} (standard deviation)")),
         }
     }
 }

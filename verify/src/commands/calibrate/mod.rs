@@ -1,21 +1,25 @@
 //! `finray calibrate`
 
 mod images;
+mod modulus;
 
 use crate::commands::prelude::*;
 use clap::ValueEnum;
 use finray_files::measurements;
 use finray_model::Kinematics;
-use finray_model::calibration::{self, CalibrationCase, CalibrationError, FactorEstimate, FactorModel, Unknown};
+use finray_model::calibration::{self, CalibrationError, FactorEstimate, FactorModel, Unknown};
 use finray_model::estimators::ELEMENTS;
 use finray_model::finger::FingerDescription;
 use nalgebra::DMatrix;
 
-/// Find Young's modulus from measured shapes under known loads (eq. (11) of Xu et al. 2021).
+/// Find Young's modulus from measured shapes under known loads.
 ///
 /// Reads case,load_node,fx_n,fy_n,node,ux_mm,uy_mm, the load repeated on each row of its case, and
 /// writes parameter,value,sigma: the factor on all moduli of the scene for which measured and
-/// computed nodes are closest in sum, and the moduli that follow.
+/// computed nodes are closest, and the moduli that follow. The finger is co-rotational; single
+/// markers that are far off count little. --kinematics linear is eq. (11) of Xu et al. 2021, which
+/// holds for small displacements; where the co-rotational finger is closer, a warning says so and
+/// sigma holds the difference.
 ///
 /// With --zones the modulus_factor of each zone of the scene is estimated too, starting from the
 /// value of the scene, by least squares (Gauss-Newton). A compliant clamp is a zone at the base.
@@ -72,12 +76,12 @@ pub struct Arguments {
     /// share a factor
     #[arg(long, value_name = "GROUPS", num_args = 0..=1, require_equals = true, default_missing_value = EACH)]
     zones: Option<String>,
-    /// How displacements become deformations, with --zones
-    #[arg(long, value_enum, requires = "zones", default_value_t = KinematicsArgument::Corotational)]
+    /// How displacements become deformations, with --measurements
+    #[arg(long, value_enum, requires = "measurements", default_value_t = KinematicsArgument::Corotational)]
     kinematics: KinematicsArgument,
-    /// Standard deviation of one measured coordinate, mm, with --zones; the scene's camera table if not given, else
+    /// Standard deviation of one measured coordinate, mm, with --measurements; the scene's camera table if not given, else
     /// estimated from the residual
-    #[arg(long, value_name = "S", requires = "zones", value_parser = not_negative)]
+    #[arg(long, value_name = "S", requires = "measurements", value_parser = not_negative)]
     noise_mm: Option<f64>,
     /// File for the correlation of each two values that were found (CSV), with --zones or --located
     #[arg(long, value_name = "FILE", requires = "several")]
@@ -94,7 +98,7 @@ const EACH: &str = "each";
 enum KinematicsArgument {
     /// Small displacements
     Linear,
-    /// Co-rotational, on four elements a member
+    /// Co-rotational, on four elements a member, or eight where one factor is sought
     Corotational,
 }
 
@@ -127,7 +131,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     hints::of_moduli(&arguments.scene, &finger);
     let noise_mm = arguments.noise_mm.or(scene.noise_mm);
     let cases = measurements::load(measured, &finger, noise_mm)?;
-    let Some(groups) = &arguments.zones else { return one_modulus(arguments, &finger, &cases) };
+    let Some(groups) = &arguments.zones else { return modulus::run(arguments, &finger, &cases, noise_mm) };
     let unknowns = unknowns(groups, finger.description().zones.len())?;
     let (kinematics, elements) = match arguments.kinematics {
         KinematicsArgument::Linear => (Kinematics::Linear, 1),
@@ -139,9 +143,22 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(factor) = estimate.factors.first() {
         warn_of_modulus(*factor);
     }
+    if let KinematicsArgument::Linear = arguments.kinematics {
+        let model = FactorModel { kinematics: Kinematics::Corotational, elements: ELEMENTS, noise_mm };
+        let closer = calibration::factors(&finger, &cases, &unknowns, &model).ok();
+        if let Some(closer) =
+            closer.filter(|other| other.residual_rms_mm < estimate.residual_rms_mm && estimate.differs_from(other))
+        {
+            print_message(format_args!(
+                "warning: the co-rotational finger is closer to the measured nodes ({:.3} mm rms, the linear one {:.3} mm) and has other factors: \
+                 displacements are too large for --kinematics linear",
+                closer.residual_rms_mm, estimate.residual_rms_mm
+            ));
+        }
+    }
     for (i, j, correlation) in estimate.entangled() {
         let [one, other] = [i, j].map(|k| &estimate.unknowns[k]);
-        eprintln!("warning: {one} and {other} are hardly separable: correlation {correlation:.3}");
+        print_message(format_args!("warning: {one} and {other} are hardly separable: correlation {correlation:.3}"));
     }
     let mut files = Vec::new();
     if let Some(path) = &arguments.correlations {
@@ -152,32 +169,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(write_all_or_nothing(&files)?)
 }
 
-/// Eq. (11) as it stands: one factor, by sums of distances.
-fn one_modulus(arguments: &Arguments, finger: &Finger, cases: &[CalibrationCase]) -> Result<(), Failure> {
-    let estimate = calibration::youngs_modulus(finger, cases).map_err(failure)?;
-    if !(estimate.factor.is_finite() && estimate.sigma.is_finite()) {
-        return Err(Failure::BadInput(
-            "not identifiable: loads and displacements do not fit each other by hundreds of powers of ten: are the \
-             units right?"
-                .to_owned(),
-        ));
-    }
-    warn_of_modulus(estimate.factor);
-    let rows = modulus_rows(finger, estimate.factor, estimate.sigma);
-    write_text(&arguments.out, &csv_text(rows)?)?;
-    Ok(())
-}
-
 /// Largest factor, and one over the smallest, that says something of a material and not of a wrong unit.
 const LARGEST_FACTOR: f64 = 10.0;
 
 /// Names a factor on all moduli that a unit or another numbering explains more likely than the material.
 fn warn_of_modulus(factor: f64) {
     if !(1.0 / LARGEST_FACTOR..=LARGEST_FACTOR).contains(&factor) {
-        eprintln!(
+        print_message(format_args!(
             "warning: modulus_factor is {factor:.3e}: the finger is hardly the scene's; check units (N, mm, MPa), thicknesses and the numbers of the \
              nodes"
-        );
+        ));
     }
 }
 

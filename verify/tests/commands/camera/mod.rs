@@ -4,6 +4,7 @@ mod files;
 mod hinges;
 mod lens;
 mod locate;
+mod names;
 mod render;
 mod scene;
 

@@ -131,6 +131,30 @@ fn rows_of_clamped_nodes_carry_noise_and_are_refused_beyond_it() {
     }
 }
 
+/// Trackers leave cells of a marker that they lost empty; half of a marker is none.
+#[test]
+fn empty_cells_are_a_hidden_marker() {
+    let shape = linear_shape(&TRUTH);
+    let rows = |change: &dyn Fn(&str) -> Option<String>| -> String {
+        let cells = shape.lines().map(|line| line.split(',').collect::<Vec<_>>());
+        let row = |cells: Vec<&str>| match matches!(cells[0], "2" | "7" | "19") {
+            true => change(cells[0]),
+            false => Some(format!("{},{},{}\n", cells[0], cells[3], cells[4])),
+        };
+        cells.filter_map(row).collect()
+    };
+    let missing = sense(&rows(&|_| None), &CONTACTS);
+    for empty in [",,", ", , ", ",\"\",\"\""] {
+        assert_eq!(sense(&rows(&|node| Some(format!("{node}{empty}\n"))), &CONTACTS), missing);
+    }
+    for (half, empty) in [("1.5,", "uy_mm"), (",1.5", "ux_mm")] {
+        let message = sense_text(&rows(&|node| Some(format!("{node},{half}\n"))), &CONTACTS).refused();
+        assert_says(&message, &["line 3: ", empty, "a hidden marker leaves both empty"]);
+    }
+    let none = sense_text("node,ux_mm,uy_mm\n7,,\n8,,\n", &["--contact", "19"]).refused();
+    assert_says(&none, &["1 unknown force", "0 measured coordinates"]);
+}
+
 #[test]
 fn measurements_that_cannot_be_read_are_refused_by_file_and_line() {
     let folder = Folder::new();

@@ -2,7 +2,7 @@
 
 use super::Head;
 use super::request::lines_of_head;
-use finray_files::{FileError, write_from};
+use finray_files::{FileError, require_writable, write_from};
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -31,10 +31,7 @@ impl Partial {
         path.push(".partial");
         let path = PathBuf::from(path);
         let unwritable = |reason| FileError::Unwritable { path: path.clone(), reason };
-        if out.is_dir() {
-            let reason = std::io::ErrorKind::IsADirectory.into();
-            return Err(FileError::Unwritable { path: out.to_owned(), reason });
-        }
+        require_writable(out)?;
         let text = head.to_text().map_err(|error| unwritable(std::io::Error::other(error)))?;
         let mut file =
             OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path).map_err(unwritable)?;

@@ -1,0 +1,90 @@
+//! `finray calibrate --measurements` without zones: one factor on all moduli.
+
+use super::{Arguments, KinematicsArgument, failure, modulus_rows, warn_of_modulus};
+use crate::commands::prelude::*;
+use finray_model::calibration::{self, CalibrationCase, CorotationalModulus};
+use finray_model::sensing::Warning;
+
+/// Elements a member: with four the factor would be off by 3e-4 where weights bend the paper's finger by 15 mm, a fifth of what noise leaves.
+const ELEMENTS: usize = 8;
+/// Outlying markers that are named.
+const MOST_NAMED: usize = 3;
+
+/// One factor on all moduli, of the co-rotational finger or by eq. (11) as it stands. Where the finger of the other kinematics is closer to the shapes,
+/// a warning says so.
+pub fn run(
+    arguments: &Arguments,
+    finger: &Finger,
+    cases: &[CalibrationCase],
+    noise_mm: Option<f64>,
+) -> Result<(), Failure> {
+    let linear = calibration::youngs_modulus(finger, cases);
+    let corotational = calibration::corotational_modulus(finger, cases, ELEMENTS, noise_mm);
+    let (factor, mut sigma) = match arguments.kinematics {
+        KinematicsArgument::Linear => {
+            let linear = linear.as_ref().map_err(|error| failure(error.clone()))?;
+            (linear.factor, linear.sigma)
+        }
+        KinematicsArgument::Corotational => {
+            let found = corotational.as_ref().map_err(|error| failure(error.clone()))?;
+            (found.factor, found.sigma)
+        }
+    };
+    if !(factor.is_finite() && sigma.is_finite()) {
+        return Err(bad_input(
+            "not identifiable: loads and displacements do not fit each other by hundreds of powers of ten: are the \
+             units right?",
+        ));
+    }
+    warn_of_modulus(factor);
+    if let Ok(corotational) = &corotational
+        && let KinematicsArgument::Corotational = arguments.kinematics
+    {
+        warn_of_contradictions(corotational);
+    }
+    if let (Ok(linear), Ok(corotational)) = (&linear, &corotational) {
+        let distances_mm = [linear.mean_distance_mm, corotational.mean_distance_mm];
+        let difference = (linear.factor - corotational.factor).abs();
+        match arguments.kinematics {
+            KinematicsArgument::Linear if distances_mm[1] < distances_mm[0] && difference > sigma => {
+                print_message(format_args!(
+                    "warning: the co-rotational finger is closer to the measured nodes ({:.3} mm in the mean, the linear one {:.3} mm) and has \
+                     modulus_factor {:.4}: displacements are too large for --kinematics linear; sigma holds the difference",
+                    distances_mm[1], distances_mm[0], corotational.factor
+                ));
+                sigma = sigma.hypot(difference);
+            }
+            KinematicsArgument::Corotational if distances_mm[0] < distances_mm[1] && difference > sigma => {
+                print_message(format_args!(
+                    "warning: the linear finger is closer to the measured nodes ({:.3} mm in the mean, the co-rotational one {:.3} mm) and has \
+                     modulus_factor {:.4}: are these shapes of --kinematics linear?",
+                    distances_mm[0], distances_mm[1], linear.factor
+                ));
+            }
+            _ => {}
+        }
+    }
+    write_text(&arguments.out, &csv_text(modulus_rows(finger, factor, sigma))?)?;
+    Ok(())
+}
+
+/// Names the markers that are farthest off, and a noise that does not explain the residual.
+fn warn_of_contradictions(found: &CorotationalModulus) {
+    let mut outliers = found.outliers.clone();
+    outliers.sort_by(|a, b| b.distance_mm.total_cmp(&a.distance_mm));
+    for outlier in outliers.iter().take(MOST_NAMED) {
+        print_message(format_args!(
+            "warning: case {} in the order of the file: node {} is {:.2} mm from where the finger has it, and counts little: is it another node, or \
+             the load another one?",
+            outlier.case + 1,
+            outlier.node,
+            outlier.distance_mm
+        ));
+    }
+    if let Some(more) = outliers.len().checked_sub(MOST_NAMED).filter(|more| *more > 0) {
+        print_message(format_args!("warning: {more} further nodes are far from where the finger has them"));
+    }
+    if let Some(test) = found.contradiction {
+        print_message(format_args!("warning: {}; sigma rests on the residual", Warning::Residual(test)));
+    }
+}

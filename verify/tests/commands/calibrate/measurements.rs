@@ -1,0 +1,75 @@
+//! Shapes that bend far, of a marker that is hidden or wrong, and of the linear finger.
+
+use super::{COLUMNS, calibrate, measured};
+use crate::kit::*;
+use std::fmt::Write;
+
+/// The linear finger bends more than the co-rotational one under the same weights, and takes the difference for stiffness.
+#[test]
+fn weights_that_bend_far_lead_to_the_true_modulus() {
+    let folder = Folder::new();
+    let truth = folder.put("truth.toml", paper_with(&[("47.976", "43.1784")]));
+    let mut text = COLUMNS.to_owned();
+    for (load_node, force_n) in [(17, 1.0), (19, 2.0), (21, 3.0)] {
+        let [fx, fy] = paper_force(force_n, 0.0);
+        let load = format!("{load_node}:{fx},{fy}");
+        let shape = Csv::of(&finray(&["solve", &truth, "--mesh-nodes", "130", "--load", &load]).computed());
+        for (i, node) in shape.texts("node").into_iter().enumerate() {
+            // Noise of 0.05 mm, of either sign.
+            let noise = |k: usize| 0.05 * (1.0 - 2.0 * ((7 * i + 3 * load_node + 5 * k) % 2) as f64);
+            let [ux, uy] = ["ux_mm", "uy_mm"].map(|column| shape.numbers(column)[i]);
+            let clamped = if matches!(node, "1" | "25") { 0.0 } else { 1.0 };
+            let [ux, uy] = [ux + clamped * noise(0), uy + clamped * noise(1)];
+            writeln!(text, "{load_node},{load_node},{fx},{fy},{node},{ux},{uy}").expect("memory");
+        }
+    }
+    let modulus = |answer: &str| {
+        let answer = Csv::of(answer);
+        assert_eq!(answer.texts("parameter"), ["youngs_modulus_mpa", "modulus_factor"]);
+        (answer.numbers("value")[1], answer.numbers("sigma")[1])
+    };
+    let (factor, sigma) =
+        modulus(&finray_reading(text.as_bytes(), &["calibrate", PAPER, "--measurements", "-"]).done());
+    assert!((factor - 0.9).abs() < 3.0 * sigma && sigma < 0.005, "{factor} +- {sigma}");
+    // Asked for, the linear finger answers with a warning, and its sigma holds what it gets wrong.
+    let (answer, warnings) = calibrate(PAPER, &text).warned();
+    let (linear, wide) = modulus(&answer);
+    assert!((linear - 0.9).abs() > 3.0 * sigma && (linear - 0.9).abs() < 3.0 * wide, "{linear} +- {wide}");
+    assert_says(
+        &warnings[0],
+        &["the co-rotational finger is closer", "--kinematics linear", "sigma holds the difference"],
+    );
+    // Shapes of a finger that bends linearly are said to be.
+    let (_, warnings) =
+        finray_reading(measured(&truth).as_bytes(), &["calibrate", PAPER, "--measurements", "-"]).warned();
+    assert_says(&warnings.concat(), &["the linear finger is closer", "modulus_factor 0.9000"]);
+    // One marker that was taken for another is named, and hardly counts.
+    let row = text.lines().find(|row| row.starts_with("21,21,") && row.split(',').nth(4) == Some("5")).expect("node 5");
+    let (answer, warnings) = finray_reading(
+        text.replace(row, &format!("{},3.0,-25.0", row.rsplitn(3, ',').last().expect("cells"))).as_bytes(),
+        &["calibrate", PAPER, "--measurements", "-"],
+    )
+    .warned();
+    assert!((modulus(&answer).0 - factor).abs() < sigma, "{answer}");
+    assert!(warnings.len() == 1 && warnings[0].contains("case 3 in the order of the file: node 5 is"), "{warnings:?}");
+}
+
+/// As in what `sense` reads.
+#[test]
+fn empty_cells_are_a_hidden_marker() {
+    let exact = measured(PAPER);
+    let is_hidden =
+        |line: &&str| line.starts_with("weight 1,21,-0.2,-2,5,") || line.starts_with("weight 0,17,0.1,-1,8,");
+    let missing: String = exact.lines().filter(|line| !is_hidden(line)).map(|line| format!("{line}\n")).collect();
+    let emptied = |line: &str, cells: &str| {
+        let rest: Vec<&str> = line.splitn(6, ',').take(5).collect();
+        if is_hidden(&line) { format!("{},{cells}\n", rest.join(",")) } else { format!("{line}\n") }
+    };
+    let empty: String = exact.lines().map(|line| emptied(line, ",")).collect();
+    assert_ne!(missing, exact);
+    assert_eq!(calibrate(PAPER, &empty).done(), calibrate(PAPER, &missing).done());
+    let half: String = exact.lines().map(|line| emptied(line, "1.0,")).collect();
+    assert_says(&calibrate(PAPER, &half).refused(), &["uy_mm: ", "a hidden marker leaves both empty"]);
+    let none = format!("{COLUMNS}a,19,0,-1,7,,\na,19,0,-1,8,,\n");
+    assert_says(&calibrate(PAPER, &none).refused(), &["hidden"]);
+}

@@ -1,0 +1,80 @@
+//! Images of one file name in several folders.
+
+use super::*;
+
+/// The force in each image, N.
+const FORCES_N: [f64; 3] = [2.0, 0.5, 1.0];
+const FORCE_OF: [&str; 3] = ["80:2,-20", "80:0.5,-20", "80:1,-20"];
+
+/// As cameras number their folders: two images of one name, and one of another.
+fn images(folder: &Folder) -> [String; 3] {
+    ["100", "101"].iter().for_each(|name| std::fs::create_dir(folder.path(name)).expect("a folder"));
+    let names = ["100/1.png", "101/1.png", "101/2.png"];
+    [0, 1, 2].map(|i| {
+        let path = folder.path(names[i]);
+        finray(&["render", CAMERA, "--load-at", FORCE_OF[i], "--out", &path]).done();
+        path
+    })
+}
+
+#[test]
+fn images_of_one_name_are_distinguished_by_their_folders() {
+    let folder = Folder::new();
+    let images = images(&folder);
+    let nodes = folder.path("nodes.csv");
+    let located = ["locate", CAMERA, "--image", &images[0], &images[1], &images[2], "--out", &nodes];
+    finray(&located).done();
+    let mut names =
+        Csv::of(&folder.read("nodes.csv")).texts("image").iter().map(|name| name.to_string()).collect::<Vec<_>>();
+    names.dedup();
+    assert_eq!(names, ["100/1.png", "101/1.png", "2.png"]);
+    let sense = ["sense", CAMERA, "--displacements", &nodes, "--contact-at", "80@-20"];
+    let all = Csv::of(&finray(&[&sense[..], &["--all-images"]].concat()).computed());
+    assert_eq!(all.texts("image"), names);
+    for (force_n, truth_n) in all.numbers("force_n").iter().zip(FORCES_N) {
+        assert!((force_n - truth_n).abs() < 0.01, "{force_n}, true {truth_n}");
+    }
+    // By what the table has, or by the image's path; less than distinguishes it is refused.
+    let named = |name: &str| finray(&[&sense[..], &["--image-name", name]].concat());
+    for (i, name) in
+        [(0, "100/1.png"), (0, &images[0]), (1, "./101/1.png"), (2, "2.png"), (2, "101/2.png"), (2, &images[2])]
+    {
+        let force_n = Csv::of(&named(name).computed()).numbers("force_n")[0];
+        assert!((force_n - FORCES_N[i]).abs() < 0.01, "{name}: {force_n}");
+    }
+    assert_says(&named("1.png").refused(), &["\"1.png\" may be 100/1.png or 101/1.png", "--image-name"]);
+    assert_says(&named("102/1.png").refused(), &["\"102/1.png\" is not among those", "100/1.png, 101/1.png, 2.png"]);
+    // As seen from one of the folders.
+    let inside =
+        command(&["locate", CAMERA, "--image", "1.png", "../101/1.png"]).current_dir(folder.path("100")).output();
+    let inside = Csv::of(&String::from_utf8(inside.expect("finray runs").stdout).expect("text"));
+    assert_eq!((inside.texts("image")[0], inside.texts("image")[49]), ("100/1.png", "101/1.png"));
+    let twice = finray(&["locate", CAMERA, "--image", &images[0], &images[1], &images[0]]).refused();
+    assert_says(&twice, &["100/1.png: the image is given twice"]);
+}
+
+/// Measured forces name images as the table of `locate` does, or by more of their path.
+#[test]
+fn forces_find_images_of_one_name_by_their_folders() {
+    let folder = Folder::new();
+    let images = images(&folder);
+    let nodes = folder.path("nodes.csv");
+    finray(&["locate", CAMERA, "--image", &images[0], &images[1], &images[2], "--out", &nodes]).done();
+    let calibrated = |names: [&str; 3]| {
+        let row = |(name, force): (&str, &str)| {
+            let [force_n, angle_deg] = [&force[3..force.len() - 4], "-20"].map(|text| text.parse().expect("a number"));
+            let [fx, fy] = paper_force(force_n, angle_deg);
+            format!("{name},{fx},{fy}\n")
+        };
+        let rows: String = names.into_iter().zip(FORCE_OF).map(row).collect();
+        let forces = folder.put("forces.csv", format!("image,fx_n,fy_n\n{rows}"));
+        finray(&["calibrate", CAMERA, "--located", &nodes, "--forces", &forces, "--fit", "modulus"])
+    };
+    let table = Csv::of(&calibrated(["100/1.png", "101/1.png", "2.png"]).computed());
+    assert_eq!(table.texts("parameter")[0], "modulus_factor");
+    assert!((table.numbers("value")[0] - 1.0).abs() < 0.01, "{table:?}");
+    assert_eq!(Csv::of(&calibrated([&images[0], "x/101/1.png", "101/2.png"]).computed()), table);
+    assert_says(&calibrated(["100/1.png", "1.png", "2.png"]).refused(), &["line 3: ", "may be 100/1.png or 101/1.png"]);
+    assert_says(&calibrated(["100/1.png", "102/1.png", "2.png"]).refused(), &["line 3: ", "is not among those"]);
+    assert_says(&calibrated(["100/1.png", &images[0], "2.png"]).refused(), &["line 3: ", "is listed twice"]);
+}
